@@ -1,0 +1,356 @@
+//! Owns the text form of commands: one a line, and scripts of them.
+//!
+//! A line is a verb, then words, quoted strings and `key=value` pairs in any order. A line that
+//! is empty or begins with `#` says nothing. Numbers are written so that they read back to the
+//! same bits. Takes and gives text only; reads no file.
+
+use std::fmt;
+use std::str::FromStr;
+
+use glam::{EulerRot, Quat, UVec3, Vec3};
+use thiserror::Error;
+
+use crate::command::{COMMANDS, Command, NewSculpture};
+use crate::sculpture::edit::EditOp;
+use crate::sculpture::{ColourDepth, Placement, Rgb};
+use crate::tools::construct::{Primitive, Solid};
+
+/// Colour of the stone until someone chooses another.
+pub const DEFAULT_BASE: Rgb = Rgb::new(0xc8, 0xbe, 0xaa);
+
+/// What is wrong with a line.
+#[derive(Debug, Error, PartialEq, Eq)]
+#[error("{0}")]
+pub struct ParseError(String);
+
+/// What is wrong with a script, and where.
+#[derive(Debug, Error, PartialEq, Eq)]
+#[error("line {line}: {error}")]
+pub struct ScriptError {
+    /// Counted from 1.
+    pub line: usize,
+    pub error: ParseError,
+}
+
+/// Reads a script: the commands with their line numbers (from 1).
+pub fn parse_script(text: &str) -> Result<Vec<(usize, Command)>, ScriptError> {
+    let mut commands = Vec::new();
+    for (i, line) in text.lines().enumerate() {
+        let trimmed = line.trim();
+        if trimmed.is_empty() || trimmed.starts_with('#') {
+            continue;
+        }
+        let command = trimmed.parse().map_err(|error| ScriptError { line: i + 1, error })?;
+        commands.push((i + 1, command));
+    }
+    Ok(commands)
+}
+
+impl fmt::Display for Command {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.verb())?;
+        match self {
+            Command::New(new) => {
+                write!(
+                    f,
+                    " dims={} size={}",
+                    list(new.dims.to_array()),
+                    list(new.voxel_size.to_array())
+                )?;
+                let fill = if new.solid { "solid" } else { "empty" };
+                write!(f, " colour={} base={} fill={fill}", new.colour_depth.bits(), new.base)
+            }
+            Command::Open { path } | Command::Save { path } => {
+                write!(f, " {}", Quoted(&path.to_string_lossy()))
+            }
+            Command::Begin { label } => write!(f, " {}", Quoted(label)),
+            Command::Construct { op, primitive } => {
+                write!(f, " {primitive}")?;
+                match op {
+                    EditOp::Add(colour) | EditOp::Recolour(colour) => write!(f, " colour={colour}"),
+                    EditOp::Subtract => Ok(()),
+                }
+            }
+            Command::Fill { colour: Some(colour) } => write!(f, " colour={colour}"),
+            Command::Undo { steps } | Command::Redo { steps } => match steps {
+                Some(n) => write!(f, " {n}"),
+                None => write!(f, " all"),
+            },
+            Command::Place(p) => write!(
+                f,
+                " turn={} move={} scale={}",
+                list(p.rotation.to_array()),
+                list(p.translation.to_array()),
+                p.scale
+            ),
+            Command::End | Command::Cancel | Command::Clear | Command::Fill { colour: None } => {
+                Ok(())
+            }
+        }
+    }
+}
+
+impl fmt::Display for Primitive {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} at={} half={} turn={}",
+            self.solid.name(),
+            list(self.centre_vx.to_array()),
+            list(self.half.to_array()),
+            list(self.rotation.to_array())
+        )
+    }
+}
+
+impl FromStr for Command {
+    type Err = ParseError;
+
+    fn from_str(line: &str) -> Result<Command, ParseError> {
+        let mut args = Arguments::parse(line)?;
+        let verb = args.verb.clone();
+        let command = match verb.as_str() {
+            "new" => Command::New(parse_new(&mut args)?),
+            "open" => Command::Open { path: args.word("a file name")?.into() },
+            "save" => Command::Save { path: args.word("a file name")?.into() },
+            "begin" => Command::Begin { label: args.optional_word().unwrap_or("stroke".into()) },
+            "end" => Command::End,
+            "cancel" => Command::Cancel,
+            "add" | "subtract" | "recolour" => parse_construct(&verb, &mut args)?,
+            "fill" => Command::Fill { colour: args.optional("colour", parse_colour)? },
+            "clear" => Command::Clear,
+            "undo" => Command::Undo { steps: parse_steps(&mut args)? },
+            "redo" => Command::Redo { steps: parse_steps(&mut args)? },
+            "place" => Command::Place(Placement {
+                rotation: args.optional("turn", parse_rotation)?.unwrap_or(Quat::IDENTITY),
+                translation: args.optional("move", parse_vec3)?.unwrap_or(Vec3::ZERO),
+                scale: args.optional("scale", number)?.unwrap_or(1.0),
+            }),
+            _ => {
+                let known: Vec<&str> = COMMANDS.iter().map(|c| c.verb).collect();
+                return Err(ParseError(format!(
+                    "unknown command `{verb}`; known are {}",
+                    known.join(", ")
+                )));
+            }
+        };
+        args.finish()?;
+        Ok(command)
+    }
+}
+
+fn parse_new(args: &mut Arguments) -> Result<NewSculpture, ParseError> {
+    Ok(NewSculpture {
+        dims: args.required("dims", |text| {
+            let [x, y, z] = numbers::<u32, 3>(text)?;
+            Ok(UVec3::new(x, y, z))
+        })?,
+        voxel_size: args.optional("size", parse_vec3)?.unwrap_or(Vec3::ONE),
+        colour_depth: args
+            .optional("colour", |text| {
+                number(text)
+                    .ok()
+                    .and_then(ColourDepth::from_bits)
+                    .ok_or_else(|| "must be 0, 8, 16 or 24 bits".to_string())
+            })?
+            .unwrap_or_default(),
+        base: args.optional("base", parse_colour)?.unwrap_or(DEFAULT_BASE),
+        solid: args
+            .optional("fill", |text| match text {
+                "solid" => Ok(true),
+                "empty" => Ok(false),
+                _ => Err("must be solid or empty".to_string()),
+            })?
+            .unwrap_or(true),
+    })
+}
+
+fn parse_construct(verb: &str, args: &mut Arguments) -> Result<Command, ParseError> {
+    let name = args.word("ellipsoid, cuboid or pyramid")?;
+    let solid = Solid::ALL.into_iter().find(|s| s.name() == name).ok_or_else(|| {
+        ParseError(format!("`{name}` is not a solid; take ellipsoid, cuboid or pyramid"))
+    })?;
+    let primitive = Primitive {
+        solid,
+        centre_vx: args.required("at", parse_vec3)?,
+        half: args.required("half", |text| match text.contains(',') {
+            true => parse_vec3(text),
+            false => number(text).map(Vec3::splat),
+        })?,
+        rotation: args.optional("turn", parse_rotation)?.unwrap_or(Quat::IDENTITY),
+    };
+    let op = match verb {
+        "add" => EditOp::Add(args.required("colour", parse_colour)?),
+        "recolour" => EditOp::Recolour(args.required("colour", parse_colour)?),
+        _ => EditOp::Subtract,
+    };
+    Ok(Command::Construct { op, primitive })
+}
+
+fn parse_steps(args: &mut Arguments) -> Result<Option<u32>, ParseError> {
+    match args.optional_word().as_deref() {
+        None => Ok(Some(1)),
+        Some("all") => Ok(None),
+        Some(text) => number(text)
+            .map(Some)
+            .map_err(|_| ParseError(format!("`{text}` is neither a number of steps nor `all`"))),
+    }
+}
+
+/// Three angles in degrees about x, then y, then z; or a quaternion x, y, z, w.
+fn parse_rotation(text: &str) -> Result<Quat, String> {
+    if let Ok(degrees) = numbers::<f32, 3>(text) {
+        let [x, y, z] = degrees.map(f32::to_radians);
+        return Ok(Quat::from_euler(EulerRot::XYZEx, x, y, z));
+    }
+    let quat = numbers::<f32, 4>(text).map(Quat::from_array).map_err(|_| {
+        "must be three angles in degrees or a quaternion of four numbers".to_string()
+    })?;
+    // What was printed is taken to the bit; what was typed is made a rotation.
+    match quat.is_normalized() {
+        true => Ok(quat),
+        false if quat.length_squared() > 1e-12 => Ok(quat.normalize()),
+        false => Err("is a quaternion of length 0".to_string()),
+    }
+}
+
+fn parse_colour(text: &str) -> Result<Rgb, String> {
+    text.parse()
+}
+
+fn parse_vec3(text: &str) -> Result<Vec3, String> {
+    numbers::<f32, 3>(text).map(Vec3::from_array)
+}
+
+fn numbers<T: Number, const N: usize>(text: &str) -> Result<[T; N], String> {
+    let values: Vec<T> = text.split(',').map(number).collect::<Result<_, _>>()?;
+    values.try_into().map_err(|_| format!("must be {N} numbers with commas between"))
+}
+
+fn number<T: Number>(text: &str) -> Result<T, String> {
+    match text.trim().parse::<T>() {
+        Ok(value) if value.usable() => Ok(value),
+        _ => Err(format!("`{text}` is not a usable number")),
+    }
+}
+
+/// A number that a command may hold.
+trait Number: FromStr {
+    fn usable(&self) -> bool;
+}
+
+impl Number for f32 {
+    fn usable(&self) -> bool {
+        self.is_finite()
+    }
+}
+
+impl Number for u32 {
+    fn usable(&self) -> bool {
+        true
+    }
+}
+
+fn list<T: fmt::Display, const N: usize>(values: [T; N]) -> String {
+    values.map(|v| v.to_string()).join(",")
+}
+
+/// Text in double quotes, with `"` and `\` escaped.
+struct Quoted<'a>(&'a str);
+
+impl fmt::Display for Quoted<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "\"{}\"", self.0.replace('\\', "\\\\").replace('"', "\\\"").replace('\n', "\\n"))
+    }
+}
+
+/// A line taken apart.
+struct Arguments {
+    verb: String,
+    words: std::collections::VecDeque<String>,
+    pairs: Vec<(String, String)>,
+}
+
+impl Arguments {
+    fn parse(line: &str) -> Result<Arguments, ParseError> {
+        let mut words = std::collections::VecDeque::new();
+        let mut pairs: Vec<(String, String)> = Vec::new();
+        let mut rest = line.trim_start();
+        while !rest.is_empty() {
+            if let Some(quoted) = rest.strip_prefix('"') {
+                let (text, after) = unquote(quoted)?;
+                words.push_back(text);
+                rest = after.trim_start();
+                continue;
+            }
+            let end = rest.find(char::is_whitespace).unwrap_or(rest.len());
+            let (token, after) = rest.split_at(end);
+            match token.split_once('=') {
+                Some((key, value)) => {
+                    if pairs.iter().any(|(k, _)| k == key) {
+                        return Err(ParseError(format!("`{key}=` is given twice")));
+                    }
+                    pairs.push((key.to_string(), value.to_string()));
+                }
+                None => words.push_back(token.to_string()),
+            }
+            rest = after.trim_start();
+        }
+        let verb = words.pop_front().ok_or_else(|| ParseError("no command".to_string()))?;
+        Ok(Arguments { verb, words, pairs })
+    }
+
+    fn word(&mut self, what: &str) -> Result<String, ParseError> {
+        self.optional_word().ok_or_else(|| ParseError(format!("`{}` needs {what}", self.verb)))
+    }
+
+    fn optional_word(&mut self) -> Option<String> {
+        self.words.pop_front()
+    }
+
+    fn required<T>(
+        &mut self,
+        key: &str,
+        parse: impl Fn(&str) -> Result<T, String>,
+    ) -> Result<T, ParseError> {
+        self.optional(key, parse)?
+            .ok_or_else(|| ParseError(format!("`{}` needs `{key}=`", self.verb)))
+    }
+
+    fn optional<T>(
+        &mut self,
+        key: &str,
+        parse: impl Fn(&str) -> Result<T, String>,
+    ) -> Result<Option<T>, ParseError> {
+        let Some(at) = self.pairs.iter().position(|(k, _)| k == key) else { return Ok(None) };
+        let (_, value) = self.pairs.swap_remove(at);
+        parse(&value).map(Some).map_err(|error| ParseError(format!("{key}={value}: {error}")))
+    }
+
+    /// Refuses what no one asked for.
+    fn finish(self) -> Result<(), ParseError> {
+        let left = self.pairs.first().map(|(key, _)| format!("{key}="));
+        match left.or(self.words.into_iter().next()) {
+            Some(extra) => Err(ParseError(format!("`{}` does not take `{extra}`", self.verb))),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Reads up to the closing quote; gives the text and what follows.
+fn unquote(text: &str) -> Result<(String, &str), ParseError> {
+    let mut out = String::new();
+    let mut chars = text.char_indices();
+    while let Some((i, c)) = chars.next() {
+        match c {
+            '"' => return Ok((out, &text[i + 1..])),
+            '\\' => match chars.next() {
+                Some((_, 'n')) => out.push('\n'),
+                Some((_, c)) => out.push(c),
+                None => break,
+            },
+            c => out.push(c),
+        }
+    }
+    Err(ParseError("a quoted text has no closing `\"`".to_string()))
+}

@@ -1,0 +1,331 @@
+//! Owns a sculpture as a person edits it: its contents, its placement, its history and the
+//! set of bricks that the renderer has not seen yet. [`Document::apply`] is the only door
+//! through which any of them changes.
+//!
+//! Knows no files (`session` does), no Vulkan, no window, no clock.
+
+use glam::Affine3A;
+use thiserror::Error;
+
+use crate::command::{Command, NewSculpture};
+use crate::sculpture::edit::{
+    self, DirtySet, EditOp, EditStats, Everywhere, Region, Stroke, VoxelBox,
+};
+use crate::sculpture::history::{Change, Contents, History, Step};
+use crate::sculpture::{Brick, ColourDepth, Grid, GridError, Material, Placement};
+
+/// Memory that a document may take, in bytes.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Limits {
+    pub grid_bytes: u64,
+    pub colour_bytes: u64,
+    pub history_bytes: usize,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Limits { grid_bytes: 1 << 30, colour_bytes: 4 << 30, history_bytes: 1 << 30 }
+    }
+}
+
+/// Why a command was refused. The sculpture is as it was before.
+#[derive(Debug, Error)]
+pub enum CommandError {
+    #[error(transparent)]
+    Grid(#[from] GridError),
+    #[error("this sculpture has no colours; make or open one with 8, 16 or 24 bits of colour")]
+    NoColour,
+    #[error(
+        "painting here may need {needed_mib} MiB for colours, more than the {budget_mib} MiB \
+         allowed; raise memory.colour_mib in the configuration"
+    )]
+    ColourMemory { needed_mib: u64, budget_mib: u64 },
+    #[error("a stroke is open; end or cancel it before `{0}`")]
+    StrokeOpen(&'static str),
+    #[error("`{0}` without an open stroke; `begin` one first")]
+    NoStroke(&'static str),
+    #[error("`{0}` concerns files and is not done by the document")]
+    NotHere(&'static str),
+    #[error("{0} of the placement must be finite and the scale above zero")]
+    Placement(&'static str),
+    #[error("{0} of the solid must be finite and its half extent above zero")]
+    Primitive(&'static str),
+}
+
+/// What a command did.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Applied {
+    pub stats: EditStats,
+    /// Steps undone or redone.
+    pub steps: u32,
+}
+
+/// A sculpture with its history.
+#[derive(Debug)]
+pub struct Document {
+    contents: Contents,
+    placement: Placement,
+    history: History,
+    stroke: Option<Stroke>,
+    dirty: DirtySet,
+    /// The whole sculpture was replaced since the renderer last asked.
+    all_dirty: bool,
+    /// Rises with every change of voxels; a cheap "is my copy current?".
+    revision: u64,
+    limits: Limits,
+}
+
+impl Document {
+    /// A document with a new sculpture and an empty history.
+    pub fn new(new: &NewSculpture, limits: Limits) -> Result<Document, CommandError> {
+        Ok(Document::from_contents(make_contents(new, &limits)?, limits))
+    }
+
+    /// A document around contents that a loader has made.
+    pub fn from_contents(contents: Contents, limits: Limits) -> Document {
+        let brick_count = contents.grid.bricks().len();
+        Document {
+            contents,
+            placement: Placement::default(),
+            history: History::new(limits.history_bytes),
+            stroke: None,
+            dirty: DirtySet::new(brick_count),
+            all_dirty: true,
+            revision: 0,
+            limits,
+        }
+    }
+
+    pub fn grid(&self) -> &Grid {
+        &self.contents.grid
+    }
+
+    pub fn material(&self) -> &Material {
+        &self.contents.material
+    }
+
+    pub fn contents(&self) -> &Contents {
+        &self.contents
+    }
+
+    pub fn placement(&self) -> &Placement {
+        &self.placement
+    }
+
+    pub fn history(&self) -> &History {
+        &self.history
+    }
+
+    pub fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
+    pub fn stroke_open(&self) -> bool {
+        self.stroke.is_some()
+    }
+
+    /// Rises with every change of voxels or colours.
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    pub fn world_from_grid(&self) -> Affine3A {
+        self.placement.world_from_grid(self.grid().dims(), self.grid().voxel_size())
+    }
+
+    /// Hands the bricks that changed since the last call to `f`: `None` means all of them (the
+    /// sculpture, and with it perhaps the size of the grid, is another).
+    pub fn take_dirty<T>(&mut self, f: impl FnOnce(&Contents, Option<&[u32]>) -> T) -> T {
+        let result = f(&self.contents, (!self.all_dirty).then(|| self.dirty.bricks()));
+        self.dirty.clear();
+        self.all_dirty = false;
+        result
+    }
+
+    /// Puts a loaded sculpture in place of the present one, as one undo step.
+    pub fn replace(&mut self, contents: Contents, label: &str) -> Result<(), CommandError> {
+        self.require_no_stroke("open")?;
+        let old = self.swap_contents(Box::new(contents));
+        self.history.push(Step { label: label.to_string(), change: Change::Whole(old) });
+        Ok(())
+    }
+
+    /// Carries out a command. On an error nothing has changed.
+    pub fn apply(&mut self, command: &Command) -> Result<Applied, CommandError> {
+        match command {
+            Command::New(new) => {
+                self.require_no_stroke("new")?;
+                let contents = make_contents(new, &self.limits)?;
+                self.replace(contents, "new").map(|()| Applied::default())
+            }
+            Command::Open { .. } | Command::Save { .. } => {
+                Err(CommandError::NotHere(command.verb()))
+            }
+            Command::Begin { label } => {
+                self.require_no_stroke("begin")?;
+                self.stroke = Some(Stroke::new(label.clone(), self.grid().bricks().len()));
+                Ok(Applied::default())
+            }
+            Command::End => {
+                let stroke = self.stroke.take().ok_or(CommandError::NoStroke("end"))?;
+                self.finish(stroke);
+                Ok(Applied::default())
+            }
+            Command::Cancel => {
+                let stroke = self.stroke.take().ok_or(CommandError::NoStroke("cancel"))?;
+                let (contents, dirty) = (&mut self.contents, &mut self.dirty);
+                stroke.into_record().swap(contents, |brick| dirty.mark(brick));
+                self.revision += 1;
+                Ok(Applied::default())
+            }
+            Command::Construct { op, primitive } => {
+                primitive.check().map_err(CommandError::Primitive)?;
+                if matches!(op, EditOp::Recolour(_)) && !self.has_colour() {
+                    return Err(CommandError::NoColour);
+                }
+                let region = primitive.in_grid(self.grid().voxel_size());
+                self.edit(&region, *op, command)
+            }
+            Command::Fill { colour } => {
+                let colour = colour.unwrap_or(self.material().base());
+                self.edit(&Everywhere, EditOp::Add(colour), command)
+            }
+            Command::Clear => self.edit(&Everywhere, EditOp::Subtract, command),
+            Command::Undo { steps } => self.travel(*steps, "undo", Self::undo_step),
+            Command::Redo { steps } => self.travel(*steps, "redo", Self::redo_step),
+            Command::Place(placement) => {
+                if !placement.rotation.is_finite() || !placement.rotation.is_normalized() {
+                    return Err(CommandError::Placement("rotation"));
+                }
+                if !placement.translation.is_finite() {
+                    return Err(CommandError::Placement("translation"));
+                }
+                if !placement.scale.is_finite() || placement.scale <= 0.0 {
+                    return Err(CommandError::Placement("scale"));
+                }
+                self.placement = *placement;
+                Ok(Applied::default())
+            }
+        }
+    }
+
+    fn has_colour(&self) -> bool {
+        self.material().depth() != ColourDepth::None
+    }
+
+    /// Edits within the open stroke, or as a step of its own.
+    fn edit(
+        &mut self,
+        region: &impl Region,
+        op: EditOp,
+        command: &Command,
+    ) -> Result<Applied, CommandError> {
+        self.check_colour_memory(region, op)?;
+        let open = self.stroke.take();
+        let alone = open.is_none();
+        let mut stroke =
+            open.unwrap_or_else(|| Stroke::new(command.label(), self.grid().bricks().len()));
+        let stats = edit::edit(&mut self.contents, region, op, &mut stroke, &mut self.dirty);
+        self.revision += u64::from(stats.bricks_changed > 0);
+        if alone {
+            self.finish(stroke);
+        } else {
+            self.stroke = Some(stroke);
+        }
+        Ok(Applied { stats, steps: 0 })
+    }
+
+    /// Refuses a painting edit that could take more memory for colours than is allowed.
+    fn check_colour_memory(&self, region: &impl Region, op: EditOp) -> Result<(), CommandError> {
+        let (EditOp::Add(colour) | EditOp::Recolour(colour)) = op else { return Ok(()) };
+        let material = self.material();
+        if !self.has_colour() || material.depth().quantise(colour) == material.base() {
+            return Ok(());
+        }
+        let bounds = region.bounds_vx().intersect(VoxelBox::of_grid(self.grid()));
+        if bounds.is_empty() {
+            return Ok(());
+        }
+        let bricks = (bounds.max + 7) / 8 - bounds.min / 8;
+        let unpainted = self.grid().bricks().len() - material.page_count();
+        let new_pages = bricks.as_u64vec3().element_product().min(unpainted as u64);
+        let needed = material.heap_bytes() + new_pages * material.page_bytes() as u64;
+        if needed > self.limits.colour_bytes {
+            return Err(CommandError::ColourMemory {
+                needed_mib: needed.div_ceil(1 << 20),
+                budget_mib: self.limits.colour_bytes >> 20,
+            });
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self, stroke: Stroke) {
+        let label = stroke.label.clone();
+        let record = stroke.into_record();
+        if !record.is_empty() {
+            self.history.push(Step { label, change: Change::Bricks(record) });
+        }
+    }
+
+    fn travel(
+        &mut self,
+        steps: Option<u32>,
+        verb: &'static str,
+        step: impl Fn(&mut Self) -> bool,
+    ) -> Result<Applied, CommandError> {
+        self.require_no_stroke(verb)?;
+        let mut done = 0;
+        while steps.is_none_or(|limit| done < limit) && step(self) {
+            done += 1;
+        }
+        Ok(Applied { stats: EditStats::default(), steps: done })
+    }
+
+    fn undo_step(&mut self) -> bool {
+        let Some(step) = self.history.take_undo() else { return false };
+        let reverse = self.reverse(step);
+        self.history.undone(reverse);
+        true
+    }
+
+    fn redo_step(&mut self) -> bool {
+        let Some(step) = self.history.take_redo() else { return false };
+        let reverse = self.reverse(step);
+        self.history.redone(reverse);
+        true
+    }
+
+    /// Swaps a step's values with the sculpture's.
+    fn reverse(&mut self, step: Step) -> Step {
+        let change = match step.change {
+            Change::Bricks(record) => {
+                let (contents, dirty) = (&mut self.contents, &mut self.dirty);
+                self.revision += 1;
+                Change::Bricks(record.swap(contents, |brick| dirty.mark(brick)))
+            }
+            Change::Whole(contents) => Change::Whole(self.swap_contents(contents)),
+        };
+        Step { label: step.label, change }
+    }
+
+    fn swap_contents(&mut self, mut contents: Box<Contents>) -> Box<Contents> {
+        std::mem::swap(&mut self.contents, &mut *contents);
+        self.dirty = DirtySet::new(self.contents.grid.bricks().len());
+        self.all_dirty = true;
+        self.revision += 1;
+        contents
+    }
+
+    fn require_no_stroke(&self, verb: &'static str) -> Result<(), CommandError> {
+        if self.stroke_open() { Err(CommandError::StrokeOpen(verb)) } else { Ok(()) }
+    }
+}
+
+fn make_contents(new: &NewSculpture, limits: &Limits) -> Result<Contents, CommandError> {
+    let mut grid = Grid::new(new.dims, new.voxel_size, limits.grid_bytes)?;
+    if new.solid {
+        grid.fill_bricks(|_| Brick::FULL);
+    }
+    let material = Material::new(new.colour_depth, new.base, grid.bricks().len());
+    Ok(Contents { grid, material })
+}

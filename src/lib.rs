@@ -1,0 +1,11 @@
+//! Virtual Sculpture: voxel sculpting in a window, a headset, or head-tracked AR.
+//!
+//! ARCHITECTURE.md is the map of the rooms below.
+
+pub mod command;
+pub mod command_text;
+pub mod document;
+pub mod sculpture;
+pub mod surface;
+pub mod tools;
+pub mod view;

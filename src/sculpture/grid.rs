@@ -1,0 +1,367 @@
+//! Owns the existence bits of one sculpture: bricks, their opaque counts, and a bit
+//! per brick that says whether it holds anything.
+//!
+//! Takes and gives whole bricks and single voxels. Invariants: bits beyond `dims` are 0;
+//! counts and occupancy always match the bits. Knows no colour, no history, no tool.
+
+use glam::{IVec3, UVec3, Vec3};
+use thiserror::Error;
+
+use super::brick::{BRICK_EDGE_VX, Brick};
+
+/// Longest axis of a grid. Its product over three axes must still leave a `u32` index.
+pub const MAX_AXIS_VX: u32 = 4096;
+/// The index that stands for "no voxel" in an index map.
+pub const NO_VOXEL: u32 = u32::MAX;
+
+/// Why a grid cannot be made.
+#[derive(Debug, Error, PartialEq)]
+pub enum GridError {
+    #[error("grid of {0}x{1}x{2} voxels: every axis must be 1 to {MAX_AXIS_VX} voxels")]
+    Axis(u32, u32, u32),
+    #[error(
+        "grid of {0}x{1}x{2} voxels: {3} voxels are more than the 2^32-2 that a voxel index can name"
+    )]
+    Index(u32, u32, u32, u64),
+    #[error(
+        "grid of {dims} voxels needs {needed_mib} MiB, more than the {budget_mib} MiB allowed; \
+         choose a smaller grid or raise memory.grid_mib in the configuration"
+    )]
+    Memory { dims: UVec3, needed_mib: u64, budget_mib: u64 },
+    #[error("voxel size {0} must be a positive, finite length on every axis")]
+    VoxelSize(Vec3),
+}
+
+/// Existence bits in bricks of 8^3, x fastest, then y, then z.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Grid {
+    dims: UVec3,
+    brick_dims: UVec3,
+    voxel_size: Vec3,
+    bricks: Vec<Brick>,
+    counts: Vec<u16>,
+    /// Bit set <=> brick not empty; blocks of 4^3 bricks to a word, ordered as in a brick word.
+    occupancy: Vec<u64>,
+    occupancy_dims: UVec3,
+    opaque: u64,
+}
+
+impl Grid {
+    /// Bytes that a grid of `dims` voxels takes, without colour.
+    pub fn bytes_for(dims: UVec3) -> u64 {
+        let bricks = brick_dims(dims);
+        let blocks = occupancy_dims(bricks);
+        product(bricks) * (size_of::<Brick>() + size_of::<u16>()) as u64 + product(blocks) * 8
+    }
+
+    /// Checks what [`Grid::new`] would refuse, without allocating.
+    pub fn check(dims: UVec3, voxel_size: Vec3, budget_bytes: u64) -> Result<(), GridError> {
+        let UVec3 { x, y, z } = dims;
+        if dims.min_element() == 0 || dims.max_element() > MAX_AXIS_VX {
+            return Err(GridError::Axis(x, y, z));
+        }
+        let voxels = product(dims);
+        if voxels > u64::from(NO_VOXEL) - 1 {
+            return Err(GridError::Index(x, y, z, voxels));
+        }
+        if !voxel_size.is_finite() || voxel_size.min_element() <= 0.0 {
+            return Err(GridError::VoxelSize(voxel_size));
+        }
+        let needed = Self::bytes_for(dims);
+        if needed > budget_bytes {
+            return Err(GridError::Memory {
+                dims,
+                needed_mib: needed.div_ceil(1 << 20),
+                budget_mib: budget_bytes >> 20,
+            });
+        }
+        Ok(())
+    }
+
+    /// An empty grid of `dims` voxels with edges of `voxel_size`, within `budget_bytes`.
+    pub fn new(dims: UVec3, voxel_size: Vec3, budget_bytes: u64) -> Result<Grid, GridError> {
+        Self::check(dims, voxel_size, budget_bytes)?;
+        let brick_dims = brick_dims(dims);
+        let occupancy_dims = occupancy_dims(brick_dims);
+        let brick_count = product(brick_dims) as usize;
+        Ok(Grid {
+            dims,
+            brick_dims,
+            voxel_size,
+            bricks: vec![Brick::EMPTY; brick_count],
+            counts: vec![0; brick_count],
+            occupancy: vec![0; product(occupancy_dims) as usize],
+            occupancy_dims,
+            opaque: 0,
+        })
+    }
+
+    /// Size in voxels.
+    #[inline]
+    pub fn dims(&self) -> UVec3 {
+        self.dims
+    }
+
+    /// Size in bricks.
+    #[inline]
+    pub fn brick_dims(&self) -> UVec3 {
+        self.brick_dims
+    }
+
+    /// Edge lengths of a voxel in world units.
+    #[inline]
+    pub fn voxel_size(&self) -> Vec3 {
+        self.voxel_size
+    }
+
+    /// All bricks, x fastest, then y, then z.
+    #[inline]
+    pub fn bricks(&self) -> &[Brick] {
+        &self.bricks
+    }
+
+    /// Opaque count of every brick, in the order of [`Grid::bricks`].
+    #[inline]
+    pub fn counts(&self) -> &[u16] {
+        &self.counts
+    }
+
+    /// One bit a brick, set where it is not empty: words of 4^3 bricks in linear order over
+    /// [`Grid::occupancy_dims`], bits ordered as the voxels of a brick word.
+    #[inline]
+    pub fn occupancy(&self) -> &[u64] {
+        &self.occupancy
+    }
+
+    /// Size of [`Grid::occupancy`] in words.
+    #[inline]
+    pub fn occupancy_dims(&self) -> UVec3 {
+        self.occupancy_dims
+    }
+
+    /// Number of existing voxels.
+    #[inline]
+    pub fn opaque_count(&self) -> u64 {
+        self.opaque
+    }
+
+    /// Heap bytes in use.
+    pub fn heap_bytes(&self) -> u64 {
+        (self.bricks.capacity() * size_of::<Brick>()
+            + self.counts.capacity() * size_of::<u16>()
+            + self.occupancy.capacity() * size_of::<u64>()) as u64
+    }
+
+    /// Linear index of the brick at brick coordinates `b` (must be inside).
+    #[inline(always)]
+    pub fn brick_index(&self, b: UVec3) -> usize {
+        (b.x + self.brick_dims.x * (b.y + self.brick_dims.y * b.z)) as usize
+    }
+
+    /// Brick coordinates of a linear brick index.
+    #[inline]
+    pub fn brick_coords(&self, index: usize) -> UVec3 {
+        unflatten(index as u32, self.brick_dims)
+    }
+
+    /// Linear voxel index `x + y*dX + z*dX*dY`, as index maps use it.
+    #[inline(always)]
+    pub fn voxel_index(&self, v: UVec3) -> u32 {
+        v.x + self.dims.x * (v.y + self.dims.y * v.z)
+    }
+
+    /// The inverse of [`Grid::voxel_index`].
+    #[inline]
+    pub fn voxel_coords(&self, index: u32) -> UVec3 {
+        unflatten(index, self.dims)
+    }
+
+    /// Whether `v` lies inside the grid.
+    #[inline]
+    pub fn contains(&self, v: IVec3) -> bool {
+        v.cmpge(IVec3::ZERO).all() && v.as_uvec3().cmplt(self.dims).all()
+    }
+
+    /// Whether the voxel at `v` exists; false outside the grid.
+    #[inline]
+    pub fn get(&self, v: IVec3) -> bool {
+        self.contains(v) && {
+            let v = v.as_uvec3();
+            self.bricks[self.brick_index(v / BRICK_EDGE_VX)].get(v.x & 7, v.y & 7, v.z & 7)
+        }
+    }
+
+    /// Sets one voxel. Coordinates outside the grid are ignored. For loaders and tests;
+    /// edits write whole bricks.
+    pub fn set(&mut self, v: IVec3, exists: bool) {
+        if !self.contains(v) {
+            return;
+        }
+        let v = v.as_uvec3();
+        let index = self.brick_index(v / BRICK_EDGE_VX);
+        let mut brick = self.bricks[index];
+        brick.set(v.x & 7, v.y & 7, v.z & 7, exists);
+        self.set_brick(index, brick);
+    }
+
+    /// The bits that the brick at `b` may hold: all but those beyond the grid's border.
+    #[inline]
+    pub fn valid_mask(&self, b: UVec3) -> Brick {
+        let room = self.dims - b * BRICK_EDGE_VX;
+        if room.min_element() >= BRICK_EDGE_VX {
+            Brick::FULL
+        } else {
+            Brick::below(room.to_array())
+        }
+    }
+
+    /// Replaces a brick and keeps count and occupancy true. The bits must lie within
+    /// [`Grid::valid_mask`].
+    #[inline]
+    pub fn set_brick(&mut self, index: usize, brick: Brick) {
+        let count = brick.count();
+        self.set_counted_brick(index, brick, count);
+    }
+
+    /// [`Grid::set_brick`] for callers that have counted the bits already.
+    #[inline]
+    pub fn set_counted_brick(&mut self, index: usize, brick: Brick, count: u16) {
+        debug_assert_eq!(count, brick.count());
+        let before = std::mem::replace(&mut self.counts[index], count);
+        self.opaque = self.opaque + u64::from(count) - u64::from(before);
+        self.bricks[index] = brick;
+        if (before == 0) != (count == 0) {
+            let (word, bit) = self.occupancy_place(self.brick_coords(index));
+            self.occupancy[word] ^= 1 << bit;
+        }
+    }
+
+    /// Sets every brick to what `f` gives for its coordinates (cut to the valid bits),
+    /// in parallel. For loaders and generators.
+    pub fn fill_bricks(&mut self, f: impl Fn(UVec3) -> Brick + Sync) {
+        use rayon::prelude::*;
+        let brick_dims = self.brick_dims;
+        let dims = self.dims;
+        let per_slab = (brick_dims.x * brick_dims.y) as usize;
+        self.bricks
+            .par_chunks_mut(per_slab)
+            .zip(self.counts.par_chunks_mut(per_slab))
+            .enumerate()
+            .for_each(|(bz, (bricks, counts))| {
+                for (i, (brick, count)) in bricks.iter_mut().zip(counts).enumerate() {
+                    let i = i as u32;
+                    let b = UVec3::new(i % brick_dims.x, i / brick_dims.x, bz as u32);
+                    let room = (dims - b * BRICK_EDGE_VX).to_array();
+                    *brick = f(b).and(&Brick::below(room));
+                    *count = brick.count();
+                }
+            });
+        self.recount();
+    }
+
+    /// Rebuilds occupancy and the total from the counts.
+    fn recount(&mut self) {
+        self.opaque = self.counts.iter().map(|&c| u64::from(c)).sum();
+        self.occupancy.fill(0);
+        for index in 0..self.counts.len() {
+            if self.counts[index] != 0 {
+                let (word, bit) = self.occupancy_place(self.brick_coords(index));
+                self.occupancy[word] |= 1 << bit;
+            }
+        }
+    }
+
+    /// Word and bit of the brick at `b` in [`Grid::occupancy`].
+    #[inline(always)]
+    pub fn occupancy_place(&self, b: UVec3) -> (usize, u32) {
+        let block: UVec3 = b / 4;
+        let word = block.x + self.occupancy_dims.x * (block.y + self.occupancy_dims.y * block.z);
+        (word as usize, (b.x & 3) | (b.y & 3) << 2 | (b.z & 3) << 4)
+    }
+}
+
+fn brick_dims(dims: UVec3) -> UVec3 {
+    (dims + (BRICK_EDGE_VX - 1)) / BRICK_EDGE_VX
+}
+
+fn occupancy_dims(brick_dims: UVec3) -> UVec3 {
+    (brick_dims + 3) / 4
+}
+
+fn product(v: UVec3) -> u64 {
+    u64::from(v.x) * u64::from(v.y) * u64::from(v.z)
+}
+
+#[inline]
+fn unflatten(index: u32, dims: UVec3) -> UVec3 {
+    let yz = index / dims.x;
+    UVec3::new(index % dims.x, yz % dims.y, yz / dims.y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const ROOM: u64 = 1 << 32;
+
+    fn small_grid(dims: UVec3) -> Grid {
+        Grid::new(dims, Vec3::ONE, ROOM).unwrap()
+    }
+
+    #[test]
+    fn a_512_cube_takes_at_most_18_mib() {
+        let grid = small_grid(UVec3::splat(512));
+        assert!(grid.heap_bytes() <= 18 << 20, "{} bytes", grid.heap_bytes());
+        assert_eq!(grid.heap_bytes(), Grid::bytes_for(grid.dims()));
+    }
+
+    #[test]
+    fn refusals_name_the_reason() {
+        let new = |dims: [u32; 3], room| Grid::new(UVec3::from(dims), Vec3::ONE, room);
+        assert!(matches!(new([0, 4, 4], ROOM), Err(GridError::Axis(0, 4, 4))));
+        assert!(matches!(new([4097, 1, 1], ROOM), Err(GridError::Axis(..))));
+        assert!(matches!(new([4096, 4096, 4096], u64::MAX), Err(GridError::Index(..))));
+        let error = new([1024, 1024, 1024], 64 << 20).unwrap_err().to_string();
+        assert!(error.contains("64 MiB allowed") && error.contains("memory.grid_mib"), "{error}");
+        assert!(Grid::new(UVec3::ONE, Vec3::new(1.0, f32::NAN, 1.0), ROOM).is_err());
+        assert!(Grid::new(UVec3::ONE, Vec3::new(1.0, 0.0, 1.0), ROOM).is_err());
+    }
+
+    #[test]
+    fn a_1024_axis_works_to_its_last_voxel() {
+        let mut grid = small_grid(UVec3::new(1024, 3, 1023));
+        let last = IVec3::new(1023, 2, 1022);
+        grid.set(last, true);
+        assert!(grid.get(last));
+        assert_eq!(grid.opaque_count(), 1);
+        assert_eq!(grid.voxel_coords(grid.voxel_index(last.as_uvec3())), last.as_uvec3());
+    }
+
+    proptest! {
+        #[test]
+        fn counts_and_occupancy_follow_the_bits(
+            dims in prop::array::uniform3(1u32..40),
+            edits in prop::collection::vec((prop::array::uniform3(-2i32..42), any::<bool>()), 0..200),
+        ) {
+            let mut grid = small_grid(UVec3::from(dims));
+            let mut naive = std::collections::HashSet::new();
+            for (v, on) in edits {
+                let v = IVec3::from(v);
+                grid.set(v, on);
+                if grid.contains(v) { if on { naive.insert(v); } else { naive.remove(&v); } }
+            }
+            prop_assert_eq!(grid.opaque_count(), naive.len() as u64);
+            for (index, brick) in grid.bricks().iter().enumerate() {
+                prop_assert_eq!(grid.counts()[index], brick.count());
+                let (word, bit) = grid.occupancy_place(grid.brick_coords(index));
+                prop_assert_eq!(grid.occupancy()[word] >> bit & 1 != 0, !brick.is_empty());
+                prop_assert_eq!(brick.and_not(&grid.valid_mask(grid.brick_coords(index))), Brick::EMPTY);
+            }
+            for v in naive { prop_assert!(grid.get(v)); }
+            let mut copy = small_grid(grid.dims());
+            copy.fill_bricks(|b| grid.bricks()[grid.brick_index(b)]);
+            prop_assert_eq!(copy, grid);
+        }
+    }
+}

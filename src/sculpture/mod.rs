@@ -1,0 +1,17 @@
+//! The model of a sculpture: bits, colours, placement, earlier states, and the edit that changes it. Its door is [`crate::document::Document::apply`].
+//!
+//! Knows no Vulkan, no window, no clock and no files.
+
+pub mod brick;
+pub mod colour;
+pub mod edit;
+pub mod grid;
+pub mod history;
+pub mod material;
+pub mod placement;
+
+pub use brick::Brick;
+pub use colour::{ColourDepth, Rgb};
+pub use grid::{Grid, GridError, NO_VOXEL};
+pub use material::Material;
+pub use placement::Placement;

@@ -1,0 +1,51 @@
+//! Owns where a sculpture stands in the world. The grid itself never moves.
+
+use glam::{Affine3A, Quat, UVec3, Vec3};
+
+/// Rotation about the grid's centre, scale, then translation of that centre.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Placement {
+    pub rotation: Quat,
+    /// World position of the grid's centre.
+    pub translation: Vec3,
+    /// World units per unit of voxel size.
+    pub scale: f32,
+}
+
+impl Default for Placement {
+    fn default() -> Self {
+        Placement { rotation: Quat::IDENTITY, translation: Vec3::ZERO, scale: 1.0 }
+    }
+}
+
+impl Placement {
+    /// Maps grid coordinates (in voxels, voxel (x,y,z) covers [x,x+1) etc.) to the world:
+    /// the centre goes to the origin, is scaled by the voxel size, rotated, translated.
+    pub fn world_from_grid(&self, dims: UVec3, voxel_size: Vec3) -> Affine3A {
+        Affine3A::from_scale_rotation_translation(
+            voxel_size * self.scale,
+            self.rotation,
+            self.translation,
+        ) * Affine3A::from_translation(dims.as_vec3() * -0.5)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_centre_is_the_pivot() {
+        let placement = Placement {
+            rotation: Quat::from_rotation_z(std::f32::consts::FRAC_PI_2),
+            translation: Vec3::new(1.0, 2.0, 3.0),
+            scale: 2.0,
+        };
+        let world_from_grid =
+            placement.world_from_grid(UVec3::new(4, 6, 8), Vec3::new(1.0, 0.5, 2.0));
+        let centre = world_from_grid.transform_point3(Vec3::new(2.0, 3.0, 4.0));
+        assert!(centre.abs_diff_eq(placement.translation, 1e-5));
+        let corner = world_from_grid.transform_point3(Vec3::ZERO) - centre;
+        assert!(corner.abs_diff_eq(Vec3::new(3.0, -4.0, -16.0), 1e-4), "{corner}");
+    }
+}

@@ -1,0 +1,39 @@
+//! Owns the index map: for one eye, the voxel seen through each pixel. Samplers on CPU and GPU
+//! make it; shaders read it.
+
+use crate::sculpture::NO_VOXEL;
+use crate::view::PixelRays;
+
+/// One linear voxel index ([`crate::sculpture::Grid::voxel_index`]) per pixel, row by row from
+/// the top, [`NO_VOXEL`] where the ray meets nothing; with the rays that it was made with.
+#[derive(Clone, PartialEq, Debug)]
+pub struct IndexMap {
+    pub rays: PixelRays,
+    /// `rays.size.x * rays.size.y` values.
+    pub voxels: Vec<u32>,
+}
+
+impl IndexMap {
+    /// A map in which nothing is seen.
+    pub fn new(rays: PixelRays) -> IndexMap {
+        let pixels = rays.size.x as usize * rays.size.y as usize;
+        IndexMap { rays, voxels: vec![NO_VOXEL; pixels] }
+    }
+
+    /// Gives the map another view, keeping its memory. The values are left as they are.
+    pub fn reset(&mut self, rays: PixelRays) {
+        self.rays = rays;
+        self.voxels.resize(rays.size.x as usize * rays.size.y as usize, NO_VOXEL);
+    }
+
+    /// The voxel seen through pixel (x, y), if any.
+    pub fn get(&self, x: u32, y: u32) -> Option<u32> {
+        let voxel = *self.voxels.get((x + y * self.rays.size.x) as usize)?;
+        (voxel != NO_VOXEL).then_some(voxel)
+    }
+
+    /// Pixels through which a voxel is seen.
+    pub fn covered(&self) -> usize {
+        self.voxels.iter().filter(|&&v| v != NO_VOXEL).count()
+    }
+}

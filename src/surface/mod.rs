@@ -1,0 +1,5 @@
+//! Sampling the surface: which voxel is seen through each pixel. Pure CPU code.
+
+pub mod index_map;
+
+pub use index_map::IndexMap;

@@ -1,0 +1,139 @@
+//! Owns the eye: one view of the world, mono or one of a stereo pair, and the rays through
+//! its pixels in grid coordinates.
+//!
+//! Eye space is right-handed, x right, y up, looking along -z. Clip space is Vulkan's: x right,
+//! y down, depth reversed (1 at the near plane, 0 at infinity).
+
+use glam::{Affine3A, Mat4, UVec2, Vec3, Vec4};
+
+/// A view: where it is, how it projects, how many pixels it has.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Eye {
+    pub eye_from_world: Affine3A,
+    /// Clip from eye, reversed depth, y down.
+    pub projection: Mat4,
+    /// Pixels.
+    pub size: UVec2,
+}
+
+/// The tangents of the half angles of a view frustum. Left and down are usually negative.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Frustum {
+    pub left: f32,
+    pub right: f32,
+    pub down: f32,
+    pub up: f32,
+}
+
+impl Frustum {
+    /// Symmetric, from the vertical angle and the aspect ratio width / height.
+    pub fn symmetric(fov_y_rad: f32, aspect: f32) -> Frustum {
+        let up = (0.5 * fov_y_rad).tan();
+        let right = up * aspect;
+        Frustum { left: -right, right, down: -up, up }
+    }
+
+    /// Off-axis perspective with reversed depth and no far plane.
+    pub fn projection(&self, near: f32) -> Mat4 {
+        let (w, h) = (self.right - self.left, self.up - self.down);
+        Mat4::from_cols(
+            Vec4::new(2.0 / w, 0.0, 0.0, 0.0),
+            Vec4::new(0.0, -2.0 / h, 0.0, 0.0),
+            Vec4::new((self.right + self.left) / w, -(self.up + self.down) / h, 0.0, -1.0),
+            Vec4::new(0.0, 0.0, near, 0.0),
+        )
+    }
+}
+
+/// The rays of an eye through the centres of its pixels, in grid coordinates:
+/// `origin + t * direction(x, y)`, directions not normalised.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct PixelRays {
+    /// The eye in grid coordinates.
+    pub origin: Vec3,
+    /// Direction through the upper left corner of the picture.
+    pub corner: Vec3,
+    /// Change of direction from a pixel to its right neighbour.
+    pub step_x: Vec3,
+    /// Change of direction from a pixel to the one below.
+    pub step_y: Vec3,
+    pub size: UVec2,
+}
+
+impl PixelRays {
+    /// Direction of the ray through the centre of pixel (x, y), y counted downwards.
+    #[inline(always)]
+    pub fn direction(&self, x: u32, y: u32) -> Vec3 {
+        self.direction_at(x as f32 + 0.5, y as f32 + 0.5)
+    }
+
+    /// Direction through any point of the picture, in pixels from its upper left corner.
+    #[inline(always)]
+    pub fn direction_at(&self, x: f32, y: f32) -> Vec3 {
+        self.corner + self.step_x * x + self.step_y * y
+    }
+}
+
+impl Eye {
+    /// Rays in the coordinates of a grid placed by `world_from_grid`: the inverted
+    /// model-view-projection, evaluated once. Directions have length 1 along the eye's axis, so
+    /// that `t` is the distance from the eye plane in world units.
+    pub fn pixel_rays(&self, world_from_grid: &Affine3A) -> PixelRays {
+        let grid_from_eye = (self.eye_from_world * *world_from_grid).inverse();
+        let p = &self.projection;
+        // A point of the picture (cx, cy in clip space) lies on the eye ray (a, b, -1):
+        // cx = p00 a - p20, cy = p11 b - p21.
+        let ray = |cx: f32, cy: f32| {
+            let a = (cx + p.z_axis.x) / p.x_axis.x;
+            let b = (cy + p.z_axis.y) / p.y_axis.y;
+            grid_from_eye.transform_vector3(Vec3::new(a, b, -1.0))
+        };
+        let corner = ray(-1.0, -1.0);
+        let size = self.size.as_vec2();
+        PixelRays {
+            origin: grid_from_eye.translation.into(),
+            corner,
+            step_x: (ray(1.0, -1.0) - corner) / size.x,
+            step_y: (ray(-1.0, 1.0) - corner) / size.y,
+            size: self.size,
+        }
+    }
+
+    /// Maps homogeneous grid coordinates to clip space.
+    pub fn clip_from_grid(&self, world_from_grid: &Affine3A) -> Mat4 {
+        self.projection * Mat4::from(self.eye_from_world * *world_from_grid)
+    }
+
+    /// World position of the eye.
+    pub fn position(&self) -> Vec3 {
+        self.eye_from_world.inverse().translation.into()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::view::Camera;
+    use glam::Vec2;
+
+    /// The ray through a pixel and the projection of a point on that ray must agree.
+    #[test]
+    fn rays_and_projection_are_inverse() {
+        let camera = Camera { eye: Vec3::new(3.0, 2.0, 5.0), ..Camera::default() };
+        let mut eye = camera.eye(UVec2::new(64, 48));
+        eye.projection = Frustum { left: -0.3, right: 0.5, down: -0.2, up: 0.4 }.projection(0.1);
+        let world_from_grid = Affine3A::from_rotation_y(0.7)
+            * Affine3A::from_scale(Vec3::new(1.0, 2.0, 0.5))
+            * Affine3A::from_translation(Vec3::new(-4.0, 1.0, 2.0));
+        let rays = eye.pixel_rays(&world_from_grid);
+        let clip_from_grid = eye.clip_from_grid(&world_from_grid);
+        for (x, y) in [(0, 0), (63, 47), (10, 30)] {
+            let point = rays.origin + rays.direction(x, y) * 3.0;
+            let clip = clip_from_grid * point.extend(1.0);
+            let pixel = (Vec2::new(clip.x, clip.y) / clip.w * 0.5 + 0.5) * eye.size.as_vec2();
+            assert!(pixel.abs_diff_eq(Vec2::new(x as f32 + 0.5, y as f32 + 0.5), 1e-3), "{pixel}");
+            assert!((clip.w - 3.0).abs() < 1e-4, "t is the distance from the eye plane");
+            assert!((clip.z - 0.1).abs() < 1e-5, "reversed depth: z_clip is the near distance");
+        }
+    }
+}
