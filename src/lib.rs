@@ -4,6 +4,7 @@
 
 pub mod command;
 pub mod command_text;
+pub mod config;
 pub mod document;
 pub mod sculpture;
 pub mod surface;
