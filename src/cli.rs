@@ -1,0 +1,164 @@
+//! Owns the command line: arguments in, one of the jobs out, an exit code at the end.
+//!
+//! Exit codes: 0 done, 1 the job failed, 2 wrong arguments, 3 an input file, script or
+//! configuration cannot be used, 4 no usable Vulkan device or display. Results are said on
+//! stdout, everything else on stderr.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+use glam::Vec3;
+
+use crate::config::{Config, RenderMode};
+use crate::headless::{self, JobError};
+
+/// Shape a block of voxels as a sculptor shapes stone.
+#[derive(Parser, Debug)]
+#[command(version, about, long_about = None, args_conflicts_with_subcommands = true)]
+pub struct Cli {
+    /// Sculpture or volume to open in the window (.pvm)
+    pub file: Option<PathBuf>,
+    /// Settings instead of those in ~/.config/virtual-sculpture/config.toml
+    #[arg(long, global = true, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// Write every command of the window to a script, to be replayed with `run`
+    #[arg(long, value_name = "FILE")]
+    pub record: Option<PathBuf>,
+    /// Say nothing but errors and results
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+    #[command(flatten)]
+    pub import: ImportArgs,
+    #[command(subcommand)]
+    pub job: Option<Job>,
+}
+
+#[derive(Subcommand, Debug)]
+pub enum Job {
+    /// Render a file to a PNG, without a display
+    Render {
+        file: PathBuf,
+        /// The PNG to write
+        #[arg(long)]
+        out: PathBuf,
+        #[command(flatten)]
+        picture: PictureArgs,
+        #[command(flatten)]
+        import: ImportArgs,
+    },
+    /// Carry out a script of commands, without a display
+    Run {
+        /// One command a line; see `virtual-sculpture commands`
+        script: PathBuf,
+        /// Sculpture or volume to begin with
+        #[arg(long = "in", value_name = "FILE")]
+        input: Option<PathBuf>,
+        /// Where to save the result
+        #[arg(long = "out", value_name = "FILE")]
+        output: Option<PathBuf>,
+        /// Also render the result to this PNG
+        #[arg(long, value_name = "PNG")]
+        render: Option<PathBuf>,
+        #[command(flatten)]
+        picture: PictureArgs,
+        #[command(flatten)]
+        import: ImportArgs,
+    },
+    /// Read a file and write it in another form
+    Convert {
+        input: PathBuf,
+        output: PathBuf,
+        #[command(flatten)]
+        import: ImportArgs,
+    },
+    /// Say what a file holds
+    Info { file: PathBuf },
+    /// Build the demo scene with a script, render it and save it
+    Demo {
+        /// Folder for demo.png and demo.pvm (made if missing)
+        #[arg(long, default_value = "out", value_name = "DIR")]
+        out: PathBuf,
+        #[command(flatten)]
+        picture: PictureArgs,
+    },
+    /// List the commands of scripts
+    Commands,
+    /// Say what this machine offers: Vulkan devices, gamepads, OpenXR, settings
+    Doctor,
+}
+
+/// How to look at the sculpture and what picture to make.
+#[derive(Args, Debug, Clone)]
+pub struct PictureArgs {
+    /// Picture size in pixels
+    #[arg(long, default_value = "640x480", value_name = "WxH", value_parser = parse_size)]
+    pub size: glam::UVec2,
+    /// How the surface is sampled (default: render.mode of the configuration)
+    #[arg(long, value_enum)]
+    pub mode: Option<RenderMode>,
+    /// 3/4, front, back, left, right, top, bottom, or a direction X,Y,Z from the centre to the eye
+    #[arg(long, default_value = "3/4", value_name = "VIEW", value_parser = parse_direction, allow_hyphen_values = true)]
+    pub camera: Vec3,
+    /// The axis of the grid that points up in the picture: x, y, z, -x, -y or -z
+    #[arg(long, default_value = "y", value_name = "AXIS", value_parser = parse_axis, allow_hyphen_values = true)]
+    pub up: Vec3,
+    /// Degrees by which the sculpture is turned about the up axis
+    #[arg(long, default_value_t = 0.0, value_name = "DEG", allow_hyphen_values = true)]
+    pub turn: f32,
+    /// Factor on the size in the picture; at 1 the whole grid fits
+    #[arg(long, default_value_t = 1.0, value_name = "FACTOR", value_parser = parse_zoom)]
+    pub zoom: f32,
+}
+
+fn parse_size(text: &str) -> Result<glam::UVec2, String> {
+    let size = text.split_once(['x', 'X']).and_then(|(w, h)| {
+        Some(glam::UVec2::new(w.trim().parse().ok()?, h.trim().parse().ok()?))
+    });
+    match size {
+        Some(s) if s.min_element() >= 1 && s.max_element() <= 16384 => Ok(s),
+        _ => Err("write it as WIDTHxHEIGHT, each 1 to 16384".to_string()),
+    }
+}
+
+fn parse_direction(text: &str) -> Result<Vec3, String> {
+    Ok(match text {
+        "3/4" => Vec3::new(0.8, 0.6, 1.0),
+        "front" => Vec3::Z,
+        "back" => Vec3::NEG_Z,
+        "left" => Vec3::NEG_X,
+        "right" => Vec3::X,
+        "top" => Vec3::Y,
+        "bottom" => Vec3::NEG_Y,
+        _ => {
+            let parts: Vec<f32> = text.split(',').filter_map(|p| p.trim().parse().ok()).collect();
+            let direction = <[f32; 3]>::try_from(parts).map(Vec3::from);
+            match direction {
+                Ok(d) if d.is_finite() && d.length_squared() > 1e-12 => d,
+                _ => {
+                    return Err("take 3/4, front, back, left, right, top, bottom, \
+                                or three numbers X,Y,Z that are not all zero"
+                        .to_string());
+                }
+            }
+        }
+    })
+}
+
+fn parse_axis(text: &str) -> Result<Vec3, String> {
+    let (sign, name) = text.strip_prefix('-').map_or((1.0, text), |name| (-1.0, name));
+    let axis = match name {
+        "x" => Vec3::X,
+        "y" => Vec3::Y,
+        "z" => Vec3::Z,
+        _ => return Err("take x, y, z, -x, -y or -z".to_string()),
+    };
+    Ok(sign * axis)
+}
+
+fn parse_zoom(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(zoom) if (0.01..=1000.0).contains(&zoom) => Ok(zoom),
+        _ => Err("must be 0.01 to 1000".to_string()),
+    }
+}
