@@ -88,6 +88,50 @@ pub enum Job {
     Doctor,
 }
 
+/// Runs the program with the arguments of the process.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let filter = tracing_subscriber::EnvFilter::try_from_default_env()
+        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn,virtual_sculpture=info"));
+    tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).init();
+    match dispatch(cli) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(error.exit_code())
+        }
+    }
+}
+
+fn dispatch(cli: Cli) -> Result<(), JobError> {
+    let config = Config::load(cli.config.as_deref())?;
+    let progress = Bar::new(cli.quiet);
+    match cli.job {
+        Some(Job::Render { file, out, picture, import }) => {
+            headless::render(&file, &out, &picture, &import.options()?, &config, &progress)
+        }
+        Some(Job::Run { script, input, output, render, picture, import }) => {
+            let import = import.options()?;
+            let job = RunJob { script, input, output, render, picture, import };
+            headless::run(&job, &config, &progress)
+        }
+        Some(Job::Convert { input, output, import }) => {
+            headless::convert(&input, &output, &import.options()?, &config, &progress)
+        }
+        Some(Job::Info { file }) => headless::info(&file),
+        Some(Job::Demo { out, picture }) => headless::demo(&out, &picture, &config, &progress),
+        Some(Job::Commands) => {
+            headless::commands();
+            Ok(())
+        }
+        Some(Job::Doctor) => {
+            doctor::report(&config);
+            Ok(())
+        }
+        None => window_or_demo(cli, &config, &progress),
+    }
+}
+
 /// How to look at the sculpture and what picture to make.
 #[derive(Args, Debug, Clone)]
 pub struct PictureArgs {

@@ -39,3 +39,139 @@ pub enum JobError {
     #[error("cannot write the picture {path}: {error}")]
     Picture { path: PathBuf, error: image::ImageError },
 }
+
+impl JobError {
+    /// The exit code that [`crate::cli`] promises for this error.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            JobError::Config(_)
+            | JobError::Session(SessionError::Open { .. })
+            | JobError::Info { .. }
+            | JobError::ReadScript { .. }
+            | JobError::Script { .. }
+            | JobError::Command { .. } => 3,
+            JobError::Gpu(_) => 4,
+            JobError::Session(_) | JobError::Folder { .. } | JobError::Picture { .. } => 1,
+        }
+    }
+}
+
+/// Renders a file to a PNG.
+pub fn render(
+    file: &Path,
+    out: &Path,
+    picture: &PictureArgs,
+    import: &ImportOptions,
+    config: &Config,
+    progress: &dyn Progress,
+) -> Result<(), JobError> {
+    let session = Session::open(file, import, config.limits(), progress)?;
+    render_session(session, out, picture, config)
+}
+
+/// Carries out a script; saves and renders the result where asked.
+pub fn run(job: &RunJob, config: &Config, progress: &dyn Progress) -> Result<(), JobError> {
+    let text = std::fs::read_to_string(&job.script)
+        .map_err(|error| JobError::ReadScript { path: job.script.clone(), error })?;
+    let mut session = match &job.input {
+        Some(input) => Session::open(input, &job.import, config.limits(), progress)?,
+        None => Session::new(config)?,
+    };
+    execute_script(&mut session, &text, &job.script, progress)?;
+    describe(session.document());
+    if let Some(output) = &job.output {
+        save(&mut session, output, progress)?;
+    }
+    match &job.render {
+        Some(png) => render_session(session, png, &job.picture, config),
+        None => Ok(()),
+    }
+}
+
+/// What `run` is asked to do.
+#[derive(Debug)]
+pub struct RunJob {
+    pub script: PathBuf,
+    pub input: Option<PathBuf>,
+    pub output: Option<PathBuf>,
+    pub render: Option<PathBuf>,
+    pub picture: PictureArgs,
+    pub import: ImportOptions,
+}
+
+/// Reads a file and writes it in the form that the name of `output` asks for.
+pub fn convert(
+    input: &Path,
+    output: &Path,
+    import: &ImportOptions,
+    config: &Config,
+    progress: &dyn Progress,
+) -> Result<(), JobError> {
+    let mut session = Session::open(input, import, config.limits(), progress)?;
+    describe(session.document());
+    save(&mut session, output, progress)
+}
+
+/// Builds the demo scene and writes `demo.png` and `demo.pvm` into `folder`.
+pub fn demo(
+    folder: &Path,
+    picture: &PictureArgs,
+    config: &Config,
+    progress: &dyn Progress,
+) -> Result<(), JobError> {
+    std::fs::create_dir_all(folder)
+        .map_err(|error| JobError::Folder { path: folder.to_path_buf(), error })?;
+    let mut session = Session::new(config)?;
+    execute_script(&mut session, DEMO_SCRIPT, Path::new("demo.sculpt"), progress)?;
+    describe(session.document());
+    save(&mut session, &folder.join("demo.pvm"), progress)?;
+    render_session(session, &folder.join("demo.png"), picture, config)
+}
+
+/// Prints the commands that scripts know.
+pub fn commands() {
+    for command in COMMANDS {
+        println!("{} {}\n    {}", command.verb, command.usage, command.tooltip);
+    }
+}
+
+fn execute_script(
+    session: &mut Session,
+    text: &str,
+    path: &Path,
+    progress: &dyn Progress,
+) -> Result<(), JobError> {
+    let commands = parse_script(text)
+        .map_err(|error| JobError::Script { path: path.to_path_buf(), error })?;
+    let count = commands.len().max(1) as f32;
+    progress.begin("running the script");
+    for (i, (line, command)) in commands.iter().enumerate() {
+        session.execute(command, &()).map_err(|error| JobError::Command {
+            path: path.to_path_buf(),
+            line: *line,
+            command: command.to_string(),
+            error,
+        })?;
+        progress.advance(i as f32 / count);
+    }
+    progress.end();
+    Ok(())
+}
+
+fn save(session: &mut Session, path: &Path, progress: &dyn Progress) -> Result<(), JobError> {
+    session.execute(&Command::Save { path: path.to_path_buf() }, progress)?;
+    println!("wrote {}", path.display());
+    Ok(())
+}
+
+fn describe(document: &Document) {
+    let (grid, material) = (document.grid(), document.material());
+    let UVec3 { x, y, z } = grid.dims();
+    println!(
+        "sculpture {x}x{y}x{z}, {} of {} voxels, {} bits of colour, {} painted bricks",
+        grid.opaque_count(),
+        u64::from(x) * u64::from(y) * u64::from(z),
+        material.depth().bits(),
+        material.page_count()
+    );
+}
