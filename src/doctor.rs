@@ -1,14 +1,42 @@
 //! Owns `doctor`: what this machine offers to the program, and what to install where something
-//! lacks. It only looks; it changes nothing and fails nowhere.
+//! lacks. It only looks; it changes nothing and never fails.
 
-use crate::config::{Config, personal_file};
+use crate::config::personal_file;
+use crate::screen::headset;
 
-/// Prints a line for each thing the program can use.
-pub fn report(config: &Config) {
+/// Prints what the program can use, a line each.
+pub fn report() {
     println!("virtual-sculpture {}", env!("CARGO_PKG_VERSION"));
     match personal_file() {
         Some(path) if path.exists() => println!("settings: {}", path.display()),
-        Some(path) => println!("settings: defaults ({} does not exist)", path.display()),
-        None => println!("settings: defaults (no HOME)"),
+        Some(path) => println!("settings: the defaults, as {} does not exist", path.display()),
+        None => println!("settings: the defaults, as HOME is not set"),
+    }
+    match std::thread::available_parallelism() {
+        Ok(cores) => println!("processor: {cores} threads"),
+        Err(error) => println!("processor: unknown ({error})"),
+    }
+    gamepads();
+    match headset::probe() {
+        Ok(runtime) => println!(
+            "OpenXR: {} {}{}",
+            runtime.name,
+            runtime.version,
+            if runtime.vulkan { "" } else { ", but it cannot share Vulkan images" }
+        ),
+        Err(reason) => println!("OpenXR: {reason}"),
+    }
+}
+
+fn gamepads() {
+    match gilrs::Gilrs::new() {
+        Ok(pads) => {
+            let names: Vec<String> = pads.gamepads().map(|(_, pad)| pad.name().into()).collect();
+            match names.is_empty() {
+                true => println!("gamepads: none connected"),
+                false => println!("gamepads: {}", names.join(", ")),
+            }
+        }
+        Err(error) => println!("gamepads: not available ({error})"),
     }
 }

@@ -1,0 +1,42 @@
+//! Owns the way to a headset through OpenXR. The loader is a library of the system, loaded when it
+//! is first asked for, so that the program runs where there is none.
+
+use openxr as xr;
+
+/// An OpenXR runtime that answers.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Runtime {
+    pub name: String,
+    pub version: String,
+    /// Whether it can share Vulkan images with the program (`XR_KHR_vulkan_enable2`).
+    pub vulkan: bool,
+}
+
+/// Asks for the runtime of this machine; the error says what lacks.
+pub fn probe() -> Result<Runtime, String> {
+    // SAFETY: loading runs the loader's initialisers; a system's OpenXR loader is trusted as the
+    // Vulkan loader is.
+    let entry = unsafe { xr::Entry::load(&()) }
+        .map_err(|error| format!("no OpenXR loader ({error}); install libopenxr-loader1"))?;
+    let extensions = entry
+        .enumerate_extensions()
+        .map_err(|error| format!("the OpenXR loader finds no runtime ({error}); start one"))?;
+    let application = xr::ApplicationInfo {
+        application_name: "virtual-sculpture",
+        application_version: 1,
+        engine_name: "",
+        engine_version: 0,
+        api_version: xr::Version::new(1, 0, 0),
+    };
+    let instance = entry
+        .create_instance(&application, &xr::ExtensionSet::default(), &[], &())
+        .map_err(|error| format!("the OpenXR runtime does not answer ({error})"))?;
+    let properties = instance
+        .properties()
+        .map_err(|error| format!("the OpenXR runtime does not name itself ({error})"))?;
+    Ok(Runtime {
+        name: properties.runtime_name,
+        version: properties.runtime_version.to_string(),
+        vulkan: extensions.khr_vulkan_enable2,
+    })
+}

@@ -1,0 +1,3 @@
+//! Screens: where eyes come from and where images go.
+
+pub mod headset;
