@@ -1,5 +1,6 @@
 //! Sampling the surface: which voxel is seen through each pixel. Pure CPU code.
 
 pub mod index_map;
+pub mod raycast;
 
 pub use index_map::IndexMap;

@@ -1,0 +1,14 @@
+//! Shading: from an index map to a picture. Pure CPU code.
+//!
+//! A pixel goes through two steps that know nothing of each other: what surface is there (its
+//! normal from [`normal`], its colour from the material), and what light it sends to the eye
+//! ([`light`]). Filters of normals and colours and ambient occlusion belong between the two.
+
+pub mod light;
+pub mod normal;
+pub mod pixels;
+pub mod software;
+
+pub use light::{Light, LightFrame, LightSource, Lighting};
+pub use pixels::Pixels;
+pub use software::{ShadePose, shade};

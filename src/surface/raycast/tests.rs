@@ -1,0 +1,164 @@
+use super::*;
+use glam::UVec2;
+use proptest::prelude::*;
+
+/// The traversal of Amanatides and Woo from the eye, voxel by voxel, by the rules of [`ray`] but
+/// without its code.
+pub(crate) fn naive(grid: &Grid, origin: Vec3, direction: Vec3) -> Option<Hit> {
+    let dir = direction.to_array().map(|d| if d.abs() < 1e-20 { 1e-20 } else { d });
+    let (o, inv) = (origin.to_array(), dir.map(|d| 1.0 / d));
+    let dims = grid.dims().as_ivec3().to_array();
+    let mut cell: [i32; 3] = std::array::from_fn(|a| {
+        if dir[a] > 0.0 { o[a].floor() as i32 } else { o[a].ceil() as i32 - 1 }
+    });
+    let (mut face, mut t) = (IVec3::ZERO, 0.0);
+    loop {
+        if grid.get(IVec3::from(cell)) {
+            return Some(Hit { voxel: IVec3::from(cell).as_uvec3(), face, t });
+        }
+        if (0..3).any(|a| if dir[a] > 0.0 { cell[a] >= dims[a] } else { cell[a] < 0 }) {
+            return None;
+        }
+        let next: [f32; 3] = std::array::from_fn(|a| {
+            let plane = if dir[a] > 0.0 { cell[a] + 1 } else { cell[a] };
+            (plane as f32 - o[a]) * inv[a]
+        });
+        let axis = if next[0] <= next[1] && next[0] <= next[2] {
+            0
+        } else if next[1] <= next[2] {
+            1
+        } else {
+            2
+        };
+        let step = if dir[axis] > 0.0 { 1 } else { -1 };
+        cell[axis] += step;
+        (face, t) = (IVec3::ZERO, next[axis]);
+        face[axis] = -step;
+    }
+}
+
+/// A grid of blobs, plates and dust: empty bricks, full ones and all between.
+fn arb_grid() -> impl Strategy<Value = Grid> {
+    let dims = prop::array::uniform3(prop_oneof![1u32..20, 60u32..100]);
+    let boxes = prop::collection::vec(
+        (prop::array::uniform3(-4i32..100), prop::array::uniform3(1i32..30), any::<bool>()),
+        0..8,
+    );
+    let dust = prop::collection::vec(prop::array::uniform3(0i32..100), 0..40);
+    (dims, boxes, dust).prop_map(|(dims, boxes, dust)| {
+        let mut grid = Grid::new(UVec3::from(dims), Vec3::ONE, 1 << 30).unwrap();
+        for (low, size, exists) in boxes {
+            for z in 0..size[2] {
+                for y in 0..size[1] {
+                    for x in 0..size[0] {
+                        grid.set(IVec3::from(low) + IVec3::new(x, y, z), exists);
+                    }
+                }
+            }
+        }
+        for v in dust {
+            grid.set(IVec3::from(v), true);
+        }
+        grid
+    })
+}
+
+/// A coordinate in and around a grid, often exactly on a voxel plane or in its middle.
+fn arb_coordinate() -> impl Strategy<Value = f32> {
+    prop_oneof![-150f32..250.0, (-150i32..250).prop_map(|v| v as f32 * 0.5), 0f32..100.0]
+}
+
+/// A component of a direction: anything, small integers (ties, zeros, corners), nearly nothing.
+fn arb_component() -> impl Strategy<Value = f32> {
+    prop_oneof![
+        -1f32..1.0,
+        (-2i32..3).prop_map(|v| v as f32),
+        (-2i32..3).prop_map(|v| v as f32),
+        -1e-6f32..1e-6,
+        Just(-0.0),
+    ]
+}
+
+fn arb_vec(component: impl Strategy<Value = f32>) -> impl Strategy<Value = Vec3> {
+    prop::array::uniform3(component).prop_map(Vec3::from)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    #[test]
+    fn cast_is_the_naive_walk(
+        grid in arb_grid(),
+        rays in prop::collection::vec((arb_vec(arb_coordinate()), arb_vec(arb_component())), 100),
+    ) {
+        for (origin, direction) in rays {
+            if direction != Vec3::ZERO {
+                let expected = naive(&grid, origin, direction);
+                prop_assert_eq!(cast(&grid, origin, direction), expected, "{} {}", origin, direction);
+            }
+        }
+    }
+
+    #[test]
+    fn sample_is_the_naive_walk_of_every_pixel(
+        grid in arb_grid(),
+        origin in arb_vec(arb_coordinate()),
+        corner in arb_vec(arb_component()),
+        step_x in arb_vec(arb_component()),
+        step_y in arb_vec(arb_component()),
+        size in prop::array::uniform2(1u32..40),
+        zoom in prop_oneof![Just(1.0f32), Just(0.03f32)],
+    ) {
+        let (step_x, step_y) = (step_x * zoom, step_y * zoom);
+        let rays = PixelRays { origin, corner, step_x, step_y, size: UVec2::from(size) };
+        let mut map = IndexMap::new(rays);
+        sample(&grid, &rays, &mut map);
+        for y in 0..size[1] {
+            for x in 0..size[0] {
+                let direction = rays.direction(x, y);
+                if direction != Vec3::ZERO {
+                    let expected = naive(&grid, origin, direction);
+                    let expected = expected.map(|hit| grid.voxel_index(hit.voxel));
+                    prop_assert_eq!(map.get(x, y), expected, "pixel {} {}", x, y);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn unusable_rays_meet_nothing() {
+    let mut grid = Grid::new(UVec3::splat(8), Vec3::ONE, 1 << 20).unwrap();
+    grid.set(IVec3::splat(4), true);
+    let inside = Vec3::splat(4.5);
+    assert_eq!(cast(&grid, inside, Vec3::ZERO), None);
+    assert_eq!(cast(&grid, inside, Vec3::new(f32::NAN, 1.0, 0.0)), None);
+    assert_eq!(cast(&grid, Vec3::new(f32::INFINITY, 0.0, 0.0), Vec3::X), None);
+    assert_eq!(cast(&grid, inside, Vec3::X).unwrap().t, 0.0);
+}
+
+#[test]
+fn a_rectangle_changes_only_its_pixels() {
+    let mut grid = Grid::new(UVec3::splat(8), Vec3::ONE, 1 << 20).unwrap();
+    grid.fill_bricks(|_| crate::sculpture::Brick::FULL);
+    let rays = PixelRays {
+        origin: Vec3::new(4.0, 4.0, 20.0),
+        corner: Vec3::new(-0.1, 0.1, -1.0),
+        step_x: Vec3::X * 0.01,
+        step_y: Vec3::Y * -0.01,
+        size: UVec2::splat(20),
+    };
+    let mut map = IndexMap::new(rays);
+    let rect = PixelRect { min: UVec2::new(3, 5), max: UVec2::new(9, 100) };
+    sample_rect(&grid, &mut map, rect);
+    let mut whole = IndexMap::new(rays);
+    sample(&grid, &rays, &mut whole);
+    assert_eq!(whole.covered(), 400);
+    for y in 0..20 {
+        for x in 0..20 {
+            let inside = (3..9).contains(&x) && y >= 5;
+            assert_eq!(map.get(x, y), whole.get(x, y).filter(|_| inside));
+        }
+    }
+    sample_rect(&grid, &mut map, PixelRect { min: UVec2::splat(30), max: UVec2::splat(40) });
+}
