@@ -7,7 +7,7 @@
 use glam::{IVec3, UVec3, Vec3};
 use thiserror::Error;
 
-use super::brick::{BRICK_EDGE_VX, Brick};
+use super::brick::{BRICK_EDGE_VX, Brick, local_coords};
 
 /// Longest axis of a grid. Its product over three axes must still leave a `u32` index.
 pub const MAX_AXIS_VX: u32 = 4096;
@@ -271,6 +271,28 @@ impl Grid {
         }
     }
 
+    /// The smallest box that holds every existing voxel, `min` inclusive and `max` exclusive; none
+    /// where there is no voxel.
+    pub fn opaque_bounds(&self) -> Option<(UVec3, UVec3)> {
+        let (mut min, mut max) = (UVec3::MAX, UVec3::ZERO);
+        for (index, brick) in self.bricks.iter().enumerate() {
+            if self.counts[index] == 0 {
+                continue;
+            }
+            let low = self.brick_coords(index) * BRICK_EDGE_VX;
+            // Only a brick that reaches beyond what is known needs a closer look.
+            if low.cmpge(min).all() && (low + BRICK_EDGE_VX).cmple(max).all() {
+                continue;
+            }
+            brick.for_each(|local| {
+                let v = low + UVec3::from(local_coords(local));
+                min = min.min(v);
+                max = max.max(v + 1);
+            });
+        }
+        (self.opaque > 0).then_some((min, max))
+    }
+
     /// Word and bit of the brick at `b` in [`Grid::occupancy`].
     #[inline(always)]
     pub fn occupancy_place(&self, b: UVec3) -> (usize, u32) {
@@ -358,6 +380,10 @@ mod tests {
                 prop_assert_eq!(grid.occupancy()[word] >> bit & 1 != 0, !brick.is_empty());
                 prop_assert_eq!(brick.and_not(&grid.valid_mask(grid.brick_coords(index))), Brick::EMPTY);
             }
+            let low = naive.iter().copied().reduce(IVec3::min);
+            let high = naive.iter().copied().reduce(IVec3::max);
+            let bounds = low.zip(high).map(|(l, h)| (l.as_uvec3(), h.as_uvec3() + 1));
+            prop_assert_eq!(grid.opaque_bounds(), bounds);
             for v in naive { prop_assert!(grid.get(v)); }
             let mut copy = small_grid(grid.dims());
             copy.fill_bricks(|b| grid.bricks()[grid.brick_index(b)]);
