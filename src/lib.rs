@@ -6,6 +6,7 @@ pub mod command;
 pub mod command_text;
 pub mod config;
 pub mod document;
+pub mod gpu;
 pub mod sculpture;
 pub mod shade;
 pub mod surface;

@@ -1,0 +1,155 @@
+//! Owns descriptor set layouts and the sets that name images and buffers to shaders.
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use super::device::Device;
+use super::error::{During, Result};
+use super::retire::Retired;
+
+/// One binding of set 0: number, kind, the stages that see it.
+pub type Binding = (u32, vk::DescriptorType, vk::ShaderStageFlags);
+
+/// The shape of a descriptor set.
+pub struct SetLayout {
+    handle: vk::DescriptorSetLayout,
+    bindings: Vec<Binding>,
+    device: Arc<Device>,
+}
+
+impl SetLayout {
+    pub fn new(device: &Arc<Device>, name: &str, bindings: &[Binding]) -> Result<SetLayout> {
+        let entries: Vec<_> = bindings
+            .iter()
+            .map(|&(binding, kind, stages)| {
+                vk::DescriptorSetLayoutBinding::default()
+                    .binding(binding)
+                    .descriptor_type(kind)
+                    .descriptor_count(1)
+                    .stage_flags(stages)
+            })
+            .collect();
+        let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&entries);
+        // SAFETY: the info is complete.
+        let handle = unsafe { device.raw().create_descriptor_set_layout(&info, None) }
+            .during("create a descriptor set layout")?;
+        device.name(handle, name);
+        Ok(SetLayout { handle, bindings: bindings.to_vec(), device: device.clone() })
+    }
+
+    pub fn handle(&self) -> vk::DescriptorSetLayout {
+        self.handle
+    }
+}
+
+impl Drop for SetLayout {
+    fn drop(&mut self) {
+        self.device.retire(Retired::SetLayout(self.handle));
+    }
+}
+
+/// Sets of one layout. A set may only be written while no submission in flight uses it: keep
+/// one a frame slot, or make new ones.
+pub struct DescriptorSets {
+    pool: vk::DescriptorPool,
+    sets: Vec<vk::DescriptorSet>,
+    device: Arc<Device>,
+}
+
+impl DescriptorSets {
+    pub fn new(
+        device: &Arc<Device>,
+        name: &str,
+        layout: &SetLayout,
+        count: usize,
+    ) -> Result<DescriptorSets> {
+        let sizes: Vec<_> = layout
+            .bindings
+            .iter()
+            .map(|&(_, kind, _)| {
+                vk::DescriptorPoolSize::default().ty(kind).descriptor_count(count as u32)
+            })
+            .collect();
+        let info =
+            vk::DescriptorPoolCreateInfo::default().max_sets(count as u32).pool_sizes(&sizes);
+        // SAFETY: the info is complete.
+        let pool = unsafe { device.raw().create_descriptor_pool(&info, None) }
+            .during("create a descriptor pool")?;
+        let mut made = DescriptorSets { pool, sets: Vec::new(), device: device.clone() };
+        let layouts = vec![layout.handle(); count];
+        let info =
+            vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
+        // SAFETY: pool and layouts live; the pool has room for exactly these.
+        made.sets = unsafe { device.raw().allocate_descriptor_sets(&info) }
+            .during("create descriptor sets")?;
+        for &set in &made.sets {
+            device.name(set, name);
+        }
+        Ok(made)
+    }
+
+    /// The `index`-th set.
+    pub fn set(&self, index: usize) -> vk::DescriptorSet {
+        self.sets[index]
+    }
+
+    /// Names an image that shaders fetch from, in the layout of
+    /// [`crate::gpu::Use::SHADER_READ`].
+    pub fn write_sampled(&self, index: usize, binding: u32, view: vk::ImageView) {
+        let layout = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
+        self.write_image(index, binding, vk::DescriptorType::SAMPLED_IMAGE, view, layout);
+    }
+
+    /// Names an image that compute shaders write, in the layout of
+    /// [`crate::gpu::Use::SHADER_WRITE`].
+    pub fn write_storage(&self, index: usize, binding: u32, view: vk::ImageView) {
+        let layout = vk::ImageLayout::GENERAL;
+        self.write_image(index, binding, vk::DescriptorType::STORAGE_IMAGE, view, layout);
+    }
+
+    fn write_image(
+        &self,
+        index: usize,
+        binding: u32,
+        kind: vk::DescriptorType,
+        view: vk::ImageView,
+        layout: vk::ImageLayout,
+    ) {
+        let images = [vk::DescriptorImageInfo::default().image_view(view).image_layout(layout)];
+        let write = vk::WriteDescriptorSet::default()
+            .dst_set(self.sets[index])
+            .dst_binding(binding)
+            .descriptor_type(kind)
+            .image_info(&images);
+        // SAFETY: set and view are of this device.
+        unsafe { self.device.raw().update_descriptor_sets(&[write], &[]) };
+    }
+
+    /// Names a buffer, or a part of it.
+    pub fn write_buffer(
+        &self,
+        index: usize,
+        binding: u32,
+        kind: vk::DescriptorType,
+        buffer: vk::Buffer,
+        offset: u64,
+        bytes: u64,
+    ) {
+        let buffers =
+            [vk::DescriptorBufferInfo::default().buffer(buffer).offset(offset).range(bytes)];
+        let write = vk::WriteDescriptorSet::default()
+            .dst_set(self.sets[index])
+            .dst_binding(binding)
+            .descriptor_type(kind)
+            .buffer_info(&buffers);
+        // SAFETY: set and buffer are of this device.
+        unsafe { self.device.raw().update_descriptor_sets(&[write], &[]) };
+    }
+}
+
+impl Drop for DescriptorSets {
+    fn drop(&mut self) {
+        self.device.retire(Retired::DescriptorPool(self.pool));
+    }
+}

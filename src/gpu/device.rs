@@ -1,0 +1,327 @@
+//! Owns the Vulkan device, its one queue, its memory allocator, and the order in which things
+//! made from it go.
+//!
+//! There is one constructor for headless work, a window and a headset; they differ in their
+//! [`Host`]. Every owner made from a device keeps an `Arc` of it, so it outlives them all.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use ash::{ext, vk};
+use gpu_allocator::AllocationSizes;
+use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
+
+use super::choice::{Candidate, DeviceChoice, choose};
+use super::error::{During, GpuError, Result};
+use super::host::Host;
+use super::instance::{Instance, Validation};
+use super::retire::{RetireQueue, Retired};
+use super::validation::ValidationLog;
+
+/// How long to wait for the device before saying that it hangs.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// Most semaphores that one submission waits for or signals, besides the timeline.
+pub const MAX_SEMAPHORES: usize = 3;
+
+/// What the person asks for.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct DeviceOptions {
+    pub choice: DeviceChoice,
+    pub validation: Validation,
+}
+
+impl DeviceOptions {
+    /// These options, with validation required where the environment says `VS_VALIDATION=1`.
+    pub fn with_environment(mut self) -> DeviceOptions {
+        if std::env::var_os("VS_VALIDATION").is_some_and(|v| v == "1") {
+            self.validation = Validation::Required;
+        }
+        self
+    }
+}
+
+/// A point in the order of submissions.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Default)]
+pub struct Serial(u64);
+
+struct Queue {
+    raw: vk::Queue,
+    /// Serial of the last submission.
+    submitted: u64,
+}
+
+/// A Vulkan 1.3 device.
+pub struct Device {
+    // Dropped by hand in `Drop`, before the device itself.
+    allocator: Option<Arc<Mutex<Allocator>>>,
+    retired: Mutex<RetireQueue>,
+    queue: Mutex<Queue>,
+    timeline: vk::Semaphore,
+    names: Option<ext::debug_utils::Device>,
+    candidate: Candidate,
+    raw: ash::Device,
+    instance: Arc<Instance>,
+}
+
+impl Device {
+    /// Makes instance and device for `host`.
+    pub fn new(host: &mut dyn Host, options: &DeviceOptions) -> Result<Arc<Device>> {
+        let instance = Instance::new(host, options.validation)?;
+        host.attach(&instance)?;
+        let candidate = choose(&instance, host, &options.choice)?;
+
+        let extensions: Vec<_> = host.device_extensions().iter().map(|e| e.as_ptr()).collect();
+        let queues = [vk::DeviceQueueCreateInfo::default()
+            .queue_family_index(candidate.queue_family)
+            .queue_priorities(&[1.0])];
+        let mut v12 = vk::PhysicalDeviceVulkan12Features::default().timeline_semaphore(true);
+        let mut v13 = vk::PhysicalDeviceVulkan13Features::default()
+            .dynamic_rendering(true)
+            .synchronization2(true);
+        let info = vk::DeviceCreateInfo::default()
+            .queue_create_infos(&queues)
+            .enabled_extension_names(&extensions)
+            .push_next(&mut v12)
+            .push_next(&mut v13);
+        let raw = host.create_device(&instance, candidate.physical, &info)?;
+        // SAFETY: the family was asked for with one queue.
+        let queue = unsafe { raw.get_device_queue(candidate.queue_family, 0) };
+        let names = (instance.validated() && instance.debug_names())
+            .then(|| ext::debug_utils::Device::new(instance.raw(), &raw));
+        let mut device = Device {
+            allocator: None,
+            retired: Mutex::default(),
+            queue: Mutex::new(Queue { raw: queue, submitted: 0 }),
+            timeline: vk::Semaphore::null(),
+            names,
+            candidate,
+            raw,
+            instance,
+        };
+        let mut kind =
+            vk::SemaphoreTypeCreateInfo::default().semaphore_type(vk::SemaphoreType::TIMELINE);
+        let info = vk::SemaphoreCreateInfo::default().push_next(&mut kind);
+        // SAFETY: timeline semaphores were enabled.
+        device.timeline = unsafe { device.raw.create_semaphore(&info, None) }
+            .during("create the queue's timeline")?;
+        device.allocator = Some(Arc::new(Mutex::new(device.make_allocator()?)));
+        device.name(device.timeline, "submissions");
+        tracing::info!("drawing with {}", device.device_name());
+        Ok(Arc::new(device))
+    }
+
+    fn make_allocator(&self) -> Result<Allocator> {
+        const MIB: u64 = 1 << 20;
+        Allocator::new(&AllocatorCreateDesc {
+            instance: self.instance.raw().clone(),
+            device: self.raw.clone(),
+            physical_device: self.candidate.physical,
+            debug_settings: Default::default(),
+            buffer_device_address: false,
+            // Start small: a frame buffer and a grid of 16 MiB should not take a block of 256.
+            allocation_sizes: AllocationSizes::new(16 * MIB, 16 * MIB)
+                .with_max_device_memblock_size(256 * MIB)
+                .with_max_host_memblock_size(64 * MIB),
+        })
+        .map_err(|e| GpuError::Allocation {
+            name: "the allocator".to_string(),
+            reason: e.to_string(),
+        })
+    }
+
+    pub fn raw(&self) -> &ash::Device {
+        &self.raw
+    }
+
+    pub fn instance(&self) -> &Arc<Instance> {
+        &self.instance
+    }
+
+    pub fn physical(&self) -> vk::PhysicalDevice {
+        self.candidate.physical
+    }
+
+    pub fn queue_family(&self) -> u32 {
+        self.candidate.queue_family
+    }
+
+    pub fn limits(&self) -> &vk::PhysicalDeviceLimits {
+        &self.candidate.properties.limits
+    }
+
+    pub fn device_name(&self) -> String {
+        self.candidate.name()
+    }
+
+    /// Whether this is a software renderer, on which copies cost no bus.
+    pub fn is_software(&self) -> bool {
+        self.candidate.properties.device_type == vk::PhysicalDeviceType::CPU
+    }
+
+    /// The allocator, for libraries that allocate themselves; whoever keeps the `Arc` must be
+    /// dropped before the device.
+    pub fn allocator(&self) -> Result<Arc<Mutex<Allocator>>> {
+        self.allocator
+            .clone()
+            .ok_or_else(|| GpuError::Host("the device is being taken down".to_string()))
+    }
+
+    /// Warnings and errors of the validation layers so far, oldest first.
+    pub fn validation_messages(&self) -> Vec<String> {
+        self.instance.validation_log().messages()
+    }
+
+    /// The log itself, readable after the device is gone.
+    pub fn validation_log(&self) -> &Arc<ValidationLog> {
+        self.instance.validation_log()
+    }
+
+    /// Names an object for debuggers and the validation layers.
+    pub fn name<H: vk::Handle>(&self, handle: H, name: &str) {
+        let Some(names) = &self.names else { return };
+        let Ok(name) = std::ffi::CString::new(name) else { return };
+        let info =
+            vk::DebugUtilsObjectNameInfoEXT::default().object_handle(handle).object_name(&name);
+        // SAFETY: the handle is of this device.
+        if let Err(error) = unsafe { names.set_debug_utils_object_name(&info) } {
+            tracing::debug!("could not name an object: {error}");
+        }
+    }
+
+    /// Runs `f` with the queue locked: for presenting, and for libraries that submit themselves.
+    pub fn with_queue<T>(&self, f: impl FnOnce(vk::Queue) -> T) -> T {
+        f(self.lock_queue().raw)
+    }
+
+    /// Hands command buffers to the queue. At most [`MAX_SEMAPHORES`] of each kind.
+    pub fn submit(
+        &self,
+        buffers: &[vk::CommandBuffer],
+        wait: &[vk::SemaphoreSubmitInfo<'_>],
+        signal: &[vk::SemaphoreSubmitInfo<'_>],
+    ) -> Result<Serial> {
+        if buffers.len() > MAX_SEMAPHORES || signal.len() > MAX_SEMAPHORES {
+            return Err(GpuError::Host(format!(
+                "a submission takes at most {MAX_SEMAPHORES} command buffers and semaphores"
+            )));
+        }
+        let mut queue = self.lock_queue();
+        let serial = queue.submitted + 1;
+        let mut commands = [vk::CommandBufferSubmitInfo::default(); MAX_SEMAPHORES];
+        for (info, &buffer) in commands.iter_mut().zip(buffers) {
+            *info = info.command_buffer(buffer);
+        }
+        let mut signals = [vk::SemaphoreSubmitInfo::default(); MAX_SEMAPHORES + 1];
+        signals[0] = signals[0]
+            .semaphore(self.timeline)
+            .value(serial)
+            .stage_mask(vk::PipelineStageFlags2::ALL_COMMANDS);
+        signals[1..=signal.len()].copy_from_slice(signal);
+        let info = vk::SubmitInfo2::default()
+            .command_buffer_infos(&commands[..buffers.len()])
+            .wait_semaphore_infos(wait)
+            .signal_semaphore_infos(&signals[..=signal.len()]);
+        // SAFETY: the queue is locked, the handles are of this device.
+        unsafe { self.raw.queue_submit2(queue.raw, &[info], vk::Fence::null()) }
+            .during("submit work")?;
+        queue.submitted = serial;
+        Ok(Serial(serial))
+    }
+
+    /// Waits until a submission is done.
+    pub fn wait(&self, serial: Serial) -> Result<()> {
+        let semaphores = [self.timeline];
+        let values = [serial.0];
+        let info = vk::SemaphoreWaitInfo::default().semaphores(&semaphores).values(&values);
+        // SAFETY: the semaphore is of this device and lives.
+        match unsafe { self.raw.wait_semaphores(&info, PATIENCE.as_nanos() as u64) } {
+            Err(vk::Result::TIMEOUT) => Err(GpuError::Timeout(PATIENCE.as_secs())),
+            result => result.during("wait for the device"),
+        }
+    }
+
+    /// Whether a submission is done.
+    pub fn is_done(&self, serial: Serial) -> Result<bool> {
+        Ok(self.reached()? >= serial.0)
+    }
+
+    fn reached(&self) -> Result<u64> {
+        // SAFETY: the semaphore is of this device and lives.
+        unsafe { self.raw.get_semaphore_counter_value(self.timeline) }
+            .during("ask how far the device is")
+    }
+
+    /// Waits until nothing is in flight, and frees what has retired.
+    pub fn wait_idle(&self) -> Result<()> {
+        {
+            let _queue = self.lock_queue();
+            // SAFETY: the queue is locked.
+            unsafe { self.raw.device_wait_idle() }.during("wait for the device")?;
+        }
+        self.collect()
+    }
+
+    /// Destroys what has retired and is no longer in use. Called at each frame's beginning.
+    pub fn collect(&self) -> Result<()> {
+        let reached = self.reached()?;
+        let mut retired = self.lock_retired();
+        if retired.len() == 0 {
+            return Ok(());
+        }
+        let Some(allocator) = &self.allocator else { return Ok(()) };
+        let mut allocator = allocator.lock().unwrap_or_else(PoisonError::into_inner);
+        while let Some(object) = retired.take(reached) {
+            object.destroy(&self.raw, &mut allocator);
+        }
+        Ok(())
+    }
+
+    /// Has `destroy` called once all that is submitted or being recorded now is done.
+    pub fn retire_with(&self, destroy: impl FnOnce(&ash::Device) + Send + 'static) {
+        self.retire(Retired::Call(Box::new(destroy)));
+    }
+
+    pub(super) fn retire(&self, object: Retired) {
+        let submitted = self.lock_queue().submitted;
+        self.lock_retired().push(submitted, object);
+    }
+
+    pub(super) fn recording_begun(&self) {
+        self.lock_retired().recording_begun();
+    }
+
+    pub(super) fn recording_ended(&self) {
+        let submitted = self.lock_queue().submitted;
+        self.lock_retired().recording_ended(submitted);
+    }
+
+    fn lock_queue(&self) -> MutexGuard<'_, Queue> {
+        self.queue.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn lock_retired(&self) -> MutexGuard<'_, RetireQueue> {
+        self.retired.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Drop for Device {
+    fn drop(&mut self) {
+        // A lost device reports an error here and may be destroyed all the same.
+        // SAFETY: nobody else has the device any more.
+        if let Err(error) = unsafe { self.raw.device_wait_idle() } {
+            tracing::warn!("the device did not come to rest: {error}");
+        }
+        if let Some(allocator) = self.allocator.take() {
+            let mut guard = allocator.lock().unwrap_or_else(PoisonError::into_inner);
+            while let Some(object) = self.lock_retired().take_any() {
+                object.destroy(&self.raw, &mut guard);
+            }
+        }
+        // SAFETY: idle, and every owner made from the device is gone.
+        unsafe {
+            self.raw.destroy_semaphore(self.timeline, None);
+            self.raw.destroy_device(None);
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! Owns what can go wrong with Vulkan, said so that the person knows what is missing and what
+//! to do about it. Nothing here panics: a lost device and exhausted memory are values.
+
+use ash::vk;
+use thiserror::Error;
+
+pub type Result<T> = std::result::Result<T, GpuError>;
+
+#[derive(Debug, Error)]
+pub enum GpuError {
+    #[error(
+        "no Vulkan loader found ({0}); install it (Debian, Ubuntu: libvulkan1; Fedora: \
+         vulkan-loader) and a driver (mesa-vulkan-drivers)"
+    )]
+    NoLoader(String),
+    #[error("the Vulkan loader speaks only {0}; version 1.3 is needed, update libvulkan1")]
+    LoaderVersion(String),
+    #[error(
+        "the Vulkan validation layer was asked for but is not installed \
+         (Debian, Ubuntu: vulkan-validationlayers)"
+    )]
+    NoValidation,
+    #[error("the Vulkan loader lacks the instance extension {0}, which {1} needs")]
+    InstanceExtension(String, String),
+    #[error(
+        "no Vulkan device found; install a driver (Debian, Ubuntu: mesa-vulkan-drivers, which \
+         also brings the software renderer lavapipe)"
+    )]
+    NoDevice,
+    #[error("no Vulkan device can be used: {0}")]
+    NoneSuitable(String),
+    #[error("no Vulkan device matches `{wanted}`; there are: {available}")]
+    NoSuchDevice { wanted: String, available: String },
+    #[error("no memory left to {0}; close other programs or choose a smaller sculpture")]
+    OutOfMemory(&'static str),
+    #[error(
+        "the graphics device was lost while it was to {0} (driver reset or unplugged); \
+         restart the program"
+    )]
+    DeviceLost(&'static str),
+    #[error("the graphics device did not finish within {0} s")]
+    Timeout(u64),
+    #[error("Vulkan could not {doing}: {result}")]
+    Vulkan { doing: &'static str, result: vk::Result },
+    #[error("could not place memory for {name}: {reason}")]
+    Allocation { name: String, reason: String },
+    /// A limit of the device, with the limit's Vulkan name.
+    #[error("{what} needs {needed}, more than this device's {limit} of {allowed}")]
+    Limit { what: String, needed: u64, limit: &'static str, allowed: u64 },
+    #[error("{0}")]
+    Host(String),
+}
+
+impl GpuError {
+    /// A Vulkan result of the step "to ...".
+    pub fn vulkan(doing: &'static str, result: vk::Result) -> GpuError {
+        match result {
+            vk::Result::ERROR_OUT_OF_HOST_MEMORY | vk::Result::ERROR_OUT_OF_DEVICE_MEMORY => {
+                GpuError::OutOfMemory(doing)
+            }
+            vk::Result::ERROR_DEVICE_LOST => GpuError::DeviceLost(doing),
+            result => GpuError::Vulkan { doing, result },
+        }
+    }
+}
+
+/// Names the step that a Vulkan call was part of: `.during("create a fence")`.
+pub trait During<T> {
+    fn during(self, doing: &'static str) -> Result<T>;
+}
+
+impl<T> During<T> for ash::prelude::VkResult<T> {
+    fn during(self, doing: &'static str) -> Result<T> {
+        self.map_err(|result| GpuError::vulkan(doing, result))
+    }
+}

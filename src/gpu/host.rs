@@ -1,0 +1,172 @@
+//! Owns the differences between the places that a device is made for: headless, a window, and
+//! a headset, whose runtime makes instance and device itself (XR_KHR_vulkan_enable2) through
+//! the hooks of [`Host`].
+
+use std::ffi::{CStr, CString};
+use std::sync::Arc;
+
+use ash::{khr, vk};
+use winit::raw_window_handle::{HasDisplayHandle, HasWindowHandle};
+
+use super::error::{During, GpuError, Result};
+use super::instance::Instance;
+
+/// What [`crate::gpu::Device::new`] asks of the place that it makes a device for, in this order.
+pub trait Host {
+    /// For messages: "a window".
+    fn name(&self) -> &'static str;
+
+    fn instance_extensions(&self) -> Result<Vec<CString>> {
+        Ok(Vec::new())
+    }
+
+    /// Makes the instance. A headset's runtime does it in our place.
+    fn create_instance(
+        &mut self,
+        entry: &ash::Entry,
+        info: &vk::InstanceCreateInfo<'_>,
+    ) -> Result<ash::Instance> {
+        // SAFETY: `info` and all that it points to are alive.
+        match unsafe { entry.create_instance(info, None) } {
+            // What loaders say where no driver is installed.
+            Err(vk::Result::ERROR_INCOMPATIBLE_DRIVER) => Err(GpuError::NoDevice),
+            result => result.during("create the instance"),
+        }
+    }
+
+    /// Called once the instance is there; a window makes its surface.
+    fn attach(&mut self, _instance: &Arc<Instance>) -> Result<()> {
+        Ok(())
+    }
+
+    /// The one device that will do, where the host prescribes it.
+    fn prescribed_device(&mut self, _instance: &Instance) -> Result<Option<vk::PhysicalDevice>> {
+        Ok(None)
+    }
+
+    /// Whether the host can show what this queue family draws.
+    fn can_show(&self, _device: vk::PhysicalDevice, _queue_family: u32) -> Result<bool> {
+        Ok(true)
+    }
+
+    fn device_extensions(&self) -> Vec<&'static CStr> {
+        Vec::new()
+    }
+
+    /// Makes the device. A headset's runtime does it in our place.
+    fn create_device(
+        &mut self,
+        instance: &Instance,
+        physical: vk::PhysicalDevice,
+        info: &vk::DeviceCreateInfo<'_>,
+    ) -> Result<ash::Device> {
+        // SAFETY: `info` and all that it points to are alive, `physical` is of this instance.
+        unsafe { instance.raw().create_device(physical, info, None) }.during("create the device")
+    }
+}
+
+/// No screen: pictures go to memory.
+#[derive(Default)]
+pub struct Headless;
+
+impl Host for Headless {
+    fn name(&self) -> &'static str {
+        "headless work"
+    }
+}
+
+/// A window and, once the device is made, its surface.
+pub struct WindowHost<W> {
+    window: Arc<W>,
+    surface: Option<Surface>,
+}
+
+impl<W: HasDisplayHandle + HasWindowHandle + 'static> WindowHost<W> {
+    pub fn new(window: Arc<W>) -> WindowHost<W> {
+        WindowHost { window, surface: None }
+    }
+
+    /// The surface, after `Device::new` has returned.
+    pub fn into_surface(self) -> Result<Surface> {
+        self.surface.ok_or_else(|| GpuError::Host("the window has no surface yet".to_string()))
+    }
+}
+
+impl<W: HasDisplayHandle + HasWindowHandle + 'static> Host for WindowHost<W> {
+    fn name(&self) -> &'static str {
+        "a window"
+    }
+
+    fn instance_extensions(&self) -> Result<Vec<CString>> {
+        let display = self.window.display_handle().map_err(|e| handle_error(&e))?;
+        let names = ash_window::enumerate_required_extensions(display.as_raw())
+            .during("find the surface extensions of this display")?;
+        // SAFETY: ash-window gives pointers to static NUL-terminated names.
+        Ok(names.iter().map(|&name| unsafe { CStr::from_ptr(name) }.to_owned()).collect())
+    }
+
+    fn attach(&mut self, instance: &Arc<Instance>) -> Result<()> {
+        let display = self.window.display_handle().map_err(|e| handle_error(&e))?;
+        let window = self.window.window_handle().map_err(|e| handle_error(&e))?;
+        // SAFETY: the handles are of a live window, which the surface keeps alive.
+        let handle = unsafe {
+            ash_window::create_surface(
+                instance.entry(),
+                instance.raw(),
+                display.as_raw(),
+                window.as_raw(),
+                None,
+            )
+        }
+        .during("create the window's surface")?;
+        self.surface = Some(Surface {
+            handle,
+            loader: khr::surface::Instance::new(instance.entry(), instance.raw()),
+            _instance: instance.clone(),
+            _window: self.window.clone(),
+        });
+        Ok(())
+    }
+
+    fn can_show(&self, device: vk::PhysicalDevice, queue_family: u32) -> Result<bool> {
+        let Some(surface) = &self.surface else { return Ok(false) };
+        // SAFETY: device and surface are of the same instance.
+        unsafe {
+            surface.loader.get_physical_device_surface_support(device, queue_family, surface.handle)
+        }
+        .during("ask whether the device can draw to the window")
+    }
+
+    fn device_extensions(&self) -> Vec<&'static CStr> {
+        vec![khr::swapchain::NAME]
+    }
+}
+
+/// A window's surface; keeps window and instance alive.
+pub struct Surface {
+    handle: vk::SurfaceKHR,
+    loader: khr::surface::Instance,
+    _instance: Arc<Instance>,
+    _window: Arc<dyn std::any::Any>,
+}
+
+impl Surface {
+    pub fn handle(&self) -> vk::SurfaceKHR {
+        self.handle
+    }
+
+    pub fn loader(&self) -> &khr::surface::Instance {
+        &self.loader
+    }
+}
+
+impl Drop for Surface {
+    fn drop(&mut self) {
+        // SAFETY: the swapchain made from it is dropped before (its owner's duty).
+        unsafe { self.loader.destroy_surface(self.handle, None) };
+    }
+}
+
+fn handle_error(error: &winit::raw_window_handle::HandleError) -> GpuError {
+    GpuError::Host(format!("the window gives no handle: {error}"))
+}

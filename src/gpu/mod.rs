@@ -1,0 +1,67 @@
+//! Vulkan objects and their lifetimes: device, memory, commands, pipelines, the way up and down.
+//!
+//! Knows Vulkan 1.3 and nothing of sculptures. Owns no policy: `render` says what to draw,
+//! `screen` where it goes.
+//!
+//! # How to use it
+//!
+//! ```no_run
+//! use virtual_sculpture::gpu::{Device, DeviceOptions, Frames, Headless};
+//!
+//! # fn main() -> virtual_sculpture::gpu::Result<()> {
+//! let device = Device::new(&mut Headless, &DeviceOptions::default().with_environment())?;
+//! let mut frames = Frames::new(&device)?;
+//! let recorder = frames.begin()?; // waits until this slot's last frame is done
+//! // recorder.image_barrier(..), begin_rendering(..), bind_pipeline(..), draw(..)
+//! let serial = frames.submit(recorder, &[], &[])?;
+//! device.wait(serial)?;
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! For a window, `WindowHost::new(Arc<Window>)` is the host; after `Device::new(&mut host, ..)`
+//! the surface is `host.into_surface()`. A swapchain is made by `screen` from the surface and
+//! `Device::raw`; its semaphores go to [`Frames::submit`], presenting happens in
+//! [`Device::with_queue`]. A headset implements [`Host`], whose hooks hand over the making of
+//! instance and device.
+//!
+//! Rules:
+//! - Owners ([`Buffer`], [`Image`], [`Pipeline`], ...) keep the device alive and may be dropped
+//!   at any time: what the device may still use waits in the retire queue. Anything else can
+//!   be put there with [`Device::retire_with`].
+//! - What the CPU writes each frame has one copy a frame slot ([`Frames::slot`]): [`Staging`] for
+//!   data, [`DescriptorSets`] with [`FRAMES_IN_FLIGHT`] sets.
+//! - Depth is reversed: clear to 0, nearer is greater ([`Depth::NEARER`]).
+//! - Every failure is a [`GpuError`]; [`GpuError::DeviceLost`] asks for a new device.
+//! - Tests ask for [`Validation::IfAvailable`] and assert that
+//!   [`Device::validation_messages`] is empty.
+
+mod choice;
+mod commands;
+mod descriptors;
+mod device;
+mod error;
+mod host;
+mod instance;
+mod memory;
+mod pipeline;
+mod readback;
+mod retire;
+pub mod shaders;
+mod upload;
+mod validation;
+
+pub use choice::DeviceChoice;
+pub use commands::{Attachment, FRAMES_IN_FLIGHT, Frames, Load, Recorder, Use, run_once};
+pub use descriptors::{Binding, DescriptorSets, SetLayout};
+pub use device::{Device, DeviceOptions, MAX_SEMAPHORES, Serial};
+pub use error::{During, GpuError, Result};
+pub use host::{Headless, Host, Surface, WindowHost};
+pub use instance::{Instance, Validation};
+pub use memory::{Buffer, Image, ImageInfo, ImagePart, MemoryLocation};
+pub use pipeline::{
+    Attribute, Blend, Depth, Graphics, MAX_PUSH_BYTES, Pipeline, PipelineLayout, Vertices,
+};
+pub use readback::{Readback, read_image_once};
+pub use upload::{Piece, Staging};
+pub use validation::ValidationLog;

@@ -1,0 +1,311 @@
+//! Owns pipelines and their layouts, made from plain structs.
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use super::descriptors::SetLayout;
+use super::device::Device;
+use super::error::{During, GpuError, Result};
+use super::retire::Retired;
+
+/// Push constants that every Vulkan device has room for, in bytes.
+pub const MAX_PUSH_BYTES: u32 = 128;
+
+/// What a pipeline is bound with: at most one descriptor set and one block of push constants.
+pub struct PipelineLayout {
+    handle: vk::PipelineLayout,
+    push_stages: vk::ShaderStageFlags,
+    device: Arc<Device>,
+}
+
+impl PipelineLayout {
+    /// `push`: the stages that see the push constants, and their size.
+    pub fn new(
+        device: &Arc<Device>,
+        name: &str,
+        set: Option<&SetLayout>,
+        push: Option<(vk::ShaderStageFlags, usize)>,
+    ) -> Result<Arc<PipelineLayout>> {
+        let sets: Vec<_> = set.map(SetLayout::handle).into_iter().collect();
+        let (push_stages, bytes) = push.unwrap_or_default();
+        let bytes = bytes as u32;
+        if bytes > MAX_PUSH_BYTES {
+            return Err(GpuError::Limit {
+                what: format!("the push constants of {name}"),
+                needed: u64::from(bytes),
+                limit: "maxPushConstantsSize",
+                allowed: u64::from(MAX_PUSH_BYTES),
+            });
+        }
+        let ranges = [vk::PushConstantRange { stage_flags: push_stages, offset: 0, size: bytes }];
+        let info = vk::PipelineLayoutCreateInfo::default()
+            .set_layouts(&sets)
+            .push_constant_ranges(&ranges[..usize::from(bytes > 0)]);
+        // SAFETY: the info is complete and its handles live.
+        let handle = unsafe { device.raw().create_pipeline_layout(&info, None) }
+            .during("create a pipeline layout")?;
+        device.name(handle, name);
+        Ok(Arc::new(PipelineLayout { handle, push_stages, device: device.clone() }))
+    }
+
+    pub fn handle(&self) -> vk::PipelineLayout {
+        self.handle
+    }
+
+    pub fn push_stages(&self) -> vk::ShaderStageFlags {
+        self.push_stages
+    }
+}
+
+impl Drop for PipelineLayout {
+    fn drop(&mut self) {
+        self.device.retire(Retired::PipelineLayout(self.handle));
+    }
+}
+
+/// How drawn colours meet what is there.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Blend {
+    /// They replace it.
+    #[default]
+    Replace,
+    /// By their alpha; colours are not premultiplied.
+    Alpha,
+    /// They only touch the depth.
+    DepthOnly,
+}
+
+/// How the depth buffer (reversed: nearer is greater) is used.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Depth {
+    pub format: vk::Format,
+    pub compare: vk::CompareOp,
+    pub write: bool,
+}
+
+impl Depth {
+    /// Nearer fragments win and leave their depth. Clear to 0.
+    pub const NEARER: Depth =
+        Depth { format: vk::Format::D32_SFLOAT, compare: vk::CompareOp::GREATER, write: true };
+    /// Nearer fragments show and leave the depth as it was: for what is transparent.
+    pub const TEST_ONLY: Depth = Depth {
+        format: vk::Format::D32_SFLOAT,
+        compare: vk::CompareOp::GREATER_OR_EQUAL,
+        write: false,
+    };
+    /// Every fragment wins and leaves its depth.
+    pub const OVERWRITE: Depth =
+        Depth { format: vk::Format::D32_SFLOAT, compare: vk::CompareOp::ALWAYS, write: true };
+}
+
+/// One input of the vertex shader, from the one vertex buffer.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Attribute {
+    pub location: u32,
+    pub format: vk::Format,
+    /// Bytes from the beginning of a vertex.
+    pub offset: usize,
+}
+
+/// The vertex buffer: bytes from one vertex or instance to the next, and what they hold.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Vertices<'a> {
+    pub stride: usize,
+    pub per_instance: bool,
+    pub attributes: &'a [Attribute],
+}
+
+/// Everything about a graphics pipeline. Viewport and scissor are set when drawing.
+#[derive(Clone, Copy)]
+pub struct Graphics<'a> {
+    pub name: &'a str,
+    /// SPIR-V with the entry point `main`, from [`crate::gpu::shaders`].
+    pub vertex: &'a [u32],
+    pub fragment: &'a [u32],
+    pub layout: &'a Arc<PipelineLayout>,
+    pub vertices: Option<Vertices<'a>>,
+    pub topology: vk::PrimitiveTopology,
+    pub cull: vk::CullModeFlags,
+    pub colour: Option<(vk::Format, Blend)>,
+    pub depth: Option<Depth>,
+}
+
+/// A graphics or compute pipeline; keeps its layout.
+pub struct Pipeline {
+    handle: vk::Pipeline,
+    bind_point: vk::PipelineBindPoint,
+    layout: Arc<PipelineLayout>,
+    device: Arc<Device>,
+}
+
+impl Pipeline {
+    pub fn graphics(device: &Arc<Device>, of: &Graphics<'_>) -> Result<Pipeline> {
+        let modules = [Module::new(device, of.vertex)?, Module::new(device, of.fragment)?];
+        let stages = [
+            modules[0].stage(vk::ShaderStageFlags::VERTEX),
+            modules[1].stage(vk::ShaderStageFlags::FRAGMENT),
+        ];
+        let (bindings, attributes) = vertex_input(of.vertices);
+        let input = vk::PipelineVertexInputStateCreateInfo::default()
+            .vertex_binding_descriptions(&bindings)
+            .vertex_attribute_descriptions(&attributes);
+        let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(of.topology);
+        let viewport =
+            vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
+        let raster = vk::PipelineRasterizationStateCreateInfo::default()
+            .polygon_mode(vk::PolygonMode::FILL)
+            .cull_mode(of.cull)
+            .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
+            .line_width(1.0);
+        let samples = vk::PipelineMultisampleStateCreateInfo::default()
+            .rasterization_samples(vk::SampleCountFlags::TYPE_1);
+        let mut depth_state = vk::PipelineDepthStencilStateCreateInfo::default();
+        let mut formats = vk::PipelineRenderingCreateInfo::default();
+        if let Some(depth) = of.depth {
+            depth_state = depth_state
+                .depth_test_enable(true)
+                .depth_write_enable(depth.write)
+                .depth_compare_op(depth.compare);
+            formats = formats.depth_attachment_format(depth.format);
+        }
+        let colour_formats: Vec<_> = of.colour.iter().map(|c| c.0).collect();
+        let blends: Vec<_> = of.colour.iter().map(|c| blend_state(c.1)).collect();
+        let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blends);
+        formats = formats.color_attachment_formats(&colour_formats);
+        let dynamic_states = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
+        let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&dynamic_states);
+        let info = vk::GraphicsPipelineCreateInfo::default()
+            .stages(&stages)
+            .vertex_input_state(&input)
+            .input_assembly_state(&assembly)
+            .viewport_state(&viewport)
+            .rasterization_state(&raster)
+            .multisample_state(&samples)
+            .depth_stencil_state(&depth_state)
+            .color_blend_state(&blend)
+            .dynamic_state(&dynamic)
+            .layout(of.layout.handle())
+            .push_next(&mut formats);
+        // SAFETY: the info is complete and all it points to lives.
+        let made = unsafe {
+            device.raw().create_graphics_pipelines(vk::PipelineCache::null(), &[info], None)
+        };
+        Pipeline::wrap(device, of.name, made, vk::PipelineBindPoint::GRAPHICS, of.layout)
+    }
+
+    /// `shader`: SPIR-V with the entry point `main`.
+    pub fn compute(
+        device: &Arc<Device>,
+        name: &str,
+        shader: &[u32],
+        layout: &Arc<PipelineLayout>,
+    ) -> Result<Pipeline> {
+        let module = Module::new(device, shader)?;
+        let info = vk::ComputePipelineCreateInfo::default()
+            .stage(module.stage(vk::ShaderStageFlags::COMPUTE))
+            .layout(layout.handle());
+        // SAFETY: the info is complete and all it points to lives.
+        let made = unsafe {
+            device.raw().create_compute_pipelines(vk::PipelineCache::null(), &[info], None)
+        };
+        Pipeline::wrap(device, name, made, vk::PipelineBindPoint::COMPUTE, layout)
+    }
+
+    fn wrap(
+        device: &Arc<Device>,
+        name: &str,
+        made: std::result::Result<Vec<vk::Pipeline>, (Vec<vk::Pipeline>, vk::Result)>,
+        bind_point: vk::PipelineBindPoint,
+        layout: &Arc<PipelineLayout>,
+    ) -> Result<Pipeline> {
+        let handle = made.map_err(|(_, result)| result).during("create a pipeline")?[0];
+        device.name(handle, name);
+        Ok(Pipeline { handle, bind_point, layout: layout.clone(), device: device.clone() })
+    }
+
+    pub fn handle(&self) -> vk::Pipeline {
+        self.handle
+    }
+
+    pub fn bind_point(&self) -> vk::PipelineBindPoint {
+        self.bind_point
+    }
+
+    pub fn layout(&self) -> &Arc<PipelineLayout> {
+        &self.layout
+    }
+}
+
+impl Drop for Pipeline {
+    fn drop(&mut self) {
+        self.device.retire(Retired::Pipeline(self.handle));
+    }
+}
+
+/// A shader module, needed only while a pipeline is made.
+struct Module<'a> {
+    handle: vk::ShaderModule,
+    device: &'a Device,
+}
+
+impl<'a> Module<'a> {
+    fn new(device: &'a Device, words: &[u32]) -> Result<Module<'a>> {
+        let info = vk::ShaderModuleCreateInfo::default().code(words);
+        // SAFETY: the words are SPIR-V that naga has validated.
+        let handle = unsafe { device.raw().create_shader_module(&info, None) }
+            .during("create a shader module")?;
+        Ok(Module { handle, device })
+    }
+
+    fn stage(&self, stage: vk::ShaderStageFlags) -> vk::PipelineShaderStageCreateInfo<'_> {
+        vk::PipelineShaderStageCreateInfo::default().stage(stage).module(self.handle).name(c"main")
+    }
+}
+
+impl Drop for Module<'_> {
+    fn drop(&mut self) {
+        // SAFETY: pipelines do not need their modules once made.
+        unsafe { self.device.raw().destroy_shader_module(self.handle, None) };
+    }
+}
+
+type VertexInput =
+    (Vec<vk::VertexInputBindingDescription>, Vec<vk::VertexInputAttributeDescription>);
+
+fn vertex_input(vertices: Option<Vertices<'_>>) -> VertexInput {
+    let Some(vertices) = vertices else { return Default::default() };
+    let input_rate = if vertices.per_instance {
+        vk::VertexInputRate::INSTANCE
+    } else {
+        vk::VertexInputRate::VERTEX
+    };
+    let stride = vertices.stride as u32;
+    let bindings = vec![vk::VertexInputBindingDescription { binding: 0, stride, input_rate }];
+    let attributes = vertices
+        .attributes
+        .iter()
+        .map(|a| vk::VertexInputAttributeDescription {
+            location: a.location,
+            binding: 0,
+            format: a.format,
+            offset: a.offset as u32,
+        })
+        .collect();
+    (bindings, attributes)
+}
+
+fn blend_state(blend: Blend) -> vk::PipelineColorBlendAttachmentState {
+    let state = vk::PipelineColorBlendAttachmentState::default()
+        .color_write_mask(vk::ColorComponentFlags::RGBA);
+    match blend {
+        Blend::Replace => state,
+        Blend::Alpha => state
+            .blend_enable(true)
+            .src_color_blend_factor(vk::BlendFactor::SRC_ALPHA)
+            .dst_color_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA)
+            .src_alpha_blend_factor(vk::BlendFactor::ONE)
+            .dst_alpha_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA),
+        Blend::DepthOnly => state.color_write_mask(vk::ColorComponentFlags::empty()),
+    }
+}

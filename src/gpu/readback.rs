@@ -1,0 +1,100 @@
+//! Owns the way from the device to the CPU: one mapped buffer per frame in flight, so that a
+//! picture may be fetched at once or a frame later.
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use super::commands::{FRAMES_IN_FLIGHT, Recorder, Use};
+use super::device::{Device, Serial};
+use super::error::{GpuError, Result};
+use super::memory::{Buffer, ImagePart, MemoryLocation};
+
+/// Pictures on their way to the CPU, one a slot.
+pub struct Readback {
+    name: String,
+    slots: Vec<Slot>,
+    device: Arc<Device>,
+}
+
+#[derive(Default)]
+struct Slot {
+    buffer: Option<Buffer>,
+    /// Of the picture recorded last.
+    bytes: u64,
+    serial: Serial,
+}
+
+impl Readback {
+    /// Buffers are made when first needed.
+    pub fn new(device: &Arc<Device>, name: &str) -> Readback {
+        let slots = (0..FRAMES_IN_FLIGHT).map(|_| Slot::default()).collect();
+        Readback { name: name.to_string(), slots, device: device.clone() }
+    }
+
+    /// Records the copy of one layer, `size` texels of `texel_bytes`, in the layout of
+    /// [`Use::COPY_SOURCE`], to `slot`.
+    pub fn record(
+        &mut self,
+        recorder: &mut Recorder,
+        slot: usize,
+        part: ImagePart,
+        size: [u32; 3],
+        texel_bytes: u64,
+    ) -> Result<()> {
+        let bytes = size.iter().map(|&n| u64::from(n)).product::<u64>() * texel_bytes;
+        let count = self.slots.len();
+        let slot = &mut self.slots[slot % count];
+        if slot.buffer.as_ref().is_none_or(|b| b.bytes() < bytes) {
+            slot.buffer = Some(Buffer::new(
+                &self.device,
+                &self.name,
+                bytes,
+                vk::BufferUsageFlags::TRANSFER_DST,
+                MemoryLocation::GpuToCpu,
+            )?);
+        }
+        slot.bytes = bytes;
+        let Some(buffer) = &slot.buffer else { return Ok(()) };
+        let copy = vk::BufferImageCopy::default()
+            .image_subresource(part.copy_layers())
+            .image_extent(vk::Extent3D { width: size[0], height: size[1], depth: size[2] });
+        recorder.copy_from_image(part, buffer.handle(), &[copy]);
+        recorder.buffer_barrier(Use::COPY_TARGET, Use::HOST_READ);
+        Ok(())
+    }
+
+    /// Says which submission carries the copy to `slot`.
+    pub fn submitted(&mut self, slot: usize, serial: Serial) {
+        let count = self.slots.len();
+        self.slots[slot % count].serial = serial;
+    }
+
+    /// Waits for the copy to `slot` and gives its bytes, row by row.
+    pub fn wait(&self, slot: usize) -> Result<&[u8]> {
+        let slot = &self.slots[slot % self.slots.len()];
+        self.device.wait(slot.serial)?;
+        match &slot.buffer {
+            Some(buffer) => Ok(&buffer.mapped()[..slot.bytes as usize]),
+            None => Err(GpuError::Host(format!("nothing was read back for {}", self.name))),
+        }
+    }
+}
+
+/// Reads one layer of an image back and waits. `from` is its present use, which it returns to.
+pub fn read_image_once(
+    device: &Arc<Device>,
+    part: ImagePart,
+    size: [u32; 3],
+    texel_bytes: u64,
+    from: Use,
+) -> Result<Vec<u8>> {
+    let mut readback = Readback::new(device, "read once");
+    super::commands::run_once(device, |recorder| {
+        recorder.image_barrier(part, from, Use::COPY_SOURCE);
+        readback.record(recorder, 0, part, size, texel_bytes)?;
+        recorder.image_barrier(part, Use::COPY_SOURCE, from);
+        Ok(())
+    })?;
+    readback.wait(0).map(<[u8]>::to_vec)
+}

@@ -1,0 +1,205 @@
+//! The device, its memory and its frames; and what is said when it cannot be had.
+
+use std::process::Command;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use ash::vk;
+use virtual_sculpture::gpu::{
+    Attachment, Device, DeviceChoice, DeviceOptions, FRAMES_IN_FLIGHT, Frames, GpuError, Headless,
+    Image, ImageInfo, Load, Readback, Staging, Use, Validation, read_image_once, run_once,
+};
+
+use crate::fixture::with_device;
+
+const COLOUR: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
+    vk::ImageUsageFlags::COLOR_ATTACHMENT.as_raw()
+        | vk::ImageUsageFlags::TRANSFER_SRC.as_raw()
+        | vk::ImageUsageFlags::TRANSFER_DST.as_raw(),
+);
+
+#[test]
+fn frames_draw_and_read_back_in_a_pipeline() {
+    with_device(|device| {
+        let info = ImageInfo::plane("target", [5, 3], vk::Format::R8G8B8A8_UNORM, COLOUR);
+        let target = Image::new(device, &info).unwrap();
+        let mut frames = Frames::new(device).unwrap();
+        let mut readback = Readback::new(device, "picture");
+        let mut before = Use::NOTHING;
+        for frame in 0..5usize {
+            let mut recorder = frames.begin().unwrap();
+            let slot = frames.slot();
+            if frame >= FRAMES_IN_FLIGHT {
+                // What this slot drew when it was last used is there to be read.
+                let earlier = (frame - FRAMES_IN_FLIGHT) as u8;
+                assert_eq!(readback.wait(slot).unwrap(), [51 * earlier; 5 * 3 * 4]);
+            }
+            let part = target.whole();
+            recorder.image_barrier(part, before.discarded(), Use::COLOUR_TARGET);
+            let grey = Load::Colour([frame as f32 * 0.2; 4]);
+            let colour = Attachment { view: target.view(), load: grey, store: true };
+            recorder.begin_rendering([5, 3], Some(colour), None);
+            recorder.end_rendering();
+            recorder.image_barrier(part, Use::COLOUR_TARGET, Use::COPY_SOURCE);
+            readback.record(&mut recorder, slot, part, target.size(), 4).unwrap();
+            before = Use::COPY_SOURCE;
+            let serial = frames.submit(recorder, &[], &[]).unwrap();
+            readback.submitted(slot, serial);
+        }
+    });
+}
+
+#[test]
+fn each_layer_is_a_picture_of_its_own() {
+    with_device(|device| {
+        let plane = ImageInfo::plane("eyes", [2, 2], vk::Format::R32_UINT, COLOUR);
+        let eyes = Image::new(device, &ImageInfo { layers: 2, ..plane }).unwrap();
+        run_once(device, |recorder| {
+            recorder.image_barrier(eyes.whole(), Use::NOTHING, Use::COLOUR_TARGET);
+            for eye in 0..2 {
+                let load = Load::Integers([7 + eye; 4]);
+                let colour = Attachment { view: eyes.layer_view(eye), load, store: true };
+                recorder.begin_rendering([2, 2], Some(colour), None);
+                recorder.end_rendering();
+            }
+            Ok(())
+        })
+        .unwrap();
+        for eye in 0..2 {
+            let bytes =
+                read_image_once(device, eyes.layer(eye), [2, 2, 1], 4, Use::COLOUR_TARGET).unwrap();
+            assert_eq!(bytemuck::pod_collect_to_vec::<u8, u32>(&bytes), [7 + eye; 4]);
+        }
+    });
+}
+
+#[test]
+fn staging_grows_and_what_was_pushed_stays() {
+    with_device(|device| {
+        let info = ImageInfo::plane("target", [64, 1], vk::Format::R32_UINT, COLOUR);
+        let target = Image::new(device, &info).unwrap();
+        let usage = vk::BufferUsageFlags::TRANSFER_SRC;
+        let mut staging = Staging::new(device, "staging", usage, 64).unwrap();
+        run_once(device, |recorder| {
+            recorder.image_barrier(target.whole(), Use::NOTHING, Use::COPY_TARGET);
+            for x in 0..64u32 {
+                let piece = staging.push(&[1000 + x], 4)?;
+                let copy = vk::BufferImageCopy::default()
+                    .buffer_offset(piece.offset)
+                    .image_subresource(vk::ImageSubresourceLayers {
+                        aspect_mask: vk::ImageAspectFlags::COLOR,
+                        layer_count: 1,
+                        ..Default::default()
+                    })
+                    .image_offset(vk::Offset3D { x: x as i32, y: 0, z: 0 })
+                    .image_extent(vk::Extent3D { width: 1, height: 1, depth: 1 });
+                recorder.copy_to_image(piece.buffer, target.whole(), &[copy]);
+            }
+            Ok(())
+        })
+        .unwrap();
+        let bytes =
+            read_image_once(device, target.whole(), [64, 1, 1], 4, Use::COPY_TARGET).unwrap();
+        let values: Vec<u32> = bytemuck::pod_collect_to_vec(&bytes);
+        assert_eq!(values, (1000..1064).collect::<Vec<_>>());
+    });
+}
+
+#[test]
+fn what_retires_waits_for_its_submission() {
+    with_device(|device| {
+        let gone = Arc::new(AtomicUsize::new(0));
+        let mut frames = Frames::new(device).unwrap();
+        let recorder = frames.begin().unwrap();
+        let counter = gone.clone();
+        device.retire_with(move |_| {
+            counter.fetch_add(1, Ordering::Relaxed);
+        });
+        device.wait_idle().unwrap();
+        assert_eq!(gone.load(Ordering::Relaxed), 0, "the open recording may use it");
+        let serial = frames.submit(recorder, &[], &[]).unwrap();
+        device.wait(serial).unwrap();
+        device.collect().unwrap();
+        assert_eq!(gone.load(Ordering::Relaxed), 1);
+    });
+}
+
+#[test]
+fn an_image_beyond_the_limits_is_refused_by_name() {
+    with_device(|device| {
+        let limit = device.limits().max_image_dimension2_d;
+        let info = ImageInfo::plane("big", [limit + 1, 1], vk::Format::R32_UINT, COLOUR);
+        let error = Image::new(device, &info).err().unwrap().to_string();
+        assert!(error.contains("maxImageDimension2D") && error.contains("big"), "{error}");
+    });
+}
+
+#[test]
+fn memory_that_is_not_there_is_an_error_value() {
+    with_device(|device| {
+        let error = virtual_sculpture::gpu::Buffer::new(
+            device,
+            "impossible",
+            1 << 50,
+            vk::BufferUsageFlags::STORAGE_BUFFER,
+            virtual_sculpture::gpu::MemoryLocation::GpuOnly,
+        )
+        .err()
+        .unwrap();
+        assert!(matches!(error, GpuError::OutOfMemory(_) | GpuError::Allocation { .. }), "{error}");
+    });
+}
+
+#[test]
+fn an_unknown_device_is_refused_with_the_list() {
+    for (choice, wanted) in [
+        (DeviceChoice::Name("no such renderer".to_string()), "no such renderer"),
+        (DeviceChoice::Index(99), "99"),
+    ] {
+        let options = DeviceOptions { choice, validation: Validation::Off };
+        let error = Device::new(&mut Headless, &options).err().unwrap().to_string();
+        assert!(error.contains(wanted) && error.contains("0: "), "{error}");
+    }
+}
+
+/// What a program started with `variable=value` says when it asks for a device.
+fn message_with(variable: &str, value: &str) -> String {
+    let output = Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", "device::child_prints_its_device", "--nocapture", "--ignored"])
+        .env(variable, value)
+        .output()
+        .unwrap();
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+#[test]
+#[ignore = "run by the tests below in a process of its own"]
+fn child_prints_its_device() {
+    match Device::new(&mut Headless, &DeviceOptions::default()) {
+        Ok(device) => println!("device: {}", device.device_name()),
+        Err(error) => println!("error: {error}"),
+    }
+}
+
+#[test]
+fn without_a_driver_the_error_says_what_to_install() {
+    let said = message_with("VK_DRIVER_FILES", "/nonexistent/driver.json");
+    // Loaders before 1.3.207 read the older name.
+    let said = if said.contains("device:") {
+        message_with("VK_ICD_FILENAMES", "/nonexistent/driver.json")
+    } else {
+        said
+    };
+    assert!(said.contains("error:") && said.contains("mesa-vulkan-drivers"), "{said}");
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn without_a_loader_the_error_says_what_to_install() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["libvulkan.so.1", "libvulkan.so"] {
+        std::fs::write(folder.path().join(name), b"not a library").unwrap();
+    }
+    let said = message_with("LD_LIBRARY_PATH", &folder.path().to_string_lossy());
+    assert!(said.contains("error: no Vulkan loader") && said.contains("libvulkan1"), "{said}");
+}

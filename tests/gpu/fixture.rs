@@ -1,0 +1,32 @@
+//! The device of the tests.
+
+use std::sync::{Arc, Once};
+
+use virtual_sculpture::gpu::{Device, DeviceChoice, DeviceOptions, Headless, Validation};
+
+/// Runs `test` with a headless device, then checks that the validation layers had nothing to
+/// say, the device's end included. `VS_TEST_DEVICE` chooses the device, as in the configuration.
+pub fn with_device(test: impl FnOnce(&Arc<Device>)) {
+    let choice = std::env::var("VS_TEST_DEVICE").unwrap_or_default();
+    let options =
+        DeviceOptions { choice: DeviceChoice::parse(&choice), validation: Validation::IfAvailable };
+    let device = Device::new(&mut Headless, &options).unwrap();
+    warn_without_validation(&device);
+    let log = device.validation_log().clone();
+    test(&device);
+    assert_eq!(Arc::strong_count(&device), 1, "something keeps the device alive");
+    drop(device);
+    assert_eq!(log.count(), 0, "the validation layers complain: {:#?}", log.messages());
+}
+
+fn warn_without_validation(device: &Device) {
+    static SAID: Once = Once::new();
+    if !device.instance().validated() {
+        SAID.call_once(|| {
+            eprintln!(
+                "WARNING: the Vulkan validation layer is not installed, so these tests do not \
+                 check our use of Vulkan (Debian, Ubuntu: vulkan-validationlayers)"
+            );
+        });
+    }
+}

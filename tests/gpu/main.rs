@@ -1,0 +1,5 @@
+//! What the Vulkan side does, on whatever device there is (lavapipe where there is no other),
+//! under the validation layers.
+
+mod device;
+mod fixture;
