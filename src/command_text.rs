@@ -16,7 +16,7 @@ use crate::sculpture::{ColourDepth, Placement, Rgb};
 use crate::tools::construct::{Primitive, Solid};
 
 /// Colour of the stone until someone chooses another.
-pub const DEFAULT_BASE: Rgb = Rgb::new(0xc8, 0xbe, 0xaa);
+pub const DEFAULT_BASE: Rgb = Rgb::STONE;
 
 /// What is wrong with a line.
 #[derive(Debug, Error, PartialEq, Eq)]

@@ -8,25 +8,12 @@ use glam::Affine3A;
 use thiserror::Error;
 
 use crate::command::{Command, NewSculpture};
+pub use crate::sculpture::Limits;
 use crate::sculpture::edit::{
     self, DirtySet, EditOp, EditStats, Everywhere, Region, Stroke, VoxelBox,
 };
 use crate::sculpture::history::{Change, Contents, History, Step};
 use crate::sculpture::{Brick, ColourDepth, Grid, GridError, Material, Placement};
-
-/// Memory that a document may take, in bytes.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Limits {
-    pub grid_bytes: u64,
-    pub colour_bytes: u64,
-    pub history_bytes: usize,
-}
-
-impl Default for Limits {
-    fn default() -> Self {
-        Limits { grid_bytes: 1 << 30, colour_bytes: 4 << 30, history_bytes: 1 << 30 }
-    }
-}
 
 /// Why a command was refused. The sculpture is as it was before.
 #[derive(Debug, Error)]

@@ -10,6 +10,9 @@ use std::str::FromStr;
 pub struct Rgb(pub [u8; 3]);
 
 impl Rgb {
+    /// Colour of the stone until someone chooses another.
+    pub const STONE: Rgb = Rgb::new(0xc8, 0xbe, 0xaa);
+
     pub const fn new(r: u8, g: u8, b: u8) -> Rgb {
         Rgb([r, g, b])
     }

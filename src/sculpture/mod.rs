@@ -7,11 +7,13 @@ pub mod colour;
 pub mod edit;
 pub mod grid;
 pub mod history;
+pub mod limits;
 pub mod material;
 pub mod placement;
 
 pub use brick::Brick;
 pub use colour::{ColourDepth, Rgb};
 pub use grid::{Grid, GridError, NO_VOXEL};
+pub use limits::Limits;
 pub use material::Material;
 pub use placement::Placement;

@@ -1,0 +1,15 @@
+//! Owns how much memory a sculpture and its history may take. Those who allocate ask it first.
+
+/// Memory that a document may take, in bytes.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Limits {
+    pub grid_bytes: u64,
+    pub colour_bytes: u64,
+    pub history_bytes: usize,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Limits { grid_bytes: 1 << 30, colour_bytes: 4 << 30, history_bytes: 1 << 30 }
+    }
+}
