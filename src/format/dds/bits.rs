@@ -1,0 +1,147 @@
+//! Owns bit fields at any position in a byte string, most significant bit first: the reader
+//! that decoding jumps about with, and the writer that encoding appends to.
+//!
+//! Positions count bits from the start. Knows nothing of what the fields mean.
+
+/// Bits as they lie in `bytes`, followed by zeros without end.
+#[derive(Clone, Copy, Debug)]
+pub struct BitSource<'a> {
+    bytes: &'a [u8],
+}
+
+impl<'a> BitSource<'a> {
+    pub fn new(bytes: &'a [u8]) -> BitSource<'a> {
+        BitSource { bytes }
+    }
+
+    /// The bits from `position` on, first one highest. At least the first 57 are those of
+    /// the source, the rest may be zero instead.
+    #[inline(always)]
+    pub fn peek57(&self, position: u64) -> u64 {
+        let at = (position >> 3) as usize;
+        let word = match self.bytes.get(at..).and_then(|rest| rest.first_chunk::<8>()) {
+            Some(chunk) => u64::from_be_bytes(*chunk),
+            None => self.last_word(at),
+        };
+        word << (position & 7)
+    }
+
+    /// The next `bits` (1 to 57) bits from `position` on, as a number.
+    #[inline(always)]
+    pub fn field(&self, position: u64, bits: u32) -> u64 {
+        self.peek57(position) >> (64 - bits)
+    }
+
+    #[cold]
+    fn last_word(&self, at: usize) -> u64 {
+        let mut chunk = [0u8; 8];
+        if let Some(rest) = self.bytes.get(at..) {
+            chunk[..rest.len()].copy_from_slice(rest);
+        }
+        u64::from_be_bytes(chunk)
+    }
+}
+
+/// Bits appended one field after another.
+#[derive(Clone, Debug, Default)]
+pub struct BitSink {
+    /// Whole bytes up to `filled`, then room.
+    bytes: Vec<u8>,
+    filled: usize,
+    /// Bits that do not fill a byte yet, highest first, and how many (0..8).
+    pending: u64,
+    pending_bits: u32,
+}
+
+impl BitSink {
+    /// Sees to it that `bytes` more bytes can be appended by [`BitSink::push`].
+    #[inline]
+    pub fn reserve(&mut self, bytes: usize) {
+        let wanted = self.filled + bytes + 8;
+        if self.bytes.len() < wanted {
+            self.bytes.resize(wanted.max(2 * self.bytes.len()), 0);
+        }
+    }
+
+    /// Appends the lowest `bits` (0 to 56) bits of `value`, whose other bits must be zero.
+    /// There must be room, see [`BitSink::reserve`].
+    #[inline(always)]
+    pub fn push(&mut self, value: u64, bits: u32) {
+        debug_assert!(bits <= 56 && value >> bits == 0);
+        // In two steps, since nothing to push with nothing pending would shift by 64.
+        self.pending |= (value << (56 - bits)) << (8 - self.pending_bits);
+        self.pending_bits += bits;
+        self.bytes[self.filled..self.filled + 8].copy_from_slice(&self.pending.to_be_bytes());
+        let whole = self.pending_bits >> 3;
+        self.filled += whole as usize;
+        // 63 bits may be pending, so at most 7 whole bytes: the shift stays below 64.
+        self.pending <<= whole * 8;
+        self.pending_bits &= 7;
+    }
+
+    /// Appends all bits of `other`.
+    pub fn append(&mut self, other: &BitSink) {
+        self.reserve(other.filled + 1);
+        let whole = &other.bytes[..other.filled];
+        let mut chunks = whole.chunks_exact(7);
+        for chunk in &mut chunks {
+            let mut word = [0u8; 8];
+            word[1..].copy_from_slice(chunk);
+            self.push(u64::from_be_bytes(word), 56);
+        }
+        for &byte in chunks.remainder() {
+            self.push(u64::from(byte), 8);
+        }
+        if other.pending_bits > 0 {
+            self.push(other.pending >> (64 - other.pending_bits), other.pending_bits);
+        }
+    }
+
+    /// All bits as bytes, the last one filled up with zeros.
+    pub fn into_bytes(mut self) -> Vec<u8> {
+        if self.pending_bits > 0 {
+            self.reserve(1);
+            self.push(0, 8 - self.pending_bits);
+        }
+        self.bytes.truncate(self.filled);
+        self.bytes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn what_is_pushed_is_read_back(
+            fields in prop::collection::vec((any::<u64>(), 0u32..=56), 0..200),
+            cut in 0usize..200,
+        ) {
+            let fields: Vec<(u64, u32)> =
+                fields.into_iter().map(|(v, bits)| (v & ((1 << bits) - 1), bits)).collect();
+            let cut = cut.min(fields.len());
+            let sink_of = |fields: &[(u64, u32)]| {
+                let mut sink = BitSink::default();
+                for &(value, bits) in fields {
+                    sink.reserve(7);
+                    sink.push(value, bits);
+                }
+                sink
+            };
+            let mut sink = sink_of(&fields[..cut]);
+            sink.append(&sink_of(&fields[cut..]));
+            let bytes = sink.into_bytes();
+            let total: u64 = fields.iter().map(|f| u64::from(f.1)).sum();
+            prop_assert_eq!(bytes.len() as u64, total.div_ceil(8));
+            let source = BitSource::new(&bytes);
+            let mut at = 0;
+            for (value, bits) in fields {
+                if bits > 0 { prop_assert_eq!(source.field(at, bits), value); }
+                at += u64::from(bits);
+            }
+            prop_assert_eq!(source.field(at, 57), 0, "zeros follow");
+        }
+    }
+}

@@ -1,0 +1,266 @@
+//! Owns the DDS stream, the lossless packing of .pvm files (of Stefan Roettger's V^3; nothing to
+//! do with DirectDraw textures): bytes -> bytes.
+//!
+//! A stream is an id, two parameters and runs of residuals, with no length, no index and no
+//! checksum. What can be done side by side, and how:
+//! - Finding the runs must go from head to head, so [`Stream::open`] does just that once. It
+//!   tells the exact decoded length before anything is allocated, and where segments begin.
+//! - Segments decode side by side, and the predictor is undone in each as if nothing came
+//!   before it; then [`predict::Shift`] puts them right. Planes are merged in pieces.
+//! - Encoding knows all samples, so its chunks have nothing to wait for; the bits are joined.
+//!
+//! Takes and gives whole byte strings. Knows nothing of what they hold.
+
+mod bits;
+mod planes;
+mod predict;
+mod runs;
+mod split;
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use self::bits::{BitSink, BitSource};
+use self::planes::Layout;
+use self::predict::{Carry, Unpredictor};
+use self::runs::RunHead;
+use self::split::Splitter;
+use super::FormatError;
+use crate::progress::Progress;
+
+const ID_V3D: &[u8; 8] = b"DDS v3d\n";
+const ID_V3E: &[u8; 8] = b"DDS v3e\n";
+/// Bytes of each plane of a v3e block; longer streams are written as v3e.
+const PLANE_BLOCK: usize = 1 << 24;
+/// Bits of the parameters before the first run.
+const PARAMETER_BITS: u64 = 18;
+/// Longest distance of the predictor.
+pub const MAX_STRIP: usize = 1 << 16;
+/// Most planes.
+pub const MAX_SKIP: usize = 4;
+/// Samples after which a new segment begins with the next run.
+const SEGMENT_SAMPLES: u64 = 1 << 17;
+/// Samples encoded by one worker at a time. Not a power of two: the sixteen stretches that are
+/// searched side by side would all fall on the same lines of the cache.
+const CHUNK_SAMPLES: usize = 16 * 64 * 193;
+
+/// A DDS stream whose runs have been found, not yet decoded.
+#[derive(Debug)]
+pub struct Stream<'a> {
+    source: BitSource<'a>,
+    version: &'static str,
+    strip: usize,
+    layout: Layout,
+    segments: Vec<Segment>,
+    total: u64,
+}
+
+/// Where decoding can begin.
+#[derive(Clone, Copy, Debug)]
+struct Segment {
+    /// Position of the head of a run, in bits.
+    bit: u64,
+    /// Index of its first sample.
+    sample: u64,
+}
+
+impl<'a> Stream<'a> {
+    /// Finds the runs of a stream. `None` if `file` is something else; an error if it is a DDS
+    /// stream of another version.
+    pub fn open(file: &'a [u8]) -> Result<Option<Stream<'a>>, FormatError> {
+        let Some((id, payload)) = file.split_first_chunk::<8>() else { return Ok(None) };
+        let version = match id {
+            ID_V3D => "DDS v3d",
+            ID_V3E => "DDS v3e",
+            _ if id.starts_with(b"DDS ") => {
+                return Err(FormatError::DdsVersion(String::from_utf8_lossy(id).into_owned()));
+            }
+            _ => return Ok(None),
+        };
+        let source = BitSource::new(payload);
+        let skip = source.field(0, 2) as usize + 1;
+        let strip = source.field(2, 16) as usize + 1;
+        let block_bytes = (id == ID_V3E).then_some(skip * PLANE_BLOCK);
+        let mut stream = Stream {
+            source,
+            version,
+            strip,
+            layout: Layout { skip, block_bytes },
+            segments: Vec::new(),
+            total: 0,
+        };
+        stream.find_segments();
+        Ok(Some(stream))
+    }
+
+    fn find_segments(&mut self) {
+        let (mut bit, mut sample, mut next) = (PARAMETER_BITS, 0, 0);
+        loop {
+            let head = RunHead::at(self.source, bit);
+            if head.count == 0 {
+                break;
+            }
+            if sample >= next {
+                self.segments.push(Segment { bit, sample });
+                next = sample + SEGMENT_SAMPLES;
+            }
+            sample += head.count as u64;
+            bit += head.total_bits();
+        }
+        self.total = sample;
+    }
+
+    /// Name of the kind of stream.
+    pub fn version(&self) -> &'static str {
+        self.version
+    }
+
+    /// Bytes that the stream decodes to.
+    pub fn decoded_bytes(&self) -> u64 {
+        self.total
+    }
+
+    /// Whether [`Stream::prefix`] has to go through much of the stream, and decoding takes twice the
+    /// memory.
+    pub fn header_is_scattered(&self) -> bool {
+        self.layout.skip > 1
+    }
+
+    /// The first `count` decoded bytes, or all if there are fewer, in little memory.
+    pub fn prefix(&self, count: usize) -> Vec<u8> {
+        let count = self.total.min(count as u64);
+        // The prefix may not reach into the second block, which is far beyond any header.
+        let count = count.min(self.layout.block_bytes.map_or(count, |b| b as u64));
+        let ranges = self.layout.prefix_ranges(self.total, count);
+        let end = ranges.last().map_or(0, |r| r.end);
+        let mut unpredictor = Unpredictor::at(self.strip, 0);
+        let mut planar = Vec::with_capacity(count as usize);
+        let mut samples = Vec::new();
+        for (segment, range) in self.segment_ranges() {
+            if segment.sample >= end {
+                break;
+            }
+            samples.resize((range.end - range.start) as usize, 0);
+            runs::decode_runs(self.source, segment.bit, &mut samples);
+            unpredictor.undo(&mut samples);
+            for wanted in &ranges {
+                let from = wanted.start.max(range.start);
+                let to = wanted.end.min(range.end);
+                if from < to {
+                    let part = (from - range.start) as usize..(to - range.start) as usize;
+                    planar.extend_from_slice(&samples[part]);
+                }
+            }
+        }
+        let mut natural = vec![0; planar.len()];
+        Layout { skip: self.layout.skip, block_bytes: None }.merge(&planar, &mut natural);
+        natural
+    }
+
+    /// Decodes all. Takes [`Stream::decoded_bytes`] of memory, twice that with several planes.
+    pub fn decode(&self, progress: &dyn Progress) -> Vec<u8> {
+        let mut samples = vec![0; self.total as usize];
+        progress.begin("unpacking");
+        self.decode_samples(&mut samples, progress);
+        progress.end();
+        if self.layout.skip == 1 {
+            return samples;
+        }
+        let mut natural = vec![0; samples.len()];
+        self.layout.merge(&samples, &mut natural);
+        natural
+    }
+
+    fn decode_samples(&self, mut samples: &mut [u8], progress: &dyn Progress) {
+        let mut segments = self.segment_ranges();
+        let mut carry = Carry::new(self.strip);
+        let batch_len = 8 * rayon::current_num_threads();
+        let mut done = 0;
+        while !samples.is_empty() {
+            let mut batch = Vec::with_capacity(batch_len);
+            for (segment, range) in segments.by_ref().take(batch_len) {
+                let (part, rest) =
+                    std::mem::take(&mut samples).split_at_mut((range.end - range.start) as usize);
+                samples = rest;
+                done = range.end;
+                batch.push((segment, part));
+            }
+            let undone: Vec<Unpredictor> = batch
+                .par_iter_mut()
+                .map(|(segment, part)| self.decode_alone(*segment, part))
+                .collect();
+            let shifts: Vec<_> = batch
+                .iter()
+                .zip(&undone)
+                .map(|((segment, part), undone)| {
+                    let sum = part.last().copied().unwrap_or(0);
+                    carry.pass(undone, segment.sample, part.len(), sum)
+                })
+                .collect();
+            batch.par_iter_mut().zip(shifts).for_each(|((_, part), shift)| shift.apply(part));
+            progress.advance(done as f32 / self.total as f32);
+        }
+    }
+
+    /// Decodes a segment and undoes the predictor as if only zeros came before it.
+    fn decode_alone(&self, segment: Segment, out: &mut [u8]) -> Unpredictor {
+        runs::decode_runs(self.source, segment.bit, out);
+        let mut unpredictor = Unpredictor::at(self.strip, segment.sample);
+        unpredictor.undo(out);
+        unpredictor
+    }
+
+    /// The segments with the samples that they hold.
+    fn segment_ranges(&self) -> impl Iterator<Item = (Segment, Range<u64>)> {
+        let ends = self.segments.iter().skip(1).map(|s| s.sample).chain([self.total]);
+        self.segments.iter().zip(ends).map(|(segment, end)| (*segment, segment.sample..end))
+    }
+}
+
+/// Packs `plain` with `skip` planes (1 to [`MAX_SKIP`]) and the predictor distance `strip` (1 to
+/// [`MAX_STRIP`]). Takes as much memory again with several planes.
+pub fn encode(plain: &[u8], skip: usize, strip: usize, progress: &dyn Progress) -> Vec<u8> {
+    debug_assert!((1..=MAX_SKIP).contains(&skip) && (1..=MAX_STRIP).contains(&strip));
+    progress.begin("packing");
+    let long = plain.len() > PLANE_BLOCK;
+    let split = (skip > 1).then(|| {
+        let mut samples = vec![0; plain.len()];
+        Layout { skip, block_bytes: long.then_some(skip * PLANE_BLOCK) }.split(plain, &mut samples);
+        samples
+    });
+    let samples = split.as_deref().unwrap_or(plain);
+
+    let mut all = BitSink::default();
+    all.reserve(16);
+    for &byte in if long { ID_V3E } else { ID_V3D } {
+        all.push(u64::from(byte), 8);
+    }
+    all.push((skip as u64 - 1) << 16 | (strip as u64 - 1), PARAMETER_BITS as u32);
+    let chunks: Vec<Range<usize>> = (0..samples.len())
+        .step_by(CHUNK_SAMPLES)
+        .map(|from| from..samples.len().min(from + CHUNK_SAMPLES))
+        .collect();
+    for batch in chunks.chunks(8 * rayon::current_num_threads()) {
+        let sinks: Vec<BitSink> = batch
+            .par_iter()
+            .map_init(
+                || (Splitter::default(), Vec::new()),
+                |(splitter, residuals), chunk| {
+                    residuals.resize(chunk.len(), 0);
+                    predict::residuals(samples, strip, chunk.start, residuals);
+                    let mut sink = BitSink::default();
+                    splitter.encode(residuals, &mut sink);
+                    sink
+                },
+            )
+            .collect();
+        sinks.iter().for_each(|sink| all.append(sink));
+        progress.advance(batch.last().map_or(0, |c| c.end) as f32 / samples.len() as f32);
+    }
+    progress.end();
+    all.into_bytes()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,259 @@
+//! Owns the choice of runs: how a sequence of residuals is cut so that it takes the fewest bits.
+//!
+//! A run costs 10 bits and then its width for each sample. The best cut is a shortest path: going
+//! backwards, for each of the eight widths, the cost from here on if this sample lies in a run of
+//! that width is the width plus the lesser of "the run goes on" and "a new run, of the width that
+//! is best there, begins". Only whether a run goes on and which width is best need be kept. (The
+//! limit of 127 samples is left out of the search; longer runs are cut afterwards.)
+//!
+//! Sixteen equal stretches are searched side by side, one in each byte of a vector register: as
+//! costs only matter in relation to the best, and none is more than 18 bits above it, cost and
+//! width code fit one byte. At the ends of the stretches what follows is unknown and taken as
+//! free for every width.
+//!
+//! Takes residuals as [`super::predict`] gives them and writes runs as [`super::runs`] defines.
+
+use super::bits::BitSink;
+use super::runs::{HEAD_BITS, RUN_SAMPLES, WIDTHS, encode_run};
+
+const LANES: usize = 16;
+type Lanes = [u8; LANES];
+
+/// A cost is kept above the three bits of the width code that it belongs to.
+const COST: u8 = 8;
+const NEW_RUN: u8 = HEAD_BITS as u8 * COST;
+
+/// Room for the search, to be used again and again.
+#[derive(Clone, Debug, Default)]
+pub struct Splitter {
+    /// Residuals, followed by zeros up to a whole number of stretches.
+    padded: Vec<u8>,
+    /// For each sample, one bit a width code: a run of that width should not go on here.
+    stops: Vec<u8>,
+    /// For each sample, the width code of the run that should begin here.
+    best: Vec<u8>,
+}
+
+impl Splitter {
+    /// Appends `residuals` to `sink` as runs. The last one ends with the residuals.
+    pub fn encode(&mut self, residuals: &[u8], sink: &mut BitSink) {
+        self.search(residuals);
+        let mut at = 0;
+        while at < residuals.len() {
+            let code = usize::from(self.best[at] & 7);
+            let limit = residuals.len().min(at + RUN_SAMPLES);
+            let end = run_end(&self.stops[..limit], at + 1, code);
+            encode_run(sink, code, &residuals[at..end]);
+            at = end;
+        }
+    }
+
+    fn search(&mut self, residuals: &[u8]) {
+        // Whole groups of eight samples in each stretch.
+        let stretch = residuals.len().div_ceil(8 * LANES) * 8;
+        let padded = stretch * LANES;
+        self.padded.clear();
+        self.padded.extend_from_slice(residuals);
+        self.padded.resize(padded, 0);
+        self.stops.resize(padded, 0);
+        self.best.resize(padded, 0);
+        // Nothing is known of what follows: every width goes on for free.
+        let mut costs: [Lanes; 8] = std::array::from_fn(|code| [code as u8; LANES]);
+        for group in (0..stretch).step_by(8).rev() {
+            let mut samples = [[0; LANES]; 8];
+            gather(&self.padded, stretch, group, &mut samples);
+            let mut stops = [[0; LANES]; 8];
+            let mut best = [[0; LANES]; 8];
+            for i in (0..8).rev() {
+                (stops[i], best[i]) = step(&mut costs, &samples[i]);
+            }
+            scatter(&stops, &mut self.stops, stretch, group);
+            scatter(&best, &mut self.best, stretch, group);
+        }
+    }
+}
+
+/// Goes one sample back: takes the costs behind it and leaves the costs before it, both above
+/// that of the best width. Gives the widths whose run should not go on into this sample, one bit
+/// each, and the best width to begin here in the lowest three bits.
+#[inline(always)]
+fn step(costs: &mut [Lanes; 8], residuals: &Lanes) -> (Lanes, Lanes) {
+    // -128..128 folded to 0..128: a width holds it if it lies below half the width's values.
+    let folded = residuals.map(|r| (r as i8 ^ (r as i8 >> 7)) as u8);
+    for (code, cost) in costs.iter_mut().enumerate() {
+        let width = WIDTHS[code] as u8;
+        for lane in 0..LANES {
+            let ahead = cost[lane].min(NEW_RUN | code as u8) + width * COST;
+            let fits = match width {
+                0 => residuals[lane] == 0,
+                _ => folded[lane] < 1 << (width - 1),
+            };
+            cost[lane] = if fits { ahead } else { u8::MAX };
+        }
+    }
+    let mut best = costs[0];
+    for cost in &costs[1..] {
+        for lane in 0..LANES {
+            best[lane] = best[lane].min(cost[lane]);
+        }
+    }
+    let mut stops = [0; LANES];
+    for (code, cost) in costs.iter_mut().enumerate() {
+        for lane in 0..LANES {
+            // A width that does not fit stays at least 13 bits behind: 255/8 - 10 - 8.
+            cost[lane] -= best[lane] & !7;
+            stops[lane] |= if cost[lane] >= NEW_RUN { 1 << code } else { 0 };
+        }
+    }
+    (stops, best)
+}
+
+/// Takes eight samples of each stretch from `group` on, turned so that each row has one sample
+/// of every stretch.
+#[inline(always)]
+fn gather(from: &[u8], stretch: usize, group: usize, rows: &mut [Lanes; 8]) {
+    for half in 0..2 {
+        let words = std::array::from_fn(|lane| {
+            let at = (half * 8 + lane) * stretch + group;
+            from[at..].first_chunk().map_or(0, |c| u64::from_le_bytes(*c))
+        });
+        for (row, word) in rows.iter_mut().zip(transpose(words)) {
+            row[half * 8..half * 8 + 8].copy_from_slice(&word.to_le_bytes());
+        }
+    }
+}
+
+/// The inverse of [`gather`].
+#[inline(always)]
+fn scatter(rows: &[Lanes; 8], to: &mut [u8], stretch: usize, group: usize) {
+    for half in 0..2 {
+        let words = std::array::from_fn(|i| {
+            rows[i][half * 8..].first_chunk().map_or(0, |c| u64::from_le_bytes(*c))
+        });
+        for (lane, word) in transpose(words).into_iter().enumerate() {
+            let at = (half * 8 + lane) * stretch + group;
+            to[at..at + 8].copy_from_slice(&word.to_le_bytes());
+        }
+    }
+}
+
+/// Swaps rows and columns of 8 x 8 bytes, by halves, quarters and eighths.
+#[inline(always)]
+fn transpose(mut rows: [u64; 8]) -> [u64; 8] {
+    for (step, mask) in
+        [(4, 0x0000_0000_FFFF_FFFF), (2, 0x0000_FFFF_0000_FFFF), (1, 0x00FF_00FF_00FF_00FF)]
+    {
+        let shift = 8 * step as u32;
+        for i in 0..8 {
+            if i & step == 0 {
+                let swap = (rows[i] >> shift ^ rows[i + step]) & mask;
+                rows[i] ^= swap << shift;
+                rows[i + step] ^= swap;
+            }
+        }
+    }
+    rows
+}
+
+/// First index from `from` on at which a run of `code` should stop, or the length of `stops`.
+#[inline(always)]
+fn run_end(stops: &[u8], from: usize, code: usize) -> usize {
+    let each_byte = 0x0101_0101_0101_0101u64;
+    let mut at = from;
+    while let Some(chunk) = stops[at..].first_chunk::<8>() {
+        let found = u64::from_le_bytes(*chunk) >> code & each_byte;
+        if found != 0 {
+            return at + found.trailing_zeros() as usize / 8;
+        }
+        at += 8;
+    }
+    stops[at..].iter().position(|s| s >> code & 1 != 0).map_or(stops.len(), |n| at + n)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::bits::BitSource;
+    use super::super::runs::{RunHead, decode_runs};
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Residuals whose size changes now and then, as those of a volume do.
+    fn bursts() -> impl Strategy<Value = Vec<u8>> {
+        prop::collection::vec((0u32..8, 1usize..60, any::<u64>()), 0..40).prop_map(|bursts| {
+            let mut out = Vec::new();
+            for (shift, count, seed) in bursts {
+                let mut state = seed | 1;
+                out.extend((0..count).map(|_| {
+                    state =
+                        state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+                    ((state >> 56) as i8 >> shift) as u8
+                }));
+            }
+            out
+        })
+    }
+
+    /// Bits of the best cut by the plain recurrence, runs of any length.
+    fn least_bits(residuals: &[u8]) -> u32 {
+        let mut costs = [0u32; 8];
+        let mut best = 0;
+        for &r in residuals.iter().rev() {
+            for (cost, &width) in costs.iter_mut().zip(&WIDTHS) {
+                let half = 1i32 << width >> 1;
+                let fits = (-half..half.max(1)).contains(&i32::from(r as i8));
+                *cost = if fits { width + (*cost).min(best + HEAD_BITS) } else { 1 << 30 };
+            }
+            best = costs.into_iter().min().unwrap_or(0);
+        }
+        if residuals.is_empty() { 0 } else { best + HEAD_BITS }
+    }
+
+    proptest! {
+        #[test]
+        fn runs_hold_the_residuals_at_least_cost(residuals in bursts()) {
+            let mut sink = BitSink::default();
+            Splitter::default().encode(&residuals, &mut sink);
+            let bytes = sink.into_bytes();
+            let source = BitSource::new(&bytes);
+            let mut back = vec![0xAA; residuals.len()];
+            let bits = decode_runs(source, 0, &mut back);
+            prop_assert_eq!(&back, &residuals);
+            // Beyond the best of all: a head each for cuts at 127 samples, and at most a head and
+            // a width a sample of the run that was chosen blindly at the ends of stretches.
+            let mut runs = 0;
+            let mut position = 0;
+            while position < bits {
+                let head = RunHead::at(source, position);
+                runs += u64::from(head.count == RUN_SAMPLES);
+                position += head.total_bits();
+            }
+            let allowed = u64::from(least_bits(&residuals)) + 10 * runs + 16 * 20;
+            prop_assert!(bits <= allowed, "{bits} bits, allowed {allowed}");
+        }
+
+        #[test]
+        fn one_stretch_is_cut_as_the_plain_recurrence_does(residuals in bursts()) {
+            // With sixteen equal stretches each is searched as if alone, so compare the costs
+            // on the first stretch of a repeated sequence.
+            let mut costs: [Lanes; 8] = std::array::from_fn(|code| [code as u8; LANES]);
+            let mut total = 0u32;
+            for &r in residuals.iter().rev() {
+                let (_, best) = step(&mut costs, &[r; LANES]);
+                total += u32::from(best[0] >> 3);
+            }
+            let head = if residuals.is_empty() { 0 } else { HEAD_BITS };
+            prop_assert_eq!(total + head, least_bits(&residuals));
+        }
+
+        #[test]
+        fn transposing_twice_changes_nothing(rows: [u64; 8]) {
+            let turned = transpose(rows);
+            for (i, row) in rows.iter().enumerate() {
+                for (j, other) in turned.iter().enumerate() {
+                    prop_assert_eq!(row >> (8 * j) & 255, other >> (8 * i) & 255);
+                }
+            }
+            prop_assert_eq!(transpose(turned), rows);
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! Owns the volume: voxel samples in memory as files hold them, before they become a sculpture
+//! or after they were made from one.
+
+use std::fmt;
+use std::str::FromStr;
+
+use glam::{UVec3, Vec3};
+
+/// What a voxel of a volume holds.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Samples {
+    U8,
+    U16Le,
+    U16Be,
+    I16Le,
+    I16Be,
+    F32Le,
+    F32Be,
+    /// Red, green, blue, a byte each.
+    Rgb8,
+    /// Red, green, blue, opacity, a byte each.
+    Rgba8,
+    /// Any number of bytes without a known meaning.
+    Bytes(u32),
+}
+
+impl Samples {
+    /// The kinds that have a name, in the order of the manual.
+    pub const NAMED: [(Samples, &'static str); 9] = [
+        (Samples::U8, "u8"),
+        (Samples::U16Le, "u16le"),
+        (Samples::U16Be, "u16be"),
+        (Samples::I16Le, "i16le"),
+        (Samples::I16Be, "i16be"),
+        (Samples::F32Le, "f32le"),
+        (Samples::F32Be, "f32be"),
+        (Samples::Rgb8, "rgb8"),
+        (Samples::Rgba8, "rgba8"),
+    ];
+
+    /// What a PVM volume of that many components (bytes a voxel) holds by custom.
+    pub fn of_components(components: u32) -> Samples {
+        match components {
+            1 => Samples::U8,
+            2 => Samples::U16Be,
+            3 => Samples::Rgb8,
+            4 => Samples::Rgba8,
+            n => Samples::Bytes(n),
+        }
+    }
+
+    /// Bytes a voxel.
+    pub fn bytes(self) -> u32 {
+        match self {
+            Samples::U8 => 1,
+            Samples::U16Le | Samples::U16Be | Samples::I16Le | Samples::I16Be => 2,
+            Samples::Rgb8 => 3,
+            Samples::F32Le | Samples::F32Be | Samples::Rgba8 => 4,
+            Samples::Bytes(n) => n,
+        }
+    }
+
+    /// Whether a voxel holds one number.
+    pub fn is_density(self) -> bool {
+        !matches!(self, Samples::Rgb8 | Samples::Rgba8 | Samples::Bytes(_))
+    }
+}
+
+/// The name as [`Samples::from_str`] reads it, or "bytes xN".
+impl fmt::Display for Samples {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match Samples::NAMED.iter().find(|(s, _)| s == self) {
+            Some((_, name)) => f.write_str(name),
+            None => write!(f, "bytes x{}", self.bytes()),
+        }
+    }
+}
+
+impl FromStr for Samples {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Samples, String> {
+        let known = Samples::NAMED.iter().find(|(_, name)| *name == text);
+        known.map(|(s, _)| *s).ok_or_else(|| {
+            let names = Samples::NAMED.map(|(_, name)| name).join(", ");
+            format!("`{text}` is not a type of voxels; take one of {names}")
+        })
+    }
+}
+
+/// The four texts of a PVM3 file. Their encoding is not declared; old files are Latin-1.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct Texts {
+    pub description: Vec<u8>,
+    pub courtesy: Vec<u8>,
+    pub parameter: Vec<u8>,
+    pub comment: Vec<u8>,
+}
+
+impl Texts {
+    /// The texts with their names, in the order of the file.
+    pub fn named(&self) -> [(&'static str, &[u8]); 4] {
+        [
+            ("description", &self.description),
+            ("courtesy", &self.courtesy),
+            ("parameter", &self.parameter),
+            ("comment", &self.comment),
+        ]
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.named().iter().all(|(_, text)| text.is_empty())
+    }
+
+    /// A text for showing: read as UTF-8, else as Latin-1, with control characters other than
+    /// line ends replaced, since a file must not command a terminal.
+    pub fn legible(text: &[u8]) -> String {
+        let clean = |c: char| match c {
+            '\n' => c,
+            c if c.is_control() => char::REPLACEMENT_CHARACTER,
+            c => c,
+        };
+        match std::str::from_utf8(text) {
+            Ok(text) => text.chars().map(clean).collect(),
+            Err(_) => text.iter().map(|&b| clean(char::from(b))).collect(),
+        }
+    }
+}
+
+/// Voxels as a file holds them: x fastest, then y, then z.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Volume {
+    /// Size in voxels.
+    pub dims: UVec3,
+    /// Edge lengths of a voxel.
+    pub voxel_size: Vec3,
+    pub samples: Samples,
+    /// `dims` times [`Samples::bytes`] bytes.
+    pub data: Vec<u8>,
+    pub texts: Texts,
+}
+
+impl Volume {
+    /// Byte index of the voxel (x, y, z).
+    #[inline(always)]
+    pub fn offset(&self, x: u32, y: u32, z: u32) -> usize {
+        let row = y as usize + self.dims.y as usize * z as usize;
+        (x as usize + self.dims.x as usize * row) * self.samples.bytes() as usize
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_cannot_command_a_terminal() {
+        assert_eq!(Texts::legible(b"a\x1b[2Jb\nc\x07"), "a\u{FFFD}[2Jb\nc\u{FFFD}");
+        assert_eq!(Texts::legible("Rämpe ü".as_bytes()), "Rämpe ü");
+        assert_eq!(Texts::legible(b"Rampe \xfc \x9b1m"), "Rampe ü \u{FFFD}1m");
+    }
+
+    #[test]
+    fn names_of_samples_round_trip() {
+        for (samples, name) in Samples::NAMED {
+            assert_eq!(samples.to_string(), name);
+            assert_eq!(name.parse(), Ok(samples));
+        }
+        assert!("u32".parse::<Samples>().unwrap_err().contains("u16le"));
+    }
+}
