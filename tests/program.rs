@@ -1,0 +1,209 @@
+//! The program from outside, as a person or a script runs it: without a display, by arguments,
+//! files, exit codes and messages.
+
+mod shared_data;
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use shared_data::shared_file;
+
+fn program(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_virtual-sculpture"))
+        .args(arguments)
+        .current_dir(folder)
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .env("XDG_CONFIG_HOME", folder)
+        .env("RUST_LOG", "warn")
+        .output()
+        .expect("the program starts")
+}
+
+/// Runs the program, demands success and gives what it said.
+fn succeed(folder: &Path, arguments: &[&str]) -> String {
+    let output = program(folder, arguments);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(
+        output.status.success(),
+        "{arguments:?}: {:?}\n{text}\n{}",
+        output.status,
+        String::from_utf8_lossy(&output.stderr)
+    );
+    text
+}
+
+/// Runs the program, demands an exit code and gives what it complained of.
+fn fail(folder: &Path, arguments: &[&str], code: i32) -> String {
+    let output = program(folder, arguments);
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {text}");
+    assert!(!text.contains("panicked"), "{text}");
+    text
+}
+
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a folder for the test")
+}
+
+fn bytes(path: PathBuf) -> Vec<u8> {
+    std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// Pixels of a PNG: width, height, RGB.
+fn picture(path: PathBuf) -> image::RgbImage {
+    image::open(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display())).to_rgb8()
+}
+
+/// A deterministic script of carving commands within a box of voxels.
+fn random_carvings(count: u32, dims: [f32; 3]) -> String {
+    let mut state = 0x2005_u64;
+    let mut next = move || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state >> 40) as f32 / (1u32 << 24) as f32
+    };
+    let mut script = String::new();
+    for i in 0..count {
+        let solid = ["ellipsoid", "cuboid", "pyramid"][i as usize % 3];
+        let verb = ["subtract", "subtract", "add", "recolour"][i as usize / 3 % 4];
+        let at = dims.map(|d| next() * d);
+        let half = [0; 3].map(|_| 2.0 + 18.0 * next());
+        let turn = [0; 3].map(|_| 360.0 * next());
+        let list = |v: [f32; 3]| format!("{},{},{}", v[0], v[1], v[2]);
+        script +=
+            &format!("{verb} {solid} at={} half={} turn={}", list(at), list(half), list(turn));
+        if verb != "subtract" {
+            script += &format!(" colour=#{:06x}", (next() * 16777215.0) as u32);
+        }
+        script += "\n";
+    }
+    script
+}
+
+#[test]
+fn the_demo_writes_a_picture_and_a_sculpture_that_reads_back() {
+    let folder = folder();
+    let said = succeed(folder.path(), &["demo", "--out", "made/here", "--mode", "ray"]);
+    assert!(said.contains("demo.png") && said.contains("demo.pvm"), "{said}");
+    let image = picture(folder.path().join("made/here/demo.png"));
+    assert_eq!(image.dimensions(), (640, 480));
+    let colours: std::collections::HashSet<_> = image.pixels().collect();
+    assert!(colours.len() > 200, "only {} colours: nothing to see", colours.len());
+    let info = succeed(folder.path(), &["info", "made/here/demo.pvm"]);
+    assert!(info.contains("256x256x256"), "{info}");
+    // What was saved is what was rendered.
+    succeed(
+        folder.path(),
+        &["render", "made/here/demo.pvm", "--out", "again.png", "--mode", "ray"],
+    );
+    assert_eq!(picture(folder.path().join("again.png")), image);
+}
+
+#[test]
+fn without_arguments_and_display_the_demo_is_made() {
+    let folder = folder();
+    let said = succeed(folder.path(), &[]);
+    assert!(folder.path().join("out/demo.png").exists() && said.contains("out/demo.pvm"), "{said}");
+}
+
+#[test]
+fn two_hundred_carvings_saved_reloaded_and_undone_give_identical_bytes() {
+    let Some(volume) = shared_file("data/derived/VisMale_128x256x256_u8.pvm") else { return };
+    let folder = folder();
+    let script = format!(
+        "save \"before.pvm\"\n{}save \"carved.pvm\"\nopen \"carved.pvm\"\nsave \"reloaded.pvm\"\n\
+         undo all\nsave \"after.pvm\"\nredo all\nsave \"redone.pvm\"\n",
+        random_carvings(200, [128.0, 256.0, 256.0])
+    );
+    std::fs::write(folder.path().join("carve.sculpt"), script).unwrap();
+    let volume = volume.to_str().unwrap();
+    succeed(folder.path(), &["run", "carve.sculpt", "--in", volume]);
+    let file = |name: &str| bytes(folder.path().join(name));
+    assert_ne!(file("before.pvm"), file("carved.pvm"));
+    assert_eq!(file("carved.pvm"), file("reloaded.pvm"));
+    assert_eq!(file("before.pvm"), file("after.pvm"));
+    assert_eq!(file("carved.pvm"), file("redone.pvm"));
+}
+
+#[test]
+fn real_volumes_render_and_convert() {
+    for (name, up) in [
+        ("data/derived/VisMale_128x256x256_u8.pvm", "z"),
+        ("data/derived/CraniumCT_128x128x108_u16.pvm", "z"),
+        ("data/derived/spot96_rgb.pvm", "y"),
+    ] {
+        let Some(volume) = shared_file(name) else { return };
+        let folder = folder();
+        let volume = volume.to_str().unwrap();
+        succeed(folder.path(), &["render", volume, "--out", "a.png", "--mode", "ray", "--up", up]);
+        let image = picture(folder.path().join("a.png"));
+        let corner = *image.get_pixel(0, 0);
+        let covered = image.enumerate_pixels().filter(|(x, y, p)| {
+            // The background changes slowly from top to bottom: compare along the row.
+            (*x > 0) && *p != image.get_pixel(0, *y)
+        });
+        let share = covered.count() as f32 / (640.0 * 480.0);
+        assert!((0.1..0.9).contains(&share), "{name}: {share} of the picture covered, {corner:?}");
+        succeed(folder.path(), &["convert", volume, "b.pvm"]);
+        succeed(folder.path(), &["render", "b.pvm", "--out", "b.png", "--mode", "ray", "--up", up]);
+        assert_eq!(picture(folder.path().join("b.png")), image, "{name}: saving changed it");
+    }
+}
+
+#[test]
+fn wrong_use_gives_code_2_and_says_what_is_right() {
+    let folder = folder();
+    let error = fail(folder.path(), &["render", "x.pvm", "--out", "x.png", "--size", "0x9"], 2);
+    assert!(error.contains("WIDTHxHEIGHT"), "{error}");
+    let error = fail(folder.path(), &["render", "x.pvm", "--out", "x.png", "--camera", "up"], 2);
+    assert!(error.contains("3/4, front"), "{error}");
+    fail(folder.path(), &["frobnicate", "--all"], 2);
+}
+
+#[test]
+fn unusable_input_gives_code_3_and_names_file_and_place() {
+    let folder = folder();
+    let error = fail(folder.path(), &["render", "no.pvm", "--out", "x.png"], 3);
+    assert!(error.contains("no.pvm"), "{error}");
+    std::fs::write(folder.path().join("bad.pvm"), "PVM\n4 4\n").unwrap();
+    let error = fail(folder.path(), &["info", "bad.pvm"], 3);
+    assert!(error.contains("bad.pvm"), "{error}");
+    std::fs::write(folder.path().join("bad.sculpt"), "clear\n\nadd cube at=1,2,3\n").unwrap();
+    let error = fail(folder.path(), &["run", "bad.sculpt"], 3);
+    assert!(error.contains("bad.sculpt") && error.contains("line 3"), "{error}");
+    std::fs::write(folder.path().join("end.sculpt"), "clear\nend\n").unwrap();
+    let error = fail(folder.path(), &["run", "end.sculpt"], 3);
+    assert!(error.contains("line 2") && error.contains("begin"), "{error}");
+    std::fs::write(folder.path().join("c.toml"), "[memory]\ngrid_mib = \"much\"\n").unwrap();
+    let error = fail(folder.path(), &["--config", "c.toml", "demo"], 3);
+    assert!(error.contains("c.toml") && error.contains("grid_mib"), "{error}");
+}
+
+#[test]
+fn a_failed_save_keeps_the_old_file() {
+    let folder = folder();
+    std::fs::write(folder.path().join("a.sculpt"), "new dims=8,8,8\nsave \"no/such/folder.pvm\"\n")
+        .unwrap();
+    let error = fail(folder.path(), &["run", "a.sculpt"], 3);
+    assert!(error.contains("no/such/folder.pvm"), "{error}");
+}
+
+#[test]
+fn every_command_of_the_manual_is_listed() {
+    let folder = folder();
+    let said = succeed(folder.path(), &["commands"]);
+    for command in virtual_sculpture::command::COMMANDS {
+        assert!(said.contains(command.verb) && said.contains(command.tooltip));
+    }
+}
+
+#[test]
+fn the_doctor_reports_without_failing() {
+    let folder = folder();
+    let said = succeed(folder.path(), &["doctor"]);
+    for word in ["settings", "Vulkan", "gamepad", "OpenXR"] {
+        assert!(said.contains(word), "{word} lacks in\n{said}");
+    }
+}
