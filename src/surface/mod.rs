@@ -2,5 +2,6 @@
 
 pub mod index_map;
 pub mod raycast;
+pub mod slices;
 
 pub use index_map::IndexMap;

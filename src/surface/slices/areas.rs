@@ -1,0 +1,162 @@
+//! Owns the areas of a slab: how its bricks are joined to rectangles.
+
+use glam::{UVec2, UVec3};
+use rayon::prelude::*;
+
+use super::exposure::Exposure;
+
+/// Share of a rectangle's bricks that must need drawing for it to become an area. The fewer
+/// and larger the areas, the more pixels are looked at in vain.
+const DENSE_ENOUGH: f32 = 0.7;
+
+/// A rectangle of bricks in a slab, `max` exclusive. `u` and `v` are the axes that follow the
+/// slab's axis in the circle x, y, z.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Area {
+    pub min: UVec2,
+    pub max: UVec2,
+}
+
+/// The areas of one slab.
+pub type SlabAreas = Vec<Area>;
+
+/// Brick coordinates from a slab's number and its own coordinates.
+pub(super) fn brick_of(axis: usize, slab: u32, uv: UVec2) -> UVec3 {
+    let mut b = UVec3::ZERO;
+    b[axis] = slab;
+    b[(axis + 1) % 3] = uv.x;
+    b[(axis + 2) % 3] = uv.y;
+    b
+}
+
+/// Size of a slab across `axis`, in bricks.
+pub(super) fn slab_size(axis: usize, brick_dims: UVec3) -> UVec2 {
+    UVec2::new(brick_dims[(axis + 1) % 3], brick_dims[(axis + 2) % 3])
+}
+
+/// Rebuilds the stale slabs.
+pub(super) fn rebuild(
+    exposure: &Exposure,
+    axis: usize,
+    slabs: &mut [SlabAreas],
+    stale: &mut [bool],
+) {
+    slabs.par_iter_mut().zip(stale).enumerate().filter(|(_, (_, stale))| **stale).for_each(
+        |(slab, (areas, stale))| {
+            *stale = false;
+            areas.clear();
+            let sums = Sums::new(slab_size(axis, exposure.brick_dims()), |uv| {
+                exposure.get(brick_of(axis, slab as u32, uv))
+            });
+            divide(&sums, Area { min: UVec2::ZERO, max: sums.size }, areas);
+        },
+    );
+}
+
+/// How many bricks need drawing in the rectangle from the corner to each point (a summed-area
+/// table, Crow 1984), so that any rectangle is counted in four steps.
+struct Sums {
+    size: UVec2,
+    counts: Vec<u32>,
+}
+
+impl Sums {
+    fn new(size: UVec2, needs_drawing: impl Fn(UVec2) -> bool) -> Sums {
+        let stride = size.x as usize + 1;
+        let mut counts = vec![0; stride * (size.y as usize + 1)];
+        for y in 0..size.y {
+            let mut row = 0;
+            for x in 0..size.x {
+                row += u32::from(needs_drawing(UVec2::new(x, y)));
+                let i = (y as usize + 1) * stride + x as usize + 1;
+                counts[i] = counts[i - stride] + row;
+            }
+        }
+        Sums { size, counts }
+    }
+
+    fn at(&self, x: u32, y: u32) -> u32 {
+        self.counts[(y * (self.size.x + 1) + x) as usize]
+    }
+
+    fn count(&self, area: Area) -> u32 {
+        let Area { min, max } = area;
+        self.at(max.x, max.y) + self.at(min.x, min.y)
+            - self.at(min.x, max.y)
+            - self.at(max.x, min.y)
+    }
+
+    /// The smallest rectangle in `area` with the same count, which must not be 0.
+    fn trim(&self, mut area: Area, count: u32) -> Area {
+        for axis in 0..2 {
+            let with = |area: Area, low: u32, high: u32| {
+                let mut part = area;
+                part.min[axis] = low;
+                part.max[axis] = high;
+                part
+            };
+            let (mut low, mut high) = (area.min[axis], area.max[axis]);
+            while self.count(with(area, low + 1, high)) == count {
+                low += 1;
+            }
+            while self.count(with(area, low, high - 1)) == count {
+                high -= 1;
+            }
+            area = with(area, low, high);
+        }
+        area
+    }
+}
+
+fn divide(sums: &Sums, area: Area, areas: &mut SlabAreas) {
+    let count = sums.count(area);
+    if count == 0 {
+        return;
+    }
+    let area = sums.trim(area, count);
+    let size = area.max - area.min;
+    if count as f32 >= DENSE_ENOUGH * size.element_product() as f32 {
+        areas.push(area);
+        return;
+    }
+    let (axis, at) = best_split(sums, area);
+    let (mut low, mut high) = (area, area);
+    low.max[axis] = at;
+    high.min[axis] = at;
+    divide(sums, low, areas);
+    divide(sums, high, areas);
+}
+
+/// Where to divide a rectangle: at the sharpest edge of what it holds, as in Berger and
+/// Rigoutsos, "An algorithm for point clustering and grid generation" (1991): the strongest
+/// change of sign in the second difference of the counts per row or column; where there is
+/// none, in the middle of the longer axis.
+fn best_split(sums: &Sums, area: Area) -> (usize, u32) {
+    let size = area.max - area.min;
+    let longer = usize::from(size.y > size.x);
+    let mut best = (longer, area.min[longer] + size[longer] / 2);
+    let mut best_strength = 0;
+    for axis in [longer, 1 - longer] {
+        let line = |i: i32| {
+            let mut line = area;
+            line.min[axis] = area.min[axis].saturating_add_signed(i);
+            line.max[axis] = line.min[axis] + 1;
+            sums.count(line) as i32
+        };
+        let middle = size[axis] as i32 / 2;
+        let (mut before, mut here) = (0, line(0));
+        let mut bend_before = 0;
+        for i in 0..size[axis] as i32 {
+            let next = if i + 1 < size[axis] as i32 { line(i + 1) } else { 0 };
+            let bend = before - 2 * here + next;
+            // Between i - 1 and i. Of equal edges the one nearest to the middle is taken.
+            let strength = 2 * (bend - bend_before).abs() + i32::from(i == middle);
+            if i > 0 && bend_before.signum() * bend.signum() < 0 && strength > best_strength {
+                best_strength = strength;
+                best = (axis, area.min[axis] + i as u32);
+            }
+            (before, here, bend_before) = (here, next, bend);
+        }
+    }
+    best
+}
