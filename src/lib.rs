@@ -7,6 +7,7 @@ pub mod command_text;
 pub mod config;
 pub mod document;
 pub mod gpu;
+pub mod input;
 pub mod sculpture;
 pub mod shade;
 pub mod surface;

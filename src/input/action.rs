@@ -1,0 +1,273 @@
+//! Owns the vocabulary of what a person can ask for, whatever the device: each [`Action`] has
+//! a name for tables of bindings and a sentence for tooltips and the help window.
+//!
+//! An action says what is wanted, not how it is done: `app` carries it out.
+
+use crate::tools::construct::Solid;
+
+/// What the tool does to the voxels it covers.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub enum ToolMode {
+    Add,
+    #[default]
+    Subtract,
+    Recolour,
+}
+
+impl ToolMode {
+    pub const ALL: [ToolMode; 3] = [ToolMode::Add, ToolMode::Subtract, ToolMode::Recolour];
+
+    /// What a mode is turned into by the modifier that inverts the tool.
+    pub fn inverted(self) -> ToolMode {
+        match self {
+            ToolMode::Add => ToolMode::Subtract,
+            ToolMode::Subtract | ToolMode::Recolour => ToolMode::Add,
+        }
+    }
+}
+
+/// A direction as seen on the screen.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Step {
+    Left,
+    Right,
+    Up,
+    Down,
+    Nearer,
+    Farther,
+}
+
+/// A side of the grid to look from.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Side {
+    Front,
+    Back,
+    Left,
+    Right,
+    Top,
+    Bottom,
+    /// From the upper right corner in front.
+    Corner,
+}
+
+impl Side {
+    pub const ALL: [Side; 7] =
+        [Side::Corner, Side::Front, Side::Back, Side::Left, Side::Right, Side::Top, Side::Bottom];
+
+    pub const fn name(self) -> &'static str {
+        match self {
+            Side::Front => "front",
+            Side::Back => "back",
+            Side::Left => "left",
+            Side::Right => "right",
+            Side::Top => "top",
+            Side::Bottom => "bottom",
+            Side::Corner => "3/4",
+        }
+    }
+}
+
+/// How an action is triggered.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Kind {
+    /// Once, by a key or a button on screen.
+    Tap,
+    /// From press to release, by a key or by mouse buttons on top of a running drag.
+    Hold,
+    /// From press to release, by mouse buttons, with the movement between.
+    Drag,
+    /// By notches of a wheel.
+    Wheel,
+}
+
+/// Something a person can ask for.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Action {
+    New,
+    Open,
+    Save,
+    SaveAs,
+    Quit,
+    Help,
+    Undo,
+    Redo,
+    Fill,
+    Clear,
+    /// Takes back the stroke in hand, or closes what is open.
+    Cancel,
+    Solid(Solid),
+    Mode(ToolMode),
+    Grow,
+    Shrink,
+    ResetTool,
+    /// Moves the tool by one voxel.
+    Nudge(Step),
+    ToggleFollow,
+    ResetView,
+    LookFrom(Side),
+    NextRenderMode,
+    /// Uses the tool while held.
+    Apply,
+    /// On the sculpture uses the tool, beside it turns the sculpture.
+    Sculpt,
+    /// As `Sculpt`, with the mode of the tool inverted.
+    SculptInverse,
+    TurnSculpture,
+    PanSculpture,
+    /// Moves the tool along the grid axes that lie across the screen and up it.
+    MoveTool,
+    /// Moves the tool along the grid axes that lie across the screen and into it.
+    MoveToolDeep,
+    TurnTool,
+    Zoom,
+    ResizeTool,
+}
+
+/// Name, trigger and explanation of an action.
+#[derive(Clone, Copy, Debug)]
+pub struct ActionHelp {
+    /// The key of binding tables.
+    pub name: &'static str,
+    pub kind: Kind,
+    /// A sentence without full stop, for tooltips and the help window.
+    pub text: &'static str,
+}
+
+impl Action {
+    /// Every action, in the order of the help window.
+    pub const ALL: &[Action] = &[
+        Action::Sculpt,
+        Action::SculptInverse,
+        Action::Apply,
+        Action::Cancel,
+        Action::TurnSculpture,
+        Action::PanSculpture,
+        Action::Zoom,
+        Action::MoveTool,
+        Action::MoveToolDeep,
+        Action::TurnTool,
+        Action::ResizeTool,
+        Action::Solid(Solid::Ellipsoid),
+        Action::Solid(Solid::Cuboid),
+        Action::Solid(Solid::Pyramid),
+        Action::Mode(ToolMode::Add),
+        Action::Mode(ToolMode::Subtract),
+        Action::Mode(ToolMode::Recolour),
+        Action::Grow,
+        Action::Shrink,
+        Action::Nudge(Step::Left),
+        Action::Nudge(Step::Right),
+        Action::Nudge(Step::Up),
+        Action::Nudge(Step::Down),
+        Action::Nudge(Step::Nearer),
+        Action::Nudge(Step::Farther),
+        Action::ToggleFollow,
+        Action::ResetTool,
+        Action::Undo,
+        Action::Redo,
+        Action::Fill,
+        Action::Clear,
+        Action::ResetView,
+        Action::LookFrom(Side::Corner),
+        Action::LookFrom(Side::Front),
+        Action::LookFrom(Side::Back),
+        Action::LookFrom(Side::Left),
+        Action::LookFrom(Side::Right),
+        Action::LookFrom(Side::Top),
+        Action::LookFrom(Side::Bottom),
+        Action::NextRenderMode,
+        Action::New,
+        Action::Open,
+        Action::Save,
+        Action::SaveAs,
+        Action::Help,
+        Action::Quit,
+    ];
+
+    pub fn help(self) -> ActionHelp {
+        use Kind::{Drag, Hold, Tap, Wheel};
+        let (name, kind, text) = match self {
+            Action::Sculpt => ("sculpt", Drag, "Use the tool; beside the sculpture, turn it"),
+            Action::SculptInverse => ("sculpt-inverse", Drag, "The same, but cut for add, add for cut"),
+            Action::Apply => ("apply", Hold, "Use the tool where it is"),
+            Action::Cancel => ("cancel", Tap, "Take back the stroke in hand, or close a window"),
+            Action::TurnSculpture => ("turn-sculpture", Drag, "Turn the sculpture"),
+            Action::PanSculpture => ("pan-sculpture", Drag, "Shift the sculpture"),
+            Action::Zoom => ("zoom", Wheel, "Nearer and farther"),
+            Action::MoveTool => ("move-tool", Drag, "Move the tool across and up"),
+            Action::MoveToolDeep => ("move-tool-deep", Drag, "Move the tool across and in depth"),
+            Action::TurnTool => ("turn-tool", Drag, "Turn the tool"),
+            Action::ResizeTool => ("resize-tool", Wheel, "Make the tool larger and smaller"),
+            Action::Solid(Solid::Ellipsoid) => ("ellipsoid", Tap, "Take the ellipsoid"),
+            Action::Solid(Solid::Cuboid) => ("cuboid", Tap, "Take the cuboid"),
+            Action::Solid(Solid::Pyramid) => ("pyramid", Tap, "Take the pyramid"),
+            Action::Mode(ToolMode::Add) => ("add", Tap, "The tool adds voxels"),
+            Action::Mode(ToolMode::Subtract) => ("cut", Tap, "The tool cuts voxels away"),
+            Action::Mode(ToolMode::Recolour) => ("paint", Tap, "The tool colours voxels"),
+            Action::Grow => ("grow", Tap, "Make the tool larger"),
+            Action::Shrink => ("shrink", Tap, "Make the tool smaller"),
+            Action::Nudge(Step::Left) => ("nudge-left", Tap, "Move the tool one voxel left"),
+            Action::Nudge(Step::Right) => ("nudge-right", Tap, "Move the tool one voxel right"),
+            Action::Nudge(Step::Up) => ("nudge-up", Tap, "Move the tool one voxel up"),
+            Action::Nudge(Step::Down) => ("nudge-down", Tap, "Move the tool one voxel down"),
+            Action::Nudge(Step::Nearer) => ("nudge-nearer", Tap, "Move the tool one voxel nearer"),
+            Action::Nudge(Step::Farther) => {
+                ("nudge-farther", Tap, "Move the tool one voxel farther")
+            }
+            Action::ToggleFollow => {
+                ("toggle-follow", Tap, "Let the tool follow the pointer, or stay")
+            }
+            Action::ResetTool => ("reset-tool", Tap, "Tool to the centre, upright, at first size"),
+            Action::Undo => ("undo", Tap, "Take back the last step"),
+            Action::Redo => ("redo", Tap, "Do the undone step again"),
+            Action::Fill => ("fill", Tap, "Fill the whole grid"),
+            Action::Clear => ("clear", Tap, "Remove every voxel"),
+            Action::ResetView => ("reset-view", Tap, "Show the whole sculpture"),
+            Action::LookFrom(Side::Corner) => ("look-corner", Tap, "Look at a corner"),
+            Action::LookFrom(Side::Front) => ("look-front", Tap, "Look at the front"),
+            Action::LookFrom(Side::Back) => ("look-back", Tap, "Look at the back"),
+            Action::LookFrom(Side::Left) => ("look-left", Tap, "Look at the left side"),
+            Action::LookFrom(Side::Right) => ("look-right", Tap, "Look at the right side"),
+            Action::LookFrom(Side::Top) => ("look-top", Tap, "Look at the top"),
+            Action::LookFrom(Side::Bottom) => ("look-bottom", Tap, "Look at the bottom"),
+            Action::NextRenderMode => ("next-render-mode", Tap, "Take the next way of rendering"),
+            Action::New => ("new", Tap, "Make a new sculpture"),
+            Action::Open => ("open", Tap, "Open a sculpture or a volume"),
+            Action::Save => ("save", Tap, "Save the sculpture"),
+            Action::SaveAs => ("save-as", Tap, "Save the sculpture under another name"),
+            Action::Help => ("help", Tap, "Show keys and mouse"),
+            Action::Quit => ("quit", Tap, "Leave the program"),
+        };
+        ActionHelp { name, kind, text }
+    }
+
+    /// Whether holding the key down asks again and again.
+    pub fn repeats(self) -> bool {
+        use Action::{Grow, Nudge, Redo, Shrink, Undo};
+        matches!(self, Nudge(_) | Grow | Shrink | Undo | Redo)
+    }
+
+    /// Whether the drag is one whole from press to release, so that a modifier pressed on the
+    /// way does not turn it into another.
+    pub fn is_stroke(self) -> bool {
+        matches!(self, Action::Sculpt | Action::SculptInverse)
+    }
+
+    /// The action that a binding table calls `name`.
+    pub fn named(name: &str) -> Option<Action> {
+        Action::ALL.iter().copied().find(|action| action.help().name == name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_unique_and_lead_back() {
+        for &action in Action::ALL {
+            assert_eq!(Action::named(action.help().name), Some(action));
+        }
+        assert_eq!(Action::named("fly"), None);
+    }
+}

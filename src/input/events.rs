@@ -1,0 +1,128 @@
+//! Owns what devices say, as values: a pointer, keys and a wheel over the picture of the
+//! sculpture. Keys and buttons carry egui's names, since they reach the program through it.
+//!
+//! Takes egui's events, so that windows and panels above the picture keep theirs; gives
+//! [`DeviceEvent`]s in pixels of the picture.
+
+use egui::{Event, Key, MouseWheelUnit, PointerButton, Pos2, Rect};
+use glam::Vec2;
+
+/// Points of scrolling that count as one notch of a wheel.
+const POINTS_PER_NOTCH: f32 = 50.0;
+/// Notches in a page of scrolling.
+const NOTCHES_PER_PAGE: f32 = 10.0;
+/// Natural logarithm of the pinch that counts as one notch.
+const PINCH_PER_NOTCH: f32 = 0.1;
+
+/// Modifier keys. On a Mac the command key counts as `ctrl`.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub struct Modifiers {
+    pub ctrl: bool,
+    pub shift: bool,
+    pub alt: bool,
+}
+
+impl From<egui::Modifiers> for Modifiers {
+    fn from(m: egui::Modifiers) -> Modifiers {
+        Modifiers { ctrl: m.ctrl || m.command, shift: m.shift, alt: m.alt }
+    }
+}
+
+/// Something a device did. Positions are in pixels from the picture's upper left corner.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum DeviceEvent {
+    Moved { at: Vec2, modifiers: Modifiers },
+    /// The pointer is over something else now.
+    Left,
+    Pressed { button: PointerButton, at: Vec2, modifiers: Modifiers },
+    Released { button: PointerButton },
+    /// Positive notches: the wheel turned away from the hand.
+    Wheel { notches: f32, at: Vec2, modifiers: Modifiers },
+    KeyPressed { key: Key, modifiers: Modifiers, repeat: bool },
+    KeyReleased { key: Key },
+    /// The window is no longer listened to: nothing is held any more.
+    FocusLost,
+}
+
+/// Where the picture lies on the screen and what of the input is meant for it.
+#[derive(Clone, Copy, Debug)]
+pub struct Viewport {
+    /// In points.
+    pub rect: Rect,
+    pub pixels_per_point: f32,
+    /// The pointer is over the picture, with nothing between.
+    pub hovered: bool,
+    /// A button was pressed on the picture and is still held.
+    pub captured: bool,
+    /// No text field or other widget has the keyboard.
+    pub keyboard: bool,
+}
+
+impl Viewport {
+    fn pixels(&self, at: Pos2) -> Vec2 {
+        let at = (at - self.rect.min) * self.pixels_per_point;
+        Vec2::new(at.x, at.y)
+    }
+}
+
+/// The events of this frame that concern the picture.
+pub fn device_events(input: &egui::InputState, viewport: &Viewport) -> Vec<DeviceEvent> {
+    let mut pointer = input.pointer.latest_pos();
+    let mut modifiers = Modifiers::from(input.modifiers);
+    let mut events = Vec::new();
+    for event in &input.events {
+        events.extend(match *event {
+            Event::ModifiersChanged(now) => {
+                modifiers = now.into();
+                None
+            }
+            Event::PointerMoved(at) => {
+                pointer = Some(at);
+                (viewport.hovered || viewport.captured)
+                    .then(|| DeviceEvent::Moved { at: viewport.pixels(at), modifiers })
+            }
+            Event::PointerButton { pos, button, pressed: true, modifiers } => {
+                (viewport.hovered || viewport.captured).then(|| DeviceEvent::Pressed {
+                    button,
+                    at: viewport.pixels(pos),
+                    modifiers: modifiers.into(),
+                })
+            }
+            Event::PointerButton { button, pressed: false, .. } => {
+                Some(DeviceEvent::Released { button })
+            }
+            Event::PointerGone => Some(DeviceEvent::Left),
+            Event::MouseWheel { unit, delta, modifiers, .. } => {
+                let notches = match unit {
+                    MouseWheelUnit::Line => delta.y,
+                    MouseWheelUnit::Point => delta.y / POINTS_PER_NOTCH,
+                    MouseWheelUnit::Page => delta.y * NOTCHES_PER_PAGE,
+                };
+                wheel(viewport, pointer, notches, modifiers.into())
+            }
+            Event::Zoom(factor) if factor > 0.0 => {
+                wheel(viewport, pointer, factor.ln() / PINCH_PER_NOTCH, Modifiers::default())
+            }
+            Event::Key { key, pressed: true, repeat, modifiers, .. } if viewport.keyboard => {
+                Some(DeviceEvent::KeyPressed { key, modifiers: modifiers.into(), repeat })
+            }
+            Event::Key { key, pressed: false, .. } => Some(DeviceEvent::KeyReleased { key }),
+            Event::WindowFocused(false) => Some(DeviceEvent::FocusLost),
+            _ => None,
+        });
+    }
+    if !viewport.hovered && !viewport.captured {
+        events.push(DeviceEvent::Left);
+    }
+    events
+}
+
+fn wheel(
+    viewport: &Viewport,
+    pointer: Option<Pos2>,
+    notches: f32,
+    modifiers: Modifiers,
+) -> Option<DeviceEvent> {
+    let at = viewport.pixels(pointer?);
+    (viewport.hovered && notches != 0.0).then_some(DeviceEvent::Wheel { notches, at, modifiers })
+}

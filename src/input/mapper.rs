@@ -1,0 +1,327 @@
+//! Owns what is held at the moment: turns device events into [`Signal`]s by a table of bindings.
+//!
+//! A drag is the action of the buttons that are down. A second button pressed during a drag may
+//! stand for an action of both together, held on top of the drag, which goes on: so the tool
+//! is used while it can still be moved.
+
+use egui::Key;
+use glam::Vec2;
+
+use super::action::{Action, Kind};
+use super::bindings::Bindings;
+use super::events::{DeviceEvent, Modifiers};
+use super::trigger::{Buttons, Trigger};
+
+/// What the person asks for, with where and how much. Positions are in pixels of the picture.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Signal {
+    /// Ask once.
+    Tap(Action),
+    /// A drag or a hold begins, at the pointer where there is one.
+    Begin { action: Action, at: Option<Vec2> },
+    /// A drag goes on.
+    Drag { action: Action, at: Vec2, by: Vec2 },
+    /// A drag or a hold is over.
+    End(Action),
+    /// The pointer moves with nothing held.
+    Hover(Vec2),
+    /// The pointer is over the picture no longer.
+    Left,
+    Wheel { action: Action, notches: f32, at: Vec2 },
+}
+
+/// The state between events.
+#[derive(Debug, Default)]
+pub struct Mapper {
+    buttons: Buttons,
+    drag: Option<Drag>,
+    /// What is held by the buttons together.
+    chord: Option<(Buttons, Action)>,
+    /// What is held by keys.
+    keys: Vec<(Key, Action)>,
+    at: Option<Vec2>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Drag {
+    buttons: Buttons,
+    modifiers: Modifiers,
+    action: Action,
+    at: Vec2,
+}
+
+impl Mapper {
+    /// Whether a button that was pressed on the picture is still down.
+    pub fn captures_pointer(&self) -> bool {
+        self.buttons != Buttons::NONE
+    }
+
+    /// Whether anything is held.
+    pub fn is_holding(&self) -> bool {
+        self.drag.is_some() || self.chord.is_some() || !self.keys.is_empty()
+    }
+
+    /// Adds to `signals` what `event` means.
+    pub fn feed(&mut self, event: &DeviceEvent, bindings: &Bindings, signals: &mut Vec<Signal>) {
+        match *event {
+            DeviceEvent::Moved { at, modifiers } => self.moved(at, modifiers, bindings, signals),
+            DeviceEvent::Left => {
+                if self.at.take().is_some() && !self.captures_pointer() {
+                    signals.push(Signal::Left);
+                }
+            }
+            DeviceEvent::Pressed { button, at, modifiers } => {
+                self.at = Some(at);
+                self.buttons = self.buttons.with(button);
+                self.buttons_changed(at, modifiers, bindings, signals);
+            }
+            DeviceEvent::Released { button } => {
+                self.buttons = self.buttons.without(button);
+                self.end_released(signals);
+            }
+            DeviceEvent::Wheel { notches, at, modifiers } => {
+                let action = bindings.action(Trigger::Wheel { modifiers });
+                signals.extend(action.map(|action| Signal::Wheel { action, notches, at }));
+            }
+            DeviceEvent::KeyPressed { key, modifiers, repeat } => {
+                self.key_pressed(key, modifiers, repeat, bindings, signals);
+            }
+            DeviceEvent::KeyReleased { key } => {
+                if let Some(held) = self.keys.iter().position(|(k, _)| *k == key) {
+                    signals.push(Signal::End(self.keys.remove(held).1));
+                }
+            }
+            DeviceEvent::FocusLost => {
+                self.buttons = Buttons::NONE;
+                self.end_released(signals);
+                signals.extend(self.keys.drain(..).map(|(_, action)| Signal::End(action)));
+            }
+        }
+    }
+
+    fn moved(
+        &mut self,
+        at: Vec2,
+        modifiers: Modifiers,
+        bindings: &Bindings,
+        signals: &mut Vec<Signal>,
+    ) {
+        self.at = Some(at);
+        let Some(mut drag) = self.drag else {
+            if !self.captures_pointer() {
+                signals.push(Signal::Hover(at));
+            }
+            return;
+        };
+        let by = at - drag.at;
+        drag.at = at;
+        if modifiers != drag.modifiers && !drag.action.is_stroke() {
+            drag.modifiers = modifiers;
+            let trigger = Trigger::Mouse { buttons: drag.buttons, modifiers };
+            if let Some(other) = bindings.action(trigger).filter(|a| is_glide(*a, drag.action)) {
+                signals.push(Signal::End(drag.action));
+                signals.push(Signal::Begin { action: other, at: Some(at) });
+                drag.action = other;
+            }
+        }
+        self.drag = Some(drag);
+        signals.push(Signal::Drag { action: drag.action, at, by });
+    }
+
+    fn buttons_changed(
+        &mut self,
+        at: Vec2,
+        modifiers: Modifiers,
+        bindings: &Bindings,
+        signals: &mut Vec<Signal>,
+    ) {
+        let trigger = Trigger::Mouse { buttons: self.buttons, modifiers };
+        let Some(action) = bindings.action(trigger) else { return };
+        match action.help().kind {
+            Kind::Drag if self.drag.is_none() => {
+                self.drag = Some(Drag { buttons: self.buttons, modifiers, action, at });
+                signals.push(Signal::Begin { action, at: Some(at) });
+            }
+            Kind::Hold if self.chord.is_none() => {
+                self.chord = Some((self.buttons, action));
+                signals.push(Signal::Begin { action, at: Some(at) });
+            }
+            _ => {}
+        }
+    }
+
+    /// Ends what needs a button that is up now.
+    fn end_released(&mut self, signals: &mut Vec<Signal>) {
+        if let Some((_, action)) = self.chord.take_if(|(needs, _)| !self.buttons.contains(*needs)) {
+            signals.push(Signal::End(action));
+        }
+        if let Some(drag) = self.drag.take_if(|drag| !self.buttons.contains(drag.buttons)) {
+            signals.push(Signal::End(drag.action));
+        }
+    }
+
+    fn key_pressed(
+        &mut self,
+        key: Key,
+        modifiers: Modifiers,
+        repeat: bool,
+        bindings: &Bindings,
+        signals: &mut Vec<Signal>,
+    ) {
+        let Some(action) = bindings.action(Trigger::Key { key, modifiers }) else { return };
+        let held = self.keys.iter().any(|(k, _)| *k == key);
+        if action.help().kind == Kind::Hold {
+            if !held && !repeat {
+                self.keys.push((key, action));
+                signals.push(Signal::Begin { action, at: self.at });
+            }
+        } else if !repeat || action.repeats() {
+            signals.push(Signal::Tap(action));
+        }
+    }
+}
+
+/// Whether a running drag may become `next` on the way.
+fn is_glide(next: Action, now: Action) -> bool {
+    next != now && next.help().kind == Kind::Drag && !next.is_stroke()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::PointerButton::{Primary, Secondary};
+
+    const NONE: Modifiers = Modifiers { ctrl: false, shift: false, alt: false };
+    const CTRL: Modifiers = Modifiers { ctrl: true, ..NONE };
+
+    fn preset(name: &str) -> Bindings {
+        Bindings::presets().unwrap().into_iter().find(|b| b.name == name).unwrap()
+    }
+
+    fn run(bindings: &Bindings, events: &[DeviceEvent]) -> Vec<Signal> {
+        let (mut mapper, mut signals) = (Mapper::default(), Vec::new());
+        events.iter().for_each(|event| mapper.feed(event, bindings, &mut signals));
+        signals
+    }
+
+    fn moved(x: f32, modifiers: Modifiers) -> DeviceEvent {
+        DeviceEvent::Moved { at: Vec2::new(x, 0.0), modifiers }
+    }
+
+    fn pressed(button: egui::PointerButton, x: f32, modifiers: Modifiers) -> DeviceEvent {
+        DeviceEvent::Pressed { button, at: Vec2::new(x, 0.0), modifiers }
+    }
+
+    fn key(key: Key, modifiers: Modifiers, repeat: bool) -> DeviceEvent {
+        DeviceEvent::KeyPressed { key, modifiers, repeat }
+    }
+
+    #[test]
+    fn a_drag_runs_from_press_to_release() {
+        let at = |x| Vec2::new(x, 0.0);
+        let signals = run(
+            &preset("direct"),
+            &[
+                moved(1.0, NONE),
+                pressed(Primary, 2.0, NONE),
+                moved(5.0, NONE),
+                DeviceEvent::Released { button: Primary },
+                moved(6.0, NONE),
+            ],
+        );
+        let action = Action::Sculpt;
+        assert_eq!(
+            signals,
+            [
+                Signal::Hover(at(1.0)),
+                Signal::Begin { action, at: Some(at(2.0)) },
+                Signal::Drag { action, at: at(5.0), by: at(3.0) },
+                Signal::End(action),
+                Signal::Hover(at(6.0)),
+            ]
+        );
+    }
+
+    #[test]
+    fn both_buttons_use_the_tool_while_it_is_moved() {
+        let signals = run(
+            &preset("thesis"),
+            &[
+                pressed(Primary, 0.0, NONE),
+                pressed(Secondary, 0.0, NONE),
+                moved(4.0, NONE),
+                DeviceEvent::Released { button: Secondary },
+                moved(5.0, CTRL),
+                DeviceEvent::Released { button: Primary },
+            ],
+        );
+        let kinds: Vec<_> = signals
+            .iter()
+            .map(|signal| match *signal {
+                Signal::Begin { action, .. } => ("begin", action),
+                Signal::Drag { action, .. } => ("drag", action),
+                Signal::End(action) => ("end", action),
+                _ => panic!("{signal:?}"),
+            })
+            .collect();
+        assert_eq!(
+            kinds,
+            [
+                ("begin", Action::MoveTool),
+                ("begin", Action::Apply),
+                ("drag", Action::MoveTool),
+                ("end", Action::Apply),
+                // Ctrl changes X/Y to X/Z on the way.
+                ("end", Action::MoveTool),
+                ("begin", Action::MoveToolDeep),
+                ("drag", Action::MoveToolDeep),
+                ("end", Action::MoveToolDeep),
+            ]
+        );
+    }
+
+    #[test]
+    fn a_modifier_does_not_break_a_stroke() {
+        let alt = Modifiers { alt: true, ..NONE };
+        let signals = run(&preset("direct"), &[pressed(Primary, 0.0, NONE), moved(1.0, alt)]);
+        assert!(matches!(signals[1], Signal::Drag { action: Action::Sculpt, .. }));
+    }
+
+    #[test]
+    fn keys_tap_hold_and_repeat() {
+        let signals = run(
+            &preset("direct"),
+            &[
+                key(Key::Z, CTRL, false),
+                key(Key::Z, CTRL, true),
+                key(Key::E, NONE, true),
+                key(Key::Space, NONE, false),
+                key(Key::Space, NONE, true),
+                DeviceEvent::KeyReleased { key: Key::Space },
+            ],
+        );
+        assert_eq!(
+            signals,
+            [
+                Signal::Tap(Action::Undo),
+                Signal::Tap(Action::Undo),
+                Signal::Begin { action: Action::Apply, at: None },
+                Signal::End(Action::Apply),
+            ]
+        );
+    }
+
+    #[test]
+    fn losing_the_focus_releases_everything() {
+        let bindings = preset("direct");
+        let (mut mapper, mut signals) = (Mapper::default(), Vec::new());
+        for event in
+            [key(Key::Space, NONE, false), pressed(Primary, 0.0, NONE), DeviceEvent::FocusLost]
+        {
+            mapper.feed(&event, &bindings, &mut signals);
+        }
+        assert!(!mapper.is_holding() && !mapper.captures_pointer());
+        assert!(signals.contains(&Signal::End(Action::Apply)));
+        assert!(signals.contains(&Signal::End(Action::Sculpt)));
+    }
+}

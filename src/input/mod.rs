@@ -1,0 +1,15 @@
+//! From devices to actions: what a key, a drag or the wheel stands for is one table
+//! ([`bindings`]), read from text, so that presets, gamepads and headsets are further tables.
+//!
+//! Knows no sculpture and no window: it takes device events as values and gives [`Signal`]s.
+
+pub mod action;
+pub mod bindings;
+pub mod events;
+pub mod mapper;
+pub mod trigger;
+
+pub use action::{Action, Side, Step, ToolMode};
+pub use bindings::Bindings;
+pub use events::DeviceEvent;
+pub use mapper::{Mapper, Signal};

@@ -1,0 +1,164 @@
+//! Owns triggers: a key, a set of mouse buttons or the wheel, each with modifiers, and their
+//! text form: `ctrl+shift+z`, `left`, `ctrl+left+right`, `shift+wheel`.
+
+use std::fmt;
+use std::str::FromStr;
+
+use egui::{Key, PointerButton};
+
+use super::events::Modifiers;
+
+/// A set of mouse buttons.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub struct Buttons(u8);
+
+const BUTTONS: [(PointerButton, &str); 5] = [
+    (PointerButton::Primary, "left"),
+    (PointerButton::Secondary, "right"),
+    (PointerButton::Middle, "middle"),
+    (PointerButton::Extra1, "back"),
+    (PointerButton::Extra2, "forward"),
+];
+
+impl Buttons {
+    pub const NONE: Buttons = Buttons(0);
+
+    pub fn with(self, button: PointerButton) -> Buttons {
+        Buttons(self.0 | 1 << button as u8)
+    }
+
+    pub fn without(self, button: PointerButton) -> Buttons {
+        Buttons(self.0 & !(1 << button as u8))
+    }
+
+    pub fn contains(self, other: Buttons) -> bool {
+        self.0 & other.0 == other.0
+    }
+
+    pub fn count(self) -> u32 {
+        self.0.count_ones()
+    }
+}
+
+/// What starts an action.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Trigger {
+    Key { key: Key, modifiers: Modifiers },
+    Mouse { buttons: Buttons, modifiers: Modifiers },
+    Wheel { modifiers: Modifiers },
+}
+
+impl FromStr for Trigger {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Trigger, String> {
+        let mut modifiers = Modifiers::default();
+        let mut buttons = Buttons::NONE;
+        let mut wheel = false;
+        let mut key = None;
+        for word in text.split('+').map(str::trim) {
+            match word {
+                "ctrl" => modifiers.ctrl = true,
+                "shift" => modifiers.shift = true,
+                "alt" => modifiers.alt = true,
+                "wheel" => wheel = true,
+                _ => match BUTTONS.iter().find(|(_, name)| *name == word) {
+                    Some((button, _)) => buttons = buttons.with(*button),
+                    None if key.is_none() => key = Some(parse_key(word)?),
+                    None => return Err(format!("`{text}` names more than one key")),
+                },
+            }
+        }
+        match (key, buttons, wheel) {
+            (Some(key), Buttons::NONE, false) => Ok(Trigger::Key { key, modifiers }),
+            (None, Buttons::NONE, true) => Ok(Trigger::Wheel { modifiers }),
+            (None, Buttons::NONE, false) => Err(format!("`{text}` names modifiers only")),
+            (None, buttons, false) => Ok(Trigger::Mouse { buttons, modifiers }),
+            _ => Err(format!("`{text}` mixes keys, mouse buttons or the wheel")),
+        }
+    }
+}
+
+fn parse_key(word: &str) -> Result<Key, String> {
+    // `left` and `right` are mouse buttons, so the arrows have names of their own; other keys
+    // are called as egui does, in any case.
+    let arrow = match word {
+        "arrowleft" => Some(Key::ArrowLeft),
+        "arrowright" => Some(Key::ArrowRight),
+        "arrowup" => Some(Key::ArrowUp),
+        "arrowdown" => Some(Key::ArrowDown),
+        _ => None,
+    };
+    let found = arrow
+        .or_else(|| Key::from_name(word))
+        .or_else(|| Key::ALL.iter().copied().find(|key| key.name().eq_ignore_ascii_case(word)));
+    found.ok_or_else(|| format!("`{word}` is not a key, a mouse button or a modifier"))
+}
+
+/// As a person reads it: `Ctrl+Shift+Z`, `Left drag`, `Ctrl+wheel`.
+impl fmt::Display for Trigger {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (Trigger::Key { modifiers, .. }
+        | Trigger::Mouse { modifiers, .. }
+        | Trigger::Wheel { modifiers }) = self;
+        for (held, name) in
+            [(modifiers.ctrl, "Ctrl+"), (modifiers.shift, "Shift+"), (modifiers.alt, "Alt+")]
+        {
+            if held {
+                f.write_str(name)?;
+            }
+        }
+        match self {
+            Trigger::Key { key, .. } => f.write_str(match key {
+                Key::ArrowLeft => "Left arrow",
+                Key::ArrowRight => "Right arrow",
+                Key::ArrowUp => "Up arrow",
+                Key::ArrowDown => "Down arrow",
+                Key::PageUp => "Page up",
+                Key::PageDown => "Page down",
+                Key::OpenBracket => "[",
+                Key::CloseBracket => "]",
+                other => other.name(),
+            }),
+            Trigger::Mouse { buttons, .. } => {
+                let names: Vec<&str> = BUTTONS
+                    .iter()
+                    .filter(|(button, _)| buttons.contains(Buttons::NONE.with(*button)))
+                    .map(|(_, name)| *name)
+                    .collect();
+                write!(f, "{} drag", names.join("+"))
+            }
+            Trigger::Wheel { .. } => f.write_str("wheel"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shown(text: &str) -> String {
+        text.parse::<Trigger>().unwrap().to_string()
+    }
+
+    #[test]
+    fn triggers_read_and_show() {
+        assert_eq!(shown("ctrl+shift+z"), "Ctrl+Shift+Z");
+        assert_eq!(shown("openbracket"), "[");
+        assert_eq!(shown("["), "[");
+        assert_eq!(shown("f1"), "F1");
+        assert_eq!(shown("home"), "Home");
+        assert_eq!(shown("pageup"), "Page up");
+        assert_eq!(shown("arrowleft"), "Left arrow");
+        assert_eq!(shown("left"), "left drag");
+        assert_eq!(shown("ctrl+left+right"), "Ctrl+left+right drag");
+        assert_eq!(shown("shift+wheel"), "Shift+wheel");
+    }
+
+    #[test]
+    fn nonsense_is_refused() {
+        for bad in ["", "ctrl", "a+b", "left+a", "wheel+left", "hyper+x", "ctrl++"] {
+            assert!(bad.parse::<Trigger>().is_err(), "{bad}");
+        }
+    }
+}
