@@ -188,7 +188,9 @@ impl Action {
         use Kind::{Drag, Hold, Tap, Wheel};
         let (name, kind, text) = match self {
             Action::Sculpt => ("sculpt", Drag, "Use the tool; beside the sculpture, turn it"),
-            Action::SculptInverse => ("sculpt-inverse", Drag, "The same, but cut for add, add for cut"),
+            Action::SculptInverse => {
+                ("sculpt-inverse", Drag, "The same, but cut for add, add for cut")
+            }
             Action::Apply => ("apply", Hold, "Use the tool where it is"),
             Action::Cancel => ("cancel", Tap, "Take back the stroke in hand, or close a window"),
             Action::TurnSculpture => ("turn-sculpture", Drag, "Turn the sculpture"),

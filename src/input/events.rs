@@ -31,15 +31,34 @@ impl From<egui::Modifiers> for Modifiers {
 /// Something a device did. Positions are in pixels from the picture's upper left corner.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum DeviceEvent {
-    Moved { at: Vec2, modifiers: Modifiers },
+    Moved {
+        at: Vec2,
+        modifiers: Modifiers,
+    },
     /// The pointer is over something else now.
     Left,
-    Pressed { button: PointerButton, at: Vec2, modifiers: Modifiers },
-    Released { button: PointerButton },
+    Pressed {
+        button: PointerButton,
+        at: Vec2,
+        modifiers: Modifiers,
+    },
+    Released {
+        button: PointerButton,
+    },
     /// Positive notches: the wheel turned away from the hand.
-    Wheel { notches: f32, at: Vec2, modifiers: Modifiers },
-    KeyPressed { key: Key, modifiers: Modifiers, repeat: bool },
-    KeyReleased { key: Key },
+    Wheel {
+        notches: f32,
+        at: Vec2,
+        modifiers: Modifiers,
+    },
+    KeyPressed {
+        key: Key,
+        modifiers: Modifiers,
+        repeat: bool,
+    },
+    KeyReleased {
+        key: Key,
+    },
     /// The window is no longer listened to: nothing is held any more.
     FocusLost,
 }

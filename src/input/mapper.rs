@@ -18,16 +18,27 @@ pub enum Signal {
     /// Ask once.
     Tap(Action),
     /// A drag or a hold begins, at the pointer where there is one.
-    Begin { action: Action, at: Option<Vec2> },
+    Begin {
+        action: Action,
+        at: Option<Vec2>,
+    },
     /// A drag goes on.
-    Drag { action: Action, at: Vec2, by: Vec2 },
+    Drag {
+        action: Action,
+        at: Vec2,
+        by: Vec2,
+    },
     /// A drag or a hold is over.
     End(Action),
     /// The pointer moves with nothing held.
     Hover(Vec2),
     /// The pointer is over the picture no longer.
     Left,
-    Wheel { action: Action, notches: f32, at: Vec2 },
+    Wheel {
+        action: Action,
+        notches: f32,
+        at: Vec2,
+    },
 }
 
 /// The state between events.

@@ -1,0 +1,201 @@
+//! Owns how a point of the picture becomes a point of the grid, and which axes of the grid lie
+//! across, up and into the screen. Pure geometry.
+
+use glam::{Affine3A, UVec3, Vec2, Vec3};
+
+use crate::input::Step;
+use crate::sculpture::Grid;
+use crate::surface::IndexMap;
+use crate::view::{Eye, PixelRays};
+
+/// Where the ray through the point `at` (pixels) meets the voxel that is seen there.
+pub fn surface_point(map: &IndexMap, grid: &Grid, at: Vec2) -> Option<Vec3> {
+    if at.cmplt(Vec2::ZERO).any() || at.cmpge(map.rays.size.as_vec2()).any() {
+        return None;
+    }
+    let voxel = grid.voxel_coords(map.get(at.x as u32, at.y as u32)?).as_vec3();
+    let (origin, direction) = (map.rays.origin, map.rays.direction_at(at.x, at.y));
+    // The picture has one ray a pixel, so the ray through `at` may pass the voxel by.
+    Some(match enter_box(origin, direction, voxel, voxel + 1.0) {
+        Some((enter, _)) => origin + direction * enter.max(0.0),
+        None => voxel + 0.5,
+    })
+}
+
+/// The middle of the part of the ray through `at` that lies in the grid's box.
+pub fn box_point(rays: &PixelRays, dims: UVec3, at: Vec2) -> Option<Vec3> {
+    let direction = rays.direction_at(at.x, at.y);
+    let (enter, leave) = enter_box(rays.origin, direction, Vec3::ZERO, dims.as_vec3())?;
+    Some(rays.origin + direction * (0.5 * (enter.max(0.0) + leave)))
+}
+
+/// Where a ray enters and leaves a box, in lengths of its direction; `None` if it misses it.
+fn enter_box(origin: Vec3, direction: Vec3, min: Vec3, max: Vec3) -> Option<(f32, f32)> {
+    let (a, b) = ((min - origin) / direction, (max - origin) / direction);
+    let enter = a.min(b).max_element();
+    let leave = a.max(b).min_element();
+    (enter <= leave && leave >= 0.0).then_some((enter, leave))
+}
+
+/// Axes of the grid as the screen shows them, each a unit vector along plus or minus x, y or z.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct ScreenAxes {
+    pub right: Vec3,
+    pub up: Vec3,
+    /// Towards the viewer.
+    pub near: Vec3,
+}
+
+impl ScreenAxes {
+    /// The axis and sense of a step.
+    pub fn step(&self, step: Step) -> Vec3 {
+        match step {
+            Step::Left => -self.right,
+            Step::Right => self.right,
+            Step::Up => self.up,
+            Step::Down => -self.up,
+            Step::Nearer => self.near,
+            Step::Farther => -self.near,
+        }
+    }
+}
+
+/// One eye's view of one grid.
+#[derive(Clone, Copy, Debug)]
+pub struct Sight {
+    eye_from_grid: Affine3A,
+    pub rays: PixelRays,
+}
+
+impl Sight {
+    pub fn new(eye: &Eye, world_from_grid: &Affine3A) -> Sight {
+        Sight {
+            eye_from_grid: eye.eye_from_world * *world_from_grid,
+            rays: eye.pixel_rays(world_from_grid),
+        }
+    }
+
+    /// Distance of a point of the grid from the eye plane, in world units.
+    pub fn depth(&self, point: Vec3) -> f32 {
+        -self.eye_from_grid.transform_point3(point).z
+    }
+
+    /// The point of the grid seen at `at` (pixels) in the plane `depth` before the eye.
+    pub fn at_depth(&self, at: Vec2, depth: f32) -> Vec3 {
+        self.rays.origin + self.rays.direction_at(at.x, at.y) * depth
+    }
+
+    /// The assignment of grid axes to screen axes that fits best: of the six, the one with the
+    /// largest sum of cosines.
+    pub fn screen_axes(&self) -> ScreenAxes {
+        let m = self.eye_from_grid.matrix3;
+        let columns = [m.x_axis, m.y_axis, m.z_axis].map(|c| Vec3::from(c).normalize_or_zero());
+        let cosine = |grid: usize, screen: usize| columns[grid][screen];
+        let orders = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+        let fit = |order: &[usize; 3]| -> f32 {
+            (0..3).map(|screen| cosine(order[screen], screen).abs()).sum()
+        };
+        let best = orders
+            .into_iter()
+            .reduce(|best, order| if fit(&order) > fit(&best) + 1e-6 { order } else { best })
+            .unwrap_or([0, 1, 2]);
+        let axis = |screen: usize| {
+            let grid = best[screen];
+            Vec3::AXES[grid] * if cosine(grid, screen) < 0.0 { -1.0 } else { 1.0 }
+        };
+        ScreenAxes { right: axis(0), up: axis(1), near: axis(2) }
+    }
+
+    /// How far along an axis of the grid a drag of `pixels` moves something at `point`, in
+    /// voxels: as far as the pointer moves at that depth.
+    pub fn along(&self, axis: Vec3, pixels: f32, point: Vec3) -> f32 {
+        let world_per_pixel = {
+            let step = self.eye_from_grid.transform_vector3(self.rays.step_y);
+            step.length() * self.depth(point).max(0.0)
+        };
+        let world_per_voxel = self.eye_from_grid.transform_vector3(axis).length();
+        pixels * world_per_pixel / world_per_voxel.max(f32::MIN_POSITIVE)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sculpture::Placement;
+    use crate::view::Camera;
+    use glam::{IVec3, Quat, UVec2};
+    use proptest::prelude::*;
+
+    fn sight(rotation: Quat, dims: UVec3) -> Sight {
+        let eye = Camera { eye: Vec3::new(0.0, 0.0, 60.0), ..Camera::default() }
+            .eye(UVec2::new(200, 100));
+        let placement = Placement { rotation, ..Placement::default() };
+        Sight::new(&eye, &placement.world_from_grid(dims, Vec3::ONE))
+    }
+
+    #[test]
+    fn the_point_under_the_pointer_lies_on_the_face_of_the_voxel_seen() {
+        let dims = UVec3::splat(16);
+        let mut grid = Grid::new(dims, Vec3::ONE, 1 << 20).unwrap();
+        grid.set(IVec3::new(8, 8, 10), true);
+        let sight = sight(Quat::IDENTITY, dims);
+        let mut map = IndexMap::new(sight.rays);
+        let middle = Vec2::new(100.5, 49.5);
+        assert_eq!(surface_point(&map, &grid, middle), None);
+        map.voxels[100 + 49 * 200] = grid.voxel_index(UVec3::new(8, 8, 10));
+        let point = surface_point(&map, &grid, middle).unwrap();
+        assert!((point.z - 11.0).abs() < 1e-4, "{point}");
+        assert!(point.x > 8.0 && point.x < 8.2 && point.y > 8.0 && point.y < 8.2, "{point}");
+        assert_eq!(surface_point(&map, &grid, Vec2::new(-1.0, 5.0)), None);
+        assert_eq!(surface_point(&map, &grid, Vec2::new(200.0, 5.0)), None);
+    }
+
+    #[test]
+    fn an_empty_grid_is_entered_at_its_middle() {
+        let sight = sight(Quat::IDENTITY, UVec3::splat(16));
+        let point = box_point(&sight.rays, UVec3::splat(16), Vec2::new(100.0, 50.0)).unwrap();
+        assert!(point.abs_diff_eq(Vec3::splat(8.0), 1e-3), "{point}");
+        assert_eq!(box_point(&sight.rays, UVec3::splat(16), Vec2::ZERO), None);
+    }
+
+    #[test]
+    fn screen_axes_of_an_upright_and_of_a_turned_grid() {
+        let axes = sight(Quat::IDENTITY, UVec3::splat(8)).screen_axes();
+        assert_eq!((axes.right, axes.up, axes.near), (Vec3::X, Vec3::Y, Vec3::Z));
+        let quarter = Quat::from_rotation_y(std::f32::consts::FRAC_PI_2);
+        let axes = sight(quarter, UVec3::splat(8)).screen_axes();
+        assert_eq!((axes.right, axes.up, axes.near), (Vec3::Z, Vec3::Y, Vec3::NEG_X));
+    }
+
+    proptest! {
+        /// Whatever the pose, the three axes are different ones, and none points the wrong way.
+        #[test]
+        fn screen_axes_are_a_frame(x in -3.0f32..3.0, y in -3.0f32..3.0, z in -3.0f32..3.0) {
+            let rotation = Quat::from_euler(glam::EulerRot::XYZ, x, y, z);
+            let axes = sight(rotation, UVec3::splat(8)).screen_axes();
+            let sum = axes.right.abs() + axes.up.abs() + axes.near.abs();
+            prop_assert_eq!(sum, Vec3::ONE);
+            prop_assert!((rotation * axes.right).x >= -1e-5);
+            prop_assert!((rotation * axes.up).y >= -1e-5);
+            prop_assert!((rotation * axes.near).z >= -1e-5);
+        }
+
+        #[test]
+        fn a_point_at_a_depth_is_seen_where_it_was_asked_for(
+            px in 0.0f32..200.0, py in 0.0f32..100.0, depth in 1.0f32..100.0, turn in -3.0f32..3.0,
+        ) {
+            let sight = sight(Quat::from_rotation_y(turn), UVec3::splat(8));
+            let point = sight.at_depth(Vec2::new(px, py), depth);
+            prop_assert!((sight.depth(point) - depth).abs() < depth * 1e-4);
+        }
+    }
+
+    #[test]
+    fn dragging_across_the_picture_moves_as_far_as_the_pointer() {
+        let sight = sight(Quat::IDENTITY, UVec3::splat(8));
+        let centre = Vec3::splat(4.0);
+        let moved = centre + Vec3::X * sight.along(Vec3::X, 40.0, centre);
+        let there = sight.at_depth(Vec2::new(140.0, 50.0), sight.depth(centre));
+        assert!(moved.abs_diff_eq(there, 1e-3), "{moved} {there}");
+    }
+}

@@ -1,0 +1,228 @@
+//! Owns how a person looks at the sculpture on a screen: the camera stays on the z axis and looks
+//! at the origin, the sculpture turns and shifts before it.
+//!
+//! Gives new [`Placement`]s for the document and an [`Eye`] for the picture; changes nothing
+//! itself but the camera's distance.
+
+use glam::{Mat3, Quat, UVec2, Vec2, Vec3};
+
+use crate::input::Side;
+use crate::sculpture::{Grid, Placement};
+use crate::view::{Camera, Eye};
+
+/// Turn for a drag across the height of the picture.
+const TURN_PER_HEIGHT_RAD: f32 = 1.25 * std::f32::consts::PI;
+/// Factor on the distance for one notch of the wheel.
+const ZOOM_PER_NOTCH: f32 = 0.88;
+/// Space around the sculpture when all of it is shown.
+const MARGIN: f32 = 1.02;
+
+/// The camera before the sculpture.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Stage {
+    /// From the camera to the origin, in world units.
+    distance: f32,
+    /// Of the ball around the grid, in world units.
+    radius: f32,
+    fov_y_rad: f32,
+    /// Pixels of the picture.
+    size: UVec2,
+}
+
+impl Stage {
+    /// A camera that shows the whole of `grid`.
+    pub fn new(grid: &Grid, fov_deg: f32, size: UVec2) -> Stage {
+        let mut stage = Stage { distance: 1.0, radius: 1.0, fov_y_rad: fov_deg.to_radians(), size };
+        stage.show_all(grid, &Placement::default());
+        stage
+    }
+
+    pub fn size(&self) -> UVec2 {
+        self.size
+    }
+
+    pub fn set_size(&mut self, size: UVec2) {
+        self.size = size.max(UVec2::ONE);
+    }
+
+    pub fn camera(&self) -> Camera {
+        Camera {
+            eye: Vec3::new(0.0, 0.0, self.distance),
+            target: Vec3::ZERO,
+            up: Vec3::Y,
+            fov_y_rad: self.fov_y_rad,
+            near: self.distance.min(self.radius) * 1e-3,
+        }
+    }
+
+    pub fn eye(&self) -> Eye {
+        self.camera().eye(self.size)
+    }
+
+    /// Takes the distance from which all of the grid is seen, however it is turned.
+    pub fn show_all(&mut self, grid: &Grid, placement: &Placement) {
+        let extent = grid.dims().as_vec3() * grid.voxel_size() * placement.scale;
+        self.radius = 0.5 * extent.length();
+        let aspect = self.size.x as f32 / self.size.y as f32;
+        let half_angle = (0.5 * self.fov_y_rad).tan() * aspect.min(1.0);
+        self.distance = MARGIN * self.radius / half_angle.atan().sin();
+    }
+
+    /// The placement that shows a side of the grid in the middle, `up` of the grid upwards.
+    pub fn looking_from(&self, side: Side, up: Vec3, placement: &Placement) -> Placement {
+        Placement { rotation: facing(side, up), translation: Vec3::ZERO, ..*placement }
+    }
+
+    /// Turns the sculpture as a thing on a turntable that can be tilted: across the screen about
+    /// its own `up` axis, up and down about the screen's horizontal. So it never rolls.
+    pub fn turned(&self, placement: &Placement, by: Vec2, up: Vec3) -> Placement {
+        let angle = by * (TURN_PER_HEIGHT_RAD / self.size.y as f32);
+        let axis = placement.rotation * up;
+        // Seen upside down the sculpture must still follow the hand.
+        let sense = if axis.y < -1e-3 { -1.0 } else { 1.0 };
+        let spin = Quat::from_axis_angle(axis.normalize_or(Vec3::Y), sense * angle.x);
+        let tilt = Quat::from_rotation_x(angle.y);
+        Placement { rotation: (tilt * spin * placement.rotation).normalize(), ..*placement }
+    }
+
+    /// The turn of a drag about the screen's axes, in world coordinates, for tools.
+    pub fn turn_of(&self, by: Vec2) -> Quat {
+        let angle = by * (TURN_PER_HEIGHT_RAD / self.size.y as f32);
+        Quat::from_rotation_x(angle.y) * Quat::from_rotation_y(angle.x)
+    }
+
+    /// Shifts the sculpture so that its centre follows the pointer.
+    pub fn shifted(&self, placement: &Placement, by: Vec2) -> Placement {
+        let shift = Vec3::new(by.x, -by.y, 0.0) * self.world_per_pixel(placement);
+        Placement { translation: placement.translation + shift, ..*placement }
+    }
+
+    /// Comes nearer by notches; what is under the pointer at the depth of the sculpture's centre
+    /// stays there.
+    pub fn zoomed(&mut self, placement: &Placement, notches: f32, at: Vec2) -> Placement {
+        let from_middle = (at - self.size.as_vec2() * 0.5) * Vec2::new(1.0, -1.0);
+        let before = self.world_per_pixel(placement);
+        let factor = ZOOM_PER_NOTCH.powf(notches.clamp(-20.0, 20.0));
+        let range = self.radius * 0.02..=self.radius * 50.0;
+        self.distance = (self.distance * factor).clamp(*range.start(), *range.end());
+        let shift = from_middle * (self.world_per_pixel(placement) - before);
+        Placement { translation: placement.translation + shift.extend(0.0), ..*placement }
+    }
+
+    /// World units per pixel at the depth of the sculpture's centre.
+    fn world_per_pixel(&self, placement: &Placement) -> f32 {
+        let depth = (self.distance - placement.translation.z).max(self.radius * 1e-3);
+        2.0 * (0.5 * self.fov_y_rad).tan() * depth / self.size.y as f32
+    }
+}
+
+/// The rotation that turns a side of the grid to the viewer, `up` of the grid upwards.
+fn facing(side: Side, up: Vec3) -> Quat {
+    // A right-handed frame of the grid with `up` upwards; `front` is what the front looks along.
+    let front = if up.z.abs() > 0.5 { Vec3::NEG_Y * up.z.signum() } else { Vec3::Z };
+    let right = up.cross(front);
+    let (towards, upwards) = match side {
+        Side::Front => (front, up),
+        Side::Back => (-front, up),
+        Side::Right => (right, up),
+        Side::Left => (-right, up),
+        Side::Top => (up, -front),
+        Side::Bottom => (-up, front),
+        Side::Corner => (right * 0.8 + up * 0.6 + front, up),
+    };
+    let z = towards.normalize();
+    let x = upwards.cross(z).normalize();
+    let grid_from_world = Mat3::from_cols(x, z.cross(x), z);
+    Quat::from_mat3(&grid_from_world.transpose()).normalize()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::UVec3;
+
+    fn stage() -> (Grid, Stage) {
+        let grid = Grid::new(UVec3::new(20, 10, 30), Vec3::ONE, 1 << 30).unwrap();
+        let stage = Stage::new(&grid, 45.0, UVec2::new(640, 480));
+        (grid, stage)
+    }
+
+    #[test]
+    fn every_side_comes_to_the_front() {
+        let (_, stage) = stage();
+        let placement = Placement::default();
+        let faces = |side, up, axis: Vec3| {
+            let rotation = stage.looking_from(side, up, &placement).rotation;
+            assert!((rotation * axis).abs_diff_eq(Vec3::Z, 1e-5), "{side:?} {up}");
+            if !matches!(side, Side::Top | Side::Bottom) {
+                assert!((rotation * up).abs_diff_eq(Vec3::Y, 1e-5), "{side:?} {up}");
+            }
+        };
+        faces(Side::Front, Vec3::Y, Vec3::Z);
+        faces(Side::Back, Vec3::Y, Vec3::NEG_Z);
+        faces(Side::Right, Vec3::Y, Vec3::X);
+        faces(Side::Left, Vec3::Y, Vec3::NEG_X);
+        faces(Side::Top, Vec3::Y, Vec3::Y);
+        faces(Side::Bottom, Vec3::Y, Vec3::NEG_Y);
+        for up in [Vec3::X, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z] {
+            faces(Side::Top, up, up);
+        }
+        faces(Side::Front, Vec3::Z, Vec3::NEG_Y);
+        let corner = stage.looking_from(Side::Corner, Vec3::Y, &placement).rotation;
+        let seen = corner * Vec3::new(0.8, 0.6, 1.0).normalize();
+        assert!(seen.abs_diff_eq(Vec3::Z, 1e-5));
+    }
+
+    #[test]
+    fn all_corners_are_in_the_picture_however_the_grid_is_turned() {
+        let (grid, mut stage) = stage();
+        for size in [UVec2::new(640, 480), UVec2::new(300, 900)] {
+            stage.set_size(size);
+            stage.show_all(&grid, &Placement::default());
+            for side in Side::ALL {
+                let placement = stage.looking_from(side, Vec3::Y, &Placement::default());
+                let world_from_grid = placement.world_from_grid(grid.dims(), grid.voxel_size());
+                let clip_from_grid = stage.eye().clip_from_grid(&world_from_grid);
+                for i in 0..8 {
+                    let corner = Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
+                    let clip = clip_from_grid * (corner * grid.dims().as_vec3()).extend(1.0);
+                    assert!(clip.x.abs() <= clip.w && clip.y.abs() <= clip.w && clip.z < clip.w);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_front_follows_the_hand() {
+        let (_, stage) = stage();
+        let by = |by, placement: &Placement| stage.turned(placement, by, Vec3::Y).rotation;
+        let rest = Placement::default();
+        assert!((by(Vec2::new(10.0, 0.0), &rest) * Vec3::Z).x > 0.0, "right is right");
+        assert!((by(Vec2::new(0.0, 10.0), &rest) * Vec3::Z).y < 0.0, "down is down");
+        let head_down = Placement { rotation: Quat::from_rotation_z(std::f32::consts::PI), ..rest };
+        assert!((by(Vec2::new(10.0, 0.0), &head_down) * Vec3::Z).x > 0.0, "also upside down");
+        let mut placement = rest;
+        for i in 0..100 {
+            let wobble = Vec2::new((i % 7) as f32 * 9.0, (i % 5) as f32 - 2.0);
+            placement = stage.turned(&placement, wobble, Vec3::Y);
+            assert!((placement.rotation * Vec3::Y).x.abs() < 1e-3, "never rolls");
+        }
+    }
+
+    #[test]
+    fn zooming_and_shifting_keep_what_is_under_the_pointer() {
+        let (grid, mut stage) = stage();
+        let placement = Placement { translation: Vec3::new(1.0, 2.0, 0.0), ..Default::default() };
+        let centre = grid.dims().as_vec3() * 0.5;
+        let pixel = |stage: &Stage, placement: &Placement| {
+            let world_from_grid = placement.world_from_grid(grid.dims(), grid.voxel_size());
+            let clip = stage.eye().clip_from_grid(&world_from_grid) * centre.extend(1.0);
+            (Vec2::new(clip.x, clip.y) / clip.w * 0.5 + 0.5) * stage.size().as_vec2()
+        };
+        let at = pixel(&stage, &placement);
+        let zoomed = stage.zoomed(&placement, 5.0, at);
+        assert!(pixel(&stage, &zoomed).abs_diff_eq(at, 0.1));
+        let shifted = stage.shifted(&zoomed, Vec2::new(30.0, -12.0));
+        assert!(pixel(&stage, &shifted).abs_diff_eq(at + Vec2::new(30.0, -12.0), 0.1));
+    }
+}

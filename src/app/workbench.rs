@@ -1,0 +1,234 @@
+//! Owns the work on a sculpture without the screen: what the interface and the devices ask for
+//! becomes commands for the session, the view moves, the tool is led over the surface.
+//!
+//! Takes an egui pass and, from the renderer, the voxels that were seen; gives the eye to render
+//! next. Knows no window and no Vulkan, so that all of it can be tested without either.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use egui::{CursorIcon, Id, Rect, Sense, Ui};
+use glam::{Affine3A, UVec2, Vec2};
+
+use super::aim::{self, Sight};
+use super::stage::Stage;
+use super::stroke::StrokeInHand;
+use crate::command::Command;
+use crate::config::Config;
+use crate::input::events::{Viewport, device_events};
+use crate::input::{Action, Bindings, Mapper, Side, Signal};
+use crate::session::Session;
+use crate::surface::IndexMap;
+use crate::ui::{self, Facts, FrameTimes, UiState};
+use crate::view::Eye;
+
+/// Everything but the screen.
+pub struct Workbench {
+    pub(super) session: Session,
+    pub ui: UiState,
+    pub(super) presets: Vec<Bindings>,
+    mapper: Mapper,
+    pub(super) stage: Stage,
+    pub(super) stroke: Option<StrokeInHand>,
+    /// A drag of `Sculpt` that began beside the sculpture and turns it.
+    pub(super) turns_instead: bool,
+    /// The voxels in the last picture, to find what the pointer points at.
+    pub(super) seen: Option<Arc<IndexMap>>,
+    picture: Rect,
+    /// Long work that is done after its sign has been shown, and whether to leave after it.
+    pub(super) waiting: Option<(Command, bool)>,
+    /// The file that this run of the program has written, which may be written again unasked.
+    pub(super) written: Option<PathBuf>,
+    leaving: bool,
+    pub times: FrameTimes,
+    pub device: String,
+}
+
+impl Workbench {
+    pub fn new(session: Session, config: &Config, presets: Vec<Bindings>) -> Workbench {
+        let grid = session.document().grid();
+        let stage = Stage::new(grid, config.render.fov_deg, UVec2::new(640, 480));
+        let mut bench = Workbench {
+            ui: UiState::new(config, grid.dims()),
+            session,
+            presets,
+            mapper: Mapper::default(),
+            stage,
+            stroke: None,
+            turns_instead: false,
+            seen: None,
+            picture: Rect::ZERO,
+            waiting: None,
+            written: None,
+            leaving: false,
+            times: FrameTimes::default(),
+            device: String::new(),
+        };
+        bench.look_from(Side::Corner);
+        bench
+    }
+
+    pub fn session(&self) -> &Session {
+        &self.session
+    }
+
+    pub fn session_mut(&mut self) -> &mut Session {
+        &mut self.session
+    }
+
+    /// The area of the picture in points.
+    pub fn picture(&self) -> Rect {
+        self.picture
+    }
+
+    /// The eye of the next picture.
+    pub fn eye(&self) -> Eye {
+        self.stage.eye()
+    }
+
+    pub fn world_from_grid(&self) -> Affine3A {
+        self.session.document().world_from_grid()
+    }
+
+    /// Hears from the renderer which voxels the last picture shows.
+    pub fn saw(&mut self, map: Arc<IndexMap>) {
+        self.seen = Some(map);
+    }
+
+    /// Whether the person has left the program.
+    pub fn is_leaving(&self) -> bool {
+        self.leaving
+    }
+
+    /// Whether voxels are being changed by a hand that is still down.
+    pub fn stroke_in_hand(&self) -> bool {
+        self.stroke.is_some()
+    }
+
+    /// The window was asked to close.
+    pub fn ask_to_leave(&mut self) {
+        self.act(Action::Quit);
+    }
+
+    /// One pass of the interface: listens to the devices, shows the panels, does what was asked.
+    pub fn show(&mut self, root: &mut Ui) {
+        self.do_waiting();
+        self.listen(root);
+        let mut intents = Vec::new();
+        let facts = Facts {
+            document: self.session.document(),
+            path: self.session.path(),
+            modified: self.session.modified(),
+            presets: &self.presets,
+            times: self.times,
+            device: &self.device,
+        };
+        let picture = ui::show(root, &mut self.ui, &facts, &mut intents).rect;
+        let response = root.interact(picture, picture_id(), Sense::hover());
+        self.set_picture(picture, root.pixels_per_point());
+        if response.contains_pointer() && !self.ui.is_modal() {
+            root.set_cursor_icon(self.cursor(root));
+        }
+        if !intents.is_empty() || self.waiting.is_some() {
+            root.request_repaint();
+        }
+        for intent in intents {
+            self.carry_out(intent);
+        }
+    }
+
+    fn set_picture(&mut self, rect: Rect, pixels_per_point: f32) {
+        self.picture = rect;
+        let size = (rect.size() * pixels_per_point).round().max(egui::Vec2::splat(1.0));
+        self.stage.set_size(UVec2::new(size.x as u32, size.y as u32));
+    }
+
+    /// Does what the devices say about the picture as it was last shown.
+    fn listen(&mut self, root: &Ui) {
+        let ctx = root.ctx();
+        let hovered = ctx.read_response(picture_id()).is_some_and(|r| r.contains_pointer());
+        let modal = self.ui.is_modal();
+        let viewport = Viewport {
+            rect: self.picture,
+            pixels_per_point: root.pixels_per_point(),
+            hovered: hovered && !modal,
+            captured: self.mapper.captures_pointer(),
+            keyboard: !modal && ctx.memory(|memory| memory.focused().is_none()),
+        };
+        let events = ctx.input(|input| device_events(input, &viewport));
+        let Some(bindings) = self.presets.get(self.ui.preset) else { return };
+        let mut signals = Vec::new();
+        for event in &events {
+            self.mapper.feed(event, bindings, &mut signals);
+        }
+        if self.mapper.captures_pointer() && !viewport.captured {
+            // A press on the picture takes the keyboard from the fields beside it.
+            ctx.memory_mut(|memory| {
+                if let Some(id) = memory.focused() {
+                    memory.surrender_focus(id);
+                }
+            });
+        }
+        for (i, signal) in signals.iter().enumerate() {
+            // Of several moves without a button only the last is worth a look.
+            let overtaken = matches!(signal, Signal::Hover(_))
+                && matches!(signals.get(i + 1), Some(Signal::Hover(_)));
+            if !overtaken {
+                self.answer(signal);
+            }
+        }
+    }
+
+    fn answer(&mut self, signal: &Signal) {
+        match *signal {
+            Signal::Tap(action) => self.act(action),
+            Signal::Begin { action, at } => self.begin(action, at),
+            Signal::Drag { action, at, by } => self.drag(action, at, by),
+            Signal::End(action) => self.end(action),
+            Signal::Hover(at) => self.hover(at),
+            Signal::Wheel { action, notches, at } => self.wheel(action, notches, at),
+            Signal::Left => {}
+        }
+    }
+
+    /// The view of the grid that the next picture will have.
+    pub(super) fn sight(&self) -> Sight {
+        Sight::new(&self.eye(), &self.world_from_grid())
+    }
+
+    /// The point of the grid that the pointer points at: on the surface that was seen, or
+    /// anywhere in the grid while it is empty.
+    pub(super) fn target(&self, at: Vec2) -> Option<glam::Vec3> {
+        let grid = self.session.document().grid();
+        if grid.opaque_count() == 0 {
+            return aim::box_point(&self.sight().rays, grid.dims(), at);
+        }
+        aim::surface_point(self.seen.as_ref()?, grid, at)
+    }
+
+    pub(super) fn leave(&mut self) {
+        self.leaving = true;
+    }
+
+    fn cursor(&self, root: &Ui) -> CursorIcon {
+        if self.mapper.captures_pointer() {
+            return if self.stroke.is_some() {
+                CursorIcon::Crosshair
+            } else {
+                CursorIcon::Grabbing
+            };
+        }
+        let at = root.input(|input| input.pointer.hover_pos()).map(|at| {
+            let at = (at - self.picture.min) * root.pixels_per_point();
+            Vec2::new(at.x, at.y)
+        });
+        match at.and_then(|at| self.target(at)) {
+            Some(_) => CursorIcon::Crosshair,
+            None => CursorIcon::Grab,
+        }
+    }
+}
+
+fn picture_id() -> Id {
+    Id::new("picture")
+}

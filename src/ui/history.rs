@@ -1,0 +1,48 @@
+//! The list of steps: what was done, with the present in between what can be undone and what can
+//! be redone. A click travels there.
+
+use egui::{Button, RichText, ScrollArea, Ui};
+
+use super::{Facts, Intent};
+use crate::command::Command;
+
+pub fn show(ui: &mut Ui, facts: &Facts, intents: &mut Vec<Intent>) {
+    let history = facts.document.history();
+    let undos = history.undo_count();
+    let start = if history.dropped() > 0 {
+        format!("({} earlier steps forgotten)", history.dropped())
+    } else {
+        "Start".to_string()
+    };
+    let labels =
+        std::iter::once((start.as_str(), "")).chain(history.undo_labels().map(|l| (l, "")));
+    let height = ui.text_style_height(&egui::TextStyle::Body) * 9.0;
+    ScrollArea::vertical().id_salt("history").max_height(height).stick_to_bottom(true).show(
+        ui,
+        |ui| {
+            ui.spacing_mut().item_spacing.y = 1.0;
+            for (done, (label, _)) in labels.enumerate() {
+                let back = undos - done;
+                let button = Button::selectable(back == 0, label).frame_when_inactive(false);
+                if row(ui, button) && back > 0 {
+                    intents.push(Intent::Run(Command::Undo { steps: Some(back as u32) }));
+                }
+            }
+            for (i, label) in history.redo_labels().enumerate() {
+                let text = RichText::new(label).weak().italics();
+                let button = Button::selectable(false, text).frame_when_inactive(false);
+                if row(ui, button) {
+                    intents.push(Intent::Run(Command::Redo { steps: Some(i as u32 + 1) }));
+                }
+            }
+        },
+    );
+    let mib = history.bytes() as f64 / f64::from(1 << 20);
+    let budget = facts.document.limits().history_bytes >> 20;
+    ui.weak(format!("{mib:.1} of {budget} MiB"));
+}
+
+fn row(ui: &mut Ui, button: Button) -> bool {
+    let size = egui::vec2(ui.available_width(), 0.0);
+    ui.add(button.min_size(size).truncate()).clicked()
+}

@@ -1,0 +1,34 @@
+//! The question before unsaved work is lost.
+
+use egui::{Id, Modal, Ui};
+
+use super::{Intent, UiState};
+
+pub fn show(root: &Ui, state: &mut UiState, intents: &mut Vec<Intent>) {
+    if !state.leave_open {
+        return;
+    }
+    let response = Modal::new(Id::new("leave")).show(root.ctx(), |ui| {
+        ui.set_width(320.0);
+        ui.heading("Save before leaving?");
+        ui.add_space(4.0);
+        ui.label("The sculpture has changes that are in no file yet.");
+        ui.add_space(8.0);
+        ui.horizontal(|ui| {
+            if ui.button("Save").clicked() {
+                state.leave_open = false;
+                intents.push(Intent::SaveAndLeave);
+            }
+            if ui.button("Leave without saving").clicked() {
+                state.leave_open = false;
+                intents.push(Intent::Leave);
+            }
+            if ui.button("Stay").clicked() {
+                state.leave_open = false;
+            }
+        });
+    });
+    if response.should_close() {
+        state.leave_open = false;
+    }
+}

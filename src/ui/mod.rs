@@ -1,0 +1,104 @@
+//! The interface: panels, windows and messages over the sculpture, in egui.
+//!
+//! Reads the document through [`Facts`], remembers its own choices in [`UiState`], and says what
+//! the person wants as [`Intent`]s. It changes no sculpture and knows no Vulkan.
+
+pub mod buttons;
+pub mod files;
+pub mod hand;
+pub mod help;
+pub mod history;
+pub mod icons;
+pub mod leave;
+pub mod new_dialog;
+pub mod options;
+pub mod state;
+pub mod status;
+pub mod theme;
+pub mod toasts;
+pub mod tool_options;
+pub mod toolbox;
+pub mod top_bar;
+
+use std::path::Path;
+
+use egui::{CentralPanel, Frame, Rect, Response, Sense, Ui};
+
+use crate::document::Document;
+use crate::input::Bindings;
+
+pub use hand::Hand;
+pub use state::{Intent, UiState, ViewState};
+
+/// How long the last picture took, in milliseconds.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct FrameTimes {
+    /// Finding the voxel of every pixel, with upload and read-back.
+    pub sample_ms: f32,
+    pub shade_ms: f32,
+    /// Everything, interface included.
+    pub total_ms: f32,
+}
+
+/// What the interface reads.
+pub struct Facts<'a> {
+    pub document: &'a Document,
+    pub path: Option<&'a Path>,
+    /// Something would be lost by leaving now.
+    pub modified: bool,
+    /// The tables of bindings to choose from.
+    pub presets: &'a [Bindings],
+    pub times: FrameTimes,
+    /// Name of the Vulkan device.
+    pub device: &'a str,
+}
+
+impl Facts<'_> {
+    /// The bindings in use.
+    fn bindings(&self, state: &UiState) -> Option<&Bindings> {
+        self.presets.get(state.preset)
+    }
+}
+
+/// Shows everything in `root` and adds to `intents` what was asked for. Gives the area that is
+/// left for the picture of the sculpture.
+pub fn show(
+    root: &mut Ui,
+    state: &mut UiState,
+    facts: &Facts,
+    intents: &mut Vec<Intent>,
+) -> Response {
+    theme::apply(root.ctx(), state.theme);
+    top_bar::show(root, state, facts, intents);
+    status::show(root, state, facts);
+    toolbox::show(root, state, facts, intents);
+    options::show(root, state, facts, intents);
+    let picture = CentralPanel::default()
+        .frame(Frame::NONE)
+        .show(root, |ui| {
+            let rect = ui.available_rect_before_wrap();
+            ui.allocate_rect(rect, Sense::hover())
+        })
+        .inner;
+    help::show(root, state, facts);
+    new_dialog::show(root, state, facts, intents);
+    leave::show(root, state, intents);
+    files::show(root, state, intents);
+    state.toasts.show(root, picture.rect);
+    show_busy(root, state, picture.rect);
+    picture
+}
+
+/// A sign that long work is about to be done, since nothing moves during it.
+fn show_busy(root: &Ui, state: &UiState, picture: Rect) {
+    let Some(what) = &state.busy else { return };
+    egui::Area::new(egui::Id::new("busy"))
+        .order(egui::Order::Tooltip)
+        .pivot(egui::Align2::CENTER_CENTER)
+        .fixed_pos(picture.center())
+        .show(root.ctx(), |ui| {
+            Frame::popup(ui.style()).inner_margin(16.0).show(ui, |ui| {
+                ui.label(egui::RichText::new(what).heading());
+            });
+        });
+}

@@ -1,0 +1,99 @@
+//! The column on the right: options of the tool, the light and the view, and the history.
+
+use egui::{CollapsingHeader, ComboBox, Frame, Margin, Panel, ScrollArea, Slider, Ui};
+use glam::Vec3;
+
+use super::buttons::action_button;
+use super::{Facts, Intent, UiState, history, theme, tool_options};
+use crate::input::Action;
+
+pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+    let frame =
+        Frame::side_top_panel(root.style()).inner_margin(Margin { right: 2, ..Margin::same(8) });
+    Panel::right("options").frame(frame).resizable(false).exact_size(theme::OPTIONS_WIDTH).show(
+        root,
+        |ui| {
+            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                ui.set_width(theme::OPTIONS_WIDTH - 24.0);
+                section(ui, "Tool", true, |ui| tool_options::show(ui, state, facts, intents));
+                section(ui, "View", true, |ui| view(ui, state, facts, intents));
+                section(ui, "Light", false, |ui| light(ui, state));
+                section(ui, "History", true, |ui| history::show(ui, facts, intents));
+            });
+        },
+    );
+}
+
+fn section(ui: &mut Ui, title: &str, open: bool, content: impl FnOnce(&mut Ui)) {
+    let title = egui::RichText::new(title).strong();
+    CollapsingHeader::new(title).default_open(open).show_unindented(ui, content);
+    ui.add_space(4.0);
+}
+
+fn view(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+    ui.horizontal(|ui| {
+        action_button(ui, state, facts, "Show all", Action::ResetView, true, intents);
+        ui.label("Up");
+        up_axis(ui, &mut state.view.up, intents);
+    });
+    ui.checkbox(&mut state.view.bounds, "Edges of the grid");
+    ui.checkbox(&mut state.view.tool, "Tool");
+    ui.checkbox(&mut state.view.line, "Line from the centre to the tool");
+}
+
+const AXES: [(&str, Vec3); 6] = [
+    ("x", Vec3::X),
+    ("y", Vec3::Y),
+    ("z", Vec3::Z),
+    ("-x", Vec3::NEG_X),
+    ("-y", Vec3::NEG_Y),
+    ("-z", Vec3::NEG_Z),
+];
+
+fn up_axis(ui: &mut Ui, up: &mut Vec3, intents: &mut Vec<Intent>) {
+    let name = AXES.iter().find(|(_, axis)| axis == up).map_or("", |(name, _)| name);
+    ComboBox::from_id_salt("up").width(48.0).selected_text(name).show_ui(ui, |ui| {
+        for (name, axis) in AXES {
+            if ui.selectable_value(up, axis, name).clicked() {
+                intents.push(Intent::Do(Action::ResetView));
+            }
+        }
+    });
+}
+
+/// A lamp that stays with the viewer: where it stands, how bright it is.
+fn light(ui: &mut Ui, state: &mut UiState) {
+    let light = &mut state.view.light;
+    let direction = Vec3::from(light.direction).normalize_or(Vec3::Z);
+    let mut side_deg = direction.x.atan2(direction.z).to_degrees();
+    let mut height_deg = direction.y.clamp(-1.0, 1.0).asin().to_degrees();
+    let mut moved = false;
+    let mut ambient = light.ambient * 100.0;
+    let mut specular = light.specular * 100.0;
+    egui::Grid::new("light").num_columns(2).show(ui, |ui| {
+        let mut row = |label: &str, value: &mut f32, range, unit: &str| {
+            let label = ui.label(label);
+            let slider = Slider::new(value, range).fixed_decimals(0).suffix(unit);
+            let changed = ui.add(slider).labelled_by(label.id).changed();
+            ui.end_row();
+            changed
+        };
+        moved |= row("From the side", &mut side_deg, -180.0..=180.0, "°");
+        moved |= row("Height", &mut height_deg, -89.0..=89.0, "°");
+        row("Ambient", &mut ambient, 0.0..=100.0, "%");
+        row("Highlight", &mut specular, 0.0..=100.0, "%");
+        let label = ui.label("Colour");
+        ui.color_edit_button_srgb(&mut light.colour.0).labelled_by(label.id);
+        ui.end_row();
+    });
+    light.ambient = ambient / 100.0;
+    light.specular = specular / 100.0;
+    if moved {
+        let (side, height) = (side_deg.to_radians(), height_deg.to_radians());
+        let across = height.cos();
+        light.direction = [side.sin() * across, height.sin(), side.cos() * across];
+    }
+    if ui.button("Reset the light").clicked() {
+        *light = Default::default();
+    }
+}

@@ -1,0 +1,114 @@
+//! Owns what the interface remembers: the tool in hand, how the sculpture is shown, and which
+//! windows are open. None of it belongs to the sculpture.
+
+use std::path::PathBuf;
+
+use glam::{UVec3, Vec3};
+
+use super::hand::Hand;
+use super::new_dialog::NewDialog;
+use super::toasts::Toasts;
+use crate::command::Command;
+use crate::config::{Config, LightSettings, RenderMode, Theme};
+use crate::input::Action;
+
+/// What a person asked for in the interface.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Intent {
+    /// The same as by key or mouse.
+    Do(Action),
+    /// A command whose arguments were chosen in a window.
+    Run(Command),
+    /// Leave without asking again.
+    Leave,
+    /// Save, then leave.
+    SaveAndLeave,
+}
+
+/// How the sculpture is shown.
+#[derive(Clone, PartialEq, Debug)]
+pub struct ViewState {
+    pub mode: RenderMode,
+    pub light: LightSettings,
+    /// The axis of the grid that is up when the view is reset.
+    pub up: Vec3,
+    /// The edges of the grid.
+    pub bounds: bool,
+    /// The line from the grid's centre to the tool.
+    pub line: bool,
+    /// The tool itself.
+    pub tool: bool,
+}
+
+/// What a file dialog is open for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum FileTask {
+    Open,
+    SaveAs,
+    /// Save under a new name, then leave.
+    SaveAndLeave,
+}
+
+/// Everything that the interface remembers.
+pub struct UiState {
+    pub hand: Hand,
+    pub view: ViewState,
+    pub theme: Theme,
+    /// Index of the table of bindings in use.
+    pub preset: usize,
+    pub help_open: bool,
+    /// Asks what to do with unsaved work.
+    pub leave_open: bool,
+    pub new_dialog: NewDialog,
+    pub files: super::files::Files,
+    pub toasts: Toasts,
+    /// Long work of which the first picture must still be shown.
+    pub busy: Option<String>,
+}
+
+impl UiState {
+    /// The state at the start, for a grid of `dims` voxels.
+    pub fn new(config: &Config, dims: UVec3) -> UiState {
+        UiState {
+            hand: Hand::new(dims),
+            view: ViewState {
+                mode: config.render.mode,
+                light: config.light.clone(),
+                up: Vec3::Y,
+                bounds: true,
+                line: true,
+                tool: true,
+            },
+            theme: config.window.theme,
+            preset: 0,
+            help_open: false,
+            leave_open: false,
+            new_dialog: NewDialog::new(config),
+            files: super::files::Files::new(),
+            toasts: Toasts::default(),
+            busy: None,
+        }
+    }
+
+    /// Whether a window lies over the sculpture and has the person's attention.
+    pub fn is_modal(&self) -> bool {
+        self.leave_open || self.new_dialog.open || self.files.is_open() || self.busy.is_some()
+    }
+
+    /// Closes the uppermost open window; false if there is none.
+    pub fn close_top(&mut self) -> bool {
+        let open = [&mut self.leave_open, &mut self.new_dialog.open, &mut self.help_open];
+        match open.into_iter().find(|open| **open) {
+            Some(open) => {
+                *open = false;
+                true
+            }
+            None => false,
+        }
+    }
+}
+
+/// The last folder of a file, to open dialogs there.
+pub fn folder_of(path: Option<&std::path::Path>) -> Option<PathBuf> {
+    path.and_then(|p| p.parent()).filter(|p| !p.as_os_str().is_empty()).map(PathBuf::from)
+}

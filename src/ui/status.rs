@@ -1,0 +1,67 @@
+//! The line along the bottom: where the tool is, how large the sculpture is, how long a picture
+//! takes.
+
+use egui::{Align, Frame, Layout, Margin, Panel, Ui};
+
+use super::{Facts, UiState};
+
+pub fn show(root: &mut Ui, state: &UiState, facts: &Facts) {
+    let frame = Frame::side_top_panel(root.style()).inner_margin(Margin::symmetric(8, 3));
+    Panel::bottom("status").frame(frame).show(root, |ui| {
+        ui.horizontal(|ui| {
+            let name = facts.path.and_then(|p| p.file_name()).map(|n| n.to_string_lossy());
+            let name = name.as_deref().unwrap_or("untitled");
+            let star = if facts.modified { " *" } else { "" };
+            ui.label(format!("{name}{star}")).on_hover_text(if facts.modified {
+                "Not saved yet"
+            } else {
+                "Saved"
+            });
+            ui.separator();
+            let at = state.hand.centre_vx;
+            ui.monospace(format!("Tool {:.0} {:.0} {:.0}", at.x, at.y, at.z))
+                .on_hover_text("Centre of the tool in voxels: x, y, z");
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| right(ui, facts));
+        });
+    });
+}
+
+fn right(ui: &mut Ui, facts: &Facts) {
+    let times = facts.times;
+    ui.monospace(format!("{:>6.1} ms", times.total_ms)).on_hover_text(format!(
+        "Time of the last picture, of which finding the voxels {:.1} ms and shading {:.1} ms\n{}",
+        times.sample_ms, times.shade_ms, facts.device
+    ));
+    ui.separator();
+    let grid = facts.document.grid();
+    let dims = grid.dims();
+    let bits = facts.document.material().depth().bits();
+    ui.label(format!("{} × {} × {}", dims.x, dims.y, dims.z))
+        .on_hover_text(format!("Size of the grid in voxels, with {bits} bits of colour"));
+    ui.separator();
+    ui.label(format!("{} voxels", grouped(grid.opaque_count()))).on_hover_text("Voxels that exist");
+}
+
+/// Digits in groups of three, parted by narrow spaces.
+pub fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let first = digits.len() % 3;
+    let mut out = String::with_capacity(digits.len() * 4 / 3);
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && i % 3 == first {
+            out.push('\u{2009}');
+        }
+        out.push(digit);
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn numbers_are_grouped() {
+        let shown =
+            [0, 12, 999, 1000, 16_777_216].map(|n| super::grouped(n).replace('\u{2009}', " "));
+        assert_eq!(shown, ["0", "12", "999", "1 000", "16 777 216"]);
+    }
+}

@@ -1,0 +1,100 @@
+//! Owns how the interface looks: two themes of one design, quiet greys that leave the colours to
+//! the sculpture, with one warm accent.
+
+use egui::{Color32, CornerRadius, FontFamily, FontId, Stroke, Style, TextStyle, Visuals, vec2};
+
+use crate::config::Theme;
+
+/// Width of the column of tools in points.
+pub const TOOLBOX_WIDTH: f32 = 76.0;
+/// Width of the column of options in points.
+pub const OPTIONS_WIDTH: f32 = 246.0;
+
+const ACCENT: Color32 = Color32::from_rgb(0xd9, 0x7b, 0x3f);
+const ACCENT_DARK: Color32 = Color32::from_rgb(0x8a, 0x4a, 0x22);
+
+/// Gives the context fonts, spacing and colours. Cheap when nothing changed.
+pub fn apply(ctx: &egui::Context, theme: Theme) {
+    let wanted = match theme {
+        Theme::Dark => egui::Theme::Dark,
+        Theme::Light => egui::Theme::Light,
+    };
+    let id = egui::Id::new("virtual-sculpture-theme");
+    if ctx.data(|data| data.get_temp::<egui::Theme>(id)) == Some(wanted) {
+        return;
+    }
+    ctx.data_mut(|data| data.insert_temp(id, wanted));
+    ctx.set_theme(wanted);
+    ctx.set_style_of(wanted, style(theme));
+}
+
+/// Colour of errors, readable on panels.
+pub fn error_colour(visuals: &Visuals) -> Color32 {
+    if visuals.dark_mode {
+        Color32::from_rgb(0xf0, 0x6a, 0x60)
+    } else {
+        Color32::from_rgb(0xb0, 0x22, 0x1a)
+    }
+}
+
+fn style(theme: Theme) -> Style {
+    let mut style = Style { visuals: visuals(theme), ..Style::default() };
+    let font = |size| FontId::new(size, FontFamily::Proportional);
+    style.text_styles = [
+        (TextStyle::Small, font(11.0)),
+        (TextStyle::Body, font(13.5)),
+        (TextStyle::Button, font(13.5)),
+        (TextStyle::Heading, font(16.0)),
+        (TextStyle::Monospace, FontId::new(12.5, FontFamily::Monospace)),
+    ]
+    .into();
+    style.spacing.item_spacing = vec2(6.0, 6.0);
+    style.spacing.button_padding = vec2(8.0, 4.0);
+    style.spacing.interact_size.y = 24.0;
+    style.spacing.slider_width = 120.0;
+    style
+}
+
+fn visuals(theme: Theme) -> Visuals {
+    let grey = Color32::from_gray;
+    let (mut visuals, panel, faint, extreme) = match theme {
+        Theme::Dark => (Visuals::dark(), grey(0x22), grey(0x2a), grey(0x16)),
+        Theme::Light => (Visuals::light(), grey(0xf0), grey(0xe6), grey(0xff)),
+    };
+    let dark = theme == Theme::Dark;
+    visuals.panel_fill = panel;
+    visuals.window_fill = if dark { grey(0x28) } else { grey(0xf7) };
+    visuals.faint_bg_color = faint;
+    visuals.extreme_bg_color = extreme;
+    visuals.hyperlink_color = if dark { ACCENT } else { ACCENT_DARK };
+    visuals.selection.bg_fill =
+        if dark { ACCENT_DARK } else { Color32::from_rgb(0xf2, 0xc6, 0xa4) };
+    visuals.selection.stroke =
+        Stroke::new(1.0, if dark { grey(0xff) } else { Color32::from_rgb(0x40, 0x1c, 0x06) });
+    visuals.error_fg_color = error_colour(&visuals);
+    let radius = CornerRadius::same(5);
+    let widgets = &mut visuals.widgets;
+    for state in [
+        &mut widgets.noninteractive,
+        &mut widgets.inactive,
+        &mut widgets.hovered,
+        &mut widgets.active,
+        &mut widgets.open,
+    ] {
+        state.corner_radius = radius;
+    }
+    if dark {
+        widgets.noninteractive.fg_stroke.color = grey(0xc4);
+        widgets.inactive.fg_stroke.color = grey(0xd8);
+        widgets.noninteractive.bg_stroke.color = grey(0x3a);
+        widgets.inactive.weak_bg_fill = grey(0x34);
+        widgets.inactive.bg_fill = grey(0x3c);
+        widgets.hovered.weak_bg_fill = grey(0x42);
+    } else {
+        widgets.noninteractive.fg_stroke.color = grey(0x38);
+        widgets.inactive.fg_stroke.color = grey(0x28);
+        widgets.inactive.weak_bg_fill = grey(0xdd);
+        widgets.inactive.bg_fill = grey(0xd2);
+    }
+    visuals
+}

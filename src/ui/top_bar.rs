@@ -1,0 +1,86 @@
+//! The bar along the top: files, history, the way of rendering, help and the menu.
+
+use egui::{Align, ComboBox, Frame, Layout, Margin, MenuBar, Panel, Ui};
+
+use super::buttons::{action_button, explain};
+use super::{Facts, Intent, UiState};
+use crate::config::{RenderMode, Theme};
+use crate::input::{Action, Side};
+
+pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+    let frame = Frame::side_top_panel(root.style()).inner_margin(Margin::symmetric(8, 5));
+    Panel::top("top_bar").frame(frame).show(root, |ui| {
+        MenuBar::new().ui(ui, |ui| {
+            for (label, action) in [
+                ("New", Action::New),
+                ("Open", Action::Open),
+                ("Save", Action::Save),
+                ("Save as", Action::SaveAs),
+            ] {
+                action_button(ui, state, facts, label, action, true, intents);
+            }
+            ui.separator();
+            let history = facts.document.history();
+            let (undos, redos) = (history.undo_count(), history.redo_count());
+            let undo = format!("⟲ Undo {undos}");
+            action_button(ui, state, facts, undo, Action::Undo, undos > 0, intents);
+            let redo = format!("⟳ Redo {redos}");
+            action_button(ui, state, facts, redo, Action::Redo, redos > 0, intents);
+            ui.separator();
+            render_mode(ui, state, facts);
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                menu(ui, state, facts, intents);
+                action_button(ui, state, facts, "Help", Action::Help, true, intents);
+            });
+        });
+    });
+}
+
+fn render_mode(ui: &mut Ui, state: &mut UiState, facts: &Facts) {
+    let short = |mode: RenderMode| mode.label().trim_end_matches(" + software shader");
+    let chosen = state.view.mode;
+    let response = ComboBox::from_id_salt("render mode")
+        .width(118.0)
+        .selected_text(short(chosen))
+        .show_ui(ui, |ui| {
+            for mode in RenderMode::ALL {
+                ui.selectable_value(&mut state.view.mode, mode, mode.label());
+            }
+        })
+        .response;
+    explain(response, state, facts, Action::NextRenderMode);
+}
+
+fn menu(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+    ui.menu_button("Menu", |ui| {
+        for (label, action) in [("Fill the grid", Action::Fill), ("Clear the grid", Action::Clear)]
+        {
+            action_button(ui, state, facts, label, action, true, intents);
+        }
+        ui.separator();
+        ui.menu_button("Look from", |ui| {
+            for side in Side::ALL {
+                let action = Action::LookFrom(side);
+                action_button(ui, state, facts, capital(side.name()), action, true, intents);
+            }
+        });
+        ui.menu_button("Keys and mouse", |ui| {
+            for (i, preset) in facts.presets.iter().enumerate() {
+                ui.radio_value(&mut state.preset, i, capital(&preset.name))
+                    .on_hover_text(&preset.text);
+            }
+        });
+        ui.menu_button("Theme", |ui| {
+            ui.radio_value(&mut state.theme, Theme::Dark, "Dark");
+            ui.radio_value(&mut state.theme, Theme::Light, "Light");
+        });
+        ui.separator();
+        action_button(ui, state, facts, "Quit", Action::Quit, true, intents);
+    });
+}
+
+/// The text with its first letter in upper case.
+pub fn capital(text: &str) -> String {
+    let mut chars = text.chars();
+    chars.next().map_or(String::new(), |first| first.to_uppercase().chain(chars).collect())
+}
