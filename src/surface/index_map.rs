@@ -1,6 +1,8 @@
 //! Owns the index map: for one eye, the voxel seen through each pixel. Samplers on CPU and GPU
 //! make it; shaders read it.
 
+use glam::UVec2;
+
 use crate::sculpture::NO_VOXEL;
 use crate::view::PixelRays;
 
@@ -35,5 +37,23 @@ impl IndexMap {
     /// Pixels through which a voxel is seen.
     pub fn covered(&self) -> usize {
         self.voxels.iter().filter(|&&v| v != NO_VOXEL).count()
+    }
+}
+
+/// A rectangle of pixels, `min` inclusive and `max` exclusive; empty where `min` is not below.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct PixelRect {
+    pub min: UVec2,
+    pub max: UVec2,
+}
+
+impl PixelRect {
+    /// The whole of a picture of `size` pixels.
+    pub fn of_picture(size: UVec2) -> PixelRect {
+        PixelRect { min: UVec2::ZERO, max: size }
+    }
+
+    pub fn intersect(self, other: PixelRect) -> PixelRect {
+        PixelRect { min: self.min.max(other.min), max: self.max.min(other.max) }
     }
 }

@@ -1,7 +1,9 @@
 //! Sampling the surface: which voxel is seen through each pixel. Pure CPU code.
 
 pub mod index_map;
+pub mod quickstep;
 pub mod raycast;
 pub mod slices;
+mod tiles;
 
-pub use index_map::IndexMap;
+pub use index_map::{IndexMap, PixelRect};

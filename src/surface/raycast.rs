@@ -7,20 +7,17 @@
 //!
 //! Knows no colours, no light and no cameras beyond the rays of their pixels.
 
-pub mod ray;
-mod walk;
+pub(super) mod ray;
+pub(super) mod walk;
 
-use glam::{IVec3, UVec2, UVec3, Vec3};
-use rayon::prelude::*;
+use glam::{IVec3, UVec3, Vec3};
 
 use self::ray::Ray;
 use self::walk::Walk;
-use super::IndexMap;
+use super::index_map::{IndexMap, PixelRect};
+use super::tiles::for_each_tile;
 use crate::sculpture::{Grid, NO_VOXEL};
 use crate::view::PixelRays;
-
-/// Rows of pixels that one task of a parallel sampling takes.
-const BAND_ROWS: u32 = 16;
 
 /// What a ray met first.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -46,20 +43,6 @@ pub fn cast(grid: &Grid, origin: Vec3, direction: Vec3) -> Option<Hit> {
     Some(Hit { voxel, face, t: event.t })
 }
 
-/// A rectangle of pixels, `min` inclusive and `max` exclusive.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct PixelRect {
-    pub min: UVec2,
-    pub max: UVec2,
-}
-
-impl PixelRect {
-    /// The whole of a picture of `size` pixels.
-    pub fn of_picture(size: UVec2) -> PixelRect {
-        PixelRect { min: UVec2::ZERO, max: size }
-    }
-}
-
 /// Fills `map` with the voxels that `rays` meet first. Keeps the map's memory.
 pub fn sample(grid: &Grid, rays: &PixelRays, map: &mut IndexMap) {
     map.reset(*rays);
@@ -68,24 +51,26 @@ pub fn sample(grid: &Grid, rays: &PixelRays, map: &mut IndexMap) {
 
 /// Samples anew the pixels of `rect` (cut to the picture) with the rays that `map` was made with.
 pub fn sample_rect(grid: &Grid, map: &mut IndexMap, rect: PixelRect) {
+    sample_each(grid, map, rect, |origin, direction| Some(cast(grid, origin, direction)?.voxel));
+}
+
+/// Fills the pixels of `rect` with what `first_voxel` finds from an origin in a direction.
+pub(super) fn sample_each(
+    grid: &Grid,
+    map: &mut IndexMap,
+    rect: PixelRect,
+    first_voxel: impl Fn(Vec3, Vec3) -> Option<UVec3> + Sync,
+) {
     let rays = map.rays;
-    let max = rect.max.min(rays.size);
-    if !rect.min.cmplt(max).all() {
-        return;
-    }
-    let width = rays.size.x as usize;
-    let rows = rect.min.y as usize * width..max.y as usize * width;
-    map.voxels[rows]
-        .par_chunks_mut(width * BAND_ROWS as usize)
-        .zip((rect.min.y..max.y).into_par_iter().step_by(BAND_ROWS as usize))
-        .for_each(|(band, top)| {
-            for (row, y) in band.chunks_exact_mut(width).zip(top..) {
-                for x in rect.min.x..max.x {
-                    let hit = cast(grid, rays.origin, rays.direction(x, y));
-                    row[x as usize] = hit.map_or(NO_VOXEL, |hit| grid.voxel_index(hit.voxel));
-                }
+    for_each_tile(map, rect, |mut tile| {
+        let PixelRect { min, max } = tile.rect;
+        for y in min.y..max.y {
+            for (pixel, x) in tile.row(y - min.y).iter_mut().zip(min.x..) {
+                let voxel = first_voxel(rays.origin, rays.direction(x, y));
+                *pixel = voxel.map_or(NO_VOXEL, |voxel| grid.voxel_index(voxel));
             }
-        });
+        }
+    });
 }
 
 #[cfg(test)]

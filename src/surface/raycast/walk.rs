@@ -5,8 +5,8 @@
 //! Tracing", 1987) and skips only empty ones, since both order crossings alike.
 
 use super::ray::{Crossing, Ray};
-use crate::sculpture::Grid;
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
+use crate::sculpture::{Brick, Grid};
 use glam::{IVec3, UVec3};
 
 /// Blocks of 4^3 bricks, bricks, 4^3 words, voxels: the logarithms of their edges.
@@ -16,7 +16,7 @@ const WORD: u32 = 2;
 const VOXEL: u32 = 0;
 
 /// Where a ray is: in which voxel, and by which crossing it came there.
-pub(super) struct Walk<'a> {
+pub(in crate::surface) struct Walk<'a> {
     grid: &'a Grid,
     ray: Ray,
     dims: IVec3,
@@ -50,24 +50,19 @@ impl<'a> Walk<'a> {
     /// Walks to the first existing voxel, if there is one.
     pub fn first_voxel(mut self) -> Option<(UVec3, Crossing)> {
         loop {
-            let cell = self.cell.as_uvec3();
-            let brick = cell / BRICK_EDGE_VX;
-            let (block, bit) = self.grid.occupancy_place(brick);
-            let occupied = self.grid.occupancy()[block];
-            let level = if occupied == 0 {
-                BLOCK
-            } else if occupied >> bit & 1 == 0 {
-                BRICK
-            } else {
-                let local = local_index(cell.x & 7, cell.y & 7, cell.z & 7);
-                let bits = &self.grid.bricks()[self.grid.brick_index(brick)];
-                let word = bits.words[(local >> 6) as usize];
-                if word == 0 {
-                    WORD
-                } else if word >> (local & 63) & 1 == 0 {
-                    VOXEL
-                } else {
-                    return Some((cell, self.event));
+            let level = match self.empty_level() {
+                Some(level) => level,
+                None => {
+                    let cell = self.cell.as_uvec3();
+                    let local = local_index(cell.x & 7, cell.y & 7, cell.z & 7);
+                    let word = self.brick().words[(local >> 6) as usize];
+                    if word == 0 {
+                        WORD
+                    } else if word >> (local & 63) & 1 == 0 {
+                        VOXEL
+                    } else {
+                        return Some((cell, self.event));
+                    }
                 }
             };
             if !self.leave(level) {
@@ -76,32 +71,79 @@ impl<'a> Walk<'a> {
         }
     }
 
+    /// Stays where it is if that is in a brick that is not empty, else moves to the first voxel
+    /// of the next one. False if there is none.
+    pub fn find_brick(&mut self) -> bool {
+        while let Some(level) = self.empty_level() {
+            if !self.leave(level) {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Moves to the first voxel after the present brick. False if that is outside of the grid.
+    pub fn leave_brick(&mut self) -> bool {
+        self.leave(BRICK)
+    }
+
+    /// The last voxel of the present brick on the ray (which may lie beyond the grid's border).
+    pub fn last_in_brick(&self) -> IVec3 {
+        let (event, mut cell) = self.after(BRICK);
+        cell[event.axis] -= self.ray.step[event.axis];
+        cell
+    }
+
+    pub fn cell(&self) -> IVec3 {
+        self.cell
+    }
+
+    pub fn brick(&self) -> &'a Brick {
+        &self.grid.bricks()[self.grid.brick_index(self.cell.as_uvec3() / BRICK_EDGE_VX)]
+    }
+
+    /// The level of the largest empty block, brick or larger, around the present voxel.
+    #[inline(always)]
+    fn empty_level(&self) -> Option<u32> {
+        let brick = self.cell.as_uvec3() / BRICK_EDGE_VX;
+        let (block, bit) = self.grid.occupancy_place(brick);
+        let occupied = self.grid.occupancy()[block];
+        if occupied == 0 { Some(BLOCK) } else { (occupied >> bit & 1 == 0).then_some(BRICK) }
+    }
+
     /// Moves to the first voxel after the aligned block of `1 << level` voxels an edge that
     /// holds the present one. False if that is outside of the grid.
     #[inline(always)]
     fn leave(&mut self, level: u32) -> bool {
+        (self.event, self.cell) = self.after(level);
+        let axis = self.event.axis;
+        (0..self.dims[axis]).contains(&self.cell[axis])
+    }
+
+    /// The crossing that leaves the block of `level`, and the voxel to which it leads.
+    #[inline(always)]
+    fn after(&self, level: u32) -> (Crossing, IVec3) {
         let ray = &self.ray;
         let size = 1 << level;
         let low = self.cell & -size;
-        let crossing = |axis| ray.crossing(axis, ray.far_plane(axis, low[axis], size));
-        let mut event = crossing(0);
+        let far: [i32; 3] = std::array::from_fn(|axis| ray.far_plane(axis, low[axis], size));
+        let mut event = ray.crossing(0, far[0]);
         for axis in 1..3 {
-            let other = crossing(axis);
+            let other = ray.crossing(axis, far[axis]);
             if other.before(event) {
                 event = other;
             }
         }
-        for axis in 0..3 {
-            let far = ray.far_plane(axis, low[axis], size);
-            let next = ray.cell_after(axis, far);
+        let cell = std::array::from_fn(|axis| {
+            let next = ray.cell_after(axis, far[axis]);
             if axis == event.axis {
-                self.cell[axis] = next;
-            } else if level > 0 {
-                let last = next - ray.step[axis];
-                self.cell[axis] = ray.cell_at(axis, event, self.cell[axis], last);
+                next
+            } else if level == VOXEL {
+                self.cell[axis]
+            } else {
+                ray.cell_at(axis, event, self.cell[axis], next - ray.step[axis])
             }
-        }
-        self.event = event;
-        (0..self.dims[event.axis]).contains(&self.cell[event.axis])
+        });
+        (event, IVec3::from(cell))
     }
 }
