@@ -4,14 +4,19 @@
 //! configuration cannot be used, 4 no usable Vulkan device or display. Results are said on
 //! stdout, everything else on stderr.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 use glam::Vec3;
 
+use crate::app;
 use crate::config::{Config, RenderMode};
-use crate::headless::{self, JobError};
+use crate::doctor;
+use crate::format::options::{Colouring, Existence, ExportForm, ImportOptions, RawLayout};
+use crate::headless::{self, JobError, RunJob};
+use crate::progress::Bar;
+use crate::sculpture::ColourDepth;
 
 /// Shape a block of voxels as a sculptor shapes stone.
 #[derive(Parser, Debug)]
@@ -69,6 +74,9 @@ pub enum Job {
     Convert {
         input: PathBuf,
         output: PathBuf,
+        /// What is written: auto, densities, rgba or packed
+        #[arg(long, default_value_t, value_name = "FORM")]
+        form: ExportForm,
         #[command(flatten)]
         import: ImportArgs,
     },
@@ -103,20 +111,37 @@ pub fn main() -> ExitCode {
     }
 }
 
+/// Without a job: the window where there is a display; elsewhere, unless a file was named, the
+/// demo, so that the program shows what it does on any machine.
+fn window_or_demo(cli: Cli, config: Config, progress: &Bar) -> Result<(), JobError> {
+    let set = |name| std::env::var_os(name).is_some_and(|v| !v.is_empty());
+    let display = !cfg!(target_os = "linux") || set("DISPLAY") || set("WAYLAND_DISPLAY");
+    if display {
+        let options =
+            app::AppOptions { file: cli.file, import: cli.import.options(), record: cli.record };
+        return app::run(config, options).map_err(JobError::from);
+    }
+    if cli.file.is_some() || cli.record.is_some() {
+        return Err(JobError::NoDisplay);
+    }
+    eprintln!("no display: making the demo instead; see `virtual-sculpture --help` for more");
+    headless::demo(Path::new("out"), &PictureArgs::default(), &config, progress)
+}
+
 fn dispatch(cli: Cli) -> Result<(), JobError> {
     let config = Config::load(cli.config.as_deref())?;
     let progress = Bar::new(cli.quiet);
     match cli.job {
         Some(Job::Render { file, out, picture, import }) => {
-            headless::render(&file, &out, &picture, &import.options()?, &config, &progress)
+            headless::render(&file, &out, &picture, &import.options(), &config, &progress)
         }
         Some(Job::Run { script, input, output, render, picture, import }) => {
-            let import = import.options()?;
+            let import = import.options();
             let job = RunJob { script, input, output, render, picture, import };
             headless::run(&job, &config, &progress)
         }
-        Some(Job::Convert { input, output, import }) => {
-            headless::convert(&input, &output, &import.options()?, &config, &progress)
+        Some(Job::Convert { input, output, form, import }) => {
+            headless::convert(&input, &output, form, &import.options(), &config, &progress)
         }
         Some(Job::Info { file }) => headless::info(&file),
         Some(Job::Demo { out, picture }) => headless::demo(&out, &picture, &config, &progress),
@@ -125,11 +150,44 @@ fn dispatch(cli: Cli) -> Result<(), JobError> {
             Ok(())
         }
         Some(Job::Doctor) => {
-            doctor::report(&config);
+            doctor::report(&config.gpu);
             Ok(())
         }
-        None => window_or_demo(cli, &config, &progress),
+        None => window_or_demo(cli, config, &progress),
     }
+}
+
+/// How a file becomes a sculpture.
+#[derive(Args, Debug, Clone)]
+pub struct ImportArgs {
+    /// Densities from this on exist: auto, or a number in the units of the file
+    #[arg(long, default_value_t, value_name = "DENSITY")]
+    pub threshold: Existence,
+    /// Colours of the voxels: auto, none, grey, tissue or packed
+    #[arg(long, default_value_t, value_name = "HOW")]
+    pub colouring: Colouring,
+    /// Bits of colour a voxel: 0, 8, 16 or 24 (default: as the file has)
+    #[arg(long, value_name = "BITS", value_parser = parse_colour_bits)]
+    pub colour_bits: Option<ColourDepth>,
+    /// What a raw file holds: WIDTHxHEIGHTxDEPTH:TYPE[:skip=BYTES][:size=SX,SY,SZ]
+    #[arg(long, value_name = "LAYOUT")]
+    pub raw: Option<RawLayout>,
+}
+
+impl ImportArgs {
+    pub fn options(&self) -> ImportOptions {
+        ImportOptions {
+            existence: self.threshold,
+            colouring: self.colouring,
+            colour_depth: self.colour_bits,
+            raw: self.raw,
+        }
+    }
+}
+
+fn parse_colour_bits(text: &str) -> Result<ColourDepth, String> {
+    let depth = text.parse().ok().and_then(ColourDepth::from_bits);
+    depth.ok_or_else(|| "take 0, 8, 16 or 24".to_string())
 }
 
 /// How to look at the sculpture and what picture to make.
@@ -150,10 +208,27 @@ pub struct PictureArgs {
     /// Degrees by which the sculpture is turned about the up axis
     #[arg(long, default_value_t = 0.0, value_name = "DEG", allow_hyphen_values = true)]
     pub turn: f32,
-    /// Factor on the size in the picture; at 1 the whole grid fits
+    /// Factor on the size in the picture; at 1 all that exists fits
     #[arg(long, default_value_t = 1.0, value_name = "FACTOR", value_parser = parse_zoom)]
     pub zoom: f32,
 }
+
+impl Default for PictureArgs {
+    /// What the command line takes where nothing is said.
+    fn default() -> Self {
+        PictureArgs {
+            size: glam::UVec2::new(640, 480),
+            mode: None,
+            camera: THREE_QUARTER,
+            up: Vec3::Y,
+            turn: 0.0,
+            zoom: 1.0,
+        }
+    }
+}
+
+/// From the upper right in front: the view in which most shapes are read best.
+const THREE_QUARTER: Vec3 = Vec3::new(0.8, 0.6, 1.0);
 
 fn parse_size(text: &str) -> Result<glam::UVec2, String> {
     let size = text.split_once(['x', 'X']).and_then(|(w, h)| {
@@ -167,7 +242,7 @@ fn parse_size(text: &str) -> Result<glam::UVec2, String> {
 
 fn parse_direction(text: &str) -> Result<Vec3, String> {
     Ok(match text {
-        "3/4" => Vec3::new(0.8, 0.6, 1.0),
+        "3/4" => THREE_QUARTER,
         "front" => Vec3::Z,
         "back" => Vec3::NEG_Z,
         "left" => Vec3::NEG_X,

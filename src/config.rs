@@ -8,7 +8,9 @@ use serde::{Deserialize, Deserializer, de};
 use thiserror::Error;
 
 use crate::document::Limits;
+use crate::gpu::{DeviceChoice, DeviceOptions, Validation};
 use crate::sculpture::{ColourDepth, Rgb};
+use crate::shade::{Light, LightFrame, LightSource, Lighting};
 
 /// The commented file of all defaults.
 pub const DEFAULT_TOML: &str = include_str!("../config/default.toml");
@@ -244,6 +246,33 @@ impl Config {
             window.scale.to_string(),
             "must be 0.5 to 4",
         )
+    }
+
+    /// The light of a picture.
+    pub fn lighting(&self) -> Lighting {
+        let LightSettings { direction, colour, ambient, specular } = self.light;
+        // The share is of linear light, which the shader takes as the square of a colour.
+        let grey = (ambient.sqrt() * 255.0).round() as u8;
+        let lamp = Light {
+            frame: LightFrame::Eye,
+            source: LightSource::Direction(direction.into()),
+            colour,
+            intensity: 1.0,
+        };
+        Lighting {
+            lights: [Some(lamp), None, None, None],
+            ambient: Rgb::new(grey, grey, grey),
+            specular,
+            ..Lighting::default()
+        }
+    }
+
+    /// The device to draw with.
+    pub fn device_options(&self) -> DeviceOptions {
+        let choice = DeviceChoice::parse(&self.gpu.device);
+        let validation =
+            if self.gpu.validation { Validation::Required } else { Validation::default() };
+        DeviceOptions { choice, validation }.with_environment()
     }
 
     /// The memory limits of a document.

@@ -4,17 +4,19 @@
 
 use std::path::{Path, PathBuf};
 
-use glam::{Quat, UVec2, Vec3};
+use glam::UVec3;
 use thiserror::Error;
 
 use crate::cli::PictureArgs;
 use crate::command::{COMMANDS, Command};
 use crate::command_text::{ScriptError, parse_script};
-use crate::config::{Config, ConfigError, RenderMode};
+use crate::config::{Config, ConfigError};
 use crate::document::Document;
-use crate::format::{self, FormatError, ImportOptions, Progress};
+use crate::format::options::{ExportForm, ImportOptions};
+use crate::format::{self, FormatError};
+use crate::picture::{self, PictureError};
+use crate::progress::Progress;
 use crate::session::{Session, SessionError};
-use crate::view::Camera;
 
 /// The script of the demo scene.
 pub const DEMO_SCRIPT: &str = include_str!("../config/demo.sculpt");
@@ -36,8 +38,12 @@ pub enum JobError {
     Command { path: PathBuf, line: usize, command: String, error: SessionError },
     #[error("cannot make the folder {path}: {error}")]
     Folder { path: PathBuf, error: std::io::Error },
-    #[error("cannot write the picture {path}: {error}")]
-    Picture { path: PathBuf, error: image::ImageError },
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    #[error(transparent)]
+    App(#[from] crate::app::AppError),
+    #[error("there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); `render`, `run`, `convert`, `info` and `demo` need none")]
+    NoDisplay,
 }
 
 impl JobError {
@@ -50,8 +56,8 @@ impl JobError {
             | JobError::ReadScript { .. }
             | JobError::Script { .. }
             | JobError::Command { .. } => 3,
-            JobError::Gpu(_) => 4,
-            JobError::Session(_) | JobError::Folder { .. } | JobError::Picture { .. } => 1,
+            JobError::Picture(PictureError::Gpu(_)) | JobError::NoDisplay => 4,
+            JobError::Session(_) | JobError::Folder { .. } | JobError::Picture(_) | JobError::App(_) => 1,
         }
     }
 }
@@ -80,7 +86,7 @@ pub fn run(job: &RunJob, config: &Config, progress: &dyn Progress) -> Result<(),
     execute_script(&mut session, &text, &job.script, progress)?;
     describe(session.document());
     if let Some(output) = &job.output {
-        save(&mut session, output, progress)?;
+        save(&mut session, output, ExportForm::Auto, progress)?;
     }
     match &job.render {
         Some(png) => render_session(session, png, &job.picture, config),
@@ -103,13 +109,22 @@ pub struct RunJob {
 pub fn convert(
     input: &Path,
     output: &Path,
+    form: ExportForm,
     import: &ImportOptions,
     config: &Config,
     progress: &dyn Progress,
 ) -> Result<(), JobError> {
     let mut session = Session::open(input, import, config.limits(), progress)?;
     describe(session.document());
-    save(&mut session, output, progress)
+    save(&mut session, output, form, progress)
+}
+
+/// Says what a file holds.
+pub fn info(file: &Path) -> Result<(), JobError> {
+    let failed = |error| JobError::Info { path: file.to_path_buf(), error };
+    let info = format::info(file).map_err(failed)?;
+    println!("{info}");
+    Ok(())
 }
 
 /// Builds the demo scene and writes `demo.png` and `demo.pvm` into `folder`.
@@ -124,7 +139,7 @@ pub fn demo(
     let mut session = Session::new(config)?;
     execute_script(&mut session, DEMO_SCRIPT, Path::new("demo.sculpt"), progress)?;
     describe(session.document());
-    save(&mut session, &folder.join("demo.pvm"), progress)?;
+    save(&mut session, &folder.join("demo.pvm"), ExportForm::Auto, progress)?;
     render_session(session, &folder.join("demo.png"), picture, config)
 }
 
@@ -158,9 +173,34 @@ fn execute_script(
     Ok(())
 }
 
-fn save(session: &mut Session, path: &Path, progress: &dyn Progress) -> Result<(), JobError> {
-    session.execute(&Command::Save { path: path.to_path_buf() }, progress)?;
+fn save(
+    session: &mut Session,
+    path: &Path,
+    form: ExportForm,
+    progress: &dyn Progress,
+) -> Result<(), JobError> {
+    session.execute(&Command::Save { path: path.to_path_buf(), form }, progress)?;
     println!("wrote {}", path.display());
+    Ok(())
+}
+
+fn render_session(
+    mut session: Session,
+    out: &Path,
+    arguments: &PictureArgs,
+    config: &Config,
+) -> Result<(), JobError> {
+    let view = picture::View {
+        size: arguments.size,
+        mode: arguments.mode.unwrap_or(config.render.mode),
+        direction: arguments.camera,
+        up: arguments.up,
+        turn_rad: arguments.turn.to_radians(),
+        zoom: arguments.zoom,
+        fov_y_rad: config.render.fov_deg.to_radians(),
+    };
+    picture::render_to_file(session.document_mut(), &view, config, out)?;
+    println!("wrote {} ({}x{})", out.display(), view.size.x, view.size.y);
     Ok(())
 }
 

@@ -13,7 +13,9 @@ use thiserror::Error;
 use crate::command::{Command, NewSculpture};
 use crate::config::Config;
 use crate::document::{Applied, CommandError, Document, Limits};
-use crate::format::{self, FormatError, ImportOptions, Progress};
+use crate::format::options::{ExportForm, ImportOptions};
+use crate::format::{self, FormatError};
+use crate::progress::Progress;
 
 /// Why a command could not be carried out. The sculpture is as it was before.
 #[derive(Debug, Error)]
@@ -108,8 +110,8 @@ impl Session {
                 self.saved_revision = self.document.revision();
                 Applied::default()
             }
-            Command::Save { path } => {
-                format::save(path, self.document.contents(), progress)
+            Command::Save { path, form } => {
+                format::save(path, self.document.contents(), *form, progress)
                     .map_err(|error| SessionError::Save { path: path.clone(), error })?;
                 self.path = Some(path.clone());
                 self.saved_revision = self.document.revision();

@@ -50,6 +50,19 @@ impl Camera {
         }
     }
 
+    /// The same picture of what is around the target with another vertical angle of view: the eye
+    /// comes nearer or goes away.
+    pub fn with_fov(self, fov_y_rad: f32) -> Camera {
+        let factor = (0.5 * self.fov_y_rad).sin() / (0.5 * fov_y_rad).sin();
+        let eye = self.target + (self.eye - self.target) * factor;
+        Camera { eye, fov_y_rad, near: self.near * factor, ..self }
+    }
+
+    /// The camera with eye and target moved by `offset`.
+    pub fn moved(self, offset: Vec3) -> Camera {
+        Camera { eye: self.eye + offset, target: self.target + offset, ..self }
+    }
+
     /// The eye for a picture of `size` pixels.
     pub fn eye(&self, size: UVec2) -> Eye {
         let aspect = size.x as f32 / size.y.max(1) as f32;

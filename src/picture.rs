@@ -1,0 +1,153 @@
+//! Owns pictures of a document without a screen: sample, shade, put over the background, write.
+//!
+//! Uses the samplers and the software shader that the window uses. A mode that samples on the GPU
+//! needs a Vulkan device; the ray casters need none.
+
+use std::path::{Path, PathBuf};
+
+use glam::{Affine3A, Quat, UVec2, UVec3, Vec3};
+use image::{Rgb, RgbImage};
+use thiserror::Error;
+
+use crate::config::{Config, RenderMode};
+use crate::document::Document;
+use crate::gpu::{Device, Frames, GpuError, Headless, Use, read_image_once};
+use crate::render::{IndexTarget, Slicing, Volume};
+use crate::sculpture::Grid;
+use crate::shade::{self, Pixels, ShadePose};
+use crate::surface::slices::SliceAreas;
+use crate::surface::{IndexMap, quickstep, raycast};
+use crate::view::{Camera, Eye};
+
+/// Colours of the background at the upper and the lower edge of a picture, sRGB.
+pub const BACKGROUND: [[u8; 3]; 2] = [[58, 64, 76], [24, 26, 31]];
+
+/// Why a picture was not made.
+#[derive(Debug, Error)]
+pub enum PictureError {
+    #[error("{0}; `--mode ray` renders without Vulkan")]
+    Gpu(#[from] GpuError),
+    #[error("cannot write the picture {path}: {error}")]
+    Write { path: PathBuf, error: std::io::Error },
+    #[error("cannot encode the picture: {0}")]
+    Encode(#[from] image::ImageError),
+}
+
+/// From where and how to look.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct View {
+    pub size: UVec2,
+    pub mode: RenderMode,
+    /// From the middle of what exists to the eye, where `up` is y.
+    pub direction: Vec3,
+    /// The axis that points up in the picture.
+    pub up: Vec3,
+    /// By how much the sculpture is turned about `up`.
+    pub turn_rad: f32,
+    /// 1 shows all that exists, more shows less of it, larger.
+    pub zoom: f32,
+    pub fov_y_rad: f32,
+}
+
+impl View {
+    /// The eye that frames what exists of `document`, and the pose of its grid.
+    fn frame(&self, document: &Document) -> (Eye, Affine3A) {
+        let world_from_grid =
+            Affine3A::from_quat(Quat::from_axis_angle(self.up, self.turn_rad))
+                * document.world_from_grid();
+        let (min, max) =
+            document.grid().opaque_bounds().unwrap_or((UVec3::ZERO, document.grid().dims()));
+        let (min, max) = (min.as_vec3(), max.as_vec3());
+        let target = world_from_grid.transform_point3((min + max) * 0.5);
+        let radius = world_from_grid.transform_vector3((max - min) * 0.5).length();
+        let direction = Quat::from_rotation_arc(Vec3::Y, self.up) * self.direction;
+        let camera = Camera::framing(radius / self.zoom, direction, self.up)
+            .with_fov(self.fov_y_rad)
+            .moved(target);
+        (camera.eye(self.size), world_from_grid)
+    }
+}
+
+/// Renders a picture of `document`.
+pub fn render(
+    document: &mut Document,
+    view: &View,
+    config: &Config,
+) -> Result<RgbImage, PictureError> {
+    let (eye, world_from_grid) = view.frame(document);
+    let map = sample(document, view.mode, &eye, &world_from_grid, config)?;
+    let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
+    let mut pixels = Pixels::new(view.size);
+    let lighting = config.lighting();
+    shade::shade(&map, document.grid(), document.material(), &pose, &lighting, &mut pixels);
+    Ok(over_background(&pixels))
+}
+
+/// Renders a picture of `document` to a PNG; the file appears only when it is complete.
+pub fn render_to_file(
+    document: &mut Document,
+    view: &View,
+    config: &Config,
+    path: &Path,
+) -> Result<(), PictureError> {
+    let picture = render(document, view, config)?;
+    let mut png = std::io::Cursor::new(Vec::new());
+    picture.write_to(&mut png, image::ImageFormat::Png)?;
+    crate::format::store::write_atomically(path, png.get_ref())
+        .map_err(|error| PictureError::Write { path: path.to_path_buf(), error })
+}
+
+fn sample(
+    document: &mut Document,
+    mode: RenderMode,
+    eye: &Eye,
+    world_from_grid: &Affine3A,
+    config: &Config,
+) -> Result<IndexMap, PictureError> {
+    let rays = eye.pixel_rays(world_from_grid);
+    let mut map = IndexMap::new(rays);
+    match mode {
+        RenderMode::Ray => raycast::sample(document.grid(), &rays, &mut map),
+        RenderMode::Quickstep => quickstep::sample(document.grid(), &rays, &mut map),
+        RenderMode::Slicing => slice(document.grid(), config, &mut map)?,
+    }
+    Ok(map)
+}
+
+/// Samples by slicing on a device of its own, which is given back afterwards.
+fn slice(grid: &Grid, config: &Config, map: &mut IndexMap) -> Result<(), GpuError> {
+    let device = Device::new(&mut Headless, &config.device_options())?;
+    let volume = Volume::new(&device, grid)?;
+    let mut areas = SliceAreas::default();
+    areas.update(grid, None);
+    let target = IndexTarget::new(&device, map.rays.size, 1)?;
+    let mut slicing = Slicing::new(&device)?;
+    let mut frames = Frames::new(&device)?;
+    let mut recorder = frames.begin()?;
+    slicing.begin(frames.slot(), &volume);
+    slicing.record(&mut recorder, &volume, &mut areas, &map.rays, &target, 0)?;
+    frames.submit(recorder, &[], &[])?;
+    let UVec2 { x, y } = map.rays.size;
+    let bytes =
+        read_image_once(&device, target.index().layer(0), [x, y, 1], 4, Use::COLOUR_TARGET)?;
+    map.voxels.copy_from_slice(&bytemuck::pod_collect_to_vec::<u8, u32>(&bytes));
+    device.check_validation()
+}
+
+/// Puts shaded pixels over the background gradient.
+fn over_background(pixels: &Pixels) -> RgbImage {
+    let UVec2 { x: width, y: height } = pixels.size;
+    RgbImage::from_fn(width, height, |x, y| {
+        let [r, g, b, a] = pixels.rgba[(x + y * width) as usize];
+        let share = (y as f32 + 0.5) / height as f32;
+        let behind = |c: usize| {
+            let [top, bottom] = BACKGROUND.map(|colour| f32::from(colour[c]));
+            (top + (bottom - top) * share).round() as u8
+        };
+        let mix = |front: u8, c: usize| {
+            let (front, behind, a) = (u32::from(front), u32::from(behind(c)), u32::from(a));
+            ((front * a + behind * (255 - a) + 127) / 255) as u8
+        };
+        Rgb([mix(r, 0), mix(g, 1), mix(b, 2)])
+    })
+}
