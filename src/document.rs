@@ -9,10 +9,12 @@ use thiserror::Error;
 
 use crate::command::{Command, NewSculpture};
 pub use crate::sculpture::Limits;
-use crate::sculpture::edit::{
-    self, DirtySet, EditOp, EditStats, Everywhere, Region, Stroke, VoxelBox,
-};
+use crate::sculpture::brick_set::BrickSet;
+use crate::sculpture::edit::{self, EditOp, EditStats};
 use crate::sculpture::history::{Change, Contents, History, Step};
+use crate::sculpture::record::BrickRecord;
+use crate::sculpture::region::{Everywhere, Region};
+use crate::sculpture::stroke::StrokeRecorder;
 use crate::sculpture::{Brick, ColourDepth, Grid, GridError, Material, Placement};
 
 /// Why a command was refused. The sculpture is as it was before.
@@ -53,8 +55,12 @@ pub struct Document {
     contents: Contents,
     placement: Placement,
     history: History,
-    stroke: Option<Stroke>,
-    dirty: DirtySet,
+    /// Label of the open stroke.
+    stroke: Option<String>,
+    recorder: StrokeRecorder,
+    dirty: BrickSet,
+    /// The dirty bricks as [`Document::take_dirty`] hands them out.
+    dirty_list: Vec<u32>,
     /// The whole sculpture was replaced since the renderer last asked.
     all_dirty: bool,
     /// Rises with every change of voxels; a cheap "is my copy current?".
@@ -70,13 +76,14 @@ impl Document {
 
     /// A document around contents that a loader has made.
     pub fn from_contents(contents: Contents, limits: Limits) -> Document {
-        let brick_count = contents.grid.bricks().len();
         Document {
+            recorder: StrokeRecorder::new(&contents.grid),
+            dirty: BrickSet::new(contents.grid.bricks().len()),
+            dirty_list: Vec::new(),
             contents,
             placement: Placement::default(),
             history: History::new(limits.history_bytes),
             stroke: None,
-            dirty: DirtySet::new(brick_count),
             all_dirty: true,
             revision: 0,
             limits,
@@ -120,13 +127,14 @@ impl Document {
         self.placement.world_from_grid(self.grid().dims(), self.grid().voxel_size())
     }
 
-    /// Hands the bricks that changed since the last call to `f`: `None` means all of them (the
-    /// sculpture, and with it perhaps the size of the grid, is another).
+    /// Hands the bricks that changed since the last call to `f`, as rising linear indices: `None`
+    /// means all of them (the sculpture, and with it perhaps the size of the grid, is another).
     pub fn take_dirty<T>(&mut self, f: impl FnOnce(&Contents, Option<&[u32]>) -> T) -> T {
-        let result = f(&self.contents, (!self.all_dirty).then(|| self.dirty.bricks()));
+        self.dirty_list.clear();
+        self.dirty.collect_into(&mut self.dirty_list);
         self.dirty.clear();
-        self.all_dirty = false;
-        result
+        let all_dirty = std::mem::take(&mut self.all_dirty);
+        f(&self.contents, (!all_dirty).then_some(&self.dirty_list))
     }
 
     /// Puts a loaded sculpture in place of the present one, as one undo step.
@@ -150,19 +158,18 @@ impl Document {
             }
             Command::Begin { label } => {
                 self.require_no_stroke("begin")?;
-                self.stroke = Some(Stroke::new(label.clone(), self.grid().bricks().len()));
+                self.stroke = Some(label.clone());
                 Ok(Applied::default())
             }
             Command::End => {
-                let stroke = self.stroke.take().ok_or(CommandError::NoStroke("end"))?;
-                self.finish(stroke);
+                let label = self.stroke.take().ok_or(CommandError::NoStroke("end"))?;
+                self.finish_stroke(label);
                 Ok(Applied::default())
             }
             Command::Cancel => {
-                let stroke = self.stroke.take().ok_or(CommandError::NoStroke("cancel"))?;
-                let (contents, dirty) = (&mut self.contents, &mut self.dirty);
-                stroke.into_record().swap(contents, |brick| dirty.mark(brick));
-                self.revision += 1;
+                self.stroke.take().ok_or(CommandError::NoStroke("cancel"))?;
+                let record = self.recorder.finish();
+                self.swap_bricks(record);
                 Ok(Applied::default())
             }
             Command::Construct { op, primitive } => {
@@ -208,47 +215,38 @@ impl Document {
         command: &Command,
     ) -> Result<Applied, CommandError> {
         self.check_colour_memory(region, op)?;
-        let open = self.stroke.take();
-        let alone = open.is_none();
-        let mut stroke =
-            open.unwrap_or_else(|| Stroke::new(command.label(), self.grid().bricks().len()));
-        let stats = edit::edit(&mut self.contents, region, op, &mut stroke, &mut self.dirty);
+        let (contents, recorder) = (&mut self.contents, &mut self.recorder);
+        let stats = edit::edit(contents, region, op, recorder, &mut self.dirty);
         self.revision += u64::from(stats.bricks_changed > 0);
-        if alone {
-            self.finish(stroke);
-        } else {
-            self.stroke = Some(stroke);
+        if self.stroke.is_none() && stats.bricks_changed > 0 {
+            self.finish_stroke(command.label());
         }
         Ok(Applied { stats, steps: 0 })
     }
 
-    /// Refuses a painting edit that could take more memory for colours than is allowed.
+    /// Refuses a painting edit that would take more memory for colours than is allowed.
     fn check_colour_memory(&self, region: &impl Region, op: EditOp) -> Result<(), CommandError> {
-        let (EditOp::Add(colour) | EditOp::Recolour(colour)) = op else { return Ok(()) };
         let material = self.material();
-        if !self.has_colour() || material.depth().quantise(colour) == material.base() {
+        let needed = |pages| material.bytes_with(pages);
+        let budget = self.limits.colour_bytes;
+        let Some(at_most) = edit::max_new_pages(&self.contents, region, op) else { return Ok(()) };
+        if needed(at_most) <= budget {
             return Ok(());
         }
-        let bounds = region.bounds_vx().intersect(VoxelBox::of_grid(self.grid()));
-        if bounds.is_empty() {
+        // The bounds of the region are too much: count.
+        let needed = needed(edit::count_new_pages(&self.contents, region, op));
+        if needed <= budget {
             return Ok(());
         }
-        let bricks = (bounds.max + 7) / 8 - bounds.min / 8;
-        let unpainted = self.grid().bricks().len() - material.page_count();
-        let new_pages = bricks.as_u64vec3().element_product().min(unpainted as u64);
-        let needed = material.heap_bytes() + new_pages * material.page_bytes() as u64;
-        if needed > self.limits.colour_bytes {
-            return Err(CommandError::ColourMemory {
-                needed_mib: needed.div_ceil(1 << 20),
-                budget_mib: self.limits.colour_bytes >> 20,
-            });
-        }
-        Ok(())
+        Err(CommandError::ColourMemory {
+            needed_mib: needed.div_ceil(1 << 20),
+            budget_mib: budget >> 20,
+        })
     }
 
-    fn finish(&mut self, stroke: Stroke) {
-        let label = stroke.label.clone();
-        let record = stroke.into_record();
+    /// Makes an undo step of what has been recorded, unless that is nothing.
+    fn finish_stroke(&mut self, label: String) {
+        let record = self.recorder.finish();
         if !record.is_empty() {
             self.history.push(Step { label, change: Change::Bricks(record) });
         }
@@ -285,19 +283,21 @@ impl Document {
     /// Swaps a step's values with the sculpture's.
     fn reverse(&mut self, step: Step) -> Step {
         let change = match step.change {
-            Change::Bricks(record) => {
-                let (contents, dirty) = (&mut self.contents, &mut self.dirty);
-                self.revision += 1;
-                Change::Bricks(record.swap(contents, |brick| dirty.mark(brick)))
-            }
+            Change::Bricks(record) => Change::Bricks(self.swap_bricks(record)),
             Change::Whole(contents) => Change::Whole(self.swap_contents(contents)),
         };
         Step { label: step.label, change }
     }
 
+    fn swap_bricks(&mut self, record: BrickRecord) -> BrickRecord {
+        self.revision += u64::from(!record.is_empty());
+        record.swap(&mut self.contents, &mut self.dirty)
+    }
+
     fn swap_contents(&mut self, mut contents: Box<Contents>) -> Box<Contents> {
         std::mem::swap(&mut self.contents, &mut *contents);
-        self.dirty = DirtySet::new(self.contents.grid.bricks().len());
+        self.recorder = StrokeRecorder::new(&self.contents.grid);
+        self.dirty = BrickSet::new(self.contents.grid.bricks().len());
         self.all_dirty = true;
         self.revision += 1;
         contents

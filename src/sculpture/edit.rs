@@ -1,17 +1,22 @@
 //! Owns the one place where existence bits and colours change: a [`Region`] of voxels meets
-//! an [`EditOp`], brick by brick, in parallel.
+//! an [`EditOp`], row of bricks by row of bricks, in parallel where that pays.
 //!
-//! Takes the contents and the open [`Stroke`]; gives counts of what changed, fills the
-//! stroke's record with the earlier values, and marks bricks dirty. Knows no tool: a tool is
-//! whatever can say which voxels of a brick it covers.
+//! Takes the contents and the recorder of the open stroke; gives counts of what changed, leaves
+//! the earlier values in the recorder, and marks bricks dirty. Knows no tool: a tool is whatever
+//! can say which voxels of a brick it covers.
 
-use glam::{IVec3, UVec3};
-use rayon::prelude::*;
+use std::ops::Range;
+
+use glam::UVec3;
 
 use super::brick::{BRICK_EDGE_VX, Brick};
+use super::brick_set::{BrickMask, BrickSet};
 use super::colour::Rgb;
-use super::grid::Grid;
-use super::history::{BrickRecord, Contents};
+use super::history::Contents;
+use super::material::{Brush, Page};
+use super::region::{BrickBox, BrickRow, Region};
+use super::row_edit::{Cover, RowEdit};
+use super::stroke::{BandRecord, Recording, StrokeRecorder};
 
 /// What happens to the voxels of a region.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -24,63 +29,12 @@ pub enum EditOp {
     Recolour(Rgb),
 }
 
-/// How much of a brick a region covers.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub enum Coverage {
-    None,
-    All,
-    Some(Brick),
-}
-
-/// A half-open box of voxels, `min` inclusive and `max` exclusive.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct VoxelBox {
-    pub min: IVec3,
-    pub max: IVec3,
-}
-
-impl VoxelBox {
-    pub fn of_grid(grid: &Grid) -> VoxelBox {
-        VoxelBox { min: IVec3::ZERO, max: grid.dims().as_ivec3() }
-    }
-
-    pub fn intersect(self, other: VoxelBox) -> VoxelBox {
-        VoxelBox { min: self.min.max(other.min), max: self.max.min(other.max) }
-    }
-
-    pub fn is_empty(self) -> bool {
-        !self.min.cmplt(self.max).all()
-    }
-}
-
-/// A set of voxels that can be asked brick by brick.
-pub trait Region: Sync {
-    /// A box outside of which the region covers nothing (it may reach beyond the grid).
-    fn bounds_vx(&self) -> VoxelBox;
-
-    /// The voxels covered of the brick whose lower corner is `origin_vx`. Voxels beyond the
-    /// grid's border may be included; the edit cuts them off.
-    fn coverage(&self, origin_vx: UVec3) -> Coverage;
-}
-
-/// A region of all voxels.
-pub struct Everywhere;
-
-impl Region for Everywhere {
-    fn bounds_vx(&self) -> VoxelBox {
-        VoxelBox { min: IVec3::ZERO, max: IVec3::MAX }
-    }
-
-    fn coverage(&self, _: UVec3) -> Coverage {
-        Coverage::All
-    }
-}
-
 /// What an edit did.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct EditStats {
     pub voxels_added: u64,
     pub voxels_removed: u64,
+    /// Voxels that existed before and have another colour now.
     pub voxels_recoloured: u64,
     pub bricks_changed: u64,
 }
@@ -100,178 +54,134 @@ impl std::ops::AddAssign for EditStats {
     }
 }
 
-/// Bricks that changed since the renderer last asked.
-#[derive(Debug, Default)]
-pub struct DirtySet {
-    marks: Vec<u64>,
-    list: Vec<u32>,
-}
+/// Edits of boxes of fewer bricks than this stay on one thread: waking others costs more.
+const PARALLEL_BRICKS: u64 = 2048;
 
-impl DirtySet {
-    pub fn new(brick_count: usize) -> DirtySet {
-        DirtySet { marks: vec![0; brick_count.div_ceil(64)], list: Vec::new() }
-    }
-
-    #[inline]
-    pub fn mark(&mut self, brick: u32) {
-        let (word, bit) = (brick as usize / 64, 1u64 << (brick % 64));
-        if self.marks[word] & bit == 0 {
-            self.marks[word] |= bit;
-            self.list.push(brick);
-        }
-    }
-
-    #[inline]
-    fn contains(&self, brick: u32) -> bool {
-        self.marks[brick as usize / 64] >> (brick % 64) & 1 != 0
-    }
-
-    pub fn bricks(&self) -> &[u32] {
-        &self.list
-    }
-
-    pub fn clear(&mut self) {
-        for &brick in &self.list {
-            self.marks[brick as usize / 64] = 0;
-        }
-        self.list.clear();
-    }
-}
-
-/// An open undo step: the values that bricks had when it began.
-#[derive(Debug)]
-pub struct Stroke {
-    pub label: String,
-    record: BrickRecord,
-    bits_saved: DirtySet,
-    pages_saved: DirtySet,
-}
-
-impl Stroke {
-    pub fn new(label: String, brick_count: usize) -> Stroke {
-        Stroke {
-            label,
-            record: BrickRecord::default(),
-            bits_saved: DirtySet::new(brick_count),
-            pages_saved: DirtySet::new(brick_count),
-        }
-    }
-
-    pub fn into_record(self) -> BrickRecord {
-        self.record
-    }
-
-    #[inline]
-    fn save_bits(&mut self, index: u32, bits: &Brick) {
-        if !self.bits_saved.contains(index) {
-            self.bits_saved.mark(index);
-            self.record.save_bits(index, bits);
-        }
-    }
-
-    fn save_page(&mut self, index: u32, page: Option<&[u8]>) {
-        if !self.pages_saved.contains(index) {
-            self.pages_saved.mark(index);
-            self.record.save_page(index, page.map(Box::from));
-        }
-    }
-}
-
-/// One brick that an edit changes.
-struct BrickEdit {
-    index: u32,
-    /// Voxels whose colour is set.
-    painted: Brick,
-    /// New bits and their count, if existence changes.
-    bits: Option<(Brick, u16)>,
-}
-
-/// Applies `op` to the voxels of `region` that lie within the grid.
+/// Does `op` to the voxels of `region` that lie within the grid.
 pub fn edit(
     contents: &mut Contents,
     region: &impl Region,
     op: EditOp,
-    stroke: &mut Stroke,
-    dirty: &mut DirtySet,
+    recorder: &mut StrokeRecorder,
+    dirty: &mut BrickSet,
 ) -> EditStats {
-    let bounds = region.bounds_vx().intersect(VoxelBox::of_grid(&contents.grid));
-    if bounds.is_empty() {
-        return EditStats::default();
-    }
-    let colours = contents.material.depth().bytes() > 0;
-    let first = bounds.min.as_uvec3() / BRICK_EDGE_VX;
-    let end = (bounds.max.as_uvec3() + (BRICK_EDGE_VX - 1)) / BRICK_EDGE_VX;
-    let size = end - first;
-    let grid = &contents.grid;
-
-    // Masks are computed in parallel, a row of bricks a task; writing them is cheap.
-    let rows: Vec<Vec<BrickEdit>> = (0..size.y * size.z)
-        .into_par_iter()
-        .map(|row| {
-            let (by, bz) = (first.y + row % size.y, first.z + row / size.y);
-            (first.x..end.x)
-                .filter_map(|bx| edit_brick(grid, region, op, UVec3::new(bx, by, bz), colours))
-                .collect()
-        })
-        .collect();
-
-    let mut stats = EditStats::default();
-    for edit in rows.into_iter().flatten() {
-        let at = edit.index as usize;
-        if let Some((bits, count)) = edit.bits {
-            let before = contents.grid.counts()[at];
-            stats.voxels_added += u64::from(count.saturating_sub(before));
-            stats.voxels_removed += u64::from(before.saturating_sub(count));
-            stroke.save_bits(edit.index, &contents.grid.bricks()[at]);
-            contents.grid.set_counted_brick(at, bits, count);
-        }
-        if let EditOp::Add(colour) | EditOp::Recolour(colour) = op
-            && !edit.painted.is_empty()
-        {
-            stroke.save_page(edit.index, contents.material.page(at));
-            contents.material.paint(at, &edit.painted, colour);
-            if matches!(op, EditOp::Recolour(_)) {
-                stats.voxels_recoloured += u64::from(edit.painted.count());
+    let brush = match op {
+        EditOp::Add(colour) | EditOp::Recolour(colour) => brush_for(contents, colour),
+        EditOp::Subtract => None,
+    };
+    let paint = brush.is_some();
+    let bricks = match BrickBox::around(region, &contents.grid) {
+        Some(bricks) if paint || !matches!(op, EditOp::Recolour(_)) => bricks,
+        _ => return EditStats::default(),
+    };
+    let parallel = bricks.brick_count() >= PARALLEL_BRICKS;
+    let Recording { bands, bits_kept, pages_kept } = recorder.recording();
+    let slabs = bricks.min.z..bricks.max.z;
+    contents.grid.edit_bands(slabs.clone(), parallel, bands, |grid, record| {
+        for z in grid.slabs_of(slabs.clone()) {
+            for y in bricks.min.y..bricks.max.y {
+                let row = region.row(y * BRICK_EDGE_VX, z * BRICK_EDGE_VX);
+                let x = bricks.min.x..bricks.max.x;
+                let at = |x| UVec3::new(x, y, z);
+                let mut edit = RowEdit::new(grid, record, bits_kept);
+                match op {
+                    EditOp::Add(_) => walk(&row, x, |x, cover| edit.add(at(x), cover, paint)),
+                    EditOp::Subtract => walk(&row, x, |x, cover| edit.subtract(at(x), cover)),
+                    EditOp::Recolour(_) => walk(&row, x, |x, cover| edit.paint(at(x), cover)),
+                }
+                edit.close_word();
             }
         }
-        stats.bricks_changed += 1;
-        dirty.mark(edit.index);
+    });
+    if let Some(brush) = &brush {
+        let recolour = matches!(op, EditOp::Recolour(_));
+        let per_band = contents.grid.bricks_per_band();
+        let touched = contents.grid.bands_of(slabs);
+        contents.material.edit_bands(per_band, touched, parallel, bands, |first, pages, record| {
+            paint_band(brush, first, pages, record, pages_kept, recolour)
+        });
     }
-    stats
+    recorder.close_edit(dirty)
 }
 
-/// The change to one brick, or none if `op` leaves it as it is.
-fn edit_brick(
-    grid: &Grid,
-    region: &impl Region,
-    op: EditOp,
-    b: UVec3,
-    colours: bool,
-) -> Option<BrickEdit> {
-    let index = grid.brick_index(b);
-    let count = grid.counts()[index];
-    // An empty brick has nothing to remove or paint: do not even ask the region.
-    if count == 0 && !matches!(op, EditOp::Add(_)) {
-        return None;
+/// The brush for `colour`, unless painting with it cannot change anything.
+fn brush_for(contents: &Contents, colour: Rgb) -> Option<Brush> {
+    let material = &contents.material;
+    let all_alike =
+        material.page_count() == 0 && material.depth().quantise(colour) == material.base();
+    (material.depth().bytes() > 0 && !all_alike).then(|| material.brush(colour))
+}
+
+/// A quick upper bound for [`count_new_pages`]; none if `op` paints nothing new.
+pub fn max_new_pages(contents: &Contents, region: &impl Region, op: EditOp) -> Option<u64> {
+    let (EditOp::Add(colour) | EditOp::Recolour(colour)) = op else { return None };
+    let Contents { grid, material } = contents;
+    let new = brush_for(contents, colour).is_some_and(|brush| !brush.is_base());
+    let bricks = BrickBox::around(region, grid).filter(|_| new)?;
+    Some(bricks.brick_count().min((grid.bricks().len() - material.page_count()) as u64))
+}
+
+/// The number of colour pages that `op` would make.
+pub fn count_new_pages(contents: &Contents, region: &impl Region, op: EditOp) -> u64 {
+    let Contents { grid, material } = contents;
+    let Some(bricks) = BrickBox::around(region, grid) else { return 0 };
+    let mut pages = 0;
+    for (y, z) in
+        (bricks.min.z..bricks.max.z).flat_map(|z| (bricks.min.y..bricks.max.y).map(move |y| (y, z)))
+    {
+        let row = region.row(y * BRICK_EDGE_VX, z * BRICK_EDGE_VX);
+        walk(&row, bricks.min.x..bricks.max.x, |x, cover| {
+            let b = UVec3::new(x, y, z);
+            let index = grid.brick_index(b);
+            if material.page(index).is_none() {
+                let (mask, old) = (cover.mask(), &grid.bricks()[index]);
+                let painted = match op {
+                    EditOp::Add(_) => mask.and(&grid.valid_mask(b)).and_not(old),
+                    EditOp::Recolour(_) => mask.and(old),
+                    EditOp::Subtract => Brick::EMPTY,
+                };
+                pages += u64::from(!painted.is_empty());
+            }
+        });
     }
-    let mask = match region.coverage(b * BRICK_EDGE_VX) {
-        Coverage::None => return None,
-        Coverage::All => Brick::FULL,
-        Coverage::Some(mask) => mask,
-    };
-    let old = grid.bricks()[index];
-    let (painted, bits) = match op {
-        EditOp::Add(_) => {
-            let added = mask.and(&grid.valid_mask(b)).and_not(&old);
-            (if colours { added } else { Brick::EMPTY }, old.or(&added))
+    pages
+}
+
+/// Paints the voxels that a band has put down for it. Returns the number of pages made.
+fn paint_band(
+    brush: &Brush,
+    first: u32,
+    pages: &mut [Option<Page>],
+    record: &mut BandRecord,
+    pages_kept: &BrickSet,
+    recolour: bool,
+) -> usize {
+    let mut made = 0;
+    for (index, mask) in record.to_paint.drain(..) {
+        let page = &mut pages[(index - first) as usize];
+        let differing = brush.differing(page.as_deref(), &mask);
+        if differing.is_empty() {
+            continue;
         }
-        EditOp::Subtract => (Brick::EMPTY, old.and_not(&mask)),
-        EditOp::Recolour(_) => (if colours { old.and(&mask) } else { Brick::EMPTY }, old),
-    };
-    let bits = (bits != old).then(|| (bits, bits.count()));
-    (bits.is_some() || !painted.is_empty()).then_some(BrickEdit {
-        index: index as u32,
-        painted,
-        bits,
-    })
+        if !pages_kept.contains(index) {
+            record.earlier.keep_page(index, page.clone());
+        }
+        made += usize::from(brush.paint(page, &differing));
+        record.pages_changed.push(BrickMask { word: index / 64, mask: 1 << (index % 64) });
+        if recolour {
+            record.stats.voxels_recoloured += u64::from(differing.count());
+            record.stats.bricks_changed += 1;
+        }
+    }
+    made
+}
+
+/// Calls `f` with each brick of a row that lies in the range `x`, in rising order, and how much
+/// of it the row covers.
+#[inline(always)]
+fn walk<R: BrickRow>(row: &R, x: Range<u32>, mut f: impl FnMut(u32, Cover<R>)) {
+    let (touched, whole) = (row.touched(), row.whole());
+    for x in touched.start.max(x.start)..touched.end.min(x.end) {
+        f(x, if whole.contains(&x) { Cover::Whole } else { Cover::Part(row, x) });
+    }
 }

@@ -9,6 +9,10 @@ use thiserror::Error;
 
 use super::brick::{BRICK_EDGE_VX, Brick, local_coords};
 
+mod band;
+
+pub use band::GridBand;
+
 /// Longest axis of a grid. Its product over three axes must still leave a `u32` index.
 pub const MAX_AXIS_VX: u32 = 4096;
 /// The index that stands for "no voxel" in an index map.

@@ -2,99 +2,19 @@
 //! of bytes that drops the oldest steps.
 //!
 //! A step is reversed by swapping its values with the sculpture's, so that undo and redo are
-//! one operation and both are exact to the byte. Empty and full bricks are kept as four-byte
-//! indices: clearing a full 512^3 grid is one step of 1 MiB.
+//! one operation and both are exact to the byte. Knows no command and no document.
 
 use std::collections::VecDeque;
 
-use super::brick::Brick;
 use super::grid::Grid;
-use super::material::{Material, Page};
+use super::material::Material;
+use super::record::BrickRecord;
 
 /// All that undo restores: existence bits and colours.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Contents {
     pub grid: Grid,
     pub material: Material,
-}
-
-/// Earlier values of some bricks, each at most once.
-#[derive(Default, Debug)]
-pub struct BrickRecord {
-    empty: Vec<u32>,
-    full: Vec<u32>,
-    mixed: Vec<u32>,
-    mixed_bits: Vec<Brick>,
-    pages: Vec<(u32, Option<Page>)>,
-    page_bytes: usize,
-}
-
-impl BrickRecord {
-    /// Keeps the bits of a brick. The caller sees to it that each brick comes once.
-    #[inline]
-    pub fn save_bits(&mut self, index: u32, bits: &Brick) {
-        if bits.is_empty() {
-            self.empty.push(index);
-        } else if bits.is_full() {
-            self.full.push(index);
-        } else {
-            self.mixed.push(index);
-            self.mixed_bits.push(*bits);
-        }
-    }
-
-    /// Keeps the colour page of a brick, or that it had none.
-    pub fn save_page(&mut self, index: u32, page: Option<Page>) {
-        self.page_bytes += page.as_ref().map_or(0, |p| p.len());
-        self.pages.push((index, page));
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.empty.is_empty()
-            && self.full.is_empty()
-            && self.mixed.is_empty()
-            && self.pages.is_empty()
-    }
-
-    /// Bricks whose bits are kept.
-    pub fn brick_count(&self) -> usize {
-        self.empty.len() + self.full.len() + self.mixed.len()
-    }
-
-    fn heap_bytes(&self) -> usize {
-        4 * (self.empty.capacity() + self.full.capacity() + self.mixed.capacity())
-            + self.mixed_bits.capacity() * size_of::<Brick>()
-            + self.pages.capacity() * size_of::<(u32, Option<Page>)>()
-            + self.page_bytes
-    }
-
-    fn shrink(&mut self) {
-        self.empty.shrink_to_fit();
-        self.full.shrink_to_fit();
-        self.mixed.shrink_to_fit();
-        self.mixed_bits.shrink_to_fit();
-        self.pages.shrink_to_fit();
-    }
-
-    /// Writes the kept values into `contents` and returns the values they replace.
-    /// `touched` hears of every brick that may have changed.
-    pub fn swap(self, contents: &mut Contents, mut touched: impl FnMut(u32)) -> BrickRecord {
-        let mut reverse = BrickRecord::default();
-        let mut put = |index: u32, bits: Brick| {
-            reverse.save_bits(index, &contents.grid.bricks()[index as usize]);
-            contents.grid.set_brick(index as usize, bits);
-            touched(index);
-        };
-        self.empty.into_iter().for_each(|i| put(i, Brick::EMPTY));
-        self.full.into_iter().for_each(|i| put(i, Brick::FULL));
-        self.mixed.into_iter().zip(self.mixed_bits).for_each(|(i, bits)| put(i, bits));
-        for (index, page) in self.pages {
-            reverse.save_page(index, contents.material.swap_page(index as usize, page));
-            touched(index);
-        }
-        reverse.shrink();
-        reverse
-    }
 }
 
 /// What one step changed.
@@ -131,30 +51,49 @@ impl Step {
     }
 }
 
+/// A step that is too large for the whole budget, and so cannot be taken back.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct TooLarge {
+    pub label: String,
+    pub bytes: usize,
+}
+
+/// Where a step goes.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Stack {
+    Undo,
+    Redo,
+}
+
 /// The steps that can be undone and redone.
 #[derive(Debug)]
 pub struct History {
+    /// Oldest first.
     undo: VecDeque<Step>,
-    redo: Vec<Step>,
+    /// The one to redo last comes first.
+    redo: VecDeque<Step>,
     bytes: usize,
     budget_bytes: usize,
     dropped: u64,
+    too_large: Option<TooLarge>,
 }
 
 impl History {
     pub fn new(budget_bytes: usize) -> History {
-        History { undo: VecDeque::new(), redo: Vec::new(), bytes: 0, budget_bytes, dropped: 0 }
+        History {
+            undo: VecDeque::new(),
+            redo: VecDeque::new(),
+            bytes: 0,
+            budget_bytes,
+            dropped: 0,
+            too_large: None,
+        }
     }
 
     /// Adds a finished step; what was undone before can no longer be redone.
-    pub fn push(&mut self, mut step: Step) {
-        if let Change::Bricks(record) = &mut step.change {
-            record.shrink();
-        }
+    pub fn push(&mut self, step: Step) {
         self.bytes -= self.redo.drain(..).map(|s| s.heap_bytes()).sum::<usize>();
-        self.bytes += step.heap_bytes();
-        self.undo.push_back(step);
-        self.fit_budget();
+        self.put(step, Stack::Undo);
     }
 
     /// Takes the step to undo next. Give its reverse to [`History::undone`].
@@ -166,21 +105,17 @@ impl History {
 
     /// Takes the step to redo next. Give its reverse to [`History::redone`].
     pub fn take_redo(&mut self) -> Option<Step> {
-        let step = self.redo.pop()?;
+        let step = self.redo.pop_back()?;
         self.bytes -= step.heap_bytes();
         Some(step)
     }
 
     pub fn undone(&mut self, reverse: Step) {
-        self.bytes += reverse.heap_bytes();
-        self.redo.push(reverse);
-        self.fit_budget();
+        self.put(reverse, Stack::Redo);
     }
 
     pub fn redone(&mut self, reverse: Step) {
-        self.bytes += reverse.heap_bytes();
-        self.undo.push_back(reverse);
-        self.fit_budget();
+        self.put(reverse, Stack::Undo);
     }
 
     pub fn undo_count(&self) -> usize {
@@ -206,14 +141,50 @@ impl History {
         self.bytes
     }
 
+    pub fn budget_bytes(&self) -> usize {
+        self.budget_bytes
+    }
+
     /// Steps dropped so far because the budget was full.
     pub fn dropped(&self) -> u64 {
         self.dropped
     }
 
-    fn fit_budget(&mut self) {
+    /// The last step made, undone or redone, if it was larger than the whole budget: it stands,
+    /// but cannot be taken back, nor can what lies behind it. Tell the person.
+    pub fn too_large(&self) -> Option<&TooLarge> {
+        self.too_large.as_ref()
+    }
+
+    /// Adds a step to the top of a stack and drops what the budget has no room for.
+    fn put(&mut self, step: Step, to: Stack) {
+        let stack = match to {
+            Stack::Undo => &mut self.undo,
+            Stack::Redo => &mut self.redo,
+        };
+        let bytes = step.heap_bytes();
+        if bytes > self.budget_bytes {
+            // The steps below it can only be reached through it.
+            self.dropped += 1 + stack.len() as u64;
+            self.bytes -= stack.drain(..).map(|s| s.heap_bytes()).sum::<usize>();
+            tracing::warn!(
+                step = step.label,
+                bytes,
+                budget = self.budget_bytes,
+                "step is larger than the history's budget and cannot be taken back"
+            );
+            self.too_large = Some(TooLarge { label: step.label, bytes });
+            return;
+        }
+        self.too_large = None;
+        self.bytes += bytes;
+        stack.push_back(step);
         while self.bytes > self.budget_bytes {
-            let Some(oldest) = self.undo.pop_front() else { break };
+            // The oldest to undo goes first, then the last to redo; never the step just added,
+            // which fits alone.
+            let from_undo = self.undo.len() > usize::from(to == Stack::Undo);
+            let oldest = if from_undo { self.undo.pop_front() } else { self.redo.pop_front() };
+            let Some(oldest) = oldest else { break };
             self.bytes -= oldest.heap_bytes();
             self.dropped += 1;
         }

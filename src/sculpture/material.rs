@@ -4,6 +4,10 @@
 //! Takes brick and local voxel indices as [`super::grid`] and [`super::brick`] give them.
 //! Knows nothing of existence: a page may hold a colour for a voxel that is not there.
 
+use std::ops::Range;
+
+use rayon::prelude::*;
+
 use super::brick::{BRICK_VOXELS, Brick};
 use super::colour::{ColourDepth, Rgb};
 
@@ -58,6 +62,12 @@ impl Material {
             as u64
     }
 
+    /// Heap bytes in use once `pages` more bricks are painted.
+    pub fn bytes_with(&self, pages: u64) -> u64 {
+        let table = self.pages.capacity().max(self.brick_count) * size_of::<Option<Page>>();
+        table as u64 + (self.page_count as u64 + pages) * self.page_bytes() as u64
+    }
+
     /// Colour of voxel `local` (0..512) of brick `brick`.
     #[inline]
     pub fn rgb(&self, brick: usize, local: u32) -> Rgb {
@@ -79,20 +89,45 @@ impl Material {
     /// Gives the voxels of `mask` in brick `brick` the colour `colour`. Does nothing without
     /// colour depth. A page is made only if a voxel of `mask` would otherwise look different.
     pub fn paint(&mut self, brick: usize, mask: &Brick, colour: Rgb) {
-        let bytes = self.depth.bytes();
-        if bytes == 0 || mask.is_empty() {
-            return;
+        let brush = self.brush(colour);
+        let differing = brush.differing(self.page(brick), mask);
+        if !differing.is_empty() {
+            self.make_room();
+            self.page_count += usize::from(brush.paint(&mut self.pages[brick], &differing));
         }
-        if self.page(brick).is_none() && self.depth.quantise(colour) == self.base {
-            return;
-        }
-        let mut packed = [0u8; 3];
-        self.depth.write(colour, &mut packed);
-        let page = self.page_mut(brick);
-        mask.for_each(|i| {
-            let at = i as usize * bytes;
-            page[at..at + bytes].copy_from_slice(&packed[..bytes]);
-        });
+    }
+
+    /// A colour made ready for painting many bricks of this sculpture.
+    pub fn brush(&self, colour: Rgb) -> Brush {
+        Brush::new(self.depth, self.base, colour)
+    }
+
+    /// Hands the pages of each of the bands `bands` of `bricks_per_band` bricks to `f`, with
+    /// the linear index of the band's first brick and one of `states` (one a band of the
+    /// grid), on as many threads as there are if `parallel`. `f` returns the number of pages
+    /// it has made.
+    pub fn edit_bands<S: Send>(
+        &mut self,
+        bricks_per_band: usize,
+        bands: Range<usize>,
+        parallel: bool,
+        states: &mut [S],
+        f: impl Fn(u32, &mut [Option<Page>], &mut S) -> usize + Sync,
+    ) {
+        self.make_room();
+        let end = (bands.end * bricks_per_band).min(self.pages.len());
+        let pages = &mut self.pages[bands.start * bricks_per_band..end];
+        let states = &mut states[bands.clone()];
+        let work = |i: usize, pages: &mut [Option<Page>], state: &mut S| {
+            f(((bands.start + i) * bricks_per_band) as u32, pages, state)
+        };
+        self.page_count += if parallel {
+            let bands = pages.par_chunks_mut(bricks_per_band).zip(states).enumerate();
+            bands.map(|(i, (pages, state))| work(i, pages, state)).sum::<usize>()
+        } else {
+            let bands = pages.chunks_mut(bricks_per_band).zip(states).enumerate();
+            bands.map(|(i, (pages, state))| work(i, pages, state)).sum::<usize>()
+        };
     }
 
     /// Gives each voxel of `mask` in brick `brick` the colour that `colour` names for its
@@ -116,6 +151,10 @@ impl Material {
         self.page_count += usize::from(page.is_some());
         let before = std::mem::replace(&mut self.pages[brick], page);
         self.page_count -= usize::from(before.is_some());
+        if self.page_count == 0 {
+            // As before the first page was made: equal to it, and as small.
+            self.pages = Vec::new();
+        }
         before
     }
 
@@ -132,11 +171,87 @@ impl Material {
         self.pages[brick].get_or_insert_with(|| {
             *page_count += 1;
             let mut page = vec![0; len].into_boxed_slice();
-            for colour in page.chunks_exact_mut(depth.bytes()) {
-                depth.write(base, colour);
-            }
+            fill(&mut page, depth, base);
             page
         })
+    }
+}
+
+/// Bytes of the largest page.
+const MAX_PAGE_BYTES: usize = BRICK_VOXELS as usize * 3;
+
+/// A colour made ready for painting: packed, with the pages it needs to copy from.
+#[derive(Clone, Debug)]
+pub struct Brush {
+    packed: [u8; 3],
+    bytes: usize,
+    /// The colour is what unpainted voxels have.
+    is_base: bool,
+    base_page: [u8; MAX_PAGE_BYTES],
+    full_page: [u8; MAX_PAGE_BYTES],
+}
+
+impl Brush {
+    fn new(depth: ColourDepth, base: Rgb, colour: Rgb) -> Brush {
+        let mut brush = Brush {
+            packed: [0; 3],
+            bytes: depth.bytes(),
+            is_base: depth.quantise(colour) == base,
+            base_page: [0; MAX_PAGE_BYTES],
+            full_page: [0; MAX_PAGE_BYTES],
+        };
+        let len = BRICK_VOXELS as usize * depth.bytes();
+        depth.write(colour, &mut brush.packed);
+        fill(&mut brush.base_page[..len], depth, base);
+        fill(&mut brush.full_page[..len], depth, colour);
+        brush
+    }
+
+    /// Whether the colour is what unpainted voxels have.
+    pub fn is_base(&self) -> bool {
+        self.is_base
+    }
+
+    /// The voxels of `mask` that the brush would change on a page. None without colour depth.
+    pub fn differing(&self, page: Option<&[u8]>, mask: &Brick) -> Brick {
+        let Some(page) = page else {
+            return if self.is_base || self.bytes == 0 { Brick::EMPTY } else { *mask };
+        };
+        let packed = &self.packed[..self.bytes];
+        let mut differing = Brick::EMPTY;
+        mask.for_each(|i| {
+            let at = i as usize * self.bytes;
+            let differs = page[at..at + self.bytes] != *packed;
+            differing.words[i as usize / 64] |= u64::from(differs) << (i % 64);
+        });
+        differing
+    }
+
+    /// Gives the voxels of `mask` the colour, on a new page if there is none. Returns whether
+    /// there was none. Only for a sculpture with colour depth.
+    pub fn paint(&self, page: &mut Option<Page>, mask: &Brick) -> bool {
+        let len = BRICK_VOXELS as usize * self.bytes;
+        let made = page.is_none();
+        if mask.is_full() {
+            match page {
+                Some(page) => page.copy_from_slice(&self.full_page[..len]),
+                None => *page = Some(self.full_page[..len].into()),
+            }
+            return made;
+        }
+        let page = page.get_or_insert_with(|| self.base_page[..len].into());
+        mask.for_each(|i| {
+            let at = i as usize * self.bytes;
+            page[at..at + self.bytes].copy_from_slice(&self.packed[..self.bytes]);
+        });
+        made
+    }
+}
+
+/// Fills a page, or the start of one, with one colour.
+fn fill(page: &mut [u8], depth: ColourDepth, colour: Rgb) {
+    if depth.bytes() > 0 {
+        page.chunks_exact_mut(depth.bytes()).for_each(|out| depth.write(colour, out));
     }
 }
 

@@ -3,6 +3,7 @@
 //! Knows no Vulkan, no window, no clock and no files.
 
 pub mod brick;
+pub mod brick_set;
 pub mod colour;
 pub mod edit;
 pub mod grid;
@@ -10,6 +11,10 @@ pub mod history;
 pub mod limits;
 pub mod material;
 pub mod placement;
+pub mod record;
+pub mod region;
+mod row_edit;
+pub mod stroke;
 
 pub use brick::Brick;
 pub use colour::{ColourDepth, Rgb};

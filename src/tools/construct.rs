@@ -1,12 +1,21 @@
 //! Owns the construction solids: ellipsoid, cuboid and pyramid at any pose.
 //!
-//! Takes a pose in voxel coordinates; gives a [`Region`] that names, brick by brick, the voxels
-//! whose centres lie inside. Knows no document.
+//! Takes a pose in voxel coordinates; gives a [`Region`] that names, row of bricks by row of
+//! bricks, the voxels whose centres lie inside. [`PlacedSolid::contains_voxel`] is the
+//! definition; the rows equal it on every voxel. Knows no document.
 
-use glam::{DMat3, DQuat, DVec3, IVec3, Quat, UVec3, Vec3};
+use std::ops::Range;
 
+use glam::{DMat3, DQuat, DVec3, IVec3, Quat, Vec3};
+
+use super::construct_ends::{Magnitudes, solve};
+use super::construct_planes::{HalfSpace, Planes};
+use super::construct_quadric::Quadric;
+use super::construct_spans::{RowSpans, Spans};
 use crate::sculpture::Brick;
-use crate::sculpture::edit::{Coverage, Region, VoxelBox};
+use crate::sculpture::brick::BRICK_EDGE_VX;
+use crate::sculpture::grid::MAX_AXIS_VX;
+use crate::sculpture::region::{BrickRow, Region, VoxelBox};
 
 /// The shape of a solid in tool space, where it fills [-1, 1] on every axis.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -38,6 +47,51 @@ impl Solid {
             Solid::Ellipsoid => p.length_squared() <= 1.0,
             Solid::Cuboid => p.abs().max_element() <= 1.0,
             Solid::Pyramid => p.y.abs() <= 1.0 && p.x.abs().max(p.z.abs()) <= 0.5 * (1.0 - p.y),
+        }
+    }
+
+    /// The largest `direction . p` over the solid.
+    fn support(self, direction: DVec3) -> f64 {
+        match self {
+            Solid::Ellipsoid => direction.length(),
+            Solid::Cuboid => direction.abs().element_sum(),
+            // A corner of the base, or the apex.
+            Solid::Pyramid => {
+                (direction.x.abs() + direction.z.abs() - direction.y).max(direction.y)
+            }
+        }
+    }
+
+    /// The half spaces that meet in the solid, if it has flat faces.
+    fn half_spaces(self) -> &'static [HalfSpace] {
+        const fn face(x: f64, y: f64, z: f64, distance: f64) -> HalfSpace {
+            HalfSpace { normal: DVec3::new(x, y, z), distance }
+        }
+        match self {
+            Solid::Ellipsoid => &[],
+            Solid::Cuboid => {
+                const {
+                    &[
+                        face(1.0, 0.0, 0.0, 1.0),
+                        face(-1.0, 0.0, 0.0, 1.0),
+                        face(0.0, 1.0, 0.0, 1.0),
+                        face(0.0, -1.0, 0.0, 1.0),
+                        face(0.0, 0.0, 1.0, 1.0),
+                        face(0.0, 0.0, -1.0, 1.0),
+                    ]
+                }
+            }
+            Solid::Pyramid => {
+                const {
+                    &[
+                        face(0.0, -1.0, 0.0, 1.0),
+                        face(1.0, 0.5, 0.0, 0.5),
+                        face(-1.0, 0.5, 0.0, 0.5),
+                        face(0.0, 0.5, 1.0, 0.5),
+                        face(0.0, 0.5, -1.0, 0.5),
+                    ]
+                }
+            }
         }
     }
 }
@@ -86,53 +140,199 @@ pub struct PlacedSolid {
     /// Linear part of the map from voxel coordinates (less the centre) to tool space.
     tool_from_vx: DMat3,
     bounds: VoxelBox,
+    /// The part of the bounds that a grid can have.
+    reachable: VoxelBox,
+    cut: Cut,
+}
+
+/// How rows are cut.
+#[derive(Clone, Copy, Debug)]
+enum Cut {
+    Quadric(Quadric),
+    Planes(Planes),
+    /// A cuboid along the grid's axes: all of a box of voxels.
+    Box(VoxelBox),
 }
 
 impl PlacedSolid {
     fn new(primitive: &Primitive, voxel_size: Vec3) -> PlacedSolid {
-        let stretch = (voxel_size / voxel_size.min_element()).as_dvec3();
-        let rotation = DMat3::from_quat(DQuat::from(primitive.rotation.as_dquat()).normalize());
-        let tool_from_vx = DMat3::from_diagonal(primitive.half.as_dvec3().recip())
+        let Primitive { solid, centre_vx, half, rotation } = *primitive;
+        let (centre_vx, half) = (centre_vx.as_dvec3(), half.as_dvec3());
+        let stretch = voxel_size.as_dvec3() / voxel_size.as_dvec3().min_element();
+        let rotation = DMat3::from_quat(DQuat::from(rotation.as_dquat()).normalize());
+        let tool_from_vx = DMat3::from_diagonal(half.recip())
             * rotation.transpose()
             * DMat3::from_diagonal(stretch);
-        let centre_vx = primitive.centre_vx.as_dvec3();
-        let vx_from_tool = tool_from_vx.inverse();
-        // Extent of the image of the cube [-1, 1]^3 along each voxel axis.
-        let reach =
-            vx_from_tool.x_axis.abs() + vx_from_tool.y_axis.abs() + vx_from_tool.z_axis.abs();
+        let vx_from_tool =
+            DMat3::from_diagonal(stretch.recip()) * rotation * DMat3::from_diagonal(half);
+
+        let axes = vx_from_tool.transpose();
+        let support = |sign: f64| {
+            let along = |axis: DVec3| solid.support(axis * sign) * (1.0 + 1e-9) + 1.0;
+            DVec3::new(along(axes.x_axis), along(axes.y_axis), along(axes.z_axis))
+        };
         let limit = DVec3::splat(1e9);
-        let min = (centre_vx - reach - 1.0).clamp(-limit, limit).floor().as_ivec3();
-        let max = (centre_vx + reach + 1.0).clamp(-limit, limit).ceil().as_ivec3();
-        PlacedSolid {
-            solid: primitive.solid,
+        let bounds = VoxelBox {
+            min: (centre_vx - support(-1.0)).clamp(-limit, limit).floor().as_ivec3(),
+            max: (centre_vx + support(1.0)).clamp(-limit, limit).ceil().as_ivec3(),
+        };
+        let longest = IVec3::splat(MAX_AXIS_VX as i32);
+        let reachable = bounds.intersect(VoxelBox { min: IVec3::ZERO, max: longest });
+
+        let mut placed = PlacedSolid {
+            solid,
             centre_vx,
             tool_from_vx,
-            bounds: VoxelBox { min, max },
+            bounds,
+            reachable,
+            cut: Cut::Box(VoxelBox { min: IVec3::ZERO, max: IVec3::ZERO }),
+        };
+        if !reachable.is_empty() {
+            placed.cut = placed.prepare();
+        }
+        placed
+    }
+
+    fn prepare(&self) -> Cut {
+        let m = self.tool_from_vx;
+        let VoxelBox { min, max } = self.reachable;
+        let off_axis = m - DMat3::from_diagonal(DVec3::new(m.x_axis.x, m.y_axis.y, m.z_axis.z));
+        if self.solid == Solid::Cuboid && off_axis == DMat3::ZERO {
+            let axis = |axis: usize| {
+                let place =
+                    |v: i32| m.col(axis)[axis] * (f64::from(v) + 0.5 - self.centre_vx[axis]);
+                // Position along the axis rises with the voxel, rounded or not.
+                let first = first_where(min[axis]..max[axis], |v| place(v) >= -1.0);
+                first..first_where(first..max[axis], |v| place(v) > 1.0)
+            };
+            let (x, y, z) = (axis(0), axis(1), axis(2));
+            return Cut::Box(VoxelBox {
+                min: IVec3::new(x.start, y.start, z.start),
+                max: IVec3::new(x.end, y.end, z.end),
+            });
+        }
+        // Rows are asked for in whole bricks, so up to 7 voxels beyond the box.
+        let edge = f64::from(BRICK_EDGE_VX);
+        let distance_vx = (min.as_dvec3() - edge - self.centre_vx)
+            .abs()
+            .max((max.as_dvec3() + edge - self.centre_vx).abs())
+            .max(DVec3::ONE);
+        let largest = |column: DVec3, distance: f64| column.abs().element_sum() * distance;
+        let sizes = Magnitudes {
+            distance_vx,
+            coordinate_vx: f64::from(MAX_AXIS_VX) + self.centre_vx.abs().max_element(),
+            position: largest(m.x_axis, distance_vx.x)
+                + largest(m.y_axis, distance_vx.y)
+                + largest(m.z_axis, distance_vx.z),
+        };
+        match self.solid {
+            Solid::Ellipsoid => Cut::Quadric(Quadric::new(&m, self.centre_vx, &sizes)),
+            Solid::Cuboid | Solid::Pyramid => {
+                Cut::Planes(Planes::new(self.solid.half_spaces(), &m, self.centre_vx, &sizes))
+            }
         }
     }
 
-    /// Whether the centre of a voxel lies inside: the definition that every fast path must equal.
+    /// Whether the centre of a voxel lies inside: the definition that every row equals.
     #[inline(always)]
     pub fn contains_voxel(&self, v: IVec3) -> bool {
         self.solid.contains(self.tool_from_vx * (v.as_dvec3() + 0.5 - self.centre_vx))
     }
+
+    fn spans(&self, y_vx: u32, z_vx: u32) -> Option<Spans> {
+        let x = self.reachable.min.x..self.reachable.max.x;
+        let exact = |v| self.contains_voxel(v);
+        match &self.cut {
+            Cut::Quadric(quadric) => solve(quadric, &x, y_vx, z_vx, exact),
+            Cut::Planes(planes) => solve(planes, &x, y_vx, z_vx, exact),
+            Cut::Box(inside) => Some(box_spans(inside, y_vx, z_vx)),
+        }
+    }
+}
+
+/// The first of `range` where `p` holds, or its end. `p` must hold from there on.
+fn first_where(range: Range<i32>, p: impl Fn(i32) -> bool) -> i32 {
+    let Range { mut start, mut end } = range;
+    while start < end {
+        let middle = start + (end - start) / 2;
+        if p(middle) { end = middle } else { start = middle + 1 }
+    }
+    start
+}
+
+fn box_spans(inside: &VoxelBox, y_vx: u32, z_vx: u32) -> Spans {
+    let mut spans = Spans::EMPTY;
+    for (z, rows) in
+        (z_vx as i32..).zip(spans.from.chunks_exact_mut(8).zip(spans.to.chunks_exact_mut(8)))
+    {
+        for (y, (from, to)) in (y_vx as i32..).zip(rows.0.iter_mut().zip(rows.1)) {
+            let within = (inside.min.y..inside.max.y).contains(&y)
+                && (inside.min.z..inside.max.z).contains(&z);
+            (*from, *to) = if within { (inside.min.x as i16, inside.max.x as i16) } else { (0, 0) };
+        }
+    }
+    spans
+}
+
+/// A solid cut by a row of bricks.
+#[derive(Debug)]
+pub enum SolidRow<'a> {
+    Spans(RowSpans),
+    /// The voxels of some row are not next to each other: each brick is tested voxel by voxel.
+    Tested {
+        solid: &'a PlacedSolid,
+        y_vx: u32,
+        z_vx: u32,
+    },
 }
 
 impl Region for PlacedSolid {
+    type Row<'a> = SolidRow<'a>;
+
     fn bounds_vx(&self) -> VoxelBox {
         self.bounds
     }
 
-    fn coverage(&self, origin_vx: UVec3) -> Coverage {
-        let mut mask = Brick::EMPTY;
-        for z in 0..8 {
-            for y in 0..8 {
-                for x in 0..8 {
-                    let v = (origin_vx + UVec3::new(x, y, z)).as_ivec3();
-                    mask.set(x, y, z, self.contains_voxel(v));
-                }
+    #[inline]
+    fn row(&self, y_vx: u32, z_vx: u32) -> SolidRow<'_> {
+        match self.spans(y_vx, z_vx) {
+            Some(spans) => SolidRow::Spans(RowSpans::new(spans)),
+            None => SolidRow::Tested { solid: self, y_vx, z_vx },
+        }
+    }
+}
+
+impl BrickRow for SolidRow<'_> {
+    fn touched(&self) -> Range<u32> {
+        match self {
+            SolidRow::Spans(spans) => spans.touched(),
+            SolidRow::Tested { solid, .. } => {
+                let VoxelBox { min, max } = solid.reachable;
+                min.x as u32 / BRICK_EDGE_VX..(max.x as u32).div_ceil(BRICK_EDGE_VX)
             }
         }
-        Coverage::Some(mask)
+    }
+
+    fn whole(&self) -> Range<u32> {
+        match self {
+            SolidRow::Spans(spans) => spans.whole(),
+            SolidRow::Tested { .. } => 0..0,
+        }
+    }
+
+    #[inline]
+    fn mask(&self, brick_x: u32) -> Brick {
+        match self {
+            SolidRow::Spans(spans) => spans.mask(brick_x),
+            SolidRow::Tested { solid, y_vx, z_vx } => {
+                let mut mask = Brick::EMPTY;
+                for (x, y, z) in (0..512).map(|i| (i % 8, i / 8 % 8, i / 64)) {
+                    let v =
+                        IVec3::new((brick_x * 8 + x) as i32, (y_vx + y) as i32, (z_vx + z) as i32);
+                    mask.set(x, y, z, solid.contains_voxel(v));
+                }
+                mask
+            }
+        }
     }
 }

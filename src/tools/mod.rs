@@ -1,4 +1,10 @@
-//! Tools: which voxels a solid or a spray covers, as [`crate::sculpture::edit::Region`]s.
+//! Tools: which voxels a solid or a spray covers, as [`crate::sculpture::region::Region`]s.
 //! They compute masks and change nothing.
 
 pub mod construct;
+mod construct_ends;
+mod construct_planes;
+mod construct_quadric;
+mod construct_spans;
+#[cfg(test)]
+mod construct_tests;

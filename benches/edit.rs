@@ -1,0 +1,231 @@
+//! Measures edits as a person makes them: a command applied to a document, with counts, dirty
+//! set and undo record included. Restoring the sculpture between two runs is not timed.
+//!
+//! Throughput is given in voxels that the solid holds.
+
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use glam::{EulerRot, Quat, UVec3, Vec3};
+use virtual_sculpture::command::{Command, NewSculpture};
+use virtual_sculpture::document::{Document, Limits};
+use virtual_sculpture::sculpture::edit::EditOp;
+use virtual_sculpture::sculpture::{ColourDepth, Rgb};
+use virtual_sculpture::tools::construct::{Primitive, Solid};
+
+const PAINT: Rgb = Rgb::new(190, 30, 60);
+
+fn document(solid: bool, colour_depth: ColourDepth) -> Document {
+    let new = NewSculpture {
+        dims: UVec3::splat(512),
+        voxel_size: Vec3::ONE,
+        colour_depth,
+        base: Rgb::new(200, 190, 170),
+        solid,
+    };
+    Document::new(&new, Limits::default()).expect("512^3 is within the default limits")
+}
+
+fn apply(document: &mut Document, command: &Command) -> u64 {
+    let applied = document.apply(command).expect("the benchmark's commands are valid");
+    applied.stats.voxels_changed()
+}
+
+fn forget_dirty(document: &mut Document) {
+    document.take_dirty(|_, bricks| {
+        black_box(bricks);
+    });
+}
+
+fn construct(op: EditOp, solid: Solid, centre: Vec3, half: Vec3, rotation: Quat) -> Command {
+    Command::Construct { op, primitive: Primitive { solid, centre_vx: centre, half, rotation } }
+}
+
+fn subtract(solid: Solid, half: Vec3, rotation: Quat) -> Command {
+    construct(EditOp::Subtract, solid, Vec3::new(251.3, 260.7, 255.1), half, rotation)
+}
+
+/// Times `command` on a fresh copy of the same state, which an undo brings back.
+fn time_command(document: &mut Document, command: &Command, runs: u64) -> Duration {
+    let mut total = Duration::ZERO;
+    for _ in 0..runs {
+        let start = Instant::now();
+        black_box(apply(document, command));
+        total += start.elapsed();
+        apply(document, &Command::Undo { steps: Some(1) });
+        forget_dirty(document);
+    }
+    total
+}
+
+fn primitives(c: &mut Criterion) {
+    let turned = Quat::from_euler(EulerRot::XYZ, 0.4, 0.7, 1.1);
+    let add = EditOp::Add(PAINT);
+    let cases = [
+        (
+            "sphere",
+            true,
+            ColourDepth::None,
+            subtract(Solid::Ellipsoid, Vec3::splat(64.0), Quat::IDENTITY),
+        ),
+        (
+            "cuboid",
+            true,
+            ColourDepth::None,
+            subtract(Solid::Cuboid, Vec3::splat(64.0), Quat::IDENTITY),
+        ),
+        (
+            "pyramid",
+            true,
+            ColourDepth::None,
+            subtract(Solid::Pyramid, Vec3::splat(64.0), Quat::IDENTITY),
+        ),
+        (
+            "rotated_ellipsoid",
+            true,
+            ColourDepth::None,
+            subtract(Solid::Ellipsoid, Vec3::new(64.0, 40.0, 90.0), turned),
+        ),
+        (
+            "rotated_cuboid",
+            true,
+            ColourDepth::None,
+            subtract(Solid::Cuboid, Vec3::splat(64.0), turned),
+        ),
+        (
+            "rotated_pyramid",
+            true,
+            ColourDepth::None,
+            subtract(Solid::Pyramid, Vec3::splat(64.0), turned),
+        ),
+        (
+            "sphere_added",
+            false,
+            ColourDepth::None,
+            construct(add, Solid::Ellipsoid, Vec3::splat(255.2), Vec3::splat(64.0), Quat::IDENTITY),
+        ),
+        (
+            "sphere_added_in_colour",
+            false,
+            ColourDepth::Bits24,
+            construct(add, Solid::Ellipsoid, Vec3::splat(255.2), Vec3::splat(64.0), Quat::IDENTITY),
+        ),
+        (
+            "sphere_recoloured",
+            true,
+            ColourDepth::Bits24,
+            construct(
+                EditOp::Recolour(PAINT),
+                Solid::Ellipsoid,
+                Vec3::splat(255.2),
+                Vec3::splat(64.0),
+                Quat::IDENTITY,
+            ),
+        ),
+    ];
+    let mut group = c.benchmark_group("radius_64");
+    for (name, solid, depth, command) in cases {
+        let mut document = document(solid, depth);
+        forget_dirty(&mut document);
+        let voxels = apply(&mut document, &command);
+        apply(&mut document, &Command::Undo { steps: None });
+        group.throughput(Throughput::Elements(voxels));
+        group.bench_function(name, |b| {
+            b.iter_custom(|runs| time_command(&mut document, &command, runs));
+        });
+    }
+    group.finish();
+}
+
+/// The same 2000 spheres of radius 4 to 28 in every run.
+fn cheese_holes() -> Vec<Command> {
+    let mut state = 0x5EED_u64;
+    let mut unit = || {
+        // splitmix64
+        state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let z = (state ^ state >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let z = (z ^ z >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ z >> 31) >> 40) as f32 / (1u64 << 24) as f32
+    };
+    (0..2000)
+        .map(|_| {
+            let centre = Vec3::new(unit(), unit(), unit()) * 512.0;
+            let radius = 4.0 + 24.0 * unit();
+            construct(
+                EditOp::Subtract,
+                Solid::Ellipsoid,
+                centre,
+                Vec3::splat(radius),
+                Quat::IDENTITY,
+            )
+        })
+        .collect()
+}
+
+fn cheese(c: &mut Criterion) {
+    let holes = cheese_holes();
+    let mut group = c.benchmark_group("cheese_2000_spheres");
+    group.sample_size(20);
+    for one_stroke in [true, false] {
+        let mut document = document(true, ColourDepth::None);
+        forget_dirty(&mut document);
+        let name = if one_stroke { "one_stroke" } else { "2000_strokes" };
+        group.bench_function(name, |b| {
+            b.iter_custom(|runs| {
+                let mut total = Duration::ZERO;
+                for _ in 0..runs {
+                    let start = Instant::now();
+                    if one_stroke {
+                        apply(&mut document, &Command::Begin { label: "cheese".into() });
+                    }
+                    for hole in &holes {
+                        black_box(apply(&mut document, hole));
+                    }
+                    if one_stroke {
+                        apply(&mut document, &Command::End);
+                    }
+                    total += start.elapsed();
+                    apply(&mut document, &Command::Undo { steps: None });
+                    forget_dirty(&mut document);
+                }
+                total
+            });
+        });
+    }
+    group.finish();
+}
+
+fn whole(c: &mut Criterion) {
+    let mut group = c.benchmark_group("whole_512");
+    group.sample_size(20);
+    group.throughput(Throughput::Elements(1 << 27));
+    let mut document = document(true, ColourDepth::None);
+    forget_dirty(&mut document);
+    group.bench_function("clear", |b| {
+        b.iter_custom(|runs| time_command(&mut document, &Command::Clear, runs));
+    });
+    for undo in [true, false] {
+        let name = if undo { "undo" } else { "redo" };
+        group.bench_function(BenchmarkId::new("clear", name), |b| {
+            b.iter_custom(|runs| {
+                let mut total = Duration::ZERO;
+                for _ in 0..runs {
+                    apply(&mut document, &Command::Clear);
+                    let start = Instant::now();
+                    apply(&mut document, &Command::Undo { steps: Some(1) });
+                    let undone = start.elapsed();
+                    apply(&mut document, &Command::Redo { steps: Some(1) });
+                    total += if undo { undone } else { start.elapsed() - undone };
+                    apply(&mut document, &Command::Undo { steps: Some(1) });
+                    forget_dirty(&mut document);
+                }
+                total
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, primitives, cheese, whole);
+criterion_main!(benches);

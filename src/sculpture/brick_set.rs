@@ -1,0 +1,114 @@
+//! Owns sets of bricks: a bit a brick, with a list of the words in use, so that a set over a
+//! large grid costs only what is in it, to fill, to walk and to empty.
+//!
+//! Takes and gives linear brick indices. Knows no grid beyond its number of bricks.
+
+/// Bricks among the 64 whose linear indices begin at `64 * word`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct BrickMask {
+    pub word: u32,
+    pub mask: u64,
+}
+
+impl BrickMask {
+    /// The linear indices, rising.
+    #[inline]
+    pub fn indices(self) -> impl Iterator<Item = u32> {
+        let mut rest = self.mask;
+        std::iter::from_fn(move || {
+            (rest != 0).then(|| {
+                let index = self.word * 64 + rest.trailing_zeros();
+                rest &= rest - 1;
+                index
+            })
+        })
+    }
+}
+
+/// A set of linear brick indices.
+#[derive(Debug, Default)]
+pub struct BrickSet {
+    words: Vec<u64>,
+    /// The words that are not 0, each once, in the order of their first brick's arrival.
+    used: Vec<u32>,
+}
+
+impl BrickSet {
+    /// An empty set over `brick_count` bricks.
+    pub fn new(brick_count: usize) -> BrickSet {
+        BrickSet { words: vec![0; brick_count.div_ceil(64)], used: Vec::new() }
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.used.is_empty()
+    }
+
+    #[inline]
+    pub fn contains(&self, index: u32) -> bool {
+        self.words[index as usize / 64] >> (index % 64) & 1 != 0
+    }
+
+    /// Which of the 64 bricks of `word` are in the set.
+    #[inline]
+    pub fn mask(&self, word: u32) -> u64 {
+        self.words[word as usize]
+    }
+
+    #[inline]
+    pub fn insert(&mut self, index: u32) {
+        self.insert_mask(BrickMask { word: index / 64, mask: 1 << (index % 64) });
+    }
+
+    #[inline]
+    pub fn insert_mask(&mut self, bricks: BrickMask) {
+        if bricks.mask == 0 {
+            return;
+        }
+        let word = &mut self.words[bricks.word as usize];
+        if *word == 0 {
+            self.used.push(bricks.word);
+        }
+        *word |= bricks.mask;
+    }
+
+    /// Appends the linear indices to `out`, rising.
+    pub fn collect_into(&mut self, out: &mut Vec<u32>) {
+        self.used.sort_unstable();
+        for &word in &self.used {
+            out.extend(BrickMask { word, mask: self.words[word as usize] }.indices());
+        }
+    }
+
+    /// Takes out everything and keeps the memory.
+    pub fn clear(&mut self) {
+        for &word in &self.used {
+            self.words[word as usize] = 0;
+        }
+        self.used.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::collections::BTreeSet;
+
+    proptest! {
+        #[test]
+        fn behaves_as_a_set(indices in prop::collection::vec(0u32..1000, 0..300), again: bool) {
+            let mut set = BrickSet::new(1000);
+            if again {
+                indices.iter().rev().for_each(|&i| set.insert(i ^ 1));
+                set.clear();
+                prop_assert!(set.is_empty());
+            }
+            for &i in &indices { set.insert(i); }
+            let naive: BTreeSet<u32> = indices.into_iter().collect();
+            let mut list = Vec::new();
+            set.collect_into(&mut list);
+            prop_assert_eq!(&list, &naive.iter().copied().collect::<Vec<_>>());
+            for i in 0..1000 { prop_assert_eq!(set.contains(i), naive.contains(&i)); }
+        }
+    }
+}

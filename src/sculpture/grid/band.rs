@@ -1,0 +1,155 @@
+//! Owns the parallel door to a grid: bands of four slabs of bricks along z, each lent to one
+//! task, because four slabs are what one occupancy word spans and so share nothing.
+
+use std::ops::Range;
+
+use glam::UVec3;
+use rayon::prelude::*;
+
+use super::Grid;
+use crate::sculpture::brick::{BRICK_EDGE_VX, Brick};
+
+/// Slabs of bricks in a band.
+pub const BAND_SLABS: u32 = 4;
+
+/// The bricks of one band, with what must stay true to them.
+pub struct GridBand<'a> {
+    /// Linear index of the band's first brick.
+    first: u32,
+    dims: UVec3,
+    brick_dims: UVec3,
+    occupancy_width: u32,
+    bricks: &'a mut [Brick],
+    counts: &'a mut [u16],
+    occupancy: &'a mut [u64],
+    opaque_change: i64,
+}
+
+impl GridBand<'_> {
+    /// Linear index, in the grid, of the brick at brick coordinates `b`.
+    #[inline]
+    pub fn brick_index(&self, b: UVec3) -> u32 {
+        b.x + self.brick_dims.x * (b.y + self.brick_dims.y * b.z)
+    }
+
+    /// The slabs of the band that lie in `slabs`.
+    pub fn slabs_of(&self, slabs: Range<u32>) -> Range<u32> {
+        let first = self.first / (self.brick_dims.x * self.brick_dims.y);
+        slabs.start.max(first)..slabs.end.min(first + BAND_SLABS)
+    }
+
+    #[inline]
+    pub fn brick(&self, index: u32) -> &Brick {
+        &self.bricks[(index - self.first) as usize]
+    }
+
+    #[inline]
+    pub fn count(&self, index: u32) -> u16 {
+        self.counts[(index - self.first) as usize]
+    }
+
+    /// [`Grid::valid_mask`].
+    #[inline]
+    pub fn valid_mask(&self, b: UVec3) -> Brick {
+        let room = self.dims - b * BRICK_EDGE_VX;
+        if room.min_element() >= BRICK_EDGE_VX {
+            Brick::FULL
+        } else {
+            Brick::below(room.to_array())
+        }
+    }
+
+    /// Replaces the brick at brick coordinates `b` and linear index `index` by one of `count`
+    /// voxels, all of them within [`GridBand::valid_mask`].
+    #[inline]
+    pub fn set(&mut self, b: UVec3, index: u32, brick: &Brick, count: u16) {
+        debug_assert_eq!(count, brick.count());
+        debug_assert_eq!(index, self.brick_index(b));
+        let at = (index - self.first) as usize;
+        let before = std::mem::replace(&mut self.counts[at], count);
+        self.opaque_change += i64::from(count) - i64::from(before);
+        self.bricks[at] = *brick;
+        if (before == 0) != (count == 0) {
+            let word = b.x / 4 + self.occupancy_width * (b.y / 4);
+            let bit = (b.x & 3) | (b.y & 3) << 2 | (b.z & 3) << 4;
+            self.occupancy[word as usize] ^= 1 << bit;
+        }
+    }
+}
+
+impl Grid {
+    /// Number of bands.
+    pub fn band_count(&self) -> usize {
+        self.brick_dims.z.div_ceil(BAND_SLABS) as usize
+    }
+
+    /// Linear index of a band's first brick, and so the distance between bands in bricks.
+    pub fn bricks_per_band(&self) -> usize {
+        (self.brick_dims.x * self.brick_dims.y * BAND_SLABS) as usize
+    }
+
+    /// The bands that hold the bricks of `slabs`.
+    pub fn bands_of(&self, slabs: Range<u32>) -> Range<usize> {
+        (slabs.start / BAND_SLABS) as usize..slabs.end.div_ceil(BAND_SLABS) as usize
+    }
+
+    /// Hands the bands that hold the bricks of `slabs` to `f`, each with one of `states`
+    /// (one a band of the grid), on as many threads as there are if `parallel`.
+    pub fn edit_bands<S: Send>(
+        &mut self,
+        slabs: Range<u32>,
+        parallel: bool,
+        states: &mut [S],
+        f: impl Fn(&mut GridBand, &mut S) + Sync,
+    ) {
+        let Range { start, end } = self.bands_of(slabs);
+        let (dims, brick_dims) = (self.dims, self.brick_dims);
+        let occupancy_width = self.occupancy_dims.x;
+        let per_band = self.bricks_per_band();
+        let words_per_band = (occupancy_width * self.occupancy_dims.y) as usize;
+        let range = start * per_band..(end * per_band).min(self.bricks.len());
+
+        let bricks = &mut self.bricks[range.clone()];
+        let counts = &mut self.counts[range];
+        let occupancy = &mut self.occupancy[start * words_per_band..end * words_per_band];
+        let states = &mut states[start..end];
+        let work = |band: usize, bricks, counts, occupancy, state: &mut S| {
+            let mut band = GridBand {
+                first: ((start + band) * per_band) as u32,
+                dims,
+                brick_dims,
+                occupancy_width,
+                bricks,
+                counts,
+                occupancy,
+                opaque_change: 0,
+            };
+            f(&mut band, state);
+            band.opaque_change
+        };
+        let change: i64 = if parallel {
+            bricks
+                .par_chunks_mut(per_band)
+                .zip(counts.par_chunks_mut(per_band))
+                .zip(occupancy.par_chunks_mut(words_per_band))
+                .zip(states)
+                .enumerate()
+                .map(|(i, (((bricks, counts), words), state))| {
+                    work(i, bricks, counts, words, state)
+                })
+                .sum()
+        } else {
+            bricks
+                .chunks_mut(per_band)
+                .zip(counts.chunks_mut(per_band))
+                .zip(occupancy.chunks_mut(words_per_band))
+                .zip(states)
+                .enumerate()
+                .map(|(i, (((bricks, counts), words), state))| {
+                    work(i, bricks, counts, words, state)
+                })
+                .sum()
+        };
+        self.opaque = self.opaque.wrapping_add_signed(change);
+    }
+}

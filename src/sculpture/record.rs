@@ -1,0 +1,160 @@
+//! Owns what an undo step keeps: for some bricks the bits and colours that they had.
+//!
+//! Empty and full bricks are kept as one bit each, in words of 64 bricks: clearing a full 512^3
+//! grid leaves a record of 64 KiB. Knows no document and no budget.
+
+use super::brick::{BRICK_VOXELS, Brick};
+use super::brick_set::{BrickMask, BrickSet};
+use super::history::Contents;
+use super::material::Page;
+
+/// Earlier values of some bricks, each at most once.
+#[derive(Default, Debug)]
+pub struct BrickRecord {
+    empty: Vec<BrickMask>,
+    full: Vec<BrickMask>,
+    mixed: Vec<BrickMask>,
+    /// The bits of the bricks that `mixed` names, in its order.
+    mixed_bits: Vec<Brick>,
+    pages: Vec<(u32, Option<Page>)>,
+    page_bytes: usize,
+}
+
+/// The bricks of one word whose earlier bits have been kept, by kind.
+#[derive(Clone, Copy, Default, Debug)]
+pub struct KeptWord {
+    pub empty: u64,
+    pub full: u64,
+    /// The bits of these have been given to [`BrickRecord::keep_mixed`].
+    pub mixed: u64,
+}
+
+impl BrickRecord {
+    /// Keeps the bits of a brick that is neither empty nor full. Bricks of one word come in
+    /// rising order, and are named by the next [`BrickRecord::keep_word`].
+    #[inline]
+    pub fn keep_mixed(&mut self, bits: &Brick) {
+        self.mixed_bits.push(*bits);
+    }
+
+    /// Names the bricks of a word that are kept.
+    #[inline]
+    pub fn keep_word(&mut self, word: u32, kept: KeptWord) {
+        let lists = [&mut self.empty, &mut self.full, &mut self.mixed];
+        for (list, mask) in lists.into_iter().zip([kept.empty, kept.full, kept.mixed]) {
+            if mask != 0 {
+                list.push(BrickMask { word, mask });
+            }
+        }
+    }
+
+    /// Keeps the colour page of a brick, or that it had none.
+    pub fn keep_page(&mut self, index: u32, page: Option<Page>) {
+        self.page_bytes += page.as_ref().map_or(0, |p| p.len());
+        self.pages.push((index, page));
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.empty.is_empty()
+            && self.full.is_empty()
+            && self.mixed.is_empty()
+            && self.pages.is_empty()
+    }
+
+    /// Heap bytes in use.
+    pub fn heap_bytes(&self) -> usize {
+        let masks = self.empty.capacity() + self.full.capacity() + self.mixed.capacity();
+        masks * size_of::<BrickMask>()
+            + self.mixed_bits.capacity() * size_of::<Brick>()
+            + self.pages.capacity() * size_of::<(u32, Option<Page>)>()
+            + self.page_bytes
+    }
+
+    /// Moves what `parts` have kept into one record that takes no more memory than it needs.
+    /// The parts are left empty, and with their memory unless it is large.
+    pub fn gather<P: AsMut<BrickRecord>>(parts: &mut [P]) -> BrickRecord {
+        BrickRecord {
+            empty: gather(parts, |part| &mut part.empty),
+            full: gather(parts, |part| &mut part.full),
+            mixed: gather(parts, |part| &mut part.mixed),
+            mixed_bits: gather(parts, |part| &mut part.mixed_bits),
+            pages: gather(parts, |part| &mut part.pages),
+            page_bytes: parts.iter_mut().map(|p| std::mem::take(&mut p.as_mut().page_bytes)).sum(),
+        }
+    }
+
+    /// Writes the kept values into `contents` and returns the values they replace. Adds every
+    /// brick that may have changed to `touched`.
+    pub fn swap(self, contents: &mut Contents, touched: &mut BrickSet) -> BrickRecord {
+        let mut reverse = BrickRecord::default();
+        let mut mixed_bits = self.mixed_bits.into_iter();
+        for bricks in self.empty {
+            reverse.swap_word(bricks, contents, || Brick::EMPTY);
+            touched.insert_mask(bricks);
+        }
+        for bricks in self.full {
+            reverse.swap_word(bricks, contents, || Brick::FULL);
+            touched.insert_mask(bricks);
+        }
+        for bricks in self.mixed {
+            reverse.swap_word(bricks, contents, || mixed_bits.next().unwrap_or_default());
+            touched.insert_mask(bricks);
+        }
+        for (index, page) in self.pages {
+            reverse.keep_page(index, contents.material.swap_page(index as usize, page));
+            touched.insert(index);
+        }
+        reverse.shrink_to_fit();
+        reverse
+    }
+
+    /// Sets bricks of one word to what `bits` gives for them in turn, and keeps what they were.
+    fn swap_word(
+        &mut self,
+        bricks: BrickMask,
+        contents: &mut Contents,
+        mut bits: impl FnMut() -> Brick,
+    ) {
+        let mut kept = KeptWord::default();
+        for index in bricks.indices() {
+            let bit = 1 << (index % 64);
+            match contents.grid.counts()[index as usize] {
+                0 => kept.empty |= bit,
+                count if u32::from(count) == BRICK_VOXELS => kept.full |= bit,
+                _ => {
+                    kept.mixed |= bit;
+                    self.keep_mixed(&contents.grid.bricks()[index as usize]);
+                }
+            }
+            contents.grid.set_brick(index as usize, bits());
+        }
+        self.keep_word(bricks.word, kept);
+    }
+
+    fn shrink_to_fit(&mut self) {
+        self.empty.shrink_to_fit();
+        self.full.shrink_to_fit();
+        self.mixed.shrink_to_fit();
+        self.mixed_bits.shrink_to_fit();
+        self.pages.shrink_to_fit();
+    }
+}
+
+/// Memory that each list of a part keeps for the next stroke.
+const SPARE_BYTES: usize = 64 << 10;
+
+fn gather<P: AsMut<BrickRecord>, T>(
+    parts: &mut [P],
+    list: impl Fn(&mut BrickRecord) -> &mut Vec<T>,
+) -> Vec<T> {
+    let len = parts.iter_mut().map(|part| list(part.as_mut()).len()).sum();
+    let mut whole = Vec::with_capacity(len);
+    if len > 0 {
+        for part in parts {
+            let part = list(part.as_mut());
+            whole.append(part);
+            part.shrink_to(SPARE_BYTES / size_of::<T>());
+        }
+    }
+    whole
+}
