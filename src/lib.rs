@@ -8,6 +8,7 @@ pub mod config;
 pub mod document;
 pub mod gpu;
 pub mod input;
+pub mod render;
 pub mod scenes;
 pub mod sculpture;
 pub mod shade;

@@ -19,7 +19,7 @@ pub struct SetLayout {
 }
 
 impl SetLayout {
-    pub fn new(device: &Arc<Device>, name: &str, bindings: &[Binding]) -> Result<SetLayout> {
+    pub fn new(device: &Arc<Device>, name: &str, bindings: &[Binding]) -> Result<Arc<SetLayout>> {
         let entries: Vec<_> = bindings
             .iter()
             .map(|&(binding, kind, stages)| {
@@ -35,7 +35,8 @@ impl SetLayout {
         let handle = unsafe { device.raw().create_descriptor_set_layout(&info, None) }
             .during("create a descriptor set layout")?;
         device.name(handle, name);
-        Ok(SetLayout { handle, bindings: bindings.to_vec(), device: device.clone() })
+        let bindings = bindings.to_vec();
+        Ok(Arc::new(SetLayout { handle, bindings, device: device.clone() }))
     }
 
     pub fn handle(&self) -> vk::DescriptorSetLayout {
@@ -54,6 +55,8 @@ impl Drop for SetLayout {
 pub struct DescriptorSets {
     pool: vk::DescriptorPool,
     sets: Vec<vk::DescriptorSet>,
+    /// Writing a set needs its layout to live.
+    _layout: Arc<SetLayout>,
     device: Arc<Device>,
 }
 
@@ -61,7 +64,7 @@ impl DescriptorSets {
     pub fn new(
         device: &Arc<Device>,
         name: &str,
-        layout: &SetLayout,
+        layout: &Arc<SetLayout>,
         count: usize,
     ) -> Result<DescriptorSets> {
         let sizes: Vec<_> = layout
@@ -76,7 +79,12 @@ impl DescriptorSets {
         // SAFETY: the info is complete.
         let pool = unsafe { device.raw().create_descriptor_pool(&info, None) }
             .during("create a descriptor pool")?;
-        let mut made = DescriptorSets { pool, sets: Vec::new(), device: device.clone() };
+        let mut made = DescriptorSets {
+            pool,
+            sets: Vec::new(),
+            _layout: layout.clone(),
+            device: device.clone(),
+        };
         let layouts = vec![layout.handle(); count];
         let info =
             vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);

@@ -3,3 +3,6 @@
 
 mod device;
 mod fixture;
+mod slicing;
+mod subjects;
+mod volume;
