@@ -116,7 +116,8 @@ fn compile(source: &Source, stage: ShaderStage) -> Result<Vec<u32>, String> {
         lang_version: (1, 5),
         // Clip space and depth are handled by the projection, not by naga.
         flags: spv::WriterFlags::DEBUG,
-        fake_missing_bindings: false,
+        // Without a map of bindings naga takes those of the source.
+        fake_missing_bindings: true,
         // Every loop here ends by a counter, and every fetch is checked where it can stray.
         force_loop_bounding: false,
         emit_int_div_checks: false,

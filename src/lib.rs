@@ -10,6 +10,7 @@ pub mod gpu;
 pub mod input;
 pub mod render;
 pub mod scenes;
+pub mod render;
 pub mod sculpture;
 pub mod shade;
 pub mod surface;

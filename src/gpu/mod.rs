@@ -43,6 +43,7 @@ mod device;
 mod error;
 mod host;
 mod instance;
+pub mod layout;
 mod memory;
 mod pipeline;
 mod readback;

@@ -1,0 +1,17 @@
+// What CPU and shaders share: the twin of src/gpu/layout.rs, which describes the members. A test
+// compares the two.
+
+struct SliceView {
+    origin: vec3<f32>,
+    axis: u32,
+    corner: vec3<f32>,
+    depth_step: f32,
+    step_x: vec3<f32>,
+    step_y: vec3<f32>,
+    clip_x: vec3<f32>,
+    clip_y: vec3<f32>,
+    clip_w: vec3<f32>,
+    dims: vec3<u32>,
+}
+
+const NO_VOXEL: u32 = 0xffffffffu;

@@ -1,0 +1,59 @@
+// The first existing voxel that the pixel's ray meets in one layer of the grid, by the exact
+// traversal of the ray caster cut to the layer. Nothing there: the fragment is discarded, and
+// a layer behind may have something.
+
+//!include "layout.wgsl"
+//!include "bits.wgsl"
+//!include "ray.wgsl"
+
+var<immediate> view: SliceView;
+
+@fragment
+fn main(
+    @builtin(position) position: vec4<f32>,
+    @location(0) @interpolate(flat) planes: vec2<u32>,
+) -> @location(0) u32 {
+    let direction = view.corner + view.step_x * position.x + view.step_y * position.y;
+    let ray = make_ray(view.origin, direction);
+    let across = is_axis(view.axis);
+    let low = select(vec3<i32>(0), vec3<i32>(i32(planes.x)), across);
+    let high = select(vec3<i32>(view.dims), vec3<i32>(i32(planes.y)), across);
+
+    let enter = last_of(crossings(ray, select(high, low, ray.forward)));
+    if any(before(crossings(ray, select(low, high, ray.forward)), enter)) {
+        discard;
+    }
+    var cell = cell_after(ray, enter, low, high);
+    let one = select(vec3<i32>(-1), vec3<i32>(1), ray.forward);
+    let ahead = select(vec3<i32>(0), vec3<i32>(1), ray.forward);
+    var found = false;
+    loop {
+        let word = word_at(cell);
+        if all(word == vec2<u32>(0u)) {
+            // Out of the whole word.
+            let end = (cell & vec3<i32>(-4)) + ahead * 4;
+            let event = first_of(crossings(ray, end));
+            let moved = is_axis(event.axis);
+            // The other axes cross at most three planes before.
+            let next = cell + ahead;
+            let count = select(vec3<i32>(0), vec3<i32>(1), before(crossings(ray, next), event))
+                + select(vec3<i32>(0), vec3<i32>(1), before(crossings(ray, next + one), event))
+                + select(vec3<i32>(0), vec3<i32>(1), before(crossings(ray, next + 2 * one), event));
+            cell = select(cell + count * one, end - vec3<i32>(1) + ahead, moved);
+        } else if bit_of(word, cell) {
+            found = true;
+            break;
+        } else {
+            let event = first_of(crossings(ray, cell + ahead));
+            cell += select(vec3<i32>(0), one, is_axis(event.axis));
+        }
+        if any((cell < low) | (cell >= high)) {
+            break;
+        }
+    }
+    if !found {
+        discard;
+    }
+    let voxel = vec3<u32>(cell);
+    return voxel.x + view.dims.x * (voxel.y + view.dims.y * voxel.z);
+}

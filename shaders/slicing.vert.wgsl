@@ -1,0 +1,52 @@
+// A rectangle of voxels in one layer becomes the rectangle on the layer's middle plane that every
+// ray passes which meets the layer within that rectangle: seen from the eye, its outlines on the
+// nearer and the farther plane are scaled about the eye's foot, so the larger of each is taken.
+
+//!include "layout.wgsl"
+
+var<immediate> view: SliceView;
+
+// Beyond the outline, in voxels, for what rounding may lose. What it adds is looked at in vain.
+const MARGIN: f32 = 0.02;
+
+struct Corner {
+    @builtin(position) position: vec4<f32>,
+    @location(0) @interpolate(flat) planes: vec2<u32>,
+}
+
+// rect: lower and upper u, lower and upper v. layer: lower and upper plane, rank, and whether it
+// covers the picture. In voxels; u and v are the axes that follow the layer's in x, y, z.
+@vertex
+fn main(
+    @builtin(vertex_index) vertex: u32,
+    @location(0) rect: vec4<u32>,
+    @location(1) layer: vec4<u32>,
+) -> Corner {
+    let upper = vec2<bool>((vertex & 1u) != 0u, (vertex & 2u) != 0u);
+    // Ranks are depths: exact, and the same all over a layer.
+    let depth = 1.0 - f32(layer.z + 1u) * view.depth_step;
+    if layer.w != 0u {
+        let corner = select(vec2<f32>(-1.0), vec2<f32>(1.0), upper);
+        return Corner(vec4<f32>(corner, depth, 1.0), layer.xy);
+    }
+    let d = view.axis;
+    let u = (view.axis + 1u) % 3u;
+    let v = (view.axis + 2u) % 3u;
+    let eye = vec2<f32>(view.origin[u], view.origin[v]);
+    let planes = vec2<f32>(layer.xy);
+    let middle = 0.5 * (planes.x + planes.y);
+    let scale = (middle - view.origin[d]) / (planes - view.origin[d]);
+    let outline = vec2<f32>(select(rect.xz, rect.yw, upper));
+    let near = eye + (outline - eye) * scale.x;
+    let far = eye + (outline - eye) * scale.y;
+    let corner = select(min(near, far) - MARGIN, max(near, far) + MARGIN, upper);
+    var from_eye = vec3<f32>(0.0);
+    from_eye[d] = middle - view.origin[d];
+    from_eye[u] = corner.x - eye.x;
+    from_eye[v] = corner.y - eye.y;
+    let w = dot(view.clip_w, from_eye);
+    return Corner(
+        vec4<f32>(dot(view.clip_x, from_eye), dot(view.clip_y, from_eye), depth * w, w),
+        layer.xy,
+    );
+}

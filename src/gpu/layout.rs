@@ -1,0 +1,109 @@
+//! Owns the layouts of what CPU and shaders share: the twin of `shaders/layout.wgsl`. A test
+//! compares the two member by member.
+
+use bytemuck::{Pod, Zeroable};
+
+/// Makes a `repr(C)` struct that can name its members with their offsets and sizes.
+macro_rules! shared {
+    ($(#[$meta:meta])* $name:ident { $($(#[$field_meta:meta])* $field:ident: $type:ty,)* }) => {
+        $(#[$meta])*
+        #[repr(C)]
+        #[derive(Clone, Copy, PartialEq, Debug, Default, Pod, Zeroable)]
+        pub struct $name { $($(#[$field_meta])* pub $field: $type,)* }
+
+        #[cfg(test)]
+        impl $name {
+            fn members() -> Vec<(&'static str, usize, usize)> {
+                vec![$((
+                    stringify!($field),
+                    std::mem::offset_of!($name, $field),
+                    size_of::<$type>(),
+                ),)*]
+            }
+        }
+    };
+}
+
+shared! {
+    /// Push constants of the slicing pass: one eye's rays, in grid coordinates.
+    SliceView {
+        /// The eye.
+        origin: [f32; 3],
+        /// The axis across the layers, 0..3.
+        axis: u32,
+        /// Direction through the picture's upper left corner.
+        corner: [f32; 3],
+        /// Difference in depth between layers.
+        depth_step: f32,
+        /// Change of direction per pixel to the right.
+        step_x: [f32; 3],
+        pad_0: u32,
+        /// Change of direction per pixel downwards.
+        step_y: [f32; 3],
+        pad_1: u32,
+        /// Clip coordinates of a point p are these times `p - origin`.
+        clip_x: [f32; 3],
+        pad_2: u32,
+        clip_y: [f32; 3],
+        pad_3: u32,
+        clip_w: [f32; 3],
+        pad_4: u32,
+        /// Size of the grid in voxels.
+        dims: [u32; 3],
+        pad_5: u32,
+    }
+}
+
+/// One instance of the slicing pass (vertex attributes, so no layout but the pipeline's).
+#[repr(C)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Pod, Zeroable)]
+pub struct SliceInstance {
+    /// Lower and upper u, lower and upper v, in voxels.
+    pub rect: [u16; 4],
+    /// Lower and upper plane in voxels, rank, 1 where it covers the picture.
+    pub layer: [u16; 4],
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The members of a struct in a stage's text, as (name, offset, size); paddings left out.
+    fn wgsl_members(text: &str, name: &str) -> (Vec<(String, usize, usize)>, usize) {
+        let module = naga::front::wgsl::parse_str(text).unwrap();
+        let context = module.to_ctx();
+        let found = module.types.iter().find(|(_, t)| t.name.as_deref() == Some(name));
+        let naga::TypeInner::Struct { members, span } = &found.unwrap().1.inner else {
+            panic!("{name} is no struct");
+        };
+        let members = members.iter().map(|m| {
+            let size = module.types[m.ty].inner.size(context) as usize;
+            (m.name.clone().unwrap(), m.offset as usize, size)
+        });
+        (members.collect(), *span as usize)
+    }
+
+    fn compare(text: &str, name: &str, ours: Vec<(&'static str, usize, usize)>, bytes: usize) {
+        let (theirs, span) = wgsl_members(text, name);
+        let ours: Vec<_> = ours
+            .into_iter()
+            .filter(|(member, ..)| !member.starts_with("pad_"))
+            .map(|(member, offset, size)| (member.to_string(), offset, size))
+            .collect();
+        assert_eq!(ours, theirs, "{name}");
+        assert_eq!(bytes, span, "{name}");
+    }
+
+    macro_rules! stage {
+        ($file:literal) => {
+            include_str!(concat!(env!("OUT_DIR"), "/", $file))
+        };
+    }
+
+    #[test]
+    fn layouts_are_those_of_the_shaders() {
+        for text in [stage!("slicing.vert.wgsl"), stage!("slicing.frag.wgsl")] {
+            compare(text, "SliceView", SliceView::members(), size_of::<SliceView>());
+        }
+    }
+}

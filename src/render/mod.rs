@@ -1,0 +1,9 @@
+//! The passes of a frame, one file each. They own no policy: what to draw comes in as values.
+
+pub mod slicing;
+pub mod target;
+pub mod volume;
+
+pub use slicing::Slicing;
+pub use target::IndexTarget;
+pub use volume::Volume;

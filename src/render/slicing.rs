@@ -1,0 +1,176 @@
+//! Owns the slicing pass: the areas of a grid, drawn layer by layer from front to back, become
+//! an index map.
+//!
+//! After J. Mueller's slicing core (2005), with two changes. A fragment does not look up one
+//! texel on its slice's middle plane but walks the voxels that its ray crosses within the layer,
+//! so that the map equals the ray caster's. And a layer may be thicker than one voxel, which
+//! needs fewer fragments.
+//!
+//! Takes a volume, the areas along its axes and the rays of an eye; gives an [`IndexTarget`].
+
+use std::sync::Arc;
+
+use ash::vk;
+use glam::{DMat3, DVec3, UVec2};
+
+use crate::gpu::layout::{SliceInstance, SliceView};
+use crate::gpu::{
+    Attribute, Depth, DescriptorSets, Device, FRAMES_IN_FLIGHT, Graphics, Pipeline, PipelineLayout,
+    Recorder, Result, SetLayout, Staging, Vertices, shaders,
+};
+use crate::render::{IndexTarget, Volume};
+use crate::surface::slices::{LayerRect, Layers, SliceAreas, facing_axis};
+use crate::view::PixelRays;
+
+/// Voxels in a layer.
+const THICKNESS_VX: u32 = 8;
+
+/// Bytes of instances that a frame has room for without growing.
+const STAGING_BYTES: u64 = 256 << 10;
+
+/// Draws index maps by slicing.
+pub struct Slicing {
+    pipeline: Pipeline,
+    sets: DescriptorSets,
+    /// The volume that each set names.
+    named: [u64; FRAMES_IN_FLIGHT],
+    staging: Staging,
+    /// Kept for its memory.
+    instances: Vec<SliceInstance>,
+    slot: usize,
+    thickness: u32,
+}
+
+impl Slicing {
+    pub fn new(device: &Arc<Device>) -> Result<Slicing> {
+        let fragment = vk::ShaderStageFlags::FRAGMENT;
+        let set_layout =
+            SetLayout::new(device, "slicing", &[(0, vk::DescriptorType::SAMPLED_IMAGE, fragment)])?;
+        let stages = vk::ShaderStageFlags::VERTEX | fragment;
+        let push = Some((stages, size_of::<SliceView>()));
+        let layout = PipelineLayout::new(device, "slicing", Some(&set_layout), push)?;
+        let format = vk::Format::R16G16B16A16_UINT;
+        let attributes = [
+            Attribute { location: 0, format, offset: std::mem::offset_of!(SliceInstance, rect) },
+            Attribute { location: 1, format, offset: std::mem::offset_of!(SliceInstance, layer) },
+        ];
+        let pipeline = Pipeline::graphics(
+            device,
+            &Graphics {
+                name: "slicing",
+                vertex: shaders::SLICING_VERT,
+                fragment: shaders::SLICING_FRAG,
+                layout: &layout,
+                vertices: Some(Vertices {
+                    stride: size_of::<SliceInstance>(),
+                    per_instance: true,
+                    attributes: &attributes,
+                }),
+                topology: vk::PrimitiveTopology::TRIANGLE_STRIP,
+                cull: vk::CullModeFlags::NONE,
+                colour: Some((vk::Format::R32_UINT, Default::default())),
+                depth: Some(Depth::NEARER),
+            },
+        )?;
+        let usage = vk::BufferUsageFlags::VERTEX_BUFFER;
+        Ok(Slicing {
+            pipeline,
+            sets: DescriptorSets::new(device, "slicing", &set_layout, FRAMES_IN_FLIGHT)?,
+            named: [0; FRAMES_IN_FLIGHT],
+            staging: Staging::new(device, "areas", usage, STAGING_BYTES)?,
+            instances: Vec::new(),
+            slot: 0,
+            thickness: THICKNESS_VX,
+        })
+    }
+
+    /// The same pass with layers of 1, 2, 4 or 8 voxels; 1 is the seed's.
+    pub fn with_thickness(mut self, thickness_vx: u32) -> Slicing {
+        self.thickness =
+            if matches!(thickness_vx, 1 | 2 | 4) { thickness_vx } else { THICKNESS_VX };
+        self
+    }
+
+    /// Starts a frame that uses `slot`.
+    pub fn begin(&mut self, slot: usize, volume: &Volume) {
+        self.slot = slot % FRAMES_IN_FLIGHT;
+        self.staging.begin(slot);
+        if self.named[self.slot] != volume.generation() {
+            self.named[self.slot] = volume.generation();
+            self.sets.write_sampled(self.slot, 0, volume.view());
+        }
+    }
+
+    /// Draws the index map of `eye`, seen by `rays`, of the volume given to
+    /// [`Slicing::begin`]. `areas` must be up to date with it. Leaves the map in the layout of
+    /// [`crate::gpu::Use::COLOUR_TARGET`].
+    pub fn record(
+        &mut self,
+        recorder: &mut Recorder,
+        volume: &Volume,
+        areas: &mut SliceAreas,
+        rays: &PixelRays,
+        target: &IndexTarget,
+        eye: u32,
+    ) -> Result<()> {
+        let axis = facing_axis(rays, volume.dims());
+        let slabs = areas.along(axis);
+        let layers = Layers::new(rays, volume.dims(), axis, self.thickness);
+        let instances = &mut self.instances;
+        instances.clear();
+        layers.for_each(slabs, |rect| instances.push(instance(&rect)));
+        let ranks = volume.dims()[axis].div_ceil(self.thickness) + 2;
+        let view = slice_view(rays, volume, axis, ranks);
+
+        let piece = match &view {
+            Some(_) if !instances.is_empty() => Some(self.staging.push(instances, 16)?),
+            _ => None,
+        };
+        target.begin(recorder, eye);
+        if let (Some(piece), Some(view)) = (piece, view) {
+            recorder.bind_pipeline(&self.pipeline);
+            recorder.bind_set(&self.pipeline, self.sets.set(self.slot));
+            recorder.push(self.pipeline.layout(), &view);
+            recorder.bind_vertices(piece.buffer, piece.offset);
+            recorder.draw(4, instances.len() as u32);
+        }
+        target.end(recorder);
+        Ok(())
+    }
+}
+
+fn instance(rect: &LayerRect) -> SliceInstance {
+    let LayerRect { layer, rect } = rect;
+    let (min, max) = rect.map_or((UVec2::ZERO, UVec2::ZERO), |r| (r.min, r.max));
+    SliceInstance {
+        rect: [min.x as u16, max.x as u16, min.y as u16, max.y as u16],
+        layer: [layer.first as u16, layer.end as u16, layer.rank as u16, u16::from(rect.is_none())],
+    }
+}
+
+/// `None` where the rays do not span a picture.
+fn slice_view(rays: &PixelRays, volume: &Volume, axis: usize, ranks: u32) -> Option<SliceView> {
+    let columns =
+        DMat3::from_cols(rays.step_x.as_dvec3(), rays.step_y.as_dvec3(), rays.corner.as_dvec3());
+    // A point is `origin + a step_x + b step_y + w corner`, seen at the pixel (a / w, b / w).
+    let inverse = columns.inverse();
+    if !inverse.is_finite() || !rays.origin.is_finite() {
+        return None;
+    }
+    let rows = inverse.transpose();
+    let size = rays.size.as_dvec2();
+    let row = |r: DVec3| r.as_vec3().to_array();
+    Some(SliceView {
+        origin: rays.origin.to_array(),
+        axis: axis as u32,
+        corner: rays.corner.to_array(),
+        depth_step: 1.0 / ranks as f32,
+        step_x: rays.step_x.to_array(),
+        step_y: rays.step_y.to_array(),
+        clip_x: row(2.0 / size.x * rows.x_axis - rows.z_axis),
+        clip_y: row(2.0 / size.y * rows.y_axis - rows.z_axis),
+        clip_w: row(rows.z_axis),
+        dims: volume.dims().to_array(),
+        ..SliceView::default()
+    })
+}
