@@ -7,12 +7,17 @@
 //!
 //! Knows no colours, no light and no cameras beyond the rays of their pixels.
 
+mod packet;
+mod projection;
 pub(super) mod ray;
+mod sweep;
 pub(super) mod walk;
 
 use glam::{IVec3, UVec3, Vec3};
 
+use self::projection::Projection;
 use self::ray::Ray;
+use self::sweep::Sweep;
 use self::walk::Walk;
 use super::index_map::{IndexMap, PixelRect};
 use super::tiles::for_each_tile;
@@ -51,7 +56,16 @@ pub fn sample(grid: &Grid, rays: &PixelRays, map: &mut IndexMap) {
 
 /// Samples anew the pixels of `rect` (cut to the picture) with the rays that `map` was made with.
 pub fn sample_rect(grid: &Grid, map: &mut IndexMap, rect: PixelRect) {
-    sample_each(grid, map, rect, |origin, direction| Some(cast(grid, origin, direction)?.voxel));
+    match Projection::new(&map.rays) {
+        Some(projection) => {
+            let sweep = Sweep { grid, rays: map.rays, projection };
+            for_each_tile(map, rect, |tile| sweep.run(tile));
+        }
+        // Pixels in a line or a point: no picture that anybody looks at.
+        None => sample_each(grid, map, rect, |origin, direction| {
+            Some(cast(grid, origin, direction)?.voxel)
+        }),
+    }
 }
 
 /// Fills the pixels of `rect` with what `first_voxel` finds from an origin in a direction.

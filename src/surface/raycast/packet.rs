@@ -1,0 +1,161 @@
+//! Owns the walk of sixteen rays at once through one brick.
+//!
+//! Takes rays by their pixels and a brick that holds something, gives the first existing voxel
+//! that each ray meets in it. Decides as [`super::ray`] lays down, by the same arithmetic.
+
+use fearless_simd::{Level, Simd, f32x16, mask32x16, prelude::*, u8x64, u32x16};
+use glam::{IVec3, Vec3};
+
+use super::projection::TileFrame;
+use super::ray::STANDSTILL;
+use crate::sculpture::Brick;
+use crate::view::PixelRays;
+
+/// Rays in a packet.
+pub(super) const LANES: usize = 16;
+
+/// Guard bits of a packed voxel: set when a coordinate leaves 0..8 on either side.
+const GUARD: u32 = 0x888;
+
+/// A brick prepared for packets.
+pub(super) struct PacketBrick {
+    /// 64 rows of eight voxels along x, y the faster: a byte each.
+    rows: [u8; 64],
+    full: bool,
+    /// Lower and upper planes, relative to the eye.
+    low: Vec3,
+    high: Vec3,
+    /// Lower corner.
+    corner: Vec3,
+}
+
+impl PacketBrick {
+    #[inline(always)]
+    pub fn new(brick: &Brick, corner: IVec3, eye: Vec3) -> PacketBrick {
+        let corner = corner.as_vec3();
+        PacketBrick {
+            rows: bytemuck::cast(brick.to_rows()),
+            full: brick.is_full(),
+            low: corner - eye,
+            high: corner + 8.0 - eye,
+            corner,
+        }
+    }
+}
+
+/// What sixteen rays met: which of them met something, and the voxels, packed as
+/// `x | y << 4 | z << 8` in the brick.
+pub(super) struct PacketHit {
+    pub lanes: u32,
+    pub voxels: [u32; LANES],
+}
+
+/// Casts the rays of the first `count` pixels (`x | y << 6` in the tile).
+#[inline(always)]
+pub(super) fn cast_packet<S: Simd>(
+    simd: S,
+    rays: &PixelRays,
+    frame: &TileFrame,
+    brick: &PacketBrick,
+    pixels: &[u32; LANES],
+    count: usize,
+) -> PacketHit {
+    let splat = |v: f32| f32x16::splat(simd, v);
+    let pixels = u32x16::load_array_ref(simd, pixels);
+    let x = (pixels & 63).to_float::<f32x16<S>>() + (frame.left + 0.5);
+    let y = (pixels >> 6).to_float::<f32x16<S>>() + (frame.top + 0.5);
+    let inverse: [f32x16<S>; 3] = std::array::from_fn(|axis| {
+        // As PixelRays::direction_at and Ray::new.
+        let direction = splat(rays.corner[axis]) + x * rays.step_x[axis] + y * rays.step_y[axis];
+        let standing = direction.abs().simd_lt(STANDSTILL);
+        splat(1.0) / standing.select(splat(STANDSTILL), direction)
+    });
+
+    // When the rays enter and leave the brick's slab of each axis.
+    let slab = |axis: usize| {
+        let (a, b) = (inverse[axis] * brick.low[axis], inverse[axis] * brick.high[axis]);
+        (a.min(b), a.max(b))
+    };
+    let [(near_x, far_x), (near_y, far_y), (near_z, far_z)] = [slab(0), slab(1), slab(2)];
+    let entry = near_x.max(near_y).max(near_z.max(0.0));
+    // A crossing comes before the entry if its time is below: at equal times only if its axis
+    // comes before that of the entry, and always if it is at the start.
+    let after: f32x16<S> = (entry.bitcast::<u32x16<S>>() + 1).bitcast();
+    let start = entry.simd_le(0.0);
+    let by_z = start | entry.simd_eq(near_z);
+    let by_y = by_z | entry.simd_eq(near_y);
+    let before = [by_y.select(after, entry), by_z.select(after, entry), start.select(after, entry)];
+    let passes = far_x.simd_ge(before[0]) & far_y.simd_ge(before[1]) & far_z.simd_ge(before[2]);
+    let mut active = passes & mask32x16::from_bitmask(simd, (1 << count) - 1);
+    if !active.any_true() {
+        return PacketHit { lanes: 0, voxels: [0; LANES] };
+    }
+
+    // The voxel entered: on each axis as many planes on as come before the entry.
+    let backward: [mask32x16<S>; 3] = std::array::from_fn(|axis| inverse[axis].simd_lt(0.0));
+    let step = backward.map(|b| b.select(splat(-1.0), splat(1.0)));
+    let eye = rays.origin;
+    let mut plane: [f32x16<S>; 3] = std::array::from_fn(|axis| {
+        let corner = brick.corner[axis];
+        let mut plane = backward[axis].select(splat(corner + 8.0), splat(corner));
+        for jump in [4.0, 2.0, 1.0] {
+            let next = plane + step[axis] * jump;
+            let t = (next - eye[axis]) * inverse[axis];
+            plane = t.simd_lt(before[axis]).select(next, plane);
+        }
+        plane
+    });
+    let local = |axis: usize| -> u32x16<S> {
+        let back = backward[axis].select(splat(1.0), splat(0.0));
+        (plane[axis] - back - brick.corner[axis]).to_int::<u32x16<S>>()
+    };
+    let mut voxel = local(0) | local(1) << 4 | local(2) << 8;
+    if brick.full {
+        return PacketHit { lanes: active.to_bitmask() as u32, voxels: voxel.to_array() };
+    }
+
+    // Voxel by voxel to the first that exists, or out of the brick.
+    let mut t: [f32x16<S>; 3] = std::array::from_fn(|axis| {
+        plane[axis] += step[axis];
+        (plane[axis] - eye[axis]) * inverse[axis]
+    });
+    let unit = |axis: usize| {
+        let one = u32x16::splat(simd, 1 << (4 * axis));
+        backward[axis].select(u32x16::splat(simd, 0) - one, one)
+    };
+    let units = [unit(0), unit(1), unit(2)];
+    let mut hit = mask32x16::splat(simd, false);
+    loop {
+        let row = (voxel >> 4 & 7) | (voxel >> 5 & 0x38);
+        let bits = look_up(simd, &brick.rows, row) >> (voxel & 7);
+        let exists = active & (bits & 1).simd_ne(0);
+        hit |= exists;
+        active &= !exists;
+        let by_x = t[0].simd_le(t[1]) & t[0].simd_le(t[2]);
+        let by_y = !by_x & t[1].simd_le(t[2]);
+        let by_z = !(by_x | by_y);
+        let moved = voxel + by_x.select(units[0], by_y.select(units[1], units[2]));
+        voxel = active.select(moved, voxel);
+        active &= (voxel & GUARD).simd_eq(0);
+        if !active.any_true() {
+            break;
+        }
+        for (axis, moves) in [by_x, by_y, by_z].into_iter().enumerate() {
+            plane[axis] += moves.select(step[axis], splat(0.0));
+            t[axis] = (plane[axis] - eye[axis]) * inverse[axis];
+        }
+    }
+    PacketHit { lanes: hit.to_bitmask() as u32, voxels: voxel.to_array() }
+}
+
+/// The bytes of a table at the given indices (0..64); only the lowest byte of a result counts.
+#[inline(always)]
+fn look_up<S: Simd>(simd: S, table: &[u8; 64], index: u32x16<S>) -> u32x16<S> {
+    #[cfg(target_arch = "x86_64")]
+    if let Level::Avx512(_) = simd.level() {
+        let bytes: u8x64<S> = index.bitcast();
+        return u8x64::load_array_ref(simd, table).swizzle_dyn(bytes).bitcast();
+    }
+    let index = index.to_array();
+    u32x16::from_fn(simd, |lane| u32::from(table[(index[lane] & 63) as usize]))
+}

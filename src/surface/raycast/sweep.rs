@@ -1,0 +1,230 @@
+//! Owns the sweep of a tile: the cubes of the grid that can be seen in it, front to back, until
+//! every pixel has its voxel.
+//!
+//! Along any ray the eight children of a cube come in the order of an octree's front-to-back walk
+//! from the eye, and so do bricks. A brick is therefore cast for all pixels at once that may see
+//! it and have no voxel yet; each pixel's first voxel is its own ray's first.
+
+use fearless_simd::{Level, Simd, dispatch};
+use glam::{IVec3, UVec3};
+
+use super::packet::{LANES, PacketBrick, cast_packet};
+use super::projection::{MAX_LEVEL, Projection, TileFrame, TileRect};
+use crate::sculpture::{Grid, NO_VOXEL};
+use crate::surface::index_map::PixelRect;
+use crate::surface::tiles::{TILE_EDGE_PX, Tile};
+use crate::view::PixelRays;
+
+const TILE_PIXELS: usize = (TILE_EDGE_PX * TILE_EDGE_PX) as usize;
+
+/// Logarithms of the edges of a brick and of a block of 4^3 bricks.
+const BRICK: usize = 3;
+const BLOCK: usize = 5;
+
+/// Cubes that can wait: up to seven siblings a level, and the eight of the last.
+const STACK: usize = 8 * (MAX_LEVEL - BRICK);
+
+/// What all tiles of a picture share.
+pub(super) struct Sweep<'a> {
+    pub grid: &'a Grid,
+    pub rays: PixelRays,
+    pub projection: Projection,
+}
+
+/// A cube that waits for its turn, with the pixels in which it can be seen.
+#[derive(Clone, Copy, Default)]
+struct Cube {
+    low: [i32; 3],
+    level: u8,
+    rect: TileRect,
+}
+
+/// The pixels of a tile.
+struct Canvas {
+    /// A bit for each pixel that has no voxel yet, a word a row.
+    open: [u64; TILE_EDGE_PX as usize],
+    voxels: [u32; TILE_PIXELS],
+    /// Room for the open pixels of a rectangle and an incomplete packet.
+    queue: [u32; TILE_PIXELS + LANES],
+}
+
+impl Sweep<'_> {
+    /// Samples a tile.
+    pub fn run(&self, tile: Tile) {
+        dispatch!(Level::new(), simd => self.run_with(simd, tile));
+    }
+
+    #[inline(always)]
+    fn run_with<S: Simd>(&self, simd: S, mut tile: Tile) {
+        let PixelRect { min, max } = tile.rect;
+        let size = max - min;
+        let frame = TileFrame {
+            left: min.x as f32,
+            top: min.y as f32,
+            width: size.x as f32,
+            height: size.y as f32,
+        };
+        let mut canvas = Canvas {
+            open: [0; TILE_EDGE_PX as usize],
+            voxels: [NO_VOXEL; TILE_PIXELS],
+            queue: [0; TILE_PIXELS + LANES],
+        };
+        canvas.open[..size.y as usize].fill(u64::MAX >> (TILE_EDGE_PX - size.x));
+
+        let whole = TileRect { x0: 0, x1: size.x - 1, y0: 0, y1: size.y - 1 };
+        let longest = self.grid.dims().max_element();
+        let root_level = (longest.next_power_of_two().ilog2() as u8).max(BLOCK as u8);
+        let mut stack = [Cube::default(); STACK];
+        stack[0] = Cube { low: [0; 3], level: root_level, rect: whole };
+        let mut waiting = 1;
+        while waiting > 0 {
+            waiting -= 1;
+            let cube = stack[waiting];
+            if !canvas.any_open(cube.rect) {
+                continue;
+            }
+            let level = cube.level as usize - 1;
+            let (visible, rects) = self.projection.children(simd, cube.low, level, &frame);
+            let children = visible & self.occupied_children(&cube);
+            let nearest = self.nearest_child(&cube);
+            let child_low = |child: usize| -> [i32; 3] {
+                std::array::from_fn(|axis| cube.low[axis] + ((child as i32 >> axis & 1) << level))
+            };
+            if level > BRICK {
+                // The nearest is pushed last and so comes first.
+                for turn in (0..8).rev() {
+                    let child = turn ^ nearest;
+                    if children >> child & 1 != 0 {
+                        stack[waiting] =
+                            Cube { low: child_low(child), level: level as u8, rect: rects[child] };
+                        waiting += 1;
+                    }
+                }
+            } else {
+                for turn in 0..8 {
+                    let child = turn ^ nearest;
+                    if children >> child & 1 != 0 {
+                        self.cast_brick(simd, &mut canvas, &frame, child_low(child), rects[child]);
+                    }
+                }
+            }
+        }
+        for y in 0..size.y {
+            let from = (y * TILE_EDGE_PX) as usize;
+            tile.row(y).copy_from_slice(&canvas.voxels[from..from + size.x as usize]);
+        }
+    }
+
+    /// Casts a brick for the open pixels of a rectangle.
+    #[inline(always)]
+    fn cast_brick<S: Simd>(
+        &self,
+        simd: S,
+        canvas: &mut Canvas,
+        frame: &TileFrame,
+        low: [i32; 3],
+        rect: TileRect,
+    ) {
+        let count = canvas.queue_open(rect);
+        if count == 0 {
+            return;
+        }
+        let grid = self.grid;
+        let corner = IVec3::from(low).as_uvec3();
+        let bits = &grid.bricks()[grid.brick_index(corner / 8)];
+        let brick = PacketBrick::new(bits, corner.as_ivec3(), self.rays.origin);
+        let first_index = grid.voxel_index(corner);
+        let UVec3 { x: row, y: rows, .. } = grid.dims();
+        for first in (0..count).step_by(LANES) {
+            let mut pixels = [0; LANES];
+            pixels.copy_from_slice(&canvas.queue[first..first + LANES]);
+            let lanes = (count - first).min(LANES);
+            let hit = cast_packet(simd, &self.rays, frame, &brick, &pixels, lanes);
+            let mut rest = hit.lanes;
+            while rest != 0 {
+                let lane = rest.trailing_zeros() as usize & (LANES - 1);
+                rest &= rest - 1;
+                let v = hit.voxels[lane];
+                let pixel = pixels[lane] as usize & (TILE_PIXELS - 1);
+                canvas.voxels[pixel] =
+                    first_index + (v & 7) + row * ((v >> 4 & 7) + rows * (v >> 8 & 7));
+                canvas.open[pixel >> 6] &= !(1 << (pixel & 63));
+            }
+        }
+    }
+
+    /// The children of a cube that hold something (or may, where none of them is known as a bit).
+    #[inline(always)]
+    fn occupied_children(&self, cube: &Cube) -> u32 {
+        let grid = self.grid;
+        let level = cube.level as usize;
+        let low = cube.low;
+        if level > BLOCK {
+            let dims = grid.dims().as_ivec3();
+            let half = 1 << (level - 1);
+            return (0..8).fold(0, |mask, child| {
+                let at: [i32; 3] =
+                    std::array::from_fn(|axis| low[axis] + (child >> axis & 1) * half);
+                let inside = at[0] < dims.x && at[1] < dims.y && at[2] < dims.z;
+                let occupied = inside
+                    && (level - 1 > BLOCK || {
+                        let brick = IVec3::from(at).as_uvec3() / 8;
+                        grid.occupancy()[grid.occupancy_place(brick).0] != 0
+                    });
+                mask | u32::from(occupied) << child
+            });
+        }
+        let (block, bit) = grid.occupancy_place(IVec3::from(low).as_uvec3() / 8);
+        let bricks = grid.occupancy()[block];
+        if level == BLOCK {
+            // Eighths of 2^3 bricks.
+            const EIGHTH: u64 = 0x0033_0033;
+            (0..8).fold(0, |mask, child| {
+                let shift = (child & 1) * 2 + (child >> 1 & 1) * 8 + (child >> 2) * 32;
+                mask | u32::from(bricks >> shift & EIGHTH != 0) << child
+            })
+        } else {
+            let eight = (bricks >> bit) as u32;
+            eight & 3 | (eight >> 4 & 3) << 2 | (eight >> 16 & 3) << 4 | (eight >> 20 & 3) << 6
+        }
+    }
+
+    /// The child of a cube on the side of the eye of all three middle planes.
+    #[inline(always)]
+    fn nearest_child(&self, cube: &Cube) -> usize {
+        let half = 1 << (cube.level - 1);
+        (0..3).fold(0, |child, axis| {
+            let beyond = self.rays.origin[axis] >= (cube.low[axis] + half) as f32;
+            child | usize::from(beyond) << axis
+        })
+    }
+}
+
+impl Canvas {
+    #[inline(always)]
+    fn columns(rect: TileRect) -> u64 {
+        u64::MAX >> (TILE_EDGE_PX - 1 - (rect.x1 - rect.x0)) << rect.x0
+    }
+
+    #[inline(always)]
+    fn any_open(&self, rect: TileRect) -> bool {
+        let columns = Self::columns(rect);
+        self.open[rect.y0 as usize..=rect.y1 as usize].iter().any(|row| row & columns != 0)
+    }
+
+    /// Queues the open pixels of a rectangle and returns their number.
+    #[inline(always)]
+    fn queue_open(&mut self, rect: TileRect) -> usize {
+        let columns = Self::columns(rect);
+        let mut count = 0;
+        for y in rect.y0..=rect.y1 {
+            let mut row = self.open[y as usize & 63] & columns;
+            while row != 0 {
+                self.queue[count] = y << 6 | row.trailing_zeros();
+                count += 1;
+                row &= row - 1;
+            }
+        }
+        count
+    }
+}
