@@ -64,19 +64,25 @@ pub(super) fn cast_packet<S: Simd>(
     let pixels = u32x16::load_array_ref(simd, pixels);
     let x = (pixels & 63).to_float::<f32x16<S>>() + (frame.left + 0.5);
     let y = (pixels >> 6).to_float::<f32x16<S>>() + (frame.top + 0.5);
-    let inverse: [f32x16<S>; 3] = std::array::from_fn(|axis| {
-        // As PixelRays::direction_at and Ray::new.
-        let direction = splat(rays.corner[axis]) + x * rays.step_x[axis] + y * rays.step_y[axis];
-        let standing = direction.abs().simd_lt(STANDSTILL);
-        splat(1.0) / standing.select(splat(STANDSTILL), direction)
-    });
+    let inverse = for_axes(
+        #[inline(always)]
+        |axis| {
+            // As PixelRays::direction_at and Ray::new.
+            let direction =
+                splat(rays.corner[axis]) + x * rays.step_x[axis] + y * rays.step_y[axis];
+            let standing = direction.abs().simd_lt(STANDSTILL);
+            splat(1.0) / standing.select(splat(STANDSTILL), direction)
+        },
+    );
 
     // When the rays enter and leave the brick's slab of each axis.
-    let slab = |axis: usize| {
-        let (a, b) = (inverse[axis] * brick.low[axis], inverse[axis] * brick.high[axis]);
-        (a.min(b), a.max(b))
-    };
-    let [(near_x, far_x), (near_y, far_y), (near_z, far_z)] = [slab(0), slab(1), slab(2)];
+    let [(near_x, far_x), (near_y, far_y), (near_z, far_z)] = for_axes(
+        #[inline(always)]
+        |axis| {
+            let (a, b) = (inverse[axis] * brick.low[axis], inverse[axis] * brick.high[axis]);
+            (a.min(b), a.max(b))
+        },
+    );
     let entry = near_x.max(near_y).max(near_z.max(0.0));
     // A crossing comes before the entry if its time is below: at equal times only if its axis
     // comes before that of the entry, and always if it is at the start.
@@ -92,38 +98,55 @@ pub(super) fn cast_packet<S: Simd>(
     }
 
     // The voxel entered: on each axis as many planes on as come before the entry.
-    let backward: [mask32x16<S>; 3] = std::array::from_fn(|axis| inverse[axis].simd_lt(0.0));
-    let step = backward.map(|b| b.select(splat(-1.0), splat(1.0)));
+    let backward = for_axes(
+        #[inline(always)]
+        |axis| inverse[axis].simd_lt(0.0),
+    );
+    let step = for_axes(
+        #[inline(always)]
+        |axis| backward[axis].select(splat(-1.0), splat(1.0)),
+    );
     let eye = rays.origin;
-    let mut plane: [f32x16<S>; 3] = std::array::from_fn(|axis| {
-        let corner = brick.corner[axis];
-        let mut plane = backward[axis].select(splat(corner + 8.0), splat(corner));
-        for jump in [4.0, 2.0, 1.0] {
-            let next = plane + step[axis] * jump;
-            let t = (next - eye[axis]) * inverse[axis];
-            plane = t.simd_lt(before[axis]).select(next, plane);
-        }
-        plane
-    });
-    let local = |axis: usize| -> u32x16<S> {
-        let back = backward[axis].select(splat(1.0), splat(0.0));
-        (plane[axis] - back - brick.corner[axis]).to_int::<u32x16<S>>()
-    };
-    let mut voxel = local(0) | local(1) << 4 | local(2) << 8;
+    let mut plane = for_axes(
+        #[inline(always)]
+        |axis| {
+            let corner = brick.corner[axis];
+            let mut plane = backward[axis].select(splat(corner + 8.0), splat(corner));
+            for jump in [4.0, 2.0, 1.0] {
+                let next = plane + step[axis] * jump;
+                let t = (next - eye[axis]) * inverse[axis];
+                plane = t.simd_lt(before[axis]).select(next, plane);
+            }
+            plane
+        },
+    );
+    let [x, y, z] = for_axes(
+        #[inline(always)]
+        |axis| {
+            let back = backward[axis].select(splat(1.0), splat(0.0));
+            (plane[axis] - back - brick.corner[axis]).to_int::<u32x16<S>>()
+        },
+    );
+    let mut voxel = x | y << 4 | z << 8;
     if brick.full {
         return PacketHit { lanes: active.to_bitmask() as u32, voxels: voxel.to_array() };
     }
 
     // Voxel by voxel to the first that exists, or out of the brick.
-    let mut t: [f32x16<S>; 3] = std::array::from_fn(|axis| {
-        plane[axis] += step[axis];
-        (plane[axis] - eye[axis]) * inverse[axis]
-    });
-    let unit = |axis: usize| {
-        let one = u32x16::splat(simd, 1 << (4 * axis));
-        backward[axis].select(u32x16::splat(simd, 0) - one, one)
-    };
-    let units = [unit(0), unit(1), unit(2)];
+    let mut t = for_axes(
+        #[inline(always)]
+        |axis| {
+            plane[axis] += step[axis];
+            (plane[axis] - eye[axis]) * inverse[axis]
+        },
+    );
+    let units = for_axes(
+        #[inline(always)]
+        |axis| {
+            let one = u32x16::splat(simd, 1 << (4 * axis));
+            backward[axis].select(u32x16::splat(simd, 0) - one, one)
+        },
+    );
     let mut hit = mask32x16::splat(simd, false);
     loop {
         let row = (voxel >> 4 & 7) | (voxel >> 5 & 0x38);
@@ -140,12 +163,23 @@ pub(super) fn cast_packet<S: Simd>(
         if !active.any_true() {
             break;
         }
-        for (axis, moves) in [by_x, by_y, by_z].into_iter().enumerate() {
-            plane[axis] += moves.select(step[axis], splat(0.0));
-            t[axis] = (plane[axis] - eye[axis]) * inverse[axis];
-        }
+        let moves = [by_x, by_y, by_z];
+        t = for_axes(
+            #[inline(always)]
+            |axis| {
+                plane[axis] += moves[axis].select(step[axis], splat(0.0));
+                (plane[axis] - eye[axis]) * inverse[axis]
+            },
+        );
     }
     PacketHit { lanes: hit.to_bitmask() as u32, voxels: voxel.to_array() }
+}
+
+/// `f` of the three axes, always inlined: what is not loses the instructions that the dispatch
+/// chose.
+#[inline(always)]
+fn for_axes<T>(mut f: impl FnMut(usize) -> T) -> [T; 3] {
+    [f(0), f(1), f(2)]
 }
 
 /// The bytes of a table at the given indices (0..64); only the lowest byte of a result counts.
