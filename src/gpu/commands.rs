@@ -353,15 +353,15 @@ fn attachment(a: Attachment, layout: vk::ImageLayout) -> vk::RenderingAttachment
         .clear_value(clear)
 }
 
-/// A command pool with one buffer.
-struct Pool {
+/// A command pool with one buffer; libraries that record themselves allocate further ones.
+pub struct Pool {
     pool: vk::CommandPool,
     buffer: vk::CommandBuffer,
     device: Arc<Device>,
 }
 
 impl Pool {
-    fn new(device: &Arc<Device>, name: &str) -> Result<Pool> {
+    pub fn new(device: &Arc<Device>, name: &str) -> Result<Pool> {
         let info = vk::CommandPoolCreateInfo::default()
             .flags(vk::CommandPoolCreateFlags::TRANSIENT)
             .queue_family_index(device.queue_family());
@@ -379,6 +379,10 @@ impl Pool {
         made.buffer = buffers[0];
         device.name(made.buffer, name);
         Ok(made)
+    }
+
+    pub fn handle(&self) -> vk::CommandPool {
+        self.pool
     }
 }
 

@@ -53,7 +53,7 @@ mod upload;
 mod validation;
 
 pub use choice::DeviceChoice;
-pub use commands::{Attachment, FRAMES_IN_FLIGHT, Frames, Load, Recorder, Use, run_once};
+pub use commands::{Attachment, FRAMES_IN_FLIGHT, Frames, Load, Pool, Recorder, Use, run_once};
 pub use descriptors::{Binding, DescriptorSets, SetLayout};
 pub use device::{Device, DeviceOptions, MAX_SEMAPHORES, Serial};
 pub use error::{During, GpuError, Result};
