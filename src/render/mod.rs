@@ -7,3 +7,8 @@ pub mod volume;
 pub use slicing::Slicing;
 pub use target::IndexTarget;
 pub use volume::Volume;
+//! Passes: each takes values and targets, records commands, and owns no policy.
+
+pub mod background;
+pub mod gui;
+pub mod overlay;

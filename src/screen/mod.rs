@@ -1,3 +1,4 @@
 //! Screens: where eyes come from and where images go.
 
 pub mod headset;
+pub mod window;

@@ -1,0 +1,16 @@
+// The tool's semi-transparent faces. Shared by both stages.
+
+struct Solid {
+    clip_from_tool: mat4x4<f32>,
+    // Rows of the map of normals to eye space, unnormalised.
+    eye_from_normal: array<vec4<f32>, 3>,
+    // sRGB and opacity.
+    colour: vec4<f32>,
+}
+
+var<immediate> solid: Solid;
+
+struct Corner {
+    @builtin(position) position: vec4<f32>,
+    @location(0) normal: vec3<f32>,
+}

@@ -1,0 +1,400 @@
+//! Draws what helps the hand over the sculpture: the semi-transparent tool and lines, each tested
+//! against the sculpture's depth, fainter where they lie behind it.
+//!
+//! What to draw comes in as values; the depth attachment is read and left as it is.
+
+use std::f32::consts::{PI, TAU};
+use std::sync::Arc;
+
+use ash::vk;
+use glam::{Affine3A, Mat3, Mat4, Vec3};
+
+use crate::gpu::{
+    Attribute, Blend, Buffer, Depth, Device, Graphics, MemoryLocation, Pipeline, PipelineLayout,
+    Recorder, Result, Staging, Vertices, shaders,
+};
+use crate::sculpture::Rgb;
+use crate::tools::construct::{Primitive, Solid};
+
+/// Segments around the equator of the ellipsoid; half as many from pole to pole.
+const SEGMENTS: usize = 48;
+/// Factor on the depth of lines: brings them in front of a surface that they lie in.
+const LINE_DEPTH: f32 = 1.002;
+
+/// A line in grid coordinates.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Line {
+    pub from: Vec3,
+    pub to: Vec3,
+    pub colour: Rgb,
+    pub width_px: f32,
+    /// Opacity before the sculpture and behind it.
+    pub opacity: [f32; 2],
+}
+
+/// The tool as it is shown.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Ghost {
+    pub primitive: Primitive,
+    /// Edge lengths of the grid's voxels.
+    pub voxel_size: Vec3,
+    pub colour: Rgb,
+    /// Opacity before the sculpture and behind it.
+    pub opacity: [f32; 2],
+}
+
+/// One picture's overlay.
+#[derive(Clone, Copy, Debug)]
+pub struct Scene<'a> {
+    pub eye_from_grid: Affine3A,
+    pub projection: Mat4,
+    /// Pixels.
+    pub size: [u32; 2],
+    pub ghost: Option<Ghost>,
+    pub lines: &'a [Line],
+}
+
+/// Push constants of the `overlay_solid` stages.
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct SolidConstants {
+    clip_from_tool: [f32; 16],
+    eye_from_normal: [[f32; 4]; 3],
+    colour: [f32; 4],
+}
+
+/// Push constants of `overlay_line.vert.wgsl`.
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct LineConstants {
+    clip_from_grid: [f32; 16],
+    picture: [f32; 4],
+}
+
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct LineInstance {
+    from_and_width: [f32; 4],
+    to: [f32; 4],
+    colour: [f32; 4],
+}
+
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct Vertex {
+    position: [f32; 3],
+    normal: [f32; 3],
+}
+
+/// Before the sculpture, behind it.
+const SIDES: [vk::CompareOp; 2] = [vk::CompareOp::GREATER_OR_EQUAL, vk::CompareOp::LESS];
+
+/// The overlay's passes.
+pub struct Overlay {
+    solids: [Pipeline; 2],
+    lines: [Pipeline; 2],
+    mesh: Buffer,
+    /// First byte and number of vertices of each solid in the mesh.
+    ranges: [(u64, u32); 3],
+    instances: Staging,
+}
+
+impl Overlay {
+    /// For a target of `colour` with a depth attachment of `depth`.
+    pub fn new(device: &Arc<Device>, colour: vk::Format, depth: vk::Format) -> Result<Overlay> {
+        let both = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
+        let solid_push = Some((both, size_of::<SolidConstants>()));
+        let solid_layout = PipelineLayout::new(device, "tool", None, solid_push)?;
+        let line_push = Some((vk::ShaderStageFlags::VERTEX, size_of::<LineConstants>()));
+        let line_layout = PipelineLayout::new(device, "lines", None, line_push)?;
+        let solid = |compare| {
+            Pipeline::graphics(
+                device,
+                &Graphics {
+                    name: "tool",
+                    vertex: shaders::OVERLAY_SOLID_VERT,
+                    fragment: shaders::OVERLAY_SOLID_FRAG,
+                    layout: &solid_layout,
+                    vertices: Some(Vertices {
+                        stride: size_of::<Vertex>(),
+                        per_instance: false,
+                        attributes: &attributes(vk::Format::R32G32B32_SFLOAT, 12, 2),
+                    }),
+                    topology: vk::PrimitiveTopology::TRIANGLE_LIST,
+                    cull: vk::CullModeFlags::BACK,
+                    colour: Some((colour, Blend::Alpha)),
+                    depth: Some(Depth { format: depth, compare, write: false }),
+                },
+            )
+        };
+        let line = |compare| {
+            Pipeline::graphics(
+                device,
+                &Graphics {
+                    name: "lines",
+                    vertex: shaders::OVERLAY_LINE_VERT,
+                    fragment: shaders::OVERLAY_LINE_FRAG,
+                    layout: &line_layout,
+                    vertices: Some(Vertices {
+                        stride: size_of::<LineInstance>(),
+                        per_instance: true,
+                        attributes: &attributes(vk::Format::R32G32B32A32_SFLOAT, 16, 3),
+                    }),
+                    topology: vk::PrimitiveTopology::TRIANGLE_LIST,
+                    cull: vk::CullModeFlags::NONE,
+                    colour: Some((colour, Blend::Alpha)),
+                    depth: Some(Depth { format: depth, compare, write: false }),
+                },
+            )
+        };
+        let (mesh, ranges) = make_mesh(device)?;
+        Ok(Overlay {
+            solids: [solid(SIDES[0])?, solid(SIDES[1])?],
+            lines: [line(SIDES[0])?, line(SIDES[1])?],
+            mesh,
+            ranges,
+            instances: Staging::new(
+                device,
+                "lines",
+                vk::BufferUsageFlags::VERTEX_BUFFER,
+                64 * size_of::<LineInstance>() as u64,
+            )?,
+        })
+    }
+
+    /// Records the overlay into a target with the depth of the sculpture. `slot`:
+    /// [`crate::gpu::Frames::slot`]; once a frame.
+    pub fn draw(&mut self, recorder: &mut Recorder, slot: usize, scene: &Scene) -> Result<()> {
+        self.instances.begin(slot);
+        // What is behind comes first, as it is farther.
+        for side in [1, 0] {
+            self.draw_lines(recorder, scene, side)?;
+            if let Some(ghost) = &scene.ghost {
+                self.draw_ghost(recorder, scene, ghost, side);
+            }
+        }
+        Ok(())
+    }
+
+    fn draw_ghost(&self, recorder: &mut Recorder, scene: &Scene, ghost: &Ghost, side: usize) {
+        if ghost.opacity[side] <= 0.0 {
+            return;
+        }
+        let eye_from_tool = scene.eye_from_grid * grid_from_tool(&ghost.primitive, ghost.voxel_size);
+        let normals = Mat3::from(eye_from_tool.matrix3).inverse().transpose();
+        let rows = normals.transpose();
+        let row = |axis: Vec3| axis.extend(0.0).to_array();
+        let constants = SolidConstants {
+            clip_from_tool: (scene.projection * Mat4::from(eye_from_tool)).to_cols_array(),
+            eye_from_normal: [row(rows.x_axis), row(rows.y_axis), row(rows.z_axis)],
+            colour: with_opacity(ghost.colour, ghost.opacity[side]),
+        };
+        let (offset, vertices) = self.ranges[index_of(ghost.primitive.solid)];
+        let pipeline = &self.solids[side];
+        recorder.bind_pipeline(pipeline);
+        recorder.push(pipeline.layout(), &constants);
+        recorder.bind_vertices(self.mesh.handle(), offset);
+        recorder.draw(vertices, 1);
+    }
+
+    fn draw_lines(&mut self, recorder: &mut Recorder, scene: &Scene, side: usize) -> Result<()> {
+        let instances: Vec<LineInstance> = scene
+            .lines
+            .iter()
+            .filter(|line| line.opacity[side] > 0.0)
+            .map(|line| LineInstance {
+                from_and_width: line.from.extend(line.width_px).to_array(),
+                to: line.to.extend(0.0).to_array(),
+                colour: with_opacity(line.colour, line.opacity[side]),
+            })
+            .collect();
+        if instances.is_empty() {
+            return Ok(());
+        }
+        let piece = self.instances.push(&instances, 16)?;
+        let [width, height] = scene.size.map(|n| n as f32);
+        let constants = LineConstants {
+            clip_from_grid: (scene.projection * Mat4::from(scene.eye_from_grid)).to_cols_array(),
+            picture: [width, height, 1.0, LINE_DEPTH],
+        };
+        let pipeline = &self.lines[side];
+        recorder.bind_pipeline(pipeline);
+        recorder.push(pipeline.layout(), &constants);
+        recorder.bind_vertices(piece.buffer, piece.offset);
+        recorder.draw(6, instances.len() as u32);
+        Ok(())
+    }
+}
+
+/// Maps tool space, where a solid fills [-1, 1], to voxel coordinates: the inverse of what the
+/// tool itself computes.
+fn grid_from_tool(primitive: &Primitive, voxel_size: Vec3) -> Affine3A {
+    let shrink = voxel_size.min_element() / voxel_size;
+    let linear = Mat3::from_diagonal(shrink)
+        * Mat3::from_quat(primitive.rotation)
+        * Mat3::from_diagonal(primitive.half);
+    Affine3A::from_mat3_translation(linear, primitive.centre_vx)
+}
+
+fn with_opacity(Rgb(colour): Rgb, opacity: f32) -> [f32; 4] {
+    let [r, g, b] = colour.map(|c| f32::from(c) / 255.0);
+    [r, g, b, opacity]
+}
+
+/// `count` attributes of one format, each `bytes` long, one after the other.
+fn attributes(format: vk::Format, bytes: usize, count: u32) -> Vec<Attribute> {
+    (0..count)
+        .map(|location| Attribute { location, format, offset: bytes * location as usize })
+        .collect()
+}
+
+fn index_of(solid: Solid) -> usize {
+    match solid {
+        Solid::Ellipsoid => 0,
+        Solid::Cuboid => 1,
+        Solid::Pyramid => 2,
+    }
+}
+
+fn make_mesh(device: &Arc<Device>) -> Result<(Buffer, [(u64, u32); 3])> {
+    let mut vertices: Vec<Vertex> = Vec::new();
+    let mut ranges = [(0, 0); 3];
+    for solid in Solid::ALL {
+        let start = vertices.len();
+        for (corners, normals) in triangles(solid) {
+            vertices.extend(std::iter::zip(corners, normals).map(|(position, normal)| Vertex {
+                position: position.to_array(),
+                normal: normal.to_array(),
+            }));
+        }
+        let offset = (start * size_of::<Vertex>()) as u64;
+        ranges[index_of(solid)] = (offset, (vertices.len() - start) as u32);
+    }
+    let mut mesh = Buffer::new(
+        device,
+        "tool meshes",
+        size_of_val(vertices.as_slice()) as u64,
+        vk::BufferUsageFlags::VERTEX_BUFFER,
+        MemoryLocation::CpuToGpu,
+    )?;
+    mesh.write(0, &vertices)?;
+    Ok((mesh, ranges))
+}
+
+/// Corners, counter-clockwise seen from outside, and their normals.
+type Triangle = ([Vec3; 3], [Vec3; 3]);
+
+/// The surface of a solid in tool space.
+fn triangles(solid: Solid) -> Vec<Triangle> {
+    match solid {
+        Solid::Ellipsoid => ball(),
+        Solid::Cuboid => {
+            let mut faces = Vec::new();
+            for axis in 0..3 {
+                for sign in [-1.0, 1.0] {
+                    let normal = Vec3::AXES[axis] * sign;
+                    let (u, v) = (Vec3::AXES[(axis + 1) % 3] * sign, Vec3::AXES[(axis + 2) % 3]);
+                    faces.extend(quad([normal - u - v, normal + u - v, normal + u + v, normal - u + v]));
+                }
+            }
+            faces
+        }
+        Solid::Pyramid => {
+            let apex = Vec3::Y;
+            let base = [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)]
+                .map(|(x, z)| Vec3::new(x, -1.0, z));
+            let [a, b, c, d] = base;
+            let mut faces = quad([d, c, b, a]).to_vec();
+            faces.extend((0..4).map(|i| flat([base[i], base[(i + 1) % 4], apex])));
+            faces
+        }
+    }
+}
+
+fn ball() -> Vec<Triangle> {
+    let rings = SEGMENTS / 2;
+    let at = |ring: usize, segment: usize| {
+        let (theta, phi) = (PI * ring as f32 / rings as f32, TAU * segment as f32 / SEGMENTS as f32);
+        Vec3::new(theta.sin() * phi.sin(), theta.cos(), theta.sin() * phi.cos())
+    };
+    let mut out = Vec::new();
+    for ring in 0..rings {
+        for segment in 0..SEGMENTS {
+            let [a, b] = [at(ring, segment), at(ring + 1, segment)];
+            let [c, d] = [at(ring + 1, segment + 1), at(ring, segment + 1)];
+            // At the poles one of the two has no area.
+            if ring + 1 < rings {
+                out.push(([a, b, c], [a, b, c]));
+            }
+            if ring > 0 {
+                out.push(([a, c, d], [a, c, d]));
+            }
+        }
+    }
+    out
+}
+
+fn quad([a, b, c, d]: [Vec3; 4]) -> [Triangle; 2] {
+    [flat([a, b, c]), flat([a, c, d])]
+}
+
+fn flat(corners: [Vec3; 3]) -> Triangle {
+    let [a, b, c] = corners;
+    (corners, [(b - a).cross(c - a).normalize(); 3])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Quat;
+
+    /// Every mesh lies on the surface of the solid that the tool computes with, is closed, and
+    /// faces outwards.
+    #[test]
+    fn meshes_are_the_surfaces_of_the_solids() {
+        for (solid, volume) in
+            [(Solid::Ellipsoid, 4.0 / 3.0 * PI), (Solid::Cuboid, 8.0), (Solid::Pyramid, 8.0 / 3.0)]
+        {
+            let mut enclosed = 0.0;
+            for ([a, b, c], normals) in triangles(solid) {
+                for corner in [a, b, c] {
+                    assert!(solid.contains((corner * 0.999).as_dvec3()), "{solid:?} {corner}");
+                    assert!(!solid.contains((corner * 1.001).as_dvec3()), "{solid:?} {corner}");
+                }
+                let normal = (b - a).cross(c - a);
+                assert!(normals.iter().all(|n| n.dot(normal) > 0.0), "{solid:?}");
+                enclosed += a.dot(b.cross(c)) / 6.0;
+            }
+            assert!((enclosed - volume).abs() < 0.02 * volume, "{solid:?} {enclosed}");
+        }
+    }
+
+    #[test]
+    fn the_ghost_stands_where_the_tool_works() {
+        let primitive = Primitive {
+            solid: Solid::Cuboid,
+            centre_vx: Vec3::new(20.0, 30.0, 10.0),
+            half: Vec3::new(3.0, 5.0, 8.0),
+            rotation: Quat::from_euler(glam::EulerRot::XYZ, 0.4, 1.0, -0.3),
+        };
+        let voxel_size = Vec3::new(1.0, 2.0, 0.5);
+        let placed = primitive.in_grid(voxel_size);
+        let grid_from_tool = grid_from_tool(&primitive, voxel_size);
+        // Points at a random place of tool space: the voxel around one is inside the tool as the
+        // point is inside the solid, but for points too near to the surface to tell.
+        let mut told = 0;
+        for i in 0..1000u32 {
+            let unit = |salt: u32| (i.wrapping_mul(salt) >> 8 & 0xffff) as f32 / 65535.0 * 3.0 - 1.5;
+            let p = Vec3::new(unit(2654435761), unit(2246822519), unit(3266489917));
+            let voxel = grid_from_tool.transform_point3(p).floor().as_ivec3();
+            let depth = p.abs().max_element();
+            if (depth - 1.0).abs() > 0.4 {
+                told += 1;
+                assert_eq!(placed.contains_voxel(voxel), depth < 1.0, "{p}");
+            }
+        }
+        assert!(told > 100, "{told}");
+        let middle = grid_from_tool.transform_point3(Vec3::ZERO);
+        assert!(middle.abs_diff_eq(primitive.centre_vx, 1e-5));
+    }
+}
