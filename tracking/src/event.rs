@@ -1,0 +1,164 @@
+//! Owns what a source says: poses, motion, buttons, analog channels, dials, texts, and whether it
+//! is there at all; and the bounded queue in which a source's thread leaves them for the program.
+//! Must not know what the program makes of them.
+
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use glam::DVec3;
+
+use crate::pose::{HeadPose, Velocity};
+
+/// How grave a [`Event::Text`] is.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Severity {
+    Normal,
+    Warning,
+    Error,
+}
+
+/// What a source reports. `source` is the device's name as in [`HeadPose::source`]; times are
+/// seconds on the host's clock.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Event {
+    Pose(HeadPose),
+    Velocity {
+        source: Arc<str>,
+        sensor: u32,
+        velocity: Velocity,
+        time_s: f64,
+    },
+    /// Linear in m/s2; angular, axis times rad/s2.
+    Acceleration {
+        source: Arc<str>,
+        sensor: u32,
+        linear_m_s2: DVec3,
+        angular_rad_s2: DVec3,
+        time_s: f64,
+    },
+    /// A change: a button is never reported twice in the same state.
+    Button {
+        source: Arc<str>,
+        button: u32,
+        pressed: bool,
+        time_s: f64,
+    },
+    Analog {
+        source: Arc<str>,
+        channel: u32,
+        value: f64,
+        time_s: f64,
+    },
+    /// A dial turned by `revolutions` since its last report.
+    Dial {
+        source: Arc<str>,
+        dial: u32,
+        revolutions: f64,
+        time_s: f64,
+    },
+    Text {
+        source: Arc<str>,
+        severity: Severity,
+        level: u32,
+        text: String,
+        time_s: f64,
+    },
+    /// The device answers from now on.
+    Found { source: Arc<str>, time_s: f64 },
+    /// The device is gone; its buttons have been reported as released.
+    Lost { source: Arc<str>, time_s: f64 },
+}
+
+impl Event {
+    /// Whether a later event of the same kind makes this one worthless.
+    fn is_stream(&self) -> bool {
+        matches!(
+            self,
+            Self::Pose(_) | Self::Velocity { .. } | Self::Acceleration { .. } | Self::Analog { .. }
+        )
+    }
+}
+
+/// Events that may wait in an [`Inbox`].
+pub const INBOX_CAPACITY: usize = 4096;
+
+/// From a source's thread to the program. When the program does not fetch, old stream events
+/// go first, so that button changes survive a pause.
+#[derive(Default, Debug)]
+pub struct Inbox {
+    inner: Mutex<Queue>,
+}
+
+#[derive(Default, Debug)]
+struct Queue {
+    events: VecDeque<Event>,
+    dropped: u64,
+}
+
+impl Inbox {
+    /// Moves `events` in, leaving the vector empty.
+    pub fn put(&self, events: &mut Vec<Event>) {
+        let mut queue = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
+        queue.events.extend(events.drain(..));
+        if queue.events.len() <= INBOX_CAPACITY {
+            return;
+        }
+        let before = queue.events.len();
+        // Keep the newer half of everything and, of the older half, what cannot be said again.
+        let newer = before - INBOX_CAPACITY / 2;
+        let mut place = 0;
+        queue.events.retain(|event| {
+            place += 1;
+            place > newer || !event.is_stream()
+        });
+        while queue.events.len() > INBOX_CAPACITY {
+            queue.events.pop_front();
+        }
+        queue.dropped += (before - queue.events.len()) as u64;
+    }
+
+    /// Moves all waiting events to the end of `events`, oldest first.
+    pub fn take(&self, events: &mut Vec<Event>) {
+        let mut queue = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
+        events.extend(queue.events.drain(..));
+    }
+
+    /// Events dropped so far because nobody fetched them.
+    pub fn dropped(&self) -> u64 {
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner).dropped
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unread_inbox_stays_bounded_and_keeps_buttons() {
+        let source: Arc<str> = "Wand0".into();
+        let inbox = Inbox::default();
+        for i in 0..50_000u32 {
+            let mut events = vec![Event::Analog {
+                source: source.clone(),
+                channel: 0,
+                value: f64::from(i),
+                time_s: 0.0,
+            }];
+            if i == 7 {
+                events.push(Event::Button {
+                    source: source.clone(),
+                    button: 3,
+                    pressed: true,
+                    time_s: 0.0,
+                });
+            }
+            inbox.put(&mut events);
+        }
+        let mut events = Vec::new();
+        inbox.take(&mut events);
+        assert!(events.len() <= INBOX_CAPACITY);
+        assert_eq!(inbox.dropped(), 50_001 - events.len() as u64);
+        assert!(matches!(events[0], Event::Button { button: 3, pressed: true, .. }));
+        assert!(matches!(events.last(), Some(Event::Analog { value, .. }) if *value == 49_999.0));
+    }
+}

@@ -1,0 +1,230 @@
+//! Owns the front of the crate: the sources, the bodies that they track (a head, a hand), and the
+//! question where a body will be when the picture is seen. Takes time as values and blocks nowhere.
+//! Must not know what a source speaks or what is drawn.
+//!
+//! A body follows the first of its channels that is live, so that a second tracker can stand in
+//! for the first; with none it goes to its place of rest. All changes are faded.
+
+use crate::calibration::Calibration;
+use crate::channel::{Channel, ChannelOptions};
+use crate::event::Event;
+use crate::fade::{Fade, FadeOptions};
+use crate::pose::{HeadPose, Placement};
+use crate::source::Source;
+
+/// A tracked body and what stands in for it.
+#[derive(Clone, PartialEq, Debug)]
+pub struct BodyOptions {
+    /// Where the body is while nothing tracks it, on the screen's axes.
+    pub rest: Placement,
+    pub fade: FadeOptions,
+    /// The best first.
+    pub channels: Vec<ChannelOptions>,
+}
+
+/// A body of a [`Tracker`].
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub struct BodyId(usize);
+
+impl BodyId {
+    /// The body with which every tracker is made.
+    pub const HEAD: Self = Self(0);
+}
+
+/// How well a placement is founded.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Presence {
+    Tracked,
+    /// A tracker is live; the way to it is under way.
+    Returning,
+    /// No tracker is live; the way to the place of rest is under way.
+    Leaving,
+    Absent,
+}
+
+/// Where a body will be.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Predicted {
+    /// On the screen's axes.
+    pub placement: Placement,
+    /// 0 at the place of rest, else that of the report, less while fading.
+    pub confidence: f64,
+    pub presence: Presence,
+}
+
+#[derive(Debug)]
+struct Body {
+    rest: Placement,
+    fade_options: FadeOptions,
+    channels: Vec<Channel>,
+    /// The channel that is followed; None: the place of rest.
+    guide: Option<usize>,
+    fade: Fade,
+    /// The latest time for which a placement was given out: fades start no earlier.
+    shown_s: f64,
+}
+
+/// Sources and bodies.
+pub struct Tracker {
+    sources: Vec<Box<dyn Source>>,
+    bodies: Vec<Body>,
+    scratch: Vec<Event>,
+}
+
+impl Tracker {
+    pub fn new(head: BodyOptions) -> Self {
+        let mut tracker =
+            Self { sources: Vec::new(), bodies: Vec::new(), scratch: Vec::new() };
+        tracker.add_body(head);
+        tracker
+    }
+
+    pub fn add_source(&mut self, source: Box<dyn Source>) {
+        self.sources.push(source);
+    }
+
+    pub fn add_body(&mut self, options: BodyOptions) -> BodyId {
+        self.bodies.push(Body {
+            rest: options.rest,
+            fade_options: options.fade,
+            channels: options.channels.into_iter().map(Channel::new).collect(),
+            guide: None,
+            fade: Fade::DONE,
+            shown_s: f64::NEG_INFINITY,
+        });
+        BodyId(self.bodies.len() - 1)
+    }
+
+    /// In the order in which they were added.
+    pub fn sources(&self) -> impl Iterator<Item = &dyn Source> {
+        self.sources.iter().map(|source| &**source)
+    }
+
+    /// Fetches what the sources have for us and decides whom each body follows. Poses and motion
+    /// are consumed; buttons, analogs, dials, texts, losses and finds are appended to `events`.
+    pub fn update(&mut self, now_s: f64, events: &mut Vec<Event>) {
+        for (index, source) in self.sources.iter_mut().enumerate() {
+            source.poll(now_s, &mut self.scratch);
+            for event in self.scratch.drain(..) {
+                for channel in self.bodies.iter_mut().flat_map(|body| &mut body.channels) {
+                    channel.take(&event, index);
+                }
+                if !matches!(
+                    event,
+                    Event::Pose(_) | Event::Velocity { .. } | Event::Acceleration { .. }
+                ) {
+                    events.push(event);
+                }
+            }
+        }
+        for body in &mut self.bodies {
+            let guide = body.channels.iter().position(|channel| channel.is_live(now_s));
+            if guide != body.guide {
+                body.turn_to(guide, now_s, &mut self.sources);
+            }
+        }
+    }
+
+    /// The head's last report after calibration and filter, on the screen's axes.
+    pub fn latest(&self) -> Option<&HeadPose> {
+        self.latest_of(BodyId::HEAD)
+    }
+
+    /// As [`Self::latest`]; None while the body is untracked or unknown.
+    pub fn latest_of(&self, body: BodyId) -> Option<&HeadPose> {
+        let body = self.bodies.get(body.0)?;
+        body.channels[body.guide?].smooth()
+    }
+
+    /// The last report of each channel as the tracker sent it: what a calibration is made from.
+    pub fn raw_of(&self, body: BodyId) -> impl Iterator<Item = Option<&HeadPose>> {
+        self.bodies.get(body.0).into_iter().flat_map(|body| body.channels.iter().map(Channel::raw))
+    }
+
+    /// Where the head will be when the picture is seen.
+    pub fn predicted(&mut self, display_time_s: f64) -> Predicted {
+        self.bodies[0].predicted(display_time_s, &mut self.sources)
+    }
+
+    /// As [`Self::predicted`], for any body; None for an id of another tracker.
+    pub fn predicted_of(&mut self, body: BodyId, display_time_s: f64) -> Option<Predicted> {
+        let body = self.bodies.get_mut(body.0)?;
+        Some(body.predicted(display_time_s, &mut self.sources))
+    }
+
+    /// Changes the calibration of a body's channel, fading from where the body is shown. False if
+    /// there is no such channel.
+    pub fn set_calibration(
+        &mut self,
+        body: BodyId,
+        channel: usize,
+        calibration: Calibration,
+        now_s: f64,
+    ) -> bool {
+        let Some(body) = self.bodies.get_mut(body.0) else { return false };
+        if channel >= body.channels.len() {
+            return false;
+        }
+        let start_s = now_s.max(body.shown_s);
+        let shown = body.shown_at(start_s, &mut self.sources);
+        body.channels[channel].set_calibration(calibration);
+        body.fade_from(shown, start_s, &mut self.sources);
+        true
+    }
+}
+
+impl Body {
+    /// What the guide says for `time_s`.
+    fn guide_at(&self, time_s: f64, sources: &mut [Box<dyn Source>]) -> Placement {
+        let Some(channel) = self.guide.map(|index| &self.channels[index]) else {
+            return self.rest;
+        };
+        let options = channel.options();
+        let located = channel
+            .source_index
+            .and_then(|index| sources[index].located(options.sensor, time_s))
+            .filter(|pose| pose.confidence >= options.min_confidence)
+            .map(|pose| options.calibration.apply(pose.placement));
+        located.or_else(|| channel.at(time_s)).unwrap_or(self.rest)
+    }
+
+    fn shown_at(&self, time_s: f64, sources: &mut [Box<dyn Source>]) -> Placement {
+        self.fade.place(self.guide_at(time_s, sources), time_s)
+    }
+
+    fn turn_to(&mut self, guide: Option<usize>, now_s: f64, sources: &mut [Box<dyn Source>]) {
+        let start_s = now_s.max(self.shown_s);
+        let shown = self.shown_at(start_s, sources);
+        self.guide = guide;
+        self.fade_from(shown, start_s, sources);
+    }
+
+    fn fade_from(&mut self, shown: Placement, start_s: f64, sources: &mut [Box<dyn Source>]) {
+        let FadeOptions { hold_s, leave_s, return_s } = self.fade_options;
+        let guide = self.guide_at(start_s, sources);
+        self.fade = if self.guide.is_some() {
+            Fade::start(shown, guide, start_s, return_s)
+        } else {
+            Fade::start(shown, guide, start_s + hold_s, leave_s)
+        };
+    }
+
+    fn predicted(&mut self, time_s: f64, sources: &mut [Box<dyn Source>]) -> Predicted {
+        self.shown_s = self.shown_s.max(time_s);
+        let share = self.fade.share(time_s);
+        let (confidence, presence) = match self.guide {
+            Some(index) => {
+                let confidence = self.channels[index].smooth().map_or(0.0, |p| p.confidence);
+                let done = if share < 1.0 { Presence::Returning } else { Presence::Tracked };
+                (confidence * share, done)
+            }
+            None if share < 1.0 => (1.0 - share, Presence::Leaving),
+            None => (0.0, Presence::Absent),
+        };
+        Predicted { placement: self.shown_at(time_s, sources), confidence, presence }
+    }
+}
+
+#[cfg(test)]
+#[path = "tracker_tests.rs"]
+mod tests;
