@@ -124,12 +124,7 @@ impl Touch {
 /// The corners to touch, in order: top left, top right, bottom right, bottom left.
 pub fn screen_corners_m(width_m: f64, height_m: f64) -> [DVec3; 4] {
     let (x, y) = (width_m / 2.0, height_m / 2.0);
-    [
-        DVec3::new(-x, y, 0.0),
-        DVec3::new(x, y, 0.0),
-        DVec3::new(x, -y, 0.0),
-        DVec3::new(-x, -y, 0.0),
-    ]
+    [DVec3::new(-x, y, 0.0), DVec3::new(x, y, 0.0), DVec3::new(x, -y, 0.0), DVec3::new(-x, -y, 0.0)]
 }
 
 /// A fitted calibration and how well the touches agree with it.

@@ -158,8 +158,7 @@ impl Channel {
         let (smooth, velocity) = self.filter.step(placement, measured, pose.time_s);
         let shown = if self.options.smoothing.is_some() { smooth } else { placement };
         self.velocity = velocity;
-        self.smooth =
-            Some(HeadPose { placement: shown, velocity: Some(velocity), ..pose.clone() });
+        self.smooth = Some(HeadPose { placement: shown, velocity: Some(velocity), ..pose.clone() });
         self.raw = Some(pose.clone());
     }
 

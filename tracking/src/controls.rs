@@ -186,12 +186,8 @@ mod tests {
     #[test]
     fn a_lost_device_holds_nothing() {
         let mut map = map();
-        let press = |pressed| Event::Button {
-            source: "Wand0".into(),
-            button: 1,
-            pressed,
-            time_s: 0.0,
-        };
+        let press =
+            |pressed| Event::Button { source: "Wand0".into(), button: 1, pressed, time_s: 0.0 };
         assert_eq!(take(&mut map, press(true)), [Control::Pressed("apply")]);
         assert!(take(&mut map, press(true)).is_empty());
         take(&mut map, analog(0, 1.0));

@@ -28,12 +28,10 @@ pub enum Event {
         velocity: Velocity,
         time_s: f64,
     },
-    /// Linear in m/s2; angular, axis times rad/s2.
     Acceleration {
         source: Arc<str>,
         sensor: u32,
         linear_m_s2: DVec3,
-        angular_rad_s2: DVec3,
         time_s: f64,
     },
     /// A change: a button is never reported twice in the same state.
@@ -64,9 +62,15 @@ pub enum Event {
         time_s: f64,
     },
     /// The device answers from now on.
-    Found { source: Arc<str>, time_s: f64 },
+    Found {
+        source: Arc<str>,
+        time_s: f64,
+    },
     /// The device is gone; its buttons have been reported as released.
-    Lost { source: Arc<str>, time_s: f64 },
+    Lost {
+        source: Arc<str>,
+        time_s: f64,
+    },
 }
 
 impl Event {

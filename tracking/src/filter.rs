@@ -27,8 +27,7 @@ pub struct OneEuroOptions {
 }
 
 impl OneEuroOptions {
-    pub const POSITION: Self =
-        Self { min_cutoff_hz: 2.0, beta: 30.0, derivative_cutoff_hz: 4.0 };
+    pub const POSITION: Self = Self { min_cutoff_hz: 2.0, beta: 30.0, derivative_cutoff_hz: 4.0 };
     pub const ORIENTATION: Self =
         Self { min_cutoff_hz: 2.0, beta: 10.0, derivative_cutoff_hz: 4.0 };
 }

@@ -16,10 +16,13 @@ mod eigen;
 mod event;
 pub mod fade;
 pub mod filter;
+pub mod opentrack;
 pub mod pose;
 pub mod predict;
+pub mod scripted;
 mod source;
 mod tracker;
+pub mod vrpn;
 
 pub use channel::{ChannelOptions, Smoothing};
 pub use event::{Event, INBOX_CAPACITY, Inbox, Severity};

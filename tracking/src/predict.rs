@@ -81,6 +81,9 @@ mod tests {
     fn stands_still_after_the_longest_time() {
         let v = Velocity { linear_m_s: DVec3::X, angular_rad_s: DVec3::Y };
         let o = PredictionOptions::default();
-        assert_eq!(predict(Placement::IDENTITY, v, 0.1, &o), predict(Placement::IDENTITY, v, 9.0, &o));
+        assert_eq!(
+            predict(Placement::IDENTITY, v, 0.1, &o),
+            predict(Placement::IDENTITY, v, 9.0, &o)
+        );
     }
 }

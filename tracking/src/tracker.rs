@@ -73,8 +73,7 @@ pub struct Tracker {
 
 impl Tracker {
     pub fn new(head: BodyOptions) -> Self {
-        let mut tracker =
-            Self { sources: Vec::new(), bodies: Vec::new(), scratch: Vec::new() };
+        let mut tracker = Self { sources: Vec::new(), bodies: Vec::new(), scratch: Vec::new() };
         tracker.add_body(head);
         tracker
     }

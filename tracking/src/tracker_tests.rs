@@ -149,7 +149,9 @@ fn a_second_tracker_stands_in() {
         events
     });
     let y = |t: f64| shown.iter().find(|(time, _)| *time >= t).unwrap().1.placement.position_m.y;
-    assert!((y(1.2) - 0.3).abs() < 0.01 && (y(2.8) - 0.1).abs() < 0.01 && (y(5.0) - 0.3).abs() < 0.01);
+    assert!(
+        (y(1.2) - 0.3).abs() < 0.01 && (y(2.8) - 0.1).abs() < 0.01 && (y(5.0) - 0.3).abs() < 0.01
+    );
 }
 
 #[test]

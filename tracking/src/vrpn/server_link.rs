@@ -1,0 +1,393 @@
+//! Owns the server's sockets: taking in clients of both modes, and for each client a thread that
+//! hears it and one that writes to it. Must not know what is reported.
+
+use std::io::{self, ErrorKind, Read, Write};
+use std::net::{IpAddr, Shutdown, SocketAddr, TcpListener, TcpStream, UdpSocket};
+use std::sync::atomic::{AtomicBool, AtomicU16, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use crate::vrpn::messages::Message;
+use crate::vrpn::peer::{Peer, Writer};
+use crate::vrpn::server::{Shared, Tally};
+use crate::vrpn::wire::{
+    COOKIE, Frame, MAX_DATAGRAM_BYTES, Stamp, StreamReader, WireError, check_cookie,
+    datagram_frames,
+};
+
+/// With more than this waiting for a client, it misses reports that a later one makes worthless.
+const LATE_BYTES: usize = 64 * 1024;
+/// With more than this waiting, it is cut off.
+const LOST_BYTES: usize = 1024 * 1024;
+
+const TICK: Duration = Duration::from_millis(50);
+const ACCEPT_EVERY: Duration = Duration::from_millis(20);
+const GREETING_TIMEOUT: Duration = Duration::from_secs(3);
+const CONNECT_BACK_TIMEOUT: Duration = Duration::from_secs(1);
+
+/// One client.
+pub(crate) struct Link {
+    tcp: TcpStream,
+    /// Where the client listened when it asked to be connected to.
+    asked_from: Option<SocketAddr>,
+    peer_ip: IpAddr,
+    udp: Option<UdpSocket>,
+    /// 0 until the client says where it hears UDP.
+    udp_port: AtomicU16,
+    udp_writer: Mutex<Writer>,
+    outbox: Mutex<Outbox>,
+    wake: Condvar,
+    closed: AtomicBool,
+}
+
+#[derive(Default)]
+struct Outbox {
+    bytes: Vec<u8>,
+    writer: Writer,
+}
+
+impl Link {
+    pub(crate) fn is_closed(&self) -> bool {
+        self.closed.load(Ordering::Relaxed)
+    }
+
+    pub(crate) fn close(&self) {
+        self.closed.store(true, Ordering::Relaxed);
+        // Fails only if the stream is down already.
+        let _ = self.tcp.shutdown(Shutdown::Both);
+        let _outbox = self.outbox();
+        self.wake.notify_all();
+    }
+
+    fn outbox(&self) -> MutexGuard<'_, Outbox> {
+        self.outbox.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Sends what belongs on the fast way by UDP, if the client has one, and the rest by TCP.
+    pub(crate) fn send(&self, device: usize, reports: &[Message], stamp: Stamp, tally: &Tally) {
+        let udp = self.udp.as_ref().zip(match self.udp_port.load(Ordering::Relaxed) {
+            0 => None,
+            port => Some(SocketAddr::new(self.peer_ip, port)),
+        });
+        let mut datagram = Vec::new();
+        for report in reports {
+            let fast = report.kind().is_low_latency();
+            match udp {
+                Some(way) if fast => {
+                    self.add_to_datagram(&mut datagram, way, device, report, stamp)
+                }
+                _ => self.add_to_stream(device, report, stamp, fast, tally),
+            }
+        }
+        if let Some(way) = udp {
+            send_datagram(&mut datagram, way);
+        }
+    }
+
+    fn add_to_datagram(
+        &self,
+        datagram: &mut Vec<u8>,
+        way: (&UdpSocket, SocketAddr),
+        device: usize,
+        report: &Message,
+        stamp: Stamp,
+    ) {
+        let mut writer = self.udp_writer.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut frame = Vec::new();
+        writer.message(&mut frame, stamp, device, report);
+        if datagram.len() + frame.len() > MAX_DATAGRAM_BYTES {
+            send_datagram(datagram, way);
+        }
+        datagram.append(&mut frame);
+    }
+
+    fn add_to_stream(
+        &self,
+        device: usize,
+        report: &Message,
+        stamp: Stamp,
+        fast: bool,
+        tally: &Tally,
+    ) {
+        let mut outbox = self.outbox();
+        let Outbox { bytes, writer } = &mut *outbox;
+        if fast && bytes.len() > LATE_BYTES {
+            tally.missed.fetch_add(1, Ordering::Relaxed);
+            return;
+        }
+        let is_lost = bytes.len() > LOST_BYTES;
+        if !is_lost {
+            writer.message(bytes, stamp, device, report);
+        }
+        drop(outbox);
+        if is_lost {
+            self.close();
+        } else {
+            self.wake.notify_one();
+        }
+    }
+
+    /// Writes what is put into the outbox until the link is closed.
+    fn write_out(&self) {
+        loop {
+            let mut outbox = self.outbox();
+            while outbox.bytes.is_empty() && !self.is_closed() {
+                outbox = self.wake.wait(outbox).unwrap_or_else(PoisonError::into_inner);
+            }
+            if self.is_closed() {
+                return;
+            }
+            let bytes = std::mem::take(&mut outbox.bytes);
+            drop(outbox);
+            if (&self.tcp).write_all(&bytes).is_err() {
+                self.close();
+            }
+        }
+    }
+}
+
+/// Sends and empties. A datagram that does not go out is one that the network lost.
+fn send_datagram(datagram: &mut Vec<u8>, (socket, to): (&UdpSocket, SocketAddr)) {
+    if !datagram.is_empty() {
+        let _ = socket.send_to(datagram, to);
+        datagram.clear();
+    }
+}
+
+/// Takes clients that connect by themselves: TCP is all they want.
+pub(crate) fn accept_streams(shared: &Arc<Shared>, listener: &TcpListener) {
+    while !shared.stopped() {
+        match listener.accept() {
+            Ok((tcp, _)) => take_client(shared, tcp, None),
+            // None there, or one that went again at once.
+            Err(_) => thread::sleep(ACCEPT_EVERY),
+        }
+    }
+}
+
+/// Connects back to clients that ask for it by UDP. Only to the address that the request came
+/// from, so that nobody can point us at others.
+pub(crate) fn answer_requests(shared: &Arc<Shared>, requests: &UdpSocket) {
+    let mut bytes = [0; 256];
+    while !shared.stopped() {
+        let Ok((count, from)) = requests.recv_from(&mut bytes) else { continue };
+        let Some(port) = requested_port(&bytes[..count]) else {
+            shared.tally.rejected.fetch_add(1, Ordering::Relaxed);
+            continue;
+        };
+        let asked_from = SocketAddr::new(from.ip(), port);
+        // A client repeats its request until it is heard.
+        let is_known = shared
+            .state()
+            .links
+            .iter()
+            .any(|link| link.asked_from == Some(asked_from) && !link.is_closed());
+        if is_known {
+            continue;
+        }
+        if let Ok(tcp) = TcpStream::connect_timeout(&asked_from, CONNECT_BACK_TIMEOUT) {
+            take_client(shared, tcp, Some(asked_from));
+        }
+    }
+}
+
+/// The port of a request "host port", with a NUL at its end.
+pub(crate) fn requested_port(request: &[u8]) -> Option<u16> {
+    let text = std::str::from_utf8(request.strip_suffix(b"\0").unwrap_or(request)).ok()?;
+    let (host, port) = text.split_once(' ')?;
+    let host_is_sound =
+        !host.is_empty() && host.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'.');
+    if !host_is_sound || !port.bytes().all(|b| b.is_ascii_digit()) {
+        return None;
+    }
+    port.parse().ok().filter(|port| *port >= 1024)
+}
+
+/// Starts the threads of a client, unless there are too many.
+fn take_client(shared: &Arc<Shared>, tcp: TcpStream, asked_from: Option<SocketAddr>) {
+    let mut state = shared.state();
+    state.threads.retain(|thread| !thread.is_finished());
+    state.links.retain(|link| !link.is_closed());
+    // Two threads a client once it is greeted, one before.
+    if state.threads.len() >= 2 * shared.max_clients || state.links.len() >= shared.max_clients {
+        shared.tally.refused.fetch_add(1, Ordering::Relaxed);
+        return;
+    }
+    let on_thread = shared.clone();
+    let hearing = thread::Builder::new().name("vrpn-hear".to_owned()).spawn(move || {
+        if let Err(error) = serve_client(&on_thread, tcp, asked_from) {
+            tracing::debug!(%error, "a VRPN client is gone");
+        }
+    });
+    match hearing {
+        Ok(thread) => state.threads.push(thread),
+        Err(error) => tracing::warn!(%error, "no thread for a VRPN client"),
+    }
+}
+
+/// Greets a client and hears it until it goes.
+fn serve_client(
+    shared: &Arc<Shared>,
+    tcp: TcpStream,
+    asked_from: Option<SocketAddr>,
+) -> io::Result<()> {
+    tcp.set_nonblocking(false)?;
+    tcp.set_nodelay(true)?;
+    tcp.set_read_timeout(Some(TICK))?;
+    tcp.set_write_timeout(Some(GREETING_TIMEOUT))?;
+    (&tcp).write_all(&COOKIE)?;
+    exchange_cookie(shared, &tcp)?;
+
+    let udp = match asked_from {
+        Some(_) => {
+            let udp = UdpSocket::bind((tcp.local_addr()?.ip(), 0))?;
+            udp.set_nonblocking(true)?;
+            Some(udp)
+        }
+        None => None,
+    };
+    let link = Arc::new(Link {
+        peer_ip: tcp.peer_addr()?.ip(),
+        tcp,
+        asked_from,
+        udp,
+        udp_port: AtomicU16::new(0),
+        udp_writer: Mutex::default(),
+        outbox: Mutex::default(),
+        wake: Condvar::new(),
+        closed: AtomicBool::new(false),
+    });
+    greet(shared, &link)?;
+    let result = hear(shared, &link);
+    link.close();
+    result
+}
+
+/// Puts the greeting out and the link among those that reports go to, with nothing in between.
+fn greet(shared: &Shared, link: &Arc<Link>) -> io::Result<()> {
+    let way = match &link.udp {
+        Some(udp) => {
+            let address = udp.local_addr()?;
+            Some((address.ip().to_string(), address.port()))
+        }
+        None => None,
+    };
+    let mut state = shared.state();
+    let mut outbox = link.outbox();
+    let Outbox { bytes, writer } = &mut *outbox;
+    let way = way.as_ref().map(|(ip, port)| (ip.as_str(), *port));
+    writer.greeting(bytes, way, &state.devices, wall_clock());
+    drop(outbox);
+    let writing = link.clone();
+    let thread =
+        thread::Builder::new().name("vrpn-write".to_owned()).spawn(move || writing.write_out())?;
+    state.threads.push(thread);
+    state.links.push(link.clone());
+    shared.tally.accepted.fetch_add(1, Ordering::Relaxed);
+    Ok(())
+}
+
+fn wall_clock() -> Stamp {
+    SystemTime::now().duration_since(UNIX_EPOCH).map_or(Stamp::default(), Stamp::from)
+}
+
+fn exchange_cookie(shared: &Shared, mut tcp: &TcpStream) -> io::Result<()> {
+    let until = Instant::now() + GREETING_TIMEOUT;
+    let mut cookie = [0; COOKIE.len()];
+    let mut filled = 0;
+    while filled < cookie.len() {
+        match tcp.read(&mut cookie[filled..]) {
+            Ok(0) => return Err(ErrorKind::UnexpectedEof.into()),
+            Ok(count) => filled += count,
+            Err(error) if is_pause(&error) && !shared.stopped() && Instant::now() < until => {}
+            Err(error) => return Err(error),
+        }
+    }
+    check_cookie(&cookie).map_err(|error| reject(shared, error))
+}
+
+fn reject(shared: &Shared, error: WireError) -> io::Error {
+    shared.tally.rejected.fetch_add(1, Ordering::Relaxed);
+    io::Error::new(ErrorKind::InvalidData, error)
+}
+
+fn hear(shared: &Shared, link: &Link) -> io::Result<()> {
+    let mut reader = StreamReader::default();
+    let mut peer = Peer::default();
+    let mut bytes = [0; 4096];
+    while !shared.stopped() && !link.is_closed() {
+        match (&link.tcp).read(&mut bytes) {
+            Ok(0) => return Ok(()),
+            Ok(count) => reader.push(&bytes[..count]),
+            Err(error) if is_pause(&error) => {}
+            Err(error) => return Err(error),
+        }
+        while let Some(frame) = reader.next_frame().map_err(|error| reject(shared, error))? {
+            answer(shared, link, &mut peer, &frame);
+        }
+        if let Some(udp) = &link.udp {
+            link.udp_port.store(peer.udp_port().unwrap_or(0), Ordering::Relaxed);
+            hear_datagrams(shared, link, &mut peer, udp);
+        }
+    }
+    Ok(())
+}
+
+/// Takes what has come by UDP: a client may send what it thinks urgent that way.
+fn hear_datagrams(shared: &Shared, link: &Link, peer: &mut Peer, udp: &UdpSocket) {
+    let mut bytes = [0; MAX_DATAGRAM_BYTES];
+    while let Ok((count, from)) = udp.recv_from(&mut bytes) {
+        if from.ip() != link.peer_ip {
+            shared.tally.rejected.fetch_add(1, Ordering::Relaxed);
+            continue;
+        }
+        for frame in datagram_frames(&bytes[..count]) {
+            match frame {
+                Ok(frame) => answer(shared, link, peer, &frame),
+                Err(_) => {
+                    shared.tally.rejected.fetch_add(1, Ordering::Relaxed);
+                }
+            }
+        }
+    }
+}
+
+fn answer(shared: &Shared, link: &Link, peer: &mut Peer, frame: &Frame<'_>) {
+    let before = peer.rejected;
+    // Held until the answers are out, so that button states are not overtaken by changes.
+    let state = shared.state();
+    for (device, message) in peer.receive(frame, &state.devices) {
+        link.add_to_stream(device, &message, wall_clock(), false, &shared.tally);
+    }
+    shared.tally.rejected.fetch_add(peer.rejected - before, Ordering::Relaxed);
+}
+
+/// Whether nothing is wrong but that there is nothing yet.
+fn is_pause(error: &io::Error) -> bool {
+    matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::requested_port;
+
+    #[test]
+    fn requests_are_read_strictly() {
+        assert_eq!(requested_port(b"127.0.0.1 34723\0"), Some(34_723));
+        assert_eq!(requested_port(b"lab.example 1024"), Some(1024));
+        for bad in [
+            &b"127.0.0.1 1023\0"[..],
+            b"127.0.0.1 65536\0",
+            b"127.0.0.1 +3000\0",
+            b"127.0.0.1  3000\0",
+            b"127.0.0.1\0",
+            b" 3000\0",
+            b"; reboot 3000\0",
+            b"\xff\xff 3000\0",
+            b"",
+        ] {
+            assert_eq!(requested_port(bad), None, "{bad:?}");
+        }
+    }
+}
