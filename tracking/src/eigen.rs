@@ -5,26 +5,15 @@
 /// entries. Only the upper triangle is read. Cyclic Jacobi method (Golub and Van Loan, "Matrix
 /// Computations", 8.5).
 pub fn symmetric_eigen<const N: usize>(matrix: [[f64; N]; N]) -> [(f64, [f64; N]); N] {
-    let mut a = matrix;
-    for row in 0..N {
-        for column in 0..row {
-            a[row][column] = a[column][row];
-        }
-    }
-    let mut v = [[0.0; N]; N];
-    for (i, row) in v.iter_mut().enumerate() {
-        row[i] = 1.0;
-    }
-    let size: f64 = a.iter().flatten().map(|x| x * x).sum();
+    let mut a: [[f64; N]; N] =
+        std::array::from_fn(|i| std::array::from_fn(|j| matrix[i.min(j)][i.max(j)]));
+    let mut v: [[f64; N]; N] =
+        std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
+    let size: f64 = a.as_flattened().iter().map(|x| x * x).sum();
     // Convergence is quadratic; a 4x4 matrix takes about six sweeps.
     for _ in 0..32 {
-        let mut off = 0.0;
-        for p in 0..N {
-            for q in p + 1..N {
-                off += a[p][q] * a[p][q];
-            }
-        }
-        if off <= 1.0e-32 * size {
+        let beside = |(i, row): (usize, &[f64; N])| row[i + 1..].iter().map(|x| x * x).sum::<f64>();
+        if a.iter().enumerate().map(beside).sum::<f64>() <= 1.0e-32 * size {
             break;
         }
         for p in 0..N {
@@ -39,7 +28,7 @@ pub fn symmetric_eigen<const N: usize>(matrix: [[f64; N]; N]) -> [(f64, [f64; N]
     pairs
 }
 
-/// One rotation that makes entry (p, q) zero, applied to the matrix and to the vectors.
+/// One rotation that makes entry (p, q), p below q, zero, applied to the matrix and to the vectors.
 fn rotate<const N: usize>(a: &mut [[f64; N]; N], v: &mut [[f64; N]; N], p: usize, q: usize) {
     if a[p][q] == 0.0 {
         return;
@@ -48,14 +37,12 @@ fn rotate<const N: usize>(a: &mut [[f64; N]; N], v: &mut [[f64; N]; N], p: usize
     let t = theta.signum() / (theta.abs() + theta.hypot(1.0));
     let c = 1.0 / t.hypot(1.0);
     let s = t * c;
-    for row in a.iter_mut() {
+    for row in a.iter_mut().chain(v) {
         (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
     }
-    for k in 0..N {
-        (a[p][k], a[q][k]) = (c * a[p][k] - s * a[q][k], s * a[p][k] + c * a[q][k]);
-    }
-    for row in v.iter_mut() {
-        (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
+    let (upper, lower) = a.split_at_mut(q);
+    for (x, y) in upper[p].iter_mut().zip(&mut lower[0]) {
+        (*x, *y) = (c * *x - s * *y, s * *x + c * *y);
     }
 }
 

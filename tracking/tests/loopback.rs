@@ -1,6 +1,8 @@
 //! Owns the proof that our client and our server understand each other, in both modes, over real
 //! sockets on loopback.
 
+#![allow(clippy::unwrap_used)] // A test that fails says where.
+
 mod captured;
 mod waiting;
 

@@ -1,6 +1,8 @@
 //! Owns the proof that our client understands the reference implementation: captured streams played
 //! by a pretended server, connections that break, and servers that break the rules.
 
+#![allow(clippy::unwrap_used)] // A test that fails says where.
+
 mod captured;
 mod waiting;
 

@@ -1,5 +1,7 @@
 //! Owns the proof that our server serves stock clients in both modes and survives bad ones.
 
+#![allow(clippy::unwrap_used)] // A test that fails says where.
+
 mod captured;
 mod waiting;
 

@@ -56,7 +56,7 @@ impl FromStr for DeviceAddress {
         };
         // An IPv6 address stands in brackets, as in URLs.
         let (host, port) = match place.strip_prefix('[').and_then(|rest| rest.split_once(']')) {
-            Some((host, rest)) if rest.is_empty() => (host, None),
+            Some((host, "")) => (host, None),
             Some((host, rest)) => (host, Some(rest.strip_prefix(':').ok_or_else(error)?)),
             None => match place.split_once(':') {
                 Some((host, port)) => (host, Some(port)),
