@@ -1,5 +1,8 @@
 //! The passes of a frame, one file each. They own no policy: what to draw comes in as values.
 
+pub mod background;
+pub mod gui;
+pub mod overlay;
 pub mod slicing;
 pub mod target;
 pub mod volume;
@@ -7,8 +10,3 @@ pub mod volume;
 pub use slicing::Slicing;
 pub use target::IndexTarget;
 pub use volume::Volume;
-//! Passes: each takes values and targets, records commands, and owns no policy.
-
-pub mod background;
-pub mod gui;
-pub mod overlay;
