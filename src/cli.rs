@@ -10,10 +10,9 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 use glam::Vec3;
 
-use crate::app;
 use crate::config::{Config, RenderMode};
 use crate::doctor;
-use crate::format::options::{Colouring, Existence, ExportForm, ImportOptions, RawLayout};
+use crate::format::{Colouring, Existence, ExportForm, ImportOptions, RawLayout};
 use crate::headless::{self, JobError, RunJob};
 use crate::progress::Bar;
 use crate::sculpture::ColourDepth;
@@ -81,7 +80,11 @@ pub enum Job {
         import: ImportArgs,
     },
     /// Say what a file holds
-    Info { file: PathBuf },
+    Info {
+        file: PathBuf,
+        #[command(flatten)]
+        import: ImportArgs,
+    },
     /// Build the demo scene with a script, render it and save it
     Demo {
         /// Folder for demo.png and demo.pvm (made if missing)
@@ -114,13 +117,6 @@ pub fn main() -> ExitCode {
 /// Without a job: the window where there is a display; elsewhere, unless a file was named, the
 /// demo, so that the program shows what it does on any machine.
 fn window_or_demo(cli: Cli, config: Config, progress: &Bar) -> Result<(), JobError> {
-    let set = |name| std::env::var_os(name).is_some_and(|v| !v.is_empty());
-    let display = !cfg!(target_os = "linux") || set("DISPLAY") || set("WAYLAND_DISPLAY");
-    if display {
-        let options =
-            app::AppOptions { file: cli.file, import: cli.import.options(), record: cli.record };
-        return app::run(config, options).map_err(JobError::from);
-    }
     if cli.file.is_some() || cli.record.is_some() {
         return Err(JobError::NoDisplay);
     }
@@ -143,14 +139,16 @@ fn dispatch(cli: Cli) -> Result<(), JobError> {
         Some(Job::Convert { input, output, form, import }) => {
             headless::convert(&input, &output, form, &import.options(), &config, &progress)
         }
-        Some(Job::Info { file }) => headless::info(&file),
+        Some(Job::Info { file, import }) => {
+            headless::info(&file, &import.options(), &config, &progress)
+        }
         Some(Job::Demo { out, picture }) => headless::demo(&out, &picture, &config, &progress),
         Some(Job::Commands) => {
             headless::commands();
             Ok(())
         }
         Some(Job::Doctor) => {
-            doctor::report(&config.gpu);
+            doctor::report();
             Ok(())
         }
         None => window_or_demo(cli, config, &progress),
@@ -231,9 +229,9 @@ impl Default for PictureArgs {
 const THREE_QUARTER: Vec3 = Vec3::new(0.8, 0.6, 1.0);
 
 fn parse_size(text: &str) -> Result<glam::UVec2, String> {
-    let size = text.split_once(['x', 'X']).and_then(|(w, h)| {
-        Some(glam::UVec2::new(w.trim().parse().ok()?, h.trim().parse().ok()?))
-    });
+    let size = text
+        .split_once(['x', 'X'])
+        .and_then(|(w, h)| Some(glam::UVec2::new(w.trim().parse().ok()?, h.trim().parse().ok()?)));
     match size {
         Some(s) if s.min_element() >= 1 && s.max_element() <= 16384 => Ok(s),
         _ => Err("write it as WIDTHxHEIGHT, each 1 to 16384".to_string()),

@@ -11,6 +11,7 @@ use std::path::PathBuf;
 
 use glam::{UVec3, Vec3};
 
+use crate::format::{ExportForm, ImportOptions};
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::{ColourDepth, Placement, Rgb};
 use crate::tools::construct::Primitive;
@@ -35,9 +36,9 @@ pub enum Command {
     /// Replace the sculpture by a new one.
     New(NewSculpture),
     /// Replace the sculpture by the contents of a file.
-    Open { path: PathBuf },
+    Open { path: PathBuf, import: ImportOptions },
     /// Write the sculpture to a file, in the format its name's ending says.
-    Save { path: PathBuf },
+    Save { path: PathBuf, form: ExportForm },
     /// Open a stroke: the commands up to `End` are one undo step.
     Begin { label: String },
     /// Close the open stroke.
@@ -76,7 +77,7 @@ pub const COMMANDS: &[CommandHelp] = &[
     },
     CommandHelp {
         verb: "open",
-        usage: "\"PATH\"",
+        usage: "\"PATH\" [threshold=auto|N] [colouring=auto|none|grey|tissue|packed] [colour=0|8|16|24] [raw=LAYOUT]",
         tooltip: "Replace the sculpture by the contents of a file",
     },
     CommandHelp { verb: "save", usage: "\"PATH\"", tooltip: "Write the sculpture to a file" },

@@ -11,6 +11,7 @@ use glam::{EulerRot, Quat, UVec3, Vec3};
 use thiserror::Error;
 
 use crate::command::{COMMANDS, Command, NewSculpture};
+use crate::format::{Colouring, Existence, ExportForm, ImportOptions};
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::{ColourDepth, Placement, Rgb};
 use crate::tools::construct::{Primitive, Solid};
@@ -60,8 +61,23 @@ impl fmt::Display for Command {
                 let fill = if new.solid { "solid" } else { "empty" };
                 write!(f, " colour={} base={} fill={fill}", new.colour_depth.bits(), new.base)
             }
-            Command::Open { path } | Command::Save { path } => {
-                write!(f, " {}", Quoted(&path.to_string_lossy()))
+            Command::Open { path, import } => {
+                write!(f, " {}", Quoted(&path.to_string_lossy()))?;
+                let ImportOptions { existence, colouring, colour_depth, raw } = import;
+                if *existence != Existence::Auto {
+                    write!(f, " threshold={existence}")?;
+                }
+                if *colouring != Colouring::Auto {
+                    write!(f, " colouring={colouring}")?;
+                }
+                if let Some(depth) = colour_depth {
+                    write!(f, " colour={}", depth.bits())?;
+                }
+                raw.map_or(Ok(()), |raw| write!(f, " raw={raw}"))
+            }
+            Command::Save { path, form } => {
+                write!(f, " {}", Quoted(&path.to_string_lossy()))?;
+                if *form != ExportForm::Auto { write!(f, " form={form}") } else { Ok(()) }
             }
             Command::Begin { label } => write!(f, " {}", Quoted(label)),
             Command::Construct { op, primitive } => {
@@ -111,8 +127,19 @@ impl FromStr for Command {
         let verb = args.verb.clone();
         let command = match verb.as_str() {
             "new" => Command::New(parse_new(&mut args)?),
-            "open" => Command::Open { path: args.word("a file name")?.into() },
-            "save" => Command::Save { path: args.word("a file name")?.into() },
+            "open" => Command::Open {
+                path: args.word("a file name")?.into(),
+                import: ImportOptions {
+                    existence: args.optional("threshold", str::parse)?.unwrap_or_default(),
+                    colouring: args.optional("colouring", str::parse)?.unwrap_or_default(),
+                    colour_depth: args.optional("colour", parse_colour_depth)?,
+                    raw: args.optional("raw", str::parse)?,
+                },
+            },
+            "save" => Command::Save {
+                path: args.word("a file name")?.into(),
+                form: args.optional("form", str::parse)?.unwrap_or_default(),
+            },
             "begin" => Command::Begin { label: args.optional_word().unwrap_or("stroke".into()) },
             "end" => Command::End,
             "cancel" => Command::Cancel,
@@ -146,14 +173,7 @@ fn parse_new(args: &mut Arguments) -> Result<NewSculpture, ParseError> {
             Ok(UVec3::new(x, y, z))
         })?,
         voxel_size: args.optional("size", parse_vec3)?.unwrap_or(Vec3::ONE),
-        colour_depth: args
-            .optional("colour", |text| {
-                number(text)
-                    .ok()
-                    .and_then(ColourDepth::from_bits)
-                    .ok_or_else(|| "must be 0, 8, 16 or 24 bits".to_string())
-            })?
-            .unwrap_or_default(),
+        colour_depth: args.optional("colour", parse_colour_depth)?.unwrap_or_default(),
         base: args.optional("base", parse_colour)?.unwrap_or(DEFAULT_BASE),
         solid: args
             .optional("fill", |text| match text {
@@ -212,6 +232,11 @@ fn parse_rotation(text: &str) -> Result<Quat, String> {
         false if quat.length_squared() > 1e-12 => Ok(quat.normalize()),
         false => Err("is a quaternion of length 0".to_string()),
     }
+}
+
+fn parse_colour_depth(text: &str) -> Result<ColourDepth, String> {
+    let depth = number(text).ok().and_then(ColourDepth::from_bits);
+    depth.ok_or_else(|| "must be 0, 8, 16 or 24 bits".to_string())
 }
 
 fn parse_colour(text: &str) -> Result<Rgb, String> {

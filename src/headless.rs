@@ -12,8 +12,9 @@ use crate::command::{COMMANDS, Command};
 use crate::command_text::{ScriptError, parse_script};
 use crate::config::{Config, ConfigError};
 use crate::document::Document;
-use crate::format::options::{ExportForm, ImportOptions};
+use crate::format::Histogram;
 use crate::format::{self, FormatError};
+use crate::format::{ExportForm, ImportOptions};
 use crate::picture::{self, PictureError};
 use crate::progress::Progress;
 use crate::session::{Session, SessionError};
@@ -40,9 +41,9 @@ pub enum JobError {
     Folder { path: PathBuf, error: std::io::Error },
     #[error(transparent)]
     Picture(#[from] PictureError),
-    #[error(transparent)]
-    App(#[from] crate::app::AppError),
-    #[error("there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); `render`, `run`, `convert`, `info` and `demo` need none")]
+    #[error(
+        "there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); `render`, `run`, `convert`, `info` and `demo` need none"
+    )]
     NoDisplay,
 }
 
@@ -57,7 +58,7 @@ impl JobError {
             | JobError::Script { .. }
             | JobError::Command { .. } => 3,
             JobError::Picture(PictureError::Gpu(_)) | JobError::NoDisplay => 4,
-            JobError::Session(_) | JobError::Folder { .. } | JobError::Picture(_) | JobError::App(_) => 1,
+            JobError::Session(_) | JobError::Folder { .. } | JobError::Picture(_) => 1,
         }
     }
 }
@@ -120,10 +121,33 @@ pub fn convert(
 }
 
 /// Says what a file holds.
-pub fn info(file: &Path) -> Result<(), JobError> {
+pub fn info(
+    file: &Path,
+    import: &ImportOptions,
+    config: &Config,
+    progress: &dyn Progress,
+) -> Result<(), JobError> {
     let failed = |error| JobError::Info { path: file.to_path_buf(), error };
-    let info = format::info(file).map_err(failed)?;
-    println!("{info}");
+    let info = format::info(file, import, &config.limits(), progress).map_err(failed)?;
+    println!("file: {} ({} bytes, {})", file.display(), info.file_bytes, info.kind);
+    let (UVec3 { x, y, z }, size) = (info.dims, info.voxel_size);
+    println!("size: {x}x{y}x{z} voxels of {}x{}x{}", size.x, size.y, size.z);
+    println!("voxels: {}", info.samples);
+    if let Some(densities) = &info.densities {
+        let Histogram { min, max, .. } = densities.histogram;
+        println!("densities: {min} to {max}, existing from {}", densities.threshold);
+    }
+    if let Some(signature) = &info.signature {
+        let (bits, base) = (signature.colour_depth.bits(), signature.base);
+        println!("sculpture: {bits} bits of colour, base {base}");
+    }
+    for (name, text) in info.texts.named() {
+        // Texts are data: whatever could steer a terminal is written as an escape.
+        let lossy = String::from_utf8_lossy(text);
+        for line in lossy.lines() {
+            println!("{name}: {}", line.escape_debug());
+        }
+    }
     Ok(())
 }
 
@@ -156,8 +180,8 @@ fn execute_script(
     path: &Path,
     progress: &dyn Progress,
 ) -> Result<(), JobError> {
-    let commands = parse_script(text)
-        .map_err(|error| JobError::Script { path: path.to_path_buf(), error })?;
+    let commands =
+        parse_script(text).map_err(|error| JobError::Script { path: path.to_path_buf(), error })?;
     let count = commands.len().max(1) as f32;
     progress.begin("running the script");
     for (i, (line, command)) in commands.iter().enumerate() {

@@ -2,18 +2,23 @@
 //!
 //! ARCHITECTURE.md is the map of the rooms below.
 
+pub mod cli;
 pub mod command;
 pub mod command_text;
 pub mod config;
+pub mod doctor;
 pub mod document;
 pub mod format;
 pub mod gpu;
+pub mod headless;
 pub mod input;
+pub mod picture;
 pub mod progress;
 pub mod render;
 pub mod scenes;
 pub mod screen;
 pub mod sculpture;
+pub mod session;
 pub mod shade;
 pub mod surface;
 pub mod tools;

@@ -1,3 +1,5 @@
 //! The program: arguments to one of its jobs. See `cli`.
 
-fn main() {}
+fn main() -> std::process::ExitCode {
+    virtual_sculpture::cli::main()
+}

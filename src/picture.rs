@@ -11,6 +11,7 @@ use thiserror::Error;
 
 use crate::config::{Config, RenderMode};
 use crate::document::Document;
+use crate::format::{FormatError, store};
 use crate::gpu::{Device, Frames, GpuError, Headless, Use, read_image_once};
 use crate::render::{IndexTarget, Slicing, Volume};
 use crate::sculpture::Grid;
@@ -27,8 +28,10 @@ pub const BACKGROUND: [[u8; 3]; 2] = [[58, 64, 76], [24, 26, 31]];
 pub enum PictureError {
     #[error("{0}; `--mode ray` renders without Vulkan")]
     Gpu(#[from] GpuError),
+    #[error("Vulkan's validation layers complain:\n{0}")]
+    Validation(String),
     #[error("cannot write the picture {path}: {error}")]
-    Write { path: PathBuf, error: std::io::Error },
+    Write { path: PathBuf, error: FormatError },
     #[error("cannot encode the picture: {0}")]
     Encode(#[from] image::ImageError),
 }
@@ -52,9 +55,8 @@ pub struct View {
 impl View {
     /// The eye that frames what exists of `document`, and the pose of its grid.
     fn frame(&self, document: &Document) -> (Eye, Affine3A) {
-        let world_from_grid =
-            Affine3A::from_quat(Quat::from_axis_angle(self.up, self.turn_rad))
-                * document.world_from_grid();
+        let world_from_grid = Affine3A::from_quat(Quat::from_axis_angle(self.up, self.turn_rad))
+            * document.world_from_grid();
         let (min, max) =
             document.grid().opaque_bounds().unwrap_or((UVec3::ZERO, document.grid().dims()));
         let (min, max) = (min.as_vec3(), max.as_vec3());
@@ -93,7 +95,7 @@ pub fn render_to_file(
     let picture = render(document, view, config)?;
     let mut png = std::io::Cursor::new(Vec::new());
     picture.write_to(&mut png, image::ImageFormat::Png)?;
-    crate::format::store::write_atomically(path, png.get_ref())
+    store::write(path, png.get_ref())
         .map_err(|error| PictureError::Write { path: path.to_path_buf(), error })
 }
 
@@ -115,7 +117,7 @@ fn sample(
 }
 
 /// Samples by slicing on a device of its own, which is given back afterwards.
-fn slice(grid: &Grid, config: &Config, map: &mut IndexMap) -> Result<(), GpuError> {
+fn slice(grid: &Grid, config: &Config, map: &mut IndexMap) -> Result<(), PictureError> {
     let device = Device::new(&mut Headless, &config.device_options())?;
     let volume = Volume::new(&device, grid)?;
     let mut areas = SliceAreas::default();
@@ -131,7 +133,10 @@ fn slice(grid: &Grid, config: &Config, map: &mut IndexMap) -> Result<(), GpuErro
     let bytes =
         read_image_once(&device, target.index().layer(0), [x, y, 1], 4, Use::COLOUR_TARGET)?;
     map.voxels.copy_from_slice(&bytemuck::pod_collect_to_vec::<u8, u32>(&bytes));
-    device.check_validation()
+    match device.validation_messages() {
+        messages if messages.is_empty() => Ok(()),
+        messages => Err(PictureError::Validation(messages.join("\n"))),
+    }
 }
 
 /// Puts shaded pixels over the background gradient.

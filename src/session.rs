@@ -13,8 +13,9 @@ use thiserror::Error;
 use crate::command::{Command, NewSculpture};
 use crate::config::Config;
 use crate::document::{Applied, CommandError, Document, Limits};
-use crate::format::options::{ExportForm, ImportOptions};
-use crate::format::{self, FormatError};
+use crate::format::ImportOptions;
+use crate::format::Texts;
+use crate::format::{self, FormatError, Loaded, SaveOptions};
 use crate::progress::Progress;
 
 /// Why a command could not be carried out. The sculpture is as it was before.
@@ -35,6 +36,8 @@ pub enum SessionError {
 pub struct Session {
     document: Document,
     path: Option<PathBuf>,
+    /// Texts of the file, which go along when it is saved.
+    texts: Texts,
     /// Revision of the document when it was last opened or saved.
     saved_revision: u64,
     journal: Option<Journal>,
@@ -60,14 +63,21 @@ impl Session {
         limits: Limits,
         progress: &dyn Progress,
     ) -> Result<Session, SessionError> {
-        let loaded = load(path, import, &limits, progress)?;
-        let mut session = Session::with_document(Document::from_contents(loaded, limits));
+        let Loaded { contents, texts, .. } = load(path, import, &limits, progress)?;
+        let mut session = Session::with_document(Document::from_contents(contents, limits));
         session.path = Some(path.to_path_buf());
+        session.texts = texts;
         Ok(session)
     }
 
     fn with_document(document: Document) -> Session {
-        Session { saved_revision: document.revision(), document, path: None, journal: None }
+        Session {
+            saved_revision: document.revision(),
+            document,
+            path: None,
+            texts: Texts::default(),
+            journal: None,
+        }
     }
 
     pub fn document(&self) -> &Document {
@@ -103,15 +113,17 @@ impl Session {
     ) -> Result<Applied, SessionError> {
         let applied = match command {
             Command::Open { path, import } => {
-                let contents = load(path, import, self.document.limits(), progress)?;
+                let loaded = load(path, import, self.document.limits(), progress)?;
                 let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-                self.document.replace(contents, &format!("open {name}"))?;
+                self.document.replace(loaded.contents, &format!("open {name}"))?;
+                self.texts = loaded.texts;
                 self.path = Some(path.clone());
                 self.saved_revision = self.document.revision();
                 Applied::default()
             }
             Command::Save { path, form } => {
-                format::save(path, self.document.contents(), *form, progress)
+                let options = SaveOptions { form: *form, texts: self.texts.clone() };
+                format::save(path, self.document.contents(), &options, progress)
                     .map_err(|error| SessionError::Save { path: path.clone(), error })?;
                 self.path = Some(path.clone());
                 self.saved_revision = self.document.revision();
@@ -120,6 +132,7 @@ impl Session {
             Command::New(_) => {
                 let applied = self.document.apply(command)?;
                 self.path = None;
+                self.texts = Texts::default();
                 applied
             }
             _ => self.document.apply(command)?,
@@ -136,9 +149,8 @@ fn load(
     import: &ImportOptions,
     limits: &Limits,
     progress: &dyn Progress,
-) -> Result<crate::sculpture::history::Contents, SessionError> {
+) -> Result<Loaded, SessionError> {
     format::load(path, import, limits, progress)
-        .map(|loaded| loaded.contents)
         .map_err(|error| SessionError::Open { path: path.to_path_buf(), error })
 }
 

@@ -216,7 +216,8 @@ fn tools_are_chosen_by_buttons_and_by_keys() {
         harness.run();
         assert_eq!(harness.state().ui.hand.mode, mode);
     }
-    for (k, solid) in [(Key::P, Solid::Pyramid), (Key::C, Solid::Cuboid), (Key::E, Solid::Ellipsoid)]
+    for (k, solid) in
+        [(Key::P, Solid::Pyramid), (Key::C, Solid::Cuboid), (Key::E, Solid::Ellipsoid)]
     {
         key(&mut harness, Modifiers::NONE, k);
         assert_eq!(harness.state().ui.hand.solid, solid);
@@ -453,7 +454,10 @@ fn everything_fits_at_both_sizes_and_in_both_themes() {
             }
             let picture = harness.state().picture();
             assert!(picture.width() > 0.55 * size.x && picture.height() > 0.85 * size.y);
-            assert!(harness.get_by_label("Menu").rect().left() > harness.get_by_label("Help").rect().right() - 0.5);
+            assert!(
+                harness.get_by_label("Menu").rect().left()
+                    > harness.get_by_label("Help").rect().right() - 0.5
+            );
         }
     }
 }

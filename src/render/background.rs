@@ -31,11 +31,7 @@ pub struct Background {
 
 impl Background {
     /// For a target of `colour` with a depth attachment of `depth`, which is left as it is.
-    pub fn new(
-        device: &Arc<Device>,
-        colour: vk::Format,
-        depth: vk::Format,
-    ) -> Result<Background> {
+    pub fn new(device: &Arc<Device>, colour: vk::Format, depth: vk::Format) -> Result<Background> {
         let push = Some((vk::ShaderStageFlags::FRAGMENT, size_of::<Constants>()));
         let layout = PipelineLayout::new(device, "background", None, push)?;
         let pipeline = Pipeline::graphics(

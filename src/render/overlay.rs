@@ -180,7 +180,8 @@ impl Overlay {
         if ghost.opacity[side] <= 0.0 {
             return;
         }
-        let eye_from_tool = scene.eye_from_grid * grid_from_tool(&ghost.primitive, ghost.voxel_size);
+        let eye_from_tool =
+            scene.eye_from_grid * grid_from_tool(&ghost.primitive, ghost.voxel_size);
         let normals = Mat3::from(eye_from_tool.matrix3).inverse().transpose();
         let rows = normals.transpose();
         let row = |axis: Vec3| axis.extend(0.0).to_array();
@@ -294,7 +295,12 @@ fn triangles(solid: Solid) -> Vec<Triangle> {
                 for sign in [-1.0, 1.0] {
                     let normal = Vec3::AXES[axis] * sign;
                     let (u, v) = (Vec3::AXES[(axis + 1) % 3] * sign, Vec3::AXES[(axis + 2) % 3]);
-                    faces.extend(quad([normal - u - v, normal + u - v, normal + u + v, normal - u + v]));
+                    faces.extend(quad([
+                        normal - u - v,
+                        normal + u - v,
+                        normal + u + v,
+                        normal - u + v,
+                    ]));
                 }
             }
             faces
@@ -314,7 +320,8 @@ fn triangles(solid: Solid) -> Vec<Triangle> {
 fn ball() -> Vec<Triangle> {
     let rings = SEGMENTS / 2;
     let at = |ring: usize, segment: usize| {
-        let (theta, phi) = (PI * ring as f32 / rings as f32, TAU * segment as f32 / SEGMENTS as f32);
+        let (theta, phi) =
+            (PI * ring as f32 / rings as f32, TAU * segment as f32 / SEGMENTS as f32);
         Vec3::new(theta.sin() * phi.sin(), theta.cos(), theta.sin() * phi.cos())
     };
     let mut out = Vec::new();
@@ -384,7 +391,8 @@ mod tests {
         // point is inside the solid, but for points too near to the surface to tell.
         let mut told = 0;
         for i in 0..1000u32 {
-            let unit = |salt: u32| (i.wrapping_mul(salt) >> 8 & 0xffff) as f32 / 65535.0 * 3.0 - 1.5;
+            let unit =
+                |salt: u32| (i.wrapping_mul(salt) >> 8 & 0xffff) as f32 / 65535.0 * 3.0 - 1.5;
             let p = Vec3::new(unit(2654435761), unit(2246822519), unit(3266489917));
             let voxel = grid_from_tool.transform_point3(p).floor().as_ivec3();
             let depth = p.abs().max_element();

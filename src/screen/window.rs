@@ -9,7 +9,9 @@ use std::sync::Arc;
 
 use ash::{khr, vk};
 
-use crate::gpu::{Device, During, FRAMES_IN_FLIGHT, GpuError, ImagePart, Recorder, Result, Surface};
+use crate::gpu::{
+    Device, During, FRAMES_IN_FLIGHT, GpuError, ImagePart, Recorder, Result, Surface,
+};
 
 /// Longest wait for an image of the swapchain; a compositor may give none to a hidden window.
 const ACQUIRE_TIMEOUT_NS: u64 = 200_000_000;
@@ -331,9 +333,9 @@ fn choose_format(device: &Device, surface: &Surface) -> Result<vk::SurfaceFormat
     wanted
         .iter()
         .find_map(|&wanted| {
-            formats.iter().find(|f| {
-                f.format == wanted && f.color_space == vk::ColorSpaceKHR::SRGB_NONLINEAR
-            })
+            formats
+                .iter()
+                .find(|f| f.format == wanted && f.color_space == vk::ColorSpaceKHR::SRGB_NONLINEAR)
         })
         .copied()
         .ok_or_else(|| GpuError::Host("the window has no format of 8 bits a colour".to_string()))

@@ -67,10 +67,16 @@ pub fn show(root: &Ui, state: &mut UiState, intents: &mut Vec<Intent>) {
     files.dialog.update(root.ctx());
     let Some(path) = files.dialog.take_picked() else { return };
     match files.task {
-        FileTask::Open => intents.push(Intent::Run(Command::Open { path })),
-        FileTask::SaveAs => intents.push(Intent::Run(Command::Save { path: with_ending(path) })),
+        FileTask::Open => {
+            intents.push(Intent::Run(Command::Open { path, import: Default::default() }))
+        }
+        FileTask::SaveAs => intents
+            .push(Intent::Run(Command::Save { path: with_ending(path), form: Default::default() })),
         FileTask::SaveAndLeave => {
-            intents.push(Intent::Run(Command::Save { path: with_ending(path) }));
+            intents.push(Intent::Run(Command::Save {
+                path: with_ending(path),
+                form: Default::default(),
+            }));
             intents.push(Intent::Leave);
         }
     }
