@@ -45,19 +45,44 @@ impl<'a> BitSource<'a> {
 /// Bits appended one field after another.
 #[derive(Clone, Debug, Default)]
 pub struct BitSink {
-    /// Whole bytes up to `filled`, then room.
+    /// Whole bytes up to where the end says, then room.
     bytes: Vec<u8>,
+    end: End,
+}
+
+/// Where a sink has got to. Kept apart from the bytes so that a loop of pushes has it in
+/// registers.
+#[derive(Clone, Copy, Debug, Default)]
+struct End {
+    /// Whole bytes.
     filled: usize,
     /// Bits that do not fill a byte yet, highest first, and how many (0..8).
     pending: u64,
     pending_bits: u32,
 }
 
+impl End {
+    /// Appends the lowest `bits` (0 to 56) bits of `value`, whose other bits must be zero.
+    #[inline(always)]
+    fn push(&mut self, bytes: &mut [u8], value: u64, bits: u32) {
+        debug_assert!(bits <= 56 && value >> bits == 0);
+        // In two steps, since nothing to push with nothing pending would shift by 64.
+        self.pending |= (value << (56 - bits)) << (8 - self.pending_bits);
+        self.pending_bits += bits;
+        bytes[self.filled..self.filled + 8].copy_from_slice(&self.pending.to_be_bytes());
+        let whole = self.pending_bits >> 3;
+        self.filled += whole as usize;
+        // 63 bits may be pending, so at most 7 whole bytes: the shift stays below 64.
+        self.pending <<= whole * 8;
+        self.pending_bits &= 7;
+    }
+}
+
 impl BitSink {
     /// Sees to it that `bytes` more bytes can be appended by [`BitSink::push`].
     #[inline]
     pub fn reserve(&mut self, bytes: usize) {
-        let wanted = self.filled + bytes + 8;
+        let wanted = self.end.filled + bytes + 8;
         if self.bytes.len() < wanted {
             self.bytes.resize(wanted.max(2 * self.bytes.len()), 0);
         }
@@ -67,43 +92,37 @@ impl BitSink {
     /// There must be room, see [`BitSink::reserve`].
     #[inline(always)]
     pub fn push(&mut self, value: u64, bits: u32) {
-        debug_assert!(bits <= 56 && value >> bits == 0);
-        // In two steps, since nothing to push with nothing pending would shift by 64.
-        self.pending |= (value << (56 - bits)) << (8 - self.pending_bits);
-        self.pending_bits += bits;
-        self.bytes[self.filled..self.filled + 8].copy_from_slice(&self.pending.to_be_bytes());
-        let whole = self.pending_bits >> 3;
-        self.filled += whole as usize;
-        // 63 bits may be pending, so at most 7 whole bytes: the shift stays below 64.
-        self.pending <<= whole * 8;
-        self.pending_bits &= 7;
+        self.end.push(&mut self.bytes, value, bits);
+    }
+
+    /// [`BitSink::push`] for many fields of `bits` bits.
+    #[inline(always)]
+    pub fn push_all(&mut self, values: impl Iterator<Item = u64>, bits: u32) {
+        let mut end = self.end;
+        values.for_each(|value| end.push(&mut self.bytes, value, bits));
+        self.end = end;
     }
 
     /// Appends all bits of `other`.
     pub fn append(&mut self, other: &BitSink) {
-        self.reserve(other.filled + 1);
-        let whole = &other.bytes[..other.filled];
-        let mut chunks = whole.chunks_exact(7);
-        for chunk in &mut chunks {
-            let mut word = [0u8; 8];
-            word[1..].copy_from_slice(chunk);
-            self.push(u64::from_be_bytes(word), 56);
-        }
-        for &byte in chunks.remainder() {
-            self.push(u64::from(byte), 8);
-        }
-        if other.pending_bits > 0 {
-            self.push(other.pending >> (64 - other.pending_bits), other.pending_bits);
+        self.reserve(other.end.filled + 1);
+        let (words, rest) = other.bytes[..other.end.filled].as_chunks::<7>();
+        let word =
+            |[a, b, c, d, e, f, g]: &[u8; 7]| u64::from_be_bytes([0, *a, *b, *c, *d, *e, *f, *g]);
+        self.push_all(words.iter().map(word), 56);
+        self.push_all(rest.iter().map(|&byte| u64::from(byte)), 8);
+        if other.end.pending_bits > 0 {
+            self.push(other.end.pending >> (64 - other.end.pending_bits), other.end.pending_bits);
         }
     }
 
     /// All bits as bytes, the last one filled up with zeros.
     pub fn into_bytes(mut self) -> Vec<u8> {
-        if self.pending_bits > 0 {
+        if self.end.pending_bits > 0 {
             self.reserve(1);
-            self.push(0, 8 - self.pending_bits);
+            self.push(0, 8 - self.end.pending_bits);
         }
-        self.bytes.truncate(self.filled);
+        self.bytes.truncate(self.end.filled);
         self.bytes
     }
 }

@@ -41,9 +41,9 @@ pub const MAX_STRIP: usize = 1 << 16;
 pub const MAX_SKIP: usize = 4;
 /// Samples after which a new segment begins with the next run.
 const SEGMENT_SAMPLES: u64 = 1 << 17;
-/// Samples encoded by one worker at a time. Not a power of two: the sixteen stretches that are
-/// searched side by side would all fall on the same lines of the cache.
-const CHUNK_SAMPLES: usize = 16 * 64 * 193;
+/// Samples encoded by one worker at a time. Not a power of two: the stretches that are searched
+/// side by side would all fall on the same lines of the cache.
+const CHUNK_SAMPLES: usize = split::LANES * 64 * 97;
 
 /// A DDS stream whose runs have been found, not yet decoded.
 #[derive(Debug)]

@@ -158,14 +158,12 @@ pub fn encode_run(sink: &mut BitSink, code: usize, residuals: &[u8]) {
 #[inline(always)]
 fn encode_groups<const W: u32>(sink: &mut BitSink, residuals: &[u8]) {
     let (groups, rest) = residuals.as_chunks::<8>();
-    for group in groups {
-        let v = fields::<W>(u64::from_be_bytes(*group));
-        if W == 8 {
-            sink.push(v >> 32, 32);
-            sink.push(v & 0xFFFF_FFFF, 32);
-        } else {
-            sink.push(v, 8 * W);
-        }
+    let groups = groups.iter().map(|group| fields::<W>(u64::from_be_bytes(*group)));
+    if W == 8 {
+        // More than one push takes.
+        sink.push_all(groups.flat_map(|v| [v >> 32, v & 0xFFFF_FFFF]), 32);
+    } else {
+        sink.push_all(groups, 8 * W);
     }
     if !rest.is_empty() {
         let mut group = [0; 8];

@@ -6,8 +6,8 @@
 //! is best there, begins". Only whether a run goes on and which width is best need be kept. (The
 //! limit of 127 samples is left out of the search; longer runs are cut afterwards.)
 //!
-//! Sixteen equal stretches are searched side by side, one in each byte of a vector register: as
-//! costs only matter in relation to the best, and none is more than 18 bits above it, cost and
+//! Equal stretches are searched side by side, one in each byte of the vector registers: as costs
+//! only matter in relation to the best, and none is more than 18 bits above it, cost and
 //! width code fit one byte. At the ends of the stretches what follows is unknown and taken as
 //! free for every width.
 //!
@@ -16,7 +16,8 @@
 use super::bits::BitSink;
 use super::runs::{HEAD_BITS, RUN_SAMPLES, WIDTHS, encode_run};
 
-const LANES: usize = 16;
+/// Stretches. Below 32, compilers tend to unroll the loops over them before they see vectors.
+pub const LANES: usize = 32;
 type Lanes = [u8; LANES];
 
 /// A cost is kept above the three bits of the width code that it belongs to.
@@ -78,47 +79,80 @@ impl Splitter {
 /// each, and the best width to begin here in the lowest three bits.
 #[inline(always)]
 fn step(costs: &mut [Lanes; 8], residuals: &Lanes) -> (Lanes, Lanes) {
-    // -128..128 folded to 0..128: a width holds it if it lies below half the width's values.
-    let folded = residuals.map(|r| (r as i8 ^ (r as i8 >> 7)) as u8);
-    for (code, cost) in costs.iter_mut().enumerate() {
-        let width = WIDTHS[code] as u8;
-        for lane in 0..LANES {
-            let ahead = cost[lane].min(NEW_RUN | code as u8) + width * COST;
-            let fits = match width {
-                0 => residuals[lane] == 0,
-                _ => folded[lane] < 1 << (width - 1),
-            };
-            cost[lane] = if fits { ahead } else { u8::MAX };
-        }
-    }
-    let mut best = costs[0];
-    for cost in &costs[1..] {
-        for lane in 0..LANES {
-            best[lane] = best[lane].min(cost[lane]);
-        }
-    }
+    // -128..128 folded to 0..128, with 1 for all but 0 itself that need no more than two bits:
+    // a width holds it if it lies below half the width's values.
+    let folded = lanes(|i| {
+        let r = residuals[i] as i8;
+        ((r ^ (r >> 7)) as u8).max(u8::from(r != 0))
+    });
+    let [a, b, c, d, e, f, g, h] = costs;
+    go_back::<0>(a, &folded);
+    go_back::<1>(b, &folded);
+    go_back::<2>(c, &folded);
+    go_back::<3>(d, &folded);
+    go_back::<4>(e, &folded);
+    go_back::<5>(f, &folded);
+    go_back::<6>(g, &folded);
+    go_back::<7>(h, &folded);
+    let least = |x: &Lanes, y: &Lanes| lanes(|i| x[i].min(y[i]));
+    let best = least(&least(&least(a, b), &least(c, d)), &least(&least(e, f), &least(g, h)));
     let mut stops = [0; LANES];
-    for (code, cost) in costs.iter_mut().enumerate() {
-        for lane in 0..LANES {
-            // A width that does not fit stays at least 13 bits behind: 255/8 - 10 - 8.
-            cost[lane] -= best[lane] & !7;
-            stops[lane] |= if cost[lane] >= NEW_RUN { 1 << code } else { 0 };
-        }
-    }
+    compare::<0>(a, &best, &mut stops);
+    compare::<1>(b, &best, &mut stops);
+    compare::<2>(c, &best, &mut stops);
+    compare::<3>(d, &best, &mut stops);
+    compare::<4>(e, &best, &mut stops);
+    compare::<5>(f, &best, &mut stops);
+    compare::<6>(g, &best, &mut stops);
+    compare::<7>(h, &best, &mut stops);
     (stops, best)
+}
+
+/// Costs of a width before a sample from those behind it.
+#[inline(always)]
+fn go_back<const CODE: usize>(cost: &mut Lanes, folded: &Lanes) {
+    let width = WIDTHS[CODE] as u8;
+    let limit = if CODE == 0 { 1 } else { 1 << (width - 1) };
+    *cost = lanes(|i| {
+        let ahead = cost[i].min(NEW_RUN | CODE as u8).wrapping_add(width * COST);
+        ahead | all_if(folded[i] >= limit)
+    });
+}
+
+/// Leaves the costs of a width above those of the best, and notes where they make a run stop.
+#[inline(always)]
+fn compare<const CODE: usize>(cost: &mut Lanes, best: &Lanes, stops: &mut Lanes) {
+    // A width that does not fit stays at least 13 bits behind: 255/8 - 10 - 8.
+    *cost = lanes(|i| cost[i].wrapping_sub(best[i] & !7));
+    *stops = lanes(|i| stops[i] | all_if(cost[i] >= NEW_RUN) & 1 << CODE);
+}
+
+#[inline(always)]
+fn lanes(f: impl Fn(usize) -> u8) -> Lanes {
+    let mut out = [0; LANES];
+    for (i, lane) in out.iter_mut().enumerate() {
+        *lane = f(i);
+    }
+    out
+}
+
+/// All bits or none, without a branch.
+#[inline(always)]
+fn all_if(condition: bool) -> u8 {
+    0u8.wrapping_sub(u8::from(condition))
 }
 
 /// Takes eight samples of each stretch from `group` on, turned so that each row has one sample
 /// of every stretch.
 #[inline(always)]
 fn gather(from: &[u8], stretch: usize, group: usize, rows: &mut [Lanes; 8]) {
-    for half in 0..2 {
+    for eight in 0..LANES / 8 {
         let words = std::array::from_fn(|lane| {
-            let at = (half * 8 + lane) * stretch + group;
+            let at = (eight * 8 + lane) * stretch + group;
             from[at..].first_chunk().map_or(0, |c| u64::from_le_bytes(*c))
         });
         for (row, word) in rows.iter_mut().zip(transpose(words)) {
-            row[half * 8..half * 8 + 8].copy_from_slice(&word.to_le_bytes());
+            row[eight * 8..eight * 8 + 8].copy_from_slice(&word.to_le_bytes());
         }
     }
 }
@@ -126,12 +160,12 @@ fn gather(from: &[u8], stretch: usize, group: usize, rows: &mut [Lanes; 8]) {
 /// The inverse of [`gather`].
 #[inline(always)]
 fn scatter(rows: &[Lanes; 8], to: &mut [u8], stretch: usize, group: usize) {
-    for half in 0..2 {
+    for eight in 0..LANES / 8 {
         let words = std::array::from_fn(|i| {
-            rows[i][half * 8..].first_chunk().map_or(0, |c| u64::from_le_bytes(*c))
+            rows[i][eight * 8..].first_chunk().map_or(0, |c| u64::from_le_bytes(*c))
         });
         for (lane, word) in transpose(words).into_iter().enumerate() {
-            let at = (half * 8 + lane) * stretch + group;
+            let at = (eight * 8 + lane) * stretch + group;
             to[at..at + 8].copy_from_slice(&word.to_le_bytes());
         }
     }
@@ -227,14 +261,13 @@ mod tests {
                 runs += u64::from(head.count == RUN_SAMPLES);
                 position += head.total_bits();
             }
-            let allowed = u64::from(least_bits(&residuals)) + 10 * runs + 16 * 20;
+            let allowed = u64::from(least_bits(&residuals)) + 10 * runs + LANES as u64 * 20;
             prop_assert!(bits <= allowed, "{bits} bits, allowed {allowed}");
         }
 
         #[test]
         fn one_stretch_is_cut_as_the_plain_recurrence_does(residuals in bursts()) {
-            // With sixteen equal stretches each is searched as if alone, so compare the costs
-            // on the first stretch of a repeated sequence.
+            // All stretches alike, and no end of a stretch within.
             let mut costs: [Lanes; 8] = std::array::from_fn(|code| [code as u8; LANES]);
             let mut total = 0u32;
             for &r in residuals.iter().rev() {
