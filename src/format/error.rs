@@ -3,6 +3,7 @@
 
 use thiserror::Error;
 
+use super::options::Colouring;
 use super::volume::Samples;
 use crate::sculpture::GridError;
 
@@ -64,13 +65,11 @@ pub enum FormatError {
     #[error("voxels of {0} bytes are neither densities nor colours; 1 to 4 bytes can be shown")]
     Components(u32),
     #[error("{colouring} colours are made from densities, but this volume holds {samples}")]
-    NotDensities { colouring: &'static str, samples: Samples },
+    NotDensities { colouring: Colouring, samples: Samples },
     #[error("packed colours have 8, 16 or 24 bits, but this volume holds {0}")]
     NotPacked(Samples),
     #[error("a threshold cannot be used with packed colours: there 0 is empty and all else is not")]
     ThresholdOfPacked,
-    #[error("colours of {0} bits cannot be kept when reading packed colours of {1} bits")]
-    PackedDepth(u32, u32),
     #[error(
         "the colours need {needed_mib} MiB, more than the {budget_mib} MiB allowed; \
          read it with fewer bits of colour or raise memory.colour_mib in the configuration"

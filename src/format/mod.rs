@@ -1,9 +1,202 @@
-//! Files.
+//! Owns the file formats: bytes <-> volumes <-> the contents of a sculpture. No policy: what is
+//! read and written how comes in as options, how much memory it may take as limits.
+//!
+//! The doors are [`load`], [`save`] and [`info`]. Behind them: `store` (disk), `pvm` and `dds`,
+//! `raw` (formats), `import` and `export` (volume <-> sculpture), `threshold`, `ramp` and
+//! `signature` (what voxels mean). Errors say what is wrong and what to do; the caller adds the
+//! name of the file.
 
 pub mod dds;
 mod error;
-pub mod pvm;
-pub mod volume;
+mod export;
+mod histogram;
+mod import;
+mod options;
+mod pvm;
+mod ramp;
+mod raw;
+mod signature;
+mod store;
+mod threshold;
+mod volume;
 
-pub use error::FormatError;
-pub use volume::{Samples, Texts, Volume};
+use std::path::Path;
+
+use glam::{UVec3, Vec3};
+
+pub use self::error::FormatError;
+pub use self::histogram::Histogram;
+pub use self::options::{Colouring, Existence, ExportForm, ImportOptions, RawLayout};
+pub use self::signature::Signature;
+pub use self::volume::{Samples, Texts, Volume};
+use crate::progress::Progress;
+use crate::sculpture::history::Contents;
+use crate::sculpture::{Grid, Limits};
+
+/// Endings of the names of files that can be read and written.
+pub const ENDINGS: [&str; 2] = ["pvm", "raw"];
+
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Format {
+    Pvm,
+    Raw,
+}
+
+impl Format {
+    fn of(path: &Path) -> Result<Format, FormatError> {
+        let ending = path.extension().ok_or(FormatError::NoEnding)?.to_string_lossy();
+        match ending.to_ascii_lowercase().as_str() {
+            "pvm" => Ok(Format::Pvm),
+            "raw" => Ok(Format::Raw),
+            _ => Err(FormatError::UnknownEnding(format!(".{ending}"))),
+        }
+    }
+}
+
+/// A sculpture from a file.
+#[derive(Debug)]
+pub struct Loaded {
+    pub contents: Contents,
+    /// What a voxel of the file holds.
+    pub samples: Samples,
+    /// Texts of the file, for [`SaveOptions::texts`].
+    pub texts: Texts,
+}
+
+/// Reads a sculpture. While it is read, the file and its volume may together take as much memory
+/// as the grid and the colours of the sculpture may.
+pub fn load(
+    path: &Path,
+    options: &ImportOptions,
+    limits: &Limits,
+    progress: &dyn Progress,
+) -> Result<Loaded, FormatError> {
+    let (volume, _) = read_volume(path, options, limits, progress)?;
+    let contents = import::to_contents(&volume, options, limits, progress)?;
+    Ok(Loaded { contents, samples: volume.samples, texts: volume.texts })
+}
+
+/// Reads the voxels of a file as they are, within the same limits as [`load`].
+pub fn load_volume(
+    path: &Path,
+    options: &ImportOptions,
+    limits: &Limits,
+    progress: &dyn Progress,
+) -> Result<Volume, FormatError> {
+    read_volume(path, options, limits, progress).map(|(volume, _)| volume)
+}
+
+/// What to write and how.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct SaveOptions {
+    pub form: ExportForm,
+    /// Texts to go along, in formats that have them.
+    pub texts: Texts,
+}
+
+/// Writes a sculpture. The file that was there before stays whole until the new one is.
+pub fn save(
+    path: &Path,
+    contents: &Contents,
+    options: &SaveOptions,
+    progress: &dyn Progress,
+) -> Result<(), FormatError> {
+    let format = Format::of(path)?;
+    let volume = export::to_volume(contents, options.form, options.texts.clone())?;
+    let bytes = match format {
+        Format::Pvm => pvm::write(volume, progress)?,
+        Format::Raw => volume.data,
+    };
+    store::write(path, &bytes)
+}
+
+/// What a file holds, found without making a sculpture of it.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Info {
+    /// Format and packing, such as `PVM3, packed as DDS v3d`.
+    pub kind: String,
+    pub file_bytes: u64,
+    /// Size in voxels.
+    pub dims: UVec3,
+    /// Edge lengths of a voxel.
+    pub voxel_size: Vec3,
+    pub samples: Samples,
+    pub texts: Texts,
+    /// Of densities.
+    pub densities: Option<Densities>,
+    /// What this program noted when it wrote the file.
+    pub signature: Option<Signature>,
+}
+
+/// How dense a volume is.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Densities {
+    pub histogram: Histogram,
+    /// Density from which on voxels exist if no one says otherwise.
+    pub threshold: f64,
+}
+
+/// Says what a file holds.
+pub fn info(
+    path: &Path,
+    options: &ImportOptions,
+    limits: &Limits,
+    progress: &dyn Progress,
+) -> Result<Info, FormatError> {
+    let (volume, source) = read_volume(path, options, limits, progress)?;
+    let densities = import::histogram(&volume).map(|histogram| {
+        let threshold = threshold::automatic(&histogram);
+        Densities { histogram, threshold }
+    });
+    Ok(Info {
+        kind: source.kind,
+        file_bytes: source.file_bytes,
+        dims: volume.dims,
+        voxel_size: volume.voxel_size,
+        samples: volume.samples,
+        densities,
+        signature: import::trusted_signature(&volume),
+        texts: volume.texts,
+    })
+}
+
+struct Source {
+    kind: String,
+    file_bytes: u64,
+}
+
+fn read_volume(
+    path: &Path,
+    options: &ImportOptions,
+    limits: &Limits,
+    progress: &dyn Progress,
+) -> Result<(Volume, Source), FormatError> {
+    let budget = limits.grid_bytes.saturating_add(limits.colour_bytes);
+    let check_grid = |dims, voxel_size| Grid::check(dims, voxel_size, limits.grid_bytes);
+    match Format::of(path)? {
+        Format::Pvm => {
+            let file = store::read(path, budget, |_| Ok(()))?;
+            let file_bytes = file.len() as u64;
+            let admit = |header: &pvm::Header| Ok(check_grid(header.dims, header.voxel_size)?);
+            let (volume, origin) = pvm::read(file, &admit, budget - file_bytes, progress)?;
+            let version = match origin.header.version {
+                1 => String::new(),
+                n => n.to_string(),
+            };
+            let kind = match origin.packing {
+                Some(packing) => format!("PVM{version}, packed as {packing}"),
+                None => format!("PVM{version}, not packed"),
+            };
+            Ok((volume, Source { kind, file_bytes }))
+        }
+        Format::Raw => {
+            let layout = options.raw.ok_or(FormatError::NoRawLayout)?;
+            let file = store::read(path, budget, |len| {
+                check_grid(layout.dims, layout.voxel_size)?;
+                raw::check_length(&layout, len)
+            })?;
+            let file_bytes = file.len() as u64;
+            Ok((raw::read(file, &layout)?, Source { kind: "raw".to_string(), file_bytes }))
+        }
+    }
+}

@@ -290,6 +290,13 @@ pub fn to_plain(volume: Volume) -> Result<Vec<u8>, FormatError> {
     Ok(plain)
 }
 
+/// Refuses what would be too large for a PVM volume, before it is made.
+pub fn check_size(dims: UVec3, samples: Samples) -> Result<(), FormatError> {
+    let [x, y, z] = dims.to_array().map(u64::from);
+    let bytes = x.saturating_mul(y).saturating_mul(z).saturating_mul(u64::from(samples.bytes()));
+    if bytes >= VOLUME_END { Err(FormatError::TooLargeForPvm(bytes)) } else { Ok(()) }
+}
+
 /// The shortest text that reads back to the same number. (The original writes 6 significant
 /// digits, which would lose some; it reads any number of them.)
 fn shortest(value: f32) -> String {

@@ -119,7 +119,7 @@ fn fields<const W: u32>(residuals: u64) -> u64 {
     // Adding the bias without carry between bytes.
     let top = EACH_BYTE << 7;
     let v = ((residuals & !top) + (bias & !top)) ^ ((residuals ^ bias) & top);
-    let v = v & EACH_BYTE * ((1 << W) - 1);
+    let v = v & (EACH_BYTE * ((1 << W) - 1));
     let v = (v & lanes(16, W)) | (v & !lanes(16, 8)) >> (8 - W);
     let v = (v & lanes(32, 2 * W)) | (v & !lanes(32, 16)) >> (16 - 2 * W);
     (v & lanes(64, 4 * W)) | (v & !lanes(64, 32)) >> (32 - 4 * W)

@@ -1,0 +1,254 @@
+//! Owns what a person may ask for when a file is read or written. Each choice has a text form,
+//! for the command line and for scripts.
+//!
+//! Knows no file and no grid.
+
+use std::fmt;
+use std::str::FromStr;
+
+use glam::{UVec3, Vec3};
+
+use super::volume::Samples;
+use crate::sculpture::ColourDepth;
+
+/// Which voxels of a volume exist in the sculpture.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub enum Existence {
+    /// Densities: those from a threshold on that is found in their histogram. RGB: those that
+    /// are not black. RGBA: those with an opacity of 128 or more.
+    #[default]
+    Auto,
+    /// Densities of this or more, in the units of the file. In colours it is compared with the
+    /// opacity or, where there is none, with the greatest of red, green and blue.
+    Threshold(f64),
+}
+
+/// How the voxels of a volume get their colours.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Colouring {
+    /// As the file was written by this program; else colours as they are, densities as grey.
+    #[default]
+    Auto,
+    /// No colours.
+    None,
+    /// Densities as grey: the brighter, the denser.
+    Grey,
+    /// Densities as the colours of a body: skin, flesh, bone.
+    Tissue,
+    /// 1, 2 or 3 bytes a voxel are a sculpture's own packed colours of 8, 16 or 24 bits (16 bits
+    /// with the high byte first); 0 is an empty voxel.
+    Packed,
+}
+
+impl Colouring {
+    pub const NAMED: [(Colouring, &'static str); 5] = [
+        (Colouring::Auto, "auto"),
+        (Colouring::None, "none"),
+        (Colouring::Grey, "grey"),
+        (Colouring::Tissue, "tissue"),
+        (Colouring::Packed, "packed"),
+    ];
+}
+
+/// What a raw file holds, since it does not say so itself.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct RawLayout {
+    /// Size in voxels.
+    pub dims: UVec3,
+    pub samples: Samples,
+    /// Bytes before the first voxel.
+    pub skip_bytes: u64,
+    /// Edge lengths of a voxel.
+    pub voxel_size: Vec3,
+}
+
+/// How a file becomes a sculpture.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct ImportOptions {
+    pub existence: Existence,
+    pub colouring: Colouring,
+    /// Bits of colour of the sculpture; `None`: as the file was written by this program, as the
+    /// packed colours have, or 24.
+    pub colour_depth: Option<ColourDepth>,
+    /// What a raw file holds; not looked at for other files.
+    pub raw: Option<RawLayout>,
+}
+
+/// What is written of a sculpture.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum ExportForm {
+    /// [`ExportForm::Densities`] without colours, else [`ExportForm::Rgba`].
+    #[default]
+    Auto,
+    /// A byte a voxel, 255 where it exists, else 0. Colours are lost.
+    Densities,
+    /// Red, green, blue and opacity, a byte each.
+    Rgba,
+    /// The packed colours as they are stored, 1 to 3 bytes a voxel, 0 where it is empty. An
+    /// existing voxel whose packed colour is 0 (black) gets the next nearest colour.
+    Packed,
+}
+
+impl ExportForm {
+    pub const NAMED: [(ExportForm, &'static str); 4] = [
+        (ExportForm::Auto, "auto"),
+        (ExportForm::Densities, "densities"),
+        (ExportForm::Rgba, "rgba"),
+        (ExportForm::Packed, "packed"),
+    ];
+}
+
+/// Writes the words of a choice, and reads them back.
+macro_rules! named_text_form {
+    ($kind:ty, $what:literal) => {
+        impl fmt::Display for $kind {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                let name = <$kind>::NAMED.iter().find(|(choice, _)| choice == self);
+                f.write_str(name.map_or("", |(_, name)| name))
+            }
+        }
+
+        impl FromStr for $kind {
+            type Err = String;
+
+            fn from_str(text: &str) -> Result<$kind, String> {
+                let known = <$kind>::NAMED.iter().find(|(_, name)| *name == text);
+                known.map(|(choice, _)| *choice).ok_or_else(|| {
+                    let names = <$kind>::NAMED.map(|(_, name)| name).join(", ");
+                    format!("`{text}` is not {}; take one of {names}", $what)
+                })
+            }
+        }
+    };
+}
+
+named_text_form!(Colouring, "a way of colouring");
+named_text_form!(ExportForm, "a form of saving");
+
+/// Writes `auto` or the threshold.
+impl fmt::Display for Existence {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Existence::Auto => f.write_str("auto"),
+            Existence::Threshold(threshold) => write!(f, "{threshold}"),
+        }
+    }
+}
+
+impl FromStr for Existence {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Existence, String> {
+        if text == "auto" {
+            return Ok(Existence::Auto);
+        }
+        match text.parse::<f64>() {
+            Ok(threshold) if threshold.is_finite() => Ok(Existence::Threshold(threshold)),
+            _ => Err(format!("`{text}` is not a threshold; take auto or a number")),
+        }
+    }
+}
+
+/// Writes `128x256x256:u16le`, with `:skip=BYTES` and `:size=SX,SY,SZ` where they matter.
+impl fmt::Display for RawLayout {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let UVec3 { x, y, z } = self.dims;
+        write!(f, "{x}x{y}x{z}:{}", self.samples)?;
+        if self.skip_bytes > 0 {
+            write!(f, ":skip={}", self.skip_bytes)?;
+        }
+        if self.voxel_size != Vec3::ONE {
+            let Vec3 { x, y, z } = self.voxel_size;
+            write!(f, ":size={x},{y},{z}")?;
+        }
+        Ok(())
+    }
+}
+
+impl FromStr for RawLayout {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<RawLayout, String> {
+        let mut parts = text.split(':');
+        let dims = parts.next().and_then(|p| three(p, 'x')).filter(|d| !d.contains(&0));
+        let dims = dims.ok_or_else(|| {
+            format!("`{text}` must begin with the size in voxels, such as 128x128x64")
+        })?;
+        let samples = parts.next().ok_or_else(|| {
+            format!("`{text}` must go on with the type of the voxels, such as :u8 or :u16le")
+        })?;
+        let mut layout = RawLayout {
+            dims: dims.into(),
+            samples: samples.parse()?,
+            skip_bytes: 0,
+            voxel_size: Vec3::ONE,
+        };
+        for part in parts {
+            let positive = |v: &[f32; 3]| v.iter().all(|n| n.is_finite() && *n > 0.0);
+            match part.split_once('=') {
+                Some(("skip", n)) => {
+                    let rule = format!("`{part}` must give a number of bytes, such as skip=352");
+                    layout.skip_bytes = n.parse().map_err(|_| rule)?;
+                }
+                Some(("size", n)) => {
+                    let size = three(n, ',').filter(positive).ok_or_else(|| {
+                        format!("`{part}` must give three lengths above 0, such as size=1,1,2.5")
+                    })?;
+                    layout.voxel_size = size.into();
+                }
+                _ => return Err(format!("`{part}` is not one of skip=BYTES, size=SX,SY,SZ")),
+            }
+        }
+        Ok(layout)
+    }
+}
+
+fn three<T: FromStr>(text: &str, separator: char) -> Option<[T; 3]> {
+    let numbers = text.split(separator).map(|n| n.trim().parse().ok());
+    numbers.collect::<Option<Vec<T>>>()?.try_into().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_forms_round_trip() {
+        for text in [
+            "128x256x256:u8",
+            "1x2x3:f32be:skip=352",
+            "4096x1x7:rgba8:skip=1:size=0.5,1,2.25",
+            "4x5x6:i16le:size=1,1,0.1",
+        ] {
+            assert_eq!(text.parse::<RawLayout>().map(|l| l.to_string()), Ok(text.to_string()));
+        }
+        for text in ["auto", "127.5", "-1024"] {
+            assert_eq!(text.parse::<Existence>().map(|e| e.to_string()), Ok(text.to_string()));
+        }
+        for (colouring, name) in Colouring::NAMED {
+            assert_eq!((name.parse(), colouring.to_string()), (Ok(colouring), name.to_string()));
+        }
+        for (form, name) in ExportForm::NAMED {
+            assert_eq!((name.parse(), form.to_string()), (Ok(form), name.to_string()));
+        }
+    }
+
+    #[test]
+    fn nonsense_is_explained() {
+        for (text, part) in [
+            ("128x256", "size in voxels"),
+            ("0x1x1:u8", "size in voxels"),
+            ("1x1x1", "type of the voxels"),
+            ("1x1x1:u64", "u16le"),
+            ("1x1x1:u8:skip=-1", "skip=352"),
+            ("1x1x1:u8:size=1,1", "three lengths"),
+            ("1x1x1:u8:size=1,1,nan", "three lengths"),
+            ("1x1x1:u8:colour", "skip=BYTES"),
+        ] {
+            let error = text.parse::<RawLayout>().unwrap_err();
+            assert!(error.contains(part), "{text}: {error}");
+        }
+        assert!("nan".parse::<Existence>().is_err());
+        assert!("gray".parse::<Colouring>().unwrap_err().contains("tissue"));
+    }
+}

@@ -1,0 +1,54 @@
+//! Owns raw volumes: voxels and nothing else. Bytes + a layout that the person gives <-> [`Volume`].
+
+use glam::UVec3;
+
+use super::FormatError;
+use super::options::RawLayout;
+use super::volume::{Texts, Volume};
+
+/// Bytes that a raw file of `layout` has, if they can be counted.
+pub fn file_bytes(layout: &RawLayout) -> Option<u64> {
+    let UVec3 { x, y, z } = layout.dims;
+    [y, z, layout.samples.bytes()]
+        .iter()
+        .try_fold(u64::from(x), |n, &factor| n.checked_mul(u64::from(factor)))?
+        .checked_add(layout.skip_bytes)
+}
+
+/// Checks that a file of `found` bytes can hold what `layout` says.
+pub fn check_length(layout: &RawLayout, found: u64) -> Result<(), FormatError> {
+    let expected = file_bytes(layout).unwrap_or(u64::MAX);
+    if expected == found {
+        return Ok(());
+    }
+    Err(FormatError::RawLength { layout: layout.to_string(), expected, found })
+}
+
+/// Reads a raw file.
+pub fn read(mut file: Vec<u8>, layout: &RawLayout) -> Result<Volume, FormatError> {
+    check_length(layout, file.len() as u64)?;
+    file.drain(..layout.skip_bytes as usize);
+    Ok(Volume {
+        dims: layout.dims,
+        voxel_size: layout.voxel_size,
+        samples: layout.samples,
+        data: file,
+        texts: Texts::default(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wrong_size_names_both_sizes() {
+        let layout: RawLayout = "3x2x2:u16be:skip=5".parse().unwrap();
+        let volume = read((0..29).collect(), &layout).unwrap();
+        assert_eq!(volume.data, (5..29).collect::<Vec<u8>>());
+        let message = read(vec![0; 28], &layout).unwrap_err().to_string();
+        assert!(message.contains("29 bytes") && message.contains("has 28"), "{message}");
+        let huge = RawLayout { dims: UVec3::splat(u32::MAX), ..layout };
+        assert!(read(vec![0; 29], &huge).is_err());
+    }
+}

@@ -1,0 +1,135 @@
+//! Owns the way to and from the disk: reading within a bound, and writing such that a crash or a
+//! full disk leaves the old file as it was.
+//!
+//! Knows no format.
+
+use std::fs::{self, File};
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
+
+use super::FormatError;
+use super::pvm::check_budget;
+
+/// Reads a whole file of at most `budget_bytes`. `admit` sees its length before memory is taken.
+pub fn read(
+    path: &Path,
+    budget_bytes: u64,
+    admit: impl Fn(u64) -> Result<(), FormatError>,
+) -> Result<Vec<u8>, FormatError> {
+    let file = File::open(path)?;
+    let metadata = file.metadata()?;
+    if !metadata.is_file() {
+        return Err(FormatError::NotAFile);
+    }
+    admit(metadata.len())?;
+    check_budget(metadata.len(), budget_bytes)?;
+    let mut bytes = Vec::with_capacity(metadata.len() as usize);
+    // A file that grows meanwhile does not take more.
+    file.take(budget_bytes).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// Writes a file so that at any time either the old or the new one is there, whole: to a
+/// temporary name in the same folder, synced, renamed, and the folder synced. Permissions of an
+/// old file are kept; where `path` is a symbolic link, the file it leads to is replaced.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<(), FormatError> {
+    let target = match fs::canonicalize(path) {
+        Ok(target) => target,
+        // Nothing there yet.
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => path.to_path_buf(),
+        Err(error) => return Err(error.into()),
+    };
+    let old = fs::metadata(&target).ok();
+    if old.as_ref().is_some_and(|m| !m.is_file()) {
+        return Err(FormatError::NotAFile);
+    }
+    let folder = match target.parent() {
+        Some(parent) if parent != Path::new("") => parent.to_path_buf(),
+        _ => PathBuf::from("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".virtual-sculpture-").suffix(".part");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // As any new file; the process's mask is taken off.
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    let mut file = builder.tempfile_in(&folder)?;
+    file.write_all(bytes)?;
+    if let Some(old) = old {
+        file.as_file().set_permissions(old.permissions())?;
+    }
+    file.as_file().sync_all()?;
+    file.persist(&target).map_err(|error| error.error)?;
+    // Only now is the new name sure to survive a crash. Other systems cannot sync folders.
+    #[cfg(unix)]
+    File::open(&folder)?.sync_all()?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<String> = fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn writing_replaces_and_leaves_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.pvm");
+        write(&path, b"old").unwrap();
+        write(&path, b"newer").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"newer");
+        assert_eq!(names(folder.path()), ["a.pvm"]);
+    }
+
+    #[test]
+    fn a_failure_leaves_the_old_file() {
+        let folder = tempfile::tempdir().unwrap();
+        // A folder in the way of the new name.
+        let path = folder.path().join("taken.pvm");
+        fs::create_dir(&path).unwrap();
+        fs::write(path.join("inside"), b"kept").unwrap();
+        assert!(write(&path, b"new").is_err());
+        assert_eq!(fs::read(path.join("inside")).unwrap(), b"kept");
+        assert_eq!(names(folder.path()), ["taken.pvm"]);
+        assert!(write(&folder.path().join("missing/a.pvm"), b"new").is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn permissions_and_links_are_kept() {
+        use std::os::unix::fs::{PermissionsExt, symlink};
+        let folder = tempfile::tempdir().unwrap();
+        let (path, link) = (folder.path().join("a.pvm"), folder.path().join("link.pvm"));
+        write(&path, b"old").unwrap();
+        assert_ne!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o600);
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
+        symlink(&path, &link).unwrap();
+        write(&link, b"new").unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
+    }
+
+    #[test]
+    fn reading_is_bounded_and_refuses_folders() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.raw");
+        write(&path, &[7; 2 << 20]).unwrap();
+        assert_eq!(read(&path, 2 << 20, |_| Ok(())).unwrap().len(), 2 << 20);
+        assert!(matches!(
+            read(&path, 1 << 20, |_| Ok(())),
+            Err(FormatError::Memory { needed_mib: 2, budget_mib: 1 })
+        ));
+        assert!(matches!(read(folder.path(), 1, |_| Ok(())), Err(FormatError::NotAFile)));
+    }
+}
