@@ -76,6 +76,12 @@ impl Histogram {
         f64::from(self.min) + bin as f64 * self.bin_width
     }
 
+    /// Voxels of finite density below `density`, to a bin.
+    pub fn count_below(&self, density: f64) -> u64 {
+        let starts = (0..self.bins.len()).map(|bin| self.start_of(bin));
+        starts.zip(&self.bins).take_while(|(start, _)| *start < density).map(|(_, n)| n).sum()
+    }
+
     /// The density below which the share `quantile` of all voxels lies, to a bin.
     pub fn quantile(&self, quantile: f64) -> f64 {
         let wanted = quantile * self.bins.iter().sum::<u64>() as f64;

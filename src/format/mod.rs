@@ -6,27 +6,28 @@
 //! `signature` (what voxels mean). Errors say what is wrong and what to do; the caller adds the
 //! name of the file.
 
-pub mod dds;
+mod dds;
 mod error;
 mod export;
 mod histogram;
 mod import;
-mod options;
+pub mod options;
 mod pvm;
 mod ramp;
 mod raw;
 mod signature;
-mod store;
+pub mod store;
 mod threshold;
 mod volume;
 
+use std::fmt;
 use std::path::Path;
 
 use glam::{UVec3, Vec3};
 
 pub use self::error::FormatError;
 pub use self::histogram::Histogram;
-pub use self::options::{Colouring, Existence, ExportForm, ImportOptions, RawLayout};
+use self::options::{ExportForm, ImportOptions};
 pub use self::signature::Signature;
 pub use self::volume::{Samples, Texts, Volume};
 use crate::progress::Progress;
@@ -59,7 +60,7 @@ pub struct Loaded {
     pub contents: Contents,
     /// What a voxel of the file holds.
     pub samples: Samples,
-    /// Texts of the file, for [`SaveOptions::texts`].
+    /// Texts of the file, for [`save_with_texts`].
     pub texts: Texts,
 }
 
@@ -86,28 +87,33 @@ pub fn load_volume(
     read_volume(path, options, limits, progress).map(|(volume, _)| volume)
 }
 
-/// What to write and how.
-#[derive(Clone, PartialEq, Eq, Debug, Default)]
-pub struct SaveOptions {
-    pub form: ExportForm,
-    /// Texts to go along, in formats that have them.
-    pub texts: Texts,
-}
-
 /// Writes a sculpture. The file that was there before stays whole until the new one is.
 pub fn save(
     path: &Path,
     contents: &Contents,
-    options: &SaveOptions,
+    form: ExportForm,
+    progress: &dyn Progress,
+) -> Result<(), FormatError> {
+    save_with_texts(path, contents, form, Texts::default(), progress)
+}
+
+/// [`save`], with texts to go along in formats that have them.
+pub fn save_with_texts(
+    path: &Path,
+    contents: &Contents,
+    form: ExportForm,
+    texts: Texts,
     progress: &dyn Progress,
 ) -> Result<(), FormatError> {
     let format = Format::of(path)?;
-    let volume = export::to_volume(contents, options.form, options.texts.clone())?;
+    progress.begin("making the volume");
+    let volume = export::to_volume(contents, form, texts);
+    progress.end();
     let bytes = match format {
-        Format::Pvm => pvm::write(volume, progress)?,
-        Format::Raw => volume.data,
+        Format::Pvm => pvm::write(volume?, progress)?,
+        Format::Raw => volume?.data,
     };
-    store::write(path, &bytes)
+    Ok(store::write_atomically(path, &bytes)?)
 }
 
 /// What a file holds, found without making a sculpture of it.
@@ -136,8 +142,13 @@ pub struct Densities {
     pub threshold: f64,
 }
 
+/// Says what a file holds, within the default limits. For raw files see [`info_with`].
+pub fn info(path: &Path) -> Result<Info, FormatError> {
+    info_with(path, &ImportOptions::default(), &Limits::default(), &())
+}
+
 /// Says what a file holds.
-pub fn info(
+pub fn info_with(
     path: &Path,
     options: &ImportOptions,
     limits: &Limits,
@@ -158,6 +169,36 @@ pub fn info(
         signature: import::trusted_signature(&volume),
         texts: volume.texts,
     })
+}
+
+/// One fact a line; the lines of a text are indented.
+impl fmt::Display for Info {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (UVec3 { x, y, z }, size) = (self.dims, self.voxel_size);
+        writeln!(f, "format: {}", self.kind)?;
+        writeln!(f, "file: {} bytes", self.file_bytes)?;
+        writeln!(f, "size: {x}x{y}x{z} voxels")?;
+        writeln!(f, "voxel size: {} {} {}", size.x, size.y, size.z)?;
+        write!(f, "voxels: {}, {} bytes each", self.samples, self.samples.bytes())?;
+        if let Some(Densities { histogram, threshold }) = &self.densities {
+            write!(f, "\ndensities: {} to {}", histogram.min, histogram.max)?;
+            let below = histogram.count_below(*threshold);
+            let all: u64 = histogram.bins.iter().sum();
+            let share = 100.0 * (all - below) as f64 / all.max(1) as f64;
+            write!(f, "\nautomatic threshold: {threshold} ({share:.1} % of the voxels)")?;
+        }
+        if let Some(signature) = &self.signature {
+            let bits = signature.colour_depth.bits();
+            write!(f, "\nsculpture: {bits} bits of colour, base {}", signature.base)?;
+        }
+        for (name, text) in self.texts.named() {
+            if !text.is_empty() {
+                let legible = Texts::legible(text);
+                write!(f, "\n{name}: {}", legible.trim_end().replace('\n', "\n  "))?;
+            }
+        }
+        Ok(())
+    }
 }
 
 struct Source {

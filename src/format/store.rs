@@ -4,14 +4,14 @@
 //! Knows no format.
 
 use std::fs::{self, File};
-use std::io::{Read, Write};
+use std::io::{Error, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
 use super::FormatError;
 use super::pvm::check_budget;
 
 /// Reads a whole file of at most `budget_bytes`. `admit` sees its length before memory is taken.
-pub fn read(
+pub(super) fn read(
     path: &Path,
     budget_bytes: u64,
     admit: impl Fn(u64) -> Result<(), FormatError>,
@@ -32,16 +32,17 @@ pub fn read(
 /// Writes a file so that at any time either the old or the new one is there, whole: to a
 /// temporary name in the same folder, synced, renamed, and the folder synced. Permissions of an
 /// old file are kept; where `path` is a symbolic link, the file it leads to is replaced.
-pub fn write(path: &Path, bytes: &[u8]) -> Result<(), FormatError> {
+pub fn write_atomically(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let target = match fs::canonicalize(path) {
         Ok(target) => target,
         // Nothing there yet.
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => path.to_path_buf(),
-        Err(error) => return Err(error.into()),
+        Err(error) if error.kind() == ErrorKind::NotFound => path.to_path_buf(),
+        Err(error) => return Err(error),
     };
     let old = fs::metadata(&target).ok();
     if old.as_ref().is_some_and(|m| !m.is_file()) {
-        return Err(FormatError::NotAFile);
+        let message = "there is a folder or a device of that name; choose another";
+        return Err(Error::new(ErrorKind::AlreadyExists, message));
     }
     let folder = match target.parent() {
         Some(parent) if parent != Path::new("") => parent.to_path_buf(),
@@ -85,8 +86,8 @@ mod tests {
     fn writing_replaces_and_leaves_nothing_else() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.pvm");
-        write(&path, b"old").unwrap();
-        write(&path, b"newer").unwrap();
+        write_atomically(&path, b"old").unwrap();
+        write_atomically(&path, b"newer").unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"newer");
         assert_eq!(names(folder.path()), ["a.pvm"]);
     }
@@ -98,10 +99,10 @@ mod tests {
         let path = folder.path().join("taken.pvm");
         fs::create_dir(&path).unwrap();
         fs::write(path.join("inside"), b"kept").unwrap();
-        assert!(write(&path, b"new").is_err());
+        assert!(write_atomically(&path, b"new").is_err());
         assert_eq!(fs::read(path.join("inside")).unwrap(), b"kept");
         assert_eq!(names(folder.path()), ["taken.pvm"]);
-        assert!(write(&folder.path().join("missing/a.pvm"), b"new").is_err());
+        assert!(write_atomically(&folder.path().join("missing/a.pvm"), b"new").is_err());
     }
 
     #[cfg(unix)]
@@ -110,11 +111,11 @@ mod tests {
         use std::os::unix::fs::{PermissionsExt, symlink};
         let folder = tempfile::tempdir().unwrap();
         let (path, link) = (folder.path().join("a.pvm"), folder.path().join("link.pvm"));
-        write(&path, b"old").unwrap();
+        write_atomically(&path, b"old").unwrap();
         assert_ne!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o600);
         fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
         symlink(&path, &link).unwrap();
-        write(&link, b"new").unwrap();
+        write_atomically(&link, b"new").unwrap();
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
         assert_eq!(fs::read(&path).unwrap(), b"new");
         assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
@@ -124,7 +125,7 @@ mod tests {
     fn reading_is_bounded_and_refuses_folders() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.raw");
-        write(&path, &[7; 2 << 20]).unwrap();
+        write_atomically(&path, &[7; 2 << 20]).unwrap();
         assert_eq!(read(&path, 2 << 20, |_| Ok(())).unwrap().len(), 2 << 20);
         assert!(matches!(
             read(&path, 1 << 20, |_| Ok(())),
