@@ -15,3 +15,21 @@ struct SliceView {
 }
 
 const NO_VOXEL: u32 = 0xffffffffu;
+
+struct CompositeView {
+    origin: vec3<f32>,
+    depth_slope: f32,
+    corner: vec3<f32>,
+    depth_at_0: f32,
+    step_x: vec3<f32>,
+    scale_x: f32,
+    step_y: vec3<f32>,
+    scale_y: f32,
+    dims: vec3<u32>,
+    keep: u32,
+    top: vec3<f32>,
+    left: f32,
+    bottom: vec3<f32>,
+    upper: f32,
+    size: vec2<u32>,
+}

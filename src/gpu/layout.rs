@@ -54,6 +54,42 @@ shared! {
     }
 }
 
+shared! {
+    /// Push constants of the composite pass: one eye's index map and how to see it.
+    CompositeView {
+        /// The eye, in grid coordinates.
+        origin: [f32; 3],
+        /// Depth of a point is `(depth_slope * t + depth_at_0) / t` at the distance `t` from the
+        /// eye's plane.
+        depth_slope: f32,
+        /// Direction through the picture's upper left corner.
+        corner: [f32; 3],
+        depth_at_0: f32,
+        /// Change of direction per pixel of the map to the right.
+        step_x: [f32; 3],
+        /// Pixels of the map per pixel of the target.
+        scale_x: f32,
+        /// Change of direction per pixel of the map downwards.
+        step_y: [f32; 3],
+        scale_y: f32,
+        /// Size of the grid in voxels.
+        dims: [u32; 3],
+        /// 1 to leave the target as it is where nothing is seen.
+        keep: u32,
+        /// Colour of the background at the top, as the target stores it.
+        top: [f32; 3],
+        /// Left edge of the eye's part of the target, in pixels.
+        left: f32,
+        /// Colour of the background at the bottom.
+        bottom: [f32; 3],
+        /// Upper edge of the eye's part of the target, in pixels.
+        upper: f32,
+        /// Size of the map in pixels.
+        size: [u32; 2],
+        pad_0: [u32; 2],
+    }
+}
+
 /// One instance of the slicing pass (vertex attributes, so no layout but the pipeline's).
 #[repr(C)]
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Pod, Zeroable)]
@@ -105,5 +141,7 @@ mod tests {
         for text in [stage!("slicing.vert.wgsl"), stage!("slicing.frag.wgsl")] {
             compare(text, "SliceView", SliceView::members(), size_of::<SliceView>());
         }
+        let (members, bytes) = (CompositeView::members(), size_of::<CompositeView>());
+        compare(stage!("composite.frag.wgsl"), "CompositeView", members, bytes);
     }
 }

@@ -1,6 +1,7 @@
 //! Owns buffers and images together with their memory. Dropping one retires it: it goes when
 //! the device no longer uses it.
 
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, PoisonError};
 
 use ash::vk;
@@ -130,6 +131,7 @@ pub struct Image {
     size: [u32; 3],
     layers: u32,
     format: vk::Format,
+    id: u64,
     device: Arc<Device>,
 }
 
@@ -163,6 +165,7 @@ impl Image {
             size: info.size,
             layers: info.layers,
             format: info.format,
+            id: next_id(),
             device: device.clone(),
         };
         // SAFETY: the memory meets the image's requirements and is bound once.
@@ -196,6 +199,12 @@ impl Image {
 
     pub fn handle(&self) -> vk::Image {
         self.handle
+    }
+
+    /// Another number for every image ever made, so that who names images to shaders knows when
+    /// to do so anew (Vulkan's handles come back).
+    pub fn id(&self) -> u64 {
+        self.id
     }
 
     /// The view of all layers.
@@ -279,6 +288,11 @@ impl ImagePart {
             layer_count: self.layers,
         }
     }
+}
+
+fn next_id() -> u64 {
+    static NEXT: AtomicU64 = AtomicU64::new(1);
+    NEXT.fetch_add(1, Ordering::Relaxed)
 }
 
 fn aspect_of(format: vk::Format) -> vk::ImageAspectFlags {

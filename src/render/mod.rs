@@ -3,10 +3,12 @@
 pub mod background;
 pub mod gui;
 pub mod overlay;
+pub mod composite;
 pub mod slicing;
 pub mod target;
 pub mod volume;
 
+pub use composite::{Background, Composite, CompositeEye};
 pub use slicing::Slicing;
-pub use target::IndexTarget;
+pub use target::{IndexReadback, IndexTarget};
 pub use volume::Volume;

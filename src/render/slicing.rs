@@ -32,7 +32,7 @@ const STAGING_BYTES: u64 = 256 << 10;
 pub struct Slicing {
     pipeline: Pipeline,
     sets: DescriptorSets,
-    /// The volume that each set names.
+    /// The image that each set names.
     named: [u64; FRAMES_IN_FLIGHT],
     staging: Staging,
     /// Kept for its memory.
@@ -95,9 +95,10 @@ impl Slicing {
     pub fn begin(&mut self, slot: usize, volume: &Volume) {
         self.slot = slot % FRAMES_IN_FLIGHT;
         self.staging.begin(slot);
-        if self.named[self.slot] != volume.generation() {
-            self.named[self.slot] = volume.generation();
-            self.sets.write_sampled(self.slot, 0, volume.view());
+        let image = volume.image();
+        if self.named[self.slot] != image.id() {
+            self.named[self.slot] = image.id();
+            self.sets.write_sampled(self.slot, 0, image.view());
         }
     }
 
@@ -110,7 +111,7 @@ impl Slicing {
         volume: &Volume,
         areas: &mut SliceAreas,
         rays: &PixelRays,
-        target: &IndexTarget,
+        target: &mut IndexTarget,
         eye: u32,
     ) -> Result<()> {
         let axis = facing_axis(rays, volume.dims());

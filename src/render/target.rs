@@ -1,69 +1,133 @@
-//! Owns where index maps are drawn to: an image of voxel indices and a depth buffer, one layer
-//! an eye.
+//! Owns the images of eyes, one layer an eye: index maps, drawn or uploaded, and pictures.
+//!
+//! They know how each layer was used last, so that a change of use is one call.
 
 use std::sync::Arc;
 
 use ash::vk;
 use glam::UVec2;
 
-use crate::gpu::{Attachment, Device, Image, ImageInfo, Load, Recorder, Result, Use};
+use crate::gpu::{
+    Attachment, Device, Image, ImageInfo, Load, Piece, Readback, Recorder, Result, Serial, Use,
+};
 use crate::sculpture::NO_VOXEL;
+use crate::surface::IndexMap;
+use crate::view::PixelRays;
 
-/// Index maps on the device.
+/// An image with a layer an eye.
+pub struct EyeImage {
+    image: Image,
+    uses: Vec<Use>,
+}
+
+impl EyeImage {
+    pub fn new(
+        device: &Arc<Device>,
+        name: &str,
+        size: UVec2,
+        eyes: u32,
+        format: vk::Format,
+        usage: vk::ImageUsageFlags,
+    ) -> Result<EyeImage> {
+        let plane = ImageInfo::plane(name, size.to_array(), format, usage);
+        let image = Image::new(device, &ImageInfo { layers: eyes, ..plane })?;
+        Ok(EyeImage { image, uses: vec![Use::NOTHING; eyes as usize] })
+    }
+
+    pub fn image(&self) -> &Image {
+        &self.image
+    }
+
+    /// Pixels.
+    pub fn size(&self) -> UVec2 {
+        let [x, y, _] = self.image.size();
+        UVec2::new(x, y)
+    }
+
+    pub fn eyes(&self) -> u32 {
+        self.image.layers()
+    }
+
+    /// Makes the layer of `eye` ready for another use that keeps what it holds.
+    pub fn make(&mut self, recorder: &mut Recorder, eye: u32, to: Use) {
+        let from = std::mem::replace(&mut self.uses[eye as usize], to);
+        if from != to {
+            recorder.image_barrier(self.image.layer(eye), from, to);
+        }
+    }
+
+    /// Makes the layer of `eye` ready to be written all anew.
+    pub fn renew(&mut self, recorder: &mut Recorder, eye: u32, to: Use) {
+        let from = std::mem::replace(&mut self.uses[eye as usize], to);
+        recorder.image_barrier(self.image.layer(eye), from.discarded(), to);
+    }
+
+    /// Writes the layer of `eye` from `piece`, row by row, and makes it ready for shaders.
+    pub fn upload(&mut self, recorder: &mut Recorder, eye: u32, piece: Piece) {
+        self.renew(recorder, eye, Use::COPY_TARGET);
+        let [width, height, depth] = self.image.size();
+        let copy = vk::BufferImageCopy::default()
+            .buffer_offset(piece.offset)
+            .image_subresource(vk::ImageSubresourceLayers {
+                aspect_mask: vk::ImageAspectFlags::COLOR,
+                mip_level: 0,
+                base_array_layer: eye,
+                layer_count: 1,
+            })
+            .image_extent(vk::Extent3D { width, height, depth });
+        recorder.copy_to_image(piece.buffer, self.image.layer(eye), &[copy]);
+        self.make(recorder, eye, Use::SHADER_READ);
+    }
+}
+
+/// Index maps on the device: an image of voxel indices and the depth buffer that they are drawn
+/// with.
 pub struct IndexTarget {
-    index: Image,
-    depth: Image,
-    size: UVec2,
+    index: EyeImage,
+    depth: EyeImage,
 }
 
 impl IndexTarget {
     /// For pictures of `size` pixels and `eyes` layers.
     pub fn new(device: &Arc<Device>, size: UVec2, eyes: u32) -> Result<IndexTarget> {
         use vk::ImageUsageFlags as Usage;
-        let image = |name, format, usage| {
-            let plane = ImageInfo::plane(name, size.to_array(), format, usage);
-            Image::new(device, &ImageInfo { layers: eyes, ..plane })
-        };
         let usage =
             Usage::COLOR_ATTACHMENT | Usage::SAMPLED | Usage::TRANSFER_SRC | Usage::TRANSFER_DST;
-        Ok(IndexTarget {
-            index: image("index map", vk::Format::R32_UINT, usage)?,
-            depth: image(
-                "index map depth",
-                vk::Format::D32_SFLOAT,
-                Usage::DEPTH_STENCIL_ATTACHMENT,
-            )?,
-            size,
-        })
+        let format = vk::Format::R32_UINT;
+        let index = EyeImage::new(device, "index map", size, eyes, format, usage)?;
+        let usage = Usage::DEPTH_STENCIL_ATTACHMENT;
+        let format = vk::Format::D32_SFLOAT;
+        let depth = EyeImage::new(device, "index map depth", size, eyes, format, usage)?;
+        Ok(IndexTarget { index, depth })
     }
 
     /// Pixels.
     pub fn size(&self) -> UVec2 {
-        self.size
+        self.index.size()
     }
 
-    /// The voxel indices, left in the layout of [`Use::COLOUR_TARGET`] by a drawing pass.
-    pub fn index(&self) -> &Image {
+    pub fn eyes(&self) -> u32 {
+        self.index.eyes()
+    }
+
+    /// The voxel indices.
+    pub fn index(&self) -> &EyeImage {
         &self.index
     }
 
     /// Starts drawing the index map of `eye`: nothing seen yet.
-    pub fn begin(&self, recorder: &mut Recorder, eye: u32) {
-        let (index, depth) = (self.index.layer(eye), self.depth.layer(eye));
-        // Whatever read the last map must be done before this one is drawn.
-        let read =
-            Use { stage: Use::SHADER_READ.stage | Use::COPY_SOURCE.stage, ..Use::SHADER_READ };
-        recorder.image_barrier(index, read.discarded(), Use::COLOUR_TARGET);
-        recorder.image_barrier(depth, Use::DEPTH_TARGET.discarded(), Use::DEPTH_TARGET);
+    pub fn begin(&mut self, recorder: &mut Recorder, eye: u32) {
+        self.index.renew(recorder, eye, Use::COLOUR_TARGET);
+        self.depth.renew(recorder, eye, Use::DEPTH_TARGET);
         recorder.begin_rendering(
-            self.size.to_array(),
+            self.size().to_array(),
             Some(Attachment {
-                view: self.index.layer_view(eye),
+                view: self.index.image().layer_view(eye),
                 load: Load::Integers([NO_VOXEL; 4]),
                 store: true,
             }),
             Some(Attachment {
-                view: self.depth.layer_view(eye),
+                view: self.depth.image().layer_view(eye),
                 load: Load::Depth(0.0),
                 store: false,
             }),
@@ -73,5 +137,62 @@ impl IndexTarget {
     /// Ends drawing.
     pub fn end(&self, recorder: &mut Recorder) {
         recorder.end_rendering();
+    }
+
+    /// Puts a map that the CPU has made, copied to `piece`, in the place of the one of `eye`.
+    pub fn upload(&mut self, recorder: &mut Recorder, eye: u32, piece: Piece) {
+        self.index.upload(recorder, eye, piece);
+    }
+
+    /// Makes the map of `eye` ready for a shader.
+    pub fn make_readable(&mut self, recorder: &mut Recorder, eye: u32) {
+        self.index.make(recorder, eye, Use::SHADER_READ);
+    }
+}
+
+/// Index maps on their way to the CPU, one a frame slot, so that they may be fetched in the same
+/// frame or in a later one. Each comes with the rays that it was made with.
+pub struct IndexReadback {
+    readback: Readback,
+    rays: [Option<PixelRays>; crate::gpu::FRAMES_IN_FLIGHT],
+}
+
+impl IndexReadback {
+    /// For one eye.
+    pub fn new(device: &Arc<Device>) -> IndexReadback {
+        IndexReadback { readback: Readback::new(device, "index map"), rays: Default::default() }
+    }
+
+    /// Records the copy of the map of `eye`, made with `rays`.
+    pub fn record(
+        &mut self,
+        recorder: &mut Recorder,
+        slot: usize,
+        target: &mut IndexTarget,
+        eye: u32,
+        rays: &PixelRays,
+    ) -> Result<()> {
+        target.index.make(recorder, eye, Use::COPY_SOURCE);
+        let image = target.index.image();
+        self.readback.record(recorder, slot, image.layer(eye), image.size(), 4)?;
+        let count = self.rays.len();
+        self.rays[slot % count] = Some(*rays);
+        Ok(())
+    }
+
+    /// Says which submission carries the copy to `slot`.
+    pub fn submitted(&mut self, slot: usize, serial: Serial) {
+        self.readback.submitted(slot, serial);
+    }
+
+    /// Waits for the map recorded last for `slot` and copies it to `map`, which keeps its
+    /// memory.
+    pub fn fetch(&self, slot: usize, map: &mut IndexMap) -> Result<()> {
+        let bytes = self.readback.wait(slot)?;
+        if let Some(rays) = &self.rays[slot % self.rays.len()] {
+            map.reset(*rays);
+            bytemuck::cast_slice_mut::<u32, u8>(&mut map.voxels).copy_from_slice(bytes);
+        }
+        Ok(())
     }
 }

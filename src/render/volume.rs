@@ -6,7 +6,6 @@
 //! colours and no history: undo is a change like any other.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use ash::vk;
 use glam::UVec3;
@@ -32,7 +31,6 @@ const BRICK_BYTES: usize = size_of::<Brick>();
 pub struct Volume {
     image: Image,
     dims: UVec3,
-    generation: u64,
     staging: Staging,
     /// Kept for their memory.
     changed: Vec<u32>,
@@ -48,7 +46,6 @@ impl Volume {
         let mut volume = Volume {
             image: make_image(device, grid)?,
             dims: grid.dims(),
-            generation: next_generation(),
             staging: Staging::new(device, "changed bricks", usage, STAGING_BYTES)?,
             changed: Vec::new(),
             copies: Vec::new(),
@@ -72,7 +69,6 @@ impl Volume {
         if grid.dims() != self.dims {
             self.image = make_image(&self.device, grid)?;
             self.dims = grid.dims();
-            self.generation = next_generation();
             return self.upload_whole(grid, Use::NOTHING);
         }
         match changed {
@@ -84,10 +80,6 @@ impl Volume {
         }
     }
 
-    pub fn view(&self) -> vk::ImageView {
-        self.image.view()
-    }
-
     pub fn image(&self) -> &Image {
         &self.image
     }
@@ -95,11 +87,6 @@ impl Volume {
     /// Size of the grid in voxels.
     pub fn dims(&self) -> UVec3 {
         self.dims
-    }
-
-    /// Another number for every image made, so that users know when to name it anew.
-    pub fn generation(&self) -> u64 {
-        self.generation
     }
 
     fn upload_whole(&mut self, grid: &Grid, before: Use) -> Result<()> {
@@ -206,9 +193,4 @@ fn copy(offset: usize, first: UVec3, size: UVec3) -> vk::BufferImageCopy {
             z: first.z as i32,
         })
         .image_extent(vk::Extent3D { width: size.x * words, height: size.y, depth: size.z })
-}
-
-fn next_generation() -> u64 {
-    static NEXT: AtomicU64 = AtomicU64::new(1);
-    NEXT.fetch_add(1, Ordering::Relaxed)
 }

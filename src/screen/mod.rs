@@ -2,3 +2,4 @@
 
 pub mod headset;
 pub mod window;
+pub mod offscreen;

@@ -31,7 +31,7 @@ fn slice(
     let volume = Volume::new(device, grid).unwrap();
     let mut areas = SliceAreas::default();
     areas.update(grid, None);
-    let target = IndexTarget::new(device, SIZE, 2).unwrap();
+    let mut target = IndexTarget::new(device, SIZE, 2).unwrap();
     let mut frames = Frames::new(device).unwrap();
     views
         .iter()
@@ -40,10 +40,10 @@ fn slice(
             let eye = i as u32 % 2;
             let mut recorder = frames.begin().unwrap();
             slicing.begin(frames.slot(), &volume);
-            slicing.record(&mut recorder, &volume, &mut areas, rays, &target, eye).unwrap();
+            slicing.record(&mut recorder, &volume, &mut areas, rays, &mut target, eye).unwrap();
             frames.submit(recorder, &[], &[]).unwrap();
             let size = [SIZE.x, SIZE.y, 1];
-            let part = target.index().layer(eye);
+            let part = target.index().image().layer(eye);
             let bytes = read_image_once(device, part, size, 4, Use::COLOUR_TARGET).unwrap();
             IndexMap { rays: *rays, voxels: bytemuck::pod_collect_to_vec(&bytes) }
         })

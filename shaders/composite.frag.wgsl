@@ -1,0 +1,60 @@
+// The shaded sculpture over the background, with the depth of the surface, so that what is drawn
+// later is hidden by it: where the pixel's ray enters the box of the voxel that it sees.
+
+//!include "layout.wgsl"
+//!include "ray.wgsl"
+
+var<immediate> view: CompositeView;
+@group(0) @binding(0) var index_map: texture_2d<u32>;
+@group(0) @binding(1) var picture: texture_2d<f32>;
+
+struct Pixel {
+    @location(0) colour: vec4<f32>,
+    @builtin(frag_depth) depth: f32,
+}
+
+// Quotient and remainder, for numbers of any size, without the integer division that is slow on
+// SIMD: an estimate in f32 is off by at most a few units, which a second one makes good.
+fn divide(number: u32, by: u32) -> vec2<u32> {
+    let inverse = 1.0 / f32(by);
+    var quotient = u32(f32(number) * inverse);
+    var rest = i32(number - quotient * by);
+    let correction = i32(floor(f32(rest) * inverse));
+    quotient += u32(correction);
+    rest -= correction * i32(by);
+    if rest < 0 {
+        quotient -= 1u;
+        rest += i32(by);
+    }
+    if rest >= i32(by) {
+        quotient += 1u;
+        rest -= i32(by);
+    }
+    return vec2<u32>(quotient, u32(rest));
+}
+
+@fragment
+fn main(@builtin(position) position: vec4<f32>) -> Pixel {
+    let at = position.xy - vec2<f32>(view.left, view.upper);
+    let on_map = at * vec2<f32>(view.scale_x, view.scale_y);
+    let texel = min(vec2<u32>(on_map), view.size - vec2<u32>(1u));
+    let voxel = textureLoad(index_map, texel, 0).x;
+    if voxel == NO_VOXEL {
+        if view.keep != 0u {
+            discard;
+        }
+        let down = on_map.y / f32(view.size.y);
+        return Pixel(vec4<f32>(mix(view.top, view.bottom, down), 1.0), 0.0);
+    }
+    let yz = divide(voxel, view.dims.x);
+    let z = divide(yz.x, view.dims.y);
+    let low = vec3<i32>(i32(yz.y), i32(z.y), i32(z.x));
+
+    let centre = vec2<f32>(texel) + 0.5;
+    let ray = make_ray(view.origin, view.corner + view.step_x * centre.x + view.step_y * centre.y);
+    let enter = crossings(ray, select(low + vec3<i32>(1), low, ray.forward));
+    let t = max(max(enter.x, enter.y), enter.z);
+    // An eye within the voxel sees it at the near plane.
+    let depth = select(1.0, (view.depth_slope * t + view.depth_at_0) / t, t > 0.0);
+    return Pixel(vec4<f32>(textureLoad(picture, texel, 0).xyz, 1.0), clamp(depth, 0.0, 1.0));
+}

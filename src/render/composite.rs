@@ -1,0 +1,191 @@
+//! Owns the composite pass: the shaded picture of a sculpture goes over the background, with the
+//! depth of its surface, so that tools drawn later stand before or behind it.
+//!
+//! Takes index maps (drawn by the device or made by the CPU), the pictures shaded from them,
+//! and a colour target of any format with a D32 depth buffer. Owns the pictures on the device.
+
+use std::sync::Arc;
+
+use ash::vk;
+use glam::{Mat4, UVec2, UVec3, Vec3};
+
+use super::target::{EyeImage, IndexTarget};
+use crate::gpu::layout::CompositeView;
+use crate::gpu::{
+    Blend, Depth, DescriptorSets, Device, FRAMES_IN_FLIGHT, Graphics, Pipeline, PipelineLayout,
+    Recorder, Result, SetLayout, Staging, shaders,
+};
+use crate::shade::Pixels;
+use crate::view::PixelRays;
+
+/// What is behind the sculpture. Colours are sRGB, 0 to 1.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Background {
+    /// What the target holds already.
+    Keep,
+    /// From the upper to the lower edge.
+    Gradient { top: Vec3, bottom: Vec3 },
+}
+
+/// Where and how an eye's picture goes to the target.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct CompositeEye {
+    /// The rays that the index map was made with.
+    pub rays: PixelRays,
+    /// The projection of the target's depth.
+    pub projection: Mat4,
+    /// Size of the grid in voxels.
+    pub dims: UVec3,
+    /// The eye's part of the target in pixels: corner and size.
+    pub corner: UVec2,
+    pub size: UVec2,
+    pub background: Background,
+}
+
+/// Draws sculptures to a screen.
+pub struct Composite {
+    pipeline: Pipeline,
+    sets: DescriptorSets,
+    /// The index image and the picture that each set names.
+    named: Vec<(u64, u64)>,
+    pictures: Option<EyeImage>,
+    staging: Staging,
+    slot: usize,
+    eyes: u32,
+    /// The target stores linear values, encoded by the device.
+    linear: bool,
+    device: Arc<Device>,
+}
+
+impl Composite {
+    /// For targets of `format` and up to `eyes` eyes.
+    pub fn new(device: &Arc<Device>, format: vk::Format, eyes: u32) -> Result<Composite> {
+        let fragment = vk::ShaderStageFlags::FRAGMENT;
+        let image = vk::DescriptorType::SAMPLED_IMAGE;
+        let bindings = [(0, image, fragment), (1, image, fragment)];
+        let set_layout = SetLayout::new(device, "composite", &bindings)?;
+        let push = Some((fragment, size_of::<CompositeView>()));
+        let layout = PipelineLayout::new(device, "composite", Some(&set_layout), push)?;
+        let pipeline = Pipeline::graphics(
+            device,
+            &Graphics {
+                name: "composite",
+                vertex: shaders::SCREEN_VERT,
+                fragment: shaders::COMPOSITE_FRAG,
+                layout: &layout,
+                vertices: None,
+                topology: vk::PrimitiveTopology::TRIANGLE_LIST,
+                cull: vk::CullModeFlags::NONE,
+                colour: Some((format, Blend::Replace)),
+                depth: Some(Depth::OVERWRITE),
+            },
+        )?;
+        let count = FRAMES_IN_FLIGHT * eyes as usize;
+        Ok(Composite {
+            pipeline,
+            sets: DescriptorSets::new(device, "composite", &set_layout, count)?,
+            named: vec![(0, 0); count],
+            pictures: None,
+            staging: Staging::new(
+                device,
+                "shaded pictures",
+                vk::BufferUsageFlags::TRANSFER_SRC,
+                1 << 20,
+            )?,
+            slot: 0,
+            eyes,
+            linear: is_srgb(format),
+            device: device.clone(),
+        })
+    }
+
+    /// Starts a frame that uses `slot`.
+    pub fn begin(&mut self, slot: usize) {
+        self.slot = slot % FRAMES_IN_FLIGHT;
+        self.staging.begin(slot);
+    }
+
+    /// Uploads the picture of `eye`. Before rendering begins; all eyes' pictures have the
+    /// same size.
+    pub fn upload(&mut self, recorder: &mut Recorder, eye: u32, pixels: &Pixels) -> Result<()> {
+        let piece = self.staging.push(&pixels.rgba, 4)?;
+        let pictures = match &mut self.pictures {
+            Some(pictures) if pictures.size() == pixels.size => pictures,
+            pictures => pictures.insert(EyeImage::new(
+                &self.device,
+                "shaded picture",
+                pixels.size,
+                self.eyes,
+                // A target that encodes what it is given is given what is decoded here.
+                if self.linear { vk::Format::R8G8B8A8_SRGB } else { vk::Format::R8G8B8A8_UNORM },
+                vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST,
+            )?),
+        };
+        pictures.upload(recorder, eye, piece);
+        Ok(())
+    }
+
+    /// Draws the picture uploaded last for `eye`, within rendering. The map of `eye` in `maps`
+    /// must be the one it was shaded from, and ready for shaders
+    /// ([`IndexTarget::make_readable`]).
+    pub fn draw(
+        &mut self,
+        recorder: &mut Recorder,
+        maps: &IndexTarget,
+        eye: u32,
+        view: &CompositeEye,
+    ) {
+        let Some(pictures) = &self.pictures else { return };
+        let (index, picture) = (maps.index().image(), pictures.image());
+        let set = self.slot * self.eyes as usize + eye as usize;
+        if self.named[set] != (index.id(), picture.id()) {
+            self.named[set] = (index.id(), picture.id());
+            self.sets.write_sampled(set, 0, index.layer_view(eye));
+            self.sets.write_sampled(set, 1, picture.layer_view(eye));
+        }
+        recorder.bind_pipeline(&self.pipeline);
+        recorder.bind_set(&self.pipeline, self.sets.set(set));
+        recorder.push(self.pipeline.layout(), &self.constants(view));
+        let [x, y] = view.corner.to_array();
+        recorder.set_scissor([x, y, view.size.x, view.size.y]);
+        recorder.draw(3, 1);
+    }
+
+    fn constants(&self, view: &CompositeEye) -> CompositeView {
+        let rays = &view.rays;
+        let scale = rays.size.as_vec2() / view.size.as_vec2();
+        let encode = |c: Vec3| if self.linear { c.powf(2.2) } else { c };
+        let (keep, top, bottom) = match view.background {
+            Background::Keep => (1, Vec3::ZERO, Vec3::ZERO),
+            Background::Gradient { top, bottom } => (0, encode(top), encode(bottom)),
+        };
+        // Clip z of a point is `z_axis.z * z + w_axis.z`, its z in eye space is -t.
+        let projection = &view.projection;
+        CompositeView {
+            origin: rays.origin.to_array(),
+            depth_slope: -projection.z_axis.z,
+            corner: rays.corner.to_array(),
+            depth_at_0: projection.w_axis.z,
+            step_x: rays.step_x.to_array(),
+            scale_x: scale.x,
+            step_y: rays.step_y.to_array(),
+            scale_y: scale.y,
+            dims: view.dims.to_array(),
+            keep,
+            top: top.to_array(),
+            left: view.corner.x as f32,
+            bottom: bottom.to_array(),
+            upper: view.corner.y as f32,
+            size: rays.size.to_array(),
+            pad_0: [0; 2],
+        }
+    }
+}
+
+/// Whether the device encodes what is written to `format`.
+pub fn is_srgb(format: vk::Format) -> bool {
+    matches!(
+        format,
+        vk::Format::R8G8B8A8_SRGB | vk::Format::B8G8R8A8_SRGB | vk::Format::A8B8G8R8_SRGB_PACK32
+    )
+}

@@ -1,0 +1,75 @@
+//! Owns a screen in memory: a colour and a depth buffer for one or two eyes, read back as
+//! pictures. For files, for tests, and for what is shown elsewhere.
+
+use std::sync::Arc;
+
+use ash::vk;
+use glam::UVec2;
+
+use crate::gpu::{Attachment, Device, Load, Recorder, Result, Use, read_image_once};
+use crate::render::target::EyeImage;
+use crate::shade::Pixels;
+
+/// The colour format: sRGB values as they are, no encoding by the device.
+pub const FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
+
+/// A screen in memory.
+pub struct Offscreen {
+    colour: EyeImage,
+    depth: EyeImage,
+    device: Arc<Device>,
+}
+
+impl Offscreen {
+    /// Of `size` pixels for `eyes` eyes (1 or 2).
+    pub fn new(device: &Arc<Device>, size: UVec2, eyes: u32) -> Result<Offscreen> {
+        use vk::ImageUsageFlags as Usage;
+        let usage = Usage::COLOR_ATTACHMENT | Usage::TRANSFER_SRC;
+        let colour = EyeImage::new(device, "offscreen", size, eyes, FORMAT, usage)?;
+        let usage = Usage::DEPTH_STENCIL_ATTACHMENT;
+        let format = vk::Format::D32_SFLOAT;
+        let depth = EyeImage::new(device, "offscreen depth", size, eyes, format, usage)?;
+        Ok(Offscreen { colour, depth, device: device.clone() })
+    }
+
+    /// Pixels.
+    pub fn size(&self) -> UVec2 {
+        self.colour.size()
+    }
+
+    pub fn eyes(&self) -> u32 {
+        self.colour.eyes()
+    }
+
+    /// Starts drawing what `eye` sees: transparent black, infinitely far.
+    pub fn begin(&mut self, recorder: &mut Recorder, eye: u32) {
+        self.colour.renew(recorder, eye, Use::COLOUR_TARGET);
+        self.depth.renew(recorder, eye, Use::DEPTH_TARGET);
+        recorder.begin_rendering(
+            self.size().to_array(),
+            Some(Attachment {
+                view: self.colour.image().layer_view(eye),
+                load: Load::Colour([0.0; 4]),
+                store: true,
+            }),
+            Some(Attachment {
+                view: self.depth.image().layer_view(eye),
+                load: Load::Depth(0.0),
+                store: false,
+            }),
+        );
+    }
+
+    /// Ends drawing.
+    pub fn end(&self, recorder: &mut Recorder) {
+        recorder.end_rendering();
+    }
+
+    /// The picture of `eye`, once what was recorded has been submitted. Waits for it.
+    pub fn read_back(&self, eye: u32) -> Result<Pixels> {
+        let image = self.colour.image();
+        let part = image.layer(eye);
+        let bytes = read_image_once(&self.device, part, image.size(), 4, Use::COLOUR_TARGET)?;
+        Ok(Pixels { size: self.size(), rgba: bytemuck::pod_collect_to_vec(&bytes) })
+    }
+}
