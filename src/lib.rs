@@ -23,4 +23,5 @@ pub mod shade;
 pub mod surface;
 pub mod tools;
 pub mod ui;
+pub mod video;
 pub mod view;

@@ -1,0 +1,242 @@
+//! Owns what lies between the bytes of a connection and those of an HTTP answer: the head, and the
+//! chunks that a server may cut the body into (RFC 9112). No input or output here.
+
+use super::super::error::VideoError;
+
+/// Longest head of an answer, bytes.
+pub const MAX_HEAD: usize = 16 << 10;
+/// Longest line about a chunk, bytes.
+const MAX_CHUNK_LINE: usize = 256;
+
+/// The head of an answer, as far as it matters here.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct Head {
+    pub status: u16,
+    pub content_type: String,
+    pub chunked: bool,
+    pub location: String,
+}
+
+/// Where the head ends and the body begins. None if more must be read.
+pub fn head_end(bytes: &[u8]) -> Option<usize> {
+    bytes.windows(4).position(|end| end == b"\r\n\r\n").map(|at| at + 4)
+}
+
+impl Head {
+    /// Parses status line and headers, up to [`head_end`].
+    pub fn parse(bytes: &[u8], subject: &str) -> Result<Head, VideoError> {
+        let text = String::from_utf8_lossy(bytes);
+        let mut lines = text.split("\r\n");
+        let status_line = lines.next().unwrap_or_default();
+        let mut words = status_line.split_ascii_whitespace();
+        let version = words.next().is_some_and(|word| word.starts_with("HTTP/1."));
+        let status = words.next().and_then(|code| code.parse().ok());
+        let (true, Some(status)) = (version, status) else {
+            return Err(VideoError::malformed(subject, "the answer is not HTTP/1"));
+        };
+        let mut head = Head { status, ..Head::default() };
+        for (name, value) in lines.filter_map(|line| line.split_once(':')) {
+            let value = value.trim();
+            match name.trim().to_ascii_lowercase().as_str() {
+                "content-type" => head.content_type = value.into(),
+                "location" => head.location = value.into(),
+                "transfer-encoding" => {
+                    head.chunked = value.to_ascii_lowercase().contains("chunked");
+                }
+                _ => {}
+            }
+        }
+        Ok(head)
+    }
+
+    /// Refuses what is no stream of JPEG pictures.
+    pub fn check(&self, subject: &str) -> Result<(), VideoError> {
+        let refuse = |problem| Err(VideoError::unsupported(subject, problem));
+        match self.status {
+            200 => {}
+            301 | 302 | 303 | 307 | 308 => {
+                return refuse(format!("it has moved to {:?}", clip(&self.location)));
+            }
+            401 | 403 => {
+                return refuse("it wants a login: http://name:password@host/path".into());
+            }
+            status => return refuse(format!("the server answers with status {status}")),
+        }
+        let kind = self.content_type.to_ascii_lowercase();
+        if !kind.starts_with("multipart/") && !kind.starts_with("video/x-motion-jpeg") {
+            let kind = clip(&self.content_type);
+            return refuse(format!("it sends {kind:?}, not multipart/x-mixed-replace"));
+        }
+        Ok(())
+    }
+}
+
+/// A stranger's text, short enough for a message.
+fn clip(text: &str) -> String {
+    text.chars().take(100).collect()
+}
+
+/// Tells the bytes of a body from those of its chunks.
+#[derive(Clone, Debug)]
+pub struct Body(Place);
+
+#[derive(Clone, PartialEq, Eq, Debug)]
+enum Place {
+    /// Not in chunks: all is body.
+    Plain,
+    /// In the line before a chunk.
+    Size { line: Vec<u8> },
+    /// In a chunk.
+    Chunk { left: u64 },
+    /// Before the line's end behind a chunk.
+    ChunkEnd,
+    /// Behind the last chunk.
+    Over,
+}
+
+/// What the next bytes are.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Span {
+    /// So many bytes belong to the body. How many of them were used, [`Body::took`] must hear.
+    Body(usize),
+    /// So many do not, and are done with.
+    Frame(usize),
+    /// The body is over.
+    End,
+}
+
+impl Body {
+    pub fn new(chunked: bool) -> Body {
+        Body(if chunked { Place::Size { line: Vec::new() } } else { Place::Plain })
+    }
+
+    /// Counts bytes of the body as used.
+    pub fn took(&mut self, n: usize) {
+        if let Place::Chunk { left } = &mut self.0 {
+            *left = left.saturating_sub(n as u64);
+            if *left == 0 {
+                self.0 = Place::ChunkEnd;
+            }
+        }
+    }
+
+    /// What `bytes`, which must not be empty, begin with.
+    pub fn next(&mut self, bytes: &[u8], subject: &str) -> Result<Span, VideoError> {
+        let malformed = |problem| Err(VideoError::malformed(subject, problem));
+        match &mut self.0 {
+            Place::Plain => Ok(Span::Body(bytes.len())),
+            Place::Over => Ok(Span::End),
+            Place::Chunk { left } => {
+                Ok(Span::Body(usize::try_from(*left).unwrap_or(usize::MAX).min(bytes.len())))
+            }
+            Place::ChunkEnd => {
+                match bytes[0] {
+                    b'\r' => {}
+                    b'\n' => self.0 = Place::Size { line: Vec::new() },
+                    _ => return malformed("a chunk longer than it says"),
+                }
+                Ok(Span::Frame(1))
+            }
+            Place::Size { line } => {
+                let end = bytes.iter().position(|&b| b == b'\n');
+                let n = end.map_or(bytes.len(), |end| end + 1);
+                line.extend_from_slice(&bytes[..n]);
+                if line.len() > MAX_CHUNK_LINE {
+                    return malformed("a chunk's head that does not end");
+                }
+                if end.is_some() {
+                    let text = String::from_utf8_lossy(line);
+                    let digits = text.split(';').next().unwrap_or_default().trim();
+                    match u64::from_str_radix(digits, 16) {
+                        Ok(0) => self.0 = Place::Over,
+                        Ok(left) if !digits.starts_with('+') => self.0 = Place::Chunk { left },
+                        _ => return malformed("a chunk without a size"),
+                    }
+                }
+                Ok(Span::Frame(n))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn body_of(bytes: &[u8], step: usize) -> Result<(Vec<u8>, bool), VideoError> {
+        let (mut body, mut out) = (Body::new(true), Vec::new());
+        for mut piece in bytes.chunks(step) {
+            while !piece.is_empty() {
+                match body.next(piece, "x")? {
+                    Span::End => return Ok((out, true)),
+                    Span::Frame(n) => piece = &piece[n..],
+                    Span::Body(n) => {
+                        // As a splitter does that finds a picture's end in the middle.
+                        let n = n.div_ceil(2);
+                        out.extend_from_slice(&piece[..n]);
+                        body.took(n);
+                        piece = &piece[n..];
+                    }
+                }
+            }
+        }
+        Ok((out, body.0 == Place::Over))
+    }
+
+    #[test]
+    fn heads_are_judged() {
+        let text = b"HTTP/1.0 200 OK\r\nContent-TYPE: multipart/x-mixed-replace;boundary=x\r\n\
+                     Transfer-Encoding: Chunked\r\n\r\nbody";
+        let end = head_end(text).unwrap();
+        assert_eq!(&text[end..], b"body");
+        let head = Head::parse(&text[..end], "x").unwrap();
+        assert!(head.chunked && head.check("x").is_ok());
+        for (answer, why) in [
+            ("HTTP/1.1 404 Not Found\r\n\r\n", "404"),
+            ("HTTP/1.1 401 No\r\n\r\n", "login"),
+            ("HTTP/1.1 302 Found\r\nLocation: http://b/c\r\n\r\n", "http://b/c"),
+            ("HTTP/1.1 200 OK\r\nContent-Type: text/html\r\n\r\n", "text/html"),
+            ("HTTP/1.1 200 OK\r\n\r\n", "multipart"),
+        ] {
+            let error = Head::parse(answer.as_bytes(), "x").unwrap().check("x").unwrap_err();
+            assert!(error.to_string().contains(why), "{error}");
+        }
+        for bad in
+            ["", "ICY 200 OK\r\n\r\n", "HTTP/1.1\r\n\r\n", "HTTP/1.1 abc\r\n\r\n", "\0\r\n\r\n"]
+        {
+            assert!(Head::parse(bad.as_bytes(), "x").is_err(), "{bad:?}");
+        }
+    }
+
+    #[test]
+    fn bad_chunks_are_refused() {
+        for bad in ["x\r\n", "\r\n", "+3\r\nabc", "3\r\nabcd", "-1\r\n", "fffffffffffffffff\r\n"] {
+            assert!(body_of(bad.as_bytes(), 1).is_err(), "{bad:?}");
+        }
+        assert!(body_of(&[b'1'; 1000], 7).is_err());
+    }
+
+    proptest! {
+        #[test]
+        fn chunks_give_the_body(
+            parts in prop::collection::vec(prop::collection::vec(any::<u8>(), 1..40), 0..10),
+            step in 1usize..50,
+        ) {
+            let mut sent = Vec::new();
+            for part in &parts {
+                sent.extend_from_slice(format!("{:X};note=1\r\n", part.len()).as_bytes());
+                sent.extend_from_slice(part);
+                sent.extend_from_slice(b"\r\n");
+            }
+            sent.extend_from_slice(b"0\r\n\r\n");
+            prop_assert_eq!(body_of(&sent, step).unwrap(), (parts.concat(), true));
+        }
+
+        #[test]
+        fn no_bytes_make_it_panic(bytes in prop::collection::vec(any::<u8>(), 0..300), step in 1usize..50) {
+            let _ = body_of(&bytes, step);
+            let _ = Head::parse(&bytes, "x").map(|head| head.check("x"));
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! Owns cameras on the network: a phone or a server that sends one JPEG after the other in an
+//! HTTP answer without an end (`multipart/x-mixed-replace`, or MJPEG straight).
+//!
+//! A client of its own over plain TCP, since it needs two things that libraries for requests do
+//! not give: a limit on the silence between two pictures, and leave to throw away pictures that
+//! are already old. Boundaries and lengths between the pictures are not used: a JPEG delimits
+//! itself, its end is known before the next boundary comes, and phones get the lengths wrong.
+
+mod body;
+mod url;
+
+use std::io::{self, ErrorKind, Read, Write};
+use std::net::{SocketAddr, TcpStream, ToSocketAddrs};
+use std::time::{Duration, Instant};
+
+use super::error::VideoError;
+use super::frame::{Frame, MAX_COMPRESSED_BYTES};
+use super::jpeg::{self, Splitter};
+use super::reader::{Decoded, FETCH_WAIT, Fetched, Reader, Stop};
+use body::{Body, Head, MAX_HEAD, Span, head_end};
+
+pub use url::Url;
+
+/// How long each address of the host is tried.
+const CONNECT_WAIT: Duration = Duration::from_secs(2);
+/// How long the head of the answer may take.
+const HEAD_WAIT: Duration = Duration::from_secs(5);
+/// Most bytes read in one fetch for the sake of a newer picture.
+const MAX_CATCH_UP: usize = 16 << 20;
+
+pub struct HttpCamera {
+    stream: TcpStream,
+    subject: String,
+    opened: Instant,
+    body: Body,
+    splitter: Splitter,
+    /// Bytes read and not yet used: `buffer[used..filled]`.
+    buffer: Vec<u8>,
+    used: usize,
+    filled: usize,
+    picture: Vec<u8>,
+}
+
+impl HttpCamera {
+    /// Connects, asks, and reads the head of the answer.
+    pub fn open(url: &Url, stop: &Stop) -> Result<HttpCamera, VideoError> {
+        let subject = url.to_string();
+        let io = |error: io::Error| VideoError::io(&*subject, error);
+        let mut stream = connect(url, stop).map_err(io)?;
+        stream.set_read_timeout(Some(FETCH_WAIT)).map_err(io)?;
+        stream.set_write_timeout(Some(HEAD_WAIT)).map_err(io)?;
+        stream.set_nodelay(true).map_err(io)?;
+        let mut request = format!(
+            "GET {} HTTP/1.1\r\nHost: {}\r\nAccept: multipart/x-mixed-replace, image/jpeg\r\n\
+             User-Agent: virtual-sculpture\r\nConnection: close\r\n",
+            url.path,
+            url.authority()
+        );
+        if let Some(authorization) = url.authorization() {
+            request.push_str(&format!("Authorization: {authorization}\r\n"));
+        }
+        request.push_str("\r\n");
+        stream.write_all(request.as_bytes()).map_err(io)?;
+
+        let mut buffer = vec![0; 1 << 16];
+        let (mut filled, deadline) = (0, Instant::now() + HEAD_WAIT);
+        let used = loop {
+            match stream.read(&mut buffer[filled..MAX_HEAD]) {
+                Ok(0) => return Err(closed(&subject)),
+                Ok(n) => filled += n,
+                Err(error) if is_wait(&error) => {}
+                Err(error) => return Err(io(error)),
+            }
+            if let Some(end) = head_end(&buffer[..filled]) {
+                break end;
+            }
+            if filled == MAX_HEAD {
+                let problem = format!("the answer's head is longer than {MAX_HEAD} bytes");
+                return Err(VideoError::malformed(&*subject, problem));
+            }
+            if stop.asked() || Instant::now() > deadline {
+                let seconds = HEAD_WAIT.as_secs();
+                return Err(VideoError::Silent { subject, seconds });
+            }
+        };
+        let head = Head::parse(&buffer[..used], &subject)?;
+        head.check(&subject)?;
+        Ok(HttpCamera {
+            stream,
+            subject,
+            opened: Instant::now(),
+            body: Body::new(head.chunked),
+            splitter: Splitter::new(),
+            buffer,
+            used,
+            filled,
+            picture: Vec::new(),
+        })
+    }
+
+    /// Cuts the bytes at hand. True as soon as a picture is whole.
+    fn cut(&mut self) -> Result<bool, VideoError> {
+        while self.used < self.filled {
+            let bytes = &self.buffer[self.used..self.filled];
+            match self.body.next(bytes, &self.subject)? {
+                Span::End => return Err(closed(&self.subject)),
+                Span::Frame(n) => self.used += n,
+                Span::Body(n) => {
+                    let (n, whole) = self.splitter.feed(&bytes[..n]);
+                    self.body.took(n);
+                    self.used += n;
+                    if whole {
+                        self.splitter.swap_picture(&mut self.picture);
+                        return Ok(true);
+                    }
+                }
+            }
+        }
+        if self.splitter.outside() > MAX_COMPRESSED_BYTES {
+            return Err(VideoError::malformed(&*self.subject, "no JPEG pictures come"));
+        }
+        Ok(false)
+    }
+
+    /// Reads what there is, or waits [`FETCH_WAIT`] for it. False where nothing came.
+    fn read(&mut self, wait: bool) -> Result<bool, VideoError> {
+        // Only called when all bytes are used.
+        self.used = 0;
+        self.filled = 0;
+        let io = |error| VideoError::io(&*self.subject, error);
+        if !wait {
+            self.stream.set_nonblocking(true).map_err(io)?;
+        }
+        let result = self.stream.read(&mut self.buffer);
+        if !wait {
+            self.stream.set_nonblocking(false).map_err(io)?;
+        }
+        match result {
+            Ok(0) => Err(closed(&self.subject)),
+            Ok(n) => {
+                self.filled = n;
+                Ok(true)
+            }
+            Err(error) if is_wait(&error) => Ok(false),
+            Err(error) => Err(io(error)),
+        }
+    }
+}
+
+impl Reader for HttpCamera {
+    fn fetch(&mut self) -> Result<Fetched, VideoError> {
+        let start = Instant::now();
+        let (mut pictures, mut caught_up) = (0, 0);
+        loop {
+            // With a picture in hand, only look whether a newer one has come already.
+            let more = match self.cut() {
+                Ok(true) => {
+                    pictures += 1;
+                    continue;
+                }
+                Ok(false) => self.read(pictures == 0),
+                Err(error) => Err(error),
+            };
+            match more {
+                // The picture in hand is good; the next fetch meets the error again.
+                Err(error) if pictures == 0 => return Err(error),
+                Err(_) | Ok(false) => break,
+                Ok(true) => caught_up += self.filled,
+            }
+            let enough =
+                if pictures > 0 { caught_up > MAX_CATCH_UP } else { start.elapsed() > FETCH_WAIT };
+            if enough {
+                break;
+            }
+        }
+        if pictures == 0 {
+            return Ok(Fetched::Idle);
+        }
+        let broken = self.splitter.take_broken();
+        Ok(Fetched::Picture { position: self.opened.elapsed(), stale: pictures - 1, broken })
+    }
+
+    fn decode(&mut self, frame: &mut Frame) -> Result<Decoded, VideoError> {
+        Ok(jpeg::decode(&self.picture, &self.subject, frame))
+    }
+
+    fn rewind(&mut self) -> Result<Duration, VideoError> {
+        Err(VideoError::unsupported(&*self.subject, "a camera cannot be rewound"))
+    }
+}
+
+fn connect(url: &Url, stop: &Stop) -> io::Result<TcpStream> {
+    let addresses: Vec<SocketAddr> = (url.host.as_str(), url.port).to_socket_addrs()?.collect();
+    let mut failure = io::Error::new(ErrorKind::NotFound, "the host has no address");
+    for address in addresses {
+        if stop.asked() {
+            break;
+        }
+        match TcpStream::connect_timeout(&address, CONNECT_WAIT) {
+            Ok(stream) => return Ok(stream),
+            Err(error) => failure = error,
+        }
+    }
+    Err(failure)
+}
+
+fn closed(subject: &str) -> VideoError {
+    let error = io::Error::new(ErrorKind::UnexpectedEof, "the camera closed the connection");
+    VideoError::io(subject, error)
+}
+
+/// True where there is nothing to read for now.
+fn is_wait(error: &io::Error) -> bool {
+    matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
+}

@@ -1,0 +1,240 @@
+//! Owns single JPEG pictures: decoding them, and finding where each begins and ends in a stream of
+//! them (films, and phones that send multipart HTTP).
+//!
+//! A JPEG delimits itself: marker segments carry their lengths, and coded data escapes every 0xFF.
+//! So the splitter needs no frame sizes from outside, of which many are wrong. ITU-T T.81, B.1.
+
+use zune_jpeg::JpegDecoder;
+use zune_jpeg::zune_core::bytestream::ZCursor;
+use zune_jpeg::zune_core::colorspace::ColorSpace;
+use zune_jpeg::zune_core::options::DecoderOptions;
+
+use super::error::{VideoError, guarded};
+use super::frame::{Frame, MAX_COMPRESSED_BYTES, MAX_SIDE_PX, check_size};
+use super::reader::Decoded;
+
+const SOI: u8 = 0xD8;
+const EOI: u8 = 0xD9;
+const SOS: u8 = 0xDA;
+const DHT: u8 = 0xC4;
+
+/// The APP0 segment of a film's picture, behind the start marker. The decoder takes it for leave
+/// to use the standard Huffman tables, which webcams do not send.
+const AVI1: [u8; 9] = [0xFF, 0xE0, 0, 7, b'A', b'V', b'I', b'1', 0];
+
+/// Where the splitter is in a picture.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Place {
+    /// Before a picture.
+    Outside,
+    /// Between segments: an 0xFF must come.
+    Marker,
+    /// After an 0xFF: the marker's code.
+    Code,
+    /// The two bytes of a segment's length.
+    Length { code: u8, high: Option<u8> },
+    /// In a segment.
+    Segment { left: usize, code: u8 },
+    /// In coded data.
+    Data,
+    /// In coded data after an 0xFF.
+    DataCode,
+}
+
+/// Cuts a stream of bytes into pictures, and says what it threw away.
+#[derive(Debug)]
+pub struct Splitter {
+    place: Place,
+    /// The last byte outside was 0xFF.
+    after_ff: bool,
+    has_tables: bool,
+    picture: Vec<u8>,
+    /// Pictures that broke off or went wrong since last asked.
+    broken: u64,
+    /// Bytes outside pictures since the last picture.
+    outside: usize,
+}
+
+impl Splitter {
+    pub fn new() -> Splitter {
+        Splitter {
+            place: Place::Outside,
+            after_ff: false,
+            has_tables: false,
+            picture: Vec::new(),
+            broken: 0,
+            outside: 0,
+        }
+    }
+
+    /// Reads on until a picture is whole or `bytes` are used up. Gives how many bytes were used
+    /// and whether [`Splitter::swap_picture`] now has a picture to give.
+    pub fn feed(&mut self, bytes: &[u8]) -> (usize, bool) {
+        let mut used = 0;
+        while let Some(&byte) = bytes.get(used) {
+            // The two places where most bytes are take them by the stretch.
+            let rest = &bytes[used..];
+            match self.place {
+                Place::Segment { left, code } => {
+                    let n = left.min(rest.len());
+                    self.picture.extend_from_slice(&rest[..n]);
+                    used += n;
+                    self.place = match left - n {
+                        0 if code == SOS => Place::Data,
+                        0 => Place::Marker,
+                        left => Place::Segment { left, code },
+                    };
+                }
+                Place::Data => {
+                    let n = rest.iter().position(|&b| b == 0xFF).unwrap_or(rest.len());
+                    self.picture.extend_from_slice(&rest[..n]);
+                    used += n;
+                    if n < rest.len() {
+                        self.picture.push(0xFF);
+                        used += 1;
+                        self.place = Place::DataCode;
+                    }
+                }
+                Place::Outside
+                | Place::Marker
+                | Place::Code
+                | Place::Length { .. }
+                | Place::DataCode => {
+                    used += 1;
+                    if self.step(byte) {
+                        return (used, true);
+                    }
+                }
+            }
+            if self.picture.len() > MAX_COMPRESSED_BYTES {
+                self.give_up();
+            }
+        }
+        (used, false)
+    }
+
+    /// One byte where single bytes matter. True at the end of a picture.
+    fn step(&mut self, byte: u8) -> bool {
+        if self.place == Place::Outside {
+            self.outside += 1;
+            if self.after_ff && byte == SOI {
+                self.begin();
+            }
+            self.after_ff = byte == 0xFF;
+            return false;
+        }
+        self.picture.push(byte);
+        match (self.place, byte) {
+            (Place::Marker, 0xFF) => self.place = Place::Code,
+            (Place::Marker, _) => self.give_up(),
+            // Fill bytes before a marker, and escaped or restart codes in data.
+            (Place::Code | Place::DataCode, 0xFF) => {}
+            (Place::DataCode, 0 | 0xD0..=0xD7) => self.place = Place::Data,
+            (Place::Code | Place::DataCode, SOI) => {
+                // The picture broke off and here is the next.
+                self.broken += 1;
+                self.begin();
+            }
+            (Place::Code | Place::DataCode, EOI) => {
+                self.place = Place::Outside;
+                self.outside = 0;
+                return true;
+            }
+            // Markers without a segment.
+            (Place::Code | Place::DataCode, 0x01 | 0xD0..=0xD7) => self.place = Place::Marker,
+            (Place::Code | Place::DataCode, 0..=0xBF) => self.give_up(),
+            (Place::Code | Place::DataCode, code) => {
+                self.has_tables |= code == DHT;
+                self.place = Place::Length { code, high: None };
+            }
+            (Place::Length { code, high: None }, _) => {
+                self.place = Place::Length { code, high: Some(byte) };
+            }
+            (Place::Length { code, high: Some(high) }, _) => {
+                let length = usize::from(u16::from_be_bytes([high, byte]));
+                match length.checked_sub(2) {
+                    None => self.give_up(),
+                    Some(0) if code == SOS => self.place = Place::Data,
+                    Some(0) => self.place = Place::Marker,
+                    Some(left) => self.place = Place::Segment { left, code },
+                }
+            }
+            (Place::Outside | Place::Segment { .. } | Place::Data, _) => {}
+        }
+        false
+    }
+
+    fn begin(&mut self) {
+        self.picture.clear();
+        self.picture.extend_from_slice(&[0xFF, SOI]);
+        self.has_tables = false;
+        self.after_ff = false;
+        self.place = Place::Marker;
+    }
+
+    fn give_up(&mut self) {
+        self.broken += 1;
+        self.picture.clear();
+        self.after_ff = false;
+        self.place = Place::Outside;
+    }
+
+    /// Gives the picture that [`Splitter::feed`] announced for an old one's memory. It decodes by
+    /// itself: standard tables are asked for where it brings none.
+    pub fn swap_picture(&mut self, picture: &mut Vec<u8>) {
+        if !self.has_tables && self.picture.len() > 2 {
+            self.picture.splice(2..2, AVI1);
+        }
+        std::mem::swap(&mut self.picture, picture);
+        self.picture.clear();
+    }
+
+    /// Drops a picture begun, as at the end of a film, and starts over.
+    pub fn reset(&mut self) {
+        if self.place != Place::Outside {
+            self.give_up();
+        }
+        self.outside = 0;
+    }
+
+    /// Bytes seen since the last picture that belong to none.
+    pub fn outside(&self) -> usize {
+        self.outside
+    }
+
+    /// Pictures thrown away since the last call.
+    pub fn take_broken(&mut self) -> u64 {
+        std::mem::take(&mut self.broken)
+    }
+}
+
+/// Decodes one picture, whose colours are BT.601 in full range (JFIF), into `frame`. Broken are
+/// also the kinds that cameras do not send: arithmetic coding, 12 bits, CMYK of no known meaning.
+pub fn decode(picture: &[u8], subject: &str, frame: &mut Frame) -> Decoded {
+    // The decoder's authors allow it to panic on bad input.
+    match guarded(subject, || decode_rgba(picture, subject, frame)) {
+        Ok(()) => Decoded::Whole,
+        Err(error) => Decoded::Broken(error),
+    }
+}
+
+fn decode_rgba(picture: &[u8], subject: &str, frame: &mut Frame) -> Result<(), VideoError> {
+    let options = DecoderOptions::new_fast()
+        .jpeg_set_out_colorspace(ColorSpace::RGBA)
+        .set_max_width(MAX_SIDE_PX as usize)
+        .set_max_height(MAX_SIDE_PX as usize);
+    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(picture), options);
+    let malformed = |error| VideoError::malformed(subject, format!("broken JPEG: {error}"));
+    decoder.decode_headers().map_err(malformed)?;
+    let Some((width, height)) = decoder.dimensions() else {
+        return Err(VideoError::malformed(subject, "a JPEG without a size"));
+    };
+    check_size(width as u64, height as u64, subject)?;
+    // The colour space is fixed while decoding, so the buffer must be what it asks for.
+    let bytes = decoder.output_buffer_size();
+    if bytes != Some(width * height * 4) {
+        return Err(VideoError::unsupported(subject, "a JPEG that does not give RGBA"));
+    }
+    frame.shape(width as u32, height as u32, subject)?;
+    decoder.decode_into(&mut frame.pixels).map_err(malformed)
+}

@@ -1,0 +1,56 @@
+//! Owns the pictures behind the sculpture: cameras, films and phones to RGBA frames with time
+//! stamps, and the plane geometry of showing them (framing, lens).
+//!
+//! Takes an address (see [`Address`]); gives a [`VideoSource`] whose reader never waits: a thread
+//! of its own decodes, the newest frame wins. Must not know Vulkan, windows or sculptures.
+//!
+//! ```text
+//! address.rs --open--> Reader: v4l2 | http | y4m | mjpeg | png_folder
+//!                         |  fetch, decode (yuv.rs, jpeg.rs)
+//!                      pump.rs  paces films, finds cameras again     (thread)
+//!                         |
+//!                      slot.rs  one frame, swapped in and out
+//!                         |
+//!                      VideoSource::poll                             (caller)
+//! ```
+
+mod address;
+mod error;
+mod frame;
+mod framing;
+mod http;
+mod intrinsics;
+mod jpeg;
+mod mjpeg;
+mod png_folder;
+mod pump;
+mod rate;
+mod reader;
+mod slot;
+mod source;
+#[cfg(target_os = "linux")]
+mod v4l2;
+mod y4m;
+mod yuv;
+
+#[cfg(test)]
+mod intrinsics_tests;
+#[cfg(test)]
+mod jpeg_tests;
+#[cfg(test)]
+mod pump_tests;
+#[cfg(test)]
+mod yuv_tests;
+
+pub use address::{Address, CameraAddress, FilmAddress, FilmKind};
+pub use error::VideoError;
+pub use frame::{Frame, MAX_COMPRESSED_BYTES, MAX_PIXELS, MAX_SIDE_PX};
+pub use framing::{Fit, Framing};
+pub use http::Url;
+pub use intrinsics::{Intrinsics, IntrinsicsError};
+pub use rate::Rate;
+pub use slot::{State, Stats};
+pub use source::VideoSource;
+#[cfg(target_os = "linux")]
+pub use v4l2::{CameraInfo, CameraMode, cameras};
+pub use yuv::{Colour, ColourChoice, Layout, Lines, Matrix, Planes, Range, to_rgba};

@@ -1,0 +1,200 @@
+//! Owns the life of the decoding thread: films at their pace, cameras as they come, lost cameras
+//! sought again. Knows readers only by their trait; puts frames and states into the slot.
+
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use super::error::{VideoError, guarded};
+use super::frame::Frame;
+use super::reader::{Decoded, Fetched, Reader, Stop};
+use super::slot::{Slot, State, lock};
+
+/// Makes a reader; called again after each loss of a camera.
+pub type Open = Box<dyn FnMut(&Stop) -> Result<Box<dyn Reader>, VideoError> + Send>;
+
+/// How a source is played.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Play {
+    /// At the times of its frames.
+    Film { repeat: bool },
+    /// As it comes. A camera gone or silent is sought after `first_wait`, then after twice that,
+    /// and so on up to `longest_wait`.
+    Camera { silence: Duration, first_wait: Duration, longest_wait: Duration },
+}
+
+impl Play {
+    pub const CAMERA: Play = Play::Camera {
+        // Longer than cameras take for their first picture.
+        silence: Duration::from_secs(5),
+        first_wait: Duration::from_millis(250),
+        longest_wait: Duration::from_secs(4),
+    };
+}
+
+/// A film that is behind by more than this is played on from where it is, without catching up
+/// (the computer slept, the disk stood still).
+const TOO_FAR_BEHIND: Duration = Duration::from_secs(1);
+/// A film on a machine too slow for it shows a frame at least this often.
+const LONGEST_SKIP: Duration = Duration::from_millis(250);
+
+/// Why a session came to its end without an error.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Done {
+    Stopped,
+    Over,
+}
+
+/// Runs until the film is over or `stop` says so.
+pub fn run(subject: &str, mut open: Open, play: Play, slot: &Arc<Mutex<Slot>>, stop: &Stop) {
+    let mut pump = Pump { slot, stop, back: Frame::empty(), sequence: 0 };
+    let mut wait = Duration::ZERO;
+    loop {
+        let seen = pump.sequence;
+        let error = match guarded(subject, || pump.session(subject, &mut open, play)) {
+            Ok(Done::Stopped) => return,
+            Ok(Done::Over) => return lock(slot).state = State::Ended,
+            Err(error) => Arc::new(error),
+        };
+        let Play::Camera { first_wait, longest_wait, .. } = play else {
+            lock(slot).state = State::Failed(error);
+            return;
+        };
+        lock(slot).state = State::Lost(error);
+        let was_well = pump.sequence > seen;
+        wait = if was_well { first_wait } else { (wait * 2).clamp(first_wait, longest_wait) };
+        if stop.wait(wait) {
+            return;
+        }
+    }
+}
+
+struct Pump<'a> {
+    slot: &'a Mutex<Slot>,
+    stop: &'a Stop,
+    /// The frame being written.
+    back: Frame,
+    sequence: u64,
+}
+
+impl Pump<'_> {
+    /// From opening to the end or an error.
+    fn session(&mut self, subject: &str, open: &mut Open, play: Play) -> Result<Done, VideoError> {
+        let mut reader = open(self.stop)?;
+        lock(self.slot).stats.opened += 1;
+        match play {
+            Play::Film { repeat } => self.show_film(subject, &mut *reader, repeat),
+            Play::Camera { silence, .. } => self.follow(subject, &mut *reader, silence),
+        }
+    }
+
+    fn follow(
+        &mut self,
+        subject: &str,
+        reader: &mut dyn Reader,
+        silence: Duration,
+    ) -> Result<Done, VideoError> {
+        let mut last_good = Instant::now();
+        let mut trouble = None;
+        while !self.stop.asked() {
+            match reader.fetch()? {
+                Fetched::Picture { position, stale, broken } => {
+                    let arrived = Instant::now();
+                    self.count(stale, broken);
+                    match reader.decode(&mut self.back)? {
+                        Decoded::Whole => {
+                            self.publish(arrived, position);
+                            last_good = Instant::now();
+                            trouble = None;
+                        }
+                        Decoded::Broken(error) => {
+                            self.count(0, 1);
+                            trouble = Some(error);
+                        }
+                    }
+                }
+                Fetched::Idle => {}
+                Fetched::End => return Ok(Done::Over),
+            }
+            if last_good.elapsed() > silence {
+                let seconds = silence.as_secs();
+                return Err(
+                    trouble.unwrap_or(VideoError::Silent { subject: subject.into(), seconds })
+                );
+            }
+        }
+        Ok(Done::Stopped)
+    }
+
+    fn show_film(
+        &mut self,
+        subject: &str,
+        reader: &mut dyn Reader,
+        repeat: bool,
+    ) -> Result<Done, VideoError> {
+        let mut start = Instant::now();
+        let mut last_shown = start;
+        let mut shown = 0_u64;
+        let mut trouble = None;
+        while !self.stop.asked() {
+            let position = match reader.fetch()? {
+                Fetched::Picture { position, stale, broken } => {
+                    self.count(stale, broken);
+                    position
+                }
+                Fetched::Idle => continue,
+                Fetched::End if shown == 0 => {
+                    return Err(trouble.unwrap_or_else(|| {
+                        VideoError::malformed(subject, "a film of no pictures")
+                    }));
+                }
+                Fetched::End if !repeat => return Ok(Done::Over),
+                Fetched::End => {
+                    start += reader.rewind()?;
+                    shown = 0;
+                    continue;
+                }
+            };
+            let mut due = start + position;
+            let now = Instant::now();
+            let behind = now.saturating_duration_since(due);
+            if behind > TOO_FAR_BEHIND {
+                start += behind;
+                due = now;
+            } else if !behind.is_zero() && now - last_shown < LONGEST_SKIP && shown > 0 {
+                self.count(1, 0);
+                continue;
+            }
+            match reader.decode(&mut self.back)? {
+                Decoded::Whole => {}
+                Decoded::Broken(error) => {
+                    self.count(0, 1);
+                    trouble = Some(error);
+                    continue;
+                }
+            }
+            if self.stop.wait(due.saturating_duration_since(Instant::now())) {
+                break;
+            }
+            self.publish(due, position);
+            last_shown = Instant::now();
+            shown += 1;
+        }
+        Ok(Done::Stopped)
+    }
+
+    fn publish(&mut self, arrived: Instant, position: Duration) {
+        self.sequence += 1;
+        self.back.arrived = arrived;
+        self.back.position = position;
+        self.back.sequence = self.sequence;
+        lock(self.slot).put(&mut self.back);
+    }
+
+    fn count(&self, stale: u64, broken: u64) {
+        if stale + broken > 0 {
+            let stats = &mut lock(self.slot).stats;
+            stats.stale += stale;
+            stats.broken += broken;
+        }
+    }
+}

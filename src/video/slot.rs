@@ -1,0 +1,114 @@
+//! Owns the one place where a decoded frame waits for its reader. The newest frame wins; frames
+//! are swapped, never copied, so three buffers serve for ever: the thread's, the slot's, the
+//! reader's.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use super::error::VideoError;
+use super::frame::Frame;
+
+/// Where a source stands.
+#[derive(Clone, Debug)]
+pub enum State {
+    /// Being opened for the first time.
+    Opening,
+    /// Frames come.
+    Live,
+    /// The camera is gone or silent and is being looked for; the last frame stays.
+    Lost(Arc<VideoError>),
+    /// The film is over and does not repeat; the last frame stays.
+    Ended,
+    /// The film cannot be shown, or no further; the last frame stays.
+    Failed(Arc<VideoError>),
+}
+
+impl State {
+    /// The reason of [`State::Lost`] and [`State::Failed`].
+    pub fn error(&self) -> Option<&VideoError> {
+        match self {
+            State::Lost(error) | State::Failed(error) => Some(error),
+            State::Opening | State::Live | State::Ended => None,
+        }
+    }
+}
+
+/// What became of the frames of a source.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Stats {
+    /// Decoded in full.
+    pub decoded: u64,
+    /// Decoded, but overtaken by a newer one before anybody looked.
+    pub unseen: u64,
+    /// Passed over undecoded because decoding was behind.
+    pub stale: u64,
+    /// Damaged and passed over.
+    pub broken: u64,
+    /// How often the source was opened with success.
+    pub opened: u64,
+}
+
+/// What the decoding thread and the reader share.
+#[derive(Debug)]
+pub struct Slot {
+    frame: Frame,
+    fresh: bool,
+    pub state: State,
+    pub stats: Stats,
+}
+
+impl Slot {
+    pub fn new() -> Slot {
+        Slot { frame: Frame::empty(), fresh: false, state: State::Opening, stats: Stats::default() }
+    }
+
+    /// Puts a frame in and an old one, for its memory, out.
+    pub fn put(&mut self, frame: &mut Frame) {
+        std::mem::swap(&mut self.frame, frame);
+        self.stats.decoded += 1;
+        self.stats.unseen += u64::from(self.fresh);
+        self.fresh = true;
+        self.state = State::Live;
+    }
+
+    /// Takes the newest frame out, leaving the reader's old one for its memory. False where none
+    /// has come since the last time.
+    pub fn take(&mut self, frame: &mut Frame) -> bool {
+        if self.fresh {
+            std::mem::swap(&mut self.frame, frame);
+            self.fresh = false;
+            return true;
+        }
+        false
+    }
+}
+
+/// The slot, whatever happened to a thread that held it: every change to it is whole.
+pub fn lock(slot: &Mutex<Slot>) -> MutexGuard<'_, Slot> {
+    slot.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn newest_frame_wins_and_three_buffers_serve() {
+        let (mut slot, mut back, mut front) = (Slot::new(), Frame::empty(), Frame::empty());
+        assert!(!slot.take(&mut front));
+        let mut buffers = std::collections::HashSet::new();
+        for sequence in 1..=99 {
+            back.shape(8, 8, "x").unwrap();
+            back.sequence = sequence;
+            buffers.insert(back.pixels.as_ptr());
+            slot.put(&mut back);
+            if sequence % 3 == 0 {
+                assert!(slot.take(&mut front));
+                assert_eq!(front.sequence, sequence);
+                assert!(!slot.take(&mut front));
+                assert_eq!(front.sequence, sequence);
+            }
+        }
+        assert_eq!(buffers.len(), 3);
+        assert_eq!(slot.stats, Stats { decoded: 99, unseen: 66, ..Stats::default() });
+    }
+}

@@ -1,0 +1,156 @@
+//! Owns a running source of video as the program holds it: never waits, never fails to answer.
+
+use std::convert::Infallible;
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
+use std::sync::{Arc, Mutex, TryLockError};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use super::address::{Address, FilmKind};
+use super::error::VideoError;
+use super::frame::Frame;
+use super::http::HttpCamera;
+use super::mjpeg::Mjpeg;
+use super::png_folder::PngFolder;
+use super::pump::{self, Open, Play};
+use super::reader::{Reader, Running, Stop};
+use super::slot::{Slot, State, Stats};
+#[cfg(target_os = "linux")]
+use super::v4l2::Camera;
+use super::y4m::Y4m;
+
+/// How long a dropped source waits for its thread, which may be connecting to somewhere.
+const LAST_WAIT: Duration = Duration::from_millis(250);
+
+/// Frames from a camera, a film or a phone, decoded on a thread of their own that ends with this
+/// value.
+#[derive(Debug)]
+pub struct VideoSource {
+    slot: Arc<Mutex<Slot>>,
+    /// The frame last taken, which the reader looks at.
+    front: Frame,
+    state: State,
+    stats: Stats,
+    /// Taken when dropped, in this order: sign to stop, sign of having stopped, thread.
+    running: Option<Running>,
+    finished: Receiver<Infallible>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl VideoSource {
+    /// Begins to open the source and comes back at once; what becomes of it says
+    /// [`VideoSource::state`].
+    ///
+    /// # Errors
+    /// Where no thread can be had, or this system has no such cameras.
+    pub fn open(address: &Address) -> Result<VideoSource, VideoError> {
+        let (subject, open, play): (String, Open, Play) = match address.clone() {
+            Address::Film(film) => (
+                film.path.display().to_string(),
+                Box::new(move |_: &Stop| -> Result<Box<dyn Reader>, VideoError> {
+                    Ok(match film.kind {
+                        FilmKind::Y4m => Box::new(Y4m::open(&film)?),
+                        FilmKind::Mjpeg => Box::new(Mjpeg::open(&film)?),
+                        FilmKind::PngFolder => Box::new(PngFolder::open(&film)?),
+                    })
+                }),
+                Play::Film { repeat: matches!(address, Address::Film(film) if film.repeat) },
+            ),
+            Address::Http(url) => (
+                url.to_string(),
+                Box::new(move |stop: &Stop| -> Result<Box<dyn Reader>, VideoError> {
+                    Ok(Box::new(HttpCamera::open(&url, stop)?))
+                }),
+                Play::CAMERA,
+            ),
+            #[cfg(target_os = "linux")]
+            Address::Camera(camera) => (
+                camera.device.display().to_string(),
+                Box::new(move |_: &Stop| -> Result<Box<dyn Reader>, VideoError> {
+                    Ok(Box::new(Camera::open(&camera)?))
+                }),
+                Play::CAMERA,
+            ),
+            #[cfg(not(target_os = "linux"))]
+            Address::Camera(camera) => {
+                let subject = camera.device.display().to_string();
+                let problem = "cameras of this computer are read through V4L2, which is Linux's";
+                return Err(VideoError::unsupported(subject, problem));
+            }
+        };
+        VideoSource::start(subject, open, play)
+    }
+
+    /// Starts the thread over any reader.
+    pub(super) fn start(
+        subject: String,
+        open: Open,
+        play: Play,
+    ) -> Result<VideoSource, VideoError> {
+        let slot = Arc::new(Mutex::new(Slot::new()));
+        let (running, stop) = Stop::new();
+        let (finish, finished) = mpsc::channel();
+        let (for_thread, name) = (Arc::clone(&slot), subject.clone());
+        let thread = thread::Builder::new()
+            .name("video".into())
+            .spawn(move || {
+                // Dropped at the end, however it comes.
+                let _finish = finish;
+                pump::run(&subject, open, play, &for_thread, &stop);
+            })
+            .map_err(|error| VideoError::io(name, error))?;
+        Ok(VideoSource {
+            slot,
+            front: Frame::empty(),
+            state: State::Opening,
+            stats: Stats::default(),
+            running: Some(running),
+            finished,
+            thread: Some(thread),
+        })
+    }
+
+    /// Looks whether something has come, without waiting: a frame newer than the last one seen, or
+    /// None. Also brings state and statistics up to date.
+    pub fn poll(&mut self) -> Option<&Frame> {
+        let mut slot = match self.slot.try_lock() {
+            Ok(slot) => slot,
+            Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
+            // The thread is swapping a frame in at this moment; the next call finds it.
+            Err(TryLockError::WouldBlock) => return None,
+        };
+        self.state = slot.state.clone();
+        self.stats = slot.stats;
+        let fresh = slot.take(&mut self.front);
+        drop(slot);
+        fresh.then_some(&self.front)
+    }
+
+    /// The last frame seen by [`VideoSource::poll`], also after the camera is gone.
+    pub fn frame(&self) -> Option<&Frame> {
+        (self.front.sequence > 0).then_some(&self.front)
+    }
+
+    /// As of the last [`VideoSource::poll`].
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// As of the last [`VideoSource::poll`].
+    pub fn stats(&self) -> Stats {
+        self.stats
+    }
+}
+
+impl Drop for VideoSource {
+    fn drop(&mut self) {
+        self.running = None;
+        // Waited for, so that the camera is free when the next source opens it; but a thread that
+        // sits in a connect or a name lookup ends by itself.
+        let ended = self.finished.recv_timeout(LAST_WAIT) == Err(RecvTimeoutError::Disconnected);
+        if let Some(thread) = self.thread.take().filter(|_| ended) {
+            // Its panics have been turned into states.
+            let _ = thread.join();
+        }
+    }
+}

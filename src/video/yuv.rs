@@ -1,0 +1,313 @@
+//! Owns the way from the Y'CbCr of cameras and films to RGBA, in whole numbers.
+//!
+//! Takes planes or packed lines of 8 bits with their colour matrix; gives opaque RGBA. Colour that
+//! is stored for several pixels at once is repeated, not interpolated. One line at a time, in the
+//! first cache; on one thread, since a frame of 1920 x 1080 takes some 3 ms and the other threads
+//! are drawing.
+
+/// Which colours the numbers mean.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Matrix {
+    /// ITU-R BT.601: cameras, JPEG, films up to 576 lines.
+    Bt601,
+    /// ITU-R BT.709: films in HD.
+    Bt709,
+}
+
+/// Which numbers are black and white.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Range {
+    /// Luma 16 to 235, colour 16 to 240.
+    Limited,
+    /// All 0 to 255.
+    Full,
+}
+
+/// How to understand Y'CbCr.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Colour {
+    pub matrix: Matrix,
+    pub range: Range,
+}
+
+impl Colour {
+    /// What cameras and films mean unless they say otherwise.
+    pub const DEFAULT: Colour = Colour { matrix: Matrix::Bt601, range: Range::Limited };
+
+    /// Factors of luma, Cr to red, Cb to green, Cr to green, Cb to blue, and the luma of black.
+    pub fn factors(self) -> ([f64; 5], f64) {
+        // Shares of red and blue in luma, from the two recommendations.
+        let (red, blue): (f64, f64) = match self.matrix {
+            Matrix::Bt601 => (0.299, 0.114),
+            Matrix::Bt709 => (0.2126, 0.0722),
+        };
+        let (luma, chroma, black) = match self.range {
+            Range::Limited => (255.0 / 219.0, 255.0 / 224.0, 16.0),
+            Range::Full => (1.0, 1.0, 0.0),
+        };
+        let green = 1.0 - red - blue;
+        let (r_cr, b_cb) = (2.0 * (1.0 - red) * chroma, 2.0 * (1.0 - blue) * chroma);
+        ([luma, r_cr, -b_cb * blue / green, -r_cr * red / green, b_cb], black)
+    }
+}
+
+/// What a person says about the colours of a source that does not know them.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct ColourChoice {
+    pub matrix: Option<Matrix>,
+    pub range: Option<Range>,
+}
+
+impl ColourChoice {
+    /// The choice where there is one, else `said`.
+    pub fn over(self, said: Colour) -> Colour {
+        Colour {
+            matrix: self.matrix.unwrap_or(said.matrix),
+            range: self.range.unwrap_or(said.range),
+        }
+    }
+}
+
+/// How the samples of a picture lie in memory.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Layout {
+    /// Y0 Cb Y1 Cr: 4:2:2 in one plane.
+    Yuyv,
+    /// Cb Y0 Cr Y1: 4:2:2 in one plane.
+    Uyvy,
+    /// A plane of luma, then lines of Cb Cr pairs, each for 2 x 2 pixels.
+    Nv12,
+    /// Planes of luma, Cb and Cr; one colour for `1 << across` times `1 << down` pixels.
+    Planar { across: u32, down: u32 },
+    /// Luma alone.
+    Grey,
+}
+
+/// A picture in memory as it came.
+#[derive(Clone, Copy, Debug)]
+pub struct Planes<'a> {
+    pub layout: Layout,
+    /// Pixels.
+    pub width: usize,
+    /// Pixels.
+    pub height: usize,
+    /// Bytes from line to line of the first plane. Lines of separate colour planes are `1 <<
+    /// across` times shorter, rounded up.
+    pub stride: usize,
+    pub data: &'a [u8],
+}
+
+impl Layout {
+    /// The least bytes from line to line of the first plane.
+    pub fn least_stride(self, width: usize) -> usize {
+        match self {
+            Layout::Yuyv | Layout::Uyvy => width.div_ceil(2) * 4,
+            // Pairs need an even number of bytes.
+            Layout::Nv12 => width.next_multiple_of(2),
+            Layout::Planar { .. } | Layout::Grey => width,
+        }
+    }
+
+    /// Bytes of a picture. None if it does not fit a `usize`.
+    pub fn byte_len(self, height: usize, stride: usize) -> Option<usize> {
+        let luma = stride.checked_mul(height)?;
+        let colour = match self {
+            Layout::Yuyv | Layout::Uyvy | Layout::Grey => 0,
+            Layout::Nv12 => stride.checked_mul(height.div_ceil(2))?,
+            Layout::Planar { across, down } => {
+                let (w, h) = (stride.div_ceil(1 << across), height.div_ceil(1 << down));
+                w.checked_mul(h)?.checked_mul(2)?
+            }
+        };
+        luma.checked_add(colour)
+    }
+}
+
+/// Memory for one line, kept from frame to frame.
+#[derive(Clone, Debug, Default)]
+pub struct Lines {
+    luma: Vec<u8>,
+    cb: Vec<u8>,
+    cr: Vec<u8>,
+}
+
+/// Fractional bits of the factors: the largest that keeps 2.1 in 16 bits, which lets the compiler
+/// multiply eight at a time.
+const FRACTION_BITS: u32 = 13;
+
+/// The factors as whole numbers.
+#[derive(Clone, Copy)]
+struct Factors {
+    luma: i16,
+    r_cr: i16,
+    g_cb: i16,
+    g_cr: i16,
+    b_cb: i16,
+    black: i16,
+}
+
+impl Factors {
+    fn new(colour: Colour) -> Factors {
+        let ([luma, r_cr, g_cb, g_cr, b_cb], black) = colour.factors();
+        let fixed = |value: f64| (value * f64::from(1 << FRACTION_BITS)).round() as i16;
+        Factors {
+            luma: fixed(luma),
+            r_cr: fixed(r_cr),
+            g_cb: fixed(g_cb),
+            g_cr: fixed(g_cr),
+            b_cb: fixed(b_cb),
+            black: black as i16,
+        }
+    }
+}
+
+/// Converts a picture. `out` takes `width * height * 4` bytes.
+///
+/// # Errors
+/// A text, if `data`, `stride` or `out` are too short for the picture.
+pub fn to_rgba(
+    planes: Planes,
+    colour: Colour,
+    lines: &mut Lines,
+    out: &mut [u8],
+) -> Result<(), String> {
+    let Planes { layout, width, height, stride, data } = planes;
+    if width == 0 || height == 0 {
+        return Ok(());
+    }
+    if stride < layout.least_stride(width) {
+        return Err(format!("lines of {stride} bytes for {width} pixels"));
+    }
+    let need = layout.byte_len(height, stride).unwrap_or(usize::MAX);
+    if data.len() < need {
+        return Err(format!("{} bytes of a picture of {need}", data.len()));
+    }
+    if out.len() < width * height * 4 {
+        return Err(format!("room for {} of {} bytes", out.len(), width * height * 4));
+    }
+    let factors = Factors::new(colour);
+    for plane in [&mut lines.luma, &mut lines.cb, &mut lines.cr] {
+        plane.resize(width.next_multiple_of(2), 128);
+    }
+    if layout == Layout::Grey {
+        lines.cb.fill(128);
+        lines.cr.fill(128);
+    }
+    let (first, colours) = data.split_at(stride * height);
+    for (y, out) in out.chunks_exact_mut(width * 4).take(height).enumerate() {
+        let line = &first[y * stride..][..stride];
+        match layout {
+            Layout::Yuyv => unpack::<0, 1, 2, 3>(line, lines),
+            Layout::Uyvy => unpack::<1, 0, 3, 2>(line, lines),
+            Layout::Nv12 => {
+                let pairs = &colours[y / 2 * stride..][..stride];
+                let targets =
+                    lines.cb.as_chunks_mut::<2>().0.iter_mut().zip(lines.cr.as_chunks_mut::<2>().0);
+                for (&[cb, cr], (to_cb, to_cr)) in pairs.as_chunks::<2>().0.iter().zip(targets) {
+                    *to_cb = [cb; 2];
+                    *to_cr = [cr; 2];
+                }
+            }
+            Layout::Planar { across, down } => {
+                let (w, h) = (stride.div_ceil(1 << across), height.div_ceil(1 << down));
+                let at = (y >> down) * w;
+                spread(&colours[at..][..w], across, &mut lines.cb);
+                spread(&colours[w * h + at..][..w], across, &mut lines.cr);
+            }
+            Layout::Grey => {}
+        }
+        let luma = match layout {
+            Layout::Yuyv | Layout::Uyvy => &lines.luma[..width],
+            Layout::Nv12 | Layout::Planar { .. } | Layout::Grey => &line[..width],
+        };
+        convert_line(factors, luma, &lines.cb[..width], &lines.cr[..width], out);
+    }
+    Ok(())
+}
+
+/// Takes two pixels in four bytes apart, given the places of luma, Cb, luma and Cr.
+fn unpack<const Y0: usize, const CB: usize, const Y1: usize, const CR: usize>(
+    line: &[u8],
+    lines: &mut Lines,
+) {
+    let (luma, cb, cr) = (
+        lines.luma.as_chunks_mut::<2>().0,
+        lines.cb.as_chunks_mut::<2>().0,
+        lines.cr.as_chunks_mut::<2>().0,
+    );
+    for (((quad, y), u), v) in line.as_chunks::<4>().0.iter().zip(luma).zip(cb).zip(cr) {
+        *y = [quad[Y0], quad[Y1]];
+        *u = [quad[CB]; 2];
+        *v = [quad[CR]; 2];
+    }
+}
+
+/// Repeats each sample `1 << across` times.
+fn spread(samples: &[u8], across: u32, out: &mut [u8]) {
+    match across {
+        0 => {
+            let n = samples.len().min(out.len());
+            out[..n].copy_from_slice(&samples[..n]);
+        }
+        1 => {
+            for (pair, &sample) in out.as_chunks_mut::<2>().0.iter_mut().zip(samples) {
+                *pair = [sample; 2];
+            }
+        }
+        _ => {
+            for (group, &sample) in out.chunks_mut(1 << across).zip(samples) {
+                group.fill(sample);
+            }
+        }
+    }
+}
+
+/// Pixels converted together: what fills the registers of any x86-64 or ARM.
+const BLOCK: usize = 16;
+
+/// All slices of one length but `out`, of four times that.
+fn convert_line(factors: Factors, luma: &[u8], cb: &[u8], cr: &[u8], out: &mut [u8]) {
+    let ((luma, luma_end), (cb, cb_end), (cr, cr_end)) =
+        (luma.as_chunks::<BLOCK>(), cb.as_chunks::<BLOCK>(), cr.as_chunks::<BLOCK>());
+    let (out, out_end) = out.as_chunks_mut::<{ 4 * BLOCK }>();
+    for (((out, luma), cb), cr) in out.iter_mut().zip(luma).zip(cb).zip(cr) {
+        convert_block(factors, luma, cb, cr, out);
+    }
+    if !luma_end.is_empty() {
+        let padded = |samples: &[u8]| {
+            let mut block = [0; BLOCK];
+            block[..samples.len()].copy_from_slice(samples);
+            block
+        };
+        let mut block = [0; 4 * BLOCK];
+        convert_block(factors, &padded(luma_end), &padded(cb_end), &padded(cr_end), &mut block);
+        let n = out_end.len().min(4 * luma_end.len());
+        out_end[..n].copy_from_slice(&block[..n]);
+    }
+}
+
+#[inline(always)]
+fn convert_block(
+    factors: Factors,
+    luma: &[u8; BLOCK],
+    cb: &[u8; BLOCK],
+    cr: &[u8; BLOCK],
+    out: &mut [u8; 4 * BLOCK],
+) {
+    let half = 1 << (FRACTION_BITS - 1);
+    let times = |value: i16, factor: i16| i32::from(value) * i32::from(factor);
+    // Clamped in 16 bits, where plain SSE2 has instructions for it.
+    let byte = |value: i32| ((value >> FRACTION_BITS) as i16).clamp(0, 255) as u16;
+    let (mut r, mut g, mut b) = ([0u16; BLOCK], [0u16; BLOCK], [0u16; BLOCK]);
+    for i in 0..BLOCK {
+        let y = times(i16::from(luma[i]) - factors.black, factors.luma) + half;
+        let (cb, cr) = (i16::from(cb[i]) - 128, i16::from(cr[i]) - 128);
+        r[i] = byte(y + times(cr, factors.r_cr));
+        g[i] = byte(y + times(cb, factors.g_cb) + times(cr, factors.g_cr));
+        b[i] = byte(y + times(cb, factors.b_cb));
+    }
+    for (i, pixel) in out.as_chunks_mut::<4>().0.iter_mut().enumerate() {
+        let (rg, ba) = (r[i] | g[i] << 8, b[i] | 0xFF00);
+        *pixel = (u32::from(rg) | u32::from(ba) << 16).to_le_bytes();
+    }
+}
