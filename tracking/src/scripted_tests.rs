@@ -130,3 +130,15 @@ fn errors_name_the_line() {
     }
     assert!(Script::parse("").is_ok());
 }
+
+proptest::proptest! {
+    #[test]
+    fn no_text_breaks_the_reader(text in "([0-9.eE+-]{1,4}|loop|rate|sensor|lost|button|down|[ \n#]){0,60}") {
+        if let Ok(script) = Script::parse(&text) {
+            let mut source = Scripted::new("script", script);
+            for now_s in [0.0, 0.1, 1.0, 1.0e9] {
+                source.poll(now_s, &mut Vec::new());
+            }
+        }
+    }
+}

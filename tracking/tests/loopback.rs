@@ -16,14 +16,17 @@ use tracking::{
 };
 use waiting::{Heard, buttons, lost, poses, until};
 
+/// Port 0: any. Another one may be in use for a moment, by a socket of another test.
 fn serve(port: u16) -> Server {
     let listen = SocketAddr::from(([127, 0, 0, 1], port));
     let device = |name: &str, buttons| DeviceSpec { name: name.to_owned(), buttons };
-    Server::start(
-        ServerOptions { listen, ..Default::default() },
-        &[device("Wand0", 4), device("Other", 1), device("Head0", 0)],
-    )
-    .unwrap()
+    let devices = [device("Wand0", 4), device("Other", 1), device("Head0", 0)];
+    let mut server = None;
+    until("a port", || {
+        server = Server::start(ServerOptions { listen, ..Default::default() }, &devices).ok();
+        server.is_some()
+    });
+    server.unwrap()
 }
 
 fn pose_of_tick(k: u32, sensor: u32) -> HeadPose {

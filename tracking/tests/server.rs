@@ -77,7 +77,7 @@ fn a_stock_tcp_client_is_answered() {
 
     server.publish("Head0", &[pose(3)], stamp_of_tick(3)).unwrap();
     let press = Message::ButtonChange { button: 1, pressed: true };
-    server.publish("Wand0", &[press.clone()], Stamp::default()).unwrap();
+    server.publish("Wand0", std::slice::from_ref(&press), Stamp::default()).unwrap();
     hear(&mut stream, &mut reader, &mut listener, |l| !l.of(Kind::ButtonChange).is_empty());
     let poses = listener.of(Kind::Pose);
     assert_eq!((poses[0].message.clone(), poses[0].stamp), (pose(3), stamp_of_tick(3)));

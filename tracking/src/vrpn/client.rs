@@ -178,17 +178,18 @@ impl Shared {
                 Ok(()) => "the server closed the connection".to_owned(),
                 Err(error) => error.to_string(),
             };
-            let mut events = Vec::new();
             let was_running = *lock(&self.state) == SourceState::Running;
-            lock(&self.session).forget(self.clock.now_s(), &mut events);
-            self.inbox.put(&mut events);
             if was_running {
                 tracing::warn!(server = %self.server, reason, "lost the VRPN server");
                 if begun.elapsed() > self.timing.retry_longest {
                     pause = self.timing.retry_first;
                 }
             }
+            // Before the events, so that whoever learns of the loss finds the state changed.
             self.set_state(SourceState::Seeking(reason));
+            let mut events = Vec::new();
+            lock(&self.session).forget(self.clock.now_s(), &mut events);
+            self.inbox.put(&mut events);
             self.wait(pause);
             pause = (pause * 2).min(self.timing.retry_longest);
         }
@@ -213,6 +214,8 @@ impl Shared {
         let mut failure = io::Error::from(ErrorKind::AddrNotAvailable);
         for address in self.resolve()? {
             match TcpStream::connect_timeout(&address, self.timing.greeting_timeout) {
+                // With no server at a port of the system's own range, TCP can meet itself.
+                Ok(tcp) if tcp.local_addr()? == tcp.peer_addr()? => {}
                 Ok(tcp) => return Ok(Link { tcp, udp: None }),
                 Err(error) => failure = error,
             }

@@ -159,6 +159,7 @@ fn send_datagram(datagram: &mut Vec<u8>, (socket, to): (&UdpSocket, SocketAddr))
 pub(crate) fn accept_streams(shared: &Arc<Shared>, listener: &TcpListener) {
     while !shared.stopped() {
         match listener.accept() {
+            Ok(_) if shared.stopped() => return,
             Ok((tcp, _)) => take_client(shared, tcp, None),
             // None there, or one that went again at once.
             Err(_) => thread::sleep(ACCEPT_EVERY),
@@ -172,6 +173,10 @@ pub(crate) fn answer_requests(shared: &Arc<Shared>, requests: &UdpSocket) {
     let mut bytes = [0; 256];
     while !shared.stopped() {
         let Ok((count, from)) = requests.recv_from(&mut bytes) else { continue };
+        // A client that a closing server has just left asks again at once.
+        if shared.stopped() {
+            return;
+        }
         let Some(port) = requested_port(&bytes[..count]) else {
             shared.tally.rejected.fetch_add(1, Ordering::Relaxed);
             continue;
