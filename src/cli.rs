@@ -12,7 +12,7 @@ use glam::Vec3;
 
 use crate::config::{Config, RenderMode};
 use crate::doctor;
-use crate::format::{Colouring, Existence, ExportForm, ImportOptions, RawLayout};
+use crate::format::options::{Colouring, Existence, ExportForm, ImportOptions, RawLayout};
 use crate::headless::{self, JobError, RunJob};
 use crate::progress::Bar;
 use crate::sculpture::ColourDepth;

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 
 use glam::{UVec3, Vec3};
 
-use crate::format::{ExportForm, ImportOptions};
+use crate::format::options::{ExportForm, ImportOptions};
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::{ColourDepth, Placement, Rgb};
 use crate::tools::construct::Primitive;

@@ -11,7 +11,7 @@ use glam::{EulerRot, Quat, UVec3, Vec3};
 use thiserror::Error;
 
 use crate::command::{COMMANDS, Command, NewSculpture};
-use crate::format::{Colouring, Existence, ExportForm, ImportOptions};
+use crate::format::options::{Colouring, Existence, ExportForm, ImportOptions};
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::{ColourDepth, Placement, Rgb};
 use crate::tools::construct::{Primitive, Solid};

@@ -12,9 +12,8 @@ use crate::command::{COMMANDS, Command};
 use crate::command_text::{ScriptError, parse_script};
 use crate::config::{Config, ConfigError};
 use crate::document::Document;
-use crate::format::Histogram;
+use crate::format::options::{ExportForm, ImportOptions};
 use crate::format::{self, FormatError};
-use crate::format::{ExportForm, ImportOptions};
 use crate::picture::{self, PictureError};
 use crate::progress::Progress;
 use crate::session::{Session, SessionError};
@@ -128,26 +127,8 @@ pub fn info(
     progress: &dyn Progress,
 ) -> Result<(), JobError> {
     let failed = |error| JobError::Info { path: file.to_path_buf(), error };
-    let info = format::info(file, import, &config.limits(), progress).map_err(failed)?;
-    println!("file: {} ({} bytes, {})", file.display(), info.file_bytes, info.kind);
-    let (UVec3 { x, y, z }, size) = (info.dims, info.voxel_size);
-    println!("size: {x}x{y}x{z} voxels of {}x{}x{}", size.x, size.y, size.z);
-    println!("voxels: {}", info.samples);
-    if let Some(densities) = &info.densities {
-        let Histogram { min, max, .. } = densities.histogram;
-        println!("densities: {min} to {max}, existing from {}", densities.threshold);
-    }
-    if let Some(signature) = &info.signature {
-        let (bits, base) = (signature.colour_depth.bits(), signature.base);
-        println!("sculpture: {bits} bits of colour, base {base}");
-    }
-    for (name, text) in info.texts.named() {
-        // Texts are data: whatever could steer a terminal is written as an escape.
-        let lossy = String::from_utf8_lossy(text);
-        for line in lossy.lines() {
-            println!("{name}: {}", line.escape_debug());
-        }
-    }
+    let info = format::info_with(file, import, &config.limits(), progress).map_err(failed)?;
+    println!("{info}");
     Ok(())
 }
 

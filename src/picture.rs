@@ -11,9 +11,9 @@ use thiserror::Error;
 
 use crate::config::{Config, RenderMode};
 use crate::document::Document;
-use crate::format::{FormatError, store};
-use crate::gpu::{Device, Frames, GpuError, Headless, Use, read_image_once};
-use crate::render::{IndexTarget, Slicing, Volume};
+use crate::format::store;
+use crate::gpu::{Device, Frames, GpuError, Headless};
+use crate::render::{IndexReadback, IndexTarget, Slicing, Volume};
 use crate::sculpture::Grid;
 use crate::shade::{self, Pixels, ShadePose};
 use crate::surface::slices::SliceAreas;
@@ -31,7 +31,7 @@ pub enum PictureError {
     #[error("Vulkan's validation layers complain:\n{0}")]
     Validation(String),
     #[error("cannot write the picture {path}: {error}")]
-    Write { path: PathBuf, error: FormatError },
+    Write { path: PathBuf, error: std::io::Error },
     #[error("cannot encode the picture: {0}")]
     Encode(#[from] image::ImageError),
 }
@@ -95,7 +95,7 @@ pub fn render_to_file(
     let picture = render(document, view, config)?;
     let mut png = std::io::Cursor::new(Vec::new());
     picture.write_to(&mut png, image::ImageFormat::Png)?;
-    store::write(path, png.get_ref())
+    store::write_atomically(path, png.get_ref())
         .map_err(|error| PictureError::Write { path: path.to_path_buf(), error })
 }
 
@@ -122,17 +122,18 @@ fn slice(grid: &Grid, config: &Config, map: &mut IndexMap) -> Result<(), Picture
     let volume = Volume::new(&device, grid)?;
     let mut areas = SliceAreas::default();
     areas.update(grid, None);
-    let target = IndexTarget::new(&device, map.rays.size, 1)?;
+    let mut target = IndexTarget::new(&device, map.rays.size, 1)?;
     let mut slicing = Slicing::new(&device)?;
+    let mut readback = IndexReadback::new(&device);
     let mut frames = Frames::new(&device)?;
     let mut recorder = frames.begin()?;
-    slicing.begin(frames.slot(), &volume);
-    slicing.record(&mut recorder, &volume, &mut areas, &map.rays, &target, 0)?;
-    frames.submit(recorder, &[], &[])?;
-    let UVec2 { x, y } = map.rays.size;
-    let bytes =
-        read_image_once(&device, target.index().layer(0), [x, y, 1], 4, Use::COLOUR_TARGET)?;
-    map.voxels.copy_from_slice(&bytemuck::pod_collect_to_vec::<u8, u32>(&bytes));
+    let slot = frames.slot();
+    slicing.begin(slot, &volume);
+    slicing.record(&mut recorder, &volume, &mut areas, &map.rays, &mut target, 0)?;
+    readback.record(&mut recorder, slot, &mut target, 0, &map.rays)?;
+    let serial = frames.submit(recorder, &[], &[])?;
+    readback.submitted(slot, serial);
+    readback.fetch(slot, map)?;
     match device.validation_messages() {
         messages if messages.is_empty() => Ok(()),
         messages => Err(PictureError::Validation(messages.join("\n"))),

@@ -13,9 +13,9 @@ use thiserror::Error;
 use crate::command::{Command, NewSculpture};
 use crate::config::Config;
 use crate::document::{Applied, CommandError, Document, Limits};
-use crate::format::ImportOptions;
 use crate::format::Texts;
-use crate::format::{self, FormatError, Loaded, SaveOptions};
+use crate::format::options::ImportOptions;
+use crate::format::{self, FormatError, Loaded};
 use crate::progress::Progress;
 
 /// Why a command could not be carried out. The sculpture is as it was before.
@@ -122,8 +122,8 @@ impl Session {
                 Applied::default()
             }
             Command::Save { path, form } => {
-                let options = SaveOptions { form: *form, texts: self.texts.clone() };
-                format::save(path, self.document.contents(), &options, progress)
+                let (contents, texts) = (self.document.contents(), self.texts.clone());
+                format::save_with_texts(path, contents, *form, texts, progress)
                     .map_err(|error| SessionError::Save { path: path.clone(), error })?;
                 self.path = Some(path.clone());
                 self.saved_revision = self.document.revision();

@@ -1,9 +1,9 @@
 //! The passes of a frame, one file each. They own no policy: what to draw comes in as values.
 
 pub mod background;
+pub mod composite;
 pub mod gui;
 pub mod overlay;
-pub mod composite;
 pub mod slicing;
 pub mod target;
 pub mod volume;
