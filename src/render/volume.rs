@@ -140,7 +140,7 @@ impl Volume {
         copies.clear();
         let piece = self.staging.fill(bytes, BRICK_BYTES as u64, |target| {
             let mut offset = 0;
-            let same_row = |a: &u32, b: &u32| *b == a + 1 && b % width != 0;
+            let same_row = |a: &u32, b: &u32| *b == a + 1 && !b.is_multiple_of(width);
             for run in changed.chunk_by(same_row) {
                 let first = run[0] as usize;
                 let source: &[u8] = bytemuck::cast_slice(&grid.bricks()[first..first + run.len()]);

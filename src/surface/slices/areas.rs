@@ -7,7 +7,7 @@ use super::exposure::Exposure;
 
 /// Share of a rectangle's bricks that must need drawing for it to become an area. The fewer
 /// and larger the areas, the more pixels are looked at in vain.
-const DENSE_ENOUGH: f32 = 0.7;
+const DENSE_ENOUGH: f32 = 0.35;
 
 /// A rectangle of bricks in a slab, `max` exclusive. `u` and `v` are the axes that follow the
 /// slab's axis in the circle x, y, z.
