@@ -2,8 +2,9 @@
 //!
 //! A pixel goes through two steps that know nothing of each other: what surface is there (its
 //! normal from [`normal`], its colour from the material), and what light it sends to the eye
-//! ([`light`]). Filters of normals and colours and ambient occlusion belong between the two.
+//! ([`illumination`]). Filters of normals and colours and ambient occlusion belong between the two.
 
+mod illumination;
 pub mod light;
 pub mod normal;
 pub mod pixels;

@@ -8,11 +8,12 @@
 //! a ball of radius 3.3 comes to 2.4 but touches 27 words instead of 8. Weights within the 5^3
 //! gain nothing.
 //!
-//! Five voxels an axis always lie in two words of 4^3, so that eight words hold all. With `n` the
-//! number of voxels of a word that exist, the sum of their x in the word is
-//! `popcount(bits & X1) + 2 popcount(bits & X2)`, where `X1` and `X2` are the voxels whose x has
-//! its first or second bit set: seven counts a word give all three moments exactly.
+//! Five voxels an axis always lie in two words of 4^3, so that eight words hold all. Folded to
+//! one word, each bit standing for its residue modulo 4, neighbours two voxels to either side
+//! would meet; nothing else does. Two folded words therefore hold all neighbours, and counts of
+//! their planes give the moments exactly.
 
+use fearless_simd::{Simd, i32x16, prelude::*};
 use glam::{IVec3, UVec3, Vec3};
 
 use crate::sculpture::Grid;
@@ -21,19 +22,48 @@ use crate::sculpture::brick::BRICK_WORDS;
 /// Squared distance within which a voxel counts as a neighbour.
 const REACH_SQUARED: i32 = 6;
 
-/// Voxels of a word whose x, y, z has bit 0 (first column) or bit 1 (second) set.
-const AXIS_BITS: [[u64; 2]; 3] = [
-    [0xAAAA_AAAA_AAAA_AAAA, 0xCCCC_CCCC_CCCC_CCCC],
-    [0xF0F0_F0F0_F0F0_F0F0, 0xFF00_FF00_FF00_FF00],
-    [0xFFFF_0000_FFFF_0000, 0xFFFF_FFFF_0000_0000],
-];
+/// The neighbours of a voxel in the eight words about it.
+#[derive(Clone, Copy)]
+struct Masks {
+    /// Those that are two voxels further up on some axis.
+    upper: [u64; 8],
+    /// The others.
+    lower: [u64; 8],
+}
 
-/// For a voxel `2 + (x, y, z)` of a cube of 8^3, `x + 4y + 16z` the index: its neighbours in the
-/// eight words of the cube.
-static NEIGHBOURS: [[u64; 8]; 64] = neighbours();
+/// For a voxel `2 + (x, y, z)` of a cube of 8^3, `x + 4y + 16z` the index.
+static NEIGHBOURS: [Masks; 64] = neighbours();
 
-const fn neighbours() -> [[u64; 8]; 64] {
-    let mut masks = [[0; 8]; 64];
+/// The bits of a folded word that lie in the plane of a residue of an axis.
+const fn plane(axis: u32, residue: i32) -> u64 {
+    match axis {
+        0 => 0x1111_1111_1111_1111 << residue,
+        1 => 0x000F_000F_000F_000F << (4 * residue),
+        _ => 0xFFFF << (16 * residue),
+    }
+}
+
+/// For an axis and `voxel - 2` modulo 4 on it: the planes of the voxels that are one up, one
+/// down, and two up or down.
+static PLANES: [[[u64; 3]; 4]; 3] = planes();
+
+const fn planes() -> [[[u64; 3]; 4]; 3] {
+    let mut planes = [[[0; 3]; 4]; 3];
+    let mut axis = 0;
+    while axis < 3 {
+        let mut at = 0;
+        while at < 4 {
+            planes[axis as usize][at as usize] =
+                [plane(axis, (at + 2 + 1) & 3), plane(axis, (at + 2 - 1) & 3), plane(axis, at & 3)];
+            at += 1;
+        }
+        axis += 1;
+    }
+    planes
+}
+
+const fn neighbours() -> [Masks; 64] {
+    let mut masks = [Masks { upper: [0; 8], lower: [0; 8] }; 64];
     let mut voxel = 0;
     while voxel < 64 {
         let mut other = 0;
@@ -44,7 +74,12 @@ const fn neighbours() -> [[u64; 8]; 64] {
             if dx * dx + dy * dy + dz * dz <= REACH_SQUARED {
                 let word = (other >> 2 & 1) | (other >> 5 & 1) << 1 | (other >> 8 & 1) << 2;
                 let bit = (other & 3) | (other >> 3 & 3) << 2 | (other >> 6 & 3) << 4;
-                masks[voxel as usize][word as usize] |= 1 << bit;
+                let masks = &mut masks[voxel as usize];
+                if dx == 2 || dy == 2 || dz == 2 {
+                    masks.upper[word as usize] |= 1 << bit;
+                } else {
+                    masks.lower[word as usize] |= 1 << bit;
+                }
             }
             other += 1;
         }
@@ -56,7 +91,32 @@ const fn neighbours() -> [[u64; 8]; 64] {
 /// Minus the gradient of existence about a voxel, not normalised: it points towards emptiness.
 /// Whole numbers; zero where the neighbourhood is full, empty or symmetric.
 pub fn gradient(grid: &Grid, voxel: UVec3) -> Vec3 {
-    Words::of(grid).gradient(voxel).as_vec3()
+    let low = voxel.as_ivec3() - 2;
+    let inside = low & 3;
+    let bits = Words::of(grid).cube(low >> 2);
+    moments((inside.x | inside.y << 2 | inside.z << 4) as u32, &bits)
+}
+
+/// The moments of the existing neighbours of voxel `2 + (x, y, z)` of a cube of eight words,
+/// with the sign of [`gradient`]; `at` is `x + 4y + 16z`.
+#[inline(always)]
+fn moments(at: u32, bits: &[u64; 8]) -> Vec3 {
+    let at = at as usize & 63;
+    let masks = &NEIGHBOURS[at];
+    let (mut upper, mut lower) = (0, 0);
+    for word in 0..8 {
+        upper |= bits[word] & masks.upper[word];
+        lower |= bits[word] & masks.lower[word];
+    }
+    let moment = |axis: usize| {
+        let [one_up, one_down, two] = PLANES[axis][at >> (2 * axis) & 3];
+        let count = |bits: u64, plane: u64| (bits & plane).count_ones() as i32;
+        let two = count(lower, two) - count(upper, two);
+        let one = count(lower, one_down) - count(lower, one_up) + count(upper, one_down)
+            - count(upper, one_up);
+        (2 * two + one) as f32
+    };
+    Vec3::new(moment(0), moment(1), moment(2))
 }
 
 /// The words of a grid by their place.
@@ -65,75 +125,77 @@ pub(super) struct Words<'a> {
     words: &'a [u64],
     /// Words an axis.
     dims: IVec3,
-    /// From a brick to its neighbour in y and z, in words.
-    stride_y: i32,
-    stride_z: i32,
+    /// From a brick to the next of each axis, in words.
+    stride: IVec3,
 }
+
+/// From a word of a brick to the next of each axis, in words.
+const STEP: IVec3 = IVec3::new(1, 2, 4);
+
+/// Added to the place of a word that lies outside of the grid: beyond any word that exists.
+const OUTSIDE: i32 = 1 << 29;
 
 impl<'a> Words<'a> {
     pub fn of(grid: &'a Grid) -> Words<'a> {
         let bricks = grid.brick_dims().as_ivec3();
-        let stride_y = bricks.x * BRICK_WORDS as i32;
-        Words {
-            words: bytemuck::cast_slice(grid.bricks()),
-            dims: bricks * 2,
-            stride_y,
-            stride_z: stride_y * bricks.y,
-        }
+        let stride = BRICK_WORDS as i32 * IVec3::new(1, bricks.x, bricks.x * bricks.y);
+        Words { words: bytemuck::cast_slice(grid.bricks()), dims: bricks * 2, stride }
     }
 
-    /// [`gradient`] in whole numbers.
+    /// [`gradient`] of sixteen voxels. Only the lanes of the bits of `wanted` are computed.
     #[inline(always)]
-    pub fn gradient(&self, voxel: UVec3) -> IVec3 {
-        // The cube of two words an axis that has the five voxels of each axis inside.
-        let low = voxel.as_ivec3() - 2;
-        let corner = low >> 2;
-        let inside = low & 3;
-        let bits = self.cube(corner);
-        let masks = &NEIGHBOURS[(inside.x | inside.y << 2 | inside.z << 4) as usize];
-        // In each quarter of 16 bits a sum of at most 81 * 7: count, x, y, z.
-        let mut sums = 0u64;
-        for word in 0..8 {
-            let bits = bits[word] & masks[word];
-            let count = u64::from(bits.count_ones());
-            let along = |axis: usize| {
-                let [one, two] = AXIS_BITS[axis].map(|m| u64::from((bits & m).count_ones()));
-                let upper = if word >> axis & 1 != 0 { 4 * count } else { 0 };
-                one + 2 * two + upper
-            };
-            sums += count | along(0) << 16 | along(1) << 32 | along(2) << 48;
+    pub fn gradients<S: Simd>(
+        &self,
+        simd: S,
+        voxels: [i32x16<S>; 3],
+        wanted: u32,
+        gradients: &mut [[f32; 16]; 3],
+    ) {
+        let mut at = i32x16::splat(simd, 0);
+        let (mut near, mut far) = ([at; 3], [at; 3]);
+        for axis in 0..3 {
+            let low = voxels[axis] - 2;
+            let corner = low >> 2;
+            at |= (low & 3) << (2 * axis as u32);
+            let outside = i32x16::splat(simd, OUTSIDE);
+            let place = |word: i32x16<S>| (word >> 1) * self.stride[axis] + (word & 1) * STEP[axis];
+            let next = corner + 1;
+            near[axis] = corner.simd_lt(0).select(outside, place(corner));
+            far[axis] = next.simd_ge(self.dims[axis]).select(outside, place(next));
         }
-        let count = (sums & 0xFFFF) as i32;
-        let moments = IVec3::new(
-            (sums >> 16 & 0xFFFF) as i32,
-            (sums >> 32 & 0xFFFF) as i32,
-            (sums >> 48) as i32,
-        );
-        (inside + 2) * count - moments
+        let (at, near, far) =
+            (at.to_array(), near.map(|v| v.to_array()), far.map(|v| v.to_array()));
+        let mut rest = wanted;
+        while rest != 0 {
+            let lane = rest.trailing_zeros() as usize & 15;
+            rest &= rest - 1;
+            let of = |axis: usize| (near[axis][lane] as usize, far[axis][lane] as usize);
+            let ((x0, x1), (y0, y1), (z0, z1)) = (of(0), of(1), of(2));
+            let word = |place: usize| self.words.get(place).copied().unwrap_or(0);
+            let bits = [
+                word(x0 + y0 + z0),
+                word(x1 + y0 + z0),
+                word(x0 + y1 + z0),
+                word(x1 + y1 + z0),
+                word(x0 + y0 + z1),
+                word(x1 + y0 + z1),
+                word(x0 + y1 + z1),
+                word(x1 + y1 + z1),
+            ];
+            let gradient = moments(at[lane] as u32, &bits);
+            for axis in 0..3 {
+                gradients[axis][lane] = gradient[axis];
+            }
+        }
     }
 
     /// The eight words of the cube whose lower corner is word `corner`; outside of the grid 0.
-    #[inline(always)]
     fn cube(&self, corner: IVec3) -> [u64; 8] {
-        let place = |w: IVec3| {
-            let (brick, word): (IVec3, IVec3) = (w >> 1, w & 1);
-            (IVec3::new(brick.x * 8, brick.y * self.stride_y, brick.z * self.stride_z)
-                + word * IVec3::new(1, 2, 4))
-            .to_array()
-        };
-        let (low, high) = (place(corner), place(corner + 1));
-        let at = |i: usize| {
-            let of = |axis: usize| if i >> axis & 1 != 0 { high[axis] } else { low[axis] };
-            (of(0) + of(1) + of(2)) as usize
-        };
-        let within = corner.cmpge(IVec3::ZERO).all() && (corner + 1).cmplt(self.dims).all();
-        if within {
-            return std::array::from_fn(|i| self.words[at(i)]);
-        }
         std::array::from_fn(|i| {
             let w = corner + (IVec3::splat(i as i32) >> IVec3::new(0, 1, 2) & 1);
             let exists = w.cmpge(IVec3::ZERO).all() && w.cmplt(self.dims).all();
-            if exists { self.words[at(i)] } else { 0 }
+            let place: IVec3 = (w >> 1) * self.stride + (w & 1) * STEP;
+            if exists { self.words[place.element_sum() as usize] } else { 0 }
         })
     }
 }

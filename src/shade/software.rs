@@ -1,20 +1,24 @@
 //! Owns the software shader: from an index map, the grid and its colours to a picture.
 //!
-//! Takes what is seen and how it is lit; gives RGBA with alpha 0 where nothing is seen. Works in
-//! eye space, on all cores, without allocating.
+//! Takes what is seen and how it is lit; gives RGBA with alpha 0 where nothing is seen. Works on
+//! all cores, without allocating.
 
-use glam::{Affine3A, Mat3, Vec3};
+use fearless_simd::{Level, Simd, dispatch, f32x16, i32x16, prelude::*, u32x16};
+use glam::{Affine3A, UVec3};
 use rayon::prelude::*;
 
-use super::light::{EyeLighting, Lighting, SurfacePoint, linear, srgb};
-use super::normal;
+use super::illumination::{Illumination, LANES, SurfacePoints};
+use super::light::Lighting;
+use super::normal::Words;
 use super::pixels::Pixels;
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
-use crate::sculpture::{Grid, Material, NO_VOXEL};
+use crate::sculpture::{Grid, Material, NO_VOXEL, Rgb};
 use crate::surface::IndexMap;
 
-/// Pixels that one parallel task shades.
-const TASK_PIXELS: usize = 4096;
+/// Rows of pixels that one parallel task shades.
+const BAND_ROWS: usize = 16;
+/// Width of the strips of a band: the bricks of a strip stay in the nearest cache.
+const STRIP_PX: usize = 64;
 
 /// Where the sculpture and the eye are.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -36,54 +40,129 @@ pub fn shade(
     let shader = Shader {
         grid,
         material,
-        eye_from_grid: pose.eye_from_world * pose.world_from_grid,
-        normal_from_gradient: normal_matrix(&(pose.eye_from_world * pose.world_from_grid)),
-        lighting: EyeLighting::new(lighting, &pose.eye_from_world),
+        painted: material.page_count() > 0,
+        words: Words::of(grid),
+        places: Places::of(grid.dims()),
+        illumination: Illumination::new(lighting, &pose.eye_from_world, &pose.world_from_grid),
     };
-    out.rgba.par_chunks_mut(TASK_PIXELS).zip(map.voxels.par_chunks(TASK_PIXELS)).for_each(
-        |(out, voxels)| {
-            for (pixel, &voxel) in out.iter_mut().zip(voxels) {
-                *pixel = if voxel == NO_VOXEL { [0; 4] } else { shader.pixel(voxel) };
-            }
-        },
-    );
-}
-
-/// Takes gradients (covectors) from grid to eye space: the inverse transpose.
-fn normal_matrix(eye_from_grid: &Affine3A) -> Mat3 {
-    Mat3::from(eye_from_grid.matrix3).inverse().transpose()
+    let width = map.rays.size.x as usize;
+    if width == 0 {
+        return;
+    }
+    let band = width * BAND_ROWS;
+    out.rgba.par_chunks_mut(band).zip(map.voxels.par_chunks(band)).for_each(|(out, voxels)| {
+        dispatch!(Level::new(), simd => shader.shade(simd, width, voxels, out));
+    });
 }
 
 /// What all pixels of a picture share.
 struct Shader<'a> {
     grid: &'a Grid,
     material: &'a Material,
-    eye_from_grid: Affine3A,
-    normal_from_gradient: Mat3,
-    lighting: EyeLighting,
+    /// Whether colours differ from the base colour anywhere.
+    painted: bool,
+    words: Words<'a>,
+    places: Places,
+    illumination: Illumination,
 }
 
 impl Shader<'_> {
-    fn pixel(&self, voxel: u32) -> [u8; 4] {
-        let v = self.grid.voxel_coords(voxel);
-        let position = self.eye_from_grid.transform_point3(v.as_vec3() + 0.5);
-        let gradient = normal::gradient(self.grid, v);
-        let normal = facing(self.normal_from_gradient * gradient, position);
-        let brick = self.grid.brick_index(v / BRICK_EDGE_VX);
-        let albedo = linear(self.material.rgb(brick, local_index(v.x & 7, v.y & 7, v.z & 7)));
-        let [r, g, b] = srgb(self.lighting.reflected(&SurfacePoint { position, normal, albedo })).0;
-        [r, g, b, 255]
+    /// Shades rows of pixels, sixteen at a time.
+    #[inline(always)]
+    fn shade<S: Simd>(&self, simd: S, width: usize, voxels: &[u32], out: &mut [[u8; 4]]) {
+        let colour = [packed(self.material.base()); LANES];
+        let mut points = SurfacePoints { colour, ..SurfacePoints::default() };
+        for left in (0..width).step_by(STRIP_PX) {
+            let strip = left..width.min(left + STRIP_PX);
+            for (voxels, out) in voxels.chunks_exact(width).zip(out.chunks_exact_mut(width)) {
+                let (voxels, out) = (&voxels[strip.clone()], &mut out[strip.clone()]);
+                for (voxels, out) in voxels.chunks(LANES).zip(out.chunks_mut(LANES)) {
+                    self.shade_few(simd, voxels, out, &mut points);
+                }
+            }
+        }
+    }
+
+    /// Shades up to sixteen pixels.
+    #[inline(always)]
+    fn shade_few<S: Simd>(
+        &self,
+        simd: S,
+        voxels: &[u32],
+        out: &mut [[u8; 4]],
+        points: &mut SurfacePoints,
+    ) {
+        // Lanes without a voxel are computed as if they saw the first one.
+        let mut indices = [0; LANES];
+        let mut seen = 0u32;
+        for (lane, &voxel) in voxels.iter().enumerate() {
+            let exists = voxel != NO_VOXEL;
+            seen |= u32::from(exists) << lane;
+            indices[lane] = if exists { voxel } else { 0 };
+        }
+        if seen == 0 {
+            out.fill([0; 4]);
+            return;
+        }
+        let places = self.places.coords(simd, u32x16::load_array_ref(simd, &indices));
+        for axis in 0..3 {
+            (places[axis].to_float::<f32x16<S>>() + 0.5).store_array(&mut points.position[axis]);
+        }
+        self.words.gradients(simd, places, seen, &mut points.gradient);
+        if self.painted {
+            let [x, y, z] = places.map(|v| v.to_array());
+            for lane in 0..voxels.len() {
+                let v = UVec3::new(x[lane] as u32, y[lane] as u32, z[lane] as u32);
+                let brick = self.grid.brick_index(v / BRICK_EDGE_VX);
+                let rgb = self.material.rgb(brick, local_index(v.x & 7, v.y & 7, v.z & 7));
+                points.colour[lane] = packed(rgb);
+            }
+        }
+        let colours = self.illumination.shade(simd, points).to_array();
+        for (lane, pixel) in out.iter_mut().enumerate() {
+            *pixel = if seen >> lane & 1 != 0 { colours[lane].to_le_bytes() } else { [0; 4] };
+        }
     }
 }
 
-/// The unit normal from one of any length at a point seen from the origin: what is seen cannot
-/// look away, so the part of the normal that does is taken off, and a voxel without a normal
-/// faces the eye.
-fn facing(normal: Vec3, position: Vec3) -> Vec3 {
-    let to_eye = (-position).normalize_or_zero();
-    let normal = normal.normalize_or_zero();
-    let away = normal.dot(to_eye).min(0.0);
-    (normal - to_eye * away).try_normalize().unwrap_or(to_eye)
+/// A colour as [`SurfacePoints`] takes it.
+fn packed(Rgb([r, g, b]): Rgb) -> u32 {
+    u32::from_le_bytes([r, g, b, 0])
+}
+
+/// Coordinates of voxels from their index.
+struct Places {
+    row: u32,
+    slice: u32,
+}
+
+impl Places {
+    fn of(dims: UVec3) -> Places {
+        Places { row: dims.x, slice: dims.x * dims.y }
+    }
+
+    #[inline(always)]
+    fn coords<S: Simd>(&self, simd: S, voxels: u32x16<S>) -> [i32x16<S>; 3] {
+        let (z, in_slice) = divide(simd, voxels, self.slice);
+        let (y, x) = divide(simd, in_slice, self.row);
+        [x, y, z].map(|v| v.bitcast())
+    }
+}
+
+/// Quotient and remainder. The quotient must be below 2^20 and the divisor below 2^30: then the
+/// quotient by floating point is at most one off.
+#[inline(always)]
+fn divide<S: Simd>(simd: S, value: u32x16<S>, divisor: u32) -> (u32x16<S>, u32x16<S>) {
+    let zero = u32x16::splat(simd, 0);
+    let one = u32x16::splat(simd, 1);
+    let by = u32x16::splat(simd, divisor);
+    let guess = (value.to_float::<f32x16<S>>() * (1.0 / divisor as f32)).to_int::<u32x16<S>>();
+    let rest = value - guess * by;
+    let too_high = rest.simd_ge(1 << 31);
+    let guess = guess - too_high.select(one, zero);
+    let rest = rest + too_high.select(by, zero);
+    let too_low = rest.simd_ge(by);
+    (guess + too_low.select(one, zero), rest - too_low.select(by, zero))
 }
 
 #[cfg(test)]
@@ -92,7 +171,7 @@ mod tests {
     use crate::sculpture::{Brick, ColourDepth, Placement, Rgb};
     use crate::surface::raycast;
     use crate::view::Camera;
-    use glam::{UVec2, UVec3};
+    use glam::{UVec2, Vec3};
 
     #[test]
     fn a_lit_face_is_brighter_than_its_ambient_light_and_nothing_is_transparent() {
@@ -115,7 +194,29 @@ mod tests {
         let centre = 24 * 64 + 32;
         assert!(lit.rgba[centre][0] > unlit.rgba[centre][0] + 50);
         assert_eq!(lit.rgba[0], [0; 4]);
-        // 200 / 255 times 80 / 255, both square-rooted back from gamma 2.0.
+        // Colour times ambient light, 200 * 80 / 255 and so on.
         assert_eq!(unlit.rgba[centre][..3], [63, 31, 17]);
+    }
+
+    #[test]
+    fn places_are_those_of_the_grid() {
+        let mut random = crate::scenes::Random(9);
+        for dims in [[1, 1, 1], [1, 7, 3], [4096, 1, 5], [1000, 3, 77], [4096, 4095, 255]] {
+            let dims = UVec3::from(dims);
+            let places = Places::of(dims);
+            for _ in 0..1000 {
+                let mut voxels: [UVec3; 16] =
+                    std::array::from_fn(|_| random.voxel(dims).as_uvec3());
+                voxels[0] = dims - 1;
+                let indices = voxels.map(|v| v.x + dims.x * (v.y + dims.y * v.z));
+                let found = dispatch!(Level::new(), simd => {
+                    let indices = u32x16::load_array_ref(simd, &indices);
+                    places.coords(simd, indices).map(|v| v.to_array())
+                });
+                for (lane, v) in voxels.into_iter().enumerate() {
+                    assert_eq!(found.map(|v| v[lane] as u32), v.to_array());
+                }
+            }
+        }
     }
 }
