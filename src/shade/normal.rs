@@ -13,7 +13,7 @@
 //! would meet; nothing else does. Two folded words therefore hold all neighbours, and counts of
 //! their planes give the moments exactly.
 
-use fearless_simd::{Simd, i32x16, prelude::*};
+use fearless_simd::{Level, Simd, f32x16, i32x16, prelude::*, u32x16, u64x8};
 use glam::{IVec3, UVec3, Vec3};
 
 use crate::sculpture::Grid;
@@ -34,33 +34,8 @@ struct Masks {
 /// For a voxel `2 + (x, y, z)` of a cube of 8^3, `x + 4y + 16z` the index.
 static NEIGHBOURS: [Masks; 64] = neighbours();
 
-/// The bits of a folded word that lie in the plane of a residue of an axis.
-const fn plane(axis: u32, residue: i32) -> u64 {
-    match axis {
-        0 => 0x1111_1111_1111_1111 << residue,
-        1 => 0x000F_000F_000F_000F << (4 * residue),
-        _ => 0xFFFF << (16 * residue),
-    }
-}
-
-/// For an axis and `voxel - 2` modulo 4 on it: the planes of the voxels that are one up, one
-/// down, and two up or down.
-static PLANES: [[[u64; 3]; 4]; 3] = planes();
-
-const fn planes() -> [[[u64; 3]; 4]; 3] {
-    let mut planes = [[[0; 3]; 4]; 3];
-    let mut axis = 0;
-    while axis < 3 {
-        let mut at = 0;
-        while at < 4 {
-            planes[axis as usize][at as usize] =
-                [plane(axis, (at + 2 + 1) & 3), plane(axis, (at + 2 - 1) & 3), plane(axis, at & 3)];
-            at += 1;
-        }
-        axis += 1;
-    }
-    planes
-}
+/// The voxels of a word whose x, y, z is 0. Shifted by `1 << 2 * axis` they are those of 1.
+const PLANES: [u64; 3] = [0x1111_1111_1111_1111, 0x000F_000F_000F_000F, 0xFFFF];
 
 const fn neighbours() -> [Masks; 64] {
     let mut masks = [Masks { upper: [0; 8], lower: [0; 8] }; 64];
@@ -94,29 +69,96 @@ pub fn gradient(grid: &Grid, voxel: UVec3) -> Vec3 {
     let low = voxel.as_ivec3() - 2;
     let inside = low & 3;
     let bits = Words::of(grid).cube(low >> 2);
-    moments((inside.x | inside.y << 2 | inside.z << 4) as u32, &bits)
+    let at = (inside.x | inside.y << 2 | inside.z << 4) as usize;
+    let (upper, lower) = fold(at, &bits);
+    moments(at, upper, lower).as_vec3()
 }
 
-/// The moments of the existing neighbours of voxel `2 + (x, y, z)` of a cube of eight words,
-/// with the sign of [`gradient`]; `at` is `x + 4y + 16z`.
+/// Folded neighbours of sixteen voxels.
+#[derive(Default)]
+struct FoldedLanes {
+    upper: [[u64; 8]; 2],
+    lower: [[u64; 8]; 2],
+}
+
+/// The existing neighbours of voxel `2 + (x, y, z)` of a cube of eight words, folded to two;
+/// `at` is `x + 4y + 16z`.
 #[inline(always)]
-fn moments(at: u32, bits: &[u64; 8]) -> Vec3 {
-    let at = at as usize & 63;
-    let masks = &NEIGHBOURS[at];
+fn fold(at: usize, bits: &[u64; 8]) -> (u64, u64) {
+    let masks = &NEIGHBOURS[at & 63];
     let (mut upper, mut lower) = (0, 0);
     for word in 0..8 {
         upper |= bits[word] & masks.upper[word];
         lower |= bits[word] & masks.lower[word];
     }
+    (upper, lower)
+}
+
+/// Minus the sum of the offsets of folded neighbours.
+#[inline(always)]
+fn moments(at: usize, upper: u64, lower: u64) -> IVec3 {
     let moment = |axis: usize| {
-        let [one_up, one_down, two] = PLANES[axis][at >> (2 * axis) & 3];
-        let count = |bits: u64, plane: u64| (bits & plane).count_ones() as i32;
-        let two = count(lower, two) - count(upper, two);
-        let one = count(lower, one_down) - count(lower, one_up) + count(upper, one_down)
-            - count(upper, one_up);
-        (2 * two + one) as f32
+        // The voxel itself has residue `at + 2` on the axis.
+        let plane = |residue: usize| PLANES[axis] << ((residue & 3) << (2 * axis));
+        let at = at >> (2 * axis);
+        let (two, down, up) = (plane(at), plane(at + 1), plane(at + 3));
+        let count = |bits: u64| bits.count_ones() as i32;
+        2 * (count(lower & two) - count(upper & two))
+            + (count(lower & down) - count(lower & up))
+            + (count(upper & down) - count(upper & up))
     };
-    Vec3::new(moment(0), moment(1), moment(2))
+    IVec3::new(moment(0), moment(1), moment(2))
+}
+
+/// [`moments`] of sixteen voxels.
+#[inline(always)]
+fn moments_of_many<S: Simd>(simd: S, at: u32x16<S>, folded: &FoldedLanes) -> [i32x16<S>; 3] {
+    #[cfg(target_arch = "x86_64")]
+    if let Level::Avx512(_) = simd.level() {
+        let (at_0, at_1) = at.widen();
+        let ([upper_0, upper_1], [lower_0, lower_1]) = (&folded.upper, &folded.lower);
+        let first = moments_of_eight(simd, at_0, upper_0, lower_0);
+        let second = moments_of_eight(simd, at_1, upper_1, lower_1);
+        let both = |axis: usize| first[axis].narrow(second[axis]).bitcast();
+        return [both(0), both(1), both(2)];
+    }
+    // Without counts of bits in vectors one at a time is faster.
+    let at = at.to_array();
+    let mut moments_of = [[0; 16]; 3];
+    for lane in 0..16 {
+        let (upper, lower) = (folded.upper[lane / 8][lane % 8], folded.lower[lane / 8][lane % 8]);
+        let moments = moments(at[lane] as usize, upper, lower);
+        for axis in 0..3 {
+            moments_of[axis][lane] = moments[axis];
+        }
+    }
+    moments_of.map(|v| i32x16::load_array(simd, v))
+}
+
+/// [`moments`] of eight voxels.
+#[inline(always)]
+fn moments_of_eight<S: Simd>(
+    simd: S,
+    at: u64x8<S>,
+    upper: &[u64; 8],
+    lower: &[u64; 8],
+) -> [u64x8<S>; 3] {
+    let upper = u64x8::load_array_ref(simd, upper);
+    let lower = u64x8::load_array_ref(simd, lower);
+    let mut moments = [at; 3];
+    for axis in 0..3 {
+        let plane = |residue: u64x8<S>| {
+            u64x8::splat(simd, PLANES[axis]) << ((residue & 3) << (2 * axis as u32))
+        };
+        let at = at >> (2 * axis as u32);
+        let (two, down, up) = (plane(at), plane(at + 1), plane(at + 3));
+        let two = (lower & two).count_ones() - (upper & two).count_ones();
+        let one = (lower & down).count_ones() - (lower & up).count_ones()
+            + (upper & down).count_ones()
+            - (upper & up).count_ones();
+        moments[axis] = two + two + one;
+    }
+    moments
 }
 
 /// The words of a grid by their place.
@@ -149,8 +191,7 @@ impl<'a> Words<'a> {
         simd: S,
         voxels: [i32x16<S>; 3],
         wanted: u32,
-        gradients: &mut [[f32; 16]; 3],
-    ) {
+    ) -> [f32x16<S>; 3] {
         let mut at = i32x16::splat(simd, 0);
         let (mut near, mut far) = ([at; 3], [at; 3]);
         for axis in 0..3 {
@@ -163,8 +204,10 @@ impl<'a> Words<'a> {
             near[axis] = corner.simd_lt(0).select(outside, place(corner));
             far[axis] = next.simd_ge(self.dims[axis]).select(outside, place(next));
         }
-        let (at, near, far) =
-            (at.to_array(), near.map(|v| v.to_array()), far.map(|v| v.to_array()));
+        let at_lanes = at.to_array();
+        let near = [near[0].to_array(), near[1].to_array(), near[2].to_array()];
+        let far = [far[0].to_array(), far[1].to_array(), far[2].to_array()];
+        let mut folded = FoldedLanes::default();
         let mut rest = wanted;
         while rest != 0 {
             let lane = rest.trailing_zeros() as usize & 15;
@@ -182,11 +225,12 @@ impl<'a> Words<'a> {
                 word(x0 + y1 + z1),
                 word(x1 + y1 + z1),
             ];
-            let gradient = moments(at[lane] as u32, &bits);
-            for axis in 0..3 {
-                gradients[axis][lane] = gradient[axis];
-            }
+            let (upper, lower) = fold(at_lanes[lane] as usize, &bits);
+            folded.upper[lane / 8][lane % 8] = upper;
+            folded.lower[lane / 8][lane % 8] = lower;
         }
+        let [x, y, z] = moments_of_many(simd, at.bitcast(), &folded);
+        [x.to_float(), y.to_float(), z.to_float()]
     }
 
     /// The eight words of the cube whose lower corner is word `corner`; outside of the grid 0.

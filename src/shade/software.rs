@@ -108,7 +108,10 @@ impl Shader<'_> {
         for axis in 0..3 {
             (places[axis].to_float::<f32x16<S>>() + 0.5).store_array(&mut points.position[axis]);
         }
-        self.words.gradients(simd, places, seen, &mut points.gradient);
+        let gradients = self.words.gradients(simd, places, seen);
+        for axis in 0..3 {
+            gradients[axis].store_array(&mut points.gradient[axis]);
+        }
         if self.painted {
             let [x, y, z] = places.map(|v| v.to_array());
             for lane in 0..voxels.len() {
