@@ -14,7 +14,7 @@ use super::brick_set::{BrickMask, BrickSet};
 use super::colour::Rgb;
 use super::history::Contents;
 use super::material::{Brush, Page};
-use super::region::{BrickBox, BrickRow, Region};
+use super::region::{BrickBox, Region};
 use super::row_edit::{Cover, RowEdit};
 use super::stroke::{BandRecord, Recording, StrokeRecorder};
 
@@ -78,16 +78,16 @@ pub fn edit(
     let Recording { bands, bits_kept, pages_kept } = recorder.recording();
     let slabs = bricks.min.z..bricks.max.z;
     contents.grid.edit_bands(slabs.clone(), parallel, bands, |grid, record| {
+        let mut cut = Default::default();
         for z in grid.slabs_of(slabs.clone()) {
             for y in bricks.min.y..bricks.max.y {
-                let row = region.row(y * BRICK_EDGE_VX, z * BRICK_EDGE_VX);
-                let x = bricks.min.x..bricks.max.x;
-                let at = |x| UVec3::new(x, y, z);
+                let row = BrickRow { x: bricks.min.x..bricks.max.x, y, z };
+                let cut = &mut cut;
                 let mut edit = RowEdit::new(grid, record, bits_kept);
                 match op {
-                    EditOp::Add(_) => walk(&row, x, |x, cover| edit.add(at(x), cover, paint)),
-                    EditOp::Subtract => walk(&row, x, |x, cover| edit.subtract(at(x), cover)),
-                    EditOp::Recolour(_) => walk(&row, x, |x, cover| edit.paint(at(x), cover)),
+                    EditOp::Add(_) => row.walk(region, cut, |b, cover| edit.add(b, cover, paint)),
+                    EditOp::Subtract => row.walk(region, cut, |b, cover| edit.subtract(b, cover)),
+                    EditOp::Recolour(_) => row.walk(region, cut, |b, cover| edit.paint(b, cover)),
                 }
                 edit.close_word();
             }
@@ -126,14 +126,15 @@ pub fn count_new_pages(contents: &Contents, region: &impl Region, op: EditOp) ->
     let Contents { grid, material } = contents;
     let Some(bricks) = BrickBox::around(region, grid) else { return 0 };
     let mut pages = 0;
-    for (y, z) in
-        (bricks.min.z..bricks.max.z).flat_map(|z| (bricks.min.y..bricks.max.y).map(move |y| (y, z)))
-    {
-        let row = region.row(y * BRICK_EDGE_VX, z * BRICK_EDGE_VX);
-        walk(&row, bricks.min.x..bricks.max.x, |x, cover| {
-            let b = UVec3::new(x, y, z);
-            let index = grid.brick_index(b);
-            if material.page(index).is_none() {
+    let mut cut = Default::default();
+    for z in bricks.min.z..bricks.max.z {
+        for y in bricks.min.y..bricks.max.y {
+            let row = BrickRow { x: bricks.min.x..bricks.max.x, y, z };
+            row.walk(region, &mut cut, |b, cover| {
+                let index = grid.brick_index(b);
+                if material.page(index).is_some() {
+                    return;
+                }
                 let (mask, old) = (cover.mask(), &grid.bricks()[index]);
                 let painted = match op {
                     EditOp::Add(_) => mask.and(&grid.valid_mask(b)).and_not(old),
@@ -141,8 +142,8 @@ pub fn count_new_pages(contents: &Contents, region: &impl Region, op: EditOp) ->
                     EditOp::Subtract => Brick::EMPTY,
                 };
                 pages += u64::from(!painted.is_empty());
-            }
-        });
+            });
+        }
     }
     pages
 }
@@ -176,12 +177,25 @@ fn paint_band(
     made
 }
 
-/// Calls `f` with each brick of a row that lies in the range `x`, in rising order, and how much
-/// of it the row covers.
-#[inline(always)]
-fn walk<R: BrickRow>(row: &R, x: Range<u32>, mut f: impl FnMut(u32, Cover<R>)) {
-    let (touched, whole) = (row.touched(), row.whole());
-    for x in touched.start.max(x.start)..touched.end.min(x.end) {
-        f(x, if whole.contains(&x) { Cover::Whole } else { Cover::Part(row, x) });
+/// A row of bricks along x, in brick coordinates.
+struct BrickRow {
+    x: Range<u32>,
+    y: u32,
+    z: u32,
+}
+
+impl BrickRow {
+    /// Cuts the region by this row, and calls `f` with each brick that it touches, in rising
+    /// order, and how much of the brick is covered.
+    #[inline(always)]
+    fn walk<R: Region>(self, region: &R, cut: &mut R::Row, mut f: impl FnMut(UVec3, Cover<R>)) {
+        let reach = region.cut_row(self.y * BRICK_EDGE_VX, self.z * BRICK_EDGE_VX, cut);
+        for x in reach.touched.start.max(self.x.start)..reach.touched.end.min(self.x.end) {
+            let cover = match reach.whole.contains(&x) {
+                true => Cover::Whole,
+                false => Cover::Part { region, cut, reach: &reach, x },
+            };
+            f(UVec3::new(x, self.y, self.z), cover);
+        }
     }
 }

@@ -211,12 +211,7 @@ impl Grid {
     /// The bits that the brick at `b` may hold: all but those beyond the grid's border.
     #[inline]
     pub fn valid_mask(&self, b: UVec3) -> Brick {
-        let room = self.dims - b * BRICK_EDGE_VX;
-        if room.min_element() >= BRICK_EDGE_VX {
-            Brick::FULL
-        } else {
-            Brick::below(room.to_array())
-        }
+        valid_mask(self.dims, b)
     }
 
     /// Replaces a brick and keeps count and occupancy true. The bits must lie within
@@ -255,8 +250,7 @@ impl Grid {
                 for (i, (brick, count)) in bricks.iter_mut().zip(counts).enumerate() {
                     let i = i as u32;
                     let b = UVec3::new(i % brick_dims.x, i / brick_dims.x, bz as u32);
-                    let room = (dims - b * BRICK_EDGE_VX).to_array();
-                    *brick = f(b).and(&Brick::below(room));
+                    *brick = f(b).and(&valid_mask(dims, b));
                     *count = brick.count();
                 }
             });
@@ -304,6 +298,12 @@ impl Grid {
         let word = block.x + self.occupancy_dims.x * (block.y + self.occupancy_dims.y * block.z);
         (word as usize, (b.x & 3) | (b.y & 3) << 2 | (b.z & 3) << 4)
     }
+}
+
+#[inline]
+fn valid_mask(dims: UVec3, b: UVec3) -> Brick {
+    let room = dims - b * BRICK_EDGE_VX;
+    if room.min_element() >= BRICK_EDGE_VX { Brick::FULL } else { Brick::below(room.to_array()) }
 }
 
 fn brick_dims(dims: UVec3) -> UVec3 {

@@ -55,61 +55,52 @@ impl BrickBox {
     }
 }
 
+/// What a region does to the bricks of a row, named by their brick coordinate along x; they may
+/// lie beyond the grid's border.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct RowReach {
+    /// Bricks outside of this range are not covered at all.
+    pub touched: Range<u32>,
+    /// Bricks in this range are covered wholly. Empty, or within `touched`.
+    pub whole: Range<u32>,
+}
+
+impl RowReach {
+    pub const NONE: RowReach = RowReach { touched: 0..0, whole: 0..0 };
+}
+
 /// A set of voxels that can be asked row of bricks by row of bricks.
 pub trait Region: Sync {
-    /// What is worked out once for a row of bricks along x.
-    type Row<'a>: BrickRow
-    where
-        Self: 'a;
+    /// What is worked out once for a row of bricks along x, and reused for the next row.
+    type Row: Default;
 
     /// A box outside of which the region covers nothing (it may reach beyond the grid).
     fn bounds_vx(&self) -> VoxelBox;
 
-    /// The row of bricks whose lower edge runs along x at voxel coordinates `y_vx`, `z_vx`.
-    fn row(&self, y_vx: u32, z_vx: u32) -> Self::Row<'_>;
-}
+    /// Cuts the region by the row of bricks whose lower edge runs along x at voxel coordinates
+    /// `y_vx`, `z_vx`.
+    fn cut_row(&self, y_vx: u32, z_vx: u32, row: &mut Self::Row) -> RowReach;
 
-/// A region cut by one row of bricks. Bricks are named by their brick coordinate along x, and
-/// may lie beyond the grid's border; so may the voxels of a mask.
-pub trait BrickRow {
-    /// Bricks outside of this range are not covered at all.
-    fn touched(&self) -> Range<u32>;
-
-    /// Bricks in this range are covered wholly. Empty, or within [`BrickRow::touched`].
-    fn whole(&self) -> Range<u32>;
-
-    /// The voxels covered of a touched brick.
-    fn mask(&self, brick_x: u32) -> Brick;
+    /// The voxels covered of a touched brick of the row just cut. Voxels beyond the grid's
+    /// border may be among them.
+    fn mask(&self, row: &Self::Row, reach: &RowReach, brick_x: u32) -> Brick;
 }
 
 /// A region of all voxels.
 pub struct Everywhere;
 
-/// A row of bricks that is covered wholly.
-pub struct WholeRow;
-
 impl Region for Everywhere {
-    type Row<'a> = WholeRow;
+    type Row = ();
 
     fn bounds_vx(&self) -> VoxelBox {
         VoxelBox { min: IVec3::ZERO, max: IVec3::MAX }
     }
 
-    fn row(&self, _: u32, _: u32) -> WholeRow {
-        WholeRow
-    }
-}
-
-impl BrickRow for WholeRow {
-    fn touched(&self) -> Range<u32> {
-        0..u32::MAX
+    fn cut_row(&self, _: u32, _: u32, (): &mut ()) -> RowReach {
+        RowReach { touched: 0..u32::MAX, whole: 0..u32::MAX }
     }
 
-    fn whole(&self) -> Range<u32> {
-        0..u32::MAX
-    }
-
-    fn mask(&self, _: u32) -> Brick {
+    fn mask(&self, (): &(), _: &RowReach, _: u32) -> Brick {
         Brick::FULL
     }
 }

@@ -10,24 +10,29 @@ use super::brick::{BRICK_VOXELS, Brick};
 use super::brick_set::{BrickMask, BrickSet};
 use super::grid::GridBand;
 use super::record::KeptWord;
-use super::region::BrickRow;
+use super::region::{Region, RowReach};
 use super::stroke::BandRecord;
 
 const FULL: u16 = BRICK_VOXELS as u16;
 
 /// How much of a brick an edit covers.
-pub enum Cover<'a, R> {
+pub enum Cover<'a, R: Region> {
     Whole,
-    /// What the row says of the brick at this x.
-    Part(&'a R, u32),
+    /// What the region says of the brick at `x` of the row that is cut.
+    Part {
+        region: &'a R,
+        cut: &'a R::Row,
+        reach: &'a RowReach,
+        x: u32,
+    },
 }
 
-impl<R: BrickRow> Cover<'_, R> {
+impl<R: Region> Cover<'_, R> {
     #[inline(always)]
     pub fn mask(self) -> Brick {
         match self {
             Cover::Whole => Brick::FULL,
-            Cover::Part(row, x) => row.mask(x),
+            Cover::Part { region, cut, reach, x } => region.mask(cut, reach, x),
         }
     }
 }
@@ -63,7 +68,7 @@ impl<'a, 'g> RowEdit<'a, 'g> {
 
     /// Removes the covered voxels of the brick at `b`.
     #[inline(always)]
-    pub fn subtract(&mut self, b: UVec3, cover: Cover<impl BrickRow>) {
+    pub fn subtract(&mut self, b: UVec3, cover: Cover<impl Region>) {
         let index = self.grid.brick_index(b);
         let count = self.grid.count(index);
         if count == 0 {
@@ -86,7 +91,7 @@ impl<'a, 'g> RowEdit<'a, 'g> {
     /// Makes the covered voxels of the brick at `b` exist. If `paint`, those that did not are
     /// handed on to be painted.
     #[inline(always)]
-    pub fn add(&mut self, b: UVec3, cover: Cover<impl BrickRow>, paint: bool) {
+    pub fn add(&mut self, b: UVec3, cover: Cover<impl Region>, paint: bool) {
         let index = self.grid.brick_index(b);
         let count = self.grid.count(index);
         if count == FULL {
@@ -106,7 +111,7 @@ impl<'a, 'g> RowEdit<'a, 'g> {
 
     /// Hands the covered voxels that exist in the brick at `b` on to be painted.
     #[inline(always)]
-    pub fn paint(&mut self, b: UVec3, cover: Cover<impl BrickRow>) {
+    pub fn paint(&mut self, b: UVec3, cover: Cover<impl Region>) {
         let index = self.grid.brick_index(b);
         if self.grid.count(index) == 0 {
             return;

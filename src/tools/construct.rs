@@ -6,16 +6,17 @@
 
 use std::ops::Range;
 
-use glam::{DMat3, DQuat, DVec3, IVec3, Quat, Vec3};
+use glam::{DMat3, DVec3, IVec3, Quat, UVec3, Vec3};
+use wide::i16x8;
 
 use super::construct_ends::{Magnitudes, solve};
 use super::construct_planes::{HalfSpace, Planes};
 use super::construct_quadric::Quadric;
-use super::construct_spans::{RowSpans, Spans};
+use super::construct_spans::RowSpans;
 use crate::sculpture::Brick;
-use crate::sculpture::brick::BRICK_EDGE_VX;
+use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, local_coords};
 use crate::sculpture::grid::MAX_AXIS_VX;
-use crate::sculpture::region::{BrickRow, Region, VoxelBox};
+use crate::sculpture::region::{Region, RowReach, VoxelBox};
 
 /// The shape of a solid in tool space, where it fills [-1, 1] on every axis.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -159,7 +160,7 @@ impl PlacedSolid {
         let Primitive { solid, centre_vx, half, rotation } = *primitive;
         let (centre_vx, half) = (centre_vx.as_dvec3(), half.as_dvec3());
         let stretch = voxel_size.as_dvec3() / voxel_size.as_dvec3().min_element();
-        let rotation = DMat3::from_quat(DQuat::from(rotation.as_dquat()).normalize());
+        let rotation = DMat3::from_quat(rotation.as_dquat().normalize());
         let tool_from_vx = DMat3::from_diagonal(half.recip())
             * rotation.transpose()
             * DMat3::from_diagonal(stretch);
@@ -220,6 +221,7 @@ impl PlacedSolid {
         let largest = |column: DVec3, distance: f64| column.abs().element_sum() * distance;
         let sizes = Magnitudes {
             distance_vx,
+            width_vx: f64::from(max.x - min.x),
             coordinate_vx: f64::from(MAX_AXIS_VX) + self.centre_vx.abs().max_element(),
             position: largest(m.x_axis, distance_vx.x)
                 + largest(m.y_axis, distance_vx.y)
@@ -239,14 +241,15 @@ impl PlacedSolid {
         self.solid.contains(self.tool_from_vx * (v.as_dvec3() + 0.5 - self.centre_vx))
     }
 
-    fn spans(&self, y_vx: u32, z_vx: u32) -> Option<Spans> {
-        let x = self.reachable.min.x..self.reachable.max.x;
-        let exact = |v| self.contains_voxel(v);
-        match &self.cut {
-            Cut::Quadric(quadric) => solve(quadric, &x, y_vx, z_vx, exact),
-            Cut::Planes(planes) => solve(planes, &x, y_vx, z_vx, exact),
-            Cut::Box(inside) => Some(box_spans(inside, y_vx, z_vx)),
+    /// The voxels inside of the brick at `origin_vx`, each by the definition.
+    #[cold]
+    fn test_brick(&self, origin_vx: UVec3) -> Brick {
+        let mut mask = Brick::EMPTY;
+        for local in (0..BRICK_VOXELS).map(local_coords) {
+            let v = origin_vx + UVec3::from(local);
+            mask.set(local[0], local[1], local[2], self.contains_voxel(v.as_ivec3()));
         }
+        mask
     }
 }
 
@@ -260,79 +263,67 @@ fn first_where(range: Range<i32>, p: impl Fn(i32) -> bool) -> i32 {
     start
 }
 
-fn box_spans(inside: &VoxelBox, y_vx: u32, z_vx: u32) -> Spans {
-    let mut spans = Spans::EMPTY;
-    for (z, rows) in
-        (z_vx as i32..).zip(spans.from.chunks_exact_mut(8).zip(spans.to.chunks_exact_mut(8)))
-    {
-        for (y, (from, to)) in (y_vx as i32..).zip(rows.0.iter_mut().zip(rows.1)) {
-            let within = (inside.min.y..inside.max.y).contains(&y)
-                && (inside.min.z..inside.max.z).contains(&z);
-            (*from, *to) = if within { (inside.min.x as i16, inside.max.x as i16) } else { (0, 0) };
-        }
+/// Cuts a box of voxels by a row of bricks.
+fn cut_box(inside: &VoxelBox, y_vx: u32, z_vx: u32, spans: &mut RowSpans) {
+    let (from, to) = (i16x8::splat(inside.min.x as i16), i16x8::splat(inside.max.x as i16));
+    let y = i16x8::splat(y_vx as i16) + i16x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
+    let within_y = !y.simd_lt(i16x8::splat(inside.min.y as i16))
+        & y.simd_lt(i16x8::splat(inside.max.y as i16));
+    for z in 0..8 {
+        let within_z = (inside.min.z..inside.max.z).contains(&(z_vx as i32 + z));
+        let to = if within_z { to & within_y } else { i16x8::ZERO };
+        spans.set(z as usize, from, to);
     }
-    spans
 }
 
 /// A solid cut by a row of bricks.
-#[derive(Debug)]
-pub enum SolidRow<'a> {
-    Spans(RowSpans),
-    /// The voxels of some row are not next to each other: each brick is tested voxel by voxel.
-    Tested {
-        solid: &'a PlacedSolid,
-        y_vx: u32,
-        z_vx: u32,
-    },
+#[derive(Clone, Debug, Default)]
+pub struct SolidRow {
+    spans: RowSpans,
+    /// The voxels of some row are not next to each other, and so are not in the spans: bricks of
+    /// the row at this y, z are tested voxel by voxel.
+    torn: Option<[u32; 2]>,
+}
+
+impl SolidRow {
+    #[cfg(test)]
+    pub fn is_torn(&self) -> bool {
+        self.torn.is_some()
+    }
 }
 
 impl Region for PlacedSolid {
-    type Row<'a> = SolidRow<'a>;
+    type Row = SolidRow;
 
     fn bounds_vx(&self) -> VoxelBox {
         self.bounds
     }
 
-    #[inline]
-    fn row(&self, y_vx: u32, z_vx: u32) -> SolidRow<'_> {
-        match self.spans(y_vx, z_vx) {
-            Some(spans) => SolidRow::Spans(RowSpans::new(spans)),
-            None => SolidRow::Tested { solid: self, y_vx, z_vx },
-        }
-    }
-}
-
-impl BrickRow for SolidRow<'_> {
-    fn touched(&self) -> Range<u32> {
-        match self {
-            SolidRow::Spans(spans) => spans.touched(),
-            SolidRow::Tested { solid, .. } => {
-                let VoxelBox { min, max } = solid.reachable;
-                min.x as u32 / BRICK_EDGE_VX..(max.x as u32).div_ceil(BRICK_EDGE_VX)
+    fn cut_row(&self, y_vx: u32, z_vx: u32, row: &mut SolidRow) -> RowReach {
+        let VoxelBox { min, max } = self.reachable;
+        let (x, spans) = (min.x..max.x, &mut row.spans);
+        let exact = |v| self.contains_voxel(v);
+        let connected = match &self.cut {
+            Cut::Quadric(quadric) => solve(quadric, &x, y_vx, z_vx, exact, spans),
+            Cut::Planes(planes) => solve(planes, &x, y_vx, z_vx, exact, spans),
+            Cut::Box(inside) => {
+                cut_box(inside, y_vx, z_vx, spans);
+                true
             }
+        };
+        row.torn = (!connected).then_some([y_vx, z_vx]);
+        if connected {
+            return row.spans.reach();
         }
-    }
-
-    fn whole(&self) -> Range<u32> {
-        match self {
-            SolidRow::Spans(spans) => spans.whole(),
-            SolidRow::Tested { .. } => 0..0,
-        }
+        let edge = BRICK_EDGE_VX;
+        RowReach { touched: min.x as u32 / edge..(max.x as u32).div_ceil(edge), whole: 0..0 }
     }
 
     #[inline]
-    fn mask(&self, brick_x: u32) -> Brick {
-        match self {
-            SolidRow::Spans(spans) => spans.mask(brick_x),
-            SolidRow::Tested { solid, y_vx, z_vx } => {
-                let mut mask = Brick::EMPTY;
-                for (x, y, z) in (0..512).map(|i| (i % 8, i / 8 % 8, i / 64)) {
-                    let v =
-                        IVec3::new((brick_x * 8 + x) as i32, (y_vx + y) as i32, (z_vx + z) as i32);
-                    mask.set(x, y, z, solid.contains_voxel(v));
-                }
-                mask
-            }
+    fn mask(&self, row: &SolidRow, reach: &RowReach, brick_x: u32) -> Brick {
+        match row.torn {
+            None => row.spans.mask(brick_x, &reach.whole),
+            Some([y, z]) => self.test_brick(UVec3::new(brick_x * BRICK_EDGE_VX, y, z)),
         }
     }
 }

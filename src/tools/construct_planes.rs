@@ -1,16 +1,19 @@
 //! Owns rows cut by a solid with flat faces at any pose: each face that a row can cross gives
 //! one end of it, linear in the row's coordinates; a face along the row leaves it whole or empty.
 
+use std::ops::Range;
+
 use glam::{DMat3, DVec3};
-use wide::f64x4;
+use wide::f32x8;
 
-use super::construct_ends::{Bracket, Ends, Magnitudes, ROUNDING, RowSolver};
+use super::construct_ends::{Bracket, Ends, Magnitudes, ROUNDING, ROUNDING_32, RowSolver, STEPS};
 
-/// A face along which a row moves by less than this, of the half extent, is along the row.
-const FLAT: f64 = 1e-6;
+/// A face along which a row moves by less than this, of the half extent, is along the row. What
+/// is less would make ends that move too fast from row to row for `f32`.
+const FLAT: f64 = 1e-4;
 
 /// No voxel index is as large.
-const FAR: f64 = 1e300;
+const FAR: f64 = 1e30;
 
 /// A half space of tool space: `normal . p <= distance`.
 #[derive(Clone, Copy, Debug)]
@@ -34,35 +37,37 @@ impl Linear {
     }
 }
 
-/// At most as many as a solid has faces.
-#[derive(Clone, Copy, Debug, Default)]
-struct Faces {
-    faces: [Linear; 6],
-    len: usize,
-}
-
-impl Faces {
-    fn push(&mut self, face: Linear) {
-        self.faces[self.len] = face;
-        self.len += 1;
-    }
-
-    fn iter(&self) -> impl Iterator<Item = &Linear> {
-        self.faces[..self.len].iter()
-    }
+/// What a face does to the rows it meets.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// Ends them from below: the number is the voxel index from which on they are inside.
+    From,
+    /// Ends them from above: the number is the voxel index up to which they are inside.
+    To,
+    /// Lies along them: they are inside where the number is at or below 0.
+    Along,
 }
 
 /// A solid of up to six faces prepared for its rows.
 #[derive(Clone, Copy, Debug)]
 pub struct Planes {
     centre: DVec3,
-    /// Faces that end a row from below: the voxel index from which on it is inside.
-    from: Faces,
-    /// Faces that end a row from above: the voxel index up to which it is inside.
-    to: Faces,
-    /// Faces along the row: it is inside where the number is at or below 0.
-    along: Faces,
-    margin: f64,
+    /// Those of [`Kind::From`], then of [`Kind::To`], then of [`Kind::Along`].
+    faces: [Linear; 6],
+    first_to: usize,
+    first_along: usize,
+    len: usize,
+    /// Margins of the ends in voxels, and of the numbers of the faces along rows.
+    margin: f32,
+    margin_along: f32,
+}
+
+/// Planes in one row of bricks: for each face the number of the first row, and how it changes
+/// with the steps of eight rows.
+#[derive(Clone, Copy, Debug)]
+pub struct LocalPlanes {
+    at: [f64; 6],
+    of_step: [f32x8; 6],
 }
 
 impl Planes {
@@ -74,88 +79,133 @@ impl Planes {
     ) -> Planes {
         let mut planes = Planes {
             centre: centre_vx - 0.5,
-            from: Faces::default(),
-            to: Faces::default(),
-            along: Faces::default(),
+            faces: [Linear::default(); 6],
+            first_to: 0,
+            first_along: 0,
+            len: 0,
             margin: 0.0,
+            margin_along: 0.0,
         };
-        for HalfSpace { normal, distance } in half_spaces {
-            // distance of the row's points beyond the face: x * dx + y * dy + z * dz - distance
-            let slope = tool_from_vx.transpose() * *normal;
-            let error = sizes.linear_error();
-            if slope.x.abs() * sizes.distance_vx.x <= FLAT {
-                planes.along.push(Linear {
-                    constant: -distance,
-                    y: slope.y,
-                    z: slope.z,
-                    error: error + slope.x.abs() * sizes.distance_vx.x,
-                });
-                continue;
+        for kind in [Kind::From, Kind::To, Kind::Along] {
+            match kind {
+                Kind::From => {}
+                Kind::To => planes.first_to = planes.len,
+                Kind::Along => planes.first_along = planes.len,
             }
+            for HalfSpace { normal, distance } in half_spaces {
+                // How far a row's points are beyond the face: slope . (dx, dy, dz) - distance
+                let slope = tool_from_vx.transpose() * *normal;
+                let kind_of_face = match slope.x {
+                    x if x.abs() * sizes.distance_vx.x <= FLAT => Kind::Along,
+                    x if x > 0.0 => Kind::To,
+                    _ => Kind::From,
+                };
+                if kind_of_face == kind {
+                    planes.push(kind, slope, *distance, sizes);
+                }
+            }
+        }
+        planes
+    }
+
+    fn push(&mut self, kind: Kind, slope: DVec3, distance: f64, sizes: &Magnitudes) {
+        let error = sizes.linear_error();
+        let face = if kind == Kind::Along {
             let face = Linear {
-                constant: distance / slope.x + planes.centre.x,
+                constant: -distance,
+                y: slope.y,
+                z: slope.z,
+                error: error + slope.x.abs() * sizes.distance_vx.x,
+            };
+            // Where the number of one row is near 0, those of its neighbours are no larger than
+            // the steps to them.
+            let in_f32 = 4.0 * ROUNDING_32 * (1.0 + 8.0 * face.y.abs());
+            self.margin_along = self.margin_along.max((face.error + in_f32) as f32);
+            face
+        } else {
+            let face = Linear {
+                constant: distance / slope.x + self.centre.x,
                 y: -slope.y / slope.x,
                 z: -slope.z / slope.x,
                 error: 2.0 * error / slope.x.abs() + 32.0 * ROUNDING * sizes.coordinate_vx,
             };
-            planes.margin = planes.margin.max(face.error);
-            if slope.x > 0.0 { planes.to.push(face) } else { planes.from.push(face) }
+            // Only ends among the voxels asked for matter, and the first of eight rows is no
+            // further from those than seven steps.
+            let in_f32 = 4.0 * ROUNDING_32 * (sizes.width_vx + 16.0 * face.y.abs());
+            self.margin = self.margin.max((face.error + in_f32) as f32);
+            face
+        };
+        self.faces[self.len] = face;
+        self.len += 1;
+    }
+
+    fn range(&self, kind: Kind) -> Range<usize> {
+        match kind {
+            Kind::From => 0..self.first_to,
+            Kind::To => self.first_to..self.first_along,
+            Kind::Along => self.first_along..self.len,
         }
-        planes
+    }
+
+    fn faces(&self, kind: Kind) -> &[Linear] {
+        &self.faces[self.range(kind)]
+    }
+
+    /// The numbers of the faces of a kind at eight rows, `step_z` on from the first.
+    #[inline(always)]
+    fn rows(&self, local: &LocalPlanes, kind: Kind, step_z: f64) -> impl Iterator<Item = f32x8> {
+        let range = self.range(kind);
+        let faces = self.faces[range.clone()].iter();
+        let local = local.at[range.clone()].iter().zip(&local.of_step[range]);
+        faces.zip(local).map(move |(face, (at, of_step))| {
+            f32x8::splat((at + face.z * step_z) as f32) + *of_step
+        })
     }
 }
 
 impl RowSolver for Planes {
+    type Local = LocalPlanes;
+
     #[inline(always)]
-    fn ends(&self, y: f64, z: f64) -> Ends {
-        let dz = z - self.centre.z;
-        let far = f64x4::splat(FAR);
-        let mut ends = Ends { from: [-far; 2], to: [far; 2], doubtful: [f64x4::ZERO; 2] };
-        let step = f64x4::new([0.0, 1.0, 2.0, 3.0]);
-        let dy = [0.0, 4.0].map(|quad| f64x4::splat(y - self.centre.y + quad) + step);
-        let at = |face: &Linear, quad: usize| {
-            f64x4::splat(face.constant + face.z * dz) + f64x4::splat(face.y) * dy[quad]
-        };
-        for face in self.from.iter() {
-            for quad in 0..2 {
-                ends.from[quad] = ends.from[quad].fast_max(at(face, quad));
-            }
+    fn local(&self, origin: f64, y: f64, z: f64) -> Option<(LocalPlanes, f32)> {
+        let (dy, dz) = (y - self.centre.y, z - self.centre.z);
+        let mut local = LocalPlanes { at: [0.0; 6], of_step: [f32x8::ZERO; 6] };
+        for (i, face) in self.faces[..self.len].iter().enumerate() {
+            let origin = if i < self.first_along { origin } else { 0.0 };
+            local.at[i] = face.at(dy, dz) - origin;
+            local.of_step[i] = STEPS * f32x8::splat(face.y as f32);
         }
-        for face in self.to.iter() {
-            for quad in 0..2 {
-                ends.to[quad] = ends.to[quad].fast_min(at(face, quad));
-            }
-        }
-        for face in self.along.iter() {
-            let error = f64x4::splat(face.error);
-            for quad in 0..2 {
-                let beyond = at(face, quad);
-                let outside = beyond.simd_gt(error);
-                ends.to[quad] = outside.bitselect(-far, ends.to[quad]);
-                ends.doubtful[quad] |= !beyond.abs().simd_gt(error);
-            }
-        }
-        ends
+        Some((local, self.margin))
     }
 
-    fn margin(&self) -> f64 {
-        self.margin
+    #[inline(always)]
+    fn ends(&self, local: &LocalPlanes, step_z: f64) -> Ends {
+        let far = f32x8::splat(FAR as f32);
+        let from = self.rows(local, Kind::From, step_z).fold(-far, f32x8::fast_max);
+        let mut to = self.rows(local, Kind::To, step_z).fold(far, f32x8::fast_min);
+        let mut doubtful = f32x8::ZERO;
+        let margin = f32x8::splat(self.margin_along);
+        for beyond in self.rows(local, Kind::Along, step_z) {
+            to = beyond.simd_gt(margin).bitselect(-far, to);
+            doubtful |= !beyond.abs().simd_gt(margin);
+        }
+        Ends { from, to, doubtful }
     }
 
     fn bracket(&self, y: f64, z: f64) -> Bracket {
         let (dy, dz) = (y - self.centre.y, z - self.centre.z);
         let mut bracket = Bracket { outer: [-FAR, FAR], inner: [-FAR, FAR] };
-        for face in self.from.iter() {
+        for face in self.faces(Kind::From) {
             let end = face.at(dy, dz);
             bracket.outer[0] = bracket.outer[0].max(end - face.error);
             bracket.inner[0] = bracket.inner[0].max(end + face.error);
         }
-        for face in self.to.iter() {
+        for face in self.faces(Kind::To) {
             let end = face.at(dy, dz);
             bracket.outer[1] = bracket.outer[1].min(end + face.error);
             bracket.inner[1] = bracket.inner[1].min(end - face.error);
         }
-        for face in self.along.iter() {
+        for face in self.faces(Kind::Along) {
             let beyond = face.at(dy, dz);
             if beyond > face.error {
                 return Bracket::OUTSIDE;

@@ -2,17 +2,18 @@
 //!
 //! With `m0`, `m1`, `m2` the columns of the map to tool space, a row's points are
 //! `q + m0 * dx` with `q = m1 * dy + m2 * dz`. The square of the part of `q` across `m0` is a
-//! quadratic form in (dy, dz); what is left of 1 is the square of half the row's length. Keeping
-//! the two parts apart loses no digits, as the usual `b^2 - 4ac` would.
+//! quadratic form in (dy, dz); what it leaves of 1, here the rest, is the square of half the
+//! row's length over that of the row through the centre. Keeping the parts of `q` along and
+//! across `m0` separate loses no digits, as the usual `b^2 - 4ac` would.
 
 use glam::{DMat3, DVec3};
-use wide::f64x4;
+use wide::f32x8;
 
-use super::construct_ends::{Bracket, Ends, Magnitudes, ROUNDING, RowSolver};
+use super::construct_ends::{Bracket, Ends, Magnitudes, ROUNDING, ROUNDING_32, RowSolver, STEPS};
 
-/// Rows whose squared half length, of 1 at the centre, is below this are settled one by one:
-/// there the ends move fast.
-const SHORT_ROW: f64 = 1e-6;
+/// Rows with less of a rest are settled one by one: there the ends move fast. As many rows are
+/// in doubt for this as for ends near a voxel's border.
+const SHORT_ROW: f64 = 1e-3;
 
 /// An ellipsoid prepared for its rows.
 #[derive(Clone, Copy, Debug)]
@@ -28,11 +29,27 @@ pub struct Quadric {
     middle_z: f64,
     /// Half length of the row through the centre, in voxels.
     half_length: f64,
-    /// Bound on the error of the squared half length, against the exact test too.
+    /// Bound on the error of the rest, against the exact test too.
     error: f64,
     /// Bound on the error of the middle and of the sums with it, in voxels.
     middle_error: f64,
-    margin: f64,
+    /// Whether the errors are small enough for quick decisions.
+    tame: bool,
+    /// `-yy * step^2` and `middle_y * step` for the steps of eight rows.
+    rest_of_step: f32x8,
+    middle_of_step: f32x8,
+}
+
+/// A quadric in one row of bricks.
+#[derive(Clone, Copy, Debug)]
+pub struct LocalQuadric {
+    /// Of the first row, and how it changes with each step.
+    rest: f64,
+    rest_y: f64,
+    rest_z: f64,
+    middle: f64,
+    /// Rests below this are short.
+    short: f32,
 }
 
 impl Quadric {
@@ -42,68 +59,95 @@ impl Quadric {
         let half_length = 1.0 / length_sq.sqrt();
         let (along1, along2) = (m0.dot(m1) / length_sq, m0.dot(m2) / length_sq);
         let error = sizes.error();
-        let middle_error =
-            32.0 * ROUNDING * (sizes.position * half_length + half_length + sizes.coordinate_vx);
-        let margin = error / SHORT_ROW.sqrt() * half_length + middle_error;
-        // Beyond these sizes a square could overflow: leave every row to the exact test.
-        let tame = error < SHORT_ROW / 2.0 && half_length < 1e100 && margin.is_finite();
+        let yy = m1.length_squared() - m0.dot(m1) * along1;
         Quadric {
             centre: centre_vx - 0.5,
-            yy: m1.length_squared() - m0.dot(m1) * along1,
+            yy,
             yz: 2.0 * (m1.dot(m2) - m0.dot(m1) * along2),
             zz: m2.length_squared() - m0.dot(m2) * along2,
             middle_y: -along1,
             middle_z: -along2,
             half_length,
             error,
-            middle_error,
-            margin: if tame { margin } else { f64::INFINITY },
+            tame: error < SHORT_ROW / 8.0,
+            middle_error: 32.0
+                * ROUNDING
+                * (sizes.position * half_length + half_length + sizes.coordinate_vx),
+            rest_of_step: STEPS * STEPS * f32x8::splat(-yy as f32),
+            middle_of_step: STEPS * f32x8::splat(-along1 as f32),
         }
+    }
+
+    fn rest(&self, dy: f64, dz: f64) -> f64 {
+        1.0 - self.zz * dz * dz - (self.yy * dy + self.yz * dz) * dy
+    }
+
+    fn middle(&self, dy: f64, dz: f64) -> f64 {
+        self.centre.x + self.middle_y * dy + self.middle_z * dz
     }
 }
 
 impl RowSolver for Quadric {
+    type Local = LocalQuadric;
+
     #[inline(always)]
-    fn ends(&self, y: f64, z: f64) -> Ends {
-        let dz = z - self.centre.z;
-        let rest_z = 1.0 - self.zz * dz * dz;
-        let middle_z = self.centre.x + self.middle_z * dz;
-        let mut ends =
-            Ends { from: [f64x4::ZERO; 2], to: [f64x4::ZERO; 2], doubtful: [f64x4::ZERO; 2] };
-        for quad in 0..2 {
-            let step = f64x4::new([0.0, 1.0, 2.0, 3.0]) + f64x4::splat(4.0 * quad as f64);
-            let dy = f64x4::splat(y - self.centre.y) + step;
-            let across = (f64x4::splat(self.yy) * dy + f64x4::splat(self.yz * dz)) * dy;
-            let rest = f64x4::splat(rest_z) - across;
-            let half = rest.fast_max(f64x4::ZERO).sqrt() * f64x4::splat(self.half_length);
-            let middle = f64x4::splat(middle_z) + f64x4::splat(self.middle_y) * dy;
-            // Rows outside: the upper end falls below any grid.
-            let outside = rest.simd_lt(f64x4::splat(-SHORT_ROW));
-            ends.from[quad] = middle - half;
-            ends.to[quad] = middle + half - (outside & f64x4::splat(1e300));
-            ends.doubtful[quad] = rest.abs().simd_lt(f64x4::splat(SHORT_ROW));
+    fn local(&self, origin: f64, y: f64, z: f64) -> Option<(LocalQuadric, f32)> {
+        let (dy, dz) = (y - self.centre.y, z - self.centre.z);
+        let rest = self.rest(dy, dz);
+        let rest_y = -(2.0 * self.yy * dy + self.yz * dz);
+        let rest_z = -(2.0 * self.zz * dz + self.yz * dy);
+        // A rest is nowhere above its tangent plane, so that this is more than any of the 64.
+        let most = rest + 8.0 * (rest_y.max(0.0) + rest_z.max(0.0));
+        if most < -SHORT_ROW && self.tame {
+            return None;
         }
-        ends
+        // No partial sum of a rest is larger, over the steps of up to 7.
+        let largest = rest.abs()
+            + 8.0 * (rest_y.abs() + rest_z.abs())
+            + 64.0 * (self.yy.abs() + self.yz.abs() + self.zz.abs());
+        let error = 6.0 * ROUNDING_32 * largest + self.error;
+        let short = SHORT_ROW.max(4.0 * error);
+        let middle = self.middle(dy, dz) - origin;
+        // The root of a rest r off by e is off by less than e / sqrt(r) for r above 4 e. The
+        // sums that follow meet no number larger than this one.
+        let largest_x =
+            middle.abs() + 8.0 * (self.middle_y.abs() + self.middle_z.abs()) + self.half_length;
+        let margin = error / short.sqrt() * self.half_length
+            + 6.0 * ROUNDING_32 * largest_x
+            + self.middle_error;
+        let local = LocalQuadric { rest, rest_y, rest_z, middle, short: short as f32 };
+        // Where a number is too large for f32, nothing is known.
+        let tame = self.tame && largest < 1e30 && largest_x < 1e30;
+        Some((local, if tame { margin as f32 } else { f32::INFINITY }))
     }
 
-    fn margin(&self) -> f64 {
-        self.margin
+    #[inline(always)]
+    fn ends(&self, local: &LocalQuadric, step_z: f64) -> Ends {
+        let rest = local.rest + (local.rest_z - self.zz * step_z) * step_z;
+        let rest_y = local.rest_y - self.yz * step_z;
+        let middle = local.middle + self.middle_z * step_z;
+        let rest =
+            f32x8::splat(rest as f32) + (f32x8::splat(rest_y as f32) * STEPS + self.rest_of_step);
+        let middle = f32x8::splat(middle as f32) + self.middle_of_step;
+        // A row outside has both ends in the middle, and so ends before it begins.
+        let half = rest.fast_max(f32x8::ZERO).sqrt() * f32x8::splat(self.half_length as f32);
+        let doubtful = rest.abs().simd_lt(f32x8::splat(local.short));
+        Ends { from: middle - half, to: middle + half, doubtful }
     }
 
     fn bracket(&self, y: f64, z: f64) -> Bracket {
         let (dy, dz) = (y - self.centre.y, z - self.centre.z);
-        let rest = 1.0 - self.zz * dz * dz - (self.yy * dy + self.yz * dz) * dy;
-        let middle = self.centre.x + self.middle_y * dy + self.middle_z * dz;
-        let ends = |rest: f64, margin: f64| {
-            let half = rest.sqrt() * self.half_length + margin;
-            [middle - half, middle + half]
-        };
+        let (rest, middle) = (self.rest(dy, dz), self.middle(dy, dz));
         if !(rest.is_finite() && middle.is_finite() && self.error.is_finite()) {
             return Bracket::UNKNOWN;
         }
         if rest < -self.error {
             return Bracket::OUTSIDE;
         }
+        let ends = |rest: f64, margin: f64| {
+            let half = rest.sqrt() * self.half_length + margin;
+            [middle - half, middle + half]
+        };
         let outer = ends(rest + self.error, self.middle_error);
         let inner = match rest > self.error {
             true => ends(rest - self.error, -self.middle_error),

@@ -7,87 +7,99 @@
 
 use std::ops::Range;
 
-use wide::{i8x16, i16x16, u8x16};
+use wide::{i8x16, i16x8, i16x16, u8x16};
 
 use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_WORDS, Brick};
+use crate::sculpture::region::RowReach;
 
-/// Rows of voxels in a row of bricks: 8 along y for each of 8 along z.
-pub const ROWS: usize = 64;
-
-/// For each row of voxels `y + 8 * z` the voxels `from..to` along x, in grid coordinates.
-#[derive(Clone, Copy, Debug)]
-pub struct Spans {
-    pub from: [i16; ROWS],
-    pub to: [i16; ROWS],
-}
-
-/// [`Spans`] with what they say of whole bricks.
+/// Spans along x of the rows of voxels in a row of bricks, 8 along y for each of 8 along z.
 #[derive(Clone, Debug)]
 pub struct RowSpans {
-    spans: Spans,
-    touched: Range<u32>,
-    whole: Range<u32>,
+    /// First voxel of each row, in grid coordinates; [`i16::MAX`] in an empty row.
+    from: [i16x8; 8],
+    /// One past the last voxel. Also [`i16::MAX`] in an empty row, so that one that ends early
+    /// does not make a left border look like a right one.
+    to: [i16x8; 8],
 }
 
-impl Spans {
-    pub const EMPTY: Spans = Spans { from: [0; ROWS], to: [0; ROWS] };
+impl Default for RowSpans {
+    fn default() -> RowSpans {
+        RowSpans { from: [NEVER; 8], to: [NEVER; 8] }
+    }
 }
+
+/// Where an empty row begins and ends.
+const NEVER: i16x8 = i16x8::splat(i16::MAX);
 
 impl RowSpans {
-    /// No voxel at all.
-    pub const EMPTY: RowSpans = RowSpans { spans: Spans::EMPTY, touched: 0..0, whole: 0..0 };
+    /// Makes all rows empty.
+    pub fn clear(&mut self) {
+        *self = RowSpans::default();
+    }
 
-    /// Spans whose ends lie in 0..=4096 (`to` at or below `from` makes an empty one).
-    pub fn new(mut spans: Spans) -> RowSpans {
-        let (mut first, mut last) = (i16::MAX, 0);
-        let (mut all_from, mut all_to) = (0, i16::MAX);
-        for (from, to) in spans.from.iter_mut().zip(&mut spans.to) {
-            let empty = *from >= *to;
-            last = last.max(if empty { 0 } else { *to });
-            // An empty row then never ends early, so that a left border stays a left border.
-            *from = if empty { i16::MAX } else { *from };
-            *to = if empty { i16::MAX } else { *to };
-            first = first.min(*from);
-            all_from = all_from.max(*from);
-            all_to = all_to.min(*to);
+    /// Sets the eight rows at `z` of the row of bricks. All ends lie in 0..=4096; a row where
+    /// `to` is not above `from` is empty.
+    #[inline(always)]
+    pub fn set(&mut self, z: usize, from: i16x8, to: i16x8) {
+        let never = NEVER & !to.simd_gt(from);
+        (self.from[z], self.to[z]) = (from | never, to | never);
+    }
+
+    /// Bricks along x that the spans touch and fill.
+    #[inline]
+    pub fn reach(&self) -> RowReach {
+        let (mut first, mut last) = (NEVER, i16x8::ZERO);
+        let (mut all_from, mut all_to) = (i16x8::ZERO, NEVER);
+        for (&from, &to) in self.from.iter().zip(&self.to) {
+            first = first.min(from);
+            all_from = all_from.max(from);
+            last = last.max(to & !to.simd_eq(NEVER));
+            all_to = all_to.min(to);
+        }
+        let last = last.reduce_max() as u32;
+        if last == 0 {
+            return RowReach::NONE;
         }
         let edge = BRICK_EDGE_VX;
-        let whole = (all_from as u32).div_ceil(edge)..(all_to as u32 / edge);
-        RowSpans {
-            spans,
-            touched: (first as u32 / edge)..(last as u32).div_ceil(edge),
-            whole: if whole.start < whole.end { whole } else { 0..0 },
+        let all_from = all_from.reduce_max() as u32;
+        RowReach {
+            touched: first.reduce_min() as u32 / edge..last.div_ceil(edge),
+            whole: all_from.div_ceil(edge)..all_to.reduce_min() as u32 / edge,
         }
     }
 
-    /// Bricks along x that hold any of the spans' voxels.
-    pub fn touched(&self) -> Range<u32> {
-        self.touched.clone()
+    /// The voxels of a touched brick that lie in the spans. `whole` is that of [`RowSpans::reach`].
+    #[inline]
+    pub fn mask(&self, brick_x: u32, whole: &Range<u32>) -> Brick {
+        // A brick at or after the first whole one has no row that begins in it, and one before
+        // the last none that ends.
+        match (brick_x < whole.start, brick_x >= whole.end) {
+            (true, false) => self.mask_of::<true, false>(brick_x),
+            (false, true) => self.mask_of::<false, true>(brick_x),
+            _ => self.mask_of::<true, true>(brick_x),
+        }
     }
 
-    /// Bricks along x that the spans fill.
-    pub fn whole(&self) -> Range<u32> {
-        self.whole.clone()
-    }
-
-    /// The voxels of a brick that lie in the spans.
-    pub fn mask(&self, brick_x: u32) -> Brick {
-        let origin = (brick_x * BRICK_EDGE_VX) as i16;
+    #[inline(always)]
+    fn mask_of<const BEGINS: bool, const ENDS: bool>(&self, brick_x: u32) -> Brick {
+        let origin = i16x16::splat((brick_x * BRICK_EDGE_VX) as i16);
         let mut words = [0; BRICK_WORDS];
         for pair in 0..4 {
-            let at = pair * 16;
-            let from = local_bytes(&self.spans.from[at..at + 16], origin);
-            let to = local_bytes(&self.spans.to[at..at + 16], origin);
-            let (from, to) = (four_times_each(from), four_times_each(to));
+            let ends = |ends: &[i16x8; 8]| four_times_each(local(ends, 2 * pair, origin));
+            let from = if BEGINS { ends(&self.from) } else { [i8x16::ZERO; 4] };
+            let to = if ENDS { ends(&self.to) } else { [i8x16::ZERO; 4] };
             for layer in 0..4 {
                 // Layers come as y 0..4 and 4..8 of one z, then of the next.
                 let z = 2 * pair + layer / 2;
                 let word = 2 * (layer % 2) + 4 * (z / 4);
                 let shift = 16 * (z % 4);
-                for half in 0..2 {
-                    let x = X_IN_LAYER[half];
-                    let inside = !from[layer].simd_gt(x) & to[layer].simd_gt(x);
-                    words[word + half] |= u64::from(inside.to_bitmask()) << shift;
+                for (half, x) in X_IN_LAYER.into_iter().enumerate() {
+                    let inside = match (BEGINS, ENDS) {
+                        (true, false) => !from[layer].simd_gt(x),
+                        (false, true) => to[layer].simd_gt(x),
+                        _ => !from[layer].simd_gt(x) & to[layer].simd_gt(x),
+                    };
+                    words[word + half] |= u64::from(inside.to_bitmask() & 0xFFFF) << shift;
                 }
             }
         }
@@ -101,12 +113,11 @@ const X_IN_LAYER: [i8x16; 2] = [
     i8x16::new([4, 5, 6, 7, 4, 5, 6, 7, 4, 5, 6, 7, 4, 5, 6, 7]),
 ];
 
-/// Positions along x relative to `origin`; what does not fit a byte keeps its side.
+/// The ends at `z` and `z + 1` relative to `origin`; what does not fit a byte keeps its side.
 #[inline(always)]
-fn local_bytes(x: &[i16], origin: i16) -> u8x16 {
-    let x: [i16; 16] = std::array::from_fn(|i| x[i]);
-    let local = i8x16::from_i16x16_saturate(i16x16::new(x) - i16x16::splat(origin));
-    bytemuck::cast(local)
+fn local(ends: &[i16x8; 8], z: usize, origin: i16x16) -> u8x16 {
+    let ends: i16x16 = bytemuck::cast([ends[z], ends[z + 1]]);
+    bytemuck::cast(i8x16::from_i16x16_saturate(ends - origin))
 }
 
 /// Repeats each of 16 bytes four times.
@@ -126,46 +137,53 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    fn spans(from: impl Fn(usize) -> i16, to: impl Fn(usize) -> i16) -> RowSpans {
+        let mut spans = RowSpans::default();
+        for z in 0..8 {
+            let rows = |f: &dyn Fn(usize) -> i16| i16x8::new(std::array::from_fn(|y| f(8 * z + y)));
+            spans.set(z, rows(&from), rows(&to));
+        }
+        spans
+    }
+
     proptest! {
         #[test]
         fn masks_and_ranges_say_what_the_spans_say(
             base in 0i16..4000,
             spread in 1i16..90,
-            ends in prop::collection::vec((0i16..1000, 0i16..1000), ROWS),
+            ends in prop::collection::vec((0i16..1000, 0i16..1000), 64),
         ) {
-            let mut spans = Spans::EMPTY;
-            for (row, (from, to)) in ends.iter().enumerate() {
-                spans.from[row] = base + from % spread;
-                spans.to[row] = base + to % spread;
-            }
-            let rows = RowSpans::new(spans);
+            let from = |row: usize| base + ends[row].0 % spread;
+            let to = |row: usize| base + ends[row].1 % spread;
+            let spans = spans(from, to);
+            let RowReach { touched, whole } = spans.reach();
             for bx in 0..512u32 {
                 let mut naive = Brick::EMPTY;
-                for row in 0..ROWS {
-                    for x in 0..8 {
-                        let v = (bx * 8 + x) as i16;
-                        let inside = spans.from[row] <= v && v < spans.to[row];
-                        naive.set(x, row as u32 % 8, row as u32 / 8, inside);
-                    }
+                for (row, x) in (0..64).flat_map(|row| (0..8).map(move |x| (row, x))) {
+                    let v = (bx * 8 + x) as i16;
+                    let inside = from(row) <= v && v < to(row);
+                    naive.set(x, row as u32 % 8, row as u32 / 8, inside);
                 }
-                prop_assert_eq!(rows.mask(bx), naive, "brick {}", bx);
-                prop_assert_eq!(rows.whole().contains(&bx), naive.is_full(), "brick {}", bx);
-                prop_assert!(rows.touched().contains(&bx) || naive.is_empty(), "brick {}", bx);
+                prop_assert_eq!(whole.contains(&bx), naive.is_full(), "brick {}", bx);
+                if touched.contains(&bx) {
+                    prop_assert_eq!(spans.mask(bx, &whole), naive, "brick {}", bx);
+                } else {
+                    prop_assert!(naive.is_empty(), "brick {}", bx);
+                }
             }
         }
     }
 
     #[test]
     fn no_voxel_touches_no_brick() {
-        assert!(RowSpans::new(Spans::EMPTY).touched().is_empty());
-        assert!(RowSpans::EMPTY.touched().is_empty());
-        assert_eq!(RowSpans::EMPTY.mask(0), Brick::EMPTY);
+        assert_eq!(spans(|_| 9, |_| 9).reach(), RowReach::NONE);
+        assert_eq!(spans(|_| 4096, |_| 0).reach(), RowReach::NONE);
     }
 
     #[test]
     fn all_of_the_longest_row_is_whole() {
-        let rows = RowSpans::new(Spans { from: [0; ROWS], to: [4096; ROWS] });
-        assert_eq!((rows.touched(), rows.whole()), (0..512, 0..512));
-        assert_eq!(rows.mask(511), Brick::FULL);
+        let spans = spans(|_| 0, |_| 4096);
+        assert_eq!(spans.reach(), RowReach { touched: 0..512, whole: 0..512 });
+        assert_eq!(spans.mask(511, &(0..512)), Brick::FULL);
     }
 }

@@ -6,8 +6,8 @@ use std::ops::Range;
 use glam::UVec3;
 use rayon::prelude::*;
 
-use super::Grid;
-use crate::sculpture::brick::{BRICK_EDGE_VX, Brick};
+use super::{Grid, valid_mask};
+use crate::sculpture::brick::Brick;
 
 /// Slabs of bricks in a band.
 pub const BAND_SLABS: u32 = 4;
@@ -51,12 +51,7 @@ impl GridBand<'_> {
     /// [`Grid::valid_mask`].
     #[inline]
     pub fn valid_mask(&self, b: UVec3) -> Brick {
-        let room = self.dims - b * BRICK_EDGE_VX;
-        if room.min_element() >= BRICK_EDGE_VX {
-            Brick::FULL
-        } else {
-            Brick::below(room.to_array())
-        }
+        valid_mask(self.dims, b)
     }
 
     /// Replaces the brick at brick coordinates `b` and linear index `index` by one of `count`
