@@ -1,10 +1,217 @@
-//! Owns the program in a window.
+//! Owns the program in a window: winit's events come in, pictures go out.
+//!
+//! [`App::frame`] is the program read aloud. What does not need a window is in [`Workbench`].
 
 mod aim;
 mod deeds;
+mod guides;
+mod painter;
 mod path;
+mod recovery;
+mod sampler;
 mod stage;
 mod stroke;
+mod view;
 pub mod workbench;
 
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use thiserror::Error;
+use winit::application::ApplicationHandler;
+use winit::dpi::LogicalSize;
+use winit::error::{EventLoopError, OsError};
+use winit::event::WindowEvent;
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
+use winit::window::{Window, WindowId};
+
+use crate::config::Config;
+use crate::gpu::GpuError;
+use crate::input::Bindings;
+use crate::input::bindings::BindingsError;
+use crate::session::Session;
+
+use view::View;
 pub use workbench::Workbench;
+
+/// Smallest window in points for which the panels are laid out.
+const SMALLEST: LogicalSize<u32> = LogicalSize::new(640, 480);
+/// Lost devices within this time of one another are not worth another try.
+const RESTART_INTERVAL: Duration = Duration::from_secs(20);
+
+/// Why the program ended.
+#[derive(Debug, Error)]
+pub enum AppError {
+    #[error("no window can be opened: {0}")]
+    EventLoop(#[from] EventLoopError),
+    #[error("no window can be opened: {0}")]
+    Window(#[from] OsError),
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    #[error("a table of keys is not usable: {0}")]
+    Bindings(#[from] BindingsError),
+    #[error("{error}; the sculpture was saved to {path}")]
+    Recovered { error: GpuError, path: PathBuf },
+    #[error("the validation layers complained {0} times")]
+    Validation(usize),
+}
+
+/// Opens the window and works on `session` until the person leaves.
+pub fn run(session: Session, config: Config) -> Result<(), AppError> {
+    let event_loop = EventLoop::new()?;
+    let bench = Workbench::new(session, &config, Bindings::presets()?);
+    let mut app = App { bench, config, view: None, restarted: None, wake: None, failed: None };
+    event_loop.run_app(&mut app)?;
+    app.finish()
+}
+
+/// The program in a window.
+struct App {
+    bench: Workbench,
+    config: Config,
+    /// Window and device, once there is an event loop to make them with.
+    view: Option<View>,
+    /// When the device was last made anew.
+    restarted: Option<Instant>,
+    /// When the interface wants to be drawn again by itself.
+    wake: Option<Instant>,
+    failed: Option<AppError>,
+}
+
+impl App {
+    /// One picture: get an image of the window, hear what the person wants and do it, bring the
+    /// picture of the sculpture up to date, put it and the interface into the window.
+    fn frame(&mut self) -> Result<(), GpuError> {
+        let Some(view) = &mut self.view else { return Ok(()) };
+        let started = Instant::now();
+        let Some(mut frame) = view.begin()? else {
+            // Nothing to draw to. A hidden window is asked again now and then.
+            self.wake = (!view.is_minimised()).then(|| started + Duration::from_millis(250));
+            return Ok(());
+        };
+        let mut interface = view.interface(&mut self.bench);
+        view.draw_sculpture(&mut frame, &mut self.bench)?;
+        view.draw_interface(&mut frame, &mut interface)?;
+        self.wake = started.checked_add(interface.repaint_after);
+        view.end(frame, interface)?;
+        self.bench.times.total_ms = started.elapsed().as_secs_f32() * 1e3;
+        view.set_title(&self.bench);
+        Ok(())
+    }
+
+    fn open_window(&mut self, event_loop: &ActiveEventLoop) -> Result<(), AppError> {
+        let [width, height] = self.config.window.size;
+        let attributes = Window::default_attributes()
+            .with_title("Virtual Sculpture")
+            .with_inner_size(LogicalSize::new(width, height))
+            .with_min_inner_size(SMALLEST);
+        let window = Arc::new(event_loop.create_window(attributes)?);
+        self.view = Some(View::new(window, &self.config, &self.bench.eye())?);
+        Ok(())
+    }
+
+    /// A lost device or surface is made anew, once; other failures end the program, with the
+    /// sculpture in safety.
+    fn recover(&mut self, error: GpuError) -> Result<(), AppError> {
+        let lost = matches!(
+            error,
+            GpuError::DeviceLost(_)
+                | GpuError::Vulkan { result: ash::vk::Result::ERROR_SURFACE_LOST_KHR, .. }
+        );
+        let again = self.restarted.is_some_and(|at| at.elapsed() < RESTART_INTERVAL);
+        if let (true, false, Some(view)) = (lost, again, self.view.take()) {
+            tracing::warn!("{error}; making the device anew");
+            self.restarted = Some(Instant::now());
+            let window = view.into_window();
+            match View::new(window, &self.config, &self.bench.eye()) {
+                Ok(view) => {
+                    self.view = Some(view);
+                    return Ok(());
+                }
+                Err(second) => tracing::error!("{second}"),
+            }
+        }
+        if !self.bench.session().modified() {
+            return Err(error.into());
+        }
+        match recovery::save(self.bench.session_mut()) {
+            Ok(path) => Err(AppError::Recovered { error, path }),
+            Err(second) => {
+                tracing::error!("the sculpture could not be saved: {second}");
+                Err(error.into())
+            }
+        }
+    }
+
+    fn fail(&mut self, event_loop: &ActiveEventLoop, error: AppError) {
+        self.failed.get_or_insert(error);
+        event_loop.exit();
+    }
+
+    fn redraw(&self) {
+        if let Some(view) = &self.view {
+            view.request_redraw();
+        }
+    }
+
+    /// After the event loop: the device goes, and what went wrong is said.
+    fn finish(mut self) -> Result<(), AppError> {
+        let log = self.view.as_ref().map(View::validation_log);
+        self.view = None;
+        if let Some(error) = self.failed {
+            return Err(error);
+        }
+        match log.map(|log| log.messages().len()) {
+            Some(count) if count > 0 => Err(AppError::Validation(count)),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl ApplicationHandler for App {
+    fn resumed(&mut self, event_loop: &ActiveEventLoop) {
+        if self.view.is_none()
+            && let Err(error) = self.open_window(event_loop)
+        {
+            self.fail(event_loop, error);
+        }
+        self.redraw();
+    }
+
+    fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        let Some(view) = &mut self.view else { return };
+        let repaint = view.hear(&event);
+        match event {
+            WindowEvent::RedrawRequested => {
+                self.wake = None;
+                if let Err(error) = self.frame()
+                    && let Err(error) = self.recover(error)
+                {
+                    self.fail(event_loop, error);
+                }
+                if self.bench.is_leaving() {
+                    event_loop.exit();
+                }
+            }
+            WindowEvent::CloseRequested => {
+                self.bench.ask_to_leave();
+                self.redraw();
+            }
+            _ if repaint => self.redraw(),
+            _ => {}
+        }
+    }
+
+    fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        match self.wake {
+            Some(wake) if wake <= Instant::now() => {
+                self.wake = None;
+                self.redraw();
+                event_loop.set_control_flow(ControlFlow::Wait);
+            }
+            Some(wake) => event_loop.set_control_flow(ControlFlow::WaitUntil(wake)),
+            None => event_loop.set_control_flow(ControlFlow::Wait),
+        }
+    }
+}

@@ -95,6 +95,11 @@ impl Workbench {
         self.seen = Some(map);
     }
 
+    /// Gives back the voxels of the last picture, so that their memory can be used again.
+    pub fn forget_seen(&mut self) {
+        self.seen = None;
+    }
+
     /// Whether the person has left the program.
     pub fn is_leaving(&self) -> bool {
         self.leaving

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use ash::{khr, vk};
 
 use crate::gpu::{
-    Device, During, FRAMES_IN_FLIGHT, GpuError, ImagePart, Recorder, Result, Surface,
+    Device, During, FRAMES_IN_FLIGHT, GpuError, ImagePart, Recorder, Result, Surface, Use,
 };
 
 /// Longest wait for an image of the swapchain; a compositor may give none to a hidden window.
@@ -23,10 +23,8 @@ pub struct Target {
     pub view: vk::ImageView,
     /// Pixels.
     pub size: [u32; 2],
-    /// To be waited for before the image is touched.
-    pub acquired: vk::Semaphore,
-    /// To be signalled when the image is finished.
-    pub finished: vk::Semaphore,
+    acquired: vk::Semaphore,
+    finished: vk::Semaphore,
     index: u32,
 }
 
@@ -34,6 +32,24 @@ impl Target {
     /// The image for barriers.
     pub fn part(&self) -> ImagePart {
         ImagePart::colour(self.image, 0)
+    }
+
+    /// The use that the image's first barrier comes from: the window system is done with it once
+    /// [`Target::wait`] has been waited for, and what it shows may be lost.
+    pub const FIRST: Use = Use::COPY_TARGET.discarded();
+
+    /// What a submission that draws to the image waits for before it copies or draws.
+    pub fn wait(&self) -> vk::SemaphoreSubmitInfo<'static> {
+        let stages =
+            vk::PipelineStageFlags2::COPY | vk::PipelineStageFlags2::COLOR_ATTACHMENT_OUTPUT;
+        vk::SemaphoreSubmitInfo::default().semaphore(self.acquired).stage_mask(stages)
+    }
+
+    /// What a submission that finishes the image signals.
+    pub fn signal(&self) -> vk::SemaphoreSubmitInfo<'static> {
+        vk::SemaphoreSubmitInfo::default()
+            .semaphore(self.finished)
+            .stage_mask(vk::PipelineStageFlags2::ALL_COMMANDS)
     }
 }
 
