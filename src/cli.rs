@@ -10,12 +10,14 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 use glam::Vec3;
 
+use crate::app;
 use crate::config::{Config, RenderMode};
 use crate::doctor;
 use crate::format::options::{Colouring, Existence, ExportForm, ImportOptions, RawLayout};
 use crate::headless::{self, JobError, RunJob};
 use crate::progress::Bar;
 use crate::sculpture::ColourDepth;
+use crate::session::Session;
 
 /// Shape a block of voxels as a sculptor shapes stone.
 #[derive(Parser, Debug)]
@@ -117,6 +119,18 @@ pub fn main() -> ExitCode {
 /// Without a job: the window where there is a display; elsewhere, unless a file was named, the
 /// demo, so that the program shows what it does on any machine.
 fn window_or_demo(cli: Cli, config: Config, progress: &Bar) -> Result<(), JobError> {
+    let set = |name| std::env::var_os(name).is_some_and(|v| !v.is_empty());
+    let display = !cfg!(target_os = "linux") || set("DISPLAY") || set("WAYLAND_DISPLAY");
+    if display {
+        let mut session = match &cli.file {
+            Some(file) => Session::open(file, &cli.import.options(), config.limits(), progress)?,
+            None => Session::new(&config)?,
+        };
+        if let Some(record) = &cli.record {
+            session.record_to(record)?;
+        }
+        return Ok(app::run(session, config)?);
+    }
     if cli.file.is_some() || cli.record.is_some() {
         return Err(JobError::NoDisplay);
     }

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use glam::UVec3;
 use thiserror::Error;
 
+use crate::app::AppError;
 use crate::cli::PictureArgs;
 use crate::command::{COMMANDS, Command};
 use crate::command_text::{ScriptError, parse_script};
@@ -40,6 +41,8 @@ pub enum JobError {
     Folder { path: PathBuf, error: std::io::Error },
     #[error(transparent)]
     Picture(#[from] PictureError),
+    #[error(transparent)]
+    App(#[from] AppError),
     #[error(
         "there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); `render`, `run`, `convert`, `info` and `demo` need none"
     )]
@@ -56,8 +59,13 @@ impl JobError {
             | JobError::ReadScript { .. }
             | JobError::Script { .. }
             | JobError::Command { .. } => 3,
-            JobError::Picture(PictureError::Gpu(_)) | JobError::NoDisplay => 4,
-            JobError::Session(_) | JobError::Folder { .. } | JobError::Picture(_) => 1,
+            JobError::Picture(PictureError::Gpu(_))
+            | JobError::App(AppError::EventLoop(_) | AppError::Window(_) | AppError::Gpu(_))
+            | JobError::NoDisplay => 4,
+            JobError::Session(_)
+            | JobError::Folder { .. }
+            | JobError::Picture(_)
+            | JobError::App(_) => 1,
         }
     }
 }

@@ -209,7 +209,7 @@ impl Workbench {
         match self.session.path().map(|p| p.to_path_buf()) {
             // A file that this run has not written may hold more than a sculpture does.
             Some(path) if self.written.as_ref() == Some(&path) => {
-                self.run(Command::Save { path }, leave);
+                self.run(Command::Save { path, form: Default::default() }, leave);
             }
             path => {
                 let task = if leave { FileTask::SaveAndLeave } else { FileTask::SaveAs };
@@ -240,7 +240,7 @@ impl Workbench {
         let Some((command, leave)) = self.waiting.take() else { return };
         self.ui.busy = None;
         if self.execute(&command) {
-            if let Command::Save { path } = command {
+            if let Command::Save { path, .. } = command {
                 self.ui.toasts.note(format!("Saved {}", path.display()));
                 self.written = Some(path);
             }

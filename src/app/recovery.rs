@@ -19,7 +19,7 @@ pub fn save(session: &mut Session) -> Result<PathBuf, SessionError> {
         n => folder.join(format!("{name}-recovered-{n}.pvm")),
     };
     let path = (1..10_000).map(candidate).find(|p| !p.exists()).unwrap_or_else(|| candidate(1));
-    session.execute(&Command::Save { path: path.clone() }, &())?;
+    session.execute(&Command::Save { path: path.clone(), form: Default::default() }, &())?;
     Ok(path)
 }
 
