@@ -75,13 +75,9 @@ fn cell_after(ray: Ray, event: Event, low: vec3<i32>, high: vec3<i32>) -> vec3<i
     let ahead = select(vec3<i32>(0), vec3<i32>(1), ray.forward);
     let guess = vec3<i32>(floor(ray.origin + ray.direction * event.t));
     var cell = clamp(guess, low, high - vec3<i32>(1));
-    for (var i = 0; i < 2; i++) {
-        let passed = before(crossings(ray, cell + ahead), event) & (cell != last);
-        cell += select(vec3<i32>(0), one, passed);
-    }
-    for (var i = 0; i < 2; i++) {
-        let reached = before(crossings(ray, cell + vec3<i32>(1) - ahead), event);
-        cell -= select(vec3<i32>(0), one, !reached & (cell != first));
-    }
+    let passed = before(crossings(ray, cell + ahead), event) & (cell != last);
+    cell += select(vec3<i32>(0), one, passed);
+    let reached = before(crossings(ray, cell + vec3<i32>(1) - ahead), event);
+    cell -= select(vec3<i32>(0), one, !reached & (cell != first));
     return select(cell, first, is_axis(event.axis));
 }

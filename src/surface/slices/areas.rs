@@ -5,9 +5,8 @@ use rayon::prelude::*;
 
 use super::exposure::Exposure;
 
-/// Share of a rectangle's bricks that must need drawing for it to become an area. The fewer
-/// and larger the areas, the more pixels are looked at in vain.
-const DENSE_ENOUGH: f32 = 0.35;
+/// What drawing an area costs besides its bricks, in bricks.
+const AREA_COST_BRICKS: u32 = 32;
 
 /// A rectangle of bricks in a slab, `max` exclusive. `u` and `v` are the axes that follow the
 /// slab's axis in the circle x, y, z.
@@ -108,23 +107,30 @@ impl Sums {
     }
 }
 
-fn divide(sums: &Sums, area: Area, areas: &mut SlabAreas) {
+/// Appends the cheapest areas found for what is in `area`; gives their cost in bricks.
+fn divide(sums: &Sums, area: Area, areas: &mut SlabAreas) -> u32 {
     let count = sums.count(area);
     if count == 0 {
-        return;
+        return 0;
     }
     let area = sums.trim(area, count);
-    let size = area.max - area.min;
-    if count as f32 >= DENSE_ENOUGH * size.element_product() as f32 {
-        areas.push(area);
-        return;
+    let bricks = (area.max - area.min).element_product();
+    let whole = AREA_COST_BRICKS + bricks;
+    // At best, two parts leave out all that need not be drawn.
+    if 2 * AREA_COST_BRICKS + count < whole {
+        let (axis, at) = best_split(sums, area);
+        let (mut low, mut high) = (area, area);
+        low.max[axis] = at;
+        high.min[axis] = at;
+        let before = areas.len();
+        let parts = divide(sums, low, areas) + divide(sums, high, areas);
+        if parts < whole {
+            return parts;
+        }
+        areas.truncate(before);
     }
-    let (axis, at) = best_split(sums, area);
-    let (mut low, mut high) = (area, area);
-    low.max[axis] = at;
-    high.min[axis] = at;
-    divide(sums, low, areas);
-    divide(sums, high, areas);
+    areas.push(area);
+    whole
 }
 
 /// Where to divide a rectangle: at the sharpest edge of what it holds, as in Berger and
