@@ -7,7 +7,7 @@
 //!
 //! Knows no colours, no light and no cameras beyond the rays of their pixels.
 
-mod packet;
+pub mod packet;
 mod projection;
 pub(super) mod ray;
 mod sweep;

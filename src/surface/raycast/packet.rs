@@ -45,9 +45,9 @@ impl PacketBrick {
 
 /// What sixteen rays met: which of them met something, and the voxels, packed as
 /// `x | y << 4 | z << 8` in the brick.
-pub(super) struct PacketHit {
+pub(super) struct PacketHit<S: Simd> {
     pub lanes: u32,
-    pub voxels: [u32; LANES],
+    pub voxels: u32x16<S>,
 }
 
 /// Casts the rays of the first `count` pixels (`x | y << 6` in the tile).
@@ -59,7 +59,7 @@ pub(super) fn cast_packet<S: Simd>(
     brick: &PacketBrick,
     pixels: &[u32; LANES],
     count: usize,
-) -> PacketHit {
+) -> PacketHit<S> {
     let splat = |v: f32| f32x16::splat(simd, v);
     let pixels = u32x16::load_array_ref(simd, pixels);
     let x = (pixels & 63).to_float::<f32x16<S>>() + (frame.left + 0.5);
@@ -94,7 +94,7 @@ pub(super) fn cast_packet<S: Simd>(
     let passes = far_x.simd_ge(before[0]) & far_y.simd_ge(before[1]) & far_z.simd_ge(before[2]);
     let mut active = passes & mask32x16::from_bitmask(simd, (1 << count) - 1);
     if !active.any_true() {
-        return PacketHit { lanes: 0, voxels: [0; LANES] };
+        return PacketHit { lanes: 0, voxels: pixels };
     }
 
     // The voxel entered: on each axis as many planes on as come before the entry.
@@ -129,7 +129,7 @@ pub(super) fn cast_packet<S: Simd>(
     );
     let mut voxel = x | y << 4 | z << 8;
     if brick.full {
-        return PacketHit { lanes: active.to_bitmask() as u32, voxels: voxel.to_array() };
+        return PacketHit { lanes: active.to_bitmask() as u32, voxels: voxel };
     }
 
     // Voxel by voxel to the first that exists, or out of the brick.
@@ -147,6 +147,7 @@ pub(super) fn cast_packet<S: Simd>(
             backward[axis].select(u32x16::splat(simd, 0) - one, one)
         },
     );
+    let zero = splat(0.0);
     let mut hit = mask32x16::splat(simd, false);
     loop {
         let row = (voxel >> 4 & 7) | (voxel >> 5 & 0x38);
@@ -154,25 +155,23 @@ pub(super) fn cast_packet<S: Simd>(
         let exists = active & (bits & 1).simd_ne(0);
         hit |= exists;
         active &= !exists;
-        let by_x = t[0].simd_le(t[1]) & t[0].simd_le(t[2]);
-        let by_y = !by_x & t[1].simd_le(t[2]);
-        let by_z = !(by_x | by_y);
-        let moved = voxel + by_x.select(units[0], by_y.select(units[1], units[2]));
-        voxel = active.select(moved, voxel);
+        let y_first = t[1].simd_le(t[2]);
+        let x_first = t[0].simd_le(t[1].min(t[2]));
+        let unit = x_first.select(units[0], y_first.select(units[1], units[2]));
+        voxel = active.select(voxel + unit, voxel);
         active &= (voxel & GUARD).simd_eq(0);
         if !active.any_true() {
             break;
         }
-        let moves = [by_x, by_y, by_z];
+        plane[0] += x_first.select(step[0], zero);
+        plane[1] += y_first.select(x_first.select(zero, step[1]), zero);
+        plane[2] += y_first.select(zero, x_first.select(zero, step[2]));
         t = for_axes(
             #[inline(always)]
-            |axis| {
-                plane[axis] += moves[axis].select(step[axis], splat(0.0));
-                (plane[axis] - eye[axis]) * inverse[axis]
-            },
+            |axis| (plane[axis] - eye[axis]) * inverse[axis],
         );
     }
-    PacketHit { lanes: hit.to_bitmask() as u32, voxels: voxel.to_array() }
+    PacketHit { lanes: hit.to_bitmask() as u32, voxels: voxel }
 }
 
 /// `f` of the three axes, always inlined: what is not loses the instructions that the dispatch

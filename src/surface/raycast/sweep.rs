@@ -5,12 +5,12 @@
 //! from the eye, and so do bricks. A brick is therefore cast for all pixels at once that may see
 //! it and have no voxel yet; each pixel's first voxel is its own ray's first.
 
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::{Level, Simd, dispatch, mask32x16, prelude::*, u32x16};
 use glam::{IVec3, UVec3};
 
 use super::packet::{LANES, PacketBrick, cast_packet};
 use super::projection::{MAX_LEVEL, Projection, TileFrame, TileRect};
-use crate::sculpture::{Grid, NO_VOXEL};
+use crate::sculpture::{Brick, Grid, NO_VOXEL};
 use crate::surface::index_map::PixelRect;
 use crate::surface::tiles::{TILE_EDGE_PX, Tile};
 use crate::view::PixelRays;
@@ -101,17 +101,48 @@ impl Sweep<'_> {
                     }
                 }
             } else {
-                for turn in 0..8 {
-                    let child = turn ^ nearest;
-                    if children >> child & 1 != 0 {
-                        self.cast_brick(simd, &mut canvas, &frame, child_low(child), rects[child]);
-                    }
-                }
+                self.cast_bricks(simd, &mut canvas, &frame, &cube, children, nearest, &rects);
             }
         }
         for y in 0..size.y {
             let from = (y * TILE_EDGE_PX) as usize;
             tile.row(y).copy_from_slice(&canvas.voxels[from..from + size.x as usize]);
+        }
+    }
+
+    /// Casts those bricks of a cube of 2^3 that are bits of `children`.
+    #[inline(always)]
+    #[allow(clippy::too_many_arguments)]
+    fn cast_bricks<S: Simd>(
+        &self,
+        simd: S,
+        canvas: &mut Canvas,
+        frame: &TileFrame,
+        cube: &Cube,
+        children: u32,
+        nearest: usize,
+        rects: &[TileRect; 8],
+    ) {
+        let grid = self.grid;
+        let corners: [UVec3; 8] = std::array::from_fn(|child| {
+            let child = child as i32;
+            let at = IVec3::new(child & 1, child >> 1 & 1, child >> 2) * 8;
+            (IVec3::from(cube.low) + at).as_uvec3()
+        });
+        // All are fetched before the first is used, so that their cache misses overlap.
+        let mut bricks = [Brick::EMPTY; 8];
+        let mut wanted = 0;
+        for child in 0..8 {
+            if children >> child & 1 != 0 && canvas.any_open(rects[child]) {
+                bricks[child] = grid.bricks()[grid.brick_index(corners[child] / 8)];
+                wanted |= 1 << child;
+            }
+        }
+        for turn in 0..8 {
+            let child = turn ^ nearest;
+            if wanted >> child & 1 != 0 {
+                self.cast_brick(simd, canvas, frame, &bricks[child], corners[child], rects[child]);
+            }
         }
     }
 
@@ -122,32 +153,27 @@ impl Sweep<'_> {
         simd: S,
         canvas: &mut Canvas,
         frame: &TileFrame,
-        low: [i32; 3],
+        brick: &Brick,
+        corner: UVec3,
         rect: TileRect,
     ) {
-        let count = canvas.queue_open(rect);
-        if count == 0 {
-            return;
-        }
-        let grid = self.grid;
-        let corner = IVec3::from(low).as_uvec3();
-        let bits = &grid.bricks()[grid.brick_index(corner / 8)];
-        let brick = PacketBrick::new(bits, corner.as_ivec3(), self.rays.origin);
-        let first_index = grid.voxel_index(corner);
-        let UVec3 { x: row, y: rows, .. } = grid.dims();
+        let count = canvas.queue_open(simd, rect);
+        let brick = PacketBrick::new(brick, corner.as_ivec3(), self.rays.origin);
+        let first_index = self.grid.voxel_index(corner);
+        let UVec3 { x: row, y: rows, .. } = self.grid.dims();
         for first in (0..count).step_by(LANES) {
             let mut pixels = [0; LANES];
             pixels.copy_from_slice(&canvas.queue[first..first + LANES]);
             let lanes = (count - first).min(LANES);
             let hit = cast_packet(simd, &self.rays, frame, &brick, &pixels, lanes);
+            let [x, y, z] = [hit.voxels & 7, hit.voxels >> 4 & 7, hit.voxels >> 8 & 7];
+            let indices = (x + (y + z * rows) * row + first_index).to_array();
             let mut rest = hit.lanes;
             while rest != 0 {
                 let lane = rest.trailing_zeros() as usize & (LANES - 1);
                 rest &= rest - 1;
-                let v = hit.voxels[lane];
                 let pixel = pixels[lane] as usize & (TILE_PIXELS - 1);
-                canvas.voxels[pixel] =
-                    first_index + (v & 7) + row * ((v >> 4 & 7) + rows * (v >> 8 & 7));
+                canvas.voxels[pixel] = indices[lane];
                 canvas.open[pixel >> 6] &= !(1 << (pixel & 63));
             }
         }
@@ -214,15 +240,20 @@ impl Canvas {
 
     /// Queues the open pixels of a rectangle and returns their number.
     #[inline(always)]
-    fn queue_open(&mut self, rect: TileRect) -> usize {
+    fn queue_open<S: Simd>(&mut self, simd: S, rect: TileRect) -> usize {
         let columns = Self::columns(rect);
+        let in_turn = u32x16::load_array(simd, std::array::from_fn(|lane| lane as u32));
         let mut count = 0;
         for y in rect.y0..=rect.y1 {
-            let mut row = self.open[y as usize & 63] & columns;
+            let mut row = (self.open[y as usize & 63] & columns) >> rect.x0;
+            let mut first = y << 6 | rect.x0;
             while row != 0 {
-                self.queue[count] = y << 6 | row.trailing_zeros();
-                count += 1;
-                row &= row - 1;
+                let open = mask32x16::from_bitmask(simd, row & 0xFFFF);
+                let pixels = (in_turn + first).compress(open);
+                pixels.store_slice(&mut self.queue[count..count + LANES]);
+                count += (row & 0xFFFF).count_ones() as usize;
+                row >>= LANES;
+                first += LANES as u32;
             }
         }
         count
