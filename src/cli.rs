@@ -120,7 +120,8 @@ pub fn main() -> ExitCode {
 /// demo, so that the program shows what it does on any machine.
 fn window_or_demo(cli: Cli, config: Config, progress: &Bar) -> Result<(), JobError> {
     let set = |name| std::env::var_os(name).is_some_and(|v| !v.is_empty());
-    let display = !cfg!(target_os = "linux") || set("DISPLAY") || set("WAYLAND_DISPLAY");
+    let display =
+        cfg!(not(unix)) || cfg!(target_os = "macos") || set("DISPLAY") || set("WAYLAND_DISPLAY");
     if display {
         let mut session = match &cli.file {
             Some(file) => Session::open(file, &cli.import.options(), config.limits(), progress)?,

@@ -162,6 +162,27 @@ impl Default for Window {
     }
 }
 
+impl LightSettings {
+    /// What the shaders take.
+    pub fn lighting(&self) -> Lighting {
+        let LightSettings { direction, colour, ambient, specular } = *self;
+        // The share is of linear light, which the shader takes as the square of a colour.
+        let grey = (ambient.sqrt() * 255.0).round() as u8;
+        let lamp = Light {
+            frame: LightFrame::Eye,
+            source: LightSource::Direction(direction.into()),
+            colour,
+            intensity: 1.0,
+        };
+        Lighting {
+            lights: [Some(lamp), None, None, None],
+            ambient: Rgb::new(grey, grey, grey),
+            specular,
+            ..Lighting::default()
+        }
+    }
+}
+
 impl Config {
     /// Reads the named file; without a name the person's own file if there is one, else the
     /// defaults.
@@ -250,21 +271,7 @@ impl Config {
 
     /// The light of a picture.
     pub fn lighting(&self) -> Lighting {
-        let LightSettings { direction, colour, ambient, specular } = self.light;
-        // The share is of linear light, which the shader takes as the square of a colour.
-        let grey = (ambient.sqrt() * 255.0).round() as u8;
-        let lamp = Light {
-            frame: LightFrame::Eye,
-            source: LightSource::Direction(direction.into()),
-            colour,
-            intensity: 1.0,
-        };
-        Lighting {
-            lights: [Some(lamp), None, None, None],
-            ambient: Rgb::new(grey, grey, grey),
-            specular,
-            ..Lighting::default()
-        }
+        self.light.lighting()
     }
 
     /// The device to draw with.

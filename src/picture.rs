@@ -59,13 +59,14 @@ impl View {
             * document.world_from_grid();
         let (min, max) =
             document.grid().opaque_bounds().unwrap_or((UVec3::ZERO, document.grid().dims()));
-        let (min, max) = (min.as_vec3(), max.as_vec3());
-        let target = world_from_grid.transform_point3((min + max) * 0.5);
-        let radius = world_from_grid.transform_vector3((max - min) * 0.5).length();
+        let corners: [Vec3; 8] = std::array::from_fn(|i| {
+            let pick = |axis: usize| if i >> axis & 1 == 0 { min[axis] } else { max[axis] };
+            world_from_grid.transform_point3(Vec3::from_array([0, 1, 2].map(|a| pick(a) as f32)))
+        });
         let direction = Quat::from_rotation_arc(Vec3::Y, self.up) * self.direction;
-        let camera = Camera::framing(radius / self.zoom, direction, self.up)
-            .with_fov(self.fov_y_rad)
-            .moved(target);
+        let aspect = self.size.x as f32 / self.size.y as f32;
+        let (up, fov) = (self.up, self.fov_y_rad);
+        let camera = Camera::framing_points(&corners, direction, up, fov, aspect, self.zoom);
         (camera.eye(self.size), world_from_grid)
     }
 }

@@ -7,6 +7,7 @@ use super::stroke::Guide;
 use super::workbench::Workbench;
 use crate::command::Command;
 use crate::config::RenderMode;
+use crate::format::options::ExportForm;
 use crate::input::{Action, Side};
 use crate::sculpture::Placement;
 use crate::ui::Intent;
@@ -209,7 +210,7 @@ impl Workbench {
         match self.session.path().map(|p| p.to_path_buf()) {
             // A file that this run has not written may hold more than a sculpture does.
             Some(path) if self.written.as_ref() == Some(&path) => {
-                self.run(Command::Save { path, form: Default::default() }, leave);
+                self.run(Command::Save { path, form: ExportForm::Auto }, leave);
             }
             path => {
                 let task = if leave { FileTask::SaveAndLeave } else { FileTask::SaveAs };

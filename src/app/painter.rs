@@ -18,8 +18,7 @@ use crate::gpu::{Attachment, Device, GpuError, Load, Recorder, Result, Use};
 use crate::render::overlay::{Ghost, Line, Overlay, Scene};
 use crate::render::target::EyeImage;
 use crate::render::{Background, Composite, CompositeEye};
-use crate::sculpture::Rgb;
-use crate::shade::{Light, LightFrame, LightSource, Lighting, Pixels, ShadePose, shade};
+use crate::shade::{Pixels, ShadePose, shade};
 use crate::surface::IndexMap;
 use crate::view::Eye;
 
@@ -143,7 +142,7 @@ impl Painter {
             eye_from_world: key.sample.eye.eye_from_world,
             world_from_grid: key.sample.world_from_grid,
         };
-        let lighting = lighting(&key.light);
+        let lighting = key.light.lighting();
         shade(&self.map, document.grid(), document.material(), &pose, &lighting, &mut self.pixels);
         bench.times.shade_ms = ms_since(start);
     }
@@ -225,22 +224,6 @@ fn picture_key(bench: &Workbench) -> PictureKey {
         theme: ui.theme,
         ghost: ui.view.tool.then(|| guides::ghost(&ui.hand, grid)),
         lines: guides::lines(&ui.hand, grid, &ui.view, ui.theme),
-    }
-}
-
-fn lighting(settings: &LightSettings) -> Lighting {
-    let ambient = (settings.ambient.clamp(0.0, 1.0) * 255.0).round() as u8;
-    let lamp = Light {
-        frame: LightFrame::Eye,
-        source: LightSource::Direction(settings.direction.into()),
-        colour: settings.colour,
-        intensity: 1.0,
-    };
-    Lighting {
-        lights: [Some(lamp), None, None, None],
-        ambient: Rgb::new(ambient, ambient, ambient),
-        specular: settings.specular,
-        ..Lighting::default()
     }
 }
 

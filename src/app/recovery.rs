@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use crate::command::Command;
+use crate::format::options::ExportForm;
 use crate::session::{Session, SessionError};
 
 /// Saves the sculpture where no other file is; gives the path.
@@ -19,7 +20,7 @@ pub fn save(session: &mut Session) -> Result<PathBuf, SessionError> {
         n => folder.join(format!("{name}-recovered-{n}.pvm")),
     };
     let path = (1..10_000).map(candidate).find(|p| !p.exists()).unwrap_or_else(|| candidate(1));
-    session.execute(&Command::Save { path: path.clone(), form: Default::default() }, &())?;
+    session.execute(&Command::Save { path: path.clone(), form: ExportForm::Auto }, &())?;
     Ok(path)
 }
 

@@ -14,8 +14,7 @@ use super::painter::Painter;
 use super::workbench::Workbench;
 use crate::config::Config;
 use crate::gpu::{
-    Attachment, Device, DeviceChoice, DeviceOptions, Frames, GpuError, Load, Recorder, Use,
-    Validation, ValidationLog, WindowHost,
+    Attachment, Device, Frames, GpuError, Load, Recorder, Use, ValidationLog, WindowHost,
 };
 use crate::render::gui::Gui;
 use crate::screen::window::{Target, WindowScreen};
@@ -53,12 +52,7 @@ impl View {
     /// `eye`: of the first picture.
     pub fn new(window: Arc<Window>, config: &Config, eye: &Eye) -> Result<View, GpuError> {
         let mut host = WindowHost::new(window.clone());
-        let validation = match config.gpu.validation {
-            true => Validation::Required,
-            false => Validation::Off,
-        };
-        let options = DeviceOptions { choice: DeviceChoice::parse(&config.gpu.device), validation };
-        let device = Device::new(&mut host, &options.with_environment())?;
+        let device = Device::new(&mut host, &config.device_options())?;
         let size = window.inner_size();
         let screen = WindowScreen::new(&device, host.into_surface()?, size.into())?;
 
