@@ -105,7 +105,8 @@ impl View {
     }
 }
 
-pub const SIZE: UVec2 = UVec2::new(200, 150);
+/// Odd, so that there is a pixel in the middle, whose ray runs along the view's axis.
+pub const SIZE: UVec2 = UVec2::new(201, 151);
 
 fn placed(grid: &Grid, placement: Placement) -> Affine3A {
     placement.world_from_grid(grid.dims(), grid.voxel_size())
@@ -168,6 +169,25 @@ fn inside(grid: &Grid, fov_y_deg: f32, seed: u64) -> Vec<View> {
         .collect()
 }
 
+/// Eyes on voxel boundaries and at voxel centres, inside and outside, looking along the axes.
+fn along_axes(grid: &Grid) -> Vec<View> {
+    let dims = grid.dims().as_vec3();
+    let middle = (0.5 * dims).floor();
+    let mut views = Vec::new();
+    for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+        for side in [-1.0, 1.0] {
+            for (distance, offset) in [(0.0, 0.0), (0.0, 0.5), (1.0, 0.0), (1.0, 0.5), (3.0, 0.0)] {
+                let along = side * (distance * 0.5 * dims.dot(axis)).ceil();
+                let eye = middle + axis * along + Vec3::splat(offset);
+                let up = if axis == Vec3::Y { Vec3::Z } else { Vec3::Y };
+                let camera = Camera { eye, target: eye - side * axis, up, ..Camera::default() };
+                views.push(View { eye: camera.eye(SIZE), world_from_grid: Affine3A::IDENTITY });
+            }
+        }
+    }
+    views
+}
+
 /// An off-axis frustum, as one eye of a tracked screen has it.
 fn off_axis(grid: &Grid) -> Vec<View> {
     let mut views = outside(grid, 3);
@@ -215,6 +235,9 @@ pub fn all() -> Vec<Subject> {
     let grid = balls([100, 90, 80], Vec3::ONE, false, 11);
     let views = inside(&grid, 150.0, 11);
     add("from inside, wide", grid, views);
+    let grid = noise([64, 40, 33], 0.02, 13);
+    let views = along_axes(&grid);
+    add("along the axes", grid, views);
     let grid = solid([40, 40, 40]);
     let views = inside(&grid, 90.0, 12);
     add("from inside a solid", grid, views);

@@ -161,7 +161,7 @@ proptest! {
 
 #[test]
 fn the_inside_of_a_solid_is_not_drawn() {
-    let mut grid = Grid::new(UVec3::new(64, 61, 70), Vec3::ONE, 1 << 30).unwrap();
+    let mut grid = Grid::new(UVec3::new(256, 253, 70), Vec3::ONE, 1 << 30).unwrap();
     grid.fill_bricks(|_| Brick::FULL);
     let mut areas = SliceAreas::default();
     areas.update(&grid, None);
@@ -172,7 +172,7 @@ fn the_inside_of_a_solid_is_not_drawn() {
         size.x == 1 || size.y == 1
     }));
     let drawn: u32 = middle.iter().map(|a| (a.max - a.min).element_product()).sum();
-    assert_eq!(drawn, 28, "the rim of 8 by 8 bricks");
+    assert_eq!(drawn, 124, "the rim of 32 by 32 bricks");
 }
 
 #[test]
