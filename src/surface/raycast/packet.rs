@@ -14,8 +14,11 @@ use crate::view::PixelRays;
 /// Rays in a packet.
 pub(super) const LANES: usize = 16;
 
-/// Guard bits of a packed voxel: set when a coordinate leaves 0..8 on either side.
-const GUARD: u32 = 0x888;
+/// Packed voxels of a brick have ten bits a coordinate, x the lowest.
+const FIELD: u32 = 10;
+/// Bits that are set from when a coordinate leaves 0..8 on either side: a ray never comes back,
+/// and far before a coordinate could overflow its ten bits all rays of a packet are out.
+const GUARD: u32 = 0x3F8 | 0x3F8 << FIELD | 0x3F8 << (2 * FIELD);
 
 /// A brick prepared for packets.
 pub(super) struct PacketBrick {
@@ -43,11 +46,10 @@ impl PacketBrick {
     }
 }
 
-/// What sixteen rays met: which of them met something, and the voxels, packed as
-/// `x | y << 4 | z << 8` in the brick.
+/// What sixteen rays met: which of them met something, and the voxels in the brick.
 pub(super) struct PacketHit<S: Simd> {
     pub lanes: u32,
-    pub voxels: u32x16<S>,
+    pub voxels: [u32x16<S>; 3],
 }
 
 /// Casts the rays of the first `count` pixels (`x | y << 6` in the tile).
@@ -94,7 +96,7 @@ pub(super) fn cast_packet<S: Simd>(
     let passes = far_x.simd_ge(before[0]) & far_y.simd_ge(before[1]) & far_z.simd_ge(before[2]);
     let mut active = passes & mask32x16::from_bitmask(simd, (1 << count) - 1);
     if !active.any_true() {
-        return PacketHit { lanes: 0, voxels: pixels };
+        return PacketHit { lanes: 0, voxels: [pixels; 3] };
     }
 
     // The voxel entered: on each axis as many planes on as come before the entry.
@@ -120,58 +122,57 @@ pub(super) fn cast_packet<S: Simd>(
             plane
         },
     );
-    let [x, y, z] = for_axes(
+    let voxel = for_axes(
         #[inline(always)]
         |axis| {
             let back = backward[axis].select(splat(1.0), splat(0.0));
             (plane[axis] - back - brick.corner[axis]).to_int::<u32x16<S>>()
         },
     );
-    let mut voxel = x | y << 4 | z << 8;
     if brick.full {
         return PacketHit { lanes: active.to_bitmask() as u32, voxels: voxel };
     }
 
     // Voxel by voxel to the first that exists, or out of the brick.
-    let mut t = for_axes(
-        #[inline(always)]
-        |axis| {
-            plane[axis] += step[axis];
-            (plane[axis] - eye[axis]) * inverse[axis]
-        },
-    );
+    let mut voxel = voxel[0] | voxel[1] << FIELD | voxel[2] << (2 * FIELD);
     let units = for_axes(
         #[inline(always)]
         |axis| {
-            let one = u32x16::splat(simd, 1 << (4 * axis));
+            let one = u32x16::splat(simd, 1 << (FIELD * axis as u32));
             backward[axis].select(u32x16::splat(simd, 0) - one, one)
         },
     );
+    plane = for_axes(
+        #[inline(always)]
+        |axis| plane[axis] + step[axis],
+    );
     let zero = splat(0.0);
     let mut hit = mask32x16::splat(simd, false);
+    let mut found = voxel;
     loop {
-        let row = (voxel >> 4 & 7) | (voxel >> 5 & 0x38);
+        let t = for_axes(
+            #[inline(always)]
+            |axis| (plane[axis] - eye[axis]) * inverse[axis],
+        );
+        let row = (voxel >> FIELD & 7) | (voxel >> (2 * FIELD - 3) & 0x38);
         let bits = look_up(simd, &brick.rows, row) >> (voxel & 7);
         let exists = active & (bits & 1).simd_ne(0);
+        found = exists.select(voxel, found);
         hit |= exists;
-        active &= !exists;
+        // Rays that are done move on as well: nothing has to wait for who they are.
         let y_first = t[1].simd_le(t[2]);
         let x_first = t[0].simd_le(t[1].min(t[2]));
-        let unit = x_first.select(units[0], y_first.select(units[1], units[2]));
-        voxel = active.select(voxel + unit, voxel);
-        active &= (voxel & GUARD).simd_eq(0);
+        voxel += x_first.select(units[0], y_first.select(units[1], units[2]));
+        active &= !exists & (voxel & GUARD).simd_eq(0);
         if !active.any_true() {
             break;
         }
         plane[0] += x_first.select(step[0], zero);
         plane[1] += y_first.select(x_first.select(zero, step[1]), zero);
         plane[2] += y_first.select(zero, x_first.select(zero, step[2]));
-        t = for_axes(
-            #[inline(always)]
-            |axis| (plane[axis] - eye[axis]) * inverse[axis],
-        );
     }
-    PacketHit { lanes: hit.to_bitmask() as u32, voxels: voxel }
+    let voxels = [found & 7, found >> FIELD & 7, found >> (2 * FIELD) & 7];
+    PacketHit { lanes: hit.to_bitmask() as u32, voxels }
 }
 
 /// `f` of the three axes, always inlined: what is not loses the instructions that the dispatch

@@ -166,7 +166,7 @@ impl Sweep<'_> {
             pixels.copy_from_slice(&canvas.queue[first..first + LANES]);
             let lanes = (count - first).min(LANES);
             let hit = cast_packet(simd, &self.rays, frame, &brick, &pixels, lanes);
-            let [x, y, z] = [hit.voxels & 7, hit.voxels >> 4 & 7, hit.voxels >> 8 & 7];
+            let [x, y, z] = hit.voxels;
             let indices = (x + (y + z * rows) * row + first_index).to_array();
             let mut rest = hit.lanes;
             while rest != 0 {
