@@ -10,11 +10,15 @@ use std::str::FromStr;
 use glam::{EulerRot, Quat, UVec3, Vec3};
 use thiserror::Error;
 
+use arguments::{Arguments, Quoted, QuotedPath};
+
 use crate::command::{COMMANDS, Command, NewSculpture};
 use crate::format::options::{Colouring, Existence, ExportForm, ImportOptions};
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::{ColourDepth, Placement, Rgb};
 use crate::tools::construct::{Primitive, Solid};
+
+mod arguments;
 
 /// Colour of the stone until someone chooses another.
 pub const DEFAULT_BASE: Rgb = Rgb::STONE;
@@ -36,6 +40,7 @@ pub struct ScriptError {
 /// Reads a script: the commands with their line numbers (from 1).
 pub fn parse_script(text: &str) -> Result<Vec<(usize, Command)>, ScriptError> {
     let mut commands = Vec::new();
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     for (i, line) in text.lines().enumerate() {
         let trimmed = line.trim();
         if trimmed.is_empty() || trimmed.starts_with('#') {
@@ -62,7 +67,7 @@ impl fmt::Display for Command {
                 write!(f, " colour={} base={} fill={fill}", new.colour_depth.bits(), new.base)
             }
             Command::Open { path, import } => {
-                write!(f, " {}", Quoted(&path.to_string_lossy()))?;
+                write!(f, " {}", QuotedPath(path))?;
                 let ImportOptions { existence, colouring, colour_depth, raw } = import;
                 if *existence != Existence::Auto {
                     write!(f, " threshold={existence}")?;
@@ -76,7 +81,7 @@ impl fmt::Display for Command {
                 raw.map_or(Ok(()), |raw| write!(f, " raw={raw}"))
             }
             Command::Save { path, form } => {
-                write!(f, " {}", Quoted(&path.to_string_lossy()))?;
+                write!(f, " {}", QuotedPath(path))?;
                 if *form != ExportForm::Auto { write!(f, " form={form}") } else { Ok(()) }
             }
             Command::Begin { label } => write!(f, " {}", Quoted(label)),
@@ -128,7 +133,7 @@ impl FromStr for Command {
         let command = match verb.as_str() {
             "new" => Command::New(parse_new(&mut args)?),
             "open" => Command::Open {
-                path: args.word("a file name")?.into(),
+                path: args.path()?,
                 import: ImportOptions {
                     existence: args.optional("threshold", str::parse)?.unwrap_or_default(),
                     colouring: args.optional("colouring", str::parse)?.unwrap_or_default(),
@@ -137,10 +142,10 @@ impl FromStr for Command {
                 },
             },
             "save" => Command::Save {
-                path: args.word("a file name")?.into(),
+                path: args.path()?,
                 form: args.optional("form", str::parse)?.unwrap_or_default(),
             },
-            "begin" => Command::Begin { label: args.optional_word().unwrap_or("stroke".into()) },
+            "begin" => Command::Begin { label: args.optional_word()?.unwrap_or("stroke".into()) },
             "end" => Command::End,
             "cancel" => Command::Cancel,
             "add" | "subtract" | "recolour" => parse_construct(&verb, &mut args)?,
@@ -208,7 +213,7 @@ fn parse_construct(verb: &str, args: &mut Arguments) -> Result<Command, ParseErr
 }
 
 fn parse_steps(args: &mut Arguments) -> Result<Option<u32>, ParseError> {
-    match args.optional_word().as_deref() {
+    match args.optional_word()?.as_deref() {
         None => Ok(Some(1)),
         Some("all") => Ok(None),
         Some(text) => number(text)
@@ -278,104 +283,4 @@ impl Number for u32 {
 
 fn list<T: fmt::Display, const N: usize>(values: [T; N]) -> String {
     values.map(|v| v.to_string()).join(",")
-}
-
-/// Text in double quotes, with `"` and `\` escaped.
-struct Quoted<'a>(&'a str);
-
-impl fmt::Display for Quoted<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "\"{}\"", self.0.replace('\\', "\\\\").replace('"', "\\\"").replace('\n', "\\n"))
-    }
-}
-
-/// A line taken apart.
-struct Arguments {
-    verb: String,
-    words: std::collections::VecDeque<String>,
-    pairs: Vec<(String, String)>,
-}
-
-impl Arguments {
-    fn parse(line: &str) -> Result<Arguments, ParseError> {
-        let mut words = std::collections::VecDeque::new();
-        let mut pairs: Vec<(String, String)> = Vec::new();
-        let mut rest = line.trim_start();
-        while !rest.is_empty() {
-            if let Some(quoted) = rest.strip_prefix('"') {
-                let (text, after) = unquote(quoted)?;
-                words.push_back(text);
-                rest = after.trim_start();
-                continue;
-            }
-            let end = rest.find(char::is_whitespace).unwrap_or(rest.len());
-            let (token, after) = rest.split_at(end);
-            match token.split_once('=') {
-                Some((key, value)) => {
-                    if pairs.iter().any(|(k, _)| k == key) {
-                        return Err(ParseError(format!("`{key}=` is given twice")));
-                    }
-                    pairs.push((key.to_string(), value.to_string()));
-                }
-                None => words.push_back(token.to_string()),
-            }
-            rest = after.trim_start();
-        }
-        let verb = words.pop_front().ok_or_else(|| ParseError("no command".to_string()))?;
-        Ok(Arguments { verb, words, pairs })
-    }
-
-    fn word(&mut self, what: &str) -> Result<String, ParseError> {
-        self.optional_word().ok_or_else(|| ParseError(format!("`{}` needs {what}", self.verb)))
-    }
-
-    fn optional_word(&mut self) -> Option<String> {
-        self.words.pop_front()
-    }
-
-    fn required<T>(
-        &mut self,
-        key: &str,
-        parse: impl Fn(&str) -> Result<T, String>,
-    ) -> Result<T, ParseError> {
-        self.optional(key, parse)?
-            .ok_or_else(|| ParseError(format!("`{}` needs `{key}=`", self.verb)))
-    }
-
-    fn optional<T>(
-        &mut self,
-        key: &str,
-        parse: impl Fn(&str) -> Result<T, String>,
-    ) -> Result<Option<T>, ParseError> {
-        let Some(at) = self.pairs.iter().position(|(k, _)| k == key) else { return Ok(None) };
-        let (_, value) = self.pairs.swap_remove(at);
-        parse(&value).map(Some).map_err(|error| ParseError(format!("{key}={value}: {error}")))
-    }
-
-    /// Refuses what no one asked for.
-    fn finish(self) -> Result<(), ParseError> {
-        let left = self.pairs.first().map(|(key, _)| format!("{key}="));
-        match left.or(self.words.into_iter().next()) {
-            Some(extra) => Err(ParseError(format!("`{}` does not take `{extra}`", self.verb))),
-            None => Ok(()),
-        }
-    }
-}
-
-/// Reads up to the closing quote; gives the text and what follows.
-fn unquote(text: &str) -> Result<(String, &str), ParseError> {
-    let mut out = String::new();
-    let mut chars = text.char_indices();
-    while let Some((i, c)) = chars.next() {
-        match c {
-            '"' => return Ok((out, &text[i + 1..])),
-            '\\' => match chars.next() {
-                Some((_, 'n')) => out.push('\n'),
-                Some((_, c)) => out.push(c),
-                None => break,
-            },
-            c => out.push(c),
-        }
-    }
-    Err(ParseError("a quoted text has no closing `\"`".to_string()))
 }

@@ -93,7 +93,8 @@ pub fn edit(
             }
         }
     });
-    if let Some(brush) = &brush {
+    let any_to_paint = bands.iter().any(|band| !band.to_paint.is_empty());
+    if let Some(brush) = brush.as_ref().filter(|_| any_to_paint) {
         let recolour = matches!(op, EditOp::Recolour(_));
         let per_band = contents.grid.bricks_per_band();
         let touched = contents.grid.bands_of(slabs);

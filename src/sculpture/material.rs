@@ -128,6 +128,7 @@ impl Material {
             let bands = pages.chunks_mut(bricks_per_band).zip(states).enumerate();
             bands.map(|(i, (pages, state))| work(i, pages, state)).sum::<usize>()
         };
+        self.drop_empty_table();
     }
 
     /// Gives each voxel of `mask` in brick `brick` the colour that `colour` names for its
@@ -151,11 +152,15 @@ impl Material {
         self.page_count += usize::from(page.is_some());
         let before = std::mem::replace(&mut self.pages[brick], page);
         self.page_count -= usize::from(before.is_some());
+        self.drop_empty_table();
+        before
+    }
+
+    /// Without a page left all is as before the first one: equal to it, and as small.
+    fn drop_empty_table(&mut self) {
         if self.page_count == 0 {
-            // As before the first page was made: equal to it, and as small.
             self.pages = Vec::new();
         }
-        before
     }
 
     fn make_room(&mut self) {

@@ -137,6 +137,23 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 100, ..ProptestConfig::default() })]
+
+    /// Rows as long as a grid can have, where `f32` has its fewest digits left.
+    #[test]
+    fn the_longest_rows_equal_the_definition(
+        primitive in primitive(),
+        centre_x in -100.0f32..4200.0,
+        half_x in prop_oneof![0.5f32..30.0, 100.0f32..5000.0],
+    ) {
+        let mut primitive = primitive;
+        primitive.centre_vx.x = centre_x;
+        primitive.half.x = half_x;
+        check(&primitive.in_grid(Vec3::ONE), UVec3::new(4096, 9, 3))?;
+    }
+}
+
 #[test]
 fn a_radius_that_reaches_voxel_centres_exactly_includes_them() {
     // 3-4-5 and 1-4-8 = 9 give many centres at distance exactly `radius`.

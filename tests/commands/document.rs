@@ -1,0 +1,365 @@
+//! Documents against a model that keeps a map of voxels, under random work.
+
+use std::collections::HashSet;
+
+use glam::{IVec3, Quat, UVec3, Vec3};
+use proptest::prelude::*;
+use virtual_sculpture::command::{Command, NewSculpture};
+use virtual_sculpture::document::{CommandError, Document, Limits};
+use virtual_sculpture::sculpture::brick::local_index;
+use virtual_sculpture::sculpture::edit::EditOp;
+use virtual_sculpture::sculpture::history::Contents;
+use virtual_sculpture::sculpture::{ColourDepth, Grid, GridError, Material, Placement, Rgb};
+use virtual_sculpture::tools::construct::{Primitive, Solid};
+
+use crate::model::{Done, Model, Voxels};
+use crate::strategies::{new_sculpture, work};
+
+/// Compares every voxel and its colour.
+fn agree(contents: &Contents, model: &Voxels) -> Result<(), TestCaseError> {
+    let Contents { grid, material } = contents;
+    prop_assert_eq!(grid.dims(), model.dims);
+    prop_assert_eq!(material.depth(), model.depth);
+    prop_assert_eq!(grid.opaque_count(), model.colours.len() as u64);
+    for v in model.all() {
+        let colour = model.colours.get(&v);
+        prop_assert_eq!(grid.get(v), colour.is_some(), "{}", v);
+        if let Some(colour) = colour {
+            let v = v.as_uvec3();
+            let brick = grid.brick_index(v / 8);
+            let rgb = material.rgb(brick, local_index(v.x % 8, v.y % 8, v.z % 8));
+            prop_assert_eq!(rgb, *colour, "{}", v);
+        }
+    }
+    Ok(())
+}
+
+/// Checks what a grid promises of itself: counts, occupancy, nothing beyond its border.
+fn sound(grid: &Grid) -> Result<(), TestCaseError> {
+    let mut copy = Grid::new(grid.dims(), grid.voxel_size(), u64::MAX).unwrap();
+    copy.fill_bricks(|b| grid.bricks()[grid.brick_index(b)]);
+    prop_assert_eq!(&copy, grid);
+    Ok(())
+}
+
+/// The bricks whose bits or colours differ.
+fn changed_bricks(before: &Contents, after: &Contents) -> HashSet<u32> {
+    let differs = |&brick: &u32| {
+        let i = brick as usize;
+        before.grid.bricks()[i] != after.grid.bricks()[i]
+            || before.material.page(i) != after.material.page(i)
+    };
+    (0..before.grid.bricks().len() as u32).filter(differs).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 150, ..ProptestConfig::default() })]
+
+    #[test]
+    fn random_work_agrees_with_the_model(
+        new in new_sculpture(24),
+        commands in prop::collection::vec(work(), 1..40),
+        look_every in 1usize..5,
+    ) {
+        let mut document = Document::new(&new, Limits::default()).unwrap();
+        let mut model = Model::new(&new);
+        let mut seen = document.take_dirty(|contents, dirty| {
+            assert!(dirty.is_none());
+            contents.clone()
+        });
+        for (i, command) in commands.iter().enumerate() {
+            let before = document.contents().clone();
+            let (revision, undo) = (document.revision(), document.history().undo_count());
+            let expected = model.apply(command);
+            match (document.apply(command), expected) {
+                (Ok(applied), Some(done)) => {
+                    let stats = applied.stats;
+                    let got = Done {
+                        added: stats.voxels_added,
+                        removed: stats.voxels_removed,
+                        recoloured: stats.voxels_recoloured,
+                        steps: applied.steps,
+                    };
+                    prop_assert_eq!(got, done, "{}", command);
+                    if got != Done::default() && got.steps == 0 {
+                        let changed = changed_bricks(&before, document.contents());
+                        prop_assert_eq!(stats.bricks_changed, changed.len() as u64);
+                    }
+                }
+                (Err(_), None) => {
+                    prop_assert_eq!(document.contents(), &before);
+                    prop_assert_eq!(document.revision(), revision);
+                    prop_assert_eq!(document.history().undo_count(), undo);
+                }
+                (result, expected) => {
+                    let text = format!("{command}: {result:?}, but the model: {expected:?}");
+                    return Err(TestCaseError::fail(text));
+                }
+            }
+            agree(document.contents(), &model.now)?;
+            sound(document.grid())?;
+            prop_assert_eq!(document.stroke_open(), model.stroke_open());
+            prop_assert_eq!(document.history().undo_count(), model.undo.len());
+            prop_assert_eq!(document.history().redo_count(), model.redo.len());
+            if document.contents() != &before {
+                prop_assert!(document.revision() > revision);
+            }
+            if i % look_every == 0 {
+                seen = document.take_dirty(|contents, dirty| {
+                    match dirty {
+                        None => {}
+                        Some(_) if seen.grid.dims() != contents.grid.dims() => {
+                            return Err(TestCaseError::fail("another grid, but not all is dirty"));
+                        }
+                        Some(dirty) => {
+                            prop_assert!(dirty.is_sorted_by(|a, b| a < b));
+                            let dirty: HashSet<u32> = dirty.iter().copied().collect();
+                            let changed = changed_bricks(&seen, contents);
+                            prop_assert!(changed.is_subset(&dirty), "{changed:?} {dirty:?}");
+                        }
+                    }
+                    Ok(contents.clone())
+                })?;
+            }
+        }
+    }
+
+    #[test]
+    fn undo_and_redo_return_to_identical_contents(
+        new in new_sculpture(24),
+        commands in prop::collection::vec(work(), 1..40),
+    ) {
+        let mut document = Document::new(&new, Limits::default()).unwrap();
+        // What the sculpture was at each number of steps that can be undone.
+        let mut at_step = vec![document.contents().clone()];
+        for command in &commands {
+            let steps_before = document.history().undo_count();
+            let stroke_began = match command {
+                Command::Begin { .. } if !document.stroke_open() => Some(document.contents().clone()),
+                _ => None,
+            };
+            let _ = document.apply(command);
+            if let Some(began) = stroke_began {
+                // A stroke that is cancelled leaves no trace, whatever it did.
+                let edits = commands.iter().filter(|c| matches!(c, Command::Construct { .. }));
+                for edit in edits.take(5) {
+                    let _ = document.apply(edit);
+                }
+                document.apply(&Command::Cancel).unwrap();
+                prop_assert_eq!(document.contents(), &began);
+                document.apply(command).unwrap();
+            }
+            let steps = document.history().undo_count();
+            if steps > steps_before && !matches!(command, Command::Redo { .. }) {
+                at_step.truncate(steps);
+                at_step.push(document.contents().clone());
+            } else if !document.stroke_open() {
+                prop_assert_eq!(document.contents(), &at_step[steps]);
+            }
+        }
+        if document.stroke_open() {
+            document.apply(&Command::End).unwrap();
+        }
+        document.apply(&Command::Redo { steps: None }).unwrap();
+        let end = document.contents().clone();
+        let steps = document.history().undo_count() as u32;
+        let undone = document.apply(&Command::Undo { steps: None }).unwrap();
+        prop_assert_eq!(undone.steps, steps);
+        prop_assert_eq!(document.contents(), &at_step[0]);
+        let redone = document.apply(&Command::Redo { steps: None }).unwrap();
+        prop_assert_eq!(redone.steps, steps);
+        prop_assert_eq!(document.contents(), &end);
+    }
+
+    #[test]
+    fn whatever_the_budget_undo_returns_to_earlier_states(
+        new in new_sculpture(24),
+        commands in prop::collection::vec(work(), 1..40),
+        history_bytes in 0usize..40_000,
+    ) {
+        let mut document = Document::new(&new, Limits { history_bytes, ..Limits::default() }).unwrap();
+        let mut states = vec![document.contents().clone()];
+        for command in &commands {
+            let _ = document.apply(command);
+            prop_assert!(document.history().bytes() <= history_bytes);
+            states.push(document.contents().clone());
+        }
+        let _ = document.apply(&Command::End);
+        states.push(document.contents().clone());
+        let mut steps = document.history().undo_count();
+        while steps > 0 {
+            document.apply(&Command::Undo { steps: Some(1) }).unwrap();
+            prop_assert!(states.contains(document.contents()));
+            prop_assert!(document.history().bytes() <= history_bytes);
+            // The way forward may need more room than the way back did.
+            prop_assert!(document.history().undo_count() < steps);
+            steps = document.history().undo_count();
+        }
+        document.apply(&Command::Redo { steps: None }).unwrap();
+        prop_assert!(states.contains(document.contents()));
+    }
+}
+
+fn painted(dims: UVec3, depth: ColourDepth, solid: bool) -> NewSculpture {
+    NewSculpture {
+        dims,
+        voxel_size: Vec3::ONE,
+        colour_depth: depth,
+        base: Rgb::new(200, 190, 170),
+        solid,
+    }
+}
+
+fn ball(op: EditOp, centre: Vec3, radius: f32) -> Command {
+    let primitive = Primitive {
+        solid: Solid::Ellipsoid,
+        centre_vx: centre,
+        half: Vec3::splat(radius),
+        rotation: Quat::IDENTITY,
+    };
+    Command::Construct { op, primitive }
+}
+
+const RED: Rgb = Rgb::new(255, 0, 0);
+
+#[test]
+fn a_512_clear_is_one_small_step() {
+    let new = painted(UVec3::splat(512), ColourDepth::None, true);
+    let mut document = Document::new(&new, Limits::default()).unwrap();
+    let before = document.contents().clone();
+    let applied = document.apply(&Command::Clear).unwrap();
+    assert_eq!(applied.stats.voxels_removed, 1 << 27);
+    assert_eq!(applied.stats.bricks_changed, 1 << 18);
+    assert_eq!(document.grid().opaque_count(), 0);
+    assert_eq!(document.history().undo_count(), 1);
+    assert!(document.history().bytes() <= 80 << 10, "{} bytes", document.history().bytes());
+    document.apply(&Command::Undo { steps: Some(1) }).unwrap();
+    assert_eq!(document.contents(), &before);
+}
+
+#[test]
+fn a_step_beyond_the_budget_stands_and_is_told_of() {
+    let limits = Limits { history_bytes: 20_000, ..Limits::default() };
+    let new = painted(UVec3::splat(64), ColourDepth::Bits24, false);
+    let mut document = Document::new(&new, limits).unwrap();
+    document.apply(&ball(EditOp::Add(RED), Vec3::splat(10.0), 3.0)).unwrap();
+    assert_eq!(document.history().undo_count(), 1);
+    assert_eq!(document.history().too_large(), None);
+    // The pages that this paints over are more than 20 kB.
+    document.apply(&Command::Fill { colour: Some(RED) }).unwrap();
+    let blue = Rgb::new(0, 0, 255);
+    document.apply(&ball(EditOp::Recolour(blue), Vec3::splat(30.0), 20.0)).unwrap();
+    let told = document.history().too_large().expect("the step is too large").clone();
+    assert_eq!(told.label, "recolour ellipsoid");
+    assert!(told.bytes > 20_000);
+    assert_eq!(document.history().undo_count(), 0);
+    assert_eq!(document.history().bytes(), 0);
+    assert!(document.history().dropped() >= 2);
+    assert_eq!(document.apply(&Command::Undo { steps: None }).unwrap().steps, 0);
+    // The next step that fits is a step like any other.
+    document.apply(&ball(EditOp::Subtract, Vec3::splat(10.0), 3.0)).unwrap();
+    assert_eq!(document.history().too_large(), None);
+    assert_eq!(document.history().undo_count(), 1);
+}
+
+#[test]
+fn colours_stay_within_their_budget() {
+    let page = 512 * 3;
+    let table = 16 * 64;
+    let limits = Limits { colour_bytes: 10 * page + table, ..Limits::default() };
+    let new = painted(UVec3::splat(32), ColourDepth::Bits24, false);
+    let mut document = Document::new(&new, limits).unwrap();
+    // The box around this ball has 27 bricks; the ball itself touches fewer, 7.
+    let fits = ball(EditOp::Add(RED), Vec3::splat(12.0), 4.6);
+    document.apply(&fits).unwrap();
+    assert_eq!(document.material().page_count(), 7);
+    let before = document.contents().clone();
+    let too_much = ball(EditOp::Add(RED), Vec3::splat(20.0), 9.0);
+    let refused = document.apply(&too_much).unwrap_err();
+    assert!(matches!(refused, CommandError::ColourMemory { .. }), "{refused}");
+    assert!(refused.to_string().contains("memory.colour_mib"), "{refused}");
+    assert_eq!(document.contents(), &before);
+    assert_eq!(document.history().undo_count(), 1);
+    // What needs no new pages is always possible: again, base colour, subtract.
+    document.apply(&ball(EditOp::Recolour(Rgb::new(0, 0, 9)), Vec3::splat(12.0), 4.6)).unwrap();
+    document.apply(&ball(EditOp::Add(document.material().base()), Vec3::splat(20.0), 9.0)).unwrap();
+    document.apply(&ball(EditOp::Recolour(RED), Vec3::splat(20.0), 9.0)).unwrap_err();
+    document.apply(&ball(EditOp::Subtract, Vec3::splat(20.0), 9.0)).unwrap();
+    assert!(document.material().heap_bytes() <= limits.colour_bytes);
+}
+
+#[test]
+fn refusals_name_the_reason_and_change_nothing() {
+    let new = painted(UVec3::splat(16), ColourDepth::None, true);
+    let mut document = Document::new(&new, Limits::default()).unwrap();
+    let before = document.contents().clone();
+    let place =
+        |rotation, translation, scale| Command::Place(Placement { rotation, translation, scale });
+    let cases = [
+        (Command::End, "`end` without an open stroke"),
+        (Command::Cancel, "`cancel` without an open stroke"),
+        (Command::Open { path: "a".into() }, "`open` concerns files"),
+        (Command::Save { path: "a".into() }, "`save` concerns files"),
+        (ball(EditOp::Recolour(RED), Vec3::splat(8.0), 4.0), "this sculpture has no colours"),
+        (ball(EditOp::Subtract, Vec3::NAN, 4.0), "the centre of the solid"),
+        (ball(EditOp::Subtract, Vec3::ONE, 0.0), "the half extent of the solid"),
+        (ball(EditOp::Subtract, Vec3::ONE, f32::INFINITY), "the half extent of the solid"),
+        (
+            Command::New(painted(UVec3::new(1, 5000, 1), ColourDepth::None, true)),
+            "grid of 1x5000x1 voxels",
+        ),
+        (place(Quat::from_xyzw(0.0, 0.0, 0.0, 2.0), Vec3::ZERO, 1.0), "rotation of the placement"),
+        (place(Quat::IDENTITY, Vec3::NAN, 1.0), "translation of the placement"),
+        (place(Quat::IDENTITY, Vec3::ZERO, 0.0), "scale of the placement"),
+    ];
+    for (command, message) in cases {
+        let error = document.apply(&command).expect_err(message).to_string();
+        assert!(error.starts_with(message), "{command}\n  says    {error}\n  not     {message}");
+    }
+    document.apply(&Command::Begin { label: "s".into() }).unwrap();
+    let while_open = [
+        Command::Begin { label: "t".into() },
+        Command::New(new),
+        Command::Undo { steps: None },
+        Command::Redo { steps: None },
+    ];
+    for command in while_open {
+        let error = document.apply(&command).unwrap_err();
+        assert!(matches!(error, CommandError::StrokeOpen(verb) if verb == command.verb()));
+    }
+    assert!(document.replace(before.clone(), "open").is_err());
+    document.apply(&Command::End).unwrap();
+    assert_eq!(document.contents(), &before);
+    assert_eq!((document.history().undo_count(), document.revision()), (0, 0));
+}
+
+#[test]
+fn a_sculpture_too_large_is_refused_before_it_is_made() {
+    let limits = Limits { grid_bytes: 1 << 20, ..Limits::default() };
+    let error = Document::new(&painted(UVec3::splat(512), ColourDepth::None, true), limits);
+    assert!(matches!(error, Err(CommandError::Grid(GridError::Memory { .. }))));
+}
+
+#[test]
+fn replacing_is_one_step_and_marks_all_dirty() {
+    let new = painted(UVec3::splat(16), ColourDepth::Bits8, true);
+    let mut document = Document::new(&new, Limits::default()).unwrap();
+    document.apply(&ball(EditOp::Recolour(RED), Vec3::splat(8.0), 4.0)).unwrap();
+    document.take_dirty(|_, _| ());
+    let before = document.contents().clone();
+    let other = Contents {
+        grid: Grid::new(UVec3::new(9, 30, 4), Vec3::ONE, 1 << 20).unwrap(),
+        material: Material::new(ColourDepth::None, RED, 8),
+    };
+    document.replace(other.clone(), "open").unwrap();
+    assert!(document.take_dirty(|_, dirty| dirty.is_none()));
+    document.apply(&ball(EditOp::Add(RED), Vec3::new(4.0, 20.0, 2.0), 3.0)).unwrap();
+    assert!(document.take_dirty(|_, dirty| dirty.is_some_and(|d| !d.is_empty())));
+    assert!(document.grid().get(IVec3::new(4, 20, 2)));
+    document.apply(&Command::Undo { steps: Some(2) }).unwrap();
+    assert_eq!(document.contents(), &before);
+    assert!(document.take_dirty(|_, dirty| dirty.is_none()));
+    assert!(document.take_dirty(|_, dirty| dirty.is_some_and(<[u32]>::is_empty)));
+    document.apply(&Command::Redo { steps: Some(1) }).unwrap();
+    assert_eq!(document.contents(), &other);
+}

@@ -1,0 +1,190 @@
+//! A document as simple as can be: a map from voxels to colours, copied for every undo step.
+//! What the real one must agree with.
+
+use std::collections::HashMap;
+use std::rc::Rc;
+
+use glam::{IVec3, UVec3, Vec3};
+use virtual_sculpture::command::{Command, NewSculpture};
+use virtual_sculpture::sculpture::edit::EditOp;
+use virtual_sculpture::sculpture::{ColourDepth, Rgb};
+
+/// A sculpture: its voxels that exist, with their colours.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Voxels {
+    pub dims: UVec3,
+    pub voxel_size: Vec3,
+    pub depth: ColourDepth,
+    pub base: Rgb,
+    pub colours: HashMap<IVec3, Rgb>,
+}
+
+/// Counts of what a command did, and steps travelled.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Done {
+    pub added: u64,
+    pub removed: u64,
+    pub recoloured: u64,
+    pub steps: u32,
+}
+
+pub struct Model {
+    pub now: Rc<Voxels>,
+    pub undo: Vec<Rc<Voxels>>,
+    pub redo: Vec<Rc<Voxels>>,
+    /// State at the beginning of the open stroke, and whether it has changed anything.
+    stroke: Option<(Rc<Voxels>, bool)>,
+}
+
+impl Voxels {
+    pub fn new(new: &NewSculpture) -> Voxels {
+        let base = new.colour_depth.quantise(new.base);
+        let mut voxels = Voxels {
+            dims: new.dims,
+            voxel_size: new.voxel_size,
+            depth: new.colour_depth,
+            base,
+            colours: HashMap::new(),
+        };
+        if new.solid {
+            voxels.colours = voxels.all().map(|v| (v, base)).collect();
+        }
+        voxels
+    }
+
+    pub fn all(&self) -> impl Iterator<Item = IVec3> + use<> {
+        let UVec3 { x, y, z } = self.dims;
+        let row = move |y, z| (0..x as i32).map(move |x| IVec3::new(x, y, z));
+        (0..z as i32).flat_map(move |z| (0..y as i32).flat_map(move |y| row(y, z)))
+    }
+
+    fn edit(&mut self, op: EditOp, covers: impl Fn(IVec3) -> bool) -> Done {
+        let mut done = Done::default();
+        // Without colour depth every voxel has the one colour.
+        let stored = |colour| match self.depth {
+            ColourDepth::None => self.base,
+            depth => depth.quantise(colour),
+        };
+        for v in self.all().filter(|&v| covers(v)) {
+            match op {
+                EditOp::Add(colour) => {
+                    let stored = stored(colour);
+                    self.colours.entry(v).or_insert_with(|| {
+                        done.added += 1;
+                        stored
+                    });
+                }
+                EditOp::Subtract => done.removed += u64::from(self.colours.remove(&v).is_some()),
+                EditOp::Recolour(colour) => {
+                    let stored = stored(colour);
+                    if let Some(old) = self.colours.get_mut(&v) {
+                        done.recoloured += u64::from(std::mem::replace(old, stored) != stored);
+                    }
+                }
+            }
+        }
+        done
+    }
+}
+
+impl Model {
+    pub fn new(new: &NewSculpture) -> Model {
+        let now = Rc::new(Voxels::new(new));
+        Model { now, undo: Vec::new(), redo: Vec::new(), stroke: None }
+    }
+
+    pub fn stroke_open(&self) -> bool {
+        self.stroke.is_some()
+    }
+
+    fn push(&mut self, before: Rc<Voxels>) {
+        self.undo.push(before);
+        self.redo.clear();
+    }
+
+    fn edit(&mut self, op: EditOp, covers: impl Fn(IVec3) -> bool) -> Done {
+        let before = self.now.clone();
+        let mut after = (*before).clone();
+        let done = after.edit(op, covers);
+        self.now = Rc::new(after);
+        let changed = done != Done::default();
+        match &mut self.stroke {
+            Some((_, any)) => *any |= changed,
+            None if changed => self.push(before),
+            None => {}
+        }
+        done
+    }
+
+    /// What the command does; none if it must be refused.
+    pub fn apply(&mut self, command: &Command) -> Option<Done> {
+        let open = self.stroke_open();
+        Some(match command {
+            Command::Begin { .. } if !open => {
+                self.stroke = Some((self.now.clone(), false));
+                Done::default()
+            }
+            Command::End => {
+                let (before, changed) = self.stroke.take()?;
+                if changed {
+                    self.push(before);
+                }
+                Done::default()
+            }
+            Command::Cancel => {
+                self.now = self.stroke.take()?.0;
+                Done::default()
+            }
+            Command::New(new) if !open => {
+                let before = std::mem::replace(&mut self.now, Rc::new(Voxels::new(new)));
+                self.push(before);
+                Done::default()
+            }
+            Command::Undo { steps } if !open => {
+                let limit = steps.unwrap_or(u32::MAX);
+                Done {
+                    steps: travel(&mut self.now, &mut self.undo, &mut self.redo, limit),
+                    ..Done::default()
+                }
+            }
+            Command::Redo { steps } if !open => {
+                let limit = steps.unwrap_or(u32::MAX);
+                Done {
+                    steps: travel(&mut self.now, &mut self.redo, &mut self.undo, limit),
+                    ..Done::default()
+                }
+            }
+            Command::Construct { op: EditOp::Recolour(_), .. }
+                if self.now.depth == ColourDepth::None =>
+            {
+                return None;
+            }
+            Command::Construct { op, primitive } => {
+                let placed = primitive.in_grid(self.now.voxel_size);
+                self.edit(*op, |v| placed.contains_voxel(v))
+            }
+            Command::Fill { colour } => {
+                self.edit(EditOp::Add(colour.unwrap_or(self.now.base)), |_| true)
+            }
+            Command::Clear => self.edit(EditOp::Subtract, |_| true),
+            Command::Place(_) => Done::default(),
+            _ => return None,
+        })
+    }
+}
+
+fn travel(
+    now: &mut Rc<Voxels>,
+    from: &mut Vec<Rc<Voxels>>,
+    to: &mut Vec<Rc<Voxels>>,
+    limit: u32,
+) -> u32 {
+    let mut steps = 0;
+    while steps < limit
+        && let Some(next) = from.pop()
+    {
+        to.push(std::mem::replace(now, next));
+        steps += 1;
+    }
+    steps
+}

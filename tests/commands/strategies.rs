@@ -1,0 +1,172 @@
+//! Random commands, for the tests of commands and of documents.
+
+use std::path::PathBuf;
+
+use glam::{EulerRot, Quat, UVec3, Vec3};
+use proptest::prelude::*;
+use virtual_sculpture::command::{Command, NewSculpture};
+use virtual_sculpture::sculpture::edit::EditOp;
+use virtual_sculpture::sculpture::{ColourDepth, Placement, Rgb};
+use virtual_sculpture::tools::construct::{Primitive, Solid};
+
+/// Few colours, so that painting a voxel with the colour it has already is not rare.
+pub fn colour() -> impl Strategy<Value = Rgb> {
+    prop_oneof![
+        Just(Rgb::new(200, 190, 170)),
+        Just(Rgb::new(255, 0, 0)),
+        Just(Rgb::new(0, 90, 255)),
+        any::<[u8; 3]>().prop_map(Rgb),
+    ]
+}
+
+pub fn rotation() -> impl Strategy<Value = Quat> {
+    let any = prop::array::uniform3(-3.2f32..3.2)
+        .prop_map(|[x, y, z]| Quat::from_euler(EulerRot::XYZ, x, y, z));
+    prop_oneof![Just(Quat::IDENTITY), any]
+}
+
+pub fn op() -> impl Strategy<Value = EditOp> {
+    prop_oneof![
+        colour().prop_map(EditOp::Add),
+        Just(EditOp::Subtract),
+        colour().prop_map(EditOp::Recolour),
+    ]
+}
+
+/// Solids with centre coordinates in `centre` and half extents in `half`.
+pub fn primitive(
+    centre: std::ops::Range<f32>,
+    half: std::ops::Range<f32>,
+) -> impl Strategy<Value = Primitive> {
+    let solid = prop::sample::select(&Solid::ALL[..]);
+    let centre = prop::array::uniform3(centre);
+    (solid, centre, prop::array::uniform3(half), rotation()).prop_map(
+        |(solid, centre, half, rotation)| Primitive {
+            solid,
+            centre_vx: centre.into(),
+            half: half.into(),
+            rotation,
+        },
+    )
+}
+
+pub fn new_sculpture(longest_vx: u32) -> impl Strategy<Value = NewSculpture> {
+    (
+        prop::array::uniform3(1..=longest_vx),
+        prop::array::uniform3(prop_oneof![Just(1.0f32), 0.3f32..3.0]),
+        prop::sample::select(&ColourDepth::ALL[..]),
+        colour(),
+        any::<bool>(),
+    )
+        .prop_map(|(dims, size, colour_depth, base, solid)| NewSculpture {
+            dims: UVec3::from(dims),
+            voxel_size: Vec3::from(size),
+            colour_depth,
+            base,
+            solid,
+        })
+}
+
+pub fn placement() -> impl Strategy<Value = Placement> {
+    (rotation(), prop::array::uniform3(-1e3f32..1e3), 1e-3f32..1e3).prop_map(
+        |(rotation, translation, scale)| Placement {
+            rotation,
+            translation: translation.into(),
+            scale,
+        },
+    )
+}
+
+/// Text that a careless writer of scripts would trip over.
+pub fn hostile_text() -> impl Strategy<Value = String> {
+    prop_oneof![
+        any::<String>(),
+        "[ =#\"\\\\\\n\\r\\t,xné🗿]{0,12}",
+        prop::sample::select(vec![
+            "",
+            " ",
+            "#",
+            "=",
+            "a=b",
+            "\"",
+            "\\",
+            "\\n",
+            "\n# not a comment\n",
+            "trailing \r",
+            "all",
+        ])
+        .prop_map(String::from),
+    ]
+}
+
+fn path() -> impl Strategy<Value = PathBuf> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::ffi::OsStringExt;
+        let bytes = any::<Vec<u8>>().prop_map(|b| std::ffi::OsString::from_vec(b).into());
+        prop_oneof![hostile_text().prop_map(PathBuf::from), bytes]
+    }
+    #[cfg(not(unix))]
+    hostile_text().prop_map(PathBuf::from)
+}
+
+/// Every finite `f32`, not only those near 1.
+fn any_number() -> impl Strategy<Value = f32> {
+    any::<u32>().prop_map(f32::from_bits).prop_filter("finite", |v| v.is_finite())
+}
+
+fn any_vec3() -> impl Strategy<Value = Vec3> {
+    prop::array::uniform3(any_number()).prop_map(Vec3::from)
+}
+
+/// Every command there is, with every value that its text form can hold.
+pub fn any_command() -> impl Strategy<Value = Command> {
+    let steps = || prop::option::of(any::<u32>());
+    let solid = prop::sample::select(&Solid::ALL[..]);
+    let construct = (op(), solid, any_vec3(), any_vec3(), rotation()).prop_map(
+        |(op, solid, centre_vx, half, rotation)| Command::Construct {
+            op,
+            primitive: Primitive { solid, centre_vx, half, rotation },
+        },
+    );
+    let new = (new_sculpture(9), any::<[u32; 3]>(), any_vec3()).prop_map(|(new, dims, size)| {
+        Command::New(NewSculpture { dims: dims.into(), voxel_size: size, ..new })
+    });
+    let place =
+        (rotation(), any_vec3(), any_number()).prop_map(|(rotation, translation, scale)| {
+            Command::Place(Placement { rotation, translation, scale })
+        });
+    prop_oneof![
+        new,
+        path().prop_map(|path| Command::Open { path }),
+        path().prop_map(|path| Command::Save { path }),
+        hostile_text().prop_map(|label| Command::Begin { label }),
+        Just(Command::End),
+        Just(Command::Cancel),
+        construct,
+        prop::option::of(colour()).prop_map(|colour| Command::Fill { colour }),
+        Just(Command::Clear),
+        steps().prop_map(|steps| Command::Undo { steps }),
+        steps().prop_map(|steps| Command::Redo { steps }),
+        place,
+    ]
+}
+
+/// Commands as someone at work on a small sculpture gives them, in and out of strokes.
+pub fn work() -> impl Strategy<Value = Command> {
+    let steps = || prop_oneof![4 => (1u32..4).prop_map(Some), 1 => Just(None)];
+    let edit = (op(), primitive(-4.0..28.0, 0.3..14.0))
+        .prop_map(|(op, primitive)| Command::Construct { op, primitive });
+    prop_oneof![
+        20 => edit,
+        2 => prop::option::of(colour()).prop_map(|colour| Command::Fill { colour }),
+        1 => Just(Command::Clear),
+        4 => Just(Command::Begin { label: "stroke".into() }),
+        4 => Just(Command::End),
+        1 => Just(Command::Cancel),
+        3 => steps().prop_map(|steps| Command::Undo { steps }),
+        3 => steps().prop_map(|steps| Command::Redo { steps }),
+        1 => new_sculpture(24).prop_map(Command::New),
+        1 => placement().prop_map(Command::Place),
+    ]
+}

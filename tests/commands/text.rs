@@ -1,0 +1,168 @@
+//! The text form of commands: what is written is read back, and what cannot be read is named.
+
+use std::collections::HashSet;
+
+use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::TestRunner;
+use virtual_sculpture::command::{COMMANDS, Command};
+use virtual_sculpture::command_text::parse_script;
+
+use crate::strategies::{any_command, hostile_text};
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
+
+    #[test]
+    fn every_command_survives_its_text_form(command in any_command()) {
+        let text = command.to_string();
+        prop_assert!(!text.contains('\n'), "{}", text);
+        let read: Command = match text.parse() {
+            Ok(read) => read,
+            Err(error) => return Err(TestCaseError::fail(format!("{text}: {error}"))),
+        };
+        prop_assert_eq!(&read, &command, "{}", &text);
+        // PartialEq takes 0 and -0 for the same; the text must not.
+        prop_assert_eq!(read.to_string(), text);
+    }
+
+    #[test]
+    fn a_script_is_the_list_of_its_lines(commands in prop::collection::vec(any_command(), 0..12)) {
+        let mut script = String::from("\u{feff}# a comment\r\n");
+        for command in &commands {
+            script += &format!("  {command}\r\n\n");
+        }
+        let read = parse_script(&script).unwrap();
+        let lines: Vec<usize> = read.iter().map(|(line, _)| *line).collect();
+        prop_assert_eq!(lines, (0..commands.len()).map(|i| 2 + 2 * i).collect::<Vec<_>>());
+        prop_assert_eq!(read.into_iter().map(|(_, c)| c).collect::<Vec<_>>(), commands);
+    }
+
+    #[test]
+    fn no_text_is_too_strange_to_refuse(
+        verb in prop::sample::select(COMMANDS.iter().map(|c| c.verb).collect::<Vec<_>>()),
+        rest in prop_oneof![
+            any::<String>(),
+            hostile_text(),
+            "([a-z]{1,6}=?[-+0-9.,e#x\"\\\\]{0,12} ?){0,5}",
+        ],
+        cut in any::<prop::sample::Index>(),
+        command in any_command(),
+    ) {
+        let line = format!("{verb} {rest}");
+        let _ = line.parse::<Command>();
+        let _ = rest.parse::<Command>();
+        let _ = parse_script(&rest);
+        let text = command.to_string();
+        let end = (0..=cut.index(text.len() + 1)).rev().find(|&i| text.is_char_boundary(i));
+        let _ = text[..end.unwrap_or(0)].parse::<Command>();
+    }
+}
+
+#[test]
+fn the_table_of_commands_names_each_verb_once() {
+    let table: Vec<&str> = COMMANDS.iter().map(|c| c.verb).collect();
+    let distinct: HashSet<&str> = table.iter().copied().collect();
+    assert_eq!(table.len(), distinct.len());
+    // Random commands until each kind has come up: any of them must be in the table.
+    let mut runner = TestRunner::deterministic();
+    let strategy = any_command();
+    let used: HashSet<&str> =
+        (0..2000).map(|_| strategy.new_tree(&mut runner).unwrap().current().verb()).collect();
+    assert_eq!(used, distinct);
+}
+
+#[test]
+fn the_usage_of_each_command_is_true() {
+    // One line of each command as its usage has it, with all that is optional and without.
+    let lines = [
+        "new dims=4,5,6 size=1,2,0.5 colour=8 base=#102030 fill=empty",
+        "new dims=4,5,6",
+        "open \"a b.pvm\"",
+        "save c.pvm",
+        "begin \"carve the nose\"",
+        "begin",
+        "end",
+        "cancel",
+        "add ellipsoid at=1,2,3 half=4 turn=10,20,30 colour=#ffffff",
+        "add cuboid at=1,2,3 half=4,5,6 turn=0,0,0,1 colour=#ffffff",
+        "subtract pyramid at=1,2,3 half=4",
+        "recolour ellipsoid at=1,2,3 half=4 colour=#ffffff",
+        "fill colour=#123456",
+        "fill",
+        "clear",
+        "undo",
+        "undo 3",
+        "undo all",
+        "redo",
+        "redo all",
+        "place turn=0,90,0 move=1,2,3 scale=2",
+        "place",
+    ];
+    let mut verbs = HashSet::new();
+    for line in lines {
+        let command: Command = line.parse().unwrap_or_else(|error| panic!("{line}: {error}"));
+        assert_eq!(command.verb(), line.split(' ').next().unwrap());
+        verbs.insert(command.verb());
+    }
+    assert_eq!(verbs.len(), COMMANDS.len());
+    for help in COMMANDS {
+        // Every key that a line above gives is in the usage, and the other way round.
+        let keys = |text: &str| -> HashSet<String> {
+            let parts = text.split(['[', ']', ' ', '|']);
+            parts.filter_map(|p| p.split_once('=').map(|(key, _)| key.to_string())).collect()
+        };
+        let lines = lines.iter().filter(|line| line.split(' ').next() == Some(help.verb));
+        let used: HashSet<String> = lines.flat_map(|line| keys(line)).collect();
+        let told = keys(help.usage);
+        assert!(used.is_subset(&told), "{}: {used:?} but usage has {told:?}", help.verb);
+        assert!(!help.tooltip.is_empty());
+    }
+}
+
+#[test]
+fn errors_say_what_is_wrong() {
+    let cases = [
+        ("", "no command"),
+        ("carve", "unknown command `carve`; known are new, open, "),
+        ("new", "`new` needs `dims=`"),
+        ("new dims=4,5", "dims=4,5: must be 3 numbers with commas between"),
+        ("new dims=4,5,-6", "dims=4,5,-6: `-6` is not a usable number"),
+        ("new dims=4,5,6 colour=7", "colour=7: must be 0, 8, 16 or 24 bits"),
+        ("new dims=4,5,6 fill=full", "fill=full: must be solid or empty"),
+        ("new dims=4,5,6 dims=4,5,6", "`dims=` is given twice"),
+        ("open", "`open` needs a file name"),
+        ("open a b", "`open` does not take `b`"),
+        ("open \"a", "a quoted text has no closing `\"`"),
+        ("open \"a\\", "a quoted text has no closing `\"`"),
+        ("open \"a\"b", "a space is missing after a closing `\"`"),
+        ("open \"C:\\dir\"", "`\\d` means nothing in a quoted text; write `\\\\` for a backslash"),
+        ("begin \"\\x4\"", "`\\x4\"` must have two hexadecimal digits"),
+        ("begin \"\\xff\"", "[255] is not UTF-8"),
+        ("end now", "`end` does not take `now`"),
+        ("clear x=1", "`clear` does not take `x=`"),
+        ("add", "`add` needs ellipsoid, cuboid or pyramid"),
+        ("add ball at=1,2,3", "`ball` is not a solid; take ellipsoid, cuboid or pyramid"),
+        ("add cuboid half=1 colour=#000000", "`add` needs `at=`"),
+        ("add cuboid at=1,2,3 half=1", "`add` needs `colour=`"),
+        ("subtract cuboid at=1,2,3 half=1 colour=#000000", "`subtract` does not take `colour=`"),
+        ("subtract cuboid at=1,2,nan half=1", "at=1,2,nan: `nan` is not a usable number"),
+        ("subtract cuboid at=1,2,3 half=1e99", "half=1e99: `1e99` is not a usable number"),
+        (
+            "subtract cuboid at=1,2,3 half=1 turn=1,2",
+            "turn=1,2: must be three angles in degrees or a quaternion of four numbers",
+        ),
+        (
+            "subtract cuboid at=1,2,3 half=1 turn=0,0,0,0",
+            "turn=0,0,0,0: is a quaternion of length 0",
+        ),
+        ("fill colour=red", "colour=red: `red` is not a colour; write it as #rrggbb"),
+        ("undo some", "`some` is neither a number of steps nor `all`"),
+    ];
+    for (line, message) in cases {
+        let error = line.parse::<Command>().expect_err(line).to_string();
+        assert!(error.starts_with(message), "{line}\n  says    {error}\n  not     {message}");
+    }
+    let error = parse_script("clear\n\n# fine\n carve all\n").unwrap_err();
+    assert!(error.to_string().starts_with("line 4: unknown command `carve`"), "{error}");
+}
