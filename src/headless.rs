@@ -36,7 +36,7 @@ pub enum JobError {
     #[error("script {path}, {error}")]
     Script { path: PathBuf, error: ScriptError },
     #[error("script {path}, line {line} (`{command}`): {error}")]
-    Command { path: PathBuf, line: usize, command: String, error: SessionError },
+    Command { path: PathBuf, line: usize, command: String, error: Box<SessionError> },
     #[error("cannot make the folder {path}: {error}")]
     Folder { path: PathBuf, error: std::io::Error },
     #[error(transparent)]
@@ -178,7 +178,7 @@ fn execute_script(
             path: path.to_path_buf(),
             line: *line,
             command: command.to_string(),
-            error,
+            error: Box::new(error),
         })?;
         progress.advance(i as f32 / count);
     }

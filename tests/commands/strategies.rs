@@ -5,6 +5,10 @@ use std::path::PathBuf;
 use glam::{EulerRot, Quat, UVec3, Vec3};
 use proptest::prelude::*;
 use virtual_sculpture::command::{Command, NewSculpture};
+use virtual_sculpture::format::Samples;
+use virtual_sculpture::format::options::{
+    Colouring, Existence, ExportForm, ImportOptions, RawLayout,
+};
 use virtual_sculpture::sculpture::edit::EditOp;
 use virtual_sculpture::sculpture::{ColourDepth, Placement, Rgb};
 use virtual_sculpture::tools::construct::{Primitive, Solid};
@@ -17,6 +21,36 @@ pub fn colour() -> impl Strategy<Value = Rgb> {
         Just(Rgb::new(0, 90, 255)),
         any::<[u8; 3]>().prop_map(Rgb),
     ]
+}
+
+fn import() -> impl Strategy<Value = ImportOptions> {
+    let threshold = (-1e9f64..1e9).prop_map(Existence::Threshold);
+    let existence = prop_oneof![Just(Existence::Auto), threshold];
+    let colouring = prop::sample::select(&Colouring::NAMED[..]).prop_map(|(choice, _)| choice);
+    let colour_depth = prop::option::of(prop::sample::select(&ColourDepth::ALL[..]));
+    let samples = prop::sample::select(&Samples::NAMED[..]).prop_map(|(samples, _)| samples);
+    let dims = prop::array::uniform3(1u32..5000).prop_map(UVec3::from);
+    let voxel_size = prop::array::uniform3(1e-6f32..1e6).prop_map(Vec3::from);
+    let raw = (dims, samples, any::<u64>(), voxel_size).prop_map(
+        |(dims, samples, skip_bytes, voxel_size)| RawLayout {
+            dims,
+            samples,
+            skip_bytes,
+            voxel_size,
+        },
+    );
+    (existence, colouring, colour_depth, prop::option::of(raw)).prop_map(
+        |(existence, colouring, colour_depth, raw)| ImportOptions {
+            existence,
+            colouring,
+            colour_depth,
+            raw,
+        },
+    )
+}
+
+fn form() -> impl Strategy<Value = ExportForm> {
+    prop::sample::select(&ExportForm::NAMED[..]).prop_map(|(form, _)| form)
 }
 
 pub fn rotation() -> impl Strategy<Value = Quat> {
@@ -138,8 +172,8 @@ pub fn any_command() -> impl Strategy<Value = Command> {
         });
     prop_oneof![
         new,
-        path().prop_map(|path| Command::Open { path }),
-        path().prop_map(|path| Command::Save { path }),
+        (path(), import()).prop_map(|(path, import)| Command::Open { path, import }),
+        (path(), form()).prop_map(|(path, form)| Command::Save { path, form }),
         hostile_text().prop_map(|label| Command::Begin { label }),
         Just(Command::End),
         Just(Command::Cancel),
