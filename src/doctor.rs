@@ -2,6 +2,7 @@
 //! lacks. It only looks; it changes nothing and never fails.
 
 use crate::config::personal_file;
+use crate::gpu;
 use crate::screen::headset;
 
 /// Prints what the program can use, a line each.
@@ -16,6 +17,7 @@ pub fn report() {
         Ok(cores) => println!("processor: {cores} threads"),
         Err(error) => println!("processor: unknown ({error})"),
     }
+    vulkan();
     gamepads();
     match headset::probe() {
         Ok(runtime) => println!(
@@ -25,6 +27,20 @@ pub fn report() {
             if runtime.vulkan { "" } else { ", but it cannot share Vulkan images" }
         ),
         Err(reason) => println!("OpenXR: {reason}"),
+    }
+}
+
+fn vulkan() {
+    match gpu::survey() {
+        Ok(devices) => {
+            for (index, (name, refused)) in devices.iter().enumerate() {
+                match refused {
+                    None => println!("Vulkan device {index}: {name}"),
+                    Some(reason) => println!("Vulkan device {index}: {reason}"),
+                }
+            }
+        }
+        Err(error) => println!("Vulkan: {error}"),
     }
 }
 

@@ -145,7 +145,10 @@ mod tests {
         map.voxels[100 + 49 * 200] = grid.voxel_index(UVec3::new(8, 8, 10));
         let point = surface_point(&map, &grid, middle).unwrap();
         assert!((point.z - 11.0).abs() < 1e-4, "{point}");
-        assert!(point.x > 8.0 && point.x < 8.2 && point.y > 8.0 && point.y < 8.2, "{point}");
+        // Half a pixel right of and above the axis, 57 before the eye.
+        let half_pixel = 22.5f32.to_radians().tan() * 57.0 / 100.0;
+        let expected = Vec3::new(8.0 + half_pixel, 8.0 + half_pixel, 11.0);
+        assert!(point.abs_diff_eq(expected, 1e-4), "{point}");
         assert_eq!(surface_point(&map, &grid, Vec2::new(-1.0, 5.0)), None);
         assert_eq!(surface_point(&map, &grid, Vec2::new(200.0, 5.0)), None);
     }

@@ -55,18 +55,7 @@ pub(super) fn choose(
     if let Some(physical) = host.prescribed_device(instance)? {
         return candidate(instance, host, physical)?.map_err(GpuError::NoneSuitable);
     }
-    // SAFETY: plain query.
-    let all = match unsafe { instance.raw().enumerate_physical_devices() } {
-        // What loaders say where no driver is installed.
-        Err(vk::Result::ERROR_INITIALIZATION_FAILED) => Vec::new(),
-        result => result.during("list the Vulkan devices")?,
-    };
-    if all.is_empty() {
-        return Err(GpuError::NoDevice);
-    }
-    // SAFETY: the handles were just listed.
-    let properties = |physical| unsafe { instance.raw().get_physical_device_properties(physical) };
-    let names: Vec<String> = all.iter().map(|&p| device_name(&properties(p))).collect();
+    let (all, names) = all_devices(instance)?;
     let wanted: Vec<vk::PhysicalDevice> = match choice {
         DeviceChoice::Preferred => all.clone(),
         DeviceChoice::Index(index) => all.get(*index).copied().into_iter().collect(),
@@ -98,6 +87,36 @@ pub(super) fn choose(
         .into_iter()
         .min_by_key(|c| rank(c.properties.device_type))
         .ok_or_else(|| GpuError::NoneSuitable(refused.join("; ")))
+}
+
+/// Every device of the computer with its name, in the loader's order; an error if there is none.
+fn all_devices(instance: &Instance) -> Result<(Vec<vk::PhysicalDevice>, Vec<String>)> {
+    // SAFETY: plain query.
+    let all = match unsafe { instance.raw().enumerate_physical_devices() } {
+        // What loaders say where no driver is installed.
+        Err(vk::Result::ERROR_INITIALIZATION_FAILED) => Vec::new(),
+        result => result.during("list the Vulkan devices")?,
+    };
+    if all.is_empty() {
+        return Err(GpuError::NoDevice);
+    }
+    // SAFETY: the handles were just listed.
+    let properties = |physical| unsafe { instance.raw().get_physical_device_properties(physical) };
+    let names = all.iter().map(|&p| device_name(&properties(p))).collect();
+    Ok((all, names))
+}
+
+/// Says of every device of the computer, in the order of [`DeviceChoice::Index`], its name and,
+/// where it cannot be used, why.
+pub fn survey() -> Result<Vec<(String, Option<String>)>> {
+    let mut host = super::host::Headless;
+    let instance = Instance::new(&mut host, super::instance::Validation::Off)?;
+    let (all, names) = all_devices(&instance)?;
+    let mut devices = Vec::new();
+    for (physical, name) in all.into_iter().zip(names) {
+        devices.push((name, candidate(&instance, &host, physical)?.err()));
+    }
+    Ok(devices)
 }
 
 fn rank(kind: vk::PhysicalDeviceType) -> u32 {

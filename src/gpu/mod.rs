@@ -52,7 +52,7 @@ pub mod shaders;
 mod upload;
 mod validation;
 
-pub use choice::DeviceChoice;
+pub use choice::{DeviceChoice, survey};
 pub use commands::{Attachment, FRAMES_IN_FLIGHT, Frames, Load, Pool, Recorder, Use, run_once};
 pub use descriptors::{Binding, DescriptorSets, SetLayout};
 pub use device::{Device, DeviceOptions, MAX_SEMAPHORES, Serial};
