@@ -14,11 +14,11 @@ use std::fs::File;
 use std::path::PathBuf;
 use std::str::FromStr;
 
+use super::colour::{ColourChoice, Matrix, Range};
 use super::error::VideoError;
 use super::frame::check_size;
 use super::http::Url;
 use super::rate::Rate;
-use super::yuv::{ColourChoice, Matrix, Range};
 
 /// Where a video comes from.
 #[derive(Clone, PartialEq, Debug)]

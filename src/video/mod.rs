@@ -15,6 +15,7 @@
 //! ```
 
 mod address;
+mod colour;
 mod error;
 mod frame;
 mod framing;
@@ -43,6 +44,7 @@ mod pump_tests;
 mod yuv_tests;
 
 pub use address::{Address, CameraAddress, FilmAddress, FilmKind};
+pub use colour::{Colour, ColourChoice, Matrix, Range};
 pub use error::VideoError;
 pub use frame::{Frame, MAX_COMPRESSED_BYTES, MAX_PIXELS, MAX_SIDE_PX};
 pub use framing::{Fit, Framing};
@@ -53,4 +55,4 @@ pub use slot::{State, Stats};
 pub use source::VideoSource;
 #[cfg(target_os = "linux")]
 pub use v4l2::{CameraInfo, CameraMode, cameras};
-pub use yuv::{Colour, ColourChoice, Layout, Lines, Matrix, Planes, Range, to_rgba};
+pub use yuv::{Layout, Lines, Planes, to_rgba};

@@ -1,7 +1,8 @@
 //! The decoding thread over readers that do as they are told: pace, loss, return, panic.
 
 use std::collections::VecDeque;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
+use std::sync::mpsc::{self, Sender};
 use std::time::{Duration, Instant};
 
 use super::error::VideoError;
@@ -67,18 +68,19 @@ impl Reader for Scripted {
 }
 
 /// A source whose readers follow the scripts in turn; when there are none left, opening fails.
-fn source(scripts: &[&[Act]], play: Play) -> (VideoSource, Arc<Mutex<Vec<Instant>>>) {
+/// Each opening waits for a word over the channel, so that what came before can be looked at.
+fn source(scripts: &[&[Act]], play: Play) -> (VideoSource, Sender<()>) {
     let mut scripts: VecDeque<Vec<Act>> = scripts.iter().map(|acts| acts.to_vec()).collect();
-    let tries = Arc::new(Mutex::new(Vec::new()));
-    let noted = Arc::clone(&tries);
+    let (go, gate) = mpsc::channel();
     let open: Open = Box::new(move |_: &Stop| {
-        noted.lock().unwrap().push(Instant::now());
+        gate.recv().map_err(|_| failure())?;
         let all = scripts.pop_front().ok_or_else(failure)?;
         let reader: Box<dyn Reader> =
             Box::new(Scripted { acts: all.clone().into(), all, now: Act::Idle });
         Ok(reader)
     });
-    (VideoSource::start("script".into(), open, play).unwrap(), tries)
+    go.send(()).unwrap();
+    (VideoSource::start("script".into(), open, play).unwrap(), go)
 }
 
 const CAMERA: Play = Play::Camera {
@@ -97,40 +99,54 @@ fn until(source: &mut VideoSource, done: impl Fn(&VideoSource) -> bool) {
     }
 }
 
+fn error_of(source: &VideoSource) -> String {
+    source.state().error().map(ToString::to_string).unwrap_or_default()
+}
+
 #[test]
 fn a_lost_camera_comes_back_and_its_last_frame_stays() {
     let scripts: [&[Act]; 2] = [&[Act::Give(0), Act::Fail], &[Act::Give(0), Act::Give(1)]];
-    let (mut source, tries) = source(&scripts, CAMERA);
-    until(&mut source, |s| s.stats().decoded == 3);
-    assert!(source.frame().is_some_and(|frame| frame.sequence == 3));
-    assert_eq!(source.stats().opened, 2);
-    // Nothing more comes: silence is a loss, then opening fails for ever, each time waiting longer.
+    let (mut source, go) = source(&scripts, CAMERA);
     until(&mut source, |s| matches!(s.state(), State::Lost(_)));
-    assert!(source.state().error().unwrap().to_string().contains("no picture"));
-    until(&mut source, |_| tries.lock().unwrap().len() >= 8);
+    assert!(error_of(&source).contains("as told"));
+    assert!(source.frame().is_some_and(|frame| frame.sequence == 1));
+    go.send(()).unwrap();
+    until(&mut source, |s| s.stats().decoded == 3);
+    assert_eq!(source.stats().opened, 2);
+    // Nothing more comes, and silence is a loss.
+    until(&mut source, |s| matches!(s.state(), State::Lost(_)));
+    assert!(error_of(&source).contains("no picture"));
     assert!(source.frame().is_some_and(|frame| frame.sequence == 3));
-    let tries = tries.lock().unwrap();
-    for (i, pair) in tries.windows(2).enumerate().skip(2) {
-        let least = [5, 10, 20][(i - 2).min(2)];
-        assert!(pair[1] - pair[0] >= Duration::from_millis(least), "{i}");
+    // Opening fails from now on.
+    drop(go);
+    until(&mut source, |s| error_of(s).contains("as told"));
+    assert!(source.frame().is_some_and(|frame| frame.sequence == 3));
+}
+
+#[test]
+fn a_camera_is_sought_at_growing_intervals() {
+    let (note, tries) = mpsc::channel();
+    let open: Open = Box::new(move |_: &Stop| {
+        let _ = note.send(Instant::now());
+        Err(failure())
+    });
+    let _source = VideoSource::start("script".into(), open, CAMERA).unwrap();
+    let times: Vec<Instant> = tries.iter().take(6).collect();
+    for (pair, least) in times.windows(2).zip([5, 10, 20, 20, 20]) {
+        assert!(pair[1] - pair[0] >= Duration::from_millis(least));
     }
 }
 
 #[test]
 fn a_panic_and_broken_pictures_are_losses_not_ends() {
-    let broken = [Act::Broken, Act::Broken, Act::Broken];
-    let scripts: [&[Act]; 3] = [&[Act::Panic], &broken, &[Act::Give(0)]];
-    let (mut source, _) = source(&scripts, CAMERA);
-    until(
-        &mut source,
-        |s| matches!(s.state(), State::Lost(e) if matches!(**e, VideoError::Panicked { .. })),
-    );
-    until(
-        &mut source,
-        |s| matches!(s.state(), State::Lost(e) if e.to_string().contains("as told")),
-    );
+    let scripts: [&[Act]; 3] = [&[Act::Panic], &[Act::Broken, Act::Broken], &[Act::Give(0)]];
+    let (mut source, go) = source(&scripts, CAMERA);
+    until(&mut source, |s| error_of(s).contains("broke down"));
+    go.send(()).unwrap();
+    until(&mut source, |s| error_of(s).contains("as told"));
+    go.send(()).unwrap();
     until(&mut source, |s| matches!(s.state(), State::Live));
-    assert_eq!(source.stats().broken, 3);
+    assert_eq!(source.stats().broken, 2);
 }
 
 #[test]
@@ -150,10 +166,9 @@ fn a_film_ends_or_fails_and_keeps_its_last_frame() {
     let (mut ended, _) = source(&[&[Act::Give(0), Act::End]], Play::Film { repeat: false });
     until(&mut ended, |s| matches!(s.state(), State::Ended));
     assert!(ended.frame().is_some());
-    let (mut failed, tries) = source(&[&[Act::Give(0), Act::Fail]], Play::Film { repeat: true });
+    let (mut failed, _) = source(&[&[Act::Give(0), Act::Fail]], Play::Film { repeat: true });
     until(&mut failed, |s| matches!(s.state(), State::Failed(_)));
-    assert!(failed.frame().is_some());
-    assert_eq!(tries.lock().unwrap().len(), 1);
+    assert!(failed.frame().is_some() && failed.stats().opened == 1);
     for acts in [&[Act::End][..], &[Act::Broken, Act::End], &[Act::Panic]] {
         let (mut none, _) = source(&[acts], Play::Film { repeat: true });
         until(&mut none, |s| matches!(s.state(), State::Failed(_)));

@@ -9,11 +9,12 @@ use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use std::time::Duration;
 
 use super::address::FilmAddress;
+use super::colour::{Colour, Range};
 use super::error::VideoError;
 use super::frame::{Frame, check_size};
 use super::rate::Rate;
 use super::reader::{Decoded, Fetched, Reader};
-use super::yuv::{Colour, Layout, Lines, Planes, Range, to_rgba};
+use super::yuv::{Layout, Lines, Planes, to_rgba};
 
 /// Longest header line, bytes.
 const MAX_LINE: usize = 1024;

@@ -2,7 +2,8 @@
 
 use proptest::prelude::*;
 
-use super::yuv::{Colour, Layout, Lines, Matrix, Planes, Range, to_rgba};
+use super::colour::{Colour, Matrix, Range};
+use super::yuv::{Layout, Lines, Planes, to_rgba};
 
 const COLOURS: [Colour; 4] = [
     Colour { matrix: Matrix::Bt601, range: Range::Limited },

@@ -1,0 +1,90 @@
+//! Shows what a video source gives: lists the cameras of this computer, or writes some frames of
+//! any source as PNG and says how they came.
+//!
+//! ```text
+//! cargo run --example camera
+//! cargo run --example camera -- v4l2:/dev/video0?size=1280x720 10 /tmp
+//! cargo run --example camera -- http://192.168.0.20:8080/video
+//! ```
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail};
+use virtual_sculpture::video::{Address, Frame, State, VideoSource};
+
+fn main() -> Result<()> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let Some(address) = arguments.first() else {
+        return list();
+    };
+    let count = arguments.get(1).map_or("1", String::as_str);
+    let count = count.parse().with_context(|| format!("{count:?} is no number of frames"))?;
+    let folder = arguments.get(2).map_or(".", String::as_str);
+    capture(address, count, Path::new(folder))
+}
+
+#[cfg(target_os = "linux")]
+fn list() -> Result<()> {
+    let cameras = virtual_sculpture::video::cameras()?;
+    if cameras.is_empty() {
+        println!("No camera.");
+    }
+    for camera in cameras {
+        println!("v4l2:{}  {}", camera.device.display(), camera.name);
+        match camera.modes {
+            Ok(modes) => {
+                for mode in modes {
+                    let format = String::from_utf8_lossy(&mode.format).into_owned();
+                    let (width, height, rate) = (mode.width, mode.height, mode.per_second);
+                    println!("    {format} {width} x {height}, up to {rate:.1} a second");
+                }
+            }
+            Err(error) => println!("    {error}"),
+        }
+    }
+    Ok(())
+}
+
+#[cfg(not(target_os = "linux"))]
+fn list() -> Result<()> {
+    bail!("only Linux can be asked for its cameras; name a film or an http:// address")
+}
+
+/// Writes `count` frames as they come, telling each change of state.
+fn capture(address: &str, count: u64, folder: &Path) -> Result<()> {
+    let mut source = VideoSource::open(&address.parse::<Address>()?)?;
+    let start = Instant::now();
+    let (mut written, mut told) = (0, String::new());
+    while written < count {
+        if let Some(frame) = source.poll() {
+            written += 1;
+            let path = folder.join(format!("frame-{written:04}.png"));
+            save(frame, &path)?;
+            let (number, at) = (frame.sequence, frame.position.as_secs_f64());
+            println!("{}: frame {number} at {at:.3} s", path.display());
+        }
+        let state = match source.state() {
+            State::Opening => "opening".to_owned(),
+            State::Live => format!("live after {:.3} s", start.elapsed().as_secs_f64()),
+            State::Lost(error) => format!("lost: {error}"),
+            State::Failed(error) => bail!("{error}"),
+            State::Ended if written < count => bail!("the film ended after {written} frames"),
+            State::Ended => "ended".to_owned(),
+        };
+        let kind = state.split(' ').next().unwrap_or_default().to_owned();
+        if !told.starts_with(&kind) || (kind == "lost:" && told != state) {
+            println!("{state}");
+            told = state;
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    println!("{:?}", source.stats());
+    Ok(())
+}
+
+fn save(frame: &Frame, path: &Path) -> Result<()> {
+    let (width, height) = (frame.width, frame.height);
+    image::save_buffer(path, &frame.pixels, width, height, image::ColorType::Rgba8)
+        .with_context(|| format!("cannot write {}", path.display()))
+}

@@ -1,0 +1,191 @@
+//! Owns pictures from a camera of a Linux computer.
+//!
+//! Reads by `linuxvideo`, which speaks to the kernel without any C library. Cameras with several
+//! planes of memory (embedded boards) are not read. A picture's bytes are copied out of the
+//! driver's buffer at once, which then is free for the next one.
+
+mod modes;
+
+use std::io::{Error, ErrorKind};
+use std::time::{Duration, Instant};
+
+use linuxvideo::format::{PixFormat, PixelFormat};
+use linuxvideo::stream::ReadStream;
+use linuxvideo::{BufTypes, Device, Fract};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+
+use self::modes::{Coding, DEFAULT_SIZE, choose, coding_of, modes_of, offered};
+use super::address::CameraAddress;
+use super::colour::Colour;
+use super::error::VideoError;
+use super::frame::{Frame, check_size};
+use super::jpeg::{self, Splitter};
+use super::rate::Rate;
+use super::reader::{Decoded, FETCH_WAIT, Fetched, Reader};
+use super::yuv::{Lines, Planes, to_rgba};
+
+pub use self::modes::{CameraInfo, CameraMode, cameras};
+
+/// An opened camera.
+pub struct Camera {
+    stream: ReadStream,
+    subject: String,
+    coding: Coding,
+    width: u32,
+    height: u32,
+    stride: usize,
+    colour: Colour,
+    opened: Instant,
+    bytes: Vec<u8>,
+    /// The driver says that the bytes are damaged.
+    damaged: bool,
+    splitter: Splitter,
+    picture: Vec<u8>,
+    lines: Lines,
+}
+
+impl Camera {
+    pub fn open(address: &CameraAddress) -> Result<Camera, VideoError> {
+        let subject = address.device.display().to_string();
+        let io = |error: Error| VideoError::io(&*subject, error);
+        let device = Device::open(&address.device).map_err(io)?;
+        if !device.supported_buf_types().contains(BufTypes::VIDEO_CAPTURE) {
+            let problem = "not a camera, or one with several planes of memory";
+            return Err(VideoError::unsupported(subject, problem));
+        }
+        let size = address.size.unwrap_or(DEFAULT_SIZE);
+        let rate = address.rate.unwrap_or(Rate::DEFAULT);
+        let modes = modes_of(&device, size);
+        let Some(mode) = choose(&modes, address.format, size, rate) else {
+            let problem = format!("it offers only {}", offered(&device));
+            return Err(VideoError::unsupported(subject, problem));
+        };
+        let format = PixelFormat::from_fourcc(mode.format);
+        let capture =
+            device.video_capture(PixFormat::new(mode.width, mode.height, format)).map_err(io)?;
+        let (frames, seconds) = rate.fraction();
+        if let Err(error) = capture.set_frame_interval(Fract::new(seconds, frames)) {
+            tracing::debug!("{subject}: it keeps its own frame rate ({error})");
+        }
+        let got = capture.format();
+        let (width, height) = (got.width(), got.height());
+        check_size(u64::from(width), u64::from(height), &subject)?;
+        let Some(coding) = coding_of(got.pixel_format()) else {
+            let problem = format!("it insists on the format {}", got.pixel_format());
+            return Err(VideoError::unsupported(subject, problem));
+        };
+        let stride = match coding {
+            Coding::Raw(layout) => {
+                (got.bytes_per_line() as usize).max(layout.least_stride(width as usize))
+            }
+            Coding::Jpeg => 0,
+        };
+        let name = got.pixel_format();
+        tracing::info!("{subject}: {width} x {height} {name}, {} a second", mode.per_second);
+        let stream = capture.into_stream().map_err(io)?;
+        Ok(Camera {
+            stream,
+            subject,
+            coding,
+            width,
+            height,
+            stride,
+            colour: address.colour.over(Colour::DEFAULT),
+            opened: Instant::now(),
+            bytes: Vec::new(),
+            damaged: false,
+            splitter: Splitter::new(),
+            picture: Vec::new(),
+            lines: Lines::default(),
+        })
+    }
+
+    fn dequeue(&mut self) -> Result<(), VideoError> {
+        let (bytes, damaged) = (&mut self.bytes, &mut self.damaged);
+        self.stream
+            .dequeue(|view| {
+                bytes.clear();
+                bytes.extend_from_slice(&view);
+                *damaged = view.is_error();
+                Ok(())
+            })
+            .map_err(|error| VideoError::io(&*self.subject, error))
+    }
+}
+
+impl Reader for Camera {
+    fn fetch(&mut self) -> Result<Fetched, VideoError> {
+        let mut events = [PollFd::new(&self.stream, PollFlags::IN)];
+        let wait = Timespec { tv_sec: 0, tv_nsec: FETCH_WAIT.subsec_nanos().into() };
+        match poll(&mut events, Some(&wait)) {
+            Ok(0) | Err(rustix::io::Errno::INTR) => return Ok(Fetched::Idle),
+            Ok(_) => {}
+            Err(error) => return Err(VideoError::io(&*self.subject, error)),
+        }
+        if !events[0].revents().contains(PollFlags::IN) {
+            let error = Error::new(ErrorKind::NotConnected, "the camera is gone");
+            return Err(VideoError::io(&*self.subject, error));
+        }
+        self.dequeue()?;
+        let mut stale = 0;
+        // As many as there are buffers may wait; the newest is wanted.
+        while stale < 8
+            && !self.stream.will_block().map_err(|e| VideoError::io(&*self.subject, e))?
+        {
+            self.dequeue()?;
+            stale += 1;
+        }
+        Ok(Fetched::Picture { position: self.opened.elapsed(), stale, broken: 0 })
+    }
+
+    fn decode(&mut self, frame: &mut Frame) -> Result<Decoded, VideoError> {
+        let broken =
+            |problem: String| Ok(Decoded::Broken(VideoError::malformed(&*self.subject, problem)));
+        if self.damaged {
+            return broken("the driver reports a damaged picture".into());
+        }
+        match self.coding {
+            Coding::Raw(layout) => {
+                frame.shape(self.width, self.height, &self.subject)?;
+                let (width, height) = (self.width as usize, self.height as usize);
+                let planes =
+                    Planes { layout, width, height, stride: self.stride, data: &self.bytes };
+                match to_rgba(planes, self.colour, &mut self.lines, &mut frame.pixels) {
+                    Ok(()) => Ok(Decoded::Whole),
+                    Err(problem) => broken(problem),
+                }
+            }
+            Coding::Jpeg => {
+                self.splitter.reset();
+                let (_, whole) = self.splitter.feed(&self.bytes);
+                if !whole {
+                    return broken("a JPEG that breaks off".into());
+                }
+                self.splitter.swap_picture(&mut self.picture);
+                Ok(jpeg::decode(&self.picture, &self.subject, frame))
+            }
+        }
+    }
+
+    fn rewind(&mut self) -> Result<Duration, VideoError> {
+        Err(VideoError::unsupported(&*self.subject, "a camera cannot be rewound"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_camera_says_so() {
+        let address = |device: &str| match format!("v4l2:{device}").parse() {
+            Ok(super::super::Address::Camera(camera)) => camera,
+            other => panic!("{other:?}"),
+        };
+        for device in ["/dev/null", "/nonexistent", "/dev"] {
+            let error = Camera::open(&address(device)).err().unwrap();
+            assert!(error.to_string().starts_with(device), "{error}");
+        }
+        assert!(cameras().is_ok());
+    }
+}
