@@ -1,5 +1,7 @@
 //! Sources of video from outside: what files and sockets really give, and the same damaged.
 
+#![allow(clippy::unwrap_used)]
+
 mod films;
 mod phone;
 
