@@ -51,7 +51,7 @@ impl HttpCamera {
         stream.set_write_timeout(Some(HEAD_WAIT)).map_err(io)?;
         stream.set_nodelay(true).map_err(io)?;
         let mut request = format!(
-            "GET {} HTTP/1.1\r\nHost: {}\r\nAccept: multipart/x-mixed-replace, image/jpeg\r\n\
+            "GET {} HTTP/1.1\r\nHost: {}\r\nAccept: multipart/x-mixed-replace, */*\r\n\
              User-Agent: virtual-sculpture\r\nConnection: close\r\n",
             url.path,
             url.authority()
