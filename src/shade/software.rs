@@ -18,7 +18,7 @@ use crate::surface::IndexMap;
 /// Rows of pixels that one parallel task shades.
 const BAND_ROWS: usize = 16;
 /// Width of the strips of a band: the bricks of a strip stay in the nearest cache.
-const STRIP_PX: usize = 64;
+const STRIP_PX: usize = 32;
 
 /// Where the sculpture and the eye are.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -75,56 +75,56 @@ impl Shader<'_> {
         for left in (0..width).step_by(STRIP_PX) {
             let strip = left..width.min(left + STRIP_PX);
             for (voxels, out) in voxels.chunks_exact(width).zip(out.chunks_exact_mut(width)) {
-                let (voxels, out) = (&voxels[strip.clone()], &mut out[strip.clone()]);
-                for (voxels, out) in voxels.chunks(LANES).zip(out.chunks_mut(LANES)) {
-                    self.shade_few(simd, voxels, out, &mut points);
+                let (voxels, rest) = voxels[strip.clone()].as_chunks();
+                let (out, out_rest) = out[strip.clone()].as_chunks_mut();
+                for (voxels, out) in voxels.iter().zip(out) {
+                    *out = self.shade_few(simd, voxels, &mut points);
+                }
+                if !rest.is_empty() {
+                    let mut voxels = [NO_VOXEL; LANES];
+                    voxels[..rest.len()].copy_from_slice(rest);
+                    let pixels = self.shade_few(simd, &voxels, &mut points);
+                    out_rest.copy_from_slice(&pixels[..rest.len()]);
                 }
             }
         }
     }
 
-    /// Shades up to sixteen pixels.
+    /// Shades sixteen pixels.
     #[inline(always)]
     fn shade_few<S: Simd>(
         &self,
         simd: S,
-        voxels: &[u32],
-        out: &mut [[u8; 4]],
+        voxels: &[u32; LANES],
         points: &mut SurfacePoints,
-    ) {
+    ) -> [[u8; 4]; LANES] {
+        let voxels = u32x16::load_array_ref(simd, voxels);
+        let seen = voxels.simd_ne(NO_VOXEL);
+        if !seen.any_true() {
+            return [[0; 4]; LANES];
+        }
         // Lanes without a voxel are computed as if they saw the first one.
-        let mut indices = [0; LANES];
-        let mut seen = 0u32;
-        for (lane, &voxel) in voxels.iter().enumerate() {
-            let exists = voxel != NO_VOXEL;
-            seen |= u32::from(exists) << lane;
-            indices[lane] = if exists { voxel } else { 0 };
-        }
-        if seen == 0 {
-            out.fill([0; 4]);
-            return;
-        }
-        let places = self.places.coords(simd, u32x16::load_array_ref(simd, &indices));
+        let nothing = u32x16::splat(simd, 0);
+        let places = self.places.coords(simd, seen.select(voxels, nothing));
+        let seen_lanes = seen.to_bitmask() as u32;
         for axis in 0..3 {
             (places[axis].to_float::<f32x16<S>>() + 0.5).store_array(&mut points.position[axis]);
         }
-        let gradients = self.words.gradients(simd, places, seen);
+        let gradients = self.words.gradients(simd, places, seen_lanes);
         for axis in 0..3 {
             gradients[axis].store_array(&mut points.gradient[axis]);
         }
         if self.painted {
-            let [x, y, z] = places.map(|v| v.to_array());
-            for lane in 0..voxels.len() {
+            let [x, y, z] = [places[0].to_array(), places[1].to_array(), places[2].to_array()];
+            for lane in 0..LANES {
                 let v = UVec3::new(x[lane] as u32, y[lane] as u32, z[lane] as u32);
                 let brick = self.grid.brick_index(v / BRICK_EDGE_VX);
                 let rgb = self.material.rgb(brick, local_index(v.x & 7, v.y & 7, v.z & 7));
                 points.colour[lane] = packed(rgb);
             }
         }
-        let colours = self.illumination.shade(simd, points).to_array();
-        for (lane, pixel) in out.iter_mut().enumerate() {
-            *pixel = if seen >> lane & 1 != 0 { colours[lane].to_le_bytes() } else { [0; 4] };
-        }
+        let colours = seen.select(self.illumination.shade(simd, points), nothing);
+        bytemuck::cast(colours.to_array().map(u32::to_le))
     }
 }
 
