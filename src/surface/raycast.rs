@@ -2,8 +2,13 @@
 //!
 //! Takes a grid and rays in grid coordinates. What is exact is laid down in [`ray`]: a ray meets
 //! voxels in the order of its crossings of voxel boundaries, and the caster returns the first
-//! existing one of those, the very voxel that a walk voxel by voxel from the eye returns. It
-//! merely skips what is empty: blocks of 4^3 bricks, bricks, words of 4^3 voxels.
+//! existing one of those, the very voxel that a walk voxel by voxel from the eye returns.
+//!
+//! There are two ways to it. [`walk`] takes one ray and skips what is empty: blocks of 4^3 bricks,
+//! bricks, words of 4^3 voxels. [`sweep`] takes a tile of a picture and goes the other way round:
+//! it visits the cubes of the grid front to back, each once for all pixels of the tile that may
+//! see it, and walks sixteen rays at once through a brick ([`packet`]). At usual distances a
+//! brick covers some thirty pixels, so that nearly all decisions are shared.
 //!
 //! Knows no colours, no light and no cameras beyond the rays of their pixels.
 
@@ -13,6 +18,7 @@ pub(super) mod ray;
 mod sweep;
 pub(super) mod walk;
 
+use fearless_simd::Level;
 use glam::{IVec3, UVec3, Vec3};
 
 use self::projection::Projection;
@@ -56,9 +62,13 @@ pub fn sample(grid: &Grid, rays: &PixelRays, map: &mut IndexMap) {
 
 /// Samples anew the pixels of `rect` (cut to the picture) with the rays that `map` was made with.
 pub fn sample_rect(grid: &Grid, map: &mut IndexMap, rect: PixelRect) {
+    sample_rect_at(Level::new(), grid, map, rect);
+}
+
+fn sample_rect_at(level: Level, grid: &Grid, map: &mut IndexMap, rect: PixelRect) {
     match Projection::new(&map.rays) {
         Some(projection) => {
-            let sweep = Sweep { grid, rays: map.rays, projection };
+            let sweep = Sweep { grid, rays: map.rays, projection, level };
             for_each_tile(map, rect, |tile| sweep.run(tile));
         }
         // Pixels in a line or a point: no picture that anybody looks at.
@@ -88,4 +98,4 @@ pub(super) fn sample_each(
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

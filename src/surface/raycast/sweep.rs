@@ -29,6 +29,8 @@ pub(super) struct Sweep<'a> {
     pub grid: &'a Grid,
     pub rays: PixelRays,
     pub projection: Projection,
+    /// The vector instructions to use.
+    pub level: Level,
 }
 
 /// A cube that waits for its turn, with the pixels in which it can be seen.
@@ -51,7 +53,7 @@ struct Canvas {
 impl Sweep<'_> {
     /// Samples a tile.
     pub fn run(&self, tile: Tile) {
-        dispatch!(Level::new(), simd => self.run_with(simd, tile));
+        dispatch!(self.level, simd => self.run_with(simd, tile));
     }
 
     #[inline(always)]

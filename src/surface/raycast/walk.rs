@@ -128,7 +128,7 @@ impl<'a> Walk<'a> {
         let low = self.cell & -size;
         let far: [i32; 3] = std::array::from_fn(|axis| ray.far_plane(axis, low[axis], size));
         let mut event = ray.crossing(0, far[0]);
-        for axis in 1..3 {
+        for axis in [1, 2] {
             let other = ray.crossing(axis, far[axis]);
             if other.before(event) {
                 event = other;
