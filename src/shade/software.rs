@@ -36,6 +36,19 @@ pub fn shade(
     lighting: &Lighting,
     out: &mut Pixels,
 ) {
+    shade_at(Level::new(), map, grid, material, pose, lighting, out);
+}
+
+/// [`shade`] with a choice of vector instructions.
+fn shade_at(
+    level: Level,
+    map: &IndexMap,
+    grid: &Grid,
+    material: &Material,
+    pose: &ShadePose,
+    lighting: &Lighting,
+    out: &mut Pixels,
+) {
     out.reset(map.rays.size);
     let shader = Shader {
         grid,
@@ -51,7 +64,7 @@ pub fn shade(
     }
     let band = width * BAND_ROWS;
     out.rgba.par_chunks_mut(band).zip(map.voxels.par_chunks(band)).for_each(|(out, voxels)| {
-        dispatch!(Level::new(), simd => shader.shade(simd, width, voxels, out));
+        dispatch!(level, simd => shader.shade(simd, width, voxels, out));
     });
 }
 
@@ -169,57 +182,4 @@ fn divide<S: Simd>(simd: S, value: u32x16<S>, divisor: u32) -> (u32x16<S>, u32x1
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::sculpture::{Brick, ColourDepth, Placement, Rgb};
-    use crate::surface::raycast;
-    use crate::view::Camera;
-    use glam::{UVec2, Vec3};
-
-    #[test]
-    fn a_lit_face_is_brighter_than_its_ambient_light_and_nothing_is_transparent() {
-        let mut grid = Grid::new(UVec3::splat(16), Vec3::ONE, 1 << 20).unwrap();
-        grid.fill_bricks(|_| Brick::FULL);
-        let material = Material::new(ColourDepth::Bits24, Rgb::new(200, 100, 50), 8);
-        let eye = Camera::framing(16.0, Vec3::Z, Vec3::Y).eye(UVec2::new(64, 48));
-        let world_from_grid = Placement::default().world_from_grid(grid.dims(), grid.voxel_size());
-        let rays = eye.pixel_rays(&world_from_grid);
-        let mut map = IndexMap::new(rays);
-        raycast::sample(&grid, &rays, &mut map);
-        let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
-        let mut lit = Pixels::default();
-        shade(&map, &grid, &material, &pose, &Lighting::default(), &mut lit);
-        let dark = Lighting { lights: [None; 4], ..Lighting::default() };
-        let mut unlit = Pixels::default();
-        shade(&map, &grid, &material, &pose, &dark, &mut unlit);
-        let seen = lit.rgba.iter().filter(|p| p[3] == 255).count();
-        assert_eq!(seen, map.covered());
-        let centre = 24 * 64 + 32;
-        assert!(lit.rgba[centre][0] > unlit.rgba[centre][0] + 50);
-        assert_eq!(lit.rgba[0], [0; 4]);
-        // Colour times ambient light, 200 * 80 / 255 and so on.
-        assert_eq!(unlit.rgba[centre][..3], [63, 31, 17]);
-    }
-
-    #[test]
-    fn places_are_those_of_the_grid() {
-        let mut random = crate::scenes::Random(9);
-        for dims in [[1, 1, 1], [1, 7, 3], [4096, 1, 5], [1000, 3, 77], [4096, 4095, 255]] {
-            let dims = UVec3::from(dims);
-            let places = Places::of(dims);
-            for _ in 0..1000 {
-                let mut voxels: [UVec3; 16] =
-                    std::array::from_fn(|_| random.voxel(dims).as_uvec3());
-                voxels[0] = dims - 1;
-                let indices = voxels.map(|v| v.x + dims.x * (v.y + dims.y * v.z));
-                let found = dispatch!(Level::new(), simd => {
-                    let indices = u32x16::load_array_ref(simd, &indices);
-                    places.coords(simd, indices).map(|v| v.to_array())
-                });
-                for (lane, v) in voxels.into_iter().enumerate() {
-                    assert_eq!(found.map(|v| v[lane] as u32), v.to_array());
-                }
-            }
-        }
-    }
-}
+mod tests;

@@ -1,0 +1,165 @@
+use super::*;
+use crate::scenes::{self, Random};
+use crate::sculpture::{Brick, ColourDepth, Placement};
+use crate::shade::normal;
+use crate::shade::{Light, LightFrame, LightSource};
+use crate::surface::raycast;
+use crate::surface::raycast::tests::levels;
+use crate::view::Camera;
+use glam::{Mat3, Quat, UVec2, Vec3};
+
+#[test]
+fn a_lit_face_is_brighter_than_its_ambient_light_and_nothing_is_transparent() {
+    let mut grid = Grid::new(UVec3::splat(16), Vec3::ONE, 1 << 20).unwrap();
+    grid.fill_bricks(|_| Brick::FULL);
+    let material = Material::new(ColourDepth::Bits24, Rgb::new(200, 100, 50), 8);
+    let eye = Camera::framing(16.0, Vec3::Z, Vec3::Y).eye(UVec2::new(64, 48));
+    let world_from_grid = Placement::default().world_from_grid(grid.dims(), grid.voxel_size());
+    let rays = eye.pixel_rays(&world_from_grid);
+    let mut map = IndexMap::new(rays);
+    raycast::sample(&grid, &rays, &mut map);
+    let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
+    let mut lit = Pixels::default();
+    shade(&map, &grid, &material, &pose, &Lighting::default(), &mut lit);
+    let dark = Lighting { lights: [None; 4], ..Lighting::default() };
+    let mut unlit = Pixels::default();
+    shade(&map, &grid, &material, &pose, &dark, &mut unlit);
+    let seen = lit.rgba.iter().filter(|p| p[3] == 255).count();
+    assert_eq!(seen, map.covered());
+    let centre = 24 * 64 + 32;
+    assert!(lit.rgba[centre][0] > unlit.rgba[centre][0] + 50);
+    assert_eq!(lit.rgba[0], [0; 4]);
+    // Colour times ambient light, 200 * 80 / 255 and so on.
+    assert_eq!(unlit.rgba[centre][..3], [63, 31, 17]);
+}
+
+#[test]
+fn places_are_those_of_the_grid() {
+    let mut random = crate::scenes::Random(9);
+    for dims in [[1, 1, 1], [1, 7, 3], [4096, 1, 5], [1000, 3, 77], [4096, 4095, 255]] {
+        let dims = UVec3::from(dims);
+        let places = Places::of(dims);
+        for _ in 0..1000 {
+            let mut voxels: [UVec3; 16] = std::array::from_fn(|_| random.voxel(dims).as_uvec3());
+            voxels[0] = dims - 1;
+            let indices = voxels.map(|v| v.x + dims.x * (v.y + dims.y * v.z));
+            let found = dispatch!(Level::new(), simd => {
+                let indices = u32x16::load_array_ref(simd, &indices);
+                places.coords(simd, indices).map(|v| v.to_array())
+            });
+            for (lane, v) in voxels.into_iter().enumerate() {
+                assert_eq!(found.map(|v| v[lane] as u32), v.to_array());
+            }
+        }
+    }
+}
+
+/// The picture by its definition, one pixel at a time in other words.
+fn reference(
+    grid: &Grid,
+    material: &Material,
+    pose: &ShadePose,
+    lighting: &Lighting,
+    voxel: u32,
+) -> [f32; 3] {
+    let linear = |c: Rgb| Vec3::from(c.0.map(|c| (f32::from(c) / 255.0).powi(2)));
+    let v = grid.voxel_coords(voxel);
+    let eye = pose.eye_from_world.inverse().translation;
+    let position = pose.world_from_grid.transform_point3(v.as_vec3() + 0.5);
+    let to_eye = (Vec3::from(eye) - position).normalize();
+    let world_from_gradient = Mat3::from(pose.world_from_grid.matrix3).inverse().transpose();
+    let normal = (world_from_gradient * normal::gradient(grid, v)).normalize_or(to_eye);
+    let normal = (normal - to_eye * normal.dot(to_eye).min(0.0)).normalize_or(to_eye);
+    let albedo = linear(
+        material.rgb(grid.brick_index(v / BRICK_EDGE_VX), local_index(v.x & 7, v.y & 7, v.z & 7)),
+    );
+    let mut sum = albedo * linear(lighting.ambient);
+    for light in lighting.lights.iter().flatten() {
+        let to_world = match light.frame {
+            LightFrame::World => Affine3A::IDENTITY,
+            LightFrame::Eye => pose.eye_from_world.inverse(),
+        };
+        let to_light = match light.source {
+            LightSource::Direction(d) => to_world.transform_vector3(d).normalize(),
+            LightSource::Position(p) => (to_world.transform_point3(p) - position).normalize(),
+        };
+        let lambert = normal.dot(to_light);
+        if lambert > 0.0 {
+            let half = (to_light + to_eye).normalize();
+            let highlight = normal.dot(half).max(0.0).powi(lighting.shininess as i32);
+            let reflected = albedo * lambert + lighting.specular * highlight;
+            sum += reflected * linear(light.colour) * light.intensity;
+        }
+    }
+    sum.to_array().map(|c| c.clamp(0.0, 1.0).sqrt() * 255.0)
+}
+
+#[test]
+fn pictures_are_as_defined_for_all_lights_colours_and_voxel_shapes() {
+    let mut random = Random(3);
+    let mut grid = Grid::new(UVec3::new(61, 47, 90), Vec3::new(1.0, 2.5, 0.4), 1 << 30).unwrap();
+    let cheese = scenes::cheese(96, 60, 8).unwrap();
+    grid.fill_bricks(|b| cheese.bricks()[cheese.brick_index(b)]);
+    let mut material =
+        Material::new(ColourDepth::Bits24, Rgb::new(180, 170, 150), grid.bricks().len());
+    for brick in (0..grid.bricks().len()).step_by(3) {
+        let colour = Rgb(std::array::from_fn(|_| random.next_u64() as u8));
+        material.paint(brick, &Brick::FULL, colour);
+    }
+    let light = |frame, source, colour: [u8; 3]| {
+        Some(Light { frame, source, colour: Rgb(colour), intensity: 0.7 })
+    };
+    let towards = LightSource::Direction(Vec3::new(0.3, 2.0, 1.0));
+    let lamp = LightSource::Position(Vec3::new(30.0, 50.0, -10.0));
+    let lighting = Lighting {
+        lights: [
+            light(LightFrame::Eye, towards, [255, 255, 255]),
+            light(LightFrame::World, towards, [0, 200, 90]),
+            light(LightFrame::Eye, lamp, [90, 0, 200]),
+            light(LightFrame::World, lamp, [200, 90, 0]),
+        ],
+        shininess: 21,
+        ..Lighting::default()
+    };
+    let placement = Placement {
+        rotation: Quat::from_scaled_axis(Vec3::new(0.4, 1.1, -0.5)),
+        translation: Vec3::new(3.0, -2.0, 5.0),
+        scale: 0.01,
+    };
+    let world_from_grid = placement.world_from_grid(grid.dims(), grid.voxel_size());
+    // A width that is no multiple of sixteen.
+    let camera = Camera {
+        eye: Vec3::new(3.7, -1.3, 5.8),
+        target: placement.translation,
+        ..Camera::default()
+    };
+    let eye = camera.eye(UVec2::new(203, 150));
+    let rays = eye.pixel_rays(&world_from_grid);
+    let mut map = IndexMap::new(rays);
+    raycast::sample(&grid, &rays, &mut map);
+    // As between two slices: voxels from inside the solid.
+    for index in (0..map.voxels.len()).step_by(17) {
+        let v = random.voxel(grid.dims());
+        if grid.get(v) {
+            map.voxels[index] = grid.voxel_index(v.as_uvec3());
+        }
+    }
+    assert!(map.covered() > 5000 && map.covered() < 203 * 150, "{}", map.covered());
+    let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
+    for level in levels() {
+        let mut out = Pixels::default();
+        shade_at(level, &map, &grid, &material, &pose, &lighting, &mut out);
+        for (&voxel, pixel) in map.voxels.iter().zip(&out.rgba) {
+            if voxel == NO_VOXEL {
+                assert_eq!(*pixel, [0; 4]);
+                continue;
+            }
+            let expected = reference(&grid, &material, &pose, &lighting, voxel);
+            assert_eq!(pixel[3], 255);
+            for (&value, expected) in pixel.iter().zip(expected) {
+                let off = (f32::from(value) - expected).abs();
+                assert!(off < 0.75, "{pixel:?} is not {expected:?}, {level:?}");
+            }
+        }
+    }
+}
