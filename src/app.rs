@@ -61,7 +61,16 @@ pub enum AppError {
 pub fn run(session: Session, config: Config) -> Result<(), AppError> {
     let event_loop = EventLoop::new()?;
     let bench = Workbench::new(session, &config, Bindings::presets()?);
-    let mut app = App { bench, config, view: None, restarted: None, wake: None, failed: None };
+    let mut app = App {
+        bench,
+        config,
+        view: None,
+        restarted: None,
+        wake: None,
+        pending: false,
+        resting: false,
+        failed: None,
+    };
     event_loop.run_app(&mut app)?;
     app.finish()
 }
@@ -76,6 +85,10 @@ struct App {
     restarted: Option<Instant>,
     /// When the interface wants to be drawn again by itself.
     wake: Option<Instant>,
+    /// A picture was asked for and has not been drawn.
+    pending: bool,
+    /// Nothing is to be done, as has been said in the log.
+    resting: bool,
     failed: Option<AppError>,
 }
 
@@ -149,10 +162,21 @@ impl App {
         event_loop.exit();
     }
 
-    fn redraw(&self) {
+    fn redraw(&mut self) {
         if let Some(view) = &self.view {
+            self.pending = true;
             view.request_redraw();
         }
+    }
+
+    /// Says once that the program waits, for those who wait for it.
+    fn note_rest(&mut self) {
+        let soon = Instant::now() + Duration::from_secs(1);
+        let resting = !self.pending && self.wake.is_none_or(|wake| wake > soon);
+        if resting && !self.resting {
+            tracing::debug!("at rest");
+        }
+        self.resting = resting;
     }
 
     /// After the event loop: the device goes, and what went wrong is said.
@@ -185,6 +209,8 @@ impl ApplicationHandler for App {
         match event {
             WindowEvent::RedrawRequested => {
                 self.wake = None;
+                self.pending = false;
+                self.resting = false;
                 if let Err(error) = self.frame()
                     && let Err(error) = self.recover(error)
                 {
@@ -213,5 +239,6 @@ impl ApplicationHandler for App {
             Some(wake) => event_loop.set_control_flow(ControlFlow::WaitUntil(wake)),
             None => event_loop.set_control_flow(ControlFlow::Wait),
         }
+        self.note_rest();
     }
 }

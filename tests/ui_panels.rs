@@ -409,7 +409,7 @@ fn help_lists_the_keys_of_the_preset_in_use() {
     harness.get_by_label("Ctrl+Y or Ctrl+Shift+Z").rect();
     harness.state_mut().ui.preset = 1;
     harness.run();
-    harness.get_by_label_contains("left+right drag").rect();
+    harness.get_by_label_contains("left + right buttons").rect();
     key(&mut harness, Modifiers::NONE, Key::Escape);
     harness.run();
     assert!(!harness.state().ui.help_open);

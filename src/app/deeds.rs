@@ -11,7 +11,7 @@ use crate::format::options::ExportForm;
 use crate::input::{Action, Side};
 use crate::sculpture::Placement;
 use crate::ui::Intent;
-use crate::ui::state::FileTask;
+use crate::ui::files::FileTask;
 
 /// Factor on the tool's size for one press of a key.
 const GROWTH: f32 = 1.15;

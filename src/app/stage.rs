@@ -37,10 +37,6 @@ impl Stage {
         stage
     }
 
-    pub fn size(&self) -> UVec2 {
-        self.size
-    }
-
     pub fn set_size(&mut self, size: UVec2) {
         self.size = size.max(UVec2::ONE);
     }
@@ -217,7 +213,7 @@ mod tests {
         let pixel = |stage: &Stage, placement: &Placement| {
             let world_from_grid = placement.world_from_grid(grid.dims(), grid.voxel_size());
             let clip = stage.eye().clip_from_grid(&world_from_grid) * centre.extend(1.0);
-            (Vec2::new(clip.x, clip.y) / clip.w * 0.5 + 0.5) * stage.size().as_vec2()
+            (Vec2::new(clip.x, clip.y) / clip.w * 0.5 + 0.5) * stage.size.as_vec2()
         };
         let at = pixel(&stage, &placement);
         let zoomed = stage.zoomed(&placement, 5.0, at);

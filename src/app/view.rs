@@ -186,7 +186,7 @@ impl View {
         self.gui.free_after(&mut interface.textures, serial);
         self.screen.present(&target)?;
         self.shown += 1;
-        tracing::debug!(number = self.shown, "frame");
+        tracing::debug!(number = self.shown, "picture shown");
         Ok(())
     }
 }

@@ -32,10 +32,13 @@ pub struct DeviceOptions {
 }
 
 impl DeviceOptions {
-    /// These options, with validation required where the environment says `VS_VALIDATION=1`.
+    /// These options, with validation required where the environment says `VS_VALIDATION=1`, and
+    /// on where the layer is installed with `VS_VALIDATION=if-available`.
     pub fn with_environment(mut self) -> DeviceOptions {
-        if std::env::var_os("VS_VALIDATION").is_some_and(|v| v == "1") {
-            self.validation = Validation::Required;
+        match std::env::var("VS_VALIDATION").as_deref() {
+            Ok("1") => self.validation = Validation::Required,
+            Ok("if-available") => self.validation = Validation::IfAvailable,
+            _ => {}
         }
         self
     }

@@ -95,7 +95,7 @@ fn parse_key(word: &str) -> Result<Key, String> {
     found.ok_or_else(|| format!("`{word}` is not a key, a mouse button or a modifier"))
 }
 
-/// As a person reads it: `Ctrl+Shift+Z`, `Left drag`, `Ctrl+wheel`.
+/// As a person reads it: `Ctrl+Shift+Z`, `left button`, `Ctrl+wheel`.
 impl fmt::Display for Trigger {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (Trigger::Key { modifiers, .. }
@@ -126,7 +126,8 @@ impl fmt::Display for Trigger {
                     .filter(|(button, _)| buttons.contains(Buttons::NONE.with(*button)))
                     .map(|(_, name)| *name)
                     .collect();
-                write!(f, "{} drag", names.join("+"))
+                let plural = if names.len() > 1 { "s" } else { "" };
+                write!(f, "{} button{plural}", names.join(" + "))
             }
             Trigger::Wheel { .. } => f.write_str("wheel"),
         }
@@ -150,8 +151,8 @@ mod tests {
         assert_eq!(shown("home"), "Home");
         assert_eq!(shown("pageup"), "Page up");
         assert_eq!(shown("arrowleft"), "Left arrow");
-        assert_eq!(shown("left"), "left drag");
-        assert_eq!(shown("ctrl+left+right"), "Ctrl+left+right drag");
+        assert_eq!(shown("left"), "left button");
+        assert_eq!(shown("ctrl+left+right"), "Ctrl+left + right buttons");
         assert_eq!(shown("shift+wheel"), "Shift+wheel");
     }
 

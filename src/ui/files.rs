@@ -1,26 +1,55 @@
-//! The dialogs for files, drawn by the program itself, so that they work in a headset too.
+//! The dialogs for files, drawn by the program itself, so that they work in a headset too, with
+//! what can be chosen about a file beside the list.
 
 use std::path::{Path, PathBuf};
 
-use egui::Ui;
+use egui::{ComboBox, DragValue, RichText, TextEdit, Ui};
 use egui_file_dialog::{DialogState, FileDialog};
 
-use super::state::{FileTask, folder_of};
-use super::{Intent, UiState};
+use super::state::folder_of;
+use super::top_bar::capital;
+use super::{Intent, UiState, theme};
 use crate::command::Command;
+use crate::format::options::{Colouring, Existence, ExportForm, ImportOptions, RawLayout};
 
 /// The ending of the program's own files.
 const ENDING: &str = "pvm";
+const SIDE_WIDTH: f32 = 170.0;
+
+/// What a file dialog is open for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum FileTask {
+    Open,
+    SaveAs,
+    /// Save under a new name, then leave.
+    SaveAndLeave,
+}
 
 /// The file dialog and what it is open for.
 pub struct Files {
     dialog: FileDialog,
     task: FileTask,
+    choice: Choice,
+}
+
+/// What is chosen about a file, kept from one dialog to the next.
+struct Choice {
+    import: ImportOptions,
+    /// As typed, kept while `import` has none.
+    threshold: f64,
+    raw: String,
+    form: ExportForm,
 }
 
 impl Files {
     pub fn new() -> Files {
-        Files { dialog: FileDialog::new(), task: FileTask::Open }
+        let choice = Choice {
+            import: ImportOptions::default(),
+            threshold: 128.0,
+            raw: String::new(),
+            form: ExportForm::default(),
+        };
+        Files { dialog: FileDialog::new(), task: FileTask::Open, choice }
     }
 
     pub fn is_open(&self) -> bool {
@@ -29,23 +58,27 @@ impl Files {
 
     /// Opens the dialog, in the folder of `path` if there is one.
     pub fn open(&mut self, task: FileTask, path: Option<&Path>) {
+        const VOLUMES: &str = "Volumes (.pvm, .raw)";
         let mut dialog = FileDialog::new()
-            .add_file_filter_extensions("Volumes (.pvm)", vec![ENDING])
-            .default_size([620.0, 400.0])
+            .add_file_filter_extensions(VOLUMES, crate::format::ENDINGS.to_vec())
+            .default_size([720.0, 400.0])
             .anchor(egui::Align2::CENTER_CENTER, egui::Vec2::ZERO)
             .resizable(false)
             .movable(false);
+        dialog.set_right_panel_width(SIDE_WIDTH);
         if let Some(folder) = folder_of(path) {
             dialog = dialog.initial_directory(folder);
         }
         let name = path.and_then(|p| p.file_stem()).map(|n| n.to_string_lossy().into_owned());
+        let name = format!("{}.{ENDING}", name.as_deref().unwrap_or("sculpture"));
         dialog = match task {
-            FileTask::Open => dialog.title("Open").default_file_filter("Volumes (.pvm)"),
+            FileTask::Open => dialog.title("Open").default_file_filter(VOLUMES),
             FileTask::SaveAs | FileTask::SaveAndLeave => dialog
                 .title("Save as")
                 .add_save_extension("Volume", ENDING)
+                .add_save_extension("Raw bytes", "raw")
                 .default_save_extension("Volume")
-                .default_file_name(&format!("{}.{ENDING}", name.as_deref().unwrap_or("sculpture"))),
+                .default_file_name(&name),
         };
         match task {
             FileTask::Open => dialog.pick_file(),
@@ -63,22 +96,80 @@ impl Default for Files {
 }
 
 pub fn show(root: &Ui, state: &mut UiState, intents: &mut Vec<Intent>) {
-    let files = &mut state.files;
-    files.dialog.update(root.ctx());
-    let Some(path) = files.dialog.take_picked() else { return };
-    match files.task {
-        FileTask::Open => {
-            intents.push(Intent::Run(Command::Open { path, import: Default::default() }))
+    let Files { dialog, task, choice } = &mut state.files;
+    dialog.update_with_right_panel_ui(root.ctx(), &mut |ui, _| {
+        ui.add_space(4.0);
+        match task {
+            FileTask::Open => import_options(ui, choice),
+            FileTask::SaveAs | FileTask::SaveAndLeave => export_options(ui, choice),
         }
-        FileTask::SaveAs => intents
-            .push(Intent::Run(Command::Save { path: with_ending(path), form: Default::default() })),
-        FileTask::SaveAndLeave => {
-            intents.push(Intent::Run(Command::Save {
-                path: with_ending(path),
-                form: Default::default(),
-            }));
-            intents.push(Intent::Leave);
+    });
+    let Some(path) = dialog.take_picked() else { return };
+    let command = match task {
+        FileTask::Open => Command::Open { path, import: choice.import },
+        FileTask::SaveAs | FileTask::SaveAndLeave => {
+            Command::Save { path: with_ending(path), form: choice.form }
         }
+    };
+    intents.push(Intent::Run(command));
+    if *task == FileTask::SaveAndLeave {
+        intents.push(Intent::Leave);
+    }
+}
+
+fn import_options(ui: &mut Ui, choice: &mut Choice) {
+    ui.label(RichText::new("Voxels that exist").strong());
+    let existence = &mut choice.import.existence;
+    let mut auto = *existence == Existence::Auto;
+    ui.radio_value(&mut auto, true, "Automatic")
+        .on_hover_text("Densities from a threshold on that their histogram suggests");
+    ui.horizontal(|ui| {
+        ui.radio_value(&mut auto, false, "From");
+        ui.add_enabled(!auto, DragValue::new(&mut choice.threshold))
+            .on_hover_text("Least density, in the units of the file");
+    });
+    *existence = if auto { Existence::Auto } else { Existence::Threshold(choice.threshold) };
+
+    ui.add_space(8.0);
+    ui.label(RichText::new("Colours").strong());
+    let colouring = &mut choice.import.colouring;
+    ComboBox::from_id_salt("colouring").selected_text(capital(&colouring.to_string())).show_ui(
+        ui,
+        |ui| {
+            for (value, name) in Colouring::NAMED {
+                ui.selectable_value(colouring, value, capital(name));
+            }
+        },
+    );
+
+    ui.add_space(8.0);
+    ui.label(RichText::new("Layout of a .raw file").strong());
+    let field = TextEdit::singleline(&mut choice.raw).hint_text("128x256x256:u8");
+    ui.add(field.desired_width(f32::INFINITY)).on_hover_text(
+        "WIDTHxHEIGHTxDEPTH:TYPE[:skip=BYTES][:size=SX,SY,SZ]\n\
+         with a type of u8, u16le, u16be, i16le, i16be, f32le, f32be, rgb8, rgba8",
+    );
+    choice.import.raw = match choice.raw.trim() {
+        "" => None,
+        text => match text.parse::<RawLayout>() {
+            Ok(layout) => Some(layout),
+            Err(error) => {
+                ui.colored_label(theme::error_colour(ui.visuals()), RichText::new(error).small());
+                None
+            }
+        },
+    };
+}
+
+fn export_options(ui: &mut Ui, choice: &mut Choice) {
+    ui.label(RichText::new("What is written").strong());
+    for (form, text) in [
+        (ExportForm::Auto, "Shape, and colours if there are any"),
+        (ExportForm::Densities, "Shape only: a byte a voxel, for any volume viewer"),
+        (ExportForm::Rgba, "Red, green, blue and opacity, a byte each"),
+        (ExportForm::Packed, "Colours as they are packed in memory"),
+    ] {
+        ui.radio_value(&mut choice.form, form, capital(&form.to_string())).on_hover_text(text);
     }
 }
 

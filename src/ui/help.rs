@@ -2,8 +2,12 @@
 
 use egui::{Grid, RichText, ScrollArea, Ui, Window};
 
+use super::top_bar::capital;
 use super::{Facts, UiState};
 use crate::input::Action;
+
+const WIDTH: f32 = 520.0;
+const HEIGHT: f32 = 460.0;
 
 pub fn show(root: &Ui, state: &mut UiState, facts: &Facts) {
     let Some(bindings) = facts.bindings(state) else { return };
@@ -12,21 +16,21 @@ pub fn show(root: &Ui, state: &mut UiState, facts: &Facts) {
         .open(&mut state.help_open)
         .resizable(false)
         .collapsible(false)
-        .default_width(440.0)
-        .default_pos(room.center() - egui::vec2(240.0, 240.0))
+        .default_width(WIDTH)
+        .default_pos(room.center() - egui::vec2(0.5 * WIDTH, 0.5 * HEIGHT))
         .show(root.ctx(), |ui| {
-            ui.label(format!("{}.", bindings.text));
-            ui.label("The wheel over the sculpture zooms; both tables are in the menu.");
+            ui.label(format!("{}. Other tables are in the menu.", bindings.text));
             ui.separator();
-            ScrollArea::vertical().max_height((room.height() - 180.0).min(420.0)).show(ui, |ui| {
-                Grid::new("bindings").num_columns(2).striped(true).spacing([16.0, 4.0]).show(
+            let height = (room.height() - 170.0).min(HEIGHT);
+            ScrollArea::vertical().max_height(height).auto_shrink(false).show(ui, |ui| {
+                Grid::new("bindings").num_columns(2).striped(true).spacing([16.0, 5.0]).show(
                     ui,
                     |ui| {
                         for &action in Action::ALL {
                             let triggers: Vec<String> =
-                                bindings.triggers(action).map(|t| t.to_string()).collect();
+                                bindings.triggers(action).map(|t| t.to_string()).take(2).collect();
                             if !triggers.is_empty() {
-                                ui.label(RichText::new(triggers.join(" or ")).strong());
+                                ui.label(RichText::new(capital(&triggers.join(" or "))).strong());
                                 ui.label(action.help().text);
                                 ui.end_row();
                             }

@@ -2,7 +2,7 @@
 
 use egui::{Id, Modal, Ui};
 
-use super::{Intent, UiState};
+use super::{Intent, UiState, theme};
 
 pub fn show(root: &Ui, state: &mut UiState, intents: &mut Vec<Intent>) {
     if !state.leave_open {
@@ -15,7 +15,7 @@ pub fn show(root: &Ui, state: &mut UiState, intents: &mut Vec<Intent>) {
         ui.label("The sculpture has changes that are in no file yet.");
         ui.add_space(8.0);
         ui.horizontal(|ui| {
-            if ui.button("Save").clicked() {
+            if ui.add(theme::primary(ui.visuals(), "Save")).clicked() {
                 state.leave_open = false;
                 intents.push(Intent::SaveAndLeave);
             }

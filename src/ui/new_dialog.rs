@@ -64,7 +64,7 @@ pub fn show(root: &Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Int
         ui.weak("The present sculpture can be brought back by undo.");
         ui.add_space(8.0);
         ui.horizontal(|ui| {
-            let create = egui::Button::new("Create");
+            let create = theme::primary(ui.visuals(), "Create");
             if ui.add_enabled(refusal.is_none(), create).clicked() {
                 intents.push(Intent::Run(Command::New(dialog.wanted())));
                 dialog.open = false;

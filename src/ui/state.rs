@@ -40,15 +40,6 @@ pub struct ViewState {
     pub tool: bool,
 }
 
-/// What a file dialog is open for.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum FileTask {
-    Open,
-    SaveAs,
-    /// Save under a new name, then leave.
-    SaveAndLeave,
-}
-
 /// Everything that the interface remembers.
 pub struct UiState {
     pub hand: Hand,

@@ -37,6 +37,12 @@ pub fn error_colour(visuals: &Visuals) -> Color32 {
     }
 }
 
+/// The button that does what a window is for.
+pub fn primary(visuals: &Visuals, text: &str) -> egui::Button<'static> {
+    let text = egui::RichText::new(text).color(visuals.selection.stroke.color);
+    egui::Button::new(text).fill(visuals.selection.bg_fill)
+}
+
 fn style(theme: Theme) -> Style {
     let mut style = Style { visuals: visuals(theme), ..Style::default() };
     let font = |size| FontId::new(size, FontFamily::Proportional);
@@ -65,7 +71,10 @@ fn visuals(theme: Theme) -> Visuals {
     visuals.panel_fill = panel;
     visuals.window_fill = if dark { grey(0x28) } else { grey(0xf7) };
     visuals.faint_bg_color = faint;
+    // A steady cursor, so that nothing is drawn while nothing happens.
+    visuals.text_cursor.blink = false;
     visuals.extreme_bg_color = extreme;
+    visuals.text_edit_bg_color = Some(extreme);
     visuals.hyperlink_color = if dark { ACCENT } else { ACCENT_DARK };
     visuals.selection.bg_fill =
         if dark { ACCENT_DARK } else { Color32::from_rgb(0xf2, 0xc6, 0xa4) };
