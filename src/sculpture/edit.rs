@@ -15,7 +15,7 @@ use super::colour::Rgb;
 use super::history::Contents;
 use super::material::{Brush, Page};
 use super::region::{BrickBox, Region};
-use super::row_edit::{Cover, RowEdit};
+use super::row_edit::{Piece, RowEdit};
 use super::stroke::{BandRecord, Recording, StrokeRecorder};
 
 /// What happens to the voxels of a region.
@@ -85,9 +85,9 @@ pub fn edit(
                 let cut = &mut cut;
                 let mut edit = RowEdit::new(grid, record, bits_kept);
                 match op {
-                    EditOp::Add(_) => row.walk(region, cut, |b, cover| edit.add(b, cover, paint)),
-                    EditOp::Subtract => row.walk(region, cut, |b, cover| edit.subtract(b, cover)),
-                    EditOp::Recolour(_) => row.walk(region, cut, |b, cover| edit.paint(b, cover)),
+                    EditOp::Add(_) => row.walk(region, cut, |piece| edit.add(piece, paint)),
+                    EditOp::Subtract => row.walk(region, cut, |piece| edit.subtract(piece)),
+                    EditOp::Recolour(_) => row.walk(region, cut, |piece| edit.paint(piece)),
                 }
                 edit.close_word();
             }
@@ -131,18 +131,20 @@ pub fn count_new_pages(contents: &Contents, region: &impl Region, op: EditOp) ->
     for z in bricks.min.z..bricks.max.z {
         for y in bricks.min.y..bricks.max.y {
             let row = BrickRow { x: bricks.min.x..bricks.max.x, y, z };
-            row.walk(region, &mut cut, |b, cover| {
-                let index = grid.brick_index(b);
-                if material.page(index).is_some() {
-                    return;
-                }
-                let (mask, old) = (cover.mask(), &grid.bricks()[index]);
-                let painted = match op {
-                    EditOp::Add(_) => mask.and(&grid.valid_mask(b)).and_not(old),
-                    EditOp::Recolour(_) => mask.and(old),
-                    EditOp::Subtract => Brick::EMPTY,
-                };
-                pages += u64::from(!painted.is_empty());
+            row.walk(region, &mut cut, |piece| {
+                piece.each(|b, mask| {
+                    let index = grid.brick_index(b);
+                    if material.page(index).is_some() {
+                        return;
+                    }
+                    let (mask, old) = (mask(), &grid.bricks()[index]);
+                    let painted = match op {
+                        EditOp::Add(_) => mask.and(&grid.valid_mask(b)).and_not(old),
+                        EditOp::Recolour(_) => mask.and(old),
+                        EditOp::Subtract => Brick::EMPTY,
+                    };
+                    pages += u64::from(!painted.is_empty());
+                });
             });
         }
     }
@@ -186,17 +188,128 @@ struct BrickRow {
 }
 
 impl BrickRow {
-    /// Cuts the region by this row, and calls `f` with each brick that it touches, in rising
-    /// order, and how much of the brick is covered.
+    /// Cuts the region by this row, and calls `f` with what it covers of it, in rising order.
     #[inline(always)]
-    fn walk<R: Region>(self, region: &R, cut: &mut R::Row, mut f: impl FnMut(UVec3, Cover<R>)) {
+    fn walk<R: Region>(self, region: &R, cut: &mut R::Row, mut f: impl FnMut(Piece<R>)) {
         let reach = region.cut_row(self.y * BRICK_EDGE_VX, self.z * BRICK_EDGE_VX, cut);
-        for x in reach.touched.start.max(self.x.start)..reach.touched.end.min(self.x.end) {
-            let cover = match reach.whole.contains(&x) {
-                true => Cover::Whole,
-                false => Cover::Part { region, cut, reach: &reach, x },
-            };
-            f(UVec3::new(x, self.y, self.z), cover);
+        let end = reach.touched.end.min(self.x.end);
+        let mut x = reach.touched.start.max(self.x.start);
+        let whole = reach.whole.start.max(x)..reach.whole.end.min(end);
+        while x < end {
+            let brick = UVec3::new(x, self.y, self.z);
+            if x == whole.start && !whole.is_empty() {
+                f(Piece::Whole { first: brick, len: whole.end - x });
+                x = whole.end;
+            } else {
+                f(Piece::Part { brick, region, cut, reach: &reach });
+                x += 1;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{IVec3, Vec3};
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::sculpture::brick::local_coords;
+    use crate::sculpture::region::{RowReach, VoxelBox};
+    use crate::sculpture::{Brick, ColourDepth, Grid, Material};
+
+    /// Any set of voxels at all, as a spray tool or a selection may make it.
+    #[derive(Debug)]
+    struct Scattered {
+        bounds: VoxelBox,
+        seed: u64,
+    }
+
+    impl Scattered {
+        fn brick(&self, b: UVec3) -> Brick {
+            let mut words = [0; 8];
+            let mut state =
+                self.seed ^ (u64::from(b.x) << 40 | u64::from(b.y) << 20 | u64::from(b.z));
+            for word in &mut words {
+                state = (state ^ state >> 31).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+                *word = state & state >> 7;
+            }
+            let origin = (b * BRICK_EDGE_VX).as_ivec3();
+            let mut brick = Brick { words };
+            for [x, y, z] in (0..512).map(local_coords) {
+                let v = origin + UVec3::new(x, y, z).as_ivec3();
+                let within = v.cmpge(self.bounds.min).all() && v.cmplt(self.bounds.max).all();
+                brick.set(x, y, z, within && (brick.get(x, y, z) || b.x % 3 == 1));
+            }
+            brick
+        }
+    }
+
+    impl Region for Scattered {
+        type Row = UVec3;
+
+        fn bounds_vx(&self) -> VoxelBox {
+            self.bounds
+        }
+
+        fn cut_row(&self, y_vx: u32, z_vx: u32, row: &mut UVec3) -> RowReach {
+            *row = UVec3::new(0, y_vx / BRICK_EDGE_VX, z_vx / BRICK_EDGE_VX);
+            let full = |x: &u32| self.brick(row.with_x(*x)).is_full();
+            let whole = (0..9).find(full).map_or(0..0, |start| start..start + 1);
+            RowReach { touched: 0..9, whole }
+        }
+
+        fn mask(&self, row: &UVec3, _: &RowReach, brick_x: u32) -> Brick {
+            self.brick(row.with_x(brick_x))
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn any_region_changes_what_it_covers_and_nothing_else(
+            dims in prop::array::uniform3(1u32..50),
+            corners in prop::array::uniform2(prop::array::uniform3(-5i32..60)),
+            seeds in prop::array::uniform4(any::<u64>()),
+        ) {
+            let dims = UVec3::from(dims);
+            let mut grid = Grid::new(dims, Vec3::ONE, 1 << 30).unwrap();
+            grid.fill_bricks(|b| Scattered { bounds: VoxelBox { min: IVec3::MIN, max: IVec3::MAX }, seed: 5 }.brick(b));
+            let material = Material::new(ColourDepth::Bits8, Rgb::new(9, 9, 9), grid.bricks().len());
+            let mut contents = Contents { grid, material };
+            let start = contents.clone();
+            let (mut recorder, mut dirty) =
+                (StrokeRecorder::new(&contents.grid), BrickSet::new(contents.grid.bricks().len()));
+            let (a, b) = (IVec3::from(corners[0]), IVec3::from(corners[1]));
+            let red = Rgb::new(255, 0, 0);
+            for (i, seed) in seeds.into_iter().enumerate() {
+                let region = Scattered { bounds: VoxelBox { min: a.min(b), max: a.max(b) }, seed };
+                let op = [EditOp::Add(red), EditOp::Subtract, EditOp::Recolour(red)][i % 3];
+                let before = contents.clone();
+                let pages = count_new_pages(&contents, &region, op);
+                prop_assert!(max_new_pages(&contents, &region, op).is_none_or(|most| pages <= most));
+                edit(&mut contents, &region, op, &mut recorder, &mut dirty);
+                let made = contents.material.page_count() - before.material.page_count();
+                prop_assert_eq!(made as u64, if op == EditOp::Subtract { 0 } else { pages });
+                for index in 0..before.grid.bricks().len() {
+                    let b = before.grid.brick_coords(index);
+                    let mask = region.brick(b).and(&before.grid.valid_mask(b));
+                    let (old, new) = (before.grid.bricks()[index], contents.grid.bricks()[index]);
+                    let (expected, painted) = match op {
+                        EditOp::Add(_) => (old.or(&mask), mask.and_not(&old)),
+                        EditOp::Subtract => (old.and_not(&mask), Brick::EMPTY),
+                        EditOp::Recolour(_) => (old, old.and(&mask)),
+                    };
+                    prop_assert_eq!(new, expected);
+                    for local in 0..512 {
+                        let [x, y, z] = local_coords(local);
+                        let is = contents.material.rgb(index, local);
+                        let was = before.material.rgb(index, local);
+                        prop_assert_eq!(is, if painted.get(x, y, z) { red } else { was });
+                    }
+                }
+            }
+            recorder.finish().swap(&mut contents, &mut dirty);
+            prop_assert_eq!(contents, start);
         }
     }
 }

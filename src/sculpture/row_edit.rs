@@ -15,24 +15,25 @@ use super::stroke::BandRecord;
 
 const FULL: u16 = BRICK_VOXELS as u16;
 
-/// How much of a brick an edit covers.
-pub enum Cover<'a, R: Region> {
-    Whole,
-    /// What the region says of the brick at `x` of the row that is cut.
-    Part {
-        region: &'a R,
-        cut: &'a R::Row,
-        reach: &'a RowReach,
-        x: u32,
-    },
+/// Bricks of a row that an edit covers, in the same way.
+pub enum Piece<'a, R: Region> {
+    /// `len` bricks along x from `first` on, all of them.
+    Whole { first: UVec3, len: u32 },
+    /// What the region, cut by the row, covers of one brick.
+    Part { brick: UVec3, region: &'a R, cut: &'a R::Row, reach: &'a RowReach },
 }
 
-impl<R: Region> Cover<'_, R> {
+impl<R: Region> Piece<'_, R> {
+    /// Calls `f` with each brick and the way to its mask.
     #[inline(always)]
-    pub fn mask(self) -> Brick {
+    pub fn each(self, mut f: impl FnMut(UVec3, &dyn Fn() -> Brick)) {
         match self {
-            Cover::Whole => Brick::FULL,
-            Cover::Part { region, cut, reach, x } => region.mask(cut, reach, x),
+            Piece::Whole { first, len } => {
+                (0..len).for_each(|i| f(first + UVec3::X * i, &|| Brick::FULL));
+            }
+            Piece::Part { brick, region, cut, reach } => {
+                f(brick, &|| region.mask(cut, reach, brick.x));
+            }
         }
     }
 }
@@ -66,70 +67,130 @@ impl<'a, 'g> RowEdit<'a, 'g> {
         }
     }
 
-    /// Removes the covered voxels of the brick at `b`.
+    /// Removes the covered voxels.
     #[inline(always)]
-    pub fn subtract(&mut self, b: UVec3, cover: Cover<impl Region>) {
-        let index = self.grid.brick_index(b);
-        let count = self.grid.count(index);
-        if count == 0 {
-            return;
-        }
-        if let Cover::Whole = cover {
-            self.replace(b, index, count, &Brick::EMPTY, 0);
-            return;
-        }
-        let bits = match count {
-            FULL => Brick::FULL.and_not(&cover.mask()),
-            _ => self.grid.brick(index).and_not(&cover.mask()),
-        };
-        let left = bits.count();
-        if left != count {
-            self.replace(b, index, count, &bits, left);
-        }
-    }
-
-    /// Makes the covered voxels of the brick at `b` exist. If `paint`, those that did not are
-    /// handed on to be painted.
-    #[inline(always)]
-    pub fn add(&mut self, b: UVec3, cover: Cover<impl Region>, paint: bool) {
-        let index = self.grid.brick_index(b);
-        let count = self.grid.count(index);
-        if count == FULL {
-            return;
-        }
-        let mask = cover.mask().and(&self.grid.valid_mask(b));
-        let old = *self.grid.brick(index);
-        let bits = old.or(&mask);
-        let now = bits.count();
-        if now != count {
-            if paint {
-                self.record.to_paint.push((index, mask.and_not(&old)));
+    pub fn subtract(&mut self, piece: Piece<impl Region>) {
+        match piece {
+            Piece::Whole { first, len } => {
+                self.each_run(first, len, FULL, |edit, b, index| {
+                    let count = edit.grid.count(index);
+                    if count != 0 {
+                        edit.replace(b, index, count, &Brick::EMPTY, 0);
+                    }
+                });
             }
-            self.replace(b, index, count, &bits, now);
+            Piece::Part { brick: b, region, cut, reach } => {
+                let index = self.grid.brick_index(b);
+                let count = self.grid.count(index);
+                if count == 0 {
+                    return;
+                }
+                let mask = region.mask(cut, reach, b.x);
+                let old = if count == FULL { &Brick::FULL } else { self.grid.brick(index) };
+                let bits = old.and_not(&mask);
+                let left = bits.count();
+                if left != count {
+                    self.replace(b, index, count, &bits, left);
+                }
+            }
         }
     }
 
-    /// Hands the covered voxels that exist in the brick at `b` on to be painted.
+    /// Makes the covered voxels exist. If `paint`, those that did not are handed on to be
+    /// painted.
     #[inline(always)]
-    pub fn paint(&mut self, b: UVec3, cover: Cover<impl Region>) {
-        let index = self.grid.brick_index(b);
-        if self.grid.count(index) == 0 {
-            return;
+    pub fn add(&mut self, piece: Piece<impl Region>, paint: bool) {
+        let add = |edit: &mut Self, b: UVec3, index: u32, mask: &dyn Fn() -> Brick| {
+            let count = edit.grid.count(index);
+            if count == FULL {
+                return;
+            }
+            let mask = mask().and(&edit.grid.valid_mask(b));
+            let old = *edit.grid.brick(index);
+            let bits = old.or(&mask);
+            let now = bits.count();
+            if now != count {
+                if paint {
+                    edit.record.to_paint.push((index, mask.and_not(&old)));
+                }
+                edit.replace(b, index, count, &bits, now);
+            }
+        };
+        match piece {
+            Piece::Whole { first, len }
+                if !paint && self.grid.valid_mask(first + UVec3::X * (len - 1)).is_full() =>
+            {
+                self.each_run(first, len, 0, |edit, b, index| {
+                    add(edit, b, index, &|| Brick::FULL);
+                });
+            }
+            piece => piece.each(|b, mask| add(self, b, self.grid.brick_index(b), mask)),
         }
-        let mask = cover.mask().and(self.grid.brick(index));
-        if !mask.is_empty() {
-            self.record.to_paint.push((index, mask));
+    }
+
+    /// Hands the covered voxels that exist on to be painted.
+    #[inline(always)]
+    pub fn paint(&mut self, piece: Piece<impl Region>) {
+        piece.each(|b, mask| {
+            let index = self.grid.brick_index(b);
+            if self.grid.count(index) == 0 {
+                return;
+            }
+            let mask = mask().and(self.grid.brick(index));
+            if !mask.is_empty() {
+                self.record.to_paint.push((index, mask));
+            }
+        });
+    }
+
+    /// Fills or empties `len` bricks along x: up to 64 at once where all have `before` voxels,
+    /// which is none to fill them or 512 to empty them; else each by `one`.
+    #[inline(always)]
+    fn each_run(
+        &mut self,
+        first: UVec3,
+        len: u32,
+        before: u16,
+        one: impl Fn(&mut Self, UVec3, u32),
+    ) {
+        let (mut b, end) = (first, first.x + len);
+        while b.x < end {
+            let index = self.grid.brick_index(b);
+            let run = (end - b.x).min(64 - index % 64);
+            if self.grid.counts(index, run).iter().all(|&count| count == before) {
+                self.enter_word(index);
+                let mask = u64::MAX >> (64 - run) << (index % 64);
+                self.changed |= mask;
+                let voxels = u64::from(run) * u64::from(BRICK_VOXELS);
+                if before == FULL {
+                    self.kept.full |= mask;
+                    self.record.stats.voxels_removed += voxels;
+                } else {
+                    self.kept.empty |= mask;
+                    self.record.stats.voxels_added += voxels;
+                }
+                self.grid.flip_run(b, index, run, before == 0);
+            } else {
+                (0..run).for_each(|i| one(self, b + UVec3::X * i, index + i));
+            }
+            b.x += run;
+        }
+    }
+
+    /// Makes the word of a brick the one at hand.
+    #[inline(always)]
+    fn enter_word(&mut self, index: u32) {
+        if index / 64 != self.word {
+            self.close_word();
+            self.word = index / 64;
+            self.kept_of_word = self.kept_before.mask(self.word);
         }
     }
 
     /// Sets a brick to other bits and keeps what it was, if this is the first time.
     #[inline(always)]
     fn replace(&mut self, b: UVec3, index: u32, before: u16, bits: &Brick, count: u16) {
-        if index / 64 != self.word {
-            self.close_word();
-            self.word = index / 64;
-            self.kept_of_word = self.kept_before.mask(self.word);
-        }
+        self.enter_word(index);
         let bit = 1 << (index % 64);
         self.changed |= bit;
         match before {

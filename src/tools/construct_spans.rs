@@ -84,26 +84,47 @@ impl RowSpans {
     fn mask_of<const BEGINS: bool, const ENDS: bool>(&self, brick_x: u32) -> Brick {
         let origin = i16x16::splat((brick_x * BRICK_EDGE_VX) as i16);
         let mut words = [0; BRICK_WORDS];
-        for pair in 0..4 {
-            let ends = |ends: &[i16x8; 8]| four_times_each(local(ends, 2 * pair, origin));
-            let from = if BEGINS { ends(&self.from) } else { [i8x16::ZERO; 4] };
-            let to = if ENDS { ends(&self.to) } else { [i8x16::ZERO; 4] };
-            for layer in 0..4 {
-                // Layers come as y 0..4 and 4..8 of one z, then of the next.
-                let z = 2 * pair + layer / 2;
-                let word = 2 * (layer % 2) + 4 * (z / 4);
-                let shift = 16 * (z % 4);
-                for (half, x) in X_IN_LAYER.into_iter().enumerate() {
-                    let inside = match (BEGINS, ENDS) {
-                        (true, false) => !from[layer].simd_gt(x),
-                        (false, true) => to[layer].simd_gt(x),
-                        _ => !from[layer].simd_gt(x) & to[layer].simd_gt(x),
-                    };
-                    words[word + half] |= u64::from(inside.to_bitmask() & 0xFFFF) << shift;
-                }
+        for (upper, words) in words.chunks_exact_mut(4).enumerate() {
+            // The layers of words at z 0 and 1, then at 2 and 3, of the lower or upper half.
+            let z = 4 * upper;
+            let first = self.layers::<BEGINS, ENDS>(z, origin);
+            let second = self.layers::<BEGINS, ENDS>(z + 2, origin);
+            for (i, word) in words.iter_mut().enumerate() {
+                let (y, x) = (i / 2, i % 2);
+                *word = first[y][x]
+                    | first[2 + y][x] << 16
+                    | second[y][x] << 32
+                    | second[2 + y][x] << 48;
             }
         }
         Brick { words }
+    }
+
+    /// The 16 bits of each layer of words at `z` and `z + 1`: those at y 0 and 4 for one z, then
+    /// for the other, each for the words at x 0 and 4.
+    #[inline(always)]
+    fn layers<const BEGINS: bool, const ENDS: bool>(
+        &self,
+        z: usize,
+        origin: i16x16,
+    ) -> [[u64; 2]; 4] {
+        let ends = |ends: &[i16x8; 8]| four_times_each(local(ends, z, origin));
+        let from = if BEGINS { ends(&self.from) } else { [i8x16::ZERO; 4] };
+        let to = if ENDS { ends(&self.to) } else { [i8x16::ZERO; 4] };
+        let mut bits = [[0; 2]; 4];
+        for layer in 0..4 {
+            for (bits, x) in bits[layer].iter_mut().zip(X_IN_LAYER) {
+                let begun = (x + i8x16::ONE).simd_gt(from[layer]);
+                let not_ended = to[layer].simd_gt(x);
+                let inside = match (BEGINS, ENDS) {
+                    (true, false) => begun,
+                    (false, true) => not_ended,
+                    _ => begun & not_ended,
+                };
+                *bits = u64::from(inside.to_bitmask());
+            }
+        }
+        bits
     }
 }
 

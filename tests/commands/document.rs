@@ -1,4 +1,4 @@
-//! Documents against a model that keeps a map of voxels, under random work.
+//! Documents against a model that keeps each voxel apart, under random work.
 
 use std::collections::HashSet;
 
@@ -20,16 +20,13 @@ fn agree(contents: &Contents, model: &Voxels) -> Result<(), TestCaseError> {
     let Contents { grid, material } = contents;
     prop_assert_eq!(grid.dims(), model.dims);
     prop_assert_eq!(material.depth(), model.depth);
-    prop_assert_eq!(grid.opaque_count(), model.colours.len() as u64);
-    for v in model.all() {
-        let colour = model.colours.get(&v);
-        prop_assert_eq!(grid.get(v), colour.is_some(), "{}", v);
-        if let Some(colour) = colour {
-            let v = v.as_uvec3();
-            let brick = grid.brick_index(v / 8);
-            let rgb = material.rgb(brick, local_index(v.x % 8, v.y % 8, v.z % 8));
-            prop_assert_eq!(rgb, *colour, "{}", v);
-        }
+    let existing = model.colours.iter().flatten().count();
+    prop_assert_eq!(grid.opaque_count(), existing as u64);
+    for (v, colour) in model.all().zip(&model.colours) {
+        let brick = grid.brick_index(v.as_uvec3() / 8);
+        let [x, y, z] = (v.as_uvec3() % 8).to_array();
+        let here = grid.get(v).then(|| material.rgb(brick, local_index(x, y, z)));
+        prop_assert!(here == *colour, "{v}: {here:?}, but the model: {colour:?}");
     }
     Ok(())
 }
@@ -221,6 +218,53 @@ fn ball(op: EditOp, centre: Vec3, radius: f32) -> Command {
 }
 
 const RED: Rgb = Rgb::new(255, 0, 0);
+
+/// Large enough to be shared out among threads, with a border that is no multiple of a brick.
+#[test]
+fn large_edits_equal_the_definition() {
+    let dims = UVec3::new(131, 126, 141);
+    let turned = Quat::from_xyzw(0.2, -0.3, 0.4, 0.5).normalize();
+    for (i, solid) in Solid::ALL.into_iter().enumerate() {
+        let rotation = [turned, Quat::IDENTITY, turned][i];
+        let new = painted(dims, ColourDepth::Bits16, false);
+        let mut document = Document::new(&new, Limits::default()).unwrap();
+        let start = document.contents().clone();
+        let mut model = Voxels::new(&new);
+        let at = |x: f32, half: f32| Primitive {
+            solid,
+            centre_vx: Vec3::new(x, 60.25, 71.5),
+            half: Vec3::splat(half),
+            rotation,
+        };
+        let steps = [
+            (EditOp::Add(RED), at(66.0, 75.0)),
+            (EditOp::Subtract, at(80.0, 62.0)),
+            (EditOp::Recolour(Rgb::new(0, 90, 255)), at(60.0, 66.0)),
+            (EditOp::Add(new.base), at(90.0, 64.0)),
+        ];
+        document.apply(&Command::Begin { label: "large".into() }).unwrap();
+        for (op, primitive) in steps {
+            let applied = document.apply(&Command::Construct { op, primitive }).unwrap();
+            let placed = primitive.in_grid(Vec3::ONE);
+            let done = model.edit(op, |v| placed.contains_voxel(v));
+            let stats = applied.stats;
+            let got = [stats.voxels_added, stats.voxels_removed, stats.voxels_recoloured];
+            assert_eq!(got, [done.added, done.removed, done.recoloured], "{op:?} {solid:?}");
+            assert!(applied.stats.voxels_changed() > 0);
+        }
+        document.apply(&Command::End).unwrap();
+        agree(document.contents(), &model).unwrap();
+        sound(document.grid()).unwrap();
+        let dirty = document.take_dirty(|contents, dirty| {
+            assert!(dirty.is_none());
+            contents.clone()
+        });
+        document.apply(&Command::Undo { steps: None }).unwrap();
+        assert_eq!(document.contents(), &start);
+        document.apply(&Command::Redo { steps: None }).unwrap();
+        assert_eq!(document.contents(), &dirty);
+    }
+}
 
 #[test]
 fn a_512_clear_is_one_small_step() {

@@ -1,7 +1,6 @@
-//! A document as simple as can be: a map from voxels to colours, copied for every undo step.
+//! A document as simple as can be: a colour or none for each voxel, copied for every undo step.
 //! What the real one must agree with.
 
-use std::collections::HashMap;
 use std::rc::Rc;
 
 use glam::{IVec3, UVec3, Vec3};
@@ -9,14 +8,14 @@ use virtual_sculpture::command::{Command, NewSculpture};
 use virtual_sculpture::sculpture::edit::EditOp;
 use virtual_sculpture::sculpture::{ColourDepth, Rgb};
 
-/// A sculpture: its voxels that exist, with their colours.
+/// A sculpture: the colour of each voxel that exists, x fastest, then y, then z.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Voxels {
     pub dims: UVec3,
     pub voxel_size: Vec3,
     pub depth: ColourDepth,
     pub base: Rgb,
-    pub colours: HashMap<IVec3, Rgb>,
+    pub colours: Vec<Option<Rgb>>,
 }
 
 /// Counts of what a command did, and steps travelled.
@@ -39,17 +38,13 @@ pub struct Model {
 impl Voxels {
     pub fn new(new: &NewSculpture) -> Voxels {
         let base = new.colour_depth.quantise(new.base);
-        let mut voxels = Voxels {
+        Voxels {
             dims: new.dims,
             voxel_size: new.voxel_size,
             depth: new.colour_depth,
             base,
-            colours: HashMap::new(),
-        };
-        if new.solid {
-            voxels.colours = voxels.all().map(|v| (v, base)).collect();
+            colours: vec![new.solid.then_some(base); new.dims.element_product() as usize],
         }
-        voxels
     }
 
     pub fn all(&self) -> impl Iterator<Item = IVec3> + use<> {
@@ -58,30 +53,25 @@ impl Voxels {
         (0..z as i32).flat_map(move |z| (0..y as i32).flat_map(move |y| row(y, z)))
     }
 
-    fn edit(&mut self, op: EditOp, covers: impl Fn(IVec3) -> bool) -> Done {
+    pub fn edit(&mut self, op: EditOp, covers: impl Fn(IVec3) -> bool) -> Done {
         let mut done = Done::default();
         // Without colour depth every voxel has the one colour.
         let stored = |colour| match self.depth {
             ColourDepth::None => self.base,
             depth => depth.quantise(colour),
         };
-        for v in self.all().filter(|&v| covers(v)) {
-            match op {
-                EditOp::Add(colour) => {
-                    let stored = stored(colour);
-                    self.colours.entry(v).or_insert_with(|| {
-                        done.added += 1;
-                        stored
-                    });
-                }
-                EditOp::Subtract => done.removed += u64::from(self.colours.remove(&v).is_some()),
-                EditOp::Recolour(colour) => {
-                    let stored = stored(colour);
-                    if let Some(old) = self.colours.get_mut(&v) {
-                        done.recoloured += u64::from(std::mem::replace(old, stored) != stored);
-                    }
-                }
-            }
+        for (v, old) in self.all().zip(self.colours.clone()).filter(|&(v, _)| covers(v)) {
+            let new = match (op, old) {
+                (EditOp::Add(colour), None) => Some(stored(colour)),
+                (EditOp::Recolour(colour), Some(_)) => Some(stored(colour)),
+                (EditOp::Subtract, _) => None,
+                _ => old,
+            };
+            done.added += u64::from(old.is_none() && new.is_some());
+            done.removed += u64::from(old.is_some() && new.is_none());
+            done.recoloured += u64::from(old.is_some() && new.is_some() && old != new);
+            self.colours[(v.x + self.dims.x as i32 * (v.y + self.dims.y as i32 * v.z)) as usize] =
+                new;
         }
         done
     }

@@ -7,7 +7,7 @@ use glam::UVec3;
 use rayon::prelude::*;
 
 use super::{Grid, valid_mask};
-use crate::sculpture::brick::Brick;
+use crate::sculpture::brick::{BRICK_VOXELS, Brick};
 
 /// Slabs of bricks in a band.
 pub const BAND_SLABS: u32 = 4;
@@ -48,6 +48,13 @@ impl GridBand<'_> {
         self.counts[(index - self.first) as usize]
     }
 
+    /// Counts of `len` bricks from `index` on.
+    #[inline]
+    pub fn counts(&self, index: u32, len: u32) -> &[u16] {
+        let at = (index - self.first) as usize;
+        &self.counts[at..at + len as usize]
+    }
+
     /// [`Grid::valid_mask`].
     #[inline]
     pub fn valid_mask(&self, b: UVec3) -> Brick {
@@ -68,6 +75,27 @@ impl GridBand<'_> {
             let word = b.x / 4 + self.occupancy_width * (b.y / 4);
             let bit = (b.x & 3) | (b.y & 3) << 2 | (b.z & 3) << 4;
             self.occupancy[word as usize] ^= 1 << bit;
+        }
+    }
+
+    /// Makes `len` bricks along x from the one at `b` on full, which were all empty, or empty,
+    /// which were all full.
+    #[inline]
+    pub fn flip_run(&mut self, b: UVec3, index: u32, len: u32, full: bool) {
+        let at = (index - self.first) as usize;
+        let range = at..at + len as usize;
+        let voxels = i64::from(len) * i64::from(BRICK_VOXELS);
+        self.opaque_change += if full { voxels } else { -voxels };
+        self.bricks[range.clone()].fill(if full { Brick::FULL } else { Brick::EMPTY });
+        self.counts[range].fill(if full { BRICK_VOXELS as u16 } else { 0 });
+        let row = self.occupancy_width * (b.y / 4);
+        let shift = (b.y & 3) << 2 | (b.z & 3) << 4;
+        let (first, end) = (b.x, b.x + len);
+        for word in first / 4..end.div_ceil(4) {
+            let from = first.max(word * 4) & 3;
+            let to = end.min(word * 4 + 4) - word * 4;
+            let bits = (1u64 << to) - (1 << from);
+            self.occupancy[(row + word) as usize] ^= bits << shift;
         }
     }
 }
