@@ -2,8 +2,6 @@
 // in the same order, so that a GPU whose division rounds correctly meets the same voxels.
 
 const STANDSTILL: f32 = 1e-20;
-// Comes after every crossing that is behind the ray.
-const START_AXIS: u32 = 3u;
 
 struct Ray {
     origin: vec3<f32>,
@@ -12,10 +10,13 @@ struct Ray {
     forward: vec3<bool>,
 }
 
-// When a ray came where it is, and by a plane of which axis.
+// When a ray came where it is, by a plane of which axis, and which axes are lower than that one
+// (all of them for the start, which comes after every crossing that is behind the ray). Masks
+// instead of a number, and selects instead of branches: that is what vectors of pixels like.
 struct Event {
     t: f32,
-    axis: u32,
+    axis: vec3<bool>,
+    lower: vec3<bool>,
 }
 
 fn make_ray(origin: vec3<f32>, direction: vec3<f32>) -> Ray {
@@ -31,39 +32,24 @@ fn crossings(ray: Ray, planes: vec3<i32>) -> vec3<f32> {
 
 // Which of the crossings come before the event.
 fn before(t: vec3<f32>, event: Event) -> vec3<bool> {
-    let lower = vec3<u32>(0u, 1u, 2u) < vec3<u32>(event.axis);
-    return (t < vec3<f32>(event.t)) | ((t == vec3<f32>(event.t)) & lower);
+    return (t < vec3<f32>(event.t)) | ((t == vec3<f32>(event.t)) & event.lower);
 }
 
-// The first of three crossings.
+// The first of three crossings; of equal ones that of the lowest axis.
 fn first_of(t: vec3<f32>) -> Event {
-    var event = Event(t.x, 0u);
-    if t.y < event.t {
-        event = Event(t.y, 1u);
-    }
-    if t.z < event.t {
-        event = Event(t.z, 2u);
-    }
-    return event;
+    let x = (t.x <= t.y) & (t.x <= t.z);
+    let y = !x & (t.y <= t.z);
+    return Event(min(t.x, min(t.y, t.z)), vec3<bool>(x, y, !x & !y), vec3<bool>(!x, !x & !y, false));
 }
 
-// The last of the start and three crossings.
+// The last of the start and three crossings; of equal ones that of the highest axis.
 fn last_of(t: vec3<f32>) -> Event {
-    var event = Event(0.0, START_AXIS);
-    if t.x > event.t {
-        event = Event(t.x, 0u);
-    }
-    if t.y > event.t || (t.y == event.t && event.axis < 1u) {
-        event = Event(t.y, 1u);
-    }
-    if t.z > event.t || (t.z == event.t && event.axis < 2u) {
-        event = Event(t.z, 2u);
-    }
-    return event;
-}
-
-fn is_axis(axis: u32) -> vec3<bool> {
-    return vec3<u32>(0u, 1u, 2u) == vec3<u32>(axis);
+    let last = max(max(t.x, t.y), max(t.z, 0.0));
+    let started = last == 0.0;
+    let z = !started & (t.z == last);
+    let y = !started & !z & (t.y == last);
+    let x = !started & !z & !y;
+    return Event(last, vec3<bool>(x, y, z), vec3<bool>(!x, started | z, started));
 }
 
 // The cell in which the ray is just after `event`, known to lie in the box `low..high`. Guessed
@@ -79,5 +65,5 @@ fn cell_after(ray: Ray, event: Event, low: vec3<i32>, high: vec3<i32>) -> vec3<i
     cell += select(vec3<i32>(0), one, passed);
     let reached = before(crossings(ray, cell + vec3<i32>(1) - ahead), event);
     cell -= select(vec3<i32>(0), one, !reached & (cell != first));
-    return select(cell, first, is_axis(event.axis));
+    return select(cell, first, event.axis);
 }

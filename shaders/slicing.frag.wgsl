@@ -15,7 +15,7 @@ fn main(
 ) -> @location(0) u32 {
     let direction = view.corner + view.step_x * position.x + view.step_y * position.y;
     let ray = make_ray(view.origin, direction);
-    let across = is_axis(view.axis);
+    let across = vec3<u32>(0u, 1u, 2u) == vec3<u32>(view.axis);
     let low = select(vec3<i32>(0), vec3<i32>(i32(planes.x)), across);
     let high = select(vec3<i32>(view.dims), vec3<i32>(i32(planes.y)), across);
 
@@ -26,6 +26,7 @@ fn main(
     var cell = cell_after(ray, enter, low, high);
     let one = select(vec3<i32>(-1), vec3<i32>(1), ray.forward);
     let ahead = select(vec3<i32>(0), vec3<i32>(1), ray.forward);
+    let size = vec3<u32>(high - low);
     var found = false;
     loop {
         let word = word_at(cell);
@@ -33,21 +34,20 @@ fn main(
             // Out of the whole word.
             let end = (cell & vec3<i32>(-4)) + ahead * 4;
             let event = first_of(crossings(ray, end));
-            let moved = is_axis(event.axis);
             // The other axes cross at most three planes before.
             let next = cell + ahead;
             let count = select(vec3<i32>(0), vec3<i32>(1), before(crossings(ray, next), event))
                 + select(vec3<i32>(0), vec3<i32>(1), before(crossings(ray, next + one), event))
                 + select(vec3<i32>(0), vec3<i32>(1), before(crossings(ray, next + 2 * one), event));
-            cell = select(cell + count * one, end - vec3<i32>(1) + ahead, moved);
+            cell = select(cell + count * one, end - vec3<i32>(1) + ahead, event.axis);
         } else if bit_of(word, cell) {
             found = true;
             break;
         } else {
             let event = first_of(crossings(ray, cell + ahead));
-            cell += select(vec3<i32>(0), one, is_axis(event.axis));
+            cell += select(vec3<i32>(0), one, event.axis);
         }
-        if any((cell < low) | (cell >= high)) {
+        if any(vec3<u32>(cell - low) >= size) {
             break;
         }
     }

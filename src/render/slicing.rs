@@ -22,9 +22,6 @@ use crate::render::{IndexTarget, Volume};
 use crate::surface::slices::{LayerRect, Layers, SliceAreas, facing_axis};
 use crate::view::PixelRays;
 
-/// Voxels in a layer.
-const THICKNESS_VX: u32 = 8;
-
 /// Bytes of instances that a frame has room for without growing.
 const STAGING_BYTES: u64 = 256 << 10;
 
@@ -38,7 +35,8 @@ pub struct Slicing {
     /// Kept for its memory.
     instances: Vec<SliceInstance>,
     slot: usize,
-    thickness: u32,
+    /// Voxels in a layer; as many as in a slab if not set.
+    thickness: Option<u32>,
 }
 
 impl Slicing {
@@ -80,14 +78,13 @@ impl Slicing {
             staging: Staging::new(device, "areas", usage, STAGING_BYTES)?,
             instances: Vec::new(),
             slot: 0,
-            thickness: THICKNESS_VX,
+            thickness: None,
         })
     }
 
-    /// The same pass with layers of 1, 2, 4 or 8 voxels; 1 is the seed's.
+    /// The same pass with layers of 1, 2, 4 or 8 voxels. The seed's have 1.
     pub fn with_thickness(mut self, thickness_vx: u32) -> Slicing {
-        self.thickness =
-            if matches!(thickness_vx, 1 | 2 | 4) { thickness_vx } else { THICKNESS_VX };
+        self.thickness = Some(thickness_vx).filter(|t| matches!(t, 1 | 2 | 4 | 8));
         self
     }
 
@@ -115,12 +112,14 @@ impl Slicing {
         eye: u32,
     ) -> Result<()> {
         let axis = facing_axis(rays, volume.dims());
+        let slab = areas.slab_vx();
+        let thickness = self.thickness.unwrap_or(slab);
+        let layers = Layers::new(rays, volume.dims(), axis, thickness, slab);
         let slabs = areas.along(axis);
-        let layers = Layers::new(rays, volume.dims(), axis, self.thickness);
         let instances = &mut self.instances;
         instances.clear();
         layers.for_each(slabs, |rect| instances.push(instance(&rect)));
-        let ranks = volume.dims()[axis].div_ceil(self.thickness) + 2;
+        let ranks = volume.dims()[axis].div_ceil(thickness) + 2;
         let view = slice_view(rays, volume, axis, ranks);
 
         let piece = match &view {

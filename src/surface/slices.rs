@@ -1,7 +1,7 @@
 //! Owns what the slicing renderer draws: rectangles of bricks ("areas") in the slabs of a grid,
 //! and the layers in which an eye meets them, front to back.
 //!
-//! A slab is one layer of bricks across an axis. Empty bricks are left out, and so are buried
+//! A slab is one or several layers of bricks across an axis. Empty bricks are left out, and so are buried
 //! ones: full, with the touching layers of all six neighbours full, so that every ray that
 //! comes to them from outside has met a voxel before. The others are joined to areas by dividing
 //! a slab's rectangle in two until it is dense enough. An area may thus hold bricks that need
@@ -20,13 +20,25 @@ pub use layers::{Layer, LayerRect, Layers, facing_axis};
 use glam::UVec3;
 
 use crate::sculpture::Grid;
+use crate::sculpture::brick::BRICK_EDGE_VX;
 use exposure::Exposure;
 
 /// The areas of a grid along each axis, kept until the geometry changes.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct SliceAreas {
     exposure: Exposure,
     axes: [Option<AxisAreas>; 3],
+    slab_bricks: u32,
+}
+
+/// Layers of bricks in a slab. The seed had one; with more there are fewer fragments to start
+/// a ray for and more empty bricks to walk through.
+const SLAB_BRICKS: u32 = 2;
+
+impl Default for SliceAreas {
+    fn default() -> Self {
+        SliceAreas::with_slab_bricks(SLAB_BRICKS)
+    }
 }
 
 #[derive(Debug)]
@@ -36,16 +48,27 @@ struct AxisAreas {
 }
 
 impl SliceAreas {
+    /// With slabs of `slab_bricks` (at least 1) layers of bricks.
+    pub fn with_slab_bricks(slab_bricks: u32) -> SliceAreas {
+        let exposure = Exposure::default();
+        SliceAreas { exposure, axes: Default::default(), slab_bricks: slab_bricks.max(1) }
+    }
+
+    /// Voxels from one slab to the next.
+    pub fn slab_vx(&self) -> u32 {
+        self.slab_bricks * BRICK_EDGE_VX
+    }
+
     /// Takes note of changed bricks (linear indices); `None` means that all of the grid, perhaps
     /// with other dimensions, is new.
     pub fn update(&mut self, grid: &Grid, changed: Option<&[u32]>) {
         match changed {
             Some(bricks) if self.exposure.fits(grid) => {
-                let axes = &mut self.axes;
+                let (axes, slab_bricks) = (&mut self.axes, self.slab_bricks);
                 self.exposure.update(grid, bricks, |brick| {
                     for (axis, areas) in axes.iter_mut().enumerate() {
                         if let Some(areas) = areas {
-                            areas.stale[brick[axis] as usize] = true;
+                            areas.stale[(brick[axis] / slab_bricks) as usize] = true;
                         }
                     }
                 });
@@ -61,10 +84,10 @@ impl SliceAreas {
     pub fn along(&mut self, axis: usize) -> &[SlabAreas] {
         let exposure = &self.exposure;
         let areas = self.axes[axis].get_or_insert_with(|| {
-            let count = exposure.brick_dims()[axis] as usize;
+            let count = exposure.brick_dims()[axis].div_ceil(self.slab_bricks) as usize;
             AxisAreas { slabs: vec![SlabAreas::default(); count], stale: vec![true; count] }
         });
-        areas::rebuild(exposure, axis, &mut areas.slabs, &mut areas.stale);
+        areas::rebuild(exposure, axis, self.slab_bricks, &mut areas.slabs, &mut areas.stale);
         &areas.slabs
     }
 

@@ -25,11 +25,11 @@ use crate::subjects::{self, SIZE};
 fn slice(
     device: &Arc<Device>,
     slicing: &mut Slicing,
+    mut areas: SliceAreas,
     grid: &Grid,
     views: &[PixelRays],
 ) -> Vec<IndexMap> {
     let volume = Volume::new(device, grid).unwrap();
-    let mut areas = SliceAreas::default();
     areas.update(grid, None);
     let mut target = IndexTarget::new(device, SIZE, 2).unwrap();
     let mut frames = Frames::new(device).unwrap();
@@ -95,12 +95,17 @@ fn compare(name: &str, grid: &Grid, cast: &IndexMap, sliced: &IndexMap) -> usize
     different
 }
 
-fn all_subjects(thickness_vx: u32) {
+/// With slabs of `slab_bricks` layers of bricks and layers of `thickness_vx` voxels.
+fn all_subjects(slab_bricks: u32, thickness_vx: Option<u32>) {
     with_device(|device| {
-        let mut slicing = Slicing::new(device).unwrap().with_thickness(thickness_vx);
+        let mut slicing = Slicing::new(device).unwrap();
+        if let Some(thickness_vx) = thickness_vx {
+            slicing = slicing.with_thickness(thickness_vx);
+        }
         for subject in subjects::all() {
             let rays: Vec<_> = subject.views.iter().map(|v| v.rays()).collect();
-            let maps = slice(device, &mut slicing, &subject.grid, &rays);
+            let areas = SliceAreas::with_slab_bricks(slab_bricks);
+            let maps = slice(device, &mut slicing, areas, &subject.grid, &rays);
             let mut different = 0;
             let mut covered = 0;
             for (sliced, rays) in maps.iter().zip(&rays) {
@@ -116,16 +121,21 @@ fn all_subjects(thickness_vx: u32) {
 }
 
 #[test]
-fn layers_of_8_voxels_equal_the_caster() {
-    all_subjects(8);
+fn slabs_of_two_bricks_equal_the_caster() {
+    all_subjects(2, None);
 }
 
 #[test]
-fn layers_of_1_voxel_equal_the_caster() {
-    all_subjects(1);
+fn slabs_of_one_brick_equal_the_caster() {
+    all_subjects(1, None);
 }
 
 #[test]
-fn layers_of_4_voxels_equal_the_caster() {
-    all_subjects(4);
+fn slices_of_one_voxel_equal_the_caster() {
+    all_subjects(1, Some(1));
+}
+
+#[test]
+fn layers_of_four_voxels_in_thicker_slabs_equal_the_caster() {
+    all_subjects(3, Some(4));
 }

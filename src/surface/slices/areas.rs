@@ -8,7 +8,7 @@ use super::exposure::Exposure;
 /// What drawing an area costs besides its bricks, in bricks.
 const AREA_COST_BRICKS: u32 = 32;
 
-/// A rectangle of bricks in a slab, `max` exclusive. `u` and `v` are the axes that follow the
+/// A rectangle of bricks, as thick as the slab, `max` exclusive. `u` and `v` are the axes that follow the
 /// slab's axis in the circle x, y, z.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Area {
@@ -19,10 +19,10 @@ pub struct Area {
 /// The areas of one slab.
 pub type SlabAreas = Vec<Area>;
 
-/// Brick coordinates from a slab's number and its own coordinates.
-pub(super) fn brick_of(axis: usize, slab: u32, uv: UVec2) -> UVec3 {
+/// Brick coordinates from the number of a layer of bricks and coordinates in it.
+pub(super) fn brick_of(axis: usize, layer: u32, uv: UVec2) -> UVec3 {
     let mut b = UVec3::ZERO;
-    b[axis] = slab;
+    b[axis] = layer;
     b[(axis + 1) % 3] = uv.x;
     b[(axis + 2) % 3] = uv.y;
     b
@@ -37,6 +37,7 @@ pub(super) fn slab_size(axis: usize, brick_dims: UVec3) -> UVec2 {
 pub(super) fn rebuild(
     exposure: &Exposure,
     axis: usize,
+    slab_bricks: u32,
     slabs: &mut [SlabAreas],
     stale: &mut [bool],
 ) {
@@ -44,8 +45,11 @@ pub(super) fn rebuild(
         |(slab, (areas, stale))| {
             *stale = false;
             areas.clear();
-            let sums = Sums::new(slab_size(axis, exposure.brick_dims()), |uv| {
-                exposure.get(brick_of(axis, slab as u32, uv))
+            let brick_dims = exposure.brick_dims();
+            let first = slab as u32 * slab_bricks;
+            let end = (first + slab_bricks).min(brick_dims[axis]);
+            let sums = Sums::new(slab_size(axis, brick_dims), |uv| {
+                (first..end).any(|layer| exposure.get(brick_of(axis, layer, uv)))
             });
             divide(&sums, Area { min: UVec2::ZERO, max: sums.size }, areas);
         },

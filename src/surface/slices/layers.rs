@@ -47,20 +47,22 @@ pub struct LayerRect {
     pub rect: Option<Area>,
 }
 
-/// The layers of `thickness` voxels (1, 2, 4 or 8) across an axis, as an eye meets them.
+/// The layers across an axis, as an eye meets them.
 #[derive(Clone, Copy, Debug)]
 pub struct Layers {
     axis: usize,
     thickness: u32,
+    slab: u32,
     dims: UVec3,
     frustum: FrustumPlanes,
     eye: f32,
 }
 
 impl Layers {
-    pub fn new(rays: &PixelRays, dims: UVec3, axis: usize, thickness: u32) -> Layers {
+    /// Layers of `thickness` voxels, of which a whole number makes a slab of `slab` voxels.
+    pub fn new(rays: &PixelRays, dims: UVec3, axis: usize, thickness: u32, slab: u32) -> Layers {
         let frustum = FrustumPlanes::new(rays);
-        Layers { axis, thickness, dims, frustum, eye: rays.origin[axis] }
+        Layers { axis, thickness, slab, dims, frustum, eye: rays.origin[axis] }
     }
 
     /// Calls `draw` with what may be seen, such that of two layers that a ray meets, it meets
@@ -92,7 +94,7 @@ impl Layers {
 
     fn draw_areas(&self, slabs: &[SlabAreas], layer: Layer, draw: &mut impl FnMut(LayerRect)) {
         let size = slab_size(self.axis, self.dims);
-        for area in &slabs[(layer.first / BRICK_EDGE_VX) as usize] {
+        for area in &slabs[(layer.first / self.slab) as usize] {
             let min = area.min * BRICK_EDGE_VX;
             let rect = Area { min, max: (area.max * BRICK_EDGE_VX).min(size) };
             let (low, high) = self.corners(&layer, &rect);

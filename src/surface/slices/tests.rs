@@ -50,15 +50,19 @@ fn naive_exposed(grid: &Grid, b: UVec3) -> bool {
 
 fn check_areas(areas: &mut SliceAreas, grid: &Grid) -> Result<(), TestCaseError> {
     let brick_dims = grid.brick_dims();
+    let slab_bricks = areas.slab_vx() / 8;
     for axis in 0..3 {
         let mut times_drawn = vec![0; grid.bricks().len()];
         for (slab, areas) in areas.along(axis).iter().enumerate() {
-            for area in areas {
-                for v in area.min.y..area.max.y {
-                    for u in area.min.x..area.max.x {
-                        let b = areas::brick_of(axis, slab as u32, UVec2::new(u, v));
-                        prop_assert!(b.cmplt(brick_dims).all());
-                        times_drawn[grid.brick_index(b)] += 1;
+            let first = slab as u32 * slab_bricks;
+            for layer in first..(first + slab_bricks).min(brick_dims[axis]) {
+                for area in areas {
+                    for v in area.min.y..area.max.y {
+                        for u in area.min.x..area.max.x {
+                            let b = areas::brick_of(axis, layer, UVec2::new(u, v));
+                            prop_assert!(b.cmplt(brick_dims).all());
+                            times_drawn[grid.brick_index(b)] += 1;
+                        }
                     }
                 }
             }
@@ -103,8 +107,9 @@ proptest! {
             (prop::array::uniform3(0i32..50), prop::array::uniform3(1i32..20), any::<bool>()),
             0..5,
         ),
+        slab_bricks in 1u32..4,
     ) {
-        let mut areas = SliceAreas::default();
+        let mut areas = SliceAreas::with_slab_bricks(slab_bricks);
         areas.update(&grid, None);
         check_areas(&mut areas, &grid)?;
         for edit in edits {
@@ -120,14 +125,15 @@ proptest! {
     fn layers_come_in_the_order_of_the_rays_and_hold_what_they_meet(
         grid in arb_grid(),
         rays in arb_rays(),
-        thickness in prop::sample::select(vec![1u32, 2, 4, 8]),
+        (slab_bricks, thickness) in
+            prop::sample::select(vec![(1u32, 1u32), (1, 2), (1, 4), (1, 8), (2, 4), (2, 16), (3, 24)]),
     ) {
-        let mut areas = SliceAreas::default();
+        let mut areas = SliceAreas::with_slab_bricks(slab_bricks);
         areas.update(&grid, None);
         let axis = facing_axis(&rays, grid.dims());
-        let slabs = areas.along(axis);
+        let layers = Layers::new(&rays, grid.dims(), axis, thickness, areas.slab_vx());
         let mut drawn = Vec::new();
-        Layers::new(&rays, grid.dims(), axis, thickness).for_each(slabs, |rect| drawn.push(rect));
+        layers.for_each(areas.along(axis), |rect| drawn.push(rect));
         for y in 0..rays.size.y {
             for x in 0..rays.size.x {
                 let direction = rays.direction(x, y);
@@ -163,7 +169,7 @@ proptest! {
 fn the_inside_of_a_solid_is_not_drawn() {
     let mut grid = Grid::new(UVec3::new(256, 253, 70), Vec3::ONE, 1 << 30).unwrap();
     grid.fill_bricks(|_| Brick::FULL);
-    let mut areas = SliceAreas::default();
+    let mut areas = SliceAreas::with_slab_bricks(1);
     areas.update(&grid, None);
     assert!(!areas.is_exposed(UVec3::splat(3)));
     let middle = &areas.along(2)[4];
