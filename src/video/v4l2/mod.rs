@@ -16,13 +16,13 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use self::modes::{Coding, DEFAULT_SIZE, choose, coding_of, modes_of, offered};
 use super::address::CameraAddress;
-use super::colour::Colour;
+use super::colour::{Colour, Range};
 use super::error::VideoError;
 use super::frame::{Frame, check_size};
 use super::jpeg::{self, Splitter};
 use super::rate::Rate;
 use super::reader::{Decoded, FETCH_WAIT, Fetched, Reader};
-use super::yuv::{Lines, Planes, to_rgba};
+use super::yuv::{Layout, Lines, Planes, to_rgba};
 
 pub use self::modes::{CameraInfo, CameraMode, cameras};
 
@@ -57,7 +57,9 @@ impl Camera {
         let rate = address.rate.unwrap_or(Rate::DEFAULT);
         let modes = modes_of(&device, size);
         let Some(mode) = choose(&modes, address.format, size, rate) else {
-            let problem = format!("it offers only {}", offered(&device));
+            let what = address.format.map(|code| PixelFormat::from_fourcc(code).to_string());
+            let what = what.as_deref().unwrap_or("format that is read here");
+            let problem = format!("it offers no {what}, but {}", offered(&device));
             return Err(VideoError::unsupported(subject, problem));
         };
         let format = PixelFormat::from_fourcc(mode.format);
@@ -90,7 +92,7 @@ impl Camera {
             width,
             height,
             stride,
-            colour: address.colour.over(Colour::DEFAULT),
+            colour: address.colour.over(said_colour(coding)),
             opened: Instant::now(),
             bytes: Vec::new(),
             damaged: false,
@@ -110,6 +112,15 @@ impl Camera {
                 Ok(())
             })
             .map_err(|error| VideoError::io(&*self.subject, error))
+    }
+}
+
+/// What a camera's numbers mean where nobody says otherwise: those of grey cameras come straight
+/// from the sensor, over the full range.
+fn said_colour(coding: Coding) -> Colour {
+    match coding {
+        Coding::Raw(Layout::Grey) => Colour { range: Range::Full, ..Colour::DEFAULT },
+        Coding::Raw(_) | Coding::Jpeg => Colour::DEFAULT,
     }
 }
 

@@ -152,11 +152,11 @@ pub(super) fn choose(
     wanted.min_by_key(|mode| key(mode)).copied()
 }
 
-/// What a camera offers, for people.
+/// What a camera offers, for people: the beginning of its list.
 pub(super) fn offered(device: &Device) -> String {
-    let formats = device.formats(BufType::VIDEO_CAPTURE).map_while(Result::ok).take(64);
+    let formats = device.formats(BufType::VIDEO_CAPTURE).map_while(Result::ok).take(16);
     let names: Vec<String> = formats.map(|format| format.pixel_format().to_string()).collect();
-    if names.is_empty() { "no format at all".into() } else { names.join(", ") }
+    if names.is_empty() { "no other either".into() } else { names.join(", ") }
 }
 
 #[cfg(test)]
