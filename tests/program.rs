@@ -1,6 +1,9 @@
 //! The program from outside, as a person or a script runs it: without a display, by arguments,
 //! files, exit codes and messages.
 
+// A test that cannot go on has failed.
+#![allow(clippy::unwrap_used)]
+
 mod shared_data;
 
 use std::path::{Path, PathBuf};

@@ -1,6 +1,9 @@
 //! The interface and the workbench without a window: buttons, keys and mouse lead to commands,
 //! and commands change the sculpture. The picture's voxels come from the exact ray caster.
 
+// A test that cannot go on has failed.
+#![allow(clippy::unwrap_used)]
+
 use std::sync::Arc;
 
 use egui::accesskit::Role;

@@ -26,13 +26,15 @@ pub enum FormatError {
     #[error(transparent)]
     Grid(#[from] GridError),
 
+    #[error("the file is empty")]
+    Empty,
     #[error("this is no PVM volume: it begins with `{0}`, not with PVM, PVM2, PVM3 or a DDS id")]
     NotPvm(String),
     #[error("the DDS stream is of the kind `{}`; only v3d and v3e are known", .0.escape_default())]
     DdsVersion(String),
     #[error("the DDS stream holds nothing: it ends before its first byte; the file is damaged")]
     DdsEmpty,
-    #[error("the DDS stream holds no PVM volume: it unpacks to `{0}`...")]
+    #[error("the DDS stream holds no PVM volume: it unpacks to `{0}`")]
     NotPvmInside(String),
     #[error("the header ends before its line with the {0}; the file is cut short")]
     HeaderCut(&'static str),
@@ -50,7 +52,7 @@ pub enum FormatError {
         "the header asks for {expected} bytes of voxels, but {found} follow; the file is cut short"
     )]
     VoxelsCut { expected: u64, found: u64 },
-    #[error("{0} bytes follow where the volume should end; the file is damaged")]
+    #[error("the volume should end {0} bytes earlier; the file is damaged")]
     Trailing(u64),
     #[error("the four texts behind the voxels are incomplete; the file is cut short")]
     TextsCut,
@@ -91,6 +93,9 @@ pub enum FormatError {
 
 /// Shows the first bytes of something unexpected, with all that is not plain text escaped.
 pub(super) fn excerpt(bytes: &[u8]) -> String {
-    let end = bytes.len().min(16);
-    bytes[..end].escape_ascii().to_string()
+    const MOST: usize = 24;
+    match bytes.get(..MOST) {
+        Some(start) if bytes.len() > MOST => format!("{}...", start.escape_ascii()),
+        _ => bytes.escape_ascii().to_string(),
+    }
 }

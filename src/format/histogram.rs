@@ -2,15 +2,42 @@
 
 use rayon::prelude::*;
 
-/// Most bins; enough to have each 16-bit value by itself.
-const MAX_BINS: usize = 1 << 16;
+/// Bins where densities are not whole numbers.
+const FINE_BINS: usize = 1 << 16;
 /// Voxels counted by one worker at a time.
-const CHUNK_VOXELS: usize = 1 << 20;
+const CHUNK_VOXELS: usize = 1 << 22;
+
+/// How often each of `count` bins occurs. Those beyond are not counted.
+fn count_all<T: Sync>(voxels: &[T], count: usize, bin: impl Fn(&T) -> usize + Sync) -> Vec<u64> {
+    let count_chunk = |chunk: &[T]| {
+        // Four tables in turn: equal neighbours need not wait for one another.
+        let mut tables: [Vec<u32>; 4] = std::array::from_fn(|_| vec![0; count]);
+        let (fours, rest) = chunk.as_chunks::<4>();
+        let mut add = |table: usize, voxel: &T| {
+            if let Some(n) = tables[table].get_mut(bin(voxel)) {
+                *n += 1;
+            }
+        };
+        for four in fours {
+            (0..4).for_each(|i| add(i, &four[i]));
+        }
+        rest.iter().for_each(|voxel| add(0, voxel));
+        let sum = |bin: usize| tables.iter().map(|t| u64::from(t[bin])).sum();
+        (0..count).map(sum).collect::<Vec<u64>>()
+    };
+    voxels.par_chunks(CHUNK_VOXELS).map(count_chunk).reduce(
+        || vec![0; count],
+        |mut sum, counts| {
+            sum.iter_mut().zip(counts).for_each(|(a, b)| *a += b);
+            sum
+        },
+    )
+}
 
 /// How often densities occur.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Histogram {
-    /// Least and greatest finite density; both 0 where there is none.
+    /// Least and greatest finite density; both 0, and no bins, where there is none.
     pub min: f32,
     pub max: f32,
     /// Voxels in each of the equal bins that `min` is the start of.
@@ -19,57 +46,70 @@ pub struct Histogram {
     pub bin_width: f64,
 }
 
+/// The values that a type of samples can have.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Values {
+    /// Whole numbers, this many from the first on.
+    Whole {
+        first: i32,
+        count: usize,
+    },
+    Any,
+}
+
 impl Histogram {
     /// Counts the finite values of all voxels. Whole numbers get a bin each.
     pub fn of<const B: usize>(
         voxels: &[[u8; B]],
         value: impl Fn(&[u8; B]) -> f32 + Sync,
-        whole: bool,
+        values: Values,
     ) -> Histogram {
+        match values {
+            Values::Whole { first, count } => {
+                let bins = count_all(voxels, count, |v| (value(v) as i32 - first) as usize);
+                Histogram::of_whole(bins, first)
+            }
+            Values::Any => Histogram::of_any(voxels, value),
+        }
+    }
+
+    /// From the counts of `first` and the numbers behind it.
+    fn of_whole(mut bins: Vec<u64>, first: i32) -> Histogram {
+        let Some(least) = bins.iter().position(|&n| n > 0) else { return Histogram::EMPTY };
+        let most = bins.iter().rposition(|&n| n > 0).unwrap_or(least);
+        bins.truncate(most + 1);
+        bins.drain(..least);
+        let number = |bin: usize| (first + bin as i32) as f32;
+        Histogram { min: number(least), max: number(most), bins, bin_width: 1.0 }
+    }
+
+    fn of_any<const B: usize>(
+        voxels: &[[u8; B]],
+        value: impl Fn(&[u8; B]) -> f32 + Sync,
+    ) -> Histogram {
+        let nothing = (f32::INFINITY, f32::NEG_INFINITY);
+        let widen = |(min, max): (f32, f32), v: f32| (min.min(v), max.max(v));
         let (min, max) = voxels
             .par_chunks(CHUNK_VOXELS)
-            .map(|chunk| {
-                chunk
-                    .iter()
-                    .map(&value)
-                    .filter(|v| v.is_finite())
-                    .fold((f32::INFINITY, f32::NEG_INFINITY), |(min, max), v| {
-                        (min.min(v), max.max(v))
-                    })
-            })
-            .reduce(|| (f32::INFINITY, f32::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+            .map(|chunk| chunk.iter().map(&value).filter(|v| v.is_finite()).fold(nothing, widen))
+            .reduce(|| nothing, |a, b| widen(widen(a, b.0), b.1));
         if min > max {
-            return Histogram { min: 0.0, max: 0.0, bins: vec![0], bin_width: 1.0 };
+            return Histogram::EMPTY;
         }
         let range = f64::from(max) - f64::from(min);
-        let (count, bin_width) = if range == 0.0 {
-            (1, 1.0)
-        } else if whole && range < MAX_BINS as f64 {
-            (range as usize + 1, 1.0)
-        } else {
-            (MAX_BINS, range / (MAX_BINS - 1) as f64)
-        };
-        let bin = |v: f32| (((f64::from(v) - f64::from(min)) / bin_width) as usize).min(count - 1);
-        let bins = voxels
-            .par_chunks(CHUNK_VOXELS)
-            .fold(
-                || vec![0u64; count],
-                |mut bins, chunk| {
-                    for v in chunk.iter().map(&value).filter(|v| v.is_finite()) {
-                        bins[bin(v)] += 1;
-                    }
-                    bins
-                },
-            )
-            .reduce(
-                || vec![0u64; count],
-                |mut sum, bins| {
-                    sum.iter_mut().zip(bins).for_each(|(a, b)| *a += b);
-                    sum
-                },
-            );
+        let (count, bin_width) =
+            if range == 0.0 { (1, 1.0) } else { (FINE_BINS, range / (FINE_BINS - 1) as f64) };
+        // What is not finite is counted in a bin of its own, then dropped.
+        let mut bins = count_all(voxels, count + 1, |v| {
+            let v = value(v);
+            let bin = ((f64::from(v) - f64::from(min)) / bin_width) as usize;
+            if v.is_finite() { bin.min(count - 1) } else { count }
+        });
+        bins.truncate(count);
         Histogram { min, max, bins, bin_width }
     }
+
+    const EMPTY: Histogram = Histogram { min: 0.0, max: 0.0, bins: Vec::new(), bin_width: 1.0 };
 
     /// Lower end of a bin.
     pub fn start_of(&self, bin: usize) -> f64 {

@@ -3,12 +3,13 @@
 //! Works brick by brick in parallel. Memory for colours is counted before it is taken, and taken
 //! only for bricks in which an existing voxel differs from the base colour. Knows no files.
 
+use fearless_simd::{Level, dispatch};
 use glam::UVec3;
 use rayon::prelude::*;
 use tracing::warn;
 
 use super::FormatError;
-use super::histogram::Histogram;
+use super::histogram::{Histogram, Values};
 use super::options::{Colouring, Existence, ExportForm, ImportOptions};
 use super::ramp::Ramp;
 use super::signature::Signature;
@@ -27,6 +28,35 @@ const PAINT_BATCH: usize = 1 << 13;
 const OPAQUE: f64 = 128.0;
 /// Share of the voxels below the brightest end of a ramp; the rest are outliers such as metal.
 const RAMP_QUANTILE: f64 = 0.999;
+
+const U8: Values = Values::Whole { first: 0, count: 1 << 8 };
+const U16: Values = Values::Whole { first: 0, count: 1 << 16 };
+const I16: Values = Values::Whole { first: i16::MIN as i32, count: 1 << 16 };
+
+/// Some of an expression that uses the way to read a density from its bytes and the values it may
+/// have, compiled for each type of densities; none for other types.
+macro_rules! with_density {
+    ($samples:expr, |$value:ident, $values:ident| $body:expr) => {
+        with_density!(@each $samples, $value, $values, $body,
+            (U8, 1, U8, |v| f32::from(v[0])),
+            (U16Le, 2, U16, |v| f32::from(u16::from_le_bytes(*v))),
+            (U16Be, 2, U16, |v| f32::from(u16::from_be_bytes(*v))),
+            (I16Le, 2, I16, |v| f32::from(i16::from_le_bytes(*v))),
+            (I16Be, 2, I16, |v| f32::from(i16::from_be_bytes(*v))),
+            (F32Le, 4, Values::Any, |v| f32::from_le_bytes(*v)),
+            (F32Be, 4, Values::Any, |v| f32::from_be_bytes(*v)))
+    };
+    (@each $samples:expr, $value:ident, $values:ident, $body:expr,
+        $(($name:ident, $bytes:literal, $range:expr, |$v:ident| $read:expr)),*) => {
+        match $samples {
+            $(Samples::$name => {
+                let ($value, $values) = (|$v: &[u8; $bytes]| $read, $range);
+                Some($body)
+            })*
+            Samples::Rgb8 | Samples::Rgba8 | Samples::Bytes(_) => None,
+        }
+    };
+}
 
 /// Makes a sculpture of a volume.
 pub fn to_contents(
@@ -49,36 +79,17 @@ pub fn to_contents(
     match volume.samples {
         Samples::Rgb8 => job.colours(|v: &[u8; 3]| (v[0].max(v[1]).max(v[2]), *v), 1.0),
         Samples::Rgba8 => job.colours(|[r, g, b, a]: &[u8; 4]| (*a, [*r, *g, *b]), OPAQUE),
-        Samples::U8 => job.densities(|[v]| f32::from(*v), true),
-        Samples::U16Le => job.densities(|v| f32::from(u16::from_le_bytes(*v)), true),
-        Samples::U16Be => job.densities(|v| f32::from(u16::from_be_bytes(*v)), true),
-        Samples::I16Le => job.densities(|v| f32::from(i16::from_le_bytes(*v)), true),
-        Samples::I16Be => job.densities(|v| f32::from(i16::from_be_bytes(*v)), true),
-        Samples::F32Le => job.densities(|v| f32::from_le_bytes(*v), false),
-        Samples::F32Be => job.densities(|v| f32::from_be_bytes(*v), false),
         Samples::Bytes(n) => Err(FormatError::Components(n)),
+        densities => with_density!(densities, |value, values| job.densities(value, values))
+            .unwrap_or(Err(FormatError::Components(densities.bytes()))),
     }
 }
 
 /// The histogram of a volume of densities.
 pub fn histogram(volume: &Volume) -> Option<Histogram> {
-    fn of<const B: usize>(
-        volume: &Volume,
-        value: impl Fn(&[u8; B]) -> f32 + Sync,
-        whole: bool,
-    ) -> Option<Histogram> {
-        Some(Histogram::of(volume.data.as_chunks().0, value, whole))
-    }
-    match volume.samples {
-        Samples::U8 => of(volume, |[v]| f32::from(*v), true),
-        Samples::U16Le => of(volume, |v| f32::from(u16::from_le_bytes(*v)), true),
-        Samples::U16Be => of(volume, |v| f32::from(u16::from_be_bytes(*v)), true),
-        Samples::I16Le => of(volume, |v| f32::from(i16::from_le_bytes(*v)), true),
-        Samples::I16Be => of(volume, |v| f32::from(i16::from_be_bytes(*v)), true),
-        Samples::F32Le => of(volume, |v| f32::from_le_bytes(*v), false),
-        Samples::F32Be => of(volume, |v| f32::from_be_bytes(*v), false),
-        Samples::Rgb8 | Samples::Rgba8 | Samples::Bytes(_) => None,
-    }
+    with_density!(volume.samples, |value, values| {
+        Histogram::of(volume.data.as_chunks().0, value, values)
+    })
 }
 
 /// What this program noted when it wrote the volume.
@@ -104,7 +115,7 @@ impl Job<'_> {
     fn densities<const B: usize>(
         &self,
         value: impl Fn(&[u8; B]) -> f32 + Sync + Copy,
-        whole: bool,
+        values: Values,
     ) -> Result<Contents, FormatError> {
         let own = self.signature.is_some_and(|s| s.form == ExportForm::Densities);
         let colouring = match self.options.colouring {
@@ -112,21 +123,24 @@ impl Job<'_> {
             Colouring::Auto => Colouring::Grey,
             chosen => chosen,
         };
+        let threshold = match self.options.existence {
+            Existence::Threshold(threshold) => Some(threshold),
+            Existence::Auto => own.then_some(OPAQUE),
+        };
         let depth = if colouring == Colouring::None { ColourDepth::None } else { self.depth() };
         self.check_grid()?;
-        let histogram = Histogram::of(self.voxels(), value, whole);
-        let threshold = match self.options.existence {
-            Existence::Threshold(threshold) => threshold,
-            Existence::Auto if own => OPAQUE,
-            Existence::Auto => threshold::automatic(&histogram),
-        };
+        if let (Some(threshold), ColourDepth::None) = (threshold, depth) {
+            let exists = from_on(threshold, value);
+            return self.build(depth, exists, |_| Rgb::STONE);
+        }
+        let histogram = Histogram::of(self.voxels(), value, values);
+        let threshold = threshold.unwrap_or_else(|| threshold::automatic(&histogram));
         let top = histogram.quantile(RAMP_QUANTILE).max(threshold);
         let ramp = match colouring {
             Colouring::Tissue => Ramp::tissue(threshold, top),
             _ => Ramp::grey(threshold, top),
         };
-        let exists = |v: &[u8; B]| f64::from(value(v)) >= threshold;
-        self.build(depth, exists, |v| ramp.colour(value(v)))
+        self.build(depth, from_on(threshold, value), |v| ramp.colour(value(v)))
     }
 
     /// `of` gives what is compared with a threshold, and the colour.
@@ -208,14 +222,14 @@ impl Job<'_> {
             let corner = brick * BRICK_EDGE_VX;
             let room = (dims - corner).min(UVec3::splat(BRICK_EDGE_VX));
             let mut rows = [0u64; 8];
-            for z in 0..room.z {
+            // Plain loops, compiled once for each generation of vector instructions.
+            dispatch!(Level::new(), _simd => for z in 0..room.z {
                 for y in 0..room.y {
                     let start = index(corner + UVec3::new(0, y, z));
                     let row = &voxels[start..start + room.x as usize];
-                    let bits = row.iter().enumerate().map(|(x, v)| u64::from(exists(v)) << x);
-                    rows[z as usize] |= bits.fold(0, |a, b| a | b) << (8 * y);
+                    rows[z as usize] |= row_bits(row, &exists) << (8 * y);
                 }
-            }
+            });
             Brick::from_rows(&rows)
         });
         self.progress.end();
@@ -273,6 +287,29 @@ impl Job<'_> {
         self.progress.end();
         Ok(material)
     }
+}
+
+/// Whether a density is `threshold` or more; not where it is no number.
+fn from_on<const B: usize>(
+    threshold: f64,
+    value: impl Fn(&[u8; B]) -> f32 + Sync,
+) -> impl Fn(&[u8; B]) -> bool + Sync {
+    // The least f32 that is no less, so that nothing need be widened.
+    let nearest = threshold as f32;
+    let least = if f64::from(nearest) < threshold { nearest.next_up() } else { nearest };
+    move |v| value(v) >= least
+}
+
+/// One bit for each of up to eight voxels, the lowest for the first.
+#[inline(always)]
+fn row_bits<const B: usize>(row: &[[u8; B]], exists: &impl Fn(&[u8; B]) -> bool) -> u64 {
+    let mut bytes = [0u8; 8];
+    match row.first_chunk::<8>() {
+        Some(row) => bytes = row.each_ref().map(|v| u8::from(exists(v))),
+        None => row.iter().zip(&mut bytes).for_each(|(v, byte)| *byte = u8::from(exists(v))),
+    }
+    // The factor brings the lowest bit of byte i to bit 56 + i, and nothing else there.
+    u64::from_le_bytes(bytes).wrapping_mul(0x0102_0408_1020_4080) >> 56
 }
 
 /// A page of nothing but the base colour.

@@ -18,8 +18,8 @@ const TISSUE: [Rgb; 6] = [
 /// Colours by density over a range.
 #[derive(Clone, Debug)]
 pub struct Ramp {
-    from: f64,
-    colours_per_unit: f64,
+    from: f32,
+    colours_per_unit: f32,
     colours: [Rgb; 256],
 }
 
@@ -45,14 +45,15 @@ impl Ramp {
         });
         let range = to - from;
         // An empty range puts all densities at its end.
-        Ramp { from, colours_per_unit: if range > 0.0 { 255.0 / range } else { 1e9 }, colours }
+        let colours_per_unit = if range > 0.0 { 255.0 / range } else { 1e9 };
+        Ramp { from: from as f32, colours_per_unit: colours_per_unit as f32, colours }
     }
 
     /// The colour of a density; beyond the range that of its ends.
     #[inline]
     pub fn colour(&self, density: f32) -> Rgb {
         // The cast takes all below 0 to 0.
-        let place = (f64::from(density) - self.from) * self.colours_per_unit + 0.5;
+        let place = (density - self.from) * self.colours_per_unit + 0.5;
         self.colours[(place as usize).min(255)]
     }
 }

@@ -77,7 +77,8 @@ impl Signature {
             ExportForm::Densities => {
                 samples == Samples::U8 && self.colour_depth == ColourDepth::None
             }
-            ExportForm::Rgba => samples == Samples::Rgba8 && self.colour_depth != ColourDepth::None,
+            ExportForm::Rgba => samples == Samples::Rgba8,
+
             ExportForm::Packed => samples.bytes() as usize == self.colour_depth.bytes(),
         };
         if fits { Ok(()) } else { Err("it does not fit the voxels") }
@@ -123,7 +124,7 @@ mod tests {
             "virtual-sculpture",
             "virtual-sculpture 2 form=rgba colour_bits=16 base=#c8beaa",
             "virtual-sculpture 1 form=rgba colour_bits=12 base=#c8beaa",
-            "virtual-sculpture 1 form=rgba colour_bits=0 base=#c8beaa",
+            "virtual-sculpture 1 form=packed colour_bits=0 base=#c8beaa",
             "virtual-sculpture 1 form=auto colour_bits=16 base=#c8beaa",
             "virtual-sculpture 1 form=rgba colour_bits=16",
             "virtual-sculpture 1 form=rgba colour_bits=16 base=#c8beaa more",

@@ -21,6 +21,9 @@ pub(super) fn read(
     if !metadata.is_file() {
         return Err(FormatError::NotAFile);
     }
+    if metadata.len() == 0 {
+        return Err(FormatError::Empty);
+    }
     admit(metadata.len())?;
     check_budget(metadata.len(), budget_bytes)?;
     let mut bytes = Vec::with_capacity(metadata.len() as usize);

@@ -99,11 +99,13 @@ fn valley(histogram: &Histogram, [from, to]: [f64; 2]) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::histogram::Values;
     use super::*;
 
     fn threshold_of(values: impl IntoIterator<Item = u8>) -> f64 {
         let voxels: Vec<[u8; 1]> = values.into_iter().map(|v| [v]).collect();
-        automatic(&Histogram::of(&voxels, |[v]| f32::from(*v), true))
+        let values = Values::Whole { first: 0, count: 256 };
+        automatic(&Histogram::of(&voxels, |[v]| f32::from(*v), values))
     }
 
     /// `count` values spread evenly over a range.
@@ -125,7 +127,7 @@ mod tests {
         assert!(threshold_of([0; 10]) > 0.0);
         assert_eq!(threshold_of([255; 10]), 255.0);
         assert_eq!(threshold_of([7]), 7.0);
-        let none = Histogram::of(&[[0u8; 4]], |_| f32::NAN, false);
+        let none = Histogram::of(&[[0u8; 4]], |_| f32::NAN, Values::Any);
         assert!(automatic(&none) > 0.0);
     }
 

@@ -87,9 +87,9 @@ struct FoldedLanes {
 fn fold(at: usize, bits: &[u64; 8]) -> (u64, u64) {
     let masks = &NEIGHBOURS[at & 63];
     let (mut upper, mut lower) = (0, 0);
-    for word in 0..8 {
-        upper |= bits[word] & masks.upper[word];
-        lower |= bits[word] & masks.lower[word];
+    for (word, (mask_upper, mask_lower)) in bits.iter().zip(masks.upper.iter().zip(&masks.lower)) {
+        upper |= word & mask_upper;
+        lower |= word & mask_lower;
     }
     (upper, lower)
 }

@@ -120,12 +120,12 @@ impl Shader<'_> {
         let nothing = u32x16::splat(simd, 0);
         let places = self.places.coords(simd, seen.select(voxels, nothing));
         let seen_lanes = seen.to_bitmask() as u32;
-        for axis in 0..3 {
-            (places[axis].to_float::<f32x16<S>>() + 0.5).store_array(&mut points.position[axis]);
+        for (place, position) in places.iter().zip(&mut points.position) {
+            (place.to_float::<f32x16<S>>() + 0.5).store_array(position);
         }
         let gradients = self.words.gradients(simd, places, seen_lanes);
-        for axis in 0..3 {
-            gradients[axis].store_array(&mut points.gradient[axis]);
+        for (gradient, out) in gradients.iter().zip(&mut points.gradient) {
+            gradient.store_array(out);
         }
         if self.painted {
             let [x, y, z] = [places[0].to_array(), places[1].to_array(), places[2].to_array()];

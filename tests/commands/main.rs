@@ -1,5 +1,8 @@
 //! Commands from the outside: their text form, scripts of them, and what documents make of them.
 
+// A test that cannot go on has failed.
+#![allow(clippy::unwrap_used)]
+
 mod document;
 mod model;
 mod script;

@@ -2,6 +2,9 @@
 //!
 //! Needs `Xvfb` (Debian, Ubuntu: xvfb). Without it the tests say SKIPPED, unless
 //! `VS_REQUIRE_WINDOW=1`. Screenshots are left in target/test-output/window.
+
+// A test that cannot go on has failed.
+#![allow(clippy::unwrap_used)]
 #![cfg(target_os = "linux")]
 
 mod display;

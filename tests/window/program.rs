@@ -97,7 +97,7 @@ impl<'a> Program<'a> {
         loop {
             std::thread::sleep(Duration::from_millis(20));
             let log = self.log.lock().unwrap();
-            if !self.child.lock().unwrap().try_wait().unwrap().is_none() {
+            if self.child.lock().unwrap().try_wait().unwrap().is_some() {
                 panic!("the program has ended:\n{}", log.text);
             }
             let resting = log.resting.is_some_and(|since| since.elapsed() > REST);

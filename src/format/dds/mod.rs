@@ -19,6 +19,7 @@ mod split;
 
 use std::ops::Range;
 
+use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
 use self::bits::{BitSink, BitSource};
@@ -205,9 +206,12 @@ impl<'a> Stream<'a> {
 
     /// Decodes a segment and undoes the predictor as if only zeros came before it.
     fn decode_alone(&self, segment: Segment, out: &mut [u8]) -> Unpredictor {
-        runs::decode_runs(self.source, segment.bit, out);
         let mut unpredictor = Unpredictor::at(self.strip, segment.sample);
-        unpredictor.undo(out);
+        // Plain loops, compiled once for each generation of vector instructions.
+        dispatch!(Level::new(), _simd => {
+            runs::decode_runs(self.source, segment.bit, out);
+            unpredictor.undo(out);
+        });
         unpredictor
     }
 

@@ -33,6 +33,7 @@ impl Unpredictor {
     }
 
     /// Turns the next residuals into samples.
+    #[inline(always)]
     pub fn undo(&mut self, residuals: &mut [u8]) {
         let mut rest = residuals;
         if self.at_start && !rest.is_empty() {
@@ -62,6 +63,7 @@ impl Unpredictor {
 }
 
 /// Replaces each byte by the sum of itself, all before it and `start`; returns the last sum.
+#[inline(always)]
 fn running_sum(bytes: &mut [u8], start: u8) -> u8 {
     let mut carry = start;
     let (blocks, rest) = bytes.as_chunks_mut::<16>();

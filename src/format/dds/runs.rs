@@ -41,6 +41,7 @@ impl RunHead {
 /// Writes the residuals of the runs from `position` on to `out` and returns the position behind
 /// them. `out` must end where a run ends, or be shorter than the runs from there on hold: what
 /// does not fit of the last run is left out.
+#[inline(always)]
 pub fn decode_runs(source: BitSource, mut position: u64, out: &mut [u8]) -> u64 {
     let mut at = 0;
     let mut buffer: RunBuffer = [0; RUN_SAMPLES + 1];

@@ -13,6 +13,8 @@
 //!
 //! Takes residuals as [`super::predict`] gives them and writes runs as [`super::runs`] defines.
 
+use fearless_simd::{Level, dispatch};
+
 use super::bits::BitSink;
 use super::runs::{HEAD_BITS, RUN_SAMPLES, WIDTHS, encode_run};
 
@@ -38,6 +40,12 @@ pub struct Splitter {
 impl Splitter {
     /// Appends `residuals` to `sink` as runs. The last one ends with the residuals.
     pub fn encode(&mut self, residuals: &[u8], sink: &mut BitSink) {
+        // Plain loops, compiled once for each generation of vector instructions.
+        dispatch!(Level::new(), _simd => self.encode_here(residuals, sink));
+    }
+
+    #[inline(always)]
+    fn encode_here(&mut self, residuals: &[u8], sink: &mut BitSink) {
         self.search(residuals);
         let mut at = 0;
         while at < residuals.len() {
@@ -49,6 +57,7 @@ impl Splitter {
         }
     }
 
+    #[inline(always)]
     fn search(&mut self, residuals: &[u8]) {
         // Whole groups of eight samples in each stretch.
         let stretch = residuals.len().div_ceil(8 * LANES) * 8;

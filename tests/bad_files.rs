@@ -1,0 +1,133 @@
+//! Damaged and hostile files: each gets the verdict that its kind deserves, in words, without a
+//! panic and without much memory.
+
+// A test that cannot go on has failed.
+#![allow(clippy::unwrap_used)]
+
+mod shared_data;
+
+use std::path::Path;
+
+use shared_data::shared_file;
+use virtual_sculpture::format::options::ImportOptions;
+use virtual_sculpture::format::{self, FormatError, Loaded};
+use virtual_sculpture::sculpture::Limits;
+
+fn load(path: &Path) -> Result<Loaded, FormatError> {
+    format::load(path, &ImportOptions::default(), &Limits::default(), &())
+}
+
+/// Most memory that this process has held so far, where the system says.
+fn peak_mib() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
+    line.trim().strip_suffix(" kB")?.trim().parse::<u64>().ok().map(|kib| kib >> 10)
+}
+
+#[test]
+fn every_bad_file_gets_its_verdict() {
+    let Some(manifest) = shared_file("data/bad/MANIFEST.tsv") else { return };
+    let folder = manifest.parent().unwrap().to_path_buf();
+    let mut seen = 0;
+    for line in std::fs::read_to_string(&manifest).unwrap().lines() {
+        let fields: Vec<&str> = line.split('\t').collect();
+        let [name, _, verdict, why] = fields[..] else { panic!("manifest line {line}") };
+        if !name.ends_with(".pvm") {
+            continue;
+        }
+        seen += 1;
+        let result = load(&folder.join(name));
+        match (verdict, &result) {
+            ("accept", Err(error)) => panic!("{name} ({why}) was refused: {error}"),
+            ("reject", Ok(_)) => panic!("{name} ({why}) was accepted"),
+            _ => {}
+        }
+        if let Err(error) = result {
+            let message = error.to_string();
+            assert!(message.len() >= 17 && message.len() < 300, "{name}: {message}");
+            assert!(!message.chars().any(char::is_control), "{name}: {message:?}");
+            println!("{name}: {message}");
+        }
+    }
+    assert!(seen >= 55, "only {seen} files");
+    // The largest that is accepted is a volume of 32 MiB; nothing may have taken much more.
+    if let Some(peak) = peak_mib() {
+        assert!(peak < 250, "{peak} MiB");
+    }
+}
+
+#[test]
+fn the_budget_is_asked_before_unpacking() {
+    let Some(path) = shared_file("data/bad/dds_bomb_legal.pvm") else { return };
+    let limits = Limits { grid_bytes: 1 << 20, ..Limits::default() };
+    let error = format::load(&path, &ImportOptions::default(), &limits, &()).unwrap_err();
+    assert!(matches!(error, FormatError::Grid(_)), "{error}");
+    let limits = Limits { grid_bytes: 8 << 20, colour_bytes: 8 << 20, ..Limits::default() };
+    let error = format::load(&path, &ImportOptions::default(), &limits, &()).unwrap_err();
+    assert!(matches!(error, FormatError::Memory { .. }), "{error}");
+}
+
+/// A small generator with a seed, so that a failure can be had again.
+struct Dice(u64);
+
+impl Dice {
+    fn below(&mut self, end: usize) -> usize {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        ((self.0 >> 33) % end.max(1) as u64) as usize
+    }
+}
+
+/// Changes a file in one of the ways in which files get damaged.
+fn damage(file: &[u8], dice: &mut Dice) -> Vec<u8> {
+    let mut bytes = file.to_vec();
+    for _ in 0..1 + dice.below(4) {
+        if bytes.is_empty() {
+            break;
+        }
+        // Headers are short but matter most.
+        let reach = if dice.below(2) == 0 { bytes.len().min(80) } else { bytes.len() };
+        let at = dice.below(reach);
+        match dice.below(6) {
+            0 => bytes[at] ^= 1 << dice.below(8),
+            1 => bytes[at] = dice.below(256) as u8,
+            2 => bytes.truncate(at),
+            3 => drop(bytes.splice(at..at, b"9999999999 -1e40 \n\0"[..dice.below(20)].to_vec())),
+            4 => drop(bytes.drain(at..(at + 1 + dice.below(40)).min(reach))),
+            _ => bytes[at..reach.min(at + 1 + dice.below(60))].fill([0, 255, b'0'][dice.below(3)]),
+        }
+    }
+    bytes
+}
+
+#[test]
+fn damaged_files_never_cause_a_panic() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("damaged.pvm");
+    // Small limits, so that what happens to claim much is refused rather than tried.
+    let limits = Limits { grid_bytes: 1 << 20, colour_bytes: 8 << 20, ..Limits::default() };
+    let mut dice = Dice(20261121);
+    let mut verdicts = [0; 2];
+    for name in [
+        "pvm/Bucky.pvm",
+        "derived/syn_pvm1_raw_comments.pvm",
+        "derived/syn_pvm2_raw_u16_17x13x9.pvm",
+        "derived/syn_pvm3_raw_u8_empty_strings.pvm",
+        "derived/syn_pvm3_dds_u16_17x13x9_strings.pvm",
+        "derived/syn_pvm1_dds_5comps.pvm",
+        "derived/syn_dds_skip2_on_u8.pvm",
+        "derived/syn_pvm1_dds_1x1x1.pvm",
+    ] {
+        let Some(original) = shared_file(&format!("data/{name}")) else { return };
+        let file = std::fs::read(original).unwrap();
+        for _ in 0..400 {
+            std::fs::write(&path, damage(&file, &mut dice)).unwrap();
+            let result = format::load(&path, &ImportOptions::default(), &limits, &());
+            verdicts[usize::from(result.is_ok())] += 1;
+            if let Err(error) = result {
+                assert!(!error.to_string().chars().any(char::is_control), "{error:?}");
+            }
+        }
+    }
+    // Both outcomes occur, else the damage is too little or too much to test anything.
+    assert!(verdicts.iter().all(|&n| n > 100), "{verdicts:?}");
+}
