@@ -92,7 +92,7 @@ impl Histogram {
         let (min, max) = voxels
             .par_chunks(CHUNK_VOXELS)
             .map(|chunk| chunk.iter().map(&value).filter(|v| v.is_finite()).fold(nothing, widen))
-            .reduce(|| nothing, |a, b| widen(widen(a, b.0), b.1));
+            .reduce(|| nothing, |a, b| (a.0.min(b.0), a.1.max(b.1)));
         if min > max {
             return Histogram::EMPTY;
         }
