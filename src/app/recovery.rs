@@ -1,6 +1,6 @@
 //! Owns where a sculpture goes when the program cannot go on.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::command::Command;
 use crate::format::options::ExportForm;
@@ -8,13 +8,17 @@ use crate::session::{Session, SessionError};
 
 /// Saves the sculpture where no other file is; gives the path.
 pub fn save(session: &mut Session) -> Result<PathBuf, SessionError> {
-    let name = session.path().and_then(|p| p.file_stem()).map(|n| n.to_string_lossy().into_owned());
-    let name = name.unwrap_or_else(|| "sculpture".to_string());
     let folder = folder();
     if let Err(error) = std::fs::create_dir_all(&folder) {
         // Saving will fail with the same reason and name the path.
         tracing::warn!("cannot make {}: {error}", folder.display());
     }
+    save_in(session, &folder)
+}
+
+fn save_in(session: &mut Session, folder: &Path) -> Result<PathBuf, SessionError> {
+    let name = session.path().and_then(|p| p.file_stem()).map(|n| n.to_string_lossy().into_owned());
+    let name = name.unwrap_or_else(|| "sculpture".to_string());
     let candidate = |n: u32| match n {
         1 => folder.join(format!("{name}-recovered.pvm")),
         n => folder.join(format!("{name}-recovered-{n}.pvm")),
@@ -30,4 +34,32 @@ fn folder() -> PathBuf {
     set("XDG_STATE_HOME")
         .or_else(|| set("HOME").map(|home| home.join(".local").join("state")))
         .map_or_else(std::env::temp_dir, |base| base.join("virtual-sculpture"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::Config;
+
+    #[test]
+    fn a_stroke_in_hand_is_saved_too_and_no_file_is_overwritten() {
+        let mut config = Config::default();
+        config.new.dims = [16, 12, 8];
+        let mut session = Session::new(&config).unwrap();
+        for line in [
+            "begin",
+            "subtract cuboid at=8,6,4 half=2",
+            "recolour cuboid at=2,2,2 half=2 colour=#ff0000",
+        ] {
+            session.execute(&line.parse().unwrap(), &()).unwrap();
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let first = save_in(&mut session, folder.path()).unwrap();
+        assert_eq!(first.file_name().unwrap(), "sculpture-recovered.pvm");
+        let again = Session::open(&first, &Default::default(), config.limits(), &()).unwrap();
+        assert_eq!(again.document().grid(), session.document().grid());
+        let second = save_in(&mut session, folder.path()).unwrap();
+        assert_ne!(first, second);
+        assert!(first.exists() && second.exists());
+    }
 }

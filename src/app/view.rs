@@ -117,7 +117,7 @@ impl View {
     /// Waits for a free image of the window; none while there is nothing to draw to.
     pub fn begin(&mut self) -> Result<Option<Frame>, GpuError> {
         let recorder = self.frames.begin()?;
-        let target = self.screen.acquire()?;
+        let target = self.screen.acquire(self.frames.slot())?;
         Ok(target.map(|target| Frame { recorder, target }))
     }
 

@@ -1,6 +1,5 @@
 //! The passes of a frame, one file each. They own no policy: what to draw comes in as values.
 
-pub mod background;
 pub mod composite;
 pub mod gui;
 pub mod overlay;

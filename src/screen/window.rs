@@ -56,9 +56,8 @@ impl Target {
 /// A window that pictures are shown in.
 pub struct WindowScreen {
     swapchain: Option<Swapchain>,
-    /// One a frame in flight, in turn.
+    /// One a frame slot.
     acquired: [vk::Semaphore; FRAMES_IN_FLIGHT],
-    turn: usize,
     loader: khr::swapchain::Device,
     format: vk::SurfaceFormatKHR,
     /// Size of the window in pixels; zero while it is minimised.
@@ -88,7 +87,6 @@ impl WindowScreen {
         let mut screen = WindowScreen {
             swapchain: None,
             acquired: [vk::Semaphore::null(); FRAMES_IN_FLIGHT],
-            turn: 0,
             loader: khr::swapchain::Device::new(device.instance().raw(), device.raw()),
             format,
             size,
@@ -117,9 +115,9 @@ impl WindowScreen {
         self.size = size;
     }
 
-    /// The next image to draw to; none while the window is minimised or hidden. Call it after
-    /// `Frames::begin`, so that the semaphore of this turn is free again.
-    pub fn acquire(&mut self) -> Result<Option<Target>> {
+    /// The next image to draw to; none while the window is minimised or hidden. `slot` is that of
+    /// the frame begun ([`crate::gpu::Frames::slot`]), whose semaphore is free again.
+    pub fn acquire(&mut self, slot: usize) -> Result<Option<Target>> {
         // A swapchain that is out of date at once is made anew, but not for ever.
         for _ in 0..3 {
             if self.size.contains(&0) {
@@ -129,8 +127,7 @@ impl WindowScreen {
                 self.rebuild()?;
             }
             let Some(swapchain) = &self.swapchain else { return Ok(None) };
-            let turn = (self.turn + 1) % FRAMES_IN_FLIGHT;
-            let semaphore = self.acquired[turn];
+            let semaphore = self.acquired[slot % FRAMES_IN_FLIGHT];
             // SAFETY: the semaphore's last use is done, as `Frames::begin` has waited for it.
             let result = unsafe {
                 self.loader.acquire_next_image(
@@ -142,7 +139,6 @@ impl WindowScreen {
             };
             match result {
                 Ok((index, suboptimal)) => {
-                    self.turn = turn;
                     self.stale |= suboptimal;
                     let image = &swapchain.images[index as usize];
                     return Ok(Some(Target {
