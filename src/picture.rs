@@ -15,6 +15,7 @@ use crate::format::store;
 use crate::gpu::{Device, Frames, GpuError, Headless};
 use crate::render::{IndexReadback, IndexTarget, Slicing, Volume};
 use crate::sculpture::Grid;
+use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::shade::{self, Pixels, ShadePose};
 use crate::surface::slices::SliceAreas;
 use crate::surface::{IndexMap, quickstep, raycast};
@@ -57,18 +58,40 @@ impl View {
     fn frame(&self, document: &Document) -> (Eye, Affine3A) {
         let world_from_grid = Affine3A::from_quat(Quat::from_axis_angle(self.up, self.turn_rad))
             * document.world_from_grid();
-        let (min, max) =
-            document.grid().opaque_bounds().unwrap_or((UVec3::ZERO, document.grid().dims()));
-        let corners: [Vec3; 8] = std::array::from_fn(|i| {
-            let pick = |axis: usize| if i >> axis & 1 == 0 { min[axis] } else { max[axis] };
-            world_from_grid.transform_point3(Vec3::from_array([0, 1, 2].map(|a| pick(a) as f32)))
-        });
+        let mut corners = outline(document.grid());
+        corners.iter_mut().for_each(|corner| *corner = world_from_grid.transform_point3(*corner));
         let direction = Quat::from_rotation_arc(Vec3::Y, self.up) * self.direction;
         let aspect = self.size.x as f32 / self.size.y as f32;
         let (up, fov) = (self.up, self.fov_y_rad);
         let camera = Camera::framing_points(&corners, direction, up, fov, aspect, self.zoom);
         (camera.eye(self.size), world_from_grid)
     }
+}
+
+/// Points around what exists, in grid coordinates: the corners of the first and the last brick in
+/// use of every row, within the box of all voxels. The corners of the grid if it is empty.
+fn outline(grid: &Grid) -> Vec<Vec3> {
+    let (min, max) = grid.opaque_bounds().unwrap_or((UVec3::ZERO, grid.dims()));
+    let corners = |low: UVec3, high: UVec3| {
+        (0..8).map(move |i| {
+            let pick = |axis: usize| if i >> axis & 1 == 0 { low[axis] } else { high[axis] };
+            UVec3::new(pick(0), pick(1), pick(2)).as_vec3()
+        })
+    };
+    let mut points = Vec::new();
+    let row_bricks = grid.brick_dims().x as usize;
+    for (row, counts) in grid.counts().chunks(row_bricks).enumerate() {
+        let first = counts.iter().position(|&count| count > 0);
+        let last = counts.iter().rposition(|&count| count > 0);
+        for x in first.into_iter().chain(last) {
+            let low = grid.brick_coords(row * row_bricks + x) * BRICK_EDGE_VX;
+            points.extend(corners(low.max(min), (low + BRICK_EDGE_VX).min(max)));
+        }
+    }
+    if points.is_empty() {
+        points.extend(corners(min, max));
+    }
+    points
 }
 
 /// Renders a picture of `document`.
