@@ -2,6 +2,7 @@
 //!
 //! Knows no Vulkan, no window, no clock and no files.
 
+pub mod bit_block;
 pub mod brick;
 pub mod brick_set;
 pub mod colour;

@@ -1,0 +1,256 @@
+//! Owns a dense block of existence bits cut out of a grid: rows of 64-bit words along x, made for
+//! neighbourhood filters that look at 64 voxels at once.
+//!
+//! Takes a box of voxel coordinates (which may reach beyond the grid: nothing exists there) and
+//! gives it back as brick masks. Knows no tool.
+
+use glam::{IVec3, UVec3};
+
+use super::brick::{BRICK_EDGE_VX, Brick};
+use super::grid::Grid;
+
+/// Existence bits of a box whose lower x is a multiple of eight.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct BitBlock {
+    /// Voxel coordinates of the first bit; multiples of 8.
+    origin: IVec3,
+    /// Size in voxels; multiples of 8.
+    size: UVec3,
+    words_per_row: usize,
+    /// Rows along x, then y, then z; bit 0 of a row's first word is the lowest x.
+    words: Vec<u64>,
+}
+
+impl BitBlock {
+    /// An empty block that covers the voxels from `min` (inclusive) to `max` (exclusive), and
+    /// more: its faces lie on brick borders.
+    pub fn empty(min: IVec3, max: IVec3) -> BitBlock {
+        let edge = IVec3::splat(BRICK_EDGE_VX as i32);
+        let origin = min.div_euclid(edge) * edge;
+        let end = (max - 1).div_euclid(edge) * edge + edge;
+        let size = (end - origin).max(IVec3::ZERO).as_uvec3();
+        let words_per_row = size.x.div_ceil(64) as usize;
+        let words = vec![0; words_per_row * (size.y * size.z) as usize];
+        BitBlock { origin, size, words_per_row, words }
+    }
+
+    /// The voxels of `grid` between `min` and `max` (and up to the brick borders around).
+    pub fn of_grid(grid: &Grid, min: IVec3, max: IVec3) -> BitBlock {
+        let mut block = BitBlock::empty(min, max);
+        block.for_each_brick(grid.brick_dims(), |block, b| {
+            let index = grid.brick_index(b);
+            if grid.counts()[index] != 0 {
+                block.put_brick(b, &grid.bricks()[index]);
+            }
+        });
+        block
+    }
+
+    /// A block of the same place and size with `words` computed from this one's rows: `f` is
+    /// called for each row with its y and z counted from the block's origin.
+    pub fn map_rows(&self, mut f: impl FnMut(i32, i32, &mut [u64])) -> BitBlock {
+        let mut out = BitBlock { words: vec![0; self.words.len()], ..*self };
+        let (rows_y, width) = (self.size.y as usize, self.words_per_row.max(1));
+        for (i, row) in out.words.chunks_mut(width).enumerate() {
+            f((i % rows_y) as i32, (i / rows_y) as i32, row);
+        }
+        out
+    }
+
+    pub fn origin(&self) -> IVec3 {
+        self.origin
+    }
+
+    pub fn size(&self) -> UVec3 {
+        self.size
+    }
+
+    /// The row at (y, z) counted from the origin; none outside of the block.
+    #[inline]
+    pub fn row(&self, y: i32, z: i32) -> Option<&[u64]> {
+        let inside = y >= 0 && z >= 0 && (y as u32) < self.size.y && (z as u32) < self.size.z;
+        inside.then(|| {
+            let start = (y as usize + z as usize * self.size.y as usize) * self.words_per_row;
+            &self.words[start..start + self.words_per_row]
+        })
+    }
+
+    /// Whether the voxel `v` (grid coordinates) is set; false outside of the block.
+    pub fn get(&self, v: IVec3) -> bool {
+        let local = v - self.origin;
+        local.x >= 0
+            && (local.x as u32) < self.size.x
+            && self
+                .row(local.y, local.z)
+                .is_some_and(|row| row[local.x as usize / 64] >> (local.x % 64) & 1 != 0)
+    }
+
+    /// Sets the voxels of one row from `x0` to `x1` (inclusive, grid coordinates); what lies
+    /// outside of the block is ignored.
+    pub fn set_span(&mut self, x0: i32, x1: i32, y: i32, z: i32) {
+        let (y, z) = (y - self.origin.y, z - self.origin.z);
+        if y < 0 || z < 0 || y as u32 >= self.size.y || z as u32 >= self.size.z {
+            return;
+        }
+        let first = (x0 - self.origin.x).max(0);
+        let last = (x1 - self.origin.x).min(self.size.x as i32 - 1);
+        if first > last {
+            return;
+        }
+        let start = (y as usize + z as usize * self.size.y as usize) * self.words_per_row;
+        for word in first / 64..=last / 64 {
+            let low = (first - word * 64).max(0) as u32;
+            let high = (last - word * 64).min(63) as u32;
+            self.words[start + word as usize] |= (u64::MAX >> (63 - high)) & (u64::MAX << low);
+        }
+    }
+
+    /// Sets the voxels whose centres lie within `radius_vx` of the centre of `v`.
+    pub fn set_ball(&mut self, v: IVec3, radius_vx: f32) {
+        let reach = radius_vx.max(0.0) as i32;
+        let limit = radius_vx * radius_vx;
+        for dz in -reach..=reach {
+            for dy in -reach..=reach {
+                let rest = limit - (dy * dy + dz * dz) as f32;
+                if rest >= 0.0 {
+                    let dx = rest.sqrt() as i32;
+                    self.set_span(v.x - dx, v.x + dx, v.y + dy, v.z + dz);
+                }
+            }
+        }
+    }
+
+    /// Sets the voxels of the cube that reaches `radius_vx` voxels from `v` on every side.
+    pub fn set_cube(&mut self, v: IVec3, radius_vx: f32) {
+        let reach = radius_vx.max(0.0) as i32;
+        for dz in -reach..=reach {
+            for dy in -reach..=reach {
+                self.set_span(v.x - reach, v.x + reach, v.y + dy, v.z + dz);
+            }
+        }
+    }
+
+    /// Combines two blocks of the same place and size word by word.
+    pub fn zip(&self, other: &BitBlock, f: impl Fn(u64, u64) -> u64) -> BitBlock {
+        debug_assert!(self.origin == other.origin && self.size == other.size);
+        let words = self.words.iter().zip(&other.words).map(|(&a, &b)| f(a, b)).collect();
+        BitBlock { words, ..*self }
+    }
+
+    /// Number of set voxels.
+    pub fn count(&self) -> u64 {
+        self.words.iter().map(|w| u64::from(w.count_ones())).sum()
+    }
+
+    /// The non-empty bricks of the block that lie in a grid of `brick_dims` bricks: coordinates
+    /// and masks, x fastest, then y, then z.
+    pub fn bricks(&self, brick_dims: UVec3) -> Vec<(UVec3, Brick)> {
+        let mut bricks = Vec::new();
+        let mut probe = self.clone_shape();
+        probe.for_each_brick(brick_dims, |_, b| {
+            let mask = self.brick(b);
+            if !mask.is_empty() {
+                bricks.push((b, mask));
+            }
+        });
+        bricks
+    }
+
+    /// The brick at brick coordinates `b`, which must lie within the block.
+    fn brick(&self, b: UVec3) -> Brick {
+        let local = (b * BRICK_EDGE_VX).as_ivec3() - self.origin;
+        let (word, shift) = (local.x as usize / 64, local.x as u32 % 64);
+        let mut rows = [0u64; 8];
+        for (z, slice) in rows.iter_mut().enumerate() {
+            for y in 0..8 {
+                if let Some(row) = self.row(local.y + y, local.z + z as i32) {
+                    *slice |= (row[word] >> shift & 0xFF) << (8 * y);
+                }
+            }
+        }
+        Brick::from_rows(&rows)
+    }
+
+    fn put_brick(&mut self, b: UVec3, brick: &Brick) {
+        let local = (b * BRICK_EDGE_VX).as_ivec3() - self.origin;
+        let (word, shift) = (local.x as usize / 64, local.x as u32 % 64);
+        for (z, slice) in brick.to_rows().into_iter().enumerate() {
+            for y in 0..8usize {
+                let row = local.y as usize + y + (local.z as usize + z) * self.size.y as usize;
+                self.words[row * self.words_per_row + word] |= (slice >> (8 * y) & 0xFF) << shift;
+            }
+        }
+    }
+
+    fn clone_shape(&self) -> BitBlock {
+        BitBlock { words: Vec::new(), ..*self }
+    }
+
+    /// Calls `f` for every brick of the block that lies in a grid of `brick_dims` bricks.
+    fn for_each_brick(&mut self, brick_dims: UVec3, mut f: impl FnMut(&mut BitBlock, UVec3)) {
+        let edge = BRICK_EDGE_VX as i32;
+        let first = (self.origin / edge).max(IVec3::ZERO);
+        let end = ((self.origin + self.size.as_ivec3()) / edge).min(brick_dims.as_ivec3());
+        for z in first.z..end.z {
+            for y in first.y..end.y {
+                for x in first.x..end.x {
+                    f(self, IVec3::new(x, y, z).as_uvec3());
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+    use proptest::prelude::*;
+
+    fn grid_of(dims: UVec3, voxels: &[[i32; 3]]) -> Grid {
+        let mut grid = Grid::new(dims, Vec3::ONE, 1 << 30).unwrap();
+        for &v in voxels {
+            grid.set(IVec3::from(v), true);
+        }
+        grid
+    }
+
+    proptest! {
+        #[test]
+        fn a_block_shows_the_grid_and_gives_its_bricks_back(
+            dims in prop::array::uniform3(1u32..90),
+            voxels in prop::collection::vec(prop::array::uniform3(0i32..90), 0..80),
+            min in prop::array::uniform3(-20i32..60),
+            size in prop::array::uniform3(1i32..80),
+        ) {
+            let grid = grid_of(UVec3::from(dims), &voxels);
+            let (min, max) = (IVec3::from(min), IVec3::from(min) + IVec3::from(size));
+            let block = BitBlock::of_grid(&grid, min, max);
+            for &v in &voxels {
+                let v = IVec3::from(v);
+                let inside = v.cmpge(min).all() && v.cmplt(max).all();
+                if inside { prop_assert_eq!(block.get(v), grid.get(v)); }
+            }
+            for (b, mask) in block.bricks(grid.brick_dims()) {
+                prop_assert_eq!(mask, grid.bricks()[grid.brick_index(b)]);
+            }
+        }
+
+        #[test]
+        fn balls_and_cubes_are_what_they_say(
+            v in prop::array::uniform3(-5i32..70), radius in 0f32..9.0,
+        ) {
+            let v = IVec3::from(v);
+            let (min, max) = (IVec3::splat(-3), IVec3::new(75, 66, 70));
+            let (mut ball, mut cube) = (BitBlock::empty(min, max), BitBlock::empty(min, max));
+            ball.set_ball(v, radius);
+            cube.set_cube(v, radius);
+            for z in min.z..max.z { for y in min.y..max.y { for x in min.x..max.x {
+                let at = IVec3::new(x, y, z);
+                let d = at - v;
+                prop_assert_eq!(ball.get(at), d.length_squared() as f32 <= radius * radius);
+                prop_assert_eq!(cube.get(at), d.abs().max_element() as f32 <= radius);
+            } } }
+        }
+    }
+}
