@@ -8,3 +8,4 @@ mod construct_quadric;
 mod construct_spans;
 #[cfg(test)]
 mod construct_tests;
+pub mod filter;
