@@ -9,3 +9,4 @@ mod construct_spans;
 #[cfg(test)]
 mod construct_tests;
 pub mod filter;
+pub mod spray;
