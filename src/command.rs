@@ -15,6 +15,7 @@ use crate::format::options::{ExportForm, ImportOptions};
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::{ColourDepth, Placement, Rgb};
 use crate::tools::construct::Primitive;
+use crate::tools::spray::Spray;
 
 /// What a new sculpture is made of.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -28,6 +29,16 @@ pub struct NewSculpture {
     pub base: Rgb,
     /// Begin with a solid block rather than with nothing.
     pub solid: bool,
+}
+
+/// The surface that the rays of a spray tool are cast on.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum SpraySurface {
+    /// As it is now, so that strokes bite deeper where they overlap.
+    #[default]
+    Now,
+    /// As it was before the first spray of the stroke that asked for this.
+    Stroke,
 }
 
 /// A value that changes a sculpture.
@@ -47,6 +58,8 @@ pub enum Command {
     Cancel,
     /// Add, subtract or recolour the voxels inside a solid.
     Construct { op: EditOp, primitive: Primitive },
+    /// Use a spray tool once, where its rays meet the surface.
+    Spray { spray: Spray, surface: SpraySurface },
     /// Make every voxel of the grid exist; new ones get the colour, or the base colour.
     Fill { colour: Option<Rgb> },
     /// Remove every voxel.
@@ -104,6 +117,11 @@ pub const COMMANDS: &[CommandHelp] = &[
         tooltip: "Give the voxels inside a solid the colour",
     },
     CommandHelp {
+        verb: "spray",
+        usage: "paintbrush|devourer|erosion|dilation|growth|smooth|clay eye=X,Y,Z aim=X,Y,Z across=X,Y,Z down=X,Y,Z radius=RAYS [outline=round|square] [reach=VOXELS] [surface=now|stroke] [colour=#rrggbb] [cover=0..1] [bite=round|square] [threshold=1..26] [around=1..8]",
+        tooltip: "Use a spray tool where the rays under its footprint meet the surface",
+    },
+    CommandHelp {
         verb: "fill",
         usage: "[colour=#rrggbb]",
         tooltip: "Make every voxel of the grid exist",
@@ -131,6 +149,7 @@ impl Command {
             Command::Construct { op: EditOp::Add(_), .. } => "add",
             Command::Construct { op: EditOp::Subtract, .. } => "subtract",
             Command::Construct { op: EditOp::Recolour(_), .. } => "recolour",
+            Command::Spray { .. } => "spray",
             Command::Fill { .. } => "fill",
             Command::Clear => "clear",
             Command::Undo { .. } => "undo",
@@ -145,6 +164,7 @@ impl Command {
             Command::Construct { primitive, .. } => {
                 format!("{} {}", self.verb(), primitive.solid.name())
             }
+            Command::Spray { spray, .. } => spray.effect.name().to_string(),
             _ => self.verb().to_string(),
         }
     }

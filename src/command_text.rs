@@ -19,6 +19,7 @@ use crate::sculpture::{ColourDepth, Placement, Rgb};
 use crate::tools::construct::{Primitive, Solid};
 
 mod arguments;
+mod spray;
 
 /// Colour of the stone until someone chooses another.
 pub const DEFAULT_BASE: Rgb = Rgb::STONE;
@@ -92,6 +93,7 @@ impl fmt::Display for Command {
                     EditOp::Subtract => Ok(()),
                 }
             }
+            Command::Spray { spray, surface } => spray::write(spray, *surface, f),
             Command::Fill { colour: Some(colour) } => write!(f, " colour={colour}"),
             Command::Undo { steps } | Command::Redo { steps } => match steps {
                 Some(n) => write!(f, " {n}"),
@@ -149,6 +151,7 @@ impl FromStr for Command {
             "end" => Command::End,
             "cancel" => Command::Cancel,
             "add" | "subtract" | "recolour" => parse_construct(&verb, &mut args)?,
+            "spray" => spray::parse(&mut args)?,
             "fill" => Command::Fill { colour: args.optional("colour", parse_colour)? },
             "clear" => Command::Clear,
             "undo" => Command::Undo { steps: parse_steps(&mut args)? },

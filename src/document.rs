@@ -7,7 +7,7 @@
 use glam::Affine3A;
 use thiserror::Error;
 
-use crate::command::{Command, NewSculpture};
+use crate::command::{Command, NewSculpture, SpraySurface};
 pub use crate::sculpture::Limits;
 use crate::sculpture::brick_set::BrickSet;
 use crate::sculpture::edit::{self, EditOp, EditStats};
@@ -16,6 +16,7 @@ use crate::sculpture::record::BrickRecord;
 use crate::sculpture::region::{Everywhere, Region};
 use crate::sculpture::stroke::StrokeRecorder;
 use crate::sculpture::{Brick, ColourDepth, Grid, GridError, Material, Placement};
+use crate::tools::spray::{Effect, Spray};
 
 /// Why a command was refused. The sculpture is as it was before.
 #[derive(Debug, Error)]
@@ -37,6 +38,8 @@ pub enum CommandError {
     NotHere(&'static str),
     #[error("{0} of the placement must be finite and the scale above zero")]
     Placement(&'static str),
+    #[error("{0} of the spray tool cannot be used")]
+    Spray(&'static str),
     #[error("{0} of the solid must be finite and its half extent above zero")]
     Primitive(&'static str),
 }
@@ -57,6 +60,8 @@ pub struct Document {
     history: History,
     /// Label of the open stroke.
     stroke: Option<String>,
+    /// The grid before the open stroke's first spray that asked for it.
+    stroke_surface: Option<Box<Grid>>,
     recorder: StrokeRecorder,
     dirty: BrickSet,
     /// The dirty bricks as [`Document::take_dirty`] hands them out.
@@ -84,6 +89,7 @@ impl Document {
             placement: Placement::default(),
             history: History::new(limits.history_bytes),
             stroke: None,
+            stroke_surface: None,
             all_dirty: true,
             revision: 0,
             limits,
@@ -163,11 +169,13 @@ impl Document {
             }
             Command::End => {
                 let label = self.stroke.take().ok_or(CommandError::NoStroke("end"))?;
+                self.stroke_surface = None;
                 self.finish_stroke(label);
                 Ok(Applied::default())
             }
             Command::Cancel => {
                 self.stroke.take().ok_or(CommandError::NoStroke("cancel"))?;
+                self.stroke_surface = None;
                 let record = self.recorder.finish();
                 self.swap_bricks(record);
                 Ok(Applied::default())
@@ -180,6 +188,7 @@ impl Document {
                 let region = primitive.in_grid(self.grid().voxel_size());
                 self.edit(&region, *op, command)
             }
+            Command::Spray { spray, surface } => self.spray(spray, *surface, command),
             Command::Fill { colour } => {
                 let colour = colour.unwrap_or(self.material().base());
                 self.edit(&Everywhere, EditOp::Add(colour), command)
@@ -201,6 +210,44 @@ impl Document {
                 Ok(Applied::default())
             }
         }
+    }
+
+    /// Works out what a spray changes and does it: removing first, then adding, then painting.
+    fn spray(
+        &mut self,
+        spray: &Spray,
+        surface: SpraySurface,
+        command: &Command,
+    ) -> Result<Applied, CommandError> {
+        spray.check().map_err(CommandError::Spray)?;
+        if matches!(spray.effect, Effect::Paintbrush { .. }) && !self.has_colour() {
+            return Err(CommandError::NoColour);
+        }
+        if self.stroke_open() && surface == SpraySurface::Stroke && self.stroke_surface.is_none() {
+            self.stroke_surface = Some(Box::new(self.grid().clone()));
+        }
+        let surface = match surface {
+            SpraySurface::Stroke => self.stroke_surface.as_deref(),
+            SpraySurface::Now => None,
+        };
+        let stamp = spray.stamp(self.grid(), surface.unwrap_or(self.grid()));
+        let colour = spray.colour().unwrap_or(self.material().base());
+        self.check_colour_memory(&stamp.add, EditOp::Add(colour))?;
+        self.check_colour_memory(&stamp.paint, EditOp::Recolour(colour))?;
+        let mut stats = EditStats::default();
+        for (region, op) in [
+            (&stamp.remove, EditOp::Subtract),
+            (&stamp.add, EditOp::Add(colour)),
+            (&stamp.paint, EditOp::Recolour(colour)),
+        ] {
+            let (contents, recorder) = (&mut self.contents, &mut self.recorder);
+            stats += edit::edit(contents, region, op, recorder, &mut self.dirty);
+        }
+        self.revision += u64::from(stats.bricks_changed > 0);
+        if self.stroke.is_none() && stats.bricks_changed > 0 {
+            self.finish_stroke(command.label());
+        }
+        Ok(Applied { stats, steps: 0 })
     }
 
     fn has_colour(&self) -> bool {

@@ -104,3 +104,54 @@ impl Region for Everywhere {
         Brick::FULL
     }
 }
+
+/// A region of listed bricks, each with the voxels covered.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct ListedBricks {
+    /// Brick coordinates and masks, x fastest, then y, then z; each brick at most once.
+    bricks: Vec<(UVec3, Brick)>,
+}
+
+impl ListedBricks {
+    /// The bricks must come x fastest, then y, then z, each at most once.
+    pub fn new(bricks: Vec<(UVec3, Brick)>) -> ListedBricks {
+        debug_assert!(bricks.is_sorted_by_key(|(b, _)| (b.z, b.y, b.x)));
+        ListedBricks { bricks }
+    }
+
+    pub fn bricks(&self) -> &[(UVec3, Brick)] {
+        &self.bricks
+    }
+}
+
+impl Region for ListedBricks {
+    /// Where the row's bricks stand in the list.
+    type Row = Range<usize>;
+
+    fn bounds_vx(&self) -> VoxelBox {
+        let low = self.bricks.iter().map(|(b, _)| *b).reduce(UVec3::min);
+        let high = self.bricks.iter().map(|(b, _)| *b).reduce(UVec3::max);
+        let (low, high) = low.zip(high).map_or_else(Default::default, |(l, h)| (l, h + 1));
+        VoxelBox { min: (low * BRICK_EDGE_VX).as_ivec3(), max: (high * BRICK_EDGE_VX).as_ivec3() }
+    }
+
+    fn cut_row(&self, y_vx: u32, z_vx: u32, row: &mut Range<usize>) -> RowReach {
+        let wanted = (z_vx / BRICK_EDGE_VX, y_vx / BRICK_EDGE_VX);
+        let start = self.bricks.partition_point(|(b, _)| (b.z, b.y) < wanted);
+        let end = self.bricks.partition_point(|(b, _)| (b.z, b.y) <= wanted);
+        *row = start..end;
+        match &self.bricks[start..end] {
+            [] => RowReach::NONE,
+            [(first, _), ..] => {
+                let last = self.bricks[end - 1].0;
+                RowReach { touched: first.x..last.x + 1, whole: 0..0 }
+            }
+        }
+    }
+
+    fn mask(&self, row: &Range<usize>, _: &RowReach, brick_x: u32) -> Brick {
+        let bricks = &self.bricks[row.clone()];
+        let found = bricks.binary_search_by_key(&brick_x, |(b, _)| b.x);
+        found.map_or(Brick::EMPTY, |at| bricks[at].1)
+    }
+}

@@ -8,11 +8,12 @@
 
 use std::collections::HashSet;
 
-use glam::{IVec3, UVec2, UVec3, Vec3};
+use glam::{IVec3, UVec2, Vec3};
 
 use super::filter;
 use crate::sculpture::bit_block::BitBlock;
-use crate::sculpture::{Brick, Grid, Rgb};
+use crate::sculpture::region::ListedBricks;
+use crate::sculpture::{Grid, Rgb};
 use crate::surface::raycast;
 
 /// Widest footprint: radius in rays.
@@ -44,7 +45,8 @@ impl Outline {
 /// What a spray does where its rays meet the surface.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Effect {
-    /// Mixes the colour into the voxels that are seen, by `cover` (0 to 1).
+    /// Gives the voxels that are seen the colour: the share `cover` (0 to 1) of them, evenly
+    /// scattered, so that the colour thickens with every pass.
     Paintbrush { colour: Rgb, cover: f32 },
     /// Removes a ball or a cube around each hit.
     Devourer { outline: Outline },
@@ -100,12 +102,12 @@ pub struct Spray {
     pub reach_vx: f32,
 }
 
-/// The voxels that a spray changes: bricks with masks, in the order of their linear indices.
+/// The voxels that a spray changes.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Stamp {
-    pub remove: Vec<(UVec3, Brick)>,
-    pub add: Vec<(UVec3, Brick)>,
-    pub paint: Vec<(UVec3, Brick)>,
+    pub remove: ListedBricks,
+    pub add: ListedBricks,
+    pub paint: ListedBricks,
 }
 
 /// A voxel that a ray met, and how far the ray is from the footprint's middle (0) to its rim (1).
@@ -152,10 +154,14 @@ impl Spray {
             return Stamp::default();
         }
         let (min, max) = self.bounds(&hits);
-        let bricks = |block: &BitBlock| block.bricks(grid.brick_dims());
+        let bricks = |block: &BitBlock| ListedBricks::new(block.bricks(grid.brick_dims()));
         match self.effect {
-            Effect::Paintbrush { .. } => {
-                let seen = self.around(&hits, min, max, |_| 0.0, Outline::Round);
+            Effect::Paintbrush { cover, .. } => {
+                let mut seen = BitBlock::empty(min, max);
+                let pass = self.pass();
+                for hit in hits.iter().filter(|hit| scatter(hit.voxel, pass) < cover) {
+                    seen.set_ball(hit.voxel, 0.0);
+                }
                 Stamp { paint: bricks(&seen), ..Stamp::default() }
             }
             Effect::Devourer { outline } => {
@@ -189,6 +195,24 @@ impl Spray {
                 Stamp { add: bricks(&added), remove: bricks(&removed), ..Stamp::default() }
             }
         }
+    }
+
+    /// The colour that this spray gives.
+    pub fn colour(&self) -> Option<Rgb> {
+        match self.effect {
+            Effect::Paintbrush { colour, .. }
+            | Effect::Dilation { colour, .. }
+            | Effect::Growth { colour, .. }
+            | Effect::Clay { colour } => Some(colour),
+            Effect::Devourer { .. } | Effect::Erosion { .. } | Effect::Smooth { .. } => None,
+        }
+    }
+
+    /// A number that differs from pass to pass and is the same when the pass is replayed.
+    fn pass(&self) -> u32 {
+        let Footprint { aim, eye_vx, .. } = self.footprint;
+        let numbers = [aim.x, aim.y, aim.z, eye_vx.x, eye_vx.y, eye_vx.z];
+        numbers.iter().fold(0, |pass, number| mixed(pass ^ number.to_bits()))
     }
 
     /// A box that holds whatever may change, and the neighbours that a filter looks at.
@@ -233,6 +257,19 @@ impl Spray {
         let may = self.around(hits, min, max, |_| self.reach_vx, Outline::Round);
         (BitBlock::of_grid(grid, min, max), may)
     }
+}
+
+/// A number in [0, 1) for a voxel and a pass, without a pattern that the eye would see.
+fn scatter(voxel: IVec3, pass: u32) -> f32 {
+    let hash = voxel.to_array().iter().fold(pass, |hash, &v| mixed(hash ^ v as u32));
+    (hash >> 8) as f32 / (1u32 << 24) as f32
+}
+
+/// Spreads every bit of `v` over all bits (the finaliser of MurmurHash3, A. Appleby).
+fn mixed(v: u32) -> u32 {
+    let v = (v ^ v >> 16).wrapping_mul(0x85eb_ca6b);
+    let v = (v ^ v >> 13).wrapping_mul(0xc2b2_ae35);
+    v ^ v >> 16
 }
 
 impl Footprint {
@@ -290,7 +327,9 @@ impl Footprint {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sculpture::Brick;
     use crate::sculpture::brick::local_coords;
+    use glam::UVec3;
 
     const COLOUR: Rgb = Rgb::new(200, 30, 40);
 
@@ -318,9 +357,9 @@ mod tests {
         Spray { effect, footprint, reach_vx }
     }
 
-    fn voxels(bricks: &[(UVec3, Brick)]) -> Vec<IVec3> {
+    fn voxels(bricks: &ListedBricks) -> Vec<IVec3> {
         let mut all = Vec::new();
-        for (b, mask) in bricks {
+        for (b, mask) in bricks.bricks() {
             mask.for_each(|i| all.push((*b * 8 + UVec3::from(local_coords(i))).as_ivec3()));
         }
         all
@@ -342,7 +381,24 @@ mod tests {
             }
         }
         assert_eq!(painted, disc);
-        assert!(stamp.add.is_empty() && stamp.remove.is_empty());
+        assert!(stamp.add.bricks().is_empty() && stamp.remove.bricks().is_empty());
+    }
+
+    #[test]
+    fn cover_is_the_share_that_one_pass_paints() {
+        let grid = slab();
+        let paint = |cover: f32, eye: f32| {
+            let mut footprint = from_above(20.0, Outline::Square);
+            footprint.eye_vx.y += eye;
+            let effect = Effect::Paintbrush { colour: COLOUR, cover };
+            voxels(&spray(effect, footprint, 0.0).stamp(&grid, &grid).paint)
+        };
+        let (all, some, others) = (paint(1.0, 0.0), paint(0.3, 0.0), paint(0.3, 0.001));
+        let share = some.len() as f32 / all.len() as f32;
+        assert!((0.25..0.35).contains(&share), "{share}");
+        assert_eq!(some, paint(0.3, 0.0), "a pass replayed is the same pass");
+        assert_ne!(some, others, "another pass paints others");
+        assert!(paint(0.0, 0.0).is_empty());
     }
 
     #[test]

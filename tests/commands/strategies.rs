@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use glam::{EulerRot, Quat, UVec3, Vec3};
 use proptest::prelude::*;
-use virtual_sculpture::command::{Command, NewSculpture};
+use virtual_sculpture::command::{Command, NewSculpture, SpraySurface};
 use virtual_sculpture::format::Samples;
 use virtual_sculpture::format::options::{
     Colouring, Existence, ExportForm, ImportOptions, RawLayout,
@@ -12,6 +12,7 @@ use virtual_sculpture::format::options::{
 use virtual_sculpture::sculpture::edit::EditOp;
 use virtual_sculpture::sculpture::{ColourDepth, Placement, Rgb};
 use virtual_sculpture::tools::construct::{Primitive, Solid};
+use virtual_sculpture::tools::spray::{Effect, Footprint, Outline, Spray};
 
 /// Few colours, so that painting a voxel with the colour it has already is not rare.
 pub fn colour() -> impl Strategy<Value = Rgb> {
@@ -51,6 +52,39 @@ fn import() -> impl Strategy<Value = ImportOptions> {
 
 fn form() -> impl Strategy<Value = ExportForm> {
     prop::sample::select(&ExportForm::NAMED[..]).prop_map(|(form, _)| form)
+}
+
+fn outline() -> impl Strategy<Value = Outline> {
+    prop::sample::select(&Outline::ALL[..])
+}
+
+/// Sprays whose vectors come from `vector`.
+pub fn spray<S: Strategy<Value = Vec3>>(vector: impl Fn() -> S) -> impl Strategy<Value = Spray> {
+    let effect = prop_oneof![
+        (colour(), 0f32..=1.0).prop_map(|(colour, cover)| Effect::Paintbrush { colour, cover }),
+        outline().prop_map(|outline| Effect::Devourer { outline }),
+        (1u32..=26).prop_map(|threshold| Effect::Erosion { threshold }),
+        (1u32..=26, colour())
+            .prop_map(|(threshold, colour)| Effect::Dilation { threshold, colour }),
+        (1u32..=26, colour()).prop_map(|(threshold, colour)| Effect::Growth { threshold, colour }),
+        (1u32..=3).prop_map(|radius_vx| Effect::Smooth { radius_vx }),
+        colour().prop_map(|colour| Effect::Clay { colour }),
+    ];
+    let footprint = (vector(), vector(), vector(), vector(), 0f32..6.0, outline()).prop_map(
+        |(eye_vx, aim, across, down, radius, outline)| Footprint {
+            eye_vx,
+            aim,
+            across,
+            down,
+            radius,
+            outline,
+        },
+    );
+    (effect, footprint, 0f32..5.0).prop_map(|(effect, footprint, reach_vx)| Spray {
+        effect,
+        footprint,
+        reach_vx,
+    })
 }
 
 pub fn rotation() -> impl Strategy<Value = Quat> {
@@ -172,6 +206,10 @@ pub fn any_command() -> impl Strategy<Value = Command> {
         });
     prop_oneof![
         new,
+        (spray(any_vec3), any::<bool>()).prop_map(|(spray, stroke)| Command::Spray {
+            spray,
+            surface: if stroke { SpraySurface::Stroke } else { SpraySurface::Now },
+        }),
         (path(), import()).prop_map(|(path, import)| Command::Open { path, import }),
         (path(), form()).prop_map(|(path, form)| Command::Save { path, form }),
         hostile_text().prop_map(|label| Command::Begin { label }),

@@ -1,0 +1,90 @@
+//! Owns the text form of spray commands.
+
+use std::fmt;
+
+use super::arguments::Arguments;
+use super::{ParseError, list, number, parse_colour, parse_vec3};
+use crate::command::{Command, SpraySurface};
+use crate::tools::spray::{Effect, Footprint, Outline, Spray};
+
+/// How far a spray reaches if no one says otherwise, in voxels.
+const DEFAULT_REACH_VX: f32 = 3.0;
+
+/// Writes what follows the verb.
+pub fn write(spray: &Spray, surface: SpraySurface, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    let Spray { effect, footprint, reach_vx } = spray;
+    let Footprint { eye_vx, aim, across, down, radius, outline } = footprint;
+    write!(f, " {}", effect.name())?;
+    for (key, vector) in [("eye", eye_vx), ("aim", aim), ("across", across), ("down", down)] {
+        write!(f, " {key}={}", list(vector.to_array()))?;
+    }
+    write!(f, " radius={radius} outline={} reach={reach_vx}", outline.name())?;
+    if surface == SpraySurface::Stroke {
+        write!(f, " surface=stroke")?;
+    }
+    match effect {
+        Effect::Paintbrush { colour, cover } => write!(f, " colour={colour} cover={cover}"),
+        Effect::Devourer { outline } => write!(f, " bite={}", outline.name()),
+        Effect::Erosion { threshold } => write!(f, " threshold={threshold}"),
+        Effect::Dilation { threshold, colour } | Effect::Growth { threshold, colour } => {
+            write!(f, " threshold={threshold} colour={colour}")
+        }
+        Effect::Smooth { radius_vx } => write!(f, " around={radius_vx}"),
+        Effect::Clay { colour } => write!(f, " colour={colour}"),
+    }
+}
+
+/// Reads what follows the verb.
+pub fn parse(args: &mut Arguments) -> Result<Command, ParseError> {
+    let name = args.word("a spray tool, such as devourer")?;
+    let effect = match name.as_str() {
+        "paintbrush" => Effect::Paintbrush {
+            colour: args.required("colour", parse_colour)?,
+            cover: args.optional("cover", number)?.unwrap_or(1.0),
+        },
+        "devourer" => {
+            Effect::Devourer { outline: args.optional("bite", parse_outline)?.unwrap_or_default() }
+        }
+        "erosion" => {
+            Effect::Erosion { threshold: args.optional("threshold", number)?.unwrap_or(14) }
+        }
+        "dilation" => Effect::Dilation {
+            threshold: args.optional("threshold", number)?.unwrap_or(9),
+            colour: args.required("colour", parse_colour)?,
+        },
+        "growth" => Effect::Growth {
+            threshold: args.optional("threshold", number)?.unwrap_or(12),
+            colour: args.required("colour", parse_colour)?,
+        },
+        "smooth" => Effect::Smooth { radius_vx: args.optional("around", number)?.unwrap_or(2) },
+        "clay" => Effect::Clay { colour: args.required("colour", parse_colour)? },
+        _ => {
+            return Err(ParseError(format!(
+                "`{name}` is not a spray tool; take paintbrush, devourer, erosion, dilation, \
+                 growth, smooth or clay"
+            )));
+        }
+    };
+    let footprint = Footprint {
+        eye_vx: args.required("eye", parse_vec3)?,
+        aim: args.required("aim", parse_vec3)?,
+        across: args.required("across", parse_vec3)?,
+        down: args.required("down", parse_vec3)?,
+        radius: args.required("radius", number)?,
+        outline: args.optional("outline", parse_outline)?.unwrap_or_default(),
+    };
+    let reach_vx = args.optional("reach", number)?.unwrap_or(DEFAULT_REACH_VX);
+    let surface = args
+        .optional("surface", |text| match text {
+            "now" => Ok(SpraySurface::Now),
+            "stroke" => Ok(SpraySurface::Stroke),
+            _ => Err("must be now or stroke".to_string()),
+        })?
+        .unwrap_or_default();
+    Ok(Command::Spray { spray: Spray { effect, footprint, reach_vx }, surface })
+}
+
+fn parse_outline(text: &str) -> Result<Outline, String> {
+    let outline = Outline::ALL.into_iter().find(|outline| outline.name() == text);
+    outline.ok_or_else(|| "must be round or square".to_string())
+}
