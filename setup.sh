@@ -30,7 +30,6 @@ done
 if [ "$purpose" = test ]; then
     have_layer || missing+=(vulkan-validationlayers)
     command -v Xvfb >/dev/null || missing+=(xvfb)
-    command -v xdotool >/dev/null || missing+=(xdotool)
 fi
 
 if ! command -v cargo >/dev/null && [ -x "$HOME/.cargo/bin/cargo" ]; then
@@ -45,9 +44,9 @@ if [ ${#missing[@]} -gt 0 ]; then
     if ! command -v apt-get >/dev/null; then
         cat >&2 <<MESSAGE
 setup: this system has no apt-get. Please install the equivalents of: ${missing[*]}
-  Fedora:     gcc pkgconf systemd-devel vulkan-loader mesa-vulkan-drivers libxkbcommon-x11 libXcursor libXi libXrandr libX11-xcb vulkan-validation-layers xorg-x11-server-Xvfb xdotool
-  Arch:       gcc pkgconf systemd-libs vulkan-icd-loader vulkan-swrast libxkbcommon-x11 libxcursor libxi libxrandr libx11 vulkan-validation-layers xorg-server-xvfb xdotool
-  openSUSE:   gcc pkg-config libudev-devel libvulkan1 libvulkan_lvp libxkbcommon-x11-0 libXcursor1 libXi6 libXrandr2 libX11-xcb1 vulkan-validationlayers xorg-x11-server-Xvfb xdotool
+  Fedora:     gcc pkgconf systemd-devel vulkan-loader mesa-vulkan-drivers libxkbcommon-x11 libXcursor libXi libXrandr libX11-xcb vulkan-validation-layers xorg-x11-server-Xvfb
+  Arch:       gcc pkgconf systemd-libs vulkan-icd-loader vulkan-swrast libxkbcommon-x11 libxcursor libxi libxrandr libx11 vulkan-validation-layers xorg-server-xvfb
+  openSUSE:   gcc pkg-config libudev-devel libvulkan1 libvulkan_lvp libxkbcommon-x11-0 libXcursor1 libXi6 libXrandr2 libX11-xcb1 vulkan-validationlayers xorg-x11-server-Xvfb
 MESSAGE
         exit 1
     fi
