@@ -93,7 +93,11 @@ pub const COMMANDS: &[CommandHelp] = &[
         usage: "\"PATH\" [threshold=auto|N] [colouring=auto|none|grey|tissue|packed] [colour=0|8|16|24] [raw=LAYOUT]",
         tooltip: "Replace the sculpture by the contents of a file",
     },
-    CommandHelp { verb: "save", usage: "\"PATH\"", tooltip: "Write the sculpture to a file" },
+    CommandHelp {
+        verb: "save",
+        usage: "\"PATH\" [form=auto|densities|rgba|packed]",
+        tooltip: "Write the sculpture to a file",
+    },
     CommandHelp {
         verb: "begin",
         usage: "[\"LABEL\"]",

@@ -79,7 +79,9 @@ fn the_usage_of_each_command_is_true() {
         "new dims=4,5,6 size=1,2,0.5 colour=8 base=#102030 fill=empty",
         "new dims=4,5,6",
         "open \"a b.pvm\"",
+        "open v.raw threshold=12.5 colouring=grey colour=8 raw=4x5x6:u8:skip=3",
         "save c.pvm",
+        "save c.pvm form=packed",
         "begin \"carve the nose\"",
         "begin",
         "end",
@@ -88,6 +90,12 @@ fn the_usage_of_each_command_is_true() {
         "add cuboid at=1,2,3 half=4,5,6 turn=0,0,0,1 colour=#ffffff",
         "subtract pyramid at=1,2,3 half=4",
         "recolour ellipsoid at=1,2,3 half=4 colour=#ffffff",
+        "spray devourer eye=1,2,90 aim=0,0,-1 across=1,0,0 down=0,1,0 radius=5 bite=square",
+        "spray paintbrush eye=1,2,90 aim=0,0,-1 across=1,0,0 down=0,1,0 radius=5 outline=square \
+         reach=2 surface=stroke colour=#123456 cover=0.5",
+        "spray growth eye=1,2,90 aim=0,0,-1 across=1,0,0 down=0,1,0 radius=5 threshold=12 \
+         colour=#123456",
+        "spray smooth eye=1,2,90 aim=0,0,-1 across=1,0,0 down=0,1,0 radius=5 around=3",
         "fill colour=#123456",
         "fill",
         "clear",
