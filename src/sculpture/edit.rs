@@ -181,16 +181,16 @@ fn paint_band(
 }
 
 /// A row of bricks along x, in brick coordinates.
-struct BrickRow {
-    x: Range<u32>,
-    y: u32,
-    z: u32,
+pub(super) struct BrickRow {
+    pub x: Range<u32>,
+    pub y: u32,
+    pub z: u32,
 }
 
 impl BrickRow {
     /// Cuts the region by this row, and calls `f` with what it covers of it, in rising order.
     #[inline(always)]
-    fn walk<R: Region>(self, region: &R, cut: &mut R::Row, mut f: impl FnMut(Piece<R>)) {
+    pub fn walk<R: Region>(self, region: &R, cut: &mut R::Row, mut f: impl FnMut(Piece<R>)) {
         let reach = region.cut_row(self.y * BRICK_EDGE_VX, self.z * BRICK_EDGE_VX, cut);
         let end = reach.touched.end.min(self.x.end);
         let mut x = reach.touched.start.max(self.x.start);

@@ -5,16 +5,20 @@
 pub mod bit_block;
 pub mod brick;
 pub mod brick_set;
+pub mod clip;
 pub mod colour;
 pub mod edit;
 pub mod grid;
 pub mod history;
 pub mod limits;
 pub mod material;
+pub mod orientation;
+pub mod paint;
 pub mod placement;
 pub mod record;
 pub mod region;
 mod row_edit;
+pub mod selection;
 pub mod stroke;
 
 pub use brick::Brick;

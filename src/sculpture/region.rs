@@ -31,6 +31,58 @@ impl VoxelBox {
     pub fn is_empty(self) -> bool {
         !self.min.cmplt(self.max).all()
     }
+
+    /// Size in voxels; 0 on an axis where `max` is below `min`.
+    pub fn size(self) -> UVec3 {
+        self.max.saturating_sub(self.min).max(IVec3::ZERO).as_uvec3()
+    }
+
+    pub fn contains(self, v: IVec3) -> bool {
+        v.cmpge(self.min).all() && v.cmplt(self.max).all()
+    }
+}
+
+/// Where a box cuts the bricks of a row on y and z, in voxels of the brick: 0 to 8.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct BoxRow {
+    low: [u32; 2],
+    high: [u32; 2],
+}
+
+impl Region for VoxelBox {
+    type Row = BoxRow;
+
+    fn bounds_vx(&self) -> VoxelBox {
+        *self
+    }
+
+    fn cut_row(&self, y_vx: u32, z_vx: u32, row: &mut BoxRow) -> RowReach {
+        let edge = BRICK_EDGE_VX as i32;
+        let local = |v: i32, origin: u32| v.saturating_sub(origin as i32).clamp(0, edge) as u32;
+        row.low = [local(self.min.y, y_vx), local(self.min.z, z_vx)];
+        row.high = [local(self.max.y, y_vx), local(self.max.z, z_vx)];
+        let (from, to) = (self.min.x.max(0) as u32, self.max.x.max(0) as u32);
+        if from >= to || row.low[0] >= row.high[0] || row.low[1] >= row.high[1] {
+            return RowReach::NONE;
+        }
+        let touched = from / BRICK_EDGE_VX..to.div_ceil(BRICK_EDGE_VX);
+        let whole = from.div_ceil(BRICK_EDGE_VX)..to / BRICK_EDGE_VX;
+        let across = row.low == [0; 2] && row.high == [BRICK_EDGE_VX; 2];
+        let whole = if across && !whole.is_empty() { whole } else { 0..0 };
+        RowReach { touched, whole }
+    }
+
+    fn mask(&self, row: &BoxRow, _: &RowReach, brick_x: u32) -> Brick {
+        let origin = (brick_x * BRICK_EDGE_VX) as i32;
+        let edge = BRICK_EDGE_VX as i32;
+        let low = self.min.x.saturating_sub(origin).clamp(0, edge) as u32;
+        let high = self.max.x.saturating_sub(origin).clamp(0, edge) as u32;
+        let all = BRICK_EDGE_VX;
+        Brick::below([high, row.high[0], row.high[1]])
+            .and_not(&Brick::below([low, all, all]))
+            .and_not(&Brick::below([all, row.low[0], all]))
+            .and_not(&Brick::below([all, all, row.low[1]]))
+    }
 }
 
 /// A half-open box of bricks of one grid.
@@ -121,6 +173,19 @@ impl ListedBricks {
 
     pub fn bricks(&self) -> &[(UVec3, Brick)] {
         &self.bricks
+    }
+
+    /// The voxels that are in any of `lists`.
+    pub fn union(lists: impl IntoIterator<Item = ListedBricks>) -> ListedBricks {
+        let mut bricks: Vec<(UVec3, Brick)> = lists.into_iter().flat_map(|l| l.bricks).collect();
+        bricks.sort_by_key(|(b, _)| (b.z, b.y, b.x));
+        bricks.dedup_by(|(next, mask), (b, all)| {
+            *next == *b && {
+                *all = all.or(mask);
+                true
+            }
+        });
+        ListedBricks { bricks }
     }
 }
 

@@ -10,3 +10,5 @@ mod construct_spans;
 mod construct_tests;
 pub mod filter;
 pub mod spray;
+pub mod symmetry;
+pub mod texture;

@@ -1,0 +1,189 @@
+//! Owns painting with a colour for each voxel: what pictures, brushes that cover partly and
+//! copies need, where [`edit`](super::edit::edit) gives one colour to all.
+//!
+//! Takes the contents, a [`Region`] and a function of voxel and present colour; leaves the
+//! earlier colours in the recorder and marks bricks dirty. Makes no voxel exist.
+
+use glam::UVec3;
+
+use super::brick::{BRICK_EDGE_VX, BRICK_VOXELS, Brick, local_coords};
+use super::brick_set::{BrickMask, BrickSet};
+use super::colour::{ColourDepth, Rgb};
+use super::edit::{BrickRow, EditStats};
+use super::history::Contents;
+use super::material::{Brush, Page};
+use super::region::{BrickBox, Region};
+use super::stroke::{BandRecord, Recording, StrokeRecorder};
+
+/// Regions of fewer bricks than this stay on one thread: waking others costs more.
+const PARALLEL_BRICKS: u64 = 256;
+
+/// Gives every existing voxel of `region` the colour that `colour` says for its coordinates and
+/// its present colour. Does nothing without colour depth.
+pub fn paint_each(
+    contents: &mut Contents,
+    region: &impl Region,
+    colour: impl Fn(UVec3, Rgb) -> Rgb + Sync,
+    recorder: &mut StrokeRecorder,
+    dirty: &mut BrickSet,
+) -> EditStats {
+    let Contents { grid, material } = contents;
+    let (depth, base) = (material.depth(), material.base());
+    let Some(bricks) = BrickBox::around(region, grid).filter(|_| depth.bytes() > 0) else {
+        return EditStats::default();
+    };
+    let palette = Palette { depth, base, blank: material.brush(base) };
+    let parallel = bricks.brick_count() >= PARALLEL_BRICKS;
+    let Recording { bands, pages_kept, .. } = recorder.recording();
+    let per_band = grid.bricks_per_band();
+    let touched = grid.bands_of(bricks.min.z..bricks.max.z);
+    let per_slab = grid.brick_dims().x * grid.brick_dims().y;
+    material.edit_bands(per_band, touched, parallel, bands, |first, pages, record| {
+        let first_slab = first / per_slab;
+        let slabs = first_slab.max(bricks.min.z)
+            ..(first_slab + (per_band as u32).div_ceil(per_slab)).min(bricks.max.z);
+        let mut cut = Default::default();
+        let mut made = 0;
+        for z in slabs {
+            for y in bricks.min.y..bricks.max.y {
+                let row = BrickRow { x: bricks.min.x..bricks.max.x, y, z };
+                row.walk(region, &mut cut, |piece| {
+                    piece.each(|b, mask| {
+                        let index = grid.brick_index(b);
+                        if grid.counts()[index] == 0 {
+                            return;
+                        }
+                        let mask = grid.bricks()[index].and(&mask());
+                        let page = &mut pages[index - first as usize];
+                        let origin = b * BRICK_EDGE_VX;
+                        let one = |local: u32, now: Rgb| {
+                            colour(origin + UVec3::from(local_coords(local)), now)
+                        };
+                        let kept = pages_kept.contains(index as u32);
+                        made += palette.paint(index as u32, page, &mask, one, record, kept);
+                    });
+                });
+            }
+        }
+        made
+    });
+    recorder.close_edit(dirty)
+}
+
+/// What a page's bytes mean.
+struct Palette {
+    depth: ColourDepth,
+    base: Rgb,
+    /// Makes pages of the base colour.
+    blank: Brush,
+}
+
+impl Palette {
+    /// Paints the voxels of `mask`; gives 1 if a page was made. `kept`: the stroke has the page's
+    /// earlier state already.
+    fn paint(
+        &self,
+        index: u32,
+        page: &mut Option<Page>,
+        mask: &Brick,
+        colour: impl Fn(u32, Rgb) -> Rgb,
+        record: &mut BandRecord,
+        kept: bool,
+    ) -> usize {
+        let bytes = self.depth.bytes();
+        let mut colours = [Rgb::new(0, 0, 0); BRICK_VOXELS as usize];
+        let mut differing = Brick::EMPTY;
+        mask.for_each(|i| {
+            let now = match page {
+                Some(page) => self.depth.read(&page[i as usize * bytes..]),
+                None => self.base,
+            };
+            let next = self.depth.quantise(colour(i, now));
+            colours[i as usize] = next;
+            differing.words[i as usize / 64] |= u64::from(next != now) << (i % 64);
+        });
+        if differing.is_empty() {
+            return 0;
+        }
+        if !kept {
+            record.earlier.keep_page(index, page.clone());
+        }
+        record.pages_changed.push(BrickMask { word: index / 64, mask: 1 << (index % 64) });
+        record.stats.voxels_recoloured += u64::from(differing.count());
+        record.stats.bricks_changed += 1;
+        let made = usize::from(self.blank.paint(page, &Brick::EMPTY));
+        if let Some(page) = page {
+            differing.for_each(|i| {
+                self.depth.write(colours[i as usize], &mut page[i as usize * bytes..]);
+            });
+        }
+        made
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{IVec3, Vec3};
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::sculpture::region::VoxelBox;
+    use crate::sculpture::{Grid, Material};
+
+    fn colour_at(v: UVec3, now: Rgb) -> Rgb {
+        let [r, g, b] = now.0;
+        Rgb::new(r.wrapping_add((v.x * 7) as u8), g.wrapping_add((v.y * 11) as u8), b ^ v.z as u8)
+    }
+
+    proptest! {
+        #[test]
+        fn each_voxel_gets_its_colour_and_the_record_takes_it_back(
+            dims in prop::array::uniform3(1u32..70),
+            from in prop::array::uniform3(-5i32..60),
+            size in prop::array::uniform3(1i32..60),
+            depth in prop::sample::select(&ColourDepth::ALL[..]),
+            sparse in 1u32..5,
+        ) {
+            let dims = UVec3::from(dims);
+            let mut grid = Grid::new(dims, Vec3::ONE, 1 << 30).unwrap();
+            grid.fill_bricks(|b| if (b.x + b.y + b.z) % sparse == 0 {
+                Brick { words: [0x5a5a_ffff_1234_8001 ^ u64::from(b.x); 8] }
+            } else {
+                Brick::EMPTY
+            });
+            let material = Material::new(depth, Rgb::STONE, grid.bricks().len());
+            let mut contents = Contents { grid, material };
+            let start = contents.clone();
+            let mut recorder = StrokeRecorder::new(&contents.grid);
+            let mut dirty = BrickSet::new(contents.grid.bricks().len());
+            let min = IVec3::from(from);
+            let region = VoxelBox { min, max: min + IVec3::from(size) };
+            // Twice, so that the second time meets pages.
+            for _ in 0..2 {
+                let before = contents.clone();
+                let stats =
+                    paint_each(&mut contents, &region, colour_at, &mut recorder, &mut dirty);
+                let mut painted = 0;
+                for index in 0..before.grid.bricks().len() {
+                    for local in 0..BRICK_VOXELS {
+                        let [x, y, z] = local_coords(local);
+                        let v = before.grid.brick_coords(index) * BRICK_EDGE_VX
+                            + UVec3::new(x, y, z);
+                        let was = before.material.rgb(index, local);
+                        let meant = before.grid.get(v.as_ivec3()) && region.contains(v.as_ivec3());
+                        let wanted = match meant && depth != ColourDepth::None {
+                            true => depth.quantise(colour_at(v, was)),
+                            false => was,
+                        };
+                        painted += u64::from(wanted != was);
+                        prop_assert_eq!(contents.material.rgb(index, local), wanted);
+                    }
+                }
+                prop_assert_eq!(stats.voxels_recoloured, painted);
+                prop_assert_eq!(&contents.grid, &before.grid);
+            }
+            recorder.finish().swap(&mut contents, &mut dirty);
+            prop_assert_eq!(contents, start);
+        }
+    }
+}

@@ -1,0 +1,331 @@
+//! Owns the selection: a marker box, and a stack of boxes added and taken away one after the
+//! other, to which every tool can be limited.
+//!
+//! Boxes are in voxels and may reach beyond the grid. Changes no voxel; [`Limited`] is what cuts
+//! a tool's region down to the selection, at the one place where edits happen.
+
+use glam::{IVec3, UVec3};
+
+use super::brick::Brick;
+use super::region::{BoxRow, Region, RowReach, VoxelBox};
+
+/// Furthest that a marker may lie from the grid's corner, and longest that it may be, in voxels.
+pub const MARKER_LIMIT_VX: i32 = 1 << 20;
+/// Most boxes on the stack.
+pub const MAX_BOXES: usize = 256;
+
+/// A box on the stack.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct SelectedBox {
+    pub bounds: VoxelBox,
+    /// The box adds its voxels to those of the boxes below it, or else takes them away.
+    pub adds: bool,
+}
+
+/// The boxes of the stack, the lowest first.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct BoxStack(Vec<SelectedBox>);
+
+/// Marker and stack.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Selection {
+    marker: VoxelBox,
+    stack: BoxStack,
+    /// Tools change what is selected only, if anything is.
+    limits: bool,
+}
+
+impl Selection {
+    /// For a grid of `dims` voxels: a marker of half its size in its middle, an empty stack.
+    pub fn new(dims: UVec3) -> Selection {
+        let size = (dims / 2).max(UVec3::ONE).as_ivec3();
+        let min = (dims.as_ivec3() - size) / 2;
+        Selection {
+            marker: VoxelBox { min, max: min + size },
+            stack: BoxStack::default(),
+            limits: false,
+        }
+    }
+
+    pub fn marker(&self) -> VoxelBox {
+        self.marker
+    }
+
+    /// Names what is wrong with `marker`, if anything.
+    pub fn set_marker(&mut self, marker: VoxelBox) -> Result<(), &'static str> {
+        let far = IVec3::splat(MARKER_LIMIT_VX);
+        if marker.min.cmplt(-far).any() || marker.max.cmpgt(far).any() {
+            return Err("the marker lies too far from the grid");
+        }
+        if marker.is_empty() {
+            return Err("the marker must be at least one voxel long on every axis");
+        }
+        self.marker = marker;
+        Ok(())
+    }
+
+    pub fn boxes(&self) -> &[SelectedBox] {
+        &self.stack.0
+    }
+
+    pub fn stack(&self) -> &BoxStack {
+        &self.stack
+    }
+
+    /// Puts the marker's box on the stack; false if the stack is full.
+    pub fn push(&mut self, adds: bool) -> bool {
+        let room = self.stack.0.len() < MAX_BOXES;
+        if room {
+            self.stack.0.push(SelectedBox { bounds: self.marker, adds });
+        }
+        room
+    }
+
+    /// Takes the uppermost box off; false if there is none.
+    pub fn drop_last(&mut self) -> bool {
+        self.stack.0.pop().is_some()
+    }
+
+    pub fn clear(&mut self) {
+        self.stack.0.clear();
+    }
+
+    pub fn limits(&self) -> bool {
+        self.limits
+    }
+
+    pub fn set_limits(&mut self, limits: bool) {
+        self.limits = limits;
+    }
+
+    /// What tools are limited to; none while they may work everywhere.
+    pub fn limit(&self) -> Option<&BoxStack> {
+        (self.limits && !self.stack.0.is_empty()).then_some(&self.stack)
+    }
+}
+
+impl BoxStack {
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Whether a voxel is selected: the uppermost box around it decides.
+    pub fn contains(&self, v: IVec3) -> bool {
+        self.0.iter().rev().find(|b| b.bounds.contains(v)).is_some_and(|b| b.adds)
+    }
+}
+
+impl Region for BoxStack {
+    /// The cuts of the boxes, in their order.
+    type Row = Vec<(RowReach, BoxRow)>;
+
+    fn bounds_vx(&self) -> VoxelBox {
+        let adding = self.0.iter().filter(|b| b.adds).map(|b| b.bounds);
+        let around =
+            |a: VoxelBox, b: VoxelBox| VoxelBox { min: a.min.min(b.min), max: a.max.max(b.max) };
+        adding.reduce(around).unwrap_or(VoxelBox { min: IVec3::ZERO, max: IVec3::ZERO })
+    }
+
+    fn cut_row(&self, y_vx: u32, z_vx: u32, row: &mut Self::Row) -> RowReach {
+        row.clear();
+        let mut all = RowReach::NONE;
+        for selected in &self.0 {
+            let mut cut = BoxRow::default();
+            let reach = selected.bounds.cut_row(y_vx, z_vx, &mut cut);
+            if !reach.touched.is_empty() {
+                match selected.adds {
+                    true => all = joined(&all, &reach),
+                    false => all.whole = longest_without(&all.whole, &reach.touched),
+                }
+            }
+            row.push((reach, cut));
+        }
+        all
+    }
+
+    fn mask(&self, row: &Self::Row, _: &RowReach, brick_x: u32) -> Brick {
+        self.0.iter().zip(row).fold(Brick::EMPTY, |mask, (selected, (reach, cut))| {
+            if !reach.touched.contains(&brick_x) {
+                return mask;
+            }
+            let covered = selected.bounds.mask(cut, reach, brick_x);
+            if selected.adds { mask.or(&covered) } else { mask.and_not(&covered) }
+        })
+    }
+}
+
+/// What two boxes cover together; of the bricks covered wholly perhaps only some.
+fn joined(a: &RowReach, b: &RowReach) -> RowReach {
+    let hull = |a: &std::ops::Range<u32>, b: &std::ops::Range<u32>| {
+        if a.is_empty() { b.clone() } else { a.start.min(b.start)..a.end.max(b.end) }
+    };
+    let meet = a.whole.start <= b.whole.end && b.whole.start <= a.whole.end;
+    let whole = match (a.whole.is_empty(), b.whole.is_empty()) {
+        (_, true) => a.whole.clone(),
+        (true, _) => b.whole.clone(),
+        _ if meet => hull(&a.whole, &b.whole),
+        _ if a.whole.len() >= b.whole.len() => a.whole.clone(),
+        _ => b.whole.clone(),
+    };
+    RowReach { touched: hull(&a.touched, &b.touched), whole }
+}
+
+/// The longest part of `range` beside `hole`.
+fn longest_without(
+    range: &std::ops::Range<u32>,
+    hole: &std::ops::Range<u32>,
+) -> std::ops::Range<u32> {
+    let left = range.start..range.end.min(hole.start);
+    let right = range.start.max(hole.end)..range.end;
+    match (left.is_empty(), right.is_empty()) {
+        (true, true) => 0..0,
+        (false, true) => left,
+        (true, false) => right,
+        _ if left.len() >= right.len() => left,
+        _ => right,
+    }
+}
+
+/// The part of a tool's region that is selected.
+pub struct Limited<'a, R> {
+    pub region: &'a R,
+    pub stack: &'a BoxStack,
+}
+
+/// The cuts of both sides.
+pub struct LimitedRow<R: Region> {
+    region: R::Row,
+    reach: RowReach,
+    stack: Vec<(RowReach, BoxRow)>,
+}
+
+impl<R: Region> Default for LimitedRow<R> {
+    fn default() -> Self {
+        LimitedRow { region: R::Row::default(), reach: RowReach::NONE, stack: Vec::new() }
+    }
+}
+
+impl<R: Region> Region for Limited<'_, R> {
+    type Row = LimitedRow<R>;
+
+    fn bounds_vx(&self) -> VoxelBox {
+        self.region.bounds_vx().intersect(self.stack.bounds_vx())
+    }
+
+    fn cut_row(&self, y_vx: u32, z_vx: u32, row: &mut Self::Row) -> RowReach {
+        let stack = self.stack.cut_row(y_vx, z_vx, &mut row.stack);
+        if stack.touched.is_empty() {
+            return RowReach::NONE;
+        }
+        row.reach = self.region.cut_row(y_vx, z_vx, &mut row.region);
+        let both = |a: &std::ops::Range<u32>, b: &std::ops::Range<u32>| {
+            let both = a.start.max(b.start)..a.end.min(b.end);
+            if both.is_empty() { 0..0 } else { both }
+        };
+        RowReach {
+            touched: both(&row.reach.touched, &stack.touched),
+            whole: both(&row.reach.whole, &stack.whole),
+        }
+    }
+
+    fn mask(&self, row: &Self::Row, reach: &RowReach, brick_x: u32) -> Brick {
+        let selected = self.stack.mask(&row.stack, reach, brick_x);
+        if row.reach.whole.contains(&brick_x) {
+            return selected;
+        }
+        selected.and(&self.region.mask(&row.region, &row.reach, brick_x))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::sculpture::brick::{BRICK_EDGE_VX, local_coords};
+    use crate::tools::construct::{Primitive, Solid};
+
+    /// The voxels of a region that lie in a grid of `dims`, brick by brick.
+    fn voxels_of(region: &impl Region, dims: UVec3) -> Vec<IVec3> {
+        let mut all = Vec::new();
+        let mut row = Default::default();
+        let bricks = dims.map(|d| d.div_ceil(BRICK_EDGE_VX));
+        for z in 0..bricks.z {
+            for y in 0..bricks.y {
+                let reach = region.cut_row(y * BRICK_EDGE_VX, z * BRICK_EDGE_VX, &mut row);
+                for x in reach.touched.start..reach.touched.end.min(bricks.x) {
+                    let whole = reach.whole.contains(&x);
+                    let mask = if whole { Brick::FULL } else { region.mask(&row, &reach, x) };
+                    let origin = UVec3::new(x, y, z) * BRICK_EDGE_VX;
+                    mask.for_each(|i| {
+                        let v = origin + UVec3::from(local_coords(i));
+                        all.extend(v.cmplt(dims).all().then(|| v.as_ivec3()));
+                    });
+                }
+            }
+        }
+        all.sort_by_key(|v| (v.z, v.y, v.x));
+        all
+    }
+
+    fn any_box() -> impl Strategy<Value = VoxelBox> {
+        (prop::array::uniform3(-9i32..40), prop::array::uniform3(1i32..45)).prop_map(
+            |(min, size)| VoxelBox { min: min.into(), max: IVec3::from(min) + IVec3::from(size) },
+        )
+    }
+
+    fn every_voxel(dims: UVec3) -> impl Iterator<Item = IVec3> {
+        let dims = dims.as_ivec3();
+        (0..dims.z).flat_map(move |z| {
+            (0..dims.y).flat_map(move |y| (0..dims.x).map(move |x| IVec3::new(x, y, z)))
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn boxes_stacks_and_limits_cover_what_their_definitions_say(
+            dims in prop::array::uniform3(1u32..36),
+            boxes in prop::collection::vec((any_box(), any::<bool>()), 0..6),
+            tool in (prop::array::uniform3(-4f32..36.0), prop::array::uniform3(2f32..30.0)),
+        ) {
+            let dims = UVec3::from(dims);
+            let mut selection = Selection::new(dims);
+            for (marker, adds) in boxes {
+                selection.set_marker(marker).unwrap();
+                selection.push(adds);
+                let expected: Vec<_> = every_voxel(dims).filter(|v| marker.contains(*v)).collect();
+                prop_assert_eq!(voxels_of(&marker, dims), expected);
+            }
+            let stack = selection.stack();
+            let expected: Vec<_> = every_voxel(dims).filter(|v| stack.contains(*v)).collect();
+            prop_assert_eq!(voxels_of(stack, dims), expected);
+            let ball = Primitive {
+                solid: Solid::Ellipsoid,
+                centre_vx: tool.0.into(),
+                half: tool.1.into(),
+                rotation: glam::Quat::IDENTITY,
+            };
+            let region = ball.in_grid(Vec3::ONE);
+            let both = |v: &IVec3| stack.contains(*v) && region.contains_voxel(*v);
+            let expected: Vec<_> = every_voxel(dims).filter(both).collect();
+            prop_assert_eq!(voxels_of(&Limited { region: &region, stack }, dims), expected);
+        }
+    }
+
+    #[test]
+    fn a_marker_must_be_near_and_not_empty() {
+        let mut selection = Selection::new(UVec3::new(64, 1, 10));
+        let first = VoxelBox { min: IVec3::new(16, 0, 2), max: IVec3::new(48, 1, 7) };
+        assert_eq!(selection.marker(), first);
+        let empty = VoxelBox { min: IVec3::ONE, max: IVec3::new(5, 1, 5) };
+        assert!(selection.set_marker(empty).is_err());
+        let far = VoxelBox { min: IVec3::ZERO, max: IVec3::new(i32::MAX, 1, 1) };
+        assert!(selection.set_marker(far).is_err());
+        assert_eq!(selection.marker(), first);
+        selection.set_limits(true);
+        assert!(selection.limit().is_none(), "nothing selected limits nothing");
+        assert!(selection.push(true) && selection.limit().is_some());
+        assert!(selection.drop_last() && !selection.drop_last());
+    }
+}
