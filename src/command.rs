@@ -9,13 +9,16 @@
 
 use std::path::PathBuf;
 
-use glam::{UVec3, Vec3};
+use glam::{IVec3, UVec3, Vec3};
 
 use crate::format::options::{ExportForm, ImportOptions};
 use crate::sculpture::edit::EditOp;
+use crate::sculpture::orientation::Orientation;
+use crate::sculpture::region::VoxelBox;
 use crate::sculpture::{ColourDepth, Placement, Rgb};
 use crate::tools::construct::Primitive;
 use crate::tools::spray::Spray;
+use crate::tools::symmetry::Symmetry;
 
 /// What a new sculpture is made of.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -41,6 +44,58 @@ pub enum SpraySurface {
     Stroke,
 }
 
+/// What a command about many voxels at once works on. All of them obey the limit.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub enum Area {
+    #[default]
+    Grid,
+    /// The boxes on the stack.
+    Selection,
+    /// The marker's box.
+    Marker,
+}
+
+impl Area {
+    pub const ALL: [Area; 3] = [Area::Grid, Area::Selection, Area::Marker];
+
+    /// The word for it in the text form.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Area::Grid => "grid",
+            Area::Selection => "selection",
+            Area::Marker => "marker",
+        }
+    }
+}
+
+/// What happens to the stack of selected boxes.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum SelectOp {
+    /// The marker's box is selected, too.
+    Add,
+    /// The marker's box is selected no longer.
+    Subtract,
+    /// The uppermost box goes.
+    Drop,
+    /// All boxes go.
+    Clear,
+}
+
+impl SelectOp {
+    pub const ALL: [SelectOp; 4] =
+        [SelectOp::Add, SelectOp::Subtract, SelectOp::Drop, SelectOp::Clear];
+
+    /// The word for it in the text form.
+    pub const fn name(self) -> &'static str {
+        match self {
+            SelectOp::Add => "add",
+            SelectOp::Subtract => "subtract",
+            SelectOp::Drop => "drop",
+            SelectOp::Clear => "clear",
+        }
+    }
+}
+
 /// A value that changes a sculpture.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Command {
@@ -60,10 +115,33 @@ pub enum Command {
     Construct { op: EditOp, primitive: Primitive },
     /// Use a spray tool once, where its rays meet the surface.
     Spray { spray: Spray, surface: SpraySurface },
-    /// Make every voxel of the grid exist; new ones get the colour, or the base colour.
-    Fill { colour: Option<Rgb> },
-    /// Remove every voxel.
-    Clear,
+    /// Give the voxels inside a solid the colours of a picture.
+    Texture { primitive: Primitive, picture: PathBuf },
+    /// Make every voxel of the area exist; new ones get the colour, or the base colour.
+    Fill { area: Area, colour: Option<Rgb> },
+    /// Remove every voxel of the area.
+    Clear { area: Area },
+    /// Give every voxel of the area the colour.
+    Dye { area: Area, colour: Rgb },
+    /// Move and size the marker. Like all commands about the selection no undo step: it changes
+    /// no voxel.
+    Mark(VoxelBox),
+    /// Change the stack of selected boxes.
+    Select(SelectOp),
+    /// Limit every tool to what is selected, or not.
+    Limit(bool),
+    /// Use solids and sprays on both sides of mirror planes.
+    Symmetry(Symmetry),
+    /// Keep a copy of what the marker holds.
+    Copy,
+    /// Keep a copy of what the marker holds and remove it.
+    Cut,
+    /// Put the copy with its lower corner at a voxel.
+    Paste { at: IVec3, orientation: Orientation },
+    /// Turn what the marker holds about its middle, and move it; the marker goes along.
+    Move { by: IVec3, orientation: Orientation },
+    /// Do the last operation again `count` times, each time further by `step` voxels.
+    Array { count: u32, step: IVec3 },
     /// Take back the last `steps` steps, or all of them.
     Undo { steps: Option<u32> },
     /// Do again the last `steps` undone steps, or all of them.
@@ -126,11 +204,58 @@ pub const COMMANDS: &[CommandHelp] = &[
         tooltip: "Use a spray tool where the rays under its footprint meet the surface",
     },
     CommandHelp {
-        verb: "fill",
-        usage: "[colour=#rrggbb]",
-        tooltip: "Make every voxel of the grid exist",
+        verb: "texture",
+        usage: "\"PICTURE\" ellipsoid|cuboid|pyramid at=X,Y,Z half=A[,B,C] [turn=...]",
+        tooltip: "Give the voxels inside a solid the colours of a PNG picture",
     },
-    CommandHelp { verb: "clear", usage: "", tooltip: "Remove every voxel" },
+    CommandHelp {
+        verb: "fill",
+        usage: "[grid|selection|marker] [colour=#rrggbb]",
+        tooltip: "Make every voxel of an area exist",
+    },
+    CommandHelp {
+        verb: "clear",
+        usage: "[grid|selection|marker]",
+        tooltip: "Remove every voxel of an area",
+    },
+    CommandHelp {
+        verb: "dye",
+        usage: "[grid|selection|marker] colour=#rrggbb",
+        tooltip: "Give every voxel of an area the colour",
+    },
+    CommandHelp {
+        verb: "mark",
+        usage: "at=X,Y,Z size=A,B,C",
+        tooltip: "Move and size the marker: its lower corner and its lengths in voxels",
+    },
+    CommandHelp {
+        verb: "select",
+        usage: "add|subtract|drop|clear",
+        tooltip: "Select the marker's box or take it away, drop the last box, or all of them",
+    },
+    CommandHelp { verb: "limit", usage: "on|off", tooltip: "Limit every tool to what is selected" },
+    CommandHelp {
+        verb: "symmetry",
+        usage: "[x=off|even|odd] [y=off|even|odd] [z=off|even|odd]",
+        tooltip: "Use tools on both sides of planes at the grid's centre",
+    },
+    CommandHelp { verb: "copy", usage: "", tooltip: "Copy what the marker holds" },
+    CommandHelp { verb: "cut", usage: "", tooltip: "Copy what the marker holds and remove it" },
+    CommandHelp {
+        verb: "paste",
+        usage: "at=X,Y,Z [axes=x,y,z]",
+        tooltip: "Put the copy somewhere, its axes along others or reversed, such as axes=y,-x,z",
+    },
+    CommandHelp {
+        verb: "move",
+        usage: "[by=X,Y,Z] [axes=x,y,z]",
+        tooltip: "Move and turn what the marker holds",
+    },
+    CommandHelp {
+        verb: "array",
+        usage: "count=N step=X,Y,Z",
+        tooltip: "Do the last operation again and again, each time further",
+    },
     CommandHelp { verb: "undo", usage: "[N|all]", tooltip: "Take back the last steps" },
     CommandHelp { verb: "redo", usage: "[N|all]", tooltip: "Do undone steps again" },
     CommandHelp {
@@ -154,8 +279,19 @@ impl Command {
             Command::Construct { op: EditOp::Subtract, .. } => "subtract",
             Command::Construct { op: EditOp::Recolour(_), .. } => "recolour",
             Command::Spray { .. } => "spray",
+            Command::Texture { .. } => "texture",
             Command::Fill { .. } => "fill",
-            Command::Clear => "clear",
+            Command::Clear { .. } => "clear",
+            Command::Dye { .. } => "dye",
+            Command::Mark(_) => "mark",
+            Command::Select(_) => "select",
+            Command::Limit(_) => "limit",
+            Command::Symmetry(_) => "symmetry",
+            Command::Copy => "copy",
+            Command::Cut => "cut",
+            Command::Paste { .. } => "paste",
+            Command::Move { .. } => "move",
+            Command::Array { .. } => "array",
             Command::Undo { .. } => "undo",
             Command::Redo { .. } => "redo",
             Command::Place(_) => "place",
@@ -165,8 +301,13 @@ impl Command {
     /// What the history list calls a step made by this command alone.
     pub fn label(&self) -> String {
         match self {
-            Command::Construct { primitive, .. } => {
+            Command::Construct { primitive, .. } | Command::Texture { primitive, .. } => {
                 format!("{} {}", self.verb(), primitive.solid.name())
+            }
+            Command::Fill { area, .. } | Command::Clear { area } | Command::Dye { area, .. }
+                if *area != Area::Grid =>
+            {
+                format!("{} {}", self.verb(), area.name())
             }
             Command::Spray { spray, .. } => spray.effect.name().to_string(),
             _ => self.verb().to_string(),

@@ -7,7 +7,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use glam::{EulerRot, Quat, UVec3, Vec3};
+use glam::{EulerRot, IVec3, Quat, UVec3, Vec3};
 use thiserror::Error;
 
 use arguments::{Arguments, Quoted, QuotedPath};
@@ -19,6 +19,7 @@ use crate::sculpture::{ColourDepth, Placement, Rgb};
 use crate::tools::construct::{Primitive, Solid};
 
 mod arguments;
+mod selection;
 mod spray;
 
 /// Colour of the stone until someone chooses another.
@@ -94,7 +95,22 @@ impl fmt::Display for Command {
                 }
             }
             Command::Spray { spray, surface } => spray::write(spray, *surface, f),
-            Command::Fill { colour: Some(colour) } => write!(f, " colour={colour}"),
+            Command::Texture { primitive, picture } => {
+                write!(f, " {} {primitive}", QuotedPath(picture))
+            }
+            Command::Fill { area, colour } => {
+                write!(f, " {}", area.name())?;
+                colour.map_or(Ok(()), |colour| write!(f, " colour={colour}"))
+            }
+            Command::Clear { area } => write!(f, " {}", area.name()),
+            Command::Dye { area, colour } => write!(f, " {} colour={colour}", area.name()),
+            Command::Mark(_)
+            | Command::Select(_)
+            | Command::Limit(_)
+            | Command::Symmetry(_)
+            | Command::Paste { .. }
+            | Command::Move { .. }
+            | Command::Array { .. } => selection::write(self, f),
             Command::Undo { steps } | Command::Redo { steps } => match steps {
                 Some(n) => write!(f, " {n}"),
                 None => write!(f, " all"),
@@ -106,9 +122,7 @@ impl fmt::Display for Command {
                 list(p.translation.to_array()),
                 p.scale
             ),
-            Command::End | Command::Cancel | Command::Clear | Command::Fill { colour: None } => {
-                Ok(())
-            }
+            Command::End | Command::Cancel | Command::Copy | Command::Cut => Ok(()),
         }
     }
 }
@@ -152,8 +166,20 @@ impl FromStr for Command {
             "cancel" => Command::Cancel,
             "add" | "subtract" | "recolour" => parse_construct(&verb, &mut args)?,
             "spray" => spray::parse(&mut args)?,
-            "fill" => Command::Fill { colour: args.optional("colour", parse_colour)? },
-            "clear" => Command::Clear,
+            "texture" => {
+                Command::Texture { picture: args.path()?, primitive: parse_primitive(&mut args)? }
+            }
+            "fill" => Command::Fill {
+                area: selection::parse_area(&mut args)?,
+                colour: args.optional("colour", parse_colour)?,
+            },
+            "clear" => Command::Clear { area: selection::parse_area(&mut args)? },
+            "dye" => Command::Dye {
+                area: selection::parse_area(&mut args)?,
+                colour: args.required("colour", parse_colour)?,
+            },
+            "mark" | "select" | "limit" | "symmetry" | "copy" | "cut" | "paste" | "move"
+            | "array" => selection::parse(&verb, &mut args)?,
             "undo" => Command::Undo { steps: parse_steps(&mut args)? },
             "redo" => Command::Redo { steps: parse_steps(&mut args)? },
             "place" => Command::Place(Placement {
@@ -193,12 +219,12 @@ fn parse_new(args: &mut Arguments) -> Result<NewSculpture, ParseError> {
     })
 }
 
-fn parse_construct(verb: &str, args: &mut Arguments) -> Result<Command, ParseError> {
+fn parse_primitive(args: &mut Arguments) -> Result<Primitive, ParseError> {
     let name = args.word("ellipsoid, cuboid or pyramid")?;
     let solid = Solid::ALL.into_iter().find(|s| s.name() == name).ok_or_else(|| {
         ParseError(format!("`{name}` is not a solid; take ellipsoid, cuboid or pyramid"))
     })?;
-    let primitive = Primitive {
+    Ok(Primitive {
         solid,
         centre_vx: args.required("at", parse_vec3)?,
         half: args.required("half", |text| match text.contains(',') {
@@ -206,7 +232,11 @@ fn parse_construct(verb: &str, args: &mut Arguments) -> Result<Command, ParseErr
             false => number(text).map(Vec3::splat),
         })?,
         rotation: args.optional("turn", parse_rotation)?.unwrap_or(Quat::IDENTITY),
-    };
+    })
+}
+
+fn parse_construct(verb: &str, args: &mut Arguments) -> Result<Command, ParseError> {
+    let primitive = parse_primitive(args)?;
     let op = match verb {
         "add" => EditOp::Add(args.required("colour", parse_colour)?),
         "recolour" => EditOp::Recolour(args.required("colour", parse_colour)?),
@@ -255,6 +285,10 @@ fn parse_vec3(text: &str) -> Result<Vec3, String> {
     numbers::<f32, 3>(text).map(Vec3::from_array)
 }
 
+fn parse_ivec3(text: &str) -> Result<IVec3, String> {
+    numbers::<i32, 3>(text).map(IVec3::from_array)
+}
+
 fn numbers<T: Number, const N: usize>(text: &str) -> Result<[T; N], String> {
     let values: Vec<T> = text.split(',').map(number).collect::<Result<_, _>>()?;
     values.try_into().map_err(|_| format!("must be {N} numbers with commas between"))
@@ -279,6 +313,12 @@ impl Number for f32 {
 }
 
 impl Number for u32 {
+    fn usable(&self) -> bool {
+        true
+    }
+}
+
+impl Number for i32 {
     fn usable(&self) -> bool {
         true
     }

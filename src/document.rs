@@ -4,45 +4,30 @@
 //!
 //! Knows no files (`session` does), no Vulkan, no window, no clock.
 
-use glam::Affine3A;
-use thiserror::Error;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use crate::command::{Command, NewSculpture, SpraySurface};
+use glam::Affine3A;
+
+use crate::command::{Command, NewSculpture, SelectOp};
 pub use crate::sculpture::Limits;
 use crate::sculpture::brick_set::BrickSet;
-use crate::sculpture::edit::{self, EditOp, EditStats};
+use crate::sculpture::clip::Clip;
+use crate::sculpture::edit::{EditOp, EditStats};
 use crate::sculpture::history::{Change, Contents, History, Step};
 use crate::sculpture::record::BrickRecord;
-use crate::sculpture::region::{Everywhere, Region};
+use crate::sculpture::selection::Selection;
 use crate::sculpture::stroke::StrokeRecorder;
-use crate::sculpture::{Brick, ColourDepth, Grid, GridError, Material, Placement};
-use crate::tools::spray::{Effect, Spray};
+use crate::sculpture::{Brick, ColourDepth, Grid, Material, Placement};
+use crate::tools::symmetry::Symmetry;
+use crate::tools::texture::Texture;
 
-/// Why a command was refused. The sculpture is as it was before.
-#[derive(Debug, Error)]
-pub enum CommandError {
-    #[error(transparent)]
-    Grid(#[from] GridError),
-    #[error("this sculpture has no colours; make or open one with 8, 16 or 24 bits of colour")]
-    NoColour,
-    #[error(
-        "painting here may need {needed_mib} MiB for colours, more than the {budget_mib} MiB \
-         allowed; raise memory.colour_mib in the configuration"
-    )]
-    ColourMemory { needed_mib: u64, budget_mib: u64 },
-    #[error("a stroke is open; end or cancel it before `{0}`")]
-    StrokeOpen(&'static str),
-    #[error("`{0}` without an open stroke; `begin` one first")]
-    NoStroke(&'static str),
-    #[error("`{0}` concerns files and is not done by the document")]
-    NotHere(&'static str),
-    #[error("{0} of the placement must be finite and the scale above zero")]
-    Placement(&'static str),
-    #[error("{0} of the spray tool cannot be used")]
-    Spray(&'static str),
-    #[error("{0} of the solid must be finite and its half extent above zero")]
-    Primitive(&'static str),
-}
+mod areas;
+mod error;
+mod tools;
+
+pub use error::CommandError;
 
 /// What a command did.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -63,6 +48,15 @@ pub struct Document {
     /// The grid before the open stroke's first spray that asked for it.
     stroke_surface: Option<Box<Grid>>,
     recorder: StrokeRecorder,
+    selection: Selection,
+    symmetry: Symmetry,
+    /// What was copied last; it outlives the sculpture it was cut from.
+    clip: Option<Clip>,
+    /// Pictures for solids, by the name that commands give them.
+    pictures: HashMap<PathBuf, Arc<Texture>>,
+    /// Uses of tools in the open stroke, and those of the last operation.
+    uses: Vec<Command>,
+    last_uses: Vec<Command>,
     dirty: BrickSet,
     /// The dirty bricks as [`Document::take_dirty`] hands them out.
     dirty_list: Vec<u32>,
@@ -85,6 +79,12 @@ impl Document {
             recorder: StrokeRecorder::new(&contents.grid),
             dirty: BrickSet::new(contents.grid.bricks().len()),
             dirty_list: Vec::new(),
+            selection: Selection::new(contents.grid.dims()),
+            symmetry: Symmetry::default(),
+            clip: None,
+            pictures: HashMap::new(),
+            uses: Vec::new(),
+            last_uses: Vec::new(),
             contents,
             placement: Placement::default(),
             history: History::new(limits.history_bytes),
@@ -118,6 +118,34 @@ impl Document {
 
     pub fn limits(&self) -> &Limits {
         &self.limits
+    }
+
+    pub fn selection(&self) -> &Selection {
+        &self.selection
+    }
+
+    pub fn symmetry(&self) -> Symmetry {
+        self.symmetry
+    }
+
+    /// What `paste` would put down.
+    pub fn clip(&self) -> Option<&Clip> {
+        self.clip.as_ref()
+    }
+
+    /// Whether `array` has an operation to repeat.
+    pub fn can_repeat(&self) -> bool {
+        !self.last_uses.is_empty()
+    }
+
+    /// Whether a picture is known by the name.
+    pub fn has_picture(&self, name: &Path) -> bool {
+        self.pictures.contains_key(name)
+    }
+
+    /// Makes a picture known under the name that commands call it by.
+    pub fn learn_picture(&mut self, name: &Path, picture: Texture) {
+        self.pictures.insert(name.to_path_buf(), Arc::new(picture));
     }
 
     pub fn stroke_open(&self) -> bool {
@@ -171,29 +199,46 @@ impl Document {
                 let label = self.stroke.take().ok_or(CommandError::NoStroke("end"))?;
                 self.stroke_surface = None;
                 self.finish_stroke(label);
+                self.remember_stroke();
                 Ok(Applied::default())
             }
             Command::Cancel => {
                 self.stroke.take().ok_or(CommandError::NoStroke("cancel"))?;
                 self.stroke_surface = None;
+                self.uses.clear();
                 let record = self.recorder.finish();
                 self.swap_bricks(record);
                 Ok(Applied::default())
             }
-            Command::Construct { op, primitive } => {
-                primitive.check().map_err(CommandError::Primitive)?;
-                if matches!(op, EditOp::Recolour(_)) && !self.has_colour() {
-                    return Err(CommandError::NoColour);
-                }
-                let region = primitive.in_grid(self.grid().voxel_size());
-                self.edit(&region, *op, command)
-            }
-            Command::Spray { spray, surface } => self.spray(spray, *surface, command),
-            Command::Fill { colour } => {
+            Command::Construct { .. }
+            | Command::Texture { .. }
+            | Command::Spray { .. }
+            | Command::Paste { .. } => self.use_tool(command),
+            Command::Array { count, step } => self.array(*count, *step, command),
+            Command::Fill { area, colour } => {
                 let colour = colour.unwrap_or(self.material().base());
-                self.edit(&Everywhere, EditOp::Add(colour), command)
+                self.edit_area(*area, EditOp::Add(colour), command)
             }
-            Command::Clear => self.edit(&Everywhere, EditOp::Subtract, command),
+            Command::Clear { area } => self.edit_area(*area, EditOp::Subtract, command),
+            Command::Dye { area, colour } => {
+                self.edit_area(*area, EditOp::Recolour(*colour), command)
+            }
+            Command::Copy => self.copy().map(|()| Applied::default()),
+            Command::Cut => self.cut(command),
+            Command::Move { by, orientation } => self.move_marked(*by, *orientation, command),
+            Command::Mark(marker) => {
+                self.selection.set_marker(*marker).map_err(CommandError::Marker)?;
+                Ok(Applied::default())
+            }
+            Command::Select(op) => self.select(*op),
+            Command::Limit(on) => {
+                self.selection.set_limits(*on);
+                Ok(Applied::default())
+            }
+            Command::Symmetry(symmetry) => {
+                self.symmetry = *symmetry;
+                Ok(Applied::default())
+            }
             Command::Undo { steps } => self.travel(*steps, "undo", Self::undo_step),
             Command::Redo { steps } => self.travel(*steps, "redo", Self::redo_step),
             Command::Place(placement) => {
@@ -212,83 +257,33 @@ impl Document {
         }
     }
 
-    /// Works out what a spray changes and does it: removing first, then adding, then painting.
-    fn spray(
-        &mut self,
-        spray: &Spray,
-        surface: SpraySurface,
-        command: &Command,
-    ) -> Result<Applied, CommandError> {
-        spray.check().map_err(CommandError::Spray)?;
-        if matches!(spray.effect, Effect::Paintbrush { .. }) && !self.has_colour() {
-            return Err(CommandError::NoColour);
-        }
-        if self.stroke_open() && surface == SpraySurface::Stroke && self.stroke_surface.is_none() {
-            self.stroke_surface = Some(Box::new(self.grid().clone()));
-        }
-        let surface = match surface {
-            SpraySurface::Stroke => self.stroke_surface.as_deref(),
-            SpraySurface::Now => None,
+    fn select(&mut self, op: SelectOp) -> Result<Applied, CommandError> {
+        let done = match op {
+            SelectOp::Add | SelectOp::Subtract => {
+                let room = self.selection.push(op == SelectOp::Add);
+                if room { Ok(()) } else { Err(CommandError::StackFull) }
+            }
+            SelectOp::Drop if !self.selection.drop_last() => Err(CommandError::NothingSelected),
+            SelectOp::Drop => Ok(()),
+            SelectOp::Clear => {
+                self.selection.clear();
+                Ok(())
+            }
         };
-        let stamp = spray.stamp(self.grid(), surface.unwrap_or(self.grid()));
-        let colour = spray.colour().unwrap_or(self.material().base());
-        self.check_colour_memory(&stamp.add, EditOp::Add(colour))?;
-        self.check_colour_memory(&stamp.paint, EditOp::Recolour(colour))?;
-        let mut stats = EditStats::default();
-        for (region, op) in [
-            (&stamp.remove, EditOp::Subtract),
-            (&stamp.add, EditOp::Add(colour)),
-            (&stamp.paint, EditOp::Recolour(colour)),
-        ] {
-            let (contents, recorder) = (&mut self.contents, &mut self.recorder);
-            stats += edit::edit(contents, region, op, recorder, &mut self.dirty);
-        }
-        self.revision += u64::from(stats.bricks_changed > 0);
-        if self.stroke.is_none() && stats.bricks_changed > 0 {
-            self.finish_stroke(command.label());
-        }
-        Ok(Applied { stats, steps: 0 })
+        done.map(|()| Applied::default())
     }
 
     fn has_colour(&self) -> bool {
         self.material().depth() != ColourDepth::None
     }
 
-    /// Edits within the open stroke, or as a step of its own.
-    fn edit(
-        &mut self,
-        region: &impl Region,
-        op: EditOp,
-        command: &Command,
-    ) -> Result<Applied, CommandError> {
-        self.check_colour_memory(region, op)?;
-        let (contents, recorder) = (&mut self.contents, &mut self.recorder);
-        let stats = edit::edit(contents, region, op, recorder, &mut self.dirty);
+    /// After edits: they are a step of their own unless a stroke is open.
+    fn applied(&mut self, stats: EditStats, command: &Command) -> Applied {
         self.revision += u64::from(stats.bricks_changed > 0);
         if self.stroke.is_none() && stats.bricks_changed > 0 {
             self.finish_stroke(command.label());
         }
-        Ok(Applied { stats, steps: 0 })
-    }
-
-    /// Refuses a painting edit that would take more memory for colours than is allowed.
-    fn check_colour_memory(&self, region: &impl Region, op: EditOp) -> Result<(), CommandError> {
-        let material = self.material();
-        let needed = |pages| material.bytes_with(pages);
-        let budget = self.limits.colour_bytes;
-        let Some(at_most) = edit::max_new_pages(&self.contents, region, op) else { return Ok(()) };
-        if needed(at_most) <= budget {
-            return Ok(());
-        }
-        // The bounds of the region are too much: count.
-        let needed = needed(edit::count_new_pages(&self.contents, region, op));
-        if needed <= budget {
-            return Ok(());
-        }
-        Err(CommandError::ColourMemory {
-            needed_mib: needed.div_ceil(1 << 20),
-            budget_mib: budget >> 20,
-        })
+        Applied { stats, steps: 0 }
     }
 
     /// Makes an undo step of what has been recorded, unless that is nothing.
@@ -306,6 +301,7 @@ impl Document {
         step: impl Fn(&mut Self) -> bool,
     ) -> Result<Applied, CommandError> {
         self.require_no_stroke(verb)?;
+        self.last_uses.clear();
         let mut done = 0;
         while steps.is_none_or(|limit| done < limit) && step(self) {
             done += 1;
@@ -343,6 +339,10 @@ impl Document {
 
     fn swap_contents(&mut self, mut contents: Box<Contents>) -> Box<Contents> {
         std::mem::swap(&mut self.contents, &mut *contents);
+        if self.grid().dims() != contents.grid.dims() {
+            self.selection = Selection::new(self.grid().dims());
+        }
+        self.last_uses.clear();
         self.recorder = StrokeRecorder::new(&self.contents.grid);
         self.dirty = BrickSet::new(self.contents.grid.bricks().len());
         self.all_dirty = true;

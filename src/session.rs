@@ -27,6 +27,8 @@ pub enum SessionError {
     Open { path: PathBuf, error: FormatError },
     #[error("cannot save {path}: {error}")]
     Save { path: PathBuf, error: FormatError },
+    #[error("cannot read the picture {path}: {error}")]
+    Picture { path: PathBuf, error: FormatError },
     #[error("cannot write the journal {path}: {error}")]
     Journal { path: PathBuf, error: std::io::Error },
 }
@@ -134,6 +136,14 @@ impl Session {
                 self.path = None;
                 self.texts = Texts::default();
                 applied
+            }
+            Command::Texture { picture, .. } => {
+                if !self.document.has_picture(picture) {
+                    let texture = format::load_picture(picture)
+                        .map_err(|error| SessionError::Picture { path: picture.clone(), error })?;
+                    self.document.learn_picture(picture, texture);
+                }
+                self.document.apply(command)?
             }
             _ => self.document.apply(command)?,
         };

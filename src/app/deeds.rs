@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 
 use super::stroke::Guide;
 use super::workbench::Workbench;
-use crate::command::Command;
+use crate::command::{Area, Command};
 use crate::config::RenderMode;
 use crate::format::options::ExportForm;
 use crate::input::{Action, Side};
@@ -47,8 +47,8 @@ impl Workbench {
             Action::Help => self.ui.help_open = !self.ui.help_open,
             Action::Undo => self.run(Command::Undo { steps: Some(1) }, false),
             Action::Redo => self.run(Command::Redo { steps: Some(1) }, false),
-            Action::Fill => self.run(Command::Fill { colour: None }, false),
-            Action::Clear => self.run(Command::Clear, false),
+            Action::Fill => self.run(Command::Fill { area: Area::Grid, colour: None }, false),
+            Action::Clear => self.run(Command::Clear { area: Area::Grid }, false),
             Action::Cancel if self.stroke.is_some() => self.cancel_stroke(),
             Action::Cancel => {
                 self.ui.close_top();

@@ -26,6 +26,8 @@ pub enum FormatError {
     #[error(transparent)]
     Grid(#[from] GridError),
 
+    #[error("this is no picture that can be used: {0}; take a PNG or JPEG file")]
+    Picture(String),
     #[error("the file is empty")]
     Empty,
     #[error("this is no PVM volume: it begins with `{0}`, not with PVM, PVM2, PVM3 or a DDS id")]

@@ -87,6 +87,16 @@ impl ColourDepth {
         }
     }
 
+    /// Between neighbouring levels of red, green and blue.
+    pub fn step(self) -> [f32; 3] {
+        let bits: [u32; 3] = match self {
+            ColourDepth::None | ColourDepth::Bits24 => [8, 8, 8],
+            ColourDepth::Bits16 => [4, 7, 5],
+            ColourDepth::Bits8 => [2, 4, 2],
+        };
+        bits.map(|bits| 255.0 / ((1u32 << bits) - 1) as f32)
+    }
+
     /// Writes `colour` to the first [`ColourDepth::bytes`] bytes of `out` (16 bits little-endian).
     #[inline]
     pub fn write(self, colour: Rgb, out: &mut [u8]) {

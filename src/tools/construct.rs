@@ -241,6 +241,11 @@ impl PlacedSolid {
         self.solid.contains(self.tool_from_vx * (v.as_dvec3() + 0.5 - self.centre_vx))
     }
 
+    /// A point in voxel coordinates as the tool sees it: the solid fills [-1, 1].
+    pub fn tool_point(&self, p: Vec3) -> Vec3 {
+        (self.tool_from_vx * (p.as_dvec3() - self.centre_vx)).as_vec3()
+    }
+
     /// The voxels inside of the brick at `origin_vx`, each by the definition.
     #[cold]
     fn test_brick(&self, origin_vx: UVec3) -> Brick {

@@ -10,5 +10,7 @@ mod construct_spans;
 mod construct_tests;
 pub mod filter;
 pub mod spray;
+#[cfg(test)]
+mod spray_tests;
 pub mod symmetry;
 pub mod texture;

@@ -8,12 +8,12 @@
 
 use std::collections::HashSet;
 
-use glam::{IVec3, UVec2, Vec3};
+use glam::{IVec3, UVec2, UVec3, Vec3};
 
 use super::filter;
 use crate::sculpture::bit_block::BitBlock;
 use crate::sculpture::region::ListedBricks;
-use crate::sculpture::{Grid, Rgb};
+use crate::sculpture::{ColourDepth, Grid, Rgb};
 use crate::surface::raycast;
 
 /// Widest footprint: radius in rays.
@@ -45,8 +45,8 @@ impl Outline {
 /// What a spray does where its rays meet the surface.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Effect {
-    /// Gives the voxels that are seen the colour: the share `cover` (0 to 1) of them, evenly
-    /// scattered, so that the colour thickens with every pass.
+    /// Mixes the share `cover` (0 to 1) of the colour into the voxels that are seen, so that it
+    /// thickens with every pass.
     Paintbrush { colour: Rgb, cover: f32 },
     /// Removes a ball or a cube around each hit.
     Devourer { outline: Outline },
@@ -110,6 +110,24 @@ pub struct Stamp {
     pub paint: ListedBricks,
 }
 
+impl Stamp {
+    /// All that any of the stamps changes.
+    pub fn union(stamps: impl IntoIterator<Item = Stamp>) -> Stamp {
+        let mut stamps: Vec<Stamp> = stamps.into_iter().collect();
+        if stamps.len() == 1 {
+            return stamps.swap_remove(0);
+        }
+        let lists = |part: fn(&mut Stamp) -> &mut ListedBricks, stamps: &mut [Stamp]| {
+            ListedBricks::union(stamps.iter_mut().map(|stamp| std::mem::take(part(stamp))))
+        };
+        Stamp {
+            remove: lists(|stamp| &mut stamp.remove, &mut stamps),
+            add: lists(|stamp| &mut stamp.add, &mut stamps),
+            paint: lists(|stamp| &mut stamp.paint, &mut stamps),
+        }
+    }
+}
+
 /// A voxel that a ray met, and how far the ray is from the footprint's middle (0) to its rim (1).
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct SprayHit {
@@ -156,12 +174,9 @@ impl Spray {
         let (min, max) = self.bounds(&hits);
         let bricks = |block: &BitBlock| ListedBricks::new(block.bricks(grid.brick_dims()));
         match self.effect {
-            Effect::Paintbrush { cover, .. } => {
+            Effect::Paintbrush { .. } => {
                 let mut seen = BitBlock::empty(min, max);
-                let pass = self.pass();
-                for hit in hits.iter().filter(|hit| scatter(hit.voxel, pass) < cover) {
-                    seen.set_ball(hit.voxel, 0.0);
-                }
+                hits.iter().for_each(|hit| seen.set_ball(hit.voxel, 0.0));
                 Stamp { paint: bricks(&seen), ..Stamp::default() }
             }
             Effect::Devourer { outline } => {
@@ -206,6 +221,27 @@ impl Spray {
             | Effect::Clay { colour } => Some(colour),
             Effect::Devourer { .. } | Effect::Erosion { .. } | Effect::Smooth { .. } => None,
         }
+    }
+
+    /// How this spray colours a voxel of the stamp's `paint`, from what it is now. With few bits
+    /// of colour a mixture lies between two that can be kept; which one a voxel gets is scattered
+    /// so that the mean over an area is right.
+    pub fn paint(&self, depth: ColourDepth) -> Option<impl Fn(UVec3, Rgb) -> Rgb + Sync + use<>> {
+        let Effect::Paintbrush { colour, cover } = self.effect else { return None };
+        let pass = self.pass();
+        Some(move |v: UVec3, now: Rgb| {
+            let chance = scatter(v.as_ivec3(), pass);
+            let mixed = std::array::from_fn(|i| {
+                let (from, to) = (f32::from(now.0[i]), f32::from(colour.0[i]));
+                let dither = (chance - 0.5) * depth.step()[i];
+                (from + (to - from) * cover + dither).round().clamp(0.0, 255.0) as u8
+            });
+            match cover {
+                1.0.. => colour,
+                _ if cover <= 0.0 => now,
+                _ => Rgb(mixed),
+            }
+        })
     }
 
     /// A number that differs from pass to pass and is the same when the pass is replayed.
@@ -321,166 +357,5 @@ impl Footprint {
             radius,
             outline,
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::sculpture::Brick;
-    use crate::sculpture::brick::local_coords;
-    use glam::UVec3;
-
-    const COLOUR: Rgb = Rgb::new(200, 30, 40);
-
-    /// A slab that fills y < 20 of a 64^3 grid.
-    fn slab() -> Grid {
-        let mut grid = Grid::new(UVec3::splat(64), Vec3::ONE, 1 << 30).unwrap();
-        grid.fill_bricks(|b| Brick::below([8, (20 - (b.y * 8).min(20)).min(8), 8]));
-        grid
-    }
-
-    /// A footprint that looks straight down on (32, 32), a ray a voxel at the slab's surface.
-    fn from_above(radius: f32, outline: Outline) -> Footprint {
-        let height = 100.0;
-        Footprint {
-            eye_vx: Vec3::new(32.5, 20.0 + height, 32.5),
-            aim: Vec3::NEG_Y,
-            across: Vec3::X / height,
-            down: Vec3::Z / height,
-            radius,
-            outline,
-        }
-    }
-
-    fn spray(effect: Effect, footprint: Footprint, reach_vx: f32) -> Spray {
-        Spray { effect, footprint, reach_vx }
-    }
-
-    fn voxels(bricks: &ListedBricks) -> Vec<IVec3> {
-        let mut all = Vec::new();
-        for (b, mask) in bricks.bricks() {
-            mask.for_each(|i| all.push((*b * 8 + UVec3::from(local_coords(i))).as_ivec3()));
-        }
-        all
-    }
-
-    #[test]
-    fn the_paintbrush_paints_what_is_seen_under_the_disc() {
-        let grid = slab();
-        let effect = Effect::Paintbrush { colour: COLOUR, cover: 1.0 };
-        let stamp = spray(effect, from_above(6.0, Outline::Round), 3.0).stamp(&grid, &grid);
-        let mut painted = voxels(&stamp.paint);
-        painted.sort_by_key(|v| (v.z, v.x));
-        let mut disc = Vec::new();
-        for z in -6i32..=6 {
-            for x in -6i32..=6 {
-                if x * x + z * z <= 36 {
-                    disc.push(IVec3::new(32 + x, 19, 32 + z));
-                }
-            }
-        }
-        assert_eq!(painted, disc);
-        assert!(stamp.add.bricks().is_empty() && stamp.remove.bricks().is_empty());
-    }
-
-    #[test]
-    fn cover_is_the_share_that_one_pass_paints() {
-        let grid = slab();
-        let paint = |cover: f32, eye: f32| {
-            let mut footprint = from_above(20.0, Outline::Square);
-            footprint.eye_vx.y += eye;
-            let effect = Effect::Paintbrush { colour: COLOUR, cover };
-            voxels(&spray(effect, footprint, 0.0).stamp(&grid, &grid).paint)
-        };
-        let (all, some, others) = (paint(1.0, 0.0), paint(0.3, 0.0), paint(0.3, 0.001));
-        let share = some.len() as f32 / all.len() as f32;
-        assert!((0.25..0.35).contains(&share), "{share}");
-        assert_eq!(some, paint(0.3, 0.0), "a pass replayed is the same pass");
-        assert_ne!(some, others, "another pass paints others");
-        assert!(paint(0.0, 0.0).is_empty());
-    }
-
-    #[test]
-    fn a_square_footprint_is_square() {
-        let grid = slab();
-        let effect = Effect::Paintbrush { colour: COLOUR, cover: 1.0 };
-        let stamp = spray(effect, from_above(4.0, Outline::Square), 0.0).stamp(&grid, &grid);
-        assert_eq!(voxels(&stamp.paint).len(), 9 * 9);
-    }
-
-    #[test]
-    fn the_devourer_bites_a_ball_or_a_cube() {
-        let grid = slab();
-        for (outline, expected) in [(Outline::Round, 33), (Outline::Square, 125)] {
-            let one = from_above(0.0, Outline::Round);
-            let stamp = spray(Effect::Devourer { outline }, one, 2.0).stamp(&grid, &grid);
-            let bitten = voxels(&stamp.remove);
-            assert_eq!(bitten.len(), expected);
-            let centre = IVec3::new(32, 19, 32);
-            assert!(bitten.iter().all(|v| (*v - centre).abs().max_element() <= 2));
-        }
-    }
-
-    #[test]
-    fn rays_are_cast_on_the_surface_at_the_beginning_of_the_stroke() {
-        let (surface, mut grid) = (slab(), slab());
-        grid.set(IVec3::new(32, 19, 32), false);
-        let effect = Effect::Devourer { outline: Outline::Round };
-        let spray = spray(effect, from_above(0.0, Outline::Round), 0.0);
-        let at_beginning = voxels(&spray.stamp(&grid, &surface).remove);
-        let now = voxels(&spray.stamp(&grid, &grid).remove);
-        assert_eq!(at_beginning, [IVec3::new(32, 19, 32)]);
-        assert_eq!(now, [IVec3::new(32, 18, 32)]);
-    }
-
-    #[test]
-    fn filters_leave_a_plane_alone() {
-        let grid = slab();
-        for effect in [
-            Effect::Erosion { threshold: 14 },
-            Effect::Dilation { threshold: 10, colour: COLOUR },
-            Effect::Growth { threshold: 12, colour: COLOUR },
-            Effect::Smooth { radius_vx: 2 },
-        ] {
-            let stamp = spray(effect, from_above(8.0, Outline::Round), 4.0).stamp(&grid, &grid);
-            assert_eq!(stamp, Stamp::default(), "{}", effect.name());
-        }
-    }
-
-    #[test]
-    fn smoothing_takes_a_single_voxel_and_fills_a_single_hole() {
-        let mut grid = slab();
-        grid.set(IVec3::new(32, 20, 32), true);
-        grid.set(IVec3::new(36, 19, 32), false);
-        let effect = Effect::Smooth { radius_vx: 1 };
-        let stamp = spray(effect, from_above(8.0, Outline::Round), 3.0).stamp(&grid, &grid);
-        assert_eq!(voxels(&stamp.remove), [IVec3::new(32, 20, 32)]);
-        assert_eq!(voxels(&stamp.add), [IVec3::new(36, 19, 32)]);
-    }
-
-    #[test]
-    fn clay_is_a_mound_highest_in_the_middle() {
-        let grid = slab();
-        let effect = Effect::Clay { colour: COLOUR };
-        let stamp = spray(effect, from_above(10.0, Outline::Round), 5.0).stamp(&grid, &grid);
-        let clay = voxels(&stamp.add);
-        let height = |x: i32| clay.iter().filter(|v| v.x == x && v.z == 32).map(|v| v.y).max();
-        assert_eq!(height(32), Some(24));
-        assert!(height(38) < height(34) && height(41) < height(38));
-        assert!(clay.iter().all(|v| (*v - IVec3::new(32, 19, 32)).abs().max_element() <= 12));
-    }
-
-    #[test]
-    fn what_meets_nothing_does_nothing_and_nonsense_is_refused() {
-        let grid = slab();
-        let mut up = from_above(5.0, Outline::Round);
-        up.aim = Vec3::Y;
-        let effect = Effect::Devourer { outline: Outline::Round };
-        assert_eq!(spray(effect, up, 3.0).stamp(&grid, &grid), Stamp::default());
-        assert!(spray(effect, up, f32::NAN).check().is_err());
-        assert!(spray(effect, from_above(1e9, Outline::Round), 3.0).check().is_err());
-        let effect = Effect::Erosion { threshold: 99 };
-        assert_eq!(spray(effect, up, 3.0).check(), Err("the threshold"));
     }
 }

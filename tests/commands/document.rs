@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use glam::{IVec3, Quat, UVec3, Vec3};
 use proptest::prelude::*;
-use virtual_sculpture::command::{Command, NewSculpture};
+use virtual_sculpture::command::{Area, Command, NewSculpture};
 use virtual_sculpture::document::{CommandError, Document, Limits};
 use virtual_sculpture::sculpture::brick::local_index;
 use virtual_sculpture::sculpture::edit::EditOp;
@@ -271,7 +271,7 @@ fn a_512_clear_is_one_small_step() {
     let new = painted(UVec3::splat(512), ColourDepth::None, true);
     let mut document = Document::new(&new, Limits::default()).unwrap();
     let before = document.contents().clone();
-    let applied = document.apply(&Command::Clear).unwrap();
+    let applied = document.apply(&Command::Clear { area: Area::Grid }).unwrap();
     assert_eq!(applied.stats.voxels_removed, 1 << 27);
     assert_eq!(applied.stats.bricks_changed, 1 << 18);
     assert_eq!(document.grid().opaque_count(), 0);
@@ -290,7 +290,7 @@ fn a_step_beyond_the_budget_stands_and_is_told_of() {
     assert_eq!(document.history().undo_count(), 1);
     assert_eq!(document.history().too_large(), None);
     // The pages that this paints over are more than 20 kB.
-    document.apply(&Command::Fill { colour: Some(RED) }).unwrap();
+    document.apply(&Command::Fill { area: Area::Grid, colour: Some(RED) }).unwrap();
     let blue = Rgb::new(0, 0, 255);
     document.apply(&ball(EditOp::Recolour(blue), Vec3::splat(30.0), 20.0)).unwrap();
     let told = document.history().too_large().expect("the step is too large").clone();

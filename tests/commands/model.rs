@@ -4,7 +4,7 @@
 use std::rc::Rc;
 
 use glam::{IVec3, UVec3, Vec3};
-use virtual_sculpture::command::{Command, NewSculpture};
+use virtual_sculpture::command::{Area, Command, NewSculpture};
 use virtual_sculpture::sculpture::edit::EditOp;
 use virtual_sculpture::sculpture::{ColourDepth, Rgb};
 
@@ -153,10 +153,10 @@ impl Model {
                 let placed = primitive.in_grid(self.now.voxel_size);
                 self.edit(*op, |v| placed.contains_voxel(v))
             }
-            Command::Fill { colour } => {
+            Command::Fill { area: Area::Grid, colour } => {
                 self.edit(EditOp::Add(colour.unwrap_or(self.now.base)), |_| true)
             }
-            Command::Clear => self.edit(EditOp::Subtract, |_| true),
+            Command::Clear { area: Area::Grid } => self.edit(EditOp::Subtract, |_| true),
             Command::Place(_) => Done::default(),
             _ => return None,
         })

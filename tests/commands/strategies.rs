@@ -2,17 +2,20 @@
 
 use std::path::PathBuf;
 
-use glam::{EulerRot, Quat, UVec3, Vec3};
+use glam::{EulerRot, IVec3, Quat, UVec3, Vec3};
 use proptest::prelude::*;
-use virtual_sculpture::command::{Command, NewSculpture, SpraySurface};
+use virtual_sculpture::command::{Area, Command, NewSculpture, SelectOp, SpraySurface};
 use virtual_sculpture::format::Samples;
 use virtual_sculpture::format::options::{
     Colouring, Existence, ExportForm, ImportOptions, RawLayout,
 };
 use virtual_sculpture::sculpture::edit::EditOp;
+use virtual_sculpture::sculpture::orientation::Orientation;
+use virtual_sculpture::sculpture::region::VoxelBox;
 use virtual_sculpture::sculpture::{ColourDepth, Placement, Rgb};
 use virtual_sculpture::tools::construct::{Primitive, Solid};
 use virtual_sculpture::tools::spray::{Effect, Footprint, Outline, Spray};
+use virtual_sculpture::tools::symmetry::{Parity, Symmetry};
 
 /// Few colours, so that painting a voxel with the colour it has already is not rare.
 pub fn colour() -> impl Strategy<Value = Rgb> {
@@ -178,6 +181,70 @@ fn path() -> impl Strategy<Value = PathBuf> {
     hostile_text().prop_map(PathBuf::from)
 }
 
+fn area() -> impl Strategy<Value = Area> {
+    prop::sample::select(&Area::ALL[..])
+}
+
+pub fn symmetry() -> impl Strategy<Value = Symmetry> {
+    let parity = || prop::option::of(prop::sample::select(&Parity::ALL[..]));
+    [parity(), parity(), parity()].prop_map(|axes| Symmetry { axes })
+}
+
+pub fn orientation() -> impl Strategy<Value = Orientation> {
+    let step = (0usize..3, any::<bool>()).prop_map(|(axis, turn)| match turn {
+        true => Orientation::quarter_turn(axis),
+        false => Orientation::mirroring(axis),
+    });
+    prop::collection::vec(step, 0..5)
+        .prop_map(|steps| steps.into_iter().fold(Orientation::UPRIGHT, Orientation::then))
+}
+
+/// Boxes with corners in `corner` and lengths up to `longest`.
+pub fn marker(corner: std::ops::Range<i32>, longest: i32) -> impl Strategy<Value = VoxelBox> {
+    (prop::array::uniform3(corner), prop::array::uniform3(1..=longest)).prop_map(|(min, size)| {
+        VoxelBox { min: min.into(), max: IVec3::from(min) + IVec3::from(size) }
+    })
+}
+
+fn any_ivec3() -> impl Strategy<Value = IVec3> {
+    any::<[i32; 3]>().prop_map(IVec3::from)
+}
+
+/// Commands about areas and copies, with values that make sense in a sculpture of 24 voxels.
+pub fn area_work() -> impl Strategy<Value = Command> {
+    let near = || prop::array::uniform3(-12i32..24).prop_map(IVec3::from);
+    let spray = prop::array::uniform3(0f32..24.0).prop_flat_map(|target| {
+        let target = Vec3::from(target);
+        (spray(|| any_unit()), prop::array::uniform3(-1f32..1.0)).prop_map(move |(spray, from)| {
+            let eye_vx = target + Vec3::from(from).normalize_or(Vec3::Y) * 60.0;
+            let footprint = Footprint { eye_vx, aim: target - eye_vx, ..spray.footprint };
+            Command::Spray { spray: Spray { footprint, ..spray }, surface: SpraySurface::Now }
+        })
+    });
+    prop_oneof![
+        2 => (area(), prop::option::of(colour()))
+            .prop_map(|(area, colour)| Command::Fill { area, colour }),
+        2 => area().prop_map(|area| Command::Clear { area }),
+        2 => (area(), colour()).prop_map(|(area, colour)| Command::Dye { area, colour }),
+        8 => marker(-6..24, 20).prop_map(Command::Mark),
+        6 => prop::sample::select(&SelectOp::ALL[..]).prop_map(Command::Select),
+        3 => any::<bool>().prop_map(Command::Limit),
+        2 => symmetry().prop_map(Command::Symmetry),
+        4 => Just(Command::Copy),
+        4 => Just(Command::Cut),
+        6 => (near(), orientation())
+            .prop_map(|(at, orientation)| Command::Paste { at, orientation }),
+        4 => (near(), orientation())
+            .prop_map(|(by, orientation)| Command::Move { by, orientation }),
+        3 => (0u32..4, near()).prop_map(|(count, step)| Command::Array { count, step }),
+        6 => spray,
+    ]
+}
+
+fn any_unit() -> impl Strategy<Value = Vec3> {
+    prop::array::uniform3(-1f32..1.0).prop_map(Vec3::from)
+}
+
 /// Every finite `f32`, not only those near 1.
 fn any_number() -> impl Strategy<Value = f32> {
     any::<u32>().prop_map(f32::from_bits).prop_filter("finite", |v| v.is_finite())
@@ -204,6 +271,17 @@ pub fn any_command() -> impl Strategy<Value = Command> {
         (rotation(), any_vec3(), any_number()).prop_map(|(rotation, translation, scale)| {
             Command::Place(Placement { rotation, translation, scale })
         });
+    let any_solid = prop::sample::select(&Solid::ALL[..]);
+    let texture = (path(), any_solid, any_vec3(), any_vec3(), rotation()).prop_map(
+        |(picture, solid, centre_vx, half, rotation)| Command::Texture {
+            picture,
+            primitive: Primitive { solid, centre_vx, half, rotation },
+        },
+    );
+    let mark = (any_ivec3(), any_ivec3())
+        .prop_map(|(a, b)| VoxelBox { min: a.min(b), max: a.max(b) })
+        .prop_filter("not empty", |marker| !marker.is_empty())
+        .prop_map(Command::Mark);
     prop_oneof![
         new,
         (spray(any_vec3), any::<bool>()).prop_map(|(spray, stroke)| Command::Spray {
@@ -216,8 +294,22 @@ pub fn any_command() -> impl Strategy<Value = Command> {
         Just(Command::End),
         Just(Command::Cancel),
         construct,
-        prop::option::of(colour()).prop_map(|colour| Command::Fill { colour }),
-        Just(Command::Clear),
+        texture,
+        (area(), prop::option::of(colour()))
+            .prop_map(|(area, colour)| Command::Fill { area, colour }),
+        area().prop_map(|area| Command::Clear { area }),
+        (area(), colour()).prop_map(|(area, colour)| Command::Dye { area, colour }),
+        mark,
+        prop::sample::select(&SelectOp::ALL[..]).prop_map(Command::Select),
+        any::<bool>().prop_map(Command::Limit),
+        symmetry().prop_map(Command::Symmetry),
+        Just(Command::Copy),
+        Just(Command::Cut),
+        (any_ivec3(), orientation())
+            .prop_map(|(at, orientation)| Command::Paste { at, orientation }),
+        (any_ivec3(), orientation())
+            .prop_map(|(by, orientation)| Command::Move { by, orientation }),
+        (any::<u32>(), any_ivec3()).prop_map(|(count, step)| Command::Array { count, step }),
         steps().prop_map(|steps| Command::Undo { steps }),
         steps().prop_map(|steps| Command::Redo { steps }),
         place,
@@ -231,8 +323,9 @@ pub fn work() -> impl Strategy<Value = Command> {
         .prop_map(|(op, primitive)| Command::Construct { op, primitive });
     prop_oneof![
         20 => edit,
-        2 => prop::option::of(colour()).prop_map(|colour| Command::Fill { colour }),
-        1 => Just(Command::Clear),
+        2 => prop::option::of(colour())
+            .prop_map(|colour| Command::Fill { area: Area::Grid, colour }),
+        1 => Just(Command::Clear { area: Area::Grid }),
         4 => Just(Command::Begin { label: "stroke".into() }),
         4 => Just(Command::End),
         1 => Just(Command::Cancel),

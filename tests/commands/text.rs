@@ -68,7 +68,7 @@ fn the_table_of_commands_names_each_verb_once() {
     let mut runner = TestRunner::deterministic();
     let strategy = any_command();
     let used: HashSet<&str> =
-        (0..2000).map(|_| strategy.new_tree(&mut runner).unwrap().current().verb()).collect();
+        (0..6000).map(|_| strategy.new_tree(&mut runner).unwrap().current().verb()).collect();
     assert_eq!(used, distinct);
 }
 
@@ -96,9 +96,28 @@ fn the_usage_of_each_command_is_true() {
         "spray growth eye=1,2,90 aim=0,0,-1 across=1,0,0 down=0,1,0 radius=5 threshold=12 \
          colour=#123456",
         "spray smooth eye=1,2,90 aim=0,0,-1 across=1,0,0 down=0,1,0 radius=5 around=3",
-        "fill colour=#123456",
+        "texture \"bark of a tree.png\" cuboid at=1,2,3 half=4,5,6 turn=0,0,0,1",
+        "texture bark.png ellipsoid at=1,2,3 half=4",
+        "fill selection colour=#123456",
         "fill",
+        "clear marker",
         "clear",
+        "dye grid colour=#123456",
+        "dye colour=#123456",
+        "mark at=-1,2,3 size=4,5,6",
+        "select add",
+        "select clear",
+        "limit on",
+        "limit off",
+        "symmetry x=even y=odd z=off",
+        "symmetry",
+        "copy",
+        "cut",
+        "paste at=-1,2,3 axes=z,-x,y",
+        "paste at=1,2,3",
+        "move by=1,0,-2 axes=-x,y,z",
+        "move",
+        "array count=3 step=8,0,0",
         "undo",
         "undo 3",
         "undo all",
@@ -165,6 +184,17 @@ fn errors_say_what_is_wrong() {
             "turn=0,0,0,0: is a quaternion of length 0",
         ),
         ("fill colour=red", "colour=red: `red` is not a colour; write it as #rrggbb"),
+        ("clear all", "`all`: take grid, selection or marker"),
+        ("texture bark.png", "`texture` needs ellipsoid, cuboid or pyramid"),
+        ("mark at=0,0,0 size=1,0,1", "size=1,0,1: must be at least 1"),
+        ("mark at=0,0,0 size=1,3000000000,1", "size=1,3000000000,1: is too large"),
+        ("mark at=0.5,0,0 size=1,1,1", "at=0.5,0,0: `0.5` is not a usable number"),
+        ("select all", "`all`: take add, subtract, drop or clear"),
+        ("limit", "`limit` needs on or off"),
+        ("symmetry x=on", "x=on: must be off, even or odd"),
+        ("paste", "`paste` needs `at=`"),
+        ("move axes=x,x,y", "axes=x,x,y: must be the three axes in some order, such as x,-z,y"),
+        ("array count=-1 step=1,0,0", "count=-1: `-1` is not a usable number"),
         ("undo some", "`some` is neither a number of steps nor `all`"),
     ];
     for (line, message) in cases {

@@ -1,0 +1,110 @@
+//! Owns the text form of commands about areas: marker, selection, symmetry, copies.
+
+use std::fmt;
+
+use glam::{IVec3, UVec3};
+
+use super::arguments::Arguments;
+use super::{ParseError, list, number, numbers, parse_ivec3};
+use crate::command::{Area, Command, SelectOp};
+use crate::sculpture::orientation::Orientation;
+use crate::sculpture::region::VoxelBox;
+use crate::tools::symmetry::{Parity, Symmetry};
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// Writes what follows the verb.
+pub fn write(command: &Command, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    match command {
+        Command::Mark(marker) => {
+            // Lengths, since a person thinks in them; they may be beyond what `i32` holds.
+            let size = |axis: usize| i64::from(marker.max[axis]) - i64::from(marker.min[axis]);
+            let size = [size(0), size(1), size(2)];
+            write!(f, " at={} size={}", list(marker.min.to_array()), list(size))
+        }
+        Command::Select(op) => write!(f, " {}", op.name()),
+        Command::Limit(on) => write!(f, " {}", if *on { "on" } else { "off" }),
+        Command::Symmetry(symmetry) => {
+            AXES.iter().zip(symmetry.axes).try_for_each(|(axis, parity)| {
+                write!(f, " {axis}={}", parity.map_or("off", Parity::name))
+            })
+        }
+        Command::Paste { at, orientation } => {
+            write!(f, " at={} axes={orientation}", list(at.to_array()))
+        }
+        Command::Move { by, orientation } => {
+            write!(f, " by={} axes={orientation}", list(by.to_array()))
+        }
+        Command::Array { count, step } => {
+            write!(f, " count={count} step={}", list(step.to_array()))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Reads what follows one of the verbs.
+pub fn parse(verb: &str, args: &mut Arguments) -> Result<Command, ParseError> {
+    let axes = |args: &mut Arguments| -> Result<Orientation, ParseError> {
+        Ok(args.optional("axes", str::parse)?.unwrap_or_default())
+    };
+    Ok(match verb {
+        "mark" => {
+            let min = args.required("at", parse_ivec3)?;
+            let max = args.required("size", |text| {
+                let size = UVec3::from_array(numbers::<u32, 3>(text)?);
+                let max = min.as_i64vec3() + size.as_i64vec3();
+                let max = IVec3::try_from(max).map_err(|_| "is too large".to_string())?;
+                if max.cmple(min).any() { Err("must be at least 1".to_string()) } else { Ok(max) }
+            })?;
+            Command::Mark(VoxelBox { min, max })
+        }
+        "select" => {
+            let name = args.word("add, subtract, drop or clear")?;
+            let op = SelectOp::ALL.into_iter().find(|op| op.name() == name);
+            Command::Select(op.ok_or_else(|| {
+                ParseError(format!("`{name}`: take add, subtract, drop or clear"))
+            })?)
+        }
+        "limit" => match args.word("on or off")?.as_str() {
+            "on" => Command::Limit(true),
+            "off" => Command::Limit(false),
+            other => return Err(ParseError(format!("`{other}`: take on or off"))),
+        },
+        "symmetry" => {
+            let mut symmetry = Symmetry::default();
+            for (axis, name) in AXES.into_iter().enumerate() {
+                symmetry.axes[axis] = args.optional(name, parse_parity)?.flatten();
+            }
+            Command::Symmetry(symmetry)
+        }
+        "copy" => Command::Copy,
+        "cut" => Command::Cut,
+        "paste" => {
+            Command::Paste { at: args.required("at", parse_ivec3)?, orientation: axes(args)? }
+        }
+        "move" => Command::Move {
+            by: args.optional("by", parse_ivec3)?.unwrap_or_default(),
+            orientation: axes(args)?,
+        },
+        _ => Command::Array {
+            count: args.required("count", number)?,
+            step: args.required("step", parse_ivec3)?,
+        },
+    })
+}
+
+/// The area that a command works on; the whole grid unless another is named.
+pub fn parse_area(args: &mut Arguments) -> Result<Area, ParseError> {
+    let Some(name) = args.optional_word()? else { return Ok(Area::Grid) };
+    let area = Area::ALL.into_iter().find(|area| area.name() == name);
+    area.ok_or_else(|| ParseError(format!("`{name}`: take grid, selection or marker")))
+}
+
+fn parse_parity(text: &str) -> Result<Option<Parity>, String> {
+    match text {
+        "off" => Ok(None),
+        "even" => Ok(Some(Parity::Even)),
+        "odd" => Ok(Some(Parity::Odd)),
+        _ => Err("must be off, even or odd".to_string()),
+    }
+}

@@ -1,0 +1,94 @@
+//! Owns what a document does to areas: filling, clearing and dyeing them, copying, cutting and
+//! moving what the marker holds.
+
+use glam::IVec3;
+
+use super::{Applied, CommandError, Document};
+use crate::command::{Area, Command};
+use crate::sculpture::clip::Clip;
+use crate::sculpture::edit::EditOp;
+use crate::sculpture::orientation::Orientation;
+use crate::sculpture::region::{Everywhere, Region};
+
+impl Document {
+    /// One edit of all voxels of an area.
+    pub(super) fn edit_area(
+        &mut self,
+        area: Area,
+        op: EditOp,
+        command: &Command,
+    ) -> Result<Applied, CommandError> {
+        if matches!(op, EditOp::Recolour(_)) && !self.has_colour() {
+            return Err(CommandError::NoColour);
+        }
+        match area {
+            Area::Grid => self.edit_region(&Everywhere, op, command),
+            Area::Marker => self.edit_region(&self.selection.marker(), op, command),
+            Area::Selection if self.selection.stack().is_empty() => {
+                Err(CommandError::NothingSelected)
+            }
+            Area::Selection => self.edit_region(&self.selection.stack().clone(), op, command),
+        }
+    }
+
+    fn edit_region(
+        &mut self,
+        region: &impl Region,
+        op: EditOp,
+        command: &Command,
+    ) -> Result<Applied, CommandError> {
+        self.check_colour_memory(|document, exact| document.new_pages(region, op, exact))?;
+        let stats = self.edit(region, op);
+        Ok(self.applied(stats, command))
+    }
+
+    /// Keeps a copy of what the marker holds.
+    pub(super) fn copy(&mut self) -> Result<(), CommandError> {
+        self.clip = Some(self.marked()?);
+        Ok(())
+    }
+
+    /// Keeps a copy of what the marker holds and removes it.
+    pub(super) fn cut(&mut self, command: &Command) -> Result<Applied, CommandError> {
+        self.copy()?;
+        let stats = self.edit(&self.selection.marker(), EditOp::Subtract);
+        Ok(self.applied(stats, command))
+    }
+
+    /// Turns what the marker holds about its middle and moves it, with the marker.
+    pub(super) fn move_marked(
+        &mut self,
+        by: IVec3,
+        orientation: Orientation,
+        command: &Command,
+    ) -> Result<Applied, CommandError> {
+        let clip = self.marked()?;
+        let from = self.selection.marker().min.max(IVec3::ZERO);
+        let (size, turned) = (clip.size().as_ivec3(), orientation.size(clip.size()).as_ivec3());
+        // Rounded towards zero, so that turning there and back leads back.
+        let to = from.saturating_add(by).saturating_add((size - turned) / 2);
+        self.pasted(&clip, to, orientation)?;
+        let upright = clip.voxels(from, Orientation::UPRIGHT, self.grid().brick_dims());
+        let mut stats = self.edit(&upright, EditOp::Subtract);
+        let marker = clip.bounds(to, orientation);
+        let kept = self.clip.replace(clip);
+        let pasted = self.paste(to, orientation);
+        self.clip = kept;
+        stats += pasted?;
+        self.selection.set_marker(marker).map_err(CommandError::Marker)?;
+        Ok(self.applied(stats, command))
+    }
+
+    /// What the marker holds, as far as the selection lets it be taken.
+    fn marked(&self) -> Result<Clip, CommandError> {
+        let limit = self.selection.limit();
+        let clip = Clip::cut(
+            &self.contents,
+            self.selection.marker(),
+            |v| limit.is_none_or(|stack| stack.contains(v)),
+            self.limits.grid_bytes,
+        )?;
+        let why = if limit.is_some() { " that are selected" } else { "" };
+        clip.filter(|clip| clip.voxel_count() > 0).ok_or(CommandError::NothingMarked(why))
+    }
+}

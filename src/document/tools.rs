@@ -1,0 +1,322 @@
+//! Owns the tools in a document: solids, pictures on them, sprays and copies, each with its
+//! mirror images, limited to the selection, and repeated in arrays.
+//!
+//! Whatever a tool does goes through [`Document::edit`] and [`Document::paint`], which are where
+//! the selection limits it. Before the first change it is known that memory suffices.
+
+use glam::{IVec3, UVec3};
+
+use super::{Applied, CommandError, Document};
+use crate::command::{Command, SpraySurface};
+use crate::sculpture::clip::Clip;
+use crate::sculpture::edit::{self, EditOp, EditStats};
+use crate::sculpture::history::Contents;
+use crate::sculpture::orientation::Orientation;
+use crate::sculpture::paint::paint_each;
+use crate::sculpture::region::{ListedBricks, Region};
+use crate::sculpture::selection::{Limited, MARKER_LIMIT_VX};
+use crate::sculpture::{Brick, Rgb};
+use crate::tools::construct::Primitive;
+use crate::tools::spray::{Effect, Spray, Stamp};
+use crate::tools::texture::picture_point;
+
+/// Most copies in an array.
+pub const MAX_ARRAY: u32 = 1024;
+/// Most uses of tools that an array repeats or makes.
+pub const MAX_REPEATED: usize = 1 << 14;
+
+impl Document {
+    /// Uses a tool once and remembers it for arrays.
+    pub(super) fn use_tool(&mut self, command: &Command) -> Result<Applied, CommandError> {
+        let stats = match command {
+            Command::Construct { op, primitive } => self.construct(*op, primitive)?,
+            Command::Texture { primitive, picture } => self.texture(primitive, picture)?,
+            Command::Spray { spray, surface } => self.spray(spray, *surface)?,
+            Command::Paste { at, orientation } => self.paste(*at, *orientation)?,
+            _ => EditStats::default(),
+        };
+        if self.stroke.is_none() {
+            self.last_uses.clear();
+            self.last_uses.push(command.clone());
+        } else if self.uses.len() <= MAX_REPEATED {
+            self.uses.push(command.clone());
+        }
+        Ok(self.applied(stats, command))
+    }
+
+    /// The stroke that has just ended is the last operation now, if a tool was used in it.
+    pub(super) fn remember_stroke(&mut self) {
+        if !self.uses.is_empty() {
+            std::mem::swap(&mut self.uses, &mut self.last_uses);
+            self.uses.clear();
+        }
+    }
+
+    /// Repeats the last operation, further each time; all of it is the last operation then.
+    pub(super) fn array(
+        &mut self,
+        count: u32,
+        step: IVec3,
+        command: &Command,
+    ) -> Result<Applied, CommandError> {
+        self.require_no_stroke("array")?;
+        let uses = match self.last_uses.len() {
+            0 => return Err(CommandError::NothingToRepeat),
+            n if n > MAX_REPEATED => return Err(CommandError::TooLongToRepeat),
+            n if count == 0 || count > MAX_ARRAY || n * count as usize > MAX_REPEATED => {
+                return Err(CommandError::Array);
+            }
+            _ => std::mem::take(&mut self.last_uses),
+        };
+        let mut stats = EditStats::default();
+        self.stroke = Some(command.label());
+        for i in 1..=count {
+            for used in &uses {
+                let done = used
+                    .shifted(step.saturating_mul(IVec3::splat(i as i32)))
+                    .ok_or(CommandError::NothingToRepeat)
+                    .and_then(|shifted| self.apply(&shifted));
+                match done {
+                    Ok(applied) => stats += applied.stats,
+                    Err(error) => {
+                        self.apply(&Command::Cancel)?;
+                        self.last_uses = uses;
+                        return Err(error);
+                    }
+                }
+            }
+        }
+        self.apply(&Command::End)?;
+        self.last_uses.splice(0..0, uses);
+        Ok(Applied { stats, steps: 0 })
+    }
+
+    fn construct(&mut self, op: EditOp, primitive: &Primitive) -> Result<EditStats, CommandError> {
+        primitive.check().map_err(CommandError::Primitive)?;
+        if matches!(op, EditOp::Recolour(_)) && !self.has_colour() {
+            return Err(CommandError::NoColour);
+        }
+        let voxel_size = self.grid().voxel_size();
+        let images = self.symmetry.images(self.grid().dims());
+        let regions: Vec<_> =
+            images.iter().map(|i| i.primitive(primitive).in_grid(voxel_size)).collect();
+        self.check_colour_memory(|document, exact| {
+            regions.iter().map(|region| document.new_pages(region, op, exact)).sum()
+        })?;
+        let mut stats = EditStats::default();
+        regions.iter().for_each(|region| stats += self.edit(region, op));
+        Ok(stats)
+    }
+
+    /// Colours what exists inside a solid by a picture. Mirror images show the picture mirrored.
+    fn texture(
+        &mut self,
+        primitive: &Primitive,
+        picture: &std::path::Path,
+    ) -> Result<EditStats, CommandError> {
+        primitive.check().map_err(CommandError::Primitive)?;
+        if !self.has_colour() {
+            return Err(CommandError::NoColour);
+        }
+        let texture = self.pictures.get(picture).cloned();
+        let texture = texture.ok_or_else(|| CommandError::NoPicture(picture.to_path_buf()))?;
+        let voxel_size = self.grid().voxel_size();
+        let placed = primitive.in_grid(voxel_size);
+        let images = self.symmetry.images(self.grid().dims());
+        let regions: Vec<_> =
+            images.iter().map(|i| i.primitive(primitive).in_grid(voxel_size)).collect();
+        let op = EditOp::Recolour(self.new_colour());
+        self.check_colour_memory(|document, exact| {
+            regions.iter().map(|region| document.new_pages(region, op, exact)).sum()
+        })?;
+        let mut stats = EditStats::default();
+        for (image, region) in images.iter().zip(&regions) {
+            stats += self.paint(region, |v, _| {
+                let p = placed.tool_point(image.point(v.as_vec3() + 0.5));
+                texture.sample(picture_point(primitive.solid, p))
+            });
+        }
+        Ok(stats)
+    }
+
+    /// Works out what a spray and its images change, then does it: removing first, then adding,
+    /// then painting.
+    fn spray(&mut self, spray: &Spray, surface: SpraySurface) -> Result<EditStats, CommandError> {
+        spray.check().map_err(CommandError::Spray)?;
+        if matches!(spray.effect, Effect::Paintbrush { .. }) && !self.has_colour() {
+            return Err(CommandError::NoColour);
+        }
+        if self.stroke_open() && surface == SpraySurface::Stroke && self.stroke_surface.is_none() {
+            self.stroke_surface = Some(Box::new(self.grid().clone()));
+        }
+        let stamp = {
+            let surface = match surface {
+                SpraySurface::Stroke => self.stroke_surface.as_deref(),
+                SpraySurface::Now => None,
+            };
+            let surface = surface.unwrap_or(self.grid());
+            let images = self.symmetry.images(self.grid().dims());
+            Stamp::union(images.iter().map(|image| {
+                let footprint = image.footprint(&spray.footprint);
+                Spray { footprint, ..*spray }.stamp(self.grid(), surface)
+            }))
+        };
+        let colour = spray.colour().unwrap_or(self.material().base());
+        let (add, paint) = (EditOp::Add(colour), EditOp::Recolour(self.new_colour()));
+        self.check_colour_memory(|document, exact| {
+            document.new_pages(&stamp.add, add, exact)
+                + document.new_pages(&stamp.paint, paint, exact)
+        })?;
+        let mut stats = self.edit(&stamp.remove, EditOp::Subtract);
+        stats += self.edit(&stamp.add, add);
+        if let Some(mix) = spray.paint(self.material().depth()) {
+            stats += self.paint(&stamp.paint, mix);
+        }
+        Ok(stats)
+    }
+
+    /// Puts the copy down: its voxels exist afterwards, in its colours.
+    pub(super) fn paste(
+        &mut self,
+        at: IVec3,
+        orientation: Orientation,
+    ) -> Result<EditStats, CommandError> {
+        let Some(clip) = self.clip.take() else { return Err(CommandError::NothingToPaste) };
+        let voxels = self.pasted(&clip, at, orientation);
+        let done = voxels.and_then(|voxels| {
+            let (existing, new) = self.parted(&voxels);
+            let colour = |v: UVec3, _| clip.colour(at, orientation, v);
+            let mut stats = self.paint(&existing, colour);
+            stats += self.edit(&new, EditOp::Add(self.material().base()));
+            self.paint(&new, colour);
+            Ok(stats)
+        });
+        self.clip = Some(clip);
+        done
+    }
+
+    /// The voxels that a copy would fill, if there is memory for their colours.
+    pub(super) fn pasted(
+        &self,
+        clip: &Clip,
+        at: IVec3,
+        orientation: Orientation,
+    ) -> Result<ListedBricks, CommandError> {
+        let far = IVec3::splat(MARKER_LIMIT_VX);
+        if at.cmplt(-far).any() || at.cmpgt(far).any() {
+            return Err(CommandError::Marker("the place to paste at lies too far from the grid"));
+        }
+        let voxels = clip.voxels(at, orientation, self.grid().brick_dims());
+        if self.has_colour() {
+            let unpainted = |b: &UVec3| self.material().page(self.grid().brick_index(*b)).is_none();
+            let pages = voxels.bricks().iter().filter(|(b, _)| unpainted(b)).count() as u64;
+            self.check_colour_memory(|_, _| pages)?;
+        }
+        Ok(voxels)
+    }
+
+    /// Those of the voxels that exist, and those that do not.
+    fn parted(&self, voxels: &ListedBricks) -> (ListedBricks, ListedBricks) {
+        let grid = self.grid();
+        let part = |keep: fn(&Brick, &Brick) -> Brick| {
+            let bricks = voxels
+                .bricks()
+                .iter()
+                .map(|(b, mask)| (*b, keep(mask, &grid.bricks()[grid.brick_index(*b)])));
+            ListedBricks::new(bricks.collect())
+        };
+        (part(|mask, bits| mask.and(bits)), part(|mask, bits| mask.and_not(bits)))
+    }
+
+    /// One edit, within the selection if that limits tools.
+    pub(super) fn edit(&mut self, region: &impl Region, op: EditOp) -> EditStats {
+        let (contents, recorder, dirty) = (&mut self.contents, &mut self.recorder, &mut self.dirty);
+        match self.selection.limit() {
+            Some(stack) => edit::edit(contents, &Limited { region, stack }, op, recorder, dirty),
+            None => edit::edit(contents, region, op, recorder, dirty),
+        }
+    }
+
+    /// Paints voxel by voxel, within the selection if that limits tools.
+    pub(super) fn paint(
+        &mut self,
+        region: &impl Region,
+        colour: impl Fn(UVec3, Rgb) -> Rgb + Sync,
+    ) -> EditStats {
+        let (contents, recorder, dirty) = (&mut self.contents, &mut self.recorder, &mut self.dirty);
+        match self.selection.limit() {
+            Some(stack) => {
+                paint_each(contents, &Limited { region, stack }, colour, recorder, dirty)
+            }
+            None => paint_each(contents, region, colour, recorder, dirty),
+        }
+    }
+
+    /// The colour pages that an edit would make: a quick upper bound, or exactly.
+    pub(super) fn new_pages(&self, region: &impl Region, op: EditOp, exact: bool) -> u64 {
+        let contents = &self.contents;
+        match self.selection.limit() {
+            Some(stack) => pages_of(contents, &Limited { region, stack }, op, exact),
+            None => pages_of(contents, region, op, exact),
+        }
+    }
+
+    /// Refuses what would take more memory for colours than is allowed. `pages`: how many new
+    /// pages it takes, at most (`false`) or as exactly as can be known (`true`).
+    pub(super) fn check_colour_memory(
+        &self,
+        pages: impl Fn(&Document, bool) -> u64,
+    ) -> Result<(), CommandError> {
+        let needed = |exact| self.material().bytes_with(pages(self, exact));
+        let budget = self.limits.colour_bytes;
+        if needed(false) <= budget {
+            return Ok(());
+        }
+        let needed = needed(true);
+        if needed <= budget {
+            return Ok(());
+        }
+        Err(CommandError::ColourMemory {
+            needed_mib: needed.div_ceil(1 << 20),
+            budget_mib: budget >> 20,
+        })
+    }
+
+    /// A colour that unpainted voxels do not have.
+    pub(super) fn new_colour(&self) -> Rgb {
+        Rgb(self.material().base().0.map(|v| !v))
+    }
+}
+
+fn pages_of(contents: &Contents, region: &impl Region, op: EditOp, exact: bool) -> u64 {
+    match edit::max_new_pages(contents, region, op) {
+        Some(_) if exact => edit::count_new_pages(contents, region, op),
+        at_most => at_most.unwrap_or(0),
+    }
+}
+
+impl Command {
+    /// The same use of a tool, further by `step` voxels; none for what is no use of a tool.
+    fn shifted(&self, step: IVec3) -> Option<Command> {
+        let by = step.as_vec3();
+        let solid =
+            |primitive: &Primitive| Primitive { centre_vx: primitive.centre_vx + by, ..*primitive };
+        Some(match self {
+            Command::Construct { op, primitive } => {
+                Command::Construct { op: *op, primitive: solid(primitive) }
+            }
+            Command::Texture { primitive, picture } => {
+                Command::Texture { primitive: solid(primitive), picture: picture.clone() }
+            }
+            Command::Spray { spray, surface } => {
+                let mut spray = *spray;
+                spray.footprint.eye_vx += by;
+                Command::Spray { spray, surface: *surface }
+            }
+            Command::Paste { at, orientation } => {
+                Command::Paste { at: at.saturating_add(step), orientation: *orientation }
+            }
+            _ => return None,
+        })
+    }
+}
