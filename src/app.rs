@@ -5,6 +5,7 @@
 mod aim;
 mod deeds;
 mod guides;
+mod marker;
 mod painter;
 mod path;
 mod recovery;

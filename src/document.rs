@@ -28,6 +28,7 @@ mod error;
 mod tools;
 
 pub use error::CommandError;
+pub use tools::MAX_ARRAY;
 
 /// What a command did.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]

@@ -1,7 +1,7 @@
 //! Owns how a point of the picture becomes a point of the grid, and which axes of the grid lie
 //! across, up and into the screen. Pure geometry.
 
-use glam::{Affine3A, UVec3, Vec2, Vec3};
+use glam::{Affine3A, Mat4, UVec3, Vec2, Vec3, Vec4Swizzles};
 
 use crate::input::Step;
 use crate::sculpture::Grid;
@@ -10,10 +10,7 @@ use crate::view::{Eye, PixelRays};
 
 /// Where the ray through the point `at` (pixels) meets the voxel that is seen there.
 pub fn surface_point(map: &IndexMap, grid: &Grid, at: Vec2) -> Option<Vec3> {
-    if at.cmplt(Vec2::ZERO).any() || at.cmpge(map.rays.size.as_vec2()).any() {
-        return None;
-    }
-    let voxel = grid.voxel_coords(map.get(at.x as u32, at.y as u32)?).as_vec3();
+    let voxel = grid.voxel_coords(voxel_at(map, at)?).as_vec3();
     let (origin, direction) = (map.rays.origin, map.rays.direction_at(at.x, at.y));
     // The picture has one ray a pixel, so the ray through `at` may pass the voxel by.
     Some(match enter_box(origin, direction, voxel, voxel + 1.0) {
@@ -27,6 +24,35 @@ pub fn box_point(rays: &PixelRays, dims: UVec3, at: Vec2) -> Option<Vec3> {
     let direction = rays.direction_at(at.x, at.y);
     let (enter, leave) = enter_box(rays.origin, direction, Vec3::ZERO, dims.as_vec3())?;
     Some(rays.origin + direction * (0.5 * (enter.max(0.0) + leave)))
+}
+
+/// The face of the voxel seen at `at`: a unit vector along an axis, out of the voxel.
+pub fn surface_face(map: &IndexMap, grid: &Grid, at: Vec2) -> Option<Vec3> {
+    let voxel = grid.voxel_coords(voxel_at(map, at)?).as_vec3();
+    let (origin, direction) = (map.rays.origin, map.rays.direction_at(at.x, at.y));
+    let face = entered_face(origin, direction, voxel, voxel + 1.0).map(|(_, face)| face);
+    // A ray that just passes the voxel by: the side that looks most towards the eye.
+    face.or_else(|| {
+        let axis = (0..3).max_by(|a, b| direction[*a].abs().total_cmp(&direction[*b].abs()))?;
+        Some(Vec3::AXES[axis] * -direction[axis].signum())
+    })
+}
+
+/// The index of the voxel seen at `at` (pixels).
+pub fn voxel_at(map: &IndexMap, at: Vec2) -> Option<u32> {
+    if at.cmplt(Vec2::ZERO).any() || at.cmpge(map.rays.size.as_vec2()).any() {
+        return None;
+    }
+    map.get(at.x as u32, at.y as u32)
+}
+
+/// Where a ray from outside enters a box, in lengths of its direction, and the face that it
+/// enters by, as a unit vector out of the box.
+pub fn entered_face(origin: Vec3, direction: Vec3, min: Vec3, max: Vec3) -> Option<(f32, Vec3)> {
+    let (enter, _) = enter_box(origin, direction, min, max).filter(|(enter, _)| *enter > 0.0)?;
+    let entered = ((min - origin) / direction).min((max - origin) / direction);
+    let axis = (0..3).find(|axis| entered[*axis] == enter)?;
+    Some((enter, Vec3::AXES[axis] * -direction[axis].signum()))
 }
 
 /// Where a ray enters and leaves a box, in lengths of its direction; `None` if it misses it.
@@ -64,6 +90,7 @@ impl ScreenAxes {
 #[derive(Clone, Copy, Debug)]
 pub struct Sight {
     eye_from_grid: Affine3A,
+    clip_from_grid: Mat4,
     pub rays: PixelRays,
 }
 
@@ -71,6 +98,7 @@ impl Sight {
     pub fn new(eye: &Eye, world_from_grid: &Affine3A) -> Sight {
         Sight {
             eye_from_grid: eye.eye_from_world * *world_from_grid,
+            clip_from_grid: eye.clip_from_grid(world_from_grid),
             rays: eye.pixel_rays(world_from_grid),
         }
     }
@@ -78,6 +106,13 @@ impl Sight {
     /// Distance of a point of the grid from the eye plane, in world units.
     pub fn depth(&self, point: Vec3) -> f32 {
         -self.eye_from_grid.transform_point3(point).z
+    }
+
+    /// The pixel at which a point of the grid is seen; none behind the eye.
+    pub fn pixel_of(&self, point: Vec3) -> Option<Vec2> {
+        let clip = self.clip_from_grid * point.extend(1.0);
+        let seen = clip.w > 0.0;
+        seen.then(|| (clip.xy() / clip.w * 0.5 + 0.5) * self.rays.size.as_vec2())
     }
 
     /// The point of the grid seen at `at` (pixels) in the plane `depth` before the eye.

@@ -3,6 +3,7 @@
 
 use glam::{Vec2, Vec3};
 
+use super::aim::voxel_at;
 use super::stroke::Guide;
 use super::workbench::Workbench;
 use crate::command::{Area, Command};
@@ -10,8 +11,12 @@ use crate::config::RenderMode;
 use crate::format::options::ExportForm;
 use crate::input::{Action, Side};
 use crate::sculpture::Placement;
-use crate::ui::Intent;
+use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
+use crate::tools::spray::SprayKind;
+use crate::tools::symmetry::Parity;
 use crate::ui::files::FileTask;
+use crate::ui::state::Repeat;
+use crate::ui::{Intent, Tool, sprays};
 
 /// Factor on the tool's size for one press of a key.
 const GROWTH: f32 = 1.15;
@@ -53,16 +58,60 @@ impl Workbench {
             Action::Cancel => {
                 self.ui.close_top();
             }
-            Action::Solid(solid) => self.ui.hand.solid = solid,
-            Action::Mode(mode) => self.ui.hand.mode = mode,
-            Action::Grow => self.ui.hand.scale_by(GROWTH),
-            Action::Shrink => self.ui.hand.scale_by(1.0 / GROWTH),
+            Action::Solid(solid) => {
+                self.ui.hand.solid = solid;
+                self.ui.hand.tool = Tool::Solid;
+            }
+            Action::Spray(kind) => self.ui.hand.tool = Tool::Spray(kind),
+            Action::Mode(mode) => {
+                self.ui.hand.mode = mode;
+                self.ui.hand.tool = Tool::Solid;
+            }
+            Action::Grow => self.resize(1.0, GROWTH),
+            Action::Shrink => self.resize(-1.0, GROWTH),
+            Action::ResetTool if self.ui.hand.tool == Tool::Marker => self.reset_marker(),
             Action::ResetTool => self.ui.hand.reset_pose(dims),
+            Action::AlignTool => self.ui.hand.set_turn_deg(Vec3::ZERO),
             Action::Nudge(step) => {
-                let by = self.sight().screen_axes().step(step);
+                let by = self.grid_step(step);
                 self.move_tool(by);
             }
+            Action::Stretch(step) => {
+                let side = self.grid_step(step);
+                match self.ui.hand.tool {
+                    Tool::Marker => self.stretch_marker(side),
+                    Tool::Solid => self.ui.hand.stretch(side, 1.0),
+                    Tool::Spray(_) => {}
+                }
+            }
             Action::ToggleFollow => self.ui.hand.follow = !self.ui.hand.follow,
+            Action::ToggleSnap => self.ui.hand.snap = !self.ui.hand.snap,
+            Action::PickHere => self.pick_colour(),
+            Action::Mirror(axis) => {
+                let mut symmetry = self.session.document().symmetry();
+                let parity = &mut symmetry.axes[axis.index()];
+                *parity = if parity.is_some() { None } else { Some(Parity::Even) };
+                self.execute(&Command::Symmetry(symmetry));
+            }
+            Action::Repeat => {
+                let Repeat { count, step } = self.ui.repeat;
+                self.run(Command::Array { count, step }, false);
+            }
+            Action::Marker
+            | Action::SelectMarker
+            | Action::DeselectMarker
+            | Action::DropBox
+            | Action::ClearSelection
+            | Action::ToggleLimit
+            | Action::FillMarker
+            | Action::ClearMarker
+            | Action::DyeMarker
+            | Action::Copy
+            | Action::Cut
+            | Action::Paste
+            | Action::TurnClip(_)
+            | Action::MirrorClip(_)
+            | Action::MoveContents(_) => self.act_on_area(action),
             Action::ResetView => self.look_from(Side::Corner),
             Action::LookFrom(side) => self.look_from(side),
             Action::NextRenderMode => self.ui.view.mode = next_mode(self.ui.view.mode),
@@ -70,6 +119,8 @@ impl Workbench {
             Action::Apply
             | Action::Sculpt
             | Action::SculptInverse
+            | Action::SculptSmooth
+            | Action::PickColour
             | Action::TurnSculpture
             | Action::PanSculpture
             | Action::MoveTool
@@ -82,27 +133,56 @@ impl Workbench {
 
     /// A drag or a hold begins.
     pub(super) fn begin(&mut self, action: Action, at: Option<Vec2>) {
-        let mode = match action {
-            Action::SculptInverse => self.ui.hand.mode.inverted(),
-            _ => self.ui.hand.mode,
-        };
+        let inverse = action == Action::SculptInverse;
         match (action, at) {
-            (Action::Apply, _) => self.begin_stroke(mode, Guide::Tool),
-            (Action::Sculpt | Action::SculptInverse, Some(at)) => {
+            (Action::Apply, _) => self.apply_tool(),
+            (Action::PickColour, _) => self.pick_colour(),
+            (Action::Sculpt | Action::SculptInverse, Some(at))
+                if self.ui.hand.tool == Tool::Marker =>
+            {
+                self.turns_instead = !self.begin_marker(at, inverse);
+            }
+            (Action::Sculpt | Action::SculptInverse | Action::SculptSmooth, Some(at)) => {
                 let target = self.target(at);
                 self.turns_instead = target.is_none();
-                match target {
-                    None => {}
-                    Some(point) if self.ui.hand.follow => {
-                        let depth = self.sight().depth(point);
-                        self.ui.hand.move_to(point);
-                        let seen = self.seen.clone();
-                        self.begin_stroke(mode, Guide::Surface { seen, at, depth });
+                let Some(point) = target else { return };
+                let hand = &self.ui.hand;
+                if let Some(kind) = spray_for(action, hand.tool) {
+                    let mut options = *hand.sprays.of(kind);
+                    if let Some(held) = hand.spray() {
+                        // It works where the tool in hand shows its outline.
+                        options.radius_px = hand.sprays.of(held).radius_px;
+                        options.outline = hand.sprays.of(held).outline;
                     }
-                    Some(_) => self.begin_stroke(mode, Guide::Tool),
+                    self.begin_spray(kind, options, at);
+                    return;
+                }
+                let mode = if inverse { hand.mode.inverted() } else { hand.mode };
+                if hand.follow {
+                    let depth = self.sight().depth(point);
+                    self.lead_tool_to(at, point);
+                    let (seen, lift) = (self.seen.clone(), self.ui.hand.centre_vx - point);
+                    let lift = if self.ui.hand.stand { lift } else { Vec3::ZERO };
+                    self.begin_stroke(mode, Guide::Surface { seen, at, depth, lift });
+                } else {
+                    self.begin_stroke(mode, Guide::Tool);
                 }
             }
             _ => {}
+        }
+    }
+
+    /// Uses the tool where it is, by key, button or pad.
+    fn apply_tool(&mut self) {
+        match self.ui.hand.tool {
+            Tool::Solid => self.begin_stroke(self.ui.hand.mode, Guide::Tool),
+            Tool::Marker => self.act(Action::SelectMarker),
+            Tool::Spray(kind) => {
+                let tool = || self.sight().pixel_of(self.ui.hand.centre_vx);
+                if let Some(at) = self.pointer.or_else(tool) {
+                    self.begin_spray(kind, *self.ui.hand.sprays.of(kind), at);
+                }
+            }
         }
     }
 
@@ -110,19 +190,23 @@ impl Workbench {
     pub(super) fn drag(&mut self, action: Action, at: Vec2, by: Vec2) {
         let placement = *self.session.document().placement();
         match action {
-            Action::Sculpt | Action::SculptInverse if self.turns_instead => {
+            Action::Sculpt | Action::SculptInverse | Action::SculptSmooth if self.turns_instead => {
                 self.place(self.stage.turned(&placement, by, self.ui.view.up));
             }
-            Action::Sculpt | Action::SculptInverse => match &self.stroke {
-                Some(stroke) if matches!(stroke.guide, Guide::Surface { .. }) => {
-                    self.lead_stroke(at);
-                }
+            Action::Sculpt | Action::SculptInverse | Action::SculptSmooth => match &self.stroke {
+                _ if self.marker_drag.is_some() => self.drag_marker(at),
+                Some(stroke) if stroke.is_spray() => self.lead_spray(at),
+                Some(stroke) if stroke.follows_surface() => self.lead_stroke(at),
                 _ => self.drag_tool(by, false),
             },
+            Action::PickColour => self.pick_colour(),
             Action::TurnSculpture => {
                 self.place(self.stage.turned(&placement, by, self.ui.view.up));
             }
             Action::PanSculpture => self.place(self.stage.shifted(&placement, by)),
+            Action::MoveTool | Action::MoveToolDeep if self.ui.hand.spray().is_some() => {
+                self.lead_spray(at);
+            }
             Action::MoveTool => self.drag_tool(by, false),
             Action::MoveToolDeep => self.drag_tool(by, true),
             Action::TurnTool => {
@@ -137,8 +221,9 @@ impl Workbench {
     /// A drag or a hold is over.
     pub(super) fn end(&mut self, action: Action) {
         match action {
-            Action::Sculpt | Action::SculptInverse | Action::Apply => {
+            Action::Sculpt | Action::SculptInverse | Action::SculptSmooth | Action::Apply => {
                 self.turns_instead = false;
+                self.marker_drag = None;
                 self.end_stroke();
             }
             _ => {}
@@ -147,12 +232,47 @@ impl Workbench {
 
     /// The pointer moves with nothing held.
     pub(super) fn hover(&mut self, at: Vec2) {
-        if self.ui.hand.follow
-            && self.follows_pointer()
-            && let Some(point) = self.target(at)
-        {
-            self.ui.hand.move_to(point);
-            self.tool_moved();
+        match self.ui.hand.tool {
+            // A spray that a key holds down goes with the pointer.
+            Tool::Spray(_) => self.lead_spray(at),
+            Tool::Marker => {}
+            Tool::Solid => {
+                if self.ui.hand.follow
+                    && self.follows_pointer()
+                    && let Some(point) = self.target(at)
+                {
+                    self.lead_tool_to(at, point);
+                    self.tool_moved();
+                }
+            }
+        }
+    }
+
+    /// Puts the tool at a point of the surface, which is seen at `at`.
+    fn lead_tool_to(&mut self, at: Vec2, point: Vec3) {
+        let normal = self.normal(at);
+        let voxel_size = self.session.document().grid().voxel_size();
+        self.ui.hand.place_on(point, normal, voxel_size);
+    }
+
+    /// Takes the colour of the voxel that the pointer points at.
+    fn pick_colour(&mut self) {
+        let document = self.session.document();
+        let seen = self.pointer.zip(self.seen.as_ref());
+        let Some(index) = seen.and_then(|(at, map)| voxel_at(map, at)) else { return };
+        let v = document.grid().voxel_coords(index);
+        let [x, y, z] = (v % BRICK_EDGE_VX).to_array();
+        let brick = document.grid().brick_index(v / BRICK_EDGE_VX);
+        self.ui.hand.colour = document.material().rgb(brick, local_index(x, y, z));
+    }
+
+    /// Makes the tool larger (`notches` above 0) or smaller, by `factor` a notch.
+    fn resize(&mut self, notches: f32, factor: f32) {
+        let factor = factor.powf(notches.clamp(-20.0, 20.0));
+        match self.ui.hand.tool {
+            Tool::Solid => self.ui.hand.scale_by(factor),
+            Tool::Spray(kind) => self.ui.hand.sprays.of_mut(kind).scale_radius(factor),
+            Tool::Marker => self.scale_marker(notches),
         }
     }
 
@@ -163,9 +283,7 @@ impl Workbench {
                 let placement = self.stage.zoomed(&placement, notches, at);
                 self.place(placement);
             }
-            Action::ResizeTool => {
-                self.ui.hand.scale_by(GROWTH_PER_NOTCH.powf(notches.clamp(-20.0, 20.0)));
-            }
+            Action::ResizeTool => self.resize(notches, GROWTH_PER_NOTCH),
             _ => {}
         }
     }
@@ -186,6 +304,10 @@ impl Workbench {
     }
 
     fn move_tool(&mut self, by: Vec3) {
+        if self.ui.hand.tool == Tool::Marker {
+            self.shift_marker(by);
+            return;
+        }
         let to = self.ui.hand.centre_vx + by;
         self.ui.hand.centre_vx = to;
         self.tool_moved();
@@ -196,7 +318,13 @@ impl Workbench {
     fn drag_tool(&mut self, by: Vec2, deep: bool) {
         let sight = self.sight();
         let axes = sight.screen_axes();
-        let at = self.ui.hand.centre_vx;
+        let at = match self.ui.hand.tool {
+            Tool::Marker => {
+                let marker = self.session.document().selection().marker();
+                (marker.min.as_vec3() + marker.max.as_vec3()) * 0.5
+            }
+            Tool::Solid | Tool::Spray(_) => self.ui.hand.centre_vx,
+        };
         let second = if deep { -axes.near } else { axes.up };
         let across = axes.right * sight.along(axes.right, by.x, at);
         self.move_tool(across + second * sight.along(second, -by.y, at));
@@ -221,7 +349,7 @@ impl Workbench {
 
     /// Carries out a command that is no part of a stroke; work on files only after its sign has
     /// been shown.
-    fn run(&mut self, command: Command, leave: bool) {
+    pub(super) fn run(&mut self, command: Command, leave: bool) {
         self.end_stroke();
         let sign = match &command {
             Command::Open { .. } => "Opening …",
@@ -270,6 +398,16 @@ impl Workbench {
                 false
             }
         }
+    }
+}
+
+/// The spray that an action uses with a tool in hand, if it uses one.
+fn spray_for(action: Action, tool: Tool) -> Option<SprayKind> {
+    match (action, tool) {
+        (Action::SculptSmooth, _) => Some(SprayKind::Smooth),
+        (Action::SculptInverse, Tool::Spray(kind)) => Some(sprays::opposite(kind)),
+        (_, Tool::Spray(kind)) => Some(kind),
+        _ => None,
     }
 }
 

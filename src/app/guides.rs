@@ -1,44 +1,108 @@
-//! Owns what the overlay shows and how: the tool with its outline, the red line from the grid's
-//! centre, the edges of the grid.
+//! Owns what the overlay shows and how: the tool with its outline and its mirror images, the red
+//! line from the grid's centre, the edges of the grid, marker and selection, mirror planes.
 
 use std::f32::consts::TAU;
 
-use glam::{Mat3, UVec3, Vec3};
+use glam::{Mat3, Quat, UVec3, Vec2, Vec3};
 
 use crate::config::Theme;
+use crate::document::Document;
 use crate::input::ToolMode;
 use crate::render::overlay::{Ghost, Line};
+use crate::sculpture::orientation::Orientation;
+use crate::sculpture::region::VoxelBox;
 use crate::sculpture::{Grid, Rgb};
-use crate::tools::construct::Solid;
-use crate::ui::{Hand, ViewState};
+use crate::surface::IndexMap;
+use crate::tools::construct::{Primitive, Solid};
+use crate::tools::spray::{Outline, SprayKind};
+use crate::ui::{Hand, Tool, ViewState};
 
 const CUT: Rgb = Rgb::new(0xff, 0x6b, 0x57);
+const MARKER: Rgb = Rgb::new(0x4a, 0xc8, 0xf0);
+const SELECTED: Rgb = Rgb::new(0x58, 0xd0, 0x78);
+const PASTE: Rgb = Rgb::new(0xf4, 0xc8, 0x40);
+const MIRROR: Rgb = Rgb::new(0xb0, 0x8c, 0xf0);
 const RED: Rgb = Rgb::new(0xf0, 0x30, 0x28);
 /// Segments of a circle around the ellipsoid.
 const SEGMENTS: usize = 40;
 
-/// The tool as a shell of the colour that it gives, or red where it cuts.
-pub fn ghost(hand: &Hand, grid: &Grid) -> Ghost {
-    Ghost {
-        primitive: hand.primitive(),
-        voxel_size: grid.voxel_size(),
-        colour: colour_of(hand),
-        opacity: [0.38, 0.12],
+/// What the guides are drawn from.
+pub struct Aid<'a> {
+    pub hand: &'a Hand,
+    pub document: &'a Document,
+    pub view: &'a ViewState,
+    pub theme: Theme,
+    /// How what was copied will be put down.
+    pub orientation: Orientation,
+    /// The picture as it was last shown, and the pointer in it.
+    pub seen: Option<&'a IndexMap>,
+    pub pointer: Option<Vec2>,
+    /// Of the eye plane to what the pointer points at, in world units.
+    pub depth: f32,
+}
+
+/// The tool as a shell of the colour that it gives, or red where it cuts; the marker as a box.
+pub fn ghost(aid: &Aid) -> Option<Ghost> {
+    let voxel_size = aid.document.grid().voxel_size();
+    match aid.hand.tool {
+        _ if !aid.view.tool => None,
+        Tool::Spray(_) => None,
+        Tool::Solid => Some(Ghost {
+            primitive: aid.hand.primitive(),
+            voxel_size,
+            colour: colour_of(aid.hand),
+            opacity: [0.38, 0.12],
+        }),
+        Tool::Marker => {
+            let VoxelBox { min, max } = aid.document.selection().marker();
+            let stretch = voxel_size / voxel_size.min_element();
+            let (min, max) = (min.as_vec3(), max.as_vec3());
+            let primitive = Primitive {
+                solid: Solid::Cuboid,
+                centre_vx: (min + max) * 0.5,
+                half: (max - min) * 0.5 * stretch,
+                rotation: Quat::IDENTITY,
+            };
+            Some(Ghost { primitive, voxel_size, colour: MARKER, opacity: [0.16, 0.06] })
+        }
     }
 }
 
-/// The lines of a picture, as far as `view` shows them.
-pub fn lines(hand: &Hand, grid: &Grid, view: &ViewState, theme: Theme) -> Vec<Line> {
+/// The lines of a picture, as far as the person wants to see them.
+pub fn lines(aid: &Aid) -> Vec<Line> {
+    let Aid { hand, document, view, .. } = *aid;
+    let (grid, selection) = (document.grid(), document.selection());
     let mut lines = Vec::new();
+    let frame = |lines: &mut Vec<Line>, bounds: VoxelBox, colour, opacity: [f32; 2]| {
+        let edge = |(from, to)| Line { from, to, colour, width_px: 1.4, opacity };
+        lines.extend(box_edges(bounds.min.as_vec3(), bounds.max.as_vec3()).map(edge));
+    };
     if view.bounds {
-        let colour = match theme {
+        let colour = match aid.theme {
             Theme::Dark => Rgb::new(0x9a, 0xa4, 0xb0),
             Theme::Light => Rgb::new(0x60, 0x68, 0x70),
         };
         let edge = |from, to| Line { from, to, colour, width_px: 1.2, opacity: [0.6, 0.15] };
         lines.extend(box_edges(Vec3::ZERO, grid.dims().as_vec3()).map(|(a, b)| edge(a, b)));
     }
-    if view.line {
+    for (axis, plane) in document.symmetry().planes(grid.dims()).into_iter().enumerate() {
+        if let Some(plane) = plane {
+            lines.extend(plane_edges(axis, plane, grid.dims()).into_iter().map(|(from, to)| {
+                Line { from, to, colour: MIRROR, width_px: 1.2, opacity: [0.8, 0.3] }
+            }));
+        }
+    }
+    let marking = hand.tool == Tool::Marker;
+    if selection.limits() || marking {
+        for selected in selection.boxes() {
+            let colour = if selected.adds { SELECTED } else { CUT };
+            frame(&mut lines, selected.bounds, colour, [0.9, 0.35]);
+        }
+    }
+    if !view.tool {
+        return lines;
+    }
+    if view.line && hand.tool == Tool::Solid {
         lines.push(Line {
             from: centre_vx(grid.dims()),
             to: hand.centre_vx,
@@ -47,12 +111,70 @@ pub fn lines(hand: &Hand, grid: &Grid, view: &ViewState, theme: Theme) -> Vec<Li
             opacity: [0.95, 0.4],
         });
     }
-    if view.tool {
-        let colour = colour_of(hand);
-        let outline = |(from, to)| Line { from, to, colour, width_px: 1.4, opacity: [0.9, 0.3] };
-        lines.extend(outline_of(hand, grid).into_iter().map(outline));
+    let outline =
+        |colour| move |(from, to)| Line { from, to, colour, width_px: 1.4, opacity: [0.9, 0.3] };
+    match hand.tool {
+        Tool::Solid => {
+            let own = outline_of(hand.solid, &hand.primitive(), grid);
+            lines.extend(own.into_iter().map(outline(colour_of(hand))));
+            for image in document.symmetry().images(grid.dims()).iter().skip(1) {
+                let mirrored = outline_of(hand.solid, &image.primitive(&hand.primitive()), grid);
+                lines.extend(mirrored.into_iter().map(outline(MIRROR)));
+            }
+        }
+        Tool::Spray(kind) => {
+            let colour = match kind {
+                SprayKind::Devourer | SprayKind::Erosion => CUT,
+                SprayKind::Smooth => MIRROR,
+                _ => hand.colour,
+            };
+            lines.extend(footprint_edges(aid, kind).into_iter().map(outline(colour)));
+        }
+        Tool::Marker => {
+            let marker = selection.marker();
+            frame(&mut lines, marker, MARKER, [1.0, 0.5]);
+            if let Some(clip) = document.clip() {
+                frame(&mut lines, clip.bounds(marker.min, aid.orientation), PASTE, [0.9, 0.4]);
+            }
+        }
     }
     lines
+}
+
+/// The rim of a spray's footprint, laid into the picture at the depth of what it points at.
+fn footprint_edges(aid: &Aid, kind: SprayKind) -> Vec<(Vec3, Vec3)> {
+    let (Some(map), Some(at)) = (aid.seen, aid.pointer) else { return Vec::new() };
+    let options = aid.hand.sprays.of(kind);
+    let point = |offset: Vec2| {
+        let at = at + offset * options.radius_px;
+        map.rays.origin + map.rays.direction_at(at.x, at.y) * aid.depth
+    };
+    let corners: Vec<Vec3> = match options.outline {
+        Outline::Round => (0..SEGMENTS)
+            .map(|i| point(Vec2::from_angle(TAU * i as f32 / SEGMENTS as f32)))
+            .collect(),
+        Outline::Square => [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+            .map(|(x, y)| point(Vec2::new(x, y)))
+            .to_vec(),
+    };
+    let next = corners.iter().cycle().skip(1);
+    corners.iter().copied().zip(next.copied()).collect()
+}
+
+/// The rim of a mirror plane and a cross in it.
+fn plane_edges(axis: usize, plane: f32, dims: UVec3) -> Vec<(Vec3, Vec3)> {
+    let dims = dims.as_vec3();
+    let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+    let at = |a: f32, b: f32| {
+        let mut p = Vec3::ZERO;
+        p[axis] = plane;
+        p[u] = a * dims[u];
+        p[v] = b * dims[v];
+        p
+    };
+    let rim = [at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)];
+    let cross = [(at(0.5, 0.0), at(0.5, 1.0)), (at(0.0, 0.5), at(1.0, 0.5))];
+    (0..4).map(|i| (rim[i], rim[(i + 1) % 4])).chain(cross).collect()
 }
 
 fn centre_vx(dims: UVec3) -> Vec3 {
@@ -67,14 +189,13 @@ fn colour_of(hand: &Hand) -> Rgb {
 }
 
 /// The edges of the tool, or three circles around the ellipsoid, in voxel coordinates.
-fn outline_of(hand: &Hand, grid: &Grid) -> Vec<(Vec3, Vec3)> {
-    let primitive = hand.primitive();
+fn outline_of(solid: Solid, primitive: &Primitive, grid: &Grid) -> Vec<(Vec3, Vec3)> {
     let shrink = grid.voxel_size().min_element() / grid.voxel_size();
     let linear = Mat3::from_diagonal(shrink)
         * Mat3::from_quat(primitive.rotation)
         * Mat3::from_diagonal(primitive.half);
     let place = |p: Vec3| primitive.centre_vx + linear * p;
-    let edges: Vec<(Vec3, Vec3)> = match primitive.solid {
+    let edges: Vec<(Vec3, Vec3)> = match solid {
         Solid::Cuboid => box_edges(Vec3::NEG_ONE, Vec3::ONE).collect(),
         Solid::Pyramid => {
             let base = [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)]
@@ -112,7 +233,12 @@ fn box_edges(min: Vec3, max: Vec3) -> impl Iterator<Item = (Vec3, Vec3)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::command::Command;
+    use crate::command::NewSculpture;
     use crate::config::Config;
+    use crate::document::Limits;
+    use crate::sculpture::ColourDepth;
+    use crate::tools::symmetry::{Parity, Symmetry};
     use crate::ui::UiState;
 
     #[test]
@@ -128,15 +254,44 @@ mod tests {
 
     #[test]
     fn what_is_switched_off_is_not_shown() {
-        let grid = Grid::new(UVec3::splat(8), Vec3::ONE, 1 << 20).unwrap();
-        let state = UiState::new(&Config::default(), grid.dims());
-        let mut view = state.view;
-        let count = |view: &ViewState| lines(&state.hand, &grid, view, Theme::Dark).len();
-        assert_eq!(count(&view), 12 + 1 + 3 * SEGMENTS);
-        view.bounds = false;
-        view.tool = false;
-        assert_eq!(count(&view), 1);
-        view.line = false;
-        assert_eq!(count(&view), 0);
+        let new = NewSculpture {
+            dims: UVec3::splat(8),
+            voxel_size: Vec3::ONE,
+            colour_depth: ColourDepth::Bits24,
+            base: Rgb::STONE,
+            solid: true,
+        };
+        let mut document = Document::new(&new, Limits::default()).unwrap();
+        let mut state = UiState::new(&Config::default(), document.grid().dims());
+        let count = |state: &UiState, document: &Document| {
+            let aid = Aid {
+                hand: &state.hand,
+                document,
+                view: &state.view,
+                theme: Theme::Dark,
+                orientation: Orientation::UPRIGHT,
+                seen: None,
+                pointer: None,
+                depth: 1.0,
+            };
+            (lines(&aid).len(), ghost(&aid).is_some())
+        };
+        assert_eq!(count(&state, &document), (12 + 1 + 3 * SEGMENTS, true));
+        state.view.bounds = false;
+        state.view.line = false;
+        assert_eq!(count(&state, &document), (3 * SEGMENTS, true));
+        // A plane with its cross, and the image of the tool.
+        let symmetry = Symmetry { axes: [Some(Parity::Even), None, None] };
+        document.apply(&Command::Symmetry(symmetry)).unwrap();
+        assert_eq!(count(&state, &document), (6 + 6 * SEGMENTS, true));
+        state.hand.tool = Tool::Marker;
+        assert_eq!(count(&state, &document), (6 + 12, true));
+        document.apply(&Command::Copy).unwrap();
+        assert_eq!(count(&state, &document), (6 + 24, true));
+        state.hand.tool = Tool::Spray(SprayKind::Clay);
+        assert_eq!(count(&state, &document), (6, false), "no pointer, no footprint");
+        state.hand.tool = Tool::Solid;
+        state.view.tool = false;
+        assert_eq!(count(&state, &document), (6, false));
     }
 }

@@ -211,8 +211,8 @@ impl Picture {
 
 fn picture_key(bench: &Workbench) -> PictureKey {
     let document = bench.session().document();
-    let grid = document.grid();
     let ui = &bench.ui;
+    let aid = bench.aid();
     PictureKey {
         sample: SampleKey {
             revision: document.revision(),
@@ -222,8 +222,8 @@ fn picture_key(bench: &Workbench) -> PictureKey {
         },
         light: ui.view.light.clone(),
         theme: ui.theme,
-        ghost: ui.view.tool.then(|| guides::ghost(&ui.hand, grid)),
-        lines: guides::lines(&ui.hand, grid, &ui.view, ui.theme),
+        ghost: guides::ghost(&aid),
+        lines: guides::lines(&aid),
     }
 }
 

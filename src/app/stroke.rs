@@ -1,5 +1,5 @@
 //! Owns the stroke in hand: from the press to the release the tool is used along a path, and all
-//! of it is one step of the history.
+//! of it is one step of the history. Solids follow a path in the grid, sprays one in the picture.
 
 use std::sync::Arc;
 
@@ -11,6 +11,8 @@ use super::workbench::Workbench;
 use crate::command::Command;
 use crate::input::ToolMode;
 use crate::surface::IndexMap;
+use crate::tools::spray::{Footprint, SprayKind};
+use crate::ui::sprays::SprayOptions;
 
 /// Spacing of a path as a share of the tool's smallest half extent.
 const SPACING: f32 = 0.35;
@@ -28,19 +30,79 @@ pub(super) enum Guide {
         at: Vec2,
         /// Of the last point, for where the pointer is beside the sculpture.
         depth: f32,
+        /// From the surface to the centre of a tool that stands on it.
+        lift: Vec3,
     },
     /// Whatever moves the tool.
     Tool,
 }
 
+/// What a stroke does along its path.
+enum Work {
+    Solid { mode: ToolMode, guide: Guide },
+    Spray { kind: SprayKind, options: SprayOptions },
+}
+
 /// A stroke that is not finished.
 pub struct StrokeInHand {
-    mode: ToolMode,
+    work: Work,
+    /// In voxels; in pixels with z = 0 for sprays.
     path: Path,
-    pub(super) guide: Guide,
+}
+
+impl StrokeInHand {
+    /// Whether the pointer on the surface leads a solid.
+    pub fn follows_surface(&self) -> bool {
+        matches!(self.work, Work::Solid { guide: Guide::Surface { .. }, .. })
+    }
+
+    pub fn is_spray(&self) -> bool {
+        matches!(self.work, Work::Spray { .. })
+    }
 }
 
 impl Workbench {
+    /// Opens a stroke of a spray at a point of the picture and uses it there.
+    pub(super) fn begin_spray(&mut self, kind: SprayKind, options: SprayOptions, at: Vec2) {
+        if self.stroke.is_some() || !self.execute(&Command::Begin { label: kind.name().into() }) {
+            return;
+        }
+        if kind.gives_colour() {
+            self.ui.hand.used_colour();
+        }
+        let spacing = (SPACING * options.radius_px).max(1.0);
+        let path = Path::new(at.extend(0.0), spacing, Vec3::ONE);
+        self.stroke = Some(StrokeInHand { work: Work::Spray { kind, options }, path });
+        self.spray_at(&[at.extend(0.0)]);
+    }
+
+    /// Leads the stroke of a spray to a point of the picture.
+    pub(super) fn lead_spray(&mut self, to: Vec2) {
+        let mut stops = Vec::new();
+        if let Some(StrokeInHand { work: Work::Spray { .. }, path }) = &mut self.stroke {
+            path.line_to(to.extend(0.0), |stop| stops.push(stop));
+        }
+        self.spray_at(&stops);
+    }
+
+    /// Uses the spray at points of the picture as it was last shown.
+    fn spray_at(&mut self, stops: &[Vec3]) {
+        for stop in stops {
+            let Some(StrokeInHand { work: Work::Spray { kind, options }, .. }) = &self.stroke
+            else {
+                return;
+            };
+            let Some(map) = &self.seen else { return };
+            let pixel = stop.truncate().max(Vec2::ZERO).as_uvec2().min(map.rays.size - 1);
+            let (radius, outline) = (options.radius_px, options.outline);
+            let footprint = Footprint::of_pixel(&map.rays, pixel, radius, outline);
+            let command = options.command(*kind, self.ui.hand.colour, footprint);
+            if !self.execute(&command) {
+                self.cancel_stroke();
+            }
+        }
+    }
+
     /// Opens a stroke where the tool is and uses the tool there.
     pub(super) fn begin_stroke(&mut self, mode: ToolMode, guide: Guide) {
         if self.stroke.is_some() {
@@ -54,7 +116,10 @@ impl Workbench {
         let edges = edges / edges.min_element();
         let spacing = SPACING * self.ui.hand.half().min_element();
         let path = Path::new(self.ui.hand.centre_vx, spacing.max(0.5), edges);
-        self.stroke = Some(StrokeInHand { mode, path, guide });
+        self.stroke = Some(StrokeInHand { work: Work::Solid { mode, guide }, path });
+        if mode == ToolMode::Add || mode == ToolMode::Recolour && self.ui.hand.picture.is_none() {
+            self.ui.hand.used_colour();
+        }
         if !self.execute(&command) {
             self.cancel_stroke();
         }
@@ -64,7 +129,8 @@ impl Workbench {
     pub(super) fn lead_stroke(&mut self, to: Vec2) {
         let Some(mut stroke) = self.stroke.take() else { return };
         let mut stops = Vec::new();
-        if let Guide::Surface { seen, at, depth } = &mut stroke.guide {
+        let StrokeInHand { work, path } = &mut stroke;
+        if let Work::Solid { guide: Guide::Surface { seen, at, depth, lift }, .. } = work {
             let sight = self.sight();
             let grid = self.session.document().grid();
             let leap = LEAP * 2.0 * self.ui.hand.half().max_element();
@@ -74,10 +140,11 @@ impl Workbench {
                 let found = seen.as_ref().and_then(|map| surface_point(map, grid, look));
                 let point = found.unwrap_or_else(|| sight.at_depth(look, *depth));
                 *depth = sight.depth(point);
-                if stroke.path.distance(point) > leap {
-                    stroke.path.jump_to(point, |stop| stops.push(stop));
+                let point = point + *lift;
+                if path.distance(point) > leap {
+                    path.jump_to(point, |stop| stops.push(stop));
                 } else {
-                    stroke.path.line_to(point, |stop| stops.push(stop));
+                    path.line_to(point, |stop| stops.push(stop));
                 }
             }
             *at = to;
@@ -94,7 +161,17 @@ impl Workbench {
     pub(super) fn tool_moved(&mut self) {
         let mut stops = Vec::new();
         let to = self.ui.hand.centre_vx;
-        if let Some(StrokeInHand { guide: Guide::Tool, path, .. }) = &mut self.stroke {
+        if self.ui.hand.spray().is_some() {
+            // The spray works where the tool would be seen.
+            self.pointer = self.sight().pixel_of(to);
+            if let Some(at) = self.pointer {
+                self.lead_spray(at);
+            }
+            return;
+        }
+        if let Some(StrokeInHand { work: Work::Solid { guide: Guide::Tool, .. }, path }) =
+            &mut self.stroke
+        {
             path.line_to(to, |stop| stops.push(stop));
         }
         self.use_tool_at(&stops);
@@ -103,8 +180,10 @@ impl Workbench {
 
     fn use_tool_at(&mut self, stops: &[Vec3]) {
         for &stop in stops {
-            let Some(stroke) = &self.stroke else { return };
-            let mode = stroke.mode;
+            let Some(StrokeInHand { work: Work::Solid { mode, .. }, .. }) = &self.stroke else {
+                return;
+            };
+            let mode = *mode;
             self.ui.hand.move_to(stop);
             if !self.execute(&self.ui.hand.command(mode)) {
                 self.cancel_stroke();

@@ -8,9 +8,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use egui::{CursorIcon, Id, Rect, Sense, Ui};
-use glam::{Affine3A, UVec2, Vec2};
+use glam::{Affine3A, UVec2, Vec2, Vec3};
 
 use super::aim::{self, Sight};
+use super::guides::Aid;
+use super::marker::MarkerDrag;
 use super::stage::Stage;
 use super::stroke::StrokeInHand;
 use crate::command::Command;
@@ -18,6 +20,7 @@ use crate::config::Config;
 use crate::input::events::{Viewport, device_events};
 use crate::input::{Action, Bindings, Mapper, Side, Signal};
 use crate::session::Session;
+use crate::shade::normal;
 use crate::surface::IndexMap;
 use crate::ui::{self, Facts, FrameTimes, UiState};
 use crate::view::Eye;
@@ -30,6 +33,12 @@ pub struct Workbench {
     mapper: Mapper,
     pub(super) stage: Stage,
     pub(super) stroke: Option<StrokeInHand>,
+    /// What a drag does to the marker.
+    pub(super) marker_drag: Option<MarkerDrag>,
+    /// What drags have moved the marker by, less whole voxels.
+    pub(super) marker_rest: Vec3,
+    /// Where the pointer is, in pixels of the picture; none while it is elsewhere.
+    pub(super) pointer: Option<Vec2>,
     /// A drag of `Sculpt` that began beside the sculpture and turns it.
     pub(super) turns_instead: bool,
     /// The voxels in the last picture, to find what the pointer points at.
@@ -55,6 +64,9 @@ impl Workbench {
             mapper: Mapper::default(),
             stage,
             stroke: None,
+            marker_drag: None,
+            marker_rest: Vec3::ZERO,
+            pointer: None,
             turns_instead: false,
             seen: None,
             picture: Rect::ZERO,
@@ -187,12 +199,21 @@ impl Workbench {
     fn answer(&mut self, signal: &Signal) {
         match *signal {
             Signal::Tap(action) => self.act(action),
-            Signal::Begin { action, at } => self.begin(action, at),
-            Signal::Drag { action, at, by } => self.drag(action, at, by),
+            Signal::Begin { action, at } => {
+                self.pointer = at.or(self.pointer);
+                self.begin(action, at);
+            }
+            Signal::Drag { action, at, by } => {
+                self.pointer = Some(at);
+                self.drag(action, at, by);
+            }
             Signal::End(action) => self.end(action),
-            Signal::Hover(at) => self.hover(at),
+            Signal::Hover(at) => {
+                self.pointer = Some(at);
+                self.hover(at);
+            }
             Signal::Wheel { action, notches, at } => self.wheel(action, notches, at),
-            Signal::Left => {}
+            Signal::Left => self.pointer = None,
         }
     }
 
@@ -203,12 +224,43 @@ impl Workbench {
 
     /// The point of the grid that the pointer points at: on the surface that was seen, or
     /// anywhere in the grid while it is empty.
-    pub(super) fn target(&self, at: Vec2) -> Option<glam::Vec3> {
+    pub(super) fn target(&self, at: Vec2) -> Option<Vec3> {
         let grid = self.session.document().grid();
         if grid.opaque_count() == 0 {
             return aim::box_point(&self.sight().rays, grid.dims(), at);
         }
         aim::surface_point(self.seen.as_ref()?, grid, at)
+    }
+
+    /// What the overlay is drawn from.
+    pub(super) fn aid(&self) -> Aid<'_> {
+        let sight = self.sight();
+        let document = self.session.document();
+        let target = self.pointer.and_then(|at| self.target(at));
+        let middle = document.grid().dims().as_vec3() * 0.5;
+        Aid {
+            hand: &self.ui.hand,
+            document,
+            view: &self.ui.view,
+            theme: self.ui.theme,
+            orientation: self.ui.orientation,
+            seen: self.seen.as_deref(),
+            pointer: self.pointer,
+            depth: sight.depth(target.unwrap_or(middle)),
+        }
+    }
+
+    /// The way out of the surface that the pointer points at: of the face of the voxel, or of the
+    /// surface around it if the tool leans.
+    pub(super) fn normal(&self, at: Vec2) -> Vec3 {
+        let grid = self.session.document().grid();
+        let Some(map) = &self.seen else { return Vec3::ZERO };
+        let voxel = aim::voxel_at(map, at).map(|index| grid.voxel_coords(index));
+        let smooth = voxel.filter(|_| self.ui.hand.lean).map(|v| normal::gradient(grid, v));
+        smooth
+            .and_then(|normal| normal.try_normalize())
+            .or_else(|| aim::surface_face(map, grid, at))
+            .unwrap_or(Vec3::ZERO)
     }
 
     pub(super) fn leave(&mut self) {

@@ -183,13 +183,13 @@ impl Document {
     ) -> Result<EditStats, CommandError> {
         let Some(clip) = self.clip.take() else { return Err(CommandError::NothingToPaste) };
         let voxels = self.pasted(&clip, at, orientation);
-        let done = voxels.and_then(|voxels| {
+        let done = voxels.map(|voxels| {
             let (existing, new) = self.parted(&voxels);
             let colour = |v: UVec3, _| clip.colour(at, orientation, v);
             let mut stats = self.paint(&existing, colour);
             stats += self.edit(&new, EditOp::Add(self.material().base()));
             self.paint(&new, colour);
-            Ok(stats)
+            stats
         });
         self.clip = Some(clip);
         done

@@ -4,6 +4,7 @@
 //! An action says what is wanted, not how it is done: `app` carries it out.
 
 use crate::tools::construct::Solid;
+use crate::tools::spray::SprayKind;
 
 /// What the tool does to the voxels it covers.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
@@ -35,6 +36,28 @@ pub enum Step {
     Down,
     Nearer,
     Farther,
+}
+
+impl Step {
+    pub const ALL: [Step; 6] =
+        [Step::Left, Step::Right, Step::Up, Step::Down, Step::Nearer, Step::Farther];
+}
+
+/// An axis of the grid.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Axis {
+    X,
+    Y,
+    Z,
+}
+
+impl Axis {
+    pub const ALL: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
+
+    /// 0 to 2.
+    pub const fn index(self) -> usize {
+        self as usize
+    }
 }
 
 /// A side of the grid to look from.
@@ -96,13 +119,43 @@ pub enum Action {
     /// Takes back the stroke in hand, or closes what is open.
     Cancel,
     Solid(Solid),
+    Spray(SprayKind),
+    /// Takes the marker in hand.
+    Marker,
     Mode(ToolMode),
     Grow,
     Shrink,
     ResetTool,
     /// Moves the tool by one voxel.
     Nudge(Step),
+    /// Makes the tool one voxel longer on that side.
+    Stretch(Step),
+    /// Turns the tool's axes along the grid's.
+    AlignTool,
     ToggleFollow,
+    ToggleSnap,
+    /// Takes the colour of the voxel under the pointer.
+    PickHere,
+    /// Uses solids and sprays on both sides of the plane across an axis, or no longer.
+    Mirror(Axis),
+    /// Does the last operation again, further on.
+    Repeat,
+    SelectMarker,
+    DeselectMarker,
+    DropBox,
+    ClearSelection,
+    ToggleLimit,
+    FillMarker,
+    ClearMarker,
+    DyeMarker,
+    Copy,
+    Cut,
+    Paste,
+    /// Turns by a quarter what will be pasted.
+    TurnClip(Axis),
+    MirrorClip(Axis),
+    /// Moves what the marker holds by one voxel.
+    MoveContents(Step),
     ResetView,
     LookFrom(Side),
     NextRenderMode,
@@ -110,8 +163,12 @@ pub enum Action {
     Apply,
     /// On the sculpture uses the tool, beside it turns the sculpture.
     Sculpt,
-    /// As `Sculpt`, with the mode of the tool inverted.
+    /// As `Sculpt`, with the opposite of the tool.
     SculptInverse,
+    /// Smooths, whatever tool is in hand.
+    SculptSmooth,
+    /// Takes the colour of the surface under the pointer.
+    PickColour,
     TurnSculpture,
     PanSculpture,
     /// Moves the tool along the grid axes that lie across the screen and up it.
@@ -138,6 +195,9 @@ impl Action {
     pub const ALL: &[Action] = &[
         Action::Sculpt,
         Action::SculptInverse,
+        Action::SculptSmooth,
+        Action::PickColour,
+        Action::PickHere,
         Action::Apply,
         Action::Cancel,
         Action::TurnSculpture,
@@ -153,6 +213,14 @@ impl Action {
         Action::Mode(ToolMode::Add),
         Action::Mode(ToolMode::Subtract),
         Action::Mode(ToolMode::Recolour),
+        Action::Spray(SprayKind::Paintbrush),
+        Action::Spray(SprayKind::Devourer),
+        Action::Spray(SprayKind::Clay),
+        Action::Spray(SprayKind::Erosion),
+        Action::Spray(SprayKind::Dilation),
+        Action::Spray(SprayKind::Growth),
+        Action::Spray(SprayKind::Smooth),
+        Action::Marker,
         Action::Grow,
         Action::Shrink,
         Action::Nudge(Step::Left),
@@ -161,8 +229,43 @@ impl Action {
         Action::Nudge(Step::Down),
         Action::Nudge(Step::Nearer),
         Action::Nudge(Step::Farther),
+        Action::Stretch(Step::Left),
+        Action::Stretch(Step::Right),
+        Action::Stretch(Step::Up),
+        Action::Stretch(Step::Down),
+        Action::Stretch(Step::Nearer),
+        Action::Stretch(Step::Farther),
+        Action::AlignTool,
         Action::ToggleFollow,
+        Action::ToggleSnap,
         Action::ResetTool,
+        Action::Mirror(Axis::X),
+        Action::Mirror(Axis::Y),
+        Action::Mirror(Axis::Z),
+        Action::Repeat,
+        Action::SelectMarker,
+        Action::DeselectMarker,
+        Action::DropBox,
+        Action::ClearSelection,
+        Action::ToggleLimit,
+        Action::FillMarker,
+        Action::ClearMarker,
+        Action::DyeMarker,
+        Action::Copy,
+        Action::Cut,
+        Action::Paste,
+        Action::TurnClip(Axis::X),
+        Action::TurnClip(Axis::Y),
+        Action::TurnClip(Axis::Z),
+        Action::MirrorClip(Axis::X),
+        Action::MirrorClip(Axis::Y),
+        Action::MirrorClip(Axis::Z),
+        Action::MoveContents(Step::Left),
+        Action::MoveContents(Step::Right),
+        Action::MoveContents(Step::Up),
+        Action::MoveContents(Step::Down),
+        Action::MoveContents(Step::Nearer),
+        Action::MoveContents(Step::Farther),
         Action::Undo,
         Action::Redo,
         Action::Fill,
@@ -189,8 +292,11 @@ impl Action {
         let (name, kind, text) = match self {
             Action::Sculpt => ("sculpt", Drag, "Use the tool; beside the sculpture, turn it"),
             Action::SculptInverse => {
-                ("sculpt-inverse", Drag, "The same, but cut for add, add for cut")
+                ("sculpt-inverse", Drag, "The same, but the opposite: cut for add, add for cut")
             }
+            Action::SculptSmooth => ("sculpt-smooth", Drag, "Smooth, whatever tool is in hand"),
+            Action::PickColour => ("pick-colour", Drag, "Take the colour of the surface"),
+            Action::PickHere => ("pick-here", Tap, "Take the colour under the pointer"),
             Action::Apply => ("apply", Hold, "Use the tool where it is"),
             Action::Cancel => ("cancel", Tap, "Take back the stroke in hand, or close a window"),
             Action::TurnSculpture => ("turn-sculpture", Drag, "Turn the sculpture"),
@@ -203,6 +309,28 @@ impl Action {
             Action::Solid(Solid::Ellipsoid) => ("ellipsoid", Tap, "Take the ellipsoid"),
             Action::Solid(Solid::Cuboid) => ("cuboid", Tap, "Take the cuboid"),
             Action::Solid(Solid::Pyramid) => ("pyramid", Tap, "Take the pyramid"),
+            Action::Spray(SprayKind::Paintbrush) => {
+                ("paintbrush", Tap, "Take the paintbrush: colours what is seen under it")
+            }
+            Action::Spray(SprayKind::Devourer) => {
+                ("devourer", Tap, "Take the devourer: bites around every point under it")
+            }
+            Action::Spray(SprayKind::Clay) => {
+                ("clay", Tap, "Take the clay: puts a soft mound on the surface")
+            }
+            Action::Spray(SprayKind::Erosion) => {
+                ("erosion", Tap, "Take the erosion: wears edges off, leaves planes alone")
+            }
+            Action::Spray(SprayKind::Dilation) => {
+                ("dilation", Tap, "Take the dilation: thickens edges and corners")
+            }
+            Action::Spray(SprayKind::Growth) => {
+                ("growth", Tap, "Take the growth: fills corners until the surface is closed")
+            }
+            Action::Spray(SprayKind::Smooth) => {
+                ("smooth", Tap, "Take the smoothing: evens out bumps and pits")
+            }
+            Action::Marker => ("marker", Tap, "Take the marker: a box to select, copy and move"),
             Action::Mode(ToolMode::Add) => ("add", Tap, "The tool adds voxels"),
             Action::Mode(ToolMode::Subtract) => ("cut", Tap, "The tool cuts voxels away"),
             Action::Mode(ToolMode::Recolour) => ("paint", Tap, "The tool colours voxels"),
@@ -215,6 +343,61 @@ impl Action {
             Action::Nudge(Step::Nearer) => ("nudge-nearer", Tap, "Move the tool one voxel nearer"),
             Action::Nudge(Step::Farther) => {
                 ("nudge-farther", Tap, "Move the tool one voxel farther")
+            }
+            Action::Stretch(Step::Left) => {
+                ("stretch-left", Tap, "Tool one voxel longer on the left")
+            }
+            Action::Stretch(Step::Right) => {
+                ("stretch-right", Tap, "Tool one voxel longer on the right")
+            }
+            Action::Stretch(Step::Up) => ("stretch-up", Tap, "Tool one voxel longer above"),
+            Action::Stretch(Step::Down) => ("stretch-down", Tap, "Tool one voxel longer below"),
+            Action::Stretch(Step::Nearer) => {
+                ("stretch-nearer", Tap, "Tool one voxel longer in front")
+            }
+            Action::Stretch(Step::Farther) => {
+                ("stretch-farther", Tap, "Tool one voxel longer behind")
+            }
+            Action::AlignTool => ("align-tool", Tap, "Turn the tool back along the grid's axes"),
+            Action::ToggleSnap => ("toggle-snap", Tap, "Keep the tool on whole voxels, or not"),
+            Action::Mirror(Axis::X) => ("mirror-x", Tap, "Mirror what tools do left and right (x)"),
+            Action::Mirror(Axis::Y) => ("mirror-y", Tap, "Mirror what tools do up and down (y)"),
+            Action::Mirror(Axis::Z) => ("mirror-z", Tap, "Mirror what tools do front and back (z)"),
+            Action::Repeat => ("repeat", Tap, "Do the last operation again, further on"),
+            Action::SelectMarker => ("select", Tap, "Select the marker's box, too"),
+            Action::DeselectMarker => ("deselect", Tap, "Take the marker's box off the selection"),
+            Action::DropBox => ("drop-box", Tap, "Drop the last box of the selection"),
+            Action::ClearSelection => ("clear-selection", Tap, "Select nothing"),
+            Action::ToggleLimit => ("toggle-limit", Tap, "Limit every tool to the selection"),
+            Action::FillMarker => ("fill-marker", Tap, "Fill the marker's box with the colour"),
+            Action::ClearMarker => ("clear-marker", Tap, "Remove what the marker holds"),
+            Action::DyeMarker => ("dye-marker", Tap, "Give the colour to what the marker holds"),
+            Action::Copy => ("copy", Tap, "Copy what the marker holds"),
+            Action::Cut => ("cut-out", Tap, "Copy what the marker holds and remove it"),
+            Action::Paste => ("paste", Tap, "Put the copy at the marker's lower corner"),
+            Action::TurnClip(Axis::X) => ("turn-copy-x", Tap, "Turn the copy about x by 90°"),
+            Action::TurnClip(Axis::Y) => ("turn-copy-y", Tap, "Turn the copy about y by 90°"),
+            Action::TurnClip(Axis::Z) => ("turn-copy-z", Tap, "Turn the copy about z by 90°"),
+            Action::MirrorClip(Axis::X) => ("mirror-copy-x", Tap, "Mirror the copy along x"),
+            Action::MirrorClip(Axis::Y) => ("mirror-copy-y", Tap, "Mirror the copy along y"),
+            Action::MirrorClip(Axis::Z) => ("mirror-copy-z", Tap, "Mirror the copy along z"),
+            Action::MoveContents(Step::Left) => {
+                ("move-left", Tap, "Move what the marker holds one voxel left")
+            }
+            Action::MoveContents(Step::Right) => {
+                ("move-right", Tap, "Move what the marker holds one voxel right")
+            }
+            Action::MoveContents(Step::Up) => {
+                ("move-up", Tap, "Move what the marker holds one voxel up")
+            }
+            Action::MoveContents(Step::Down) => {
+                ("move-down", Tap, "Move what the marker holds one voxel down")
+            }
+            Action::MoveContents(Step::Nearer) => {
+                ("move-nearer", Tap, "Move what the marker holds one voxel nearer")
+            }
+            Action::MoveContents(Step::Farther) => {
+                ("move-farther", Tap, "Move what the marker holds one voxel farther")
             }
             Action::ToggleFollow => {
                 ("toggle-follow", Tap, "Let the tool follow the pointer, or stay")
@@ -245,14 +428,15 @@ impl Action {
 
     /// Whether holding the key down asks again and again.
     pub fn repeats(self) -> bool {
-        use Action::{Grow, Nudge, Redo, Shrink, Undo};
-        matches!(self, Nudge(_) | Grow | Shrink | Undo | Redo)
+        use Action::{Grow, MoveContents, Nudge, Redo, Shrink, Stretch, Undo};
+        matches!(self, Nudge(_) | Stretch(_) | MoveContents(_) | Grow | Shrink | Undo | Redo)
     }
 
     /// Whether the drag is one whole from press to release, so that a modifier pressed on the
     /// way does not turn it into another.
     pub fn is_stroke(self) -> bool {
-        matches!(self, Action::Sculpt | Action::SculptInverse)
+        use Action::{PickColour, Sculpt, SculptInverse, SculptSmooth};
+        matches!(self, Sculpt | SculptInverse | SculptSmooth | PickColour)
     }
 
     /// The action that a binding table calls `name`.

@@ -3,10 +3,14 @@
 //! ```toml
 //! name = "direct"
 //! text = "The tool follows the pointer on the surface"
+//! extends = "keys"
 //! [bindings]
 //! undo = ["ctrl+z"]
 //! sculpt = ["left"]
 //! ```
+//!
+//! A table that extends another has its lines as well, but for the actions that it names itself
+//! and the triggers that it takes.
 
 use std::collections::BTreeMap;
 
@@ -16,14 +20,22 @@ use thiserror::Error;
 use super::action::{Action, Kind};
 use super::trigger::Trigger;
 
-const DIRECT: &str = include_str!("../../config/bindings/direct.toml");
-const THESIS: &str = include_str!("../../config/bindings/thesis.toml");
+/// What tables are extended from: the keyboard, the same for all.
+const KEYS: &str = include_str!("../../config/bindings/keys.toml");
+const PRESETS: [&str; 4] = [
+    include_str!("../../config/bindings/direct.toml"),
+    include_str!("../../config/bindings/thesis.toml"),
+    include_str!("../../config/bindings/blender.toml"),
+    include_str!("../../config/bindings/magicavoxel.toml"),
+];
 
 /// Why a table cannot be used.
 #[derive(Debug, Error, PartialEq)]
 pub enum BindingsError {
     #[error("{0}")]
     Toml(String),
+    #[error("extends = \"{0}\": there is no such table")]
+    UnknownTable(String),
     #[error("[bindings] {0}: there is no such action")]
     UnknownAction(String),
     #[error("[bindings] {action}: {error}")]
@@ -48,22 +60,30 @@ pub struct Bindings {
 struct Raw {
     name: String,
     text: String,
+    extends: Option<String>,
     bindings: BTreeMap<String, Vec<String>>,
 }
 
 impl Bindings {
     /// The tables that the program brings along; the first is the default.
     pub fn presets() -> Result<Vec<Bindings>, BindingsError> {
-        [DIRECT, THESIS].into_iter().map(Bindings::parse).collect()
+        PRESETS.into_iter().map(Bindings::parse).collect()
     }
 
     /// Reads a table.
     pub fn parse(toml: &str) -> Result<Bindings, BindingsError> {
         let raw: Raw = toml::from_str(toml).map_err(|e| BindingsError::Toml(e.to_string()))?;
+        let extended = match raw.extends.as_deref() {
+            None => None,
+            Some("keys") => Some(Bindings::parse(KEYS)?),
+            Some(other) => return Err(BindingsError::UnknownTable(other.to_string())),
+        };
         let mut table: Vec<(Trigger, Action)> = Vec::new();
+        let mut named = Vec::new();
         for (name, triggers) in raw.bindings {
             let action =
                 Action::named(&name).ok_or_else(|| BindingsError::UnknownAction(name.clone()))?;
+            named.push(action);
             let help = action.help();
             for text in triggers {
                 let trigger = text
@@ -81,6 +101,11 @@ impl Bindings {
                         second: help.name,
                     });
                 }
+                table.push((trigger, action));
+            }
+        }
+        for (trigger, action) in extended.into_iter().flat_map(|extended| extended.table) {
+            if !named.contains(&action) && table.iter().all(|(taken, _)| *taken != trigger) {
                 table.push((trigger, action));
             }
         }

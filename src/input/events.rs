@@ -125,6 +125,10 @@ pub fn device_events(input: &egui::InputState, viewport: &Viewport) -> Vec<Devic
             Event::Key { key, pressed: true, repeat, modifiers, .. } if viewport.keyboard => {
                 Some(DeviceEvent::KeyPressed { key, modifiers: modifiers.into(), repeat })
             }
+            // Where a text field has the keyboard these are its own.
+            Event::Copy if viewport.keyboard => Some(shortcut(Key::C)),
+            Event::Cut if viewport.keyboard => Some(shortcut(Key::X)),
+            Event::Paste(_) if viewport.keyboard => Some(shortcut(Key::V)),
             Event::Key { key, pressed: false, .. } => Some(DeviceEvent::KeyReleased { key }),
             Event::WindowFocused(false) => Some(DeviceEvent::FocusLost),
             _ => None,
@@ -134,6 +138,12 @@ pub fn device_events(input: &egui::InputState, viewport: &Viewport) -> Vec<Devic
         events.push(DeviceEvent::Left);
     }
     events
+}
+
+/// A key with ctrl, which the window system has made a word of its own.
+fn shortcut(key: Key) -> DeviceEvent {
+    let modifiers = Modifiers { ctrl: true, ..Modifiers::default() };
+    DeviceEvent::KeyPressed { key, modifiers, repeat: false }
 }
 
 fn wheel(

@@ -9,7 +9,7 @@ pub mod events;
 pub mod mapper;
 pub mod trigger;
 
-pub use action::{Action, Side, Step, ToolMode};
+pub use action::{Action, Axis, Side, Step, ToolMode};
 pub use bindings::Bindings;
 pub use events::DeviceEvent;
 pub use mapper::{Mapper, Signal};

@@ -62,18 +62,65 @@ pub enum Effect {
     Clay { colour: Rgb },
 }
 
-impl Effect {
+/// The spray tools, without their options.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum SprayKind {
+    Paintbrush,
+    Devourer,
+    Erosion,
+    Dilation,
+    Growth,
+    Smooth,
+    Clay,
+}
+
+impl SprayKind {
+    pub const ALL: [SprayKind; 7] = [
+        SprayKind::Paintbrush,
+        SprayKind::Devourer,
+        SprayKind::Clay,
+        SprayKind::Erosion,
+        SprayKind::Dilation,
+        SprayKind::Growth,
+        SprayKind::Smooth,
+    ];
+
     /// The word for it in the text form and the interface.
     pub const fn name(self) -> &'static str {
         match self {
-            Effect::Paintbrush { .. } => "paintbrush",
-            Effect::Devourer { .. } => "devourer",
-            Effect::Erosion { .. } => "erosion",
-            Effect::Dilation { .. } => "dilation",
-            Effect::Growth { .. } => "growth",
-            Effect::Smooth { .. } => "smooth",
-            Effect::Clay { .. } => "clay",
+            SprayKind::Paintbrush => "paintbrush",
+            SprayKind::Devourer => "devourer",
+            SprayKind::Erosion => "erosion",
+            SprayKind::Dilation => "dilation",
+            SprayKind::Growth => "growth",
+            SprayKind::Smooth => "smooth",
+            SprayKind::Clay => "clay",
         }
+    }
+
+    /// Whether the tool leaves voxels of a colour that is chosen.
+    pub const fn gives_colour(self) -> bool {
+        use SprayKind::{Clay, Dilation, Growth, Paintbrush};
+        matches!(self, Paintbrush | Clay | Dilation | Growth)
+    }
+}
+
+impl Effect {
+    pub const fn kind(self) -> SprayKind {
+        match self {
+            Effect::Paintbrush { .. } => SprayKind::Paintbrush,
+            Effect::Devourer { .. } => SprayKind::Devourer,
+            Effect::Erosion { .. } => SprayKind::Erosion,
+            Effect::Dilation { .. } => SprayKind::Dilation,
+            Effect::Growth { .. } => SprayKind::Growth,
+            Effect::Smooth { .. } => SprayKind::Smooth,
+            Effect::Clay { .. } => SprayKind::Clay,
+        }
+    }
+
+    /// The word for it in the text form and the interface.
+    pub const fn name(self) -> &'static str {
+        self.kind().name()
     }
 }
 

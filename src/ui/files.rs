@@ -23,6 +23,8 @@ pub enum FileTask {
     SaveAs,
     /// Save under a new name, then leave.
     SaveAndLeave,
+    /// Choose a picture for solids to paint with.
+    Picture,
 }
 
 /// The file dialog and what it is open for.
@@ -59,8 +61,10 @@ impl Files {
     /// Opens the dialog, in the folder of `path` if there is one.
     pub fn open(&mut self, task: FileTask, path: Option<&Path>) {
         const VOLUMES: &str = "Volumes (.pvm, .raw)";
+        const PICTURES: &str = "Pictures (.png, .jpg)";
         let mut dialog = FileDialog::new()
             .add_file_filter_extensions(VOLUMES, crate::format::ENDINGS.to_vec())
+            .add_file_filter_extensions(PICTURES, vec!["png", "jpg", "jpeg"])
             .default_size([720.0, 400.0])
             .anchor(egui::Align2::CENTER_CENTER, egui::Vec2::ZERO)
             .resizable(false)
@@ -73,6 +77,9 @@ impl Files {
         let name = format!("{}.{ENDING}", name.as_deref().unwrap_or("sculpture"));
         dialog = match task {
             FileTask::Open => dialog.title("Open").default_file_filter(VOLUMES),
+            FileTask::Picture => {
+                dialog.title("Picture to paint with").default_file_filter(PICTURES)
+            }
             FileTask::SaveAs | FileTask::SaveAndLeave => dialog
                 .title("Save as")
                 .add_save_extension("Volume", ENDING)
@@ -81,7 +88,7 @@ impl Files {
                 .default_file_name(&name),
         };
         match task {
-            FileTask::Open => dialog.pick_file(),
+            FileTask::Open | FileTask::Picture => dialog.pick_file(),
             FileTask::SaveAs | FileTask::SaveAndLeave => dialog.save_file(),
         }
         self.dialog = dialog;
@@ -102,10 +109,17 @@ pub fn show(root: &Ui, state: &mut UiState, intents: &mut Vec<Intent>) {
         match task {
             FileTask::Open => import_options(ui, choice),
             FileTask::SaveAs | FileTask::SaveAndLeave => export_options(ui, choice),
+            FileTask::Picture => {
+                ui.label("The picture is wrapped around the tool when that paints.");
+            }
         }
     });
     let Some(path) = dialog.take_picked() else { return };
     let command = match task {
+        FileTask::Picture => {
+            state.hand.picture = Some(path);
+            return;
+        }
         FileTask::Open => Command::Open { path, import: choice.import },
         FileTask::SaveAs | FileTask::SaveAndLeave => {
             Command::Save { path: with_ending(path), form: choice.form }

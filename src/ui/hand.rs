@@ -1,26 +1,45 @@
-//! Owns the tool in hand: which solid, what it does, how large, how turned, which colour, where.
+//! Owns the tool in hand: which one, what it does, how large, how turned, which colour, where.
 //!
 //! It belongs to the person, not to the sculpture: changing it changes no voxel, and the command
 //! that it gives is what does.
 
-use glam::{EulerRot, Quat, UVec3, Vec3};
+use std::path::PathBuf;
 
+use glam::{DMat3, EulerRot, Quat, UVec3, Vec3};
+
+use super::sprays::Sprays;
 use crate::command::Command;
 use crate::input::ToolMode;
 use crate::sculpture::Rgb;
 use crate::sculpture::edit::EditOp;
 use crate::tools::construct::{Primitive, Solid};
+use crate::tools::spray::SprayKind;
 
 /// Smallest and largest half extent that the interface offers.
 pub const HALF_RANGE: std::ops::RangeInclusive<f32> = 0.5..=2048.0;
 /// The tool's first half extent as a share of the grid's shortest side.
 const FIRST_HALF: f32 = 0.06;
 
+/// Colours kept for another use.
+const RECENT: usize = 14;
+
+/// The kinds of tools.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Tool {
+    /// The solid of [`Hand::solid`].
+    Solid,
+    Spray(SprayKind),
+    /// The marker, which belongs to the document.
+    Marker,
+}
+
 /// The tool in hand. Lengths are in edges of the sculpture's smallest voxel edge, as in
 /// [`Primitive`].
 #[derive(Clone, PartialEq, Debug)]
 pub struct Hand {
+    pub tool: Tool,
     pub solid: Solid,
+    pub sprays: Sprays,
     pub mode: ToolMode,
     half: Vec3,
     /// A change of one half extent changes all in proportion.
@@ -28,28 +47,42 @@ pub struct Hand {
     rotation: Quat,
     turn_deg: Vec3,
     pub colour: Rgb,
+    /// Colours that were used, the latest first.
+    recent: Vec<Rgb>,
+    /// What a solid paints with instead of the colour.
+    pub picture: Option<PathBuf>,
     /// Centre in voxel coordinates.
     pub centre_vx: Vec3,
     /// The tool goes where the pointer meets the surface.
     pub follow: bool,
     /// The tool's centre is kept at centres of voxels.
     pub snap: bool,
+    /// A tool that follows the pointer stands on the surface rather than half in it.
+    pub stand: bool,
+    /// A tool that follows the pointer turns its y axis out of the surface.
+    pub lean: bool,
 }
 
 impl Hand {
     /// A ball that cuts, in the middle of a grid of `dims` voxels.
     pub fn new(dims: UVec3) -> Hand {
         let mut hand = Hand {
+            tool: Tool::Solid,
             solid: Solid::Ellipsoid,
+            sprays: Sprays::default(),
             mode: ToolMode::default(),
             half: Vec3::ONE,
             uniform: true,
             rotation: Quat::IDENTITY,
             turn_deg: Vec3::ZERO,
             colour: Rgb::new(0xd0, 0x5a, 0x32),
+            recent: Vec::new(),
+            picture: None,
             centre_vx: Vec3::ZERO,
             follow: true,
             snap: false,
+            stand: false,
+            lean: false,
         };
         hand.reset_pose(dims);
         hand
@@ -109,6 +142,10 @@ impl Hand {
     /// Turns the tool further, about axes of the grid.
     pub fn turn_by(&mut self, turn: Quat) {
         self.rotation = (turn * self.rotation).normalize();
+        self.update_degrees();
+    }
+
+    fn update_degrees(&mut self) {
         let (x, y, z) = self.rotation.to_euler(EulerRot::XYZEx);
         self.turn_deg = Vec3::new(x, y, z) * (180.0 / std::f32::consts::PI);
     }
@@ -120,6 +157,63 @@ impl Hand {
         }
     }
 
+    /// Puts the tool where the pointer meets the surface, whose face looks along `normal` (a unit
+    /// vector in the coordinates of voxels of `voxel_size`), as far as it stands and leans.
+    pub fn place_on(&mut self, point: Vec3, normal: Vec3, voxel_size: Vec3) {
+        if self.lean && normal.is_normalized() {
+            self.rotation = Quat::from_rotation_arc(Vec3::Y, normal);
+            self.update_degrees();
+        }
+        let lift =
+            if self.stand { normal * self.extent_along(normal, voxel_size) } else { Vec3::ZERO };
+        self.move_to(point + lift);
+    }
+
+    /// How far the tool reaches from its centre against `normal`, in voxels.
+    fn extent_along(&self, normal: Vec3, voxel_size: Vec3) -> f32 {
+        let tool_from_vx = DMat3::from_quat(self.rotation.as_dquat()).transpose();
+        let n = (tool_from_vx * normal.as_dvec3()).as_vec3() * self.half;
+        let extent = match self.solid {
+            Solid::Ellipsoid => n.length(),
+            Solid::Cuboid => n.abs().element_sum(),
+            // A corner of the base, or the apex.
+            Solid::Pyramid => (n.x.abs() + n.z.abs() + n.y).max(-n.y),
+        };
+        let shortest = voxel_size.min_element();
+        extent * shortest / (normal * voxel_size).length().max(f32::MIN_POSITIVE)
+    }
+
+    /// Makes the tool longer by `by` voxels towards a side along an axis of the grid; the other
+    /// side stays where it is.
+    pub fn stretch(&mut self, side: Vec3, by: f32) {
+        let along = (self.rotation.inverse() * side).abs();
+        let axis = (0..3).max_by(|a, b| along[*a].total_cmp(&along[*b])).unwrap_or(0);
+        let before = self.half[axis];
+        let range = *HALF_RANGE.start()..=*HALF_RANGE.end();
+        self.half[axis] = (before + 0.5 * by).clamp(*range.start(), *range.end());
+        self.centre_vx += side * (self.half[axis] - before);
+    }
+
+    /// The spray in hand, if it is one.
+    pub fn spray(&self) -> Option<SprayKind> {
+        match self.tool {
+            Tool::Spray(kind) => Some(kind),
+            Tool::Solid | Tool::Marker => None,
+        }
+    }
+
+    /// Notes that the colour has been used.
+    pub fn used_colour(&mut self) {
+        self.recent.retain(|colour| *colour != self.colour);
+        self.recent.insert(0, self.colour);
+        self.recent.truncate(RECENT);
+    }
+
+    /// Colours that were used, the latest first.
+    pub fn recent(&self) -> &[Rgb] {
+        &self.recent
+    }
+
     pub fn primitive(&self) -> Primitive {
         Primitive {
             solid: self.solid,
@@ -129,8 +223,11 @@ impl Hand {
         }
     }
 
-    /// What the tool does where it is.
+    /// What a solid does where it is.
     pub fn command(&self, mode: ToolMode) -> Command {
+        if let (ToolMode::Recolour, Some(picture)) = (mode, &self.picture) {
+            return Command::Texture { primitive: self.primitive(), picture: picture.clone() };
+        }
         let op = match mode {
             ToolMode::Add => EditOp::Add(self.colour),
             ToolMode::Subtract => EditOp::Subtract,
@@ -173,6 +270,56 @@ mod tests {
         let Ok(Command::Construct { primitive, .. }) = script.parse() else { panic!() };
         assert!(primitive.rotation.abs_diff_eq(rotation, 1e-6));
         assert!(hand.primitive().check().is_ok());
+    }
+
+    #[test]
+    fn a_tool_stands_on_the_surface_and_leans_with_it() {
+        let mut hand = Hand::new(UVec3::splat(100));
+        hand.solid = Solid::Pyramid;
+        hand.uniform = false;
+        hand.set_half(0, 3.0);
+        hand.set_half(1, 5.0);
+        hand.set_half(2, 4.0);
+        hand.stand = true;
+        let point = Vec3::new(10.0, 20.0, 30.0);
+        hand.place_on(point, Vec3::Y, Vec3::ONE);
+        assert!(hand.centre_vx.abs_diff_eq(point + Vec3::Y * 5.0, 1e-4));
+        hand.place_on(point, Vec3::X, Vec3::ONE);
+        assert!(hand.centre_vx.abs_diff_eq(point + Vec3::X * 3.0, 1e-4));
+        // Voxels that are long along y: fewer of them.
+        hand.place_on(point, Vec3::Y, Vec3::new(1.0, 2.0, 1.0));
+        assert!(hand.centre_vx.abs_diff_eq(point + Vec3::Y * 2.5, 1e-4));
+        hand.lean = true;
+        hand.place_on(point, Vec3::NEG_X, Vec3::ONE);
+        assert!((hand.rotation() * Vec3::Y).abs_diff_eq(Vec3::NEG_X, 1e-4));
+        assert!(hand.centre_vx.abs_diff_eq(point - Vec3::X * 5.0, 1e-3));
+        assert!(hand.primitive().check().is_ok());
+    }
+
+    #[test]
+    fn stretching_keeps_the_other_side() {
+        let mut hand = Hand::new(UVec3::splat(100));
+        hand.stretch(Vec3::NEG_X, 1.0);
+        assert_eq!((hand.half(), hand.centre_vx.x), (Vec3::new(6.5, 6.0, 6.0), 49.5));
+        hand.stretch(Vec3::Z, -100.0);
+        assert_eq!(hand.half().z, *HALF_RANGE.start());
+    }
+
+    #[test]
+    fn the_latest_colours_come_first_and_once() {
+        let mut hand = Hand::new(UVec3::splat(10));
+        let first = hand.colour;
+        hand.used_colour();
+        (0..30).for_each(|i| {
+            hand.colour = Rgb::new(i, 0, 0);
+            hand.used_colour();
+        });
+        assert_eq!(hand.recent().len(), RECENT);
+        assert!(!hand.recent().contains(&first));
+        hand.colour = Rgb::new(20, 0, 0);
+        hand.used_colour();
+        assert_eq!(hand.recent()[..2], [Rgb::new(20, 0, 0), Rgb::new(29, 0, 0)]);
+        assert_eq!(hand.recent().len(), RECENT);
     }
 
     #[test]

@@ -5,6 +5,7 @@ use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, pos2};
 
 use crate::input::ToolMode;
 use crate::tools::construct::Solid;
+use crate::tools::spray::SprayKind;
 
 /// Draws a solid into `rect`.
 pub fn solid(painter: &Painter, rect: Rect, solid: Solid, colour: Color32) {
@@ -61,6 +62,62 @@ pub fn mode(painter: &Painter, rect: Rect, mode: ToolMode, colour: Color32) {
             painter.add(Shape::convex_polygon(drop, fill, Stroke::new(1.6, colour)));
         }
     }
+}
+
+/// Draws a spray tool into `rect`: what it leaves of a surface.
+pub fn spray(painter: &Painter, rect: Rect, kind: SprayKind, colour: Color32) {
+    let line = Stroke::new(1.6, colour);
+    let thin = Stroke::new(1.0, colour.gamma_multiply(0.6));
+    let at = |x: f32, y: f32| at(rect, x, y);
+    let path = |points: &[(f32, f32)], stroke: Stroke| {
+        painter.line(points.iter().map(|(x, y)| at(*x, *y)).collect(), stroke);
+    };
+    // Half a turn around (x, y), upwards or downwards.
+    let arc = |x: f32, y: f32, radius: f32, up: bool| -> Vec<(f32, f32)> {
+        let turn = |i: usize| std::f32::consts::PI * (1.0 - i as f32 / 12.0);
+        let sense = if up { -radius } else { radius };
+        (0..=12).map(|i| (x + radius * turn(i).cos(), y + sense * turn(i).sin())).collect()
+    };
+    let ground = |middle: Vec<(f32, f32)>| {
+        let mut points = vec![(0.02, 0.62)];
+        points.extend(middle);
+        points.push((0.98, 0.62));
+        path(&points, line);
+    };
+    match kind {
+        SprayKind::Paintbrush => {
+            path(&[(0.92, 0.06), (0.46, 0.56)], Stroke::new(2.4, colour));
+            let tip = [(0.56, 0.62), (0.38, 0.48), (0.22, 0.62), (0.1, 0.94), (0.42, 0.84)];
+            let tip = tip.map(|(x, y)| at(x, y)).to_vec();
+            painter.add(Shape::convex_polygon(tip, colour.gamma_multiply(0.3), line));
+        }
+        SprayKind::Devourer => ground(arc(0.5, 0.62, 0.28, false)),
+        SprayKind::Clay => ground(arc(0.5, 0.62, 0.28, true)),
+        SprayKind::Erosion => {
+            path(&[(0.06, 0.94), (0.06, 0.42), (0.3, 0.14), (0.94, 0.14)], line);
+            path(&[(0.06, 0.42), (0.06, 0.14), (0.3, 0.14)], thin);
+        }
+        SprayKind::Dilation => {
+            path(&[(0.06, 0.94), (0.06, 0.06), (0.94, 0.06)], line);
+            path(&[(0.3, 0.94), (0.3, 0.3), (0.94, 0.3)], thin);
+        }
+        SprayKind::Growth => {
+            path(&[(0.1, 0.06), (0.1, 0.56), (0.44, 0.9), (0.94, 0.9)], line);
+            path(&[(0.1, 0.56), (0.1, 0.9), (0.44, 0.9)], thin);
+        }
+        SprayKind::Smooth => {
+            path(&[(0.04, 0.4), (0.2, 0.22), (0.36, 0.4), (0.52, 0.22), (0.68, 0.4)], thin);
+            path(&[(0.04, 0.72), (0.3, 0.64), (0.62, 0.74), (0.96, 0.66)], line);
+        }
+    }
+}
+
+/// Draws the marker into `rect`: a dashed box.
+pub fn marker(painter: &Painter, rect: Rect, colour: Color32) {
+    let line = Stroke::new(1.6, colour);
+    let corners = [rect.left_top(), rect.right_top(), rect.right_bottom(), rect.left_bottom()];
+    let rim: Vec<Pos2> = corners.into_iter().chain([corners[0]]).collect();
+    painter.extend(Shape::dashed_line(&rim, line, 4.0, 2.5));
 }
 
 fn at(rect: Rect, x: f32, y: f32) -> Pos2 {

@@ -10,8 +10,11 @@ pub mod help;
 pub mod history;
 pub mod icons;
 pub mod leave;
+pub mod marker_options;
 pub mod new_dialog;
 pub mod options;
+pub mod spray_options;
+pub mod sprays;
 pub mod state;
 pub mod status;
 pub mod theme;
@@ -27,7 +30,7 @@ use egui::{CentralPanel, Frame, Rect, Response, Sense, Ui};
 use crate::document::Document;
 use crate::input::Bindings;
 
-pub use hand::Hand;
+pub use hand::{Hand, Tool};
 pub use state::{Intent, UiState, ViewState};
 
 /// How long the last picture took, in milliseconds.

@@ -1,11 +1,14 @@
 //! The column on the right: options of the tool, the light and the view, and the history.
 
-use egui::{CollapsingHeader, ComboBox, Frame, Margin, Panel, ScrollArea, Slider, Ui};
+use egui::{CollapsingHeader, ComboBox, DragValue, Frame, Margin, Panel, ScrollArea, Slider, Ui};
 use glam::Vec3;
 
-use super::buttons::action_button;
+use super::buttons::{action_button, explain};
 use super::{Facts, Intent, UiState, history, theme, tool_options};
-use crate::input::Action;
+use crate::command::Command;
+use crate::document::MAX_ARRAY;
+use crate::input::{Action, Axis};
+use crate::tools::symmetry::Parity;
 
 pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
     let frame =
@@ -16,6 +19,10 @@ pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 ui.set_width(theme::OPTIONS_WIDTH - 24.0);
                 section(ui, "Tool", true, |ui| tool_options::show(ui, state, facts, intents));
+                section(ui, "Symmetry and repetition", false, |ui| {
+                    symmetry(ui, state, facts, intents);
+                    repeat(ui, state, facts, intents);
+                });
                 section(ui, "View", true, |ui| view(ui, state, facts, intents));
                 section(ui, "Light", false, |ui| light(ui, state));
                 section(ui, "History", true, |ui| history::show(ui, facts, intents));
@@ -28,6 +35,49 @@ fn section(ui: &mut Ui, title: &str, open: bool, content: impl FnOnce(&mut Ui)) 
     let title = egui::RichText::new(title).strong();
     CollapsingHeader::new(title).default_open(open).show_unindented(ui, content);
     ui.add_space(4.0);
+}
+
+/// A mirror plane across each axis: none, between two voxels, or through one.
+fn symmetry(ui: &mut Ui, state: &UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+    let mut symmetry = facts.document.symmetry();
+    for (axis, name) in Axis::ALL.into_iter().zip(["X", "Y", "Z"]) {
+        ui.horizontal(|ui| {
+            let parity = &mut symmetry.axes[axis.index()];
+            let mut on = parity.is_some();
+            let mirror = ui.checkbox(&mut on, format!("Mirror {name}"));
+            if explain(mirror, state, facts, Action::Mirror(axis)).changed() {
+                *parity = on.then_some(Parity::Even);
+            }
+            if let Some(parity) = parity {
+                ui.selectable_value(parity, Parity::Even, "Even")
+                    .on_hover_text("The plane lies between two voxels");
+                ui.selectable_value(parity, Parity::Odd, "Odd")
+                    .on_hover_text("The plane goes through the middle of a voxel");
+            }
+        });
+    }
+    if symmetry != facts.document.symmetry() {
+        intents.push(Intent::Run(Command::Symmetry(symmetry)));
+    }
+}
+
+/// The last operation again and again.
+fn repeat(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+    ui.horizontal(|ui| {
+        ui.label("Repeat");
+        ui.add(DragValue::new(&mut state.repeat.count).range(1..=MAX_ARRAY).suffix(" times"))
+            .on_hover_text("How often the last operation is done again");
+        let can = facts.document.can_repeat();
+        action_button(ui, state, facts, "Go", Action::Repeat, can, intents);
+    });
+    ui.horizontal(|ui| {
+        ui.label("further by");
+        for (axis, name) in ["X", "Y", "Z"].into_iter().enumerate() {
+            let value = DragValue::new(&mut state.repeat.step[axis]).range(-4096..=4096);
+            ui.add(value.prefix(format!("{name} ")).speed(0.5))
+                .on_hover_text("Voxels from one repetition to the next");
+        }
+    });
 }
 
 fn view(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {

@@ -3,7 +3,7 @@
 
 use std::path::PathBuf;
 
-use glam::{UVec3, Vec3};
+use glam::{IVec3, UVec3, Vec3};
 
 use super::hand::Hand;
 use super::new_dialog::NewDialog;
@@ -11,6 +11,7 @@ use super::toasts::Toasts;
 use crate::command::Command;
 use crate::config::{Config, LightSettings, RenderMode, Theme};
 use crate::input::Action;
+use crate::sculpture::orientation::Orientation;
 
 /// What a person asked for in the interface.
 #[derive(Clone, PartialEq, Debug)]
@@ -40,11 +41,23 @@ pub struct ViewState {
     pub tool: bool,
 }
 
+/// An array to be made of the last operation.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Repeat {
+    pub count: u32,
+    /// In voxels.
+    pub step: IVec3,
+}
+
 /// Everything that the interface remembers.
 pub struct UiState {
     pub hand: Hand,
     pub view: ViewState,
     pub theme: Theme,
+    /// How what was copied will be put down.
+    pub orientation: Orientation,
+    /// How often and how far on the last operation is repeated.
+    pub repeat: Repeat,
     /// Index of the table of bindings in use.
     pub preset: usize,
     pub help_open: bool,
@@ -71,6 +84,8 @@ impl UiState {
                 tool: true,
             },
             theme: config.window.theme,
+            orientation: Orientation::UPRIGHT,
+            repeat: Repeat { count: 3, step: IVec3::new(16, 0, 0) },
             preset: 0,
             help_open: false,
             leave_open: false,

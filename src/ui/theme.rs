@@ -6,7 +6,7 @@ use egui::{Color32, CornerRadius, FontFamily, FontId, Stroke, Style, TextStyle, 
 use crate::config::Theme;
 
 /// Width of the column of tools in points.
-pub const TOOLBOX_WIDTH: f32 = 76.0;
+pub const TOOLBOX_WIDTH: f32 = 134.0;
 /// Width of the column of options in points.
 pub const OPTIONS_WIDTH: f32 = 246.0;
 

@@ -1,14 +1,16 @@
-//! The options of the tool in hand: size, rotation, colour, where it goes.
+//! The options of the tool in hand. A solid has size, rotation, colour and where it goes; sprays
+//! and the marker have panels of their own.
 
 use egui::{Color32, DragValue, Sense, Slider, Ui, vec2};
 use glam::Vec3;
 
 use super::buttons::{action_button, explain};
+use super::files::FileTask;
 use super::hand::HALF_RANGE;
 use super::toolbox::mode_name;
 use super::top_bar::capital;
-use super::{Facts, Intent, UiState};
-use crate::input::Action;
+use super::{Facts, Hand, Intent, Tool, UiState, marker_options, spray_options};
+use crate::input::{Action, ToolMode};
 use crate::sculpture::{ColourDepth, Rgb};
 
 const AXES: [&str; 3] = ["X", "Y", "Z"];
@@ -31,16 +33,69 @@ const PALETTE: [Rgb; 14] = [
 ];
 
 pub fn show(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
-    let hand = &state.hand;
-    ui.label(format!("{} — {}", capital(hand.solid.name()), mode_name(hand.mode).to_lowercase()));
-    size(ui, state);
-    rotation(ui, state);
-    colour(ui, state, facts);
+    match state.hand.tool {
+        Tool::Solid => {
+            let hand = &state.hand;
+            let mode = mode_name(hand.mode).to_lowercase();
+            ui.label(format!("{} — {mode}", capital(hand.solid.name())));
+            size(ui, state);
+            rotation(ui, state, facts, intents);
+            colour(ui, state, facts);
+            if state.hand.mode == ToolMode::Recolour {
+                picture(ui, state);
+            }
+            place(ui, state, facts, intents);
+        }
+        Tool::Spray(kind) => {
+            ui.label(capital(kind.name()));
+            spray_options::show(ui, state.hand.sprays.of_mut(kind), kind);
+            if kind.gives_colour() {
+                colour(ui, state, facts);
+            }
+        }
+        Tool::Marker => {
+            ui.label("Marker");
+            marker_options::show(ui, state, facts, intents);
+            colour(ui, state, facts);
+        }
+    }
+}
+
+/// Where the tool goes.
+fn place(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
     let follow = ui.checkbox(&mut state.hand.follow, "Follow the pointer");
     explain(follow, state, facts, Action::ToggleFollow);
-    ui.checkbox(&mut state.hand.snap, "Snap to voxels")
-        .on_hover_text("Keep the centre of the tool at centres of voxels");
+    ui.add_enabled_ui(state.hand.follow, |ui| {
+        ui.checkbox(&mut state.hand.stand, "Stand on the surface")
+            .on_hover_text("The tool touches the surface instead of being half in it");
+        ui.checkbox(&mut state.hand.lean, "Turn with the surface")
+            .on_hover_text("The tool's y axis looks out of the surface");
+    });
+    let snap = ui.checkbox(&mut state.hand.snap, "Snap to voxels");
+    explain(snap, state, facts, Action::ToggleSnap);
     action_button(ui, state, facts, "Reset the tool", Action::ResetTool, true, intents);
+}
+
+/// What a solid paints with instead of one colour.
+fn picture(ui: &mut Ui, state: &mut UiState) {
+    ui.horizontal(|ui| {
+        if ui
+            .button("Picture …")
+            .on_hover_text("Paint with a PNG or JPEG picture wrapped around the tool")
+            .clicked()
+        {
+            state.files.open(FileTask::Picture, state.hand.picture.as_deref());
+        }
+        let Some(picture) = &state.hand.picture else {
+            ui.weak("one colour");
+            return;
+        };
+        let name = picture.file_name().unwrap_or(picture.as_os_str()).to_string_lossy();
+        ui.add(egui::Label::new(name).truncate()).on_hover_text(picture.display().to_string());
+        if ui.small_button("✖").on_hover_text("Paint with the colour again").clicked() {
+            state.hand.picture = None;
+        }
+    });
 }
 
 fn size(ui: &mut Ui, state: &mut UiState) {
@@ -90,14 +145,11 @@ fn size(ui: &mut Ui, state: &mut UiState) {
     hand.uniform = uniform;
 }
 
-fn rotation(ui: &mut Ui, state: &mut UiState) {
+fn rotation(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
     ui.horizontal(|ui| {
         ui.label("Rotation");
-        let reset = egui::Button::new("Upright");
         let turned = state.hand.turn_deg() != Vec3::ZERO;
-        if ui.add_enabled(turned, reset).on_hover_text("No rotation").clicked() {
-            state.hand.set_turn_deg(Vec3::ZERO);
-        }
+        action_button(ui, state, facts, "Upright", Action::AlignTool, turned, intents);
     });
     ui.horizontal(|ui| {
         let mut turn_deg = state.hand.turn_deg();
@@ -127,15 +179,27 @@ fn colour(ui: &mut Ui, state: &mut UiState, facts: &Facts) {
         let label = ui.label("Colour");
         ui.color_edit_button_srgb(&mut state.hand.colour.0).labelled_by(label.id);
         ui.monospace(state.hand.colour.to_string());
-    });
-    ui.horizontal_wrapped(|ui| {
-        ui.spacing_mut().item_spacing = vec2(4.0, 4.0);
-        for colour in PALETTE {
-            if swatch(ui, colour, colour == state.hand.colour) {
-                state.hand.colour = colour;
-            }
+        let keys = facts.bindings(state).and_then(|b| b.shortcut(Action::PickColour));
+        if let Some(keys) = keys {
+            ui.weak("🖊").on_hover_text(format!("{keys} takes the colour of the surface"));
         }
     });
+    let pick = |ui: &mut Ui, colours: &[Rgb], hand: &mut Hand| {
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing = vec2(4.0, 4.0);
+            for colour in colours {
+                if swatch(ui, *colour, *colour == hand.colour) {
+                    hand.colour = *colour;
+                }
+            }
+        });
+    };
+    pick(ui, &PALETTE, &mut state.hand);
+    let recent = state.hand.recent().to_vec();
+    if !recent.is_empty() {
+        ui.label(egui::RichText::new("Used last").small().weak());
+        pick(ui, &recent, &mut state.hand);
+    }
 }
 
 fn swatch(ui: &mut Ui, colour: Rgb, chosen: bool) -> bool {

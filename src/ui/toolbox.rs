@@ -1,32 +1,90 @@
-//! The column of tools on the left: which solid, and what it does.
+//! The tools on the left, in two columns: solids and what they do, sprays, the marker.
 
-use egui::{Frame, Margin, Panel, Rect, Sense, Ui, WidgetInfo, WidgetType, vec2};
+use egui::{
+    Frame, Margin, Panel, Rect, RichText, ScrollArea, Sense, Ui, WidgetInfo, WidgetType, vec2,
+};
 
 use super::buttons::explain;
 use super::top_bar::capital;
-use super::{Facts, Intent, UiState, icons, theme};
+use super::{Facts, Intent, Tool, UiState, icons, theme};
 use crate::input::{Action, ToolMode};
 use crate::tools::construct::Solid;
+use crate::tools::spray::SprayKind;
 
-const ICON: f32 = 26.0;
+const ICON: f32 = 24.0;
 
 pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
     let frame = Frame::side_top_panel(root.style()).inner_margin(Margin::symmetric(6, 8));
     Panel::left("toolbox").frame(frame).resizable(false).exact_size(theme::TOOLBOX_WIDTH).show(
         root,
         |ui| {
-            for solid in Solid::ALL {
-                let chosen = state.hand.solid == solid;
-                let name = capital(solid.name());
-                tool(ui, state, facts, &name, chosen, Action::Solid(solid), intents);
-            }
-            ui.separator();
-            for mode in ToolMode::ALL {
-                let chosen = state.hand.mode == mode;
-                tool(ui, state, facts, mode_name(mode), chosen, Action::Mode(mode), intents);
-            }
+            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                ui.spacing_mut().item_spacing = vec2(4.0, 4.0);
+                let solids = Solid::ALL.map(|solid| Entry {
+                    name: capital(solid.name()),
+                    chosen: state.hand.tool == Tool::Solid && state.hand.solid == solid,
+                    action: Action::Solid(solid),
+                });
+                group(ui, state, facts, "Solids", &solids, intents);
+                let modes = ToolMode::ALL.map(|mode| Entry {
+                    name: mode_name(mode).to_string(),
+                    chosen: state.hand.tool == Tool::Solid && state.hand.mode == mode,
+                    action: Action::Mode(mode),
+                });
+                group(ui, state, facts, "", &modes, intents);
+                let sprays = SprayKind::ALL.map(|kind| Entry {
+                    name: capital(spray_name(kind)),
+                    chosen: state.hand.tool == Tool::Spray(kind),
+                    action: Action::Spray(kind),
+                });
+                group(ui, state, facts, "Sprays", &sprays, intents);
+                let marker = Entry {
+                    name: "Marker".to_string(),
+                    chosen: state.hand.tool == Tool::Marker,
+                    action: Action::Marker,
+                };
+                group(ui, state, facts, "Selection", &[marker], intents);
+            });
         },
     );
+}
+
+/// A tool to choose.
+struct Entry {
+    name: String,
+    chosen: bool,
+    action: Action,
+}
+
+/// Tools under a heading, two in a row.
+fn group(
+    ui: &mut Ui,
+    state: &UiState,
+    facts: &Facts,
+    title: &str,
+    entries: &[Entry],
+    intents: &mut Vec<Intent>,
+) {
+    if title.is_empty() {
+        ui.add_space(2.0);
+    } else {
+        ui.label(RichText::new(title).small().weak());
+    }
+    let width = (ui.available_width() - ui.spacing().item_spacing.x) / 2.0;
+    for row in entries.chunks(2) {
+        ui.horizontal(|ui| {
+            row.iter().for_each(|entry| tool(ui, state, facts, width, entry, intents));
+        });
+    }
+    ui.add_space(4.0);
+}
+
+/// What the interface calls a spray where there is little room.
+fn spray_name(kind: SprayKind) -> &'static str {
+    match kind {
+        SprayKind::Paintbrush => "brush",
+        other => other.name(),
+    }
 }
 
 /// What the interface calls a mode.
@@ -43,12 +101,13 @@ fn tool(
     ui: &mut Ui,
     state: &UiState,
     facts: &Facts,
-    name: &str,
-    chosen: bool,
-    action: Action,
+    width: f32,
+    entry: &Entry,
     intents: &mut Vec<Intent>,
 ) {
-    let size = vec2(ui.available_width(), ICON + 28.0);
+    let Entry { name, chosen, action } = entry;
+    let (chosen, action) = (*chosen, *action);
+    let size = vec2(width, ICON + 24.0);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
     response.widget_info(|| {
         WidgetInfo::selected(WidgetType::SelectableLabel, ui.is_enabled(), chosen, name)
@@ -64,7 +123,7 @@ fn tool(
         );
     }
     let icon =
-        Rect::from_center_size(rect.center_top() + vec2(0.0, 7.0 + ICON / 2.0), vec2(ICON, ICON));
+        Rect::from_center_size(rect.center_top() + vec2(0.0, 5.0 + ICON / 2.0), vec2(ICON, ICON));
     let colour = visuals.text_color();
     match action {
         Action::Solid(solid) => icons::solid(ui.painter(), icon, solid, colour),
@@ -77,9 +136,11 @@ fn tool(
             };
             icons::mode(ui.painter(), icon.shrink(2.0), mode, tint);
         }
+        Action::Spray(kind) => icons::spray(ui.painter(), icon, kind, colour),
+        Action::Marker => icons::marker(ui.painter(), icon.shrink(2.0), colour),
         _ => {}
     }
-    let below = rect.center_bottom() - vec2(0.0, 5.0);
+    let below = rect.center_bottom() - vec2(0.0, 4.0);
     let font = egui::TextStyle::Small.resolve(ui.style());
     ui.painter().text(below, egui::Align2::CENTER_BOTTOM, name, font, colour);
     if explain(response, state, facts, action).clicked() {

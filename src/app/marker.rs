@@ -1,0 +1,250 @@
+//! Owns handling the marker with a pointer: drawing a box over the surface, sliding it, pulling
+//! its faces; and everything that keys do with it.
+
+use glam::{IVec3, Vec2, Vec3};
+
+use super::aim::entered_face;
+use super::workbench::Workbench;
+use crate::command::{Area, Command, SelectOp};
+use crate::input::{Action, Step};
+use crate::sculpture::orientation::Orientation;
+use crate::sculpture::region::VoxelBox;
+use crate::sculpture::selection::Selection;
+use crate::ui::Tool;
+
+/// What a drag does to the marker.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum MarkerDrag {
+    /// Slides it in the plane of a face; `normal` leads out of it.
+    Slide { normal: Vec3, grabbed: Vec3, start: VoxelBox },
+    /// Pulls a face along its normal.
+    Pull { normal: Vec3, grabbed: Vec3, start: VoxelBox },
+    /// Spans a box between two voxels of the surface.
+    Span { from: IVec3 },
+}
+
+impl Workbench {
+    /// A press with the marker in hand; false if it was beside everything.
+    pub(super) fn begin_marker(&mut self, at: Vec2, pull: bool) -> bool {
+        let start = self.session.document().selection().marker();
+        let rays = self.sight().rays;
+        let direction = rays.direction_at(at.x, at.y);
+        let (min, max) = (start.min.as_vec3(), start.max.as_vec3());
+        let face = entered_face(rays.origin, direction, min, max);
+        let surface = self.target(at);
+        let depth = |p: Vec3| (p - rays.origin).dot(direction) / direction.length_squared();
+        // A face that the sculpture hides cannot be meant, unless its surface lies in the box.
+        let hidden = |enter: f32| {
+            surface
+                .is_some_and(|p| depth(p) < enter - 1e-3 && !start.contains(p.floor().as_ivec3()))
+        };
+        self.marker_drag = match (face.filter(|(enter, _)| !hidden(*enter)), surface) {
+            (Some((enter, normal)), _) => {
+                let grabbed = rays.origin + direction * enter;
+                Some(match pull {
+                    true => MarkerDrag::Pull { normal, grabbed, start },
+                    false => MarkerDrag::Slide { normal, grabbed, start },
+                })
+            }
+            (None, Some(point)) => {
+                let from = self.voxel_behind(point, at);
+                self.mark(VoxelBox { min: from, max: from + 1 });
+                Some(MarkerDrag::Span { from })
+            }
+            (None, None) => None,
+        };
+        self.marker_drag.is_some()
+    }
+
+    pub(super) fn drag_marker(&mut self, at: Vec2) {
+        let rays = self.sight().rays;
+        let direction = rays.direction_at(at.x, at.y);
+        match self.marker_drag {
+            Some(MarkerDrag::Slide { normal, grabbed, start }) => {
+                // The point of the face's plane under the pointer.
+                let along = direction.dot(normal);
+                if along.abs() < 1e-6 {
+                    return;
+                }
+                let t = (grabbed - rays.origin).dot(normal) / along;
+                if t > 0.0 {
+                    let by = (rays.origin + direction * t - grabbed).round();
+                    let by = (by - normal * by.dot(normal)).as_ivec3();
+                    self.mark(VoxelBox { min: start.min + by, max: start.max + by });
+                }
+            }
+            Some(MarkerDrag::Pull { normal, grabbed, start }) => {
+                let Some(pulled) = nearest_on_line(grabbed, normal, rays.origin, direction) else {
+                    return;
+                };
+                self.mark(pulled_face(start, normal, pulled.round() as i32));
+            }
+            Some(MarkerDrag::Span { from }) => {
+                if let Some(point) = self.target(at) {
+                    let to = self.voxel_behind(point, at);
+                    self.mark(VoxelBox { min: from.min(to), max: from.max(to) + 1 });
+                }
+            }
+            None => {}
+        }
+    }
+
+    /// Moves the marker as far as a drag of `by` pixels moves things at its depth.
+    pub(super) fn shift_marker(&mut self, by: Vec3) {
+        let moved = self.marker_rest + by;
+        let whole = moved.round();
+        self.marker_rest = moved - whole;
+        if whole != Vec3::ZERO {
+            let marker = self.session.document().selection().marker();
+            let by = whole.as_ivec3();
+            self.mark(VoxelBox {
+                min: marker.min.saturating_add(by),
+                max: marker.max.saturating_add(by),
+            });
+        }
+    }
+
+    /// Makes the marker larger by a twentieth on every side, at least by a voxel.
+    pub(super) fn scale_marker(&mut self, notches: f32) {
+        let marker = self.session.document().selection().marker();
+        let by = (marker.size() / 20).max(glam::UVec3::ONE).as_ivec3();
+        let by = by * notches.round().clamp(-8.0, 8.0) as i32;
+        let (mut min, mut max) = (marker.min - by, marker.max + by);
+        for axis in 0..3 {
+            if min[axis] >= max[axis] {
+                let middle = (marker.min[axis] + marker.max[axis]).div_euclid(2);
+                (min[axis], max[axis]) = (middle, middle + 1);
+            }
+        }
+        self.mark(VoxelBox { min, max });
+    }
+
+    /// Makes the marker a voxel longer towards a side.
+    pub(super) fn stretch_marker(&mut self, side: Vec3) {
+        let marker = self.session.document().selection().marker();
+        self.mark(pulled_face(marker, side, 1));
+    }
+
+    /// Back to the middle of the grid.
+    pub(super) fn reset_marker(&mut self) {
+        let dims = self.session.document().grid().dims();
+        self.mark(Selection::new(dims).marker());
+    }
+
+    fn mark(&mut self, marker: VoxelBox) {
+        if self.session.document().selection().marker() != marker {
+            self.execute(&Command::Mark(marker));
+        }
+    }
+
+    /// The voxel whose face a point on the surface lies on.
+    fn voxel_behind(&self, point: Vec3, at: Vec2) -> IVec3 {
+        let dims = self.session.document().grid().dims().as_ivec3();
+        (point - self.normal(at) * 0.5).floor().as_ivec3().clamp(IVec3::ZERO, dims - 1)
+    }
+
+    /// Does what an action says about the marker, the selection or the copy.
+    pub(super) fn act_on_area(&mut self, action: Action) {
+        let marker = self.session.document().selection().marker();
+        let colour = self.ui.hand.colour;
+        let area = Area::Marker;
+        let turned = |orientation: Orientation, step| orientation.then(step);
+        match action {
+            Action::Marker => self.ui.hand.tool = Tool::Marker,
+            Action::SelectMarker => self.run(Command::Select(SelectOp::Add), false),
+            Action::DeselectMarker => self.run(Command::Select(SelectOp::Subtract), false),
+            Action::DropBox => self.run(Command::Select(SelectOp::Drop), false),
+            Action::ClearSelection => self.run(Command::Select(SelectOp::Clear), false),
+            Action::ToggleLimit => {
+                let selection = self.session.document().selection();
+                let (limits, empty) = (selection.limits(), selection.boxes().is_empty());
+                // Whoever limits tools without having selected anything means the marker.
+                if !limits && empty {
+                    self.run(Command::Select(SelectOp::Add), false);
+                }
+                self.run(Command::Limit(!limits), false);
+            }
+            Action::FillMarker => {
+                self.ui.hand.used_colour();
+                self.run(Command::Fill { area, colour: Some(colour) }, false);
+            }
+            Action::ClearMarker => self.run(Command::Clear { area }, false),
+            Action::DyeMarker => {
+                self.ui.hand.used_colour();
+                self.run(Command::Dye { area, colour }, false);
+            }
+            Action::Copy | Action::Cut => {
+                let cut = action == Action::Cut;
+                self.run(if cut { Command::Cut } else { Command::Copy }, false);
+                self.ui.orientation = Orientation::UPRIGHT;
+            }
+            Action::Paste => {
+                let orientation = self.ui.orientation;
+                self.run(Command::Paste { at: marker.min, orientation }, false);
+            }
+            Action::TurnClip(axis) => {
+                let step = Orientation::quarter_turn(axis.index());
+                self.ui.orientation = turned(self.ui.orientation, step);
+            }
+            Action::MirrorClip(axis) => {
+                let step = Orientation::mirroring(axis.index());
+                self.ui.orientation = turned(self.ui.orientation, step);
+            }
+            Action::MoveContents(step) => {
+                let by = self.grid_step(step).as_ivec3();
+                self.run(Command::Move { by, orientation: Orientation::UPRIGHT }, false);
+            }
+            _ => {}
+        }
+    }
+
+    /// The axis of the grid that a step on the screen goes along.
+    pub(super) fn grid_step(&self, step: Step) -> Vec3 {
+        self.sight().screen_axes().step(step)
+    }
+}
+
+/// A box with one face moved by `by` voxels along its normal, at least a voxel long.
+fn pulled_face(start: VoxelBox, normal: Vec3, by: i32) -> VoxelBox {
+    let mut marker = start;
+    let axis = (0..3).find(|axis| normal[*axis] != 0.0).unwrap_or(0);
+    if normal[axis] > 0.0 {
+        marker.max[axis] = marker.max[axis].saturating_add(by).max(marker.min[axis] + 1);
+    } else {
+        marker.min[axis] = marker.min[axis].saturating_sub(by).min(marker.max[axis] - 1);
+    }
+    marker
+}
+
+/// How far along a line (through `point` along the unit vector `axis`) it is nearest to a ray;
+/// none if they are almost parallel.
+fn nearest_on_line(point: Vec3, axis: Vec3, origin: Vec3, direction: Vec3) -> Option<f32> {
+    let direction = direction.try_normalize()?;
+    let across = axis.dot(direction);
+    let rest = 1.0 - across * across;
+    let between = origin - point;
+    (rest > 1e-4).then(|| (between.dot(axis) - between.dot(direction) * across) / rest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pulled_face_moves_alone_and_leaves_a_voxel() {
+        let start = VoxelBox { min: IVec3::ZERO, max: IVec3::splat(4) };
+        let right = pulled_face(start, Vec3::X, 3);
+        assert_eq!(right, VoxelBox { min: IVec3::ZERO, max: IVec3::new(7, 4, 4) });
+        let low = pulled_face(start, Vec3::NEG_Y, 2);
+        assert_eq!(low, VoxelBox { min: IVec3::new(0, -2, 0), max: IVec3::splat(4) });
+        let thin = pulled_face(start, Vec3::NEG_Y, -9);
+        assert_eq!(thin, VoxelBox { min: IVec3::new(0, 3, 0), max: IVec3::splat(4) });
+    }
+
+    #[test]
+    fn a_line_is_met_where_it_comes_nearest() {
+        let at = nearest_on_line(Vec3::ZERO, Vec3::X, Vec3::new(5.0, 3.0, 9.0), Vec3::NEG_Z * 2.0);
+        assert!((at.unwrap() - 5.0).abs() < 1e-5);
+        assert!(nearest_on_line(Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::X).is_none());
+    }
+}

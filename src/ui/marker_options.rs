@@ -1,0 +1,170 @@
+//! The options of the marker: where it is, what is selected, what is copied, moved and filled.
+
+use egui::{DragValue, Ui};
+use glam::IVec3;
+
+use super::buttons::{action_button, explain};
+use super::status::grouped;
+use super::{Facts, Intent, UiState};
+use crate::command::Command;
+use crate::input::{Action, Axis};
+use crate::sculpture::orientation::Orientation;
+use crate::sculpture::region::VoxelBox;
+
+const AXES: [&str; 3] = ["X", "Y", "Z"];
+
+pub fn show(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+    bounds(ui, facts, intents);
+    buttons(
+        ui,
+        state,
+        facts,
+        intents,
+        true,
+        &[
+            ("Fill", Action::FillMarker),
+            ("Dye", Action::DyeMarker),
+            ("Delete", Action::ClearMarker),
+            ("Reset", Action::ResetTool),
+        ],
+    );
+    heading(ui, "Selection");
+    selection(ui, state, facts, intents);
+    heading(ui, "Contents");
+    contents(ui, state, facts, intents);
+    copy(ui, state, facts, intents);
+}
+
+fn heading(ui: &mut Ui, text: &str) {
+    ui.add_space(2.0);
+    ui.label(egui::RichText::new(text).small().weak());
+}
+
+fn buttons(
+    ui: &mut Ui,
+    state: &UiState,
+    facts: &Facts,
+    intents: &mut Vec<Intent>,
+    enabled: bool,
+    entries: &[(&str, Action)],
+) {
+    ui.horizontal_wrapped(|ui| {
+        for (label, action) in entries {
+            action_button(ui, state, facts, *label, *action, enabled, intents);
+        }
+    });
+}
+
+/// Lower corner and lengths as numbers.
+fn bounds(ui: &mut Ui, facts: &Facts, intents: &mut Vec<Intent>) {
+    let marker = facts.document.selection().marker();
+    let (mut at, mut size) = (marker.min, marker.size().as_ivec3());
+    let mut changed = false;
+    for (title, hint, values, least) in [
+        ("From", "Lower corner of the marker along", &mut at, i32::MIN),
+        ("Size", "Length of the marker along", &mut size, 1),
+    ] {
+        ui.horizontal(|ui| {
+            ui.label(title);
+            for (axis, name) in AXES.iter().enumerate() {
+                let value = DragValue::new(&mut values[axis])
+                    .range(least..=1 << 19)
+                    .speed(0.5)
+                    .prefix(format!("{name} "));
+                let hint = format!("{hint} {name}, in voxels");
+                changed |= ui.add(value).on_hover_text(hint).changed();
+            }
+        });
+    }
+    if changed {
+        let far = IVec3::splat(1 << 19);
+        let min = at.clamp(-far, far);
+        intents.push(Intent::Run(Command::Mark(VoxelBox { min, max: min + size })));
+    }
+}
+
+fn selection(ui: &mut Ui, state: &UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+    let selection = facts.document.selection();
+    let boxes = selection.boxes();
+    buttons(
+        ui,
+        state,
+        facts,
+        intents,
+        true,
+        &[("Add", Action::SelectMarker), ("Subtract", Action::DeselectMarker)],
+    );
+    for (i, selected) in boxes.iter().enumerate().rev().take(6) {
+        let (at, size) = (selected.bounds.min, selected.bounds.size());
+        let sign = if selected.adds { "+" } else { "−" };
+        ui.horizontal(|ui| {
+            ui.monospace(format!("{sign} {}×{}×{}", size.x, size.y, size.z))
+                .on_hover_text(format!("from {} {} {}", at.x, at.y, at.z));
+            if i + 1 == boxes.len() {
+                action_button(ui, state, facts, "Drop", Action::DropBox, true, intents);
+            }
+        });
+    }
+    if boxes.len() > 6 {
+        ui.weak(format!("and {} more", boxes.len() - 6));
+    }
+    if boxes.is_empty() {
+        ui.weak("Nothing is selected");
+    } else {
+        buttons(ui, state, facts, intents, true, &[("Select nothing", Action::ClearSelection)]);
+    }
+    let mut limits = selection.limits();
+    let limit = ui.checkbox(&mut limits, "Limit all tools to it");
+    if explain(limit, state, facts, Action::ToggleLimit).changed() {
+        intents.push(Intent::Do(Action::ToggleLimit));
+    }
+}
+
+/// What is done to the voxels in the marker where they are.
+fn contents(ui: &mut Ui, state: &UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+    buttons(ui, state, facts, intents, true, &[("Copy", Action::Copy), ("Cut", Action::Cut)]);
+    ui.horizontal(|ui| {
+        for (axis, name) in AXES.iter().enumerate() {
+            let turn = Orientation::quarter_turn(axis);
+            let mirror = Orientation::mirroring(axis);
+            for (label, hint, orientation) in [
+                (format!("↻{name}"), "Turn what the marker holds by 90° about", turn),
+                (format!("⇄{name}"), "Mirror what the marker holds along", mirror),
+            ] {
+                if ui.small_button(label).on_hover_text(format!("{hint} {name}")).clicked() {
+                    let command = Command::Move { by: IVec3::ZERO, orientation };
+                    intents.push(Intent::Run(command));
+                }
+            }
+        }
+    });
+    let keys = facts
+        .bindings(state)
+        .and_then(|b| b.shortcut(Action::MoveContents(crate::input::Step::Left)));
+    if let Some(keys) = keys {
+        ui.weak(format!("{keys} … moves it"));
+    }
+}
+
+/// What has been copied, and how it will be put down.
+fn copy(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+    let Some(clip) = facts.document.clip() else { return };
+    heading(ui, "Copy");
+    let size = state.orientation.size(clip.size());
+    ui.label(format!("{} × {} × {}", size.x, size.y, size.z))
+        .on_hover_text(format!("{} voxels", grouped(clip.voxel_count())));
+    buttons(ui, state, facts, intents, true, &[("Paste", Action::Paste)]);
+    ui.horizontal(|ui| {
+        for (axis, name) in Axis::ALL.into_iter().zip(AXES) {
+            for (label, action) in [
+                (format!("↻{name}"), Action::TurnClip(axis)),
+                (format!("⇄{name}"), Action::MirrorClip(axis)),
+            ] {
+                let button = ui.small_button(label);
+                if explain(button, state, facts, action).clicked() {
+                    intents.push(Intent::Do(action));
+                }
+            }
+        }
+    });
+}

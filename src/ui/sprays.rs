@@ -1,0 +1,144 @@
+//! Owns the options of the spray tools in hand, each tool its own.
+
+use crate::command::{Command, SpraySurface};
+use crate::sculpture::Rgb;
+use crate::tools::spray::{Effect, Footprint, MAX_FOOTPRINT, Outline, Spray, SprayKind};
+
+/// The options of one spray tool. What it has no use for is ignored.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct SprayOptions {
+    /// Of the footprint, in pixels of the picture.
+    pub radius_px: f32,
+    pub outline: Outline,
+    /// How far around a point under the footprint voxels may change.
+    pub reach_vx: f32,
+    /// What the devourer bites.
+    pub bite: Outline,
+    /// Of 26 neighbours.
+    pub threshold: u32,
+    /// What smoothing looks at.
+    pub around_vx: u32,
+    /// Share of the colour that a pass of the paintbrush mixes in.
+    pub cover: f32,
+    /// Rays meet the surface as it was when the stroke began.
+    pub surface: SpraySurface,
+}
+
+/// The options of all spray tools.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Sprays([SprayOptions; SprayKind::ALL.len()]);
+
+impl Default for Sprays {
+    fn default() -> Self {
+        Sprays(SprayKind::ALL.map(SprayOptions::of))
+    }
+}
+
+impl SprayOptions {
+    /// What a tool begins with.
+    pub fn of(kind: SprayKind) -> SprayOptions {
+        let options = SprayOptions {
+            radius_px: 20.0,
+            outline: Outline::Round,
+            reach_vx: 3.0,
+            bite: Outline::Round,
+            threshold: 14,
+            around_vx: 2,
+            cover: 1.0,
+            surface: SpraySurface::Stroke,
+        };
+        match kind {
+            SprayKind::Paintbrush => SprayOptions { surface: SpraySurface::Now, ..options },
+            SprayKind::Devourer => options,
+            SprayKind::Clay => SprayOptions { reach_vx: 4.0, ..options },
+            // Filters work on what the last pass has left, deeper with each.
+            SprayKind::Erosion => SprayOptions { surface: SpraySurface::Now, ..options },
+            SprayKind::Dilation => {
+                SprayOptions { threshold: 9, surface: SpraySurface::Now, ..options }
+            }
+            SprayKind::Growth => {
+                SprayOptions { threshold: 12, surface: SpraySurface::Now, ..options }
+            }
+            SprayKind::Smooth => {
+                SprayOptions { reach_vx: 4.0, surface: SpraySurface::Now, ..options }
+            }
+        }
+    }
+
+    pub fn scale_radius(&mut self, factor: f32) {
+        if factor.is_finite() && factor > 0.0 {
+            self.radius_px = (self.radius_px * factor).clamp(1.0, MAX_FOOTPRINT);
+        }
+    }
+
+    /// The use of the tool under a footprint.
+    pub fn command(&self, kind: SprayKind, colour: Rgb, footprint: Footprint) -> Command {
+        let threshold = self.threshold;
+        let effect = match kind {
+            SprayKind::Paintbrush => Effect::Paintbrush { colour, cover: self.cover },
+            SprayKind::Devourer => Effect::Devourer { outline: self.bite },
+            SprayKind::Erosion => Effect::Erosion { threshold },
+            SprayKind::Dilation => Effect::Dilation { threshold, colour },
+            SprayKind::Growth => Effect::Growth { threshold, colour },
+            SprayKind::Smooth => Effect::Smooth { radius_vx: self.around_vx },
+            SprayKind::Clay => Effect::Clay { colour },
+        };
+        let spray = Spray { effect, footprint, reach_vx: self.reach_vx };
+        Command::Spray { spray, surface: self.surface }
+    }
+}
+
+impl Sprays {
+    pub fn of(&self, kind: SprayKind) -> &SprayOptions {
+        &self.0[place(kind)]
+    }
+
+    pub fn of_mut(&mut self, kind: SprayKind) -> &mut SprayOptions {
+        &mut self.0[place(kind)]
+    }
+}
+
+fn place(kind: SprayKind) -> usize {
+    SprayKind::ALL.iter().position(|k| *k == kind).unwrap_or(0)
+}
+
+/// What the modifier that inverts the tool turns it into.
+pub fn opposite(kind: SprayKind) -> SprayKind {
+    match kind {
+        SprayKind::Paintbrush | SprayKind::Smooth => kind,
+        SprayKind::Devourer => SprayKind::Clay,
+        SprayKind::Clay => SprayKind::Devourer,
+        SprayKind::Erosion => SprayKind::Dilation,
+        SprayKind::Dilation | SprayKind::Growth => SprayKind::Erosion,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn every_tool_is_usable_with_its_first_options_and_has_its_own() {
+        let mut sprays = Sprays::default();
+        let footprint = Footprint {
+            eye_vx: Vec3::ZERO,
+            aim: Vec3::Z,
+            across: Vec3::X,
+            down: Vec3::Y,
+            radius: 20.0,
+            outline: Outline::Round,
+        };
+        for kind in SprayKind::ALL {
+            let command = sprays.of(kind).command(kind, Rgb::STONE, footprint);
+            let Command::Spray { spray, .. } = command else { panic!() };
+            assert_eq!(spray.effect.kind(), kind);
+            assert!(spray.check().is_ok(), "{kind:?}");
+            sprays.of_mut(kind).scale_radius(1e9);
+            assert_eq!(sprays.of(kind).radius_px, MAX_FOOTPRINT);
+        }
+        sprays.of_mut(SprayKind::Clay).scale_radius(1e-9);
+        assert_eq!(sprays.of(SprayKind::Clay).radius_px, 1.0);
+        assert_eq!(sprays.of(SprayKind::Smooth).radius_px, MAX_FOOTPRINT);
+    }
+}
