@@ -245,13 +245,13 @@ fn adding_and_painting_use_the_chosen_colour() {
     let bench = harness.state();
     let material = bench.session().document().material();
     assert!(material.page_count() > 0);
-    // The other way round, painting adds.
-    let alt = Modifiers::ALT;
+    // The other way round, cutting adds.
+    let ctrl = Modifiers::COMMAND;
     harness.get_by_label("Cut").click();
     harness.run();
     drag(&mut harness, PointerButton::Primary, Modifiers::NONE, &[at]);
     let cut = voxels(&harness);
-    drag(&mut harness, PointerButton::Primary, alt, &[at]);
+    drag(&mut harness, PointerButton::Primary, ctrl, &[at]);
     assert!(voxels(&harness) > cut);
 }
 
@@ -266,7 +266,7 @@ fn the_keyboard_alone_moves_and_uses_the_tool() {
     key(&mut harness, Modifiers::NONE, Key::Space);
     assert_eq!(undo_count(&harness), 1);
     assert!(voxels(&harness) < 64u64.pow(3));
-    key(&mut harness, Modifiers::NONE, Key::Delete);
+    key(&mut harness, Modifiers::COMMAND, Key::Delete);
     assert_eq!(voxels(&harness), 0);
     key(&mut harness, Modifiers::COMMAND, Key::Z);
     assert!(voxels(&harness) > 0);
@@ -424,6 +424,8 @@ fn the_options_change_the_tool_and_the_view() {
     harness.get_by_label("Snap to voxels").click();
     harness.run();
     assert!(harness.state().ui.hand.snap);
+    harness.get_by_label("View").click();
+    harness.run();
     harness.get_by_label("Edges of the grid").click();
     harness.run();
     assert!(!harness.state().ui.view.bounds);
@@ -456,7 +458,10 @@ fn everything_fits_at_both_sizes_and_in_both_themes() {
                 }
             }
             let picture = harness.state().picture();
-            assert!(picture.width() > 0.55 * size.x && picture.height() > 0.85 * size.y);
+            assert!(
+                picture.width() > 0.55 * size.x && picture.height() > 0.85 * size.y,
+                "{picture}"
+            );
             assert!(
                 harness.get_by_label("Menu").rect().left()
                     > harness.get_by_label("Help").rect().right() - 0.5

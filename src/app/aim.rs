@@ -15,7 +15,7 @@ pub fn surface_point(map: &IndexMap, grid: &Grid, at: Vec2) -> Option<Vec3> {
     // The picture has one ray a pixel, so the ray through `at` may pass the voxel by.
     Some(match enter_box(origin, direction, voxel, voxel + 1.0) {
         Some((enter, _)) => origin + direction * enter.max(0.0),
-        None => voxel + 0.5,
+        None => voxel + 0.5 + facing(direction) * 0.5,
     })
 }
 
@@ -31,11 +31,17 @@ pub fn surface_face(map: &IndexMap, grid: &Grid, at: Vec2) -> Option<Vec3> {
     let voxel = grid.voxel_coords(voxel_at(map, at)?).as_vec3();
     let (origin, direction) = (map.rays.origin, map.rays.direction_at(at.x, at.y));
     let face = entered_face(origin, direction, voxel, voxel + 1.0).map(|(_, face)| face);
-    // A ray that just passes the voxel by: the side that looks most towards the eye.
-    face.or_else(|| {
-        let axis = (0..3).max_by(|a, b| direction[*a].abs().total_cmp(&direction[*b].abs()))?;
-        Some(Vec3::AXES[axis] * -direction[axis].signum())
-    })
+    // A ray may just pass the voxel by.
+    Some(face.unwrap_or_else(|| facing(direction)))
+}
+
+/// The face that looks most against a direction.
+fn facing(direction: Vec3) -> Vec3 {
+    let most = |best: usize, axis| {
+        if direction[axis].abs() > direction[best].abs() { axis } else { best }
+    };
+    let axis = (0..3).fold(2, most);
+    Vec3::AXES[axis] * -direction[axis].signum()
 }
 
 /// The index of the voxel seen at `at` (pixels).

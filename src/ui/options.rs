@@ -23,7 +23,7 @@ pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec
                     symmetry(ui, state, facts, intents);
                     repeat(ui, state, facts, intents);
                 });
-                section(ui, "View", true, |ui| view(ui, state, facts, intents));
+                section(ui, "View", false, |ui| view(ui, state, facts, intents));
                 section(ui, "Light", false, |ui| light(ui, state));
                 section(ui, "History", true, |ui| history::show(ui, facts, intents));
             });

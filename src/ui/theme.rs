@@ -5,13 +5,20 @@ use egui::{Color32, CornerRadius, FontFamily, FontId, Stroke, Style, TextStyle, 
 
 use crate::config::Theme;
 
-/// Width of the column of tools in points.
-pub const TOOLBOX_WIDTH: f32 = 134.0;
+/// Width of a column of tools in points.
+const TOOLBOX_COLUMN: f32 = 50.0;
+/// Windows narrower than this have one column of tools, so that the picture keeps its room.
+const NARROW: f32 = 900.0;
 /// Width of the column of options in points.
 pub const OPTIONS_WIDTH: f32 = 246.0;
 
 const ACCENT: Color32 = Color32::from_rgb(0xd9, 0x7b, 0x3f);
 const ACCENT_DARK: Color32 = Color32::from_rgb(0x8a, 0x4a, 0x22);
+
+/// Columns of tools in a window of `width` points, and the width that they take.
+pub fn toolbox_columns(width: f32) -> (usize, f32) {
+    if width < NARROW { (1, TOOLBOX_COLUMN + 20.0) } else { (2, 2.0 * TOOLBOX_COLUMN + 16.0) }
+}
 
 /// Gives the context fonts, spacing and colours. Cheap when nothing changed.
 pub fn apply(ctx: &egui::Context, theme: Theme) {

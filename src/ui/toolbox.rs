@@ -15,38 +15,36 @@ const ICON: f32 = 24.0;
 
 pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
     let frame = Frame::side_top_panel(root.style()).inner_margin(Margin::symmetric(6, 8));
-    Panel::left("toolbox").frame(frame).resizable(false).exact_size(theme::TOOLBOX_WIDTH).show(
-        root,
-        |ui| {
-            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                ui.spacing_mut().item_spacing = vec2(4.0, 4.0);
-                let solids = Solid::ALL.map(|solid| Entry {
-                    name: capital(solid.name()),
-                    chosen: state.hand.tool == Tool::Solid && state.hand.solid == solid,
-                    action: Action::Solid(solid),
-                });
-                group(ui, state, facts, "Solids", &solids, intents);
-                let modes = ToolMode::ALL.map(|mode| Entry {
-                    name: mode_name(mode).to_string(),
-                    chosen: state.hand.tool == Tool::Solid && state.hand.mode == mode,
-                    action: Action::Mode(mode),
-                });
-                group(ui, state, facts, "", &modes, intents);
-                let sprays = SprayKind::ALL.map(|kind| Entry {
-                    name: capital(spray_name(kind)),
-                    chosen: state.hand.tool == Tool::Spray(kind),
-                    action: Action::Spray(kind),
-                });
-                group(ui, state, facts, "Sprays", &sprays, intents);
-                let marker = Entry {
-                    name: "Marker".to_string(),
-                    chosen: state.hand.tool == Tool::Marker,
-                    action: Action::Marker,
-                };
-                group(ui, state, facts, "Selection", &[marker], intents);
+    let (_, width) = theme::toolbox_columns(root.ctx().content_rect().width());
+    Panel::left("toolbox").frame(frame).resizable(false).exact_size(width).show(root, |ui| {
+        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            ui.spacing_mut().item_spacing = vec2(4.0, 4.0);
+            let solids = Solid::ALL.map(|solid| Entry {
+                name: capital(solid.name()),
+                chosen: state.hand.tool == Tool::Solid && state.hand.solid == solid,
+                action: Action::Solid(solid),
             });
-        },
-    );
+            group(ui, state, facts, "Solids", &solids, intents);
+            let modes = ToolMode::ALL.map(|mode| Entry {
+                name: mode_name(mode).to_string(),
+                chosen: state.hand.tool == Tool::Solid && state.hand.mode == mode,
+                action: Action::Mode(mode),
+            });
+            group(ui, state, facts, "", &modes, intents);
+            let sprays = SprayKind::ALL.map(|kind| Entry {
+                name: capital(spray_name(kind)),
+                chosen: state.hand.tool == Tool::Spray(kind),
+                action: Action::Spray(kind),
+            });
+            group(ui, state, facts, "Sprays", &sprays, intents);
+            let marker = Entry {
+                name: "Marker".to_string(),
+                chosen: state.hand.tool == Tool::Marker,
+                action: Action::Marker,
+            };
+            group(ui, state, facts, "Selection", &[marker], intents);
+        });
+    });
 }
 
 /// A tool to choose.
@@ -70,8 +68,10 @@ fn group(
     } else {
         ui.label(RichText::new(title).small().weak());
     }
-    let width = (ui.available_width() - ui.spacing().item_spacing.x) / 2.0;
-    for row in entries.chunks(2) {
+    let (columns, _) = theme::toolbox_columns(ui.ctx().content_rect().width());
+    let gaps = ui.spacing().item_spacing.x * (columns - 1) as f32;
+    let width = (ui.available_width() - gaps) / columns as f32;
+    for row in entries.chunks(columns) {
         ui.horizontal(|ui| {
             row.iter().for_each(|entry| tool(ui, state, facts, width, entry, intents));
         });

@@ -20,7 +20,7 @@ const MIDDLE: u8 = 2;
 const RIGHT: u8 = 3;
 
 /// The picture of the sculpture within a window of 1280x800, with a margin to the panels.
-const PICTURE: [u32; 4] = [90, 50, 930, 700];
+const PICTURE: [u32; 4] = [120, 50, 900, 700];
 
 /// The program on a display of its own, ready, with a sculpture of 96^3 voxels.
 fn start<'a>(display: &'a Display, arguments: &[&str]) -> Program<'a> {
@@ -129,7 +129,7 @@ fn the_view_turns_shifts_and_zooms_and_home_brings_it_back() {
     program.wheel([500, 400], 3);
     let zoomed = shot(&program, "view-4-zoomed").part(PICTURE);
     assert!(shifted.differing(&zoomed) > 10_000);
-    program.drag(LEFT, &[[110, 70], [160, 80]]);
+    program.drag(LEFT, &[[140, 70], [190, 80]]);
     let beside = shot(&program, "view-5-turned-beside").part(PICTURE);
     assert!(zoomed.differing(&beside) > 10_000, "a drag beside the sculpture turns it");
     program.key(&["Home"]);
