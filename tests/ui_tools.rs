@@ -6,6 +6,7 @@
 
 use std::sync::Arc;
 
+use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
@@ -345,4 +346,24 @@ fn a_tool_stands_on_the_surface_when_asked_to() {
     // Nine voxel centres across, eight before the surface.
     assert_eq!(voxels(&harness), FULL / 2 + 9 * 9 * 8);
     assert_eq!(harness.state().ui.hand.mode, ToolMode::Add);
+}
+
+/// Nothing is cut off, whichever tool's options are shown.
+#[test]
+fn the_options_of_every_tool_fit_into_their_panel() {
+    let mut harness = bench();
+    run(&mut harness, "copy");
+    run(&mut harness, "select add");
+    for tool in SprayKind::ALL.map(Tool::Spray).into_iter().chain([Tool::Solid, Tool::Marker]) {
+        harness.state_mut().ui.hand.tool = tool;
+        harness.state_mut().ui.hand.mode = ToolMode::Recolour;
+        harness.state_mut().ui.hand.used_colour();
+        harness.run();
+        for role in [Role::Button, Role::CheckBox, Role::SpinButton, Role::Slider, Role::Label] {
+            for node in harness.get_all_by_role(role) {
+                let rect = node.rect();
+                assert!(rect.left() >= 0.0 && rect.right() <= 1280.0, "{tool:?} {rect} {node:?}");
+            }
+        }
+    }
 }

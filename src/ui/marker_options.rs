@@ -123,21 +123,22 @@ fn selection(ui: &mut Ui, state: &UiState, facts: &Facts, intents: &mut Vec<Inte
 /// What is done to the voxels in the marker where they are.
 fn contents(ui: &mut Ui, state: &UiState, facts: &Facts, intents: &mut Vec<Intent>) {
     buttons(ui, state, facts, intents, true, &[("Copy", Action::Copy), ("Cut", Action::Cut)]);
-    ui.horizontal(|ui| {
-        for (axis, name) in AXES.iter().enumerate() {
-            let turn = Orientation::quarter_turn(axis);
-            let mirror = Orientation::mirroring(axis);
-            for (label, hint, orientation) in [
-                (format!("↻{name}"), "Turn what the marker holds by 90° about", turn),
-                (format!("⇄{name}"), "Mirror what the marker holds along", mirror),
-            ] {
-                if ui.small_button(label).on_hover_text(format!("{hint} {name}")).clicked() {
-                    let command = Command::Move { by: IVec3::ZERO, orientation };
+    type Make = fn(usize) -> Orientation;
+    let rows: [(&str, &str, Make); 2] = [
+        ("Turn", "Turn what the marker holds by 90° about", Orientation::quarter_turn),
+        ("Mirror", "Mirror what the marker holds along", Orientation::mirroring),
+    ];
+    for (title, hint, make) in rows {
+        ui.horizontal(|ui| {
+            ui.label(title);
+            for (axis, name) in AXES.into_iter().enumerate() {
+                if ui.button(name).on_hover_text(format!("{hint} {name}")).clicked() {
+                    let command = Command::Move { by: IVec3::ZERO, orientation: make(axis) };
                     intents.push(Intent::Run(command));
                 }
             }
-        }
-    });
+        });
+    }
     let keys = facts
         .bindings(state)
         .and_then(|b| b.shortcut(Action::MoveContents(crate::input::Step::Left)));
@@ -154,17 +155,14 @@ fn copy(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Inten
     ui.label(format!("{} × {} × {}", size.x, size.y, size.z))
         .on_hover_text(format!("{} voxels", grouped(clip.voxel_count())));
     buttons(ui, state, facts, intents, true, &[("Paste", Action::Paste)]);
-    ui.horizontal(|ui| {
-        for (axis, name) in Axis::ALL.into_iter().zip(AXES) {
-            for (label, action) in [
-                (format!("↻{name}"), Action::TurnClip(axis)),
-                (format!("⇄{name}"), Action::MirrorClip(axis)),
-            ] {
-                let button = ui.small_button(label);
-                if explain(button, state, facts, action).clicked() {
-                    intents.push(Intent::Do(action));
-                }
+    let rows: [(&str, fn(Axis) -> Action); 2] =
+        [("Turn", Action::TurnClip), ("Mirror", Action::MirrorClip)];
+    for (title, action) in rows {
+        ui.horizontal(|ui| {
+            ui.label(title);
+            for (axis, name) in Axis::ALL.into_iter().zip(AXES) {
+                action_button(ui, state, facts, name, action(axis), true, intents);
             }
-        }
-    });
+        });
+    }
 }

@@ -7,8 +7,12 @@ use super::top_bar::capital;
 use crate::command::SpraySurface;
 use crate::tools::spray::{MAX_FOOTPRINT, MAX_REACH_VX, Outline, SprayKind};
 
+/// Leaves room for a name before and a number with its unit behind.
+const SLIDER_WIDTH: f32 = 80.0;
+
 pub fn show(ui: &mut Ui, options: &mut SprayOptions, kind: SprayKind) {
     use SprayKind::{Clay, Devourer, Dilation, Erosion, Growth, Paintbrush, Smooth};
+    ui.spacing_mut().slider_width = SLIDER_WIDTH;
     egui::Grid::new("spray").num_columns(2).show(ui, |ui| {
         let label = ui.label("Radius");
         let slider = Slider::new(&mut options.radius_px, 1.0..=MAX_FOOTPRINT)
