@@ -1,4 +1,4 @@
-//! Owns the program in a window: winit's events come in, pictures go out.
+//! Owns the program in its windows: winit's events come in, pictures go out.
 //!
 //! [`App::frame`] is the program read aloud. What does not need a window is in [`Workbench`].
 
@@ -7,11 +7,13 @@ mod deeds;
 mod guides;
 mod marker;
 mod painter;
+mod pane;
 mod path;
 mod recovery;
 mod sampler;
 mod stage;
 mod stroke;
+mod torn;
 mod view;
 pub mod workbench;
 
@@ -33,6 +35,7 @@ use crate::input::Bindings;
 use crate::input::bindings::BindingsError;
 use crate::session::Session;
 
+use torn::Torn;
 use view::View;
 pub use workbench::Workbench;
 
@@ -66,9 +69,8 @@ pub fn run(session: Session, config: Config) -> Result<(), AppError> {
         bench,
         config,
         view: None,
+        torn: Torn::default(),
         restarted: None,
-        wake: None,
-        pending: false,
         resting: false,
         failed: None,
     };
@@ -80,14 +82,12 @@ pub fn run(session: Session, config: Config) -> Result<(), AppError> {
 struct App {
     bench: Workbench,
     config: Config,
+    /// Windows of panels, on the device of the main one.
+    torn: Torn,
     /// Window and device, once there is an event loop to make them with.
     view: Option<View>,
     /// When the device was last made anew.
     restarted: Option<Instant>,
-    /// When the interface wants to be drawn again by itself.
-    wake: Option<Instant>,
-    /// A picture was asked for and has not been drawn.
-    pending: bool,
     /// Nothing is to be done, as has been said in the log.
     resting: bool,
     failed: Option<AppError>,
@@ -99,18 +99,38 @@ impl App {
     fn frame(&mut self) -> Result<(), GpuError> {
         let Some(view) = &mut self.view else { return Ok(()) };
         let started = Instant::now();
+        view.pane.answer();
         let Some(mut frame) = view.begin()? else {
             // Nothing to draw to. A hidden window is asked again now and then.
-            self.wake = (!view.is_minimised()).then(|| started + Duration::from_millis(250));
+            let again = started + Duration::from_millis(250);
+            view.pane.wake_at((!view.pane.is_minimised()).then_some(again));
             return Ok(());
         };
         let mut interface = view.interface(&mut self.bench);
         view.draw_sculpture(&mut frame, &mut self.bench)?;
         view.draw_interface(&mut frame, &mut interface)?;
-        self.wake = started.checked_add(interface.repaint_after);
+        view.pane.wake_at(started.checked_add(interface.repaint_after));
         view.end(frame, interface)?;
         self.bench.times.total_ms = started.elapsed().as_secs_f32() * 1e3;
         view.set_title(&self.bench);
+        // What was done may show in the panels.
+        self.torn.touch();
+        Ok(())
+    }
+
+    /// Opens and closes windows of panels as they are wanted, and brings them up to date.
+    fn panels(&mut self, event_loop: &ActiveEventLoop) -> Result<(), GpuError> {
+        let Some(view) = &mut self.view else { return Ok(()) };
+        let device = view.device().clone();
+        self.torn.follow(event_loop, view.pane.window(), &device, &mut self.bench);
+        let modal = self.bench.ui.is_modal();
+        if self.torn.refresh(&mut self.bench)? {
+            view.pane.redraw();
+            if self.bench.ui.is_modal() && !modal {
+                // What was opened from a panel is shown in the main window.
+                view.pane.window().focus_window();
+            }
+        }
         Ok(())
     }
 
@@ -137,9 +157,11 @@ impl App {
         if let (true, false, Some(view)) = (lost, again, self.view.take()) {
             tracing::warn!("{error}; making the device anew");
             self.restarted = Some(Instant::now());
+            self.torn.close();
             let window = view.into_window();
             match View::new(window, &self.config, &self.bench.eye()) {
-                Ok(view) => {
+                Ok(mut view) => {
+                    view.pane.redraw();
                     self.view = Some(view);
                     return Ok(());
                 }
@@ -164,16 +186,31 @@ impl App {
     }
 
     fn redraw(&mut self) {
-        if let Some(view) = &self.view {
-            self.pending = true;
-            view.request_redraw();
+        if let Some(view) = &mut self.view {
+            view.pane.redraw();
+        }
+    }
+
+    /// When the first window wants to be drawn by itself.
+    fn wake(&self) -> Option<Instant> {
+        let main = self.view.as_ref().and_then(|view| view.pane.wake());
+        main.into_iter().chain(self.torn.wake()).min()
+    }
+
+    /// Goes on after a failure to draw, or ends the program.
+    fn survive(&mut self, event_loop: &ActiveEventLoop, result: Result<(), GpuError>) {
+        if let Err(error) = result
+            && let Err(error) = self.recover(error)
+        {
+            self.fail(event_loop, error);
         }
     }
 
     /// Says once that the program waits, for those who wait for it.
     fn note_rest(&mut self) {
         let soon = Instant::now() + Duration::from_secs(1);
-        let resting = !self.pending && self.wake.is_none_or(|wake| wake > soon);
+        let pending = self.view.as_ref().is_some_and(|view| view.pane.is_pending());
+        let resting = !pending && self.wake().is_none_or(|wake| wake > soon);
         if resting && !self.resting {
             tracing::debug!("at rest");
         }
@@ -183,6 +220,7 @@ impl App {
     /// After the event loop: the device goes, and what went wrong is said.
     fn finish(mut self) -> Result<(), AppError> {
         let log = self.view.as_ref().map(View::validation_log);
+        self.torn.close();
         self.view = None;
         if let Some(error) = self.failed {
             return Err(error);
@@ -204,19 +242,30 @@ impl ApplicationHandler for App {
         self.redraw();
     }
 
-    fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
-        let Some(view) = &mut self.view else { return };
-        let repaint = view.hear(&event);
+    fn window_event(&mut self, event_loop: &ActiveEventLoop, id: WindowId, event: WindowEvent) {
+        if let Some(window) = self.torn.get_mut(id) {
+            self.resting = false;
+            if window.pane.hear(&event) {
+                window.touch();
+            }
+            match event {
+                WindowEvent::RedrawRequested => window.lose_picture(),
+                WindowEvent::CloseRequested => {
+                    let panel = window.panel();
+                    self.bench.put_back(panel);
+                    self.redraw();
+                }
+                _ => {}
+            }
+            return;
+        }
+        let Some(view) = self.view.as_mut().filter(|view| view.pane.id() == id) else { return };
+        let repaint = view.pane.hear(&event);
         match event {
             WindowEvent::RedrawRequested => {
-                self.wake = None;
-                self.pending = false;
                 self.resting = false;
-                if let Err(error) = self.frame()
-                    && let Err(error) = self.recover(error)
-                {
-                    self.fail(event_loop, error);
-                }
+                let result = self.frame();
+                self.survive(event_loop, result);
                 if self.bench.is_leaving() {
                     event_loop.exit();
                 }
@@ -231,15 +280,19 @@ impl ApplicationHandler for App {
     }
 
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
-        match self.wake {
-            Some(wake) if wake <= Instant::now() => {
-                self.wake = None;
-                self.redraw();
-                event_loop.set_control_flow(ControlFlow::Wait);
-            }
-            Some(wake) => event_loop.set_control_flow(ControlFlow::WaitUntil(wake)),
-            None => event_loop.set_control_flow(ControlFlow::Wait),
+        let result = self.panels(event_loop);
+        self.survive(event_loop, result);
+        let now = Instant::now();
+        if let Some(view) = &mut self.view
+            && view.pane.wake().is_some_and(|wake| wake <= now)
+        {
+            view.pane.wake_at(None);
+            view.pane.redraw();
         }
+        event_loop.set_control_flow(match self.wake() {
+            Some(wake) => ControlFlow::WaitUntil(wake),
+            None => ControlFlow::Wait,
+        });
         self.note_rest();
     }
 }

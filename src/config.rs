@@ -15,6 +15,9 @@ use crate::shade::{Light, LightFrame, LightSource, Lighting};
 /// The commented file of all defaults.
 pub const DEFAULT_TOML: &str = include_str!("../config/default.toml");
 
+/// Scales of text and buttons.
+pub const SCALE_RANGE: std::ops::RangeInclusive<f32> = 0.5..=4.0;
+
 /// Why the settings cannot be used.
 #[derive(Debug, Error)]
 pub enum ConfigError {
@@ -262,7 +265,7 @@ impl Config {
             "must be 320 to 16384 points each",
         )?;
         demand(
-            (0.5..=4.0).contains(&window.scale),
+            SCALE_RANGE.contains(&window.scale),
             "window.scale",
             window.scale.to_string(),
             "must be 0.5 to 4",

@@ -115,6 +115,10 @@ impl Workbench {
             Action::ResetView => self.look_from(Side::Corner),
             Action::LookFrom(side) => self.look_from(side),
             Action::NextRenderMode => self.ui.view.mode = next_mode(self.ui.view.mode),
+            Action::TearOff(panel) => self.ui.tear_off(panel),
+            Action::ScaleUp => self.ui.scale.change_by(1.0),
+            Action::ScaleDown => self.ui.scale.change_by(-1.0),
+            Action::ScaleReset => self.ui.scale.reset(),
             // These are held or dragged and come by `begin`.
             Action::Apply
             | Action::Sculpt

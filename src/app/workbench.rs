@@ -4,6 +4,7 @@
 //! Takes an egui pass and, from the renderer, the voxels that were seen; gives the eye to render
 //! next. Knows no window and no Vulkan, so that all of it can be tested without either.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -18,7 +19,7 @@ use super::stroke::StrokeInHand;
 use crate::command::Command;
 use crate::config::Config;
 use crate::input::events::{Viewport, device_events};
-use crate::input::{Action, Bindings, Mapper, Side, Signal};
+use crate::input::{Action, Bindings, DeviceEvent, Mapper, Panel, Side, Signal};
 use crate::session::Session;
 use crate::shade::normal;
 use crate::surface::IndexMap;
@@ -30,7 +31,10 @@ pub struct Workbench {
     pub(super) session: Session,
     pub ui: UiState,
     pub(super) presets: Vec<Bindings>,
+    /// What is held in the main window.
     mapper: Mapper,
+    /// What is held in the windows of panels.
+    panel_mappers: BTreeMap<Panel, Mapper>,
     pub(super) stage: Stage,
     pub(super) stroke: Option<StrokeInHand>,
     /// What a drag does to the marker.
@@ -62,6 +66,7 @@ impl Workbench {
             session,
             presets,
             mapper: Mapper::default(),
+            panel_mappers: BTreeMap::new(),
             stage,
             stroke: None,
             marker_drag: None,
@@ -132,15 +137,7 @@ impl Workbench {
         self.do_waiting();
         self.listen(root);
         let mut intents = Vec::new();
-        let facts = Facts {
-            document: self.session.document(),
-            path: self.session.path(),
-            modified: self.session.modified(),
-            presets: &self.presets,
-            times: self.times,
-            device: &self.device,
-        };
-        let picture = ui::show(root, &mut self.ui, &facts, &mut intents).rect;
+        let picture = self.with_facts(|ui, facts| ui::show(root, ui, facts, &mut intents).rect);
         let response = root.interact(picture, picture_id(), Sense::hover());
         self.set_picture(picture, root.pixels_per_point());
         if response.contains_pointer() && !self.ui.is_modal() {
@@ -152,6 +149,52 @@ impl Workbench {
         for intent in intents {
             self.carry_out(intent);
         }
+    }
+
+    /// One pass of a panel in a window of its own. True if something was done there that other
+    /// windows may show.
+    pub fn show_panel(&mut self, panel: Panel, root: &mut Ui) -> bool {
+        let modal = self.ui.is_modal();
+        let ctx = root.ctx();
+        let viewport = Viewport {
+            rect: Rect::NOTHING,
+            pixels_per_point: root.pixels_per_point(),
+            hovered: false,
+            captured: false,
+            keyboard: !modal && ctx.memory(|memory| memory.focused().is_none()),
+        };
+        let (events, touched) =
+            ctx.input(|input| (device_events(input, &viewport), is_touched(input)));
+        self.hear(Some(panel), &events);
+        let mut intents = Vec::new();
+        self.with_facts(|ui, facts| ui::panels::show(root, panel, ui, facts, &mut intents));
+        if !intents.is_empty() {
+            root.request_repaint();
+        }
+        for intent in intents {
+            self.carry_out(intent);
+        }
+        touched
+    }
+
+    /// A panel's window was closed: the panel is back in its place, and what was held in its
+    /// window is let go.
+    pub fn put_back(&mut self, panel: Panel) {
+        self.ui.torn.remove(&panel);
+        self.hear(Some(panel), &[DeviceEvent::FocusLost]);
+        self.panel_mappers.remove(&panel);
+    }
+
+    fn with_facts<T>(&mut self, show: impl FnOnce(&mut UiState, &Facts) -> T) -> T {
+        let facts = Facts {
+            document: self.session.document(),
+            path: self.session.path(),
+            modified: self.session.modified(),
+            presets: &self.presets,
+            times: self.times,
+            device: &self.device,
+        };
+        show(&mut self.ui, &facts)
     }
 
     fn set_picture(&mut self, rect: Rect, pixels_per_point: f32) {
@@ -173,11 +216,7 @@ impl Workbench {
             keyboard: !modal && ctx.memory(|memory| memory.focused().is_none()),
         };
         let events = ctx.input(|input| device_events(input, &viewport));
-        let Some(bindings) = self.presets.get(self.ui.preset) else { return };
-        let mut signals = Vec::new();
-        for event in &events {
-            self.mapper.feed(event, bindings, &mut signals);
-        }
+        self.hear(None, &events);
         if self.mapper.captures_pointer() && !viewport.captured {
             // A press on the picture takes the keyboard from the fields beside it.
             ctx.memory_mut(|memory| {
@@ -185,6 +224,20 @@ impl Workbench {
                     memory.surrender_focus(id);
                 }
             });
+        }
+    }
+
+    /// Does what the events of a window mean: of a panel's, or of the main one. Each window holds
+    /// keys of its own, so that one that loses the focus lets go of its own only.
+    fn hear(&mut self, panel: Option<Panel>, events: &[DeviceEvent]) {
+        let Some(bindings) = self.presets.get(self.ui.preset) else { return };
+        let mapper = match panel {
+            Some(panel) => self.panel_mappers.entry(panel).or_default(),
+            None => &mut self.mapper,
+        };
+        let mut signals = Vec::new();
+        for event in events {
+            mapper.feed(event, bindings, &mut signals);
         }
         for (i, signal) in signals.iter().enumerate() {
             // Of several moves without a button only the last is worth a look.
@@ -284,6 +337,15 @@ impl Workbench {
             None => CursorIcon::Grab,
         }
     }
+}
+
+/// Whether a person does more than to move the pointer over a panel.
+fn is_touched(input: &egui::InputState) -> bool {
+    input.events.iter().any(|event| match event {
+        egui::Event::PointerMoved(_) => input.pointer.any_down(),
+        egui::Event::PointerGone | egui::Event::WindowFocused(_) => false,
+        _ => true,
+    })
 }
 
 fn picture_id() -> Id {

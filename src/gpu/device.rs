@@ -10,10 +10,11 @@ use std::time::Duration;
 use ash::{ext, vk};
 use gpu_allocator::AllocationSizes;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
+use winit::raw_window_handle::{HasDisplayHandle, HasWindowHandle};
 
 use super::choice::{Candidate, DeviceChoice, choose};
 use super::error::{During, GpuError, Result};
-use super::host::Host;
+use super::host::{Host, Surface};
 use super::instance::{Instance, Validation};
 use super::retire::{RetireQueue, Retired};
 use super::validation::ValidationLog;
@@ -131,6 +132,18 @@ impl Device {
             name: "the allocator".to_string(),
             reason: e.to_string(),
         })
+    }
+
+    /// The surface of a further window; the first one's came with the device.
+    pub fn surface<W>(&self, window: Arc<W>) -> Result<Surface>
+    where
+        W: HasDisplayHandle + HasWindowHandle + 'static,
+    {
+        let surface = Surface::of_window(&self.instance, window)?;
+        if !surface.can_show(self.physical(), self.queue_family())? {
+            return Err(GpuError::Host("the device cannot draw to a further window".to_string()));
+        }
+        Ok(surface)
     }
 
     pub fn raw(&self) -> &ash::Device {

@@ -106,35 +106,12 @@ impl<W: HasDisplayHandle + HasWindowHandle + 'static> Host for WindowHost<W> {
     }
 
     fn attach(&mut self, instance: &Arc<Instance>) -> Result<()> {
-        let display = self.window.display_handle().map_err(|e| handle_error(&e))?;
-        let window = self.window.window_handle().map_err(|e| handle_error(&e))?;
-        // SAFETY: the handles are of a live window, which the surface keeps alive.
-        let handle = unsafe {
-            ash_window::create_surface(
-                instance.entry(),
-                instance.raw(),
-                display.as_raw(),
-                window.as_raw(),
-                None,
-            )
-        }
-        .during("create the window's surface")?;
-        self.surface = Some(Surface {
-            handle,
-            loader: khr::surface::Instance::new(instance.entry(), instance.raw()),
-            _instance: instance.clone(),
-            _window: self.window.clone(),
-        });
+        self.surface = Some(Surface::of_window(instance, self.window.clone())?);
         Ok(())
     }
 
     fn can_show(&self, device: vk::PhysicalDevice, queue_family: u32) -> Result<bool> {
-        let Some(surface) = &self.surface else { return Ok(false) };
-        // SAFETY: device and surface are of the same instance.
-        unsafe {
-            surface.loader.get_physical_device_surface_support(device, queue_family, surface.handle)
-        }
-        .during("ask whether the device can draw to the window")
+        self.surface.as_ref().map_or(Ok(false), |surface| surface.can_show(device, queue_family))
     }
 
     fn device_extensions(&self) -> Vec<&'static CStr> {
@@ -151,6 +128,34 @@ pub struct Surface {
 }
 
 impl Surface {
+    /// The surface of `window`.
+    pub(super) fn of_window<W>(instance: &Arc<Instance>, window: Arc<W>) -> Result<Surface>
+    where
+        W: HasDisplayHandle + HasWindowHandle + 'static,
+    {
+        let display = window.display_handle().map_err(|e| handle_error(&e))?.as_raw();
+        let handle = window.window_handle().map_err(|e| handle_error(&e))?.as_raw();
+        let (entry, raw) = (instance.entry(), instance.raw());
+        // SAFETY: the handles are of a live window, which the surface keeps alive.
+        let handle = unsafe { ash_window::create_surface(entry, raw, display, handle, None) }
+            .during("create the window's surface")?;
+        Ok(Surface {
+            handle,
+            loader: khr::surface::Instance::new(entry, raw),
+            _instance: instance.clone(),
+            _window: window,
+        })
+    }
+
+    /// Whether a queue family of a device of the same instance can draw to it.
+    pub(super) fn can_show(&self, device: vk::PhysicalDevice, queue_family: u32) -> Result<bool> {
+        // SAFETY: device and surface are of the same instance.
+        unsafe {
+            self.loader.get_physical_device_surface_support(device, queue_family, self.handle)
+        }
+        .during("ask whether the device can draw to the window")
+    }
+
     pub fn handle(&self) -> vk::SurfaceKHR {
         self.handle
     }

@@ -3,6 +3,7 @@
 //!
 //! An action says what is wanted, not how it is done: `app` carries it out.
 
+use super::panel::Panel;
 use crate::tools::construct::Solid;
 use crate::tools::spray::SprayKind;
 
@@ -159,6 +160,11 @@ pub enum Action {
     ResetView,
     LookFrom(Side),
     NextRenderMode,
+    /// Tears a panel off into a window of its own, or puts it back.
+    TearOff(Panel),
+    ScaleUp,
+    ScaleDown,
+    ScaleReset,
     /// Uses the tool while held.
     Apply,
     /// On the sculpture uses the tool, beside it turns the sculpture.
@@ -279,6 +285,12 @@ impl Action {
         Action::LookFrom(Side::Top),
         Action::LookFrom(Side::Bottom),
         Action::NextRenderMode,
+        Action::TearOff(Panel::Toolbox),
+        Action::TearOff(Panel::Options),
+        Action::TearOff(Panel::History),
+        Action::ScaleUp,
+        Action::ScaleDown,
+        Action::ScaleReset,
         Action::New,
         Action::Open,
         Action::Save,
@@ -416,6 +428,20 @@ impl Action {
             Action::LookFrom(Side::Top) => ("look-top", Tap, "Look at the top"),
             Action::LookFrom(Side::Bottom) => ("look-bottom", Tap, "Look at the bottom"),
             Action::NextRenderMode => ("next-render-mode", Tap, "Take the next way of rendering"),
+            Action::TearOff(Panel::Toolbox) => {
+                ("tear-toolbox", Tap, "Toolbox into a window of its own, or back")
+            }
+            Action::TearOff(Panel::Options) => {
+                ("tear-options", Tap, "Options into a window of their own, or back")
+            }
+            Action::TearOff(Panel::History) => {
+                ("tear-history", Tap, "History into a window of its own, or back")
+            }
+            Action::ScaleUp => ("scale-up", Tap, "Larger text and buttons"),
+            Action::ScaleDown => ("scale-down", Tap, "Smaller text and buttons"),
+            Action::ScaleReset => {
+                ("scale-reset", Tap, "Text and buttons as large as the settings say")
+            }
             Action::New => ("new", Tap, "Make a new sculpture"),
             Action::Open => ("open", Tap, "Open a sculpture or a volume"),
             Action::Save => ("save", Tap, "Save the sculpture"),
@@ -428,8 +454,19 @@ impl Action {
 
     /// Whether holding the key down asks again and again.
     pub fn repeats(self) -> bool {
-        use Action::{Grow, MoveContents, Nudge, Redo, Shrink, Stretch, Undo};
-        matches!(self, Nudge(_) | Stretch(_) | MoveContents(_) | Grow | Shrink | Undo | Redo)
+        use Action::{Grow, MoveContents, Nudge, Redo, ScaleDown, ScaleUp, Shrink, Stretch, Undo};
+        matches!(
+            self,
+            Nudge(_)
+                | Stretch(_)
+                | MoveContents(_)
+                | Grow
+                | Shrink
+                | Undo
+                | Redo
+                | ScaleUp
+                | ScaleDown
+        )
     }
 
     /// Whether the drag is one whole from press to release, so that a modifier pressed on the

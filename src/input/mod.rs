@@ -7,9 +7,11 @@ pub mod action;
 pub mod bindings;
 pub mod events;
 pub mod mapper;
+pub mod panel;
 pub mod trigger;
 
 pub use action::{Action, Axis, Side, Step, ToolMode};
 pub use bindings::Bindings;
 pub use events::DeviceEvent;
 pub use mapper::{Mapper, Signal};
+pub use panel::Panel;

@@ -6,15 +6,13 @@
 //! come in as sizes.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use ash::{khr, vk};
 
 use crate::gpu::{
     Device, During, FRAMES_IN_FLIGHT, GpuError, ImagePart, Recorder, Result, Surface, Use,
 };
-
-/// Longest wait for an image of the swapchain; a compositor may give none to a hidden window.
-const ACQUIRE_TIMEOUT_NS: u64 = 200_000_000;
 
 /// An image of the window to be drawn and presented.
 #[derive(Clone, Copy, Debug)]
@@ -115,9 +113,10 @@ impl WindowScreen {
         self.size = size;
     }
 
-    /// The next image to draw to; none while the window is minimised or hidden. `slot` is that of
-    /// the frame begun ([`crate::gpu::Frames::slot`]), whose semaphore is free again.
-    pub fn acquire(&mut self, slot: usize) -> Result<Option<Target>> {
+    /// The next image to draw to, waited for up to `patience`; none while the window is minimised
+    /// or hidden. `slot` is that of the frame begun ([`crate::gpu::Frames::slot`]), whose
+    /// semaphore is free again.
+    pub fn acquire(&mut self, slot: usize, patience: Duration) -> Result<Option<Target>> {
         // A swapchain that is out of date at once is made anew, but not for ever.
         for _ in 0..3 {
             if self.size.contains(&0) {
@@ -132,7 +131,7 @@ impl WindowScreen {
             let result = unsafe {
                 self.loader.acquire_next_image(
                     swapchain.handle,
-                    ACQUIRE_TIMEOUT_NS,
+                    patience.as_nanos() as u64,
                     semaphore,
                     vk::Fence::null(),
                 )

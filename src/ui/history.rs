@@ -6,7 +6,8 @@ use egui::{Button, RichText, ScrollArea, Ui};
 use super::{Facts, Intent};
 use crate::command::Command;
 
-pub fn show(ui: &mut Ui, facts: &Facts, intents: &mut Vec<Intent>) {
+/// `height`: of the list at most, in points.
+pub fn show(ui: &mut Ui, facts: &Facts, height: f32, intents: &mut Vec<Intent>) {
     let history = facts.document.history();
     let undos = history.undo_count();
     let start = if history.dropped() > 0 {
@@ -16,7 +17,6 @@ pub fn show(ui: &mut Ui, facts: &Facts, intents: &mut Vec<Intent>) {
     };
     let labels =
         std::iter::once((start.as_str(), "")).chain(history.undo_labels().map(|l| (l, "")));
-    let height = ui.text_style_height(&egui::TextStyle::Body) * 9.0;
     ScrollArea::vertical().id_salt("history").max_height(height).stick_to_bottom(true).show(
         ui,
         |ui| {

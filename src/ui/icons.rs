@@ -7,6 +7,22 @@ use crate::input::ToolMode;
 use crate::tools::construct::Solid;
 use crate::tools::spray::SprayKind;
 
+/// Draws a window with an arrow out of it, or into it for one that can be put back.
+pub fn tear(painter: &Painter, rect: Rect, back: bool, colour: Color32) {
+    let line = Stroke::new(1.2, colour);
+    let at = |x: f32, y: f32| at(rect, x, y);
+    let frame = vec![at(0.45, 0.1), at(0.0, 0.1), at(0.0, 1.0), at(0.9, 1.0), at(0.9, 0.55)];
+    painter.add(Shape::line(frame, line));
+    let (inner, outer) = (at(0.4, 0.6), at(1.0, 0.0));
+    painter.line_segment([inner, outer], line);
+    let tip = if back {
+        [at(0.4, 0.2), inner, at(0.8, 0.6)]
+    } else {
+        [at(0.6, 0.0), outer, at(1.0, 0.4)]
+    };
+    painter.add(Shape::line(tip.to_vec(), line));
+}
+
 /// Draws a solid into `rect`.
 pub fn solid(painter: &Painter, rect: Rect, solid: Solid, colour: Color32) {
     let line = Stroke::new(1.6, colour);

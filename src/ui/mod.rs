@@ -13,6 +13,7 @@ pub mod leave;
 pub mod marker_options;
 pub mod new_dialog;
 pub mod options;
+pub mod panels;
 pub mod spray_options;
 pub mod sprays;
 pub mod state;
@@ -71,7 +72,7 @@ pub fn show(
     facts: &Facts,
     intents: &mut Vec<Intent>,
 ) -> Response {
-    theme::apply(root.ctx(), state.theme);
+    theme::apply(root.ctx(), state.theme, state.scale);
     top_bar::show(root, state, facts, intents);
     status::show(root, state, facts);
     toolbox::show(root, state, facts, intents);

@@ -1,34 +1,51 @@
 //! The column on the right: options of the tool, the light and the view, and the history.
 
-use egui::{CollapsingHeader, ComboBox, DragValue, Frame, Margin, Panel, ScrollArea, Slider, Ui};
+use egui::{CollapsingHeader, ComboBox, DragValue, Frame, Margin, ScrollArea, Slider, Ui};
 use glam::Vec3;
 
 use super::buttons::{action_button, explain};
-use super::{Facts, Intent, UiState, history, theme, tool_options};
+use super::{Facts, Intent, UiState, history, panels, theme, tool_options};
 use crate::command::Command;
 use crate::document::MAX_ARRAY;
-use crate::input::{Action, Axis};
+use crate::input::{Action, Axis, Panel};
 use crate::tools::symmetry::Parity;
 
 pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+    let docked = [Panel::Options, Panel::History].map(|panel| !state.torn.contains(&panel));
+    if docked == [false, false] {
+        return;
+    }
     let frame =
         Frame::side_top_panel(root.style()).inner_margin(Margin { right: 2, ..Margin::same(8) });
-    Panel::right("options").frame(frame).resizable(false).exact_size(theme::OPTIONS_WIDTH).show(
-        root,
-        |ui| {
+    egui::Panel::right("options")
+        .frame(frame)
+        .resizable(false)
+        .exact_size(theme::OPTIONS_WIDTH)
+        .show(root, |ui| {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 ui.set_width(theme::OPTIONS_WIDTH - 24.0);
-                section(ui, "Tool", true, |ui| tool_options::show(ui, state, facts, intents));
-                section(ui, "Symmetry and repetition", false, |ui| {
-                    symmetry(ui, state, facts, intents);
-                    repeat(ui, state, facts, intents);
-                });
-                section(ui, "View", false, |ui| view(ui, state, facts, intents));
-                section(ui, "Light", false, |ui| light(ui, state));
-                section(ui, "History", true, |ui| history::show(ui, facts, intents));
+                if docked[0] {
+                    panels::head(ui, Panel::Options, state, facts, intents);
+                    content(ui, state, facts, intents);
+                }
+                if docked[1] {
+                    panels::head(ui, Panel::History, state, facts, intents);
+                    let height = ui.text_style_height(&egui::TextStyle::Body) * 9.0;
+                    history::show(ui, facts, height, intents);
+                }
             });
-        },
-    );
+        });
+}
+
+/// The options themselves.
+pub fn content(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+    section(ui, "Tool", true, |ui| tool_options::show(ui, state, facts, intents));
+    section(ui, "Symmetry and repetition", false, |ui| {
+        symmetry(ui, state, facts, intents);
+        repeat(ui, state, facts, intents);
+    });
+    section(ui, "View", false, |ui| view(ui, state, facts, intents));
+    section(ui, "Light", false, |ui| light(ui, state));
 }
 
 fn section(ui: &mut Ui, title: &str, open: bool, content: impl FnOnce(&mut Ui)) {

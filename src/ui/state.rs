@@ -1,6 +1,7 @@
 //! Owns what the interface remembers: the tool in hand, how the sculpture is shown, and which
 //! windows are open. None of it belongs to the sculpture.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use glam::{IVec3, UVec3, Vec3};
@@ -9,8 +10,8 @@ use super::hand::Hand;
 use super::new_dialog::NewDialog;
 use super::toasts::Toasts;
 use crate::command::Command;
-use crate::config::{Config, LightSettings, RenderMode, Theme};
-use crate::input::Action;
+use crate::config::{Config, LightSettings, RenderMode, SCALE_RANGE, Theme};
+use crate::input::{Action, Panel};
 use crate::sculpture::orientation::Orientation;
 
 /// What a person asked for in the interface.
@@ -49,6 +50,33 @@ pub struct Repeat {
     pub step: IVec3,
 }
 
+/// The size of text and buttons, on top of the display's own scale.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Scale {
+    now: f32,
+    configured: f32,
+}
+
+impl Scale {
+    pub fn new(configured: f32) -> Scale {
+        Scale { now: configured, configured }
+    }
+
+    pub fn factor(self) -> f32 {
+        self.now
+    }
+
+    /// Larger by tenths, as far as the settings allow.
+    pub fn change_by(&mut self, tenths: f32) {
+        let to = (self.now * 10.0 + tenths).round() / 10.0;
+        self.now = to.clamp(*SCALE_RANGE.start(), *SCALE_RANGE.end());
+    }
+
+    pub fn reset(&mut self) {
+        self.now = self.configured;
+    }
+}
+
 /// Everything that the interface remembers.
 pub struct UiState {
     pub hand: Hand,
@@ -58,6 +86,9 @@ pub struct UiState {
     pub orientation: Orientation,
     /// How often and how far on the last operation is repeated.
     pub repeat: Repeat,
+    pub scale: Scale,
+    /// The panels that are windows of their own.
+    pub torn: BTreeSet<Panel>,
     /// Index of the table of bindings in use.
     pub preset: usize,
     pub help_open: bool,
@@ -86,6 +117,8 @@ impl UiState {
             theme: config.window.theme,
             orientation: Orientation::UPRIGHT,
             repeat: Repeat { count: 3, step: IVec3::new(16, 0, 0) },
+            scale: Scale::new(config.window.scale),
+            torn: BTreeSet::new(),
             preset: 0,
             help_open: false,
             leave_open: false,
@@ -99,6 +132,13 @@ impl UiState {
     /// Whether a window lies over the sculpture and has the person's attention.
     pub fn is_modal(&self) -> bool {
         self.leave_open || self.new_dialog.open || self.files.is_open() || self.busy.is_some()
+    }
+
+    /// Tears a panel off, or puts it back.
+    pub fn tear_off(&mut self, panel: Panel) {
+        if !self.torn.remove(&panel) {
+            self.torn.insert(panel);
+        }
     }
 
     /// Closes the uppermost open window; false if there is none.
@@ -117,4 +157,24 @@ impl UiState {
 /// The last folder of a file, to open dialogs there.
 pub fn folder_of(path: Option<&std::path::Path>) -> Option<PathBuf> {
     path.and_then(|p| p.parent()).filter(|p| !p.as_os_str().is_empty()).map(PathBuf::from)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_scale_goes_by_tenths_within_its_range_and_back() {
+        let mut scale = Scale::new(1.25);
+        scale.change_by(1.0);
+        assert_eq!(scale.factor(), 1.4);
+        scale.change_by(-1.0);
+        assert_eq!(scale.factor(), 1.3);
+        (0..50).for_each(|_| scale.change_by(1.0));
+        assert_eq!(scale.factor(), 4.0);
+        (0..50).for_each(|_| scale.change_by(-1.0));
+        assert_eq!(scale.factor(), 0.5);
+        scale.reset();
+        assert_eq!(scale.factor(), 1.25);
+    }
 }

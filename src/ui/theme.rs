@@ -3,10 +3,13 @@
 
 use egui::{Color32, CornerRadius, FontFamily, FontId, Stroke, Style, TextStyle, Visuals, vec2};
 
+use super::state::Scale;
 use crate::config::Theme;
 
 /// Width of a column of tools in points.
 const TOOLBOX_COLUMN: f32 = 50.0;
+/// Width of two columns of tools, with what is around them.
+pub const TOOLBOX_WIDTH: f32 = 2.0 * TOOLBOX_COLUMN + 16.0;
 /// Windows narrower than this have one column of tools, so that the picture keeps its room.
 const NARROW: f32 = 900.0;
 /// Width of the column of options in points.
@@ -15,13 +18,19 @@ pub const OPTIONS_WIDTH: f32 = 246.0;
 const ACCENT: Color32 = Color32::from_rgb(0xd9, 0x7b, 0x3f);
 const ACCENT_DARK: Color32 = Color32::from_rgb(0x8a, 0x4a, 0x22);
 
-/// Columns of tools in a window of `width` points, and the width that they take.
-pub fn toolbox_columns(width: f32) -> (usize, f32) {
-    if width < NARROW { (1, TOOLBOX_COLUMN + 20.0) } else { (2, 2.0 * TOOLBOX_COLUMN + 16.0) }
+/// Width of the toolbox beside the picture in a window of `width` points.
+pub fn toolbox_width(width: f32) -> f32 {
+    if width < NARROW { TOOLBOX_COLUMN + 20.0 } else { TOOLBOX_WIDTH }
 }
 
-/// Gives the context fonts, spacing and colours. Cheap when nothing changed.
-pub fn apply(ctx: &egui::Context, theme: Theme) {
+/// Columns of tools in `width` points.
+pub fn toolbox_columns(width: f32) -> usize {
+    ((width / (TOOLBOX_COLUMN - 6.0)) as usize).clamp(1, 6)
+}
+
+/// Gives the context fonts, spacing, colours and the scale of all. Cheap when nothing changed.
+pub fn apply(ctx: &egui::Context, theme: Theme, scale: Scale) {
+    ctx.set_zoom_factor(scale.factor());
     let wanted = match theme {
         Theme::Dark => egui::Theme::Dark,
         Theme::Light => egui::Theme::Light,
@@ -31,6 +40,8 @@ pub fn apply(ctx: &egui::Context, theme: Theme) {
         return;
     }
     ctx.data_mut(|data| data.insert_temp(id, wanted));
+    // The scale is changed by actions, which any key can be bound to.
+    ctx.options_mut(|options| options.zoom_with_keyboard = false);
     ctx.set_theme(wanted);
     ctx.set_style_of(wanted, style(theme));
 }

@@ -1,50 +1,60 @@
 //! The tools on the left, in two columns: solids and what they do, sprays, the marker.
 
-use egui::{
-    Frame, Margin, Panel, Rect, RichText, ScrollArea, Sense, Ui, WidgetInfo, WidgetType, vec2,
-};
+use egui::{Frame, Margin, Rect, RichText, ScrollArea, Sense, Ui, WidgetInfo, WidgetType, vec2};
 
 use super::buttons::explain;
 use super::top_bar::capital;
-use super::{Facts, Intent, Tool, UiState, icons, theme};
-use crate::input::{Action, ToolMode};
+use super::{Facts, Intent, Tool, UiState, icons, panels, theme};
+use crate::input::{Action, Panel, ToolMode};
 use crate::tools::construct::Solid;
 use crate::tools::spray::SprayKind;
 
 const ICON: f32 = 24.0;
 
 pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+    if state.torn.contains(&Panel::Toolbox) {
+        return;
+    }
     let frame = Frame::side_top_panel(root.style()).inner_margin(Margin::symmetric(6, 8));
-    let (_, width) = theme::toolbox_columns(root.ctx().content_rect().width());
-    Panel::left("toolbox").frame(frame).resizable(false).exact_size(width).show(root, |ui| {
-        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-            ui.spacing_mut().item_spacing = vec2(4.0, 4.0);
-            let solids = Solid::ALL.map(|solid| Entry {
-                name: capital(solid.name()),
-                chosen: state.hand.tool == Tool::Solid && state.hand.solid == solid,
-                action: Action::Solid(solid),
-            });
-            group(ui, state, facts, "Solids", &solids, intents);
-            let modes = ToolMode::ALL.map(|mode| Entry {
-                name: mode_name(mode).to_string(),
-                chosen: state.hand.tool == Tool::Solid && state.hand.mode == mode,
-                action: Action::Mode(mode),
-            });
-            group(ui, state, facts, "", &modes, intents);
-            let sprays = SprayKind::ALL.map(|kind| Entry {
-                name: capital(spray_name(kind)),
-                chosen: state.hand.tool == Tool::Spray(kind),
-                action: Action::Spray(kind),
-            });
-            group(ui, state, facts, "Sprays", &sprays, intents);
-            let marker = Entry {
-                name: "Marker".to_string(),
-                chosen: state.hand.tool == Tool::Marker,
-                action: Action::Marker,
-            };
-            group(ui, state, facts, "Selection", &[marker], intents);
+    egui::Panel::left("toolbox")
+        .frame(frame)
+        .resizable(false)
+        .exact_size(theme::toolbox_width(root.ctx().content_rect().width()))
+        .show(root, |ui| {
+            panels::head(ui, Panel::Toolbox, state, facts, intents);
+            ScrollArea::vertical()
+                .auto_shrink(false)
+                .show(ui, |ui| content(ui, state, facts, intents));
         });
+}
+
+/// The tools themselves.
+pub fn content(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+    ui.spacing_mut().item_spacing = vec2(4.0, 4.0);
+    let solids = Solid::ALL.map(|solid| Entry {
+        name: capital(solid.name()),
+        chosen: state.hand.tool == Tool::Solid && state.hand.solid == solid,
+        action: Action::Solid(solid),
     });
+    group(ui, state, facts, "Solids", &solids, intents);
+    let modes = ToolMode::ALL.map(|mode| Entry {
+        name: mode_name(mode).to_string(),
+        chosen: state.hand.tool == Tool::Solid && state.hand.mode == mode,
+        action: Action::Mode(mode),
+    });
+    group(ui, state, facts, "", &modes, intents);
+    let sprays = SprayKind::ALL.map(|kind| Entry {
+        name: capital(spray_name(kind)),
+        chosen: state.hand.tool == Tool::Spray(kind),
+        action: Action::Spray(kind),
+    });
+    group(ui, state, facts, "Sprays", &sprays, intents);
+    let marker = Entry {
+        name: "Marker".to_string(),
+        chosen: state.hand.tool == Tool::Marker,
+        action: Action::Marker,
+    };
+    group(ui, state, facts, "Selection", &[marker], intents);
 }
 
 /// A tool to choose.
@@ -68,7 +78,7 @@ fn group(
     } else {
         ui.label(RichText::new(title).small().weak());
     }
-    let (columns, _) = theme::toolbox_columns(ui.ctx().content_rect().width());
+    let columns = theme::toolbox_columns(ui.available_width());
     let gaps = ui.spacing().item_spacing.x * (columns - 1) as f32;
     let width = (ui.available_width() - gaps) / columns as f32;
     for row in entries.chunks(columns) {

@@ -1,15 +1,15 @@
 //! The bar along the top: files, history, the way of rendering, help and the menu.
 
-use egui::{Align, ComboBox, Frame, Layout, Margin, MenuBar, Panel, Ui};
+use egui::{Align, ComboBox, Frame, Layout, Margin, MenuBar, Ui};
 
 use super::buttons::{action_button, explain};
 use super::{Facts, Intent, UiState};
 use crate::config::{RenderMode, Theme};
-use crate::input::{Action, Side};
+use crate::input::{Action, Panel, Side};
 
 pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
     let frame = Frame::side_top_panel(root.style()).inner_margin(Margin::symmetric(8, 5));
-    Panel::top("top_bar").frame(frame).show(root, |ui| {
+    egui::Panel::top("top_bar").frame(frame).show(root, |ui| {
         MenuBar::new().ui(ui, |ui| {
             for (label, action) in [
                 ("New", Action::New),
@@ -73,6 +73,24 @@ fn menu(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Inten
         ui.menu_button("Theme", |ui| {
             ui.radio_value(&mut state.theme, Theme::Dark, "Dark");
             ui.radio_value(&mut state.theme, Theme::Light, "Light");
+        });
+        ui.menu_button("Text and buttons", |ui| {
+            for (label, action) in [
+                ("Larger", Action::ScaleUp),
+                ("Smaller", Action::ScaleDown),
+                ("As in the settings", Action::ScaleReset),
+            ] {
+                action_button(ui, state, facts, label, action, true, intents);
+            }
+        });
+        ui.menu_button("Panels", |ui| {
+            for panel in Panel::ALL {
+                let mut torn = state.torn.contains(&panel);
+                let response = ui.checkbox(&mut torn, format!("{} in a window", panel.title()));
+                if explain(response, state, facts, Action::TearOff(panel)).clicked() {
+                    intents.push(Intent::Do(Action::TearOff(panel)));
+                }
+            }
         });
         ui.separator();
         action_button(ui, state, facts, "Quit", Action::Quit, true, intents);

@@ -1,0 +1,211 @@
+//! Owns a pane: one window of the program with all that draws an interface into it, and when it
+//! is to be drawn again. The main window and every panel in a window of its own are panes.
+//!
+//! Each pane has an egui context, textures and a swapchain of its own; all share one device.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use egui::epaint::ClippedShape;
+use egui::{TexturesDelta, Ui, ViewportId};
+use winit::event::WindowEvent;
+use winit::window::{Window, WindowId};
+
+use crate::gpu::{Attachment, Device, Frames, GpuError, ImagePart, Load, Recorder, Surface, Use};
+use crate::render::gui::Gui;
+use crate::screen::window::{Target, WindowScreen};
+
+/// A window that an interface is drawn into. Fields are dropped in this order.
+pub struct Pane {
+    gui: Gui,
+    frames: Frames,
+    screen: WindowScreen,
+    device: Arc<Device>,
+    egui: egui_winit::State,
+    window: Arc<Window>,
+    /// When the interface wants to be drawn again by itself.
+    wake: Option<Instant>,
+    /// A picture was asked for and has not been drawn.
+    pending: bool,
+}
+
+/// A picture being made.
+pub struct Frame {
+    pub recorder: Recorder,
+    target: Target,
+    /// Something lies below the interface.
+    pasted: bool,
+}
+
+/// What an egui pass leaves to be drawn.
+pub struct Interface {
+    pub shapes: Vec<ClippedShape>,
+    pub pixels_per_point: f32,
+    pub textures: TexturesDelta,
+    /// When the interface wants another picture by itself.
+    pub repaint_after: Duration,
+}
+
+impl Pane {
+    /// A pane for `window`, whose surface is `surface`.
+    pub fn new(
+        window: Arc<Window>,
+        surface: Surface,
+        device: &Arc<Device>,
+    ) -> Result<Pane, GpuError> {
+        let screen = WindowScreen::new(device, surface, window.inner_size().into())?;
+        let texture_side = device.limits().max_image_dimension2_d as usize;
+        let scale = window.scale_factor() as f32;
+        let egui = egui_winit::State::new(
+            egui::Context::default(),
+            ViewportId::ROOT,
+            &window,
+            Some(scale),
+            window.theme(),
+            Some(texture_side),
+        );
+        Ok(Pane {
+            gui: Gui::new(device, screen.format(), screen.encodes_srgb())?,
+            frames: Frames::new(device)?,
+            screen,
+            device: device.clone(),
+            egui,
+            window,
+            wake: None,
+            pending: false,
+        })
+    }
+
+    /// Gives everything back but the window.
+    pub fn into_window(self) -> Arc<Window> {
+        self.window
+    }
+
+    pub fn window(&self) -> &Window {
+        &self.window
+    }
+
+    pub fn id(&self) -> WindowId {
+        self.window.id()
+    }
+
+    pub fn device(&self) -> &Arc<Device> {
+        &self.device
+    }
+
+    pub fn screen(&self) -> &WindowScreen {
+        &self.screen
+    }
+
+    /// Of the frame begun last ([`Frames::slot`]).
+    pub fn slot(&self) -> usize {
+        self.frames.slot()
+    }
+
+    pub fn pixels_per_point(&self) -> f32 {
+        self.egui.egui_ctx().pixels_per_point()
+    }
+
+    pub fn is_minimised(&self) -> bool {
+        self.window.is_minimized().unwrap_or(false)
+    }
+
+    /// Asks for a picture.
+    pub fn redraw(&mut self) {
+        self.pending = true;
+        self.window.request_redraw();
+    }
+
+    /// The picture that was asked for is being made.
+    pub fn answer(&mut self) {
+        self.wake = None;
+        self.pending = false;
+    }
+
+    /// Asks for a picture later; with `None` not.
+    pub fn wake_at(&mut self, wake: Option<Instant>) {
+        self.wake = wake;
+    }
+
+    /// When the interface wants to be drawn again by itself.
+    pub fn wake(&self) -> Option<Instant> {
+        self.wake
+    }
+
+    /// Whether a picture was asked for and has not been drawn.
+    pub fn is_pending(&self) -> bool {
+        self.pending
+    }
+
+    /// Hears an event of the window; true if it calls for another picture.
+    pub fn hear(&mut self, event: &WindowEvent) -> bool {
+        if let WindowEvent::Resized(size) = event {
+            self.screen.resize((*size).into());
+        }
+        let redraw = matches!(event, WindowEvent::RedrawRequested);
+        self.egui.on_window_event(&self.window, event).repaint && !redraw
+    }
+
+    /// Waits up to `patience` for a free image of the window; none while there is none.
+    pub fn begin(&mut self, patience: Duration) -> Result<Option<Frame>, GpuError> {
+        let recorder = self.frames.begin()?;
+        let target = self.screen.acquire(self.frames.slot(), patience)?;
+        Ok(target.map(|target| Frame { recorder, target, pasted: false }))
+    }
+
+    /// Runs a pass of the interface, which `show` fills.
+    pub fn interface(&mut self, show: impl FnMut(&mut Ui)) -> Interface {
+        let input = self.egui.take_egui_input(&self.window);
+        let context = self.egui.egui_ctx().clone();
+        let output = context.run_ui(input, show);
+        self.egui.handle_platform_output(&self.window, output.platform_output);
+        let viewport = output.viewport_output.get(&ViewportId::ROOT);
+        Interface {
+            shapes: output.shapes,
+            pixels_per_point: output.pixels_per_point,
+            textures: output.textures_delta,
+            repaint_after: viewport.map_or(Duration::MAX, |v| v.repaint_delay),
+        }
+    }
+
+    /// Brings the interface's new textures to the device.
+    pub fn upload(&mut self, textures: &mut TexturesDelta) -> Result<(), GpuError> {
+        self.gui.upload(textures)
+    }
+
+    /// Records the interface, over what was pasted or over nothing.
+    pub fn draw(&mut self, frame: &mut Frame, interface: &Interface) -> Result<(), GpuError> {
+        let context = self.egui.egui_ctx();
+        let primitives = context.tessellate(interface.shapes.clone(), interface.pixels_per_point);
+        let Frame { recorder, target, pasted } = frame;
+        let (before, load) = match pasted {
+            true => (Use::COPY_TARGET, Load::Keep),
+            false => (Target::FIRST, Load::Colour([0.0, 0.0, 0.0, 1.0])),
+        };
+        recorder.image_barrier(target.part(), before, Use::COLOUR_TARGET);
+        let attachment = Attachment { view: target.view, load, store: true };
+        recorder.begin_rendering(target.size, Some(attachment), None);
+        self.gui.draw(recorder, target.size, interface.pixels_per_point, &primitives)?;
+        recorder.end_rendering();
+        recorder.image_barrier(target.part(), Use::COLOUR_TARGET, Use::PRESENT);
+        Ok(())
+    }
+
+    /// Hands the picture to the window. `textures`: those to be freed after it.
+    pub fn end(&mut self, frame: Frame, textures: &mut TexturesDelta) -> Result<(), GpuError> {
+        let Frame { recorder, target, .. } = frame;
+        let serial = self.frames.submit(recorder, &[target.wait()], &[target.signal()])?;
+        self.gui.free_after(textures, serial);
+        self.screen.present(&target)
+    }
+}
+
+impl Frame {
+    /// Puts a picture of `size` pixels, in the layout of [`Use::COPY_SOURCE`], below the
+    /// interface, its upper left corner at the pixel `at`.
+    pub fn paste(&mut self, picture: ImagePart, size: [u32; 2], at: [u32; 2]) {
+        self.recorder.image_barrier(self.target.part(), Target::FIRST, Use::COPY_TARGET);
+        WindowScreen::paste(&mut self.recorder, picture, size, &self.target, at);
+        self.pasted = true;
+    }
+}
