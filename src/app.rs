@@ -5,6 +5,7 @@
 mod aim;
 mod deeds;
 mod guides;
+mod job;
 mod marker;
 mod painter;
 mod pane;
@@ -219,6 +220,8 @@ impl App {
 
     /// After the event loop: the device goes, and what went wrong is said.
     fn finish(mut self) -> Result<(), AppError> {
+        // What is being saved is saved.
+        self.bench.finish_job();
         let log = self.view.as_ref().map(View::validation_log);
         self.torn.close();
         self.view = None;

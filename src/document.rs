@@ -41,7 +41,8 @@ pub struct Applied {
 /// A sculpture with its history.
 #[derive(Debug)]
 pub struct Document {
-    contents: Contents,
+    /// Shared with whoever saves it; an edit meanwhile would be done on a copy.
+    contents: Arc<Contents>,
     placement: Placement,
     history: History,
     /// Label of the open stroke.
@@ -86,7 +87,7 @@ impl Document {
             pictures: HashMap::new(),
             uses: Vec::new(),
             last_uses: Vec::new(),
-            contents,
+            contents: Arc::new(contents),
             placement: Placement::default(),
             history: History::new(limits.history_bytes),
             stroke: None,
@@ -107,6 +108,11 @@ impl Document {
 
     pub fn contents(&self) -> &Contents {
         &self.contents
+    }
+
+    /// The contents as they are now, for work on another thread.
+    pub fn share_contents(&self) -> Arc<Contents> {
+        self.contents.clone()
     }
 
     pub fn placement(&self) -> &Placement {
@@ -175,7 +181,7 @@ impl Document {
     /// Puts a loaded sculpture in place of the present one, as one undo step.
     pub fn replace(&mut self, contents: Contents, label: &str) -> Result<(), CommandError> {
         self.require_no_stroke("open")?;
-        let old = self.swap_contents(Box::new(contents));
+        let old = Box::new(self.swap_contents(contents));
         self.history.push(Step { label: label.to_string(), change: Change::Whole(old) });
         Ok(())
     }
@@ -328,19 +334,19 @@ impl Document {
     fn reverse(&mut self, step: Step) -> Step {
         let change = match step.change {
             Change::Bricks(record) => Change::Bricks(self.swap_bricks(record)),
-            Change::Whole(contents) => Change::Whole(self.swap_contents(contents)),
+            Change::Whole(contents) => Change::Whole(Box::new(self.swap_contents(*contents))),
         };
         Step { label: step.label, change }
     }
 
     fn swap_bricks(&mut self, record: BrickRecord) -> BrickRecord {
         self.revision += u64::from(!record.is_empty());
-        record.swap(&mut self.contents, &mut self.dirty)
+        record.swap(Arc::make_mut(&mut self.contents), &mut self.dirty)
     }
 
-    fn swap_contents(&mut self, mut contents: Box<Contents>) -> Box<Contents> {
-        std::mem::swap(&mut self.contents, &mut *contents);
-        if self.grid().dims() != contents.grid.dims() {
+    fn swap_contents(&mut self, contents: Contents) -> Contents {
+        let old = std::mem::replace(&mut self.contents, Arc::new(contents));
+        if self.contents.grid.dims() != old.grid.dims() {
             self.selection = Selection::new(self.grid().dims());
         }
         self.last_uses.clear();
@@ -348,15 +354,17 @@ impl Document {
         self.dirty = BrickSet::new(self.contents.grid.bricks().len());
         self.all_dirty = true;
         self.revision += 1;
-        contents
+        Arc::unwrap_or_clone(old)
     }
 
-    fn require_no_stroke(&self, verb: &'static str) -> Result<(), CommandError> {
+    /// Refuses what cannot be done within a stroke.
+    pub fn require_no_stroke(&self, verb: &'static str) -> Result<(), CommandError> {
         if self.stroke_open() { Err(CommandError::StrokeOpen(verb)) } else { Ok(()) }
     }
 }
 
-fn make_contents(new: &NewSculpture, limits: &Limits) -> Result<Contents, CommandError> {
+/// Makes what [`Command::New`] asks for; [`Document::replace`] puts it in place.
+pub fn make_contents(new: &NewSculpture, limits: &Limits) -> Result<Contents, CommandError> {
     let mut grid = Grid::new(new.dims, new.voxel_size, limits.grid_bytes)?;
     if new.solid {
         grid.fill_bricks(|_| Brick::FULL);

@@ -4,6 +4,8 @@
 //! Windows, headless jobs and scripts all work through [`Session::execute`], so that whatever a
 //! person can do can be recorded and replayed. Knows no screen.
 
+mod work;
+
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -17,6 +19,8 @@ use crate::format::Texts;
 use crate::format::options::ImportOptions;
 use crate::format::{self, FormatError, Loaded};
 use crate::progress::Progress;
+pub use work::{Done, Work};
+use work::{Outcome, Task, load};
 
 /// Why a command could not be carried out. The sculpture is as it was before.
 #[derive(Debug, Error)]
@@ -31,6 +35,14 @@ pub enum SessionError {
     Picture { path: PathBuf, error: FormatError },
     #[error("cannot write the journal {path}: {error}")]
     Journal { path: PathBuf, error: std::io::Error },
+}
+
+impl SessionError {
+    /// Whether nothing went wrong, but the work was cancelled.
+    pub fn is_cancelled(&self) -> bool {
+        use SessionError::{Open, Save};
+        matches!(self, Open { error, .. } | Save { error, .. } if matches!(error, FormatError::Cancelled))
+    }
 }
 
 /// A document with its file.
@@ -113,55 +125,75 @@ impl Session {
         command: &Command,
         progress: &dyn Progress,
     ) -> Result<Applied, SessionError> {
-        let applied = match command {
-            Command::Open { path, import } => {
-                let loaded = load(path, import, self.document.limits(), progress)?;
+        if let Some(work) = self.prepare(command)? {
+            return self.complete(work.run(progress)?);
+        }
+        if let Command::Texture { picture, .. } = command
+            && !self.document.has_picture(picture)
+        {
+            let texture = format::load_picture(picture)
+                .map_err(|error| SessionError::Picture { path: picture.clone(), error })?;
+            self.document.learn_picture(picture, texture);
+        }
+        let applied = self.document.apply(command)?;
+        self.note(command)?;
+        Ok(applied)
+    }
+
+    /// The long part of a command, to be done on its own; none for commands that take no time,
+    /// which [`Session::execute`] carries out.
+    pub fn prepare(&self, command: &Command) -> Result<Option<Work>, SessionError> {
+        let limits = *self.document.limits();
+        if matches!(command, Command::New(_) | Command::Open { .. }) {
+            self.document.require_no_stroke(command.verb())?;
+        }
+        let task = match command.clone() {
+            Command::New(new) => Task::New { new, limits },
+            Command::Open { path, import } => Task::Open { path, import, limits },
+            Command::Save { path, form } => Task::Save {
+                path,
+                form,
+                contents: self.document.share_contents(),
+                texts: self.texts.clone(),
+                revision: self.document.revision(),
+            },
+            _ => return Ok(None),
+        };
+        Ok(Some(Work { command: command.clone(), task }))
+    }
+
+    /// Puts in place what came of the long part of a command.
+    pub fn complete(&mut self, done: Done) -> Result<Applied, SessionError> {
+        let Done { command, outcome } = done;
+        match outcome {
+            Outcome::New(contents) => {
+                self.document.replace(*contents, "new")?;
+                self.path = None;
+                self.texts = Texts::default();
+            }
+            Outcome::Opened { path, loaded } => {
                 let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
                 self.document.replace(loaded.contents, &format!("open {name}"))?;
                 self.texts = loaded.texts;
-                self.path = Some(path.clone());
+                self.path = Some(path);
                 self.saved_revision = self.document.revision();
-                Applied::default()
             }
-            Command::Save { path, form } => {
-                let (contents, texts) = (self.document.contents(), self.texts.clone());
-                format::save_with_texts(path, contents, *form, texts, progress)
-                    .map_err(|error| SessionError::Save { path: path.clone(), error })?;
-                self.path = Some(path.clone());
-                self.saved_revision = self.document.revision();
-                Applied::default()
+            Outcome::Saved { path, revision } => {
+                self.path = Some(path);
+                self.saved_revision = revision;
             }
-            Command::New(_) => {
-                let applied = self.document.apply(command)?;
-                self.path = None;
-                self.texts = Texts::default();
-                applied
-            }
-            Command::Texture { picture, .. } => {
-                if !self.document.has_picture(picture) {
-                    let texture = format::load_picture(picture)
-                        .map_err(|error| SessionError::Picture { path: picture.clone(), error })?;
-                    self.document.learn_picture(picture, texture);
-                }
-                self.document.apply(command)?
-            }
-            _ => self.document.apply(command)?,
-        };
-        if let Some(journal) = &mut self.journal {
-            journal.write(command)?;
         }
-        Ok(applied)
+        self.note(&command)?;
+        Ok(Applied::default())
     }
-}
 
-fn load(
-    path: &Path,
-    import: &ImportOptions,
-    limits: &Limits,
-    progress: &dyn Progress,
-) -> Result<Loaded, SessionError> {
-    format::load(path, import, limits, progress)
-        .map_err(|error| SessionError::Open { path: path.to_path_buf(), error })
+    /// Writes what was carried out to the journal.
+    fn note(&mut self, command: &Command) -> Result<(), SessionError> {
+        match &mut self.journal {
+            Some(journal) => journal.write(command),
+            None => Ok(()),
+        }
+    }
 }
 
 /// A script that grows with every command, flushed at once so that a crash loses nothing.

@@ -4,6 +4,7 @@
 use glam::{Vec2, Vec3};
 
 use super::aim::voxel_at;
+use super::job::Then;
 use super::stroke::Guide;
 use super::workbench::Workbench;
 use crate::command::{Area, Command};
@@ -28,13 +29,10 @@ impl Workbench {
         match intent {
             Intent::Do(action) => self.act(action),
             Intent::Run(command) => self.run(command, false),
-            Intent::Leave => {
-                // If something is still to be written, leaving waits for its success.
-                match &mut self.waiting {
-                    Some((_, leave)) => *leave = true,
-                    None => self.leave(),
-                }
-            }
+            Intent::StopWork => self.cancel_job(),
+            // If something is being written, leaving waits for its success.
+            Intent::Leave if self.job.is_some() => self.leave_after_job(),
+            Intent::Leave => self.leave(),
             Intent::SaveAndLeave => self.save(true),
         }
     }
@@ -47,6 +45,7 @@ impl Workbench {
             Action::Open => self.ui.files.open(FileTask::Open, self.session.path()),
             Action::Save => self.save(false),
             Action::SaveAs => self.ui.files.open(FileTask::SaveAs, self.session.path()),
+            Action::Quit if self.job.is_some() => self.leave_after_job(),
             Action::Quit if self.session.modified() => self.ui.leave_open = true,
             Action::Quit => self.leave(),
             Action::Help => self.ui.help_open = !self.ui.help_open,
@@ -54,6 +53,7 @@ impl Workbench {
             Action::Redo => self.run(Command::Redo { steps: Some(1) }, false),
             Action::Fill => self.run(Command::Fill { area: Area::Grid, colour: None }, false),
             Action::Clear => self.run(Command::Clear { area: Area::Grid }, false),
+            Action::Cancel if self.job.is_some() => self.cancel_job(),
             Action::Cancel if self.stroke.is_some() => self.cancel_stroke(),
             Action::Cancel => {
                 self.ui.close_top();
@@ -351,48 +351,32 @@ impl Workbench {
         }
     }
 
-    /// Carries out a command that is no part of a stroke; work on files only after its sign has
-    /// been shown.
+    /// Carries out a command that is no part of a stroke; what takes long on another thread. With
+    /// `leave` that is the last there is to do.
     pub(super) fn run(&mut self, command: Command, leave: bool) {
         self.end_stroke();
-        let sign = match &command {
-            Command::Open { .. } => "Opening …",
-            Command::Save { .. } => "Saving …",
-            Command::New(_) => "Making a new sculpture …",
-            _ => {
+        let then = if leave { Then::Leave } else { Then::Stay };
+        match self.session.prepare(&command) {
+            Ok(Some(_)) if self.job.is_some() => self.refuse(&command),
+            Ok(Some(work)) => self.start_job(work, &command, then),
+            Ok(None) => {
                 self.execute(&command);
-                return;
             }
-        };
-        self.ui.busy = Some(sign.to_string());
-        self.waiting = Some((command, leave));
-    }
-
-    /// Does the long work whose sign is on the screen now.
-    pub(super) fn do_waiting(&mut self) {
-        let Some((command, leave)) = self.waiting.take() else { return };
-        self.ui.busy = None;
-        if self.execute(&command) {
-            if let Command::Save { path, .. } = command {
-                self.ui.toasts.note(format!("Saved {}", path.display()));
-                self.written = Some(path);
-            }
-            if leave {
-                self.leave();
-            }
+            Err(error) => self.ui.toasts.error(error.to_string()),
         }
     }
 
-    /// Carries out a command; says what went wrong. True if it was done.
+    /// Carries out a command that takes no time; says what went wrong. True if it was done.
     pub(super) fn execute(&mut self, command: &Command) -> bool {
+        if self.job.is_some() && !matches!(command, Command::Place(_)) {
+            self.refuse(command);
+            return false;
+        }
         let dims = self.session.document().grid().dims();
         match self.session.execute(command, &()) {
             Ok(_) => {
-                let now = self.session.document().grid().dims();
-                if now != dims || matches!(command, Command::New(_) | Command::Open { .. }) {
-                    self.seen = None;
-                    self.ui.hand.reset_pose(now);
-                    self.look_from(Side::Corner);
+                if self.session.document().grid().dims() != dims {
+                    self.sculpture_replaced();
                 }
                 true
             }
@@ -402,6 +386,19 @@ impl Workbench {
                 false
             }
         }
+    }
+
+    /// While long work is under way nothing changes the sculpture.
+    fn refuse(&mut self, command: &Command) {
+        let verb = command.verb();
+        self.ui.toasts.note(format!("`{verb}` has to wait until the work under way is done"));
+    }
+
+    /// Another sculpture is there: tool and view begin anew.
+    pub(super) fn sculpture_replaced(&mut self) {
+        self.seen = None;
+        self.ui.hand.reset_pose(self.session.document().grid().dims());
+        self.look_from(Side::Corner);
     }
 }
 

@@ -13,10 +13,10 @@ use glam::{Affine3A, UVec2, Vec2, Vec3};
 
 use super::aim::{self, Sight};
 use super::guides::Aid;
+use super::job::{self, Job};
 use super::marker::MarkerDrag;
 use super::stage::Stage;
 use super::stroke::StrokeInHand;
-use crate::command::Command;
 use crate::config::Config;
 use crate::input::events::{Viewport, device_events};
 use crate::input::{Action, Bindings, DeviceEvent, Mapper, Panel, Side, Signal};
@@ -48,8 +48,8 @@ pub struct Workbench {
     /// The voxels in the last picture, to find what the pointer points at.
     pub(super) seen: Option<Arc<IndexMap>>,
     picture: Rect,
-    /// Long work that is done after its sign has been shown, and whether to leave after it.
-    pub(super) waiting: Option<(Command, bool)>,
+    /// Long work under way.
+    pub(super) job: Option<Job>,
     /// The file that this run of the program has written, which may be written again unasked.
     pub(super) written: Option<PathBuf>,
     leaving: bool,
@@ -75,7 +75,7 @@ impl Workbench {
             turns_instead: false,
             seen: None,
             picture: Rect::ZERO,
-            waiting: None,
+            job: None,
             written: None,
             leaving: false,
             times: FrameTimes::default(),
@@ -134,7 +134,7 @@ impl Workbench {
 
     /// One pass of the interface: listens to the devices, shows the panels, does what was asked.
     pub fn show(&mut self, root: &mut Ui) {
-        self.do_waiting();
+        self.follow_job();
         self.listen(root);
         let mut intents = Vec::new();
         let picture = self.with_facts(|ui, facts| ui::show(root, ui, facts, &mut intents).rect);
@@ -143,11 +143,14 @@ impl Workbench {
         if response.contains_pointer() && !self.ui.is_modal() {
             root.set_cursor_icon(self.cursor(root));
         }
-        if !intents.is_empty() || self.waiting.is_some() {
+        if !intents.is_empty() {
             root.request_repaint();
         }
         for intent in intents {
             self.carry_out(intent);
+        }
+        if self.job.is_some() {
+            root.request_repaint_after(job::LOOK_EVERY);
         }
     }
 

@@ -4,6 +4,8 @@
 //! Whatever a tool does goes through [`Document::edit`] and [`Document::paint`], which are where
 //! the selection limits it. Before the first change it is known that memory suffices.
 
+use std::sync::Arc;
+
 use glam::{IVec3, UVec3};
 
 use super::{Applied, CommandError, Document};
@@ -230,7 +232,8 @@ impl Document {
 
     /// One edit, within the selection if that limits tools.
     pub(super) fn edit(&mut self, region: &impl Region, op: EditOp) -> EditStats {
-        let (contents, recorder, dirty) = (&mut self.contents, &mut self.recorder, &mut self.dirty);
+        let (contents, recorder, dirty) =
+            (Arc::make_mut(&mut self.contents), &mut self.recorder, &mut self.dirty);
         match self.selection.limit() {
             Some(stack) => edit::edit(contents, &Limited { region, stack }, op, recorder, dirty),
             None => edit::edit(contents, region, op, recorder, dirty),
@@ -243,7 +246,8 @@ impl Document {
         region: &impl Region,
         colour: impl Fn(UVec3, Rgb) -> Rgb + Sync,
     ) -> EditStats {
-        let (contents, recorder, dirty) = (&mut self.contents, &mut self.recorder, &mut self.dirty);
+        let (contents, recorder, dirty) =
+            (Arc::make_mut(&mut self.contents), &mut self.recorder, &mut self.dirty);
         match self.selection.limit() {
             Some(stack) => {
                 paint_each(contents, &Limited { region, stack }, colour, recorder, dirty)

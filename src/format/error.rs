@@ -12,6 +12,8 @@ use crate::sculpture::GridError;
 pub enum FormatError {
     #[error("{0}")]
     Io(#[from] std::io::Error),
+    #[error("the work was cancelled")]
+    Cancelled,
     #[error("this is not a file but a folder or a device; name a file")]
     NotAFile,
     #[error("the ending `{0}` is not one of those known: .pvm, .raw")]

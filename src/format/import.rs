@@ -8,13 +8,13 @@ use glam::UVec3;
 use rayon::prelude::*;
 use tracing::warn;
 
-use super::FormatError;
 use super::histogram::{Histogram, Values};
 use super::options::{Colouring, Existence, ExportForm, ImportOptions};
 use super::ramp::Ramp;
 use super::signature::Signature;
 use super::threshold;
 use super::volume::{Samples, Volume};
+use super::{FormatError, go_on};
 use crate::progress::Progress;
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_coords};
 use crate::sculpture::colour::{unpack8, unpack16};
@@ -219,6 +219,9 @@ impl Job<'_> {
         };
         self.progress.begin("filling the grid");
         grid.fill_bricks(|brick| {
+            if self.progress.is_cancelled() {
+                return Brick::EMPTY;
+            }
             let corner = brick * BRICK_EDGE_VX;
             let room = (dims - corner).min(UVec3::splat(BRICK_EDGE_VX));
             let mut rows = [0u64; 8];
@@ -233,6 +236,7 @@ impl Job<'_> {
             Brick::from_rows(&rows)
         });
         self.progress.end();
+        go_on(self.progress)?;
         let material = self.paint(&grid, depth, base, |v| colour(&voxels[index(v)]))?;
         Ok(Contents { grid, material })
     }
@@ -276,6 +280,7 @@ impl Job<'_> {
         }
         self.progress.begin("colouring");
         for (i, batch) in filled.chunks(PAINT_BATCH).enumerate() {
+            go_on(self.progress)?;
             let pages: Vec<Option<Page>> = batch.par_iter().map(|b| page_of(*b)).collect();
             for (&brick, page) in batch.iter().zip(pages) {
                 if page.is_some() {

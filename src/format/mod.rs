@@ -111,11 +111,22 @@ pub fn save_with_texts(
     progress.begin("making the volume");
     let volume = export::to_volume(contents, form, texts);
     progress.end();
+    go_on(progress)?;
     let bytes = match format {
         Format::Pvm => pvm::write(volume?, progress)?,
         Format::Raw => volume?.data,
     };
-    Ok(store::write_atomically(path, &bytes)?)
+    // The last moment: what is written is written.
+    go_on(progress)?;
+    progress.begin("writing");
+    let written = store::write_atomically(path, &bytes);
+    progress.end();
+    Ok(written?)
+}
+
+/// An error once the work is wanted no more.
+fn go_on(progress: &dyn Progress) -> Result<(), FormatError> {
+    if progress.is_cancelled() { Err(FormatError::Cancelled) } else { Ok(()) }
 }
 
 /// What a file holds, found without making a sculpture of it.
@@ -218,7 +229,7 @@ fn read_volume(
     let check_grid = |dims, voxel_size| Grid::check(dims, voxel_size, limits.grid_bytes);
     match Format::of(path)? {
         Format::Pvm => {
-            let file = store::read(path, budget, |_| Ok(()))?;
+            let file = store::read(path, budget, |_| Ok(()), progress)?;
             let file_bytes = file.len() as u64;
             let admit = |header: &pvm::Header| Ok(check_grid(header.dims, header.voxel_size)?);
             let (volume, origin) = pvm::read(file, &admit, budget - file_bytes, progress)?;
@@ -234,10 +245,11 @@ fn read_volume(
         }
         Format::Raw => {
             let layout = options.raw.ok_or(FormatError::NoRawLayout)?;
-            let file = store::read(path, budget, |len| {
+            let admit = |len| {
                 check_grid(layout.dims, layout.voxel_size)?;
                 raw::check_length(&layout, len)
-            })?;
+            };
+            let file = store::read(path, budget, admit, progress)?;
             let file_bytes = file.len() as u64;
             Ok((raw::read(file, &layout)?, Source { kind: "raw".to_string(), file_bytes }))
         }

@@ -7,10 +7,10 @@
 
 use glam::{UVec3, Vec3};
 
-use super::FormatError;
 use super::dds::{self, Stream};
 use super::error::excerpt;
 use super::volume::{Samples, Texts, Volume};
+use super::{FormatError, go_on};
 use crate::progress::Progress;
 
 /// Longest header that is read, comments included.
@@ -206,6 +206,7 @@ pub fn read(
     }
     fits?;
     let plain = stream.decode(progress);
+    go_on(progress)?;
     drop(file);
     let header = check(&plain, total).map_err(inside)?;
     Ok((split_plain(plain, &header)?, Origin { header, packing }))
@@ -253,7 +254,9 @@ pub fn write(volume: Volume, progress: &dyn Progress) -> Result<Vec<u8>, FormatE
     let plain = to_plain(volume)?;
     let skip = if components <= dds::MAX_SKIP { components } else { 1 };
     let strip = if strip <= dds::MAX_STRIP { strip } else { 1 };
-    Ok(dds::encode(&plain, skip, strip, progress))
+    let packed = dds::encode(&plain, skip, strip, progress);
+    go_on(progress)?;
+    Ok(packed)
 }
 
 /// The plain bytes of a volume.

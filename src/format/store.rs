@@ -7,14 +7,19 @@ use std::fs::{self, File};
 use std::io::{Error, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
-use super::FormatError;
 use super::pvm::check_budget;
+use super::{FormatError, go_on};
+use crate::progress::Progress;
+
+/// So much is read between two looks whether it is still wanted.
+const PORTION_BYTES: u64 = 4 << 20;
 
 /// Reads a whole file of at most `budget_bytes`. `admit` sees its length before memory is taken.
 pub(super) fn read(
     path: &Path,
     budget_bytes: u64,
     admit: impl Fn(u64) -> Result<(), FormatError>,
+    progress: &dyn Progress,
 ) -> Result<Vec<u8>, FormatError> {
     let file = File::open(path)?;
     let metadata = file.metadata()?;
@@ -27,8 +32,14 @@ pub(super) fn read(
     admit(metadata.len())?;
     check_budget(metadata.len(), budget_bytes)?;
     let mut bytes = Vec::with_capacity(metadata.len() as usize);
+    progress.begin("reading");
     // A file that grows meanwhile does not take more.
-    file.take(budget_bytes).read_to_end(&mut bytes)?;
+    let mut file = file.take(budget_bytes);
+    while (&mut file).take(PORTION_BYTES).read_to_end(&mut bytes)? > 0 {
+        progress.advance(bytes.len() as f32 / metadata.len() as f32);
+        go_on(progress)?;
+    }
+    progress.end();
     Ok(bytes)
 }
 
@@ -129,11 +140,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.raw");
         write_atomically(&path, &[7; 2 << 20]).unwrap();
-        assert_eq!(read(&path, 2 << 20, |_| Ok(())).unwrap().len(), 2 << 20);
+        assert_eq!(read(&path, 2 << 20, |_| Ok(()), &()).unwrap().len(), 2 << 20);
         assert!(matches!(
-            read(&path, 1 << 20, |_| Ok(())),
+            read(&path, 1 << 20, |_| Ok(()), &()),
             Err(FormatError::Memory { needed_mib: 2, budget_mib: 1 })
         ));
-        assert!(matches!(read(folder.path(), 1, |_| Ok(())), Err(FormatError::NotAFile)));
+        assert!(matches!(read(folder.path(), 1, |_| Ok(()), &()), Err(FormatError::NotAFile)));
     }
 }

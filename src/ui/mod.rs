@@ -3,6 +3,7 @@
 //! Reads the document through [`Facts`], remembers its own choices in [`UiState`], and says what
 //! the person wants as [`Intent`]s. It changes no sculpture and knows no Vulkan.
 
+pub mod busy;
 pub mod buttons;
 pub mod files;
 pub mod hand;
@@ -26,7 +27,7 @@ pub mod top_bar;
 
 use std::path::Path;
 
-use egui::{CentralPanel, Frame, Rect, Response, Sense, Ui};
+use egui::{CentralPanel, Frame, Response, Sense, Ui};
 
 use crate::document::Document;
 use crate::input::Bindings;
@@ -89,20 +90,6 @@ pub fn show(
     leave::show(root, state, intents);
     files::show(root, state, intents);
     state.toasts.show(root, picture.rect);
-    show_busy(root, state, picture.rect);
+    busy::show(root, state, intents);
     picture
-}
-
-/// A sign that long work is about to be done, since nothing moves during it.
-fn show_busy(root: &Ui, state: &UiState, picture: Rect) {
-    let Some(what) = &state.busy else { return };
-    egui::Area::new(egui::Id::new("busy"))
-        .order(egui::Order::Tooltip)
-        .pivot(egui::Align2::CENTER_CENTER)
-        .fixed_pos(picture.center())
-        .show(root.ctx(), |ui| {
-            Frame::popup(ui.style()).inner_margin(16.0).show(ui, |ui| {
-                ui.label(egui::RichText::new(what).heading());
-            });
-        });
 }

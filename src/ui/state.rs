@@ -12,6 +12,7 @@ use super::toasts::Toasts;
 use crate::command::Command;
 use crate::config::{Config, LightSettings, RenderMode, SCALE_RANGE, Theme};
 use crate::input::{Action, Panel};
+use crate::progress::Stage;
 use crate::sculpture::orientation::Orientation;
 
 /// What a person asked for in the interface.
@@ -21,10 +22,22 @@ pub enum Intent {
     Do(Action),
     /// A command whose arguments were chosen in a window.
     Run(Command),
+    /// Stop the long work under way, where it can be stopped.
+    StopWork,
     /// Leave without asking again.
     Leave,
     /// Save, then leave.
     SaveAndLeave,
+}
+
+/// Long work, as the interface shows it.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Busy {
+    /// Such as "Saving".
+    pub what: &'static str,
+    pub stage: Stage,
+    /// It takes long enough for a sign.
+    pub shown: bool,
 }
 
 /// How the sculpture is shown.
@@ -97,8 +110,8 @@ pub struct UiState {
     pub new_dialog: NewDialog,
     pub files: super::files::Files,
     pub toasts: Toasts,
-    /// Long work of which the first picture must still be shown.
-    pub busy: Option<String>,
+    /// Long work under way; nothing else can be asked for meanwhile.
+    pub busy: Option<Busy>,
 }
 
 impl UiState {

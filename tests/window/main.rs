@@ -8,6 +8,7 @@
 #![cfg(target_os = "linux")]
 
 mod display;
+mod panels;
 mod program;
 
 use std::time::Duration;
@@ -32,7 +33,12 @@ fn start<'a>(display: &'a Display, arguments: &[&str]) -> Program<'a> {
 
 /// A display, or none where tests of the window are skipped.
 fn display() -> Option<Display> {
-    match Display::start([1280, 800]) {
+    display_of([1280, 800])
+}
+
+/// The same of another size in pixels.
+fn display_of(size: [u32; 2]) -> Option<Display> {
+    match Display::start(size) {
         Ok(display) => Some(display),
         Err(reason) if std::env::var_os("VS_REQUIRE_WINDOW").is_some_and(|v| v == "1") => {
             panic!("VS_REQUIRE_WINDOW=1, but {reason}")

@@ -13,6 +13,8 @@ use x11rb::protocol::xproto::{
 
 use crate::display::Display;
 
+/// In the title of the main window alone.
+const MAIN: &str = "Virtual Sculpture";
 const KEY: u8 = 2;
 const BUTTON: u8 = 4;
 const MOTION: u8 = 6;
@@ -44,9 +46,14 @@ impl<'a> Program<'a> {
     /// Starts the program on a display with settings of its own: a small sculpture, and the
     /// validation layers where they are installed.
     pub fn start(display: &'a Display, arguments: &[&str]) -> Program<'a> {
+        Program::start_with(display, arguments, "[new]\ndims = [96, 96, 96]\n")
+    }
+
+    /// The same with other settings.
+    pub fn start_with(display: &'a Display, arguments: &[&str], settings: &str) -> Program<'a> {
         let folder = tempfile::tempdir().unwrap().keep();
         let config = folder.join("config.toml");
-        std::fs::write(&config, "[new]\ndims = [96, 96, 96]\n").unwrap();
+        std::fs::write(&config, settings).unwrap();
         let mut child = Command::new(env!("CARGO_BIN_EXE_virtual-sculpture"))
             .arg("--config")
             .arg(&config)
@@ -108,25 +115,74 @@ impl<'a> Program<'a> {
         }
     }
 
-    /// The program's window.
+    /// The program's main window.
     fn window(&self) -> Window {
+        self.named(MAIN).expect("the program has a window")
+    }
+
+    /// The window whose title contains `title`.
+    fn named(&self, title: &str) -> Option<Window> {
         let x = &self.display.x;
         let children = x.query_tree(self.display.root).unwrap().reply().unwrap().children;
         let named = |window: &Window| {
             let kind = AtomEnum::WM_NAME;
             let name = x.get_property(false, *window, kind, AtomEnum::ANY, 0, 100).unwrap();
-            name.reply().is_ok_and(|name| {
-                String::from_utf8_lossy(&name.value).contains("Virtual Sculpture")
-            })
+            name.reply().is_ok_and(|name| String::from_utf8_lossy(&name.value).contains(title))
         };
-        children.into_iter().find(named).expect("the program has a window")
+        children.into_iter().find(named)
+    }
+
+    pub fn has_window(&self, title: &str) -> bool {
+        self.display.sync();
+        self.named(title).is_some()
+    }
+
+    fn panel(&self, title: &str) -> Window {
+        self.named(title).unwrap_or_else(|| panic!("there is no window {title}"))
+    }
+
+    /// Puts the window of a panel at x, y with a width and height.
+    pub fn place_panel(&self, title: &str, [x, y, width, height]: [u32; 4]) {
+        let change = ConfigureWindowAux::new().x(x as i32).y(y as i32).width(width).height(height);
+        self.display.x.configure_window(self.panel(title), &change).unwrap();
+        self.display.sync();
+    }
+
+    /// x, y, width and height of the window of a panel.
+    pub fn panel_place(&self, title: &str) -> [u32; 4] {
+        let place = self.display.x.get_geometry(self.panel(title)).unwrap().reply().unwrap();
+        [place.x as u32, place.y as u32, place.width.into(), place.height.into()]
+    }
+
+    /// Asks the window of a panel to close.
+    pub fn close_panel(&self, title: &str) {
+        self.close_window(self.panel(title));
+    }
+
+    /// Presses keys with the window of a panel in focus.
+    pub fn key_in_panel(&self, title: &str, names: &[&str]) {
+        self.key_in(self.panel(title), names);
+    }
+
+    /// Clicks with the left button.
+    pub fn click(&self, at: [i16; 2]) {
+        self.display.device(MOTION, 0, at);
+        self.settle();
+        self.display.device(BUTTON, 1, at);
+        std::thread::sleep(Duration::from_millis(60));
+        self.display.device(BUTTON + 1, 1, at);
+        self.settle();
     }
 
     /// Presses keys in order and releases them in reverse, with the window in focus (there is no
     /// window manager that would give it).
     pub fn key(&self, names: &[&str]) {
+        self.key_in(self.window(), names);
+    }
+
+    fn key_in(&self, window: Window, names: &[&str]) {
         let x = &self.display.x;
-        x.set_input_focus(InputFocus::PARENT, self.window(), x11rb::CURRENT_TIME).unwrap();
+        x.set_input_focus(InputFocus::PARENT, window, x11rb::CURRENT_TIME).unwrap();
         self.display.sync();
         std::thread::sleep(Duration::from_millis(80));
         let codes: Vec<u8> = names.iter().map(|n| self.display.keycode(symbol(n))).collect();
@@ -194,11 +250,15 @@ impl<'a> Program<'a> {
 
     /// Asks the window to close, as a window manager does.
     pub fn close(&self) {
+        self.close_window(self.window());
+    }
+
+    fn close_window(&self, window: Window) {
         let x = &self.display.x;
         let atom = |name: &[u8]| x.intern_atom(false, name).unwrap().reply().unwrap().atom;
         let data = [atom(b"WM_DELETE_WINDOW"), x11rb::CURRENT_TIME, 0, 0, 0];
-        let message = ClientMessageEvent::new(32, self.window(), atom(b"WM_PROTOCOLS"), data);
-        x.send_event(false, self.window(), EventMask::NO_EVENT, message).unwrap();
+        let message = ClientMessageEvent::new(32, window, atom(b"WM_PROTOCOLS"), data);
+        x.send_event(false, window, EventMask::NO_EVENT, message).unwrap();
         x.flush().unwrap();
         std::thread::sleep(Duration::from_millis(200));
     }
@@ -252,6 +312,7 @@ fn symbol(name: &str) -> Keysym {
         "Tab" => 0xff09,
         "F1" => 0xffbe,
         "space" => 0x20,
+        "minus" => 0x2d,
         letter if letter.len() == 1 => u32::from(letter.as_bytes()[0]),
         other => panic!("no symbol for {other}"),
     }

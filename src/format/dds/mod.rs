@@ -160,6 +160,7 @@ impl<'a> Stream<'a> {
     }
 
     /// Decodes all. Takes [`Stream::decoded_bytes`] of memory, twice that with several planes.
+    /// Stops early once `progress` is cancelled; what it gives then is worthless.
     pub fn decode(&self, progress: &dyn Progress) -> Vec<u8> {
         let mut samples = vec![0; self.total as usize];
         progress.begin("unpacking");
@@ -178,7 +179,7 @@ impl<'a> Stream<'a> {
         let mut carry = Carry::new(self.strip);
         let batch_len = 8 * rayon::current_num_threads();
         let mut done = 0;
-        while !samples.is_empty() {
+        while !samples.is_empty() && !progress.is_cancelled() {
             let mut batch = Vec::with_capacity(batch_len);
             for (segment, range) in segments.by_ref().take(batch_len) {
                 let (part, rest) =
@@ -223,7 +224,8 @@ impl<'a> Stream<'a> {
 }
 
 /// Packs `plain` with `skip` planes (1 to [`MAX_SKIP`]) and the predictor distance `strip` (1 to
-/// [`MAX_STRIP`]). Takes as much memory again with several planes.
+/// [`MAX_STRIP`]). Takes as much memory again with several planes. Stops early once `progress` is
+/// cancelled; what it gives then is worthless.
 pub fn encode(plain: &[u8], skip: usize, strip: usize, progress: &dyn Progress) -> Vec<u8> {
     debug_assert!((1..=MAX_SKIP).contains(&skip) && (1..=MAX_STRIP).contains(&strip));
     progress.begin("packing");
@@ -246,6 +248,9 @@ pub fn encode(plain: &[u8], skip: usize, strip: usize, progress: &dyn Progress) 
         .map(|from| from..samples.len().min(from + CHUNK_SAMPLES))
         .collect();
     for batch in chunks.chunks(8 * rayon::current_num_threads()) {
+        if progress.is_cancelled() {
+            break;
+        }
         let sinks: Vec<BitSink> = batch
             .par_iter()
             .map_init(

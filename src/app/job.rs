@@ -1,0 +1,282 @@
+//! Owns long work under way: the part of a command that needs no session runs on a thread of its
+//! own, while the window stays alive, shows how far it is and can cancel it.
+//!
+//! The sculpture stays where it is. What is saved is shared with the thread, what is opened or
+//! made is made apart and put in place at the end; until then the workbench refuses to change
+//! anything.
+
+use std::sync::Arc;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use super::workbench::Workbench;
+use crate::command::Command;
+use crate::progress::Report;
+use crate::session::{Done, SessionError, Work};
+use crate::ui::state::Busy;
+
+/// Work shorter than this goes without a sign, which would only flicker.
+const PATIENCE: Duration = Duration::from_millis(150);
+/// Between two looks how far it is.
+pub(super) const LOOK_EVERY: Duration = Duration::from_millis(30);
+
+/// Work on a thread.
+pub struct Job {
+    thread: JoinHandle<Result<Done, SessionError>>,
+    report: Arc<Report>,
+    sign: &'static str,
+    started: Instant,
+    /// It is waited for when the program is left.
+    is_save: bool,
+    then: Then,
+}
+
+/// What follows when the work is done.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Then {
+    Stay,
+    /// Leave if it succeeded; ask first if work would be lost.
+    Leave,
+    /// The same, also if it was cancelled.
+    LeaveAnyway,
+}
+
+impl Job {
+    /// Starts `work`, the long part of `command`.
+    fn start<W>(work: W, command: &Command, then: Then) -> Job
+    where
+        W: FnOnce(&Report) -> Result<Done, SessionError> + Send + 'static,
+    {
+        let sign = match command {
+            Command::Open { .. } => "Opening",
+            Command::Save { .. } => "Saving",
+            _ => "Making a new sculpture",
+        };
+        let report = Arc::new(Report::default());
+        let told = report.clone();
+        Job {
+            thread: std::thread::spawn(move || work(&told)),
+            report,
+            sign,
+            started: Instant::now(),
+            is_save: matches!(command, Command::Save { .. }),
+            then,
+        }
+    }
+
+    fn busy(&self) -> Busy {
+        Busy {
+            what: self.sign,
+            stage: self.report.stage(),
+            shown: self.started.elapsed() > PATIENCE,
+        }
+    }
+}
+
+impl Workbench {
+    /// Starts long work; the last is over.
+    pub(super) fn start_job(&mut self, work: Work, command: &Command, then: Then) {
+        let job = Job::start(move |report| work.run(report), command, then);
+        self.ui.busy = Some(job.busy());
+        self.job = Some(job);
+    }
+
+    /// Looks how far long work is, and puts in place what came of it once it is done.
+    pub(super) fn follow_job(&mut self) {
+        match &self.job {
+            Some(job) if job.thread.is_finished() => self.finish_job(),
+            Some(job) => self.ui.busy = Some(job.busy()),
+            None => {}
+        }
+    }
+
+    /// Waits for long work, if there is any, and puts in place what came of it.
+    pub fn finish_job(&mut self) {
+        let Some(job) = self.job.take() else { return };
+        self.ui.busy = None;
+        let result = job.thread.join();
+        let done = match result {
+            Ok(Ok(done)) => self.complete(done),
+            Ok(Err(error)) if error.is_cancelled() => {
+                self.ui.toasts.note(format!("{}: cancelled", job.sign));
+                job.then == Then::LeaveAnyway
+            }
+            Ok(Err(error)) => {
+                tracing::warn!("{error}");
+                self.ui.toasts.error(error.to_string());
+                false
+            }
+            Err(_) => {
+                // The panic's message is on stderr already.
+                self.ui.toasts.error(format!("{}: failed by a fault of the program", job.sign));
+                false
+            }
+        };
+        if done && job.then != Then::Stay {
+            self.ask_to_leave();
+        }
+    }
+
+    /// Asks long work to stop where it can.
+    pub(super) fn cancel_job(&mut self) {
+        if let Some(job) = &self.job {
+            job.report.cancel();
+        }
+    }
+
+    /// The program is to be left while work is under way: a save is waited for, anything else is
+    /// given up.
+    pub(super) fn leave_after_job(&mut self) {
+        let Some(job) = &mut self.job else { return };
+        if job.is_save {
+            job.then = Then::Leave;
+        } else {
+            job.then = Then::LeaveAnyway;
+            job.report.cancel();
+        }
+    }
+
+    /// Puts in place what came of long work. True if that went well.
+    fn complete(&mut self, done: Done) -> bool {
+        let command = done.command().clone();
+        if let Err(error) = self.session.complete(done) {
+            tracing::warn!("{command}: {error}");
+            self.ui.toasts.error(error.to_string());
+            return false;
+        }
+        match command {
+            Command::Save { path, .. } => {
+                self.ui.toasts.note(format!("Saved {}", path.display()));
+                self.written = Some(path);
+            }
+            _ => self.sculpture_replaced(),
+        }
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::{Sender, channel};
+
+    use super::*;
+    use crate::config::Config;
+    use crate::input::Bindings;
+    use crate::progress::Progress;
+    use crate::session::Session;
+    use crate::ui::toasts::Tone;
+
+    fn bench() -> Workbench {
+        let mut config = Config::default();
+        config.new.dims = [24, 16, 8];
+        let session = Session::new(&config).unwrap();
+        Workbench::new(session, &config, Bindings::presets().unwrap())
+    }
+
+    /// Starts a command whose work waits for a word before it begins.
+    fn start_slowly(bench: &mut Workbench, command: &str) -> Sender<()> {
+        let command: Command = command.parse().unwrap();
+        let work = bench.session.prepare(&command).unwrap().unwrap();
+        let (go, wait) = channel();
+        let slow = move |report: &Report| {
+            report.begin("thinking");
+            report.advance(0.25);
+            wait.recv().unwrap();
+            work.run(report)
+        };
+        bench.job = Some(Job::start(slow, &command, Then::Stay));
+        while bench.job.as_ref().unwrap().report.stage().done.is_none() {
+            std::thread::yield_now();
+        }
+        bench.follow_job();
+        go
+    }
+
+    fn tones(bench: &Workbench) -> Vec<Tone> {
+        bench.ui.toasts.texts().map(|(tone, _)| tone).collect()
+    }
+
+    #[test]
+    fn while_it_runs_it_is_shown_and_nothing_changes() {
+        let mut bench = bench();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.pvm");
+        bench.execute(&"subtract cuboid at=4,4,4 half=2".parse().unwrap());
+        let before = bench.session.document().contents().clone();
+        let go = start_slowly(&mut bench, &format!("save {path:?}"));
+        let busy = bench.ui.busy.clone().unwrap();
+        assert_eq!((busy.what, busy.stage.done), ("Saving", Some(0.25)));
+        assert_eq!(busy.stage.what, "thinking");
+        assert!(bench.ui.is_modal());
+        for refused in ["clear", "undo", "subtract cuboid at=9,9,4 half=3", "begin"] {
+            assert!(!bench.execute(&refused.parse().unwrap()), "{refused}");
+        }
+        bench.run("new dims=8,8,8".parse().unwrap(), false);
+        assert!(bench.execute(&"place scale=2".parse().unwrap()), "the view may move");
+        assert_eq!(*bench.session.document().contents(), before);
+        assert!(bench.session.modified());
+        go.send(()).unwrap();
+        bench.finish_job();
+        assert!(bench.ui.busy.is_none() && !bench.session.modified());
+        let saved = crate::format::load(&path, &Default::default(), &Default::default(), &());
+        assert_eq!(saved.unwrap().contents.grid, before.grid);
+        assert!(bench.execute(&"clear".parse().unwrap()), "work goes on");
+    }
+
+    #[test]
+    fn what_is_cancelled_leaves_file_and_sculpture_as_they_were() {
+        let mut bench = bench();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.pvm");
+        for line in [format!("save {path:?}"), format!("open {path:?}")] {
+            if line.starts_with("open") {
+                bench.session.execute(&format!("save {path:?}").parse().unwrap(), &()).unwrap();
+            }
+            bench.execute(&"subtract cuboid at=4,4,4 half=2".parse().unwrap());
+            let (before, there) = (bench.session.document().revision(), path.exists());
+            let go = start_slowly(&mut bench, &line);
+            bench.cancel_job();
+            go.send(()).unwrap();
+            bench.finish_job();
+            assert_eq!(bench.session.document().revision(), before, "{line}");
+            assert_eq!(path.exists(), there, "{line}");
+            assert_eq!(tones(&bench).last(), Some(&Tone::Note));
+            assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), usize::from(there));
+        }
+    }
+
+    #[test]
+    fn leaving_waits_for_a_save_and_gives_up_an_opening() {
+        let mut bench = bench();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.pvm");
+        bench.execute(&"clear".parse().unwrap());
+        let go = start_slowly(&mut bench, &format!("save {path:?}"));
+        bench.ask_to_leave();
+        bench.follow_job();
+        assert!(!bench.is_leaving() && bench.job.is_some());
+        go.send(()).unwrap();
+        bench.finish_job();
+        assert!(bench.is_leaving() && path.exists());
+
+        let mut bench = self::bench();
+        let go = start_slowly(&mut bench, &format!("open {path:?}"));
+        bench.ask_to_leave();
+        go.send(()).unwrap();
+        bench.finish_job();
+        assert!(bench.is_leaving());
+        assert!(bench.session.document().grid().opaque_count() > 0, "it was not opened");
+    }
+
+    #[test]
+    fn a_failure_is_an_error_on_screen_and_keeps_the_program() {
+        let mut bench = bench();
+        bench.execute(&"clear".parse().unwrap());
+        let go = start_slowly(&mut bench, "save \"/nonexistent/a.pvm\"");
+        bench.ask_to_leave();
+        go.send(()).unwrap();
+        bench.finish_job();
+        assert!(!bench.is_leaving() && bench.session.modified());
+        assert_eq!(tones(&bench), [Tone::Error]);
+    }
+}

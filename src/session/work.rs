@@ -1,0 +1,83 @@
+//! Owns the long part of commands: reading, writing and making a sculpture. It needs no session,
+//! so that it can be done on another thread while a window shows the sculpture as it is.
+//!
+//! [`Session::prepare`](super::Session::prepare) gives a [`Work`], [`Work::run`] does it,
+//! [`Session::complete`](super::Session::complete) puts what came of it in place.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::SessionError;
+use crate::command::{Command, NewSculpture};
+use crate::document::{self, Limits};
+use crate::format::options::{ExportForm, ImportOptions};
+use crate::format::{self, Loaded, Texts};
+use crate::progress::Progress;
+use crate::sculpture::history::Contents;
+
+/// Work to be done.
+#[derive(Debug)]
+pub struct Work {
+    pub(super) command: Command,
+    pub(super) task: Task,
+}
+
+#[derive(Debug)]
+pub(super) enum Task {
+    New { new: NewSculpture, limits: Limits },
+    Open { path: PathBuf, import: ImportOptions, limits: Limits },
+    Save { path: PathBuf, form: ExportForm, contents: Arc<Contents>, texts: Texts, revision: u64 },
+}
+
+/// Work that was done.
+#[derive(Debug)]
+pub struct Done {
+    pub(super) command: Command,
+    pub(super) outcome: Outcome,
+}
+
+#[derive(Debug)]
+pub(super) enum Outcome {
+    New(Box<Contents>),
+    Opened { path: PathBuf, loaded: Box<Loaded> },
+    Saved { path: PathBuf, revision: u64 },
+}
+
+impl Work {
+    /// Does it. A failure, or `progress` cancelled, leaves everything as it was.
+    pub fn run(self, progress: &dyn Progress) -> Result<Done, SessionError> {
+        let outcome = match self.task {
+            Task::New { new, limits } => {
+                Outcome::New(Box::new(document::make_contents(&new, &limits)?))
+            }
+            Task::Open { path, import, limits } => {
+                let loaded = Box::new(load(&path, &import, &limits, progress)?);
+                Outcome::Opened { path, loaded }
+            }
+            Task::Save { path, form, contents, texts, revision } => {
+                match format::save_with_texts(&path, &contents, form, texts, progress) {
+                    Ok(()) => Outcome::Saved { path, revision },
+                    Err(error) => return Err(SessionError::Save { path, error }),
+                }
+            }
+        };
+        Ok(Done { command: self.command, outcome })
+    }
+}
+
+impl Done {
+    /// What was done.
+    pub fn command(&self) -> &Command {
+        &self.command
+    }
+}
+
+pub(super) fn load(
+    path: &Path,
+    import: &ImportOptions,
+    limits: &Limits,
+    progress: &dyn Progress,
+) -> Result<Loaded, SessionError> {
+    format::load(path, import, limits, progress)
+        .map_err(|error| SessionError::Open { path: path.to_path_buf(), error })
+}

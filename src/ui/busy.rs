@@ -1,0 +1,26 @@
+//! The sign over everything while long work is under way: what is done, how far it is, and the
+//! button that stops it.
+
+use egui::{Id, Key, Modal, ProgressBar, Ui};
+
+use super::top_bar::capital;
+use super::{Intent, UiState};
+
+const WIDTH: f32 = 320.0;
+
+pub fn show(root: &Ui, state: &UiState, intents: &mut Vec<Intent>) {
+    let Some(busy) = state.busy.as_ref().filter(|busy| busy.shown) else { return };
+    let stop = Modal::new(Id::new("busy")).show(root.ctx(), |ui| {
+        ui.set_width(WIDTH);
+        ui.heading(busy.what);
+        ui.add_space(4.0);
+        ui.label(capital(&busy.stage.what));
+        let bar = ProgressBar::new(busy.stage.done.unwrap_or(0.0));
+        ui.add(if busy.stage.done.is_some() { bar.show_percentage() } else { bar });
+        ui.add_space(8.0);
+        ui.button("Cancel").on_hover_text("Stop; everything stays as it was").clicked()
+    });
+    if stop.inner || root.input(|input| input.key_pressed(Key::Escape)) {
+        intents.push(Intent::StopWork);
+    }
+}

@@ -1,0 +1,133 @@
+//! Panels in windows of their own, and the scale of text and buttons.
+
+use crate::program::Program;
+use crate::{LEFT, display_of, shot, tool_home};
+
+/// Room for the main window, at the left, and those of panels beside it.
+const SCREEN: [u32; 2] = [1700, 800];
+/// The sculpture, whether the toolbox is beside it or not.
+const PICTURE: [u32; 4] = [150, 50, 800, 680];
+/// The buttons that tear off the toolbox and the options.
+const TEAR_TOOLBOX: [i16; 2] = [60, 52];
+const TEAR_OPTIONS: [i16; 2] = [1256, 52];
+/// Where the toolbox's window is put.
+const TOOLBOX: [u32; 4] = [1300, 20, 110, 500];
+/// The cuboid in it.
+const CUBOID: [i16; 2] = [1355, 139];
+/// A place where no window is.
+const NOWHERE: [i16; 2] = [1690, 790];
+
+fn start<'a>(display: &'a crate::Display, theme: &str) -> Program<'a> {
+    let settings = format!("[new]\ndims = [96, 96, 96]\n[window]\ntheme = \"{theme}\"\n");
+    let program = Program::start_with(display, &[], &settings);
+    display.device(6, 0, NOWHERE);
+    program.settle();
+    program
+}
+
+#[test]
+fn a_torn_off_toolbox_works_with_the_main_window_and_goes_back() {
+    let Some(display) = display_of(SCREEN) else { return };
+    let program = start(&display, "dark");
+    tool_home(&program);
+    let docked = shot(&program, "torn-0-docked");
+
+    program.click(TEAR_TOOLBOX);
+    assert!(program.has_window("Toolbox"));
+    program.place_panel("Toolbox", TOOLBOX);
+    display.device(6, 0, NOWHERE);
+    let torn = shot(&program, "torn-1-toolbox");
+    assert!(torn.part(TOOLBOX).colours() > 20, "the toolbox is shown in its window");
+    let column = [0, 70, 70, 380];
+    assert!(docked.part(column).differing(&torn.part(column)) > 1000, "it left the main window");
+
+    // A tool taken there is in hand here.
+    program.click(CUBOID);
+    display.device(6, 0, NOWHERE);
+    let cuboid = shot(&program, "torn-2-cuboid");
+    assert!(torn.part(PICTURE).differing(&cuboid.part(PICTURE)) > 100);
+    assert!(torn.part(TOOLBOX).differing(&cuboid.part(TOOLBOX)) > 1000);
+
+    // A stroke here, undone by a key there; and a key here shows there.
+    program.drag(LEFT, &[[430, 380], [470, 400], [520, 410]]);
+    display.device(6, 0, NOWHERE);
+    tool_home(&program);
+    let cut = shot(&program, "torn-3-cut").part(PICTURE);
+    assert!(cuboid.part(PICTURE).differing(&cut) > 1500);
+    program.key_in_panel("Toolbox", &["Control_L", "z"]);
+    let undone = shot(&program, "torn-4-undone");
+    assert_eq!(cuboid.part(PICTURE).differing(&undone.part(PICTURE)), 0);
+    program.key(&["e"]);
+    let ball = shot(&program, "torn-5-ball");
+    assert_eq!(torn.part(TOOLBOX).differing(&ball.part(TOOLBOX)), 0);
+
+    // Another size is filled to its edges.
+    let large = [1300, 20, 250, 700];
+    program.place_panel("Toolbox", large);
+    let resized = shot(&program, "torn-6-resized");
+    let corner = resized.part([1540, 700, 8, 18]);
+    assert_eq!(corner.colours(), 1);
+    assert_eq!(corner.differing(&resized.part([1302, 22, 8, 18])), 0, "the panel's ground");
+    for size in [[120, 140], [333, 222], [97, 600]] {
+        program.place_panel("Toolbox", [1300, 20, size[0], size[1]]);
+        program.settle();
+    }
+    program.place_panel("Toolbox", large);
+    let again = shot(&program, "torn-7-resized-again");
+    assert_eq!(resized.part(large).differing(&again.part(large)), 0);
+
+    // At rest nothing is drawn in either.
+    let pictures = program.pictures();
+    std::thread::sleep(std::time::Duration::from_secs(1));
+    assert!(program.pictures() - pictures <= 1);
+
+    program.close_panel("Toolbox");
+    let back = shot(&program, "torn-8-back");
+    assert!(!program.has_window("Toolbox"));
+    let toolbox = [0, 36, 76, 730];
+    assert_eq!(docked.part(toolbox).differing(&back.part(toolbox)), 0);
+
+    // The second time it is where and as large as it was.
+    program.click(TEAR_TOOLBOX);
+    assert_eq!(program.panel_place("Toolbox"), large);
+    // The work is in no file, so leaving from there asks in the main window: Save, Leave.
+    program.key_in_panel("Toolbox", &["Control_L", "q"]);
+    shot(&program, "torn-9-leaving");
+    program.key(&["Tab"]);
+    program.key(&["Tab"]);
+    program.key(&["space"]);
+    program.expect_clean_exit();
+}
+
+#[test]
+fn all_panels_are_torn_off_in_the_light_theme_and_scaled_together() {
+    let Some(display) = display_of(SCREEN) else { return };
+    let program = start(&display, "light");
+    program.click(TEAR_TOOLBOX);
+    program.click(TEAR_OPTIONS);
+    // The history is at the top of the column now.
+    program.click(TEAR_OPTIONS);
+    program.place_panel("Toolbox", [1290, 10, 110, 480]);
+    program.place_panel("Options", [1410, 10, 280, 780]);
+    program.place_panel("History", [1000, 480, 270, 280]);
+    display.device(6, 0, NOWHERE);
+    let usual = shot(&program, "torn-light-1");
+    assert!(["Toolbox", "Options", "History"].iter().all(|title| program.has_window(title)));
+
+    program.key_in_panel("Options", &["Control_L", "minus"]);
+    program.key_in_panel("History", &["Control_L", "minus"]);
+    program.key(&["Control_L", "minus"]);
+    let small = shot(&program, "torn-light-2-small");
+    for part in [[1290, 10, 110, 480], [1410, 10, 280, 780], [1000, 480, 270, 280], [0, 0, 900, 34]]
+    {
+        assert!(usual.part(part).differing(&small.part(part)) > 200, "{part:?}");
+    }
+    program.key_in_panel("Toolbox", &["Control_L", "0"]);
+    let reset = shot(&program, "torn-light-3-reset");
+    for part in [[1290, 10, 110, 480], [1410, 10, 280, 780], [1000, 480, 270, 280]] {
+        assert_eq!(usual.part(part).differing(&reset.part(part)), 0, "{part:?}");
+    }
+    // Leaving with windows of panels open.
+    program.key_in_panel("Toolbox", &["Control_L", "q"]);
+    program.expect_clean_exit();
+}
