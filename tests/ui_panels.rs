@@ -14,7 +14,7 @@ use glam::UVec3;
 use virtual_sculpture::app::Workbench;
 use virtual_sculpture::command::Command;
 use virtual_sculpture::config::{Config, RenderMode, Theme};
-use virtual_sculpture::input::{Bindings, ToolMode};
+use virtual_sculpture::input::{Bindings, Panel, ToolMode};
 use virtual_sculpture::session::Session;
 use virtual_sculpture::surface::{IndexMap, raycast};
 use virtual_sculpture::tools::construct::Solid;
@@ -85,10 +85,15 @@ fn drag(harness: &mut Bench, button: PointerButton, modifiers: Modifiers, way: &
 }
 
 fn key(harness: &mut Bench, modifiers: Modifiers, key: Key) {
+    key_in(harness, modifiers, key);
+    look(harness);
+}
+
+/// The same in any window.
+fn key_in(harness: &mut Bench, modifiers: Modifiers, key: Key) {
     for pressed in [true, false] {
         send(harness, Event::Key { key, physical_key: None, pressed, repeat: false, modifiers });
     }
-    look(harness);
 }
 
 fn wheel(harness: &mut Bench, modifiers: Modifiers, at: Pos2, notches: f32) {
@@ -334,6 +339,8 @@ fn the_new_dialog_makes_a_sculpture_and_names_what_is_impossible() {
     harness.run();
     harness.get_by_label("Create").click();
     harness.run();
+    harness.state_mut().finish_job();
+    harness.run();
     let grid = harness.state().session().document().grid();
     assert_eq!((grid.dims(), grid.opaque_count()), (UVec3::splat(128), 0));
     let tool = harness.state().ui.hand.centre_vx;
@@ -472,15 +479,16 @@ fn everything_fits_at_both_sizes_and_in_both_themes() {
 
 #[test]
 fn opening_and_saving_go_through_the_dialogs() {
+    // While the dialog reads a folder it shows a spinner, so the passes have no end of their own.
     let mut harness = bench();
     key(&mut harness, Modifiers::COMMAND, Key::O);
-    harness.run();
+    harness.run_steps(8);
     assert!(harness.state().ui.files.is_open());
     key(&mut harness, Modifiers::NONE, Key::Escape);
-    harness.run();
+    harness.run_steps(8);
     assert!(!harness.state().ui.files.is_open());
     key(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
-    harness.run();
+    harness.run_steps(8);
     assert!(harness.state().ui.files.is_open());
 }
 
@@ -493,4 +501,55 @@ fn scripts_say_what_the_mouse_does() {
     let text = hand.command(hand.mode).to_string();
     let again: Command = text.parse().unwrap();
     assert_eq!(again, hand.command(hand.mode));
+}
+
+#[test]
+fn a_torn_off_panel_does_the_same_in_a_window_of_its_own() {
+    let mut harness = bench();
+    harness.get_by_label("Tear off: Toolbox").click();
+    harness.run();
+    assert!(harness.query_by_label("Cuboid").is_none(), "it is not in the main window");
+    let wider = harness.state().picture();
+    harness.get_by_label("Tear off: Options").click();
+    harness.run();
+    harness.get_by_label("Tear off: History").click();
+    harness.run();
+    assert!(harness.state().picture().width() > wider.width() + 200.0);
+
+    // The same work, through the window of a panel.
+    for (panel, label) in
+        [(Panel::Toolbox, "Cuboid"), (Panel::Options, "Snap to voxels"), (Panel::History, "Start")]
+    {
+        let presets = Bindings::presets().unwrap();
+        let config = config(32);
+        let mut bench = Workbench::new(Session::new(&config).unwrap(), &config, presets);
+        bench.ui.torn.insert(panel);
+        let mut window = Harness::builder().with_size(vec2(260.0, 640.0)).build_ui_state(
+            move |ui, bench: &mut Workbench| {
+                bench.show_panel(panel, ui);
+            },
+            bench,
+        );
+        window.get_by_label(label).click();
+        window.run();
+        let hand = &window.state().ui.hand;
+        match panel {
+            Panel::Toolbox => assert_eq!(hand.solid, Solid::Cuboid),
+            Panel::Options => assert!(hand.snap),
+            Panel::History => {}
+        }
+        key_in(&mut window, Modifiers::NONE, Key::Delete);
+        assert_eq!(voxels(&window), 0);
+        key_in(&mut window, Modifiers::COMMAND, Key::Z);
+        assert_eq!(voxels(&window), 32u64.pow(3));
+        // What lies over the sculpture keeps the keys of panels away, too.
+        key_in(&mut window, Modifiers::COMMAND, Key::N);
+        key_in(&mut window, Modifiers::NONE, Key::Delete);
+        assert_eq!(voxels(&window), 32u64.pow(3));
+        window.state_mut().ui.new_dialog.open = false;
+        window.run();
+        window.get_by_label(&format!("Put back: {}", panel.title())).click();
+        window.run();
+        assert!(window.state().ui.torn.is_empty());
+    }
 }

@@ -1,7 +1,7 @@
 //! The sign over everything while long work is under way: what is done, how far it is, and the
 //! button that stops it.
 
-use egui::{Id, Key, Modal, ProgressBar, Ui};
+use egui::{Color32, Id, Key, Modal, ProgressBar, Ui};
 
 use super::top_bar::capital;
 use super::{Intent, UiState};
@@ -15,8 +15,10 @@ pub fn show(root: &Ui, state: &UiState, intents: &mut Vec<Intent>) {
         ui.heading(busy.what);
         ui.add_space(4.0);
         ui.label(capital(&busy.stage.what));
-        let bar = ProgressBar::new(busy.stage.done.unwrap_or(0.0));
-        ui.add(if busy.stage.done.is_some() { bar.show_percentage() } else { bar });
+        ui.add(match busy.stage.done {
+            Some(done) => ProgressBar::new(done).show_percentage(),
+            None => ProgressBar::new(0.0).fill(Color32::TRANSPARENT),
+        });
         ui.add_space(8.0);
         ui.button("Cancel").on_hover_text("Stop; everything stays as it was").clicked()
     });

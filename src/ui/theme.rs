@@ -89,6 +89,7 @@ fn visuals(theme: Theme) -> Visuals {
     visuals.panel_fill = panel;
     visuals.window_fill = if dark { grey(0x28) } else { grey(0xf7) };
     visuals.faint_bg_color = faint;
+    visuals.weak_text_color = Some(if dark { grey(0x96) } else { grey(0x5c) });
     // A steady cursor, so that nothing is drawn while nothing happens.
     visuals.text_cursor.blink = false;
     visuals.extreme_bg_color = extreme;

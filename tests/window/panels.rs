@@ -100,6 +100,34 @@ fn a_torn_off_toolbox_works_with_the_main_window_and_goes_back() {
 }
 
 #[test]
+fn the_window_stays_alive_while_a_large_sculpture_is_saved() {
+    let Some(display) = display_of([1280, 800]) else { return };
+    let settings = "[new]\ndims = [448, 448, 448]\ncolour_bits = 0\n\
+                    [window]\ntheme = \"light\"\n";
+    let program = Program::start_with(&display, &[], settings);
+    program.leave_picture();
+    program.settle();
+    let before = shot(&program, "saving-0-before").part(PICTURE);
+    program.key(&["g"]);
+    program.click([500, 400]);
+    program.leave_picture();
+    let error = shot(&program, "saving-0-error").part(PICTURE);
+    assert!(before.differing(&error) > 1000, "there are no colours to paint with");
+    program.key(&["Control_L", "s"]);
+    let dialog = shot(&program, "saving-1-dialog");
+    program.key(&["Return"]);
+    std::thread::sleep(std::time::Duration::from_millis(250));
+    display.picture().save("saving-2-bar");
+    program.close();
+    let file = program.folder().join("sculpture.pvm");
+    // Closing waits for the end of the save, and asks nothing after it.
+    program.expect_clean_exit();
+    assert!(dialog.colours() > 20);
+    let info = virtual_sculpture::format::info(&file).unwrap();
+    assert_eq!(info.dims.to_array(), [448; 3]);
+}
+
+#[test]
 fn all_panels_are_torn_off_in_the_light_theme_and_scaled_together() {
     let Some(display) = display_of(SCREEN) else { return };
     let program = start(&display, "light");
@@ -127,6 +155,10 @@ fn all_panels_are_torn_off_in_the_light_theme_and_scaled_together() {
     for part in [[1290, 10, 110, 480], [1410, 10, 280, 780], [1000, 480, 270, 280]] {
         assert_eq!(usual.part(part).differing(&reset.part(part)), 0, "{part:?}");
     }
+    program.key_in_panel("Options", &["Control_L", "s"]);
+    shot(&program, "torn-light-4-modal");
+    program.key(&["Return"]);
+    shot(&program, "torn-light-5-saved");
     // Leaving with windows of panels open.
     program.key_in_panel("Toolbox", &["Control_L", "q"]);
     program.expect_clean_exit();

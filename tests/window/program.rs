@@ -1,6 +1,7 @@
 //! The program as a process with a window.
 
 use std::io::{BufRead, BufReader};
+use std::path::PathBuf;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -40,6 +41,7 @@ pub struct Program<'a> {
     log: Arc<Mutex<Log>>,
     reader: Option<std::thread::JoinHandle<()>>,
     display: &'a Display,
+    folder: PathBuf,
 }
 
 impl<'a> Program<'a> {
@@ -81,7 +83,7 @@ impl<'a> Program<'a> {
                 log.text.push('\n');
             }
         });
-        Program { child: Mutex::new(child), log, reader: Some(reader), display }
+        Program { child: Mutex::new(child), log, reader: Some(reader), display, folder }
     }
 
     pub fn display(&self) -> &Display {
@@ -95,6 +97,11 @@ impl<'a> Program<'a> {
     /// Pictures that the window has shown so far.
     pub fn pictures(&self) -> usize {
         self.log.lock().unwrap().pictures
+    }
+
+    /// The folder that the program runs in.
+    pub fn folder(&self) -> &std::path::Path {
+        &self.folder
     }
 
     /// Waits until the program has shown a picture and rests.
@@ -311,6 +318,7 @@ fn symbol(name: &str) -> Keysym {
         "Escape" => 0xff1b,
         "Tab" => 0xff09,
         "F1" => 0xffbe,
+        "Return" => 0xff0d,
         "space" => 0x20,
         "minus" => 0x2d,
         letter if letter.len() == 1 => u32::from(letter.as_bytes()[0]),
