@@ -338,7 +338,7 @@ fn the_new_dialog_makes_a_sculpture_and_names_what_is_impossible() {
     harness.get_by_label("nothing").click();
     harness.run();
     harness.get_by_label("Create").click();
-    harness.run();
+    harness.run_steps(2);
     harness.state_mut().finish_job();
     harness.run();
     let grid = harness.state().session().document().grid();
