@@ -7,6 +7,7 @@ mod deeds;
 mod guides;
 mod job;
 mod marker;
+mod pad;
 mod painter;
 mod pane;
 mod path;
@@ -34,6 +35,7 @@ use crate::config::Config;
 use crate::gpu::GpuError;
 use crate::input::Bindings;
 use crate::input::bindings::BindingsError;
+use crate::input::pad::device::{self, PadNews};
 use crate::session::Session;
 
 use torn::Torn;
@@ -64,11 +66,15 @@ pub enum AppError {
 
 /// Opens the window and works on `session` until the person leaves.
 pub fn run(session: Session, config: Config) -> Result<(), AppError> {
-    let event_loop = EventLoop::new()?;
+    let event_loop = EventLoop::with_user_event().build()?;
+    let proxy = event_loop.create_proxy();
+    device::listen(move |news| proxy.send_event(Wake::Pad(news)).is_ok());
     let bench = Workbench::new(session, &config, Bindings::presets()?);
     let mut app = App {
         bench,
         config,
+        started: Instant::now(),
+        focused: None,
         view: None,
         torn: Torn::default(),
         restarted: None,
@@ -79,12 +85,21 @@ pub fn run(session: Session, config: Config) -> Result<(), AppError> {
     app.finish()
 }
 
+/// What wakes the program up besides its window.
+#[derive(Debug)]
+enum Wake {
+    Pad(PadNews),
+}
+
 /// The program in a window.
 struct App {
     bench: Workbench,
     config: Config,
     /// Windows of panels, on the device of the main one.
     torn: Torn,
+    started: Instant,
+    /// The window that has the keyboard.
+    focused: Option<WindowId>,
     /// Window and device, once there is an event loop to make them with.
     view: Option<View>,
     /// When the device was last made anew.
@@ -107,10 +122,14 @@ impl App {
             view.pane.wake_at((!view.pane.is_minimised()).then_some(again));
             return Ok(());
         };
+        view.play_pad(&mut self.bench, (started - self.started).as_secs_f64());
         let mut interface = view.interface(&mut self.bench);
+        self.bench.shake_pad(self.started.elapsed().as_secs_f64());
         view.draw_sculpture(&mut frame, &mut self.bench)?;
         view.draw_interface(&mut frame, &mut interface)?;
-        view.pane.wake_at(started.checked_add(interface.repaint_after));
+        let pad_needs = self.bench.pad_is_active().then_some(Duration::ZERO);
+        let again = started.checked_add(pad_needs.unwrap_or(interface.repaint_after));
+        view.pane.wake_at(again);
         view.end(frame, interface)?;
         self.bench.times.total_ms = started.elapsed().as_secs_f32() * 1e3;
         view.set_title(&self.bench);
@@ -235,7 +254,13 @@ impl App {
     }
 }
 
-impl ApplicationHandler for App {
+impl ApplicationHandler<Wake> for App {
+    fn user_event(&mut self, _: &ActiveEventLoop, Wake::Pad(news): Wake) {
+        let now = news.at.saturating_duration_since(self.started);
+        self.bench.hear_pad(news, now.as_secs_f64());
+        self.redraw();
+    }
+
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
         if self.view.is_none()
             && let Err(error) = self.open_window(event_loop)
@@ -246,6 +271,13 @@ impl ApplicationHandler for App {
     }
 
     fn window_event(&mut self, event_loop: &ActiveEventLoop, id: WindowId, event: WindowEvent) {
+        if let WindowEvent::Focused(focused) = event
+            // Going from one window of the program to another, either may hear of it first.
+            && (focused || self.focused.is_none_or(|other| other == id))
+        {
+            self.focused = focused.then_some(id);
+            self.bench.listen_to_pads(focused);
+        }
         if let Some(window) = self.torn.get_mut(id) {
             self.resting = false;
             if window.pane.hear(&event) {
@@ -277,6 +309,7 @@ impl ApplicationHandler for App {
                 self.bench.ask_to_leave();
                 self.redraw();
             }
+            WindowEvent::Focused(_) => self.redraw(),
             _ if repaint => self.redraw(),
             _ => {}
         }

@@ -12,6 +12,10 @@ use crate::gpu::{DeviceChoice, DeviceOptions, Validation};
 use crate::sculpture::{ColourDepth, Rgb};
 use crate::shade::{Light, LightFrame, LightSource, Lighting};
 
+mod gamepad;
+
+pub use gamepad::GamepadSettings;
+
 /// The commented file of all defaults.
 pub const DEFAULT_TOML: &str = include_str!("../config/default.toml");
 
@@ -39,6 +43,7 @@ pub struct Config {
     pub light: LightSettings,
     pub gpu: Gpu,
     pub window: Window,
+    pub gamepad: GamepadSettings,
 }
 
 #[derive(Clone, PartialEq, Debug, Deserialize)]
@@ -214,7 +219,7 @@ impl Config {
             true => Ok(()),
             false => Err(ConfigError::Value { path: path.into(), key, value, rule }),
         };
-        let Config { memory, new, render, light, window, gpu: _ } = self;
+        let Config { memory, new, render, light, window, gamepad, gpu: _ } = self;
         let mib = |value: u64| (1..=1 << 24).contains(&value);
         let rule = "must be 1 to 16777216 MiB";
         demand(mib(memory.grid_mib), "memory.grid_mib", memory.grid_mib.to_string(), rule)?;
@@ -269,7 +274,11 @@ impl Config {
             "window.scale",
             window.scale.to_string(),
             "must be 0.5 to 4",
-        )
+        )?;
+        for (key, value, range, rule) in gamepad.ranges() {
+            demand(range.contains(&value), key, value.to_string(), rule)?;
+        }
+        Ok(())
     }
 
     /// The light of a picture.
@@ -351,6 +360,9 @@ mod tests {
             ("[light]\ndirection = [0.0, 0.0, 0.0]", "light.direction"),
             ("[light]\nambient = 2.0", "light.ambient"),
             ("[window]\nscale = 9.0", "window.scale"),
+            ("[gamepad]\ndead_zone = 1.0", "gamepad.dead_zone"),
+            ("[gamepad]\nmove_speed = nan", "gamepad.move_speed"),
+            ("[gamepad]\nmode = \"fly\"", "fly"),
             ("[window", "my.toml"),
         ];
         for (text, needle) in cases {

@@ -114,6 +114,9 @@ impl Workbench {
             | Action::MoveContents(_) => self.act_on_area(action),
             Action::ResetView => self.look_from(Side::Corner),
             Action::LookFrom(side) => self.look_from(side),
+            Action::NextToolMode => self.ui.hand.mode = self.ui.hand.mode.next(),
+            Action::NextPadMode => self.next_pad_mode(),
+            Action::ToggleRumble => self.toggle_rumble(),
             Action::NextRenderMode => self.ui.view.mode = next_mode(self.ui.view.mode),
             Action::TearOff(panel) => self.ui.tear_off(panel),
             Action::ScaleUp => self.ui.scale.change_by(1.0),
@@ -319,7 +322,7 @@ impl Workbench {
 
     /// Moves the tool along the axes of the grid that lie across the screen and up it, or across
     /// and into it.
-    fn drag_tool(&mut self, by: Vec2, deep: bool) {
+    pub(super) fn drag_tool(&mut self, by: Vec2, deep: bool) {
         let sight = self.sight();
         let axes = sight.screen_axes();
         let at = match self.ui.hand.tool {
@@ -334,7 +337,7 @@ impl Workbench {
         self.move_tool(across + second * sight.along(second, -by.y, at));
     }
 
-    fn place(&mut self, placement: Placement) {
+    pub(super) fn place(&mut self, placement: Placement) {
         self.execute(&Command::Place(placement));
     }
 
@@ -374,7 +377,8 @@ impl Workbench {
         }
         let dims = self.session.document().grid().dims();
         match self.session.execute(command, &()) {
-            Ok(_) => {
+            Ok(applied) => {
+                self.pads.bitten += applied.stats.voxels_changed();
                 if self.session.document().grid().dims() != dims {
                     self.sculpture_replaced();
                 }

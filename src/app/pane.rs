@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use egui::epaint::ClippedShape;
 use egui::{TexturesDelta, Ui, ViewportId};
+use winit::dpi::PhysicalPosition;
 use winit::event::WindowEvent;
 use winit::window::{Window, WindowId};
 
@@ -104,6 +105,21 @@ impl Pane {
 
     pub fn pixels_per_point(&self) -> f32 {
         self.egui.egui_ctx().pixels_per_point()
+    }
+
+    pub fn context(&self) -> &egui::Context {
+        self.egui.egui_ctx()
+    }
+
+    /// Lets the next pass hear events that come from no device of the window.
+    pub fn inject(&mut self, events: Vec<egui::Event>) {
+        self.egui.egui_input_mut().events.extend(events);
+    }
+
+    /// Moves the system's pointer, where the system lets programs do that; true if it did.
+    pub fn move_pointer(&self, at: egui::Pos2) -> bool {
+        let at = at.to_vec2() * self.pixels_per_point();
+        self.window.set_cursor_position(PhysicalPosition::new(at.x, at.y)).is_ok()
     }
 
     pub fn is_minimised(&self) -> bool {

@@ -14,6 +14,9 @@ use crate::view::{Camera, Eye};
 const TURN_PER_HEIGHT_RAD: f32 = 1.25 * std::f32::consts::PI;
 /// Factor on the distance for one notch of the wheel.
 const ZOOM_PER_NOTCH: f32 = 0.88;
+/// Of the camera from the sculpture's centre, in radii of the sculpture.
+const NEAREST: f32 = 0.02;
+const FARTHEST: f32 = 50.0;
 /// Space around the sculpture when all of it is shown.
 const MARGIN: f32 = 1.02;
 
@@ -72,7 +75,11 @@ impl Stage {
     /// Turns the sculpture as a thing on a turntable that can be tilted: across the screen about
     /// its own `up` axis, up and down about the screen's horizontal. So it never rolls.
     pub fn turned(&self, placement: &Placement, by: Vec2, up: Vec3) -> Placement {
-        let angle = by * (TURN_PER_HEIGHT_RAD / self.size.y as f32);
+        self.turned_by(placement, by * (TURN_PER_HEIGHT_RAD / self.size.y as f32), up)
+    }
+
+    /// The same by angles in radians: to the right, and down.
+    pub fn turned_by(&self, placement: &Placement, angle: Vec2, up: Vec3) -> Placement {
         let axis = placement.rotation * up;
         // Seen upside down the sculpture must still follow the hand.
         let sense = if axis.y < -1e-3 { -1.0 } else { 1.0 };
@@ -93,13 +100,24 @@ impl Stage {
         Placement { translation: placement.translation + shift, ..*placement }
     }
 
+    /// Brings the sculpture nearer by as much as a drag of `pixels` across would move it, no
+    /// closer than can be seen.
+    pub fn brought_nearer(&self, placement: &Placement, pixels: f32) -> Placement {
+        let nearest = self.distance - self.radius * NEAREST;
+        let farthest = self.distance - self.radius * FARTHEST;
+        let z = placement.translation.z;
+        let to =
+            (z + pixels * self.world_per_pixel(placement)).clamp(farthest.min(z), nearest.max(z));
+        Placement { translation: placement.translation.with_z(to), ..*placement }
+    }
+
     /// Comes nearer by notches; what is under the pointer at the depth of the sculpture's centre
     /// stays there.
     pub fn zoomed(&mut self, placement: &Placement, notches: f32, at: Vec2) -> Placement {
         let from_middle = (at - self.size.as_vec2() * 0.5) * Vec2::new(1.0, -1.0);
         let before = self.world_per_pixel(placement);
         let factor = ZOOM_PER_NOTCH.powf(notches.clamp(-20.0, 20.0));
-        let range = self.radius * 0.02..=self.radius * 50.0;
+        let range = self.radius * NEAREST..=self.radius * FARTHEST;
         self.distance = (self.distance * factor).clamp(*range.start(), *range.end());
         let shift = from_middle * (self.world_per_pixel(placement) - before);
         Placement { translation: placement.translation + shift.extend(0.0), ..*placement }

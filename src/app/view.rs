@@ -61,6 +61,20 @@ impl View {
         self.pane.begin(PATIENCE)
     }
 
+    /// Lets the gamepad do its part. What it does with the pointer the next pass of the interface
+    /// hears as if it came from the mouse.
+    pub fn play_pad(&mut self, bench: &mut Workbench, now_s: f64) {
+        let events = bench.play_pad(now_s, self.pane.context());
+        let moved = events.iter().rev().find_map(|event| match event {
+            egui::Event::PointerMoved(at) => Some(*at),
+            _ => None,
+        });
+        if let Some(at) = moved {
+            bench.pointer_follows(self.pane.move_pointer(at));
+        }
+        self.pane.inject(events);
+    }
+
     /// Runs a pass of the interface, in which the workbench does what the person wants.
     pub fn interface(&mut self, bench: &mut Workbench) -> Interface {
         if bench.device.is_empty() {

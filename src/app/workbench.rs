@@ -15,10 +15,13 @@ use super::aim::{self, Sight};
 use super::guides::Aid;
 use super::job::{self, Job};
 use super::marker::MarkerDrag;
+use super::pad::Pads;
 use super::stage::Stage;
 use super::stroke::StrokeInHand;
 use crate::config::Config;
 use crate::input::events::{Viewport, device_events};
+use crate::input::pad::shift_tap::ShiftTap;
+use crate::input::trigger::Trigger;
 use crate::input::{Action, Bindings, DeviceEvent, Mapper, Panel, Side, Signal};
 use crate::session::Session;
 use crate::shade::normal;
@@ -35,6 +38,8 @@ pub struct Workbench {
     mapper: Mapper,
     /// What is held in the windows of panels.
     panel_mappers: BTreeMap<Panel, Mapper>,
+    shift_tap: ShiftTap,
+    pub(super) pads: Pads,
     pub(super) stage: Stage,
     pub(super) stroke: Option<StrokeInHand>,
     /// What a drag does to the marker.
@@ -67,6 +72,8 @@ impl Workbench {
             presets,
             mapper: Mapper::default(),
             panel_mappers: BTreeMap::new(),
+            shift_tap: ShiftTap::default(),
+            pads: Pads::new(&config.gamepad),
             stage,
             stroke: None,
             marker_drag: None,
@@ -138,6 +145,7 @@ impl Workbench {
         self.listen(root);
         let mut intents = Vec::new();
         let picture = self.with_facts(|ui, facts| ui::show(root, ui, facts, &mut intents).rect);
+        self.draw_pad_pointer(root.ctx());
         let response = root.interact(picture, picture_id(), Sense::hover());
         self.set_picture(picture, root.pixels_per_point());
         if response.contains_pointer() && !self.ui.is_modal() {
@@ -196,6 +204,7 @@ impl Workbench {
             presets: &self.presets,
             times: self.times,
             device: &self.device,
+            pad: self.pads.facts(),
         };
         show(&mut self.ui, &facts)
     }
@@ -219,7 +228,15 @@ impl Workbench {
             keyboard: !modal && ctx.memory(|memory| memory.focused().is_none()),
         };
         let events = ctx.input(|input| device_events(input, &viewport));
+        let shift_taps = ctx
+            .input(|input| input.events.iter().filter(|event| self.shift_tap.feed(event)).count());
         self.hear(None, &events);
+        let bindings = self.presets.get(self.ui.preset);
+        if let Some(action) = bindings.and_then(|b| b.action(Trigger::ShiftTap))
+            && viewport.keyboard
+        {
+            (0..shift_taps).for_each(|_| self.act(action));
+        }
         if self.mapper.captures_pointer() && !viewport.captured {
             // A press on the picture takes the keyboard from the fields beside it.
             ctx.memory_mut(|memory| {
@@ -252,7 +269,7 @@ impl Workbench {
         }
     }
 
-    fn answer(&mut self, signal: &Signal) {
+    pub(super) fn answer(&mut self, signal: &Signal) {
         match *signal {
             Signal::Tap(action) => self.act(action),
             Signal::Begin { action, at } => {

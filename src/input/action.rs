@@ -19,6 +19,15 @@ pub enum ToolMode {
 impl ToolMode {
     pub const ALL: [ToolMode; 3] = [ToolMode::Add, ToolMode::Subtract, ToolMode::Recolour];
 
+    /// The mode that follows when a person goes through them.
+    pub fn next(self) -> ToolMode {
+        match self {
+            ToolMode::Subtract => ToolMode::Add,
+            ToolMode::Add => ToolMode::Recolour,
+            ToolMode::Recolour => ToolMode::Subtract,
+        }
+    }
+
     /// What a mode is turned into by the modifier that inverts the tool.
     pub fn inverted(self) -> ToolMode {
         match self {
@@ -184,6 +193,11 @@ pub enum Action {
     TurnTool,
     Zoom,
     ResizeTool,
+    /// Adds, cuts and paints in turn.
+    NextToolMode,
+    /// What the gamepad moves: pointer, tool and sculpture in turn.
+    NextPadMode,
+    ToggleRumble,
 }
 
 /// Name, trigger and explanation of an action.
@@ -227,6 +241,7 @@ impl Action {
         Action::Spray(SprayKind::Growth),
         Action::Spray(SprayKind::Smooth),
         Action::Marker,
+        Action::NextToolMode,
         Action::Grow,
         Action::Shrink,
         Action::Nudge(Step::Left),
@@ -291,6 +306,8 @@ impl Action {
         Action::ScaleUp,
         Action::ScaleDown,
         Action::ScaleReset,
+        Action::NextPadMode,
+        Action::ToggleRumble,
         Action::New,
         Action::Open,
         Action::Save,
@@ -427,6 +444,11 @@ impl Action {
             Action::LookFrom(Side::Right) => ("look-right", Tap, "Look at the right side"),
             Action::LookFrom(Side::Top) => ("look-top", Tap, "Look at the top"),
             Action::LookFrom(Side::Bottom) => ("look-bottom", Tap, "Look at the bottom"),
+            Action::NextToolMode => ("next-tool-mode", Tap, "Cut, add and paint in turn"),
+            Action::NextPadMode => {
+                ("next-pad-mode", Tap, "The gamepad moves pointer, tool or sculpture in turn")
+            }
+            Action::ToggleRumble => ("toggle-rumble", Tap, "Let the gamepad shake, or not"),
             Action::NextRenderMode => ("next-render-mode", Tap, "Take the next way of rendering"),
             Action::TearOff(Panel::Toolbox) => {
                 ("tear-toolbox", Tap, "Toolbox into a window of its own, or back")

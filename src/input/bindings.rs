@@ -130,13 +130,14 @@ impl Bindings {
 
 fn check_kind(kind: Kind, trigger: Trigger) -> Result<(), &'static str> {
     match (kind, trigger) {
-        (Kind::Tap | Kind::Hold, Trigger::Key { .. })
+        (Kind::Tap | Kind::Hold, Trigger::Key { .. } | Trigger::Pad { .. })
+        | (Kind::Tap, Trigger::ShiftTap)
         | (Kind::Drag, Trigger::Mouse { .. })
         | (Kind::Wheel, Trigger::Wheel { .. }) => Ok(()),
         // One button alone starts a drag; two together can hold something on top of it.
         (Kind::Hold, Trigger::Mouse { buttons, .. }) if buttons.count() >= 2 => Ok(()),
-        (Kind::Tap, _) => Err("a key"),
-        (Kind::Hold, _) => Err("a key, or mouse buttons together"),
+        (Kind::Tap, _) => Err("a key or a button of a gamepad"),
+        (Kind::Hold, _) => Err("a key, a button of a gamepad, or mouse buttons together"),
         (Kind::Drag, _) => Err("mouse buttons"),
         (Kind::Wheel, _) => Err("the wheel"),
     }

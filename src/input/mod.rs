@@ -7,6 +7,7 @@ pub mod action;
 pub mod bindings;
 pub mod events;
 pub mod mapper;
+pub mod pad;
 pub mod panel;
 pub mod trigger;
 

@@ -1,5 +1,6 @@
-//! Owns triggers: a key, a set of mouse buttons or the wheel, each with modifiers, and their
-//! text form: `ctrl+shift+z`, `left`, `ctrl+left+right`, `shift+wheel`.
+//! Owns triggers: a key, a set of mouse buttons or the wheel, each with modifiers, the left Shift
+//! key tapped alone, or a button of a gamepad, and their text form: `ctrl+shift+z`, `left`,
+//! `ctrl+left+right`, `shift+wheel`, `shift-tap`, `pad-south`.
 
 use std::fmt;
 use std::str::FromStr;
@@ -7,6 +8,7 @@ use std::str::FromStr;
 use egui::{Key, PointerButton};
 
 use super::events::Modifiers;
+use super::pad::PadButton;
 
 /// A set of mouse buttons.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
@@ -40,18 +42,39 @@ impl Buttons {
     }
 }
 
+const SHIFT_TAP: &str = "shift-tap";
+
 /// What starts an action.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Trigger {
-    Key { key: Key, modifiers: Modifiers },
-    Mouse { buttons: Buttons, modifiers: Modifiers },
-    Wheel { modifiers: Modifiers },
+    Key {
+        key: Key,
+        modifiers: Modifiers,
+    },
+    Mouse {
+        buttons: Buttons,
+        modifiers: Modifiers,
+    },
+    Wheel {
+        modifiers: Modifiers,
+    },
+    /// The left Shift key, pressed and released with nothing between.
+    ShiftTap,
+    Pad {
+        button: PadButton,
+    },
 }
 
 impl FromStr for Trigger {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Trigger, String> {
+        if text == SHIFT_TAP {
+            return Ok(Trigger::ShiftTap);
+        }
+        if let Some(button) = PadButton::named(text) {
+            return Ok(Trigger::Pad { button });
+        }
         let mut modifiers = Modifiers::default();
         let mut buttons = Buttons::NONE;
         let mut wheel = false;
@@ -98,9 +121,12 @@ fn parse_key(word: &str) -> Result<Key, String> {
 /// As a person reads it: `Ctrl+Shift+Z`, `left button`, `Ctrl+wheel`.
 impl fmt::Display for Trigger {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (Trigger::Key { modifiers, .. }
-        | Trigger::Mouse { modifiers, .. }
-        | Trigger::Wheel { modifiers }) = self;
+        let modifiers = match self {
+            Trigger::Key { modifiers, .. }
+            | Trigger::Mouse { modifiers, .. }
+            | Trigger::Wheel { modifiers } => *modifiers,
+            Trigger::ShiftTap | Trigger::Pad { .. } => Modifiers::default(),
+        };
         for (held, name) in
             [(modifiers.ctrl, "Ctrl+"), (modifiers.shift, "Shift+"), (modifiers.alt, "Alt+")]
         {
@@ -130,6 +156,8 @@ impl fmt::Display for Trigger {
                 write!(f, "{} button{plural}", names.join(" + "))
             }
             Trigger::Wheel { .. } => f.write_str("wheel"),
+            Trigger::ShiftTap => f.write_str("left Shift alone"),
+            Trigger::Pad { button } => f.write_str(button.label()),
         }
     }
 }
@@ -154,11 +182,15 @@ mod tests {
         assert_eq!(shown("left"), "left button");
         assert_eq!(shown("ctrl+left+right"), "Ctrl+left + right buttons");
         assert_eq!(shown("shift+wheel"), "Shift+wheel");
+        assert_eq!(shown("shift-tap"), "left Shift alone");
+        assert_eq!(shown("pad-dpad-left"), "pad cross left");
     }
 
     #[test]
     fn nonsense_is_refused() {
-        for bad in ["", "ctrl", "a+b", "left+a", "wheel+left", "hyper+x", "ctrl++"] {
+        for bad in
+            ["", "ctrl", "a+b", "left+a", "wheel+left", "hyper+x", "ctrl++", "ctrl+pad-south"]
+        {
             assert!(bad.parse::<Trigger>().is_err(), "{bad}");
         }
     }

@@ -6,6 +6,7 @@
 pub mod busy;
 pub mod buttons;
 pub mod files;
+pub mod gamepad;
 pub mod hand;
 pub mod help;
 pub mod history;
@@ -31,6 +32,7 @@ use egui::{CentralPanel, Frame, Response, Sense, Ui};
 
 use crate::document::Document;
 use crate::input::Bindings;
+use crate::input::pad::PadMode;
 
 pub use hand::{Hand, Tool};
 pub use state::{Intent, UiState, ViewState};
@@ -56,6 +58,17 @@ pub struct Facts<'a> {
     pub times: FrameTimes,
     /// Name of the Vulkan device.
     pub device: &'a str,
+    /// The gamepad that leads, if there is one.
+    pub pad: Option<PadFacts<'a>>,
+}
+
+/// What the interface reads of a gamepad.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct PadFacts<'a> {
+    pub name: &'a str,
+    pub mode: PadMode,
+    /// Whether it has motors.
+    pub rumbles: bool,
 }
 
 impl Facts<'_> {

@@ -4,7 +4,7 @@ use egui::{CollapsingHeader, ComboBox, DragValue, Frame, Margin, ScrollArea, Sli
 use glam::Vec3;
 
 use super::buttons::{action_button, explain};
-use super::{Facts, Intent, UiState, history, panels, theme, tool_options};
+use super::{Facts, Intent, UiState, gamepad, history, panels, theme, tool_options};
 use crate::command::Command;
 use crate::document::MAX_ARRAY;
 use crate::input::{Action, Axis, Panel};
@@ -45,6 +45,9 @@ pub fn content(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Ve
         repeat(ui, state, facts, intents);
     });
     section(ui, "View", false, |ui| view(ui, state, facts, intents));
+    if let Some(pad) = facts.pad {
+        section(ui, "Gamepad", true, |ui| gamepad::show(ui, state, pad, intents));
+    }
     section(ui, "Light", false, |ui| light(ui, state));
 }
 

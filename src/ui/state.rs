@@ -102,6 +102,8 @@ pub struct UiState {
     pub scale: Scale,
     /// The panels that are windows of their own.
     pub torn: BTreeSet<Panel>,
+    /// Lets a gamepad shake when the tool bites.
+    pub rumble: bool,
     /// Index of the table of bindings in use.
     pub preset: usize,
     pub help_open: bool,
@@ -132,6 +134,7 @@ impl UiState {
             repeat: Repeat { count: 3, step: IVec3::new(16, 0, 0) },
             scale: Scale::new(config.window.scale),
             torn: BTreeSet::new(),
+            rumble: config.gamepad.rumble,
             preset: 0,
             help_open: false,
             leave_open: false,

@@ -3,7 +3,7 @@
 
 use egui::{Align, Frame, Layout, Margin, Panel, Ui};
 
-use super::{Facts, UiState};
+use super::{Facts, UiState, gamepad};
 
 pub fn show(root: &mut Ui, state: &UiState, facts: &Facts) {
     let frame = Frame::side_top_panel(root.style()).inner_margin(Margin::symmetric(8, 3));
@@ -21,6 +21,10 @@ pub fn show(root: &mut Ui, state: &UiState, facts: &Facts) {
             let at = state.hand.centre_vx;
             ui.monospace(format!("Tool {:.0} {:.0} {:.0}", at.x, at.y, at.z))
                 .on_hover_text("Centre of the tool in voxels: x, y, z");
+            if let Some(pad) = facts.pad {
+                ui.separator();
+                ui.strong(pad.mode.label()).on_hover_text(gamepad::mode_hint(pad.mode));
+            }
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| right(ui, facts));
         });
     });

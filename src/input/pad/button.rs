@@ -1,0 +1,143 @@
+//! Owns the buttons of a gamepad: their names in tables of bindings, by place as on no pad and
+//! every pad (`pad-south` is A on an Xbox pad, the cross on a PlayStation's), and sets of them.
+
+/// A button. The numbers in the comments are those of the pads of 2005.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[repr(u8)]
+pub enum PadButton {
+    /// 1: A, cross.
+    South,
+    /// 2: B, circle.
+    East,
+    /// 3: X, square.
+    West,
+    /// 4: Y, triangle.
+    North,
+    /// 5: the upper left shoulder.
+    LeftShoulder,
+    /// 6: the upper right shoulder.
+    RightShoulder,
+    /// 7: the lower left shoulder, on most pads with a way.
+    LeftTrigger,
+    /// 8: the lower right shoulder.
+    RightTrigger,
+    Select,
+    Start,
+    /// The left stick pressed down.
+    LeftStick,
+    RightStick,
+    DpadLeft,
+    DpadRight,
+    DpadUp,
+    DpadDown,
+}
+
+impl PadButton {
+    pub const ALL: [PadButton; 16] = [
+        PadButton::South,
+        PadButton::East,
+        PadButton::West,
+        PadButton::North,
+        PadButton::LeftShoulder,
+        PadButton::RightShoulder,
+        PadButton::LeftTrigger,
+        PadButton::RightTrigger,
+        PadButton::Select,
+        PadButton::Start,
+        PadButton::LeftStick,
+        PadButton::RightStick,
+        PadButton::DpadLeft,
+        PadButton::DpadRight,
+        PadButton::DpadUp,
+        PadButton::DpadDown,
+    ];
+
+    /// As tables of bindings write it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            PadButton::South => "pad-south",
+            PadButton::East => "pad-east",
+            PadButton::West => "pad-west",
+            PadButton::North => "pad-north",
+            PadButton::LeftShoulder => "pad-left-shoulder",
+            PadButton::RightShoulder => "pad-right-shoulder",
+            PadButton::LeftTrigger => "pad-left-trigger",
+            PadButton::RightTrigger => "pad-right-trigger",
+            PadButton::Select => "pad-select",
+            PadButton::Start => "pad-start",
+            PadButton::LeftStick => "pad-left-stick",
+            PadButton::RightStick => "pad-right-stick",
+            PadButton::DpadLeft => "pad-dpad-left",
+            PadButton::DpadRight => "pad-dpad-right",
+            PadButton::DpadUp => "pad-dpad-up",
+            PadButton::DpadDown => "pad-dpad-down",
+        }
+    }
+
+    /// As a person reads it.
+    pub const fn label(self) -> &'static str {
+        match self {
+            PadButton::South => "pad A",
+            PadButton::East => "pad B",
+            PadButton::West => "pad X",
+            PadButton::North => "pad Y",
+            PadButton::LeftShoulder => "pad left shoulder",
+            PadButton::RightShoulder => "pad right shoulder",
+            PadButton::LeftTrigger => "pad left trigger",
+            PadButton::RightTrigger => "pad right trigger",
+            PadButton::Select => "pad select",
+            PadButton::Start => "pad start",
+            PadButton::LeftStick => "pad left stick pressed",
+            PadButton::RightStick => "pad right stick pressed",
+            PadButton::DpadLeft => "pad cross left",
+            PadButton::DpadRight => "pad cross right",
+            PadButton::DpadUp => "pad cross up",
+            PadButton::DpadDown => "pad cross down",
+        }
+    }
+
+    /// The button that a table calls `name`.
+    pub fn named(name: &str) -> Option<PadButton> {
+        PadButton::ALL.into_iter().find(|button| button.name() == name)
+    }
+}
+
+/// A set of buttons.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub struct PadButtons(u16);
+
+impl PadButtons {
+    pub const NONE: PadButtons = PadButtons(0);
+
+    pub fn with(self, button: PadButton) -> PadButtons {
+        PadButtons(self.0 | 1 << button as u8)
+    }
+
+    pub fn contains(self, button: PadButton) -> bool {
+        self.0 & 1 << button as u8 != 0
+    }
+
+    /// The buttons of this set that are not in another.
+    pub fn without(self, other: PadButtons) -> impl Iterator<Item = PadButton> {
+        let rest = PadButtons(self.0 & !other.0);
+        PadButton::ALL.into_iter().filter(move |button| rest.contains(*button))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_lead_back_and_sets_tell_what_is_new() {
+        for button in PadButton::ALL {
+            assert_eq!(PadButton::named(button.name()), Some(button));
+            assert!(PadButtons::NONE.with(button).contains(button));
+        }
+        assert_eq!(PadButton::named("south"), None);
+        let (a, b) = (PadButton::South, PadButton::DpadDown);
+        let both = PadButtons::NONE.with(a).with(b);
+        assert_eq!(both.without(PadButtons::NONE.with(a)).collect::<Vec<_>>(), [b]);
+        assert_eq!(PadButtons::NONE.without(both).count(), 0);
+    }
+}

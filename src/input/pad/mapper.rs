@@ -1,0 +1,325 @@
+//! Owns what gamepads ask for: which pad leads, in which mode, what is held, how far sticks have
+//! moved something since the last picture.
+//!
+//! Takes states of pads, each with its time, and a table of bindings; gives [`Ask`]s in the order
+//! in which they were meant. What a stick does is speed times time, counted from state to state
+//! and not from picture to picture, so that no way depends on the rate of pictures.
+
+use glam::{Vec2, Vec3};
+
+use super::stick::Response;
+use super::{PadButton, PadButtons, PadId, PadMode, PadState};
+use crate::input::action::{Action, Kind};
+use crate::input::bindings::Bindings;
+use crate::input::mapper::Signal;
+use crate::input::trigger::Trigger;
+
+/// Of a longer pause between two pictures only so many seconds count, so that nothing leaps away.
+const LONGEST_STEP_S: f64 = 0.5;
+/// Seconds after which a held button asks again, and between asking again.
+const REPEAT_AFTER_S: f64 = 0.4;
+const REPEAT_EVERY_S: f64 = 0.1;
+
+/// What sticks and shoulder buttons ask for over a time: seconds at full speed.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Glide {
+    pub mode: PadMode,
+    /// Right, up and towards the viewer, as seen on the screen.
+    pub shift: Vec3,
+    /// About the axes that point right, up and towards the viewer, counter-clockwise seen from
+    /// their tips.
+    pub turn: Vec3,
+}
+
+impl Glide {
+    /// The same movement in equal parts of at most `step_s` seconds at full speed.
+    pub fn parts(self, step_s: f32) -> impl Iterator<Item = Glide> {
+        let length = self.shift.abs().max(self.turn.abs()).max_element();
+        let count = (length / step_s).ceil().max(1.0);
+        let part = Glide { shift: self.shift / count, turn: self.turn / count, ..self };
+        std::iter::repeat_n(part, count as usize)
+    }
+}
+
+/// Something that a pad asks for.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Ask {
+    Glide(Glide),
+    /// What a button is bound to.
+    Signal(Signal),
+    /// The pointer's first button goes down or up.
+    Press(bool),
+    DoubleClick,
+}
+
+#[derive(Clone, PartialEq, Debug)]
+struct Pad {
+    id: PadId,
+    name: String,
+    state: PadState,
+}
+
+/// A held button that asks again and again.
+#[derive(Clone, Copy, PartialEq, Debug)]
+struct Repeat {
+    button: PadButton,
+    action: Action,
+    next_s: f64,
+}
+
+/// The state between events.
+#[derive(Debug)]
+pub struct PadMapper {
+    pub response: Response,
+    mode: PadMode,
+    pads: Vec<Pad>,
+    /// The pad that was used last.
+    leader: Option<PadId>,
+    /// Buttons that the table in use gives to some action.
+    bound: PadButtons,
+    /// Another program has the keyboard: what pads say is not meant for this one.
+    deaf: bool,
+    /// Actions from press to release.
+    holds: Vec<(PadButton, Action)>,
+    repeat: Option<Repeat>,
+    /// The pointer's button is held by the pad.
+    presses: bool,
+    /// Up to when sticks have been counted, in seconds.
+    counted_s: f64,
+    /// Sticks are counted up to so long after this.
+    since_s: f64,
+    asks: Vec<Ask>,
+}
+
+impl PadMapper {
+    pub fn new(response: Response, mode: PadMode) -> PadMapper {
+        PadMapper {
+            response,
+            mode,
+            pads: Vec::new(),
+            leader: None,
+            bound: PadButtons::NONE,
+            deaf: false,
+            holds: Vec::new(),
+            repeat: None,
+            presses: false,
+            counted_s: 0.0,
+            since_s: 0.0,
+            asks: Vec::new(),
+        }
+    }
+
+    pub fn mode(&self) -> PadMode {
+        self.mode
+    }
+
+    /// The pad that was used last, or the first that came, with its name.
+    pub fn leader(&self) -> Option<(PadId, &str)> {
+        let leader = self.leader?;
+        self.pads.iter().find(|pad| pad.id == leader).map(|pad| (pad.id, pad.name.as_str()))
+    }
+
+    /// Whether something changes with time alone, so that pictures are needed.
+    pub fn is_active(&self) -> bool {
+        !self.asks.is_empty()
+            || self.repeat.is_some()
+            || self.leading().is_some_and(|s| {
+                let (shift, turn) = self.speeds(&s);
+                shift != Vec3::ZERO || turn != Vec3::ZERO
+            })
+    }
+
+    /// Whether the pad uses the tool, or clicks: what happens now is felt in its hands.
+    pub fn is_holding(&self) -> bool {
+        self.presses || self.holds.iter().any(|(_, action)| *action == Action::Apply)
+    }
+
+    /// A pad was connected.
+    pub fn came(&mut self, id: PadId, name: String) {
+        self.pads.retain(|pad| pad.id != id);
+        self.pads.push(Pad { id, name, state: PadState::default() });
+        self.leader.get_or_insert(id);
+    }
+
+    /// A pad is gone; what it held is released. Gives its name.
+    pub fn went(&mut self, id: PadId) -> Option<String> {
+        let at = self.pads.iter().position(|pad| pad.id == id)?;
+        if self.leader == Some(id) {
+            self.release();
+            self.leader = None;
+        }
+        let name = self.pads.remove(at).name;
+        if self.leader.is_none() {
+            self.leader = self.pads.first().map(|pad| pad.id);
+        }
+        Some(name)
+    }
+
+    /// Hears where the sticks and buttons of a pad are at `now_s` seconds.
+    pub fn hear(&mut self, id: PadId, state: PadState, now_s: f64, bindings: &Bindings) {
+        self.count(now_s, bindings);
+        let Some(pad) = self.pads.iter_mut().find(|pad| pad.id == id) else { return };
+        if self.deaf {
+            pad.state = PadState { held: state.held, ..PadState::default() };
+            return;
+        }
+        let before = std::mem::replace(&mut pad.state, state);
+        if self.leader != Some(id) {
+            let pushed = [state.left, state.right]
+                .into_iter()
+                .any(|stick| self.response.speed(stick) != Vec2::ZERO);
+            if state.held.without(before.held).next().is_none() && !pushed {
+                return;
+            }
+            self.release();
+            self.leader = Some(id);
+        }
+        for button in before.held.without(state.held) {
+            self.released(button);
+        }
+        for button in state.held.without(before.held) {
+            self.pressed(button, now_s, bindings);
+        }
+    }
+
+    /// Takes the next mode; what is held is released.
+    pub fn next_mode(&mut self) {
+        self.release();
+        self.mode = self.mode.next();
+    }
+
+    /// Releases everything that is held. What still is down counts only when pressed anew; sticks
+    /// go on.
+    pub fn release(&mut self) {
+        self.repeat = None;
+        if std::mem::take(&mut self.presses) {
+            self.asks.push(Ask::Press(false));
+        }
+        for (_, action) in std::mem::take(&mut self.holds) {
+            self.asks.push(Ask::Signal(Signal::End(action)));
+        }
+    }
+
+    /// Whether pads are meant for this program. When they are not, nothing is held any more, and
+    /// no stick is pushed until its pad says so again.
+    pub fn set_listening(&mut self, listening: bool) {
+        self.deaf = !listening;
+        if listening {
+            return;
+        }
+        self.release();
+        for pad in &mut self.pads {
+            let held = pad.state.held;
+            pad.state = PadState { held, ..PadState::default() };
+        }
+    }
+
+    /// What was asked for up to `now_s` seconds, in order.
+    pub fn take(&mut self, now_s: f64, bindings: &Bindings) -> Vec<Ask> {
+        self.count(now_s, bindings);
+        self.since_s = now_s;
+        std::mem::take(&mut self.asks)
+    }
+
+    fn leading(&self) -> Option<PadState> {
+        let leader = self.leader?;
+        self.pads.iter().find(|pad| pad.id == leader).map(|pad| pad.state)
+    }
+
+    fn pressed(&mut self, button: PadButton, now_s: f64, bindings: &Bindings) {
+        if self.mode == PadMode::OnlyMouse {
+            match button {
+                PadButton::South => return self.asks.push(Ask::DoubleClick),
+                PadButton::North => {
+                    self.presses = true;
+                    return self.asks.push(Ask::Press(true));
+                }
+                _ => {}
+            }
+        }
+        let Some(action) = bindings.action(Trigger::Pad { button }) else { return };
+        match action {
+            Action::NextPadMode => self.next_mode(),
+            _ if action.help().kind == Kind::Hold => {
+                self.holds.push((button, action));
+                self.asks.push(Ask::Signal(Signal::Begin { action, at: None }));
+            }
+            _ => {
+                self.asks.push(Ask::Signal(Signal::Tap(action)));
+                let next_s = now_s + REPEAT_AFTER_S;
+                self.repeat = action.repeats().then_some(Repeat { button, action, next_s });
+            }
+        }
+    }
+
+    fn released(&mut self, button: PadButton) {
+        self.repeat = self.repeat.filter(|repeat| repeat.button != button);
+        if button == PadButton::North && std::mem::take(&mut self.presses) {
+            self.asks.push(Ask::Press(false));
+        }
+        if let Some(at) = self.holds.iter().position(|(held, _)| *held == button) {
+            self.asks.push(Ask::Signal(Signal::End(self.holds.remove(at).1)));
+        }
+    }
+
+    /// Counts what sticks have done up to `now_s`.
+    fn count(&mut self, now_s: f64, bindings: &Bindings) {
+        let bound =
+            |button: &PadButton| bindings.action(Trigger::Pad { button: *button }).is_some();
+        self.bound =
+            PadButton::ALL.into_iter().filter(bound).fold(PadButtons::NONE, PadButtons::with);
+        if !self.is_active() {
+            // From rest: the time before counts for nothing.
+            self.since_s = now_s;
+            self.counted_s = now_s;
+            return;
+        }
+        let until = now_s.min(self.since_s + LONGEST_STEP_S);
+        let dt_s = (until - self.counted_s).max(0.0) as f32;
+        self.counted_s = now_s.max(self.counted_s);
+        let Some(state) = self.leading() else { return };
+        let (shift, turn) = self.speeds(&state);
+        if dt_s > 0.0 && (shift != Vec3::ZERO || turn != Vec3::ZERO) {
+            self.glide(Glide { mode: self.mode, shift: shift * dt_s, turn: turn * dt_s });
+        }
+        if let Some(repeat) = self.repeat.as_mut().filter(|repeat| repeat.next_s <= now_s) {
+            self.asks.push(Ask::Signal(Signal::Tap(repeat.action)));
+            repeat.next_s = (repeat.next_s + REPEAT_EVERY_S).max(now_s);
+        }
+    }
+
+    /// Adds a movement to the one before it, if nothing lies between.
+    fn glide(&mut self, more: Glide) {
+        match self.asks.last_mut() {
+            Some(Ask::Glide(glide)) if glide.mode == more.mode => {
+                glide.shift += more.shift;
+                glide.turn += more.turn;
+            }
+            _ => self.asks.push(Ask::Glide(more)),
+        }
+    }
+
+    /// Speeds of moving and turning in this mode, each 0 to 1. Shoulder buttons that the table
+    /// gives to something else move nothing.
+    fn speeds(&self, state: &PadState) -> (Vec3, Vec3) {
+        let left = self.response.speed(state.left);
+        if self.mode == PadMode::OnlyMouse {
+            return (left.extend(0.0), Vec3::ZERO);
+        }
+        let pull = |button: PadButton, way: f32| {
+            if self.bound.contains(button) { 0.0 } else { self.response.pull(way) }
+        };
+        let down = |button| f32::from(u8::from(state.held.contains(button)));
+        let near = pull(PadButton::LeftTrigger, state.triggers.x)
+            - pull(PadButton::LeftShoulder, down(PadButton::LeftShoulder));
+        let roll = pull(PadButton::RightTrigger, state.triggers.y)
+            - pull(PadButton::RightShoulder, down(PadButton::RightShoulder));
+        let right = self.response.speed(state.right);
+        // What is pushed right turns its front to the right, pushed up its front upwards.
+        (left.extend(near), Vec3::new(-right.y, right.x, roll))
+    }
+}
+
+#[cfg(test)]
+#[path = "mapper_tests.rs"]
+mod tests;

@@ -1,0 +1,105 @@
+//! Owns how the way of a stick becomes speed: a round dead zone around its middle, then a curve.
+
+use glam::Vec2;
+
+/// How sticks and triggers answer.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Response {
+    /// Share of the way that counts as rest, 0 to below 1: sticks do not return to their exact
+    /// middle.
+    pub dead_zone: f32,
+    /// Power by which the way behind the dead zone becomes speed: 1 in proportion, more for finer
+    /// control of slow movements.
+    pub curve: f32,
+}
+
+impl Response {
+    /// The speed that a stick asks for, of length 0 to 1, in the direction in which it is pushed.
+    /// Behind the dead zone it begins at 0, so that nothing jumps; a push into a corner counts no
+    /// more than one straight ahead.
+    pub fn speed(&self, stick: Vec2) -> Vec2 {
+        let way = stick.length();
+        if !way.is_finite() || way <= self.dead_zone {
+            return Vec2::ZERO;
+        }
+        stick / way * self.shaped(way)
+    }
+
+    /// The speed that a trigger asks for, 0 to 1, from its way 0 to 1.
+    pub fn pull(&self, way: f32) -> f32 {
+        if way > self.dead_zone { self.shaped(way) } else { 0.0 }
+    }
+
+    fn shaped(&self, way: f32) -> f32 {
+        let behind = (way.min(1.0) - self.dead_zone) / (1.0 - self.dead_zone);
+        behind.max(0.0).powf(self.curve)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn response() -> impl Strategy<Value = Response> {
+        (0.0f32..0.9, 0.25f32..5.0).prop_map(|(dead_zone, curve)| Response { dead_zone, curve })
+    }
+
+    fn at(angle: f32, way: f32) -> Vec2 {
+        Vec2::from_angle(angle) * way
+    }
+
+    proptest! {
+        #[test]
+        fn the_dead_zone_gives_exactly_nothing(
+            response in response(), angle in -4.0f32..4.0, share in 0.0f32..0.999,
+        ) {
+            let way = response.dead_zone * share;
+            prop_assert_eq!(response.speed(at(angle, way)), Vec2::ZERO);
+            prop_assert_eq!(response.pull(way), 0.0);
+        }
+
+        #[test]
+        fn farther_is_never_slower_and_full_is_full(
+            response in response(), angle in -4.0f32..4.0, a in 0.0f32..1.5, b in 0.0f32..1.5,
+        ) {
+            let (less, more) = (a.min(b), a.max(b));
+            let speed = |way| response.speed(at(angle, way)).length();
+            prop_assert!(speed(less) <= speed(more) + 1e-5);
+            prop_assert!(speed(more) <= 1.0 + 1e-5);
+            prop_assert!((speed(1.2) - 1.0).abs() < 1e-5);
+            prop_assert!(response.pull(less) <= response.pull(more));
+        }
+
+        #[test]
+        fn speed_is_the_same_in_all_directions_and_along_the_push(
+            response in response(), one in -4.0f32..4.0, other in -4.0f32..4.0, way in 0.0f32..1.0,
+        ) {
+            let (a, b) = (response.speed(at(one, way)), response.speed(at(other, way)));
+            prop_assert!((a.length() - b.length()).abs() < 2e-3, "{} {}", a, b);
+            prop_assert!(a.perp_dot(at(one, 1.0)).abs() < 1e-4 && a.dot(at(one, 1.0)) >= 0.0);
+        }
+
+        /// Motion begins at 0, and a small step of the stick is a small step of speed.
+        #[test]
+        fn nothing_jumps(
+            dead_zone in 0.0f32..0.9, curve in 1.0f32..5.0, angle in -4.0f32..4.0, way in 0.0f32..1.0,
+        ) {
+            let response = Response { dead_zone, curve };
+            let step = 1e-3;
+            let speed = |way| response.speed(at(angle, way)).length();
+            // The slope is at most that of the curve's end.
+            let most = curve / (1.0 - dead_zone) * step;
+            prop_assert!(speed(way + step) - speed(way) <= most * 1.01 + 1e-4);
+            prop_assert!(speed(dead_zone + 1e-4) <= 1e-4 / (1.0 - dead_zone) + 1e-5);
+        }
+    }
+
+    #[test]
+    fn a_broken_stick_stands_still() {
+        let response = Response { dead_zone: 0.1, curve: 2.0 };
+        assert_eq!(response.speed(Vec2::NAN), Vec2::ZERO);
+        assert_eq!(response.speed(Vec2::splat(f32::INFINITY)), Vec2::ZERO);
+        assert_eq!(response.pull(f32::NAN), 0.0);
+    }
+}

@@ -1,0 +1,36 @@
+//! The options of a gamepad, shown while one is there.
+
+use egui::Ui;
+
+use super::{Intent, PadFacts, UiState};
+use crate::input::Action;
+use crate::input::pad::PadMode;
+
+pub fn show(ui: &mut Ui, state: &mut UiState, pad: PadFacts, intents: &mut Vec<Intent>) {
+    ui.label(pad.name);
+    ui.horizontal(|ui| {
+        if ui.button(pad.mode.label()).on_hover_text(Action::NextPadMode.help().text).clicked() {
+            intents.push(Intent::Do(Action::NextPadMode));
+        }
+    });
+    ui.label(egui::RichText::new(mode_hint(pad.mode)).weak());
+    ui.add_enabled_ui(pad.rumbles, |ui| {
+        let mut rumble = state.rumble && pad.rumbles;
+        let checkbox = ui
+            .checkbox(&mut rumble, "Rumble")
+            .on_hover_text("The gamepad shakes as strongly as the tool bites")
+            .on_disabled_hover_text("This gamepad cannot shake");
+        if checkbox.changed() {
+            state.rumble = rumble;
+        }
+    });
+}
+
+/// What sticks do in a mode, in a sentence.
+pub const fn mode_hint(mode: PadMode) -> &'static str {
+    match mode {
+        PadMode::OnlyMouse => "Left stick: pointer; Y: click; A: double click",
+        PadMode::UseTool => "Left stick: move the tool; right stick: turn it; A: use it",
+        PadMode::MoveGrid => "Left stick: move the sculpture; right stick: turn it",
+    }
+}
