@@ -273,7 +273,8 @@ impl ApplicationHandler<Wake> for App {
     fn window_event(&mut self, event_loop: &ActiveEventLoop, id: WindowId, event: WindowEvent) {
         if let WindowEvent::Focused(focused) = event
             // Going from one window of the program to another, either may hear of it first.
-            && (focused || self.focused.is_none_or(|other| other == id))
+            // Without a window manager no window ever has the keyboard to itself.
+            && (focused || self.focused == Some(id))
         {
             self.focused = focused.then_some(id);
             self.bench.listen_to_pads(focused);

@@ -107,7 +107,6 @@ impl Workbench {
     pub(super) fn next_pad_mode(&mut self) {
         if self.pads.mapper.leader().is_some() {
             self.pads.mapper.next_mode();
-            tracing::debug!("gamepad mode {}", self.pads.mapper.mode().label());
         }
     }
 
@@ -120,7 +119,6 @@ impl Workbench {
     pub fn play_pad(&mut self, now_s: f64, ctx: &Context) -> Vec<Event> {
         let mut events = Vec::new();
         let Some(bindings) = self.presets.get(self.ui.preset) else { return events };
-        let before = self.pads.mapper.mode();
         for ask in self.pads.mapper.take(now_s, bindings) {
             match ask {
                 Ask::Glide(glide) if glide.mode == PadMode::OnlyMouse => {
@@ -142,10 +140,6 @@ impl Workbench {
                 Ask::Press(down) => self.click(&[down], ctx, &mut events),
                 Ask::DoubleClick => self.click(&[true, false, true, false], ctx, &mut events),
             }
-        }
-        let mode = self.pads.mapper.mode();
-        if mode != before {
-            tracing::debug!("gamepad mode {}", mode.label());
         }
         events
     }

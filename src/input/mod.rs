@@ -4,6 +4,7 @@
 //! Knows no sculpture and no window: it takes device events as values and gives [`Signal`]s.
 
 pub mod action;
+mod action_help;
 pub mod bindings;
 pub mod events;
 pub mod mapper;

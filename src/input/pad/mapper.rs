@@ -186,6 +186,7 @@ impl PadMapper {
     pub fn next_mode(&mut self) {
         self.release();
         self.mode = self.mode.next();
+        tracing::debug!("gamepad mode {}", self.mode.label());
     }
 
     /// Releases everything that is held. What still is down counts only when pressed anew; sticks
