@@ -1,0 +1,114 @@
+#!/bin/bash
+# What pad.sh runs in the virtual machine: starts X, the program and the pad, plays, and looks at
+# what came of it. Everything it finds is left in out/.
+set -u
+mkdir -p out
+export LC_ALL=C DISPLAY=:9 LD_LIBRARY_PATH=$PWD/lib HOME=/tmp RUST_LOG=virtual_sculpture=debug NO_COLOR=1
+journal=out/journal.sculpt log=out/program.log felt=out/felt.txt
+cat >out/config.toml <<'TOML'
+[new]
+dims = [32, 32, 32]
+[render]
+mode = "ray"
+[window]
+size = [640, 480]
+[gamepad]
+rumble_limit = 0.5
+rumble_voxels = 30
+TOML
+
+say() { printf '[%4ds] %s\n' "$SECONDS" "$*"; }
+die() { say "FAILED: $*"; picture failed; exit 1; }
+picture() { import -window root "out/$1.png"; }
+# Waits until a command succeeds: within SECONDS, WHAT, COMMAND...
+await() {
+    local until=$((SECONDS + $1)) what=$2
+    shift 2
+    while ! "$@"; do
+        [ $SECONDS -lt $until ] || die "no $what"
+        kill -0 $program 2>/dev/null || die "the program has ended before: $what"
+        sleep 0.2
+    done
+    say "ok: $what"
+}
+said() { [ "$(grep -c -- "$2" $log)" -ge "$1" ]; }
+wrote() { [ "$(grep -cE "$2" $journal)" -ge "$1" ]; }
+count() { grep -cE "$1" $journal; }
+pad() { printf '%s\n' "$@" >&7; }
+pictures() { grep -c 'picture shown' $log; }
+# The program draws nothing for two seconds.
+rests() {
+    local before=$(pictures)
+    sleep 2
+    [ "$(pictures)" = "$before" ]
+}
+
+Xvfb :9 -screen 0 640x480x24 >/dev/null 2>&1 &
+for _ in $(seq 50); do [ -e /tmp/.X11-unix/X9 ] && break; sleep 0.2; done
+program=$$
+./virtual-sculpture --config out/config.toml --record $journal 2>$log &
+program=$!
+touch $log
+await 120 "first picture" said 1 'picture shown'
+await 60 "rest without a pad" rests
+
+mkfifo /tmp/pad
+python3 virtual-gamepad.py </tmp/pad >$felt 2>&1 &
+exec 7>/tmp/pad
+await 30 "pad with rumble" said 1 'gamepad: .*rumble=true'
+await 60 "rest with a pad" rests
+picture 1-pad-connected
+
+# The tool bites along its way, and the pad feels it.
+pad 'press a' 'axis lx 0.8' 'sleep 2.5' 'axis lx 0' 'release a' 'wait-ff rumble 1'
+await 60 "a stroke of several bites" wrote 3 '^subtract ellipsoid'
+await 60 "end of the stroke" wrote 1 '^end'
+[ "$(count '^begin')" = 1 ] || die "more than one stroke"
+await 60 "rest after the stroke" rests
+picture 2-after-the-stroke
+
+pad 'axis dx -1' 'sleep 0.2' 'axis dx 0'
+await 30 "undo by the cross" wrote 1 '^undo'
+
+# The sculpture moves and turns.
+places=$(count '^place')
+pad 'tap b 0.2'
+await 30 "mode MOVE ACTIVE GRID" said 1 'MOVE ACTIVE GRID'
+pad 'axis rx 1' 'axis ly -0.6' 'sleep 1.5' 'axis rx 0' 'axis ly 0'
+await 60 "moved and turned sculpture" wrote $((places + 3)) '^place'
+await 60 "rest after moving" rests
+picture 3-grid-moved
+
+# The stick leads the pointer; a click on the sculpture uses the tool.
+pad 'tap b 0.2'
+await 30 "mode ONLY MOUSE" said 1 'ONLY MOUSE'
+strokes=$(count '^begin')
+pad 'axis ly 0.5' 'sleep 0.3' 'axis ly 0' 'sleep 1' 'tap y 0.3'
+await 60 "stroke by a click" wrote $((strokes + 1)) '^begin'
+await 30 "rest after the click" rests
+picture 4-clicked
+
+# Pulled out in the middle of a stroke, and put back.
+pad 'tap b 0.2'
+await 30 "mode USE TOOL" said 1 'USE TOOL'
+ends=$(count '^end')
+pad 'press a' 'sleep 1' 'replug'
+await 60 "end of the stroke of the pad that went" wrote $((ends + 1)) '^end'
+await 30 "pad that went" said 1 'gamepad gone'
+await 30 "pad that came back" said 2 'gamepad: .*rumble=true'
+await 60 "rest after it came back" rests
+bites=$(count '^subtract')
+pad 'sleep 1' 'axis ly -1' 'press a' 'sleep 2' 'release a' 'axis ly 0'
+await 60 "stroke of the pad that came back" wrote $((bites + 2)) '^subtract'
+await 60 "rest at last" rests
+picture 5-came-back
+
+kill -0 $program || die "the program has ended"
+pad 'quit'
+exec 7>&-
+await 30 "pad that went for good" said 2 'gamepad gone'
+kill $program
+wait $program 2>/dev/null
+grep -E ' (WARN|ERROR) virtual_sculpture' $log && die "the program complained"
+python3 pad-felt.py 0.5 <$felt || die "the pad felt something else"
+say "done"
