@@ -53,13 +53,17 @@ pub fn listen(tell: impl Fn(PadNews) -> bool + Send + 'static) {
 
 /// Gilrs' thread for motors wakes up every 50 ms from its start on, so it is started with the
 /// first pad.
-fn open(motors: bool) -> Result<Gilrs, gilrs::Error> {
+fn open(motors: bool) -> Result<Gilrs, Box<gilrs::Error>> {
     // Dead zones and D-pads are seen to here and in `stick`: the filters of gilrs treat one axis
     // at a time, which bends slow diagonal pushes.
-    GilrsBuilder::new().with_default_filters(false).with_force_feedback(motors).build()
+    GilrsBuilder::new()
+        .with_default_filters(false)
+        .with_force_feedback(motors)
+        .build()
+        .map_err(Box::new)
 }
 
-fn serve(tell: &dyn Fn(PadNews) -> bool) -> Result<(), gilrs::Error> {
+fn serve(tell: &dyn Fn(PadNews) -> bool) -> Result<(), Box<gilrs::Error>> {
     let mut gilrs = open(false)?;
     while gilrs.gamepads().next().is_none() {
         gilrs.next_event_blocking(None);
