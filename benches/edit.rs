@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::{EulerRot, Quat, UVec3, Vec3};
-use virtual_sculpture::command::{Command, NewSculpture};
+use virtual_sculpture::command::{Area, Command, NewSculpture};
 use virtual_sculpture::document::{Document, Limits};
 use virtual_sculpture::sculpture::edit::EditOp;
 use virtual_sculpture::sculpture::{ColourDepth, Rgb};
@@ -203,7 +203,9 @@ fn whole(c: &mut Criterion) {
     let mut document = document(true, ColourDepth::None);
     forget_dirty(&mut document);
     group.bench_function("clear", |b| {
-        b.iter_custom(|runs| time_command(&mut document, &Command::Clear, runs));
+        b.iter_custom(|runs| {
+            time_command(&mut document, &Command::Clear { area: Area::Grid }, runs)
+        });
     });
     for undo in [true, false] {
         let name = if undo { "undo" } else { "redo" };
@@ -211,7 +213,7 @@ fn whole(c: &mut Criterion) {
             b.iter_custom(|runs| {
                 let mut total = Duration::ZERO;
                 for _ in 0..runs {
-                    apply(&mut document, &Command::Clear);
+                    apply(&mut document, &Command::Clear { area: Area::Grid });
                     let start = Instant::now();
                     apply(&mut document, &Command::Undo { steps: Some(1) });
                     let undone = start.elapsed();

@@ -155,8 +155,8 @@ fn copy(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Inten
     ui.label(format!("{} × {} × {}", size.x, size.y, size.z))
         .on_hover_text(format!("{} voxels", grouped(clip.voxel_count())));
     buttons(ui, state, facts, intents, true, &[("Paste", Action::Paste)]);
-    let rows: [(&str, fn(Axis) -> Action); 2] =
-        [("Turn", Action::TurnClip), ("Mirror", Action::MirrorClip)];
+    type Make = fn(Axis) -> Action;
+    let rows: [(&str, Make); 2] = [("Turn", Action::TurnClip), ("Mirror", Action::MirrorClip)];
     for (title, action) in rows {
         ui.horizontal(|ui| {
             ui.label(title);
