@@ -538,13 +538,13 @@ fn a_torn_off_panel_does_the_same_in_a_window_of_its_own() {
             Panel::Options => assert!(hand.snap),
             Panel::History => {}
         }
-        key_in(&mut window, Modifiers::NONE, Key::Delete);
+        key_in(&mut window, Modifiers::COMMAND, Key::Delete);
         assert_eq!(voxels(&window), 0);
         key_in(&mut window, Modifiers::COMMAND, Key::Z);
         assert_eq!(voxels(&window), 32u64.pow(3));
         // What lies over the sculpture keeps the keys of panels away, too.
         key_in(&mut window, Modifiers::COMMAND, Key::N);
-        key_in(&mut window, Modifiers::NONE, Key::Delete);
+        key_in(&mut window, Modifiers::COMMAND, Key::Delete);
         assert_eq!(voxels(&window), 32u64.pow(3));
         window.state_mut().ui.new_dialog.open = false;
         window.run();

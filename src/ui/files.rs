@@ -104,6 +104,8 @@ impl Default for Files {
 
 pub fn show(root: &Ui, state: &mut UiState, intents: &mut Vec<Intent>) {
     let Files { dialog, task, choice } = &mut state.files;
+    // The library draws its search field black on any ground: dark text could not be read there.
+    dialog.config_mut().show_search = root.visuals().dark_mode;
     dialog.update_with_right_panel_ui(root.ctx(), &mut |ui, _| {
         ui.add_space(4.0);
         match task {
