@@ -22,6 +22,6 @@ for number, felt in enumerate(devices, 1):
     strongest = max((strong for _, strong, _ in felt), default=0)
     weakest = max((weak for _, _, weak in felt), default=0)
     print(f"device {number}: {len(felt)} changes, at most strong {strongest}, weak {weakest}")
-    assert strongest > 3000 and weakest > 1500, "no rumble"
+    assert strongest > 0 and weakest > 0, "no rumble"
     assert strongest <= limit and weakest <= limit, f"over the limit of {limit:.0f}"
 assert devices[-1][-1][1:] == (0, 0), "it goes on at the end"

@@ -2,10 +2,13 @@
 # What pad.sh runs in the virtual machine: starts X, the program and the pad, plays, and looks at
 # what came of it. Everything it finds is left in out/.
 set -u
-mkdir -p out
+# In memory: two processes that share a file of the host may see it differently.
+share=$PWD out=/tmp/out
+mkdir -p $out
+trap 'cp -r $out "$share"' EXIT
 export LC_ALL=C DISPLAY=:9 LD_LIBRARY_PATH=$PWD/lib HOME=/tmp RUST_LOG=virtual_sculpture=debug NO_COLOR=1
-journal=out/journal.sculpt log=out/program.log felt=out/felt.txt
-cat >out/config.toml <<'TOML'
+journal=$out/journal.sculpt log=$out/program.log felt=$out/felt.txt
+cat >$out/config.toml <<'TOML'
 [new]
 dims = [32, 32, 32]
 [render]
@@ -19,7 +22,7 @@ TOML
 
 say() { printf '[%4ds] %s\n' "$SECONDS" "$*"; }
 die() { say "FAILED: $*"; picture failed; exit 1; }
-picture() { import -window root "out/$1.png"; }
+picture() { import -window root "$out/$1.png"; }
 # Waits until a command succeeds: within SECONDS, WHAT, COMMAND...
 await() {
     local until=$((SECONDS + $1)) what=$2
@@ -46,7 +49,7 @@ rests() {
 Xvfb :9 -screen 0 640x480x24 >/dev/null 2>&1 &
 for _ in $(seq 50); do [ -e /tmp/.X11-unix/X9 ] && break; sleep 0.2; done
 program=$$
-./virtual-sculpture --config out/config.toml --record $journal 2>$log &
+./virtual-sculpture --config $out/config.toml --record $journal 2>$log &
 program=$!
 touch $log
 await 120 "first picture" said 1 'picture shown'
