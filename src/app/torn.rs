@@ -143,7 +143,7 @@ impl Place {
     /// Where a panel's first window goes: over the main one, where the panel has been.
     fn first(main: &Window, panel: Panel, scale: f32) -> Place {
         let (width, height) = match panel {
-            Panel::Toolbox => (theme::TOOLBOX_WIDTH + 20.0, 420.0),
+            Panel::Toolbox => (theme::TOOLBOX_WIDTH + 20.0, 620.0),
             Panel::Options => (theme::OPTIONS_WIDTH + 20.0, 560.0),
             Panel::History => (theme::OPTIONS_WIDTH, 280.0),
         };

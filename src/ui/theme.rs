@@ -76,6 +76,10 @@ fn style(theme: Theme) -> Style {
     style.spacing.button_padding = vec2(8.0, 4.0);
     style.spacing.interact_size.y = 24.0;
     style.spacing.slider_width = 120.0;
+    // A bar that is always there says that there is more to see; a fade would lie as a bright
+    // stripe over light panels.
+    style.spacing.scroll.fade.strength = 0.0;
+    style.spacing.scroll.dormant_handle_opacity = 0.5;
     style
 }
 
