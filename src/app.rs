@@ -4,6 +4,7 @@
 
 mod aim;
 mod deeds;
+mod first_run;
 mod guides;
 mod job;
 mod marker;
@@ -69,7 +70,8 @@ pub fn run(session: Session, config: Config) -> Result<(), AppError> {
     let event_loop = EventLoop::with_user_event().build()?;
     let proxy = event_loop.create_proxy();
     device::listen(move |news| proxy.send_event(Wake::Pad(news)).is_ok());
-    let bench = Workbench::new(session, &config, Bindings::presets()?);
+    let mut bench = Workbench::new(session, &config, Bindings::presets()?);
+    bench.ui.guide.open = config.window.guide && first_run::is_first_run();
     let mut app = App {
         bench,
         config,

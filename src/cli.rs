@@ -14,7 +14,7 @@ use crate::app;
 use crate::config::{Config, RenderMode};
 use crate::doctor;
 use crate::format::options::{Colouring, Existence, ExportForm, ImportOptions, RawLayout};
-use crate::headless::{self, JobError, RunJob};
+use crate::headless::{self, DemoScene, JobError, RunJob};
 use crate::progress::Bar;
 use crate::sculpture::ColourDepth;
 use crate::session::Session;
@@ -87,9 +87,11 @@ pub enum Job {
         #[command(flatten)]
         import: ImportArgs,
     },
-    /// Build the demo scene with a script, render it and save it
+    /// Build a scene with a script, render it and save it
     Demo {
-        /// Folder for demo.png and demo.pvm (made if missing)
+        #[arg(long, value_enum, default_value_t)]
+        scene: DemoScene,
+        /// Folder for the picture and the sculpture (made if missing)
         #[arg(long, default_value = "out", value_name = "DIR")]
         out: PathBuf,
         #[command(flatten)]
@@ -136,7 +138,13 @@ fn window_or_demo(cli: Cli, config: Config, progress: &Bar) -> Result<(), JobErr
         return Err(JobError::NoDisplay);
     }
     eprintln!("no display: making the demo instead; see `virtual-sculpture --help` for more");
-    headless::demo(Path::new("out"), &PictureArgs::default(), &config, progress)
+    headless::demo(
+        DemoScene::default(),
+        Path::new("out"),
+        &PictureArgs::default(),
+        &config,
+        progress,
+    )
 }
 
 fn dispatch(cli: Cli) -> Result<(), JobError> {
@@ -157,7 +165,9 @@ fn dispatch(cli: Cli) -> Result<(), JobError> {
         Some(Job::Info { file, import }) => {
             headless::info(&file, &import.options(), &config, &progress)
         }
-        Some(Job::Demo { out, picture }) => headless::demo(&out, &picture, &config, &progress),
+        Some(Job::Demo { scene, out, picture }) => {
+            headless::demo(scene, &out, &picture, &config, &progress)
+        }
         Some(Job::Commands) => {
             headless::commands();
             Ok(())

@@ -128,6 +128,7 @@ pub enum Theme {
 pub struct Window {
     pub size: [u32; 2],
     pub theme: Theme,
+    pub guide: bool,
     pub scale: f32,
 }
 
@@ -166,7 +167,7 @@ impl Default for LightSettings {
 
 impl Default for Window {
     fn default() -> Self {
-        Window { size: [1280, 800], theme: Theme::Dark, scale: 1.0 }
+        Window { size: [1280, 800], theme: Theme::Dark, guide: true, scale: 1.0 }
     }
 }
 

@@ -19,8 +19,41 @@ use crate::picture::{self, PictureError};
 use crate::progress::Progress;
 use crate::session::{Session, SessionError};
 
-/// The script of the demo scene.
-pub const DEMO_SCRIPT: &str = include_str!("../config/demo.sculpt");
+/// A scene that the program builds from a script.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, clap::ValueEnum)]
+pub enum DemoScene {
+    /// An island made of solids
+    #[default]
+    Island,
+    /// The learning task of the evaluation of 2005
+    LearningTask,
+    /// Its main task: a house, a tree, a lake and a hill
+    Landscape,
+}
+
+impl DemoScene {
+    pub const ALL: [DemoScene; 3] =
+        [DemoScene::Island, DemoScene::LearningTask, DemoScene::Landscape];
+
+    /// Name of the files that it is written to.
+    pub const fn name(self) -> &'static str {
+        match self {
+            DemoScene::Island => "demo",
+            DemoScene::LearningTask => "learning-task",
+            DemoScene::Landscape => "house-tree-lake-hill",
+        }
+    }
+
+    pub const fn script(self) -> &'static str {
+        match self {
+            DemoScene::Island => include_str!("../config/demo.sculpt"),
+            DemoScene::LearningTask => include_str!("../config/evaluation/learning-task.sculpt"),
+            DemoScene::Landscape => {
+                include_str!("../config/evaluation/house-tree-lake-hill.sculpt")
+            }
+        }
+    }
+}
 
 /// Why a job failed.
 #[derive(Debug, Error)]
@@ -140,8 +173,9 @@ pub fn info(
     Ok(())
 }
 
-/// Builds the demo scene and writes `demo.png` and `demo.pvm` into `folder`.
+/// Builds a scene and writes a picture and the sculpture into `folder`.
 pub fn demo(
+    scene: DemoScene,
     folder: &Path,
     picture: &PictureArgs,
     config: &Config,
@@ -150,10 +184,11 @@ pub fn demo(
     std::fs::create_dir_all(folder)
         .map_err(|error| JobError::Folder { path: folder.to_path_buf(), error })?;
     let mut session = Session::new(config)?;
-    execute_script(&mut session, DEMO_SCRIPT, Path::new("demo.sculpt"), progress)?;
+    let file = |ending: &str| format!("{}.{ending}", scene.name());
+    execute_script(&mut session, scene.script(), Path::new(&file("sculpt")), progress)?;
     describe(session.document());
-    save(&mut session, &folder.join("demo.pvm"), ExportForm::Auto, progress)?;
-    render_session(session, &folder.join("demo.png"), picture, config)
+    save(&mut session, &folder.join(file("pvm")), ExportForm::Auto, progress)?;
+    render_session(session, &folder.join(file("png")), picture, config)
 }
 
 /// Prints the commands that scripts know.

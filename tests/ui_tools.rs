@@ -360,7 +360,7 @@ fn the_options_of_every_tool_fit_into_their_panel() {
         harness.state_mut().ui.hand.used_colour();
         harness.run();
         for role in [Role::Button, Role::CheckBox, Role::SpinButton, Role::Slider, Role::Label] {
-            for node in harness.get_all_by_role(role) {
+            for node in harness.query_all_by_role(role) {
                 let rect = node.rect();
                 assert!(rect.left() >= 0.0 && rect.right() <= 1280.0, "{tool:?} {rect} {node:?}");
             }

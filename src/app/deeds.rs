@@ -49,6 +49,7 @@ impl Workbench {
             Action::Quit if self.session.modified() => self.ui.leave_open = true,
             Action::Quit => self.leave(),
             Action::Help => self.ui.help_open = !self.ui.help_open,
+            Action::Guide => self.ui.guide.open = !self.ui.guide.open,
             Action::Undo => self.run(Command::Undo { steps: Some(1) }, false),
             Action::Redo => self.run(Command::Redo { steps: Some(1) }, false),
             Action::Fill => self.run(Command::Fill { area: Area::Grid, colour: None }, false),

@@ -29,7 +29,7 @@ fn save_in(session: &mut Session, folder: &Path) -> Result<PathBuf, SessionError
 }
 
 /// The folder for state as the XDG base directory specification says, else the temporary one.
-fn folder() -> PathBuf {
+pub(super) fn folder() -> PathBuf {
     let set = |name| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
     set("XDG_STATE_HOME")
         .or_else(|| set("HOME").map(|home| home.join(".local").join("state")))

@@ -122,6 +122,7 @@ pub enum Action {
     SaveAs,
     Quit,
     Help,
+    Guide,
     Undo,
     Redo,
     Fill,
@@ -313,6 +314,7 @@ impl Action {
         Action::Save,
         Action::SaveAs,
         Action::Help,
+        Action::Guide,
         Action::Quit,
     ];
 

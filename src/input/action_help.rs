@@ -160,6 +160,7 @@ impl Action {
             Action::Save => ("save", Tap, "Save the sculpture"),
             Action::SaveAs => ("save-as", Tap, "Save the sculpture under another name"),
             Action::Help => ("help", Tap, "Show keys and mouse"),
+            Action::Guide => ("guide", Tap, "Show the first steps"),
             Action::Quit => ("quit", Tap, "Leave the program"),
         };
         ActionHelp { name, kind, text }

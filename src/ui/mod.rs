@@ -7,6 +7,7 @@ pub mod busy;
 pub mod buttons;
 pub mod files;
 pub mod gamepad;
+pub mod guide;
 pub mod hand;
 pub mod help;
 pub mod history;
@@ -98,6 +99,7 @@ pub fn show(
             ui.allocate_rect(rect, Sense::hover())
         })
         .inner;
+    guide::show(root, state, facts, intents);
     help::show(root, state, facts);
     new_dialog::show(root, state, facts, intents);
     leave::show(root, state, intents);

@@ -106,6 +106,7 @@ pub struct UiState {
     pub rumble: bool,
     /// Index of the table of bindings in use.
     pub preset: usize,
+    pub guide: super::guide::Guide,
     pub help_open: bool,
     /// Asks what to do with unsaved work.
     pub leave_open: bool,
@@ -136,6 +137,7 @@ impl UiState {
             torn: BTreeSet::new(),
             rumble: config.gamepad.rumble,
             preset: 0,
+            guide: Default::default(),
             help_open: false,
             leave_open: false,
             new_dialog: NewDialog::new(config),
@@ -159,7 +161,12 @@ impl UiState {
 
     /// Closes the uppermost open window; false if there is none.
     pub fn close_top(&mut self) -> bool {
-        let open = [&mut self.leave_open, &mut self.new_dialog.open, &mut self.help_open];
+        let open = [
+            &mut self.leave_open,
+            &mut self.new_dialog.open,
+            &mut self.help_open,
+            &mut self.guide.open,
+        ];
         match open.into_iter().find(|open| **open) {
             Some(open) => {
                 *open = false;

@@ -92,6 +92,7 @@ fn menu(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Inten
                 }
             }
         });
+        action_button(ui, state, facts, "First steps", Action::Guide, true, intents);
         ui.separator();
         action_button(ui, state, facts, "Quit", Action::Quit, true, intents);
     });

@@ -215,7 +215,7 @@ pub fn area_work() -> impl Strategy<Value = Command> {
     let near = || prop::array::uniform3(-12i32..24).prop_map(IVec3::from);
     let spray = prop::array::uniform3(0f32..24.0).prop_flat_map(|target| {
         let target = Vec3::from(target);
-        (spray(|| any_unit()), prop::array::uniform3(-1f32..1.0)).prop_map(move |(spray, from)| {
+        (spray(any_unit), prop::array::uniform3(-1f32..1.0)).prop_map(move |(spray, from)| {
             let eye_vx = target + Vec3::from(from).normalize_or(Vec3::Y) * 60.0;
             let footprint = Footprint { eye_vx, aim: target - eye_vx, ..spray.footprint };
             Command::Spray { spray: Spray { footprint, ..spray }, surface: SpraySurface::Now }

@@ -18,7 +18,8 @@ const CUBOID: [i16; 2] = [1379, 95];
 const NOWHERE: [i16; 2] = [1690, 790];
 
 fn start<'a>(display: &'a crate::Display, theme: &str) -> Program<'a> {
-    let settings = format!("[new]\ndims = [96, 96, 96]\n[window]\ntheme = \"{theme}\"\n");
+    let settings =
+        format!("[new]\ndims = [96, 96, 96]\n[window]\nguide = false\ntheme = \"{theme}\"\n");
     let program = Program::start_with(display, &[], &settings);
     display.device(6, 0, NOWHERE);
     program.settle();

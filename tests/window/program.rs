@@ -48,7 +48,11 @@ impl<'a> Program<'a> {
     /// Starts the program on a display with settings of its own: a small sculpture, and the
     /// validation layers where they are installed.
     pub fn start(display: &'a Display, arguments: &[&str]) -> Program<'a> {
-        Program::start_with(display, arguments, "[new]\ndims = [96, 96, 96]\n")
+        Program::start_with(
+            display,
+            arguments,
+            "[new]\ndims = [96, 96, 96]\n[window]\nguide = false\n",
+        )
     }
 
     /// The same with other settings.

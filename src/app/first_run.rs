@@ -1,0 +1,36 @@
+//! Owns the memory that the program has been started before, so that the guide comes up once.
+
+use std::path::Path;
+
+use super::recovery;
+
+/// Whether this is the first start; from now on it is not.
+pub fn is_first_run() -> bool {
+    is_first_in(&recovery::folder())
+}
+
+fn is_first_in(folder: &Path) -> bool {
+    let mark = folder.join("guide-shown");
+    if mark.exists() {
+        return false;
+    }
+    if let Err(error) = std::fs::create_dir_all(folder).and_then(|()| std::fs::write(&mark, "")) {
+        // Then the guide comes up again, which does no harm.
+        tracing::warn!("cannot write {}: {error}", mark.display());
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_run_is_the_first_only() {
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path().join("state");
+        assert!(is_first_in(&folder) && !is_first_in(&folder));
+        // Where nothing can be written it is the first time every time.
+        assert!(is_first_in(Path::new("/dev/null/state")));
+    }
+}

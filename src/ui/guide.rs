@@ -1,0 +1,261 @@
+//! The guide for the first minutes: the learning task of the evaluation of 2005, step by step,
+//! each ticked off when the sculpture and its history show that it has been done.
+//!
+//! Looks at the document only; what a step does for the person goes out as commands.
+
+use egui::{Align2, RichText, Ui, Window, vec2};
+use glam::IVec3;
+
+use super::{Facts, Intent, UiState, theme};
+use crate::command::{Area, Command, SelectOp};
+use crate::document::Document;
+use crate::input::Action;
+use crate::sculpture::region::VoxelBox;
+use crate::tools::construct::Solid;
+use crate::tools::spray::SprayKind;
+
+const WIDTH: f32 = 300.0;
+
+/// How far the person has come.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Guide {
+    pub open: bool,
+    /// Steps that are done stay done, whatever is undone later.
+    done: [bool; STEPS.len()],
+}
+
+/// A step of the guide.
+struct Step {
+    title: &'static str,
+    /// What to do; `{}` stands for the shortcuts of `actions`, in their order.
+    text: &'static str,
+    actions: &'static [Action],
+    is_done: fn(&Document) -> bool,
+    /// What the step comes to, for those who would rather watch.
+    commands: Option<fn(&Document) -> Vec<Command>>,
+}
+
+const STEPS: [Step; 7] = [
+    Step {
+        title: "Clear half of the grid",
+        text: "Take the marker ({}). It is a box: drag it over the stone, pull its faces with \
+               Ctrl and the left button, or type its numbers on the right. Let it hold the upper \
+               half, then remove what it holds ({}).",
+        actions: &[Action::Marker, Action::ClearMarker],
+        is_done: |document| {
+            let grid = document.grid();
+            let all = grid.dims().as_u64vec3().element_product();
+            (1..=all * 7 / 10).contains(&grid.opaque_count())
+        },
+        commands: Some(|document| {
+            vec![Command::Mark(upper_half(document)), Command::Clear { area: Area::Marker }]
+        }),
+    },
+    Step {
+        title: "Limit the tools to it",
+        text: "Limit all tools to what the marker holds ({}). From now on the ground below is \
+               safe.",
+        actions: &[Action::ToggleLimit],
+        is_done: |document| document.selection().limit().is_some(),
+        commands: Some(|document| {
+            let mark = Command::Mark(upper_half(document));
+            vec![mark, Command::Select(SelectOp::Add), Command::Limit(true)]
+        }),
+    },
+    Step {
+        title: "Add a cuboid",
+        text: "Take the cuboid ({}), let it add ({}), make it larger ({}), tick Stand on the \
+               surface on the right, and press the left button on the ground.",
+        actions: &[
+            Action::Solid(Solid::Cuboid),
+            Action::Mode(crate::input::ToolMode::Add),
+            Action::Grow,
+        ],
+        is_done: |document| has_step(document, &["add cuboid"]),
+        commands: None,
+    },
+    Step {
+        title: "Roughen it",
+        text: "Bite into it with the devourer ({}), then fill the corners with growth ({}): drag \
+               both over the cuboid until it looks like rock.",
+        actions: &[Action::Spray(SprayKind::Devourer), Action::Spray(SprayKind::Growth)],
+        is_done: |document| has_step(document, &["devourer", "growth"]),
+        commands: None,
+    },
+    Step {
+        title: "Smooth it",
+        text: "Wear the edges off with erosion ({}). The left button with Shift smooths, whatever \
+               tool you hold.",
+        actions: &[Action::Spray(SprayKind::Erosion)],
+        is_done: |document| has_step(document, &["erosion"]),
+        commands: None,
+    },
+    Step {
+        title: "Paint it",
+        text: "Take the brush ({}), choose a colour on the right and paint. Alt and the left \
+               button take a colour from the surface.",
+        actions: &[Action::Spray(SprayKind::Paintbrush)],
+        is_done: |document| has_step(document, &["paintbrush"]),
+        commands: None,
+    },
+    Step {
+        title: "Dye the ground",
+        text: "Let the tools go everywhere again ({}), take the marker, let it hold the ground \
+               and give it the colour ({}).",
+        actions: &[Action::ToggleLimit, Action::DyeMarker],
+        is_done: |document| has_step(document, &["dye marker"]),
+        commands: None,
+    },
+];
+
+fn upper_half(document: &Document) -> VoxelBox {
+    let dims = document.grid().dims().as_ivec3();
+    VoxelBox { min: IVec3::new(0, dims.y / 2, 0), max: dims }
+}
+
+/// Whether the history has a step of each of these labels.
+fn has_step(document: &Document, labels: &[&str]) -> bool {
+    labels.iter().all(|label| document.history().undo_labels().any(|done| done == *label))
+}
+
+impl Guide {
+    /// Ticks off what has been done: only the step at hand counts, so that each is met in turn.
+    fn follow(&mut self, document: &Document) {
+        while let Some(at) = self.step()
+            && (STEPS[at].is_done)(document)
+        {
+            self.done[at] = true;
+        }
+    }
+
+    /// The step at hand; none when all are done.
+    fn step(&self) -> Option<usize> {
+        self.done.iter().position(|done| !done)
+    }
+}
+
+pub fn show(root: &Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+    if !state.guide.open {
+        return;
+    }
+    state.guide.follow(facts.document);
+    let at = state.guide.step();
+    let mut open = true;
+    let mut leave = false;
+    Window::new("First steps")
+        .open(&mut open)
+        .resizable(false)
+        .default_width(WIDTH)
+        .anchor(Align2::LEFT_TOP, vec2(theme::TOOLBOX_WIDTH + 28.0, 52.0))
+        .show(root.ctx(), |ui| {
+            ui.set_width(WIDTH);
+            for (i, step) in STEPS.iter().enumerate() {
+                let tick = if state.guide.done[i] { "✔" } else { "•" };
+                let title = format!("{tick} {}. {}", i + 1, step.title);
+                if Some(i) == at {
+                    ui.label(RichText::new(title).strong());
+                    ui.indent(i, |ui| current(ui, state, facts, intents, i));
+                } else {
+                    ui.label(RichText::new(title).weak());
+                }
+            }
+            if at.is_none() {
+                ui.separator();
+                ui.label("You know the tools. Build a house, a tree, a lake and a hill!");
+            }
+            ui.separator();
+            ui.horizontal(|ui| {
+                leave = ui.button("Close").on_hover_text("The guide is in the menu").clicked();
+                if ui.button("Start again").clicked() {
+                    state.guide.done = Default::default();
+                }
+            });
+        });
+    state.guide.open = open && !leave;
+}
+
+/// What to do in the step at hand.
+fn current(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>, at: usize) {
+    let step = &STEPS[at];
+    ui.label(with_keys(step, facts, state));
+    ui.horizontal(|ui| {
+        if let Some(commands) = step.commands
+            && ui.button("Do it for me").clicked()
+        {
+            intents.extend(commands(facts.document).into_iter().map(Intent::Run));
+        }
+        if ui.button("Skip").on_hover_text("Go on with the next step").clicked() {
+            state.guide.done[at] = true;
+        }
+    });
+}
+
+/// The text of a step with the keys of the table in use.
+fn with_keys(step: &Step, facts: &Facts, state: &UiState) -> String {
+    let mut text = String::new();
+    let mut actions = step.actions.iter();
+    for (i, part) in step.text.split("{}").enumerate() {
+        if i > 0 {
+            let keys = actions.next().and_then(|action| {
+                facts.bindings(state).and_then(|bindings| bindings.shortcut(*action))
+            });
+            text.push_str(keys.as_deref().unwrap_or("no key"));
+        }
+        text.push_str(part);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::command::NewSculpture;
+    use crate::document::Limits;
+    use crate::sculpture::{ColourDepth, Rgb};
+
+    #[test]
+    fn every_step_names_as_many_actions_as_its_text_has_gaps() {
+        for step in &STEPS {
+            assert_eq!(step.text.matches("{}").count(), step.actions.len(), "{}", step.title);
+        }
+    }
+
+    #[test]
+    fn the_learning_task_ticks_off_every_step_in_turn() {
+        let new = NewSculpture {
+            dims: glam::UVec3::splat(32),
+            voxel_size: glam::Vec3::ONE,
+            colour_depth: ColourDepth::Bits24,
+            base: Rgb::STONE,
+            solid: true,
+        };
+        let mut document = Document::new(&new, Limits::default()).unwrap();
+        let mut guide = Guide::default();
+        guide.follow(&document);
+        assert_eq!(guide.step(), Some(0));
+        for at in 0..2 {
+            for command in STEPS[at].commands.unwrap()(&document) {
+                document.apply(&command).unwrap();
+            }
+            guide.follow(&document);
+            assert_eq!(guide.step(), Some(at + 1));
+        }
+        let ray = "eye=16,90,16 aim=0,-1,0 across=0.01,0,0 down=0,0,0.01 radius=4";
+        for (line, step) in [
+            ("add cuboid at=16,20,16 half=6,4,6 colour=#ff0000".to_string(), 3),
+            (format!("spray devourer {ray}"), 3),
+            (format!("spray growth {ray} threshold=8 colour=#ff0000"), 4),
+            (format!("spray erosion {ray} threshold=20"), 5),
+            (format!("spray paintbrush {ray} colour=#00ff00"), 6),
+            ("limit off".to_string(), 6),
+            ("dye marker colour=#00ff00".to_string(), 7),
+        ] {
+            document.apply(&line.parse().unwrap()).unwrap();
+            guide.follow(&document);
+            assert_eq!(guide.step().unwrap_or(STEPS.len()), step, "{line}");
+        }
+        document.apply(&Command::Undo { steps: None }).unwrap();
+        guide.follow(&document);
+        assert_eq!(guide.step(), None, "what was done stays done");
+    }
+}
