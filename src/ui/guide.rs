@@ -3,7 +3,7 @@
 //!
 //! Looks at the document only; what a step does for the person goes out as commands.
 
-use egui::{Align2, RichText, Ui, Window, vec2};
+use egui::{RichText, Ui, Window, pos2};
 use glam::IVec3;
 
 use super::{Facts, Intent, UiState, theme};
@@ -146,7 +146,7 @@ pub fn show(root: &Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Int
         .open(&mut open)
         .resizable(false)
         .default_width(WIDTH)
-        .anchor(Align2::LEFT_TOP, vec2(theme::TOOLBOX_WIDTH + 28.0, 52.0))
+        .default_pos(pos2(theme::TOOLBOX_WIDTH + 28.0, 52.0))
         .show(root.ctx(), |ui| {
             ui.set_width(WIDTH);
             for (i, step) in STEPS.iter().enumerate() {

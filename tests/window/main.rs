@@ -8,6 +8,7 @@
 #![cfg(target_os = "linux")]
 
 mod display;
+mod house;
 mod panels;
 mod program;
 

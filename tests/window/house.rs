@@ -1,0 +1,125 @@
+//! A house modelled with mouse and keys alone, in the real window, and replayed from the journal.
+
+use std::process::Command;
+
+use glam::IVec3;
+use virtual_sculpture::command_text::parse_script;
+use virtual_sculpture::config::Config;
+use virtual_sculpture::session::Session;
+
+use crate::{LEFT, PICTURE, display, shot, start};
+
+// Swatches of the palette, in a window of 1280x800 with a solid in hand.
+const STONE: [i16; 2] = [1085, 311];
+const DARK: [i16; 2] = [1145, 311];
+const RED: [i16; 2] = [1055, 341];
+const GREEN: [i16; 2] = [1145, 341];
+
+#[test]
+fn a_house_is_built_with_mouse_and_keys() {
+    let Some(display) = display() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let journal = folder.path().join("house.sculpt");
+    let program = start(&display, &["--record", journal.to_str().unwrap()]);
+    let keys = |names: &[&str]| names.iter().for_each(|name| program.key(&[name]));
+    let press = |name: &str, times: usize| (0..times).for_each(|_| program.key(&[name]));
+
+    // An empty grid, seen from the front; a cuboid that adds and stays where it is.
+    program.key(&["Control_L", "Delete"]);
+    program.key(&["6"]);
+    keys(&["c", "t", "f"]);
+    program.key(&["Shift_L", "Home"]);
+    // The ground: low and wide, green.
+    program.click(GREEN);
+    press("bracketright", 12);
+    press("Down", 30);
+    keys(&["space"]);
+    // The walls on it, one side of the tool after the other.
+    program.key(&["Shift_L", "Home"]);
+    press("bracketright", 7);
+    press("Up", 16);
+    program.click(STONE);
+    keys(&["space"]);
+    shot(&program, "house-1-walls");
+    // The roof.
+    keys(&["p"]);
+    press("bracketright", 2);
+    press("Up", 34);
+    program.click(RED);
+    keys(&["space"]);
+    // The door: a small cuboid that cuts, low on the front.
+    keys(&["c", "r"]);
+    program.key(&["Shift_L", "Home"]);
+    press("Next", 15);
+    press("Up", 6);
+    for _ in 0..6 {
+        program.key(&["Shift_L", "Up"]);
+    }
+    keys(&["space"]);
+    let built = shot(&program, "house-2-door").part(PICTURE);
+    // Windows with the mouse, where the pointer meets the wall; the middle of the picture is the
+    // middle of the grid.
+    keys(&["f"]);
+    press("bracketleft", 4);
+    for x in [527, 623] {
+        program.drag(LEFT, &[[x, 310]]);
+    }
+    // Dark tiles on the roof with the brush.
+    program.click(DARK);
+    keys(&["b"]);
+    press("bracketleft", 6);
+    program.drag(LEFT, &[[520, 250], [560, 250], [600, 250], [640, 250]]);
+    program.key(&["5"]);
+    keys(&["e"]);
+    let finished = shot(&program, "house-3-finished").part(PICTURE);
+    assert!(built.differing(&finished) > 5000);
+
+    program.key(&["Control_L", "q"]);
+    program.settle();
+    program.key(&["Tab"]);
+    program.key(&["Tab"]);
+    program.key(&["space"]);
+    program.expect_clean_exit();
+
+    // What was done is in the journal, and gives the same house without a window.
+    let mut config = Config::default();
+    config.new.dims = [96; 3];
+    let mut session = Session::new(&config).unwrap();
+    for (line, command) in parse_script(&std::fs::read_to_string(&journal).unwrap()).unwrap() {
+        session.execute(&command, &()).unwrap_or_else(|error| panic!("line {line}: {error}"));
+    }
+    let document = session.document();
+    let labels: Vec<&str> = document.history().undo_labels().collect();
+    assert_eq!(
+        labels,
+        [
+            "clear",
+            "add cuboid",
+            "add cuboid",
+            "add pyramid",
+            "subtract cuboid",
+            "subtract cuboid",
+            "subtract cuboid",
+            "paintbrush"
+        ]
+    );
+    let grid = document.grid();
+    let top = |x: i32, z: i32| (0..96).rev().find(|y| grid.get(IVec3::new(x, *y, z)));
+    let (ridge, eaves, ground) = (top(48, 48).unwrap(), top(30, 48).unwrap(), top(20, 75));
+    assert!(ridge > eaves + 10, "the roof rises: {ridge} {eaves}");
+    assert!(ground.unwrap() < 48, "the ground lies low");
+    assert!(document.material().page_count() > 0);
+
+    // The same from outside.
+    let settings = folder.path().join("small.toml");
+    std::fs::write(&settings, "[new]\ndims = [96, 96, 96]\n").unwrap();
+    let status = Command::new(env!("CARGO_BIN_EXE_virtual-sculpture"))
+        .current_dir(folder.path())
+        .args(["--config", "small.toml", "run", "house.sculpt", "--out", "house.pvm"])
+        .status()
+        .unwrap();
+    assert!(status.success());
+    let saved = folder.path().join("house.pvm");
+    let saved = Session::open(&saved, &Default::default(), config.limits(), &()).unwrap();
+    assert_eq!(saved.document().grid(), session.document().grid());
+}
