@@ -7,6 +7,7 @@ mod deeds;
 mod first_run;
 mod guides;
 mod job;
+mod keys;
 mod marker;
 mod pad;
 mod painter;
@@ -32,7 +33,7 @@ use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
 use winit::window::{Window, WindowId};
 
-use crate::config::Config;
+use crate::config::{self, Config};
 use crate::gpu::GpuError;
 use crate::input::Bindings;
 use crate::input::bindings::BindingsError;
@@ -72,6 +73,9 @@ pub fn run(session: Session, config: Config) -> Result<(), AppError> {
     device::listen(move |news| proxy.send_event(Wake::Pad(news)).is_ok());
     let mut bench = Workbench::new(session, &config, Bindings::presets()?);
     bench.ui.guide.open = config.window.guide && first_run::is_first_run();
+    if let Some(folder) = config::personal_folder() {
+        bench.keep_keys_in(folder.join("bindings.toml"));
+    }
     let mut app = App {
         bench,
         config,

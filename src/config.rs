@@ -305,11 +305,16 @@ impl Config {
     }
 }
 
-/// Where a person's own settings are kept, as the XDG base directory specification says.
+/// The file of a person's own settings.
 pub fn personal_file() -> Option<PathBuf> {
+    personal_folder().map(|folder| folder.join("config.toml"))
+}
+
+/// Where a person's own settings are kept, as the XDG base directory specification says.
+pub fn personal_folder() -> Option<PathBuf> {
     let set = |name| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
     let base = set("XDG_CONFIG_HOME").or_else(|| set("HOME").map(|home| home.join(".config")))?;
-    Some(base.join("virtual-sculpture").join("config.toml"))
+    Some(base.join("virtual-sculpture"))
 }
 
 fn colour_bits<'de, D: Deserializer<'de>>(from: D) -> Result<ColourDepth, D::Error> {

@@ -4,111 +4,24 @@
 // A test that cannot go on has failed.
 #![allow(clippy::unwrap_used)]
 
-use std::sync::Arc;
+mod bench;
 
 use egui::accesskit::Role;
-use egui::{Event, Key, Modifiers, PointerButton, Pos2, Vec2, vec2};
+use egui::{Event, Key, Modifiers, PointerButton, Pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use glam::UVec3;
 use virtual_sculpture::app::Workbench;
 use virtual_sculpture::command::Command;
-use virtual_sculpture::config::{Config, RenderMode, Theme};
+use virtual_sculpture::config::{RenderMode, Theme};
 use virtual_sculpture::input::{Bindings, Panel, ToolMode};
 use virtual_sculpture::session::Session;
-use virtual_sculpture::surface::{IndexMap, raycast};
 use virtual_sculpture::tools::construct::Solid;
 
-type Bench = Harness<'static, Workbench>;
-
-fn config(edge: u32) -> Config {
-    let mut config = Config::default();
-    config.new.dims = [edge; 3];
-    config
-}
-
-fn bench_of(config: &Config, size: Vec2) -> Bench {
-    let presets = Bindings::presets().unwrap();
-    let bench = Workbench::new(Session::new(config).unwrap(), config, presets);
-    let mut harness = Harness::builder()
-        .with_size(size)
-        .with_pixels_per_point(1.0)
-        .build_ui_state(|ui, bench: &mut Workbench| bench.show(ui), bench);
-    look(&mut harness);
-    harness
-}
-
-fn bench() -> Bench {
-    bench_of(&config(64), vec2(1280.0, 800.0))
-}
-
-/// Does what the renderer does after a picture: tells the workbench which voxels are seen.
-fn look(harness: &mut Bench) {
-    let bench = harness.state_mut();
-    let rays = bench.eye().pixel_rays(&bench.world_from_grid());
-    let mut map = IndexMap::new(rays);
-    raycast::sample(bench.session().document().grid(), &rays, &mut map);
-    bench.saw(Arc::new(map));
-}
-
-fn voxels(harness: &Bench) -> u64 {
-    harness.state().session().document().grid().opaque_count()
-}
-
-fn undo_count(harness: &Bench) -> usize {
-    harness.state().session().document().history().undo_count()
-}
-
-fn middle(harness: &Bench) -> Pos2 {
-    harness.state().picture().center()
-}
-
-fn corner(harness: &Bench) -> Pos2 {
-    harness.state().picture().min + vec2(10.0, 10.0)
-}
-
-/// One event a pass, as a slow hand would send them.
-fn send(harness: &mut Bench, event: Event) {
-    harness.event(event);
-    harness.step();
-}
-
-fn drag(harness: &mut Bench, button: PointerButton, modifiers: Modifiers, way: &[Pos2]) {
-    let press = |pos, pressed| Event::PointerButton { pos, button, pressed, modifiers };
-    send(harness, Event::PointerMoved(way[0]));
-    send(harness, press(way[0], true));
-    for &pos in way {
-        send(harness, Event::PointerMoved(pos));
-    }
-    send(harness, press(way[way.len() - 1], false));
-    look(harness);
-}
-
-fn key(harness: &mut Bench, modifiers: Modifiers, key: Key) {
-    key_in(harness, modifiers, key);
-    look(harness);
-}
-
-/// The same in any window.
-fn key_in(harness: &mut Bench, modifiers: Modifiers, key: Key) {
-    for pressed in [true, false] {
-        send(harness, Event::Key { key, physical_key: None, pressed, repeat: false, modifiers });
-    }
-}
-
-fn wheel(harness: &mut Bench, modifiers: Modifiers, at: Pos2, notches: f32) {
-    send(harness, Event::PointerMoved(at));
-    send(
-        harness,
-        Event::MouseWheel {
-            unit: egui::MouseWheelUnit::Line,
-            delta: vec2(0.0, notches),
-            modifiers,
-            phase: egui::TouchPhase::Move,
-        },
-    );
-    look(harness);
-}
+use bench::{
+    Bench, bench, bench_of, config, corner, drag, key, key_in, look, middle, send, undo_count,
+    voxels, wheel,
+};
 
 #[test]
 fn a_click_cuts_and_undo_brings_the_same_bytes_back() {
@@ -408,21 +321,6 @@ fn errors_are_shown_and_nothing_changes() {
     assert!(!harness.state().stroke_in_hand());
     harness.get_by_label_contains("this sculpture has no colours").rect();
     assert_eq!(undo_count(&harness), 0);
-}
-
-#[test]
-fn help_lists_the_keys_of_the_preset_in_use() {
-    let mut harness = bench();
-    key(&mut harness, Modifiers::NONE, Key::F1);
-    harness.run();
-    harness.get_by_label("Ctrl+Z").rect();
-    harness.get_by_label("Ctrl+Y or Ctrl+Shift+Z").rect();
-    harness.state_mut().ui.preset = 1;
-    harness.run();
-    harness.get_by_label_contains("left + right buttons").rect();
-    key(&mut harness, Modifiers::NONE, Key::Escape);
-    harness.run();
-    assert!(!harness.state().ui.help_open);
 }
 
 #[test]

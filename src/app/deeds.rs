@@ -29,6 +29,7 @@ impl Workbench {
         match intent {
             Intent::Do(action) => self.act(action),
             Intent::Run(command) => self.run(command, false),
+            Intent::Keys(change) => self.change_keys(change),
             Intent::StopWork => self.cancel_job(),
             // If something is being written, leaving waits for its success.
             Intent::Leave if self.job.is_some() => self.leave_after_job(),
@@ -48,6 +49,7 @@ impl Workbench {
             Action::Quit if self.job.is_some() => self.leave_after_job(),
             Action::Quit if self.session.modified() => self.ui.leave_open = true,
             Action::Quit => self.leave(),
+            Action::Palette => self.ui.palette.open(),
             Action::Help => self.ui.help_open = !self.ui.help_open,
             Action::Guide => self.ui.guide.open = !self.ui.guide.open,
             Action::Undo => self.run(Command::Undo { steps: Some(1) }, false),

@@ -12,7 +12,7 @@ use crate::config::GamepadSettings;
 use crate::input::pad::device::{Motor, PadChange, PadNews};
 use crate::input::pad::rumble::Rumble;
 use crate::input::pad::{Ask, Glide, PadId, PadMapper, PadMode};
-use crate::input::{Action, Signal};
+use crate::input::{Action, Signal, Trigger};
 use crate::sculpture::Placement;
 use crate::ui::PadFacts;
 
@@ -86,6 +86,10 @@ impl Workbench {
                 }
             }
             PadChange::State(state) => {
+                if self.ui.keys.is_catching() {
+                    let pressed = self.pads.mapper.newly_down(news.pad, &state).next();
+                    self.ui.keys.hear(pressed.map(|button| Trigger::Pad { button }));
+                }
                 if let Some(bindings) = self.presets.get(self.ui.preset) {
                     self.pads.mapper.hear(news.pad, state, now_s, bindings);
                 }
@@ -119,7 +123,12 @@ impl Workbench {
     pub fn play_pad(&mut self, now_s: f64, ctx: &Context) -> Vec<Event> {
         let mut events = Vec::new();
         let Some(bindings) = self.presets.get(self.ui.preset) else { return events };
+        let catching = self.ui.keys.is_catching();
         for ask in self.pads.mapper.take(now_s, bindings) {
+            // What is pressed is heard as a trigger and does nothing else.
+            if catching && !matches!(ask, Ask::Signal(Signal::End(_))) {
+                continue;
+            }
             match ask {
                 Ask::Glide(glide) if glide.mode == PadMode::OnlyMouse => {
                     events.push(Event::PointerMoved(self.move_pointer(&glide, ctx)));

@@ -9,7 +9,8 @@ use std::time::{Duration, Instant};
 use egui::epaint::ClippedShape;
 use egui::{TexturesDelta, Ui, ViewportId};
 use winit::dpi::PhysicalPosition;
-use winit::event::WindowEvent;
+use winit::event::{ElementState, WindowEvent};
+use winit::keyboard::{Key, KeyCode, PhysicalKey};
 use winit::window::{Window, WindowId};
 
 use crate::gpu::{Attachment, Device, Frames, GpuError, ImagePart, Load, Recorder, Surface, Use};
@@ -159,7 +160,14 @@ impl Pane {
             self.screen.resize((*size).into());
         }
         let redraw = matches!(event, WindowEvent::RedrawRequested);
-        self.egui.on_window_event(&self.window, event).repaint && !redraw
+        let before = self.egui.egui_input_mut().events.len();
+        let repaint = self.egui.on_window_event(&self.window, event).repaint && !redraw;
+        let input = self.egui.egui_input_mut();
+        // V alone is a key; with Ctrl and nothing on the clipboard it would be no event at all.
+        if input.events.len() == before && is_paste_key(event) {
+            input.events.push(egui::Event::Paste(String::new()));
+        }
+        repaint
     }
 
     /// Waits up to `patience` for a free image of the window; none while there is none.
@@ -214,6 +222,18 @@ impl Pane {
         self.gui.free_after(textures, serial);
         self.screen.present(&target)
     }
+}
+
+/// Whether the key that pastes was pressed: V, or where V is on keyboards without Latin letters.
+fn is_paste_key(event: &WindowEvent) -> bool {
+    let WindowEvent::KeyboardInput { event, is_synthetic: false, .. } = event else { return false };
+    let latin = match &event.logical_key {
+        Key::Character(text) => egui::Key::from_name(text),
+        _ => None,
+    };
+    let pressed = event.state == ElementState::Pressed && !event.repeat;
+    let placed = || event.physical_key == PhysicalKey::Code(KeyCode::KeyV);
+    pressed && latin.map_or_else(placed, |key| key == egui::Key::V)
 }
 
 impl Frame {

@@ -14,6 +14,7 @@ use glam::{Affine3A, UVec2, Vec2, Vec3};
 use super::aim::{self, Sight};
 use super::guides::Aid;
 use super::job::{self, Job};
+use super::keys::KeyFile;
 use super::marker::MarkerDrag;
 use super::pad::Pads;
 use super::stage::Stage;
@@ -33,7 +34,12 @@ use crate::view::Eye;
 pub struct Workbench {
     pub(super) session: Session,
     pub ui: UiState,
+    /// The tables of keys as the person has changed them.
     pub(super) presets: Vec<Bindings>,
+    /// The same as the program brings them along.
+    pub(super) pristine: Vec<Bindings>,
+    /// Where changes to the tables are kept, if anywhere.
+    pub(super) key_file: Option<KeyFile>,
     /// What is held in the main window.
     mapper: Mapper,
     /// What is held in the windows of panels.
@@ -69,7 +75,9 @@ impl Workbench {
         let mut bench = Workbench {
             ui: UiState::new(config, grid.dims()),
             session,
+            pristine: presets.clone(),
             presets,
+            key_file: None,
             mapper: Mapper::default(),
             panel_mappers: BTreeMap::new(),
             shift_tap: ShiftTap::default(),
@@ -202,11 +210,17 @@ impl Workbench {
             path: self.session.path(),
             modified: self.session.modified(),
             presets: &self.presets,
+            pristine: &self.pristine,
             times: self.times,
             device: &self.device,
             pad: self.pads.facts(),
         };
-        show(&mut self.ui, &facts)
+        let preset = self.ui.preset;
+        let shown = show(&mut self.ui, &facts);
+        if self.ui.preset != preset {
+            self.save_keys();
+        }
+        shown
     }
 
     fn set_picture(&mut self, rect: Rect, pixels_per_point: f32) {

@@ -123,6 +123,8 @@ pub enum Action {
     Quit,
     Help,
     Guide,
+    /// Finds an action by words, or takes a command.
+    Palette,
     Undo,
     Redo,
     Fill,
@@ -313,6 +315,7 @@ impl Action {
         Action::Open,
         Action::Save,
         Action::SaveAs,
+        Action::Palette,
         Action::Help,
         Action::Guide,
         Action::Quit,

@@ -159,8 +159,9 @@ impl Action {
             Action::Open => ("open", Tap, "Open a sculpture or a volume"),
             Action::Save => ("save", Tap, "Save the sculpture"),
             Action::SaveAs => ("save-as", Tap, "Save the sculpture under another name"),
-            Action::Help => ("help", Tap, "Show keys and mouse"),
             Action::Guide => ("guide", Tap, "Show the first steps"),
+            Action::Palette => ("palette", Tap, "Find an action by words, or type a command"),
+            Action::Help => ("help", Tap, "Show and change keys and mouse"),
             Action::Quit => ("quit", Tap, "Leave the program"),
         };
         ActionHelp { name, kind, text }

@@ -10,7 +10,8 @@
 //! ```
 //!
 //! A table that extends another has its lines as well, but for the actions that it names itself
-//! and the triggers that it takes.
+//! and the triggers that it takes; name and text are inherited, too, where it has none. `keys` and
+//! the presets can be extended.
 
 use std::collections::BTreeMap;
 
@@ -20,22 +21,29 @@ use thiserror::Error;
 use super::action::{Action, Kind};
 use super::trigger::Trigger;
 
-/// What tables are extended from: the keyboard, the same for all.
-const KEYS: &str = include_str!("../../config/bindings/keys.toml");
-const PRESETS: [&str; 4] = [
-    include_str!("../../config/bindings/direct.toml"),
-    include_str!("../../config/bindings/thesis.toml"),
-    include_str!("../../config/bindings/blender.toml"),
-    include_str!("../../config/bindings/magicavoxel.toml"),
+/// The keyboard, the same for all presets.
+const KEYS: (&str, &str) = ("keys", include_str!("../../config/bindings/keys.toml"));
+const PRESETS: [(&str, &str); 4] = [
+    ("direct", include_str!("../../config/bindings/direct.toml")),
+    ("thesis", include_str!("../../config/bindings/thesis.toml")),
+    ("blender", include_str!("../../config/bindings/blender.toml")),
+    ("magicavoxel", include_str!("../../config/bindings/magicavoxel.toml")),
 ];
+
+/// The lines of a table as they stand in its text: triggers by the names of actions.
+pub type Lines = BTreeMap<String, Vec<String>>;
 
 /// Why a table cannot be used.
 #[derive(Debug, Error, PartialEq)]
 pub enum BindingsError {
     #[error("{0}")]
     Toml(String),
-    #[error("extends = \"{0}\": there is no such table")]
+    #[error("there is no table called \"{0}\" to extend")]
     UnknownTable(String),
+    #[error("the changes to {0} stand in [bindings] and in [kept.{0}]")]
+    KeptTwice(String),
+    #[error("a table that extends none needs a {0}")]
+    Unnamed(&'static str),
     #[error("[bindings] {0}: there is no such action")]
     UnknownAction(String),
     #[error("[bindings] {action}: {error}")]
@@ -52,37 +60,57 @@ pub struct Bindings {
     pub name: String,
     /// What it is like, for the menu.
     pub text: String,
-    table: Vec<(Trigger, Action)>,
+    /// In the order of `Action::ALL`; of the triggers of an action the first is its shortcut.
+    pub(super) table: Vec<(Trigger, Action)>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Raw {
-    name: String,
-    text: String,
+    name: Option<String>,
+    text: Option<String>,
     extends: Option<String>,
-    bindings: BTreeMap<String, Vec<String>>,
+    #[serde(default)]
+    bindings: Lines,
 }
 
 impl Bindings {
     /// The tables that the program brings along; the first is the default.
     pub fn presets() -> Result<Vec<Bindings>, BindingsError> {
-        PRESETS.into_iter().map(Bindings::parse).collect()
+        PRESETS.into_iter().map(|(_, toml)| Bindings::parse(toml)).collect()
     }
 
     /// Reads a table.
     pub fn parse(toml: &str) -> Result<Bindings, BindingsError> {
         let raw: Raw = toml::from_str(toml).map_err(|e| BindingsError::Toml(e.to_string()))?;
-        let extended = match raw.extends.as_deref() {
-            None => None,
-            Some("keys") => Some(Bindings::parse(KEYS)?),
-            Some(other) => return Err(BindingsError::UnknownTable(other.to_string())),
+        let base = match &raw.extends {
+            None => Bindings {
+                name: raw.name.clone().ok_or(BindingsError::Unnamed("name"))?,
+                text: raw.text.clone().ok_or(BindingsError::Unnamed("text"))?,
+                table: Vec::new(),
+            },
+            Some(name) => {
+                let known = PRESETS.into_iter().chain([KEYS]).find(|(known, _)| known == name);
+                let (_, toml) = known.ok_or_else(|| BindingsError::UnknownTable(name.clone()))?;
+                Bindings::parse(toml)?
+            }
         };
+        let table = base.with_lines(&raw.bindings)?;
+        Ok(Bindings {
+            name: raw.name.unwrap_or(table.name),
+            text: raw.text.unwrap_or(table.text),
+            ..table
+        })
+    }
+
+    /// This table with other lines for the actions that `lines` names; they take the triggers
+    /// that other actions have here.
+    pub fn with_lines(&self, lines: &Lines) -> Result<Bindings, BindingsError> {
         let mut table: Vec<(Trigger, Action)> = Vec::new();
         let mut named = Vec::new();
-        for (name, triggers) in raw.bindings {
+        for (name, triggers) in lines {
             let action =
-                Action::named(&name).ok_or_else(|| BindingsError::UnknownAction(name.clone()))?;
+                Action::named(name).ok_or_else(|| BindingsError::UnknownAction(name.clone()))?;
             named.push(action);
             let help = action.help();
             for text in triggers {
@@ -104,12 +132,13 @@ impl Bindings {
                 table.push((trigger, action));
             }
         }
-        for (trigger, action) in extended.into_iter().flat_map(|extended| extended.table) {
+        for &(trigger, action) in &self.table {
             if !named.contains(&action) && table.iter().all(|(taken, _)| *taken != trigger) {
                 table.push((trigger, action));
             }
         }
-        Ok(Bindings { name: raw.name, text: raw.text, table })
+        sort(&mut table);
+        Ok(Bindings { name: self.name.clone(), text: self.text.clone(), table })
     }
 
     /// What a trigger stands for.
@@ -128,7 +157,13 @@ impl Bindings {
     }
 }
 
-fn check_kind(kind: Kind, trigger: Trigger) -> Result<(), &'static str> {
+/// Brings a table into the order of the actions; the triggers of each keep theirs.
+pub(super) fn sort(table: &mut [(Trigger, Action)]) {
+    table.sort_by_key(|(_, action)| Action::ALL.iter().position(|other| other == action));
+}
+
+/// Whether a trigger can stand for an action of that kind; otherwise what is needed.
+pub(super) fn check_kind(kind: Kind, trigger: Trigger) -> Result<(), &'static str> {
     match (kind, trigger) {
         (Kind::Tap | Kind::Hold, Trigger::Key { .. } | Trigger::Pad { .. })
         | (Kind::Tap, Trigger::ShiftTap)
@@ -152,16 +187,67 @@ mod tests {
     }
 
     #[test]
-    fn the_presets_are_sound_and_name_every_action_that_needs_a_device() {
+    fn every_preset_has_a_key_for_every_tap_and_no_trigger_twice() {
         let presets = Bindings::presets().unwrap();
-        assert_eq!(presets[0].name, "direct");
-        assert_eq!(presets[1].name, "thesis");
-        // What has no button on screen must be reachable in every preset.
-        for preset in &presets {
-            for action in [Action::Undo, Action::Help, Action::Zoom, Action::TurnSculpture] {
-                assert!(preset.triggers(action).next().is_some(), "{} {action:?}", preset.name);
+        for ((name, _), preset) in PRESETS.iter().zip(&presets) {
+            assert_eq!(*name, preset.name);
+            for &action in Action::ALL {
+                let has_key = preset
+                    .triggers(action)
+                    .any(|trigger| matches!(trigger, Trigger::Key { .. } | Trigger::ShiftTap));
+                assert!(has_key || action.help().kind != Kind::Tap, "{name}: {action:?}");
+            }
+            for action in [Action::TurnSculpture, Action::PanSculpture, Action::Zoom] {
+                assert!(preset.triggers(action).next().is_some(), "{name}: {action:?}");
+            }
+            for (i, (trigger, _)) in preset.table.iter().enumerate() {
+                assert!(preset.table[..i].iter().all(|(t, _)| t != trigger), "{name}: {trigger}");
             }
         }
+    }
+
+    /// With Shift a digit is another character, and which one differs between keyboards; so do
+    /// the places of punctuation.
+    #[test]
+    fn no_action_depends_on_shift_with_digits_or_punctuation() {
+        let shifted = |trigger| match trigger {
+            Trigger::Key { key, modifiers } if modifiers.shift => {
+                let code = trigger.code();
+                let name = code.rsplit('+').next().unwrap();
+                let letter = name.len() == 1 && name.chars().all(char::is_alphabetic);
+                let steady = ["arrow", "page", "home", "end", "insert", "delete", "f1"];
+                !letter && !steady.iter().any(|s| name.starts_with(s)) && key != egui::Key::Tab
+            }
+            _ => false,
+        };
+        for preset in Bindings::presets().unwrap() {
+            for &action in Action::ALL {
+                let mut triggers = preset.triggers(action).peekable();
+                let none = triggers.peek().is_none();
+                assert!(none || triggers.any(|t| !shifted(t)), "{}: {action:?}", preset.name);
+            }
+        }
+    }
+
+    #[test]
+    fn a_few_lines_extend_a_preset() {
+        let mine =
+            Bindings::parse("extends = \"thesis\"\n[bindings]\nundo = [\"u\"]\nzoom = []").unwrap();
+        let thesis = &Bindings::presets().unwrap()[1];
+        assert_eq!((&mine.name, &mine.text), (&thesis.name, &thesis.text));
+        assert_eq!(mine.shortcut(Action::Undo).unwrap(), "U");
+        assert_eq!(mine.triggers(Action::Zoom).count(), 0);
+        assert_eq!(mine.shortcut(Action::MoveTool).unwrap(), "left button");
+        // A trigger that a line takes is the other action's no longer.
+        let mine = Bindings::parse(
+            "name = \"mine\"\nextends = \"direct\"\n[bindings]\nfill = [\"ctrl+z\"]",
+        )
+        .unwrap();
+        assert_eq!(mine.name, "mine");
+        assert_eq!(mine.action("ctrl+z".parse().unwrap()), Some(Action::Fill));
+        assert_eq!(mine.shortcut(Action::Undo).unwrap(), "pad cross left");
+        let error = Bindings::parse("extends = \"emacs\"").unwrap_err().to_string();
+        assert!(error.contains("no table called \"emacs\""), "{error}");
     }
 
     #[test]

@@ -126,9 +126,9 @@ pub fn device_events(input: &egui::InputState, viewport: &Viewport) -> Vec<Devic
                 Some(DeviceEvent::KeyPressed { key, modifiers: modifiers.into(), repeat })
             }
             // Where a text field has the keyboard these are its own.
-            Event::Copy if viewport.keyboard => Some(shortcut(Key::C)),
-            Event::Cut if viewport.keyboard => Some(shortcut(Key::X)),
-            Event::Paste(_) if viewport.keyboard => Some(shortcut(Key::V)),
+            Event::Copy if viewport.keyboard => Some(shortcut(Key::C, modifiers)),
+            Event::Cut if viewport.keyboard => Some(shortcut(Key::X, modifiers)),
+            Event::Paste(_) if viewport.keyboard => Some(shortcut(Key::V, modifiers)),
             Event::Key { key, pressed: false, .. } => Some(DeviceEvent::KeyReleased { key }),
             Event::WindowFocused(false) => Some(DeviceEvent::FocusLost),
             _ => None,
@@ -141,8 +141,8 @@ pub fn device_events(input: &egui::InputState, viewport: &Viewport) -> Vec<Devic
 }
 
 /// A key with ctrl, which the window system has made a word of its own.
-fn shortcut(key: Key) -> DeviceEvent {
-    let modifiers = Modifiers { ctrl: true, ..Modifiers::default() };
+fn shortcut(key: Key, modifiers: Modifiers) -> DeviceEvent {
+    let modifiers = Modifiers { ctrl: true, ..modifiers };
     DeviceEvent::KeyPressed { key, modifiers, repeat: false }
 }
 

@@ -40,6 +40,12 @@ impl Buttons {
     pub fn count(self) -> u32 {
         self.0.count_ones()
     }
+
+    /// What each is called in tables.
+    fn names(self) -> impl Iterator<Item = &'static str> {
+        let held = move |button| self.contains(Buttons::NONE.with(button));
+        BUTTONS.into_iter().filter(move |(button, _)| held(*button)).map(|(_, name)| name)
+    }
 }
 
 const SHIFT_TAP: &str = "shift-tap";
@@ -118,15 +124,43 @@ fn parse_key(word: &str) -> Result<Key, String> {
     found.ok_or_else(|| format!("`{word}` is not a key, a mouse button or a modifier"))
 }
 
+impl Trigger {
+    /// The text that `parse` reads.
+    pub fn code(self) -> String {
+        let modifiers = self.modifiers();
+        let held = [(modifiers.ctrl, "ctrl"), (modifiers.shift, "shift"), (modifiers.alt, "alt")];
+        let mut words: Vec<String> =
+            held.into_iter().filter(|(held, _)| *held).map(|(_, name)| name.to_string()).collect();
+        match self {
+            Trigger::Key { key, .. } => words.push(match key {
+                Key::ArrowLeft => "arrowleft".to_string(),
+                Key::ArrowRight => "arrowright".to_string(),
+                Key::ArrowUp => "arrowup".to_string(),
+                Key::ArrowDown => "arrowdown".to_string(),
+                other => other.name().to_lowercase(),
+            }),
+            Trigger::Mouse { buttons, .. } => words.extend(buttons.names().map(str::to_string)),
+            Trigger::Wheel { .. } => words.push("wheel".to_string()),
+            Trigger::ShiftTap => words.push(SHIFT_TAP.to_string()),
+            Trigger::Pad { button } => words.push(button.name().to_string()),
+        }
+        words.join("+")
+    }
+
+    fn modifiers(self) -> Modifiers {
+        match self {
+            Trigger::Key { modifiers, .. }
+            | Trigger::Mouse { modifiers, .. }
+            | Trigger::Wheel { modifiers } => modifiers,
+            Trigger::ShiftTap | Trigger::Pad { .. } => Modifiers::default(),
+        }
+    }
+}
+
 /// As a person reads it: `Ctrl+Shift+Z`, `left button`, `Ctrl+wheel`.
 impl fmt::Display for Trigger {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let modifiers = match self {
-            Trigger::Key { modifiers, .. }
-            | Trigger::Mouse { modifiers, .. }
-            | Trigger::Wheel { modifiers } => *modifiers,
-            Trigger::ShiftTap | Trigger::Pad { .. } => Modifiers::default(),
-        };
+        let modifiers = self.modifiers();
         for (held, name) in
             [(modifiers.ctrl, "Ctrl+"), (modifiers.shift, "Shift+"), (modifiers.alt, "Alt+")]
         {
@@ -147,11 +181,7 @@ impl fmt::Display for Trigger {
                 other => other.name(),
             }),
             Trigger::Mouse { buttons, .. } => {
-                let names: Vec<&str> = BUTTONS
-                    .iter()
-                    .filter(|(button, _)| buttons.contains(Buttons::NONE.with(*button)))
-                    .map(|(_, name)| *name)
-                    .collect();
+                let names: Vec<&str> = buttons.names().collect();
                 let plural = if names.len() > 1 { "s" } else { "" };
                 write!(f, "{} button{plural}", names.join(" + "))
             }
@@ -184,6 +214,19 @@ mod tests {
         assert_eq!(shown("shift+wheel"), "Shift+wheel");
         assert_eq!(shown("shift-tap"), "left Shift alone");
         assert_eq!(shown("pad-dpad-left"), "pad cross left");
+    }
+
+    #[test]
+    fn every_key_button_and_the_wheel_come_back_from_their_text() {
+        let modifiers = Modifiers { ctrl: true, shift: false, alt: true };
+        let keys = Key::ALL.iter().map(|&key| Trigger::Key { key, modifiers });
+        let mice = (1..32).map(|bits| Trigger::Mouse { buttons: Buttons(bits), modifiers });
+        let plain = Modifiers::default();
+        let pads = PadButton::ALL.into_iter().map(|button| Trigger::Pad { button });
+        let others = [Trigger::Wheel { modifiers: plain }, Trigger::ShiftTap];
+        for trigger in keys.chain(mice).chain(pads).chain(others) {
+            assert_eq!(trigger.code().parse(), Ok(trigger));
+        }
     }
 
     #[test]

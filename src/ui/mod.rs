@@ -6,16 +6,19 @@
 pub mod busy;
 pub mod buttons;
 pub mod files;
+pub mod filter;
 pub mod gamepad;
 pub mod guide;
 pub mod hand;
-pub mod help;
 pub mod history;
 pub mod icons;
+pub mod key_catch;
+pub mod key_table;
 pub mod leave;
 pub mod marker_options;
 pub mod new_dialog;
 pub mod options;
+pub mod palette;
 pub mod panels;
 pub mod spray_options;
 pub mod sprays;
@@ -56,6 +59,8 @@ pub struct Facts<'a> {
     pub modified: bool,
     /// The tables of bindings to choose from.
     pub presets: &'a [Bindings],
+    /// The same as the program brings them along.
+    pub pristine: &'a [Bindings],
     pub times: FrameTimes,
     /// Name of the Vulkan device.
     pub device: &'a str,
@@ -88,6 +93,7 @@ pub fn show(
     intents: &mut Vec<Intent>,
 ) -> Response {
     theme::apply(root.ctx(), state.theme, state.scale);
+    key_catch::listen(root, state, facts, intents);
     top_bar::show(root, state, facts, intents);
     status::show(root, state, facts);
     toolbox::show(root, state, facts, intents);
@@ -101,6 +107,9 @@ pub fn show(
         .inner;
     guide::show(root, state, facts, intents);
     help::show(root, state, facts);
+    key_table::show(root, state, facts, intents);
+    key_catch::show(root, state, intents);
+    palette::show(root, state, facts, intents);
     new_dialog::show(root, state, facts, intents);
     leave::show(root, state, intents);
     files::show(root, state, intents);

@@ -7,10 +7,13 @@ use std::path::PathBuf;
 use glam::{IVec3, UVec3, Vec3};
 
 use super::hand::Hand;
+use super::key_table::KeyTable;
 use super::new_dialog::NewDialog;
+use super::palette::Palette;
 use super::toasts::Toasts;
 use crate::command::Command;
 use crate::config::{Config, LightSettings, RenderMode, SCALE_RANGE, Theme};
+use crate::input::remap::KeyChange;
 use crate::input::{Action, Panel};
 use crate::progress::Stage;
 use crate::sculpture::orientation::Orientation;
@@ -24,6 +27,8 @@ pub enum Intent {
     Run(Command),
     /// Stop the long work under way, where it can be stopped.
     StopWork,
+    /// Change the table of keys in use.
+    Keys(KeyChange),
     /// Leave without asking again.
     Leave,
     /// Save, then leave.
@@ -107,7 +112,10 @@ pub struct UiState {
     /// Index of the table of bindings in use.
     pub preset: usize,
     pub guide: super::guide::Guide,
+    /// The window of keys and mouse.
     pub help_open: bool,
+    pub keys: KeyTable,
+    pub palette: Palette,
     /// Asks what to do with unsaved work.
     pub leave_open: bool,
     pub new_dialog: NewDialog,
@@ -139,6 +147,8 @@ impl UiState {
             preset: 0,
             guide: Default::default(),
             help_open: false,
+            keys: KeyTable::default(),
+            palette: Palette::default(),
             leave_open: false,
             new_dialog: NewDialog::new(config),
             files: super::files::Files::new(),
@@ -149,7 +159,12 @@ impl UiState {
 
     /// Whether a window lies over the sculpture and has the person's attention.
     pub fn is_modal(&self) -> bool {
-        self.leave_open || self.new_dialog.open || self.files.is_open() || self.busy.is_some()
+        self.leave_open
+            || self.new_dialog.open
+            || self.palette.open
+            || self.keys.is_catching()
+            || self.files.is_open()
+            || self.busy.is_some()
     }
 
     /// Tears a panel off, or puts it back.

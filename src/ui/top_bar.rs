@@ -64,11 +64,14 @@ fn menu(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Inten
                 action_button(ui, state, facts, capital(side.name()), action, true, intents);
             }
         });
+        action_button(ui, state, facts, "Find …", Action::Palette, true, intents);
         ui.menu_button("Keys and mouse", |ui| {
             for (i, preset) in facts.presets.iter().enumerate() {
                 ui.radio_value(&mut state.preset, i, capital(&preset.name))
                     .on_hover_text(&preset.text);
             }
+            ui.separator();
+            action_button(ui, state, facts, "Change …", Action::Help, true, intents);
         });
         ui.menu_button("Theme", |ui| {
             ui.radio_value(&mut state.theme, Theme::Dark, "Dark");

@@ -9,6 +9,7 @@
 
 mod display;
 mod house;
+mod keys;
 mod panels;
 mod program;
 

@@ -70,6 +70,8 @@ impl<'a> Program<'a> {
             .env("RUST_LOG", "virtual_sculpture=debug")
             .env("NO_COLOR", "1")
             .env("HOME", &folder)
+            .env_remove("XDG_CONFIG_HOME")
+            .env_remove("XDG_STATE_HOME")
             .current_dir(&folder)
             .stdout(Stdio::null())
             .stderr(Stdio::piped())
@@ -328,6 +330,9 @@ fn symbol(name: &str) -> Keysym {
         "Next" => 0xff56,
         "bracketleft" => 0x5b,
         "bracketright" => 0x5d,
+        "F3" => 0xffc0,
+        "equal" => 0x3d,
+        "comma" => 0x2c,
         "Return" => 0xff0d,
         "space" => 0x20,
         "minus" => 0x2d,

@@ -155,6 +155,12 @@ impl PadMapper {
         Some(name)
     }
 
+    /// The buttons that are down in `state` and were up before.
+    pub fn newly_down(&self, id: PadId, state: &PadState) -> impl Iterator<Item = PadButton> {
+        let before = self.pads.iter().find(|pad| pad.id == id).map(|pad| pad.state.held);
+        state.held.without(before.unwrap_or(state.held))
+    }
+
     /// Hears where the sticks and buttons of a pad are at `now_s` seconds.
     pub fn hear(&mut self, id: PadId, state: PadState, now_s: f64, bindings: &Bindings) {
         self.count(now_s, bindings);

@@ -1,0 +1,89 @@
+//! Owns the tables of keys in use: changes them, and keeps them in a person's own file.
+
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use super::workbench::Workbench;
+use crate::format::store::write_atomically;
+use crate::input::Personal;
+use crate::input::remap::KeyChange;
+
+/// Where a person's tables are kept.
+pub(super) struct KeyFile {
+    path: PathBuf,
+    /// It holds something that could not be used, and that must not be lost.
+    unusable: bool,
+}
+
+impl Workbench {
+    /// Uses the tables that a file holds, if there is one, and from now on writes every change
+    /// to it. A file that cannot be used is said to be so, and the presets are used as they are.
+    pub fn keep_keys_in(&mut self, path: PathBuf) {
+        let read = std::fs::read_to_string(&path);
+        let parsed = match read {
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
+            Err(error) => Err(error.to_string()),
+            Ok(text) => {
+                Personal::parse(&text, &self.pristine).map(Some).map_err(|error| error.to_string())
+            }
+        };
+        let unusable = parsed.is_err();
+        match parsed {
+            Ok(None) => {}
+            Ok(Some(Personal { tables, in_use })) => {
+                self.presets = tables;
+                self.ui.preset = in_use;
+            }
+            Err(error) => {
+                let text =
+                    format!("{}: {error}. Keys and mouse are those of the preset.", path.display());
+                tracing::warn!("{text}");
+                self.ui.toasts.error(text);
+            }
+        }
+        self.key_file = Some(KeyFile { path, unusable });
+    }
+
+    /// Changes the table in use.
+    pub(super) fn change_keys(&mut self, change: KeyChange) {
+        let preset = self.ui.preset;
+        let tables = self.presets.get_mut(preset).zip(self.pristine.get(preset));
+        let Some((table, pristine)) = tables else { return };
+        match table.change(change, pristine) {
+            Ok(()) => self.save_keys(),
+            Err(unfit) => self.ui.toasts.error(unfit.to_string()),
+        }
+    }
+
+    /// Writes the tables and which of them is in use.
+    pub(super) fn save_keys(&mut self) {
+        let Some(file) = &mut self.key_file else { return };
+        let mine = Personal { tables: self.presets.clone(), in_use: self.ui.preset };
+        let text = mine.to_toml(&self.pristine);
+        match write(file, &text) {
+            Ok(None) => {}
+            Ok(Some(aside)) => {
+                self.ui.toasts.note(format!("The old table of keys is now {}", aside.display()));
+            }
+            Err(error) => {
+                let path = file.path.display();
+                self.ui.toasts.error(format!("The keys cannot be kept in {path}: {error}"));
+            }
+        }
+    }
+}
+
+/// Writes the file; one that could not be used is put aside, to the path that is given.
+fn write(file: &mut KeyFile, text: &str) -> std::io::Result<Option<PathBuf>> {
+    let KeyFile { path, unusable } = file;
+    if let Some(folder) = path.parent().filter(|folder| *folder != Path::new("")) {
+        std::fs::create_dir_all(folder)?;
+    }
+    let aside = unusable.then(|| path.with_extension("old.toml"));
+    if let Some(aside) = &aside {
+        std::fs::rename(&path, aside)?;
+        *unusable = false;
+    }
+    write_atomically(path, text.as_bytes())?;
+    Ok(aside)
+}

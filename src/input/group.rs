@@ -1,0 +1,62 @@
+//! Owns the headings under which the window of keys lists the actions.
+
+use super::action::Action;
+
+/// What an action is about.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Group {
+    Pointer,
+    Tools,
+    Pose,
+    Repetition,
+    Areas,
+    History,
+    View,
+    Program,
+}
+
+impl Group {
+    pub const ALL: [Group; 8] = [
+        Group::Pointer,
+        Group::Tools,
+        Group::Pose,
+        Group::Repetition,
+        Group::Areas,
+        Group::History,
+        Group::View,
+        Group::Program,
+    ];
+
+    pub const fn title(self) -> &'static str {
+        match self {
+            Group::Pointer => "Working with the pointer",
+            Group::Tools => "Tools",
+            Group::Pose => "Size and place of the tool",
+            Group::Repetition => "Symmetry and repetition",
+            Group::Areas => "Marker, selection and copies",
+            Group::History => "History and the whole grid",
+            Group::View => "View",
+            Group::Program => "Files and the program",
+        }
+    }
+
+    pub const fn of(action: Action) -> Group {
+        use Action::*;
+        match action {
+            Sculpt | SculptInverse | SculptSmooth | PickColour | PickHere | Apply | Cancel
+            | TurnSculpture | PanSculpture | Zoom | MoveTool | MoveToolDeep | TurnTool
+            | ResizeTool | NextPadMode => Group::Pointer,
+            Solid(_) | Mode(_) | NextToolMode | Spray(_) | Marker => Group::Tools,
+            Grow | Shrink | Nudge(_) | Stretch(_) | AlignTool | ToggleFollow | ToggleSnap
+            | ResetTool => Group::Pose,
+            Mirror(_) | Repeat => Group::Repetition,
+            SelectMarker | DeselectMarker | DropBox | ClearSelection | ToggleLimit | FillMarker
+            | ClearMarker | DyeMarker | Copy | Cut | Paste | TurnClip(_) | MirrorClip(_)
+            | MoveContents(_) => Group::Areas,
+            Undo | Redo | Fill | Clear => Group::History,
+            ResetView | LookFrom(_) | NextRenderMode => Group::View,
+            ScaleUp | ScaleDown | ScaleReset | TearOff(_) | ToggleRumble | New | Open | Save
+            | SaveAs | Palette | Help | Quit => Group::Program,
+        }
+    }
+}

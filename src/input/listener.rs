@@ -1,0 +1,165 @@
+//! Owns the wait for a trigger: from the events of devices to the first key, set of mouse buttons
+//! or turn of the wheel, with the modifiers held. Escape calls it off.
+
+use egui::{Event, Key};
+
+use super::events::Modifiers;
+use super::pad::shift_tap::ShiftTap;
+use super::trigger::{Buttons, Trigger};
+
+/// What came of listening.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Heard {
+    Trigger(Trigger),
+    Cancelled,
+}
+
+/// What is held while someone listens.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Listener {
+    held: Buttons,
+    /// All buttons that were down together, until the first of them is up.
+    chord: Buttons,
+    modifiers: Modifiers,
+    shift_tap: ShiftTap,
+}
+
+impl Listener {
+    /// Hears one event; gives what it completes. Buttons count when the first of them is
+    /// released, so that others can join.
+    pub fn hear(&mut self, event: &Event) -> Option<Heard> {
+        if self.shift_tap.feed(event) {
+            return Some(Heard::Trigger(Trigger::ShiftTap));
+        }
+        let key = |key, modifiers| Some(Heard::Trigger(Trigger::Key { key, modifiers }));
+        match *event {
+            Event::ModifiersChanged(now) => {
+                self.modifiers = now.into();
+                None
+            }
+            Event::Key { key: Key::Escape, pressed: true, .. } => Some(Heard::Cancelled),
+            Event::Key { key: pressed, pressed: true, repeat: false, modifiers, .. } => {
+                self.modifiers = modifiers.into();
+                if is_modifier(pressed) { None } else { key(pressed, modifiers.into()) }
+            }
+            Event::Copy => key(Key::C, self.with_ctrl()),
+            Event::Cut => key(Key::X, self.with_ctrl()),
+            Event::Paste(_) => key(Key::V, self.with_ctrl()),
+            Event::PointerButton { button, pressed: true, modifiers, .. } => {
+                self.modifiers = modifiers.into();
+                self.held = self.held.with(button);
+                self.chord = self.held;
+                None
+            }
+            Event::PointerButton { button, pressed: false, .. } => {
+                self.held = self.held.without(button);
+                let buttons = std::mem::take(&mut self.chord);
+                let modifiers = self.modifiers;
+                // Without a press before it the release belongs to what began the listening.
+                (buttons != Buttons::NONE)
+                    .then_some(Heard::Trigger(Trigger::Mouse { buttons, modifiers }))
+            }
+            Event::MouseWheel { delta, modifiers, .. } if delta.y != 0.0 => {
+                let modifiers = modifiers.into();
+                Some(Heard::Trigger(Trigger::Wheel { modifiers }))
+            }
+            Event::WindowFocused(false) => {
+                *self = Listener::default();
+                None
+            }
+            _ => None,
+        }
+    }
+
+    fn with_ctrl(self) -> Modifiers {
+        Modifiers { ctrl: true, ..self.modifiers }
+    }
+}
+
+fn is_modifier(key: Key) -> bool {
+    matches!(
+        key,
+        Key::ShiftLeft
+            | Key::ShiftRight
+            | Key::ControlLeft
+            | Key::ControlRight
+            | Key::AltLeft
+            | Key::AltRight
+            | Key::SuperLeft
+            | Key::SuperRight
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::{PointerButton, Pos2};
+
+    fn hear(events: &[Event]) -> Vec<String> {
+        let mut listener = Listener::default();
+        let heard = events.iter().filter_map(|event| listener.hear(event));
+        heard
+            .map(|heard| match heard {
+                Heard::Trigger(trigger) => trigger.to_string(),
+                Heard::Cancelled => "cancelled".to_string(),
+            })
+            .collect()
+    }
+
+    fn key(key: Key, modifiers: egui::Modifiers) -> Event {
+        Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers }
+    }
+
+    fn button(button: PointerButton, pressed: bool, modifiers: egui::Modifiers) -> Event {
+        Event::PointerButton { pos: Pos2::ZERO, button, pressed, modifiers }
+    }
+
+    #[test]
+    fn keys_come_with_their_modifiers_which_alone_are_nothing() {
+        let both = egui::Modifiers::COMMAND | egui::Modifiers::SHIFT;
+        assert_eq!(hear(&[key(Key::ShiftLeft, both), key(Key::K, both)]), ["Ctrl+Shift+K"]);
+        assert_eq!(hear(&[key(Key::Escape, egui::Modifiers::NONE)]), ["cancelled"]);
+        let released = Event::Key {
+            key: Key::ShiftLeft,
+            physical_key: None,
+            pressed: false,
+            repeat: false,
+            modifiers: egui::Modifiers::NONE,
+        };
+        let shift = key(Key::ShiftLeft, egui::Modifiers::SHIFT);
+        assert_eq!(hear(&[shift, released]), ["left Shift alone"]);
+        assert_eq!(hear(&[Event::Copy, Event::Paste(String::new())]), ["Ctrl+C", "Ctrl+V"]);
+    }
+
+    #[test]
+    fn buttons_are_heard_together() {
+        use PointerButton::{Primary, Secondary};
+        let none = egui::Modifiers::NONE;
+        let alt = egui::Modifiers::ALT;
+        assert_eq!(hear(&[button(Primary, false, none)]), [""; 0], "the end of an earlier click");
+        assert_eq!(
+            hear(&[button(Primary, true, alt), button(Primary, false, alt)]),
+            ["Alt+left button"]
+        );
+        assert_eq!(
+            hear(&[
+                button(Primary, true, none),
+                button(Secondary, true, none),
+                button(Primary, false, none),
+                button(Secondary, false, none),
+            ]),
+            ["left + right buttons"]
+        );
+    }
+
+    #[test]
+    fn the_wheel_is_heard_at_once() {
+        let wheel = Event::MouseWheel {
+            unit: egui::MouseWheelUnit::Line,
+            delta: egui::vec2(0.0, -1.0),
+            modifiers: egui::Modifiers::SHIFT,
+            phase: egui::TouchPhase::Move,
+        };
+        assert_eq!(hear(&[wheel]), ["Shift+wheel"]);
+    }
+}

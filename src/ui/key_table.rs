@@ -1,0 +1,180 @@
+//! The window of keys and mouse: every action with what triggers it in the preset in use, to be
+//! changed on the spot.
+//!
+//! Gives changes as intents; what waits for a key is [`super::key_catch`].
+
+use egui::{Button, ComboBox, Grid, RichText, ScrollArea, TextEdit, Ui, WidgetInfo, WidgetType};
+use egui::{Response, Window};
+
+use super::filter::Filter;
+use super::key_catch::Catch;
+use super::top_bar::capital;
+use super::{Facts, Intent, UiState};
+use crate::input::group::Group;
+use crate::input::remap::KeyChange;
+use crate::input::{Action, Bindings, Trigger};
+
+const WIDTH: f32 = 580.0;
+const HEIGHT: f32 = 470.0;
+const TEXT_WIDTH: f32 = 276.0;
+const TRIGGERS_WIDTH: f32 = 232.0;
+
+/// What the window remembers.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct KeyTable {
+    filter: String,
+    /// The action that gets what is pressed next.
+    pub(super) catch: Option<Catch>,
+    /// What another device has pressed since the last pass.
+    pub(super) pressed: Option<Trigger>,
+}
+
+impl KeyTable {
+    /// Whether the next key or button is awaited, or the question about it answered.
+    pub fn is_catching(&self) -> bool {
+        self.catch.is_some()
+    }
+
+    /// Takes what a device other than keyboard and mouse has pressed, if a trigger is awaited.
+    pub fn hear(&mut self, trigger: Option<Trigger>) {
+        self.pressed = trigger.or(self.pressed);
+    }
+}
+
+pub fn show(root: &Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+    let preset = state.preset;
+    let (Some(bindings), Some(pristine)) = (facts.presets.get(preset), facts.pristine.get(preset))
+    else {
+        return;
+    };
+    let room = root.ctx().content_rect();
+    let mut open = state.help_open;
+    Window::new("Keys and mouse")
+        .open(&mut open)
+        .resizable(false)
+        .collapsible(false)
+        .default_width(WIDTH)
+        .default_pos(room.center() - 0.5 * egui::vec2(WIDTH, HEIGHT + 90.0))
+        .show(root.ctx(), |ui| {
+            head(ui, state, facts, bindings != pristine, intents);
+            ui.weak(format!("{}.", bindings.text));
+            ui.separator();
+            let height = (room.height() - 190.0).min(HEIGHT);
+            ScrollArea::vertical().max_height(height).auto_shrink(false).show(ui, |ui| {
+                rows(ui, &mut state.keys, bindings, pristine, intents);
+            });
+        });
+    state.help_open = open;
+}
+
+/// Which preset, the filter, and the way back.
+fn head(ui: &mut Ui, state: &mut UiState, facts: &Facts, changed: bool, intents: &mut Vec<Intent>) {
+    ui.horizontal(|ui| {
+        let name = |i: usize| facts.presets.get(i).map_or(String::new(), |p| capital(&p.name));
+        ComboBox::from_id_salt("preset").selected_text(name(state.preset)).show_ui(ui, |ui| {
+            for (i, preset) in facts.presets.iter().enumerate() {
+                ui.selectable_value(&mut state.preset, i, name(i)).on_hover_text(&preset.text);
+            }
+        });
+        let field = TextEdit::singleline(&mut state.keys.filter)
+            .hint_text("Filter by words or keys")
+            .desired_width(240.0);
+        let response = ui.add(field);
+        response.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, "Filter"));
+        ui.add_enabled_ui(changed, |ui| {
+            ui.menu_button("Reset all", |ui| {
+                let text = format!("Forget all changes to {}", name(state.preset));
+                if ui.button(text).clicked() {
+                    intents.push(Intent::Keys(KeyChange::ResetAll));
+                }
+            });
+        });
+    });
+}
+
+fn rows(
+    ui: &mut Ui,
+    state: &mut KeyTable,
+    bindings: &Bindings,
+    pristine: &Bindings,
+    intents: &mut Vec<Intent>,
+) {
+    let filter = Filter::new(&state.filter);
+    let mut any = false;
+    for group in Group::ALL {
+        let taken: Vec<Action> = Action::ALL
+            .iter()
+            .copied()
+            .filter(|action| Group::of(*action) == group && takes(&filter, *action, bindings))
+            .collect();
+        if taken.is_empty() {
+            continue;
+        }
+        any = true;
+        ui.add_space(4.0);
+        ui.label(RichText::new(group.title()).strong());
+        Grid::new(group.title()).num_columns(3).striped(true).spacing([8.0, 3.0]).show(ui, |ui| {
+            for action in taken {
+                row(ui, state, action, bindings, pristine, intents);
+                ui.end_row();
+            }
+        });
+    }
+    if !any {
+        ui.weak("Nothing has all these words.");
+    }
+}
+
+fn takes(filter: &Filter, action: Action, bindings: &Bindings) -> bool {
+    let triggers: Vec<String> = bindings.triggers(action).map(|t| t.to_string()).collect();
+    let help = action.help();
+    filter.takes(&[help.text, help.name, Group::of(action).title(), &triggers.join(" ")])
+}
+
+fn row(
+    ui: &mut Ui,
+    state: &mut KeyTable,
+    action: Action,
+    bindings: &Bindings,
+    pristine: &Bindings,
+    intents: &mut Vec<Intent>,
+) {
+    let help = action.help();
+    ui.scope(|ui| {
+        ui.set_width(TEXT_WIDTH);
+        let label = egui::Label::new(help.text).wrap();
+        ui.add(label).on_hover_text(format!("\"{}\" in tables of bindings", help.name));
+    });
+    ui.scope(|ui| {
+        ui.set_width(TRIGGERS_WIDTH);
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing = egui::vec2(4.0, 3.0);
+            for trigger in bindings.triggers(action) {
+                let text = capital(&trigger.to_string());
+                let chip = ui.add(Button::new(format!("{text}  ✖")).small());
+                let chip = named(chip, format!("Take {text} from: {}", help.text));
+                if chip.on_hover_text("Take it away").clicked() {
+                    intents.push(Intent::Keys(KeyChange::Unbind(trigger)));
+                }
+            }
+            let add = named(ui.add(Button::new("+").small()), format!("Add to: {}", help.text));
+            if add.on_hover_text("Give it another key or button").clicked() {
+                state.catch = Some(Catch::new(action));
+            }
+        });
+    });
+    if bindings.differs(action, pristine) {
+        let reset = named(ui.add(Button::new("⟲").small()), format!("Reset: {}", help.text));
+        if reset.on_hover_text("As in the preset").clicked() {
+            intents.push(Intent::Keys(KeyChange::Reset(action)));
+        }
+    } else {
+        ui.label("");
+    }
+}
+
+/// Gives a button a name that can be told from the others of its kind.
+fn named(button: Response, name: String) -> Response {
+    button.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, name.clone()));
+    button
+}

@@ -1,0 +1,285 @@
+//! The palette: a field and a list of every action and every command of scripts. Typed words
+//! choose from the list; a typed line that is a command can be run.
+
+use egui::text::{CCursor, CCursorRange};
+use egui::{Align2, Button, Id, Key, Modal, Modifiers, RichText, ScrollArea, TextEdit, Ui};
+use egui::{WidgetInfo, WidgetType, vec2};
+
+use super::filter::Filter;
+use super::{Facts, Intent, UiState, theme};
+use crate::command::{COMMANDS, Command, CommandHelp};
+use crate::input::action::Kind;
+use crate::input::{Action, Bindings};
+
+const WIDTH: f32 = 560.0;
+const HEIGHT: f32 = 380.0;
+/// From the top of the window, in points.
+const TOP: f32 = 60.0;
+
+/// What is typed, and which entry is chosen.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Palette {
+    pub open: bool,
+    text: String,
+    chosen: usize,
+    /// The cursor must go to the end of the text, which was changed from outside the field.
+    completed: bool,
+}
+
+impl Palette {
+    /// Opens it, empty.
+    pub fn open(&mut self) {
+        *self = Palette { open: true, ..Palette::default() };
+    }
+}
+
+/// A line of the list.
+#[derive(Clone, PartialEq, Debug)]
+enum Entry {
+    /// What is typed is this command.
+    Run(Box<Command>),
+    Do(Action),
+    /// A command whose arguments are still to be typed.
+    Complete(&'static CommandHelp),
+}
+
+impl Entry {
+    /// Drags and the wheel need a hand on the mouse.
+    fn can_be_chosen(&self) -> bool {
+        !matches!(self, Entry::Do(action) if action.help().kind != Kind::Tap)
+    }
+}
+
+/// What can be chosen with `typed` in the field, and what is wrong with it as a command.
+fn entries(typed: &str, bindings: Option<&Bindings>) -> (Vec<Entry>, Option<String>) {
+    let typed = typed.trim();
+    let verb = typed.split_whitespace().next().unwrap_or_default();
+    let is_command = COMMANDS.iter().any(|command| command.verb == verb);
+    let mut list = Vec::new();
+    let mut error = None;
+    if is_command {
+        match typed.parse::<Command>() {
+            Ok(command) => list.push(Entry::Run(Box::new(command))),
+            Err(reason) => error = Some(reason.to_string()),
+        }
+    }
+    let filter = Filter::new(typed);
+    for &action in Action::ALL {
+        let help = action.help();
+        let triggers = triggers_of(action, bindings);
+        if filter.takes(&[help.text, help.name, &triggers]) {
+            list.push(Entry::Do(action));
+        }
+    }
+    for command in COMMANDS {
+        if command.verb == verb || filter.takes(&[command.verb, command.usage, command.tooltip]) {
+            list.push(Entry::Complete(command));
+        }
+    }
+    (list, error)
+}
+
+fn triggers_of(action: Action, bindings: Option<&Bindings>) -> String {
+    let triggers = bindings.into_iter().flat_map(|b| b.triggers(action));
+    triggers.map(|trigger| trigger.to_string()).collect::<Vec<_>>().join(", ")
+}
+
+pub fn show(root: &Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+    if !state.palette.open {
+        return;
+    }
+    let bindings = facts.bindings(state);
+    let room = root.ctx().content_rect();
+    let area = Modal::default_area(Id::new("palette")).anchor(Align2::CENTER_TOP, vec2(0.0, TOP));
+    let palette = &mut state.palette;
+    let response = Modal::new(Id::new("palette")).area(area).show(root.ctx(), |ui| {
+        ui.set_width(WIDTH.min(room.width() - 60.0));
+        let keys = Keys::take(ui);
+        field(ui, palette);
+        let (list, error) = entries(&palette.text, bindings);
+        if let Some(error) = error {
+            ui.colored_label(theme::error_colour(ui.visuals()), error);
+        }
+        let moved = palette.go(&list, keys.by);
+        let mut chosen = keys.enter.then(|| list.get(palette.chosen)).flatten();
+        let height = (room.height() - TOP - 130.0).min(HEIGHT);
+        ScrollArea::vertical().max_height(height).auto_shrink([false, true]).show(ui, |ui| {
+            ui.spacing_mut().item_spacing.y = 1.0;
+            for (i, entry) in list.iter().enumerate() {
+                let response = row(ui, entry, i == palette.chosen, bindings);
+                if moved && i == palette.chosen {
+                    response.scroll_to_me(None);
+                }
+                if response.clicked() {
+                    chosen = Some(entry);
+                }
+            }
+            if list.is_empty() {
+                ui.weak("Nothing has all these words.");
+            }
+        });
+        if let Some(entry) = chosen.filter(|entry| entry.can_be_chosen()) {
+            palette.choose(entry, intents);
+        }
+    });
+    if response.should_close() {
+        state.palette.open = false;
+    }
+}
+
+/// Keys that go to the list, not to the field.
+struct Keys {
+    /// Entries to go down.
+    by: isize,
+    enter: bool,
+}
+
+impl Keys {
+    fn take(ui: &Ui) -> Keys {
+        ui.input_mut(|input| {
+            let mut pressed = |key| input.count_and_consume_key(Modifiers::NONE, key) as isize;
+            Keys {
+                by: pressed(Key::ArrowDown) - pressed(Key::ArrowUp)
+                    + 8 * (pressed(Key::PageDown) - pressed(Key::PageUp)),
+                enter: pressed(Key::Enter) > 0,
+            }
+        })
+    }
+}
+
+impl Palette {
+    /// Goes on by so many entries that can be chosen; true if the choice is another.
+    fn go(&mut self, list: &[Entry], by: isize) -> bool {
+        let can: Vec<usize> = (0..list.len()).filter(|i| list[*i].can_be_chosen()).collect();
+        let before = self.chosen;
+        let now = can.iter().position(|i| *i >= before).unwrap_or(can.len().saturating_sub(1));
+        let next = now.saturating_add_signed(by).min(can.len().saturating_sub(1));
+        self.chosen = can.get(next).copied().unwrap_or(0);
+        self.chosen != before
+    }
+
+    fn choose(&mut self, entry: &Entry, intents: &mut Vec<Intent>) {
+        match entry {
+            Entry::Run(command) => intents.push(Intent::Run((**command).clone())),
+            Entry::Do(action) => intents.push(Intent::Do(*action)),
+            Entry::Complete(command) => {
+                // What is typed behind the verb already stays.
+                if self.text.split_whitespace().next() != Some(command.verb) {
+                    self.text = format!("{} ", command.verb);
+                    self.completed = true;
+                    self.chosen = 0;
+                }
+                return;
+            }
+        }
+        self.open = false;
+    }
+}
+
+fn field(ui: &mut Ui, palette: &mut Palette) {
+    let mut output = TextEdit::singleline(&mut palette.text)
+        .hint_text("What shall be done? Or a command of scripts")
+        .desired_width(f32::INFINITY)
+        .show(ui);
+    let response = &output.response.response;
+    response.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, "Command"));
+    response.request_focus();
+    if response.changed() {
+        palette.chosen = 0;
+    }
+    if std::mem::take(&mut palette.completed) {
+        let end = CCursor::new(palette.text.chars().count());
+        output.state.cursor.set_char_range(Some(CCursorRange::one(end)));
+        output.state.store(ui.ctx(), response.id);
+    }
+}
+
+fn row(ui: &mut Ui, entry: &Entry, chosen: bool, bindings: Option<&Bindings>) -> egui::Response {
+    let (text, right, tip) = match entry {
+        Entry::Run(command) => (
+            RichText::new(format!("Run {command}")).strong(),
+            "Enter".to_string(),
+            "Runs what is typed".to_string(),
+        ),
+        Entry::Do(action) => {
+            let (help, triggers) = (action.help(), triggers_of(*action, bindings));
+            let how = match help.kind {
+                Kind::Tap => "",
+                Kind::Hold => " (held)",
+                Kind::Drag => " (by dragging)",
+                Kind::Wheel => " (by turning)",
+            };
+            let tip = match help.kind {
+                Kind::Tap => help.text.to_string(),
+                _ => format!("{}: done with the mouse or held down, not from here", help.text),
+            };
+            (RichText::new(help.text), format!("{triggers}{how}"), tip)
+        }
+        Entry::Complete(command) => (
+            RichText::new(format!("{} {}", command.verb, command.usage)).monospace(),
+            "command".to_string(),
+            format!("{}\n{} {}", command.tooltip, command.verb, command.usage),
+        ),
+    };
+    let size = vec2(ui.available_width(), 0.0);
+    let button = Button::selectable(chosen, text)
+        .frame_when_inactive(false)
+        .right_text(RichText::new(right).weak())
+        .min_size(size)
+        .truncate();
+    ui.add_enabled(entry.can_be_chosen(), button).on_hover_text(&tip).on_disabled_hover_text(tip)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn direct() -> Bindings {
+        Bindings::presets().unwrap().remove(0)
+    }
+
+    fn listed(typed: &str) -> Vec<Entry> {
+        entries(typed, Some(&direct())).0
+    }
+
+    #[test]
+    fn without_words_everything_is_listed() {
+        assert_eq!(listed("").len(), Action::ALL.len() + COMMANDS.len());
+    }
+
+    #[test]
+    fn words_choose_by_text_name_key_and_usage() {
+        assert_eq!(listed("back step last")[0], Entry::Do(Action::Undo));
+        assert!(listed("ctrl+z").contains(&Entry::Do(Action::Undo)));
+        assert!(listed("next-render").contains(&Entry::Do(Action::NextRenderMode)));
+        assert!(matches!(listed("mirror planes centre off")[..], []));
+        assert!(matches!(listed("off even odd")[..], [Entry::Complete(c)] if c.verb == "symmetry"));
+    }
+
+    #[test]
+    fn a_typed_command_comes_first_and_a_wrong_one_says_why() {
+        let line = "subtract cuboid at=8,8,8 half=2";
+        let (list, error) = entries(line, None);
+        assert_eq!(list[0], Entry::Run(Box::new(line.parse().unwrap())));
+        assert_eq!(error, None);
+        let (list, error) = entries("subtract sponge at=8,8,8", None);
+        assert!(matches!(list[..], [Entry::Complete(c)] if c.verb == "subtract"), "{list:?}");
+        assert!(error.unwrap().contains("sponge"));
+        assert_eq!(entries("sponge", None).1, None, "no command at all");
+    }
+
+    #[test]
+    fn what_the_mouse_does_is_passed_over() {
+        let mut palette = Palette::default();
+        let list = listed("");
+        palette.go(&list, 0);
+        assert_eq!(list[palette.chosen], Entry::Do(Action::PickHere));
+        palette.go(&list, -1);
+        assert_eq!(list[palette.chosen], Entry::Do(Action::PickHere));
+        palette.go(&list, 1);
+        assert_eq!(list[palette.chosen], Entry::Do(Action::Cancel));
+        palette.go(&list, 1000);
+        assert_eq!(palette.chosen, list.len() - 1);
+        assert!(!palette.go(&[], 1) || palette.chosen == 0);
+    }
+}

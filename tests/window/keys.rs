@@ -1,0 +1,112 @@
+//! Keys that are changed in the window and used at once, the palette, and copies by key with
+//! nothing on the clipboard.
+
+use crate::program::Program;
+use crate::{PICTURE, display, shot, tool_home};
+
+fn start<'a>(display: &'a crate::Display, theme: &str) -> Program<'a> {
+    let settings = format!("[new]\ndims = [96, 96, 96]\n[window]\ntheme = \"{theme}\"\n");
+    let program = Program::start_with(display, &[], &settings);
+    program.leave_picture();
+    program.settle();
+    program
+}
+
+fn write(program: &Program, text: &str) {
+    for letter in text.chars() {
+        match letter {
+            ' ' => program.key(&["space"]),
+            '=' => program.key(&["equal"]),
+            ',' => program.key(&["comma"]),
+            letter => program.key(&[&letter.to_string()]),
+        }
+    }
+    program.settle();
+}
+
+#[test]
+fn a_key_is_changed_used_and_remembered_and_the_palette_runs_a_command() {
+    let Some(display) = display() else { return };
+    let program = start(&display, "dark");
+    tool_home(&program);
+    let before = shot(&program, "keys-0-before").part(PICTURE);
+
+    // Clear the grid gets the key K: filter for it, then + by keyboard alone.
+    program.key(&["F1"]);
+    shot(&program, "keys-1-table-dark");
+    program.click(FILTER);
+    write(&program, "remove every");
+    shot(&program, "keys-2-filtered");
+    program.click(ADD);
+    shot(&program, "keys-3-listening");
+    program.key(&["k"]);
+    shot(&program, "keys-4-added");
+    program.click(ADD);
+    program.key(&["Control_L", "z"]);
+    shot(&program, "keys-5-conflict");
+    program.key(&["Escape"]);
+    program.settle();
+    program.key(&["Escape"]);
+    program.settle();
+    tool_home(&program);
+    assert_eq!(before.differing(&shot(&program, "keys-6-closed").part(PICTURE)), 0);
+    let kept = program.folder().join(".config/virtual-sculpture/bindings.toml");
+    let text = std::fs::read_to_string(kept).unwrap();
+    assert!(text.contains("clear = [\"ctrl+delete\", \"k\"]"), "{text}");
+
+    program.key(&["k"]);
+    let cleared = shot(&program, "keys-7-cleared").part(PICTURE);
+    assert!(before.differing(&cleared) > 20_000, "the new key clears");
+    program.key(&["Control_L", "z"]);
+    assert_eq!(before.differing(&shot(&program, "keys-8-undone").part(PICTURE)), 0);
+
+    program.key(&["Control_L", "p"]);
+    shot(&program, "keys-9-palette-dark");
+    write(&program, "subtract cuboid at=48,48,88 half=");
+    shot(&program, "keys-10-palette-error");
+    write(&program, "16");
+    shot(&program, "keys-11-palette-command");
+    program.key(&["Return"]);
+    program.settle();
+    tool_home(&program);
+    let cut = shot(&program, "keys-12-cut").part(PICTURE);
+    assert!(before.differing(&cut) > 1000, "the typed command was run");
+    program.close();
+    program.key(&["Tab"]);
+    program.key(&["Tab"]);
+    program.key(&["space"]);
+    program.expect_clean_exit();
+}
+
+#[test]
+fn copies_are_pasted_by_key_with_nothing_on_the_clipboard() {
+    let Some(display) = display() else { return };
+    let program = start(&display, "light");
+    program.key(&["F1"]);
+    shot(&program, "keys-20-table-light");
+    program.key(&["Escape"]);
+    program.key(&["F3"]);
+    shot(&program, "keys-21-palette-light");
+    write(&program, "mark at=40,40,80 size=16,16,16");
+    program.key(&["Return"]);
+    program.settle();
+    program.key(&["q"]);
+    tool_home(&program);
+    program.key(&["Control_L", "c"]);
+    program.key(&["Delete"]);
+    program.settle();
+    let gone = shot(&program, "keys-22-gone").part(PICTURE);
+    program.key(&["Control_L", "v"]);
+    program.settle();
+    let pasted = shot(&program, "keys-23-pasted").part(PICTURE);
+    assert!(gone.differing(&pasted) > 300, "Ctrl+V pastes");
+    program.close();
+    program.key(&["Tab"]);
+    program.key(&["Tab"]);
+    program.key(&["space"]);
+    program.expect_clean_exit();
+}
+
+/// The filter of the window of keys, and the + of the first line below it while one is shown.
+const FILTER: [i16; 2] = [600, 170];
+const ADD: [i16; 2] = [800, 230];
