@@ -56,7 +56,7 @@ impl Group {
             Undo | Redo | Fill | Clear => Group::History,
             ResetView | LookFrom(_) | NextRenderMode => Group::View,
             ScaleUp | ScaleDown | ScaleReset | TearOff(_) | ToggleRumble | New | Open | Save
-            | SaveAs | Palette | Help | Quit => Group::Program,
+            | SaveAs | Palette | Help | Guide | Quit => Group::Program,
         }
     }
 }

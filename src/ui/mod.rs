@@ -106,7 +106,6 @@ pub fn show(
         })
         .inner;
     guide::show(root, state, facts, intents);
-    help::show(root, state, facts);
     key_table::show(root, state, facts, intents);
     key_catch::show(root, state, intents);
     palette::show(root, state, facts, intents);
