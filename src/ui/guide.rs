@@ -233,8 +233,8 @@ mod tests {
         let mut guide = Guide::default();
         guide.follow(&document);
         assert_eq!(guide.step(), Some(0));
-        for at in 0..2 {
-            for command in STEPS[at].commands.unwrap()(&document) {
+        for (at, step) in STEPS[..2].iter().enumerate() {
+            for command in step.commands.unwrap()(&document) {
                 document.apply(&command).unwrap();
             }
             guide.follow(&document);

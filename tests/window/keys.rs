@@ -5,7 +5,8 @@ use crate::program::Program;
 use crate::{PICTURE, display, shot, tool_home};
 
 fn start<'a>(display: &'a crate::Display, theme: &str) -> Program<'a> {
-    let settings = format!("[new]\ndims = [96, 96, 96]\n[window]\ntheme = \"{theme}\"\n");
+    let settings =
+        format!("[new]\ndims = [96, 96, 96]\n[window]\nguide = false\ntheme = \"{theme}\"\n");
     let program = Program::start_with(display, &[], &settings);
     program.leave_picture();
     program.settle();
