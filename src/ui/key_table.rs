@@ -16,8 +16,10 @@ use crate::input::{Action, Bindings, Trigger};
 
 const WIDTH: f32 = 580.0;
 const HEIGHT: f32 = 470.0;
-const TEXT_WIDTH: f32 = 276.0;
-const TRIGGERS_WIDTH: f32 = 232.0;
+/// Height of what stands above the list, title and all.
+const HEAD: f32 = 110.0;
+const TEXT_WIDTH: f32 = 262.0;
+const TRIGGERS_WIDTH: f32 = 256.0;
 
 /// What the window remembers.
 #[derive(Clone, PartialEq, Debug, Default)]
@@ -48,18 +50,18 @@ pub fn show(root: &Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Int
         return;
     };
     let room = root.ctx().content_rect();
+    let height = (room.height() - 190.0).min(HEIGHT);
     let mut open = state.help_open;
     Window::new("Keys and mouse")
         .open(&mut open)
         .resizable(false)
         .collapsible(false)
-        .default_width(WIDTH)
-        .default_pos(room.center() - 0.5 * egui::vec2(WIDTH, HEIGHT + 90.0))
+        .default_size([WIDTH, height + HEAD])
+        .default_pos(room.center() - 0.5 * egui::vec2(WIDTH, height + HEAD))
         .show(root.ctx(), |ui| {
             head(ui, state, facts, bindings != pristine, intents);
             ui.weak(format!("{}.", bindings.text));
             ui.separator();
-            let height = (room.height() - 190.0).min(HEIGHT);
             ScrollArea::vertical().max_height(height).auto_shrink(false).show(ui, |ui| {
                 rows(ui, &mut state.keys, bindings, pristine, intents);
             });
@@ -149,6 +151,11 @@ fn row(
         ui.set_width(TRIGGERS_WIDTH);
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing = egui::vec2(4.0, 3.0);
+            // First, so that all stand below one another.
+            let add = named(ui.add(Button::new("+").small()), format!("Add to: {}", help.text));
+            if add.on_hover_text("Give it another key or button").clicked() {
+                state.catch = Some(Catch::new(action));
+            }
             for trigger in bindings.triggers(action) {
                 let text = capital(&trigger.to_string());
                 let chip = ui.add(Button::new(format!("{text}  ✖")).small());
@@ -156,10 +163,6 @@ fn row(
                 if chip.on_hover_text("Take it away").clicked() {
                     intents.push(Intent::Keys(KeyChange::Unbind(trigger)));
                 }
-            }
-            let add = named(ui.add(Button::new("+").small()), format!("Add to: {}", help.text));
-            if add.on_hover_text("Give it another key or button").clicked() {
-                state.catch = Some(Catch::new(action));
             }
         });
     });

@@ -64,11 +64,13 @@ fn entries(typed: &str, bindings: Option<&Bindings>) -> (Vec<Entry>, Option<Stri
         }
     }
     let filter = Filter::new(typed);
+    let mut by_hand = Vec::new();
     for &action in Action::ALL {
         let help = action.help();
         let triggers = triggers_of(action, bindings);
         if filter.takes(&[help.text, help.name, &triggers]) {
-            list.push(Entry::Do(action));
+            let entry = Entry::Do(action);
+            if entry.can_be_chosen() { &mut list } else { &mut by_hand }.push(entry);
         }
     }
     for command in COMMANDS {
@@ -76,6 +78,7 @@ fn entries(typed: &str, bindings: Option<&Bindings>) -> (Vec<Entry>, Option<Stri
             list.push(Entry::Complete(command));
         }
     }
+    list.append(&mut by_hand);
     (list, error)
 }
 
@@ -223,7 +226,7 @@ fn row(ui: &mut Ui, entry: &Entry, chosen: bool, bindings: Option<&Bindings>) ->
     };
     let size = vec2(ui.available_width(), 0.0);
     let button = Button::selectable(chosen, text)
-        .frame_when_inactive(false)
+        .frame_when_inactive(chosen)
         .right_text(RichText::new(right).weak())
         .min_size(size)
         .truncate();
@@ -269,7 +272,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_mouse_does_is_passed_over() {
+    fn what_the_mouse_does_comes_last_and_is_passed_over() {
         let mut palette = Palette::default();
         let list = listed("");
         palette.go(&list, 0);
@@ -279,7 +282,8 @@ mod tests {
         palette.go(&list, 1);
         assert_eq!(list[palette.chosen], Entry::Do(Action::Cancel));
         palette.go(&list, 1000);
-        assert_eq!(palette.chosen, list.len() - 1);
+        let last = &list[palette.chosen];
+        assert!(matches!(last, Entry::Complete(c) if c.verb == "place"), "{last:?}");
         assert!(!palette.go(&[], 1) || palette.chosen == 0);
     }
 }
