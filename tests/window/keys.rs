@@ -108,5 +108,5 @@ fn copies_are_pasted_by_key_with_nothing_on_the_clipboard() {
 }
 
 /// The filter of the window of keys, and the + of the first line below it while one is shown.
-const FILTER: [i16; 2] = [600, 145];
-const ADD: [i16; 2] = [637, 236];
+const FILTER: [i16; 2] = [600, 160];
+const ADD: [i16; 2] = [639, 250];
