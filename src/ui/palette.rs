@@ -186,7 +186,10 @@ fn field(ui: &mut Ui, palette: &mut Palette) {
         .show(ui);
     let response = &output.response.response;
     response.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, "Command"));
-    response.request_focus();
+    // Asking for what it has would interrupt an input method, with every picture anew.
+    if !response.has_focus() {
+        response.request_focus();
+    }
     if response.changed() {
         palette.chosen = 0;
     }

@@ -115,7 +115,7 @@ fn a_house_is_built_with_mouse_and_keys() {
     std::fs::write(&settings, "[new]\ndims = [96, 96, 96]\n").unwrap();
     let status = Command::new(env!("CARGO_BIN_EXE_virtual-sculpture"))
         .current_dir(folder.path())
-        .args(["--config", "small.toml", "run", "house.sculpt", "--out", "house.pvm"])
+        .args(["run", "house.sculpt", "--out", "house.pvm", "--config", "small.toml"])
         .status()
         .unwrap();
     assert!(status.success());
