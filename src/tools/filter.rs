@@ -12,13 +12,23 @@
 
 use crate::sculpture::bit_block::BitBlock;
 
-/// Bit planes of a count from 0 to 31, for 64 voxels.
-#[derive(Clone, Copy, Default)]
-struct Count {
-    planes: [u64; 5],
+/// Planes of the largest count: the 17^3 voxels of the widest majority.
+const MOST_PLANES: usize = 13;
+
+/// Bit planes of a count for 64 voxels.
+#[derive(Clone, Copy)]
+struct Count<const PLANES: usize> {
+    planes: [u64; PLANES],
 }
 
-impl Count {
+impl<const PLANES: usize> Default for Count<PLANES> {
+    fn default() -> Self {
+        Count { planes: [0; PLANES] }
+    }
+}
+
+impl<const PLANES: usize> Count<PLANES> {
+    /// Counts the voxels that are set.
     #[inline(always)]
     fn add(&mut self, mut carry: u64) {
         for plane in &mut self.planes {
@@ -28,12 +38,23 @@ impl Count {
         }
     }
 
-    /// The voxels whose count is at least `least` (0 to 31).
+    /// Adds counts; only the lowest `planes` of the sum are kept.
+    #[inline(always)]
+    fn add_counts<const N: usize>(&mut self, other: &Count<N>, planes: usize) {
+        let mut carry = 0;
+        for (i, plane) in self.planes.iter_mut().enumerate().take(planes) {
+            let (a, b) = (*plane, other.planes.get(i).copied().unwrap_or(0));
+            *plane = a ^ b ^ carry;
+            carry = a & b | carry & (a ^ b);
+        }
+    }
+
+    /// The voxels whose count is at least `least`, which the planes must be able to hold.
     #[inline(always)]
     fn at_least(&self, least: u32) -> u64 {
         // Compare from the highest plane down: greater, or equal so far.
         let (mut greater, mut equal) = (0u64, u64::MAX);
-        for bit in (0..5).rev() {
+        for bit in (0..PLANES).rev() {
             let plane = self.planes[bit];
             if least >> bit & 1 != 0 {
                 equal &= plane;
@@ -46,34 +67,51 @@ impl Count {
     }
 }
 
-/// A row of the block moved by one voxel along x, 64 voxels of it.
+/// 64 voxels of a row, `by` voxels (less than 64) further along x; 0 beyond its ends.
 #[inline(always)]
-fn shifted(row: &[u64], word: usize) -> [u64; 3] {
+fn shifted(row: &[u64], word: usize, by: i32) -> u64 {
     let here = row[word];
-    let before = if word > 0 { row[word - 1] } else { 0 };
-    let after = row.get(word + 1).copied().unwrap_or(0);
-    [here << 1 | before >> 63, here, here >> 1 | after << 63]
+    match by {
+        0 => here,
+        1.. => here >> by | row.get(word + 1).copied().unwrap_or(0) << (64 - by),
+        _ => here << -by | if word > 0 { row[word - 1] >> (64 + by) } else { 0 },
+    }
 }
 
-/// The voxels of `block` (existing or not) that have at least `least` of their 26 neighbours.
-pub fn with_neighbours(block: &BitBlock, least: u32) -> BitBlock {
-    block.map_rows(|y, z, out| {
-        for (word, bits) in out.iter_mut().enumerate() {
-            let mut count = Count::default();
-            for dz in -1..=1 {
-                for dy in -1..=1 {
-                    let Some(row) = block.row(y + dy, z + dz) else { continue };
-                    let [left, here, right] = shifted(row, word);
-                    count.add(left);
-                    count.add(right);
-                    if (dy, dz) != (0, 0) {
-                        count.add(here);
-                    }
-                }
+/// Those of 64 voxels (existing or not) that have at least `least` of their 26 neighbours.
+#[inline(always)]
+fn word_with_neighbours(block: &BitBlock, y: i32, z: i32, word: usize, least: u32) -> u64 {
+    let mut count = Count::<5>::default();
+    for dz in -1..=1 {
+        for dy in -1..=1 {
+            let Some(row) = block.row(y + dy, z + dz) else { continue };
+            count.add(shifted(row, word, -1));
+            count.add(shifted(row, word, 1));
+            if (dy, dz) != (0, 0) {
+                count.add(row[word]);
             }
-            *bits = count.at_least(least);
+        }
+    }
+    count.at_least(least)
+}
+
+/// Calls `f` for each row of a block like `may`, with the words of it that have voxels in `may`:
+/// what may not change is not worked out.
+fn map_words(may: &BitBlock, mut f: impl FnMut(i32, i32, usize, u64) -> u64) -> BitBlock {
+    may.map_rows(|y, z, out| {
+        let Some(row) = may.row(y, z) else { return };
+        for (word, (bits, &may)) in out.iter_mut().zip(row).enumerate() {
+            if may != 0 {
+                *bits = f(y, z, word, may) & may;
+            }
         }
     })
+}
+
+/// Words of `block` at a place.
+#[inline(always)]
+fn word_of(block: &BitBlock, y: i32, z: i32, word: usize) -> u64 {
+    block.row(y, z).map_or(0, |row| row[word])
 }
 
 /// Existing voxels of `may` with fewer than `threshold` of their 26 neighbours: to be removed.
@@ -81,8 +119,9 @@ pub fn with_neighbours(block: &BitBlock, least: u32) -> BitBlock {
 /// A voxel of a plane has 17, of a straight edge 11, of a corner 7: thresholds from 12 to 17
 /// leave planes alone and take edges; up to 7 take only what sticks out.
 pub fn erosion(solid: &BitBlock, may: &BitBlock, threshold: u32) -> BitBlock {
-    let keep = with_neighbours(solid, threshold);
-    solid.zip(&keep, |s, k| s & !k).zip(may, |r, m| r & m)
+    map_words(may, |y, z, word, _| {
+        word_of(solid, y, z, word) & !word_with_neighbours(solid, y, z, word, threshold)
+    })
 }
 
 /// Empty voxels of `may` with at least `threshold` of their 26 neighbours: to be added.
@@ -90,71 +129,81 @@ pub fn erosion(solid: &BitBlock, may: &BitBlock, threshold: u32) -> BitBlock {
 /// A voxel on a plane has 9, in a straight concave edge 15: thresholds of 10 and more leave
 /// planes alone.
 pub fn dilation(solid: &BitBlock, may: &BitBlock, threshold: u32) -> BitBlock {
-    let touched = with_neighbours(solid, threshold);
-    touched.zip(solid, |t, s| t & !s).zip(may, |r, m| r & m)
+    map_words(may, |y, z, word, _| {
+        word_with_neighbours(solid, y, z, word, threshold) & !word_of(solid, y, z, word)
+    })
 }
 
 /// Dilation again and again, until nothing is added any more: fills concave corners up to a
 /// closed surface. At most `rounds` times.
 pub fn growth(solid: &BitBlock, may: &BitBlock, threshold: u32, rounds: u32) -> BitBlock {
+    let rows_y = solid.size().y as usize;
+    let row_count = rows_y * solid.size().z as usize;
     let mut grown = solid.clone();
+    // Rows that the last round has added to: only around them can there be more to add.
+    let mut changed = vec![true; row_count];
     for _ in 0..rounds {
-        let added = dilation(&grown, may, threshold);
-        if added.count() == 0 {
+        let near = |y: i32, z: i32| {
+            let (y, z) = (y as usize, z as usize);
+            (z.saturating_sub(1)..=z + 1).any(|z| {
+                (y.saturating_sub(1)..=y + 1)
+                    .any(|y| y < rows_y && changed.get(y + z * rows_y).is_some_and(|c| *c))
+            })
+        };
+        let mut next = vec![false; row_count];
+        let added = map_words(may, |y, z, word, may| {
+            let empty = may & !word_of(&grown, y, z, word);
+            if empty == 0 || !near(y, z) {
+                return 0;
+            }
+            let added = empty & word_with_neighbours(&grown, y, z, word, threshold);
+            next[y as usize + z as usize * rows_y] |= added != 0;
+            added
+        });
+        if !next.contains(&true) {
             break;
         }
         grown = grown.zip(&added, |g, a| g | a);
+        changed = next;
     }
     grown.zip(solid, |g, s| g & !s)
 }
 
 /// What a majority filter changes: `(added, removed)`. A voxel takes the value that most voxels
-/// of the cube reaching `radius_vx` around it have, itself included; so planes stay as they are.
+/// of the cube reaching `radius_vx` (1 to 8) around it have, itself included; so planes stay as
+/// they are.
 pub fn majority(solid: &BitBlock, may: &BitBlock, radius_vx: u32) -> (BitBlock, BitBlock) {
-    let size = solid.size().as_usizevec3();
-    let reach = radius_vx as usize;
-    // Box sums, one axis after the other, on a count a voxel.
-    let mut counts = vec![0u16; size.element_product()];
-    for z in 0..size.z {
-        for y in 0..size.y {
-            if let Some(row) = solid.row(y as i32, z as i32) {
-                let line = &mut counts[(y + z * size.y) * size.x..][..size.x];
-                for (x, count) in line.iter_mut().enumerate() {
-                    *count = (row[x / 64] >> (x % 64) & 1) as u16;
-                }
+    let reach = radius_vx as i32;
+    let volume = (2 * radius_vx + 1).pow(3);
+    let planes = (volume.ilog2() + 1) as usize;
+    // Along x first, once for every word: the counts of rows are summed many times.
+    let size = solid.size();
+    let width = size.x.div_ceil(64) as usize;
+    let mut along_x = vec![Count::<5>::default(); width * (size.y * size.z) as usize];
+    let place = |y: i32, z: i32| (y as usize + z as usize * size.y as usize) * width;
+    for z in 0..size.z as i32 {
+        for y in 0..size.y as i32 {
+            let Some(row) = solid.row(y, z).filter(|row| row.iter().any(|w| *w != 0)) else {
+                continue;
+            };
+            for word in 0..width {
+                let count = &mut along_x[place(y, z) + word];
+                (-reach..=reach).for_each(|by| count.add(shifted(row, word, by)));
             }
         }
     }
-    let mut line = Vec::new();
-    for (length, stride) in [(size.x, 1), (size.y, size.x), (size.z, size.x * size.y)] {
-        for start in (0..counts.len()).filter(|i| i / stride % length == 0) {
-            box_sum(&mut counts[start..], length, stride, reach, &mut line);
+    let most = map_words(may, |y, z, word, _| {
+        let mut count = Count::<MOST_PLANES>::default();
+        for z in (z - reach).max(0)..=(z + reach).min(size.z as i32 - 1) {
+            for y in (y - reach).max(0)..=(y + reach).min(size.y as i32 - 1) {
+                count.add_counts(&along_x[place(y, z) + word], planes);
+            }
         }
-    }
-    let half = ((2 * radius_vx + 1).pow(3) / 2) as u16;
-    let most = solid.map_rows(|y, z, out| {
-        let line = &counts[(y as usize + z as usize * size.y) * size.x..][..size.x];
-        for (x, &count) in line.iter().enumerate() {
-            out[x / 64] |= u64::from(count > half) << (x % 64);
-        }
+        count.at_least(volume / 2 + 1)
     });
-    let added = most.zip(solid, |m, s| m & !s).zip(may, |r, m| r & m);
+    let added = most.zip(solid, |m, s| m & !s);
     let removed = solid.zip(&most, |s, m| s & !m).zip(may, |r, m| r & m);
     (added, removed)
-}
-
-/// Replaces `length` values, `stride` apart, by their sums over `reach` values on either side.
-fn box_sum(values: &mut [u16], length: usize, stride: usize, reach: usize, line: &mut Vec<u16>) {
-    line.clear();
-    line.extend((0..length).map(|i| values[i * stride]));
-    let mut sum: u16 = line.iter().take(reach).sum();
-    for i in 0..length {
-        sum += line.get(i + reach).copied().unwrap_or(0);
-        if i > reach {
-            sum -= line[i - reach - 1];
-        }
-        values[i * stride] = sum;
-    }
 }
 
 #[cfg(test)]
@@ -240,15 +289,18 @@ mod tests {
         #[test]
         fn counts_equal_a_naive_count(seed: u64, per_mille in 0u64..1000, least in 0u32..27) {
             let block = random(seed, per_mille);
-            let counted = with_neighbours(&block, least);
+            let (added, removed) =
+                (dilation(&block, &all(), least), erosion(&block, &all(), least));
             for v in voxels() {
                 let count = naive_count(&block, v, 1) - u32::from(block.get(v));
-                prop_assert_eq!(counted.get(v), count >= least, "{}: {}", v, count);
+                let (many, exists) = (count >= least, block.get(v));
+                prop_assert_eq!(added.get(v), many && !exists, "{}: {}", v, count);
+                prop_assert_eq!(removed.get(v), !many && exists, "{}: {}", v, count);
             }
         }
 
         #[test]
-        fn majority_equals_a_naive_majority(seed: u64, per_mille in 300u64..700, radius in 1u32..4) {
+        fn majority_equals_a_naive_majority(seed: u64, per_mille in 300u64..700, radius in prop::sample::select(vec![1u32, 2, 3, 5, 8])) {
             let block = random(seed, per_mille);
             let (added, removed) = majority(&block, &all(), radius);
             let volume = (2 * radius + 1).pow(3);
@@ -256,6 +308,23 @@ mod tests {
                 let most = naive_count(&block, v, radius as i32) * 2 > volume;
                 prop_assert_eq!(added.get(v), most && !block.get(v));
                 prop_assert_eq!(removed.get(v), !most && block.get(v));
+            }
+        }
+
+        #[test]
+        fn growth_is_dilation_until_nothing_is_added(seed: u64, per_mille in 100u64..800) {
+            let block = random(seed, per_mille);
+            for rounds in [0, 1, 3, 1000] {
+                let mut naive = block.clone();
+                for _ in 0..rounds {
+                    let added = dilation(&naive, &inner(2), 12);
+                    if added.count() == 0 {
+                        break;
+                    }
+                    naive = naive.zip(&added, |n, a| n | a);
+                }
+                let grown = growth(&block, &inner(2), 12, rounds);
+                prop_assert_eq!(grown, naive.zip(&block, |n, b| n & !b));
             }
         }
 
