@@ -4,61 +4,34 @@
 // A test that cannot go on has failed.
 #![allow(clippy::unwrap_used)]
 
-use std::sync::Arc;
+mod bench;
 
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, vec2};
-use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use glam::{IVec3, UVec3, Vec3, Vec4Swizzles};
-use virtual_sculpture::app::Workbench;
 use virtual_sculpture::command::Command;
-use virtual_sculpture::config::Config;
-use virtual_sculpture::input::{Bindings, ToolMode};
+use virtual_sculpture::input::ToolMode;
 use virtual_sculpture::sculpture::Rgb;
 use virtual_sculpture::sculpture::brick::local_index;
 use virtual_sculpture::sculpture::region::VoxelBox;
-use virtual_sculpture::session::Session;
-use virtual_sculpture::surface::{IndexMap, raycast};
 use virtual_sculpture::tools::spray::SprayKind;
 use virtual_sculpture::ui::Tool;
 
-type Bench = Harness<'static, Workbench>;
+use bench::{Bench, key, look, middle, send, voxels};
 
 /// A workbench with a solid block of 64^3 voxels, seen from the front.
-fn bench() -> Bench {
-    let mut config = Config::default();
-    config.new.dims = [64; 3];
-    let presets = Bindings::presets().unwrap();
-    let bench = Workbench::new(Session::new(&config).unwrap(), &config, presets);
-    let mut harness = Harness::builder()
-        .with_size(vec2(1280.0, 800.0))
-        .with_pixels_per_point(1.0)
-        .build_ui_state(|ui, bench: &mut Workbench| bench.show(ui), bench);
+fn front() -> Bench {
+    let mut harness = bench::bench();
     harness.run();
     run(&mut harness, "place");
-    look(&mut harness);
     harness
-}
-
-/// Does what the renderer does after a picture: tells the workbench which voxels are seen.
-fn look(harness: &mut Bench) {
-    let bench = harness.state_mut();
-    let rays = bench.eye().pixel_rays(&bench.world_from_grid());
-    let mut map = IndexMap::new(rays);
-    raycast::sample(bench.session().document().grid(), &rays, &mut map);
-    bench.saw(Arc::new(map));
 }
 
 fn run(harness: &mut Bench, line: &str) {
     let command: Command = line.parse().unwrap();
     harness.state_mut().session_mut().execute(&command, &()).unwrap();
     look(harness);
-}
-
-fn send(harness: &mut Bench, event: Event) {
-    harness.event(event);
-    harness.step();
 }
 
 fn drag_with(harness: &mut Bench, modifiers: Modifiers, way: &[Pos2]) {
@@ -82,20 +55,9 @@ fn drag(harness: &mut Bench, way: &[Pos2]) {
     drag_with(harness, Modifiers::NONE, way);
 }
 
-fn key(harness: &mut Bench, modifiers: Modifiers, key: Key) {
-    for pressed in [true, false] {
-        send(harness, Event::Key { key, physical_key: None, pressed, repeat: false, modifiers });
-    }
-    look(harness);
-}
-
 fn click(harness: &mut Bench, label: &str) {
     harness.get_by_label(label).click();
     harness.run();
-}
-
-fn voxels(harness: &Bench) -> u64 {
-    harness.state().session().document().grid().opaque_count()
 }
 
 fn colour_at(harness: &Bench, v: [u32; 3]) -> Rgb {
@@ -111,10 +73,6 @@ fn marker(harness: &Bench) -> VoxelBox {
 
 fn labels(harness: &Bench) -> Vec<String> {
     harness.state().session().document().history().undo_labels().map(String::from).collect()
-}
-
-fn middle(harness: &Bench) -> Pos2 {
-    harness.state().picture().center()
 }
 
 /// Where a point of the grid is seen.
@@ -138,7 +96,7 @@ fn every_spray_is_taken_by_button_and_works_where_the_pointer_is() {
         ("Growth", SprayKind::Growth),
         ("Smooth", SprayKind::Smooth),
     ] {
-        let mut harness = bench();
+        let mut harness = front();
         // A step and a single voxel: something for filters to work on.
         run(&mut harness, "subtract cuboid at=48,48,60 half=16,16,4");
         run(&mut harness, "add cuboid at=30.5,30.5,64.5 half=0.5 colour=#ffffff");
@@ -161,7 +119,7 @@ fn every_spray_is_taken_by_button_and_works_where_the_pointer_is() {
 #[test]
 fn a_stroke_of_the_devourer_does_not_dig_where_it_overlaps() {
     let depth_below = |once: bool| {
-        let mut harness = bench();
+        let mut harness = front();
         key(&mut harness, Modifiers::NONE, Key::D);
         let options = harness.state_mut().ui.hand.sprays.of_mut(SprayKind::Devourer);
         if !once {
@@ -180,7 +138,7 @@ fn a_stroke_of_the_devourer_does_not_dig_where_it_overlaps() {
 
 #[test]
 fn modifiers_invert_smooth_and_pick() {
-    let mut harness = bench();
+    let mut harness = front();
     key(&mut harness, Modifiers::SHIFT, Key::C);
     let at = middle(&harness);
     drag(&mut harness, &[at]);
@@ -207,7 +165,7 @@ fn modifiers_invert_smooth_and_pick() {
 
 #[test]
 fn the_marker_is_drawn_slid_pulled_and_typed() {
-    let mut harness = bench();
+    let mut harness = front();
     click(&mut harness, "Marker");
     let at = middle(&harness);
     // It lies inside the block: a drag on the block draws a new one, as thin as the surface.
@@ -241,7 +199,7 @@ fn the_marker_is_drawn_slid_pulled_and_typed() {
 
 #[test]
 fn regions_are_selected_limit_tools_and_are_edited() {
-    let mut harness = bench();
+    let mut harness = front();
     key(&mut harness, Modifiers::NONE, Key::Q);
     run(&mut harness, "mark at=0,0,0 size=32,64,64");
     click(&mut harness, "Limit all tools to it");
@@ -279,7 +237,7 @@ fn regions_are_selected_limit_tools_and_are_edited() {
 
 #[test]
 fn copies_are_turned_mirrored_pasted_and_moved() {
-    let mut harness = bench();
+    let mut harness = front();
     run(&mut harness, "clear");
     run(&mut harness, "add cuboid at=10,10,10 half=4,2,1 colour=#ff0000");
     run(&mut harness, "mark at=6,8,9 size=8,4,2");
@@ -307,7 +265,7 @@ fn copies_are_turned_mirrored_pasted_and_moved() {
 
 #[test]
 fn mirrors_and_arrays_repeat_what_tools_do() {
-    let mut harness = bench();
+    let mut harness = front();
     key(&mut harness, Modifiers::NONE, Key::Num1);
     let at = middle(&harness);
     drag(&mut harness, &[at - vec2(90.0, 0.0)]);
@@ -333,7 +291,7 @@ fn mirrors_and_arrays_repeat_what_tools_do() {
 
 #[test]
 fn a_tool_stands_on_the_surface_when_asked_to() {
-    let mut harness = bench();
+    let mut harness = front();
     key(&mut harness, Modifiers::NONE, Key::C);
     key(&mut harness, Modifiers::NONE, Key::T);
     run(&mut harness, "subtract cuboid at=32,32,48 half=32,32,16");
@@ -351,7 +309,7 @@ fn a_tool_stands_on_the_surface_when_asked_to() {
 /// Nothing is cut off, whichever tool's options are shown.
 #[test]
 fn the_options_of_every_tool_fit_into_their_panel() {
-    let mut harness = bench();
+    let mut harness = front();
     run(&mut harness, "copy");
     run(&mut harness, "select add");
     for tool in SprayKind::ALL.map(Tool::Spray).into_iter().chain([Tool::Solid, Tool::Marker]) {
