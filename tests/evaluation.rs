@@ -10,7 +10,6 @@ use virtual_sculpture::command_text::parse_script;
 use virtual_sculpture::config::Config;
 use virtual_sculpture::headless::DemoScene;
 use virtual_sculpture::sculpture::Rgb;
-use virtual_sculpture::sculpture::brick::local_index;
 use virtual_sculpture::sculpture::history::Contents;
 use virtual_sculpture::session::Session;
 
@@ -22,15 +21,6 @@ fn run(session: &mut Session, command: &Command) {
     if let Err(error) = session.execute(command, &()) {
         panic!("{command}: {error}");
     }
-}
-
-fn colour_of(contents: &Contents, v: [i32; 3]) -> Option<Rgb> {
-    let v = IVec3::from(v);
-    contents.grid.get(v).then(|| {
-        let v = v.as_uvec3();
-        let [x, y, z] = (v % 8).to_array();
-        contents.material.rgb(contents.grid.brick_index(v / 8), local_index(x, y, z))
-    })
 }
 
 fn voxels(dims: UVec3) -> impl Iterator<Item = [i32; 3]> {
@@ -68,7 +58,7 @@ fn the_learning_task_makes_a_rock_and_leaves_the_ground_unhurt() {
                 (cleared.as_ref().unwrap(), session.document().contents());
             for [x, y, z] in voxels(before.grid.dims()).filter(|v| v[1] < 64) {
                 let v = [x, y, z];
-                assert_eq!(colour_of(before, v), colour_of(now, v), "{v:?}");
+                assert_eq!(before.colour(v.into()), now.colour(v.into()), "{v:?}");
             }
         }
         run(&mut session, command);
@@ -83,11 +73,11 @@ fn the_learning_task_makes_a_rock_and_leaves_the_ground_unhurt() {
     let rock = contents.grid.opaque_count() - ground;
     assert!(rock > (cuboid - ground) / 2, "there is still a rock: {rock}");
     assert!(rock < (cuboid - ground) * 5 / 4);
-    assert_eq!(colour_of(contents, [3, 62, 3]), Some(Rgb::new(0x6f, 0x9a, 0x45)));
-    assert_eq!(colour_of(contents, [3, 3, 3]), Some(Rgb::new(0x6b, 0x4a, 0x2f)));
+    assert_eq!(contents.colour([3, 62, 3].into()), Some(Rgb::new(0x6f, 0x9a, 0x45)));
+    assert_eq!(contents.colour([3, 3, 3].into()), Some(Rgb::new(0x6b, 0x4a, 0x2f)));
     let painted: Vec<Rgb> = voxels(contents.grid.dims())
         .filter(|v| v[1] >= 64)
-        .filter_map(|v| colour_of(contents, v))
+        .filter_map(|v| contents.colour(v.into()))
         .collect();
     let greenish = painted.iter().filter(|c| c.0[1] > c.0[0] && c.0[1] > c.0[2]).count();
     assert!(greenish > 500, "moss: {greenish}");
@@ -124,18 +114,20 @@ fn house_tree_lake_and_hill_are_where_they_should_be() {
     let blue = |c: Rgb| c.0[2] > c.0[0] + 30;
     // The lake lies below the meadow and is of water.
     let lake = top(132, 142).unwrap();
-    assert!(lake < top(20, 180).unwrap() && blue(colour_of(contents, [132, lake, 142]).unwrap()));
+    assert!(
+        lake < top(20, 180).unwrap() && blue(contents.colour([132, lake, 142].into()).unwrap())
+    );
     // The hill is the highest thing.
     let hill = (20..90).flat_map(|x| (20..80).map(move |z| (x, z))).filter_map(|(x, z)| top(x, z));
     assert!(hill.max().unwrap() > 70);
     // The house is hollow, with walls, a door and a roof above.
-    assert_eq!(colour_of(contents, [144, 38, 52]), None);
-    assert_eq!(colour_of(contents, [121, 36, 60]), Some(Rgb::new(0xe9, 0xdc, 0xc3)));
-    assert_eq!(colour_of(contents, [142, 34, 69]), Some(Rgb::new(0x6b, 0x44, 0x28)));
+    assert_eq!(contents.colour([144, 38, 52].into()), None);
+    assert_eq!(contents.colour([121, 36, 60].into()), Some(Rgb::new(0xe9, 0xdc, 0xc3)));
+    assert_eq!(contents.colour([142, 34, 69].into()), Some(Rgb::new(0x6b, 0x44, 0x28)));
     assert!((55..80).contains(&top(144, 52).unwrap()));
     // Two trees with trunks: the second is the mirrored copy of the first.
-    let trunk = colour_of(contents, [40, 40, 140]).unwrap();
-    assert_eq!(colour_of(contents, [168 + 71 - 40, 40, 140 - 112 + 44]), Some(trunk));
+    let trunk = contents.colour([40, 40, 140].into()).unwrap();
+    assert_eq!(contents.colour([168 + 71 - 40, 40, 140 - 112 + 44].into()), Some(trunk));
     undo_and_redo(&mut session);
 }
 

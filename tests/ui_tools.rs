@@ -13,7 +13,6 @@ use glam::{IVec3, UVec3, Vec3, Vec4Swizzles};
 use virtual_sculpture::command::Command;
 use virtual_sculpture::input::ToolMode;
 use virtual_sculpture::sculpture::Rgb;
-use virtual_sculpture::sculpture::brick::local_index;
 use virtual_sculpture::sculpture::region::VoxelBox;
 use virtual_sculpture::tools::spray::SprayKind;
 use virtual_sculpture::ui::Tool;
@@ -61,10 +60,7 @@ fn click(harness: &mut Bench, label: &str) {
 }
 
 fn colour_at(harness: &Bench, v: [u32; 3]) -> Rgb {
-    let document = harness.state().session().document();
-    let v = UVec3::from(v);
-    let [x, y, z] = (v % 8).to_array();
-    document.material().rgb(document.grid().brick_index(v / 8), local_index(x, y, z))
+    harness.state().session().document().contents().rgb(v.into())
 }
 
 fn marker(harness: &Bench) -> VoxelBox {

@@ -12,7 +12,6 @@ use crate::config::RenderMode;
 use crate::format::options::ExportForm;
 use crate::input::{Action, Side};
 use crate::sculpture::Placement;
-use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
 use crate::tools::spray::SprayKind;
 use crate::tools::symmetry::Parity;
 use crate::ui::files::FileTask;
@@ -271,9 +270,7 @@ impl Workbench {
         let seen = self.pointer.zip(self.seen.as_ref());
         let Some(index) = seen.and_then(|(at, map)| voxel_at(map, at)) else { return };
         let v = document.grid().voxel_coords(index);
-        let [x, y, z] = (v % BRICK_EDGE_VX).to_array();
-        let brick = document.grid().brick_index(v / BRICK_EDGE_VX);
-        self.ui.hand.colour = document.material().rgb(brick, local_index(x, y, z));
+        self.ui.hand.colour = document.contents().rgb(v);
     }
 
     /// Makes the tool larger (`notches` above 0) or smaller, by `factor` a notch.

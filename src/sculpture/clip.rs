@@ -5,7 +5,7 @@
 
 use glam::{IVec3, UVec3};
 
-use super::brick::{BRICK_EDGE_VX, Brick, local_coords, local_index};
+use super::brick::{BRICK_EDGE_VX, Brick, local_coords};
 use super::colour::Rgb;
 use super::grid::{Grid, GridError};
 use super::history::Contents;
@@ -48,7 +48,7 @@ impl Clip {
             Material::new(from.material.depth(), from.material.base(), grid.bricks().len());
         for index in 0..grid.bricks().len() {
             let origin = bounds.min.as_uvec3() + grid.brick_coords(index) * BRICK_EDGE_VX;
-            let colour = |local: u32| rgb(from, origin + UVec3::from(local_coords(local)));
+            let colour = |local: u32| from.rgb(origin + UVec3::from(local_coords(local)));
             let painted = painted(&grid.bricks()[index], from.material.base(), colour);
             material.paint_each(index, &painted, colour);
         }
@@ -98,7 +98,7 @@ impl Clip {
     /// The colour of the voxel that the clip puts at `v`, which must be one of its voxels.
     pub fn colour(&self, at: IVec3, orientation: Orientation, v: UVec3) -> Rgb {
         let source = orientation.source(v.as_ivec3() - at, self.size());
-        rgb(&self.contents, source.max(IVec3::ZERO).as_uvec3().min(self.size() - 1))
+        self.contents.rgb(source.max(IVec3::ZERO).as_uvec3().min(self.size() - 1))
     }
 }
 
@@ -121,9 +121,4 @@ fn painted(brick: &Brick, base: Rgb, colour: impl Fn(u32) -> Rgb) -> Brick {
         painted.words[i as usize / 64] |= u64::from(colour(i) != base) << (i % 64);
     });
     painted
-}
-
-fn rgb(contents: &Contents, v: UVec3) -> Rgb {
-    let [x, y, z] = (v % BRICK_EDGE_VX).to_array();
-    contents.material.rgb(contents.grid.brick_index(v / BRICK_EDGE_VX), local_index(x, y, z))
 }

@@ -6,6 +6,10 @@
 
 use std::collections::VecDeque;
 
+use glam::{IVec3, UVec3};
+
+use super::brick::{BRICK_EDGE_VX, local_index};
+use super::colour::Rgb;
 use super::grid::Grid;
 use super::material::Material;
 use super::record::BrickRecord;
@@ -15,6 +19,19 @@ use super::record::BrickRecord;
 pub struct Contents {
     pub grid: Grid,
     pub material: Material,
+}
+
+impl Contents {
+    /// Colour of the voxel at `v`, which must lie inside the grid, whether it exists or not.
+    pub fn rgb(&self, v: UVec3) -> Rgb {
+        let [x, y, z] = (v % BRICK_EDGE_VX).to_array();
+        self.material.rgb(self.grid.brick_index(v / BRICK_EDGE_VX), local_index(x, y, z))
+    }
+
+    /// Colour of the voxel at `v`; none where none exists.
+    pub fn colour(&self, v: IVec3) -> Option<Rgb> {
+        self.grid.get(v).then(|| self.rgb(v.as_uvec3()))
+    }
 }
 
 /// What one step changed.

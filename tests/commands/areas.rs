@@ -4,8 +4,6 @@ use glam::{IVec3, UVec3, Vec3};
 use proptest::prelude::*;
 use virtual_sculpture::command::{Area, Command, NewSculpture, SelectOp};
 use virtual_sculpture::document::{CommandError, Document, Limits};
-use virtual_sculpture::sculpture::brick::local_index;
-use virtual_sculpture::sculpture::history::Contents;
 use virtual_sculpture::sculpture::orientation::Orientation;
 use virtual_sculpture::sculpture::region::VoxelBox;
 use virtual_sculpture::sculpture::{ColourDepth, Rgb};
@@ -15,15 +13,6 @@ use virtual_sculpture::tools::texture::Texture;
 use crate::strategies::{area_work, marker, new_sculpture, op, orientation, primitive, work};
 
 const RED: Rgb = Rgb::new(255, 0, 0);
-
-/// A voxel's colour, if it exists.
-fn colour_of(contents: &Contents, v: IVec3) -> Option<Rgb> {
-    contents.grid.get(v).then(|| {
-        let v = v.as_uvec3();
-        let [x, y, z] = (v % 8).to_array();
-        contents.material.rgb(contents.grid.brick_index(v / 8), local_index(x, y, z))
-    })
-}
 
 fn voxels(dims: UVec3) -> impl Iterator<Item = IVec3> {
     let d = dims.as_ivec3();
@@ -80,7 +69,7 @@ proptest! {
             );
             if let (Some(stack), false) = (selection.limit(), free) {
                 for v in voxels(before.grid.dims()).filter(|v| !stack.contains(*v)) {
-                    let (was, is) = (colour_of(&before, v), colour_of(document.contents(), v));
+                    let (was, is) = (before.colour(v), document.contents().colour(v));
                     prop_assert_eq!(was, is, "{} at {}", command, v);
                 }
             }
@@ -119,7 +108,7 @@ proptest! {
         let bounds = from.intersect(VoxelBox::of_grid(&before.grid));
         let held: Vec<(IVec3, Rgb)> = voxels(before.grid.dims())
             .filter(|v| from.contains(*v))
-            .filter_map(|v| Some((v, colour_of(&before, v)?)))
+            .filter_map(|v| Some((v, before.colour(v)?)))
             .collect();
         if held.is_empty() {
             prop_assert!(matches!(document.apply(&taken), Err(CommandError::NothingMarked(_))));
@@ -127,7 +116,7 @@ proptest! {
         }
         document.apply(&taken).unwrap();
         let mut wanted: Vec<Option<Rgb>> = voxels(before.grid.dims())
-            .map(|v| colour_of(&before, v).filter(|_| !(cut && from.contains(v))))
+            .map(|v| before.colour(v).filter(|_| !(cut && from.contains(v))))
             .collect();
         let at = IVec3::from(at);
         let size = bounds.size();
@@ -143,7 +132,7 @@ proptest! {
         }
         document.apply(&Command::Paste { at, orientation }).unwrap();
         let got: Vec<_> =
-            voxels(before.grid.dims()).map(|v| colour_of(document.contents(), v)).collect();
+            voxels(before.grid.dims()).map(|v| document.contents().colour(v)).collect();
         prop_assert_eq!(got, wanted);
         document.apply(&Command::Undo { steps: None }).unwrap();
         prop_assert_eq!(document.grid().opaque_count(), 0);
@@ -207,7 +196,7 @@ fn mirrored_tools_leave_a_mirrored_sculpture() {
                     let Some(plane) = plane else { continue };
                     let mut other = v;
                     other[axis] = (2.0 * plane) as i32 - 1 - v[axis];
-                    assert_eq!(colour_of(contents, v), colour_of(contents, other), "{v}");
+                    assert_eq!(contents.colour(v), contents.colour(other), "{v}");
                 }
             }
         }
@@ -229,10 +218,10 @@ fn moving_turns_about_the_middle_and_takes_the_marker_along() {
     assert_eq!(document.selection().marker(), moved);
     assert_eq!(document.grid().opaque_count(), before.grid.opaque_count());
     // What was the left end is the lower one: x has become y.
-    assert_eq!(colour_of(document.contents(), IVec3::new(14, 6, 9)), Some(Rgb::new(0, 255, 0)));
+    assert_eq!(document.contents().colour(IVec3::new(14, 6, 9)), Some(Rgb::new(0, 255, 0)));
     run(&mut document, "move by=-5,0,0 axes=-y,x,z");
     for v in voxels(before.grid.dims()) {
-        assert_eq!(colour_of(document.contents(), v), colour_of(&before, v), "{v}");
+        assert_eq!(document.contents().colour(v), before.colour(v), "{v}");
     }
     assert_eq!(document.history().undo_count(), 4);
 }
@@ -292,12 +281,12 @@ fn a_picture_colours_what_exists_inside_a_solid() {
     let applied = document.apply(&texture).unwrap();
     assert_eq!(applied.stats.voxels_recoloured, 16 * 16 * 16);
     // The front, seen from +z.
-    assert_eq!(colour_of(document.contents(), IVec3::new(9, 16, 23)), Some(RED));
-    assert_eq!(colour_of(document.contents(), IVec3::new(22, 16, 23)), Some(blue));
+    assert_eq!(document.contents().colour(IVec3::new(9, 16, 23)), Some(RED));
+    assert_eq!(document.contents().colour(IVec3::new(22, 16, 23)), Some(blue));
     // The right side, seen from +x: towards -z is right.
-    assert_eq!(colour_of(document.contents(), IVec3::new(23, 16, 21)), Some(RED));
-    assert_eq!(colour_of(document.contents(), IVec3::new(23, 16, 9)), Some(blue));
-    assert_eq!(colour_of(document.contents(), IVec3::new(7, 16, 16)), Some(Rgb::STONE));
+    assert_eq!(document.contents().colour(IVec3::new(23, 16, 21)), Some(RED));
+    assert_eq!(document.contents().colour(IVec3::new(23, 16, 9)), Some(blue));
+    assert_eq!(document.contents().colour(IVec3::new(7, 16, 16)), Some(Rgb::STONE));
     document.apply(&Command::Undo { steps: Some(1) }).unwrap();
     assert_eq!(document.material().page_count(), 0);
     let orientation = Orientation::UPRIGHT;
