@@ -150,6 +150,11 @@ impl Document {
         self.pictures.contains_key(name)
     }
 
+    /// Forgets all pictures, so that they are read again when they are next used.
+    pub fn forget_pictures(&mut self) {
+        self.pictures.clear();
+    }
+
     /// Makes a picture known under the name that commands call it by.
     pub fn learn_picture(&mut self, name: &Path, picture: Texture) {
         self.pictures.insert(name.to_path_buf(), Arc::new(picture));

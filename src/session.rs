@@ -128,6 +128,10 @@ impl Session {
         if let Some(work) = self.prepare(command)? {
             return self.complete(work.run(progress)?);
         }
+        if matches!(command, Command::Begin { .. }) {
+            // Read again with every stroke: the file may have been changed by then.
+            self.document.forget_pictures();
+        }
         if let Command::Texture { picture, .. } = command
             && !self.document.has_picture(picture)
         {
@@ -215,5 +219,35 @@ impl Journal {
     fn write(&mut self, command: &Command) -> Result<(), SessionError> {
         writeln!(self.file, "{command}")
             .map_err(|error| SessionError::Journal { path: self.path.clone(), error })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_is_read_anew_with_every_stroke() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("colour.png");
+        let write = |rgb: [u8; 3]| {
+            image::RgbImage::from_pixel(2, 2, image::Rgb(rgb)).save(&path).unwrap();
+        };
+        let mut config = Config::default();
+        config.new.dims = [16; 3];
+        let mut session = Session::new(&config).unwrap();
+        let paint = format!("texture \"{}\" cuboid at=8,8,8 half=4", path.display());
+        for rgb in [[200, 10, 20], [30, 220, 40]] {
+            write(rgb);
+            for line in ["begin", &paint, "end"] {
+                session.execute(&line.parse().unwrap(), &()).unwrap();
+            }
+            let contents = session.document().contents();
+            assert_eq!(contents.rgb(glam::UVec3::splat(8)).0, rgb);
+        }
+        std::fs::remove_file(&path).unwrap();
+        session.execute(&Command::Begin { label: String::new() }, &()).unwrap();
+        let error = session.execute(&paint.parse().unwrap(), &()).unwrap_err();
+        assert!(error.to_string().contains("colour.png"), "{error}");
     }
 }
