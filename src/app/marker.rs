@@ -148,7 +148,6 @@ impl Workbench {
         let marker = self.session.document().selection().marker();
         let colour = self.ui.hand.colour;
         let area = Area::Marker;
-        let turned = |orientation: Orientation, step| orientation.then(step);
         match action {
             Action::Marker => self.ui.hand.tool = Tool::Marker,
             Action::SelectMarker => self.run(Command::Select(SelectOp::Add), false),
@@ -183,12 +182,12 @@ impl Workbench {
                 self.run(Command::Paste { at: marker.min, orientation }, false);
             }
             Action::TurnClip(axis) => {
-                let step = Orientation::quarter_turn(axis.index());
-                self.ui.orientation = turned(self.ui.orientation, step);
+                let turn = Orientation::quarter_turn(axis.index());
+                self.ui.orientation = self.ui.orientation.then(turn);
             }
             Action::MirrorClip(axis) => {
-                let step = Orientation::mirroring(axis.index());
-                self.ui.orientation = turned(self.ui.orientation, step);
+                let mirror = Orientation::mirroring(axis.index());
+                self.ui.orientation = self.ui.orientation.then(mirror);
             }
             Action::MoveContents(step) => {
                 let by = self.grid_step(step).as_ivec3();

@@ -18,8 +18,9 @@ use crate::sculpture::paint::paint_each;
 use crate::sculpture::region::{ListedBricks, Region};
 use crate::sculpture::selection::{Limited, MARKER_LIMIT_VX};
 use crate::sculpture::{Brick, Rgb};
-use crate::tools::construct::Primitive;
+use crate::tools::construct::{PlacedSolid, Primitive};
 use crate::tools::spray::{Effect, Spray, Stamp};
+use crate::tools::symmetry::Image;
 use crate::tools::texture::picture_point;
 
 /// Most copies in an array.
@@ -98,15 +99,9 @@ impl Document {
         if matches!(op, EditOp::Recolour(_)) && !self.has_colour() {
             return Err(CommandError::NoColour);
         }
-        let voxel_size = self.grid().voxel_size();
-        let images = self.symmetry.images(self.grid().dims());
-        let regions: Vec<_> =
-            images.iter().map(|i| i.primitive(primitive).in_grid(voxel_size)).collect();
-        self.check_colour_memory(|document, exact| {
-            regions.iter().map(|region| document.new_pages(region, op, exact)).sum()
-        })?;
+        let regions = self.images_of(primitive, op)?;
         let mut stats = EditStats::default();
-        regions.iter().for_each(|region| stats += self.edit(region, op));
+        regions.iter().for_each(|(_, region)| stats += self.edit(region, op));
         Ok(stats)
     }
 
@@ -122,23 +117,31 @@ impl Document {
         }
         let texture = self.pictures.get(picture).cloned();
         let texture = texture.ok_or_else(|| CommandError::NoPicture(picture.to_path_buf()))?;
-        let voxel_size = self.grid().voxel_size();
-        let placed = primitive.in_grid(voxel_size);
-        let images = self.symmetry.images(self.grid().dims());
-        let regions: Vec<_> =
-            images.iter().map(|i| i.primitive(primitive).in_grid(voxel_size)).collect();
-        let op = EditOp::Recolour(self.new_colour());
-        self.check_colour_memory(|document, exact| {
-            regions.iter().map(|region| document.new_pages(region, op, exact)).sum()
-        })?;
+        let placed = primitive.in_grid(self.grid().voxel_size());
         let mut stats = EditStats::default();
-        for (image, region) in images.iter().zip(&regions) {
-            stats += self.paint(region, |v, _| {
+        for (image, region) in self.images_of(primitive, EditOp::Recolour(self.new_colour()))? {
+            stats += self.paint(&region, |v, _| {
                 let p = placed.tool_point(image.point(v.as_vec3() + 0.5));
                 texture.sample(picture_point(primitive.solid, p))
             });
         }
         Ok(stats)
+    }
+
+    /// A solid with its mirror images, each in the grid, if there is memory for what `op` paints.
+    fn images_of(
+        &self,
+        primitive: &Primitive,
+        op: EditOp,
+    ) -> Result<Vec<(Image, PlacedSolid)>, CommandError> {
+        let voxel_size = self.grid().voxel_size();
+        let placed = |image: Image| (image, image.primitive(primitive).in_grid(voxel_size));
+        let images = self.symmetry.images(self.grid().dims());
+        let solids: Vec<_> = images.into_iter().map(placed).collect();
+        self.check_colour_memory(|document, exact| {
+            solids.iter().map(|(_, region)| document.new_pages(region, op, exact)).sum()
+        })?;
+        Ok(solids)
     }
 
     /// Works out what a spray and its images change, then does it: removing first, then adding,

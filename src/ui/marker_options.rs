@@ -20,7 +20,6 @@ pub fn show(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<I
         state,
         facts,
         intents,
-        true,
         &[
             ("Fill", Action::FillMarker),
             ("Dye", Action::DyeMarker),
@@ -45,12 +44,11 @@ fn buttons(
     state: &UiState,
     facts: &Facts,
     intents: &mut Vec<Intent>,
-    enabled: bool,
     entries: &[(&str, Action)],
 ) {
     ui.horizontal_wrapped(|ui| {
         for (label, action) in entries {
-            action_button(ui, state, facts, *label, *action, enabled, intents);
+            action_button(ui, state, facts, *label, *action, true, intents);
         }
     });
 }
@@ -91,7 +89,6 @@ fn selection(ui: &mut Ui, state: &UiState, facts: &Facts, intents: &mut Vec<Inte
         state,
         facts,
         intents,
-        true,
         &[("Add", Action::SelectMarker), ("Subtract", Action::DeselectMarker)],
     );
     for (i, selected) in boxes.iter().enumerate().rev().take(6) {
@@ -111,7 +108,7 @@ fn selection(ui: &mut Ui, state: &UiState, facts: &Facts, intents: &mut Vec<Inte
     if boxes.is_empty() {
         ui.weak("Nothing is selected");
     } else {
-        buttons(ui, state, facts, intents, true, &[("Select nothing", Action::ClearSelection)]);
+        buttons(ui, state, facts, intents, &[("Select nothing", Action::ClearSelection)]);
     }
     let mut limits = selection.limits();
     let limit = ui.checkbox(&mut limits, "Limit all tools to it");
@@ -122,7 +119,7 @@ fn selection(ui: &mut Ui, state: &UiState, facts: &Facts, intents: &mut Vec<Inte
 
 /// What is done to the voxels in the marker where they are.
 fn contents(ui: &mut Ui, state: &UiState, facts: &Facts, intents: &mut Vec<Intent>) {
-    buttons(ui, state, facts, intents, true, &[("Copy", Action::Copy), ("Cut", Action::Cut)]);
+    buttons(ui, state, facts, intents, &[("Copy", Action::Copy), ("Cut", Action::Cut)]);
     type Make = fn(usize) -> Orientation;
     let rows: [(&str, &str, Make); 2] = [
         ("Turn", "Turn what the marker holds by 90° about", Orientation::quarter_turn),
@@ -154,7 +151,7 @@ fn copy(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Inten
     let size = state.orientation.size(clip.size());
     ui.label(format!("{} × {} × {}", size.x, size.y, size.z))
         .on_hover_text(format!("{} voxels", grouped(clip.voxel_count())));
-    buttons(ui, state, facts, intents, true, &[("Paste", Action::Paste)]);
+    buttons(ui, state, facts, intents, &[("Paste", Action::Paste)]);
     type Make = fn(Axis) -> Action;
     let rows: [(&str, Make); 2] = [("Turn", Action::TurnClip), ("Mirror", Action::MirrorClip)];
     for (title, action) in rows {

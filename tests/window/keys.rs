@@ -73,10 +73,7 @@ fn a_key_is_changed_used_and_remembered_and_the_palette_runs_a_command() {
     let cut = shot(&program, "keys-12-cut").part(PICTURE);
     assert!(before.differing(&cut) > 1000, "the typed command was run");
     program.close();
-    program.key(&["Tab"]);
-    program.key(&["Tab"]);
-    program.key(&["space"]);
-    program.expect_clean_exit();
+    program.leave_without_saving();
 }
 
 #[test]
@@ -101,10 +98,7 @@ fn copies_are_pasted_by_key_with_nothing_on_the_clipboard() {
     let pasted = shot(&program, "keys-23-pasted").part(PICTURE);
     assert!(gone.differing(&pasted) > 300, "Ctrl+V pastes");
     program.close();
-    program.key(&["Tab"]);
-    program.key(&["Tab"]);
-    program.key(&["space"]);
-    program.expect_clean_exit();
+    program.leave_without_saving();
 }
 
 /// The filter of the window of keys, and the + of the first line below it while one is shown.

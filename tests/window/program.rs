@@ -293,6 +293,15 @@ impl<'a> Program<'a> {
         (status, text)
     }
 
+    /// Answers the question that leaving asks, and waits for the end.
+    pub fn leave_without_saving(self) {
+        // Save, Leave without saving, Stay: two steps of the keyboard lead to the second.
+        self.key(&["Tab"]);
+        self.key(&["Tab"]);
+        self.key(&["space"]);
+        self.expect_clean_exit();
+    }
+
     /// Waits for the end, which must be without complaint, of the validation layers too.
     pub fn expect_clean_exit(self) {
         let (status, text) = self.wait();
