@@ -14,7 +14,6 @@ mod painter;
 mod pane;
 mod path;
 mod recovery;
-mod sampler;
 mod stage;
 mod stroke;
 mod torn;
@@ -167,7 +166,7 @@ impl App {
             .with_inner_size(LogicalSize::new(width, height))
             .with_min_inner_size(SMALLEST);
         let window = Arc::new(event_loop.create_window(attributes)?);
-        self.view = Some(View::new(window, &self.config, &self.bench.eye())?);
+        self.view = Some(View::new(window, &self.config)?);
         Ok(())
     }
 
@@ -185,7 +184,7 @@ impl App {
             self.restarted = Some(Instant::now());
             self.torn.close();
             let window = view.into_window();
-            match View::new(window, &self.config, &self.bench.eye()) {
+            match View::new(window, &self.config) {
                 Ok(mut view) => {
                     view.pane.redraw();
                     self.view = Some(view);

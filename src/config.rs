@@ -80,6 +80,11 @@ pub enum RenderMode {
 impl RenderMode {
     pub const ALL: [RenderMode; 3] = [RenderMode::Slicing, RenderMode::Ray, RenderMode::Quickstep];
 
+    /// Whether it draws with Vulkan even where nothing is shown.
+    pub fn needs_device(self) -> bool {
+        self == RenderMode::Slicing
+    }
+
     /// What the interface calls it.
     pub fn label(self) -> &'static str {
         match self {

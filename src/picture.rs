@@ -13,11 +13,11 @@ use crate::config::{Config, RenderMode};
 use crate::document::Document;
 use crate::format::store;
 use crate::gpu::{Device, Frames, GpuError, Headless};
-use crate::render::{IndexReadback, IndexTarget, Slicing, Volume};
+use crate::render::{Background, Renderer, Shot};
+use crate::screen::offscreen;
 use crate::sculpture::Grid;
 use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::shade::{self, Pixels, ShadePose};
-use crate::surface::slices::SliceAreas;
 use crate::surface::{IndexMap, quickstep, raycast};
 use crate::view::{Camera, Eye};
 
@@ -101,7 +101,15 @@ pub fn render(
     config: &Config,
 ) -> Result<RgbImage, PictureError> {
     let (eye, world_from_grid) = view.frame(document);
-    let map = sample(document, view.mode, &eye, &world_from_grid, config)?;
+    if view.mode.needs_device() {
+        return render_on_device(document, view, &eye, world_from_grid, config);
+    }
+    let rays = eye.pixel_rays(&world_from_grid);
+    let mut map = IndexMap::new(rays);
+    match view.mode {
+        RenderMode::Quickstep => quickstep::sample(document.grid(), &rays, &mut map),
+        _ => raycast::sample(document.grid(), &rays, &mut map),
+    }
     let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
     let mut pixels = Pixels::new(view.size);
     let lighting = config.lighting();
@@ -123,45 +131,43 @@ pub fn render_to_file(
         .map_err(|error| PictureError::Write { path: path.to_path_buf(), error })
 }
 
-fn sample(
+/// Renders on a device of its own, which is given back afterwards.
+fn render_on_device(
     document: &mut Document,
-    mode: RenderMode,
+    view: &View,
     eye: &Eye,
-    world_from_grid: &Affine3A,
+    world_from_grid: Affine3A,
     config: &Config,
-) -> Result<IndexMap, PictureError> {
-    let rays = eye.pixel_rays(world_from_grid);
-    let mut map = IndexMap::new(rays);
-    match mode {
-        RenderMode::Ray => raycast::sample(document.grid(), &rays, &mut map),
-        RenderMode::Quickstep => quickstep::sample(document.grid(), &rays, &mut map),
-        RenderMode::Slicing => slice(document.grid(), config, &mut map)?,
-    }
-    Ok(map)
-}
-
-/// Samples by slicing on a device of its own, which is given back afterwards.
-fn slice(grid: &Grid, config: &Config, map: &mut IndexMap) -> Result<(), PictureError> {
+) -> Result<RgbImage, PictureError> {
     let device = Device::new(&mut Headless, &config.device_options())?;
-    let volume = Volume::new(&device, grid)?;
-    let mut areas = SliceAreas::default();
-    areas.update(grid, None);
-    let mut target = IndexTarget::new(&device, map.rays.size, 1)?;
-    let mut slicing = Slicing::new(&device)?;
-    let mut readback = IndexReadback::new(&device);
+    let mut renderer = Renderer::new(&device, offscreen::FORMAT)?;
     let mut frames = Frames::new(&device)?;
+    let [top, bottom] = BACKGROUND.map(|rgb| Vec3::from(rgb.map(f32::from)) / 255.0);
+    let shot = Shot {
+        eyes: &[*eye],
+        world_from_grid,
+        mode: view.mode,
+        lighting: config.lighting(),
+        background: Background::Gradient { top, bottom },
+        ghosts: &[],
+        lines: &[],
+    };
     let mut recorder = frames.begin()?;
-    let slot = frames.slot();
-    slicing.begin(slot, &volume);
-    slicing.record(&mut recorder, &volume, &mut areas, &map.rays, &mut target, 0)?;
-    readback.record(&mut recorder, slot, &mut target, 0, &map.rays)?;
-    let serial = frames.submit(recorder, &[], &[])?;
-    readback.submitted(slot, serial);
-    readback.fetch(slot, map)?;
+    renderer.paint(&mut recorder, frames.slot(), document, &shot)?;
+    frames.submit(recorder, &[], &[])?;
+    let pictures = renderer.read_back()?;
     match device.validation_messages() {
-        messages if messages.is_empty() => Ok(()),
-        messages => Err(PictureError::Validation(messages.join("\n"))),
+        messages if messages.is_empty() => {}
+        messages => return Err(PictureError::Validation(messages.join("\n"))),
     }
+    let rgb = |pixels: &Pixels| {
+        let UVec2 { x: width, y: height } = pixels.size;
+        RgbImage::from_fn(width, height, |x, y| {
+            let [r, g, b, _] = pixels.rgba[(x + y * width) as usize];
+            Rgb([r, g, b])
+        })
+    };
+    Ok(pictures.first().map(rgb).unwrap_or_default())
 }
 
 /// Puts shaded pixels over the background gradient.

@@ -13,7 +13,6 @@ use super::pane::{Frame, Interface, Pane};
 use super::workbench::Workbench;
 use crate::config::Config;
 use crate::gpu::{Device, GpuError, ValidationLog, WindowHost};
-use crate::view::Eye;
 
 /// Longest wait for an image of the window; a compositor may give none to a hidden window.
 const PATIENCE: Duration = Duration::from_millis(200);
@@ -27,12 +26,11 @@ pub struct View {
 }
 
 impl View {
-    /// `eye`: of the first picture.
-    pub fn new(window: Arc<Window>, config: &Config, eye: &Eye) -> Result<View, GpuError> {
+    pub fn new(window: Arc<Window>, config: &Config) -> Result<View, GpuError> {
         let mut host = WindowHost::new(window.clone());
         let device = Device::new(&mut host, &config.device_options())?;
         let pane = Pane::new(window, host.into_surface()?, &device)?;
-        Ok(View { painter: Painter::new(&device, pane.screen().format(), eye)?, pane, shown: 0 })
+        Ok(View { painter: Painter::new(&device, pane.screen().format())?, pane, shown: 0 })
     }
 
     /// Gives everything back but the window.
@@ -90,7 +88,9 @@ impl View {
         bench: &mut Workbench,
     ) -> Result<(), GpuError> {
         let slot = self.pane.slot();
-        let picture = self.painter.paint(&mut frame.recorder, slot, bench)?;
+        self.painter.paint(&mut frame.recorder, slot, bench)?;
+        let Some(pictures) = self.painter.pictures() else { return Ok(()) };
+        let picture = &pictures.colour;
         let corner = (bench.picture().min.to_vec2() * self.pane.pixels_per_point()).round();
         let at = [corner.x.max(0.0) as u32, corner.y.max(0.0) as u32];
         frame.paste(picture.image().layer(0), picture.size().to_array(), at);

@@ -3,11 +3,17 @@
 pub mod composite;
 pub mod gui;
 pub mod overlay;
+pub mod renderer;
+pub mod sampler;
 pub mod slicing;
 pub mod target;
 pub mod volume;
 
 pub use composite::{Background, Composite, CompositeEye};
+pub use renderer::{Renderer, Shot};
 pub use slicing::Slicing;
 pub use target::{IndexReadback, IndexTarget};
 pub use volume::Volume;
+
+/// Eyes that a picture can have.
+pub const MAX_EYES: usize = 2;

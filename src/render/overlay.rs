@@ -50,7 +50,8 @@ pub struct Scene<'a> {
     pub projection: Mat4,
     /// Pixels.
     pub size: [u32; 2],
-    pub ghost: Option<Ghost>,
+    /// The tools.
+    pub ghosts: &'a [Ghost],
     pub lines: &'a [Line],
 }
 
@@ -162,14 +163,17 @@ impl Overlay {
         })
     }
 
-    /// Records the overlay into a target with the depth of the sculpture. `slot`:
-    /// [`crate::gpu::Frames::slot`]; once a frame.
-    pub fn draw(&mut self, recorder: &mut Recorder, slot: usize, scene: &Scene) -> Result<()> {
+    /// Starts a frame that uses `slot` ([`crate::gpu::Frames::slot`]).
+    pub fn begin(&mut self, slot: usize) {
         self.instances.begin(slot);
+    }
+
+    /// Records the overlay of an eye into a target with the depth of the sculpture.
+    pub fn draw(&mut self, recorder: &mut Recorder, scene: &Scene) -> Result<()> {
         // What is behind comes first, as it is farther.
         for side in [1, 0] {
             self.draw_lines(recorder, scene, side)?;
-            if let Some(ghost) = &scene.ghost {
+            for ghost in scene.ghosts {
                 self.draw_ghost(recorder, scene, ghost, side);
             }
         }

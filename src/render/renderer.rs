@@ -1,0 +1,332 @@
+//! Owns the way from a sculpture to its pictures: sample, shade, compose with background and
+//! overlay. One renderer serves a window, a file or a headset; they differ in what they do with
+//! the images.
+//!
+//! Takes a document and a [`Shot`]; leaves the pictures, one layer an eye, in images of its own,
+//! and does again only what the shot changes. So an interface that changes over a resting sculpture
+//! costs a copy only. Knows no window, no camera and no tools: what to draw comes in as values.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use ash::vk;
+use glam::{Affine3A, UVec2};
+
+use super::overlay::{Ghost, Line, Overlay, Scene};
+use super::sampler::Sampler;
+use super::target::EyeImage;
+use super::{Background, Composite, CompositeEye, MAX_EYES};
+use crate::config::RenderMode;
+use crate::document::Document;
+use crate::gpu::{Attachment, Device, Load, Recorder, Result, Use, read_image_once};
+use crate::shade::{Lighting, Pixels, ShadePose, shade};
+use crate::surface::IndexMap;
+use crate::view::{Eye, PixelRays};
+
+/// The format of depth: reversed, 1 at the near plane and 0 at infinity.
+pub const DEPTH_FORMAT: vk::Format = vk::Format::D32_SFLOAT;
+
+/// From where and how a sculpture is to be seen.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Shot<'a> {
+    /// One, or two of the same size in pixels.
+    pub eyes: &'a [Eye],
+    pub world_from_grid: Affine3A,
+    pub mode: RenderMode,
+    pub lighting: Lighting,
+    pub background: Background,
+    /// The tools.
+    pub ghosts: &'a [Ghost],
+    pub lines: &'a [Line],
+}
+
+/// How long the parts of the last picture took, in milliseconds. What was not done anew keeps its
+/// time.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct RenderTimes {
+    /// Finding the voxel of every pixel, with upload and read-back.
+    pub sample_ms: f32,
+    /// The software shader.
+    pub shade_ms: f32,
+}
+
+/// What the voxels of a picture depend on.
+#[derive(Clone, Copy, PartialEq)]
+struct SampleKey {
+    revision: u64,
+    eyes: [Option<Eye>; MAX_EYES],
+    world_from_grid: Affine3A,
+    mode: RenderMode,
+}
+
+/// What the picture as a whole depends on. Kept for its memory.
+struct PictureKey {
+    sample: SampleKey,
+    lighting: Lighting,
+    background: Background,
+    ghosts: Vec<Ghost>,
+    lines: Vec<Line>,
+}
+
+/// Makes pictures of one document.
+pub struct Renderer {
+    sampler: Sampler,
+    composite: Composite,
+    overlay: Overlay,
+    pictures: Option<Pictures>,
+    format: vk::Format,
+    /// One an eye. Shared with whoever asks what a pixel shows.
+    maps: Vec<Arc<IndexMap>>,
+    pixels: Vec<Pixels>,
+    /// What the pictures were made of; none while they are not complete.
+    shown: Option<PictureKey>,
+    times: RenderTimes,
+    device: Arc<Device>,
+}
+
+/// Finished pictures: a layer an eye.
+pub struct Pictures {
+    /// In the layout of [`Use::COPY_SOURCE`].
+    pub colour: EyeImage,
+    /// In the layout of [`Use::DEPTH_TARGET`], of [`DEPTH_FORMAT`].
+    pub depth: EyeImage,
+}
+
+impl Renderer {
+    /// For pictures of `format`.
+    pub fn new(device: &Arc<Device>, format: vk::Format) -> Result<Renderer> {
+        Ok(Renderer {
+            sampler: Sampler::new(device)?,
+            composite: Composite::new(device, format, MAX_EYES as u32)?,
+            overlay: Overlay::new(device, format, DEPTH_FORMAT)?,
+            pictures: None,
+            format,
+            maps: Vec::new(),
+            pixels: Vec::new(),
+            shown: None,
+            times: RenderTimes::default(),
+            device: device.clone(),
+        })
+    }
+
+    /// Records what the pictures of `shot` need; afterwards they are in [`Renderer::pictures`].
+    /// `slot`: [`crate::gpu::Frames::slot`]; once a frame.
+    ///
+    /// A sculpture that is too large for the device is an error of [`crate::gpu::GpuError::Limit`]:
+    /// ask again for a mode that samples on the CPU.
+    pub fn paint(
+        &mut self,
+        recorder: &mut Recorder,
+        slot: usize,
+        document: &mut Document,
+        shot: &Shot,
+    ) -> Result<()> {
+        let mut eyes = [None; MAX_EYES];
+        for (key, eye) in eyes.iter_mut().zip(shot.eyes) {
+            *key = Some(*eye);
+        }
+        let sample = SampleKey {
+            revision: document.revision(),
+            eyes,
+            world_from_grid: shot.world_from_grid,
+            mode: shot.mode,
+        };
+        // Only what is complete counts as shown.
+        let before = self.shown.take();
+        let (resample, reshade, recompose) = match &before {
+            None => (true, true, true),
+            Some(before) => {
+                let resample = before.sample != sample;
+                let reshade = resample || before.lighting != shot.lighting;
+                let same = before.background == shot.background
+                    && before.ghosts == shot.ghosts
+                    && before.lines == shot.lines;
+                (resample, reshade, reshade || !same)
+            }
+        };
+        if resample {
+            self.sample(document, shot)?;
+        }
+        self.composite.begin(slot);
+        if reshade {
+            self.shade(recorder, document, shot)?;
+        }
+        if recompose {
+            self.compose(recorder, slot, document, shot)?;
+        }
+        self.shown = Some(PictureKey::new(before, sample, shot));
+        let pictures = pictures(&self.device, &mut self.pictures, self.format, shot.eyes)?;
+        for eye in 0..pictures.colour.eyes() {
+            pictures.colour.make(recorder, eye, Use::COPY_SOURCE);
+        }
+        Ok(())
+    }
+
+    /// The pictures painted last.
+    pub fn pictures(&mut self) -> Option<&mut Pictures> {
+        self.pictures.as_mut()
+    }
+
+    /// The pictures painted last, in memory, once what was recorded has been submitted. Waits.
+    pub fn read_back(&self) -> Result<Vec<Pixels>> {
+        let Some(pictures) = &self.pictures else { return Ok(Vec::new()) };
+        let (image, size) = (pictures.colour.image(), pictures.colour.size());
+        let read = |eye| {
+            let part = image.layer(eye);
+            let bytes = read_image_once(&self.device, part, image.size(), 4, Use::COPY_SOURCE)?;
+            Ok(Pixels { size, rgba: bytemuck::pod_collect_to_vec(&bytes) })
+        };
+        (0..pictures.colour.eyes()).map(read).collect()
+    }
+
+    /// What each eye saw in the pictures painted last.
+    pub fn maps(&self) -> &[Arc<IndexMap>] {
+        &self.maps
+    }
+
+    pub fn times(&self) -> RenderTimes {
+        self.times
+    }
+
+    fn sample(&mut self, document: &mut Document, shot: &Shot) -> Result<()> {
+        let start = Instant::now();
+        let mut rays = [None; MAX_EYES];
+        for (rays, eye) in rays.iter_mut().zip(shot.eyes) {
+            *rays = Some(eye.pixel_rays(&shot.world_from_grid));
+        }
+        let count = shot.eyes.len().min(MAX_EYES);
+        let nothing = eye_rays_of_nothing();
+        let rays = rays.map(|rays| rays.unwrap_or(nothing));
+        self.maps.resize_with(count, || Arc::new(IndexMap::new(nothing)));
+        let result = self.sampler.sample(document, &rays[..count], shot.mode, &mut self.maps);
+        if result.is_err() {
+            self.sampler.forget_copy();
+        }
+        self.times.sample_ms = ms_since(start);
+        result
+    }
+
+    fn shade(&mut self, recorder: &mut Recorder, document: &Document, shot: &Shot) -> Result<()> {
+        let start = Instant::now();
+        self.pixels.resize_with(self.maps.len(), Pixels::default);
+        let (grid, material) = (document.grid(), document.material());
+        for ((map, pixels), eye) in self.maps.iter().zip(&mut self.pixels).zip(shot.eyes) {
+            let pose = ShadePose {
+                eye_from_world: eye.eye_from_world,
+                world_from_grid: shot.world_from_grid,
+            };
+            shade(map, grid, material, &pose, &shot.lighting, pixels);
+        }
+        self.times.shade_ms = ms_since(start);
+        for (eye, pixels) in (0..).zip(&self.pixels) {
+            self.composite.upload(recorder, eye, pixels)?;
+        }
+        Ok(())
+    }
+
+    /// Puts the pictures together, back to front.
+    fn compose(
+        &mut self,
+        recorder: &mut Recorder,
+        slot: usize,
+        document: &Document,
+        shot: &Shot,
+    ) -> Result<()> {
+        let pictures = pictures(&self.device, &mut self.pictures, self.format, shot.eyes)?;
+        let maps = self.sampler.maps(recorder, slot, &self.maps)?;
+        self.overlay.begin(slot);
+        for ((i, eye), map) in (0..).zip(shot.eyes).zip(&self.maps) {
+            pictures.begin(recorder, i);
+            let composite = CompositeEye {
+                rays: map.rays,
+                projection: eye.projection,
+                dims: document.grid().dims(),
+                corner: UVec2::ZERO,
+                size: eye.size,
+                background: shot.background,
+            };
+            self.composite.draw(recorder, maps, i, &composite);
+            let scene = Scene {
+                eye_from_grid: eye.eye_from_world * shot.world_from_grid,
+                projection: eye.projection,
+                size: eye.size.to_array(),
+                ghosts: shot.ghosts,
+                lines: shot.lines,
+            };
+            self.overlay.draw(recorder, &scene)?;
+            recorder.end_rendering();
+        }
+        Ok(())
+    }
+}
+
+impl PictureKey {
+    /// The key of `shot`, in the memory of a former one.
+    fn new(former: Option<PictureKey>, sample: SampleKey, shot: &Shot) -> PictureKey {
+        let (mut ghosts, mut lines) = former.map_or_else(Default::default, |f| (f.ghosts, f.lines));
+        ghosts.clear();
+        ghosts.extend_from_slice(shot.ghosts);
+        lines.clear();
+        lines.extend_from_slice(shot.lines);
+        let Shot { lighting, background, .. } = *shot;
+        PictureKey { sample, lighting, background, ghosts, lines }
+    }
+}
+
+impl Pictures {
+    fn new(device: &Arc<Device>, size: UVec2, eyes: u32, format: vk::Format) -> Result<Pictures> {
+        use vk::ImageUsageFlags as Usage;
+        let usage = Usage::COLOR_ATTACHMENT | Usage::TRANSFER_SRC | Usage::SAMPLED;
+        let colour = EyeImage::new(device, "picture", size, eyes, format, usage)?;
+        let usage = Usage::DEPTH_STENCIL_ATTACHMENT | Usage::TRANSFER_SRC;
+        let depth = EyeImage::new(device, "picture depth", size, eyes, DEPTH_FORMAT, usage)?;
+        Ok(Pictures { colour, depth })
+    }
+
+    fn begin(&mut self, recorder: &mut Recorder, eye: u32) {
+        self.colour.renew(recorder, eye, Use::COLOUR_TARGET);
+        self.depth.renew(recorder, eye, Use::DEPTH_TARGET);
+        // The composite covers every pixel of both.
+        let attachment = |image: &EyeImage| {
+            let view = image.image().layer_view(eye);
+            Some(Attachment { view, load: Load::Forget, store: true })
+        };
+        let (colour, depth) = (attachment(&self.colour), attachment(&self.depth));
+        recorder.begin_rendering(self.colour.size().to_array(), colour, depth);
+    }
+}
+
+/// The images for pictures of `eyes`.
+fn pictures<'a>(
+    device: &Arc<Device>,
+    pictures: &'a mut Option<Pictures>,
+    format: vk::Format,
+    eyes: &[Eye],
+) -> Result<&'a mut Pictures> {
+    let size = eyes.first().map_or(UVec2::ONE, |eye| eye.size);
+    let count = eyes.len() as u32;
+    let fits = |p: &Pictures| p.colour.size() == size && p.colour.eyes() == count;
+    if !pictures.as_ref().is_some_and(fits) {
+        *pictures = None;
+    }
+    Ok(match pictures {
+        Some(pictures) => pictures,
+        none => none.insert(Pictures::new(device, size, count, format)?),
+    })
+}
+
+/// Rays of a picture without pixels.
+fn eye_rays_of_nothing() -> PixelRays {
+    use glam::Vec3;
+    PixelRays {
+        origin: Vec3::ZERO,
+        corner: Vec3::NEG_Z,
+        step_x: Vec3::X,
+        step_y: Vec3::NEG_Y,
+        size: UVec2::ZERO,
+    }
+}
+
+fn ms_since(start: Instant) -> f32 {
+    start.elapsed().as_secs_f32() * 1e3
+}
