@@ -15,6 +15,7 @@ mod pane;
 mod path;
 mod recovery;
 mod stage;
+mod stereo_screen;
 mod stroke;
 mod torn;
 mod view;
@@ -121,7 +122,7 @@ impl App {
         let Some(view) = &mut self.view else { return Ok(()) };
         let started = Instant::now();
         view.pane.answer();
-        let Some(mut frame) = view.begin()? else {
+        let Some(mut frame) = view.begin(&mut self.bench)? else {
             // Nothing to draw to. A hidden window is asked again now and then.
             let again = started + Duration::from_millis(250);
             view.pane.wake_at((!view.pane.is_minimised()).then_some(again));

@@ -13,8 +13,10 @@ use crate::sculpture::{ColourDepth, Rgb};
 use crate::shade::{Light, LightFrame, LightSource, Lighting};
 
 mod gamepad;
+pub mod stereo;
 
 pub use gamepad::GamepadSettings;
+pub use stereo::StereoSettings;
 
 /// The commented file of all defaults.
 pub const DEFAULT_TOML: &str = include_str!("../config/default.toml");
@@ -43,6 +45,7 @@ pub struct Config {
     pub light: LightSettings,
     pub gpu: Gpu,
     pub window: Window,
+    pub stereo: StereoSettings,
     pub gamepad: GamepadSettings,
 }
 
@@ -225,7 +228,7 @@ impl Config {
             true => Ok(()),
             false => Err(ConfigError::Value { path: path.into(), key, value, rule }),
         };
-        let Config { memory, new, render, light, window, gamepad, gpu: _ } = self;
+        let Config { memory, new, render, light, window, stereo, gamepad, gpu: _ } = self;
         let mib = |value: u64| (1..=1 << 24).contains(&value);
         let rule = "must be 1 to 16777216 MiB";
         demand(mib(memory.grid_mib), "memory.grid_mib", memory.grid_mib.to_string(), rule)?;
@@ -281,7 +284,7 @@ impl Config {
             window.scale.to_string(),
             "must be 0.5 to 4",
         )?;
-        for (key, value, range, rule) in gamepad.ranges() {
+        for (key, value, range, rule) in gamepad.ranges().into_iter().chain(stereo.ranges()) {
             demand(range.contains(&value), key, value.to_string(), rule)?;
         }
         Ok(())
@@ -374,6 +377,8 @@ mod tests {
             ("[gamepad]\ndead_zone = 1.0", "gamepad.dead_zone"),
             ("[gamepad]\nmove_speed = nan", "gamepad.move_speed"),
             ("[gamepad]\nmode = \"fly\"", "fly"),
+            ("[stereo]\nlayout = \"holo\"", "holo"),
+            ("[stereo]\nconvergence_percent = 0.0", "stereo.convergence_percent"),
             ("[window", "my.toml"),
         ];
         for (text, needle) in cases {

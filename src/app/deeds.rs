@@ -17,6 +17,7 @@ use crate::tools::symmetry::Parity;
 use crate::ui::files::FileTask;
 use crate::ui::state::Repeat;
 use crate::ui::{Intent, Tool, sprays};
+use crate::view::StereoLayout;
 
 /// Factor on the tool's size for one press of a key.
 const GROWTH: f32 = 1.15;
@@ -120,6 +121,8 @@ impl Workbench {
             Action::NextPadMode => self.next_pad_mode(),
             Action::ToggleRumble => self.toggle_rumble(),
             Action::NextRenderMode => self.ui.view.mode = next_mode(self.ui.view.mode),
+            Action::NextStereo => self.next_stereo(),
+            Action::SwapEyes => self.ui.view.stereo.swap_eyes ^= true,
             Action::TearOff(panel) => self.ui.tear_off(panel),
             Action::ScaleUp => self.ui.scale.change_by(1.0),
             Action::ScaleDown => self.ui.scale.change_by(-1.0),
@@ -413,6 +416,17 @@ fn spray_for(action: Action, tool: Tool) -> Option<SprayKind> {
         (Action::SculptInverse, Tool::Spray(kind)) => Some(sprays::opposite(kind)),
         (_, Tool::Spray(kind)) => Some(kind),
         _ => None,
+    }
+}
+
+impl Workbench {
+    /// The next way to show two eyes that this window has.
+    fn next_stereo(&mut self) {
+        let layout = &mut self.ui.view.stereo.layout;
+        let at = StereoLayout::ALL.iter().position(|l| l == layout).unwrap_or(0);
+        let mut following = (1..).map(|i| StereoLayout::ALL[(at + i) % StereoLayout::ALL.len()]);
+        let has = |l: &StereoLayout| *l != StereoLayout::Layers || self.quad_buffered;
+        *layout = following.find(has).unwrap_or_default();
     }
 }
 

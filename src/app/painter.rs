@@ -36,7 +36,7 @@ impl Painter {
     ) -> Result<()> {
         let aid = bench.aid();
         let (ghost, lines) = (guides::ghost(&aid), guides::lines(&aid));
-        let eyes = [bench.eye()];
+        let eyes = bench.eyes();
         let mut shot = Shot {
             eyes: &eyes,
             world_from_grid: bench.world_from_grid(),
@@ -58,7 +58,8 @@ impl Painter {
             }
             result => result?,
         }
-        if let Some(map) = renderer.maps().first() {
+        let maps = renderer.maps();
+        if let Some(map) = maps.get(bench.pointing_eye).or(maps.first()) {
             bench.saw(map.clone());
         }
         let times = renderer.times();

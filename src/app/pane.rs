@@ -8,23 +8,34 @@ use std::time::{Duration, Instant};
 
 use egui::epaint::ClippedShape;
 use egui::{TexturesDelta, Ui, ViewportId};
+use glam::{IVec2, UVec2, Vec2};
 use winit::dpi::PhysicalPosition;
-use winit::event::{ElementState, WindowEvent};
+use winit::event::{ElementState, Touch, WindowEvent};
 use winit::keyboard::{Key, KeyCode, PhysicalKey};
 use winit::window::{Window, WindowId};
 
 use crate::gpu::{Attachment, Device, Frames, GpuError, ImagePart, Load, Recorder, Surface, Use};
 use crate::render::gui::Gui;
+use crate::render::target::EyeImage;
 use crate::screen::window::{Target, WindowScreen};
+use crate::view::StereoLayout;
+
+use super::stereo_screen::StereoScreen;
 
 /// A window that an interface is drawn into. Fields are dropped in this order.
 pub struct Pane {
     gui: Gui,
+    /// What stereo needs, once it has been asked for.
+    stereo: Option<StereoScreen>,
     frames: Frames,
     screen: WindowScreen,
     device: Arc<Device>,
     egui: egui_winit::State,
     window: Arc<Window>,
+    /// How two eyes share the window.
+    layout: StereoLayout,
+    /// The eye whose picture the pointer is in.
+    pointing_eye: usize,
     /// When the interface wants to be drawn again by itself.
     wake: Option<Instant>,
     /// A picture was asked for and has not been drawn.
@@ -73,6 +84,9 @@ impl Pane {
             device: device.clone(),
             egui,
             window,
+            stereo: None,
+            layout: StereoLayout::Mono,
+            pointing_eye: 0,
             wake: None,
             pending: false,
         })
@@ -154,8 +168,43 @@ impl Pane {
         self.pending
     }
 
+    /// Shows two eyes in another way from the next picture on. Layers are for windows that have
+    /// them ([`WindowScreen::can_layer`]).
+    pub fn arrange(&mut self, layout: StereoLayout) {
+        self.layout = layout;
+        self.screen.set_layered(layout == StereoLayout::Layers);
+    }
+
+    /// The eye whose picture the pointer is in: 0 for the left one or both.
+    pub fn pointing_eye(&self) -> usize {
+        self.pointing_eye
+    }
+
+    /// The event with places in the window as they are seen by an eye.
+    fn unfold(&mut self, event: &WindowEvent) -> Option<WindowEvent> {
+        let size: [u32; 2] = self.window.inner_size().into();
+        let mut unfold = |at: PhysicalPosition<f64>| {
+            let at = Vec2::new(at.x as f32, at.y as f32);
+            let (eye, at) = self.layout.unfold(at, size.into());
+            self.pointing_eye = eye;
+            PhysicalPosition::new(f64::from(at.x), f64::from(at.y))
+        };
+        match event.clone() {
+            WindowEvent::CursorMoved { device_id, position } => {
+                Some(WindowEvent::CursorMoved { device_id, position: unfold(position) })
+            }
+            WindowEvent::Touch(touch) => {
+                let location = unfold(touch.location);
+                Some(WindowEvent::Touch(Touch { location, ..touch }))
+            }
+            _ => None,
+        }
+    }
+
     /// Hears an event of the window; true if it calls for another picture.
     pub fn hear(&mut self, event: &WindowEvent) -> bool {
+        let unfolded = self.unfold(event);
+        let event = unfolded.as_ref().unwrap_or(event);
         if let WindowEvent::Resized(size) = event {
             self.screen.resize((*size).into());
         }
@@ -207,11 +256,35 @@ impl Pane {
             false => (Target::FIRST, Load::Colour([0.0, 0.0, 0.0, 1.0])),
         };
         recorder.image_barrier(target.part(), before, Use::COLOUR_TARGET);
-        let attachment = Attachment { view: target.view, load, store: true };
+        let attachment = Attachment { view: target.view(0), load, store: true };
         recorder.begin_rendering(target.size, Some(attachment), None);
         self.gui.draw(recorder, target.size, interface.pixels_per_point, &primitives)?;
         recorder.end_rendering();
         recorder.image_barrier(target.part(), Use::COLOUR_TARGET, Use::PRESENT);
+        Ok(())
+    }
+
+    /// Records the pictures of two eyes, their upper left corner at the pixel `corner`, with the
+    /// interface over them.
+    pub fn draw_stereo(
+        &mut self,
+        frame: &mut Frame,
+        interface: &Interface,
+        pictures: &mut EyeImage,
+        corner: IVec2,
+    ) -> Result<(), GpuError> {
+        let context = self.egui.egui_ctx();
+        let primitives = context.tessellate(interface.shapes.clone(), interface.pixels_per_point);
+        let Frame { recorder, target, .. } = frame;
+        let size = UVec2::from(target.size);
+        let stereo = match &mut self.stereo {
+            Some(stereo) => stereo,
+            none => none.insert(StereoScreen::new(&self.device, self.screen.format(), size)?),
+        };
+        stereo.begin_interface(recorder, size)?;
+        self.gui.draw(recorder, target.size, interface.pixels_per_point, &primitives)?;
+        recorder.end_rendering();
+        stereo.compose(recorder, self.frames.slot(), target, pictures, corner, self.layout);
         Ok(())
     }
 

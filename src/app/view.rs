@@ -6,6 +6,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use glam::UVec2;
 use winit::window::Window;
 
 use super::painter::Painter;
@@ -13,6 +14,7 @@ use super::pane::{Frame, Interface, Pane};
 use super::workbench::Workbench;
 use crate::config::Config;
 use crate::gpu::{Device, GpuError, ValidationLog, WindowHost};
+use crate::view::StereoLayout;
 
 /// Longest wait for an image of the window; a compositor may give none to a hidden window.
 const PATIENCE: Duration = Duration::from_millis(200);
@@ -21,6 +23,8 @@ const PATIENCE: Duration = Duration::from_millis(200);
 pub struct View {
     painter: Painter,
     pub pane: Pane,
+    /// Where the picture lies in the window, in pixels.
+    corner: UVec2,
     /// Pictures shown.
     shown: u64,
 }
@@ -30,7 +34,8 @@ impl View {
         let mut host = WindowHost::new(window.clone());
         let device = Device::new(&mut host, &config.device_options())?;
         let pane = Pane::new(window, host.into_surface()?, &device)?;
-        Ok(View { painter: Painter::new(&device, pane.screen().format())?, pane, shown: 0 })
+        let painter = Painter::new(&device, pane.screen().format())?;
+        Ok(View { painter, pane, corner: UVec2::ZERO, shown: 0 })
     }
 
     /// Gives everything back but the window.
@@ -55,7 +60,15 @@ impl View {
     }
 
     /// Waits for a free image of the window; none while there is nothing to draw to.
-    pub fn begin(&mut self) -> Result<Option<Frame>, GpuError> {
+    pub fn begin(&mut self, bench: &mut Workbench) -> Result<Option<Frame>, GpuError> {
+        bench.quad_buffered = self.pane.screen().can_layer();
+        let layout = &mut bench.ui.view.stereo.layout;
+        if *layout == StereoLayout::Layers && !bench.quad_buffered {
+            *layout = StereoLayout::SideBySide;
+            let text = "this window's images have no second layer for quad-buffered stereo";
+            bench.ui.toasts.error(format!("{text}; showing the eyes side by side"));
+        }
+        self.pane.arrange(bench.ui.view.stereo.layout);
         self.pane.begin(PATIENCE)
     }
 
@@ -78,6 +91,7 @@ impl View {
         if bench.device.is_empty() {
             bench.device = self.device().device_name();
         }
+        bench.pointing_eye = self.pane.pointing_eye();
         self.pane.interface(|root| bench.show(root))
     }
 
@@ -89,11 +103,16 @@ impl View {
     ) -> Result<(), GpuError> {
         let slot = self.pane.slot();
         self.painter.paint(&mut frame.recorder, slot, bench)?;
-        let Some(pictures) = self.painter.pictures() else { return Ok(()) };
-        let picture = &pictures.colour;
         let corner = (bench.picture().min.to_vec2() * self.pane.pixels_per_point()).round();
-        let at = [corner.x.max(0.0) as u32, corner.y.max(0.0) as u32];
-        frame.paste(picture.image().layer(0), picture.size().to_array(), at);
+        self.corner = UVec2::new(corner.x.max(0.0) as u32, corner.y.max(0.0) as u32);
+        if let Some(pictures) = self.painter.pictures()
+            // Those of two eyes are put together with the interface.
+            && pictures.colour.eyes() == 1
+        {
+            let picture = &pictures.colour;
+            let size = picture.size().to_array();
+            frame.paste(picture.image().layer(0), size, self.corner.to_array());
+        }
         Ok(())
     }
 
@@ -104,7 +123,13 @@ impl View {
         interface: &mut Interface,
     ) -> Result<(), GpuError> {
         self.pane.upload(&mut interface.textures)?;
-        self.pane.draw(frame, interface)
+        match self.painter.pictures() {
+            Some(pictures) if pictures.colour.eyes() > 1 => {
+                let corner = self.corner.as_ivec2();
+                self.pane.draw_stereo(frame, interface, &mut pictures.colour, corner)
+            }
+            _ => self.pane.draw(frame, interface),
+        }
     }
 
     /// Hands the picture to the window.

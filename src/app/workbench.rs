@@ -28,7 +28,7 @@ use crate::session::Session;
 use crate::shade::normal;
 use crate::surface::IndexMap;
 use crate::ui::{self, Facts, FrameTimes, UiState};
-use crate::view::Eye;
+use crate::view::{Eye, StereoLayout};
 
 /// Everything but the screen.
 pub struct Workbench {
@@ -66,6 +66,10 @@ pub struct Workbench {
     leaving: bool,
     pub times: FrameTimes,
     pub device: String,
+    /// Whether the window can have a layer an eye.
+    pub quad_buffered: bool,
+    /// The eye whose picture the pointer is in: 0, or 1 where the right eye has a place of its own.
+    pub pointing_eye: usize,
 }
 
 impl Workbench {
@@ -95,6 +99,8 @@ impl Workbench {
             leaving: false,
             times: FrameTimes::default(),
             device: String::new(),
+            quad_buffered: false,
+            pointing_eye: 0,
         };
         bench.look_from(Side::Corner);
         bench
@@ -113,9 +119,29 @@ impl Workbench {
         self.picture
     }
 
-    /// The eye of the next picture.
+    /// The eyes of the next picture: one, or the left and the right one.
+    pub fn eyes(&self) -> Vec<Eye> {
+        let mono = self.stage.eye();
+        let stereo = &self.ui.view.stereo;
+        match stereo.layout {
+            StereoLayout::Mono => vec![mono],
+            _ => {
+                let centre = mono.eye_from_world.transform_point3(self.placed_centre());
+                stereo.rig((-centre.z).max(self.stage.camera().near)).eyes(&mono).to_vec()
+            }
+        }
+    }
+
+    /// The eye whose picture the pointer is in.
     pub fn eye(&self) -> Eye {
-        self.stage.eye()
+        let eyes = self.eyes();
+        eyes[self.pointing_eye.min(eyes.len() - 1)]
+    }
+
+    /// The middle of the grid, in world coordinates.
+    fn placed_centre(&self) -> Vec3 {
+        let middle = self.session.document().grid().dims().as_vec3() * 0.5;
+        self.world_from_grid().transform_point3(middle)
     }
 
     pub fn world_from_grid(&self) -> Affine3A {
@@ -212,6 +238,7 @@ impl Workbench {
             presets: &self.presets,
             pristine: &self.pristine,
             times: self.times,
+            quad_buffered: self.quad_buffered,
             device: &self.device,
             pad: self.pads.facts(),
         };

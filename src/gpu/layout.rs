@@ -90,6 +90,22 @@ shared! {
     }
 }
 
+shared! {
+    /// Push constants of the stereo pass: where the pictures lie in the window.
+    StereoView {
+        /// Size of the window in pixels.
+        window: [u32; 2],
+        /// Size of the pictures in pixels.
+        size: [u32; 2],
+        /// Their upper left corner in the window.
+        corner: [i32; 2],
+        /// Number of the layout in [`crate::view::StereoLayout::ALL`].
+        arrangement: u32,
+        /// The eye that the target is for, where targets are for one eye.
+        eye: u32,
+    }
+}
+
 /// One instance of the slicing pass (vertex attributes, so no layout but the pipeline's).
 #[repr(C)]
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Pod, Zeroable)]
@@ -143,5 +159,7 @@ mod tests {
         }
         let (members, bytes) = (CompositeView::members(), size_of::<CompositeView>());
         compare(stage!("composite.frag.wgsl"), "CompositeView", members, bytes);
+        let (members, bytes) = (StereoView::members(), size_of::<StereoView>());
+        compare(stage!("stereo.frag.wgsl"), "StereoView", members, bytes);
     }
 }

@@ -172,6 +172,8 @@ pub enum Action {
     ResetView,
     LookFrom(Side),
     NextRenderMode,
+    NextStereo,
+    SwapEyes,
     /// Tears a panel off into a window of its own, or puts it back.
     TearOff(Panel),
     ScaleUp,
@@ -303,6 +305,8 @@ impl Action {
         Action::LookFrom(Side::Top),
         Action::LookFrom(Side::Bottom),
         Action::NextRenderMode,
+        Action::NextStereo,
+        Action::SwapEyes,
         Action::TearOff(Panel::Toolbox),
         Action::TearOff(Panel::Options),
         Action::TearOff(Panel::History),

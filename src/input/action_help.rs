@@ -141,6 +141,8 @@ impl Action {
             }
             Action::ToggleRumble => ("toggle-rumble", Tap, "Let the gamepad shake, or not"),
             Action::NextRenderMode => ("next-render-mode", Tap, "Take the next way of rendering"),
+            Action::NextStereo => ("next-stereo", Tap, "Take the next way to show two eyes"),
+            Action::SwapEyes => ("swap-eyes", Tap, "Exchange the pictures of the two eyes"),
             Action::TearOff(Panel::Toolbox) => {
                 ("tear-toolbox", Tap, "Toolbox into a window of its own, or back")
             }

@@ -6,12 +6,14 @@ pub mod overlay;
 pub mod renderer;
 pub mod sampler;
 pub mod slicing;
+pub mod stereo;
 pub mod target;
 pub mod volume;
 
 pub use composite::{Background, Composite, CompositeEye};
 pub use renderer::{Renderer, Shot};
 pub use slicing::Slicing;
+pub use stereo::{Stereo, StereoSources};
 pub use target::{IndexReadback, IndexTarget};
 pub use volume::Volume;
 

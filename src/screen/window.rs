@@ -18,7 +18,9 @@ use crate::gpu::{
 #[derive(Clone, Copy, Debug)]
 pub struct Target {
     pub image: vk::Image,
-    pub view: vk::ImageView,
+    /// A view a layer; of one layer both are the same.
+    views: [vk::ImageView; 2],
+    layers: u32,
     /// Pixels.
     pub size: [u32; 2],
     acquired: vk::Semaphore,
@@ -27,9 +29,19 @@ pub struct Target {
 }
 
 impl Target {
-    /// The image for barriers.
+    /// The image for barriers, with all its layers.
     pub fn part(&self) -> ImagePart {
-        ImagePart::colour(self.image, 0)
+        ImagePart { layers: self.layers, ..ImagePart::colour(self.image, 0) }
+    }
+
+    /// Layers: 2 in a quad-buffered window.
+    pub fn layers(&self) -> u32 {
+        self.layers
+    }
+
+    /// What an eye's picture is drawn to: 0 is the left one, and the only one without layers.
+    pub fn view(&self, eye: usize) -> vk::ImageView {
+        self.views[eye.min(1)]
     }
 
     /// The use that the image's first barrier comes from: the window system is done with it once
@@ -60,6 +72,9 @@ pub struct WindowScreen {
     format: vk::SurfaceFormatKHR,
     /// Size of the window in pixels; zero while it is minimised.
     size: [u32; 2],
+    /// Layers an image: one, or one an eye.
+    layers: u32,
+    can_layer: bool,
     /// The swapchain does not fit the window any more.
     stale: bool,
     surface: Surface,
@@ -74,7 +89,8 @@ struct Swapchain {
 
 struct SwapImage {
     image: vk::Image,
-    view: vk::ImageView,
+    /// One a layer.
+    views: Vec<vk::ImageView>,
     finished: vk::Semaphore,
 }
 
@@ -88,10 +104,13 @@ impl WindowScreen {
             loader: khr::swapchain::Device::new(device.instance().raw(), device.raw()),
             format,
             size,
+            layers: 1,
+            can_layer: false,
             stale: true,
             surface,
             device: device.clone(),
         };
+        screen.can_layer = screen.capabilities()?.max_image_array_layers >= 2;
         for semaphore in &mut screen.acquired {
             *semaphore = make_semaphore(device, "image acquired")?;
         }
@@ -140,9 +159,13 @@ impl WindowScreen {
                 Ok((index, suboptimal)) => {
                     self.stale |= suboptimal;
                     let image = &swapchain.images[index as usize];
+                    let view = |layer: usize| {
+                        image.views.get(layer).or(image.views.first()).copied().unwrap_or_default()
+                    };
                     return Ok(Some(Target {
                         image: image.image,
-                        view: image.view,
+                        views: [view(0), view(1)],
+                        layers: image.views.len() as u32,
                         size: swapchain.size,
                         acquired: semaphore,
                         finished: image.finished,
@@ -212,14 +235,30 @@ impl WindowScreen {
         }
     }
 
-    /// Makes the swapchain anew for the window as it is now.
-    fn rebuild(&mut self) -> Result<()> {
+    /// Whether the window's images can have a layer an eye (`maxImageArrayLayers`).
+    pub fn can_layer(&self) -> bool {
+        self.can_layer
+    }
+
+    /// Gives the window's images a layer an eye, or one for both, from the next one on. Without
+    /// [`WindowScreen::can_layer`] it is always one.
+    pub fn set_layered(&mut self, layered: bool) {
+        let layers = if layered && self.can_layer { 2 } else { 1 };
+        self.stale |= self.layers != layers;
+        self.layers = layers;
+    }
+
+    fn capabilities(&self) -> Result<vk::SurfaceCapabilitiesKHR> {
         let (loader, surface) = (self.surface.loader(), self.surface.handle());
         // SAFETY: the surface lives.
-        let capabilities = unsafe {
-            loader.get_physical_device_surface_capabilities(self.device.physical(), surface)
-        }
-        .map_err(|error| GpuError::vulkan("ask what the window can show", error))?;
+        unsafe { loader.get_physical_device_surface_capabilities(self.device.physical(), surface) }
+            .map_err(|error| GpuError::vulkan("ask what the window can show", error))
+    }
+
+    /// Makes the swapchain anew for the window as it is now.
+    fn rebuild(&mut self) -> Result<()> {
+        let surface = self.surface.handle();
+        let capabilities = self.capabilities()?;
         let size = extent(&capabilities, self.size);
         if size.contains(&0) {
             self.size = size;
@@ -241,7 +280,7 @@ impl WindowScreen {
             .image_format(self.format.format)
             .image_color_space(self.format.color_space)
             .image_extent(vk::Extent2D { width: size[0], height: size[1] })
-            .image_array_layers(1)
+            .image_array_layers(self.layers)
             .image_usage(usage)
             .image_sharing_mode(vk::SharingMode::EXCLUSIVE)
             .pre_transform(capabilities.current_transform)
@@ -271,38 +310,54 @@ impl WindowScreen {
     }
 
     fn swap_image(&self, image: vk::Image) -> Result<SwapImage> {
-        let finished = make_semaphore(&self.device, "image finished")?;
-        let range = vk::ImageSubresourceRange::default()
-            .aspect_mask(vk::ImageAspectFlags::COLOR)
-            .level_count(1)
-            .layer_count(1);
-        let info = vk::ImageViewCreateInfo::default()
-            .image(image)
-            .view_type(vk::ImageViewType::TYPE_2D)
-            .format(self.format.format)
-            .subresource_range(range);
-        // SAFETY: the image is the swapchain's, in its format.
-        let view = unsafe { self.device.raw().create_image_view(&info, None) }
-            .inspect_err(|_| {
-                // SAFETY: just made, not used.
-                unsafe { self.device.raw().destroy_semaphore(finished, None) }
-            })
-            .during("look at the window's images")?;
-        Ok(SwapImage { image, view, finished })
+        let mut made = SwapImage { image, views: Vec::new(), finished: vk::Semaphore::null() };
+        let result = (0..self.layers).try_for_each(|layer| {
+            let range = vk::ImageSubresourceRange::default()
+                .aspect_mask(vk::ImageAspectFlags::COLOR)
+                .level_count(1)
+                .base_array_layer(layer)
+                .layer_count(1);
+            let info = vk::ImageViewCreateInfo::default()
+                .image(image)
+                .view_type(vk::ImageViewType::TYPE_2D)
+                .format(self.format.format)
+                .subresource_range(range);
+            // SAFETY: the image is the swapchain's, in its format, with so many layers.
+            let view = unsafe { self.device.raw().create_image_view(&info, None) }
+                .during("look at the window's images")?;
+            made.views.push(view);
+            Ok(())
+        });
+        let finished = result.and_then(|()| make_semaphore(&self.device, "image finished"));
+        match finished {
+            Ok(finished) => Ok(SwapImage { finished, ..made }),
+            Err(error) => {
+                self.drop_image(made);
+                Err(error)
+            }
+        }
+    }
+
+    /// Nothing may use the image any more.
+    fn drop_image(&self, image: SwapImage) {
+        let raw = self.device.raw();
+        // SAFETY: ours, and unused; null handles are ignored.
+        unsafe {
+            for view in image.views {
+                raw.destroy_image_view(view, None);
+            }
+            raw.destroy_semaphore(image.finished, None);
+        }
     }
 
     /// The device must be idle.
     fn drop_swapchain(&mut self) {
         let Some(swapchain) = self.swapchain.take() else { return };
-        let raw = self.device.raw();
-        // SAFETY: nothing is in flight.
-        unsafe {
-            for image in swapchain.images {
-                raw.destroy_image_view(image.view, None);
-                raw.destroy_semaphore(image.finished, None);
-            }
-            self.loader.destroy_swapchain(swapchain.handle, None);
+        for image in swapchain.images {
+            self.drop_image(image);
         }
+        // SAFETY: nothing is in flight.
+        unsafe { self.loader.destroy_swapchain(swapchain.handle, None) };
     }
 }
 

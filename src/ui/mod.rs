@@ -24,6 +24,7 @@ pub mod spray_options;
 pub mod sprays;
 pub mod state;
 pub mod status;
+pub mod stereo_options;
 pub mod theme;
 pub mod toasts;
 pub mod tool_options;
@@ -62,6 +63,8 @@ pub struct Facts<'a> {
     /// The same as the program brings them along.
     pub pristine: &'a [Bindings],
     pub times: FrameTimes,
+    /// Whether the window can have a layer an eye.
+    pub quad_buffered: bool,
     /// Name of the Vulkan device.
     pub device: &'a str,
     /// The gamepad that leads, if there is one.

@@ -4,7 +4,9 @@ use egui::{CollapsingHeader, ComboBox, DragValue, Frame, Margin, ScrollArea, Sli
 use glam::Vec3;
 
 use super::buttons::{action_button, explain};
-use super::{Facts, Intent, UiState, gamepad, history, panels, theme, tool_options};
+use super::{
+    Facts, Intent, UiState, gamepad, history, panels, stereo_options, theme, tool_options,
+};
 use crate::command::Command;
 use crate::document::MAX_ARRAY;
 use crate::input::{Action, Axis, Panel};
@@ -106,6 +108,7 @@ fn view(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Inten
         ui.label("Up");
         up_axis(ui, &mut state.view.up, intents);
     });
+    stereo_options::show(ui, state, facts);
     ui.checkbox(&mut state.view.bounds, "Edges of the grid");
     ui.checkbox(&mut state.view.tool, "Tool");
     ui.checkbox(&mut state.view.line, "Line from the centre to the tool");

@@ -12,7 +12,7 @@ use super::new_dialog::NewDialog;
 use super::palette::Palette;
 use super::toasts::Toasts;
 use crate::command::Command;
-use crate::config::{Config, LightSettings, RenderMode, SCALE_RANGE, Theme};
+use crate::config::{Config, LightSettings, RenderMode, SCALE_RANGE, StereoSettings, Theme};
 use crate::input::remap::KeyChange;
 use crate::input::{Action, Panel};
 use crate::progress::Stage;
@@ -50,6 +50,7 @@ pub struct Busy {
 pub struct ViewState {
     pub mode: RenderMode,
     pub light: LightSettings,
+    pub stereo: StereoSettings,
     /// The axis of the grid that is up when the view is reset.
     pub up: Vec3,
     /// The edges of the grid.
@@ -133,6 +134,7 @@ impl UiState {
             view: ViewState {
                 mode: config.render.mode,
                 light: config.light.clone(),
+                stereo: config.stereo,
                 up: Vec3::Y,
                 bounds: true,
                 line: true,

@@ -2,6 +2,10 @@
 
 pub mod camera;
 pub mod eye;
+pub mod stereo;
+pub mod stereo_layout;
 
 pub use camera::Camera;
 pub use eye::{Eye, PixelRays};
+pub use stereo::StereoRig;
+pub use stereo_layout::StereoLayout;

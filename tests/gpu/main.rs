@@ -8,5 +8,6 @@ mod composite;
 mod device;
 mod fixture;
 mod slicing;
+mod stereo;
 mod subjects;
 mod volume;

@@ -12,6 +12,7 @@ mod house;
 mod keys;
 mod panels;
 mod program;
+mod stereo;
 
 use std::time::Duration;
 

@@ -329,6 +329,7 @@ fn symbol(name: &str) -> Keysym {
     match name {
         "Control_L" => 0xffe3,
         "Shift_L" => 0xffe1,
+        "Alt_L" => 0xffe9,
         "Home" => 0xff50,
         "Escape" => 0xff1b,
         "Tab" => 0xff09,

@@ -1,0 +1,80 @@
+//! Owns what a window needs to show two eyes: the interface in an image of its own, and the pass
+//! that puts pictures and interface together.
+//!
+//! Made when stereo is first switched on. Knows no workbench.
+
+use std::sync::Arc;
+
+use ash::vk;
+use glam::{IVec2, UVec2};
+
+use crate::gpu::{Attachment, Device, Load, Recorder, Result, Use};
+use crate::render::target::EyeImage;
+use crate::render::{Stereo, StereoSources};
+use crate::screen::window::Target;
+use crate::view::StereoLayout;
+
+/// The interface of a window, drawn apart.
+pub struct StereoScreen {
+    pass: Stereo,
+    interface: EyeImage,
+    format: vk::Format,
+    device: Arc<Device>,
+}
+
+impl StereoScreen {
+    /// For a window of `size` pixels, of at least 1 x 1, whose images have `format`.
+    pub fn new(device: &Arc<Device>, format: vk::Format, size: UVec2) -> Result<StereoScreen> {
+        Ok(StereoScreen {
+            pass: Stereo::new(device, format)?,
+            interface: image(device, format, size)?,
+            format,
+            device: device.clone(),
+        })
+    }
+
+    /// Starts drawing the interface, over nothing; end it with
+    /// [`Recorder::end_rendering`].
+    pub fn begin_interface(&mut self, recorder: &mut Recorder, size: UVec2) -> Result<()> {
+        if self.interface.size() != size {
+            self.interface = image(&self.device, self.format, size)?;
+        }
+        self.interface.renew(recorder, 0, Use::COLOUR_TARGET);
+        let view = self.interface.image().layer_view(0);
+        let attachment = Attachment { view, load: Load::Colour([0.0; 4]), store: true };
+        recorder.begin_rendering(size.to_array(), Some(attachment), None);
+        Ok(())
+    }
+
+    /// Puts pictures and interface into the window's image, ready to be presented.
+    pub fn compose(
+        &mut self,
+        recorder: &mut Recorder,
+        slot: usize,
+        target: &Target,
+        pictures: &mut EyeImage,
+        corner: IVec2,
+        layout: StereoLayout,
+    ) {
+        self.interface.make(recorder, 0, Use::SHADER_READ);
+        for eye in 0..pictures.eyes() {
+            pictures.make(recorder, eye, Use::SHADER_READ);
+        }
+        let sources = StereoSources { pictures, corner, interface: &self.interface };
+        self.pass.begin(slot, &sources);
+        recorder.image_barrier(target.part(), Target::FIRST, Use::COLOUR_TARGET);
+        for layer in 0..target.layers() {
+            let view = target.view(layer as usize);
+            let attachment = Attachment { view, load: Load::Forget, store: true };
+            recorder.begin_rendering(target.size, Some(attachment), None);
+            self.pass.draw(recorder, layout, layer, &sources);
+            recorder.end_rendering();
+        }
+        recorder.image_barrier(target.part(), Use::COLOUR_TARGET, Use::PRESENT);
+    }
+}
+
+fn image(device: &Arc<Device>, format: vk::Format, size: UVec2) -> Result<EyeImage> {
+    let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::SAMPLED;
+    EyeImage::new(device, "interface", size, 1, format, usage)
+}

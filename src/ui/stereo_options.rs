@@ -1,0 +1,64 @@
+//! The options of stereo pictures: how two eyes share the screen, how far they are apart.
+
+use egui::{ComboBox, Slider, Ui};
+
+use super::buttons::explain;
+use super::{Facts, UiState};
+use crate::config::stereo::{CONVERGENCE_PERCENT, EYE_DISTANCE_MM};
+use crate::input::Action;
+use crate::view::StereoLayout;
+
+pub fn show(ui: &mut Ui, state: &mut UiState, facts: &Facts) {
+    ui.horizontal(|ui| {
+        ui.label("Stereo");
+        layouts(ui, state, facts);
+    });
+    let stereo = &mut state.view.stereo;
+    if stereo.layout == StereoLayout::Mono {
+        return;
+    }
+    egui::Grid::new("stereo").num_columns(2).show(ui, |ui| {
+        let mut row = |label: &str, value: &mut f32, range, unit: &str, tip: &str| {
+            let label = ui.label(label);
+            let slider = Slider::new(value, range).fixed_decimals(0).suffix(unit);
+            ui.add(slider).labelled_by(label.id).on_hover_text(tip);
+            ui.end_row();
+        };
+        row(
+            "Eye distance",
+            &mut stereo.eye_distance_mm,
+            EYE_DISTANCE_MM,
+            " mm",
+            "More of it, more depth; people have 55 to 75",
+        );
+        row(
+            "Convergence",
+            &mut stereo.convergence_percent,
+            CONVERGENCE_PERCENT,
+            " %",
+            "What is so far away lies in the screen, in percent of the way to the sculpture's \
+             centre; less pushes the sculpture behind the screen",
+        );
+    });
+    let response = ui.checkbox(&mut state.view.stereo.swap_eyes, "Swap the eyes");
+    explain(response, state, facts, Action::SwapEyes);
+}
+
+/// The choice of the layout.
+pub fn layouts(ui: &mut Ui, state: &mut UiState, facts: &Facts) {
+    let chosen = state.view.stereo.layout;
+    let response = ComboBox::from_id_salt("stereo layout")
+        .width(112.0)
+        .selected_text(chosen.label())
+        .show_ui(ui, |ui| {
+            for layout in StereoLayout::ALL {
+                let can = layout != StereoLayout::Layers || facts.quad_buffered;
+                ui.add_enabled_ui(can, |ui| {
+                    ui.selectable_value(&mut state.view.stereo.layout, layout, layout.label())
+                        .on_disabled_hover_text("This window's images have no second layer");
+                });
+            }
+        })
+        .response;
+    explain(response, state, facts, Action::NextStereo);
+}

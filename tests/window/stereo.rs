@@ -1,0 +1,51 @@
+//! Two eyes in one window.
+
+use crate::program::Program;
+use crate::{LEFT, display_of, shot, tool_home};
+
+const SCREEN: [u32; 2] = [1280, 800];
+/// The sculpture in a mono window.
+const PICTURE: [u32; 4] = [150, 50, 800, 680];
+
+#[test]
+fn a_stroke_in_the_right_eye_s_half_is_where_it_is_seen() {
+    let Some(display) = display_of(SCREEN) else { return };
+    let settings = "[new]\ndims = [96, 96, 96]\n[window]\nguide = false\n";
+    let program = Program::start_with(&display, &[], settings);
+    program.leave_picture();
+    program.settle();
+    tool_home(&program);
+    let mono = shot(&program, "stereo-0-mono");
+
+    // Without a second layer of the window's images the next way is side by side.
+    program.key(&["Alt_L", "s"]);
+    program.leave_picture();
+    let side = shot(&program, "stereo-1-side-by-side");
+    let (left, right) = (side.part([0, 0, 640, 800]), side.part([640, 0, 640, 800]));
+    assert!(side.differing(&mono) > 100_000);
+    let parallax = left.differing(&right);
+    assert!((2_000..250_000).contains(&parallax), "two eyes, one interface: {parallax}");
+
+    // In the right half, where the right eye sees the middle of the block.
+    program.drag(LEFT, &[[900, 380], [920, 400], [945, 410]]);
+    program.leave_picture();
+    tool_home(&program);
+    let cut = shot(&program, "stereo-2-cut");
+    assert!(cut.part([640, 0, 640, 800]).differing(&right) > 1000, "the right eye sees the cut");
+    assert!(cut.part([0, 0, 640, 800]).differing(&left) > 1000, "and the left one, too");
+
+    // All ways round, back to mono.
+    let mut before = cut;
+    for name in ["top-bottom", "rows", "columns", "anaglyph", "mono"] {
+        program.key(&["Alt_L", "s"]);
+        program.leave_picture();
+        let shown = shot(&program, &format!("stereo-3-{name}"));
+        assert!(shown.differing(&before) > 10_000, "{name} is another picture");
+        before = shown;
+    }
+    program.key(&["Control_L", "z"]);
+    program.leave_picture();
+    let undone = shot(&program, "stereo-4-undone").part(PICTURE);
+    assert_eq!(undone.differing(&mono.part(PICTURE)), 0, "mono is as it was");
+    program.leave_without_saving();
+}
