@@ -18,6 +18,7 @@ use crate::headless::{self, DemoScene, JobError, RunJob};
 use crate::progress::Bar;
 use crate::sculpture::ColourDepth;
 use crate::session::Session;
+use crate::view::StereoLayout;
 
 /// Shape a block of voxels as a sculptor shapes stone.
 #[derive(Parser, Debug)]
@@ -234,6 +235,10 @@ pub struct PictureArgs {
     /// Factor on the size in the picture; at 1 all that exists fits
     #[arg(long, default_value_t = 1.0, value_name = "FACTOR", value_parser = parse_zoom)]
     pub zoom: f32,
+    /// How two eyes share the picture (default: stereo.layout of the configuration); layers writes
+    /// two pictures
+    #[arg(long, value_enum)]
+    pub stereo: Option<StereoLayout>,
 }
 
 impl Default for PictureArgs {
@@ -246,6 +251,7 @@ impl Default for PictureArgs {
             up: Vec3::Y,
             turn: 0.0,
             zoom: 1.0,
+            stereo: None,
         }
     }
 }

@@ -246,9 +246,11 @@ fn render_session(
         turn_rad: arguments.turn.to_radians(),
         zoom: arguments.zoom,
         fov_y_rad: config.render.fov_deg.to_radians(),
+        stereo: arguments.stereo.unwrap_or(config.stereo.layout),
     };
-    picture::render_to_file(session.document_mut(), &view, config, out)?;
-    println!("wrote {} ({}x{})", out.display(), view.size.x, view.size.y);
+    for name in picture::render_to_file(session.document_mut(), &view, config, out)? {
+        println!("wrote {} ({}x{})", name.display(), view.size.x, view.size.y);
+    }
     Ok(())
 }
 

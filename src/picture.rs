@@ -19,7 +19,7 @@ use crate::sculpture::Grid;
 use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::shade::{self, Pixels, ShadePose};
 use crate::surface::{IndexMap, quickstep, raycast};
-use crate::view::{Camera, Eye};
+use crate::view::{Camera, Eye, StereoLayout};
 
 /// Colours of the background at the upper and the lower edge of a picture, sRGB.
 pub const BACKGROUND: [[u8; 3]; 2] = [[58, 64, 76], [24, 26, 31]];
@@ -51,6 +51,8 @@ pub struct View {
     /// 1 shows all that exists, more shows less of it, larger.
     pub zoom: f32,
     pub fov_y_rad: f32,
+    /// How two eyes share the picture; their distances are of the configuration.
+    pub stereo: StereoLayout,
 }
 
 impl View {
@@ -94,57 +96,97 @@ fn outline(grid: &Grid) -> Vec<Vec3> {
     points
 }
 
-/// Renders a picture of `document`.
+/// The finished pictures of `document`: one, or with [`StereoLayout::Layers`] those of the left and
+/// the right eye.
 pub fn render(
     document: &mut Document,
     view: &View,
     config: &Config,
-) -> Result<RgbImage, PictureError> {
-    let (eye, world_from_grid) = view.frame(document);
-    if view.mode.needs_device() {
-        return render_on_device(document, view, &eye, world_from_grid, config);
-    }
-    let rays = eye.pixel_rays(&world_from_grid);
-    let mut map = IndexMap::new(rays);
-    match view.mode {
-        RenderMode::Quickstep => quickstep::sample(document.grid(), &rays, &mut map),
-        _ => raycast::sample(document.grid(), &rays, &mut map),
-    }
-    let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
-    let mut pixels = Pixels::new(view.size);
-    let lighting = config.lighting();
-    shade::shade(&map, document.grid(), document.material(), &pose, &lighting, &mut pixels);
-    Ok(over_background(&pixels))
+) -> Result<Vec<RgbImage>, PictureError> {
+    let (mono, world_from_grid) = view.frame(document);
+    let eyes = match view.stereo {
+        StereoLayout::Mono => vec![mono],
+        _ => {
+            let centre = world_from_grid.transform_point3(outline_middle(document.grid()));
+            let distance = -mono.eye_from_world.transform_point3(centre).z;
+            config.stereo.rig(distance.max(f32::MIN_POSITIVE)).eyes(&mono).to_vec()
+        }
+    };
+    let pictures = match view.mode.needs_device() {
+        true => render_on_device(document, view, &eyes, world_from_grid, config)?,
+        false => {
+            let cast = |eye| render_by_casting(document, view.mode, eye, world_from_grid, config);
+            eyes.iter().map(cast).collect()
+        }
+    };
+    Ok(match (view.stereo, pictures.as_slice()) {
+        (StereoLayout::Mono | StereoLayout::Layers, _) => pictures,
+        (layout, [left, right]) => {
+            let seen = |eye: usize, at: UVec2| [left, right][eye].get_pixel(at.x, at.y).0;
+            let pixel = |x, y| Rgb(layout.pixel(UVec2::new(x, y), view.size, 0, seen));
+            vec![RgbImage::from_fn(view.size.x, view.size.y, pixel)]
+        }
+        _ => pictures,
+    })
 }
 
-/// Renders a picture of `document` to a PNG; the file appears only when it is complete.
+/// The same to a PNG, or to two whose names end in `.left.png` and `.right.png`; a file appears
+/// only when it is complete. Gives the names.
 pub fn render_to_file(
     document: &mut Document,
     view: &View,
     config: &Config,
     path: &Path,
-) -> Result<(), PictureError> {
-    let picture = render(document, view, config)?;
-    let mut png = std::io::Cursor::new(Vec::new());
-    picture.write_to(&mut png, image::ImageFormat::Png)?;
-    store::write_atomically(path, png.get_ref())
-        .map_err(|error| PictureError::Write { path: path.to_path_buf(), error })
+) -> Result<Vec<PathBuf>, PictureError> {
+    let pictures = render(document, view, config)?;
+    let names = match pictures.len() {
+        1 => vec![path.to_path_buf()],
+        _ => ["left.png", "right.png"].map(|end| path.with_extension(end)).to_vec(),
+    };
+    for (picture, path) in pictures.iter().zip(&names) {
+        let mut png = std::io::Cursor::new(Vec::new());
+        picture.write_to(&mut png, image::ImageFormat::Png)?;
+        store::write_atomically(path, png.get_ref())
+            .map_err(|error| PictureError::Write { path: path.clone(), error })?;
+    }
+    Ok(names)
+}
+
+/// Renders without Vulkan.
+fn render_by_casting(
+    document: &Document,
+    mode: RenderMode,
+    eye: &Eye,
+    world_from_grid: Affine3A,
+    config: &Config,
+) -> RgbImage {
+    let rays = eye.pixel_rays(&world_from_grid);
+    let mut map = IndexMap::new(rays);
+    match mode {
+        RenderMode::Quickstep => quickstep::sample(document.grid(), &rays, &mut map),
+        _ => raycast::sample(document.grid(), &rays, &mut map),
+    }
+    let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
+    let mut pixels = Pixels::new(eye.size);
+    let lighting = config.lighting();
+    shade::shade(&map, document.grid(), document.material(), &pose, &lighting, &mut pixels);
+    over_background(&pixels)
 }
 
 /// Renders on a device of its own, which is given back afterwards.
 fn render_on_device(
     document: &mut Document,
     view: &View,
-    eye: &Eye,
+    eyes: &[Eye],
     world_from_grid: Affine3A,
     config: &Config,
-) -> Result<RgbImage, PictureError> {
+) -> Result<Vec<RgbImage>, PictureError> {
     let device = Device::new(&mut Headless, &config.device_options())?;
     let mut renderer = Renderer::new(&device, offscreen::FORMAT)?;
     let mut frames = Frames::new(&device)?;
     let [top, bottom] = BACKGROUND.map(|rgb| Vec3::from(rgb.map(f32::from)) / 255.0);
     let shot = Shot {
-        eyes: &[*eye],
+        eyes,
         world_from_grid,
         mode: view.mode,
         lighting: config.lighting(),
@@ -160,14 +202,21 @@ fn render_on_device(
         messages if messages.is_empty() => {}
         messages => return Err(PictureError::Validation(messages.join("\n"))),
     }
-    let rgb = |pixels: &Pixels| {
-        let UVec2 { x: width, y: height } = pixels.size;
-        RgbImage::from_fn(width, height, |x, y| {
-            let [r, g, b, _] = pixels.rgba[(x + y * width) as usize];
-            Rgb([r, g, b])
-        })
-    };
-    Ok(pictures.first().map(rgb).unwrap_or_default())
+    Ok(pictures.iter().map(without_alpha).collect())
+}
+
+fn without_alpha(pixels: &Pixels) -> RgbImage {
+    let UVec2 { x: width, y: height } = pixels.size;
+    RgbImage::from_fn(width, height, |x, y| {
+        let [r, g, b, _] = pixels.rgba[(x + y * width) as usize];
+        Rgb([r, g, b])
+    })
+}
+
+/// The middle of the box of all voxels, in grid coordinates.
+fn outline_middle(grid: &Grid) -> Vec3 {
+    let (min, max) = grid.opaque_bounds().unwrap_or((UVec3::ZERO, grid.dims()));
+    (min.as_vec3() + max.as_vec3()) * 0.5
 }
 
 /// Puts shaded pixels over the background gradient.

@@ -105,6 +105,29 @@ fn the_demo_writes_a_picture_and_a_sculpture_that_reads_back() {
 }
 
 #[test]
+fn two_eyes_are_written_apart_and_together_by_either_sampler() {
+    let folder = folder();
+    let demo = |mode: &str, layout: &str| {
+        let arguments = ["demo", "--out", layout, "--mode", mode, "--stereo", layout];
+        succeed(folder.path(), &arguments)
+    };
+    let said = demo("ray", "layers");
+    assert!(said.contains("demo.left.png") && said.contains("demo.right.png"), "{said}");
+    let [left, right] = ["left", "right"]
+        .map(|eye| picture(folder.path().join(format!("layers/demo.{eye}.png"))));
+    let parallax = left.pixels().zip(right.pixels()).filter(|(l, r)| l != r).count();
+    assert!(parallax > 10_000, "only {parallax} pixels differ between the eyes");
+    demo("slicing", "anaglyph");
+    let together = picture(folder.path().join("anaglyph/demo.png"));
+    let near = |a: u8, b: u8| a.abs_diff(b) <= 1;
+    let other = together.enumerate_pixels().filter(|(x, y, pixel)| {
+        let (l, r) = (left.get_pixel(*x, *y), right.get_pixel(*x, *y));
+        !(near(pixel[0], l[0]) && near(pixel[1], r[1]) && near(pixel[2], r[2]))
+    });
+    assert!(other.count() <= 30, "slices and rays agree but for 0.01 % of the pixels");
+}
+
+#[test]
 fn without_arguments_and_display_the_demo_is_made() {
     let folder = folder();
     let said = succeed(folder.path(), &[]);
