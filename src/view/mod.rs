@@ -4,6 +4,8 @@ pub mod camera;
 pub mod eye;
 pub mod stereo;
 pub mod stereo_layout;
+pub mod off_axis;
+pub mod stereo;
 
 pub use camera::Camera;
 pub use eye::{Eye, PixelRays};
