@@ -9,6 +9,7 @@ pub mod command_text;
 pub mod config;
 pub mod doctor;
 pub mod document;
+pub mod fiducial;
 pub mod format;
 pub mod gpu;
 pub mod headless;
