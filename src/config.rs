@@ -13,9 +13,13 @@ use crate::sculpture::{ColourDepth, Rgb};
 use crate::shade::{Light, LightFrame, LightSource, Lighting};
 
 mod gamepad;
+mod profile;
 pub mod stereo;
+mod tracking;
 
+pub use self::tracking::{ArSettings, ScreenSettings, SourceAddress, TrackingSettings};
 pub use gamepad::GamepadSettings;
+pub use profile::Profile;
 pub use stereo::StereoSettings;
 
 /// The commented file of all defaults.
@@ -47,6 +51,9 @@ pub struct Config {
     pub window: Window,
     pub stereo: StereoSettings,
     pub gamepad: GamepadSettings,
+    pub tracking: TrackingSettings,
+    pub screen: ScreenSettings,
+    pub ar: ArSettings,
 }
 
 #[derive(Clone, PartialEq, Debug, Deserialize)]
@@ -204,15 +211,27 @@ impl Config {
     /// Reads the named file; without a name the person's own file if there is one, else the
     /// defaults.
     pub fn load(path: Option<&Path>) -> Result<Config, ConfigError> {
+        Config::load_over(None, path)
+    }
+
+    /// The same over the settings of a profile.
+    pub fn load_over(profile: Option<Profile>, path: Option<&Path>) -> Result<Config, ConfigError> {
         let own = personal_file();
         let path = match (path, &own) {
-            (Some(path), _) => path,
-            (None, Some(own)) if own.exists() => own,
-            _ => return Ok(Config::default()),
+            (Some(path), _) => Some(path),
+            (None, Some(own)) if own.exists() => Some(own.as_path()),
+            _ => None,
         };
-        let text = std::fs::read_to_string(path)
-            .map_err(|error| ConfigError::Read { path: path.into(), error })?;
-        Config::parse(&text, path)
+        let read = |path: &Path| {
+            std::fs::read_to_string(path)
+                .map_err(|error| ConfigError::Read { path: path.into(), error })
+        };
+        let text = path.map(read).transpose()?;
+        match (profile, text.as_deref().zip(path)) {
+            (Some(profile), own) => profile::layered(profile, own),
+            (None, Some((text, path))) => Config::parse(text, path),
+            (None, None) => Ok(Config::default()),
+        }
     }
 
     /// Reads and checks TOML text; `path` is for messages only.
@@ -228,7 +247,8 @@ impl Config {
             true => Ok(()),
             false => Err(ConfigError::Value { path: path.into(), key, value, rule }),
         };
-        let Config { memory, new, render, light, window, stereo, gamepad, gpu: _ } = self;
+        let Config { memory, new, render, light, window, stereo, gamepad, .. } = self;
+        let (tracking, screen, ar) = (&self.tracking, &self.screen, &self.ar);
         let mib = |value: u64| (1..=1 << 24).contains(&value);
         let rule = "must be 1 to 16777216 MiB";
         demand(mib(memory.grid_mib), "memory.grid_mib", memory.grid_mib.to_string(), rule)?;
@@ -287,7 +307,10 @@ impl Config {
         for (key, value, range, rule) in gamepad.ranges().into_iter().chain(stereo.ranges()) {
             demand(range.contains(&value), key, value.to_string(), rule)?;
         }
-        Ok(())
+        match tracking.fault().or_else(|| screen.fault()).or_else(|| ar.fault()) {
+            Some((key, value, rule)) => demand(false, key, value, rule),
+            None => Ok(()),
+        }
     }
 
     /// The light of a picture.

@@ -113,8 +113,8 @@ fn two_eyes_are_written_apart_and_together_by_either_sampler() {
     };
     let said = demo("ray", "layers");
     assert!(said.contains("demo.left.png") && said.contains("demo.right.png"), "{said}");
-    let [left, right] = ["left", "right"]
-        .map(|eye| picture(folder.path().join(format!("layers/demo.{eye}.png"))));
+    let [left, right] =
+        ["left", "right"].map(|eye| picture(folder.path().join(format!("layers/demo.{eye}.png"))));
     let parallax = left.pixels().zip(right.pixels()).filter(|(l, r)| l != r).count();
     assert!(parallax > 10_000, "only {parallax} pixels differ between the eyes");
     demo("slicing", "anaglyph");

@@ -1,11 +1,12 @@
 //! Views: where eyes are and which ray belongs to a pixel. Pure geometry.
 
+pub mod ar;
 pub mod camera;
 pub mod eye;
-pub mod stereo;
-pub mod stereo_layout;
 pub mod off_axis;
 pub mod stereo;
+pub mod stereo;
+pub mod stereo_layout;
 
 pub use camera::Camera;
 pub use eye::{Eye, PixelRays};
