@@ -11,5 +11,6 @@ pub mod pixels;
 pub mod software;
 
 pub use light::{Light, LightFrame, LightSource, Lighting};
+pub use normal::NORMAL_REACH_VX;
 pub use pixels::Pixels;
-pub use software::{ShadePose, shade};
+pub use software::{ShadePose, shade, shade_rect};

@@ -19,6 +19,9 @@ use glam::{IVec3, UVec3, Vec3};
 use crate::sculpture::Grid;
 use crate::sculpture::brick::BRICK_WORDS;
 
+/// Voxels, on each axis, between a voxel and those that its normal depends on.
+pub const NORMAL_REACH_VX: u32 = 2;
+
 /// Squared distance within which a voxel counts as a neighbour.
 const REACH_SQUARED: i32 = 6;
 

@@ -3,6 +3,8 @@
 //! Takes what is seen and how it is lit; gives RGBA with alpha 0 where nothing is seen. Works on
 //! all cores, without allocating.
 
+use std::ops::Range;
+
 use fearless_simd::{Level, Simd, dispatch, f32x16, i32x16, prelude::*, u32x16};
 use glam::{Affine3A, UVec3};
 use rayon::prelude::*;
@@ -13,7 +15,7 @@ use super::normal::Words;
 use super::pixels::Pixels;
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
 use crate::sculpture::{Grid, Material, NO_VOXEL, Rgb};
-use crate::surface::IndexMap;
+use crate::surface::{IndexMap, PixelRect};
 
 /// Rows of pixels that one parallel task shades.
 const BAND_ROWS: usize = 16;
@@ -36,10 +38,27 @@ pub fn shade(
     lighting: &Lighting,
     out: &mut Pixels,
 ) {
-    shade_at(Level::new(), map, grid, material, pose, lighting, out);
+    out.reset(map.rays.size);
+    let rect = PixelRect::of_picture(map.rays.size);
+    shade_rect(map, grid, material, pose, lighting, rect, out);
 }
 
-/// [`shade`] with a choice of vector instructions.
+/// Shades anew the pixels of `rect` (cut to the picture). `out` must have the size of the map; a
+/// picture of another size is shaded as a whole.
+pub fn shade_rect(
+    map: &IndexMap,
+    grid: &Grid,
+    material: &Material,
+    pose: &ShadePose,
+    lighting: &Lighting,
+    rect: PixelRect,
+    out: &mut Pixels,
+) {
+    shade_at(Level::new(), map, grid, material, pose, lighting, rect, out);
+}
+
+/// [`shade_rect`] with a choice of vector instructions.
+#[allow(clippy::too_many_arguments)]
 fn shade_at(
     level: Level,
     map: &IndexMap,
@@ -47,9 +66,15 @@ fn shade_at(
     material: &Material,
     pose: &ShadePose,
     lighting: &Lighting,
+    rect: PixelRect,
     out: &mut Pixels,
 ) {
+    let picture = PixelRect::of_picture(map.rays.size);
+    let rect = if out.size == map.rays.size { rect.intersect(picture) } else { picture };
     out.reset(map.rays.size);
+    if rect.is_empty() {
+        return;
+    }
     let shader = Shader {
         grid,
         material,
@@ -59,13 +84,15 @@ fn shade_at(
         illumination: Illumination::new(lighting, &pose.eye_from_world, &pose.world_from_grid),
     };
     let width = map.rays.size.x as usize;
-    if width == 0 {
-        return;
-    }
+    let columns = rect.min.x as usize..rect.max.x as usize;
+    let pixels = rect.min.y as usize * width..rect.max.y as usize * width;
     let band = width * BAND_ROWS;
-    out.rgba.par_chunks_mut(band).zip(map.voxels.par_chunks(band)).for_each(|(out, voxels)| {
-        dispatch!(level, simd => shader.shade(simd, width, voxels, out));
-    });
+    out.rgba[pixels.clone()]
+        .par_chunks_mut(band)
+        .zip(map.voxels[pixels].par_chunks(band))
+        .for_each(|(out, voxels)| {
+            dispatch!(level, simd => shader.shade(simd, width, columns.clone(), voxels, out));
+        });
 }
 
 /// What all pixels of a picture share.
@@ -80,13 +107,20 @@ struct Shader<'a> {
 }
 
 impl Shader<'_> {
-    /// Shades rows of pixels, sixteen at a time.
+    /// Shades some columns of rows of pixels, sixteen at a time.
     #[inline(always)]
-    fn shade<S: Simd>(&self, simd: S, width: usize, voxels: &[u32], out: &mut [[u8; 4]]) {
+    fn shade<S: Simd>(
+        &self,
+        simd: S,
+        width: usize,
+        columns: Range<usize>,
+        voxels: &[u32],
+        out: &mut [[u8; 4]],
+    ) {
         let colour = [packed(self.material.base()); LANES];
         let mut points = SurfacePoints { colour, ..SurfacePoints::default() };
-        for left in (0..width).step_by(STRIP_PX) {
-            let strip = left..width.min(left + STRIP_PX);
+        for left in columns.clone().step_by(STRIP_PX) {
+            let strip = left..columns.end.min(left + STRIP_PX);
             for (voxels, out) in voxels.chunks_exact(width).zip(out.chunks_exact_mut(width)) {
                 let (voxels, rest) = voxels[strip.clone()].as_chunks();
                 let (out, out_rest) = out[strip.clone()].as_chunks_mut();

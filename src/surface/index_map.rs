@@ -53,7 +53,31 @@ impl PixelRect {
         PixelRect { min: UVec2::ZERO, max: size }
     }
 
+    pub const EMPTY: PixelRect = PixelRect { min: UVec2::ZERO, max: UVec2::ZERO };
+
+    pub fn is_empty(self) -> bool {
+        !self.min.cmplt(self.max).all()
+    }
+
+    /// Pixels in the rectangle.
+    pub fn pixel_count(self) -> u64 {
+        self.max.saturating_sub(self.min).as_u64vec2().element_product()
+    }
+
     pub fn intersect(self, other: PixelRect) -> PixelRect {
         PixelRect { min: self.min.max(other.min), max: self.max.min(other.max) }
+    }
+
+    /// The smallest rectangle that holds both, of which none is empty.
+    pub fn union(self, other: PixelRect) -> PixelRect {
+        PixelRect { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// Wider by `px` on every side, but not beyond pixel 0. Stays empty if it is.
+    pub fn grown(self, px: u32) -> PixelRect {
+        if self.is_empty() {
+            return self;
+        }
+        PixelRect { min: self.min.saturating_sub(UVec2::splat(px)), max: self.max + px }
     }
 }

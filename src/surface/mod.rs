@@ -1,9 +1,11 @@
 //! Sampling the surface: which voxel is seen through each pixel. Pure CPU code.
 
 pub mod index_map;
+pub mod partial;
 pub mod quickstep;
 pub mod raycast;
 pub mod slices;
 mod tiles;
 
 pub use index_map::{IndexMap, PixelRect};
+pub use partial::{PixelRects, changed_pixels};

@@ -21,7 +21,7 @@ pub(super) mod walk;
 use fearless_simd::Level;
 use glam::{IVec3, UVec3, Vec3};
 
-use self::projection::Projection;
+pub(super) use self::projection::Projection;
 use self::ray::Ray;
 use self::sweep::Sweep;
 use self::walk::Walk;

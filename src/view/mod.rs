@@ -5,7 +5,6 @@ pub mod camera;
 pub mod eye;
 pub mod off_axis;
 pub mod stereo;
-pub mod stereo;
 pub mod stereo_layout;
 
 pub use camera::Camera;

@@ -148,7 +148,8 @@ fn pictures_are_as_defined_for_all_lights_colours_and_voxel_shapes() {
     let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
     for level in levels() {
         let mut out = Pixels::default();
-        shade_at(level, &map, &grid, &material, &pose, &lighting, &mut out);
+        let whole = PixelRect::of_picture(rays.size);
+        shade_at(level, &map, &grid, &material, &pose, &lighting, whole, &mut out);
         for (&voxel, pixel) in map.voxels.iter().zip(&out.rgba) {
             if voxel == NO_VOXEL {
                 assert_eq!(*pixel, [0; 4]);

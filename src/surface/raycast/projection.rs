@@ -3,8 +3,9 @@
 //! Takes the rays of a picture and aligned cubes, gives rectangles that are never too small.
 
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DMat3, DVec2, DVec3, UVec2, Vec3};
 
+use crate::surface::index_map::PixelRect;
 use crate::view::PixelRays;
 
 /// The logarithm of the edge of the largest cube, in voxels.
@@ -41,7 +42,7 @@ struct Corners {
 
 /// Projects cubes of voxels to pixels.
 #[derive(Clone, Debug)]
-pub(super) struct Projection {
+pub(in crate::surface) struct Projection {
     /// Rows that take a point relative to the eye to `x s`, `y s` and `s`.
     rows: [DVec3; 3],
     eye: DVec3,
@@ -82,10 +83,38 @@ impl Projection {
         Some(Projection { rows, eye: rays.origin.as_dvec3(), corners, margin_px })
     }
 
+    /// The pixels of a picture of `size` whose rays may meet the box from `low` to `high`, in grid
+    /// coordinates.
+    pub fn pixels_of_box(&self, low: Vec3, high: Vec3, size: UVec2) -> PixelRect {
+        let (mut min, mut max) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        let (mut nearest, mut farthest) = (f64::INFINITY, f64::NEG_INFINITY);
+        for corner in 0..8 {
+            let pick = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
+            let from_eye = DVec3::new(pick(0).into(), pick(1).into(), pick(2).into()) - self.eye;
+            let [xs, ys, s] = self.rows.map(|row| row.dot(from_eye));
+            (nearest, farthest) = (nearest.min(s), farthest.max(s));
+            let at = DVec2::new(xs, ys) / s;
+            (min, max) = (min.min(at), max.max(at));
+        }
+        if farthest <= 0.0 {
+            return PixelRect::EMPTY;
+        }
+        // As near as the smallest cubes may come; anything nearer may be anywhere.
+        if nearest < f64::from(self.corners[0].least_s) {
+            return PixelRect::of_picture(size);
+        }
+        let margin = DVec2::from(self.margin_px.map(f64::from));
+        let top = size.as_dvec2();
+        // The centres of pixels are at halves.
+        let low = (min - 0.5 - margin).ceil().clamp(DVec2::ZERO, top);
+        let high = ((max - 0.5 + margin).floor() + 1.0).clamp(DVec2::ZERO, top);
+        PixelRect { min: low.as_uvec2(), max: high.as_uvec2() }
+    }
+
     /// The rectangles of the eight children of a cube, in the order of their corners (bit 0 is
     /// x); `level` is that of a child. The mask tells which can be seen in the tile at all.
     #[inline(always)]
-    pub fn children<S: Simd>(
+    pub(super) fn children<S: Simd>(
         &self,
         simd: S,
         low: [i32; 3],

@@ -1,0 +1,233 @@
+//! Owns which pixels an edit may change while nothing moves: the places in the picture of the
+//! bricks that changed.
+//!
+//! Takes changed bricks and the rays of a picture, gives few rectangles that together are never
+//! too small. A pixel's voxel can only become another if its ray crosses a changed brick; its
+//! shade also depends on the voxels about the one seen, and so on bricks that reach it within
+//! some voxels. Knows no voxels: a brick that changed at all counts as a whole.
+
+use glam::{UVec3, Vec3};
+
+use super::index_map::PixelRect;
+use super::raycast::Projection;
+use crate::sculpture::Grid;
+use crate::sculpture::brick::BRICK_EDGE_VX;
+use crate::view::PixelRays;
+
+/// Most rectangles that changed pixels are described by: a tool and its mirror images.
+pub const MAX_RECTS: usize = 8;
+
+/// With more runs of bricks than this, one box about all of them is projected instead.
+const MAX_RUNS: usize = 4096;
+
+/// Pixels by which rectangles are wider than exact rays need: samplers on the GPU round otherwise.
+const MARGIN_PX: u32 = 1;
+
+/// Rectangles of pixels without overlap.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct PixelRects {
+    rects: [PixelRect; MAX_RECTS],
+    count: usize,
+}
+
+impl PixelRects {
+    const NONE: PixelRects = PixelRects { rects: [PixelRect::EMPTY; MAX_RECTS], count: 0 };
+
+    pub fn as_slice(&self) -> &[PixelRect] {
+        &self.rects[..self.count]
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Pixels in all of them.
+    pub fn pixel_count(&self) -> u64 {
+        self.as_slice().iter().map(|rect| rect.pixel_count()).sum()
+    }
+
+    /// Adds a rectangle to the one that grows least by it, or on its own.
+    fn insert(&mut self, rect: PixelRect) {
+        if rect.is_empty() {
+            return;
+        }
+        let growth = |old: &PixelRect| {
+            let union = old.union(rect).pixel_count();
+            (union, union as i64 - old.pixel_count() as i64 - rect.pixel_count() as i64)
+        };
+        let nearest = (0..self.count).min_by_key(|&i| growth(&self.rects[i]).1);
+        match nearest {
+            Some(i) if self.count == MAX_RECTS || near(&self.rects[i], &rect) => {
+                self.rects[i] = self.rects[i].union(rect);
+            }
+            _ => {
+                self.rects[self.count] = rect;
+                self.count += 1;
+            }
+        }
+    }
+
+    /// Unites rectangles until none overlap.
+    fn without_overlap(mut self) -> PixelRects {
+        let mut i = 0;
+        while i < self.count {
+            let rect = self.rects[i];
+            let other = (i + 1..self.count).find(|&j| !rect.intersect(self.rects[j]).is_empty());
+            match other {
+                Some(j) => {
+                    self.rects[i] = rect.union(self.rects[j]);
+                    self.count -= 1;
+                    self.rects[j] = self.rects[self.count];
+                    // The larger one may now overlap any other.
+                    i = 0;
+                }
+                None => i += 1,
+            }
+        }
+        self
+    }
+}
+
+/// Whether sampling the box about two rectangles costs no more than sampling both by themselves.
+fn near(a: &PixelRect, b: &PixelRect) -> bool {
+    const FIXED_COST_PX: u64 = 1024;
+    a.union(*b).pixel_count() <= a.pixel_count() + b.pixel_count() + FIXED_COST_PX
+}
+
+/// The pixels of `rays` whose voxel, or a voxel within `reach_vx` of it on every axis, may lie in
+/// one of the `changed` bricks (linear indices, rising).
+///
+/// With a reach of 0 these are the pixels to sample anew, with the reach of normals
+/// ([`crate::shade::NORMAL_REACH_VX`]) or of a wider filter those to shade anew.
+pub fn changed_pixels(grid: &Grid, changed: &[u32], rays: &PixelRays, reach_vx: u32) -> PixelRects {
+    let mut rects = PixelRects::NONE;
+    let picture = PixelRect::of_picture(rays.size);
+    let Some(projection) = Projection::new(rays) else {
+        if !changed.is_empty() {
+            rects.insert(picture);
+        }
+        return rects;
+    };
+    let pixels_of = |low: UVec3, high: UVec3| {
+        let reach = Vec3::splat(reach_vx as f32);
+        let low = (low * BRICK_EDGE_VX).as_vec3() - reach;
+        let high = (high * BRICK_EDGE_VX).as_vec3() + reach;
+        projection.pixels_of_box(low, high, rays.size).grown(MARGIN_PX).intersect(picture)
+    };
+    let width = grid.brick_dims().x;
+    let in_row = |a: &u32, b: &u32| *b == a + 1 && !b.is_multiple_of(width);
+    if changed.chunk_by(in_row).nth(MAX_RUNS).is_some() {
+        let (low, high) = changed.iter().fold((UVec3::MAX, UVec3::ZERO), |(low, high), &index| {
+            let b = grid.brick_coords(index as usize);
+            (low.min(b), high.max(b + 1))
+        });
+        rects.insert(pixels_of(low, high));
+        return rects;
+    }
+    for run in changed.chunk_by(in_row) {
+        let first = grid.brick_coords(run[0] as usize);
+        rects.insert(pixels_of(first, first + UVec3::new(run.len() as u32, 1, 1)));
+    }
+    rects.without_overlap()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenes::{self, Random};
+    use crate::sculpture::{ColourDepth, Material, Placement, Rgb};
+    use crate::shade::{self, Lighting, Pixels, ShadePose};
+    use crate::surface::{IndexMap, quickstep, raycast};
+    use crate::view::Camera;
+    use glam::{Quat, UVec2};
+    use proptest::prelude::*;
+
+    type Sample = fn(&Grid, &PixelRays, &mut IndexMap);
+    type SampleRect = fn(&Grid, &mut IndexMap, PixelRect);
+    const SAMPLERS: [(Sample, SampleRect); 2] =
+        [(raycast::sample, raycast::sample_rect), (quickstep::sample, quickstep::sample_rect)];
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(60))]
+
+        /// What is sampled and shaded anew in the rectangles alone equals the whole picture anew.
+        #[test]
+        fn outside_of_the_rectangles_nothing_changes(
+            seed: u64,
+            spots in 1usize..12,
+            eye in prop::array::uniform3(-1.2f32..1.2),
+            turn in prop::array::uniform3(-3f32..3.0),
+            fov_y_deg in 20f32..110.0,
+        ) {
+            let mut random = Random(seed);
+            let mut grid = scenes::cheese(80, 20, seed).unwrap();
+            let mut material = Material::new(ColourDepth::Bits24, Rgb::default(), grid.bricks().len());
+            let placement = Placement {
+                rotation: Quat::from_scaled_axis(Vec3::from(turn)),
+                ..Placement::default()
+            };
+            let world_from_grid = placement.world_from_grid(grid.dims(), grid.voxel_size());
+            let camera = Camera {
+                eye: Vec3::from(eye) * 100.0,
+                target: Vec3::splat(random.unit()),
+                fov_y_rad: fov_y_deg.to_radians(),
+                ..Camera::default()
+            };
+            let eye = camera.eye(UVec2::new(203, 149));
+            let rays = eye.pixel_rays(&world_from_grid);
+            let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
+            let lighting = Lighting::default();
+            let mut maps = [(); 2].map(|()| IndexMap::new(rays));
+            for (map, (sample, _)) in maps.iter_mut().zip(SAMPLERS) {
+                sample(&grid, &rays, map);
+            }
+            let mut pixels = Pixels::default();
+            shade::shade(&maps[0], &grid, &material, &pose, &lighting, &mut pixels);
+
+            let mut changed = Vec::new();
+            for _ in 0..spots {
+                let v = random.voxel(grid.dims());
+                let brick = grid.brick_index(v.as_uvec3() / 8);
+                let bits = random.next_u64();
+                let was = grid.bricks()[brick];
+                grid.set_brick(brick, was.zip(&was, |word, _| word ^ bits));
+                material.paint(brick, &grid.bricks()[brick], Rgb([bits as u8, 90, 200]));
+                changed.push(brick as u32);
+            }
+            changed.sort_unstable();
+            changed.dedup();
+            let to_sample = changed_pixels(&grid, &changed, &rays, 0);
+            for (map, (sample, sample_rect)) in maps.iter_mut().zip(SAMPLERS) {
+                for rect in to_sample.as_slice() {
+                    sample_rect(&grid, map, *rect);
+                }
+                let mut whole = IndexMap::new(rays);
+                sample(&grid, &rays, &mut whole);
+                prop_assert!(*map == whole);
+            }
+            let to_shade = changed_pixels(&grid, &changed, &rays, shade::NORMAL_REACH_VX);
+            for rect in to_shade.as_slice() {
+                shade::shade_rect(&maps[0], &grid, &material, &pose, &lighting, *rect, &mut pixels);
+            }
+            let mut whole = Pixels::default();
+            shade::shade(&maps[0], &grid, &material, &pose, &lighting, &mut whole);
+            prop_assert!(pixels == whole);
+        }
+    }
+
+    #[test]
+    fn a_small_edit_and_its_mirror_image_are_two_small_rectangles() {
+        let grid = scenes::solid_cube(512).unwrap();
+        let world_from_grid = Placement::default().world_from_grid(grid.dims(), Vec3::ONE);
+        let camera = Camera { eye: Vec3::Z * 900.0, ..Camera::default() };
+        let rays = camera.eye(UVec2::new(640, 480)).pixel_rays(&world_from_grid);
+        let brick = |x: u32| grid.brick_index(UVec3::new(x, 20, 63)) as u32;
+        let rects = changed_pixels(&grid, &[brick(5), brick(6), brick(57), brick(58)], &rays, 2);
+        assert_eq!(rects.as_slice().len(), 2);
+        assert!(rects.pixel_count() < 2 * 32 * 20, "{rects:?}");
+        assert!(changed_pixels(&grid, &[], &rays, 2).is_empty());
+        let all: Vec<u32> = (0..grid.bricks().len() as u32).collect();
+        let whole = changed_pixels(&grid, &all, &rays, 2);
+        assert!(whole.as_slice().len() == 1 && whole.pixel_count() > 200 * 200);
+    }
+}
