@@ -41,3 +41,16 @@ struct StereoView {
     arrangement: u32,
     eye: u32,
 }
+
+struct BackdropView {
+    scale: vec2<f32>,
+    offset: vec2<f32>,
+    focal: vec2<f32>,
+    centre: vec2<f32>,
+    radial: vec3<f32>,
+    lens: u32,
+    beyond: vec3<f32>,
+    tangential: vec2<f32>,
+    screen: vec2<f32>,
+    size: vec2<u32>,
+}

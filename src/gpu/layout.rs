@@ -106,6 +106,32 @@ shared! {
     }
 }
 
+shared! {
+    /// Push constants of the backdrop pass: a video picture and its lens.
+    BackdropView {
+        /// Position in the picture (0 to 1) is this times that on the screen, plus `offset`.
+        scale: [f32; 2],
+        offset: [f32; 2],
+        /// Focal lengths and centre of the lens in pixels of the picture.
+        focal: [f32; 2],
+        centre: [f32; 2],
+        /// Radial distortion.
+        radial: [f32; 3],
+        /// 1 to straighten the picture.
+        lens: u32,
+        /// Colour where there is no picture, as the target stores it.
+        beyond: [f32; 3],
+        pad_0: u32,
+        /// Tangential distortion.
+        tangential: [f32; 2],
+        /// Size of the screen in pixels.
+        screen: [f32; 2],
+        /// Size of the picture in pixels.
+        size: [u32; 2],
+        pad_1: [u32; 2],
+    }
+}
+
 /// One instance of the slicing pass (vertex attributes, so no layout but the pipeline's).
 #[repr(C)]
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Pod, Zeroable)]
@@ -161,5 +187,7 @@ mod tests {
         compare(stage!("composite.frag.wgsl"), "CompositeView", members, bytes);
         let (members, bytes) = (StereoView::members(), size_of::<StereoView>());
         compare(stage!("stereo.frag.wgsl"), "StereoView", members, bytes);
+        let (members, bytes) = (BackdropView::members(), size_of::<BackdropView>());
+        compare(stage!("backdrop.frag.wgsl"), "BackdropView", members, bytes);
     }
 }

@@ -1,5 +1,6 @@
 //! The passes of a frame, one file each. They own no policy: what to draw comes in as values.
 
+pub mod backdrop;
 pub mod composite;
 pub mod gui;
 pub mod overlay;
@@ -10,6 +11,7 @@ pub mod stereo;
 pub mod target;
 pub mod volume;
 
+pub use backdrop::{Backdrop, VideoView};
 pub use composite::{Background, Composite, CompositeEye};
 pub use renderer::{Renderer, Shot};
 pub use slicing::Slicing;

@@ -1,0 +1,152 @@
+//! Draws a video picture behind everything: fitted to the screen, mirrored, straightened where its
+//! lens is known, infinitely far.
+//!
+//! Takes frames as they come and keeps the last one on the device; knows no cameras.
+
+use std::sync::Arc;
+
+use ash::vk;
+use glam::{UVec2, Vec3};
+
+use super::composite::is_srgb;
+use super::target::EyeImage;
+use crate::gpu::layout::BackdropView;
+use crate::gpu::{
+    Blend, Depth, DescriptorSets, Device, FRAMES_IN_FLIGHT, Graphics, Pipeline, PipelineLayout,
+    Recorder, Result, SetLayout, Staging, shaders,
+};
+use crate::video::{Fit, Frame, Framing, Intrinsics};
+
+/// How the last frame is shown.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct VideoView {
+    /// Of the frame ([`Frame::sequence`]): another frame is another picture.
+    pub sequence: u64,
+    pub fit: Fit,
+    pub mirror: bool,
+    /// The lens, for whatever size; without it the picture is shown as it is.
+    pub lens: Option<Intrinsics>,
+    /// Where there is no picture. sRGB, 0 to 1.
+    pub beyond: Vec3,
+}
+
+/// The pass and the last frame.
+pub struct Backdrop {
+    pipeline: Pipeline,
+    sets: DescriptorSets,
+    /// The image that each set names.
+    named: [u64; FRAMES_IN_FLIGHT],
+    picture: Option<EyeImage>,
+    staging: Staging,
+    slot: usize,
+    /// The target stores linear values, encoded by the device.
+    linear: bool,
+    device: Arc<Device>,
+}
+
+impl Backdrop {
+    /// For targets of `format` with a depth buffer.
+    pub fn new(device: &Arc<Device>, format: vk::Format) -> Result<Backdrop> {
+        let fragment = vk::ShaderStageFlags::FRAGMENT;
+        let bindings = [(0, vk::DescriptorType::SAMPLED_IMAGE, fragment)];
+        let set_layout = SetLayout::new(device, "backdrop", &bindings)?;
+        let push = Some((fragment, size_of::<BackdropView>()));
+        let layout = PipelineLayout::new(device, "backdrop", Some(&set_layout), push)?;
+        let pipeline = Pipeline::graphics(
+            device,
+            &Graphics {
+                name: "backdrop",
+                vertex: shaders::SCREEN_VERT,
+                fragment: shaders::BACKDROP_FRAG,
+                layout: &layout,
+                vertices: None,
+                topology: vk::PrimitiveTopology::TRIANGLE_LIST,
+                cull: vk::CullModeFlags::NONE,
+                colour: Some((format, Blend::Replace)),
+                depth: Some(Depth::OVERWRITE),
+            },
+        )?;
+        let usage = vk::BufferUsageFlags::TRANSFER_SRC;
+        Ok(Backdrop {
+            pipeline,
+            sets: DescriptorSets::new(device, "backdrop", &set_layout, FRAMES_IN_FLIGHT)?,
+            named: [0; FRAMES_IN_FLIGHT],
+            picture: None,
+            staging: Staging::new(device, "video", usage, 1 << 20)?,
+            slot: 0,
+            linear: is_srgb(format),
+            device: device.clone(),
+        })
+    }
+
+    /// Starts a frame that uses `slot` ([`crate::gpu::Frames::slot`]).
+    pub fn begin(&mut self, slot: usize) {
+        self.slot = slot % FRAMES_IN_FLIGHT;
+        self.staging.begin(slot);
+    }
+
+    /// Brings a frame to the device, in the place of the last one. Before rendering begins.
+    pub fn upload(&mut self, recorder: &mut Recorder, frame: &Frame) -> Result<()> {
+        let size = UVec2::new(frame.width, frame.height);
+        if size.min_element() == 0 {
+            return Ok(());
+        }
+        let piece = self.staging.push(&frame.pixels, 4)?;
+        let picture = match &mut self.picture {
+            Some(picture) if picture.size() == size => picture,
+            picture => picture.insert(EyeImage::new(
+                &self.device,
+                "video picture",
+                size,
+                1,
+                // A target that encodes what it is given is given what is decoded here.
+                if self.linear { vk::Format::R8G8B8A8_SRGB } else { vk::Format::R8G8B8A8_UNORM },
+                vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST,
+            )?),
+        };
+        picture.upload(recorder, 0, piece);
+        Ok(())
+    }
+
+    /// Covers a target of `screen` pixels with the last frame, within rendering. Without a frame
+    /// yet, with what is beyond it.
+    pub fn draw(&mut self, recorder: &mut Recorder, screen: UVec2, view: &VideoView) {
+        let Some(picture) = &self.picture else { return };
+        let image = picture.image();
+        if self.named[self.slot] != image.id() {
+            self.named[self.slot] = image.id();
+            self.sets.write_sampled(self.slot, 0, image.view());
+        }
+        recorder.bind_pipeline(&self.pipeline);
+        recorder.bind_set(&self.pipeline, self.sets.set(self.slot));
+        recorder
+            .push(self.pipeline.layout(), &constants(view, picture.size(), screen, self.linear));
+        recorder.draw(3, 1);
+    }
+
+    /// Whether a frame has come.
+    pub fn has_picture(&self) -> bool {
+        self.picture.is_some()
+    }
+}
+
+fn constants(view: &VideoView, size: UVec2, screen: UVec2, linear: bool) -> BackdropView {
+    let Framing { scale, offset } = Framing::new(size, screen, view.fit, view.mirror);
+    let lens = view.lens.map(|lens| lens.scaled(size.x, size.y));
+    let pinhole = Intrinsics::pinhole(size.x, size.y, 1.0);
+    let numbers = lens.unwrap_or(pinhole);
+    BackdropView {
+        scale: scale.to_array(),
+        offset: offset.to_array(),
+        focal: [numbers.fx, numbers.fy].map(|n| n as f32),
+        centre: [numbers.cx, numbers.cy].map(|n| n as f32),
+        radial: [numbers.k1, numbers.k2, numbers.k3].map(|n| n as f32),
+        lens: lens.is_some().into(),
+        beyond: if linear { view.beyond.powf(2.2) } else { view.beyond }.to_array(),
+        pad_0: 0,
+        tangential: [numbers.p1, numbers.p2].map(|n| n as f32),
+        screen: screen.as_vec2().to_array(),
+        size: size.to_array(),
+        pad_1: [0; 2],
+    }
+}
