@@ -3,9 +3,11 @@
 //! [`App::frame`] is the program read aloud. What does not need a window is in [`Workbench`].
 
 mod aim;
+pub mod ar;
 mod deeds;
 mod first_run;
 mod guides;
+pub mod head;
 mod job;
 mod keys;
 mod marker;
@@ -75,6 +77,7 @@ pub fn run(session: Session, config: Config) -> Result<(), AppError> {
     bench.ui.guide.open = config.window.guide && first_run::is_first_run();
     if let Some(folder) = config::personal_folder() {
         bench.keep_keys_in(folder.join("bindings.toml"));
+        bench.keep_calibration_in(folder.join("calibration.toml"));
     }
     let mut app = App {
         bench,
@@ -129,6 +132,8 @@ impl App {
             return Ok(());
         };
         view.play_pad(&mut self.bench, (started - self.started).as_secs_f64());
+        self.bench.on_screen(view.pane.monitor());
+        self.bench.track();
         let mut interface = view.interface(&mut self.bench);
         self.bench.shake_pad(self.started.elapsed().as_secs_f64());
         view.draw_sculpture(&mut frame, &mut self.bench)?;

@@ -11,13 +11,14 @@ use clap::{Args, Parser, Subcommand};
 use glam::Vec3;
 
 use crate::app;
-use crate::config::{Config, RenderMode};
+use crate::config::{Config, Profile, RenderMode};
 use crate::doctor;
 use crate::format::options::{Colouring, Existence, ExportForm, ImportOptions, RawLayout};
 use crate::headless::{self, DemoScene, JobError, RunJob};
 use crate::progress::Bar;
 use crate::sculpture::ColourDepth;
 use crate::session::Session;
+use crate::track::{self, TrackArgs};
 use crate::view::StereoLayout;
 
 /// Shape a block of voxels as a sculptor shapes stone.
@@ -29,6 +30,9 @@ pub struct Cli {
     /// Settings instead of those in ~/.config/virtual-sculpture/config.toml
     #[arg(long, global = true, value_name = "FILE")]
     pub config: Option<PathBuf>,
+    /// Settings for a way of working, under your own
+    #[arg(long, global = true, value_enum)]
+    pub profile: Option<Profile>,
     /// Write every command of the window to a script, to be replayed with `run`
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
@@ -98,6 +102,20 @@ pub enum Job {
         #[command(flatten)]
         picture: PictureArgs,
     },
+    /// Show the poses of a tracker, or serve them by VRPN
+    Track(TrackArgs),
+    /// Draw a marker for the sculpture to stand on, to be printed
+    Marker {
+        /// The PNG or SVG to write
+        #[arg(long, value_name = "FILE")]
+        out: PathBuf,
+        /// Its number, 0 to 29
+        #[arg(long, default_value_t = 0)]
+        id: u32,
+        /// Width of its black square in millimetres
+        #[arg(long, default_value_t = 80.0, value_name = "MM", value_parser = parse_marker_mm)]
+        size_mm: f64,
+    },
     /// List the commands of scripts
     Commands,
     /// Say what this machine offers: Vulkan devices, gamepads, OpenXR, settings
@@ -149,7 +167,7 @@ fn window_or_demo(cli: Cli, config: Config, progress: &Bar) -> Result<(), JobErr
 }
 
 fn dispatch(cli: Cli) -> Result<(), JobError> {
-    let config = Config::load(cli.config.as_deref())?;
+    let config = Config::load_over(cli.profile, cli.config.as_deref())?;
     let progress = Bar::new(cli.quiet);
     match cli.job {
         Some(Job::Render { file, out, picture, import }) => {
@@ -169,6 +187,8 @@ fn dispatch(cli: Cli) -> Result<(), JobError> {
         Some(Job::Demo { scene, out, picture }) => {
             headless::demo(scene, &out, &picture, &config, &progress)
         }
+        Some(Job::Track(args)) => Ok(track::run(&args, &config)?),
+        Some(Job::Marker { out, id, size_mm }) => headless::marker(id, size_mm, &out),
         Some(Job::Commands) => {
             headless::commands();
             Ok(())
@@ -308,5 +328,12 @@ fn parse_zoom(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(zoom) if (0.01..=1000.0).contains(&zoom) => Ok(zoom),
         _ => Err("must be 0.01 to 1000".to_string()),
+    }
+}
+
+fn parse_marker_mm(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(size) if (5.0..=5000.0).contains(&size) => Ok(size),
+        _ => Err("must be 5 to 5000".to_string()),
     }
 }

@@ -13,11 +13,14 @@ use crate::command::{COMMANDS, Command};
 use crate::command_text::{ScriptError, parse_script};
 use crate::config::{Config, ConfigError};
 use crate::document::Document;
+use crate::fiducial::{family, sheet};
 use crate::format::options::{ExportForm, ImportOptions};
 use crate::format::{self, FormatError};
 use crate::picture::{self, PictureError};
 use crate::progress::Progress;
 use crate::session::{Session, SessionError};
+use crate::track::TrackError;
+use crate::track::source::SourceError;
 
 /// A scene that the program builds from a script.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, clap::ValueEnum)]
@@ -76,6 +79,12 @@ pub enum JobError {
     Picture(#[from] PictureError),
     #[error(transparent)]
     App(#[from] AppError),
+    #[error(transparent)]
+    Track(#[from] TrackError),
+    #[error("there is no marker {0}; take 0 to {last}", last = family::COUNT - 1)]
+    NoMarker(u32),
+    #[error("cannot write {path}: {error}")]
+    WriteMarker { path: PathBuf, error: std::io::Error },
     #[error(
         "there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); `render`, `run`, `convert`, `info` and `demo` need none"
     )]
@@ -91,12 +100,18 @@ impl JobError {
             | JobError::Info { .. }
             | JobError::ReadScript { .. }
             | JobError::Script { .. }
-            | JobError::Command { .. } => 3,
+            | JobError::Command { .. }
+            | JobError::Track(TrackError::Source(
+                SourceError::ReadScript(..) | SourceError::Script(..),
+            )) => 3,
+            JobError::Track(TrackError::NoSource) | JobError::NoMarker(_) => 2,
             JobError::Picture(PictureError::Gpu(_))
             | JobError::App(AppError::EventLoop(_) | AppError::Window(_) | AppError::Gpu(_))
             | JobError::NoDisplay => 4,
             JobError::Session(_)
             | JobError::Folder { .. }
+            | JobError::WriteMarker { .. }
+            | JobError::Track(_)
             | JobError::Picture(_)
             | JobError::App(_) => 1,
         }
@@ -114,6 +129,21 @@ pub fn render(
 ) -> Result<(), JobError> {
     let session = Session::open(file, import, config.limits(), progress)?;
     render_session(session, out, picture, config)
+}
+
+/// Draws a marker whose black square is `size_mm` wide: an SVG where the name says so, else a PNG.
+pub fn marker(id: u32, size_mm: f64, out: &Path) -> Result<(), JobError> {
+    let is_svg = out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("svg"));
+    let drawing = match is_svg {
+        true => sheet::svg(id, size_mm).map(String::into_bytes),
+        false => sheet::png(id, size_mm),
+    };
+    let drawing = drawing.ok_or(JobError::NoMarker(id))?;
+    std::fs::write(out, drawing)
+        .map_err(|error| JobError::WriteMarker { path: out.into(), error })?;
+    let side_mm = sheet::side_mm(size_mm);
+    println!("{}: marker {id}; print it {side_mm} mm wide, its paper included", out.display());
+    Ok(())
 }
 
 /// Carries out a script; saves and renders the result where asked.

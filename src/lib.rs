@@ -24,6 +24,7 @@ pub mod session;
 pub mod shade;
 pub mod surface;
 pub mod tools;
+pub mod track;
 pub mod ui;
 pub mod video;
 pub mod view;

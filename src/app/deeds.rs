@@ -30,6 +30,7 @@ impl Workbench {
             Intent::Do(action) => self.act(action),
             Intent::Run(command) => self.run(command, false),
             Intent::Keys(change) => self.change_keys(change),
+            Intent::Calibrate(step) => self.calibrate(step),
             Intent::StopWork => self.cancel_job(),
             // If something is being written, leaving waits for its success.
             Intent::Leave if self.job.is_some() => self.leave_after_job(),
@@ -120,6 +121,9 @@ impl Workbench {
             Action::NextToolMode => self.ui.hand.mode = self.ui.hand.mode.next(),
             Action::NextPadMode => self.next_pad_mode(),
             Action::ToggleRumble => self.toggle_rumble(),
+            Action::ToggleHead => self.toggle_head(),
+            Action::CalibrateHead => self.begin_calibration(),
+            Action::ToggleAr => self.toggle_ar(),
             Action::NextRenderMode => self.ui.view.mode = next_mode(self.ui.view.mode),
             Action::NextStereo => self.next_stereo(),
             Action::SwapEyes => self.ui.view.stereo.swap_eyes ^= true,
@@ -288,6 +292,7 @@ impl Workbench {
 
     pub(super) fn wheel(&mut self, action: Action, notches: f32, at: Vec2) {
         match action {
+            Action::Zoom if self.ar.is_on() => self.ar.zoom(notches),
             Action::Zoom => {
                 let placement = *self.session.document().placement();
                 let placement = self.stage.zoomed(&placement, notches, at);

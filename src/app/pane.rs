@@ -14,6 +14,7 @@ use winit::event::{ElementState, Touch, WindowEvent};
 use winit::keyboard::{Key, KeyCode, PhysicalKey};
 use winit::window::{Window, WindowId};
 
+use super::head::Monitor;
 use crate::gpu::{Attachment, Device, Frames, GpuError, ImagePart, Load, Recorder, Surface, Use};
 use crate::render::gui::Gui;
 use crate::render::target::EyeImage;
@@ -95,6 +96,21 @@ impl Pane {
     /// Gives everything back but the window.
     pub fn into_window(self) -> Arc<Window> {
         self.window
+    }
+
+    /// Where the window is on its screen, if the system knows the screen.
+    pub fn monitor(&self) -> Option<Monitor> {
+        let window = self.window();
+        let monitor = window.current_monitor()?;
+        let (size, inner) = (monitor.size(), window.inner_size());
+        let corner = monitor.position();
+        let place = window.inner_position().ok();
+        Some(Monitor {
+            size_px: UVec2::new(size.width, size.height),
+            window_px: place.map(|at| IVec2::new(at.x - corner.x, at.y - corner.y)),
+            window_size_px: UVec2::new(inner.width, inner.height),
+        })
+        .filter(|monitor| monitor.size_px.min_element() > 0)
     }
 
     pub fn window(&self) -> &Window {

@@ -58,6 +58,11 @@ impl Stage {
         self.camera().eye(self.size)
     }
 
+    /// Height of what is seen at the distance of the origin, in world units.
+    pub fn window_height(&self) -> f32 {
+        2.0 * (0.5 * self.fov_y_rad).tan() * self.distance
+    }
+
     /// Takes the distance from which all of the grid is seen, however it is turned.
     pub fn show_all(&mut self, grid: &Grid, placement: &Placement) {
         let extent = grid.dims().as_vec3() * grid.voxel_size() * placement.scale;

@@ -12,7 +12,9 @@ use egui::{CursorIcon, Id, Rect, Sense, Ui};
 use glam::{Affine3A, UVec2, Vec2, Vec3};
 
 use super::aim::{self, Sight};
+use super::ar::Ar;
 use super::guides::Aid;
+use super::head::Head;
 use super::job::{self, Job};
 use super::keys::KeyFile;
 use super::marker::MarkerDrag;
@@ -47,6 +49,8 @@ pub struct Workbench {
     shift_tap: ShiftTap,
     pub(super) pads: Pads,
     pub(super) stage: Stage,
+    pub(super) head: Head,
+    pub(super) ar: Ar,
     pub(super) stroke: Option<StrokeInHand>,
     /// What a drag does to the marker.
     pub(super) marker_drag: Option<MarkerDrag>,
@@ -59,6 +63,7 @@ pub struct Workbench {
     /// The voxels in the last picture, to find what the pointer points at.
     pub(super) seen: Option<Arc<IndexMap>>,
     picture: Rect,
+    pixels_per_point: f32,
     /// Long work under way.
     pub(super) job: Option<Job>,
     /// The file that this run of the program has written, which may be written again unasked.
@@ -87,6 +92,8 @@ impl Workbench {
             shift_tap: ShiftTap::default(),
             pads: Pads::new(&config.gamepad),
             stage,
+            head: Head::new(config),
+            ar: Ar::new(&config.ar),
             stroke: None,
             marker_drag: None,
             marker_rest: Vec3::ZERO,
@@ -94,6 +101,7 @@ impl Workbench {
             turns_instead: false,
             seen: None,
             picture: Rect::ZERO,
+            pixels_per_point: 1.0,
             job: None,
             written: None,
             leaving: false,
@@ -103,6 +111,12 @@ impl Workbench {
             pointing_eye: 0,
         };
         bench.look_from(Side::Corner);
+        if bench.head.wanted() {
+            bench.start_head();
+        }
+        if bench.ar.wanted() {
+            bench.start_ar();
+        }
         bench
     }
 
@@ -119,17 +133,30 @@ impl Workbench {
         self.picture
     }
 
-    /// The eyes of the next picture: one, or the left and the right one.
+    /// The same in pixels of the window.
+    pub(super) fn picture_px(&self) -> Rect {
+        self.picture * self.pixels_per_point
+    }
+
+    /// The eyes of the next picture: one, or the left and the right one. They are those of the
+    /// camera before the printed marker, of the head before the screen, or before the middle of
+    /// the screen.
     pub fn eyes(&self) -> Vec<Eye> {
-        let mono = self.stage.eye();
         let stereo = &self.ui.view.stereo;
-        match stereo.layout {
-            StereoLayout::Mono => vec![mono],
-            _ => {
-                let centre = mono.eye_from_world.transform_point3(self.placed_centre());
-                stereo.rig((-centre.z).max(self.stage.camera().near)).eyes(&mono).to_vec()
-            }
+        let is_mono = stereo.layout == StereoLayout::Mono;
+        if let Some(eye) = self.camera_eye() {
+            // The camera behind the picture has one eye.
+            return vec![eye; if is_mono { 1 } else { 2 }];
         }
+        if is_mono {
+            return vec![self.head_eye().unwrap_or_else(|| self.stage.eye())];
+        }
+        if let Some([left, right]) = self.tracked_eyes(stereo.eye_distance_mm * 1e-3) {
+            return if stereo.swap_eyes { vec![right, left] } else { vec![left, right] };
+        }
+        let mono = self.stage.eye();
+        let centre = mono.eye_from_world.transform_point3(self.placed_centre());
+        stereo.rig((-centre.z).max(self.stage.camera().near)).eyes(&mono).to_vec()
     }
 
     /// The eye whose picture the pointer is in.
@@ -194,6 +221,9 @@ impl Workbench {
         if self.job.is_some() {
             root.request_repaint_after(job::LOOK_EVERY);
         }
+        for after in [self.head.repaint_after(), self.ar.repaint_after()].into_iter().flatten() {
+            root.request_repaint_after(after);
+        }
     }
 
     /// One pass of a panel in a window of its own. True if something was done there that other
@@ -241,6 +271,8 @@ impl Workbench {
             quad_buffered: self.quad_buffered,
             device: &self.device,
             pad: self.pads.facts(),
+            head: self.head.facts(),
+            ar: self.ar.facts(),
         };
         let preset = self.ui.preset;
         let shown = show(&mut self.ui, &facts);
@@ -252,6 +284,7 @@ impl Workbench {
 
     fn set_picture(&mut self, rect: Rect, pixels_per_point: f32) {
         self.picture = rect;
+        self.pixels_per_point = pixels_per_point;
         let size = (rect.size() * pixels_per_point).round().max(egui::Vec2::splat(1.0));
         self.stage.set_size(UVec2::new(size.x as u32, size.y as u32));
     }

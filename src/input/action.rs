@@ -174,6 +174,11 @@ pub enum Action {
     NextRenderMode,
     NextStereo,
     SwapEyes,
+    /// Lets the view follow the head, or not.
+    ToggleHead,
+    CalibrateHead,
+    /// Puts the sculpture on the marker in the video, or not.
+    ToggleAr,
     /// Tears a panel off into a window of its own, or puts it back.
     TearOff(Panel),
     ScaleUp,
@@ -307,6 +312,9 @@ impl Action {
         Action::NextRenderMode,
         Action::NextStereo,
         Action::SwapEyes,
+        Action::ToggleHead,
+        Action::CalibrateHead,
+        Action::ToggleAr,
         Action::TearOff(Panel::Toolbox),
         Action::TearOff(Panel::Options),
         Action::TearOff(Panel::History),

@@ -143,6 +143,13 @@ impl Action {
             Action::NextRenderMode => ("next-render-mode", Tap, "Take the next way of rendering"),
             Action::NextStereo => ("next-stereo", Tap, "Take the next way to show two eyes"),
             Action::SwapEyes => ("swap-eyes", Tap, "Exchange the pictures of the two eyes"),
+            Action::ToggleHead => ("toggle-head", Tap, "Let the view follow the head, or not"),
+            Action::CalibrateHead => {
+                ("calibrate-head", Tap, "Calibrate the tracker by touching the screen's corners")
+            }
+            Action::ToggleAr => {
+                ("toggle-ar", Tap, "Stand the sculpture on the marker in the video, or not")
+            }
             Action::TearOff(Panel::Toolbox) => {
                 ("tear-toolbox", Tap, "Toolbox into a window of its own, or back")
             }

@@ -54,7 +54,8 @@ impl Group {
             | ClearMarker | DyeMarker | Copy | Cut | Paste | TurnClip(_) | MirrorClip(_)
             | MoveContents(_) => Group::Areas,
             Undo | Redo | Fill | Clear => Group::History,
-            ResetView | LookFrom(_) | NextRenderMode | NextStereo | SwapEyes => Group::View,
+            ResetView | LookFrom(_) | NextRenderMode | NextStereo | SwapEyes | ToggleHead
+            | CalibrateHead | ToggleAr => Group::View,
             ScaleUp | ScaleDown | ScaleReset | TearOff(_) | ToggleRumble | New | Open | Save
             | SaveAs | Palette | Help | Guide | Quit => Group::Program,
         }

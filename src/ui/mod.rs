@@ -3,6 +3,7 @@
 //! Reads the document through [`Facts`], remembers its own choices in [`UiState`], and says what
 //! the person wants as [`Intent`]s. It changes no sculpture and knows no Vulkan.
 
+pub mod ar;
 pub mod busy;
 pub mod buttons;
 pub mod files;
@@ -10,6 +11,7 @@ pub mod filter;
 pub mod gamepad;
 pub mod guide;
 pub mod hand;
+pub mod head;
 pub mod history;
 pub mod icons;
 pub mod key_catch;
@@ -69,6 +71,8 @@ pub struct Facts<'a> {
     pub device: &'a str,
     /// The gamepad that leads, if there is one.
     pub pad: Option<PadFacts<'a>>,
+    pub head: head::HeadFacts,
+    pub ar: ar::ArFacts,
 }
 
 /// What the interface reads of a gamepad.
@@ -113,6 +117,7 @@ pub fn show(
     key_catch::show(root, state, intents);
     palette::show(root, state, facts, intents);
     new_dialog::show(root, state, facts, intents);
+    head::calibration(root, facts, intents);
     leave::show(root, state, intents);
     files::show(root, state, intents);
     state.toasts.show(root, picture.rect);

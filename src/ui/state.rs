@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use glam::{IVec3, UVec3, Vec3};
 
 use super::hand::Hand;
+use super::head::CalibrationStep;
 use super::key_table::KeyTable;
 use super::new_dialog::NewDialog;
 use super::palette::Palette;
@@ -27,6 +28,8 @@ pub enum Intent {
     Run(Command),
     /// Stop the long work under way, where it can be stopped.
     StopWork,
+    /// A step of the calibration of the tracker.
+    Calibrate(CalibrationStep),
     /// Change the table of keys in use.
     Keys(KeyChange),
     /// Leave without asking again.
@@ -117,6 +120,8 @@ pub struct UiState {
     pub help_open: bool,
     pub keys: KeyTable,
     pub palette: Palette,
+    /// The tracker is being calibrated.
+    pub calibrating: bool,
     /// Asks what to do with unsaved work.
     pub leave_open: bool,
     pub new_dialog: NewDialog,
@@ -151,6 +156,7 @@ impl UiState {
             help_open: false,
             keys: KeyTable::default(),
             palette: Palette::default(),
+            calibrating: false,
             leave_open: false,
             new_dialog: NewDialog::new(config),
             files: super::files::Files::new(),
@@ -162,6 +168,7 @@ impl UiState {
     /// Whether a window lies over the sculpture and has the person's attention.
     pub fn is_modal(&self) -> bool {
         self.leave_open
+            || self.calibrating
             || self.new_dialog.open
             || self.palette.open
             || self.keys.is_catching()

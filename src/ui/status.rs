@@ -3,7 +3,7 @@
 
 use egui::{Align, Frame, Layout, Margin, Panel, Ui};
 
-use super::{Facts, UiState, gamepad};
+use super::{Facts, UiState, ar, gamepad, head};
 
 pub fn show(root: &mut Ui, state: &UiState, facts: &Facts) {
     let frame = Frame::side_top_panel(root.style()).inner_margin(Margin::symmetric(8, 3));
@@ -25,6 +25,8 @@ pub fn show(root: &mut Ui, state: &UiState, facts: &Facts) {
                 ui.separator();
                 ui.strong(pad.mode.label()).on_hover_text(gamepad::mode_hint(pad.mode));
             }
+            head::status(ui, facts);
+            ar::status(ui, facts);
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| right(ui, facts));
         });
     });

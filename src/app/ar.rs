@@ -1,0 +1,316 @@
+//! Owns the sculpture on the table: a thread that looks for the marker in frames of a camera, and the
+//! camera's eye while the sculpture stands on it.
+//!
+//! Frames come in as values, the newest wins. The eye belongs to one frame, the last that was looked
+//! through ([`Workbench::ar_frame`]): that one is to be shown behind the sculpture. A marker that is
+//! lost is held for a moment, then the sculpture goes to a place before the camera.
+
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use glam::{Affine3A, DQuat, DVec3, UVec2, Vec3};
+use tracking::Placement;
+use tracking::fade::{Fade, FadeOptions};
+
+use super::workbench::Workbench;
+use crate::config::ArSettings;
+use crate::fiducial::{Grey, MarkerPose, detect, poses};
+use crate::ui::ar::ArFacts;
+use crate::video::{Fit, Frame, Framing, Intrinsics};
+use crate::view::Eye;
+use crate::view::ar::Stand;
+
+/// Without the marker for so long it is lost, seconds.
+const LOST_AFTER_S: f64 = 0.3;
+const FADE: FadeOptions = FadeOptions { hold_s: 0.7, leave_s: 1.5, return_s: 0.3 };
+/// Nothing nearer to the camera is drawn, metres.
+const NEAREST_M: f32 = 0.01;
+/// Between two looks for what the thread has found.
+const LOOK_EVERY: Duration = Duration::from_millis(8);
+/// A reading of the marker this much worse than the other one, in pixels, is out of the question.
+const AMBIGUOUS_PX: f64 = 0.4;
+/// Factor on the size for one notch of the wheel.
+const GROWTH_PER_NOTCH: f32 = 1.1;
+
+/// How the camera's picture lies on the screen.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Look {
+    /// The camera's lens, if it has been measured.
+    pub lens: Option<Intrinsics>,
+    pub fit: Fit,
+    pub mirror: bool,
+}
+
+/// A frame that was looked through.
+struct Searched {
+    frame: Arc<Frame>,
+    /// For the size of the frame.
+    lens: Intrinsics,
+    /// The readings of the marker, the better first; none if it is not seen.
+    found: Vec<MarkerPose>,
+}
+
+/// What the thread of the finder shares with the workbench.
+#[derive(Default)]
+struct Desk {
+    next: Option<(Arc<Frame>, Intrinsics)>,
+    done: Option<Searched>,
+    stop: bool,
+}
+
+/// Looks for a marker on a thread of its own.
+struct Finder {
+    shared: Arc<(Mutex<Desk>, Condvar)>,
+    thread: Option<JoinHandle<()>>,
+}
+
+fn lock(desk: &Mutex<Desk>) -> MutexGuard<'_, Desk> {
+    // Whole at every moment, so a panic elsewhere does not spoil it.
+    desk.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Finder {
+    fn start(id: u32, size_m: f64) -> std::io::Result<Finder> {
+        let shared = Arc::new((Mutex::new(Desk::default()), Condvar::new()));
+        let theirs = shared.clone();
+        let work = move || {
+            let (desk, news) = &*theirs;
+            loop {
+                let idle = |desk: &mut Desk| desk.next.is_none() && !desk.stop;
+                let waited = news.wait_while(lock(desk), idle);
+                let mut held = waited.unwrap_or_else(PoisonError::into_inner);
+                if held.stop {
+                    return;
+                }
+                let Some((frame, lens)) = held.next.take() else { continue };
+                drop(held);
+                let grey = Grey::from_rgba(frame.width, frame.height, &frame.pixels);
+                let seen = detect(&grey, &lens).into_iter().find(|sighting| sighting.id == id);
+                let found = seen.map_or(Vec::new(), |s| poses(&s.corners, size_m, lens.fx));
+                lock(desk).done = Some(Searched { frame, lens, found });
+            }
+        };
+        let thread = std::thread::Builder::new().name("marker".to_owned()).spawn(work)?;
+        Ok(Finder { shared, thread: Some(thread) })
+    }
+
+    fn give(&self, frame: Arc<Frame>, lens: Intrinsics) {
+        let (desk, news) = &*self.shared;
+        lock(desk).next = Some((frame, lens));
+        news.notify_one();
+    }
+
+    fn take(&self) -> Option<Searched> {
+        lock(&self.shared.0).done.take()
+    }
+}
+
+impl Drop for Finder {
+    fn drop(&mut self) {
+        let (desk, news) = &*self.shared;
+        lock(desk).stop = true;
+        news.notify_one();
+        if let Some(thread) = self.thread.take() {
+            // A panic there has been reported by its thread.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// The marker and the camera before it.
+pub struct Ar {
+    settings: ArSettings,
+    /// While the sculpture stands on the marker.
+    finder: Option<Finder>,
+    /// The last frame that was given, by its number.
+    given: Option<u64>,
+    look: Look,
+    shown: Option<(Arc<Frame>, Intrinsics)>,
+    /// Where the marker was seen last, and when.
+    seen: Option<(Placement, f64)>,
+    live: bool,
+    fade: Fade,
+    now_s: f64,
+}
+
+/// Where the marker is taken to be while it is not seen: on a table before the camera.
+fn rest() -> Placement {
+    Placement {
+        position_m: DVec3::new(0.0, -0.06, -0.45),
+        orientation: DQuat::from_rotation_x(-55f64.to_radians()),
+    }
+}
+
+impl Ar {
+    pub fn new(settings: &ArSettings) -> Ar {
+        Ar {
+            settings: settings.clone(),
+            finder: None,
+            given: None,
+            look: Look { lens: None, fit: Fit::Fill, mirror: false },
+            shown: None,
+            seen: None,
+            live: false,
+            fade: Fade::DONE,
+            now_s: 0.0,
+        }
+    }
+
+    pub fn is_on(&self) -> bool {
+        self.finder.is_some()
+    }
+
+    /// Whether the program begins with it.
+    pub fn wanted(&self) -> bool {
+        self.settings.on
+    }
+
+    fn start(&mut self) -> std::io::Result<()> {
+        let ArSettings { marker, marker_mm, .. } = self.settings;
+        self.finder = Some(Finder::start(marker, marker_mm * 1e-3)?);
+        Ok(())
+    }
+
+    fn stop(&mut self) {
+        (self.finder, self.given, self.shown, self.seen) = (None, None, None, None);
+        (self.live, self.fade) = (false, Fade::DONE);
+    }
+
+    fn guide(&self) -> Placement {
+        match self.seen {
+            Some((placement, _)) if self.live => placement,
+            _ => rest(),
+        }
+    }
+
+    fn placement(&self) -> Placement {
+        self.fade.place(self.guide(), self.now_s)
+    }
+
+    /// Hears what was found, and decides whether the marker is there.
+    pub(super) fn update(&mut self, now_s: f64) {
+        let before = self.placement();
+        let was_live = self.live;
+        self.now_s = now_s;
+        if let Some(Searched { frame, lens, found }) = self.finder.as_ref().and_then(Finder::take) {
+            if let Some(pose) = self.likely(&found) {
+                let orientation = pose.rotation;
+                self.seen =
+                    Some((Placement { position_m: pose.translation_m, orientation }, now_s));
+            }
+            self.shown = Some((frame, lens));
+        }
+        self.live = self.seen.is_some_and(|(_, seen_s)| now_s - seen_s <= LOST_AFTER_S);
+        if self.live != was_live {
+            let (start_s, length_s) = match self.live {
+                true => (now_s, FADE.return_s),
+                false => (now_s + FADE.hold_s, FADE.leave_s),
+            };
+            self.fade = Fade::start(before, self.guide(), start_s, length_s);
+        }
+    }
+
+    /// Of two readings that are as good the one nearer to what was seen last.
+    fn likely(&self, found: &[MarkerPose]) -> Option<MarkerPose> {
+        let best = *found.first()?;
+        let Some((last, _)) = self.seen.filter(|_| self.live) else { return Some(best) };
+        let angle = |pose: &MarkerPose| pose.rotation.angle_between(last.orientation);
+        found
+            .iter()
+            .filter(|pose| pose.error_px <= best.error_px + AMBIGUOUS_PX)
+            .min_by(|a, b| angle(a).total_cmp(&angle(b)))
+            .copied()
+    }
+
+    pub(super) fn repaint_after(&self) -> Option<Duration> {
+        self.is_on().then_some(LOOK_EVERY)
+    }
+
+    /// Makes the sculpture on the table larger or smaller.
+    pub(super) fn zoom(&mut self, notches: f32) {
+        let factor = GROWTH_PER_NOTCH.powf(notches.clamp(-20.0, 20.0));
+        self.settings.voxel_mm = (self.settings.voxel_mm * factor).clamp(0.001, 1000.0);
+    }
+
+    pub fn facts(&self) -> ArFacts {
+        ArFacts {
+            on: self.is_on(),
+            video: self.shown.is_some(),
+            seen: self.live,
+            marker: self.settings.marker,
+            voxel_mm: self.settings.voxel_mm,
+        }
+    }
+
+    /// What the camera sees of a grid, in a picture of `size` pixels. None without frames.
+    fn eye(&self, world_from_grid: &Affine3A, dims: Vec3, size: UVec2) -> Option<Eye> {
+        let (frame, lens) = self.shown.as_ref().filter(|_| self.is_on())?;
+        let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
+        let ground = (0..8)
+            .map(|i| world_from_grid.transform_point3(corner(i) * dims).y)
+            .fold(f32::MAX, f32::min);
+        let units_per_voxel = world_from_grid.matrix3.x_axis.length().max(f32::MIN_POSITIVE);
+        let stand = Stand { ground, m_per_unit: self.settings.voxel_mm * 1e-3 / units_per_voxel };
+        let Placement { position_m, orientation } = self.placement();
+        let camera_from_marker =
+            Affine3A::from_rotation_translation(orientation.as_quat(), position_m.as_vec3());
+        let picture = UVec2::new(frame.width, frame.height);
+        let framing = Framing::new(picture, size, self.look.fit, self.look.mirror);
+        let near = NEAREST_M / stand.m_per_unit;
+        Some(stand.eye(camera_from_marker, lens, &framing, size, near))
+    }
+}
+
+impl Workbench {
+    /// Hears of the newest frame of the camera and how it lies on the screen.
+    pub fn see(&mut self, frame: &Arc<Frame>, look: Look) {
+        self.ar.look = look;
+        let Some(finder) = &self.ar.finder else { return };
+        if self.ar.given == Some(frame.sequence) || frame.width == 0 || frame.height == 0 {
+            return;
+        }
+        self.ar.given = Some(frame.sequence);
+        let fov_y_rad = self.ar.settings.camera_fov_deg.to_radians();
+        let lens =
+            look.lens.unwrap_or_else(|| Intrinsics::pinhole(frame.width, frame.height, fov_y_rad));
+        finder.give(frame.clone(), lens.scaled(frame.width, frame.height));
+    }
+
+    /// Whether the sculpture stands on the marker, for which frames are needed.
+    pub fn ar_is_on(&self) -> bool {
+        self.ar.is_on()
+    }
+
+    /// The frame that belongs to the eye, while the sculpture stands on the marker: the one to be
+    /// shown behind it, without the lens's distortion.
+    pub fn ar_frame(&self) -> Option<&Arc<Frame>> {
+        self.ar.shown.as_ref().filter(|_| self.ar.is_on()).map(|(frame, _)| frame)
+    }
+
+    /// Puts the sculpture on the marker from now on.
+    pub fn start_ar(&mut self) {
+        if let Err(error) = self.ar.start() {
+            self.ui.toasts.error(format!("No thread to look for the marker: {error}"));
+        }
+    }
+
+    pub(super) fn toggle_ar(&mut self) {
+        if self.ar.is_on() {
+            self.ar.stop();
+        } else {
+            self.start_ar();
+        }
+    }
+
+    /// The eye of the camera, while the sculpture stands on the marker.
+    pub(super) fn camera_eye(&self) -> Option<Eye> {
+        let grid = self.session().document().grid();
+        let size = self.stage.eye().size;
+        self.ar.eye(&self.world_from_grid(), grid.dims().as_vec3(), size)
+    }
+}
+
+#[cfg(test)]
+#[path = "ar_tests.rs"]
+mod tests;

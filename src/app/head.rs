@@ -1,0 +1,398 @@
+//! Owns the head before the screen: its tracker, and the off-axis eye from which the sculpture is
+//! seen while the view follows it.
+//!
+//! Time comes in as seconds, so that all of it can be tested without a clock. The sculpture's centre
+//! lies in the plane of the screen; the camera's distance, which the wheel changes, is its scale.
+
+pub mod calibrate;
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use egui::Rect;
+use glam::{DQuat, DVec3, IVec2, Quat, UVec2, Vec2, Vec3};
+use tracking::calibration::Calibration;
+use tracking::controls::{AnalogBinding, AnalogUse, ButtonBinding, Control, ControlMap};
+use tracking::{
+    BodyId, Event, HostClock, Placement, Predicted, Presence, Source, SourceState, Tracker,
+};
+
+use super::workbench::Workbench;
+use crate::config::{Config, ScreenSettings, SourceAddress, TrackingSettings};
+use crate::input::action::Kind;
+use crate::input::{Action, Signal};
+use crate::track::source;
+use crate::ui::head::{CalibrationFacts, CalibrationStep, HeadFacts};
+use crate::view::Eye;
+use crate::view::off_axis::{Head as HeadPlace, ScreenInWorld, ScreenPlane};
+use calibrate::Calibrating;
+
+/// Of a screen whose size nobody told: 24 inches across, in metres.
+const GUESSED_DIAGONAL_M: f32 = 0.61;
+/// Between two looks for a head that is not there.
+const SEEK_EVERY: Duration = Duration::from_millis(100);
+/// Notches of the wheel a second with an analog at its end.
+const NOTCHES_PER_S: f64 = 10.0;
+/// Of analogs around their middle.
+const DEAD_ZONE: f64 = 0.15;
+
+/// Where on the screen the program's window is, in pixels of the screen.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Monitor {
+    pub size_px: UVec2,
+    /// Upper left corner of the window's contents; None where the system does not tell.
+    pub window_px: Option<IVec2>,
+    /// Size of the window's contents.
+    pub window_size_px: UVec2,
+}
+
+/// The head and who tracks it.
+pub struct Head {
+    settings: TrackingSettings,
+    screen: ScreenSettings,
+    clock: HostClock,
+    /// While the view follows the head.
+    tracker: Option<Tracker>,
+    calibration: Calibration,
+    calibration_file: Option<PathBuf>,
+    pub(super) calibrating: Option<Calibrating>,
+    controls: ControlMap<Action>,
+    /// What analogs do for as long as they are moved.
+    axes: Vec<(Action, f64)>,
+    shown: Predicted,
+    monitor: Option<Monitor>,
+    now_s: f64,
+    losses: u32,
+    rate: Rate,
+}
+
+/// Reports a second.
+#[derive(Clone, Copy, Default)]
+struct Rate {
+    since_s: f64,
+    accepted: u64,
+    hz: f64,
+}
+
+impl Rate {
+    fn count(&mut self, accepted: u64, now_s: f64) {
+        let elapsed_s = now_s - self.since_s;
+        if elapsed_s >= 1.0 {
+            self.hz = accepted.saturating_sub(self.accepted) as f64 / elapsed_s;
+            (self.since_s, self.accepted) = (now_s, accepted);
+        }
+    }
+}
+
+impl Head {
+    pub fn new(config: &Config) -> Head {
+        let (settings, screen) = (config.tracking.clone(), config.screen.clone());
+        let device = settings.controls().map_or(settings.source.label(), |d| d.to_string());
+        let button = |(button, action)| ButtonBinding { source: device.clone(), button, action };
+        let analog = |(channel, action): (u32, Action)| AnalogBinding {
+            source: device.clone(),
+            channel,
+            action,
+            meaning: match action.help().kind {
+                Kind::Wheel => AnalogUse::Axis { scale: 1.0, dead_zone: DEAD_ZONE },
+                _ => AnalogUse::Press { press: 0.6, release: 0.4 },
+            },
+        };
+        Head {
+            controls: ControlMap::new(
+                TrackingSettings::bound(&settings.buttons).map(button).collect(),
+                TrackingSettings::bound(&settings.analogs).map(analog).collect(),
+            ),
+            calibration: settings.calibration(),
+            calibration_file: None,
+            calibrating: None,
+            shown: Predicted {
+                placement: rest(&screen),
+                confidence: 0.0,
+                presence: Presence::Absent,
+            },
+            settings,
+            screen,
+            clock: HostClock::starting_now(),
+            tracker: None,
+            axes: Vec::new(),
+            monitor: None,
+            now_s: 0.0,
+            losses: 0,
+            rate: Rate::default(),
+        }
+    }
+
+    pub fn is_on(&self) -> bool {
+        self.tracker.is_some()
+    }
+
+    /// Whether the program begins with it.
+    pub fn wanted(&self) -> bool {
+        self.settings.on
+    }
+
+    fn start(&mut self) -> Result<(), source::SourceError> {
+        let TrackingSettings { source: address, .. } = &self.settings;
+        let controls = self.settings.controls();
+        let sources = source::open(address, controls.as_ref(), self.settings.signs(), self.clock)?;
+        let body = self.settings.body(self.screen.rest_m.into(), self.calibration);
+        let mut tracker = Tracker::new(body);
+        sources.into_iter().for_each(|source| tracker.add_source(source));
+        self.tracker = Some(tracker);
+        self.losses = 0;
+        self.rate = Rate { since_s: self.now_s, ..Rate::default() };
+        Ok(())
+    }
+
+    fn stop(&mut self) {
+        self.tracker = None;
+        self.calibrating = None;
+        self.axes.clear();
+    }
+
+    /// Hears the sources, and says what their buttons ask for.
+    fn update(&mut self, now_s: f64) -> Vec<Control<Action>> {
+        let mut asked = Vec::new();
+        self.now_s = now_s;
+        let Some(tracker) = &mut self.tracker else { return asked };
+        let mut events = Vec::new();
+        tracker.update(now_s, &mut events);
+        self.shown = tracker.predicted(now_s + self.settings.prediction_ms * 1e-3);
+        self.rate.count(tracker.sources().map(|source| source.counters().accepted).sum(), now_s);
+        if let Some(calibrating) = &mut self.calibrating {
+            calibrating.hear(tracker.raw_of(BodyId::HEAD).next().flatten(), now_s);
+        }
+        for event in &events {
+            match (event, &mut self.calibrating) {
+                (Event::Lost { .. }, _) => self.losses += 1,
+                // Whoever touches the screen has no hand for the keyboard.
+                (Event::Button { pressed: true, .. }, Some(calibrating)) => calibrating.take(),
+                _ => {}
+            }
+            self.controls.take(event, &mut asked);
+        }
+        asked
+    }
+
+    /// When the next picture is needed, with nothing else going on.
+    pub fn repaint_after(&self) -> Option<Duration> {
+        self.tracker.as_ref()?;
+        let here = self.shown.presence != Presence::Absent || self.calibrating.is_some();
+        Some(if here { Duration::ZERO } else { SEEK_EVERY })
+    }
+
+    /// The whole screen, and whether its size is a guess.
+    fn whole_screen(&self) -> (ScreenPlane, bool) {
+        let [width_m, height_m] = self.screen.size_m;
+        if width_m > 0.0 {
+            return (ScreenPlane::new(width_m, height_m), false);
+        }
+        let pixels = self.monitor.map_or(Vec2::new(16.0, 9.0), |m| m.size_px.as_vec2());
+        let size = pixels * (GUESSED_DIAGONAL_M / pixels.length().max(1.0));
+        (ScreenPlane::new(size.x, size.y), true)
+    }
+
+    /// The part of the screen in which the picture is: `picture` in pixels of the window.
+    fn plane(&self, picture: Rect) -> ScreenPlane {
+        let (whole, _) = self.whole_screen();
+        let Some(monitor) = self.monitor else { return whole };
+        // A window whose place nobody tells is taken to be in the middle.
+        let middle = (monitor.size_px.as_ivec2() - monitor.window_size_px.as_ivec2()) / 2;
+        let window = monitor.window_px.unwrap_or(middle).as_vec2();
+        let screen = monitor.size_px.max(UVec2::ONE).as_vec2();
+        let share = |corner: egui::Pos2| (window + Vec2::new(corner.x, corner.y)) / screen;
+        whole.part(share(picture.min), share(picture.max))
+    }
+
+    pub fn facts(&self) -> HeadFacts {
+        let (screen, guessed) = self.whole_screen();
+        let counters = self.sources().map(|source| source.counters());
+        let state = self.sources().find_map(|source| match source.state() {
+            SourceState::Running => None,
+            SourceState::Seeking(why) | SourceState::Ended(why) => Some(why),
+        });
+        HeadFacts {
+            on: self.is_on(),
+            source: self.settings.source.label(),
+            state,
+            presence: self.shown.presence,
+            position_m: self.shown.placement.position_m.to_array(),
+            rate_hz: self.rate.hz,
+            losses: self.losses,
+            dropped: counters.map(|counters| counters.rejected() + counters.unread).sum(),
+            screen_m: [screen.width_m, screen.height_m],
+            guessed,
+            calibration: self.calibrating.as_ref().map(|calibrating| CalibrationFacts {
+                taken: calibrating.taken(),
+                rms_mm: calibrating.fit.as_ref().map(|fit| fit.rms_m * 1e3),
+                problem: calibrating.problem.clone(),
+            }),
+        }
+    }
+
+    fn sources(&self) -> impl Iterator<Item = &dyn Source> {
+        self.tracker.iter().flat_map(Tracker::sources)
+    }
+
+    /// Takes the calibration that four touches have led to.
+    fn keep(&mut self, calibration: Calibration) {
+        self.calibration = Calibration { sensor_from_eyes: self.settings.eyes(), ..calibration };
+        if let Some(tracker) = &mut self.tracker {
+            tracker.set_calibration(BodyId::HEAD, 0, self.calibration, self.now_s);
+        }
+        self.calibrating = None;
+    }
+}
+
+fn rest(screen: &ScreenSettings) -> Placement {
+    Placement { position_m: DVec3::from(screen.rest_m), orientation: DQuat::IDENTITY }
+}
+
+impl Workbench {
+    /// Hears the tracker and the finder of markers, and does what buttons of the tracker ask for.
+    /// Once a picture, before the interface.
+    pub fn track(&mut self) {
+        self.track_at(self.head.clock.now_s());
+    }
+
+    /// The same at `now_s` on the tracker's clock.
+    pub fn track_at(&mut self, now_s: f64) {
+        let elapsed_s = (now_s - self.head.now_s).clamp(0.0, 0.1);
+        let asked = self.head.update(now_s);
+        for control in asked {
+            match control {
+                Control::Pressed(_) if self.ui.is_modal() || self.head.calibrating.is_some() => {}
+                Control::Pressed(action) if action.help().kind == Kind::Hold => {
+                    self.answer(&Signal::Begin { action, at: None });
+                }
+                Control::Pressed(action) => self.act(action),
+                Control::Released(action) if action.help().kind == Kind::Hold => {
+                    self.answer(&Signal::End(action));
+                }
+                Control::Released(_) => {}
+                Control::Axis(action, value) => {
+                    self.head.axes.retain(|(other, _)| *other != action);
+                    self.head.axes.push((action, value));
+                }
+            }
+        }
+        self.ui.calibrating = self.head.calibrating.is_some();
+        self.ar.update(now_s);
+        let middle = self.eye().size.as_vec2() * 0.5;
+        for (action, value) in self.head.axes.clone() {
+            if value != 0.0 && !self.ui.is_modal() {
+                self.wheel(action, (value * elapsed_s * NOTCHES_PER_S) as f32, middle);
+            }
+        }
+    }
+
+    /// Where the program's window is on the screen.
+    pub fn on_screen(&mut self, monitor: Option<Monitor>) {
+        self.head.monitor = monitor;
+    }
+
+    /// Lets the view follow the head from now on, as the settings say.
+    pub fn start_head(&mut self) {
+        if self.head.settings.source == SourceAddress::None {
+            self.ui.toasts.note(
+                "No tracker is named: the head is taken to be at rest. See tracking.source in the \
+                 settings",
+            );
+        }
+        let (screen, guessed) = self.head.whole_screen();
+        if guessed {
+            let (width, height) = (screen.width_m * 100.0, screen.height_m * 100.0);
+            self.ui.toasts.note(format!(
+                "The screen is taken to be {width:.0} × {height:.0} cm; screen.size_m in the \
+                 settings says better"
+            ));
+        }
+        if let Err(error) = self.head.start() {
+            self.ui.toasts.error(error.to_string());
+        }
+    }
+
+    pub(super) fn toggle_head(&mut self) {
+        if self.head.is_on() {
+            self.head.stop();
+            self.ui.calibrating = false;
+        } else {
+            self.start_head();
+        }
+    }
+
+    /// Keeps calibrations in a file, and takes the one that is there or that the settings name.
+    pub fn keep_calibration_in(&mut self, path: PathBuf) {
+        let named = &self.head.settings.calibration;
+        let path = if named.is_empty() { path } else { PathBuf::from(named) };
+        if path.exists() || !named.is_empty() {
+            match calibrate::read(&path, self.head.settings.eyes()) {
+                Ok(calibration) => self.head.keep(calibration),
+                Err(error) => self.ui.toasts.error(error.to_string()),
+            }
+        }
+        self.head.calibration_file = Some(path);
+    }
+
+    /// Begins the calibration by four touches.
+    pub(super) fn begin_calibration(&mut self) {
+        if !self.head.is_on() {
+            self.start_head();
+        }
+        let (screen, _) = self.head.whole_screen();
+        let tip_m = self.head.settings.tip_m.into();
+        self.head.calibrating = Some(Calibrating::new(screen.width_m, screen.height_m, tip_m));
+        self.ui.calibrating = true;
+    }
+
+    pub(super) fn calibrate(&mut self, step: CalibrationStep) {
+        let Some(calibrating) = &mut self.head.calibrating else { return };
+        match step {
+            CalibrationStep::Take => calibrating.take(),
+            CalibrationStep::Again => calibrating.again(),
+            CalibrationStep::Cancel => self.head.calibrating = None,
+            CalibrationStep::Keep => {
+                let Some(fit) = calibrating.fit.take() else { return };
+                self.head.keep(fit.calibration);
+                let file = self.head.calibration_file.as_ref();
+                match file.map(|path| calibrate::write(path, &self.head.calibration)) {
+                    Some(Err(error)) => self.ui.toasts.error(error.to_string()),
+                    Some(Ok(())) | None => self.ui.toasts.note("Calibrated"),
+                }
+            }
+        }
+        self.ui.calibrating = self.head.calibrating.is_some();
+    }
+
+    /// The eye of the head, while the view follows it.
+    pub(super) fn head_eye(&self) -> Option<Eye> {
+        self.tracked_eyes(0.0).map(|[left, _]| left)
+    }
+
+    /// The left and the right eye of the head, `eye_distance_m` metres apart, while the view follows
+    /// it.
+    pub fn tracked_eyes(&self, eye_distance_m: f32) -> Option<[Eye; 2]> {
+        if !self.head.is_on() {
+            return None;
+        }
+        let plane = self.head.plane(self.picture_px());
+        let Placement { position_m, orientation } = self.head.shown.placement;
+        let head = HeadPlace {
+            position_m: position_m.as_vec3(),
+            orientation: orientation.as_quat(),
+            eye_distance_m,
+        };
+        let world = ScreenInWorld {
+            centre: Vec3::ZERO,
+            rotation: Quat::IDENTITY,
+            units_per_m: self.stage.window_height() / plane.height_m.max(1e-3),
+        };
+        let camera = self.stage.camera();
+        Some(plane.eyes(&head, &world, self.stage.eye().size, camera.near))
+    }
+}
+
+#[cfg(test)]
+#[path = "head_tests.rs"]
+mod tests;
