@@ -4,6 +4,7 @@
 
 mod aim;
 pub mod ar;
+mod camera;
 mod deeds;
 mod first_run;
 mod guides;

@@ -16,11 +16,13 @@ mod gamepad;
 mod profile;
 pub mod stereo;
 mod tracking;
+mod video;
 
 pub use self::tracking::{ArSettings, ScreenSettings, SourceAddress, TrackingSettings};
 pub use gamepad::GamepadSettings;
 pub use profile::Profile;
 pub use stereo::StereoSettings;
+pub use video::VideoSettings;
 
 /// The commented file of all defaults.
 pub const DEFAULT_TOML: &str = include_str!("../config/default.toml");
@@ -50,6 +52,7 @@ pub struct Config {
     pub gpu: Gpu,
     pub window: Window,
     pub stereo: StereoSettings,
+    pub video: VideoSettings,
     pub gamepad: GamepadSettings,
     pub tracking: TrackingSettings,
     pub screen: ScreenSettings,
@@ -402,6 +405,7 @@ mod tests {
             ("[gamepad]\nmode = \"fly\"", "fly"),
             ("[stereo]\nlayout = \"holo\"", "holo"),
             ("[stereo]\nconvergence_percent = 0.0", "stereo.convergence_percent"),
+            ("[video]\nsource = \"https://phone/video\"", "https://"),
             ("[window", "my.toml"),
         ];
         for (text, needle) in cases {

@@ -126,6 +126,7 @@ impl Workbench {
             Action::ToggleAr => self.toggle_ar(),
             Action::NextRenderMode => self.ui.view.mode = next_mode(self.ui.view.mode),
             Action::NextStereo => self.next_stereo(),
+            Action::ToggleVideo => self.ui.view.video.on ^= true,
             Action::SwapEyes => self.ui.view.stereo.swap_eyes ^= true,
             Action::TearOff(panel) => self.ui.tear_off(panel),
             Action::ScaleUp => self.ui.scale.change_by(1.0),

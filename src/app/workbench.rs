@@ -13,6 +13,7 @@ use glam::{Affine3A, UVec2, Vec2, Vec3};
 
 use super::aim::{self, Sight};
 use super::ar::Ar;
+use super::camera::Camera;
 use super::guides::Aid;
 use super::head::Head;
 use super::job::{self, Job};
@@ -51,6 +52,7 @@ pub struct Workbench {
     pub(super) stage: Stage,
     pub(super) head: Head,
     pub(super) ar: Ar,
+    pub(super) camera: Camera,
     pub(super) stroke: Option<StrokeInHand>,
     /// What a drag does to the marker.
     pub(super) marker_drag: Option<MarkerDrag>,
@@ -94,6 +96,7 @@ impl Workbench {
             stage,
             head: Head::new(config),
             ar: Ar::new(&config.ar),
+            camera: Camera::default(),
             stroke: None,
             marker_drag: None,
             marker_rest: Vec3::ZERO,
@@ -203,6 +206,7 @@ impl Workbench {
     /// One pass of the interface: listens to the devices, shows the panels, does what was asked.
     pub fn show(&mut self, root: &mut Ui) {
         self.follow_job();
+        self.follow_camera();
         self.listen(root);
         let mut intents = Vec::new();
         let picture = self.with_facts(|ui, facts| ui::show(root, ui, facts, &mut intents).rect);
@@ -221,7 +225,9 @@ impl Workbench {
         if self.job.is_some() {
             root.request_repaint_after(job::LOOK_EVERY);
         }
-        for after in [self.head.repaint_after(), self.ar.repaint_after()].into_iter().flatten() {
+        let news =
+            [self.head.repaint_after(), self.ar.repaint_after(), self.camera.repaint_after()];
+        for after in news.into_iter().flatten() {
             root.request_repaint_after(after);
         }
     }
@@ -273,6 +279,7 @@ impl Workbench {
             pad: self.pads.facts(),
             head: self.head.facts(),
             ar: self.ar.facts(),
+            video: self.camera.facts(),
         };
         let preset = self.ui.preset;
         let shown = show(&mut self.ui, &facts);

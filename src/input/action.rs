@@ -174,6 +174,7 @@ pub enum Action {
     NextRenderMode,
     NextStereo,
     SwapEyes,
+    ToggleVideo,
     /// Lets the view follow the head, or not.
     ToggleHead,
     CalibrateHead,
@@ -312,6 +313,7 @@ impl Action {
         Action::NextRenderMode,
         Action::NextStereo,
         Action::SwapEyes,
+        Action::ToggleVideo,
         Action::ToggleHead,
         Action::CalibrateHead,
         Action::ToggleAr,

@@ -142,6 +142,7 @@ impl Action {
             Action::ToggleRumble => ("toggle-rumble", Tap, "Let the gamepad shake, or not"),
             Action::NextRenderMode => ("next-render-mode", Tap, "Take the next way of rendering"),
             Action::NextStereo => ("next-stereo", Tap, "Take the next way to show two eyes"),
+            Action::ToggleVideo => ("toggle-video", Tap, "Video behind the sculpture, or not"),
             Action::SwapEyes => ("swap-eyes", Tap, "Exchange the pictures of the two eyes"),
             Action::ToggleHead => ("toggle-head", Tap, "Let the view follow the head, or not"),
             Action::CalibrateHead => {

@@ -54,8 +54,8 @@ impl Group {
             | ClearMarker | DyeMarker | Copy | Cut | Paste | TurnClip(_) | MirrorClip(_)
             | MoveContents(_) => Group::Areas,
             Undo | Redo | Fill | Clear => Group::History,
-            ResetView | LookFrom(_) | NextRenderMode | NextStereo | SwapEyes | ToggleHead
-            | CalibrateHead | ToggleAr => Group::View,
+            ResetView | LookFrom(_) | NextRenderMode | NextStereo | SwapEyes | ToggleVideo
+            | ToggleHead | CalibrateHead | ToggleAr => Group::View,
             ScaleUp | ScaleDown | ScaleReset | TearOff(_) | ToggleRumble | New | Open | Save
             | SaveAs | Palette | Help | Guide | Quit => Group::Program,
         }

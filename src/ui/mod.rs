@@ -32,6 +32,7 @@ pub mod toasts;
 pub mod tool_options;
 pub mod toolbox;
 pub mod top_bar;
+pub mod video;
 
 use std::path::Path;
 
@@ -73,6 +74,7 @@ pub struct Facts<'a> {
     pub pad: Option<PadFacts<'a>>,
     pub head: head::HeadFacts,
     pub ar: ar::ArFacts,
+    pub video: video::VideoFacts,
 }
 
 /// What the interface reads of a gamepad.

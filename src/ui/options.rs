@@ -5,7 +5,8 @@ use glam::Vec3;
 
 use super::buttons::{action_button, explain};
 use super::{
-    Facts, Intent, UiState, ar, gamepad, head, history, panels, stereo_options, theme, tool_options,
+    Facts, Intent, UiState, ar, gamepad, head, history, panels, stereo_options, theme,
+    tool_options, video,
 };
 use crate::command::Command;
 use crate::document::MAX_ARRAY;
@@ -49,6 +50,7 @@ pub fn content(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Ve
     section(ui, "View", false, |ui| view(ui, state, facts, intents));
     section(ui, "Head and marker", false, |ui| {
         head::options(ui, state, facts, intents);
+        video::options(ui, state, facts, intents);
         ar::options(ui, state, facts, intents);
     });
     if let Some(pad) = facts.pad {

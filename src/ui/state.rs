@@ -13,7 +13,9 @@ use super::new_dialog::NewDialog;
 use super::palette::Palette;
 use super::toasts::Toasts;
 use crate::command::Command;
-use crate::config::{Config, LightSettings, RenderMode, SCALE_RANGE, StereoSettings, Theme};
+use crate::config::{
+    Config, LightSettings, RenderMode, SCALE_RANGE, StereoSettings, Theme, VideoSettings,
+};
 use crate::input::remap::KeyChange;
 use crate::input::{Action, Panel};
 use crate::progress::Stage;
@@ -54,6 +56,7 @@ pub struct ViewState {
     pub mode: RenderMode,
     pub light: LightSettings,
     pub stereo: StereoSettings,
+    pub video: VideoSettings,
     /// The axis of the grid that is up when the view is reset.
     pub up: Vec3,
     /// The edges of the grid.
@@ -140,6 +143,7 @@ impl UiState {
                 mode: config.render.mode,
                 light: config.light.clone(),
                 stereo: config.stereo,
+                video: config.video.clone(),
                 up: Vec3::Y,
                 bounds: true,
                 line: true,

@@ -1,0 +1,109 @@
+//! What the interface shows of the video behind the sculpture: a switch, where it comes from, how
+//! it lies on the screen, and how the camera does.
+
+use egui::{ComboBox, TextEdit, Ui};
+
+use super::buttons::explain;
+use super::{Facts, Intent, UiState};
+use crate::input::Action;
+use crate::video::{Address, Fit, Stats};
+
+/// Where the video stands.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub enum VideoState {
+    #[default]
+    Off,
+    Opening,
+    Live,
+    /// The camera is gone and is being looked for.
+    Lost(String),
+    /// The film is over.
+    Ended,
+    Failed(String),
+}
+
+/// What the interface reads of it.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct VideoFacts {
+    pub state: VideoState,
+    /// Pixels of the last frame.
+    pub size: Option<[u32; 2]>,
+    pub stats: Stats,
+}
+
+impl VideoFacts {
+    fn words(&self) -> String {
+        let size = self.size.map_or(String::new(), |[w, h]| format!(", {w} × {h}"));
+        match &self.state {
+            VideoState::Off => "Off".to_string(),
+            VideoState::Opening => "Opening …".to_string(),
+            VideoState::Live => format!("Live{size}"),
+            VideoState::Ended => format!("The film is over{size}"),
+            VideoState::Lost(error) => format!("Lost, looking for it: {error}"),
+            VideoState::Failed(error) => error.clone(),
+        }
+    }
+}
+
+/// Its part of the options.
+pub fn options(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+    let mut on = state.view.video.on;
+    let response = ui.checkbox(&mut on, "Video behind the sculpture");
+    if explain(response, state, facts, Action::ToggleVideo).changed() {
+        intents.push(Intent::Do(Action::ToggleVideo));
+    }
+    if !on && !facts.ar.on {
+        return;
+    }
+    source(ui, state);
+    ui.horizontal(|ui| {
+        let video = &mut state.view.video;
+        let name = |fit: Fit| match fit {
+            Fit::Fit => "All of it",
+            Fit::Fill => "Fill",
+            Fit::Stretch => "Stretch",
+        };
+        ComboBox::from_id_salt("video fit").width(84.0).selected_text(name(video.fit)).show_ui(
+            ui,
+            |ui| {
+                for fit in [Fit::Fill, Fit::Fit, Fit::Stretch] {
+                    ui.selectable_value(&mut video.fit, fit, name(fit));
+                }
+            },
+        );
+        ui.checkbox(&mut video.mirror, "Mirrored").on_hover_text("As in a looking glass");
+    });
+    let stats = facts.video.stats;
+    ui.label(facts.video.words()).on_hover_text(format!(
+        "{} frames, {} of them overtaken by newer ones, {} damaged",
+        stats.decoded, stats.unseen, stats.broken
+    ));
+}
+
+/// Where it comes from: taken when Enter is pressed or the field is left, so that no half of an
+/// address is opened.
+fn source(ui: &mut Ui, state: &mut UiState) {
+    let id = ui.make_persistent_id("video source");
+    let source = &mut state.view.video.source;
+    let mut text = ui.data_mut(|data| data.get_temp::<String>(id)).unwrap_or(source.clone());
+    let field = TextEdit::singleline(&mut text).hint_text("The first camera").desired_width(176.0);
+    let response = ui.add(field).on_hover_text(
+        "v4l2:/dev/video0, a .y4m or .mjpeg film, a folder of PNGs, or http://phone:8080/video; \
+         empty is the first camera",
+    );
+    if !response.lost_focus() {
+        if response.has_focus() {
+            ui.data_mut(|data| data.insert_temp(id, text));
+        }
+        return;
+    }
+    ui.data_mut(|data| data.remove::<String>(id));
+    let text = text.trim().to_string();
+    match text.is_empty() {
+        true => *source = text,
+        false => match text.parse::<Address>() {
+            Ok(_) => *source = text,
+            Err(error) => state.toasts.error(error.to_string()),
+        },
+    }
+}
