@@ -3,6 +3,8 @@
 
 //!include "layout.wgsl"
 //!include "ray.wgsl"
+//!include "places.wgsl"
+//!include "encoding.wgsl"
 
 var<immediate> view: CompositeView;
 @group(0) @binding(0) var index_map: texture_2d<u32>;
@@ -11,26 +13,6 @@ var<immediate> view: CompositeView;
 struct Pixel {
     @location(0) colour: vec4<f32>,
     @builtin(frag_depth) depth: f32,
-}
-
-// Quotient and remainder, for numbers of any size, without the integer division that is slow on
-// SIMD: an estimate in f32 is off by at most a few units, which a second one makes good.
-fn divide(number: u32, by: u32) -> vec2<u32> {
-    let inverse = 1.0 / f32(by);
-    var quotient = u32(f32(number) * inverse);
-    var rest = i32(number - quotient * by);
-    let correction = i32(floor(f32(rest) * inverse));
-    quotient += u32(correction);
-    rest -= correction * i32(by);
-    if rest < 0 {
-        quotient -= 1u;
-        rest += i32(by);
-    }
-    if rest >= i32(by) {
-        quotient += 1u;
-        rest -= i32(by);
-    }
-    return vec2<u32>(quotient, u32(rest));
 }
 
 @fragment
@@ -46,15 +28,13 @@ fn main(@builtin(position) position: vec4<f32>) -> Pixel {
         let down = on_map.y / f32(view.size.y);
         return Pixel(vec4<f32>(mix(view.top, view.bottom, down), 1.0), 0.0);
     }
-    let yz = divide(voxel, view.dims.x);
-    let z = divide(yz.x, view.dims.y);
-    let low = vec3<i32>(i32(yz.y), i32(z.y), i32(z.x));
-
+    let low = voxel_of(voxel, view.dims);
     let centre = vec2<f32>(texel) + 0.5;
     let ray = make_ray(view.origin, view.corner + view.step_x * centre.x + view.step_y * centre.y);
     let enter = crossings(ray, select(low + vec3<i32>(1), low, ray.forward));
     let t = max(max(enter.x, enter.y), enter.z);
     // An eye within the voxel sees it at the near plane.
     let depth = select(1.0, (view.depth_slope * t + view.depth_at_0) / t, t > 0.0);
-    return Pixel(vec4<f32>(textureLoad(picture, texel, 0).xyz, 1.0), clamp(depth, 0.0, 1.0));
+    let colour = decoded(textureLoad(picture, texel, 0).xyz, view.linear != 0u);
+    return Pixel(vec4<f32>(colour, 1.0), clamp(depth, 0.0, 1.0));
 }

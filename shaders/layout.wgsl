@@ -32,6 +32,33 @@ struct CompositeView {
     bottom: vec3<f32>,
     upper: f32,
     size: vec2<u32>,
+    linear: u32,
+}
+
+struct MarchView {
+    origin: vec3<f32>,
+    width: u32,
+    corner: vec3<f32>,
+    height: u32,
+    step_x: vec3<f32>,
+    step_y: vec3<f32>,
+    dims: vec3<u32>,
+}
+
+struct Shading {
+    eye_from_grid: array<vec4<f32>, 3>,
+    normal_from_gradient: array<vec4<f32>, 3>,
+    sources: array<vec4<f32>, 4>,
+    radiances: array<vec4<f32>, 4>,
+    ambient: vec3<f32>,
+    specular: f32,
+    base: vec3<f32>,
+    shininess: u32,
+    dims: vec3<u32>,
+    lights: u32,
+    bricks: vec3<u32>,
+    colour_bytes: u32,
+    occlusion: u32,
 }
 
 struct StereoView {
@@ -53,4 +80,19 @@ struct BackdropView {
     tangential: vec2<f32>,
     screen: vec2<f32>,
     size: vec2<u32>,
+}
+
+struct PointView {
+    origin: vec3<f32>,
+    depth_slope: f32,
+    corner: vec3<f32>,
+    depth_at_0: f32,
+    step_x: vec3<f32>,
+    left: f32,
+    step_y: vec3<f32>,
+    upper: f32,
+    clip_x: vec3<f32>,
+    linear: u32,
+    clip_y: vec3<f32>,
+    clip_w: vec3<f32>,
 }

@@ -10,17 +10,21 @@ use thiserror::Error;
 use crate::document::Limits;
 use crate::gpu::{DeviceChoice, DeviceOptions, Validation};
 use crate::sculpture::{ColourDepth, Rgb};
-use crate::shade::{Light, LightFrame, LightSource, Lighting};
+use crate::shade::Lighting;
 
 mod gamepad;
+pub mod light;
 mod profile;
+pub mod render;
 pub mod stereo;
 mod tracking;
 mod video;
 
 pub use self::tracking::{ArSettings, ScreenSettings, SourceAddress, TrackingSettings};
 pub use gamepad::GamepadSettings;
+pub use light::LightSettings;
 pub use profile::Profile;
+pub use render::{Finish, Render, RenderMode, Sampling, Shading};
 pub use stereo::StereoSettings;
 pub use video::VideoSettings;
 
@@ -77,55 +81,6 @@ pub struct New {
     pub base: Rgb,
 }
 
-/// How the surface is sampled and shaded.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Deserialize, clap::ValueEnum)]
-#[serde(rename_all = "lowercase")]
-pub enum RenderMode {
-    /// GPU slices, software shader
-    #[default]
-    Slicing,
-    /// Exact CPU ray caster, software shader
-    Ray,
-    /// Approximate CPU ray caster, software shader
-    Quickstep,
-}
-
-impl RenderMode {
-    pub const ALL: [RenderMode; 3] = [RenderMode::Slicing, RenderMode::Ray, RenderMode::Quickstep];
-
-    /// Whether it draws with Vulkan even where nothing is shown.
-    pub fn needs_device(self) -> bool {
-        self == RenderMode::Slicing
-    }
-
-    /// What the interface calls it.
-    pub fn label(self) -> &'static str {
-        match self {
-            RenderMode::Slicing => "GPU slicing + software shader",
-            RenderMode::Ray => "CPU ray caster + software shader",
-            RenderMode::Quickstep => "CPU Quickstep + software shader",
-        }
-    }
-}
-
-#[derive(Clone, PartialEq, Debug, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Render {
-    pub mode: RenderMode,
-    pub fov_deg: f32,
-}
-
-#[derive(Clone, PartialEq, Debug, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct LightSettings {
-    /// Towards the light, in eye space.
-    pub direction: [f32; 3],
-    #[serde(deserialize_with = "rgb")]
-    pub colour: Rgb,
-    pub ambient: f32,
-    pub specular: f32,
-}
-
 #[derive(Clone, PartialEq, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Gpu {
@@ -166,47 +121,9 @@ impl Default for New {
     }
 }
 
-impl Default for Render {
-    fn default() -> Self {
-        Render { mode: RenderMode::Slicing, fov_deg: 45.0 }
-    }
-}
-
-impl Default for LightSettings {
-    fn default() -> Self {
-        LightSettings {
-            direction: [-0.4, 0.7, 0.6],
-            colour: Rgb::new(255, 255, 255),
-            ambient: 0.25,
-            specular: 0.25,
-        }
-    }
-}
-
 impl Default for Window {
     fn default() -> Self {
         Window { size: [1280, 800], theme: Theme::Dark, guide: true, scale: 1.0 }
-    }
-}
-
-impl LightSettings {
-    /// What the shaders take.
-    pub fn lighting(&self) -> Lighting {
-        let LightSettings { direction, colour, ambient, specular } = *self;
-        // The share is of linear light, which the shader takes as the square of a colour.
-        let grey = (ambient.sqrt() * 255.0).round() as u8;
-        let lamp = Light {
-            frame: LightFrame::Eye,
-            source: LightSource::Direction(direction.into()),
-            colour,
-            intensity: 1.0,
-        };
-        Lighting {
-            lights: [Some(lamp), None, None, None],
-            ambient: Rgb::new(grey, grey, grey),
-            specular,
-            ..Lighting::default()
-        }
     }
 }
 
@@ -279,22 +196,6 @@ impl Config {
             render.fov_deg.to_string(),
             "must be 1 to 170 degrees",
         )?;
-        let direction = glam::Vec3::from(light.direction);
-        demand(
-            direction.is_finite() && direction.length_squared() > 1e-12,
-            "light.direction",
-            format!("{:?}", light.direction),
-            "must be three finite numbers, not all zero",
-        )?;
-        let share = "must be 0 to 1";
-        let unit = 0.0..=1.0;
-        demand(unit.contains(&light.ambient), "light.ambient", light.ambient.to_string(), share)?;
-        demand(
-            unit.contains(&light.specular),
-            "light.specular",
-            light.specular.to_string(),
-            share,
-        )?;
         demand(
             window.size.iter().all(|s| (320..=16384).contains(s)),
             "window.size",
@@ -307,7 +208,8 @@ impl Config {
             window.scale.to_string(),
             "must be 0.5 to 4",
         )?;
-        for (key, value, range, rule) in gamepad.ranges().into_iter().chain(stereo.ranges()) {
+        let ranges = gamepad.ranges().into_iter().chain(stereo.ranges()).chain(light.ranges());
+        for (key, value, range, rule) in ranges {
             demand(range.contains(&value), key, value.to_string(), rule)?;
         }
         match tracking.fault().or_else(|| screen.fault()).or_else(|| ar.fault()) {
@@ -318,7 +220,7 @@ impl Config {
 
     /// The light of a picture.
     pub fn lighting(&self) -> Lighting {
-        self.light.lighting()
+        self.render.finish().of(self.light.lighting())
     }
 
     /// The device to draw with.
@@ -374,11 +276,17 @@ mod tests {
         assert_eq!(parse(DEFAULT_TOML).unwrap(), Config::default());
         // Every key missing from the file would show here: remove lines one by one and the
         // result must still parse, add all and nothing is unknown.
+        fn keys(value: &toml::Value) -> usize {
+            match value {
+                toml::Value::Table(table) => table.values().map(|v| 1 + keys(v)).sum(),
+                toml::Value::Array(values) => values.iter().map(keys).sum(),
+                _ => 0,
+            }
+        }
         let table: toml::Table = DEFAULT_TOML.parse().unwrap();
-        let keys = |t: &toml::Table| t.values().map(|s| s.as_table().unwrap().len()).sum::<usize>();
         let debug = format!("{:?}", Config::default());
-        let fields = debug.matches(": ").count() - table.len();
-        assert_eq!(keys(&table), fields, "a key lacks in default.toml: {debug}");
+        let fields = debug.matches(": ").count();
+        assert_eq!(keys(&table.into()), fields, "a key lacks in default.toml: {debug}");
     }
 
     #[test]
@@ -397,7 +305,12 @@ mod tests {
             ("[new]\nbase = \"red\"", "`red` is not a colour"),
             ("[new]\ndims = [0, 1, 1]", "new.dims"),
             ("[render]\nfov_deg = nan", "render.fov_deg"),
-            ("[light]\ndirection = [0.0, 0.0, 0.0]", "light.direction"),
+            ("[[light.lamps]]\nplace = [0.0, 0.0, 0.0]", "light.lamps.place"),
+            ("[[light.lamps]]\nplace = [nan, 1.0, 0.0]", "light.lamps.place"),
+            ("[[light.lamps]]\nintensity = 9.0", "light.lamps.intensity"),
+            ("[[light.lamps]]\nframe = \"hat\"", "hat"),
+            ("[light]\nlamps = [{}, {}, {}, {}, {}]", "light.lamps = 5"),
+            ("[render]\nsmooth_normals = \"much\"", "much"),
             ("[light]\nambient = 2.0", "light.ambient"),
             ("[window]\nscale = 9.0", "window.scale"),
             ("[gamepad]\ndead_zone = 1.0", "gamepad.dead_zone"),

@@ -17,7 +17,7 @@ use crate::render::{Background, Renderer, Shot};
 use crate::screen::offscreen;
 use crate::sculpture::Grid;
 use crate::sculpture::brick::BRICK_EDGE_VX;
-use crate::shade::{self, Pixels, ShadePose};
+use crate::shade::{Pixels, ShadePose, SoftwareShader};
 use crate::surface::{IndexMap, quickstep, raycast};
 use crate::view::{Camera, Eye, StereoLayout};
 
@@ -169,7 +169,8 @@ fn render_by_casting(
     let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
     let mut pixels = Pixels::new(eye.size);
     let lighting = config.lighting();
-    shade::shade(&map, document.grid(), document.material(), &pose, &lighting, &mut pixels);
+    let (grid, material) = (document.grid(), document.material());
+    SoftwareShader::default().shade(&map, grid, material, &pose, &lighting, &mut pixels);
     over_background(&pixels)
 }
 
@@ -191,6 +192,7 @@ fn render_on_device(
         mode: view.mode,
         lighting: config.lighting(),
         background: Background::Gradient { top, bottom },
+        video: None,
         ghosts: &[],
         lines: &[],
     };

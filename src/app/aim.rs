@@ -1,16 +1,18 @@
 //! Owns how a point of the picture becomes a point of the grid, and which axes of the grid lie
 //! across, up and into the screen. Pure geometry.
 
+use std::sync::Arc;
+
 use glam::{Affine3A, Mat4, UVec3, Vec2, Vec3, Vec4Swizzles};
 
 use crate::input::Step;
 use crate::sculpture::Grid;
-use crate::surface::IndexMap;
+use crate::surface::{IndexMap, raycast};
 use crate::view::{Eye, PixelRays};
 
 /// Where the ray through the point `at` (pixels) meets the voxel that is seen there.
 pub fn surface_point(map: &IndexMap, grid: &Grid, at: Vec2) -> Option<Vec3> {
-    let voxel = grid.voxel_coords(voxel_at(map, at)?).as_vec3();
+    let voxel = grid.voxel_coords(voxel_at(map, grid, at)?).as_vec3();
     let (origin, direction) = (map.rays.origin, map.rays.direction_at(at.x, at.y));
     // The picture has one ray a pixel, so the ray through `at` may pass the voxel by.
     Some(match enter_box(origin, direction, voxel, voxel + 1.0) {
@@ -28,7 +30,7 @@ pub fn box_point(rays: &PixelRays, dims: UVec3, at: Vec2) -> Option<Vec3> {
 
 /// The face of the voxel seen at `at`: a unit vector along an axis, out of the voxel.
 pub fn surface_face(map: &IndexMap, grid: &Grid, at: Vec2) -> Option<Vec3> {
-    let voxel = grid.voxel_coords(voxel_at(map, at)?).as_vec3();
+    let voxel = grid.voxel_coords(voxel_at(map, grid, at)?).as_vec3();
     let (origin, direction) = (map.rays.origin, map.rays.direction_at(at.x, at.y));
     let face = entered_face(origin, direction, voxel, voxel + 1.0).map(|(_, face)| face);
     // A ray may just pass the voxel by.
@@ -44,12 +46,28 @@ fn facing(direction: Vec3) -> Vec3 {
     Vec3::AXES[axis] * -direction[axis].signum()
 }
 
-/// The index of the voxel seen at `at` (pixels).
-pub fn voxel_at(map: &IndexMap, at: Vec2) -> Option<u32> {
+/// The index of the voxel seen at `at` (pixels). Where only the device knows what is seen, the
+/// pixel's ray is cast into the grid.
+pub fn voxel_at(map: &IndexMap, grid: &Grid, at: Vec2) -> Option<u32> {
     if at.cmplt(Vec2::ZERO).any() || at.cmpge(map.rays.size.as_vec2()).any() {
         return None;
     }
-    map.get(at.x as u32, at.y as u32)
+    let (x, y) = (at.x as u32, at.y as u32);
+    if map.is_known() {
+        return map.get(x, y);
+    }
+    let hit = raycast::cast(grid, map.rays.origin, map.rays.direction(x, y))?;
+    Some(grid.voxel_index(hit.voxel))
+}
+
+/// A map that keeps what is seen now, whatever becomes of the grid.
+pub fn lasting(map: &Arc<IndexMap>, grid: &Grid) -> Arc<IndexMap> {
+    if map.is_known() {
+        return map.clone();
+    }
+    let mut known = IndexMap::new(map.rays);
+    raycast::sample(grid, &map.rays, &mut known);
+    Arc::new(known)
 }
 
 /// Where a ray from outside enters a box, in lengths of its direction, and the face that it

@@ -3,7 +3,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::aim::voxel_at;
+use super::aim::{lasting, voxel_at};
 use super::job::Then;
 use super::stroke::Guide;
 use super::workbench::Workbench;
@@ -128,6 +128,7 @@ impl Workbench {
             Action::NextStereo => self.next_stereo(),
             Action::ToggleVideo => self.ui.view.video.on ^= true,
             Action::SwapEyes => self.ui.view.stereo.swap_eyes ^= true,
+            Action::Lights => self.ui.light_open = !self.ui.light_open,
             Action::TearOff(panel) => self.ui.tear_off(panel),
             Action::ScaleUp => self.ui.scale.change_by(1.0),
             Action::ScaleDown => self.ui.scale.change_by(-1.0),
@@ -178,7 +179,9 @@ impl Workbench {
                 if hand.follow {
                     let depth = self.sight().depth(point);
                     self.lead_tool_to(at, point);
-                    let (seen, lift) = (self.seen.clone(), self.ui.hand.centre_vx - point);
+                    let grid = self.session.document().grid();
+                    let seen = self.seen.as_ref().map(|map| lasting(map, grid));
+                    let lift = self.ui.hand.centre_vx - point;
                     let lift = if self.ui.hand.stand { lift } else { Vec3::ZERO };
                     self.begin_stroke(mode, Guide::Surface { seen, at, depth, lift });
                 } else {
@@ -276,7 +279,8 @@ impl Workbench {
     fn pick_colour(&mut self) {
         let document = self.session.document();
         let seen = self.pointer.zip(self.seen.as_ref());
-        let Some(index) = seen.and_then(|(at, map)| voxel_at(map, at)) else { return };
+        let grid = document.grid();
+        let Some(index) = seen.and_then(|(at, map)| voxel_at(map, grid, at)) else { return };
         let v = document.grid().voxel_coords(index);
         self.ui.hand.colour = document.contents().rgb(v);
     }

@@ -8,10 +8,10 @@ use glam::Vec3;
 
 use super::guides;
 use super::workbench::Workbench;
-use crate::config::{RenderMode, Theme};
+use crate::config::Theme;
 use crate::gpu::{Device, GpuError, Recorder, Result};
 use crate::render::renderer::{Pictures, Shot};
-use crate::render::{Background, Renderer};
+use crate::render::{Background, Renderer, Video, VideoView};
 
 /// The pictures of the sculpture in the window.
 pub struct Painter {
@@ -27,7 +27,8 @@ impl Painter {
     /// Records what the workbench's next picture needs; then it is in [`Painter::pictures`].
     /// `slot`: [`crate::gpu::Frames::slot`].
     ///
-    /// A sculpture that is too large for the device's images is cast on the CPU from then on.
+    /// A sculpture that is too large for the device in this mode is drawn in the next best from then
+    /// on.
     pub fn paint(
         &mut self,
         recorder: &mut Recorder,
@@ -41,22 +42,35 @@ impl Painter {
             eyes: &eyes,
             world_from_grid: bench.world_from_grid(),
             mode: bench.ui.view.mode,
-            lighting: bench.ui.view.light.lighting(),
+            lighting: bench.ui.view.lighting(),
             background: background(bench.ui.theme),
+            video: None,
             ghosts: ghost.as_slice(),
             lines: &lines,
         };
+        // Kept for as long as the shot looks at it, whatever the workbench does.
+        let frame = bench.video().map(|(frame, lens)| (frame.clone(), lens));
+        shot.video = frame.as_ref().map(|(frame, lens)| {
+            let settings = &bench.ui.view.video;
+            let view = VideoView {
+                fit: settings.fit,
+                mirror: settings.mirror,
+                lens: *lens,
+                beyond: Vec3::ZERO,
+            };
+            Video { frame, view }
+        });
         // The renderer writes to the maps that nobody else holds.
         bench.forget_seen();
         let renderer = &mut self.renderer;
-        match renderer.paint(recorder, slot, bench.session_mut().document_mut(), &shot) {
-            Err(error @ GpuError::Limit { .. }) => {
-                shot.mode = RenderMode::Ray;
-                bench.ui.toasts.error(format!("{error}; rendering by {}", shot.mode.label()));
-                bench.ui.view.mode = shot.mode;
-                renderer.paint(recorder, slot, bench.session_mut().document_mut(), &shot)?;
-            }
-            result => result?,
+        loop {
+            let document = bench.session_mut().document_mut();
+            let Err(error) = renderer.paint(recorder, slot, document, &shot) else { break };
+            let too_large = matches!(error, GpuError::Limit { .. } | GpuError::OutOfMemory(_));
+            let Some(mode) = shot.mode.fallback().filter(|_| too_large) else { return Err(error) };
+            bench.ui.toasts.error(format!("{error}; rendering by {}", mode.label()));
+            bench.ui.view.mode = mode;
+            shot.mode = mode;
         }
         let maps = renderer.maps();
         if let Some(map) = maps.get(bench.pointing_eye).or(maps.first()) {

@@ -409,7 +409,7 @@ impl Workbench {
     pub(super) fn normal(&self, at: Vec2) -> Vec3 {
         let grid = self.session.document().grid();
         let Some(map) = &self.seen else { return Vec3::ZERO };
-        let voxel = aim::voxel_at(map, at).map(|index| grid.voxel_coords(index));
+        let voxel = aim::voxel_at(map, grid, at).map(|index| grid.voxel_coords(index));
         let smooth = voxel.filter(|_| self.ui.hand.lean).map(|v| normal::gradient(grid, v));
         smooth
             .and_then(|normal| normal.try_normalize())

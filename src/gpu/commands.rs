@@ -292,6 +292,15 @@ impl Recorder {
         unsafe { raw.cmd_dispatch(self.buffer, groups[0], groups[1], groups[2]) };
     }
 
+    /// Copies from a buffer to another.
+    pub fn copy_buffer(&mut self, from: vk::Buffer, to: vk::Buffer, copies: &[vk::BufferCopy]) {
+        if copies.is_empty() {
+            return;
+        }
+        // SAFETY: recording; both live until the submission is done.
+        unsafe { self.device.raw().cmd_copy_buffer(self.buffer, from, to, copies) };
+    }
+
     /// Copies from a buffer to an image in the layout of [`Use::COPY_TARGET`].
     pub fn copy_to_image(
         &mut self,

@@ -86,7 +86,64 @@ shared! {
         upper: f32,
         /// Size of the map in pixels.
         size: [u32; 2],
-        pad_0: [u32; 2],
+        /// 1 where the target is given linear values and encodes them itself.
+        linear: u32,
+        pad_0: u32,
+    }
+}
+
+shared! {
+    /// Push constants of the ray march: one eye's rays, in grid coordinates.
+    MarchView {
+        /// The eye.
+        origin: [f32; 3],
+        /// Pixels in a row.
+        width: u32,
+        /// Direction through the picture's upper left corner.
+        corner: [f32; 3],
+        /// Rows of pixels.
+        height: u32,
+        /// Change of direction per pixel to the right.
+        step_x: [f32; 3],
+        pad_0: u32,
+        /// Change of direction per pixel downwards.
+        step_y: [f32; 3],
+        pad_1: u32,
+        /// Size of the grid in voxels.
+        dims: [u32; 3],
+        pad_2: u32,
+    }
+}
+
+shared! {
+    /// The uniforms of all that lights surfaces on the device.
+    Shading {
+        /// Rows of the map from grid coordinates to eye space.
+        eye_from_grid: [[f32; 4]; 3],
+        /// Rows of the map that takes covectors of grid coordinates to eye space; the last of each
+        /// is 0.
+        normal_from_gradient: [[f32; 4]; 3],
+        /// Lights in eye space: a direction, or a position with 1 after it.
+        sources: [[f32; 4]; 4],
+        /// Their linear colours times intensity.
+        radiances: [[f32; 4]; 4],
+        /// Linear.
+        ambient: [f32; 3],
+        specular: f32,
+        /// Colour of voxels that are not painted, sRGB.
+        base: [f32; 3],
+        shininess: u32,
+        /// Size of the grid in voxels.
+        dims: [u32; 3],
+        /// How many lights there are.
+        lights: u32,
+        /// Size of the grid in bricks.
+        bricks: [u32; 3],
+        /// Bytes of a voxel's colour; 0 where all have the base colour.
+        colour_bytes: u32,
+        /// 1 where surroundings dim the ambient light.
+        occlusion: u32,
+        pad_0: [u32; 3],
     }
 }
 
@@ -129,6 +186,35 @@ shared! {
         /// Size of the picture in pixels.
         size: [u32; 2],
         pad_1: [u32; 2],
+    }
+}
+
+shared! {
+    /// Push constants of the points pass: one eye.
+    PointView {
+        /// The eye, in grid coordinates.
+        origin: [f32; 3],
+        /// As in [`CompositeView`].
+        depth_slope: f32,
+        /// Direction through the picture's upper left corner.
+        corner: [f32; 3],
+        depth_at_0: f32,
+        /// Change of direction per pixel to the right.
+        step_x: [f32; 3],
+        /// Left edge of the eye's part of the target, in pixels.
+        left: f32,
+        /// Change of direction per pixel downwards.
+        step_y: [f32; 3],
+        /// Upper edge of the eye's part of the target, in pixels.
+        upper: f32,
+        /// Clip coordinates of a point p are these times `p - origin`.
+        clip_x: [f32; 3],
+        /// 1 where the target is given linear values and encodes them itself.
+        linear: u32,
+        clip_y: [f32; 3],
+        pad_0: u32,
+        clip_w: [f32; 3],
+        pad_1: u32,
     }
 }
 
@@ -189,5 +275,12 @@ mod tests {
         compare(stage!("stereo.frag.wgsl"), "StereoView", members, bytes);
         let (members, bytes) = (BackdropView::members(), size_of::<BackdropView>());
         compare(stage!("backdrop.frag.wgsl"), "BackdropView", members, bytes);
+        let (members, bytes) = (MarchView::members(), size_of::<MarchView>());
+        compare(stage!("ray_march.comp.wgsl"), "MarchView", members, bytes);
+        for text in [stage!("points.vert.wgsl"), stage!("points.frag.wgsl")] {
+            compare(text, "PointView", PointView::members(), size_of::<PointView>());
+        }
+        let (members, bytes) = (Shading::members(), size_of::<Shading>());
+        compare(stage!("shade.comp.wgsl"), "Shading", members, bytes);
     }
 }

@@ -172,6 +172,8 @@ pub enum Action {
     ResetView,
     LookFrom(Side),
     NextRenderMode,
+    /// Shows the window of lights, or closes it.
+    Lights,
     NextStereo,
     SwapEyes,
     ToggleVideo,
@@ -311,6 +313,7 @@ impl Action {
         Action::LookFrom(Side::Top),
         Action::LookFrom(Side::Bottom),
         Action::NextRenderMode,
+        Action::Lights,
         Action::NextStereo,
         Action::SwapEyes,
         Action::ToggleVideo,

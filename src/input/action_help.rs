@@ -151,6 +151,7 @@ impl Action {
             Action::ToggleAr => {
                 ("toggle-ar", Tap, "Stand the sculpture on the marker in the video, or not")
             }
+            Action::Lights => ("lights", Tap, "Show and change the lights"),
             Action::TearOff(Panel::Toolbox) => {
                 ("tear-toolbox", Tap, "Toolbox into a window of its own, or back")
             }

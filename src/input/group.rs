@@ -55,7 +55,7 @@ impl Group {
             | MoveContents(_) => Group::Areas,
             Undo | Redo | Fill | Clear => Group::History,
             ResetView | LookFrom(_) | NextRenderMode | NextStereo | SwapEyes | ToggleVideo
-            | ToggleHead | CalibrateHead | ToggleAr => Group::View,
+            | ToggleHead | CalibrateHead | ToggleAr | Lights => Group::View,
             ScaleUp | ScaleDown | ScaleReset | TearOff(_) | ToggleRumble | New | Open | Save
             | SaveAs | Palette | Help | Guide | Quit => Group::Program,
         }

@@ -4,6 +4,7 @@
 //! Takes frames as they come and keeps the last one on the device; knows no cameras.
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use ash::vk;
 use glam::{UVec2, Vec3};
@@ -17,17 +18,29 @@ use crate::gpu::{
 };
 use crate::video::{Fit, Frame, Framing, Intrinsics};
 
-/// How the last frame is shown.
+/// How a frame is shown.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct VideoView {
-    /// Of the frame ([`Frame::sequence`]): another frame is another picture.
-    pub sequence: u64,
     pub fit: Fit,
     pub mirror: bool,
     /// The lens, for whatever size; without it the picture is shown as it is.
     pub lens: Option<Intrinsics>,
     /// Where there is no picture. sRGB, 0 to 1.
     pub beyond: Vec3,
+}
+
+/// A frame and how it is shown.
+#[derive(Clone, Copy, Debug)]
+pub struct Video<'a> {
+    pub frame: &'a Frame,
+    pub view: VideoView,
+}
+
+impl Video<'_> {
+    /// What its picture depends on: no two frames arrive at the same time.
+    pub fn key(&self) -> (Instant, VideoView) {
+        (self.frame.arrived, self.view)
+    }
 }
 
 /// The pass and the last frame.
@@ -37,6 +50,8 @@ pub struct Backdrop {
     /// The image that each set names.
     named: [u64; FRAMES_IN_FLIGHT],
     picture: Option<EyeImage>,
+    /// When what is in the picture arrived.
+    arrived: Option<Instant>,
     staging: Staging,
     slot: usize,
     /// The target stores linear values, encoded by the device.
@@ -72,6 +87,7 @@ impl Backdrop {
             sets: DescriptorSets::new(device, "backdrop", &set_layout, FRAMES_IN_FLIGHT)?,
             named: [0; FRAMES_IN_FLIGHT],
             picture: None,
+            arrived: None,
             staging: Staging::new(device, "video", usage, 1 << 20)?,
             slot: 0,
             linear: is_srgb(format),
@@ -85,10 +101,11 @@ impl Backdrop {
         self.staging.begin(slot);
     }
 
-    /// Brings a frame to the device, in the place of the last one. Before rendering begins.
-    pub fn upload(&mut self, recorder: &mut Recorder, frame: &Frame) -> Result<()> {
+    /// Brings a frame to the device, in the place of the last one, unless it is there already.
+    /// Before rendering begins.
+    pub fn bring(&mut self, recorder: &mut Recorder, frame: &Frame) -> Result<()> {
         let size = UVec2::new(frame.width, frame.height);
-        if size.min_element() == 0 {
+        if size.min_element() == 0 || self.arrived == Some(frame.arrived) {
             return Ok(());
         }
         let piece = self.staging.push(&frame.pixels, 4)?;
@@ -105,11 +122,12 @@ impl Backdrop {
             )?),
         };
         picture.upload(recorder, 0, piece);
+        self.arrived = Some(frame.arrived);
         Ok(())
     }
 
-    /// Covers a target of `screen` pixels with the last frame, within rendering. Without a frame
-    /// yet, with what is beyond it.
+    /// Covers a target of `screen` pixels with the last frame, within rendering. Draws nothing
+    /// before the first one.
     pub fn draw(&mut self, recorder: &mut Recorder, screen: UVec2, view: &VideoView) {
         let Some(picture) = &self.picture else { return };
         let image = picture.image();
@@ -122,11 +140,6 @@ impl Backdrop {
         recorder
             .push(self.pipeline.layout(), &constants(view, picture.size(), screen, self.linear));
         recorder.draw(3, 1);
-    }
-
-    /// Whether a frame has come.
-    pub fn has_picture(&self) -> bool {
-        self.picture.is_some()
     }
 }
 

@@ -105,27 +105,36 @@ impl Composite {
         self.staging.begin(slot);
     }
 
+    /// The pictures of all eyes, `size` pixels each, for a pass that shades on the device. Before
+    /// rendering begins; to be left in the layout of [`crate::gpu::Use::SHADER_READ`].
+    pub fn pictures(&mut self, size: UVec2) -> Result<&mut EyeImage> {
+        if self.pictures.as_ref().is_some_and(|pictures| pictures.size() != size) {
+            self.pictures = None;
+        }
+        Ok(match &mut self.pictures {
+            Some(pictures) => pictures,
+            none => none.insert(EyeImage::new(
+                &self.device,
+                "shaded picture",
+                size,
+                self.eyes,
+                vk::Format::R8G8B8A8_UNORM,
+                vk::ImageUsageFlags::SAMPLED
+                    | vk::ImageUsageFlags::STORAGE
+                    | vk::ImageUsageFlags::TRANSFER_DST,
+            )?),
+        })
+    }
+
     /// Uploads the picture of `eye`. Before rendering begins; all eyes' pictures have the
     /// same size.
     pub fn upload(&mut self, recorder: &mut Recorder, eye: u32, pixels: &Pixels) -> Result<()> {
         let piece = self.staging.push(&pixels.rgba, 4)?;
-        let pictures = match &mut self.pictures {
-            Some(pictures) if pictures.size() == pixels.size => pictures,
-            pictures => pictures.insert(EyeImage::new(
-                &self.device,
-                "shaded picture",
-                pixels.size,
-                self.eyes,
-                // A target that encodes what it is given is given what is decoded here.
-                if self.linear { vk::Format::R8G8B8A8_SRGB } else { vk::Format::R8G8B8A8_UNORM },
-                vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST,
-            )?),
-        };
-        pictures.upload(recorder, eye, piece);
+        self.pictures(pixels.size)?.upload(recorder, eye, piece);
         Ok(())
     }
 
-    /// Draws the picture uploaded last for `eye`, within rendering. The map of `eye` in `maps`
+    /// Draws the picture uploaded or shaded last for `eye`, within rendering. The map of `eye` in `maps`
     /// must be the one it was shaded from, and ready for shaders
     /// ([`IndexTarget::make_readable`]).
     pub fn draw(
@@ -145,40 +154,43 @@ impl Composite {
         }
         recorder.bind_pipeline(&self.pipeline);
         recorder.bind_set(&self.pipeline, self.sets.set(set));
-        recorder.push(self.pipeline.layout(), &self.constants(view));
+        recorder.push(self.pipeline.layout(), &constants(view, self.linear));
         let [x, y] = view.corner.to_array();
         recorder.set_scissor([x, y, view.size.x, view.size.y]);
         recorder.draw(3, 1);
     }
+}
 
-    fn constants(&self, view: &CompositeEye) -> CompositeView {
-        let rays = &view.rays;
-        let scale = rays.size.as_vec2() / view.size.as_vec2();
-        let encode = |c: Vec3| if self.linear { c.powf(2.2) } else { c };
-        let (keep, top, bottom) = match view.background {
-            Background::Keep => (1, Vec3::ZERO, Vec3::ZERO),
-            Background::Gradient { top, bottom } => (0, encode(top), encode(bottom)),
-        };
-        // Clip z of a point is `z_axis.z * z + w_axis.z`, its z in eye space is -t.
-        let projection = &view.projection;
-        CompositeView {
-            origin: rays.origin.to_array(),
-            depth_slope: -projection.z_axis.z,
-            corner: rays.corner.to_array(),
-            depth_at_0: projection.w_axis.z,
-            step_x: rays.step_x.to_array(),
-            scale_x: scale.x,
-            step_y: rays.step_y.to_array(),
-            scale_y: scale.y,
-            dims: view.dims.to_array(),
-            keep,
-            top: top.to_array(),
-            left: view.corner.x as f32,
-            bottom: bottom.to_array(),
-            upper: view.corner.y as f32,
-            size: rays.size.to_array(),
-            pad_0: [0; 2],
-        }
+/// The constants of a pass that draws `view` over its background; `linear` where the target encodes
+/// what it is given.
+pub(super) fn constants(view: &CompositeEye, linear: bool) -> CompositeView {
+    let rays = &view.rays;
+    let scale = rays.size.as_vec2() / view.size.as_vec2();
+    let encode = |c: Vec3| if linear { c.powf(2.2) } else { c };
+    let (keep, top, bottom) = match view.background {
+        Background::Keep => (1, Vec3::ZERO, Vec3::ZERO),
+        Background::Gradient { top, bottom } => (0, encode(top), encode(bottom)),
+    };
+    // Clip z of a point is `z_axis.z * z + w_axis.z`, its z in eye space is -t.
+    let projection = &view.projection;
+    CompositeView {
+        origin: rays.origin.to_array(),
+        depth_slope: -projection.z_axis.z,
+        corner: rays.corner.to_array(),
+        depth_at_0: projection.w_axis.z,
+        step_x: rays.step_x.to_array(),
+        scale_x: scale.x,
+        step_y: rays.step_y.to_array(),
+        scale_y: scale.y,
+        dims: view.dims.to_array(),
+        keep,
+        top: top.to_array(),
+        left: view.corner.x as f32,
+        bottom: bottom.to_array(),
+        upper: view.corner.y as f32,
+        size: rays.size.to_array(),
+        linear: linear.into(),
+        pad_0: 0,
     }
 }
 

@@ -1,21 +1,34 @@
 //! The passes of a frame, one file each. They own no policy: what to draw comes in as values.
 
 pub mod backdrop;
+pub mod colours;
 pub mod composite;
+pub mod gpu_only;
 pub mod gui;
+pub mod occupancy;
 pub mod overlay;
+pub mod points;
+pub mod ray_march;
 pub mod renderer;
 pub mod sampler;
+pub mod shading;
 pub mod slicing;
 pub mod stereo;
+pub mod surface_shade;
 pub mod target;
 pub mod volume;
 
-pub use backdrop::{Backdrop, VideoView};
+pub use backdrop::{Backdrop, Video, VideoView};
+pub use colours::Colours;
 pub use composite::{Background, Composite, CompositeEye};
+pub use gpu_only::GpuOnly;
+pub use points::Points;
+pub use ray_march::RayMarch;
 pub use renderer::{Renderer, Shot};
+pub use shading::Surface;
 pub use slicing::Slicing;
 pub use stereo::{Stereo, StereoSources};
+pub use surface_shade::SurfaceShade;
 pub use target::{IndexReadback, IndexTarget};
 pub use volume::Volume;
 

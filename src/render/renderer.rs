@@ -15,11 +15,15 @@ use glam::{Affine3A, UVec2};
 use super::overlay::{Ghost, Line, Overlay, Scene};
 use super::sampler::Sampler;
 use super::target::EyeImage;
-use super::{Background, Composite, CompositeEye, MAX_EYES};
-use crate::config::RenderMode;
+use super::{
+    Backdrop, Background, Colours, Composite, CompositeEye, GpuOnly, IndexTarget, MAX_EYES, Points,
+    Surface, SurfaceShade, Video, VideoView, Volume,
+};
+use crate::config::{RenderMode, Shading};
 use crate::document::Document;
 use crate::gpu::{Attachment, Device, Load, Recorder, Result, Use, read_image_once};
-use crate::shade::{Lighting, Pixels, ShadePose, shade};
+use crate::shade::points::PointCloud;
+use crate::shade::{Lighting, Pixels, ShadePose, SoftwareShader};
 use crate::surface::IndexMap;
 use crate::view::{Eye, PixelRays};
 
@@ -27,7 +31,7 @@ use crate::view::{Eye, PixelRays};
 pub const DEPTH_FORMAT: vk::Format = vk::Format::D32_SFLOAT;
 
 /// From where and how a sculpture is to be seen.
-#[derive(Clone, Copy, PartialEq, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Shot<'a> {
     /// One, or two of the same size in pixels.
     pub eyes: &'a [Eye],
@@ -35,6 +39,8 @@ pub struct Shot<'a> {
     pub mode: RenderMode,
     pub lighting: Lighting,
     pub background: Background,
+    /// Instead of the background.
+    pub video: Option<Video<'a>>,
     /// The tools.
     pub ghosts: &'a [Ghost],
     pub lines: &'a [Line],
@@ -64,6 +70,7 @@ struct PictureKey {
     sample: SampleKey,
     lighting: Lighting,
     background: Background,
+    video: Option<(Instant, VideoView)>,
     ghosts: Vec<Ghost>,
     lines: Vec<Line>,
 }
@@ -78,6 +85,13 @@ pub struct Renderer {
     /// One an eye. Shared with whoever asks what a pixel shows.
     maps: Vec<Arc<IndexMap>>,
     pixels: Vec<Pixels>,
+    software: SoftwareShader,
+    clouds: [PointCloud; MAX_EYES],
+    /// The passes of some modes, made when first needed.
+    points: Option<Points>,
+    surface_shade: Option<SurfaceShade>,
+    gpu_only: Option<GpuOnly>,
+    backdrop: Option<Backdrop>,
     /// What the pictures were made of; none while they are not complete.
     shown: Option<PictureKey>,
     times: RenderTimes,
@@ -103,6 +117,12 @@ impl Renderer {
             format,
             maps: Vec::new(),
             pixels: Vec::new(),
+            software: SoftwareShader::default(),
+            clouds: Default::default(),
+            points: None,
+            surface_shade: None,
+            gpu_only: None,
+            backdrop: None,
             shown: None,
             times: RenderTimes::default(),
             device: device.clone(),
@@ -113,7 +133,7 @@ impl Renderer {
     /// `slot`: [`crate::gpu::Frames::slot`]; once a frame.
     ///
     /// A sculpture that is too large for the device is an error of [`crate::gpu::GpuError::Limit`]:
-    /// ask again for a mode that samples on the CPU.
+    /// ask again for its mode's [`RenderMode::fallback`].
     pub fn paint(
         &mut self,
         recorder: &mut Recorder,
@@ -139,6 +159,7 @@ impl Renderer {
                 let resample = before.sample != sample;
                 let reshade = resample || before.lighting != shot.lighting;
                 let same = before.background == shot.background
+                    && before.video == shot.video.map(|video| video.key())
                     && before.ghosts == shot.ghosts
                     && before.lines == shot.lines;
                 (resample, reshade, reshade || !same)
@@ -149,7 +170,7 @@ impl Renderer {
         }
         self.composite.begin(slot);
         if reshade {
-            self.shade(recorder, document, shot)?;
+            self.shade(recorder, slot, document, shot)?;
         }
         if recompose {
             self.compose(recorder, slot, document, shot)?;
@@ -206,20 +227,64 @@ impl Renderer {
         result
     }
 
-    fn shade(&mut self, recorder: &mut Recorder, document: &Document, shot: &Shot) -> Result<()> {
+    fn shade(
+        &mut self,
+        recorder: &mut Recorder,
+        slot: usize,
+        document: &Document,
+        shot: &Shot,
+    ) -> Result<()> {
         let start = Instant::now();
+        match shot.mode.shading() {
+            Shading::Software => self.shade_in_software(recorder, document, shot)?,
+            Shading::Points => {
+                let (grid, material) = (document.grid(), document.material());
+                for (map, cloud) in self.maps.iter().zip(&mut self.clouds) {
+                    cloud.take(map, grid, material, shot.lighting.occlusion);
+                }
+            }
+            Shading::Device => self.shade_on_device(recorder, slot, document, shot)?,
+            Shading::Within => {}
+        }
+        self.times.shade_ms = ms_since(start);
+        Ok(())
+    }
+
+    fn shade_in_software(
+        &mut self,
+        recorder: &mut Recorder,
+        document: &Document,
+        shot: &Shot,
+    ) -> Result<()> {
         self.pixels.resize_with(self.maps.len(), Pixels::default);
         let (grid, material) = (document.grid(), document.material());
         for ((map, pixels), eye) in self.maps.iter().zip(&mut self.pixels).zip(shot.eyes) {
-            let pose = ShadePose {
-                eye_from_world: eye.eye_from_world,
-                world_from_grid: shot.world_from_grid,
-            };
-            shade(map, grid, material, &pose, &shot.lighting, pixels);
+            let pose = shot.pose(eye);
+            self.software.shade(map, grid, material, &pose, &shot.lighting, pixels);
         }
-        self.times.shade_ms = ms_since(start);
         for (eye, pixels) in (0..).zip(&self.pixels) {
             self.composite.upload(recorder, eye, pixels)?;
+        }
+        Ok(())
+    }
+
+    fn shade_on_device(
+        &mut self,
+        recorder: &mut Recorder,
+        slot: usize,
+        document: &Document,
+        shot: &Shot,
+    ) -> Result<()> {
+        let Some((maps, volume, colours)) = self.sampler.on_device() else { return Ok(()) };
+        let pass = match &mut self.surface_shade {
+            Some(pass) => pass,
+            none => none.insert(SurfaceShade::new(&self.device, MAX_EYES as u32)?),
+        };
+        pass.begin(slot);
+        let pictures = self.composite.pictures(maps.size())?;
+        for (i, eye) in (0..).zip(shot.eyes) {
+            let surface = Surface { colours, ..shot.surface(document, eye) };
+            pass.record(recorder, volume, &surface, maps, pictures, i)?;
         }
         Ok(())
     }
@@ -233,19 +298,67 @@ impl Renderer {
         shot: &Shot,
     ) -> Result<()> {
         let pictures = pictures(&self.device, &mut self.pictures, self.format, shot.eyes)?;
-        let maps = self.sampler.maps(recorder, slot, &self.maps)?;
+        let mut sculpture = match shot.mode.shading() {
+            Shading::Software | Shading::Device => {
+                let maps = self.sampler.maps(recorder, slot, &self.maps)?;
+                Sculpture::Composite(&mut self.composite, maps)
+            }
+            Shading::Points => {
+                let pass = match &mut self.points {
+                    Some(pass) => pass,
+                    none => none.insert(Points::new(&self.device, self.format, MAX_EYES as u32)?),
+                };
+                pass.begin(slot);
+                for (eye, cloud) in (0..).zip(&self.clouds[..self.maps.len()]) {
+                    pass.upload(eye, cloud)?;
+                }
+                Sculpture::Points(pass)
+            }
+            Shading::Within => {
+                let pass = match &mut self.gpu_only {
+                    Some(pass) => pass,
+                    none => none.insert(GpuOnly::new(&self.device, self.format, MAX_EYES as u32)?),
+                };
+                pass.begin(slot);
+                let Some((volume, colours)) = self.sampler.copy() else { return Ok(()) };
+                Sculpture::Within(pass, volume, colours)
+            }
+        };
+        if let Some(video) = &shot.video {
+            let pass = match &mut self.backdrop {
+                Some(pass) => pass,
+                none => none.insert(Backdrop::new(&self.device, self.format)?),
+            };
+            pass.begin(slot);
+            pass.bring(recorder, video.frame)?;
+        }
         self.overlay.begin(slot);
         for ((i, eye), map) in (0..).zip(shot.eyes).zip(&self.maps) {
             pictures.begin(recorder, i);
-            let composite = CompositeEye {
+            let background = match (&shot.video, &mut self.backdrop) {
+                (Some(video), Some(pass)) => {
+                    pass.draw(recorder, eye.size, &video.view);
+                    Background::Keep
+                }
+                _ => shot.background,
+            };
+            let view = CompositeEye {
                 rays: map.rays,
                 projection: eye.projection,
                 dims: document.grid().dims(),
                 corner: UVec2::ZERO,
                 size: eye.size,
-                background: shot.background,
+                background,
             };
-            self.composite.draw(recorder, maps, i, &composite);
+            let surface = shot.surface(document, eye);
+            match &mut sculpture {
+                Sculpture::Composite(pass, maps) => pass.draw(recorder, maps, i, &view),
+                Sculpture::Points(pass) => pass.draw(recorder, &surface, i, &view)?,
+                Sculpture::Within(pass, volume, colours) => {
+                    let surface = Surface { colours: *colours, ..surface };
+                    pass.draw(recorder, volume, &surface, i, &view)?;
+                }
+            }
             let scene = Scene {
                 eye_from_grid: eye.eye_from_world * shot.world_from_grid,
                 projection: eye.projection,
@@ -260,6 +373,30 @@ impl Renderer {
     }
 }
 
+/// The pass that draws the sculpture, and what it draws.
+enum Sculpture<'a> {
+    Composite(&'a mut Composite, &'a IndexTarget),
+    Points(&'a mut Points),
+    Within(&'a mut GpuOnly, &'a Volume, Option<&'a Colours>),
+}
+
+impl Shot<'_> {
+    fn pose(&self, eye: &Eye) -> ShadePose {
+        ShadePose { eye_from_world: eye.eye_from_world, world_from_grid: self.world_from_grid }
+    }
+
+    /// The surface of the document's sculpture in one colour.
+    fn surface(&self, document: &Document, eye: &Eye) -> Surface<'_> {
+        Surface {
+            dims: document.grid().dims(),
+            colours: None,
+            base: document.material().base(),
+            pose: self.pose(eye),
+            lighting: &self.lighting,
+        }
+    }
+}
+
 impl PictureKey {
     /// The key of `shot`, in the memory of a former one.
     fn new(former: Option<PictureKey>, sample: SampleKey, shot: &Shot) -> PictureKey {
@@ -269,7 +406,8 @@ impl PictureKey {
         lines.clear();
         lines.extend_from_slice(shot.lines);
         let Shot { lighting, background, .. } = *shot;
-        PictureKey { sample, lighting, background, ghosts, lines }
+        let video = shot.video.map(|video| video.key());
+        PictureKey { sample, lighting, background, video, ghosts, lines }
     }
 }
 

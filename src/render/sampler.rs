@@ -1,15 +1,15 @@
 //! Owns finding the voxel of every pixel, in whichever way is asked for, and what the device needs
-//! for it: the copy of the bits, the slices' areas, the way back.
+//! for it: the copy of the bits and colours, the slices' areas, the way back.
 //!
 //! The maps end up both in memory, for the software shader and the pointer, and on the device, for
-//! the composite: one layer an eye.
+//! the composite: one layer an eye. Where the device shades, too, they stay there.
 
 use std::sync::Arc;
 
 use ash::vk;
 
-use super::{IndexReadback, IndexTarget, MAX_EYES, Slicing, Volume};
-use crate::config::RenderMode;
+use super::{Colours, IndexReadback, IndexTarget, MAX_EYES, RayMarch, Slicing, Volume};
+use crate::config::{RenderMode, Sampling, Shading};
 use crate::document::Document;
 use crate::gpu::{Device, Frames, Recorder, Result, Staging};
 use crate::surface::slices::SliceAreas;
@@ -19,7 +19,10 @@ use crate::view::PixelRays;
 /// Samples the surface of one document.
 pub struct Sampler {
     /// Made when first needed: the ray casters do without.
-    slices: Option<Slices>,
+    copy: Option<DeviceCopy>,
+    slicing: Option<Slicing>,
+    march: Option<RayMarch>,
+    readbacks: [IndexReadback; MAX_EYES],
     maps: Option<IndexTarget>,
     /// Maps on their way to the device.
     staging: Staging,
@@ -28,12 +31,12 @@ pub struct Sampler {
     device: Arc<Device>,
 }
 
-/// What slicing needs.
-struct Slices {
-    pass: Slicing,
+/// The device's copy of a document, and the frames in which it is updated and sampled.
+struct DeviceCopy {
     volume: Volume,
-    areas: SliceAreas,
-    readbacks: [IndexReadback; MAX_EYES],
+    /// Only while they are needed.
+    colours: Option<Colours>,
+    areas: Option<SliceAreas>,
     frames: Frames,
 }
 
@@ -41,7 +44,10 @@ impl Sampler {
     pub fn new(device: &Arc<Device>) -> Result<Sampler> {
         let usage = vk::BufferUsageFlags::TRANSFER_SRC;
         Ok(Sampler {
-            slices: None,
+            copy: None,
+            slicing: None,
+            march: None,
+            readbacks: std::array::from_fn(|_| IndexReadback::new(device)),
             maps: None,
             staging: Staging::new(device, "index maps", usage, 1 << 20)?,
             pending: [false; MAX_EYES],
@@ -55,7 +61,7 @@ impl Sampler {
         recorder: &mut Recorder,
         slot: usize,
         maps: &[Arc<IndexMap>],
-    ) -> Result<&IndexTarget> {
+    ) -> Result<&mut IndexTarget> {
         let target = target(&self.device, &mut self.maps, maps)?;
         self.staging.begin(slot);
         for ((eye, map), pending) in (0..).zip(maps).zip(&mut self.pending) {
@@ -68,8 +74,22 @@ impl Sampler {
         Ok(target)
     }
 
+    /// The maps on the device, and the copy of the document, once it was sampled in a mode that
+    /// needs them.
+    pub fn on_device(&mut self) -> Option<(&mut IndexTarget, &Volume, Option<&Colours>)> {
+        let copy = self.copy.as_ref()?;
+        Some((self.maps.as_mut()?, &copy.volume, copy.colours.as_ref()))
+    }
+
+    /// The copy of the document, once it was sampled in a mode that needs it.
+    pub fn copy(&self) -> Option<(&Volume, Option<&Colours>)> {
+        let copy = self.copy.as_ref()?;
+        Some((&copy.volume, copy.colours.as_ref()))
+    }
+
     /// Fills `maps` with what is seen of the document by `rays`: one set of rays an eye, all of
-    /// one size in pixels. A map that nobody else holds keeps its memory.
+    /// one size in pixels. A map that nobody else holds keeps its memory. Where a shader on the
+    /// device shades, too, the maps are not known in memory ([`IndexMap::is_known`]).
     pub fn sample(
         &mut self,
         document: &mut Document,
@@ -77,63 +97,127 @@ impl Sampler {
         mode: RenderMode,
         maps: &mut [Arc<IndexMap>],
     ) -> Result<()> {
+        let stays = matches!(mode.shading(), Shading::Device | Shading::Within);
         for (rays, map) in rays.iter().zip(maps.iter_mut()) {
             let map = Arc::make_mut(map);
-            match mode {
-                RenderMode::Ray => raycast::sample(document.grid(), rays, map),
-                RenderMode::Quickstep => quickstep::sample(document.grid(), rays, map),
-                RenderMode::Slicing => map.reset(*rays),
+            match mode.sampling() {
+                Sampling::Cast => raycast::sample(document.grid(), rays, map),
+                Sampling::Quickstep => quickstep::sample(document.grid(), rays, map),
+                _ if stays => map.forget(*rays),
+                Sampling::Slicing | Sampling::March | Sampling::Within => map.reset(*rays),
             }
         }
-        if mode == RenderMode::Slicing {
-            return self.slice(document, maps);
+        match mode.sampling() {
+            Sampling::Cast | Sampling::Quickstep => {
+                self.pending = [true; MAX_EYES];
+                Ok(())
+            }
+            Sampling::Slicing | Sampling::March | Sampling::Within => {
+                self.pending = [false; MAX_EYES];
+                self.sample_on_device(document, mode, maps, !stays)
+            }
         }
-        self.pending = [true; MAX_EYES];
-        Ok(())
     }
 
-    fn slice(&mut self, document: &mut Document, maps: &mut [Arc<IndexMap>]) -> Result<()> {
+    fn sample_on_device(
+        &mut self,
+        document: &mut Document,
+        mode: RenderMode,
+        maps: &mut [Arc<IndexMap>],
+        read_back: bool,
+    ) -> Result<()> {
         let device = &self.device;
-        let slices = match &mut self.slices {
-            Some(slices) => slices,
+        let copy = match &mut self.copy {
+            Some(copy) => copy,
             // All bricks are new to a new copy, whatever the document says has changed.
-            slices => slices.insert(document.take_dirty(|contents, _| {
-                let mut areas = SliceAreas::default();
-                areas.update(&contents.grid, None);
-                Result::Ok(Slices {
-                    pass: Slicing::new(device)?,
+            none => none.insert(document.take_dirty(|contents, _| {
+                Result::Ok(DeviceCopy {
                     volume: Volume::new(device, &contents.grid)?,
-                    areas,
-                    readbacks: std::array::from_fn(|_| IndexReadback::new(device)),
+                    colours: None,
+                    areas: None,
                     frames: Frames::new(device)?,
                 })
             })?),
         };
+        let mut recorder = copy.frames.begin()?;
+        let slot = copy.frames.slot();
+        copy.update(device, &mut recorder, slot, document, mode)?;
+        if mode.sampling() == Sampling::Within {
+            copy.frames.submit(recorder, &[], &[])?;
+            return Ok(());
+        }
         let target = target(device, &mut self.maps, maps)?;
-        let mut recorder = slices.frames.begin()?;
-        let slot = slices.frames.slot();
-        document.take_dirty(|contents, changed| {
-            slices.areas.update(&contents.grid, changed);
-            slices.volume.update(&mut recorder, slot, &contents.grid, changed)
-        })?;
-        slices.pass.begin(slot, &slices.volume);
-        let (pass, volume, areas) = (&mut slices.pass, &slices.volume, &mut slices.areas);
-        for ((eye, map), readback) in (0..).zip(maps.iter()).zip(&mut slices.readbacks) {
-            pass.record(&mut recorder, volume, areas, &map.rays, target, eye)?;
-            readback.record(&mut recorder, slot, target, eye, &map.rays)?;
+        match mode.sampling() {
+            Sampling::March => {
+                let pass = match &mut self.march {
+                    Some(pass) => pass,
+                    none => none.insert(RayMarch::new(device, MAX_EYES as u32)?),
+                };
+                pass.begin(slot);
+                for (eye, map) in (0..).zip(maps.iter()) {
+                    pass.record(&mut recorder, &copy.volume, &map.rays, target, eye);
+                }
+            }
+            Sampling::Slicing => {
+                let pass = match &mut self.slicing {
+                    Some(pass) => pass,
+                    none => none.insert(Slicing::new(device)?),
+                };
+                pass.begin(slot, &copy.volume);
+                let areas = copy.areas.get_or_insert_default();
+                for (eye, map) in (0..).zip(maps.iter()) {
+                    pass.record(&mut recorder, &copy.volume, areas, &map.rays, target, eye)?;
+                }
+            }
+            Sampling::Cast | Sampling::Quickstep | Sampling::Within => {}
         }
-        let serial = slices.frames.submit(recorder, &[], &[])?;
-        for (map, readback) in maps.iter_mut().zip(&mut slices.readbacks) {
-            readback.submitted(slot, serial);
-            readback.fetch(slot, Arc::make_mut(map))?;
+        if read_back {
+            for ((eye, map), readback) in (0..).zip(maps.iter()).zip(&mut self.readbacks) {
+                readback.record(&mut recorder, slot, target, eye, &map.rays)?;
+            }
         }
-        self.pending = [false; MAX_EYES];
+        let serial = copy.frames.submit(recorder, &[], &[])?;
+        if read_back {
+            for (map, readback) in maps.iter_mut().zip(&mut self.readbacks) {
+                readback.submitted(slot, serial);
+                readback.fetch(slot, Arc::make_mut(map))?;
+            }
+        }
         Ok(())
     }
 
     /// Forgets the device's copy, after an error that may have left it behind the document.
     pub fn forget_copy(&mut self) {
-        self.slices = None;
+        self.copy = None;
+    }
+}
+
+impl DeviceCopy {
+    /// Brings what `mode` needs up to date with the document, and forgets what it does not need.
+    fn update(
+        &mut self,
+        device: &Arc<Device>,
+        recorder: &mut Recorder,
+        slot: usize,
+        document: &mut Document,
+        mode: RenderMode,
+    ) -> Result<()> {
+        document.take_dirty(|contents, changed| {
+            let (grid, material) = (&contents.grid, &contents.material);
+            self.volume.update(recorder, slot, grid, changed)?;
+            match &mut self.areas {
+                _ if mode.sampling() != Sampling::Slicing => self.areas = None,
+                Some(areas) => areas.update(grid, changed),
+                none => none.insert(SliceAreas::default()).update(grid, None),
+            }
+            let bricks = grid.bricks().len();
+            match &mut self.colours {
+                _ if !mode.needs_colours() => self.colours = None,
+                Some(colours) => colours.update(recorder, slot, material, bricks, changed)?,
+                none => *none = Some(Colours::new(device, material, bricks)?),
+            }
+            Ok(())
+        })
     }
 }
 

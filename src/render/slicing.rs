@@ -11,7 +11,7 @@
 use std::sync::Arc;
 
 use ash::vk;
-use glam::{DMat3, DVec3, UVec2};
+use glam::{DMat3, UVec2, Vec3};
 
 use crate::gpu::layout::{SliceInstance, SliceView};
 use crate::gpu::{
@@ -148,8 +148,9 @@ fn instance(rect: &LayerRect) -> SliceInstance {
     }
 }
 
-/// `None` where the rays do not span a picture.
-fn slice_view(rays: &PixelRays, volume: &Volume, axis: usize, ranks: u32) -> Option<SliceView> {
+/// Rows that take `p - origin` of a point p to its clip x, y and w. `None` where the rays do not span
+/// a picture.
+pub(super) fn clip_rows(rays: &PixelRays) -> Option<[Vec3; 3]> {
     let columns =
         DMat3::from_cols(rays.step_x.as_dvec3(), rays.step_y.as_dvec3(), rays.corner.as_dvec3());
     // A point is `origin + a step_x + b step_y + w corner`, seen at the pixel (a / w, b / w).
@@ -159,7 +160,14 @@ fn slice_view(rays: &PixelRays, volume: &Volume, axis: usize, ranks: u32) -> Opt
     }
     let rows = inverse.transpose();
     let size = rays.size.as_dvec2();
-    let row = |r: DVec3| r.as_vec3().to_array();
+    let clip_x = 2.0 / size.x * rows.x_axis - rows.z_axis;
+    let clip_y = 2.0 / size.y * rows.y_axis - rows.z_axis;
+    Some([clip_x, clip_y, rows.z_axis].map(|row| row.as_vec3()))
+}
+
+/// `None` where the rays do not span a picture.
+fn slice_view(rays: &PixelRays, volume: &Volume, axis: usize, ranks: u32) -> Option<SliceView> {
+    let [clip_x, clip_y, clip_w] = clip_rows(rays)?.map(|row| row.to_array());
     Some(SliceView {
         origin: rays.origin.to_array(),
         axis: axis as u32,
@@ -167,9 +175,9 @@ fn slice_view(rays: &PixelRays, volume: &Volume, axis: usize, ranks: u32) -> Opt
         depth_step: 1.0 / ranks as f32,
         step_x: rays.step_x.to_array(),
         step_y: rays.step_y.to_array(),
-        clip_x: row(2.0 / size.x * rows.x_axis - rows.z_axis),
-        clip_y: row(2.0 / size.y * rows.y_axis - rows.z_axis),
-        clip_w: row(rows.z_axis),
+        clip_x,
+        clip_y,
+        clip_w,
         dims: volume.dims().to_array(),
         ..SliceView::default()
     })

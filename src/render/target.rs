@@ -91,8 +91,11 @@ impl IndexTarget {
     /// For pictures of `size` pixels and `eyes` layers.
     pub fn new(device: &Arc<Device>, size: UVec2, eyes: u32) -> Result<IndexTarget> {
         use vk::ImageUsageFlags as Usage;
-        let usage =
-            Usage::COLOR_ATTACHMENT | Usage::SAMPLED | Usage::TRANSFER_SRC | Usage::TRANSFER_DST;
+        let usage = Usage::COLOR_ATTACHMENT
+            | Usage::STORAGE
+            | Usage::SAMPLED
+            | Usage::TRANSFER_SRC
+            | Usage::TRANSFER_DST;
         let format = vk::Format::R32_UINT;
         let index = EyeImage::new(device, "index map", size, eyes, format, usage)?;
         let usage = Usage::DEPTH_STENCIL_ATTACHMENT;
@@ -137,6 +140,11 @@ impl IndexTarget {
     /// Ends drawing.
     pub fn end(&self, recorder: &mut Recorder) {
         recorder.end_rendering();
+    }
+
+    /// Makes the map of `eye` ready for a compute shader that writes all of it.
+    pub fn begin_writing(&mut self, recorder: &mut Recorder, eye: u32) {
+        self.index.renew(recorder, eye, Use::SHADER_WRITE);
     }
 
     /// Puts a map that the CPU has made, copied to `piece`, in the place of the one of `eye`.

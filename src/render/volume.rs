@@ -2,6 +2,8 @@
 //! word of 4^3 voxels (low and high 32 bits) and the eight words of a brick follow each other
 //! along x. A row of bricks is thus the same bytes in grid and image, and nothing is repacked.
 //!
+//! Beside it lies which bricks hold anything ([`super::occupancy`]).
+//!
 //! The first time all of it is uploaded, afterwards only the bricks that changed. Knows no
 //! colours and no history: undo is a change like any other.
 
@@ -10,6 +12,7 @@ use std::sync::Arc;
 use ash::vk;
 use glam::UVec3;
 
+use super::occupancy::Occupancy;
 use crate::gpu::{
     Buffer, Device, Image, ImageInfo, MemoryLocation, Recorder, Result, Staging, Use, run_once,
 };
@@ -30,6 +33,7 @@ const BRICK_BYTES: usize = size_of::<Brick>();
 /// The device's copy of a grid's bits, always in the layout of [`Use::SHADER_READ`].
 pub struct Volume {
     image: Image,
+    occupancy: Occupancy,
     dims: UVec3,
     staging: Staging,
     /// Kept for their memory.
@@ -45,6 +49,7 @@ impl Volume {
         let usage = vk::BufferUsageFlags::TRANSFER_SRC;
         let mut volume = Volume {
             image: make_image(device, grid)?,
+            occupancy: Occupancy::new(device, grid)?,
             dims: grid.dims(),
             staging: Staging::new(device, "changed bricks", usage, STAGING_BYTES)?,
             changed: Vec::new(),
@@ -68,11 +73,15 @@ impl Volume {
     ) -> Result<()> {
         if grid.dims() != self.dims {
             self.image = make_image(&self.device, grid)?;
+            self.occupancy = Occupancy::new(&self.device, grid)?;
             self.dims = grid.dims();
             return self.upload_whole(grid, Use::NOTHING);
         }
         match changed {
-            Some([]) => Ok(()),
+            Some([]) => return Ok(()),
+            changed => self.occupancy.update(recorder, slot, grid, changed)?,
+        }
+        match changed {
             Some(bricks) if bricks.len() * WHOLE_FROM_SHARE <= grid.bricks().len() => {
                 self.upload_bricks(recorder, slot, grid, bricks)
             }
@@ -82,6 +91,11 @@ impl Volume {
 
     pub fn image(&self) -> &Image {
         &self.image
+    }
+
+    /// Which bricks hold anything ([`Occupancy`]).
+    pub fn occupancy(&self) -> &Image {
+        self.occupancy.image()
     }
 
     /// Size of the grid in voxels.

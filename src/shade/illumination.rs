@@ -17,33 +17,47 @@ use crate::sculpture::Rgb;
 pub(super) const LANES: usize = 16;
 
 /// Sixteen points of a surface, before they are taken to eye space.
-#[derive(Clone, Default)]
-pub(super) struct SurfacePoints {
+#[derive(Clone)]
+pub(crate) struct SurfacePoints {
     /// In grid coordinates.
     pub position: [[f32; LANES]; 3],
     /// Points out of the solid; any length. A covector of grid coordinates.
     pub gradient: [[f32; LANES]; 3],
     /// sRGB: red in the lowest byte.
     pub colour: [u32; LANES],
+    /// How much of the ambient light arrives, 0 to 1.
+    pub open: [f32; LANES],
+}
+
+impl Default for SurfacePoints {
+    fn default() -> Self {
+        SurfacePoints {
+            position: Default::default(),
+            gradient: Default::default(),
+            colour: [0; LANES],
+            open: [1.0; LANES],
+        }
+    }
 }
 
 /// A light in eye space, with its linear colour times intensity.
 #[derive(Clone, Copy, Debug)]
-struct EyeLight {
-    source: LightSource,
-    radiance: Vec3,
+pub(crate) struct EyeLight {
+    pub(crate) source: LightSource,
+    pub(crate) radiance: Vec3,
 }
 
 /// [`Lighting`] prepared for one picture.
 #[derive(Clone, Debug)]
-pub(super) struct Illumination {
-    eye_from_grid: Affine3A,
+pub(crate) struct Illumination {
+    pub(crate) eye_from_grid: Affine3A,
     /// Takes covectors to eye space.
-    normal_from_gradient: Mat3,
-    lights: [Option<EyeLight>; MAX_LIGHTS],
-    ambient: Vec3,
-    specular: f32,
-    shininess: u32,
+    pub(crate) normal_from_gradient: Mat3,
+    pub(crate) lights: [Option<EyeLight>; MAX_LIGHTS],
+    /// Linear.
+    pub(crate) ambient: Vec3,
+    pub(crate) specular: f32,
+    pub(crate) shininess: u32,
 }
 
 impl Illumination {
@@ -94,8 +108,12 @@ impl Illumination {
             v * v
         };
         let albedo = [channel(0), channel(8), channel(16)];
-        let mut sum =
-            [albedo[0] * self.ambient.x, albedo[1] * self.ambient.y, albedo[2] * self.ambient.z];
+        let open = f32x16::load_array_ref(simd, &points.open);
+        let mut sum = [
+            albedo[0] * (open * self.ambient.x),
+            albedo[1] * (open * self.ambient.y),
+            albedo[2] * (open * self.ambient.z),
+        ];
         for light in self.lights.iter().flatten() {
             let to_light = match light.source {
                 LightSource::Direction(d) => [splat(d.x), splat(d.y), splat(d.z)],

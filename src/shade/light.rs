@@ -45,6 +45,36 @@ pub struct Lighting {
     pub specular: f32,
     /// Exponent of the highlight: larger is smaller and sharper.
     pub shininess: u32,
+    /// Whether the voxels around one dim its ambient light ([`super::occlusion`]).
+    pub occlusion: bool,
+    /// The filters of the software shader ([`super::smooth`]).
+    pub smooth_normals: Smoothing,
+    pub smooth_colours: Smoothing,
+}
+
+/// Over which neighbours an interpolation filter of the software shader takes its means.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Smoothing {
+    #[default]
+    Off,
+    /// 3x3.
+    Near,
+    /// 5x5.
+    Wide,
+}
+
+impl Smoothing {
+    pub const ALL: [Smoothing; 3] = [Smoothing::Off, Smoothing::Near, Smoothing::Wide];
+
+    /// Neighbours to each side.
+    pub fn reach(self) -> i32 {
+        match self {
+            Smoothing::Off => 0,
+            Smoothing::Near => 1,
+            Smoothing::Wide => 2,
+        }
+    }
 }
 
 impl Default for Lighting {
@@ -61,6 +91,9 @@ impl Default for Lighting {
             ambient: Rgb::new(80, 80, 88),
             specular: 0.25,
             shininess: 32,
+            occlusion: false,
+            smooth_normals: Smoothing::Off,
+            smooth_colours: Smoothing::Off,
         }
     }
 }

@@ -2,15 +2,23 @@
 //!
 //! A pixel goes through two steps that know nothing of each other: what surface is there (its
 //! normal from [`normal`], its colour from the material), and what light it sends to the eye
-//! ([`illumination`]). Filters of normals and colours and ambient occlusion belong between the two.
+//! ([`illumination`]). Filters of normals and colours ([`smooth`]) and ambient occlusion
+//! ([`occlusion`]) belong between the two, and cost time only where they are asked for
+//! ([`refined`]).
 
 mod illumination;
 pub mod light;
 pub mod normal;
+pub mod occlusion;
 pub mod pixels;
+pub mod points;
+pub mod refined;
+mod smooth;
 pub mod software;
 
-pub use light::{Light, LightFrame, LightSource, Lighting};
+pub(crate) use illumination::Illumination;
+pub use light::{Light, LightFrame, LightSource, Lighting, MAX_LIGHTS, Smoothing};
 pub use normal::NORMAL_REACH_VX;
 pub use pixels::Pixels;
+pub use refined::SoftwareShader;
 pub use software::{ShadePose, shade, shade_rect};

@@ -11,7 +11,7 @@ use crate::view::PixelRays;
 #[derive(Clone, PartialEq, Debug)]
 pub struct IndexMap {
     pub rays: PixelRays,
-    /// `rays.size.x * rays.size.y` values.
+    /// `rays.size.x * rays.size.y` values, or none ([`IndexMap::forget`]).
     pub voxels: Vec<u32>,
 }
 
@@ -28,7 +28,19 @@ impl IndexMap {
         self.voxels.resize(rays.size.x as usize * rays.size.y as usize, NO_VOXEL);
     }
 
-    /// The voxel seen through pixel (x, y), if any.
+    /// Gives the map another view of which only the rays are known in memory: what is seen is
+    /// known to the device alone.
+    pub fn forget(&mut self, rays: PixelRays) {
+        self.rays = rays;
+        self.voxels.clear();
+    }
+
+    /// Whether what is seen is known in memory.
+    pub fn is_known(&self) -> bool {
+        !self.voxels.is_empty()
+    }
+
+    /// The voxel seen through pixel (x, y), if any, and if it is known.
     pub fn get(&self, x: u32, y: u32) -> Option<u32> {
         let voxel = *self.voxels.get((x + y * self.rays.size.x) as usize)?;
         (voxel != NO_VOXEL).then_some(voxel)

@@ -17,6 +17,7 @@ pub mod icons;
 pub mod key_catch;
 pub mod key_table;
 pub mod leave;
+pub mod light;
 pub mod marker_options;
 pub mod new_dialog;
 pub mod options;
@@ -115,6 +116,7 @@ pub fn show(
         })
         .inner;
     guide::show(root, state, facts, intents);
+    light::show(root, state);
     key_table::show(root, state, facts, intents);
     key_catch::show(root, state, intents);
     palette::show(root, state, facts, intents);

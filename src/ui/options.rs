@@ -1,11 +1,11 @@
 //! The column on the right: options of the tool, the light and the view, and the history.
 
-use egui::{CollapsingHeader, ComboBox, DragValue, Frame, Margin, ScrollArea, Slider, Ui};
+use egui::{CollapsingHeader, ComboBox, DragValue, Frame, Margin, ScrollArea, Ui};
 use glam::Vec3;
 
 use super::buttons::{action_button, explain};
 use super::{
-    Facts, Intent, UiState, ar, gamepad, head, history, panels, stereo_options, theme,
+    Facts, Intent, UiState, ar, gamepad, head, history, light, panels, stereo_options, theme,
     tool_options, video,
 };
 use crate::command::Command;
@@ -56,7 +56,10 @@ pub fn content(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Ve
     if let Some(pad) = facts.pad {
         section(ui, "Gamepad", true, |ui| gamepad::show(ui, state, pad, intents));
     }
-    section(ui, "Light", false, |ui| light(ui, state));
+    section(ui, "Light", false, |ui| {
+        action_button(ui, state, facts, "Lights …", Action::Lights, true, intents);
+        light::surface(ui, state);
+    });
 }
 
 fn section(ui: &mut Ui, title: &str, open: bool, content: impl FnOnce(&mut Ui)) {
@@ -138,41 +141,4 @@ fn up_axis(ui: &mut Ui, up: &mut Vec3, intents: &mut Vec<Intent>) {
             }
         }
     });
-}
-
-/// A lamp that stays with the viewer: where it stands, how bright it is.
-fn light(ui: &mut Ui, state: &mut UiState) {
-    let light = &mut state.view.light;
-    let direction = Vec3::from(light.direction).normalize_or(Vec3::Z);
-    let mut side_deg = direction.x.atan2(direction.z).to_degrees();
-    let mut height_deg = direction.y.clamp(-1.0, 1.0).asin().to_degrees();
-    let mut moved = false;
-    let mut ambient = light.ambient * 100.0;
-    let mut specular = light.specular * 100.0;
-    egui::Grid::new("light").num_columns(2).show(ui, |ui| {
-        let mut row = |label: &str, value: &mut f32, range, unit: &str| {
-            let label = ui.label(label);
-            let slider = Slider::new(value, range).fixed_decimals(0).suffix(unit);
-            let changed = ui.add(slider).labelled_by(label.id).changed();
-            ui.end_row();
-            changed
-        };
-        moved |= row("From the side", &mut side_deg, -180.0..=180.0, "°");
-        moved |= row("Height", &mut height_deg, -89.0..=89.0, "°");
-        row("Ambient", &mut ambient, 0.0..=100.0, "%");
-        row("Highlight", &mut specular, 0.0..=100.0, "%");
-        let label = ui.label("Colour");
-        ui.color_edit_button_srgb(&mut light.colour.0).labelled_by(label.id);
-        ui.end_row();
-    });
-    light.ambient = ambient / 100.0;
-    light.specular = specular / 100.0;
-    if moved {
-        let (side, height) = (side_deg.to_radians(), height_deg.to_radians());
-        let across = height.cos();
-        light.direction = [side.sin() * across, height.sin(), side.cos() * across];
-    }
-    if ui.button("Reset the light").clicked() {
-        *light = Default::default();
-    }
 }

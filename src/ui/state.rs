@@ -14,12 +14,13 @@ use super::palette::Palette;
 use super::toasts::Toasts;
 use crate::command::Command;
 use crate::config::{
-    Config, LightSettings, RenderMode, SCALE_RANGE, StereoSettings, Theme, VideoSettings,
+    Config, Finish, LightSettings, RenderMode, SCALE_RANGE, StereoSettings, Theme, VideoSettings,
 };
 use crate::input::remap::KeyChange;
 use crate::input::{Action, Panel};
 use crate::progress::Stage;
 use crate::sculpture::orientation::Orientation;
+use crate::shade::Lighting;
 
 /// What a person asked for in the interface.
 #[derive(Clone, PartialEq, Debug)]
@@ -55,6 +56,7 @@ pub struct Busy {
 pub struct ViewState {
     pub mode: RenderMode,
     pub light: LightSettings,
+    pub finish: Finish,
     pub stereo: StereoSettings,
     pub video: VideoSettings,
     /// The axis of the grid that is up when the view is reset.
@@ -65,6 +67,13 @@ pub struct ViewState {
     pub line: bool,
     /// The tool itself.
     pub tool: bool,
+}
+
+impl ViewState {
+    /// What the shaders take.
+    pub fn lighting(&self) -> Lighting {
+        self.finish.of(self.light.lighting())
+    }
 }
 
 /// An array to be made of the last operation.
@@ -121,6 +130,8 @@ pub struct UiState {
     pub guide: super::guide::Guide,
     /// The window of keys and mouse.
     pub help_open: bool,
+    /// The window of lights.
+    pub light_open: bool,
     pub keys: KeyTable,
     pub palette: Palette,
     /// The tracker is being calibrated.
@@ -142,6 +153,7 @@ impl UiState {
             view: ViewState {
                 mode: config.render.mode,
                 light: config.light.clone(),
+                finish: config.render.finish(),
                 stereo: config.stereo,
                 video: config.video.clone(),
                 up: Vec3::Y,
@@ -158,6 +170,7 @@ impl UiState {
             preset: 0,
             guide: Default::default(),
             help_open: false,
+            light_open: false,
             keys: KeyTable::default(),
             palette: Palette::default(),
             calibrating: false,
@@ -193,6 +206,7 @@ impl UiState {
             &mut self.leave_open,
             &mut self.new_dialog.open,
             &mut self.help_open,
+            &mut self.light_open,
             &mut self.guide.open,
         ];
         match open.into_iter().find(|open| **open) {

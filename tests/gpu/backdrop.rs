@@ -55,17 +55,15 @@ fn the_picture_lies_where_framing_and_lens_say() {
         let mut backdrop = Backdrop::new(device, FORMAT).unwrap();
         let mut screen = Offscreen::new(device, SCREEN, 1).unwrap();
         let mut frames = Frames::new(device).unwrap();
+        let frame = frame();
         let views = [Fit::Fit, Fit::Fill, Fit::Stretch]
             .into_iter()
             .flat_map(|fit| [(fit, false, None), (fit, true, None), (fit, true, Some(lens))]);
-        for (i, (fit, mirror, lens)) in views.enumerate() {
-            let view = VideoView { sequence: 1, fit, mirror, lens, beyond: BEYOND };
+        for (fit, mirror, lens) in views {
+            let view = VideoView { fit, mirror, lens, beyond: BEYOND };
             let mut recorder = frames.begin().unwrap();
             backdrop.begin(frames.slot());
-            if i == 0 {
-                assert!(!backdrop.has_picture());
-                backdrop.upload(&mut recorder, &frame()).unwrap();
-            }
+            backdrop.bring(&mut recorder, &frame).unwrap();
             screen.begin(&mut recorder, 0);
             backdrop.draw(&mut recorder, SCREEN, &view);
             screen.end(&mut recorder);

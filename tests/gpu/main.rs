@@ -4,10 +4,13 @@
 // A test that cannot go on has failed.
 #![allow(clippy::unwrap_used)]
 
+mod agreement;
 mod backdrop;
 mod composite;
 mod device;
 mod fixture;
+mod modes;
+mod ray_march;
 mod slicing;
 mod stereo;
 mod subjects;

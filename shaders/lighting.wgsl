@@ -1,0 +1,55 @@
+// Blinn-Phong with ambient light: the twin of src/shade/illumination.rs. Light is added in linear
+// space; gamma 2.0 stands for the sRGB curve.
+
+@group(0) @binding(5) var<uniform> shading: Shading;
+
+fn unit_or(v: vec3<f32>, other: vec3<f32>) -> vec3<f32> {
+    let squared = dot(v, v);
+    return select(v / sqrt(max(squared, 1e-12)), other, squared < 1e-12);
+}
+
+fn power(base: f32, exponent: u32) -> f32 {
+    var product = 1.0;
+    var square = base;
+    for (var rest = exponent; rest != 0u; rest >>= 1u) {
+        if (rest & 1u) != 0u {
+            product *= square;
+        }
+        square *= square;
+    }
+    return product;
+}
+
+fn rows_times(rows: array<vec4<f32>, 3>, v: vec4<f32>) -> vec3<f32> {
+    return vec3<f32>(dot(rows[0], v), dot(rows[1], v), dot(rows[2], v));
+}
+
+// The light, as sRGB, that the surface at `point` (grid coordinates) sends to the eye. `outwards`: a
+// covector of grid coordinates, of any length. `colour` is sRGB; `open` a factor on the ambient
+// light.
+fn lit(point: vec3<f32>, outwards: vec3<f32>, colour: vec3<f32>, open: f32) -> vec3<f32> {
+    let position = rows_times(shading.eye_from_grid, vec4<f32>(point, 1.0));
+    let to_eye = -position / sqrt(max(dot(position, position), 1e-38));
+    let turned = rows_times(shading.normal_from_gradient, vec4<f32>(outwards, 0.0));
+    // What is seen cannot look away: the part of the normal that does is taken off.
+    var normal = unit_or(turned, to_eye);
+    normal = unit_or(normal - to_eye * min(dot(normal, to_eye), 0.0), to_eye);
+    let cos_eye = dot(normal, to_eye);
+    let albedo = colour * colour;
+    var sum = albedo * shading.ambient * open;
+    for (var i = 0u; i < shading.lights; i++) {
+        let source = shading.sources[i];
+        var to_light = source.xyz;
+        if source.w != 0.0 {
+            let way = source.xyz - position;
+            to_light = way / sqrt(max(dot(way, way), 1e-38));
+        }
+        let cos_light = dot(normal, to_light);
+        let between = sqrt(max(2.0 * dot(to_light, to_eye) + 2.0, 1e-38));
+        let cos_half = max((cos_light + cos_eye) / between, 0.0);
+        let highlight = power(cos_half, shading.shininess) * shading.specular;
+        let reflected = albedo * max(cos_light, 0.0) + select(0.0, highlight, cos_light > 0.0);
+        sum += reflected * shading.radiances[i].xyz;
+    }
+    return sqrt(clamp(sum, vec3<f32>(0.0), vec3<f32>(1.0)));
+}

@@ -1,0 +1,31 @@
+// The pixels of a point's rectangle whose rays meet the voxel's box, by the order of crossings that
+// the ray caster goes by: so neighbouring points meet without gap or overlap, at any distance.
+
+//!include "layout.wgsl"
+//!include "ray.wgsl"
+//!include "encoding.wgsl"
+
+var<immediate> view: PointView;
+
+struct Pixel {
+    @location(0) colour: vec4<f32>,
+    @builtin(frag_depth) depth: f32,
+}
+
+@fragment
+fn main(
+    @builtin(position) position: vec4<f32>,
+    @location(0) @interpolate(flat) voxel: vec3<i32>,
+    @location(1) @interpolate(flat) colour: vec3<f32>,
+) -> Pixel {
+    let at = position.xy - vec2<f32>(view.left, view.upper);
+    let ray = make_ray(view.origin, view.corner + view.step_x * at.x + view.step_y * at.y);
+    let high = voxel + vec3<i32>(1);
+    let enter = last_of(crossings(ray, select(high, voxel, ray.forward)));
+    if any(before(crossings(ray, select(voxel, high, ray.forward)), enter)) {
+        discard;
+    }
+    // An eye within the voxel sees it at the near plane.
+    let depth = select(1.0, (view.depth_slope * enter.t + view.depth_at_0) / enter.t, enter.t > 0.0);
+    return Pixel(vec4<f32>(decoded(colour, view.linear != 0u), 1.0), clamp(depth, 0.0, 1.0));
+}

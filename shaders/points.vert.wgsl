@@ -1,0 +1,42 @@
+// A voxel becomes the rectangle in the picture that holds all of its box, lit as one point. Draw 4
+// vertices, an instance a point.
+
+//!include "layout.wgsl"
+//!include "lighting.wgsl"
+
+var<immediate> view: PointView;
+
+// Beyond the box, in voxels, for what rounding may lose. What it adds is looked at in vain.
+const MARGIN: f32 = 0.01;
+
+struct Corner {
+    @builtin(position) position: vec4<f32>,
+    @location(0) @interpolate(flat) voxel: vec3<i32>,
+    @location(1) @interpolate(flat) colour: vec3<f32>,
+}
+
+@vertex
+fn main(
+    @builtin(vertex_index) vertex: u32,
+    @location(0) voxel: vec4<u32>,
+    @location(1) outwards: vec4<i32>,
+    @location(2) colour: vec4<f32>,
+) -> Corner {
+    let middle = vec3<f32>(voxel.xyz) + 0.5;
+    let from_eye = middle - view.origin;
+    let w = dot(view.clip_w, from_eye);
+    let reach = 0.5 + MARGIN;
+    let nearest = w - reach * dot(abs(view.clip_w), vec3<f32>(1.0));
+    let side = select(vec2<f32>(-1.0), vec2<f32>(1.0), vec2<bool>((vertex & 1u) != 0u, vertex >= 2u));
+    let seen = lit(middle, vec3<f32>(outwards.xyz), colour.xyz, f32(outwards.w) / 127.0);
+    // Around the eye's plane it may be anywhere.
+    var position = side;
+    if nearest > 0.0 {
+        let centre = vec2<f32>(dot(view.clip_x, from_eye), dot(view.clip_y, from_eye)) / w;
+        // How far a corner can be from the centre: what the centre's own place leaves of each edge.
+        let x = dot(abs(view.clip_x - centre.x * view.clip_w), vec3<f32>(1.0));
+        let y = dot(abs(view.clip_y - centre.y * view.clip_w), vec3<f32>(1.0));
+        position = centre + side * vec2<f32>(x, y) * (reach / nearest) + side * 1e-5;
+    }
+    return Corner(vec4<f32>(position, 0.5, 1.0), vec3<i32>(voxel.xyz), seen);
+}

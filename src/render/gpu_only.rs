@@ -1,0 +1,105 @@
+//! Owns the GPU-only pass: one fragment shader walks each pixel's ray to its voxel, lights it and
+//! writes colour and depth, over the background. Nothing is read back, and there is no index map.
+//!
+//! The seed's GPU-only renderer did so while slicing, with the six neighbours two voxels away for
+//! a normal and one colour; this one has the software shader's normals, and the voxels' colours
+//! where they are on the device ([`super::Colours`]).
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use super::Volume;
+use super::composite::{CompositeEye, constants, is_srgb};
+use super::shading::{COLOURS, OCCUPANCY, Surface, UNIFORMS, Uniforms, VOLUME};
+use crate::gpu::layout::CompositeView;
+use crate::gpu::{
+    Blend, Depth, DescriptorSets, Device, FRAMES_IN_FLIGHT, Graphics, Pipeline, PipelineLayout,
+    Recorder, Result, SetLayout, shaders,
+};
+
+/// Draws sculptures straight to a screen.
+pub struct GpuOnly {
+    pipeline: Pipeline,
+    sets: DescriptorSets,
+    /// The image that each set names.
+    named: Vec<u64>,
+    uniforms: Uniforms,
+    slot: usize,
+    eyes: u32,
+    /// The target stores linear values, encoded by the device.
+    linear: bool,
+}
+
+impl GpuOnly {
+    /// For targets of `format` with a D32 depth buffer and up to `eyes` eyes.
+    pub fn new(device: &Arc<Device>, format: vk::Format, eyes: u32) -> Result<GpuOnly> {
+        let fragment = vk::ShaderStageFlags::FRAGMENT;
+        let bindings = [
+            (VOLUME, vk::DescriptorType::SAMPLED_IMAGE, fragment),
+            (OCCUPANCY, vk::DescriptorType::SAMPLED_IMAGE, fragment),
+            (COLOURS, vk::DescriptorType::STORAGE_BUFFER, fragment),
+            (UNIFORMS, vk::DescriptorType::UNIFORM_BUFFER, fragment),
+        ];
+        let set_layout = SetLayout::new(device, "GPU only", &bindings)?;
+        let push = Some((fragment, size_of::<CompositeView>()));
+        let layout = PipelineLayout::new(device, "GPU only", Some(&set_layout), push)?;
+        let pipeline = Pipeline::graphics(
+            device,
+            &Graphics {
+                name: "GPU only",
+                vertex: shaders::SCREEN_VERT,
+                fragment: shaders::GPU_ONLY_FRAG,
+                layout: &layout,
+                vertices: None,
+                topology: vk::PrimitiveTopology::TRIANGLE_LIST,
+                cull: vk::CullModeFlags::NONE,
+                colour: Some((format, Blend::Replace)),
+                depth: Some(Depth::OVERWRITE),
+            },
+        )?;
+        let count = FRAMES_IN_FLIGHT * eyes as usize;
+        Ok(GpuOnly {
+            pipeline,
+            sets: DescriptorSets::new(device, "GPU only", &set_layout, count)?,
+            named: vec![0; count],
+            uniforms: Uniforms::new(device)?,
+            slot: 0,
+            eyes,
+            linear: is_srgb(format),
+        })
+    }
+
+    /// Starts a frame that uses `slot`.
+    pub fn begin(&mut self, slot: usize) {
+        self.slot = slot % FRAMES_IN_FLIGHT;
+        self.uniforms.begin(slot);
+    }
+
+    /// Draws what `eye` sees of `volume`, lit as `surface` says, by the rays of `view`, within rendering.
+    pub fn draw(
+        &mut self,
+        recorder: &mut Recorder,
+        volume: &Volume,
+        surface: &Surface,
+        eye: u32,
+        view: &CompositeEye,
+    ) -> Result<()> {
+        let set = self.slot * self.eyes as usize + eye as usize;
+        let bits = volume.image();
+        if self.named[set] != bits.id() {
+            self.named[set] = bits.id();
+            self.sets.write_sampled(set, VOLUME, bits.view());
+            self.sets.write_sampled(set, OCCUPANCY, volume.occupancy().view());
+        }
+        self.uniforms.write(&self.sets, set, surface)?;
+        self.uniforms.write_colours(&self.sets, set, surface);
+        recorder.bind_pipeline(&self.pipeline);
+        recorder.bind_set(&self.pipeline, self.sets.set(set));
+        recorder.push(self.pipeline.layout(), &constants(view, self.linear));
+        let [x, y] = view.corner.to_array();
+        recorder.set_scissor([x, y, view.size.x, view.size.y]);
+        recorder.draw(3, 1);
+        Ok(())
+    }
+}

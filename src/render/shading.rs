@@ -1,0 +1,116 @@
+//! Owns what every pass that lights surfaces on the device is given: the voxels, their colours, the
+//! lights, as values and as the uniforms of the shaders.
+//!
+//! The numbers are those of the software shader ([`crate::shade`]), so that pictures are equal but
+//! for rounding.
+
+use std::sync::Arc;
+
+use ash::vk;
+use glam::UVec3;
+
+use crate::gpu::layout::Shading;
+use crate::gpu::{DescriptorSets, Device, Piece, Result, Staging};
+use crate::render::Colours;
+use crate::sculpture::Rgb;
+use crate::sculpture::brick::BRICK_EDGE_VX;
+use crate::shade::{Illumination, LightSource, Lighting, ShadePose};
+
+/// Bindings that the shaders of these passes share (shaders/lighting.wgsl and the others).
+pub(super) const VOLUME: u32 = 0;
+pub(super) const OCCUPANCY: u32 = 1;
+pub(super) const COLOURS: u32 = 4;
+pub(super) const UNIFORMS: u32 = 5;
+
+/// A sculpture and how it is lit, for one eye.
+#[derive(Clone, Copy)]
+pub struct Surface<'a> {
+    /// Size of the grid in voxels.
+    pub dims: UVec3,
+    /// Without them every voxel has the base colour.
+    pub colours: Option<&'a Colours>,
+    pub base: Rgb,
+    pub pose: ShadePose,
+    pub lighting: &'a Lighting,
+}
+
+/// Uniforms on their way to the device.
+pub(super) struct Uniforms {
+    staging: Staging,
+    align: u64,
+    /// Stands for the colours where there are none.
+    no_colours: crate::gpu::Buffer,
+}
+
+impl Uniforms {
+    pub fn new(device: &Arc<Device>) -> Result<Uniforms> {
+        let usage = vk::BufferUsageFlags::UNIFORM_BUFFER;
+        let align = device.limits().min_uniform_buffer_offset_alignment.max(16);
+        let bytes = 4 * (size_of::<Shading>() as u64).next_multiple_of(align);
+        Ok(Uniforms {
+            staging: Staging::new(device, "lights", usage, bytes)?,
+            align,
+            no_colours: crate::gpu::Buffer::new(
+                device,
+                "no colours",
+                16,
+                vk::BufferUsageFlags::STORAGE_BUFFER,
+                crate::gpu::MemoryLocation::GpuOnly,
+            )?,
+        })
+    }
+
+    /// Starts a frame that uses `slot`.
+    pub fn begin(&mut self, slot: usize) {
+        self.staging.begin(slot);
+    }
+
+    /// Uploads the uniforms of `surface` and names them to `set`.
+    pub fn write(&mut self, sets: &DescriptorSets, set: usize, surface: &Surface) -> Result<()> {
+        let piece: Piece = self.staging.push(&[uniforms(surface)], self.align)?;
+        let kind = vk::DescriptorType::UNIFORM_BUFFER;
+        sets.write_buffer(set, UNIFORMS, kind, piece.buffer, piece.offset, piece.bytes);
+        Ok(())
+    }
+
+    /// Names the colours of `surface` to `set`.
+    pub fn write_colours(&self, sets: &DescriptorSets, set: usize, surface: &Surface) {
+        let buffer = surface.colours.map_or(&self.no_colours, Colours::buffer);
+        let kind = vk::DescriptorType::STORAGE_BUFFER;
+        sets.write_buffer(set, COLOURS, kind, buffer.handle(), 0, buffer.bytes());
+    }
+}
+
+fn uniforms(surface: &Surface) -> Shading {
+    let Surface { dims, colours, base, pose, lighting } = *surface;
+    let light = Illumination::new(lighting, &pose.eye_from_world, &pose.world_from_grid);
+    let mut shading = Shading {
+        ambient: light.ambient.to_array(),
+        specular: light.specular,
+        base: base.0.map(|c| f32::from(c) / 255.0),
+        shininess: light.shininess,
+        dims: dims.to_array(),
+        bricks: ((dims + (BRICK_EDGE_VX - 1)) / BRICK_EDGE_VX).to_array(),
+        colour_bytes: colours.map_or(0, Colours::bytes_per_voxel),
+        occlusion: lighting.occlusion.into(),
+        ..Shading::default()
+    };
+    let matrix = light.eye_from_grid.matrix3;
+    let translation = light.eye_from_grid.translation;
+    let turn = light.normal_from_gradient;
+    for row in 0..3 {
+        let point = matrix.row(row);
+        shading.eye_from_grid[row] = [point.x, point.y, point.z, translation[row]];
+        shading.normal_from_gradient[row] = turn.row(row).extend(0.0).to_array();
+    }
+    for light in light.lights.iter().flatten() {
+        let i = shading.lights as usize;
+        shading.sources[i] = match light.source {
+            LightSource::Direction(d) => d.extend(0.0).to_array(),
+            LightSource::Position(p) => p.extend(1.0).to_array(),
+        };
+        shading.radiances[i] = light.radiance.extend(0.0).to_array();
+        shading.lights += 1;
+    }
+    shading
+}

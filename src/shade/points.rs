@@ -1,0 +1,124 @@
+//! Owns the cloud of surface points: each voxel that an index map shows, once, with its normal and
+//! colour, for a renderer that draws and lights points.
+//!
+//! Takes an index map and the sculpture; the order of the points is that of the voxels, whatever
+//! made the map.
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::normal::gradient;
+use super::occlusion::openness;
+use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
+use crate::sculpture::{Grid, Material, NO_VOXEL};
+use crate::surface::IndexMap;
+
+/// A voxel that is seen. Sixteen bytes, as a vertex.
+#[repr(C)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct SurfacePoint {
+    /// Coordinates in the grid, and 0.
+    pub voxel: [u16; 4],
+    /// Out of the solid, any length, a covector of grid coordinates; then how much of the ambient
+    /// light arrives, of 127.
+    pub outwards: [i8; 4],
+    /// sRGB, and 255.
+    pub colour: [u8; 4],
+}
+
+/// The points of a picture. Keeps its memory from picture to picture.
+#[derive(Clone, Debug, Default)]
+pub struct PointCloud {
+    indices: Vec<u32>,
+    points: Vec<SurfacePoint>,
+}
+
+impl PointCloud {
+    /// Takes the points of `map`. `occlusion`: whether voxels around dim the ambient light.
+    pub fn take(&mut self, map: &IndexMap, grid: &Grid, material: &Material, occlusion: bool) {
+        let width = map.rays.size.x as usize;
+        self.indices.clear();
+        let mut above: &[u32] = &[];
+        for row in map.voxels.chunks(width.max(1)) {
+            let mut last = NO_VOXEL;
+            for (x, &voxel) in row.iter().enumerate() {
+                // Most pixels show what one beside them shows; the rest is found by sorting.
+                if voxel != NO_VOXEL && voxel != last && above.get(x) != Some(&voxel) {
+                    self.indices.push(voxel);
+                }
+                last = voxel;
+            }
+            above = row;
+        }
+        self.indices.par_sort_unstable();
+        self.indices.dedup();
+        let point = |&index: &u32| {
+            let v = grid.voxel_coords(index);
+            // Moments of 81 bits are below 40.
+            let [x, y, z] = gradient(grid, v).to_array().map(|c| c as i8);
+            let open = if occlusion { (openness(grid, v) * 127.0).round() as i8 } else { 127 };
+            let local = local_index(v.x & 7, v.y & 7, v.z & 7);
+            let rgb = material.rgb(grid.brick_index(v / BRICK_EDGE_VX), local);
+            SurfacePoint {
+                voxel: [v.x as u16, v.y as u16, v.z as u16, 0],
+                outwards: [x, y, z, open],
+                colour: [rgb.0[0], rgb.0[1], rgb.0[2], 255],
+            }
+        };
+        self.indices.par_iter().with_min_len(256).map(point).collect_into_vec(&mut self.points);
+    }
+
+    pub fn points(&self) -> &[SurfacePoint] {
+        &self.points
+    }
+}
+
+impl SurfacePoint {
+    /// Middle of the voxel, in grid coordinates.
+    pub fn position(&self) -> Vec3 {
+        let [x, y, z, _] = self.voxel.map(f32::from);
+        Vec3::new(x, y, z) + 0.5
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenes;
+    use crate::sculpture::{Brick, ColourDepth, Placement, Rgb};
+    use crate::surface::raycast;
+    use crate::view::Camera;
+    use glam::UVec2;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_voxel_that_is_seen_is_one_point_with_normal_and_colour() {
+        let grid = scenes::cheese(64, 30, 2).unwrap();
+        let mut material = Material::new(ColourDepth::Bits24, Rgb::STONE, grid.bricks().len());
+        for brick in (0..grid.bricks().len()).step_by(2) {
+            material.paint(brick, &Brick::FULL, Rgb([brick as u8, 7, 9]));
+        }
+        let camera = Camera::framing(40.0, Vec3::new(1.0, 0.5, 0.7), Vec3::Y);
+        let world_from_grid = Placement::default().world_from_grid(grid.dims(), Vec3::ONE);
+        let rays = camera.eye(UVec2::new(150, 90)).pixel_rays(&world_from_grid);
+        let mut map = IndexMap::new(rays);
+        raycast::sample(&grid, &rays, &mut map);
+        let seen: BTreeSet<u32> = map.voxels.iter().copied().filter(|&v| v != NO_VOXEL).collect();
+        let mut cloud = PointCloud::default();
+        for occlusion in [false, true] {
+            cloud.take(&map, &grid, &material, occlusion);
+            assert_eq!(cloud.points().len(), seen.len());
+            for (point, &index) in cloud.points().iter().zip(&seen) {
+                let v = grid.voxel_coords(index);
+                assert_eq!(point.position(), v.as_vec3() + 0.5);
+                let [x, y, z, open] = point.outwards.map(f32::from);
+                assert_eq!(Vec3::new(x, y, z), gradient(&grid, v));
+                let expected = if occlusion { openness(&grid, v) } else { 1.0 };
+                assert!((open / 127.0 - expected).abs() < 0.004);
+                let local = local_index(v.x & 7, v.y & 7, v.z & 7);
+                let rgb = material.rgb(grid.brick_index(v / 8), local).0;
+                assert_eq!(point.colour[..3], rgb);
+            }
+        }
+    }
+}

@@ -1,0 +1,235 @@
+//! Owns the software shader with its options: ambient occlusion, and filters of normals and colours.
+//! Without any it is [`super::shade`], which needs neither memory nor a second look at a pixel.
+//!
+//! Takes and gives what that takes and gives. Keeps what each pixel shows in memory from picture to
+//! picture.
+
+use fearless_simd::{Level, Simd, dispatch, prelude::*};
+use glam::{Mat3, UVec3, Vec3};
+use rayon::prelude::*;
+
+use super::illumination::{Illumination, LANES, SurfacePoints};
+use super::light::{Lighting, Smoothing};
+use super::normal::gradient;
+use super::occlusion::openness;
+use super::pixels::Pixels;
+use super::smooth::{Shown, Surfaces};
+use super::software::{ShadePose, shade};
+use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
+use crate::sculpture::{Grid, Material, NO_VOXEL};
+use crate::surface::IndexMap;
+
+/// A software shader and its memory.
+#[derive(Debug, Default)]
+pub struct SoftwareShader {
+    shown: Vec<Shown>,
+    smooth: Vec<Shown>,
+    open: Vec<f32>,
+}
+
+impl SoftwareShader {
+    /// Shades every pixel of `map`, by the options in `lighting`. `out` takes the size of the map
+    /// and keeps its memory.
+    pub fn shade(
+        &mut self,
+        map: &IndexMap,
+        grid: &Grid,
+        material: &Material,
+        pose: &ShadePose,
+        lighting: &Lighting,
+        out: &mut Pixels,
+    ) {
+        let filters = [lighting.smooth_normals, lighting.smooth_colours];
+        if filters == [Smoothing::Off; 2] && !lighting.occlusion {
+            return shade(map, grid, material, pose, lighting, out);
+        }
+        let illumination = Illumination::new(lighting, &pose.eye_from_world, &pose.world_from_grid);
+        out.reset(map.rays.size);
+        let width = map.rays.size.x as usize;
+        if width == 0 || map.rays.size.y == 0 {
+            return;
+        }
+        self.look(map, grid, material, &illumination, lighting.occlusion);
+        let shown = match filters {
+            [Smoothing::Off, Smoothing::Off] => &self.shown,
+            [normals, colours] => {
+                let edges = illumination.eye_from_grid.matrix3;
+                let volume = edges.determinant().abs();
+                let distance = edges * glam::Vec3A::from(map.rays.corner);
+                let pixel = edges * glam::Vec3A::from(map.rays.step_x);
+                let surfaces = Surfaces {
+                    size: map.rays.size,
+                    voxels: &map.voxels,
+                    shown: &self.shown,
+                    voxel_edge: volume.cbrt(),
+                    pixel_at_1: pixel.length() / distance.z.abs(),
+                };
+                surfaces.smooth(normals, colours, &mut self.smooth);
+                &self.smooth
+            }
+        };
+        let open = &self.open;
+        let back = illumination.normal_from_gradient.inverse();
+        let rows = out.rgba.par_chunks_mut(width).zip(map.voxels.par_chunks(width)).enumerate();
+        rows.for_each(|(y, (out, voxels))| {
+            let row = y * width..(y + 1) * width;
+            let row = Row { grid, voxels, shown: &shown[row.clone()], open: &open[row] };
+            dispatch!(Level::new(), simd => row.shade(simd, &illumination, &back, out));
+        });
+    }
+
+    /// What each pixel shows.
+    fn look(
+        &mut self,
+        map: &IndexMap,
+        grid: &Grid,
+        material: &Material,
+        illumination: &Illumination,
+        occlusion: bool,
+    ) {
+        let width = map.rays.size.x as usize;
+        self.shown.resize(map.voxels.len(), Shown::default());
+        self.open.resize(map.voxels.len(), 1.0);
+        let rows = self.shown.par_chunks_mut(width).zip(self.open.par_chunks_mut(width));
+        rows.zip(map.voxels.par_chunks(width)).for_each(|((shown, open), voxels)| {
+            let mut last = (NO_VOXEL, Shown::default(), 1.0);
+            for ((shown, open), &voxel) in shown.iter_mut().zip(open).zip(voxels) {
+                if voxel == NO_VOXEL {
+                    continue;
+                }
+                if voxel != last.0 {
+                    let v = grid.voxel_coords(voxel);
+                    let open = if occlusion { openness(grid, v) } else { 1.0 };
+                    last = (voxel, show(grid, material, illumination, v), open);
+                }
+                (*shown, *open) = (last.1, last.2);
+            }
+        });
+    }
+}
+
+fn show(grid: &Grid, material: &Material, illumination: &Illumination, v: UVec3) -> Shown {
+    let normal = illumination.normal_from_gradient * gradient(grid, v);
+    let local = local_index(v.x & 7, v.y & 7, v.z & 7);
+    let rgb = material.rgb(grid.brick_index(v / BRICK_EDGE_VX), local);
+    let colour = Vec3::from(rgb.0.map(f32::from)) / 255.0;
+    Shown {
+        position: illumination.eye_from_grid.transform_point3(v.as_vec3() + 0.5),
+        normal: normal.normalize_or_zero(),
+        colour: colour * colour,
+    }
+}
+
+/// A row of pixels and what it shows.
+struct Row<'a> {
+    grid: &'a Grid,
+    voxels: &'a [u32],
+    shown: &'a [Shown],
+    open: &'a [f32],
+}
+
+impl Row<'_> {
+    /// `back`: from normals in eye space to gradients.
+    #[inline(always)]
+    fn shade<S: Simd>(
+        &self,
+        simd: S,
+        illumination: &Illumination,
+        back: &Mat3,
+        out: &mut [[u8; 4]],
+    ) {
+        let mut points = SurfacePoints::default();
+        for first in (0..out.len()).step_by(LANES) {
+            let lanes = first..out.len().min(first + LANES);
+            if self.voxels[lanes.clone()].iter().all(|&v| v == NO_VOXEL) {
+                out[lanes].fill([0; 4]);
+                continue;
+            }
+            for (lane, i) in lanes.clone().enumerate() {
+                if self.voxels[i] == NO_VOXEL {
+                    continue;
+                }
+                let shown = &self.shown[i];
+                let position = self.grid.voxel_coords(self.voxels[i]).as_vec3() + 0.5;
+                let gradient = *back * shown.normal;
+                for axis in 0..3 {
+                    points.position[axis][lane] = position[axis];
+                    points.gradient[axis][lane] = gradient[axis];
+                }
+                let [r, g, b] = shown.colour.to_array().map(|c| (c.sqrt() * 255.0 + 0.5) as u8);
+                points.colour[lane] = u32::from_le_bytes([r, g, b, 0]);
+                points.open[lane] = self.open[i];
+            }
+            let colours = illumination.shade(simd, &points).to_array();
+            for (lane, i) in lanes.enumerate() {
+                let seen = self.voxels[i] != NO_VOXEL;
+                out[i] = if seen { colours[lane].to_le_bytes() } else { [0; 4] };
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenes;
+    use crate::sculpture::{ColourDepth, Placement, Rgb};
+    use crate::surface::raycast;
+    use crate::view::Camera;
+    use glam::UVec2;
+
+    fn shaded(grid: &Grid, lighting: &Lighting, shader: &mut SoftwareShader) -> Pixels {
+        let material = Material::new(ColourDepth::Bits24, Rgb::STONE, grid.bricks().len());
+        let camera = Camera::framing(40.0, Vec3::new(1.0, 0.5, 0.7), Vec3::Y);
+        let eye = camera.eye(UVec2::new(150, 90));
+        let world_from_grid = Placement::default().world_from_grid(grid.dims(), Vec3::ONE);
+        let rays = eye.pixel_rays(&world_from_grid);
+        let mut map = IndexMap::new(rays);
+        raycast::sample(grid, &rays, &mut map);
+        let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
+        let mut out = Pixels::default();
+        shader.shade(&map, grid, &material, &pose, lighting, &mut out);
+        out
+    }
+
+    fn difference(a: &Pixels, b: &Pixels) -> u32 {
+        let pairs = a.bytes().iter().zip(b.bytes());
+        pairs.map(|(a, b)| u32::from(a.abs_diff(*b))).sum()
+    }
+
+    /// The long way with nothing to do gives the short way's picture.
+    #[test]
+    fn open_surroundings_and_equal_neighbours_change_nothing() {
+        let mut grid = Grid::new(UVec3::splat(64), Vec3::ONE, 1 << 20).unwrap();
+        // Voxels so far apart that neither filter nor occlusion finds any but the one itself.
+        for i in 0..64 {
+            grid.set(glam::IVec3::new(i % 4, i / 4 % 4, i / 16) * 16, true);
+        }
+        let mut shader = SoftwareShader::default();
+        let plain = Lighting::default();
+        let short = shaded(&grid, &plain, &mut shader);
+        let all = Lighting {
+            occlusion: true,
+            smooth_normals: Smoothing::Near,
+            smooth_colours: Smoothing::Near,
+            ..plain
+        };
+        assert_eq!(shaded(&grid, &all, &mut shader), short);
+    }
+
+    #[test]
+    fn each_option_changes_the_picture_its_own_way() {
+        let grid = scenes::cheese(64, 30, 2).unwrap();
+        let mut shader = SoftwareShader::default();
+        let plain = Lighting::default();
+        let short = shaded(&grid, &plain, &mut shader);
+        let dark = shaded(&grid, &Lighting { occlusion: true, ..plain }, &mut shader);
+        assert!(dark.bytes().iter().zip(short.bytes()).all(|(dark, short)| dark <= short));
+        assert!(difference(&dark, &short) > 1000);
+        let normals = Lighting { smooth_normals: Smoothing::Wide, ..plain };
+        assert!(difference(&shaded(&grid, &normals, &mut shader), &short) > 1000);
+        // One colour all over stays what it is.
+        let colours = Lighting { smooth_colours: Smoothing::Wide, ..plain };
+        assert_eq!(shaded(&grid, &colours, &mut shader), short);
+    }
+}

@@ -1,0 +1,179 @@
+//! The window of lights: up to four lamps, the light from everywhere, and the look of the surface.
+
+use egui::{Button, ComboBox, DragValue, Grid, RichText, Slider, Ui, Window, pos2};
+use glam::Vec3;
+
+use super::{UiState, theme};
+use crate::config::LightSettings;
+use crate::config::light::{Lamp, LampFrame, LampKind, MAX_INTENSITY};
+use crate::shade::{MAX_LIGHTS, Smoothing};
+
+const WIDTH: f32 = 270.0;
+
+/// Where the lamps that are added stand: behind each other's backs.
+const PLACES: [[f32; 3]; MAX_LIGHTS] =
+    [[-0.4, 0.7, 0.6], [0.8, 0.2, 0.5], [0.0, -0.8, 0.4], [0.0, 0.6, -0.8]];
+
+pub fn show(root: &Ui, state: &mut UiState) {
+    if !state.light_open {
+        return;
+    }
+    let mut open = true;
+    Window::new("Lights")
+        .open(&mut open)
+        .resizable(false)
+        .default_width(WIDTH)
+        .default_pos(pos2(theme::TOOLBOX_WIDTH + 28.0, 52.0))
+        .show(root.ctx(), |ui| {
+            ui.set_width(WIDTH);
+            lamps(ui, &mut state.view.light.lamps);
+            ui.separator();
+            surface(ui, state);
+            ui.separator();
+            if ui.button("Reset the light").clicked() {
+                state.view.light = LightSettings::default();
+                state.view.finish = Default::default();
+            }
+        });
+    state.light_open &= open;
+}
+
+/// The light from everywhere, how stone shines, and how fine it is shaded.
+pub fn surface(ui: &mut Ui, state: &mut UiState) {
+    let light = &mut state.view.light;
+    let finish = &mut state.view.finish;
+    let software = state.view.mode.shading() == crate::config::Shading::Software;
+    Grid::new("surface").num_columns(2).show(ui, |ui| {
+        percent(ui, "Ambient", &mut light.ambient, 1.0);
+        percent(ui, "Highlight", &mut light.specular, 1.0);
+        let label = ui.label("Sharpness");
+        let slider = Slider::new(&mut light.shininess, 1..=256).logarithmic(true);
+        ui.add(slider).labelled_by(label.id);
+        ui.end_row();
+        for (title, smoothing) in [
+            ("Smooth normals", &mut finish.smooth_normals),
+            ("Smooth colours", &mut finish.smooth_colours),
+        ] {
+            let label = ui.label(title);
+            let combo = ComboBox::from_id_salt(title).width(96.0).selected_text(name(*smoothing));
+            ui.add_enabled_ui(software, |ui| {
+                let response = combo
+                    .show_ui(ui, |ui| {
+                        for choice in Smoothing::ALL {
+                            ui.selectable_value(smoothing, choice, name(choice));
+                        }
+                    })
+                    .response
+                    .labelled_by(label.id);
+                response
+                    .on_hover_text("Means over neighbours on the same surface")
+                    .on_disabled_hover_text("Only the software shader has filters");
+            });
+            ui.end_row();
+        }
+    });
+    ui.checkbox(&mut finish.occlusion, "Shadow in corners")
+        .on_hover_text("Ambient occlusion: corners and crevices get less light from everywhere");
+}
+
+fn name(smoothing: Smoothing) -> &'static str {
+    match smoothing {
+        Smoothing::Off => "off",
+        Smoothing::Near => "3 × 3",
+        Smoothing::Wide => "5 × 5",
+    }
+}
+
+fn lamps(ui: &mut Ui, lamps: &mut Vec<Lamp>) {
+    let mut removed = None;
+    for (i, lamp) in lamps.iter_mut().enumerate() {
+        ui.push_id(i, |ui| {
+            ui.horizontal(|ui| {
+                ui.checkbox(&mut lamp.on, RichText::new(format!("Light {}", i + 1)).strong());
+                ui.color_edit_button_srgb(&mut lamp.colour.0);
+                if ui.button("Remove").clicked() {
+                    removed = Some(i);
+                }
+            });
+            ui.add_enabled_ui(lamp.on, |ui| one(ui, lamp));
+        });
+        ui.add_space(4.0);
+    }
+    if let Some(i) = removed {
+        lamps.remove(i);
+    }
+    let room = lamps.len() < MAX_LIGHTS;
+    let add = ui.add_enabled(room, Button::new("Add a light"));
+    if add.on_disabled_hover_text("There can be four").clicked() {
+        let place = PLACES[lamps.len()];
+        lamps.push(Lamp { place, intensity: 0.5, ..Lamp::default() });
+    }
+}
+
+/// Where a lamp stands and how bright it is.
+fn one(ui: &mut Ui, lamp: &mut Lamp) {
+    ui.horizontal(|ui| {
+        let before = lamp.kind;
+        ui.radio_value(&mut lamp.kind, LampKind::Direction, "Far away");
+        ui.radio_value(&mut lamp.kind, LampKind::Position, "At a point");
+        if lamp.kind != before {
+            // Where it can be seen to be: about as far as the sculpture is large, or back.
+            let towards = Vec3::from(lamp.place).normalize_or(Vec3::Z);
+            let far = if lamp.kind == LampKind::Position { 200.0 } else { 1.0 };
+            lamp.place = (towards * far).to_array();
+        }
+    });
+    ui.horizontal(|ui| {
+        ui.label("Stays with");
+        ui.radio_value(&mut lamp.frame, LampFrame::Eye, "the viewer");
+        ui.radio_value(&mut lamp.frame, LampFrame::World, "the world");
+    });
+    Grid::new("place").num_columns(2).show(ui, |ui| {
+        match lamp.kind {
+            LampKind::Direction => direction(ui, &mut lamp.place),
+            LampKind::Position => {
+                ui.label("Place");
+                ui.horizontal(|ui| {
+                    for (value, axis) in lamp.place.iter_mut().zip(["x ", "y ", "z "]) {
+                        let range = -1e5..=1e5;
+                        ui.add(DragValue::new(value).prefix(axis).range(range).speed(1.0));
+                    }
+                });
+                ui.end_row();
+            }
+        }
+        percent(ui, "Brightness", &mut lamp.intensity, MAX_INTENSITY);
+    });
+}
+
+/// A direction as two angles.
+fn direction(ui: &mut Ui, place: &mut [f32; 3]) {
+    let direction = Vec3::from(*place).normalize_or(Vec3::Z);
+    let mut side_deg = direction.x.atan2(direction.z).to_degrees();
+    let mut height_deg = direction.y.clamp(-1.0, 1.0).asin().to_degrees();
+    let mut moved = false;
+    let mut row = |label: &str, value: &mut f32, range| {
+        let label = ui.label(label);
+        let slider = Slider::new(value, range).fixed_decimals(0).suffix("°");
+        moved |= ui.add(slider).labelled_by(label.id).changed();
+        ui.end_row();
+    };
+    row("From the side", &mut side_deg, -180.0..=180.0);
+    row("Height", &mut height_deg, -89.0..=89.0);
+    if moved {
+        let (side, height) = (side_deg.to_radians(), height_deg.to_radians());
+        let across = height.cos();
+        *place = [side.sin() * across, height.sin(), side.cos() * across];
+    }
+}
+
+/// A row for a share, up to `most`.
+fn percent(ui: &mut Ui, title: &str, share: &mut f32, most: f32) {
+    let mut shown = *share * 100.0;
+    let label = ui.label(title);
+    let slider = Slider::new(&mut shown, 0.0..=most * 100.0).fixed_decimals(0).suffix("%");
+    if ui.add(slider).labelled_by(label.id).changed() {
+        *share = shown / 100.0;
+    }
+    ui.end_row();
+}

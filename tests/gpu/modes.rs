@@ -1,0 +1,237 @@
+//! The modes that shade on the device against the software shader: pictures pixel by pixel, for
+//! both eyes, with colours, several lights, occlusion, voxels of unequal edges.
+
+use std::sync::Arc;
+
+use glam::{Affine3A, Quat, UVec2, UVec3, Vec3};
+use virtual_sculpture::command::Command;
+use virtual_sculpture::config::{RenderMode, Shading};
+use virtual_sculpture::document::{Document, Limits};
+use virtual_sculpture::gpu::{Device, Frames};
+use virtual_sculpture::render::{Background, Renderer, Shot};
+use virtual_sculpture::scenes;
+use virtual_sculpture::screen::offscreen::FORMAT;
+use virtual_sculpture::sculpture::history::Contents;
+use virtual_sculpture::sculpture::{Brick, ColourDepth, Grid, Material, Placement, Rgb};
+use virtual_sculpture::shade::{
+    Light, LightFrame, LightSource, Lighting, Pixels, ShadePose, SoftwareShader,
+};
+use virtual_sculpture::surface::{IndexMap, raycast};
+use virtual_sculpture::view::{Camera, Eye};
+
+use crate::fixture::with_device;
+
+const SIZE: UVec2 = UVec2::new(203, 150);
+const RED: Vec3 = Vec3::new(1.0, 0.0, 0.0);
+
+/// Holes in a block of 96 voxels an edge, painted in patches.
+fn document(depth: ColourDepth, voxel_size: Vec3) -> Document {
+    let cheese = scenes::cheese(96, 60, 8).unwrap();
+    let mut grid = Grid::new(UVec3::new(96, 91, 85), voxel_size, 1 << 30).unwrap();
+    grid.fill_bricks(|b| cheese.bricks()[cheese.brick_index(b)]);
+    let mut material = Material::new(depth, Rgb::new(180, 170, 150), grid.bricks().len());
+    for brick in (0..grid.bricks().len()).step_by(3) {
+        material.paint_each(brick, &Brick::FULL, |i| {
+            let hash = (brick as u32 * 512 + i).wrapping_mul(0x9E37_79B1);
+            let [r, g, b, _] = hash.to_le_bytes();
+            Rgb([r, g, b])
+        });
+    }
+    Document::from_contents(Contents { grid, material }, Limits::default())
+}
+
+fn lighting(occlusion: bool) -> Lighting {
+    let light = |frame, source, colour: [u8; 3]| {
+        Some(Light { frame, source, colour: Rgb(colour), intensity: 0.7 })
+    };
+    let towards = LightSource::Direction(Vec3::new(0.3, 2.0, 1.0));
+    let lamp = LightSource::Position(Vec3::new(30.0, 50.0, -10.0));
+    Lighting {
+        lights: [
+            light(LightFrame::Eye, towards, [255, 255, 255]),
+            None,
+            light(LightFrame::World, towards, [0, 200, 90]),
+            light(LightFrame::World, lamp, [200, 90, 0]),
+        ],
+        shininess: 21,
+        occlusion,
+        ..Lighting::default()
+    }
+}
+
+/// Pairs of eyes: at the usual distance and so near that a voxel covers dozens of pixels; so far that
+/// a pixel covers several voxels, and a little beside that.
+fn eyes(document: &Document, world: &Affine3A) -> [[Eye; 2]; 2] {
+    let scale = world.matrix3.determinant().cbrt();
+    let radius = scale * 0.5 * document.grid().dims().as_vec3().length();
+    let direction = Vec3::new(0.8, 0.6, 1.0);
+    let usual = Camera::framing(radius, direction, Vec3::Y);
+    let rays = usual.eye(SIZE).pixel_rays(world);
+    let hit = raycast::cast(document.grid(), rays.origin, rays.direction(100, 70)).unwrap();
+    let surface = world.transform_point3(rays.origin + rays.direction(100, 70) * hit.t);
+    let near = Camera {
+        eye: surface + direction.normalize() * 4.0 * scale,
+        target: surface + Vec3::new(0.5, -0.3, 0.0) * scale,
+        fov_y_rad: 1.6,
+        near: 0.01 * scale,
+        ..usual
+    };
+    let far = Camera { eye: usual.eye * 9.0, fov_y_rad: 0.5 * usual.fov_y_rad, ..usual };
+    let beside = Camera { eye: far.eye + Vec3::X * 0.3 * scale, ..far };
+    [[usual, near], [far, beside]].map(|pair| pair.map(|camera| camera.eye(SIZE)))
+}
+
+/// What the ray caster and the software shader make of it, over red.
+fn expected(document: &Document, eye: &Eye, world: &Affine3A, lighting: &Lighting) -> Pixels {
+    let rays = eye.pixel_rays(world);
+    let mut map = IndexMap::new(rays);
+    raycast::sample(document.grid(), &rays, &mut map);
+    assert!(map.covered() > 300, "{}", map.covered());
+    let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid: *world };
+    let mut pixels = Pixels::default();
+    let (grid, material) = (document.grid(), document.material());
+    SoftwareShader::default().shade(&map, grid, material, &pose, lighting, &mut pixels);
+    for pixel in pixels.rgba.iter_mut().filter(|pixel| pixel[3] == 0) {
+        *pixel = [255, 0, 0, 255];
+    }
+    pixels
+}
+
+/// The pictures of both eyes by `renderer`.
+fn painted(
+    frames: &mut Frames,
+    renderer: &mut Renderer,
+    document: &mut Document,
+    shot: &Shot,
+) -> Vec<Pixels> {
+    let mut recorder = frames.begin().unwrap();
+    renderer.paint(&mut recorder, frames.slot(), document, shot).unwrap();
+    frames.submit(recorder, &[], &[]).unwrap();
+    renderer.read_back().unwrap()
+}
+
+/// Off by `allowed` levels in a channel is rounding. The share of pixels that differ more.
+fn share_off(what: &str, found: &Pixels, expected: &Pixels, allowed: u8) -> f32 {
+    assert_eq!(found.size, expected.size);
+    let off = |(a, b): (&[u8; 4], &[u8; 4])| {
+        a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0)
+    };
+    let offs: Vec<u8> = found.rgba.iter().zip(&expected.rgba).map(off).collect();
+    let wrong = offs.iter().filter(|&&off| off > allowed).count();
+    println!("{what}: largest difference {:?}, {wrong} pixels off", offs.iter().max());
+    wrong as f32 / offs.len() as f32
+}
+
+/// No voxel painted.
+fn plain(document: &Document) -> Material {
+    let base = document.material().base();
+    Material::new(ColourDepth::Bits24, base, document.grid().bricks().len())
+}
+
+fn on_device(mode: &RenderMode) -> bool {
+    mode.shading() != Shading::Software
+}
+
+fn compare_all(device: &Arc<Device>, document: &mut Document, lighting: Lighting, scale: f32) {
+    let mut frames = Frames::new(device).unwrap();
+    let mut renderer = Renderer::new(device, FORMAT).unwrap();
+    let placement = Placement {
+        rotation: Quat::from_scaled_axis(Vec3::new(0.4, 1.1, -0.5)),
+        translation: Vec3::ZERO,
+        scale,
+    };
+    let world = placement.world_from_grid(document.grid().dims(), document.grid().voxel_size());
+    let modes = RenderMode::ALL.into_iter().filter(on_device);
+    let pairs = eyes(document, &world);
+    for (mode, eyes) in modes.flat_map(|mode| pairs.map(|eyes| (mode, eyes))) {
+        let shot = Shot {
+            eyes: &eyes,
+            world_from_grid: world,
+            mode,
+            lighting,
+            background: Background::Gradient { top: RED, bottom: RED },
+            video: None,
+            ghosts: &[],
+            lines: &[],
+        };
+        let one_colour = Document::from_contents(
+            Contents { grid: document.grid().clone(), material: plain(document) },
+            Limits::default(),
+        );
+        let pictures = painted(&mut frames, &mut renderer, document, &shot);
+        for (i, (picture, eye)) in pictures.iter().zip(&eyes).enumerate() {
+            let twin = if mode == RenderMode::Gpu { &one_colour } else { &*document };
+            let expected = expected(twin, eye, &world, &lighting);
+            let what = format!("{mode:?}, eye {i}");
+            let share = share_off(&what, picture, &expected, 1);
+            assert!(share <= 1e-3, "{what}: {share} of the pixels are off");
+        }
+    }
+}
+
+#[test]
+fn what_the_device_shades_is_the_software_shaders_picture() {
+    with_device(|device| {
+        for (depth, occlusion, voxel_size, scale) in [
+            (ColourDepth::Bits24, false, Vec3::ONE, 1.0),
+            (ColourDepth::Bits16, true, Vec3::new(1.0, 1.4, 0.6), 0.01),
+            (ColourDepth::Bits8, false, Vec3::ONE, 1.0),
+            (ColourDepth::None, true, Vec3::ONE, 30.0),
+        ] {
+            println!("{depth:?}");
+            let mut document = document(depth, voxel_size);
+            compare_all(device, &mut document, lighting(occlusion), scale);
+        }
+    });
+}
+
+#[test]
+fn bits_and_colours_follow_edits_undo_and_other_sculptures_in_every_mode() {
+    with_device(|device| {
+        let mut document = document(ColourDepth::Bits24, Vec3::ONE);
+        let mut frames = Frames::new(device).unwrap();
+        let mut renderer = Renderer::new(device, FORMAT).unwrap();
+        let start = Placement::default().world_from_grid(document.grid().dims(), Vec3::ONE);
+        let [[eye, _], _] = eyes(&document, &start);
+        let commands = [
+            "recolour ellipsoid at=60,60,80 half=20 colour=#ff0010",
+            "subtract cuboid at=70,80,70 half=16",
+            "add pyramid at=48,90,40 half=20 colour=#20ff40",
+            "undo",
+            "recolour cuboid at=48,48,48 half=90 colour=#3060ff",
+            "undo",
+            "undo",
+            "undo",
+            "redo",
+            "new dims=40,30,50 colour=16 base=#806040 fill=solid",
+            "recolour ellipsoid at=20,15,25 half=15 colour=#2060c0",
+            "undo",
+        ];
+        for (i, command) in commands.iter().enumerate() {
+            let command: Command = command.parse().unwrap_or_else(|e| panic!("{command}: {e}"));
+            document.apply(&command).unwrap_or_else(|e| panic!("{command}: {e}"));
+            let world = Placement::default().world_from_grid(document.grid().dims(), Vec3::ONE);
+            for step in 0..2 {
+                // Each mode in turn, so that all meet what others have left.
+                let modes =
+                    [RenderMode::MarchGpu, RenderMode::GpuColour, RenderMode::SlicingPoints];
+                let mode = modes[(i / 2 + step) % modes.len()];
+                let shot = Shot {
+                    eyes: &[eye],
+                    world_from_grid: world,
+                    mode,
+                    lighting: lighting(false),
+                    background: Background::Gradient { top: RED, bottom: RED },
+                    video: None,
+                    ghosts: &[],
+                    lines: &[],
+                };
+                let picture = painted(&mut frames, &mut renderer, &mut document, &shot);
+                let expected = expected(&document, &eye, &world, &shot.lighting);
+                let share =
+                    share_off(&format!("{mode:?} after {command}"), &picture[0], &expected, 1);
+                assert!(share <= 1e-3, "{mode:?} after {command}: {share}");
+            }
+        }
+    });
+}
