@@ -8,6 +8,7 @@
 #![cfg(target_os = "linux")]
 
 mod display;
+mod head;
 mod house;
 mod keys;
 mod panels;
