@@ -16,6 +16,7 @@ use tracking::fade::{Fade, FadeOptions};
 use super::workbench::Workbench;
 use crate::config::ArSettings;
 use crate::fiducial::{Grey, MarkerPose, detect, poses};
+use crate::input::Side;
 use crate::ui::ar::ArFacts;
 use crate::video::{Fit, Frame, Framing, Intrinsics};
 use crate::view::Eye;
@@ -288,10 +289,13 @@ impl Workbench {
         self.ar.shown.as_ref().filter(|_| self.ar.is_on()).map(|(frame, _)| frame)
     }
 
-    /// Puts the sculpture on the marker from now on.
+    /// Puts the sculpture on the marker from now on, upright.
     pub fn start_ar(&mut self) {
-        if let Err(error) = self.ar.start() {
-            self.ui.toasts.error(format!("No thread to look for the marker: {error}"));
+        match self.ar.start() {
+            Ok(()) => self.look_from(Side::Front),
+            Err(error) => {
+                self.ui.toasts.error(format!("No thread to look for the marker: {error}"));
+            }
         }
     }
 

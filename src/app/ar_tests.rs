@@ -66,7 +66,6 @@ fn pixel(bench: &Workbench, voxel: Vec3) -> Vec2 {
 #[test]
 fn the_sculpture_stands_on_the_marker_and_goes_with_it() {
     let mut bench = bench();
-    bench.act(Action::LookFrom(crate::input::Side::Front));
     bench.track_at(0.0);
     bench.act(Action::ToggleAr);
     assert_eq!(bench.eye(), bench.stage.eye(), "no frames yet");

@@ -116,6 +116,8 @@ impl Workbench {
             | Action::TurnClip(_)
             | Action::MirrorClip(_)
             | Action::MoveContents(_) => self.act_on_area(action),
+            // On a table it stands upright.
+            Action::ResetView if self.ar.is_on() => self.look_from(Side::Front),
             Action::ResetView => self.look_from(Side::Corner),
             Action::LookFrom(side) => self.look_from(side),
             Action::NextToolMode => self.ui.hand.mode = self.ui.hand.mode.next(),
