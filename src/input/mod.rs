@@ -8,6 +8,7 @@ mod action_help;
 pub mod bindings;
 pub mod events;
 pub mod group;
+pub mod hands;
 pub mod listener;
 pub mod mapper;
 pub mod pad;

@@ -11,3 +11,8 @@ pub use camera::Camera;
 pub use eye::{Eye, PixelRays};
 pub use stereo::StereoRig;
 pub use stereo_layout::StereoLayout;
+pub mod room;
+
+pub use camera::Camera;
+pub use eye::{Eye, PixelRays};
+pub use room::{Pose, Room, RoomView, Similarity};

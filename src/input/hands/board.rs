@@ -1,0 +1,114 @@
+//! Owns the board: the panel of the interface as a thing in the room, hung on the off hand, and
+//! the ray of the main hand that points at it.
+
+use glam::{Quat, Vec2, Vec3};
+
+use crate::view::Pose;
+
+/// From the palm to the middle of the board's lower edge, in the hand's coordinates, in metres.
+const ABOVE_HAND_M: Vec3 = Vec3::new(0.0, 0.06, -0.04);
+/// How far the board leans away from upright towards the hand's own tilt.
+const LEAN_RAD: f32 = -0.35;
+/// Farthest that the ray reaches, in metres.
+const REACH_M: f32 = 3.0;
+
+/// A board in the room.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Board {
+    /// Of its middle; x right, y up, z out of its front.
+    pub pose: Pose,
+    /// Width and height in metres.
+    pub size_m: Vec2,
+}
+
+/// Where a ray meets a board.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Hit {
+    /// From the upper left corner, 0 to 1 each.
+    pub at: Vec2,
+    /// In metres of the room.
+    pub point: Vec3,
+}
+
+impl Board {
+    /// A board of `size_m` that stands on the hand whose grip has this pose.
+    pub fn on_hand(grip: &Pose, size_m: Vec2) -> Board {
+        let foot = Pose { position: ABOVE_HAND_M, rotation: Quat::from_rotation_x(LEAN_RAD) };
+        let middle = Pose { position: Vec3::Y * (0.5 * size_m.y), rotation: Quat::IDENTITY };
+        Board { pose: grip.then(&foot).then(&middle), size_m }
+    }
+
+    /// Where the ray of a hand meets the front of the board; none where it misses it.
+    pub fn hit(&self, aim: &Pose) -> Option<Hit> {
+        let (origin, direction) = (self.pose.own(aim.position), aim.forward());
+        let direction = self.pose.rotation.inverse() * direction;
+        // From behind there is nothing to press.
+        if !aim.is_finite() || origin.z <= 0.0 || direction.z >= -1e-4 {
+            return None;
+        }
+        let way_m = -origin.z / direction.z;
+        let own = origin + direction * way_m;
+        let at = Vec2::new(own.x / self.size_m.x + 0.5, 0.5 - own.y / self.size_m.y);
+        let inside = at.cmpge(Vec2::ZERO).all() && at.cmple(Vec2::ONE).all();
+        (inside && way_m <= REACH_M).then(|| Hit { at, point: self.pose.at(own) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: Vec2 = Vec2::new(0.6, 0.4);
+
+    fn board() -> Board {
+        Board {
+            pose: Pose { position: Vec3::new(0.0, 1.3, -0.5), ..Pose::default() },
+            size_m: SIZE,
+        }
+    }
+
+    fn ray(from: Vec3, to: Vec3) -> Pose {
+        Pose {
+            position: from,
+            rotation: Quat::from_rotation_arc(Vec3::NEG_Z, (to - from).normalize()),
+        }
+    }
+
+    #[test]
+    fn corners_are_where_they_look() {
+        let from = Vec3::new(0.3, 1.2, 0.1);
+        for (corner, at) in [
+            (Vec3::new(-0.29, 1.49, -0.5), Vec2::new(0.01 / 0.6, 0.01 / 0.4)),
+            (Vec3::new(0.29, 1.11, -0.5), Vec2::new(0.59 / 0.6, 0.39 / 0.4)),
+            (Vec3::new(0.0, 1.3, -0.5), Vec2::splat(0.5)),
+        ] {
+            let hit = board().hit(&ray(from, corner)).unwrap();
+            assert!(hit.at.abs_diff_eq(at, 1e-3), "{hit:?}");
+            assert!(hit.point.abs_diff_eq(corner, 1e-3));
+        }
+    }
+
+    #[test]
+    fn a_ray_beside_it_away_from_it_or_from_behind_misses() {
+        let from = Vec3::new(0.0, 1.3, 0.2);
+        assert!(board().hit(&ray(from, Vec3::new(0.31, 1.3, -0.5))).is_none());
+        assert!(board().hit(&ray(from, Vec3::new(0.0, 1.3, 9.0))).is_none());
+        let behind = Vec3::new(0.0, 1.3, -1.0);
+        assert!(board().hit(&ray(behind, Vec3::new(0.0, 1.3, -0.5))).is_none());
+        let far = Vec3::new(0.0, 1.3, 4.0);
+        assert!(board().hit(&ray(far, Vec3::new(0.0, 1.3, -0.5))).is_none());
+        assert!(board().hit(&ray(from, Vec3::NAN)).is_none());
+    }
+
+    #[test]
+    fn it_stands_above_the_hand_and_faces_the_person() {
+        let grip = Pose { position: Vec3::new(-0.2, 1.2, -0.4), rotation: Quat::IDENTITY };
+        let board = Board::on_hand(&grip, SIZE);
+        assert!(board.pose.position.y > 1.2 + 0.15);
+        let eye = Vec3::new(0.0, 1.6, 0.0);
+        assert!(board.pose.own(eye).z > 0.0, "its front is seen");
+        let turned = Pose { rotation: Quat::from_rotation_y(0.5), ..grip };
+        let front = Board::on_hand(&turned, SIZE).pose.rotation * Vec3::Z;
+        assert!(front.x > 0.3, "it turns with the hand");
+    }
+}

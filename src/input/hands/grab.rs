@@ -1,0 +1,161 @@
+//! Owns how hands that hold the sculpture carry it: one hand moves and turns it rigidly, two
+//! hands turn and scale it so that it stays under both.
+//!
+//! Takes poses of the gripping hands; gives the [`Similarity`] since the last call. All in metres
+//! of the room.
+
+use glam::Quat;
+
+use super::{HandSide, HandsState};
+use crate::view::{Pose, Similarity};
+
+/// Hands nearer than this give no direction, in metres.
+const LEAST_SPAN_M: f32 = 0.02;
+/// A hand does not move this far between two looks: its tracking has leapt, in metres.
+const LEAP_M: f32 = 0.5;
+
+/// Hands that grip, and where they were at the last look.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Grab {
+    held: [Option<Pose>; 2],
+}
+
+impl Grab {
+    /// Whether a hand holds the sculpture.
+    pub fn is_holding(&self) -> bool {
+        self.held.iter().any(Option::is_some)
+    }
+
+    /// What the hands have done to the sculpture since the last look. `gripping`: which hands
+    /// hold it now, by [`HandSide::index`].
+    pub fn step(&mut self, gripping: [bool; 2], state: &HandsState) -> Option<Similarity> {
+        let now = HandSide::ALL.map(|side| {
+            let pose = state.hand(side).grip.filter(Pose::is_finite);
+            pose.filter(|_| gripping[side.index()])
+        });
+        let before = std::mem::replace(&mut self.held, now);
+        // A hand counts from the look after it has gripped: nothing jumps to it.
+        let pair = |i: usize| {
+            let (from, to) = (before[i]?, now[i]?);
+            (from.position.distance(to.position) < LEAP_M).then_some((from, to))
+        };
+        let moved = match (pair(0), pair(1)) {
+            (Some(left), Some(right)) => between(left, right),
+            // The other hand has just gripped or let go: this one carries on.
+            (Some((from, to)), None) | (None, Some((from, to))) => Similarity::carrying(&from, &to),
+            (None, None) => return None,
+        };
+        (moved.is_finite() && moved != Similarity::IDENTITY).then_some(moved)
+    }
+}
+
+/// The similarity that carries the span between two hands along: its middle, its direction, its
+/// length, and half of the twist of each hand about it.
+fn between(left: (Pose, Pose), right: (Pose, Pose)) -> Similarity {
+    let (old, new) = (right.0.position - left.0.position, right.1.position - left.1.position);
+    let middle = (left.0.position + right.0.position) * 0.5;
+    let to = (left.1.position + right.1.position) * 0.5;
+    if old.length() < LEAST_SPAN_M || new.length() < LEAST_SPAN_M {
+        return Similarity::about(middle, Quat::IDENTITY, 1.0, to);
+    }
+    let (from_axis, axis) = (old.normalize(), new.normalize());
+    let swing = Quat::from_rotation_arc(from_axis, axis);
+    let twist = |(from, to): (Pose, Pose)| {
+        let turn = to.rotation * from.rotation.inverse() * swing.inverse();
+        // The part of the turn about the axis: the swing-twist decomposition.
+        let along = turn.xyz().dot(axis);
+        let angle = 2.0 * along.atan2(turn.w);
+        // The same turn the short way round.
+        (angle + std::f32::consts::PI).rem_euclid(std::f32::consts::TAU) - std::f32::consts::PI
+    };
+    let twist = 0.5 * (twist(left) + twist(right));
+    let rotation = (Quat::from_axis_angle(axis, twist) * swing).normalize();
+    Similarity::about(middle, rotation, new.length() / old.length(), to)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::input::hands::HandState;
+    use glam::Vec3;
+    use proptest::prelude::*;
+
+    fn at(poses: [Option<Pose>; 2]) -> HandsState {
+        HandsState {
+            time_s: 0.0,
+            hands: poses.map(|grip| HandState { grip, ..HandState::default() }),
+        }
+    }
+
+    fn pose() -> impl Strategy<Value = Pose> {
+        let unit = -1.0f32..1.0;
+        ([unit.clone(), unit.clone(), unit.clone()], [unit.clone(), unit.clone(), unit]).prop_map(
+            |(p, r)| Pose {
+                position: Vec3::from(p) * 0.14,
+                rotation: Quat::from_scaled_axis(Vec3::from(r)),
+            },
+        )
+    }
+
+    const BOTH: [bool; 2] = [true, true];
+
+    proptest! {
+        #[test]
+        fn what_one_hand_holds_stays_in_it(a in pose(), b in pose(), own in pose()) {
+            let mut grab = Grab::default();
+            prop_assert_eq!(grab.step([true, false], &at([Some(a), None])), None);
+            let moved = grab.step([true, false], &at([Some(b), None]))
+                .unwrap_or(Similarity::IDENTITY);
+            let point = a.at(own.position);
+            prop_assert!(moved.apply(point).abs_diff_eq(b.at(own.position), 1e-4));
+            prop_assert_eq!(moved.scale, 1.0);
+        }
+
+        /// Two points under two hands stay under them, however the hands go.
+        #[test]
+        fn what_two_hands_hold_stays_under_both(
+            a in pose(), b in pose(), c in pose(), d in pose(),
+        ) {
+            prop_assume!(a.position.distance(b.position) > 0.1);
+            prop_assume!(c.position.distance(d.position) > 0.1);
+            let mut grab = Grab::default();
+            grab.step(BOTH, &at([Some(a), Some(b)]));
+            let moved = grab.step(BOTH, &at([Some(c), Some(d)])).unwrap_or(Similarity::IDENTITY);
+            prop_assert!(moved.apply(a.position).abs_diff_eq(c.position, 1e-3));
+            prop_assert!(moved.apply(b.position).abs_diff_eq(d.position, 1e-3));
+        }
+
+        /// Hands that move as one body carry it rigidly, twist and all.
+        #[test]
+        fn two_hands_that_move_as_one_turn_it_as_one(a in pose(), b in pose(), way in pose()) {
+            prop_assume!(a.position.distance(b.position) > 0.1);
+            let by = Similarity { rotation: way.rotation, scale: 1.0, translation: way.position };
+            let carried = |p: Pose| Pose {
+                position: by.apply(p.position),
+                rotation: by.rotation * p.rotation,
+            };
+            let mut grab = Grab::default();
+            grab.step(BOTH, &at([Some(a), Some(b)]));
+            let moved = grab.step(BOTH, &at([Some(carried(a)), Some(carried(b))]))
+                .unwrap_or(Similarity::IDENTITY);
+            for p in [Vec3::ZERO, Vec3::X, Vec3::new(0.3, -0.4, 0.5)] {
+                prop_assert!(moved.apply(p).abs_diff_eq(by.apply(p), 5e-3), "{} {}", moved.apply(p), by.apply(p));
+            }
+        }
+    }
+
+    #[test]
+    fn letting_go_and_losing_track_move_nothing() {
+        let pose = |x| Some(Pose { position: Vec3::X * x, rotation: Quat::IDENTITY });
+        let mut grab = Grab::default();
+        assert_eq!(grab.step([false, true], &at([None, pose(0.0)])), None);
+        assert!(grab.is_holding());
+        let moved = grab.step([false, true], &at([None, pose(0.1)])).unwrap();
+        assert!(moved.translation.abs_diff_eq(Vec3::X * 0.1, 1e-6));
+        assert_eq!(grab.step([false, true], &at([None, None])), None, "not tracked");
+        assert_eq!(grab.step([false, true], &at([None, pose(0.3)])), None, "found again");
+        assert_eq!(grab.step([false, true], &at([None, pose(2.0)])), None, "leapt");
+        assert_eq!(grab.step([false, false], &at([None, pose(2.1)])), None, "let go");
+        assert!(!grab.is_holding());
+    }
+}

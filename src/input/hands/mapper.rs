@@ -1,0 +1,308 @@
+//! Owns what hands ask for: who holds the sculpture, where the tool is, what a press is meant for.
+//!
+//! The **main** hand has the tool: trigger uses it, its stick makes it larger and smaller. The
+//! **off** hand has the board, undo and redo. Either grip holds the sculpture, both scale it; so
+//! does the off hand's trigger, for controllers without a grip. A tap of the off trigger or of a
+//! menu button opens and closes the board, a menu button held long brings everything before the
+//! person. Over the board the main trigger clicks and the main stick scrolls.
+
+use glam::Vec2;
+
+use super::grab::Grab;
+use super::{Board, Change, HandSide, HandsState, Switch};
+use crate::input::pad::stick::Response;
+use crate::view::{Pose, Similarity};
+
+/// A press shorter than this is a tap, in seconds.
+const TAP_S: f64 = 0.25;
+/// A menu button held this long brings everything before the person, in seconds.
+const LONG_S: f64 = 1.0;
+/// Notches of size a second with the stick at its end.
+const RESIZE_PER_S: f32 = 8.0;
+/// Points of scrolling a second with the stick at its end.
+const SCROLL_PER_S: f32 = 900.0;
+/// Of a longer pause between two looks only so many seconds count.
+const LONGEST_STEP_S: f64 = 0.1;
+/// Seconds after which a stick that stays to the side asks again, and between asking again.
+const REPEAT_AFTER_S: f64 = 0.5;
+const REPEAT_EVERY_S: f64 = 0.2;
+/// A hand that rests leaves the tool to the mouse: it leads again when it has moved this far.
+const REST_M: f32 = 0.002;
+const REST_RAD: f32 = 0.02;
+
+/// How hands are heard.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct HandSettings {
+    /// The hand that has the tool.
+    pub main: HandSide,
+    pub response: Response,
+    /// From the main hand to the tool, along its ray, in metres.
+    pub reach_m: f32,
+}
+
+/// Something that hands ask for, in the order in which it is to be done.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum HandAsk {
+    /// The sculpture is carried along.
+    Carry(Similarity),
+    /// The tool is here, in the room.
+    Tool(Pose),
+    /// The tool is used from now on, and no longer.
+    Press,
+    Release,
+    /// The tool becomes larger by notches, or smaller below 0.
+    Resize(f32),
+    Undo,
+    Redo,
+    /// The board is opened, or closed.
+    ToggleBoard,
+    /// Everything comes before the person.
+    Recentre,
+    /// The ray points at this point of the board, from its upper left corner, 0 to 1 each.
+    Point(Vec2),
+    /// It points at the board no longer.
+    PointAway,
+    /// The pointer's button goes down or up on the board.
+    Click(bool),
+    /// Points of scrolling on the board; positive shows what is above and to the left.
+    Scroll(Vec2),
+}
+
+/// What a press of the main trigger is for until it is released.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Meant {
+    Tool,
+    Board,
+}
+
+/// A stick that asks once for each push to the side, and again while it stays there.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+struct Flick {
+    /// The side, -1 or 1, and when it asks again.
+    held: Option<(f32, f64)>,
+}
+
+impl Flick {
+    const PUSHED: f32 = 0.7;
+    const BACK: f32 = 0.4;
+
+    /// The side that is asked for, -1 or 1.
+    fn feed(&mut self, way: f32, now_s: f64) -> Option<f32> {
+        match self.held {
+            None if way.abs() >= Self::PUSHED => {
+                self.held = Some((way.signum(), now_s + REPEAT_AFTER_S));
+                Some(way.signum())
+            }
+            Some((side, _)) if !(way * side > Self::BACK) => {
+                self.held = None;
+                None
+            }
+            Some((side, again_s)) if now_s >= again_s => {
+                self.held = Some((side, now_s + REPEAT_EVERY_S));
+                Some(side)
+            }
+            _ => None,
+        }
+    }
+}
+
+/// A button that does one thing when tapped and perhaps another when held.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+struct Hold {
+    /// When it was pressed; none once its long press has been heard.
+    since_s: Option<f64>,
+    switch: Switch,
+}
+
+/// Hears the hands.
+#[derive(Clone, PartialEq, Debug)]
+pub struct HandMapper {
+    settings: HandSettings,
+    /// When the hands were last heard.
+    heard_s: Option<f64>,
+    grab: Grab,
+    /// By [`HandSide::index`].
+    grips: [Switch; 2],
+    menu: [Hold; 2],
+    main_trigger: Switch,
+    off_trigger: Hold,
+    meant: Option<Meant>,
+    pointing: bool,
+    undo: Flick,
+    /// Where the tool was last led to.
+    led: Option<Pose>,
+}
+
+impl HandMapper {
+    pub fn new(settings: HandSettings) -> HandMapper {
+        HandMapper {
+            settings,
+            heard_s: None,
+            grab: Grab::default(),
+            grips: Default::default(),
+            menu: Default::default(),
+            main_trigger: Switch::default(),
+            off_trigger: Hold::default(),
+            meant: None,
+            pointing: false,
+            undo: Flick::default(),
+            led: None,
+        }
+    }
+
+    pub fn settings(&self) -> &HandSettings {
+        &self.settings
+    }
+
+    /// Gives the tool to a hand; what is held is let go.
+    pub fn set_main(&mut self, main: HandSide, asks: &mut Vec<HandAsk>) {
+        if self.settings.main != main {
+            self.let_go(asks);
+            *self = HandMapper::new(HandSettings { main, ..self.settings });
+        }
+    }
+
+    /// The hands are heard no more: what is held is let go.
+    pub fn let_go(&mut self, asks: &mut Vec<HandAsk>) {
+        match self.meant.take() {
+            Some(Meant::Tool) => asks.push(HandAsk::Release),
+            Some(Meant::Board) => asks.push(HandAsk::Click(false)),
+            None => {}
+        }
+        if std::mem::take(&mut self.pointing) {
+            asks.push(HandAsk::PointAway);
+        }
+        *self = HandMapper::new(self.settings);
+    }
+
+    /// Whether a hand holds the sculpture.
+    pub fn is_carrying(&self) -> bool {
+        self.grab.is_holding()
+    }
+
+    /// What the hands ask for now. `board`: where the board is, while it is open.
+    pub fn hear(&mut self, state: &HandsState, board: Option<&Board>) -> Vec<HandAsk> {
+        let mut asks = Vec::new();
+        let now_s = state.time_s;
+        let dt_s = self.heard_s.map_or(0.0, |heard| (now_s - heard).clamp(0.0, LONGEST_STEP_S));
+        self.heard_s = Some(now_s);
+        let (main, off) = (self.settings.main, self.settings.main.other());
+
+        self.hear_menus(state, &mut asks);
+        let off_holds = self.hear_off_trigger(state.hand(off).trigger, now_s, &mut asks);
+        let mut gripping = HandSide::ALL.map(|side| {
+            let switch = &mut self.grips[side.index()];
+            switch.feed(state.hand(side).squeeze);
+            switch.down
+        });
+        gripping[off.index()] |= off_holds;
+        let carried = self.grab.step(gripping, state);
+        asks.extend(carried.map(HandAsk::Carry));
+
+        let aim = state.hand(main).aim.filter(Pose::is_finite);
+        // A stroke that has begun goes on in front of the board, too.
+        let open = board.filter(|_| self.meant != Some(Meant::Tool));
+        let hit = open.zip(aim).and_then(|(board, aim)| board.hit(&aim));
+        match hit {
+            Some(hit) => asks.push(HandAsk::Point(hit.at)),
+            None if self.pointing => asks.push(HandAsk::PointAway),
+            None => {}
+        }
+        self.pointing = hit.is_some();
+        if !self.pointing {
+            self.lead_tool(aim, carried.is_some(), &mut asks);
+        }
+        self.hear_main_trigger(state.hand(main).trigger, aim, &mut asks);
+
+        let stick = self.settings.response.speed(state.hand(main).stick) * dt_s as f32;
+        if self.pointing && stick != Vec2::ZERO {
+            asks.push(HandAsk::Scroll(Vec2::new(-stick.x, stick.y) * SCROLL_PER_S));
+        } else if !self.pointing && stick.y != 0.0 {
+            asks.push(HandAsk::Resize(stick.y * RESIZE_PER_S));
+        }
+        match self.undo.feed(state.hand(off).stick.x, now_s) {
+            Some(side) if side < 0.0 => asks.push(HandAsk::Undo),
+            Some(_) => asks.push(HandAsk::Redo),
+            None => {}
+        }
+        asks
+    }
+
+    fn hear_menus(&mut self, state: &HandsState, asks: &mut Vec<HandAsk>) {
+        for side in HandSide::ALL {
+            let hold = &mut self.menu[side.index()];
+            match hold.switch.feed(f32::from(u8::from(state.hand(side).menu))) {
+                Some(Change::Pressed) => hold.since_s = Some(state.time_s),
+                Some(Change::Released) if hold.since_s.take().is_some() => {
+                    asks.push(HandAsk::ToggleBoard);
+                }
+                _ => {}
+            }
+            if hold.since_s.is_some_and(|since| state.time_s - since >= LONG_S) {
+                hold.since_s = None;
+                asks.push(HandAsk::Recentre);
+            }
+        }
+    }
+
+    /// True while the trigger of the off hand is held long enough to carry the sculpture.
+    fn hear_off_trigger(&mut self, way: f32, now_s: f64, asks: &mut Vec<HandAsk>) -> bool {
+        let hold = &mut self.off_trigger;
+        match hold.switch.feed(way) {
+            Some(Change::Pressed) => hold.since_s = Some(now_s),
+            Some(Change::Released) => {
+                let tapped = hold.since_s.take().is_some_and(|since| now_s - since < TAP_S);
+                if tapped {
+                    asks.push(HandAsk::ToggleBoard);
+                }
+            }
+            None => {}
+        }
+        hold.since_s.is_some_and(|since| now_s - since >= TAP_S)
+    }
+
+    /// Leads the tool to the main hand, unless that rests.
+    fn lead_tool(&mut self, aim: Option<Pose>, carried: bool, asks: &mut Vec<HandAsk>) {
+        let Some(aim) = aim else { return };
+        let tool = Pose {
+            position: aim.position + aim.forward() * self.settings.reach_m,
+            rotation: aim.rotation,
+        };
+        let rests = self.led.is_some_and(|led| {
+            led.position.distance(tool.position) < REST_M
+                && led.rotation.angle_between(tool.rotation) < REST_RAD
+        });
+        if !rests || carried || self.meant == Some(Meant::Tool) {
+            self.led = Some(tool);
+            asks.push(HandAsk::Tool(tool));
+        }
+    }
+
+    fn hear_main_trigger(&mut self, way: f32, aim: Option<Pose>, asks: &mut Vec<HandAsk>) {
+        // A hand that is lost lets go.
+        let way = if aim.is_some() { way } else { 0.0 };
+        match self.main_trigger.feed(way) {
+            Some(Change::Pressed) if self.pointing => {
+                self.meant = Some(Meant::Board);
+                asks.push(HandAsk::Click(true));
+            }
+            Some(Change::Pressed) => {
+                self.meant = Some(Meant::Tool);
+                // The tool begins where the hand is, however long it has rested.
+                self.led = None;
+                self.lead_tool(aim, false, asks);
+                asks.push(HandAsk::Press);
+            }
+            Some(Change::Released) => match self.meant.take() {
+                Some(Meant::Tool) => asks.push(HandAsk::Release),
+                Some(Meant::Board) => asks.push(HandAsk::Click(false)),
+                None => {}
+            },
+            None => {}
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "mapper_tests.rs"]
+mod tests;

@@ -1,0 +1,217 @@
+use super::*;
+use glam::{Quat, Vec3};
+
+const REACH_M: f32 = 0.1;
+
+fn mapper(main: HandSide) -> HandMapper {
+    let response = Response { dead_zone: 0.2, curve: 1.0 };
+    HandMapper::new(HandSettings { main, response, reach_m: REACH_M })
+}
+
+/// Hands at rest before the person, the time passing with every look.
+struct Person {
+    state: HandsState,
+    mapper: HandMapper,
+    board: Option<Board>,
+}
+
+impl Person {
+    fn new(main: HandSide) -> Person {
+        let mut state = HandsState::default();
+        for (hand, x) in state.hands.iter_mut().zip([-0.2, 0.2]) {
+            let pose = Pose { position: Vec3::new(x, 1.3, -0.4), rotation: Quat::IDENTITY };
+            (hand.grip, hand.aim) = (Some(pose), Some(pose));
+        }
+        let mut person = Person { state, mapper: mapper(main), board: None };
+        assert!(matches!(person.look()[..], [HandAsk::Tool(_)]), "the tool comes to the hand");
+        person
+    }
+
+    fn hand(&mut self, side: HandSide) -> &mut super::super::HandState {
+        &mut self.state.hands[side.index()]
+    }
+
+    fn shift(&mut self, side: HandSide, by: Vec3) {
+        let hand = self.hand(side);
+        for pose in [&mut hand.grip, &mut hand.aim].into_iter().flatten() {
+            pose.position += by;
+        }
+    }
+
+    fn look(&mut self) -> Vec<HandAsk> {
+        self.look_after(1.0 / 64.0)
+    }
+
+    fn look_after(&mut self, dt_s: f64) -> Vec<HandAsk> {
+        self.state.time_s += dt_s;
+        self.mapper.hear(&self.state, self.board.as_ref())
+    }
+}
+
+use HandSide::{Left, Right};
+
+#[test]
+fn the_trigger_uses_the_tool_where_the_hand_is() {
+    for main in HandSide::ALL {
+        let mut person = Person::new(main);
+        assert_eq!(person.look(), [], "a hand that rests asks for nothing");
+        person.shift(main, Vec3::new(0.0, 0.0, -0.05));
+        let there = person.hand(main).aim.unwrap().at(Vec3::NEG_Z * REACH_M);
+        let asks = person.look();
+        let [HandAsk::Tool(tool)] = asks[..] else { panic!("{asks:?}") };
+        assert!(tool.position.abs_diff_eq(there, 1e-6));
+        person.hand(main).trigger = 1.0;
+        let asks = person.look();
+        let [HandAsk::Tool(tool), HandAsk::Press] = asks[..] else { panic!("{asks:?}") };
+        assert!(tool.position.abs_diff_eq(there, 1e-6));
+        assert!(matches!(person.look()[..], [HandAsk::Tool(_)]), "a stroke is led all the time");
+        person.hand(main).trigger = 0.0;
+        assert!(matches!(person.look()[..], [HandAsk::Tool(_), HandAsk::Release]));
+    }
+}
+
+#[test]
+fn a_hand_that_is_lost_lets_go() {
+    let mut person = Person::new(Right);
+    person.hand(Right).trigger = 1.0;
+    person.look();
+    person.hand(Right).aim = None;
+    assert_eq!(person.look(), [HandAsk::Release]);
+    person.hand(Right).aim = Some(Pose { position: Vec3::NAN, rotation: Quat::IDENTITY });
+    assert_eq!(person.look(), []);
+}
+
+#[test]
+fn grips_carry_and_both_scale() {
+    let mut person = Person::new(Right);
+    person.hand(Left).squeeze = 1.0;
+    assert_eq!(person.look(), []);
+    assert!(person.mapper.is_carrying());
+    person.shift(Left, Vec3::X * 0.1);
+    let asks = person.look();
+    let [HandAsk::Carry(by), HandAsk::Tool(_)] = asks[..] else { panic!("{asks:?}") };
+    assert!(by.translation.abs_diff_eq(Vec3::X * 0.1, 1e-6) && by.scale == 1.0);
+    person.hand(Right).squeeze = 1.0;
+    person.look();
+    // From 0.3 m to 0.6 m apart.
+    person.shift(Right, Vec3::X * 0.3);
+    let asks = person.look();
+    let [HandAsk::Carry(by), HandAsk::Tool(_)] = asks[..] else { panic!("{asks:?}") };
+    assert!((by.scale - 2.0).abs() < 1e-4);
+    person.hand(Left).squeeze = 0.0;
+    person.hand(Right).squeeze = 0.0;
+    person.look();
+    assert!(!person.mapper.is_carrying());
+}
+
+#[test]
+fn without_a_grip_the_off_trigger_carries_and_a_tap_opens_the_board() {
+    let mut person = Person::new(Right);
+    person.hand(Left).trigger = 1.0;
+    person.look();
+    person.hand(Left).trigger = 0.0;
+    assert_eq!(person.look(), [HandAsk::ToggleBoard]);
+    person.hand(Left).trigger = 1.0;
+    person.look();
+    person.look_after(TAP_S);
+    person.shift(Left, Vec3::Y * 0.1);
+    assert!(matches!(person.look()[..], [HandAsk::Carry(_), HandAsk::Tool(_)]));
+    person.hand(Left).trigger = 0.0;
+    assert_eq!(person.look(), [], "a hold is no tap");
+}
+
+#[test]
+fn sticks_size_the_tool_and_go_through_the_history() {
+    let mut person = Person::new(Left);
+    person.hand(Left).stick = Vec2::new(0.0, 1.0);
+    let asks = person.look_after(0.0625);
+    let [HandAsk::Resize(notches)] = asks[..] else { panic!("{asks:?}") };
+    assert!((notches - 0.0625 * RESIZE_PER_S).abs() < 1e-4);
+    let asks = person.look_after(10.0);
+    let [HandAsk::Resize(notches)] = asks[..] else { panic!("{asks:?}") };
+    assert!(notches <= LONGEST_STEP_S as f32 * RESIZE_PER_S + 1e-4, "no leap after a pause");
+    person.hand(Left).stick = Vec2::ZERO;
+
+    person.hand(Right).stick.x = -0.9;
+    assert_eq!(person.look(), [HandAsk::Undo]);
+    assert_eq!(person.look(), [], "once a push");
+    assert_eq!(person.look_after(REPEAT_AFTER_S), [HandAsk::Undo], "again while it is held");
+    person.hand(Right).stick.x = 0.9;
+    assert_eq!(person.look(), [], "on its way through the middle");
+    assert_eq!(person.look(), [HandAsk::Redo]);
+    person.hand(Right).stick.x = f32::NAN;
+    assert_eq!(person.look(), []);
+}
+
+#[test]
+fn a_menu_button_opens_the_board_and_held_long_brings_everything_back() {
+    for side in HandSide::ALL {
+        let mut person = Person::new(Right);
+        person.hand(side).menu = true;
+        assert_eq!(person.look(), []);
+        person.hand(side).menu = false;
+        assert_eq!(person.look(), [HandAsk::ToggleBoard]);
+        person.hand(side).menu = true;
+        person.look();
+        assert_eq!(person.look_after(LONG_S), [HandAsk::Recentre]);
+        assert_eq!(person.look_after(LONG_S), [], "once");
+        person.hand(side).menu = false;
+        assert_eq!(person.look(), [], "and no tap");
+    }
+}
+
+#[test]
+fn over_the_board_the_trigger_clicks_and_the_stick_scrolls() {
+    let mut person = Person::new(Right);
+    // Straight before the right hand.
+    let pose = Pose { position: Vec3::new(0.2, 1.3, -0.8), rotation: Quat::IDENTITY };
+    person.board = Some(Board { pose, size_m: Vec2::new(0.4, 0.2) });
+    person.hand(Right).trigger = 1.0;
+    let asks = person.look();
+    let [HandAsk::Point(at), HandAsk::Click(true)] = asks[..] else { panic!("{asks:?}") };
+    assert!(at.abs_diff_eq(Vec2::splat(0.5), 1e-5));
+    // Dragged off the board: the button is still the board's.
+    person.shift(Right, Vec3::X);
+    assert!(matches!(person.look()[..], [HandAsk::PointAway, HandAsk::Tool(_)]));
+    person.hand(Right).trigger = 0.0;
+    assert_eq!(person.look(), [HandAsk::Click(false)]);
+
+    person.shift(Right, Vec3::NEG_X);
+    person.hand(Right).stick = Vec2::new(0.0, -1.0);
+    let asks = person.look();
+    let [HandAsk::Point(_), HandAsk::Scroll(by)] = asks[..] else { panic!("{asks:?}") };
+    assert!(by.y < 0.0 && by.x == 0.0, "down shows what is below");
+}
+
+#[test]
+fn a_stroke_that_has_begun_goes_on_in_front_of_the_board() {
+    let mut person = Person::new(Right);
+    person.hand(Right).trigger = 1.0;
+    person.look();
+    let pose = Pose { position: Vec3::new(0.2, 1.3, -0.8), rotation: Quat::IDENTITY };
+    person.board = Some(Board { pose, size_m: Vec2::new(0.4, 0.2) });
+    assert!(matches!(person.look()[..], [HandAsk::Tool(_)]));
+    person.hand(Right).trigger = 0.0;
+    // It points at the board once the stroke is over.
+    assert!(matches!(person.look()[..], [HandAsk::Tool(_), HandAsk::Release]));
+    assert!(matches!(person.look()[..], [HandAsk::Point(_)]));
+}
+
+#[test]
+fn what_is_held_is_let_go_when_the_hands_change_roles() {
+    let mut person = Person::new(Right);
+    person.hand(Right).trigger = 1.0;
+    person.look();
+    let mut asks = Vec::new();
+    person.mapper.set_main(Right, &mut asks);
+    assert_eq!(asks, [], "nothing changes");
+    person.mapper.set_main(Left, &mut asks);
+    assert_eq!(asks, [HandAsk::Release]);
+    person.hand(Right).trigger = 0.0;
+    person.hand(Left).trigger = 1.0;
+    let asks = person.look();
+    let [HandAsk::Tool(tool), HandAsk::Tool(_), HandAsk::Press] = asks[..] else {
+        panic!("{asks:?}")
+    };
+    assert!(tool.position.x < 0.0, "the left hand has the tool");
+}

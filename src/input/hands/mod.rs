@@ -1,0 +1,135 @@
+//! Two hands in a room: poses, triggers, grips and sticks with their time to what is done to tool
+//! and sculpture ([`mapper`]), carrying and scaling with the grips ([`grab`]), the panel on the
+//! off hand and the ray that points at it ([`board`]).
+//!
+//! All of it is values in, values out, in metres and seconds: it knows no headset, no clock and
+//! no sculpture.
+
+pub mod board;
+pub mod grab;
+pub mod mapper;
+
+use glam::Vec2;
+use serde::Deserialize;
+
+pub use board::Board;
+pub use mapper::{HandAsk, HandMapper, HandSettings};
+
+use crate::view::Pose;
+
+/// Which hand.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum HandSide {
+    Left,
+    #[default]
+    Right,
+}
+
+impl HandSide {
+    pub const ALL: [HandSide; 2] = [HandSide::Left, HandSide::Right];
+
+    pub const fn index(self) -> usize {
+        self as usize
+    }
+
+    /// As the interface says it.
+    pub const fn label(self) -> &'static str {
+        match self {
+            HandSide::Left => "left hand",
+            HandSide::Right => "right hand",
+        }
+    }
+
+    pub const fn other(self) -> HandSide {
+        match self {
+            HandSide::Left => HandSide::Right,
+            HandSide::Right => HandSide::Left,
+        }
+    }
+}
+
+/// Where a hand is and what its fingers do. A hand that is not tracked has no poses.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct HandState {
+    /// Of the palm around the grip.
+    pub grip: Option<Pose>,
+    /// Of the ray that points.
+    pub aim: Option<Pose>,
+    /// 0 to 1.
+    pub trigger: f32,
+    /// 0 to 1.
+    pub squeeze: f32,
+    /// Right and up are positive, -1 to 1 each.
+    pub stick: Vec2,
+    pub menu: bool,
+}
+
+/// Both hands at one time.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct HandsState {
+    /// Seconds of any steady clock.
+    pub time_s: f64,
+    /// By [`HandSide::index`].
+    pub hands: [HandState; 2],
+}
+
+impl HandsState {
+    pub fn hand(&self, side: HandSide) -> &HandState {
+        &self.hands[side.index()]
+    }
+}
+
+/// A finger's way that counts as pressed from `PRESS` on until it falls below `RELEASE`, so that
+/// a trembling finger presses once.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+struct Switch {
+    down: bool,
+}
+
+/// What a [`Switch`] has just done.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Change {
+    Pressed,
+    Released,
+}
+
+impl Switch {
+    const PRESS: f32 = 0.6;
+    const RELEASE: f32 = 0.4;
+
+    /// `way`: 0 to 1; what is no number is no press.
+    fn feed(&mut self, way: f32) -> Option<Change> {
+        let down = if self.down { way > Self::RELEASE } else { way >= Self::PRESS };
+        let change = match (self.down, down) {
+            (false, true) => Some(Change::Pressed),
+            (true, false) => Some(Change::Released),
+            _ => None,
+        };
+        self.down = down;
+        change
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_trembling_finger_presses_once() {
+        let mut switch = Switch::default();
+        let ways = [0.0, 0.5, 0.61, 0.55, 0.65, 0.45, 0.39, 0.59, f32::NAN, 1.0, f32::NAN];
+        let changes: Vec<_> = ways.iter().filter_map(|&way| switch.feed(way)).collect();
+        use Change::{Pressed, Released};
+        assert_eq!(changes, [Pressed, Released, Pressed, Released]);
+    }
+
+    #[test]
+    fn each_side_has_an_index_and_another() {
+        for side in HandSide::ALL {
+            assert_ne!(side, side.other());
+            assert_eq!(side.other().other(), side);
+            assert_eq!(HandSide::ALL[side.index()], side);
+        }
+    }
+}

@@ -1,0 +1,263 @@
+//! Owns the room that a person stands in: rigid poses in metres, similarities, and how the
+//! sculpture's world lies in the room.
+//!
+//! The room is right-handed, x right, y up, in metres, as OpenXR has it. The world has the units
+//! of the sculpture (a voxel edge). Between them lies one similarity, so that an eye in the room
+//! is an eye of the world: rigid in world units, with the near plane scaled along.
+
+use glam::{Affine3A, Quat, UVec2, Vec3};
+
+use super::eye::{Eye, Frustum};
+use crate::sculpture::Placement;
+
+/// Nearest distance that is drawn, in metres.
+pub const NEAR_M: f32 = 0.02;
+
+/// Where something is in the room and how it is turned; it looks along its own -z.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Pose {
+    /// Metres.
+    pub position: Vec3,
+    pub rotation: Quat,
+}
+
+impl Pose {
+    /// The unit vector that it looks along.
+    pub fn forward(&self) -> Vec3 {
+        self.rotation * Vec3::NEG_Z
+    }
+
+    /// A point given in its own coordinates (metres), in the room.
+    pub fn at(&self, own: Vec3) -> Vec3 {
+        self.position + self.rotation * own
+    }
+
+    /// A point of the room in its own coordinates.
+    pub fn own(&self, room: Vec3) -> Vec3 {
+        self.rotation.inverse() * (room - self.position)
+    }
+
+    /// `other`, given in its coordinates, in the room.
+    pub fn then(&self, other: &Pose) -> Pose {
+        Pose {
+            position: self.at(other.position),
+            rotation: (self.rotation * other.rotation).normalize(),
+        }
+    }
+
+    pub fn is_finite(&self) -> bool {
+        self.position.is_finite() && self.rotation.is_finite() && self.rotation.length() > 0.5
+    }
+}
+
+/// A map that keeps shapes: scales, then turns, then moves.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Similarity {
+    pub rotation: Quat,
+    pub scale: f32,
+    pub translation: Vec3,
+}
+
+impl Similarity {
+    pub const IDENTITY: Similarity =
+        Similarity { rotation: Quat::IDENTITY, scale: 1.0, translation: Vec3::ZERO };
+
+    /// The rigid map that carries `from` to `to`.
+    pub fn carrying(from: &Pose, to: &Pose) -> Similarity {
+        let rotation = (to.rotation * from.rotation.inverse()).normalize();
+        Similarity { rotation, scale: 1.0, translation: to.position - rotation * from.position }
+    }
+
+    /// Turns and scales about `centre`, which goes to `to`.
+    pub fn about(centre: Vec3, rotation: Quat, scale: f32, to: Vec3) -> Similarity {
+        Similarity { rotation, scale, translation: to - rotation * centre * scale }
+    }
+
+    pub fn apply(&self, point: Vec3) -> Vec3 {
+        self.rotation * point * self.scale + self.translation
+    }
+
+    pub fn inverse(&self) -> Similarity {
+        let (rotation, scale) = (self.rotation.inverse(), 1.0 / self.scale);
+        Similarity { rotation, scale, translation: rotation * -self.translation * scale }
+    }
+
+    /// First `self`, then `next`.
+    pub fn then(&self, next: &Similarity) -> Similarity {
+        Similarity {
+            rotation: (next.rotation * self.rotation).normalize(),
+            scale: next.scale * self.scale,
+            translation: next.apply(self.translation),
+        }
+    }
+
+    pub fn is_finite(&self) -> bool {
+        self.rotation.is_finite()
+            && self.translation.is_finite()
+            && self.scale.is_finite()
+            && self.scale > 0.0
+    }
+}
+
+/// What one eye of a headset sees of the room.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct RoomView {
+    pub pose: Pose,
+    pub frustum: Frustum,
+}
+
+/// How the world lies in the room.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Room {
+    /// Its scale is in metres per world unit.
+    pub room_from_world: Similarity,
+}
+
+impl Room {
+    /// The world's origin `distance_m` before the head and `drop_m` below it, upright and facing
+    /// the person whichever way the head nods, with `metres_per_unit`.
+    pub fn before(head: &Pose, distance_m: f32, drop_m: f32, metres_per_unit: f32) -> Room {
+        let forward = head.forward();
+        // Looking straight up or down, the head's own up axis says where ahead is.
+        let flat = Vec3::new(forward.x, 0.0, forward.z);
+        let flat = match flat.length_squared() > 1e-4 {
+            true => flat,
+            false => head.rotation * Vec3::Y * Vec3::new(1.0, 0.0, 1.0) * -forward.y.signum(),
+        };
+        let ahead = flat.normalize_or(Vec3::NEG_Z);
+        let yaw = (-ahead.x).atan2(-ahead.z);
+        Room {
+            room_from_world: Similarity {
+                rotation: Quat::from_rotation_y(yaw),
+                scale: metres_per_unit,
+                translation: head.position + ahead * distance_m - Vec3::Y * drop_m,
+            },
+        }
+    }
+
+    /// The eye of the world that sees what `view` sees of the room, in a picture of `size` pixels.
+    pub fn eye(&self, view: &RoomView, size: UVec2) -> Eye {
+        let pose = self.in_world(&view.pose);
+        let world_from_eye = Affine3A::from_rotation_translation(pose.rotation, pose.position);
+        let near = NEAR_M / self.room_from_world.scale;
+        Eye {
+            eye_from_world: world_from_eye.inverse(),
+            projection: view.frustum.projection(near),
+            size,
+        }
+    }
+
+    /// A pose of the room in the world, its position in world units.
+    pub fn in_world(&self, pose: &Pose) -> Pose {
+        let world_from_room = self.room_from_world.inverse();
+        Pose {
+            position: world_from_room.apply(pose.position),
+            rotation: (world_from_room.rotation * pose.rotation).normalize(),
+        }
+    }
+
+    /// The placement of a sculpture after the room's contents were carried along by `by`.
+    pub fn carried(&self, placement: &Placement, by: &Similarity) -> Placement {
+        let by = self.room_from_world.then(by).then(&self.room_from_world.inverse());
+        Placement {
+            rotation: (by.rotation * placement.rotation).normalize(),
+            translation: by.apply(placement.translation),
+            scale: by.scale * placement.scale,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{UVec3, Vec2};
+    use std::f32::consts::FRAC_PI_2;
+
+    fn pose(position: Vec3, rotation: Quat) -> Pose {
+        Pose { position, rotation }
+    }
+
+    #[test]
+    fn similarities_compose_and_invert() {
+        let a = Similarity {
+            rotation: Quat::from_rotation_y(0.7),
+            scale: 2.5,
+            translation: Vec3::new(1.0, -2.0, 0.5),
+        };
+        let b = Similarity::about(
+            Vec3::new(0.3, 0.2, 0.1),
+            Quat::from_rotation_x(-1.1),
+            0.4,
+            Vec3::splat(5.0),
+        );
+        let p = Vec3::new(3.0, 4.0, -1.0);
+        assert!(a.then(&b).apply(p).abs_diff_eq(b.apply(a.apply(p)), 1e-4));
+        assert!(a.then(&a.inverse()).apply(p).abs_diff_eq(p, 1e-4));
+        assert!(b.apply(Vec3::new(0.3, 0.2, 0.1)).abs_diff_eq(Vec3::splat(5.0), 1e-5));
+    }
+
+    #[test]
+    fn the_sculpture_stands_upright_before_the_head() {
+        for nod in [0.0, 0.4, -0.9, FRAC_PI_2, -FRAC_PI_2] {
+            let head = pose(
+                Vec3::new(1.0, 1.6, 2.0),
+                Quat::from_rotation_y(FRAC_PI_2) * Quat::from_rotation_x(nod),
+            );
+            let room = Room::before(&head, 0.7, 0.3, 0.002);
+            // Turned a quarter to the left, ahead is -x.
+            let origin = room.room_from_world.apply(Vec3::ZERO);
+            assert!(origin.abs_diff_eq(Vec3::new(0.3, 1.3, 2.0), 1e-4), "{nod}: {origin}");
+            let up = room.room_from_world.rotation * Vec3::Y;
+            assert!(up.abs_diff_eq(Vec3::Y, 1e-5));
+            let towards = room.room_from_world.rotation * Vec3::Z;
+            assert!(towards.abs_diff_eq(Vec3::X, 1e-4), "{nod}: it faces the person");
+        }
+    }
+
+    /// The way of OpenXR (metres, room) and the way of the renderer (units, world) lead to the
+    /// same pixel and the same depth.
+    #[test]
+    fn an_eye_of_the_world_sees_what_the_view_of_the_room_sees() {
+        let head = pose(Vec3::new(0.2, 1.5, 0.3), Quat::from_rotation_y(0.3));
+        let room = Room::before(&head, 0.6, 0.2, 0.004);
+        let frustum = Frustum { left: -0.9, right: 0.7, down: -0.8, up: 0.6 };
+        let view = RoomView {
+            pose: pose(Vec3::new(0.25, 1.55, 0.2), Quat::from_rotation_x(-0.2)),
+            frustum,
+        };
+        let size = UVec2::new(320, 240);
+        let eye = room.eye(&view, size);
+        let world = Vec3::new(10.0, -20.0, 30.0);
+        let seen = eye.projection * (eye.eye_from_world.transform_point3(world)).extend(1.0);
+        let direct = view.frustum.projection(NEAR_M)
+            * view.pose.own(room.room_from_world.apply(world)).extend(1.0);
+        let pixel = |clip: glam::Vec4| Vec2::new(clip.x, clip.y) / clip.w;
+        assert!(pixel(seen).abs_diff_eq(pixel(direct), 1e-4));
+        assert!((seen.z / seen.w - direct.z / direct.w).abs() < 1e-5);
+        let m = eye.eye_from_world.matrix3;
+        assert!((m.determinant() - 1.0).abs() < 1e-4, "rigid");
+    }
+
+    #[test]
+    fn what_is_carried_moves_in_the_room_as_the_hand_does() {
+        let room = Room::before(&pose(Vec3::Y * 1.6, Quat::IDENTITY), 0.7, 0.3, 0.01);
+        let placement = Placement {
+            rotation: Quat::from_rotation_z(0.3),
+            translation: Vec3::new(4.0, 5.0, 6.0),
+            scale: 1.5,
+        };
+        let by = Similarity {
+            rotation: Quat::from_rotation_y(0.5),
+            scale: 2.0,
+            translation: Vec3::new(0.1, 0.2, -0.3),
+        };
+        let carried = room.carried(&placement, &by);
+        let (dims, edges) = (UVec3::new(4, 6, 8), Vec3::ONE);
+        for corner in [Vec3::ZERO, Vec3::new(4.0, 6.0, 8.0), Vec3::new(4.0, 0.0, 2.0)] {
+            let in_room = |p: &Placement| {
+                room.room_from_world.apply(p.world_from_grid(dims, edges).transform_point3(corner))
+            };
+            assert!(in_room(&carried).abs_diff_eq(by.apply(in_room(&placement)), 1e-3));
+        }
+    }
+}
