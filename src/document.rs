@@ -25,9 +25,12 @@ use crate::tools::texture::Texture;
 
 mod areas;
 mod error;
+mod followers;
 mod tools;
 
 pub use error::CommandError;
+pub use followers::Follower;
+use followers::Followers;
 pub use tools::MAX_ARRAY;
 
 /// What a command did.
@@ -60,8 +63,9 @@ pub struct Document {
     uses: Vec<Command>,
     last_uses: Vec<Command>,
     dirty: BrickSet,
-    /// The dirty bricks as [`Document::take_dirty`] hands them out.
-    dirty_list: Vec<u32>,
+    followers: Followers,
+    /// Whoever asks without a name.
+    somebody: Follower,
     /// The whole sculpture was replaced since the renderer last asked.
     all_dirty: bool,
     /// Rises with every change of voxels; a cheap "is my copy current?".
@@ -80,7 +84,8 @@ impl Document {
         Document {
             recorder: StrokeRecorder::new(&contents.grid),
             dirty: BrickSet::new(contents.grid.bricks().len()),
-            dirty_list: Vec::new(),
+            followers: Followers::default(),
+            somebody: Follower::default(),
             selection: Selection::new(contents.grid.dims()),
             symmetry: Symmetry::default(),
             clip: None,
@@ -176,11 +181,19 @@ impl Document {
     /// Hands the bricks that changed since the last call to `f`, as rising linear indices: `None`
     /// means all of them (the sculpture, and with it perhaps the size of the grid, is another).
     pub fn take_dirty<T>(&mut self, f: impl FnOnce(&Contents, Option<&[u32]>) -> T) -> T {
-        self.dirty_list.clear();
-        self.dirty.collect_into(&mut self.dirty_list);
-        self.dirty.clear();
-        let all_dirty = std::mem::take(&mut self.all_dirty);
-        f(&self.contents, (!all_dirty).then_some(&self.dirty_list))
+        let somebody = self.somebody.clone();
+        self.take_dirty_for(&somebody, f)
+    }
+
+    /// The same for one of several who follow the changes, each at its own time.
+    pub fn take_dirty_for<T>(
+        &mut self,
+        follower: &Follower,
+        f: impl FnOnce(&Contents, Option<&[u32]>) -> T,
+    ) -> T {
+        let bricks = self.contents.grid.bricks().len();
+        self.followers.tell(&mut self.dirty, std::mem::take(&mut self.all_dirty), bricks);
+        f(&self.contents, self.followers.hear(follower, bricks))
     }
 
     /// Puts a loaded sculpture in place of the present one, as one undo step.

@@ -10,7 +10,7 @@ use ash::vk;
 
 use super::{Colours, IndexReadback, IndexTarget, MAX_EYES, RayMarch, Slicing, Volume};
 use crate::config::{RenderMode, Sampling, Shading};
-use crate::document::Document;
+use crate::document::{Document, Follower};
 use crate::gpu::{Device, Frames, Recorder, Result, Staging};
 use crate::surface::slices::SliceAreas;
 use crate::surface::{IndexMap, quickstep, raycast};
@@ -38,6 +38,8 @@ struct DeviceCopy {
     colours: Option<Colours>,
     areas: Option<SliceAreas>,
     frames: Frames,
+    /// Hears of the bricks that change.
+    follower: Follower,
 }
 
 impl Sampler {
@@ -130,14 +132,19 @@ impl Sampler {
         let copy = match &mut self.copy {
             Some(copy) => copy,
             // All bricks are new to a new copy, whatever the document says has changed.
-            none => none.insert(document.take_dirty(|contents, _| {
-                Result::Ok(DeviceCopy {
-                    volume: Volume::new(device, &contents.grid)?,
+            none => none.insert({
+                let follower = Follower::default();
+                let volume = document.take_dirty_for(&follower, |contents, _| {
+                    Volume::new(device, &contents.grid)
+                })?;
+                DeviceCopy {
+                    follower,
+                    volume,
                     colours: None,
                     areas: None,
                     frames: Frames::new(device)?,
-                })
-            })?),
+                }
+            }),
         };
         let mut recorder = copy.frames.begin()?;
         let slot = copy.frames.slot();
@@ -202,7 +209,7 @@ impl DeviceCopy {
         document: &mut Document,
         mode: RenderMode,
     ) -> Result<()> {
-        document.take_dirty(|contents, changed| {
+        document.take_dirty_for(&self.follower, |contents, changed| {
             let (grid, material) = (&contents.grid, &contents.material);
             self.volume.update(recorder, slot, grid, changed)?;
             match &mut self.areas {
