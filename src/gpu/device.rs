@@ -79,14 +79,17 @@ impl Device {
         let queues = [vk::DeviceQueueCreateInfo::default()
             .queue_family_index(candidate.queue_family)
             .queue_priorities(&[1.0])];
-        let mut v12 = vk::PhysicalDeviceVulkan12Features::default().timeline_semaphore(true);
+        // Not as part of Vulkan12Features: the runtime of a headset may add its own features of
+        // that version, which must not come beside it.
+        let mut timeline =
+            vk::PhysicalDeviceTimelineSemaphoreFeatures::default().timeline_semaphore(true);
         let mut v13 = vk::PhysicalDeviceVulkan13Features::default()
             .dynamic_rendering(true)
             .synchronization2(true);
         let info = vk::DeviceCreateInfo::default()
             .queue_create_infos(&queues)
             .enabled_extension_names(&extensions)
-            .push_next(&mut v12)
+            .push_next(&mut timeline)
             .push_next(&mut v13);
         let raw = host.create_device(&instance, candidate.physical, &info)?;
         // SAFETY: the family was asked for with one queue.

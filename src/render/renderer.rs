@@ -334,7 +334,7 @@ impl Renderer {
         }
         self.overlay.begin(slot);
         for ((i, eye), map) in (0..).zip(shot.eyes).zip(&self.maps) {
-            pictures.begin(recorder, i);
+            pictures.begin(recorder, i, shot.background);
             let background = match (&shot.video, &mut self.backdrop) {
                 (Some(video), Some(pass)) => {
                     pass.draw(recorder, eye.size, &video.view);
@@ -421,15 +421,22 @@ impl Pictures {
         Ok(Pictures { colour, depth })
     }
 
-    fn begin(&mut self, recorder: &mut Recorder, eye: u32) {
+    /// Over [`Background::Keep`] there is nothing: the picture is transparent where nothing is
+    /// drawn, colours premultiplied.
+    fn begin(&mut self, recorder: &mut Recorder, eye: u32, background: Background) {
         self.colour.renew(recorder, eye, Use::COLOUR_TARGET);
         self.depth.renew(recorder, eye, Use::DEPTH_TARGET);
-        // The composite covers every pixel of both.
-        let attachment = |image: &EyeImage| {
-            let view = image.image().layer_view(eye);
-            Some(Attachment { view, load: Load::Forget, store: true })
+        let loads = match background {
+            Background::Keep => [Load::Colour([0.0; 4]), Load::Depth(0.0)],
+            // The composite covers every pixel of both.
+            Background::Gradient { .. } => [Load::Forget, Load::Forget],
         };
-        let (colour, depth) = (attachment(&self.colour), attachment(&self.depth));
+        let attachment = |image: &EyeImage, load| {
+            let view = image.image().layer_view(eye);
+            Some(Attachment { view, load, store: true })
+        };
+        let colour = attachment(&self.colour, loads[0]);
+        let depth = attachment(&self.depth, loads[1]);
         recorder.begin_rendering(self.colour.size().to_array(), colour, depth);
     }
 }
