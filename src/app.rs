@@ -9,6 +9,7 @@ mod deeds;
 mod first_run;
 mod guides;
 pub mod head;
+pub mod headset;
 mod job;
 mod keys;
 mod marker;
@@ -41,8 +42,10 @@ use crate::gpu::GpuError;
 use crate::input::Bindings;
 use crate::input::bindings::BindingsError;
 use crate::input::pad::device::{self, PadNews};
+use crate::screen::headset::FrameNews;
 use crate::session::Session;
 
+use headset::{Connection, Headset};
 use torn::Torn;
 use view::View;
 pub use workbench::Workbench;
@@ -51,6 +54,12 @@ pub use workbench::Workbench;
 const SMALLEST: LogicalSize<u32> = LogicalSize::new(640, 480);
 /// Lost devices within this time of one another are not worth another try.
 const RESTART_INTERVAL: Duration = Duration::from_secs(20);
+/// Longest wait for an image of the window; a compositor may give none to a hidden window.
+const PATIENCE: Duration = Duration::from_millis(200);
+/// The same while a headset waits for its pictures, which come first.
+const BRIEFLY: Duration = Duration::from_millis(2);
+/// How often the window shows what is done in a headset.
+const MIRROR_EVERY: Duration = Duration::from_millis(100);
 
 /// Why the program ended.
 #[derive(Debug, Error)]
@@ -69,8 +78,9 @@ pub enum AppError {
     Validation(usize),
 }
 
-/// Opens the window and works on `session` until the person leaves.
-pub fn run(session: Session, config: Config) -> Result<(), AppError> {
+/// Opens the window and works on `session` until the person leaves. `shots`: a folder for pictures
+/// of what the eyes in a headset see.
+pub fn run(session: Session, config: Config, shots: Option<PathBuf>) -> Result<(), AppError> {
     let event_loop = EventLoop::with_user_event().build()?;
     let proxy = event_loop.create_proxy();
     device::listen(move |news| proxy.send_event(Wake::Pad(news)).is_ok());
@@ -80,8 +90,16 @@ pub fn run(session: Session, config: Config) -> Result<(), AppError> {
         bench.keep_keys_in(folder.join("bindings.toml"));
         bench.keep_calibration_in(folder.join("calibration.toml"));
     }
+    let proxy = event_loop.create_proxy();
+    let headset = config.headset.enabled.then(|| {
+        Headset::new(&config, shots, move |connection, news| {
+            proxy.send_event(Wake::Headset(connection, news)).is_ok()
+        })
+    });
     let mut app = App {
         bench,
+        headset,
+        mirrored: None,
         config,
         started: Instant::now(),
         focused: None,
@@ -99,11 +117,15 @@ pub fn run(session: Session, config: Config) -> Result<(), AppError> {
 #[derive(Debug)]
 enum Wake {
     Pad(PadNews),
+    Headset(Connection, FrameNews),
 }
 
 /// The program in a window.
 struct App {
     bench: Workbench,
+    headset: Option<Headset>,
+    /// When the window last showed what is done in the headset.
+    mirrored: Option<Instant>,
     config: Config,
     /// Windows of panels, on the device of the main one.
     torn: Torn,
@@ -126,7 +148,9 @@ impl App {
         let Some(view) = &mut self.view else { return Ok(()) };
         let started = Instant::now();
         view.pane.answer();
-        let Some(mut frame) = view.begin(&mut self.bench)? else {
+        let showing = self.headset.as_ref().is_some_and(Headset::is_showing);
+        let patience = if showing { BRIEFLY } else { PATIENCE };
+        let Some(mut frame) = view.begin(&mut self.bench, patience)? else {
             // Nothing to draw to. A hidden window is asked again now and then.
             let again = started + Duration::from_millis(250);
             view.pane.wake_at((!view.pane.is_minimised()).then_some(again));
@@ -238,6 +262,16 @@ impl App {
         }
     }
 
+    /// Makes a picture for the headset; now and then the window shows what is done there.
+    fn headset_frame(&mut self, connection: Connection, news: FrameNews) {
+        let Some(headset) = &mut self.headset else { return };
+        headset.frame(&mut self.bench, connection, news);
+        if self.mirrored.is_none_or(|at| at.elapsed() >= MIRROR_EVERY) {
+            self.mirrored = Some(Instant::now());
+            self.redraw();
+        }
+    }
+
     /// Says once that the program waits, for those who wait for it.
     fn note_rest(&mut self) {
         let soon = Instant::now() + Duration::from_secs(1);
@@ -254,23 +288,36 @@ impl App {
         // What is being saved is saved.
         self.bench.finish_job();
         let log = self.view.as_ref().map(View::validation_log);
+        let mut complaints = self.headset.as_ref().map_or(0, Headset::complaints);
+        self.headset = None;
         self.torn.close();
         self.view = None;
         if let Some(error) = self.failed {
             return Err(error);
         }
-        match log.map(|log| log.messages().len()) {
-            Some(count) if count > 0 => Err(AppError::Validation(count)),
-            _ => Ok(()),
+        complaints += log.map_or(0, |log| log.messages().len());
+        match complaints {
+            0 => Ok(()),
+            count => Err(AppError::Validation(count)),
         }
     }
 }
 
 impl ApplicationHandler<Wake> for App {
-    fn user_event(&mut self, _: &ActiveEventLoop, Wake::Pad(news): Wake) {
-        let now = news.at.saturating_duration_since(self.started);
-        self.bench.hear_pad(news, now.as_secs_f64());
-        self.redraw();
+    fn user_event(&mut self, event_loop: &ActiveEventLoop, wake: Wake) {
+        match wake {
+            Wake::Pad(news) => {
+                let now = news.at.saturating_duration_since(self.started);
+                self.bench.hear_pad(news, now.as_secs_f64());
+                self.redraw();
+            }
+            Wake::Headset(connection, news) => {
+                self.headset_frame(connection, news);
+                if self.bench.is_leaving() {
+                    event_loop.exit();
+                }
+            }
+        }
     }
 
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
@@ -338,7 +385,8 @@ impl ApplicationHandler<Wake> for App {
             view.pane.wake_at(None);
             view.pane.redraw();
         }
-        event_loop.set_control_flow(match self.wake() {
+        let headset = self.headset.as_mut().and_then(|headset| headset.poll(&mut self.bench));
+        event_loop.set_control_flow(match self.wake().into_iter().chain(headset).min() {
             Some(wake) => ControlFlow::WaitUntil(wake),
             None => ControlFlow::Wait,
         });

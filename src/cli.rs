@@ -36,6 +36,12 @@ pub struct Cli {
     /// Write every command of the window to a script, to be replayed with `run`
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
+    /// Work in a headset, beside the window or without one
+    #[arg(long)]
+    pub headset: bool,
+    /// Write what the eyes in the headset see to this folder, now and then (for developers)
+    #[arg(long, value_name = "DIR")]
+    pub headset_shots: Option<PathBuf>,
     /// Say nothing but errors and results
     #[arg(long, short, global = true)]
     pub quiet: bool,
@@ -143,7 +149,9 @@ fn window_or_demo(cli: Cli, config: Config, progress: &Bar) -> Result<(), JobErr
     let set = |name| std::env::var_os(name).is_some_and(|v| !v.is_empty());
     let display =
         cfg!(not(unix)) || cfg!(target_os = "macos") || set("DISPLAY") || set("WAYLAND_DISPLAY");
-    if display {
+    let mut config = config;
+    config.headset.enabled |= cli.headset;
+    if display || config.headset.enabled {
         let mut session = match &cli.file {
             Some(file) => Session::open(file, &cli.import.options(), config.limits(), progress)?,
             None => Session::new(&config)?,
@@ -151,7 +159,10 @@ fn window_or_demo(cli: Cli, config: Config, progress: &Bar) -> Result<(), JobErr
         if let Some(record) = &cli.record {
             session.record_to(record)?;
         }
-        return Ok(app::run(session, config)?);
+        return Ok(match display {
+            true => app::run(session, config, cli.headset_shots)?,
+            false => app::headset::alone::run(session, &config, cli.headset_shots)?,
+        });
     }
     if cli.file.is_some() || cli.record.is_some() {
         return Err(JobError::NoDisplay);

@@ -13,6 +13,7 @@ use crate::sculpture::{ColourDepth, Rgb};
 use crate::shade::Lighting;
 
 mod gamepad;
+mod headset;
 pub mod light;
 mod profile;
 pub mod render;
@@ -22,6 +23,7 @@ mod video;
 
 pub use self::tracking::{ArSettings, ScreenSettings, SourceAddress, TrackingSettings};
 pub use gamepad::GamepadSettings;
+pub use headset::HeadsetSettings;
 pub use light::LightSettings;
 pub use profile::Profile;
 pub use render::{Finish, Render, RenderMode, Sampling, Shading};
@@ -61,6 +63,7 @@ pub struct Config {
     pub tracking: TrackingSettings,
     pub screen: ScreenSettings,
     pub ar: ArSettings,
+    pub headset: HeadsetSettings,
 }
 
 #[derive(Clone, PartialEq, Debug, Deserialize)]
@@ -209,6 +212,7 @@ impl Config {
             "must be 0.5 to 4",
         )?;
         let ranges = gamepad.ranges().into_iter().chain(stereo.ranges()).chain(light.ranges());
+        let ranges = ranges.chain(self.headset.ranges());
         for (key, value, range, rule) in ranges {
             demand(range.contains(&value), key, value.to_string(), rule)?;
         }
@@ -290,6 +294,12 @@ mod tests {
     }
 
     #[test]
+    fn the_profile_of_the_headset_is_usable() {
+        let config = parse(include_str!("../config/hmd.toml")).unwrap();
+        assert!(config.headset.enabled);
+    }
+
+    #[test]
     fn a_partial_file_keeps_the_other_defaults() {
         let config = parse("[memory]\nhistory_mib = 7").unwrap();
         assert_eq!(config.limits().history_bytes, 7 << 20);
@@ -319,6 +329,8 @@ mod tests {
             ("[stereo]\nlayout = \"holo\"", "holo"),
             ("[stereo]\nconvergence_percent = 0.0", "stereo.convergence_percent"),
             ("[video]\nsource = \"https://phone/video\"", "https://"),
+            ("[headset]\nsize_m = 0.0", "headset.size_m"),
+            ("[headset]\nhand = \"third\"", "third"),
             ("[window", "my.toml"),
         ];
         for (text, needle) in cases {

@@ -22,7 +22,7 @@ use crate::view::StereoLayout;
 /// Factor on the tool's size for one press of a key.
 const GROWTH: f32 = 1.15;
 /// Factor on the tool's size for one notch of the wheel.
-const GROWTH_PER_NOTCH: f32 = 1.1;
+pub(super) const GROWTH_PER_NOTCH: f32 = 1.1;
 
 impl Workbench {
     pub(super) fn carry_out(&mut self, intent: Intent) {
@@ -288,7 +288,7 @@ impl Workbench {
     }
 
     /// Makes the tool larger (`notches` above 0) or smaller, by `factor` a notch.
-    fn resize(&mut self, notches: f32, factor: f32) {
+    pub(super) fn resize(&mut self, notches: f32, factor: f32) {
         let factor = factor.powf(notches.clamp(-20.0, 20.0));
         match self.ui.hand.tool {
             Tool::Solid => self.ui.hand.scale_by(factor),
@@ -394,6 +394,7 @@ impl Workbench {
         match self.session.execute(command, &()) {
             Ok(applied) => {
                 self.pads.bitten += applied.stats.voxels_changed();
+                self.bitten_by_hand += applied.stats.voxels_changed();
                 if self.session.document().grid().dims() != dims {
                     self.sculpture_replaced();
                 }

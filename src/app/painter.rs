@@ -89,7 +89,7 @@ impl Painter {
 }
 
 /// Quiet greys, lighter above, that let any colour of stone stand out.
-fn background(theme: Theme) -> Background {
+pub(super) fn background(theme: Theme) -> Background {
     let grey = |r: u8, g: u8, b: u8| Vec3::new(r.into(), g.into(), b.into()) / 255.0;
     match theme {
         Theme::Dark => {

@@ -39,8 +39,19 @@ pub(super) enum Guide {
 
 /// What a stroke does along its path.
 enum Work {
-    Solid { mode: ToolMode, guide: Guide },
-    Spray { kind: SprayKind, options: SprayOptions },
+    Solid {
+        mode: ToolMode,
+        guide: Guide,
+    },
+    Spray {
+        kind: SprayKind,
+        options: SprayOptions,
+    },
+    /// A spray that is held in a hand, with rays of its own.
+    Can {
+        kind: SprayKind,
+        options: SprayOptions,
+    },
 }
 
 /// A stroke that is not finished.
@@ -96,6 +107,49 @@ impl Workbench {
             let pixel = stop.truncate().max(Vec2::ZERO).as_uvec2().min(map.rays.size - 1);
             let (radius, outline) = (options.radius_px, options.outline);
             let footprint = Footprint::of_pixel(&map.rays, pixel, radius, outline);
+            let command = options.command(*kind, self.ui.hand.colour, footprint);
+            if !self.execute(&command) {
+                self.cancel_stroke();
+            }
+        }
+    }
+
+    /// Opens a stroke of a spray that is held in a hand, and uses it. `footprint`: its rays;
+    /// `spacing_vx`: how far they go along the surface before it is used again.
+    pub(super) fn begin_can(
+        &mut self,
+        kind: SprayKind,
+        options: SprayOptions,
+        footprint: Footprint,
+        spacing_vx: f32,
+    ) {
+        if self.stroke.is_some() || !self.execute(&Command::Begin { label: kind.name().into() }) {
+            return;
+        }
+        if kind.gives_colour() {
+            self.ui.hand.used_colour();
+        }
+        let path = Path::new(footprint.eye_vx + footprint.aim, spacing_vx, Vec3::ONE);
+        self.stroke = Some(StrokeInHand { work: Work::Can { kind, options }, path });
+        self.use_can(footprint);
+    }
+
+    /// Leads the stroke of a spray that is held in a hand.
+    pub(super) fn lead_can(&mut self, footprint: Footprint) {
+        let at = footprint.eye_vx + footprint.aim;
+        if let Some(StrokeInHand { work: Work::Can { .. }, path }) = &mut self.stroke {
+            let mut due = false;
+            let mut way = *path;
+            way.line_to(at, |_| due = true);
+            if due {
+                path.jump_to(at, |_| ());
+                self.use_can(footprint);
+            }
+        }
+    }
+
+    fn use_can(&mut self, footprint: Footprint) {
+        if let Some(StrokeInHand { work: Work::Can { kind, options }, .. }) = &self.stroke {
             let command = options.command(*kind, self.ui.hand.colour, footprint);
             if !self.execute(&command) {
                 self.cancel_stroke();

@@ -16,9 +16,6 @@ use crate::config::Config;
 use crate::gpu::{Device, GpuError, ValidationLog, WindowHost};
 use crate::view::StereoLayout;
 
-/// Longest wait for an image of the window; a compositor may give none to a hidden window.
-const PATIENCE: Duration = Duration::from_millis(200);
-
 /// The main window with all that draws to it. Fields are dropped in this order.
 pub struct View {
     painter: Painter,
@@ -59,8 +56,13 @@ impl View {
         self.pane.window().set_title(&format!("{name}{star} – Virtual Sculpture"));
     }
 
-    /// Waits for a free image of the window; none while there is nothing to draw to.
-    pub fn begin(&mut self, bench: &mut Workbench) -> Result<Option<Frame>, GpuError> {
+    /// Waits up to `patience` for a free image of the window; none while there is nothing to draw
+    /// to.
+    pub fn begin(
+        &mut self,
+        bench: &mut Workbench,
+        patience: Duration,
+    ) -> Result<Option<Frame>, GpuError> {
         bench.quad_buffered = self.pane.screen().can_layer();
         let layout = &mut bench.ui.view.stereo.layout;
         if *layout == StereoLayout::Layers && !bench.quad_buffered {
@@ -69,7 +71,7 @@ impl View {
             bench.ui.toasts.error(format!("{text}; showing the eyes side by side"));
         }
         self.pane.arrange(bench.ui.view.stereo.layout);
-        self.pane.begin(PATIENCE)
+        self.pane.begin(patience)
     }
 
     /// Lets the gamepad do its part. What it does with the pointer the next pass of the interface

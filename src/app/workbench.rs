@@ -31,7 +31,7 @@ use crate::session::Session;
 use crate::shade::normal;
 use crate::surface::IndexMap;
 use crate::ui::{self, Facts, FrameTimes, UiState};
-use crate::view::{Eye, StereoLayout};
+use crate::view::{Eye, Pose, StereoLayout};
 
 /// Everything but the screen.
 pub struct Workbench {
@@ -49,6 +49,10 @@ pub struct Workbench {
     panel_mappers: BTreeMap<Panel, Mapper>,
     shift_tap: ShiftTap,
     pub(super) pads: Pads,
+    /// Voxels that were changed since a hand in the room last felt it.
+    pub(super) bitten_by_hand: u64,
+    /// Where a hand in the room has led the tool last.
+    pub(super) hand_pose: Option<Pose>,
     pub(super) stage: Stage,
     pub(super) head: Head,
     pub(super) ar: Ar,
@@ -93,6 +97,8 @@ impl Workbench {
             panel_mappers: BTreeMap::new(),
             shift_tap: ShiftTap::default(),
             pads: Pads::new(&config.gamepad),
+            bitten_by_hand: 0,
+            hand_pose: None,
             stage,
             head: Head::new(config),
             ar: Ar::new(&config.ar),
@@ -264,6 +270,19 @@ impl Workbench {
         self.ui.torn.remove(&panel);
         self.hear(Some(panel), &[DeviceEvent::FocusLost]);
         self.panel_mappers.remove(&panel);
+    }
+
+    /// One pass of the board in a headset: everything that the window has beside its picture.
+    pub fn show_on_board(&mut self, root: &mut Ui) {
+        self.follow_job();
+        let mut intents = Vec::new();
+        self.with_facts(|ui, facts| ui::board::show(root, ui, facts, &mut intents));
+        if !intents.is_empty() {
+            root.request_repaint();
+        }
+        for intent in intents {
+            self.carry_out(intent);
+        }
     }
 
     fn with_facts<T>(&mut self, show: impl FnOnce(&mut UiState, &Facts) -> T) -> T {

@@ -4,6 +4,7 @@
 //! the person wants as [`Intent`]s. It changes no sculpture and knows no Vulkan.
 
 pub mod ar;
+pub mod board;
 pub mod busy;
 pub mod buttons;
 pub mod files;

@@ -16,6 +16,7 @@ use crate::command::Command;
 use crate::config::{
     Config, Finish, LightSettings, RenderMode, SCALE_RANGE, StereoSettings, Theme, VideoSettings,
 };
+use crate::input::hands::HandSide;
 use crate::input::remap::KeyChange;
 use crate::input::{Action, Panel};
 use crate::progress::Stage;
@@ -125,6 +126,8 @@ pub struct UiState {
     pub torn: BTreeSet<Panel>,
     /// Lets a gamepad shake when the tool bites.
     pub rumble: bool,
+    /// The hand that has the tool in a headset.
+    pub hand_side: HandSide,
     /// Index of the table of bindings in use.
     pub preset: usize,
     pub guide: super::guide::Guide,
@@ -167,6 +170,7 @@ impl UiState {
             scale: Scale::new(config.window.scale),
             torn: BTreeSet::new(),
             rumble: config.gamepad.rumble,
+            hand_side: config.headset.hand,
             preset: 0,
             guide: Default::default(),
             help_open: false,

@@ -1,0 +1,60 @@
+//! Owns what helps the hands in a headset: the tool and its lines as in the window, the cone of a
+//! spray, the ray to the board, lines on the floor.
+
+use std::f32::consts::TAU;
+
+use glam::Vec3;
+
+use crate::app::guides::{self, Aid};
+use crate::app::workbench::Workbench;
+use crate::render::overlay::{Ghost, Line};
+use crate::sculpture::Rgb;
+use crate::view::Room;
+
+/// Half the side of the floor that is drawn, and the distance between its lines, in metres.
+const FLOOR_M: f32 = 2.0;
+const FLOOR_STEP_M: f32 = 0.5;
+const FLOOR: Rgb = Rgb::new(0x8a, 0x94, 0xa4);
+const RAY: Rgb = Rgb::new(0x4a, 0xc8, 0xf0);
+const SEGMENTS: usize = 32;
+
+/// What is drawn besides the sculpture. `ray`: from a hand to the board; `floor`: the room has
+/// one that is not seen.
+pub fn guides(
+    bench: &Workbench,
+    room: &Room,
+    ray: Option<[Vec3; 2]>,
+    floor: bool,
+) -> (Option<Ghost>, Vec<Line>) {
+    // The pointer and what it sees belong to the window.
+    let aid = Aid { seen: None, pointer: None, ..bench.aid() };
+    let (ghost, mut lines) = (guides::ghost(&aid), guides::lines(&aid));
+    let line = |from, to, colour, width_px, opacity| Line { from, to, colour, width_px, opacity };
+    if let Some(can) = bench.can(room).filter(|_| bench.ui.view.tool) {
+        let tip = can.eye_vx + can.aim;
+        let rim = |i: usize| {
+            let (sin, cos) = (TAU * i as f32 / SEGMENTS as f32).sin_cos();
+            tip + (can.across * cos + can.down * sin) * can.radius
+        };
+        let colour = bench.ui.hand.colour;
+        lines.extend((0..SEGMENTS).map(|i| line(rim(i), rim(i + 1), colour, 1.4, [0.9, 0.3])));
+        lines.push(line(can.eye_vx, tip, colour, 1.2, [0.6, 0.2]));
+    }
+    let at = |point| bench.grid_point(point, room);
+    if let Some([from, to]) = ray {
+        lines.push(line(at(from), at(to), RAY, 1.8, [0.8, 0.8]));
+    }
+    if floor {
+        let count = (2.0 * FLOOR_M / FLOOR_STEP_M) as i32;
+        for i in 0..=count {
+            let x = i as f32 * FLOOR_STEP_M - FLOOR_M;
+            for [from, to] in [
+                [Vec3::new(x, 0.0, -FLOOR_M), Vec3::new(x, 0.0, FLOOR_M)],
+                [Vec3::new(-FLOOR_M, 0.0, x), Vec3::new(FLOOR_M, 0.0, x)],
+            ] {
+                lines.push(line(at(from), at(to), FLOOR, 1.0, [0.35, 0.0]));
+            }
+        }
+    }
+    (ghost, lines)
+}

@@ -1,0 +1,332 @@
+//! Owns being in a headset: the session with all that draws to it, where the sculpture stands in
+//! the room, what the hands hold.
+
+use std::sync::Arc;
+
+use ash::vk;
+use glam::{UVec3, Vec3};
+
+use super::guides::guides;
+use super::hands::Held;
+use super::pane::BoardPane;
+use super::shots::Shots;
+use crate::app::painter::background;
+use crate::app::workbench::Workbench;
+use crate::config::{HeadsetSettings, RenderMode};
+use crate::gpu::{GpuError, ValidationLog};
+use crate::input::hands::{Board, HandAsk, HandMapper, HandsState};
+use crate::input::pad::rumble::Rumble;
+use crate::render::renderer::Shot;
+use crate::render::{Background, Renderer};
+use crate::screen::headset::{
+    FrameNews, FrameTime, HeadsetError, Layers, Link, LinkOptions, Standing,
+};
+use crate::view::{Pose, Room, RoomView};
+
+type Result<T> = std::result::Result<T, HeadsetError>;
+
+/// Pictures are copied to the headset as they are.
+const FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
+
+/// A session in a headset. Fields are dropped in this order: what draws before its device.
+pub struct Presence {
+    renderer: Renderer,
+    pane: BoardPane,
+    link: Link,
+    settings: HeadsetSettings,
+    mapper: HandMapper,
+    held: Held,
+    rumble: Rumble,
+    /// When the hand was last let feel something, in seconds of the headset's clock.
+    felt_s: Option<f64>,
+    board_open: bool,
+    /// Where the world lies in the room, and for which size of a sculpture.
+    room: Option<(Room, Extent)>,
+    /// Everything is to come before the head again.
+    recentring: bool,
+    /// The sculpture stands as the person has left it, for an earlier session.
+    stood: bool,
+    showing: bool,
+}
+
+/// Voxels and edge lengths of a sculpture.
+#[derive(Clone, Copy, PartialEq, Debug)]
+struct Extent {
+    dims: UVec3,
+    voxel_size: Vec3,
+}
+
+impl Extent {
+    fn of(bench: &Workbench) -> Extent {
+        let grid = bench.session().document().grid();
+        Extent { dims: grid.dims(), voxel_size: grid.voxel_size() }
+    }
+
+    /// The longest side in world units.
+    fn longest(&self) -> f32 {
+        (self.dims.as_vec3() * self.voxel_size).max_element()
+    }
+}
+
+impl Presence {
+    /// `stood`: the sculpture has stood in a headset before.
+    pub fn new(
+        settings: &HeadsetSettings,
+        options: &LinkOptions,
+        stood: bool,
+        tell: impl Fn(FrameNews) -> bool + Send + 'static,
+    ) -> Result<Presence> {
+        let link = Link::connect(options, tell)?;
+        let device = link.device().clone();
+        let points = settings.board_pixels_per_point();
+        Ok(Presence {
+            renderer: Renderer::new(&device, FORMAT)?,
+            pane: BoardPane::new(&device, options.board_px, points)?,
+            link,
+            settings: settings.clone(),
+            mapper: HandMapper::new(settings.hands()),
+            held: Held::default(),
+            rumble: Rumble::default(),
+            felt_s: None,
+            board_open: false,
+            room: None,
+            recentring: false,
+            stood,
+            showing: false,
+        })
+    }
+
+    pub fn name(&self) -> &str {
+        self.link.name()
+    }
+
+    pub fn is_showing(&self) -> bool {
+        self.showing
+    }
+
+    pub fn validation_log(&self) -> Arc<ValidationLog> {
+        self.link.device().validation_log().clone()
+    }
+
+    pub fn poll(&mut self) -> Result<Standing> {
+        self.link.poll()
+    }
+
+    /// The room is another: the sculpture comes before the head again.
+    pub fn recentre(&mut self) {
+        self.recentring = true;
+    }
+
+    /// Whether the sculpture stands in the room.
+    pub fn has_stood(&self) -> bool {
+        self.stood
+    }
+
+    /// What hands hold is let go.
+    pub fn let_go(&mut self, bench: &mut Workbench) {
+        let mut asks = Vec::new();
+        self.mapper.let_go(&mut asks);
+        self.obey(bench, &asks);
+        bench.hand_pose = None;
+    }
+
+    /// One frame: hear the hands and do what they ask for, let them feel it, bring the board up to
+    /// date, and at last look where the eyes are and draw what they see.
+    pub fn frame(
+        &mut self,
+        bench: &mut Workbench,
+        frame: &FrameTime,
+        shots: &mut Option<Shots>,
+        now_s: f64,
+    ) -> Result<()> {
+        if !self.link.begin()? {
+            return Ok(());
+        }
+        self.showing = frame.shown;
+        if !frame.shown {
+            self.let_go(bench);
+            return self.link.end_empty(frame);
+        }
+        let Some(views) = self.link.views(frame)? else { return self.link.end_empty(frame) };
+        self.stand(bench, &head(&views));
+        self.swap_hands(bench);
+        let hands = match self.link.is_focused() {
+            true => Some(self.link.hands(frame)?),
+            false => None,
+        };
+        match &hands {
+            Some(hands) => self.hear(bench, hands),
+            None => self.let_go(bench),
+        }
+        self.feel(bench, frame)?;
+        let board = self.board(bench, hands.as_ref());
+        let mut pass = match &board {
+            Some(_) if self.pane.is_due(now_s) => Some(self.pane.pass(bench, now_s)),
+            _ => None,
+        };
+        let ray = self.ray(hands.as_ref(), board.as_ref());
+
+        // As late as can be: the eyes have moved meanwhile.
+        let Some(views) = self.link.views(frame)? else { return self.link.end_empty(frame) };
+        let Some((room, _)) = self.room else { return self.link.end_empty(frame) };
+        let (mut recorder, slot) = self.link.record()?;
+        self.draw(bench, &mut recorder, slot, &room, &views, ray)?;
+        if let Some(pictures) = self.renderer.pictures() {
+            self.link.show(&mut recorder, pictures)?;
+        }
+        if let Some(pass) = &mut pass {
+            let picture = self.pane.draw(&mut recorder, pass)?;
+            self.link.show_board(&mut recorder, picture)?;
+        }
+        let layers = Layers { views: Some(views), board: board.as_ref() };
+        let serial = self.link.end(frame, recorder, pass.is_some(), &layers)?;
+        if let Some(pass) = &mut pass {
+            self.pane.submitted(pass, serial);
+        }
+        tracing::trace!("frame shown");
+        match shots.as_mut().filter(|shots| shots.is_due(now_s)) {
+            Some(shots) => self.shoot(shots, now_s, &views, &room, board.is_some()),
+            None => Ok(()),
+        }
+    }
+
+    /// Puts the sculpture before the head, if it does not stand in the room yet, is another, or is
+    /// called for.
+    fn stand(&mut self, bench: &mut Workbench, head: &Pose) {
+        let extent = Extent::of(bench);
+        let another = self.room.is_some_and(|(_, former)| former != extent);
+        if self.room.is_some() && !another && !self.recentring {
+            return;
+        }
+        let HeadsetSettings { size_m, distance_m, drop_m, .. } = self.settings;
+        let room = Room::before(head, distance_m, drop_m, size_m / extent.longest());
+        self.room = Some((room, extent));
+        if another || !std::mem::replace(&mut self.stood, true) {
+            bench.stand_upright();
+        } else if self.recentring {
+            bench.bring_back();
+        }
+        self.recentring = false;
+    }
+
+    fn hear(&mut self, bench: &mut Workbench, hands: &HandsState) {
+        let board = self.board(bench, Some(hands));
+        let asks = self.mapper.hear(hands, board.as_ref());
+        self.obey(bench, &asks);
+    }
+
+    /// The tool goes to the hand that the person has chosen.
+    fn swap_hands(&mut self, bench: &mut Workbench) {
+        let mut asks = Vec::new();
+        self.mapper.set_main(bench.ui.hand_side, &mut asks);
+        self.obey(bench, &asks);
+    }
+
+    fn obey(&mut self, bench: &mut Workbench, asks: &[HandAsk]) {
+        for ask in asks {
+            match ask {
+                HandAsk::ToggleBoard => {
+                    self.board_open = !self.board_open;
+                    tracing::debug!("board {}", if self.board_open { "open" } else { "closed" });
+                }
+                HandAsk::Recentre => self.recentre(),
+                _ => {}
+            }
+            self.pane.hear(ask);
+            if let Some((room, _)) = &self.room {
+                bench.do_by_hand(ask, room, &mut self.held);
+            }
+        }
+    }
+
+    /// Lets the main hand feel what the tool has bitten off.
+    fn feel(&mut self, bench: &mut Workbench, frame: &FrameTime) -> Result<()> {
+        let now_s = frame.seconds();
+        let dt_s = self.felt_s.replace(now_s).map_or(0.0, |felt| (now_s - felt).clamp(0.0, 1.0));
+        let bitten = std::mem::take(&mut bench.bitten_by_hand);
+        let felt = self.settings.haptics && self.held.is_working();
+        let before = self.rumble.is_shaking();
+        let curve = self.settings.haptics_curve();
+        let strength = self.rumble.step(felt.then_some(bitten), dt_s as f32, &curve);
+        match before || strength > 0.0 {
+            true => self.link.feel(self.mapper.settings().main, strength),
+            false => Ok(()),
+        }
+    }
+
+    /// The board on the off hand, while it is open; what asks for an answer opens it.
+    fn board(&self, bench: &Workbench, hands: Option<&HandsState>) -> Option<Board> {
+        let hand = hands?.hand(self.mapper.settings().main.other());
+        let grip = hand.grip.filter(|_| self.board_open || bench.ui.is_modal())?;
+        // Grips are tilted differently on every controller; rays are not.
+        let rotation = hand.aim.map_or(grip.rotation, |aim| aim.rotation);
+        let pose = Pose { rotation, ..grip };
+        Some(Board::on_hand(&pose, self.settings.board_size_m()))
+    }
+
+    /// From the main hand to where it points at the board.
+    fn ray(&self, hands: Option<&HandsState>, board: Option<&Board>) -> Option<[Vec3; 2]> {
+        let aim = hands?.hand(self.mapper.settings().main).aim?;
+        let hit = board?.hit(&aim)?;
+        Some([aim.position, hit.point])
+    }
+
+    fn draw(
+        &mut self,
+        bench: &mut Workbench,
+        recorder: &mut crate::gpu::Recorder,
+        slot: usize,
+        room: &Room,
+        views: &[RoomView; 2],
+        ray: Option<[Vec3; 2]>,
+    ) -> Result<()> {
+        let size = self.link.eye_size();
+        let eyes = views.map(|view| room.eye(&view, size));
+        let through = self.link.sees_through();
+        let (ghost, lines) = guides(bench, room, ray, !through);
+        let mut shot = Shot {
+            eyes: &eyes,
+            world_from_grid: bench.world_from_grid(),
+            mode: bench.ui.view.mode,
+            lighting: bench.ui.view.light.lighting(),
+            background: if through { Background::Keep } else { background(bench.ui.theme) },
+            ghosts: ghost.as_slice(),
+            lines: &lines,
+        };
+        let document = bench.session_mut().document_mut();
+        match self.renderer.paint(recorder, slot, document, &shot) {
+            Err(GpuError::Limit { .. }) => {
+                // The window says so, too, and chooses for good.
+                shot.mode = RenderMode::Ray;
+                self.renderer.paint(recorder, slot, document, &shot)?;
+            }
+            result => result?,
+        }
+        Ok(())
+    }
+
+    fn shoot(
+        &mut self,
+        shots: &mut Shots,
+        now_s: f64,
+        views: &[RoomView; 2],
+        room: &Room,
+        board: bool,
+    ) -> Result<()> {
+        let eyes = self.renderer.read_back()?;
+        let board = if board { Some(self.pane.read_back()?) } else { None };
+        if let Err(error) = shots.write(now_s, &eyes, board.as_ref(), views, room) {
+            tracing::warn!("what the eyes see cannot be written: {error}");
+        }
+        Ok(())
+    }
+}
+
+/// The head is between the eyes and looks as they do on the average.
+fn head(views: &[RoomView; 2]) -> Pose {
+    let [left, right] = views.map(|view| view.pose);
+    Pose {
+        position: (left.position + right.position) * 0.5,
+        rotation: left.rotation.slerp(right.rotation, 0.5),
+    }
+}

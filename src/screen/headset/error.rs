@@ -1,0 +1,47 @@
+//! Owns what can go wrong with a headset, said so that the person knows what lacks; and whether
+//! it is worth trying again.
+
+use openxr as xr;
+use thiserror::Error;
+
+use crate::gpu::GpuError;
+
+pub type Result<T> = std::result::Result<T, HeadsetError>;
+
+#[derive(Debug, Error)]
+pub enum HeadsetError {
+    #[error("no OpenXR loader ({0}); install it (Debian, Ubuntu: libopenxr-loader1)")]
+    NoLoader(String),
+    #[error("no OpenXR runtime answers ({0}); start SteamVR, Monado or the headset's own software")]
+    NoRuntime(String),
+    #[error("the OpenXR runtime finds no headset ({0}); plug it in and switch it on")]
+    NoHeadset(String),
+    #[error("the OpenXR runtime {runtime} {lack}")]
+    Unsuitable { runtime: String, lack: String },
+    /// The runtime went away, or wants to be left.
+    #[error("the connection to the headset is lost ({0})")]
+    Lost(&'static str),
+    #[error("OpenXR could not {doing}: {result}")]
+    Xr { doing: &'static str, result: xr::sys::Result },
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    #[error("no thread can be started for the headset: {0}")]
+    Thread(std::io::Error),
+}
+
+/// Names the step that an OpenXR call was part of: `.doing("make a swapchain")`.
+pub(super) trait Doing<T> {
+    fn doing(self, doing: &'static str) -> Result<T>;
+}
+
+impl<T> Doing<T> for xr::Result<T> {
+    fn doing(self, doing: &'static str) -> Result<T> {
+        use xr::sys::Result as R;
+        self.map_err(|result| match result {
+            R::ERROR_INSTANCE_LOST | R::ERROR_SESSION_LOST | R::ERROR_RUNTIME_UNAVAILABLE => {
+                HeadsetError::Lost(doing)
+            }
+            result => HeadsetError::Xr { doing, result },
+        })
+    }
+}

@@ -1,0 +1,23 @@
+//! The way to a headset through OpenXR: what the machine offers ([`probe`]), a session from
+//! connecting to parting ([`link`]), the states that it goes through ([`lifecycle`]), images,
+//! hands, and the wait for the next frame.
+//!
+//! The loader is a library of the system, loaded when it is first asked for, so that the program
+//! runs where there is none. Takes finished pictures; gives views and hands as values. Knows no
+//! sculpture.
+
+mod actions;
+mod chain;
+pub mod error;
+mod host;
+mod lifecycle;
+pub mod link;
+mod probe;
+mod runtime;
+mod waiter;
+
+pub use error::HeadsetError;
+pub use link::{Layers, Link, LinkOptions, RoomOrigin, Standing};
+pub use probe::probe;
+pub use runtime::Blend;
+pub use waiter::{FrameNews, FrameTime};

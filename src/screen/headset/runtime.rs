@@ -1,0 +1,155 @@
+//! Owns the connection to an OpenXR runtime with a headset: what it offers, before there is a
+//! session.
+
+use glam::UVec2;
+use openxr as xr;
+
+use super::error::{Doing, HeadsetError, Result};
+
+pub(super) const VIEWS: xr::ViewConfigurationType = xr::ViewConfigurationType::PRIMARY_STEREO;
+/// Vulkan's version that the renderer is written for.
+const VULKAN: xr::Version = xr::Version::new(1, 3, 0);
+
+/// How pictures go together with what is around the person.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Blend {
+    /// Over the surroundings where the headset can, else instead of them.
+    #[default]
+    Auto,
+    /// Pictures instead of the surroundings.
+    Opaque,
+    /// Light on top of the surroundings: black shows them.
+    Additive,
+    /// Over the surroundings by alpha.
+    Alpha,
+}
+
+impl Blend {
+    /// The mode to ask for, of those that the runtime offers, the one it prefers first.
+    fn choose(self, offered: &[xr::EnvironmentBlendMode]) -> Option<xr::EnvironmentBlendMode> {
+        use xr::EnvironmentBlendMode as Mode;
+        let order = match self {
+            Blend::Auto => [Mode::ALPHA_BLEND, Mode::ADDITIVE, Mode::OPAQUE],
+            Blend::Opaque => [Mode::OPAQUE, Mode::ADDITIVE, Mode::ALPHA_BLEND],
+            Blend::Additive => [Mode::ADDITIVE, Mode::ALPHA_BLEND, Mode::OPAQUE],
+            Blend::Alpha => [Mode::ALPHA_BLEND, Mode::ADDITIVE, Mode::OPAQUE],
+        };
+        order.into_iter().find(|mode| offered.contains(mode))
+    }
+}
+
+/// A runtime with a headset.
+pub(super) struct Runtime {
+    pub instance: xr::Instance,
+    pub system: xr::SystemId,
+    /// Its name and the headset's, for messages.
+    pub name: String,
+    /// Recommended for each eye, in pixels.
+    pub eye_size: UVec2,
+    /// The most for each eye, in pixels.
+    pub eye_limit: UVec2,
+    pub blend: xr::EnvironmentBlendMode,
+    /// Pictures may come with their depth.
+    pub takes_depth: bool,
+    /// Bare hands may be heard through actions.
+    pub hears_hands: bool,
+}
+
+impl Runtime {
+    /// Connects to the runtime of this machine.
+    pub fn connect(blend: Blend) -> Result<Runtime> {
+        // SAFETY: loading runs the loader's initialisers; a system's OpenXR loader is trusted as
+        // the Vulkan loader is.
+        let entry = unsafe { xr::Entry::load(&()) }
+            .map_err(|error| HeadsetError::NoLoader(error.to_string()))?;
+        let no_runtime = |error: xr::sys::Result| HeadsetError::NoRuntime(error.to_string());
+        let offered = entry.enumerate_extensions().map_err(no_runtime)?;
+        if !offered.khr_vulkan_enable2 {
+            return Err(HeadsetError::Unsuitable {
+                runtime: "of this machine".to_string(),
+                lack: "cannot share Vulkan images (XR_KHR_vulkan_enable2); update it".to_string(),
+            });
+        }
+        let mut extensions = xr::ExtensionSet::default();
+        extensions.khr_vulkan_enable2 = true;
+        extensions.khr_composition_layer_depth = offered.khr_composition_layer_depth;
+        extensions.ext_hand_interaction = offered.ext_hand_interaction;
+        let application = xr::ApplicationInfo {
+            application_name: "Virtual Sculpture",
+            application_version: 1,
+            engine_name: "",
+            engine_version: 0,
+            api_version: xr::Version::new(1, 0, 0),
+        };
+        let instance =
+            entry.create_instance(&application, &extensions, &[], &()).map_err(no_runtime)?;
+        let properties = instance.properties().doing("name the runtime")?;
+        let system = instance
+            .system(xr::FormFactor::HEAD_MOUNTED_DISPLAY)
+            .map_err(|error| HeadsetError::NoHeadset(error.to_string()))?;
+        let headset = instance.system_properties(system).doing("name the headset")?.system_name;
+        let name = format!("{} ({headset})", properties.runtime_name);
+        let unsuitable = |lack: String| HeadsetError::Unsuitable { runtime: name.clone(), lack };
+
+        let needs = instance
+            .graphics_requirements::<xr::Vulkan>(system)
+            .doing("say which Vulkan it needs")?;
+        if needs.min_api_version_supported > VULKAN
+            || needs.max_api_version_supported.major() < VULKAN.major()
+        {
+            return Err(unsuitable(format!(
+                "works with Vulkan {} to {}, this program with {VULKAN}",
+                needs.min_api_version_supported, needs.max_api_version_supported
+            )));
+        }
+        let views = instance
+            .enumerate_view_configuration_views(system, VIEWS)
+            .doing("say how it shows pictures")?;
+        if views.len() != 2 {
+            return Err(unsuitable(format!("shows {} views, not two", views.len())));
+        }
+        let largest = |size: &dyn Fn(&xr::ViewConfigurationView) -> [u32; 2]| {
+            views.iter().map(|view| UVec2::from(size(view))).fold(UVec2::ONE, UVec2::max)
+        };
+        let eye_size = largest(&|view| {
+            [view.recommended_image_rect_width, view.recommended_image_rect_height]
+        });
+        let eye_limit =
+            largest(&|view| [view.max_image_rect_width, view.max_image_rect_height]).max(eye_size);
+        let modes = instance
+            .enumerate_environment_blend_modes(system, VIEWS)
+            .doing("say how pictures blend with the surroundings")?;
+        let blend = blend
+            .choose(&modes)
+            .ok_or_else(|| unsuitable("offers no way to show pictures".to_string()))?;
+        Ok(Runtime {
+            takes_depth: offered.khr_composition_layer_depth,
+            hears_hands: offered.ext_hand_interaction,
+            instance,
+            system,
+            name,
+            eye_size,
+            eye_limit,
+            blend,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use xr::EnvironmentBlendMode as Mode;
+
+    #[test]
+    fn the_surroundings_are_seen_where_the_headset_can_show_them() {
+        let all = [Mode::OPAQUE, Mode::ADDITIVE, Mode::ALPHA_BLEND];
+        assert_eq!(Blend::Auto.choose(&all), Some(Mode::ALPHA_BLEND));
+        assert_eq!(Blend::Auto.choose(&all[..2]), Some(Mode::ADDITIVE));
+        assert_eq!(Blend::Auto.choose(&all[..1]), Some(Mode::OPAQUE));
+        assert_eq!(Blend::Opaque.choose(&all), Some(Mode::OPAQUE));
+        assert_eq!(Blend::Additive.choose(&all), Some(Mode::ADDITIVE));
+        assert_eq!(Blend::Opaque.choose(&[Mode::ADDITIVE]), Some(Mode::ADDITIVE), "what there is");
+        assert_eq!(Blend::Auto.choose(&[]), None);
+    }
+}

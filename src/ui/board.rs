@@ -1,0 +1,77 @@
+//! The interface as it hangs on a hand in a headset: toolbox, options, history and everything that
+//! opens over them, without a picture of the sculpture, which is in the room.
+
+use egui::{CentralPanel, Frame, Margin, Panel as Side, RichText, ScrollArea, Ui};
+
+use super::{
+    Facts, Intent, UiState, busy, files, guide, history, key_table, leave, new_dialog, options,
+    theme, toolbox, top_bar,
+};
+use crate::input::hands::HandSide;
+
+const TOOLBOX_WIDTH: f32 = 190.0;
+const HISTORY_WIDTH: f32 = 290.0;
+/// Height of the list of steps, in points; below it stand the hands' hints.
+const HISTORY_HEIGHT: f32 = 250.0;
+
+/// What the hands do, for those who open the board for the first time.
+const HINTS: [(&str, &str); 7] = [
+    ("Trigger", "use the tool; press a button here"),
+    ("Grip", "hold, move and turn the sculpture"),
+    ("Both grips", "make it larger or smaller"),
+    ("Stick up, down", "size of the tool; scroll here"),
+    ("Other stick left, right", "undo, redo"),
+    ("Menu, or a tap of the other trigger", "this board"),
+    ("Menu held", "bring the sculpture before you"),
+];
+
+/// Shows everything in `root` and adds to `intents` what was asked for.
+pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+    theme::apply(root.ctx(), state.theme, state.scale);
+    top_bar::show(root, state, facts, intents);
+    let enabled = !state.is_modal();
+    let frame = Frame::central_panel(root.style()).inner_margin(Margin::same(8));
+    Side::left("board tools").exact_size(TOOLBOX_WIDTH).resizable(false).frame(frame).show(
+        root,
+        |ui| {
+            ui.add_enabled_ui(enabled, |ui| {
+                ScrollArea::vertical()
+                    .auto_shrink(false)
+                    .show(ui, |ui| toolbox::content(ui, state, facts, intents));
+            });
+        },
+    );
+    Side::right("board history").exact_size(HISTORY_WIDTH).resizable(false).frame(frame).show(
+        root,
+        |ui| {
+            ui.add_enabled_ui(enabled, |ui| {
+                history::show(ui, facts, HISTORY_HEIGHT, intents);
+                ui.separator();
+                ui.horizontal(|ui| {
+                    ui.label("Tool in the");
+                    for side in HandSide::ALL {
+                        ui.selectable_value(&mut state.hand_side, side, side.label());
+                    }
+                });
+                for (hand, does) in HINTS {
+                    ui.label(RichText::new(hand).strong().small());
+                    ui.label(RichText::new(does).small());
+                }
+            });
+        },
+    );
+    let middle = CentralPanel::default().frame(frame).show(root, |ui| {
+        ui.add_enabled_ui(enabled, |ui| {
+            ScrollArea::vertical()
+                .auto_shrink(false)
+                .show(ui, |ui| options::content(ui, state, facts, intents));
+        });
+    });
+    guide::show(root, state, facts, intents);
+    key_table::show(root, state, facts, intents);
+    new_dialog::show(root, state, facts, intents);
+    leave::show(root, state, intents);
+    files::show(root, state, intents);
+    state.toasts.show(root, middle.response.rect);
+    busy::show(root, state, intents);
+}

@@ -1,0 +1,212 @@
+//! The program as a process in a headset, without a window.
+
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use glam::{Quat, Vec2, Vec3};
+use image::RgbaImage;
+use virtual_sculpture::config::HeadsetSettings;
+use virtual_sculpture::input::hands::Board;
+use virtual_sculpture::view::Pose;
+
+use crate::remote::EYES;
+use crate::runtime::Runtime;
+use crate::shot::Shot;
+
+/// Longer than anything takes, on a slow machine too.
+const PATIENCE: Duration = Duration::from_secs(60);
+const PROGRAM: &str = env!("CARGO_BIN_EXE_virtual-sculpture");
+
+pub struct Program {
+    child: Child,
+    log: Arc<Mutex<String>>,
+    folder: tempfile::TempDir,
+}
+
+impl Program {
+    /// Starts with a cube of stone of `dims` voxels.
+    pub fn start(runtime: &Runtime, _name: &str, dims: u32) -> Program {
+        let folder = tempfile::tempdir().unwrap();
+        let config = folder.path().join("config.toml");
+        std::fs::write(&config, format!("[new]\ndims = [{dims}, {dims}, {dims}]\n")).unwrap();
+        let mut child = runtime
+            .command(Path::new(PROGRAM))
+            .args(["--headset", "--headset-shots", "shots", "--record", "journal.sculpt"])
+            .arg("--config")
+            .arg(&config)
+            .env("RUST_LOG", "virtual_sculpture=trace")
+            .env("NO_COLOR", "1")
+            .env("HOME", folder.path())
+            .env_remove("XDG_CONFIG_HOME")
+            .env_remove("XDG_STATE_HOME")
+            .current_dir(folder.path())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let log = Arc::new(Mutex::new(String::new()));
+        let (stderr, heard) = (child.stderr.take().unwrap(), log.clone());
+        std::thread::spawn(move || {
+            for line in BufReader::new(stderr).lines().map_while(Result::ok) {
+                let mut log = heard.lock().unwrap();
+                log.push_str(&line);
+                log.push('\n');
+            }
+        });
+        Program { child, log, folder }
+    }
+
+    pub fn log(&self) -> String {
+        self.log.lock().unwrap().clone()
+    }
+
+    fn wait<T>(&self, what: &str, mut look: impl FnMut() -> Option<T>) -> T {
+        let start = Instant::now();
+        loop {
+            if let Some(found) = look() {
+                return found;
+            }
+            let alive = Path::new(&format!("/proc/{}/exe", self.child.id())).exists();
+            let late = start.elapsed() > PATIENCE;
+            if late || !alive {
+                let log = self.log();
+                let tail: Vec<&str> = log.lines().rev().take(40).collect();
+                let journal = self.journal();
+                panic!("{what} does not come (alive: {alive}): {tail:#?}\n{journal}");
+            }
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    /// Waits until the log has said something this often.
+    pub fn wait_for_log(&self, what: &str, times: usize) {
+        self.wait(what, || (self.log().matches(what).count() >= times).then_some(()));
+    }
+
+    /// Waits for so many frames from now on.
+    pub fn frames(&self, count: usize) {
+        let shown = || self.log().matches("frame shown").count();
+        let until = shown() + count;
+        self.wait("a frame", || (shown() >= until).then_some(()));
+    }
+
+    pub fn journal(&self) -> String {
+        std::fs::read_to_string(self.folder.path().join("journal.sculpt")).unwrap_or_default()
+    }
+
+    /// Waits until so many commands that begin with `text` have been carried out.
+    pub fn wait_for_command(&self, text: &str, times: usize) {
+        let count = || self.journal().lines().filter(|line| line.starts_with(text)).count();
+        self.wait(text, || (count() >= times).then_some(()));
+    }
+
+    /// Where the commands that begin with `text` have been carried out.
+    pub fn places_of(&self, text: &str) -> Vec<Vec3> {
+        let at = |line: &str| {
+            let at = line.split_whitespace().find_map(|word| word.strip_prefix("at="))?;
+            let parts: Vec<f32> = at.split(',').filter_map(|part| part.parse().ok()).collect();
+            <[f32; 3]>::try_from(parts).ok().map(Vec3::from)
+        };
+        self.journal().lines().filter(|line| line.starts_with(text)).filter_map(at).collect()
+    }
+
+    /// Voxels that are gone when the journal is carried out without a headset.
+    pub fn voxels_gone(&self) -> u64 {
+        let folder = self.folder.path();
+        let journal = self.journal();
+        let dims = "new dims=64,64,64";
+        std::fs::write(folder.join("again.sculpt"), format!("{dims}\n{journal}")).unwrap();
+        let run = Command::new(PROGRAM)
+            .args(["run", "again.sculpt", "--out", "again.pvm"])
+            .current_dir(folder)
+            .output()
+            .unwrap();
+        assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+        let import = virtual_sculpture::format::options::ImportOptions::default();
+        let limits = virtual_sculpture::document::Limits::default();
+        let path = folder.join("again.pvm");
+        let session =
+            virtual_sculpture::session::Session::open(&path, &import, limits, &()).unwrap();
+        64 * 64 * 64 - session.document().grid().opaque_count()
+    }
+
+    /// A shot taken from now on.
+    pub fn fresh_shot(&self) -> Shot {
+        self.fresh_views();
+        self.fresh_views();
+        self.shot((crate::remote::HEAD, Quat::IDENTITY))
+    }
+
+    /// A shot of this head.
+    pub fn shot_of_head(&self, position: Vec3, rotation: Quat) -> Shot {
+        self.wait("a shot of the head", || {
+            let views = self.views()?;
+            let eye = views.get("eye")?.as_array()?.first()?.get("position")?.as_array()?;
+            let eye: Vec<f32> = eye.iter().filter_map(|x| x.as_float()).map(|x| x as f32).collect();
+            let expected = position + rotation * EYES[0];
+            Vec3::from_slice(&eye).abs_diff_eq(expected, 1e-3).then_some(())
+        });
+        // The pictures belong to these views, or to later ones.
+        self.fresh_views();
+        self.shot((position, rotation))
+    }
+
+    fn shot(&self, head: (Vec3, Quat)) -> Shot {
+        let folder = self.folder.path().join("shots");
+        self.wait("a shot", || Shot::read(&folder, head))
+    }
+
+    fn views(&self) -> Option<toml::Table> {
+        let path = self.folder.path().join("shots").join("views.toml");
+        std::fs::read_to_string(path).ok()?.parse().ok()
+    }
+
+    /// Waits for the next shot.
+    fn fresh_views(&self) {
+        let number = || self.views()?.get("number")?.as_integer();
+        let before = number();
+        self.wait("another shot", || number().filter(|now| Some(*now) != before));
+    }
+
+    /// The picture of the board, once it is there.
+    pub fn board(&self) -> RgbaImage {
+        let path: PathBuf = self.folder.path().join("shots").join("board.png");
+        self.wait("the board", || Some(image::open(&path).ok()?.into_rgba8()))
+    }
+
+    /// The point of the room where a share of the board is, from its upper left corner, with the
+    /// board on an upright hand.
+    pub fn board_point(&self, share: [f32; 2], hand: Vec3) -> Vec3 {
+        let grip = Pose { position: hand, rotation: Quat::IDENTITY };
+        let board = Board::on_hand(&grip, HeadsetSettings::default().board_size_m());
+        let from_middle = Vec2::new(share[0] - 0.5, 0.5 - share[1]) * board.size_m;
+        board.pose.at(from_middle.extend(0.0))
+    }
+
+    /// Memory in use.
+    pub fn memory_kib(&self) -> u64 {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).unwrap();
+        let line = status.lines().find(|line| line.starts_with("VmRSS")).unwrap();
+        line.split_whitespace().nth(1).unwrap().parse().unwrap()
+    }
+
+    /// Ends it; it must not have complained.
+    pub fn stop(mut self) {
+        assert!(self.child.try_wait().unwrap().is_none(), "{}", self.log());
+        let log = self.log();
+        assert!(!log.contains("panicked"), "{log}");
+        assert!(!log.contains("ERROR virtual_sculpture"), "{log}");
+        self.child.kill().unwrap();
+        self.child.wait().unwrap();
+    }
+}
+
+impl Drop for Program {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}

@@ -1,0 +1,116 @@
+//! The runtime: unpacked once into the target folder, started and killed in a network of its own.
+
+use std::os::unix::fs::PermissionsExt;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::shared_data::shared_file;
+
+const INSIDE: &str = "VS_HEADSET_TEST_NETWORK";
+
+/// Runs the test `name` of this binary in a network of its own; true in there, where the test goes
+/// on. False outside, when it is over or skipped.
+pub fn alone_in_network(name: &str) -> bool {
+    if std::env::var_os(INSIDE).is_some() {
+        return true;
+    }
+    let Some(_prefix) = prefix() else { return false };
+    let status = Command::new("unshare")
+        .args(["-rn", "sh", "-c", "ip link set lo up && exec \"$0\" \"$@\""])
+        .arg(std::env::current_exe().unwrap())
+        .args(["--exact", name, "--nocapture", "--test-threads=1"])
+        .env(INSIDE, "1")
+        .status()
+        .unwrap();
+    assert!(status.success(), "{name}: {status}");
+    false
+}
+
+fn target() -> PathBuf {
+    PathBuf::from(env!("CARGO_TARGET_TMPDIR")).parent().unwrap().to_path_buf()
+}
+
+/// Where the runtime is unpacked; none (announced) where its script is not.
+fn prefix() -> Option<PathBuf> {
+    let script = shared_file("openxr/monado-prefix.sh")?;
+    let prefix = target().join("openxr-runtime");
+    // Tests run at the same time: one unpacks, the others wait.
+    let lock = std::fs::File::create(target().join("openxr-runtime.lock")).unwrap();
+    lock.lock().unwrap();
+    let ready = prefix.join("ready");
+    if !ready.exists() {
+        let out = Command::new("bash").arg(script).arg(&prefix).output().unwrap();
+        let said = String::from_utf8_lossy(&out.stderr);
+        assert!(out.status.success(), "the runtime cannot be unpacked: {said}");
+        std::fs::write(ready, "").unwrap();
+    }
+    Some(prefix)
+}
+
+/// A runtime with a headset that follows a script.
+pub struct Runtime {
+    service: Option<Child>,
+    prefix: PathBuf,
+    /// Holds its socket.
+    folder: tempfile::TempDir,
+}
+
+impl Runtime {
+    pub fn start(name: &str) -> Runtime {
+        let mut runtime = Runtime::not_started(name);
+        runtime.restart();
+        runtime
+    }
+
+    pub fn not_started(_name: &str) -> Runtime {
+        let prefix = prefix().unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let private = std::fs::Permissions::from_mode(0o700);
+        std::fs::set_permissions(folder.path(), private).unwrap();
+        Runtime { service: None, prefix, folder }
+    }
+
+    /// A command that runs with the runtime's libraries.
+    pub fn command(&self, program: &Path) -> Command {
+        let mut command = Command::new(self.prefix.join("xr"));
+        command.arg(program).env("XDG_RUNTIME_DIR_XR", self.folder.path());
+        command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY");
+        command
+    }
+
+    pub fn restart(&mut self) {
+        let socket = self.folder.path().join("monado_comp_ipc");
+        let _ = std::fs::remove_file(&socket);
+        let _ = std::fs::remove_file(self.folder.path().join("monado.pid"));
+        let service = self
+            .command(&self.prefix.join("usr/bin/monado-service"))
+            .env("P_OVERRIDE_ACTIVE_CONFIG", "remote")
+            .env("XRT_COMPOSITOR_NULL", "1")
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        self.service = Some(service);
+        let start = Instant::now();
+        while !socket.exists() {
+            assert!(start.elapsed() < Duration::from_secs(60), "the runtime does not start");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    /// As if it had crashed.
+    pub fn kill(&mut self) {
+        if let Some(mut service) = self.service.take() {
+            let _ = service.kill();
+            let _ = service.wait();
+        }
+    }
+}
+
+impl Drop for Runtime {
+    fn drop(&mut self) {
+        self.kill();
+    }
+}
