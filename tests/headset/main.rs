@@ -27,11 +27,11 @@ const DIMS: u32 = 64;
 const EDGE_M: f32 = 0.5;
 
 /// The runtime, the head at rest, and the program in it.
-fn begin(name: &str) -> (Runtime, Remote, Program) {
-    let runtime = Runtime::start(name);
+fn begin() -> (Runtime, Remote, Program) {
+    let runtime = Runtime::start();
     let mut remote = Remote::connect();
     remote.send();
-    let program = Program::start(&runtime, name, DIMS);
+    let program = Program::start(&runtime, DIMS);
     program.wait_for_log("FOCUSED", 1);
     (runtime, remote, program)
 }
@@ -46,7 +46,7 @@ fn the_picture_moves_as_the_head_does() {
     if !alone_in_network("the_picture_moves_as_the_head_does") {
         return;
     }
-    let (_runtime, mut remote, program) = begin("head");
+    let (_runtime, mut remote, program) = begin();
     // Out of the picture.
     remote.hands_away();
     let cube = Predicted { centre: middle(), edge: EDGE_M, rotation: Quat::IDENTITY };
@@ -71,7 +71,7 @@ fn the_trigger_takes_voxels_away_and_the_hand_feels_it() {
     if !alone_in_network("the_trigger_takes_voxels_away_and_the_hand_feels_it") {
         return;
     }
-    let (_runtime, mut remote, program) = begin("trigger");
+    let (_runtime, mut remote, program) = begin();
     // The tool is 0.08 m before the hand; here it is in the middle of the front.
     let front = middle() + Vec3::Z * (0.5 * EDGE_M);
     remote.place(Side::Right, front + Vec3::Z * 0.08, Quat::IDENTITY);
@@ -110,7 +110,7 @@ fn grips_carry_turn_and_scale() {
     if !alone_in_network("grips_carry_turn_and_scale") {
         return;
     }
-    let (_runtime, mut remote, program) = begin("grips");
+    let (_runtime, mut remote, program) = begin();
     remote.hands_away();
     let left = Vec3::new(-0.2, 1.2, -0.2);
     remote.place(Side::Left, left, Quat::IDENTITY);
@@ -168,7 +168,7 @@ fn the_board_opens_on_the_off_hand_and_is_pressed_by_a_ray() {
     if !alone_in_network("the_board_opens_on_the_off_hand_and_is_pressed_by_a_ray") {
         return;
     }
-    let (_runtime, mut remote, program) = begin("board");
+    let (_runtime, mut remote, program) = begin();
     let left = Vec3::new(0.0, 1.2, -0.5);
     remote.place(Side::Left, left, Quat::IDENTITY);
     remote.place(Side::Right, remote::AWAY, Quat::IDENTITY);
@@ -212,7 +212,7 @@ fn a_runtime_that_goes_and_comes_back_costs_nothing() {
     if !alone_in_network("a_runtime_that_goes_and_comes_back_costs_nothing") {
         return;
     }
-    let (mut runtime, mut remote, program) = begin("restart");
+    let (mut runtime, mut remote, program) = begin();
     remote.place(Side::Right, middle() + Vec3::Z * (0.5 * EDGE_M + 0.08), Quat::IDENTITY);
     program.frames(3);
     remote.trigger(Side::Right, true);
@@ -238,12 +238,11 @@ fn without_a_runtime_the_program_says_what_to_do() {
     if !alone_in_network("without_a_runtime_the_program_says_what_to_do") {
         return;
     }
-    let runtime = Runtime::not_started("absent");
-    let program = Program::start(&runtime, "absent", DIMS);
+    let mut runtime = Runtime::not_started();
+    let program = Program::start(&runtime, DIMS);
     program.wait_for_log("no headset: ", 1);
     assert!(program.log().contains("start SteamVR, Monado"), "{}", program.log());
     // It comes later.
-    let mut runtime = runtime;
     runtime.restart();
     program.wait_for_log("Headset connected", 1);
     program.stop();
@@ -254,7 +253,7 @@ fn a_soak_leaves_the_memory_as_it_was() {
     if !alone_in_network("a_soak_leaves_the_memory_as_it_was") {
         return;
     }
-    let (_runtime, mut remote, program) = begin("soak");
+    let (_runtime, mut remote, program) = begin();
     let mut work = |seconds: u64| {
         let start = std::time::Instant::now();
         let mut round = 0;

@@ -28,7 +28,7 @@ pub struct Program {
 
 impl Program {
     /// Starts with a cube of stone of `dims` voxels.
-    pub fn start(runtime: &Runtime, _name: &str, dims: u32) -> Program {
+    pub fn start(runtime: &Runtime, dims: u32) -> Program {
         let folder = tempfile::tempdir().unwrap();
         let config = folder.path().join("config.toml");
         std::fs::write(&config, format!("[new]\ndims = [{dims}, {dims}, {dims}]\n")).unwrap();
@@ -37,6 +37,7 @@ impl Program {
             .args(["--headset", "--headset-shots", "shots", "--record", "journal.sculpt"])
             .arg("--config")
             .arg(&config)
+            .env("VS_VALIDATION", "if-available")
             .env("RUST_LOG", "virtual_sculpture=trace")
             .env("NO_COLOR", "1")
             .env("HOME", folder.path())

@@ -43,6 +43,14 @@ fn prefix() -> Option<PathBuf> {
         let out = Command::new("bash").arg(script).arg(&prefix).output().unwrap();
         let said = String::from_utf8_lossy(&out.stderr);
         assert!(out.status.success(), "the runtime cannot be unpacked: {said}");
+        // The same with the validation layers of this machine, where there are any.
+        let plain = std::fs::read_to_string(prefix.join("xr")).unwrap();
+        let layers = "VK_LAYER_PATH=/usr/share/vulkan/explicit_layer.d";
+        let validated = plain.replace("VK_LAYER_PATH=/nonexistent", layers);
+        assert_ne!(plain, validated, "{plain}");
+        let path = prefix.join("xr-validated");
+        std::fs::write(&path, validated).unwrap();
+        std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o755)).unwrap();
         std::fs::write(ready, "").unwrap();
     }
     Some(prefix)
@@ -57,13 +65,13 @@ pub struct Runtime {
 }
 
 impl Runtime {
-    pub fn start(name: &str) -> Runtime {
-        let mut runtime = Runtime::not_started(name);
+    pub fn start() -> Runtime {
+        let mut runtime = Runtime::not_started();
         runtime.restart();
         runtime
     }
 
-    pub fn not_started(_name: &str) -> Runtime {
+    pub fn not_started() -> Runtime {
         let prefix = prefix().unwrap();
         let folder = tempfile::tempdir().unwrap();
         let private = std::fs::Permissions::from_mode(0o700);
@@ -71,9 +79,13 @@ impl Runtime {
         Runtime { service: None, prefix, folder }
     }
 
-    /// A command that runs with the runtime's libraries.
+    /// A command that runs with the runtime's libraries and the validation layers.
     pub fn command(&self, program: &Path) -> Command {
-        let mut command = Command::new(self.prefix.join("xr"));
+        self.run_by("xr-validated", program)
+    }
+
+    fn run_by(&self, wrapper: &str, program: &Path) -> Command {
+        let mut command = Command::new(self.prefix.join(wrapper));
         command.arg(program).env("XDG_RUNTIME_DIR_XR", self.folder.path());
         command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY");
         command
@@ -84,7 +96,7 @@ impl Runtime {
         let _ = std::fs::remove_file(&socket);
         let _ = std::fs::remove_file(self.folder.path().join("monado.pid"));
         let service = self
-            .command(&self.prefix.join("usr/bin/monado-service"))
+            .run_by("xr", &self.prefix.join("usr/bin/monado-service"))
             .env("P_OVERRIDE_ACTIVE_CONFIG", "remote")
             .env("XRT_COMPOSITOR_NULL", "1")
             .stdin(Stdio::null())
