@@ -7,6 +7,7 @@ pub mod gpu_only;
 pub mod gui;
 pub mod occupancy;
 pub mod overlay;
+pub mod pictures;
 pub mod points;
 pub mod ray_march;
 pub mod renderer;

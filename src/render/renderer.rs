@@ -13,22 +13,21 @@ use ash::vk;
 use glam::{Affine3A, UVec2};
 
 use super::overlay::{Ghost, Line, Overlay, Scene};
+use super::pictures::pictures;
+pub use super::pictures::{DEPTH_FORMAT, Pictures};
 use super::sampler::Sampler;
-use super::target::EyeImage;
 use super::{
     Backdrop, Background, Colours, Composite, CompositeEye, GpuOnly, IndexTarget, MAX_EYES, Points,
     Surface, SurfaceShade, Video, VideoView, Volume,
 };
 use crate::config::{RenderMode, Shading};
-use crate::document::Document;
-use crate::gpu::{Attachment, Device, Load, Recorder, Result, Use, read_image_once};
+use crate::document::{Document, Follower};
+use crate::gpu::{Device, Recorder, Result, Use, read_image_once};
 use crate::shade::points::PointCloud;
-use crate::shade::{Lighting, Pixels, ShadePose, SoftwareShader};
+use crate::shade::{Lighting, NORMAL_REACH_VX, Pixels, ShadePose, SoftwareShader, shade_rect};
 use crate::surface::IndexMap;
+use crate::surface::partial::changed_pixels;
 use crate::view::{Eye, PixelRays};
-
-/// The format of depth: reversed, 1 at the near plane and 0 at infinity.
-pub const DEPTH_FORMAT: vk::Format = vk::Format::D32_SFLOAT;
 
 /// From where and how a sculpture is to be seen.
 #[derive(Clone, Copy, Debug)]
@@ -75,6 +74,22 @@ struct PictureKey {
     lines: Vec<Line>,
 }
 
+impl SampleKey {
+    /// Whether the same is looked at from the same place in the same way, but for edits.
+    fn sees_as(&self, other: &SampleKey) -> bool {
+        let SampleKey { revision: _, eyes, world_from_grid, mode } = other;
+        (&self.eyes, &self.world_from_grid, &self.mode) == (eyes, world_from_grid, mode)
+    }
+}
+
+/// What of a picture is made anew.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Part {
+    All,
+    /// What the changed bricks may change.
+    Changed,
+}
+
 /// Makes pictures of one document.
 pub struct Renderer {
     sampler: Sampler,
@@ -92,18 +107,14 @@ pub struct Renderer {
     surface_shade: Option<SurfaceShade>,
     gpu_only: Option<GpuOnly>,
     backdrop: Option<Backdrop>,
+    /// Hears of the bricks that change between two pictures.
+    follower: Follower,
+    /// Those that changed since the last one.
+    changed: Vec<u32>,
     /// What the pictures were made of; none while they are not complete.
     shown: Option<PictureKey>,
     times: RenderTimes,
     device: Arc<Device>,
-}
-
-/// Finished pictures: a layer an eye.
-pub struct Pictures {
-    /// In the layout of [`Use::COPY_SOURCE`].
-    pub colour: EyeImage,
-    /// In the layout of [`Use::DEPTH_TARGET`], of [`DEPTH_FORMAT`].
-    pub depth: EyeImage,
 }
 
 impl Renderer {
@@ -123,6 +134,8 @@ impl Renderer {
             surface_shade: None,
             gpu_only: None,
             backdrop: None,
+            follower: Follower::default(),
+            changed: Vec::new(),
             shown: None,
             times: RenderTimes::default(),
             device: device.clone(),
@@ -165,12 +178,22 @@ impl Renderer {
                 (resample, reshade, reshade || !same)
             }
         };
+        // While nothing moves, an edit changes but a part of the picture.
+        let heard = self.hear_changes(document);
+        let part = match &before {
+            Some(before)
+                if heard && before.lighting == shot.lighting && before.sample.sees_as(&sample) =>
+            {
+                Part::Changed
+            }
+            _ => Part::All,
+        };
         if resample {
-            self.sample(document, shot)?;
+            self.sample(document, shot, part)?;
         }
         self.composite.begin(slot);
         if reshade {
-            self.shade(recorder, slot, document, shot)?;
+            self.shade(recorder, slot, document, shot, part)?;
         }
         if recompose {
             self.compose(recorder, slot, document, shot)?;
@@ -209,7 +232,17 @@ impl Renderer {
         self.times
     }
 
-    fn sample(&mut self, document: &mut Document, shot: &Shot) -> Result<()> {
+    /// Notes which bricks have changed since the last picture; false if all may have.
+    fn hear_changes(&mut self, document: &mut Document) -> bool {
+        let changed = &mut self.changed;
+        document.take_dirty_for(&self.follower, |_, bricks| {
+            changed.clear();
+            changed.extend_from_slice(bricks.unwrap_or_default());
+            bricks.is_some()
+        })
+    }
+
+    fn sample(&mut self, document: &mut Document, shot: &Shot, part: Part) -> Result<()> {
         let start = Instant::now();
         let mut rays = [None; MAX_EYES];
         for (rays, eye) in rays.iter_mut().zip(shot.eyes) {
@@ -219,7 +252,10 @@ impl Renderer {
         let nothing = eye_rays_of_nothing();
         let rays = rays.map(|rays| rays.unwrap_or(nothing));
         self.maps.resize_with(count, || Arc::new(IndexMap::new(nothing)));
-        let result = self.sampler.sample(document, &rays[..count], shot.mode, &mut self.maps);
+        let result = {
+            let changed = (part == Part::Changed).then_some(self.changed.as_slice());
+            self.sampler.sample(document, &rays[..count], shot.mode, changed, &mut self.maps)
+        };
         if result.is_err() {
             self.sampler.forget_copy();
         }
@@ -233,10 +269,11 @@ impl Renderer {
         slot: usize,
         document: &Document,
         shot: &Shot,
+        part: Part,
     ) -> Result<()> {
         let start = Instant::now();
         match shot.mode.shading() {
-            Shading::Software => self.shade_in_software(recorder, document, shot)?,
+            Shading::Software => self.shade_in_software(recorder, document, shot, part)?,
             Shading::Points => {
                 let (grid, material) = (document.grid(), document.material());
                 for (map, cloud) in self.maps.iter().zip(&mut self.clouds) {
@@ -255,12 +292,24 @@ impl Renderer {
         recorder: &mut Recorder,
         document: &Document,
         shot: &Shot,
+        part: Part,
     ) -> Result<()> {
         self.pixels.resize_with(self.maps.len(), Pixels::default);
         let (grid, material) = (document.grid(), document.material());
+        let lighting = &shot.lighting;
+        // Filters look at the pixels around, occlusion far around the voxel.
+        let part = if lighting.is_local() { part } else { Part::All };
         for ((map, pixels), eye) in self.maps.iter().zip(&mut self.pixels).zip(shot.eyes) {
             let pose = shot.pose(eye);
-            self.software.shade(map, grid, material, &pose, &shot.lighting, pixels);
+            match part {
+                Part::All => self.software.shade(map, grid, material, &pose, lighting, pixels),
+                Part::Changed => {
+                    let rects = changed_pixels(grid, &self.changed, &map.rays, NORMAL_REACH_VX);
+                    for rect in rects.as_slice() {
+                        shade_rect(map, grid, material, &pose, lighting, *rect, pixels);
+                    }
+                }
+            }
         }
         for (eye, pixels) in (0..).zip(&self.pixels) {
             self.composite.upload(recorder, eye, pixels)?;
@@ -334,14 +383,11 @@ impl Renderer {
         }
         self.overlay.begin(slot);
         for ((i, eye), map) in (0..).zip(shot.eyes).zip(&self.maps) {
-            pictures.begin(recorder, i, shot.background);
-            let background = match (&shot.video, &mut self.backdrop) {
-                (Some(video), Some(pass)) => {
-                    pass.draw(recorder, eye.size, &video.view);
-                    Background::Keep
-                }
-                _ => shot.background,
-            };
+            let background = if shot.video.is_some() { Background::Keep } else { shot.background };
+            pictures.begin(recorder, i, background);
+            if let (Some(video), Some(pass)) = (&shot.video, &mut self.backdrop) {
+                pass.draw(recorder, eye.size, &video.view);
+            }
             let view = CompositeEye {
                 rays: map.rays,
                 projection: eye.projection,
@@ -409,55 +455,6 @@ impl PictureKey {
         let video = shot.video.map(|video| video.key());
         PictureKey { sample, lighting, background, video, ghosts, lines }
     }
-}
-
-impl Pictures {
-    fn new(device: &Arc<Device>, size: UVec2, eyes: u32, format: vk::Format) -> Result<Pictures> {
-        use vk::ImageUsageFlags as Usage;
-        let usage = Usage::COLOR_ATTACHMENT | Usage::TRANSFER_SRC | Usage::SAMPLED;
-        let colour = EyeImage::new(device, "picture", size, eyes, format, usage)?;
-        let usage = Usage::DEPTH_STENCIL_ATTACHMENT | Usage::TRANSFER_SRC;
-        let depth = EyeImage::new(device, "picture depth", size, eyes, DEPTH_FORMAT, usage)?;
-        Ok(Pictures { colour, depth })
-    }
-
-    /// Over [`Background::Keep`] there is nothing: the picture is transparent where nothing is
-    /// drawn, colours premultiplied.
-    fn begin(&mut self, recorder: &mut Recorder, eye: u32, background: Background) {
-        self.colour.renew(recorder, eye, Use::COLOUR_TARGET);
-        self.depth.renew(recorder, eye, Use::DEPTH_TARGET);
-        let loads = match background {
-            Background::Keep => [Load::Colour([0.0; 4]), Load::Depth(0.0)],
-            // The composite covers every pixel of both.
-            Background::Gradient { .. } => [Load::Forget, Load::Forget],
-        };
-        let attachment = |image: &EyeImage, load| {
-            let view = image.image().layer_view(eye);
-            Some(Attachment { view, load, store: true })
-        };
-        let colour = attachment(&self.colour, loads[0]);
-        let depth = attachment(&self.depth, loads[1]);
-        recorder.begin_rendering(self.colour.size().to_array(), colour, depth);
-    }
-}
-
-/// The images for pictures of `eyes`.
-fn pictures<'a>(
-    device: &Arc<Device>,
-    pictures: &'a mut Option<Pictures>,
-    format: vk::Format,
-    eyes: &[Eye],
-) -> Result<&'a mut Pictures> {
-    let size = eyes.first().map_or(UVec2::ONE, |eye| eye.size);
-    let count = eyes.len() as u32;
-    let fits = |p: &Pictures| p.colour.size() == size && p.colour.eyes() == count;
-    if !pictures.as_ref().is_some_and(fits) {
-        *pictures = None;
-    }
-    Ok(match pictures {
-        Some(pictures) => pictures,
-        none => none.insert(Pictures::new(device, size, count, format)?),
-    })
 }
 
 /// Rays of a picture without pixels.

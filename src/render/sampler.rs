@@ -12,6 +12,7 @@ use super::{Colours, IndexReadback, IndexTarget, MAX_EYES, RayMarch, Slicing, Vo
 use crate::config::{RenderMode, Sampling, Shading};
 use crate::document::{Document, Follower};
 use crate::gpu::{Device, Frames, Recorder, Result, Staging};
+use crate::surface::partial::changed_pixels;
 use crate::surface::slices::SliceAreas;
 use crate::surface::{IndexMap, quickstep, raycast};
 use crate::view::PixelRays;
@@ -92,19 +93,38 @@ impl Sampler {
     /// Fills `maps` with what is seen of the document by `rays`: one set of rays an eye, all of
     /// one size in pixels. A map that nobody else holds keeps its memory. Where a shader on the
     /// device shades, too, the maps are not known in memory ([`IndexMap::is_known`]).
+    ///
+    /// `changed`: the only bricks that have changed since `maps` were sampled with the same rays in
+    /// the same mode; ray casters then look only at the pixels that may see them.
     pub fn sample(
         &mut self,
         document: &mut Document,
         rays: &[PixelRays],
         mode: RenderMode,
+        changed: Option<&[u32]>,
         maps: &mut [Arc<IndexMap>],
     ) -> Result<()> {
         let stays = matches!(mode.shading(), Shading::Device | Shading::Within);
         for (rays, map) in rays.iter().zip(maps.iter_mut()) {
             let map = Arc::make_mut(map);
+            let grid = document.grid();
             match mode.sampling() {
-                Sampling::Cast => raycast::sample(document.grid(), rays, map),
-                Sampling::Quickstep => quickstep::sample(document.grid(), rays, map),
+                Sampling::Cast => match changed {
+                    Some(bricks) => {
+                        for rect in changed_pixels(grid, bricks, rays, 0).as_slice() {
+                            raycast::sample_rect(grid, map, *rect);
+                        }
+                    }
+                    None => raycast::sample(grid, rays, map),
+                },
+                Sampling::Quickstep => match changed {
+                    Some(bricks) => {
+                        for rect in changed_pixels(grid, bricks, rays, 0).as_slice() {
+                            quickstep::sample_rect(grid, map, *rect);
+                        }
+                    }
+                    None => quickstep::sample(grid, rays, map),
+                },
                 _ if stays => map.forget(*rays),
                 Sampling::Slicing | Sampling::March | Sampling::Within => map.reset(*rays),
             }
@@ -134,9 +154,8 @@ impl Sampler {
             // All bricks are new to a new copy, whatever the document says has changed.
             none => none.insert({
                 let follower = Follower::default();
-                let volume = document.take_dirty_for(&follower, |contents, _| {
-                    Volume::new(device, &contents.grid)
-                })?;
+                let volume = document
+                    .take_dirty_for(&follower, |contents, _| Volume::new(device, &contents.grid))?;
                 DeviceCopy {
                     follower,
                     volume,

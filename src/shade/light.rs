@@ -77,6 +77,15 @@ impl Smoothing {
     }
 }
 
+impl Lighting {
+    /// Whether a pixel's shade depends on nothing but the voxel seen and those within
+    /// [`super::NORMAL_REACH_VX`] of it.
+    pub fn is_local(&self) -> bool {
+        let filters = [self.smooth_normals, self.smooth_colours];
+        filters == [Smoothing::Off; 2] && !self.occlusion
+    }
+}
+
 impl Default for Lighting {
     /// One white lamp above the left shoulder.
     fn default() -> Self {

@@ -40,7 +40,7 @@ impl SoftwareShader {
         out: &mut Pixels,
     ) {
         let filters = [lighting.smooth_normals, lighting.smooth_colours];
-        if filters == [Smoothing::Off; 2] && !lighting.occlusion {
+        if lighting.is_local() {
             return shade(map, grid, material, pose, lighting, out);
         }
         let illumination = Illumination::new(lighting, &pose.eye_from_world, &pose.world_from_grid);

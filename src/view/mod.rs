@@ -4,15 +4,12 @@ pub mod ar;
 pub mod camera;
 pub mod eye;
 pub mod off_axis;
+pub mod room;
 pub mod stereo;
 pub mod stereo_layout;
 
 pub use camera::Camera;
 pub use eye::{Eye, PixelRays};
+pub use room::{Pose, Room, RoomView, Similarity};
 pub use stereo::StereoRig;
 pub use stereo_layout::StereoLayout;
-pub mod room;
-
-pub use camera::Camera;
-pub use eye::{Eye, PixelRays};
-pub use room::{Pose, Room, RoomView, Similarity};

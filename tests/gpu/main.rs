@@ -11,6 +11,7 @@ mod device;
 mod fixture;
 mod modes;
 mod ray_march;
+mod partial;
 mod slicing;
 mod stereo;
 mod subjects;

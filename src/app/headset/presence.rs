@@ -288,8 +288,9 @@ impl Presence {
             eyes: &eyes,
             world_from_grid: bench.world_from_grid(),
             mode: bench.ui.view.mode,
-            lighting: bench.ui.view.light.lighting(),
+            lighting: bench.ui.view.lighting(),
             background: if through { Background::Keep } else { background(bench.ui.theme) },
+            video: None,
             ghosts: ghost.as_slice(),
             lines: &lines,
         };

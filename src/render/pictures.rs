@@ -1,0 +1,72 @@
+//! Owns the images that finished pictures are drawn to: colour and depth, a layer an eye.
+
+use std::sync::Arc;
+
+use ash::vk;
+use glam::UVec2;
+
+use super::Background;
+use super::target::EyeImage;
+use crate::gpu::{Attachment, Device, Load, Recorder, Result, Use};
+use crate::view::Eye;
+
+/// The format of depth: reversed, 1 at the near plane and 0 at infinity.
+pub const DEPTH_FORMAT: vk::Format = vk::Format::D32_SFLOAT;
+
+/// Finished pictures: a layer an eye.
+pub struct Pictures {
+    /// In the layout of [`Use::COPY_SOURCE`].
+    pub colour: EyeImage,
+    /// In the layout of [`Use::DEPTH_TARGET`], of [`DEPTH_FORMAT`].
+    pub depth: EyeImage,
+}
+
+impl Pictures {
+    fn new(device: &Arc<Device>, size: UVec2, eyes: u32, format: vk::Format) -> Result<Pictures> {
+        use vk::ImageUsageFlags as Usage;
+        let usage = Usage::COLOR_ATTACHMENT | Usage::TRANSFER_SRC | Usage::SAMPLED;
+        let colour = EyeImage::new(device, "picture", size, eyes, format, usage)?;
+        let usage = Usage::DEPTH_STENCIL_ATTACHMENT | Usage::TRANSFER_SRC;
+        let depth = EyeImage::new(device, "picture depth", size, eyes, DEPTH_FORMAT, usage)?;
+        Ok(Pictures { colour, depth })
+    }
+
+    /// Over [`Background::Keep`] there is nothing: the picture is transparent where nothing is
+    /// drawn, colours premultiplied.
+    /// Starts drawing the picture of `eye`; what is drawn first covers all of it.
+    pub(super) fn begin(&mut self, recorder: &mut Recorder, eye: u32, background: Background) {
+        self.colour.renew(recorder, eye, Use::COLOUR_TARGET);
+        self.depth.renew(recorder, eye, Use::DEPTH_TARGET);
+        let loads = match background {
+            Background::Keep => [Load::Colour([0.0; 4]), Load::Depth(0.0)],
+            // The composite covers every pixel of both.
+            Background::Gradient { .. } => [Load::Forget, Load::Forget],
+        };
+        let attachment = |image: &EyeImage, load| {
+            let view = image.image().layer_view(eye);
+            Some(Attachment { view, load, store: true })
+        };
+        let colour = attachment(&self.colour, loads[0]);
+        let depth = attachment(&self.depth, loads[1]);
+        recorder.begin_rendering(self.colour.size().to_array(), colour, depth);
+    }
+}
+
+/// The images for pictures of `eyes`.
+pub(super) fn pictures<'a>(
+    device: &Arc<Device>,
+    pictures: &'a mut Option<Pictures>,
+    format: vk::Format,
+    eyes: &[Eye],
+) -> Result<&'a mut Pictures> {
+    let size = eyes.first().map_or(UVec2::ONE, |eye| eye.size);
+    let count = eyes.len() as u32;
+    let fits = |p: &Pictures| p.colour.size() == size && p.colour.eyes() == count;
+    if !pictures.as_ref().is_some_and(fits) {
+        *pictures = None;
+    }
+    Ok(match pictures {
+        Some(pictures) => pictures,
+        none => none.insert(Pictures::new(device, size, count, format)?),
+    })
+}
