@@ -3,7 +3,7 @@
 
 use thiserror::Error;
 
-use super::options::Colouring;
+use super::options::{Colouring, ExportForm};
 use super::volume::Samples;
 use crate::sculpture::GridError;
 
@@ -16,9 +16,9 @@ pub enum FormatError {
     Cancelled,
     #[error("this is not a file but a folder or a device; name a file")]
     NotAFile,
-    #[error("the ending `{0}` is not one of those known: .pvm, .raw")]
+    #[error("the ending `{0}` is not one of those known: .vsc, .pvm, .raw")]
     UnknownEnding(String),
-    #[error("the name has no ending that tells the format; give it .pvm or .raw")]
+    #[error("the name has no ending that tells the format; give it .vsc, .pvm or .raw")]
     NoEnding,
     #[error(
         "reading this takes {needed_mib} MiB, more than the {budget_mib} MiB allowed; \
@@ -62,6 +62,15 @@ pub enum FormatError {
     TextsCut,
     #[error("the texts behind the voxels are longer than {} MiB", super::pvm::TEXTS_LIMIT >> 20)]
     TextsTooLong,
+
+    #[error("this is no .vsc sculpture: it begins with `{0}`")]
+    NotVsc(String),
+    #[error("the file is of version {0}, but this program knows version 1; take a newer program")]
+    VscVersion(u32),
+    #[error("the file is damaged: {0}")]
+    Damaged(&'static str),
+    #[error("a .vsc file holds the sculpture as it is; leave out `{0}`, or choose .pvm or .raw")]
+    FormOfVsc(ExportForm),
 
     #[error("a raw file does not say what it holds; give size and type, such as 128x128x64:u16le")]
     NoRawLayout,

@@ -1,8 +1,8 @@
 //! Owns the file formats: bytes <-> volumes <-> the contents of a sculpture. No policy: what is
 //! read and written how comes in as options, how much memory it may take as limits.
 //!
-//! The doors are [`load`], [`save`] and [`info`]. Behind them: `store` (disk), `pvm` and `dds`,
-//! `raw` (formats), `import` and `export` (volume <-> sculpture), `threshold`, `ramp` and
+//! The doors are [`load`], [`save`] and [`info`]. Behind them: `store` (disk), `vsc` (sculptures
+//! as they are), `pvm` and `dds`, `raw` (volumes), `import` and `export` (volume <-> sculpture), `threshold`, `ramp` and
 //! `signature` (what voxels mean). Errors say what is wrong and what to do; the caller adds the
 //! name of the file.
 
@@ -20,6 +20,7 @@ mod signature;
 pub mod store;
 mod threshold;
 mod volume;
+mod vsc;
 
 use std::fmt;
 use std::path::Path;
@@ -37,10 +38,11 @@ use crate::sculpture::history::Contents;
 use crate::sculpture::{Grid, Limits};
 
 /// Endings of the names of files that can be read and written.
-pub const ENDINGS: [&str; 2] = ["pvm", "raw"];
+pub const ENDINGS: [&str; 3] = ["vsc", "pvm", "raw"];
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Format {
+    Vsc,
     Pvm,
     Raw,
 }
@@ -49,6 +51,7 @@ impl Format {
     fn of(path: &Path) -> Result<Format, FormatError> {
         let ending = path.extension().ok_or(FormatError::NoEnding)?.to_string_lossy();
         match ending.to_ascii_lowercase().as_str() {
+            "vsc" => Ok(Format::Vsc),
             "pvm" => Ok(Format::Pvm),
             "raw" => Ok(Format::Raw),
             _ => Err(FormatError::UnknownEnding(format!(".{ending}"))),
@@ -60,8 +63,8 @@ impl Format {
 #[derive(Debug)]
 pub struct Loaded {
     pub contents: Contents,
-    /// What a voxel of the file holds.
-    pub samples: Samples,
+    /// What a voxel of the file holds; none of a file that is no volume but a sculpture.
+    pub samples: Option<Samples>,
     /// Texts of the file, for [`save_with_texts`].
     pub texts: Texts,
 }
@@ -74,9 +77,14 @@ pub fn load(
     limits: &Limits,
     progress: &dyn Progress,
 ) -> Result<Loaded, FormatError> {
+    if Format::of(path)? == Format::Vsc {
+        let file = read_file(path, limits, progress)?;
+        let (contents, texts) = vsc::read(&file, limits, progress)?;
+        return Ok(Loaded { contents, samples: None, texts });
+    }
     let (volume, _) = read_volume(path, options, limits, progress)?;
     let contents = import::to_contents(&volume, options, limits, progress)?;
-    Ok(Loaded { contents, samples: volume.samples, texts: volume.texts })
+    Ok(Loaded { contents, samples: Some(volume.samples), texts: volume.texts })
 }
 
 /// Reads the voxels of a file as they are, within the same limits as [`load`].
@@ -107,14 +115,18 @@ pub fn save_with_texts(
     texts: Texts,
     progress: &dyn Progress,
 ) -> Result<(), FormatError> {
-    let format = Format::of(path)?;
-    progress.begin("making the volume");
-    let volume = export::to_volume(contents, form, texts);
-    progress.end();
-    go_on(progress)?;
-    let bytes = match format {
-        Format::Pvm => pvm::write(volume?, progress)?,
-        Format::Raw => volume?.data,
+    let volume = |texts| {
+        progress.begin("making the volume");
+        let volume = export::to_volume(contents, form, texts);
+        progress.end();
+        go_on(progress)?;
+        volume
+    };
+    let bytes = match Format::of(path)? {
+        Format::Vsc if form != ExportForm::Auto => return Err(FormatError::FormOfVsc(form)),
+        Format::Vsc => vsc::write(contents, &texts, progress)?,
+        Format::Pvm => pvm::write(volume(texts)?, progress)?,
+        Format::Raw => volume(texts)?.data,
     };
     // The last moment: what is written is written.
     go_on(progress)?;
@@ -139,7 +151,8 @@ pub struct Info {
     pub dims: UVec3,
     /// Edge lengths of a voxel.
     pub voxel_size: Vec3,
-    pub samples: Samples,
+    /// None of a file that is no volume but a sculpture.
+    pub samples: Option<Samples>,
     pub texts: Texts,
     /// Of densities.
     pub densities: Option<Densities>,
@@ -167,6 +180,22 @@ pub fn info_with(
     limits: &Limits,
     progress: &dyn Progress,
 ) -> Result<Info, FormatError> {
+    if Format::of(path)? == Format::Vsc {
+        let file = read_file(path, limits, progress)?;
+        let header = vsc::read_header(&file, limits)?;
+        let vsc::Header { dims, voxel_size, colour_depth, base, texts, .. } = header;
+        let signature = Signature { form: ExportForm::Auto, colour_depth, base };
+        return Ok(Info {
+            kind: "VSC".to_string(),
+            file_bytes: file.len() as u64,
+            dims,
+            voxel_size,
+            samples: None,
+            densities: None,
+            signature: Some(signature),
+            texts,
+        });
+    }
     let (volume, source) = read_volume(path, options, limits, progress)?;
     let densities = import::histogram(&volume).map(|histogram| {
         let threshold = threshold::automatic(&histogram);
@@ -177,7 +206,7 @@ pub fn info_with(
         file_bytes: source.file_bytes,
         dims: volume.dims,
         voxel_size: volume.voxel_size,
-        samples: volume.samples,
+        samples: Some(volume.samples),
         densities,
         signature: import::trusted_signature(&volume),
         texts: volume.texts,
@@ -192,7 +221,10 @@ impl fmt::Display for Info {
         writeln!(f, "file: {} bytes", self.file_bytes)?;
         writeln!(f, "size: {x}x{y}x{z} voxels")?;
         writeln!(f, "voxel size: {} {} {}", size.x, size.y, size.z)?;
-        write!(f, "voxels: {}, {} bytes each", self.samples, self.samples.bytes())?;
+        match self.samples {
+            Some(samples) => write!(f, "voxels: {samples}, {} bytes each", samples.bytes())?,
+            None => write!(f, "voxels: as in a sculpture")?,
+        }
         if let Some(Densities { histogram, threshold }) = &self.densities {
             write!(f, "\ndensities: {} to {}", histogram.min, histogram.max)?;
             let below = histogram.count_below(*threshold);
@@ -214,6 +246,19 @@ impl fmt::Display for Info {
     }
 }
 
+/// Bytes that a file and what is made of it may take.
+fn budget_bytes(limits: &Limits) -> u64 {
+    limits.grid_bytes.saturating_add(limits.colour_bytes)
+}
+
+fn read_file(
+    path: &Path,
+    limits: &Limits,
+    progress: &dyn Progress,
+) -> Result<Vec<u8>, FormatError> {
+    store::read(path, budget_bytes(limits), |_| Ok(()), progress)
+}
+
 struct Source {
     kind: String,
     file_bytes: u64,
@@ -225,9 +270,15 @@ fn read_volume(
     limits: &Limits,
     progress: &dyn Progress,
 ) -> Result<(Volume, Source), FormatError> {
-    let budget = limits.grid_bytes.saturating_add(limits.colour_bytes);
+    let budget = budget_bytes(limits);
     let check_grid = |dims, voxel_size| Grid::check(dims, voxel_size, limits.grid_bytes);
     match Format::of(path)? {
+        Format::Vsc => {
+            let loaded = load(path, options, limits, progress)?;
+            let volume = export::to_volume(&loaded.contents, ExportForm::Auto, loaded.texts)?;
+            let file_bytes = std::fs::metadata(path)?.len();
+            Ok((volume, Source { kind: "VSC".to_string(), file_bytes }))
+        }
         Format::Pvm => {
             let file = store::read(path, budget, |_| Ok(()), progress)?;
             let file_bytes = file.len() as u64;

@@ -71,7 +71,7 @@ impl Brick {
     }
 
     /// Number of existing voxels, 0..=512.
-    #[inline]
+    #[inline(always)]
     pub fn count(&self) -> u16 {
         self.words.iter().map(|w| w.count_ones()).sum::<u32>() as u16
     }
@@ -87,23 +87,23 @@ impl Brick {
     }
 
     /// Combines two bricks word by word.
-    #[inline]
+    #[inline(always)]
     pub fn zip(&self, other: &Brick, f: impl Fn(u64, u64) -> u64) -> Brick {
         Brick { words: std::array::from_fn(|i| f(self.words[i], other.words[i])) }
     }
 
-    #[inline]
+    #[inline(always)]
     pub fn and(&self, other: &Brick) -> Brick {
         self.zip(other, |a, b| a & b)
     }
 
-    #[inline]
+    #[inline(always)]
     pub fn or(&self, other: &Brick) -> Brick {
         self.zip(other, |a, b| a | b)
     }
 
     /// The voxels of `self` that are not in `other`.
-    #[inline]
+    #[inline(always)]
     pub fn and_not(&self, other: &Brick) -> Brick {
         self.zip(other, |a, b| a & !b)
     }

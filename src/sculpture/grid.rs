@@ -216,14 +216,14 @@ impl Grid {
 
     /// Replaces a brick and keeps count and occupancy true. The bits must lie within
     /// [`Grid::valid_mask`].
-    #[inline]
+    #[inline(always)]
     pub fn set_brick(&mut self, index: usize, brick: Brick) {
         let count = brick.count();
         self.set_counted_brick(index, brick, count);
     }
 
     /// [`Grid::set_brick`] for callers that have counted the bits already.
-    #[inline]
+    #[inline(always)]
     pub fn set_counted_brick(&mut self, index: usize, brick: Brick, count: u16) {
         debug_assert_eq!(count, brick.count());
         let before = std::mem::replace(&mut self.counts[index], count);
@@ -261,10 +261,15 @@ impl Grid {
     fn recount(&mut self) {
         self.opaque = self.counts.iter().map(|&c| u64::from(c)).sum();
         self.occupancy.fill(0);
-        for index in 0..self.counts.len() {
-            if self.counts[index] != 0 {
-                let (word, bit) = self.occupancy_place(self.brick_coords(index));
-                self.occupancy[word] |= 1 << bit;
+        let rows = self.counts.chunks(self.brick_dims.x as usize);
+        for (row, counts) in (0..).zip(rows) {
+            let first = UVec3::new(0, row % self.brick_dims.y, row / self.brick_dims.y);
+            let (word, bit) = self.occupancy_place(first);
+            let words = &mut self.occupancy[word..word + self.occupancy_dims.x as usize];
+            for (word, counts) in words.iter_mut().zip(counts.chunks(4)) {
+                for (x, &count) in counts.iter().enumerate() {
+                    *word |= u64::from(count != 0) << (bit + x as u32);
+                }
             }
         }
     }

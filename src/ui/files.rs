@@ -60,7 +60,7 @@ impl Files {
 
     /// Opens the dialog, in the folder of `path` if there is one.
     pub fn open(&mut self, task: FileTask, path: Option<&Path>) {
-        const VOLUMES: &str = "Volumes (.pvm, .raw)";
+        const VOLUMES: &str = "Sculptures and volumes (.vsc, .pvm, .raw)";
         const PICTURES: &str = "Pictures (.png, .jpg)";
         let mut dialog = FileDialog::new()
             .add_file_filter_extensions(VOLUMES, crate::format::ENDINGS.to_vec())

@@ -143,7 +143,7 @@ mod tests {
             block in prop::option::of(1usize..200),
         ) {
             let layout = Layout { skip, block_bytes: block };
-            let mut expected = Vec::new();
+            let mut expected: Vec<u8> = Vec::new();
             for block in natural.chunks(block.unwrap_or(natural.len()).max(1)) {
                 for plane in 0..skip {
                     expected.extend(block.iter().skip(plane).step_by(skip));

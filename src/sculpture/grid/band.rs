@@ -1,12 +1,13 @@
 //! Owns the parallel door to a grid: bands of four slabs of bricks along z, each lent to one
-//! task, because four slabs are what one occupancy word spans and so share nothing.
+//! task, because four slabs are what one occupancy word spans and so share nothing; and, for
+//! loaders, runs of bricks in linear order.
 
 use std::ops::Range;
 
 use glam::UVec3;
 use rayon::prelude::*;
 
-use super::{Grid, valid_mask};
+use super::{Grid, unflatten, valid_mask};
 use crate::sculpture::brick::{BRICK_VOXELS, Brick};
 
 /// Slabs of bricks in a band.
@@ -63,7 +64,7 @@ impl GridBand<'_> {
 
     /// Replaces the brick at brick coordinates `b` and linear index `index` by one of `count`
     /// voxels, all of them within [`GridBand::valid_mask`].
-    #[inline]
+    #[inline(always)]
     pub fn set(&mut self, b: UVec3, index: u32, brick: &Brick, count: u16) {
         debug_assert_eq!(count, brick.count());
         debug_assert_eq!(index, self.brick_index(b));
@@ -80,7 +81,7 @@ impl GridBand<'_> {
 
     /// Makes `len` bricks along x from the one at `b` on full, which were all empty, or empty,
     /// which were all full.
-    #[inline]
+    #[inline(always)]
     pub fn flip_run(&mut self, b: UVec3, index: u32, len: u32, full: bool) {
         let at = (index - self.first) as usize;
         let range = at..at + len as usize;
@@ -100,7 +101,48 @@ impl GridBand<'_> {
     }
 }
 
+/// What a brick may hold, by its linear index.
+#[derive(Clone, Copy, Debug)]
+pub struct BrickPlaces {
+    dims: UVec3,
+    brick_dims: UVec3,
+}
+
+impl BrickPlaces {
+    /// [`Grid::valid_mask`].
+    #[inline]
+    pub fn valid_mask(&self, index: usize) -> Brick {
+        valid_mask(self.dims, unflatten(index as u32, self.brick_dims))
+    }
+}
+
 impl Grid {
+    /// Hands all bricks to `f`, in runs of `run` in linear order, each with the linear index of
+    /// its first brick, on all threads. `f` must leave only valid bits. Gives what `f` gives, in
+    /// order, or one of its errors.
+    pub fn try_fill_chunks<T: Send, E: Send>(
+        &mut self,
+        run: usize,
+        f: impl Fn(usize, &mut [Brick], &BrickPlaces) -> Result<T, E> + Sync,
+    ) -> Result<Vec<T>, E> {
+        let places = BrickPlaces { dims: self.dims, brick_dims: self.brick_dims };
+        let result = self
+            .bricks
+            .par_chunks_mut(run)
+            .zip(self.counts.par_chunks_mut(run))
+            .enumerate()
+            .map(|(i, (bricks, counts))| {
+                let result = f(i * run, bricks, &places);
+                for (count, brick) in counts.iter_mut().zip(bricks) {
+                    *count = brick.count();
+                }
+                result
+            })
+            .collect();
+        self.recount();
+        result
+    }
+
     /// Number of bands.
     pub fn band_count(&self) -> usize {
         self.brick_dims.z.div_ceil(BAND_SLABS) as usize

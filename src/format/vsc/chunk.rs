@@ -1,0 +1,250 @@
+//! Owns how some thousand bricks, with their colours, become bytes, and back.
+//!
+//! A chunk is packed by LZ4 (Collet, "LZ4 Block Format Description") from these parts:
+//!
+//! 1. a byte a brick: bits 0 and 1 say whether it is empty (0), full (1) or mixed (2), bit 2
+//!    whether it has a page of colours. Full is what lies within the grid;
+//! 2. two bytes for each mixed brick, two bits for each of its words, the first word lowest: 0
+//!    empty, 1 full, 2 mixed;
+//! 3. eight bytes for each mixed word;
+//! 4. the pages. A page begins with the number of its colours, if they are at most 16: then the
+//!    colours follow and, of two or more, half a byte a voxel that names one of them, the first
+//!    voxel in the lower half. A page of more colours begins with 0, and all 512 follow.
+//!
+//! Numbers are little-endian; bricks, words, voxels and colours are those of memory. A chunk of
+//! nothing but empty or nothing but full bricks without pages takes no bytes at all.
+
+use crate::format::FormatError;
+use crate::sculpture::brick::BRICK_VOXELS;
+use crate::sculpture::material::Page;
+use crate::sculpture::{Brick, ColourDepth};
+
+const EMPTY: u8 = 0;
+const FULL: u8 = 1;
+const MIXED: u8 = 2;
+const HAS_PAGE: u8 = 4;
+
+/// Most colours that a page names once instead of at every voxel.
+const PALETTE: usize = 16;
+
+const VOXELS: usize = BRICK_VOXELS as usize;
+
+/// LZ4 cannot unpack a byte to more than so many.
+const MOST_PER_BYTE: u64 = 255;
+
+/// What a chunk packs to, as the table of the file has it.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Entry {
+    /// Bytes in the file; 0 for a chunk of one kind.
+    pub packed_bytes: u32,
+    /// Bytes once unpacked; of a chunk without bytes 1 if it is full, 0 if it is empty.
+    pub plain_bytes: u32,
+    /// Bricks with a page.
+    pub pages: u32,
+    /// CRC-32 of the packed bytes.
+    pub checksum: u32,
+}
+
+impl Entry {
+    /// Checks the entry of a chunk of `bricks` before memory is taken for it.
+    pub fn check(&self, bricks: usize, depth: ColourDepth) -> Result<(), FormatError> {
+        let page = 1 + (VOXELS.max(PALETTE + VOXELS / 2)) * depth.bytes().max(1);
+        let most = (bricks * 67) as u64 + u64::from(self.pages) * page as u64;
+        let plain = u64::from(self.plain_bytes);
+        let fits = match self.packed_bytes {
+            0 => plain <= 1 && self.pages == 0,
+            packed => plain <= most && plain <= MOST_PER_BYTE * u64::from(packed),
+        };
+        let pages_fit = self.pages == 0 || depth != ColourDepth::None;
+        if fits && pages_fit && self.pages as usize <= bricks {
+            Ok(())
+        } else {
+            Err(FormatError::Damaged("its table asks for too much"))
+        }
+    }
+}
+
+/// Packs bricks; `valid` names the voxels that a brick may have, `page` its colours, both by the
+/// place in the chunk.
+pub fn pack<'a>(
+    bricks: &[Brick],
+    valid: impl Fn(usize) -> Brick,
+    page: impl Fn(usize) -> Option<&'a [u8]>,
+    depth: ColourDepth,
+) -> (Entry, Vec<u8>) {
+    let mut classes = Vec::with_capacity(bricks.len() * 16);
+    let (mut shapes, mut words, mut pages) = (Vec::new(), Vec::new(), Vec::new());
+    let mut page_count = 0;
+    for (i, brick) in bricks.iter().enumerate() {
+        let class = if brick.is_empty() {
+            EMPTY
+        } else if brick.is_full() || *brick == valid(i) {
+            FULL
+        } else {
+            let mut shape = 0u16;
+            for (w, &word) in brick.words.iter().enumerate() {
+                let class = match word {
+                    0 => EMPTY,
+                    u64::MAX => FULL,
+                    _ => {
+                        words.extend_from_slice(&word.to_le_bytes());
+                        MIXED
+                    }
+                };
+                shape |= u16::from(class) << (2 * w);
+            }
+            shapes.extend_from_slice(&shape.to_le_bytes());
+            MIXED
+        };
+        let colours = page(i);
+        if let Some(colours) = colours {
+            page_count += 1;
+            pack_page(colours, depth.bytes(), &mut pages);
+        }
+        classes.push(class | if colours.is_some() { HAS_PAGE } else { 0 });
+    }
+    if classes.iter().all(|&class| class == classes[0]) && classes[0] <= FULL {
+        let entry = Entry { plain_bytes: u32::from(classes[0]), ..Entry::default() };
+        return (entry, Vec::new());
+    }
+    for part in [shapes, words, pages] {
+        classes.extend_from_slice(&part);
+    }
+    let packed = lz4_flex::block::compress(&classes);
+    let entry = Entry {
+        packed_bytes: packed.len() as u32,
+        plain_bytes: classes.len() as u32,
+        pages: page_count,
+        checksum: crc32fast::hash(&packed),
+    };
+    (entry, packed)
+}
+
+/// Unpacks a chunk to `bricks`, which must be empty, and gives its pages by their place. The entry
+/// must have been checked.
+pub fn unpack(
+    entry: &Entry,
+    packed: &[u8],
+    bricks: &mut [Brick],
+    valid: impl Fn(usize) -> Brick,
+    depth: ColourDepth,
+) -> Result<Vec<(usize, Page)>, FormatError> {
+    if entry.packed_bytes == 0 {
+        if entry.plain_bytes == 1 {
+            bricks.iter_mut().enumerate().for_each(|(i, brick)| *brick = valid(i));
+        }
+        return Ok(Vec::new());
+    }
+    if crc32fast::hash(packed) != entry.checksum {
+        return Err(FormatError::Damaged("a checksum is wrong"));
+    }
+    let mut plain = vec![0; entry.plain_bytes as usize];
+    let unpacked = lz4_flex::block::decompress_into(packed, &mut plain);
+    if unpacked.ok() != Some(plain.len()) {
+        return Err(FormatError::Damaged("a part does not unpack"));
+    }
+    let mut rest = &plain[..];
+    let classes = take(&mut rest, bricks.len())?;
+    let mixed = classes.iter().filter(|&&class| class & !HAS_PAGE == MIXED).count();
+    let shapes = take(&mut rest, 2 * mixed)?;
+    let mut shapes = shapes.as_chunks::<2>().0.iter().map(|&bytes| u16::from_le_bytes(bytes));
+    for (i, (brick, class)) in bricks.iter_mut().zip(classes).enumerate() {
+        match class & !HAS_PAGE {
+            EMPTY => {}
+            FULL => *brick = valid(i),
+            MIXED => {
+                unpack_brick(shapes.next().unwrap_or_default(), &mut rest, brick)?;
+                if *brick != brick.and(&valid(i)) {
+                    return Err(FormatError::Damaged("it has voxels beyond its border"));
+                }
+            }
+            _ => return Err(FormatError::Damaged("a brick is of no known kind")),
+        }
+    }
+    let mut pages = Vec::with_capacity(entry.pages as usize);
+    for (i, class) in classes.iter().enumerate() {
+        if class & HAS_PAGE != 0 {
+            pages.push((i, unpack_page(depth.bytes(), &mut rest)?));
+        }
+    }
+    if !rest.is_empty() || pages.len() != entry.pages as usize {
+        return Err(FormatError::Damaged("a part has another length than it says"));
+    }
+    Ok(pages)
+}
+
+/// Unpacks a mixed brick from its words' classes and the words that follow in `rest`.
+#[inline]
+fn unpack_brick(shape: u16, rest: &mut &[u8], brick: &mut Brick) -> Result<(), FormatError> {
+    for (w, word) in brick.words.iter_mut().enumerate() {
+        *word = match (shape >> (2 * w)) as u8 & 3 {
+            EMPTY => 0,
+            FULL => u64::MAX,
+            MIXED => {
+                let Some((bytes, after)) = rest.split_first_chunk() else { return Err(CUT) };
+                *rest = after;
+                u64::from_le_bytes(*bytes)
+            }
+            _ => return Err(FormatError::Damaged("a brick is of no known kind")),
+        };
+    }
+    Ok(())
+}
+
+const CUT: FormatError = FormatError::Damaged("a part ends too early");
+
+/// Splits off the first `count` bytes.
+fn take<'a>(rest: &mut &'a [u8], count: usize) -> Result<&'a [u8], FormatError> {
+    let (taken, after) = rest.split_at_checked(count).ok_or(CUT)?;
+    *rest = after;
+    Ok(taken)
+}
+
+fn pack_page(colours: &[u8], bytes: usize, out: &mut Vec<u8>) {
+    let mut palette: Vec<&[u8]> = Vec::with_capacity(PALETTE);
+    let mut places = [0u8; VOXELS];
+    for (colour, place) in colours.chunks_exact(bytes.max(1)).zip(&mut places) {
+        // Mostly the colour of the voxel before.
+        let known = palette.iter().position(|known| *known == colour);
+        *place = match known {
+            Some(at) => at as u8,
+            None if palette.len() == PALETTE => {
+                out.push(0);
+                out.extend_from_slice(colours);
+                return;
+            }
+            None => {
+                palette.push(colour);
+                palette.len() as u8 - 1
+            }
+        };
+    }
+    out.push(palette.len() as u8);
+    palette.iter().for_each(|colour| out.extend_from_slice(colour));
+    if palette.len() > 1 {
+        out.extend(places.as_chunks::<2>().0.iter().map(|[low, high]| low | high << 4));
+    }
+}
+
+fn unpack_page(bytes: usize, rest: &mut &[u8]) -> Result<Page, FormatError> {
+    let count = usize::from(take(rest, 1)?[0]);
+    if count == 0 {
+        return Ok(take(rest, VOXELS * bytes)?.into());
+    }
+    if count > PALETTE {
+        return Err(FormatError::Damaged("a page has too many colours"));
+    }
+    let palette = take(rest, count * bytes)?;
+    if count == 1 {
+        return Ok(palette.repeat(VOXELS).into());
+    }
+    let mut page = Vec::with_capacity(VOXELS * bytes);
+    for both in take(rest, VOXELS / 2)? {
+        for place in [both & 15, both >> 4] {
+            let at = usize::from(place) * bytes;
+            let colour = palette.get(at..at + bytes);
+            page.extend_from_slice(colour.ok_or(FormatError::Damaged("a colour is missing"))?);
+        }
+    }
+    Ok(page.into())
+}

@@ -1,0 +1,270 @@
+//! Owns the program's own format: a sculpture as it is in memory, packed brick by brick. It is
+//! quick and small because it says what is there and not how dense it is.
+//!
+//! All numbers are little-endian.
+//!
+//! | bytes | what |
+//! |---|---|
+//! | 8 | `89 56 53 43 0D 0A 1A 0A`: no text file begins so, and none copied as text still does |
+//! | 4 | version, 1 |
+//! | 3 x 4 | size in voxels |
+//! | 3 x 4 | edge lengths of a voxel, as `f32` |
+//! | 1 | bits of colour: 0, 8, 16 or 24 |
+//! | 3 | base colour: red, green, blue |
+//! | 4 | bricks of a chunk |
+//! | 4 | number of chunks |
+//! | 4 | bytes of the texts |
+//! | 4 | CRC-32 of all before and of table and texts |
+//! | 16 each | the table: for each chunk packed bytes, plain bytes, pages, CRC-32 of the packed bytes |
+//! | | the texts: none at all, or four times a length and so many bytes: description, courtesy, parameter, comment |
+//! | | the chunks, one after the other; see [`chunk`] |
+//!
+//! Bricks are counted x fastest, then y, then z. Chunks know nothing of each other, so that all
+//! cores pack and unpack.
+
+mod chunk;
+
+use glam::{UVec3, Vec3};
+use rayon::prelude::*;
+
+use self::chunk::Entry;
+use super::error::excerpt;
+use super::pvm::TEXTS_LIMIT;
+use super::volume::Texts;
+use super::{FormatError, go_on};
+use crate::progress::Progress;
+use crate::sculpture::brick::BRICK_EDGE_VX;
+use crate::sculpture::history::Contents;
+use crate::sculpture::material::Page;
+use crate::sculpture::{ColourDepth, Grid, Limits, Material, Rgb};
+
+const MAGIC: [u8; 8] = [0x89, b'V', b'S', b'C', b'\r', b'\n', 0x1A, b'\n'];
+const VERSION: u32 = 1;
+
+/// Bytes before the table; the last four are the checksum.
+const HEADER_BYTES: usize = 56;
+const ENTRY_BYTES: usize = 16;
+
+/// Bricks of a chunk, as they are written and at least and at most as they are read.
+const CHUNK_BRICKS: u32 = 4096;
+const CHUNK_RANGE: std::ops::RangeInclusive<u32> = 64..=1 << 16;
+
+/// What a file says before its chunks.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Header {
+    pub dims: UVec3,
+    pub voxel_size: Vec3,
+    pub colour_depth: ColourDepth,
+    pub base: Rgb,
+    pub texts: Texts,
+    chunk_bricks: usize,
+    entries: Vec<Entry>,
+    /// Where the chunks begin.
+    body: usize,
+}
+
+/// Packs a sculpture.
+pub fn write(
+    contents: &Contents,
+    texts: &Texts,
+    progress: &dyn Progress,
+) -> Result<Vec<u8>, FormatError> {
+    let Contents { grid, material } = contents;
+    let texts = packed_texts(texts)?;
+    let depth = material.depth();
+    progress.begin("packing");
+    let chunks: Vec<(Entry, Vec<u8>)> = grid
+        .bricks()
+        .par_chunks(CHUNK_BRICKS as usize)
+        .enumerate()
+        .map(|(i, bricks)| {
+            if progress.is_cancelled() {
+                return (Entry::default(), Vec::new());
+            }
+            let first = i * CHUNK_BRICKS as usize;
+            let valid = |at: usize| grid.valid_mask(grid.brick_coords(first + at));
+            chunk::pack(bricks, valid, |at| material.page(first + at), depth)
+        })
+        .collect();
+    progress.end();
+    go_on(progress)?;
+    let mut head = MAGIC.to_vec();
+    let mut number = |v: u32| head.extend_from_slice(&v.to_le_bytes());
+    number(VERSION);
+    grid.dims().to_array().into_iter().for_each(&mut number);
+    grid.voxel_size().to_array().into_iter().for_each(|edge| number(edge.to_bits()));
+    let Rgb([r, g, b]) = material.base();
+    number(u32::from_le_bytes([depth.bits() as u8, r, g, b]));
+    number(CHUNK_BRICKS);
+    number(chunks.len() as u32);
+    number(texts.len() as u32);
+    let mut tail = Vec::with_capacity(chunks.len() * ENTRY_BYTES + texts.len());
+    for (entry, _) in &chunks {
+        let Entry { packed_bytes, plain_bytes, pages, checksum } = *entry;
+        for v in [packed_bytes, plain_bytes, pages, checksum] {
+            tail.extend_from_slice(&v.to_le_bytes());
+        }
+    }
+    tail.extend_from_slice(&texts);
+    let checksum = checksum(&head, &tail);
+    let body: usize = chunks.iter().map(|(_, packed)| packed.len()).sum();
+    let mut file = Vec::with_capacity(HEADER_BYTES + tail.len() + body);
+    file.extend_from_slice(&head);
+    file.extend_from_slice(&checksum.to_le_bytes());
+    file.extend_from_slice(&tail);
+    chunks.iter().for_each(|(_, packed)| file.extend_from_slice(packed));
+    Ok(file)
+}
+
+/// Reads what stands before the chunks, and checks that the file is as long as it says and that
+/// the sculpture is within `limits`.
+pub fn read_header(file: &[u8], limits: &Limits) -> Result<Header, FormatError> {
+    if !file.starts_with(&MAGIC) {
+        return Err(FormatError::NotVsc(excerpt(&file[..file.len().min(8)])));
+    }
+    let Some((head, rest)) = file.split_at_checked(HEADER_BYTES) else {
+        return Err(FormatError::Damaged("it ends within its header"));
+    };
+    let number = |at: usize| {
+        let bytes = head.get(at..at + 4).and_then(|bytes| bytes.try_into().ok());
+        u32::from_le_bytes(bytes.unwrap_or_default())
+    };
+    if number(8) != VERSION {
+        return Err(FormatError::VscVersion(number(8)));
+    }
+    let dims = UVec3::new(number(12), number(16), number(20));
+    let voxel_size = Vec3::from([24, 28, 32].map(|at| f32::from_bits(number(at))));
+    Grid::check(dims, voxel_size, limits.grid_bytes)?;
+    let [bits, r, g, b] = number(36).to_le_bytes();
+    let depth = ColourDepth::from_bits(u32::from(bits));
+    let colour_depth = depth.ok_or(FormatError::Damaged("its bits of colour are unknown"))?;
+    let (chunk_bricks, count, text_bytes) = (number(40), number(44), number(48));
+    let bricks = ((dims + (BRICK_EDGE_VX - 1)) / BRICK_EDGE_VX).as_u64vec3().element_product();
+    if !CHUNK_RANGE.contains(&chunk_bricks)
+        || u64::from(count) != bricks.div_ceil(u64::from(chunk_bricks))
+    {
+        return Err(FormatError::Damaged("its chunks do not fit its size"));
+    }
+    if u64::from(text_bytes) > TEXTS_LIMIT {
+        return Err(FormatError::TextsTooLong);
+    }
+    let cut = FormatError::Damaged("it ends within its table");
+    let tail_bytes = count as usize * ENTRY_BYTES + text_bytes as usize;
+    let (tail, body) = rest.split_at_checked(tail_bytes).ok_or(cut)?;
+    if checksum(&head[..HEADER_BYTES - 4], tail) != number(HEADER_BYTES - 4) {
+        return Err(FormatError::Damaged("the checksum of its header is wrong"));
+    }
+    let (table, texts) = tail.split_at(count as usize * ENTRY_BYTES);
+    let entries = table.as_chunks::<ENTRY_BYTES>().0.iter().map(|entry| {
+        let part = |i: usize| u32::from_le_bytes(std::array::from_fn(|b| entry[4 * i + b]));
+        Entry { packed_bytes: part(0), plain_bytes: part(1), pages: part(2), checksum: part(3) }
+    });
+    let entries: Vec<Entry> = entries.collect();
+    let mut left = bricks as usize;
+    for entry in &entries {
+        let bricks = left.min(chunk_bricks as usize);
+        entry.check(bricks, colour_depth)?;
+        left -= bricks;
+    }
+    let packed: u64 = entries.iter().map(|entry| u64::from(entry.packed_bytes)).sum();
+    if packed != body.len() as u64 {
+        return Err(FormatError::Damaged("it is shorter or longer than it says"));
+    }
+    let pages: u64 = entries.iter().map(|entry| u64::from(entry.pages)).sum();
+    let colours = Material::new(colour_depth, Rgb([r, g, b]), bricks as usize);
+    if pages > 0 && colours.bytes_with(pages) > limits.colour_bytes {
+        return Err(FormatError::ColourMemory {
+            needed_mib: colours.bytes_with(pages).div_ceil(1 << 20),
+            budget_mib: limits.colour_bytes >> 20,
+        });
+    }
+    Ok(Header {
+        dims,
+        voxel_size,
+        colour_depth,
+        base: Rgb([r, g, b]),
+        texts: unpacked_texts(texts)?,
+        chunk_bricks: chunk_bricks as usize,
+        entries,
+        body: HEADER_BYTES + tail_bytes,
+    })
+}
+
+/// Unpacks a sculpture, within `limits`.
+pub fn read(
+    file: &[u8],
+    limits: &Limits,
+    progress: &dyn Progress,
+) -> Result<(Contents, Texts), FormatError> {
+    let header = read_header(file, limits)?;
+    let Header { dims, voxel_size, colour_depth: depth, base, chunk_bricks, .. } = header;
+    let mut grid = Grid::new(dims, voxel_size, limits.grid_bytes)?;
+    let mut rest = &file[header.body..];
+    let chunks: Vec<(Entry, &[u8])> = header
+        .entries
+        .iter()
+        .map(|&entry| {
+            // The header's check has added up the lengths.
+            let (packed, after) = rest.split_at(entry.packed_bytes as usize);
+            rest = after;
+            (entry, packed)
+        })
+        .collect();
+    progress.begin("unpacking");
+    let pages: Result<Vec<Vec<(usize, Page)>>, FormatError> =
+        grid.try_fill_chunks(chunk_bricks, |first, bricks, place| {
+            go_on(progress)?;
+            let (entry, packed) = &chunks[first / chunk_bricks];
+            let valid = |at: usize| place.valid_mask(first + at);
+            let mut pages = chunk::unpack(entry, packed, bricks, valid, depth)?;
+            pages.iter_mut().for_each(|(at, _)| *at += first);
+            Ok(pages)
+        });
+    progress.end();
+    let mut material = Material::new(depth, base, grid.bricks().len());
+    for (brick, page) in pages?.into_iter().flatten() {
+        material.swap_page(brick, Some(page));
+    }
+    Ok((Contents { grid, material }, header.texts))
+}
+
+fn checksum(head: &[u8], tail: &[u8]) -> u32 {
+    let mut crc = crc32fast::Hasher::new();
+    crc.update(head);
+    crc.update(tail);
+    crc.finalize()
+}
+
+fn packed_texts(texts: &Texts) -> Result<Vec<u8>, FormatError> {
+    let mut packed = Vec::new();
+    if texts.is_empty() {
+        return Ok(packed);
+    }
+    for (_, text) in texts.named() {
+        packed.extend_from_slice(&(text.len() as u32).to_le_bytes());
+        packed.extend_from_slice(text);
+    }
+    if packed.len() as u64 > TEXTS_LIMIT {
+        return Err(FormatError::TextsTooLong);
+    }
+    Ok(packed)
+}
+
+fn unpacked_texts(mut packed: &[u8]) -> Result<Texts, FormatError> {
+    let mut texts = Texts::default();
+    if packed.is_empty() {
+        return Ok(texts);
+    }
+    let Texts { description, courtesy, parameter, comment } = &mut texts;
+    for text in [description, courtesy, parameter, comment] {
+        let (len, rest) = packed.split_first_chunk().ok_or(FormatError::TextsCut)?;
+        let len = u32::from_le_bytes(*len) as usize;
+        let (bytes, rest) = rest.split_at_checked(len).ok_or(FormatError::TextsCut)?;
+        *text = bytes.to_vec();
+        packed = rest;
+    }
+    if packed.is_empty() { Ok(texts) } else { Err(FormatError::Trailing(packed.len() as u64)) }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,151 @@
+use super::*;
+use crate::scenes::{self, Random};
+use crate::sculpture::Brick;
+use proptest::prelude::*;
+
+/// A sculpture of empty, full and mixed bricks, with pages of one, some and many colours, some of
+/// them under voxels that do not exist.
+fn sculpture(dims: [u32; 3], depth: ColourDepth, seed: u64) -> Contents {
+    let mut grid = Grid::new(UVec3::from(dims), Vec3::new(1.0, 0.5, 3.25), 1 << 30).unwrap();
+    let cheese = scenes::cheese(96, 12, seed).unwrap();
+    grid.fill_bricks(|b| {
+        let mut random = Random(seed ^ u64::from(b.x + 64 * b.y + 4096 * b.z));
+        match random.next_u64() % 8 {
+            0 => Brick::EMPTY,
+            1 => Brick { words: std::array::from_fn(|_| random.next_u64()) },
+            2 => Brick::FULL,
+            _ => cheese.bricks()[cheese.brick_index(b % 12)],
+        }
+    });
+    let mut material = Material::new(depth, Rgb::new(10, 200, 30), grid.bricks().len());
+    let mut random = Random(seed);
+    for brick in 0..grid.bricks().len() {
+        let colours = match random.next_u64() % 6 {
+            0 => 1,
+            1 => 2 + random.next_u64() % 15,
+            2 => 17,
+            3 => 512,
+            _ => continue,
+        };
+        let mask = Brick { words: std::array::from_fn(|_| random.next_u64()) };
+        material.paint_each(brick, if colours == 1 { &Brick::FULL } else { &mask }, |i| {
+            let shade = (u64::from(i) * 7 % colours) as u8;
+            Rgb::new(shade.wrapping_mul(37), 255 - shade, seed as u8)
+        });
+    }
+    Contents { grid, material }
+}
+
+fn texts() -> Texts {
+    Texts { description: b"a head".to_vec(), comment: vec![0, 255, 10], ..Texts::default() }
+}
+
+const DEPTHS: [ColourDepth; 4] =
+    [ColourDepth::None, ColourDepth::Bits8, ColourDepth::Bits16, ColourDepth::Bits24];
+
+#[test]
+fn what_is_written_is_read_back_to_the_byte() {
+    for (i, dims) in [[1, 1, 1], [8, 8, 8], [61, 90, 47], [200, 17, 130]].into_iter().enumerate() {
+        for depth in DEPTHS {
+            let contents = sculpture(dims, depth, i as u64);
+            for texts in [Texts::default(), texts()] {
+                let file = write(&contents, &texts, &()).unwrap();
+                let read = read(&file, &Limits::default(), &()).unwrap();
+                assert!(read == (contents.clone(), texts), "{dims:?} {depth:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_block_takes_next_to_nothing() {
+    for grid in [scenes::solid_cube(260).unwrap(), scenes::cheese(260, 0, 1).unwrap()] {
+        let material = Material::new(ColourDepth::Bits24, Rgb::default(), grid.bricks().len());
+        let contents = Contents { grid, material };
+        let file = write(&contents, &Texts::default(), &()).unwrap();
+        assert!(file.len() < 300, "{} bytes", file.len());
+        assert!(read(&file, &Limits::default(), &()).unwrap().0 == contents);
+    }
+}
+
+#[test]
+fn a_cut_file_is_refused_at_every_length() {
+    let file = write(&sculpture([40, 30, 20], ColourDepth::Bits16, 4), &texts(), &()).unwrap();
+    for len in 0..file.len() {
+        let error = read(&file[..len], &Limits::default(), &()).unwrap_err();
+        assert!(!matches!(error, FormatError::Memory { .. }), "{len}: {error}");
+    }
+    let longer = [&file[..], &[0]].concat();
+    assert!(read(&longer, &Limits::default(), &()).is_err());
+}
+
+#[test]
+fn limits_are_asked_before_memory_is_taken() {
+    let contents = sculpture([80, 80, 80], ColourDepth::Bits24, 4);
+    let file = write(&contents, &Texts::default(), &()).unwrap();
+    let limits = Limits { grid_bytes: 1 << 10, ..Limits::default() };
+    assert!(matches!(read(&file, &limits, &()), Err(FormatError::Grid(_))));
+    let limits = Limits { colour_bytes: 1 << 10, ..Limits::default() };
+    assert!(matches!(read(&file, &limits, &()), Err(FormatError::ColourMemory { .. })));
+    assert!(matches!(read(b"PVM3\n", &limits, &()), Err(FormatError::NotVsc(_))));
+    let mut newer = file.clone();
+    newer[8] = 2;
+    assert!(matches!(read(&newer, &Limits::default(), &()), Err(FormatError::VscVersion(2))));
+}
+
+/// Makes all checksums right again, so that what lies behind them is tested.
+fn sign(file: &mut [u8]) {
+    let number = |file: &[u8], at: usize| {
+        file.get(at..at + 4).map_or(0, |b| u32::from_le_bytes(b.try_into().unwrap()) as usize)
+    };
+    let (count, texts) = (number(file, 44), number(file, 48));
+    let body = HEADER_BYTES.saturating_add(count.saturating_mul(ENTRY_BYTES)).saturating_add(texts);
+    if body > file.len() {
+        return;
+    }
+    let mut from = body;
+    for entry in (HEADER_BYTES..HEADER_BYTES + count * ENTRY_BYTES).step_by(ENTRY_BYTES) {
+        let to = from.saturating_add(number(file, entry)).min(file.len());
+        let crc = crc32fast::hash(&file[from..to]);
+        file[entry + 12..entry + 16].copy_from_slice(&crc.to_le_bytes());
+        from = to;
+    }
+    let crc = checksum(&file[..HEADER_BYTES - 4], &file[HEADER_BYTES..body]);
+    file[HEADER_BYTES - 4..HEADER_BYTES].copy_from_slice(&crc.to_le_bytes());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    /// A damaged file gives an error, or a sculpture that is sound, but no panic.
+    #[test]
+    fn damage_is_found_or_harmless(
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
+        early: bool,
+        signed: bool,
+    ) {
+        let original = write(&sculpture([40, 30, 20], ColourDepth::Bits16, 4), &texts(), &()).unwrap();
+        let mut file = original.clone();
+        for (at, value) in changes {
+            let len = if early { 120.min(file.len()) } else { file.len() };
+            file[at.index(len)] = value;
+        }
+        if signed {
+            sign(&mut file);
+        }
+        let limits = Limits { grid_bytes: 4 << 20, colour_bytes: 4 << 20, ..Limits::default() };
+        match read(&file, &limits, &()) {
+            Err(error) => prop_assert!(error.to_string().len() < 300),
+            Ok((Contents { grid, material }, _)) => {
+                prop_assert!(signed || file == original);
+                for (index, brick) in grid.bricks().iter().enumerate() {
+                    prop_assert_eq!(grid.counts()[index], brick.count());
+                    let valid = grid.valid_mask(grid.brick_coords(index));
+                    prop_assert_eq!(brick.and_not(&valid), Brick::EMPTY);
+                    let page = material.page(index);
+                    prop_assert!(page.is_none_or(|page| page.len() == material.page_bytes()));
+                }
+            }
+        }
+    }
+}
