@@ -12,11 +12,13 @@ use glam::UVec3;
 use super::brick::{BRICK_EDGE_VX, Brick};
 use super::brick_set::{BrickMask, BrickSet};
 use super::colour::Rgb;
+use super::grid::GridBand;
 use super::history::Contents;
 use super::material::{Brush, Page};
 use super::region::{BrickBox, Region};
 use super::row_edit::{Piece, RowEdit};
 use super::stroke::{BandRecord, Recording, StrokeRecorder};
+use super::vectors::vectorised;
 
 /// What happens to the voxels of a region.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -78,20 +80,10 @@ pub fn edit(
     let Recording { bands, bits_kept, pages_kept } = recorder.recording();
     let slabs = bricks.min.z..bricks.max.z;
     contents.grid.edit_bands(slabs.clone(), parallel, bands, |grid, record| {
-        let mut cut = Default::default();
-        for z in grid.slabs_of(slabs.clone()) {
-            for y in bricks.min.y..bricks.max.y {
-                let row = BrickRow { x: bricks.min.x..bricks.max.x, y, z };
-                let cut = &mut cut;
-                let mut edit = RowEdit::new(grid, record, bits_kept);
-                match op {
-                    EditOp::Add(_) => row.walk(region, cut, |piece| edit.add(piece, paint)),
-                    EditOp::Subtract => row.walk(region, cut, |piece| edit.subtract(piece)),
-                    EditOp::Recolour(_) => row.walk(region, cut, |piece| edit.paint(piece)),
-                }
-                edit.close_word();
-            }
-        }
+        vectorised(
+            #[inline(always)]
+            || edit_band(region, op, paint, &bricks, bits_kept, grid, record),
+        );
     });
     let any_to_paint = bands.iter().any(|band| !band.to_paint.is_empty());
     if let Some(brush) = brush.as_ref().filter(|_| any_to_paint) {
@@ -103,6 +95,49 @@ pub fn edit(
         });
     }
     recorder.close_edit(dirty)
+}
+
+/// Does `op` to the voxels of `region` that lie in `bricks` and a band of the grid; colours are
+/// only put down to be painted, if `paint`.
+#[inline(always)]
+fn edit_band<R: Region>(
+    region: &R,
+    op: EditOp,
+    paint: bool,
+    bricks: &BrickBox,
+    bits_kept: &BrickSet,
+    grid: &mut GridBand,
+    record: &mut BandRecord,
+) {
+    let mut cut = Default::default();
+    for z in grid.slabs_of(bricks.min.z..bricks.max.z) {
+        for y in bricks.min.y..bricks.max.y {
+            let row = BrickRow { x: bricks.min.x..bricks.max.x, y, z };
+            let cut = &mut cut;
+            let mut edit = RowEdit::new(grid, record, bits_kept);
+            match op {
+                EditOp::Add(_) => row.walk(
+                    region,
+                    cut,
+                    #[inline(always)]
+                    |piece| edit.add(piece, paint),
+                ),
+                EditOp::Subtract => row.walk(
+                    region,
+                    cut,
+                    #[inline(always)]
+                    |piece| edit.subtract(piece),
+                ),
+                EditOp::Recolour(_) => row.walk(
+                    region,
+                    cut,
+                    #[inline(always)]
+                    |piece| edit.paint(piece),
+                ),
+            }
+            edit.close_word();
+        }
+    }
 }
 
 /// The brush for `colour`, unless painting with it cannot change anything.

@@ -20,6 +20,7 @@ pub mod region;
 mod row_edit;
 pub mod selection;
 pub mod stroke;
+pub mod vectors;
 
 pub use brick::Brick;
 pub use colour::{ColourDepth, Rgb};

@@ -7,6 +7,7 @@ use super::brick::{BRICK_VOXELS, Brick};
 use super::brick_set::{BrickMask, BrickSet};
 use super::history::Contents;
 use super::material::Page;
+use super::vectors::vectorised;
 
 /// Earlier values of some bricks, each at most once.
 #[derive(Default, Debug)]
@@ -86,6 +87,14 @@ impl BrickRecord {
     /// Writes the kept values into `contents` and returns the values they replace. Adds every
     /// brick that may have changed to `touched`.
     pub fn swap(self, contents: &mut Contents, touched: &mut BrickSet) -> BrickRecord {
+        vectorised(
+            #[inline(always)]
+            || self.swap_all(contents, touched),
+        )
+    }
+
+    #[inline(always)]
+    fn swap_all(self, contents: &mut Contents, touched: &mut BrickSet) -> BrickRecord {
         let mut reverse = BrickRecord::default();
         let mut mixed_bits = self.mixed_bits.into_iter();
         for bricks in self.empty {
@@ -109,6 +118,7 @@ impl BrickRecord {
     }
 
     /// Sets bricks of one word to what `bits` gives for them in turn, and keeps what they were.
+    #[inline(always)]
     fn swap_word(
         &mut self,
         bricks: BrickMask,

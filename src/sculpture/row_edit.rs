@@ -210,7 +210,7 @@ impl<'a, 'g> RowEdit<'a, 'g> {
     }
 
     /// Writes what has been gathered. Must be called after the row's last brick.
-    #[inline]
+    #[inline(always)]
     pub fn close_word(&mut self) {
         if self.changed != 0 {
             let fresh = !self.kept_of_word;

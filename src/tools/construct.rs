@@ -269,6 +269,7 @@ fn first_where(range: Range<i32>, p: impl Fn(i32) -> bool) -> i32 {
 }
 
 /// Cuts a box of voxels by a row of bricks.
+#[inline(always)]
 fn cut_box(inside: &VoxelBox, y_vx: u32, z_vx: u32, spans: &mut RowSpans) {
     let (from, to) = (i16x8::splat(inside.min.x as i16), i16x8::splat(inside.max.x as i16));
     let y = i16x8::splat(y_vx as i16) + i16x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
@@ -304,6 +305,7 @@ impl Region for PlacedSolid {
         self.bounds
     }
 
+    #[inline(always)]
     fn cut_row(&self, y_vx: u32, z_vx: u32, row: &mut SolidRow) -> RowReach {
         let VoxelBox { min, max } = self.reachable;
         let (x, spans) = (min.x..max.x, &mut row.spans);
@@ -324,7 +326,7 @@ impl Region for PlacedSolid {
         RowReach { touched: min.x as u32 / edge..(max.x as u32).div_ceil(edge), whole: 0..0 }
     }
 
-    #[inline]
+    #[inline(always)]
     fn mask(&self, row: &SolidRow, reach: &RowReach, brick_x: u32) -> Brick {
         match row.torn {
             None => row.spans.mask(brick_x, &reach.whole),

@@ -46,7 +46,7 @@ impl RowSpans {
     }
 
     /// Bricks along x that the spans touch and fill.
-    #[inline]
+    #[inline(always)]
     pub fn reach(&self) -> RowReach {
         let (mut first, mut last) = (NEVER, i16x8::ZERO);
         let (mut all_from, mut all_to) = (i16x8::ZERO, NEVER);
@@ -69,7 +69,7 @@ impl RowSpans {
     }
 
     /// The voxels of a touched brick that lie in the spans. `whole` is that of [`RowSpans::reach`].
-    #[inline]
+    #[inline(always)]
     pub fn mask(&self, brick_x: u32, whole: &Range<u32>) -> Brick {
         // A brick at or after the first whole one has no row that begins in it, and one before
         // the last none that ends.
