@@ -18,9 +18,9 @@ use crate::sculpture::{Grid, Material, NO_VOXEL, Rgb};
 use crate::surface::{IndexMap, PixelRect};
 
 /// Rows of pixels that one parallel task shades.
-const BAND_ROWS: usize = 16;
+const BAND_ROWS: usize = 32;
 /// Width of the strips of a band: the bricks of a strip stay in the nearest cache.
-const STRIP_PX: usize = 32;
+const STRIP_PX: usize = 64;
 
 /// Where the sculpture and the eye are.
 #[derive(Clone, Copy, PartialEq, Debug)]

@@ -21,6 +21,7 @@ use crate::view::PixelRays;
 
 /// A voxel that exists near the beginning of the solid along `origin + t * direction`, `t >= 0`,
 /// in grid coordinates.
+#[inline(always)]
 pub fn cast(grid: &Grid, origin: Vec3, direction: Vec3) -> Option<UVec3> {
     let ray = Ray::new(origin, direction)?;
     let mut walk = Walk::enter(grid, ray)?;
@@ -44,10 +45,17 @@ pub fn sample(grid: &Grid, rays: &PixelRays, map: &mut IndexMap) {
 
 /// Samples anew the pixels of `rect` (cut to the picture) with the rays that `map` was made with.
 pub fn sample_rect(grid: &Grid, map: &mut IndexMap, rect: PixelRect) {
-    sample_each(grid, map, rect, |origin, direction| cast(grid, origin, direction));
+    sample_each(
+        grid,
+        map,
+        rect,
+        #[inline(always)]
+        |origin, direction| cast(grid, origin, direction),
+    );
 }
 
 /// The first existing voxel of the line from `first` to `last`, both in `brick`.
+#[inline(always)]
 fn line(brick: &Brick, first: IVec3, last: IVec3) -> Option<UVec3> {
     let exists = |v: IVec3| {
         let v = v.as_uvec3();

@@ -27,6 +27,7 @@ use self::sweep::Sweep;
 use self::walk::Walk;
 use super::index_map::{IndexMap, PixelRect};
 use super::tiles::for_each_tile;
+use crate::sculpture::vectors::vectorised;
 use crate::sculpture::{Grid, NO_VOXEL};
 use crate::view::PixelRays;
 
@@ -88,12 +89,17 @@ pub(super) fn sample_each(
     let rays = map.rays;
     for_each_tile(map, rect, |mut tile| {
         let PixelRect { min, max } = tile.rect;
-        for y in min.y..max.y {
-            for (pixel, x) in tile.row(y - min.y).iter_mut().zip(min.x..) {
-                let voxel = first_voxel(rays.origin, rays.direction(x, y));
-                *pixel = voxel.map_or(NO_VOXEL, |voxel| grid.voxel_index(voxel));
-            }
-        }
+        vectorised(
+            #[inline(always)]
+            || {
+                for y in min.y..max.y {
+                    for (pixel, x) in tile.row(y - min.y).iter_mut().zip(min.x..) {
+                        let voxel = first_voxel(rays.origin, rays.direction(x, y));
+                        *pixel = voxel.map_or(NO_VOXEL, |voxel| grid.voxel_index(voxel));
+                    }
+                }
+            },
+        );
     });
 }
 

@@ -46,6 +46,7 @@ pub(crate) struct Ray {
 
 impl Ray {
     /// `None` where origin or direction are not finite or the direction has no length.
+    #[inline(always)]
     pub fn new(origin: Vec3, direction: Vec3) -> Option<Ray> {
         let usable = origin.is_finite() && direction.is_finite() && direction != Vec3::ZERO;
         usable.then(|| Ray::new_unchecked(origin, direction))

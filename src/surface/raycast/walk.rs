@@ -26,6 +26,7 @@ pub(in crate::surface) struct Walk<'a> {
 
 impl<'a> Walk<'a> {
     /// Brings the ray to the first voxel of the grid that it meets.
+    #[inline(always)]
     pub fn enter(grid: &'a Grid, ray: Ray) -> Option<Walk<'a>> {
         let dims = grid.dims().as_ivec3();
         let mut event = Crossing::START;
@@ -73,6 +74,7 @@ impl<'a> Walk<'a> {
 
     /// Stays where it is if that is in a brick that is not empty, else moves to the first voxel
     /// of the next one. False if there is none.
+    #[inline(always)]
     pub fn find_brick(&mut self) -> bool {
         while let Some(level) = self.empty_level() {
             if !self.leave(level) {
@@ -83,21 +85,25 @@ impl<'a> Walk<'a> {
     }
 
     /// Moves to the first voxel after the present brick. False if that is outside of the grid.
+    #[inline(always)]
     pub fn leave_brick(&mut self) -> bool {
         self.leave(BRICK)
     }
 
     /// The last voxel of the present brick on the ray (which may lie beyond the grid's border).
+    #[inline(always)]
     pub fn last_in_brick(&self) -> IVec3 {
         let (event, mut cell) = self.after(BRICK);
         cell[event.axis] -= self.ray.step[event.axis];
         cell
     }
 
+    #[inline(always)]
     pub fn cell(&self) -> IVec3 {
         self.cell
     }
 
+    #[inline(always)]
     pub fn brick(&self) -> &'a Brick {
         &self.grid.bricks()[self.grid.brick_index(self.cell.as_uvec3() / BRICK_EDGE_VX)]
     }
