@@ -11,6 +11,7 @@ use clap::{Args, Parser, Subcommand};
 use glam::Vec3;
 
 use crate::app;
+use crate::bench::{self, BenchJob, Kernel, Suite};
 use crate::config::{Config, Profile, RenderMode};
 use crate::doctor;
 use crate::format::options::{Colouring, Existence, ExportForm, ImportOptions, RawLayout};
@@ -122,6 +123,27 @@ pub enum Job {
         #[arg(long, default_value_t = 80.0, value_name = "MM", value_parser = parse_marker_mm)]
         size_mm: f64,
     },
+    /// Measure pictures, edits and files on this machine
+    Bench {
+        /// Write the figures to this file
+        #[arg(long, value_name = "FILE")]
+        json: Option<PathBuf>,
+        /// Draw modes against scenes to this SVG
+        #[arg(long, value_name = "SVG")]
+        plot: Option<PathBuf>,
+        #[arg(long, value_enum, default_value_t)]
+        suite: Suite,
+        /// Run this kernel alone, for tools that count instructions
+        #[arg(long, value_enum)]
+        kernel: Option<Kernel>,
+        /// How often to run the kernel
+        #[arg(long, default_value_t = 1, value_name = "N", requires = "kernel")]
+        repeat: usize,
+        /// Scenes (cube, engine, cheese, gyroid) and files to measure with
+        scenes: Vec<String>,
+        #[command(flatten)]
+        import: ImportArgs,
+    },
     /// List the commands of scripts
     Commands,
     /// Say what this machine offers: Vulkan devices, gamepads, OpenXR, settings
@@ -200,6 +222,11 @@ fn dispatch(cli: Cli) -> Result<(), JobError> {
         }
         Some(Job::Track(args)) => Ok(track::run(&args, &config)?),
         Some(Job::Marker { out, id, size_mm }) => headless::marker(id, size_mm, &out),
+        Some(Job::Bench { json, plot, suite, kernel, repeat, scenes, import }) => {
+            let import = import.options();
+            let job = BenchJob { json, plot, suite, kernel, repeat, scenes, import };
+            Ok(bench::run(&job, &config, &progress)?)
+        }
         Some(Job::Commands) => {
             headless::commands();
             Ok(())

@@ -8,6 +8,7 @@ use glam::UVec3;
 use thiserror::Error;
 
 use crate::app::AppError;
+use crate::bench::BenchError;
 use crate::cli::PictureArgs;
 use crate::command::{COMMANDS, Command};
 use crate::command_text::{ScriptError, parse_script};
@@ -66,15 +67,32 @@ pub enum JobError {
     #[error(transparent)]
     Session(#[from] SessionError),
     #[error("cannot read {path}: {error}")]
-    Info { path: PathBuf, error: FormatError },
+    Info {
+        path: PathBuf,
+        error: FormatError,
+    },
     #[error("cannot read the script {path}: {error}")]
-    ReadScript { path: PathBuf, error: std::io::Error },
+    ReadScript {
+        path: PathBuf,
+        error: std::io::Error,
+    },
     #[error("script {path}, {error}")]
-    Script { path: PathBuf, error: ScriptError },
+    Script {
+        path: PathBuf,
+        error: ScriptError,
+    },
     #[error("script {path}, line {line} (`{command}`): {error}")]
-    Command { path: PathBuf, line: usize, command: String, error: Box<SessionError> },
+    Command {
+        path: PathBuf,
+        line: usize,
+        command: String,
+        error: Box<SessionError>,
+    },
     #[error("cannot make the folder {path}: {error}")]
-    Folder { path: PathBuf, error: std::io::Error },
+    Folder {
+        path: PathBuf,
+        error: std::io::Error,
+    },
     #[error(transparent)]
     Picture(#[from] PictureError),
     #[error(transparent)]
@@ -84,7 +102,11 @@ pub enum JobError {
     #[error("there is no marker {0}; take 0 to {last}", last = family::COUNT - 1)]
     NoMarker(u32),
     #[error("cannot write {path}: {error}")]
-    WriteMarker { path: PathBuf, error: std::io::Error },
+    WriteMarker {
+        path: PathBuf,
+        error: std::io::Error,
+    },
+    Bench(#[from] BenchError),
     #[error(
         "there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); `render`, `run`, `convert`, `info` and `demo` need none"
     )]
@@ -101,6 +123,7 @@ impl JobError {
             | JobError::ReadScript { .. }
             | JobError::Script { .. }
             | JobError::Command { .. }
+            | JobError::Bench(BenchError::Subject { .. })
             | JobError::Track(TrackError::Source(
                 SourceError::ReadScript(..) | SourceError::Script(..),
             )) => 3,
@@ -113,6 +136,7 @@ impl JobError {
             | JobError::WriteMarker { .. }
             | JobError::Track(_)
             | JobError::Picture(_)
+            | JobError::Bench(_)
             | JobError::App(_) => 1,
         }
     }

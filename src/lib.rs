@@ -3,6 +3,7 @@
 //! ARCHITECTURE.md is the map of the rooms below.
 
 pub mod app;
+pub mod bench;
 pub mod cli;
 pub mod command;
 pub mod command_text;

@@ -1,0 +1,276 @@
+//! Owns the benchmark of the program: all modes on sculptures that are the same everywhere, edits,
+//! files, and the machine that it ran on.
+//!
+//! Everything is done as the program does it: edits by commands, pictures by the stages of a
+//! window, files by the doors that a person's commands take. The clock is read here alone.
+
+mod edits;
+mod files;
+mod kernel;
+mod machine;
+mod pictures;
+mod plot;
+mod report;
+mod statistics;
+mod subjects;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+use clap::ValueEnum;
+use thiserror::Error;
+
+use crate::config::{Config, RenderMode};
+use crate::document::{CommandError, Document};
+use crate::format::options::ImportOptions;
+use crate::format::{FormatError, store};
+use crate::gpu::{Device, GpuError, Headless};
+use crate::progress::Progress;
+use crate::render::Volume;
+pub use kernel::Kernel;
+use machine::Machine;
+use pictures::Pictures;
+use report::{ModeReport, Report, SceneReport};
+use statistics::{Times, measure};
+use subjects::{PICTURE_PX, Subject, eye_of};
+
+/// How much is measured.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, ValueEnum)]
+pub enum Suite {
+    /// Some seconds a scene
+    #[default]
+    Quick,
+    /// Minutes, for figures to be quoted
+    Full,
+}
+
+impl Suite {
+    fn name(self) -> &'static str {
+        match self {
+            Suite::Quick => "quick",
+            Suite::Full => "full",
+        }
+    }
+
+    /// Pictures of each mode and scene.
+    fn frames(self) -> usize {
+        match self {
+            Suite::Quick => 20,
+            Suite::Full => 200,
+        }
+    }
+
+    /// Bites into each scene in each mode, by radius.
+    fn strokes(self) -> [usize; 2] {
+        match self {
+            Suite::Quick => [100, 40],
+            Suite::Full => [1000, 200],
+        }
+    }
+
+    fn edits(self) -> usize {
+        match self {
+            Suite::Quick => 40,
+            Suite::Full => 200,
+        }
+    }
+
+    fn files(self) -> usize {
+        match self {
+            Suite::Quick => 3,
+            Suite::Full => 10,
+        }
+    }
+}
+
+/// What `bench` is asked to do.
+#[derive(Debug)]
+pub struct BenchJob {
+    pub json: Option<PathBuf>,
+    pub plot: Option<PathBuf>,
+    pub suite: Suite,
+    /// Run this alone.
+    pub kernel: Option<Kernel>,
+    pub repeat: usize,
+    /// Names of scenes and files; the standard scenes if there are none.
+    pub scenes: Vec<String>,
+    pub import: ImportOptions,
+}
+
+/// Why a benchmark failed.
+#[derive(Debug, Error)]
+pub enum BenchError {
+    #[error("cannot use {subject}: {error}")]
+    Subject { subject: String, error: FormatError },
+    #[error("cannot measure files: {0}")]
+    Files(FormatError),
+    #[error(transparent)]
+    Command(#[from] CommandError),
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    #[error("cannot write {path}: {error}")]
+    Write { path: PathBuf, error: std::io::Error },
+    #[error("cannot write the figures as JSON: {0}")]
+    Json(#[from] serde_json::Error),
+}
+
+/// Measures, prints tables, and writes JSON and a plot where asked.
+pub fn run(job: &BenchJob, config: &Config, progress: &dyn Progress) -> Result<(), BenchError> {
+    if let Some(kernel) = job.kernel {
+        return run_kernel(kernel, job, config, progress);
+    }
+    let device = Device::new(&mut Headless, &config.device_options());
+    let machine = Machine::survey(device.as_ref().map_err(|error| error.to_string()));
+    let device = device.ok();
+    let mut subjects: Vec<Subject> = job.scenes.iter().map(|name| Subject::of_name(name)).collect();
+    if subjects.is_empty() || subjects.iter().all(|s| s.path().is_some()) {
+        subjects = Subject::STANDARD.into_iter().chain(subjects).collect();
+    }
+    let mut scenes = Vec::new();
+    for subject in &subjects {
+        scenes.push(measure_scene(subject, job, config, device.as_ref(), progress)?);
+    }
+    progress.begin("measuring edits");
+    let edits = edits::edits(job.suite.edits(), config.limits())?;
+    progress.end();
+    let report = Report {
+        program: format!("virtual-sculpture {}", env!("CARGO_PKG_VERSION")),
+        suite: job.suite.name().to_string(),
+        machine,
+        picture: PICTURE_PX.to_array(),
+        scenes,
+        edits,
+        peak_memory_bytes: machine::peak_memory_bytes(),
+    };
+    println!("{report}");
+    let write = |path: &Option<PathBuf>, text: String| {
+        let Some(path) = path else { return Ok(()) };
+        println!("wrote {}", path.display());
+        store::write_atomically(path, text.as_bytes())
+            .map_err(|error| BenchError::Write { path: path.clone(), error })
+    };
+    write(&job.json, serde_json::to_string_pretty(&report)? + "\n")?;
+    write(&job.plot, plot::svg(&report))
+}
+
+fn make(
+    subject: &Subject,
+    job: &BenchJob,
+    config: &Config,
+    progress: &dyn Progress,
+) -> Result<Document, BenchError> {
+    progress.begin("making the scene");
+    let made = subject.make(&job.import, config.limits(), progress);
+    progress.end();
+    made.map_err(|error| BenchError::Subject { subject: subject.name(), error })
+}
+
+fn run_kernel(
+    kernel: Kernel,
+    job: &BenchJob,
+    config: &Config,
+    progress: &dyn Progress,
+) -> Result<(), BenchError> {
+    let scenes = if job.scenes.is_empty() { &["cheese".to_string()][..] } else { &job.scenes };
+    for name in scenes {
+        let mut document = make(&Subject::of_name(name), job, config, progress)?;
+        if let Some(Times { min_ms, median_ms, p99_ms, .. }) =
+            kernel::run(kernel, &mut document, job.repeat)
+        {
+            println!("{name}: {min_ms:.3} {median_ms:.3} {p99_ms:.3} ms: least, median, 99 of 100");
+        }
+    }
+    Ok(())
+}
+
+fn measure_scene(
+    subject: &Subject,
+    job: &BenchJob,
+    config: &Config,
+    device: Option<&Arc<Device>>,
+    progress: &dyn Progress,
+) -> Result<SceneReport, BenchError> {
+    let mut document = make(subject, job, config, progress)?;
+    progress.begin("measuring pictures");
+    let mut modes: Vec<ModeReport> = Vec::new();
+    for mode in RenderMode::ALL {
+        modes.extend(measure_mode(mode, &mut document, job.suite, config, device)?);
+    }
+    let ray = modes.iter().find(|m| m.mode == mode_name(RenderMode::Ray));
+    if let Some(ray_ms) = ray.map(|m| m.frame.median_ms) {
+        modes.iter_mut().for_each(|m| m.to_ray = Some(m.frame.median_ms / ray_ms));
+    }
+    progress.end();
+    let upload = match device {
+        Some(device) => measure(5, || {
+            let start = Instant::now();
+            Volume::new(device, document.grid())?;
+            Ok::<_, GpuError>(start.elapsed())
+        })?,
+        None => None,
+    };
+    progress.begin("measuring files");
+    let contents = document.contents();
+    // Of the slow formats only what a person would notice.
+    let (own, other): ([&str; 1], [&str; 1]) = (["vsc"], ["pvm"]);
+    let limits = config.limits();
+    let mut files =
+        files::files(contents, &own, 5 * job.suite.files(), &limits).map_err(BenchError::Files)?;
+    files.extend(
+        files::files(contents, &other, job.suite.files(), &limits).map_err(BenchError::Files)?,
+    );
+    progress.end();
+    let grid = document.grid();
+    Ok(SceneReport {
+        name: subject.name(),
+        dims: grid.dims().to_array(),
+        voxels: grid.opaque_count(),
+        memory_bytes: grid.heap_bytes() + document.material().heap_bytes(),
+        modes,
+        upload,
+        files,
+    })
+}
+
+/// The name of a mode as the command line and the configuration have it.
+fn mode_name(mode: RenderMode) -> String {
+    mode.to_possible_value().map_or_else(String::new, |value| value.get_name().to_string())
+}
+
+fn measure_mode(
+    mode: RenderMode,
+    document: &mut Document,
+    suite: Suite,
+    config: &Config,
+    device: Option<&Arc<Device>>,
+) -> Result<Option<ModeReport>, BenchError> {
+    let (eye, lighting) = (eye_of(document), config.lighting());
+    let Some(mut pictures) = Pictures::new(mode, document, eye, lighting, device)? else {
+        return Ok(None);
+    };
+    pictures.whole(document)?;
+    let frames = (0..suite.frames())
+        .map(|_| pictures.whole(document))
+        .collect::<Result<Vec<_>, GpuError>>()?;
+    let of = |stage: fn(&pictures::StageTimes) -> Option<std::time::Duration>| {
+        Times::of(&frames.iter().filter_map(stage).collect::<Vec<_>>())
+    };
+    let (Some(sample), Some(shade), Some(frame)) =
+        (of(|f| Some(f.sample)), of(|f| Some(f.shade)), of(|f| Some(f.whole())))
+    else {
+        return Ok(None);
+    };
+    let [strokes_32, strokes_64] = suite.strokes();
+    Ok(Some(ModeReport {
+        mode: mode_name(mode),
+        sample,
+        read_back: of(|f| f.read_back),
+        shade,
+        composite: of(|f| f.composite),
+        frame,
+        to_ray: None,
+        edit_32: edits::edit_to_image(document, &mut pictures, 32.0, strokes_32)?,
+        edit_64: edits::edit_to_image(document, &mut pictures, 64.0, strokes_64)?,
+    }))
+}

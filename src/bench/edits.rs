@@ -1,0 +1,200 @@
+//! Owns what is measured of edits: throughput by solid, undo and redo, and the time from an edit
+//! to the picture that shows it.
+
+use std::time::{Duration, Instant};
+
+use glam::{EulerRot, Quat, UVec3, Vec3};
+use serde::Serialize;
+
+use super::pictures::Pictures;
+use super::statistics::{Times, measure};
+use crate::command::{Command, NewSculpture};
+use crate::document::{CommandError, Document};
+use crate::gpu::GpuError;
+use crate::scenes::Random;
+use crate::sculpture::edit::EditOp;
+use crate::sculpture::{ColourDepth, Limits, Rgb};
+use crate::tools::construct::{Primitive, Solid};
+
+/// One edit, many times.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct EditReport {
+    pub name: String,
+    /// Voxels that it changes.
+    pub voxels: u64,
+    pub times: Times,
+    pub voxels_per_s: f64,
+}
+
+impl EditReport {
+    fn of(name: &str, voxels: u64, times: Times) -> EditReport {
+        let voxels_per_s = voxels as f64 / (times.median_ms * 1e-3);
+        EditReport { name: name.to_string(), voxels, times, voxels_per_s }
+    }
+}
+
+/// Edge of the block that is carved.
+const BLOCK_VX: u32 = 512;
+
+/// The commands that are measured, each on a full block.
+pub fn edits(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandError> {
+    let mut document = block(limits)?;
+    let turn = Quat::from_euler(EulerRot::XYZ, 0.4, 0.7, 1.1);
+    let even = Vec3::splat(64.0);
+    let solids = [
+        ("sphere of radius 64", Solid::Ellipsoid, even, Quat::IDENTITY),
+        ("cuboid of half edge 64", Solid::Cuboid, even, Quat::IDENTITY),
+        ("pyramid of half edge 64", Solid::Pyramid, even, Quat::IDENTITY),
+        ("turned ellipsoid 64 x 40 x 90", Solid::Ellipsoid, Vec3::new(64.0, 40.0, 90.0), turn),
+        ("turned cuboid of half edge 64", Solid::Cuboid, even, turn),
+        ("turned pyramid of half edge 64", Solid::Pyramid, even, turn),
+    ];
+    let mut reports = Vec::new();
+    for (name, solid, half, rotation) in solids {
+        let command = subtract(solid, Vec3::new(251.3, 260.7, 255.1), half, rotation);
+        let mut voxels = 0;
+        let times = measure(runs, || {
+            let start = Instant::now();
+            voxels = document.apply(&command)?.stats.voxels_changed();
+            let time = start.elapsed();
+            take_back(&mut document)?;
+            Ok::<Duration, CommandError>(time)
+        })?;
+        reports.extend(times.map(|times| EditReport::of(name, voxels, times)));
+    }
+    reports.extend(carves(&mut document, runs.div_ceil(4))?);
+    Ok(reports)
+}
+
+/// The 2000 spheres of the cheese by commands, in one stroke; taking it back, and doing it again.
+fn carves(document: &mut Document, runs: usize) -> Result<Vec<EditReport>, CommandError> {
+    let mut random = Random(1);
+    let spheres: Vec<Command> = (0..2000)
+        .map(|_| {
+            let centre = Vec3::new(random.unit(), random.unit(), random.unit());
+            let radius = Vec3::splat(4.0 + 24.0 * random.unit());
+            subtract(Solid::Ellipsoid, centre * BLOCK_VX as f32, radius, Quat::IDENTITY)
+        })
+        .collect();
+    let mut voxels = 0;
+    let (mut undo, mut redo) = (Vec::new(), Vec::new());
+    let times = measure(runs, || {
+        document.apply(&Command::Begin { label: String::new() })?;
+        let start = Instant::now();
+        voxels = 0;
+        for sphere in &spheres {
+            voxels += document.apply(sphere)?.stats.voxels_changed();
+        }
+        document.apply(&Command::End)?;
+        let time = start.elapsed();
+        let mut timed = |command: Command, times: &mut Vec<Duration>| {
+            let start = Instant::now();
+            let result = document.apply(&command);
+            times.push(start.elapsed());
+            result
+        };
+        timed(Command::Undo { steps: Some(1) }, &mut undo)?;
+        timed(Command::Redo { steps: Some(1) }, &mut redo)?;
+        take_back(document)?;
+        Ok::<Duration, CommandError>(time)
+    })?;
+    let named = [
+        ("2000 spheres of the cheese", times),
+        ("undo of these", Times::of(&undo)),
+        ("redo of these", Times::of(&redo)),
+    ];
+    let reports = named.into_iter();
+    Ok(reports.filter_map(|(name, times)| Some(EditReport::of(name, voxels, times?))).collect())
+}
+
+fn subtract(solid: Solid, centre_vx: Vec3, half: Vec3, rotation: Quat) -> Command {
+    let primitive = Primitive { solid, centre_vx, half, rotation };
+    Command::Construct { op: EditOp::Subtract, primitive }
+}
+
+fn take_back(document: &mut Document) -> Result<(), CommandError> {
+    document.apply(&Command::Undo { steps: Some(1) })?;
+    document.take_dirty(|_, _| ());
+    Ok(())
+}
+
+fn block(limits: Limits) -> Result<Document, CommandError> {
+    let new = NewSculpture {
+        dims: UVec3::splat(BLOCK_VX),
+        voxel_size: Vec3::ONE,
+        colour_depth: ColourDepth::None,
+        base: Rgb::new(200, 190, 170),
+        solid: true,
+    };
+    Document::new(&new, limits)
+}
+
+/// Bites between two renewals of the sculpture: so many leave most of it.
+const BITES: usize = 20;
+
+/// Carves balls where the surface is seen, and times each from the command to the shaded picture.
+pub fn edit_to_image(
+    document: &mut Document,
+    pictures: &mut Pictures,
+    radius_vx: f32,
+    strokes: usize,
+) -> Result<Option<Times>, GpuError> {
+    let mut random = Random(32);
+    let mut times = Vec::with_capacity(strokes);
+    let mut bites = 0;
+    // Where the eye is inside of all that exists, or nothing does, there is nothing to bite.
+    let mut missed = 0;
+    while times.len() < strokes && missed < 1000 {
+        let map = pictures.map();
+        let at = (random.next_u64() % map.voxels.len().max(1) as u64) as u32;
+        let size = map.rays.size;
+        let Some(voxel) = map.get(at % size.x, at / size.x) else {
+            missed += 1;
+            continue;
+        };
+        missed = 0;
+        let centre = document.grid().voxel_coords(voxel).as_vec3() + 0.5;
+        let half = Vec3::splat(radius_vx);
+        let bite = subtract(Solid::Ellipsoid, centre, half, Quat::IDENTITY);
+        let start = Instant::now();
+        if document.apply(&bite).is_err() {
+            break;
+        }
+        let edited = start.elapsed();
+        times.push(edited + pictures.after_edit(document)?);
+        bites += 1;
+        if bites == BITES {
+            renew(document, pictures, bites)?;
+            bites = 0;
+        }
+    }
+    renew(document, pictures, bites)?;
+    Ok(Times::of(&times))
+}
+
+/// Takes back bites, in sculpture and picture.
+fn renew(document: &mut Document, pictures: &mut Pictures, bites: usize) -> Result<(), GpuError> {
+    // Undo cannot fail outside of a stroke.
+    let undo = Command::Undo { steps: Some(bites as u32) };
+    if bites > 0 && document.apply(&undo).is_ok() {
+        pictures.after_edit(document)?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_edit_is_reported_and_taken_back() {
+        let reports = edits(1, Limits::default()).unwrap();
+        assert_eq!(reports.len(), 9);
+        let voxels = |name: &str| reports.iter().find(|r| r.name.starts_with(name)).unwrap().voxels;
+        let ball = 4.0 / 3.0 * std::f64::consts::PI * 64f64.powi(3);
+        assert!((voxels("sphere") as f64 / ball - 1.0).abs() < 1e-3);
+        assert_eq!(voxels("cuboid"), 128 * 128 * 128);
+        assert!(voxels("2000 spheres") > 1 << 24);
+        assert!(reports.iter().all(|r| r.voxels_per_s > 0.0));
+    }
+}

@@ -1,0 +1,82 @@
+//! Owns single kernels run alone, for tools that count instructions: `bench --kernel ray cheese
+//! --repeat 11` less `--repeat 1` are ten runs of the kernel and nothing else.
+
+use std::time::Instant;
+
+use clap::ValueEnum;
+use glam::{EulerRot, Quat, Vec3};
+
+use super::statistics::Times;
+use super::subjects::eye_of;
+use crate::command::Command;
+use crate::document::Document;
+use crate::sculpture::edit::EditOp;
+use crate::shade::{self, Lighting, Pixels, ShadePose};
+use crate::surface::{IndexMap, quickstep, raycast};
+use crate::tools::construct::{Primitive, Solid};
+
+/// What can be run alone.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
+pub enum Kernel {
+    /// Exact ray caster, a whole picture
+    Ray,
+    /// Quickstep, a whole picture
+    Quickstep,
+    /// Software shader, a whole picture
+    Shade,
+    /// Subtracting a ball of radius 64, and undo
+    Sphere,
+    /// Subtracting a turned ellipsoid, and undo
+    Ellipsoid,
+}
+
+/// Runs a kernel `repeat` times after what it needs is made, and says how long that took.
+pub fn run(kernel: Kernel, document: &mut Document, repeat: usize) -> Option<Times> {
+    let eye = eye_of(document);
+    let world_from_grid = document.world_from_grid();
+    let rays = eye.pixel_rays(&world_from_grid);
+    let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
+    let mut map = IndexMap::new(rays);
+    let mut pixels = Pixels::new(rays.size);
+    if kernel == Kernel::Shade {
+        raycast::sample(document.grid(), &rays, &mut map);
+    }
+    let lighting = Lighting::default();
+    let carve = |rotation, half| {
+        let centre_vx = document.grid().dims().as_vec3() * 0.49;
+        let primitive = Primitive { solid: Solid::Ellipsoid, centre_vx, half, rotation };
+        Command::Construct { op: EditOp::Subtract, primitive }
+    };
+    let ball = carve(Quat::IDENTITY, Vec3::splat(64.0));
+    let turn = Quat::from_euler(EulerRot::XYZ, 0.4, 0.7, 1.1);
+    let ellipsoid = carve(turn, Vec3::new(64.0, 40.0, 90.0));
+    let mut edit = |command: &Command| {
+        let undo = Command::Undo { steps: Some(1) };
+        // Neither can fail outside of a stroke.
+        if document.apply(command).is_ok() && document.apply(&undo).is_ok() {
+            document.take_dirty(|_, _| ());
+        }
+    };
+    let mut times = Vec::with_capacity(repeat);
+    for _ in 0..repeat {
+        let start = Instant::now();
+        match kernel {
+            Kernel::Sphere => edit(&ball),
+            Kernel::Ellipsoid => edit(&ellipsoid),
+            Kernel::Ray | Kernel::Quickstep | Kernel::Shade => {}
+        }
+        times.push(start.elapsed());
+    }
+    let (grid, material) = (document.grid(), document.material());
+    for time in &mut times {
+        let start = Instant::now();
+        match kernel {
+            Kernel::Ray => raycast::sample(grid, &rays, &mut map),
+            Kernel::Quickstep => quickstep::sample(grid, &rays, &mut map),
+            Kernel::Shade => shade::shade(&map, grid, material, &pose, &lighting, &mut pixels),
+            Kernel::Sphere | Kernel::Ellipsoid => {}
+        }
+        *time += start.elapsed();
+    }
+    Times::of(&times)
+}

@@ -1,0 +1,80 @@
+//! Owns what a benchmark says of the machine that it ran on.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::gpu::Device;
+
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Machine {
+    /// As the processor calls itself.
+    pub processor: String,
+    /// Threads that the kernels work on.
+    pub threads: usize,
+    /// Vector instructions that the kernels use.
+    pub vectors: String,
+    /// Bytes read and written by a copy of memory on all threads, a second.
+    pub copy_bytes_per_s: f64,
+    /// Vulkan device and driver; or why there is none.
+    pub vulkan: String,
+    pub os: &'static str,
+    /// Processes that wanted to run in the last minute, on average: a quiet machine has less than
+    /// one beside the benchmark.
+    pub load: Option<f64>,
+}
+
+impl Machine {
+    pub fn survey(device: Result<&Arc<Device>, String>) -> Machine {
+        Machine {
+            processor: processor().unwrap_or_else(|| std::env::consts::ARCH.to_string()),
+            threads: rayon::current_num_threads(),
+            vectors: vectors(),
+            copy_bytes_per_s: copy_bytes_per_s(),
+            vulkan: device.map_or_else(|why| format!("none: {why}"), |d| d.device_name()),
+            os: std::env::consts::OS,
+            load: load(),
+        }
+    }
+}
+
+/// Name of the first processor. Linux says it in a file; elsewhere nothing is known.
+fn processor() -> Option<String> {
+    let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
+    let line = text.lines().find(|line| line.starts_with("model name"))?;
+    Some(line.split_once(':')?.1.trim().to_string())
+}
+
+fn load() -> Option<f64> {
+    std::fs::read_to_string("/proc/loadavg").ok()?.split(' ').next()?.parse().ok()
+}
+
+fn vectors() -> String {
+    let level = format!("{:?}", fearless_simd::Level::new());
+    level.split('(').next().unwrap_or_default().to_lowercase()
+}
+
+/// The best of some copies between two buffers that no cache holds.
+fn copy_bytes_per_s() -> f64 {
+    const BYTES: usize = 128 << 20;
+    let from = vec![1u64; BYTES / 8];
+    let mut to = vec![0u64; BYTES / 8];
+    let part = to.len().div_ceil(rayon::current_num_threads() * 4);
+    let copy = |to: &mut Vec<u64>| {
+        let start = Instant::now();
+        let parts = to.par_chunks_mut(part).zip(from.par_chunks(part));
+        parts.for_each(|(to, from)| to.copy_from_slice(from));
+        start.elapsed().as_secs_f64()
+    };
+    let best = (0..5).map(|_| copy(&mut to)).fold(f64::INFINITY, f64::min);
+    2.0 * BYTES as f64 / best
+}
+
+/// The most memory that the program has had in use so far, in bytes. Linux says it in a file.
+pub fn peak_memory_bytes() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = text.lines().find(|line| line.starts_with("VmHWM:"))?;
+    Some(line.split_whitespace().nth(1)?.parse::<u64>().ok()? * 1024)
+}

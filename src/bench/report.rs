@@ -1,0 +1,124 @@
+//! Owns what a benchmark found: as values that JSON holds, and as tables to read.
+
+use std::fmt;
+
+use serde::Serialize;
+
+use super::edits::EditReport;
+use super::files::FileReport;
+use super::machine::Machine;
+use super::statistics::Times;
+
+/// All of a benchmark. Times are in milliseconds.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Report {
+    pub program: String,
+    pub suite: String,
+    pub machine: Machine,
+    /// Pixels of the pictures.
+    pub picture: [u32; 2],
+    pub scenes: Vec<SceneReport>,
+    pub edits: Vec<EditReport>,
+    pub peak_memory_bytes: Option<u64>,
+}
+
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct SceneReport {
+    pub name: String,
+    pub dims: [u32; 3],
+    pub voxels: u64,
+    /// Bits and colours in memory.
+    pub memory_bytes: u64,
+    pub modes: Vec<ModeReport>,
+    /// All bits to the device.
+    pub upload: Option<Times>,
+    pub files: Vec<FileReport>,
+}
+
+/// A mode on a scene.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct ModeReport {
+    pub mode: String,
+    pub sample: Times,
+    pub read_back: Option<Times>,
+    pub shade: Times,
+    pub composite: Option<Times>,
+    /// All stages.
+    pub frame: Times,
+    /// The median frame, divided by that of the exact ray caster.
+    pub to_ray: Option<f64>,
+    /// From a ball of radius 32 carved to the shaded picture.
+    pub edit_32: Option<Times>,
+    pub edit_64: Option<Times>,
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Machine { processor, threads, vectors, copy_bytes_per_s, vulkan, os, load } =
+            &self.machine;
+        writeln!(f, "{}, suite {}", self.program, self.suite)?;
+        writeln!(f, "processor: {processor}, {threads} threads, {vectors}, {os}")?;
+        if let Some(load) = load {
+            writeln!(f, "load before: {load:.2}")?;
+        }
+        writeln!(f, "memory: {:.1} GB/s copied", copy_bytes_per_s * 1e-9)?;
+        writeln!(f, "vulkan: {vulkan}")?;
+        let [width, height] = self.picture;
+        writeln!(f, "\npictures of {width}x{height}; ms: least, median, 99 of 100")?;
+        let columns = ["sample", "read back", "shade", "composite", "frame"];
+        write!(f, "{:<11} {:<10}", "scene", "mode")?;
+        for column in columns {
+            write!(f, " {column:>20}")?;
+        }
+        writeln!(f, " {:>6} {:>20} {:>20}", "/ ray", "edit 32", "edit 64")?;
+        for scene in &self.scenes {
+            for mode in &scene.modes {
+                write!(f, "{:<11} {:<10}", scene.name, mode.mode)?;
+                let stages = [
+                    Some(mode.sample),
+                    mode.read_back,
+                    Some(mode.shade),
+                    mode.composite,
+                    Some(mode.frame),
+                ];
+                for times in stages {
+                    write!(f, " {:>20}", three(times))?;
+                }
+                let to_ray = mode.to_ray.map_or("-".to_string(), |ratio| format!("{ratio:.2}"));
+                let edits = [mode.edit_32, mode.edit_64].map(three);
+                writeln!(f, " {to_ray:>6} {:>20} {:>20}", edits[0], edits[1])?;
+            }
+        }
+        writeln!(f, "\n{:<11} {:>14} {:>10} {:>20} files", "scene", "voxels", "MiB", "upload ms")?;
+        for scene in &self.scenes {
+            let mib = scene.memory_bytes as f64 / f64::from(1 << 20);
+            let upload = three(scene.upload);
+            write!(f, "{:<11} {:>14} {mib:>10.1} {upload:>20}", scene.name, scene.voxels)?;
+            for file in &scene.files {
+                let (save, load) = (file.save.median_ms, file.load.median_ms);
+                write!(
+                    f,
+                    " {}: {} bytes, save {save:.1}, load {load:.1};",
+                    file.ending, file.bytes
+                )?;
+            }
+            writeln!(f)?;
+        }
+        if !self.edits.is_empty() {
+            writeln!(f, "\n{:<32} {:>12} {:>22} {:>10}", "edit", "voxels", "ms", "voxels/s")?;
+        }
+        for EditReport { name, voxels, times, voxels_per_s } in &self.edits {
+            let times = three(Some(*times));
+            writeln!(f, "{name:<32} {voxels:>12} {times:>22} {voxels_per_s:>10.2e}")?;
+        }
+        match self.peak_memory_bytes {
+            Some(bytes) => write!(f, "\nmost memory in use: {} MiB", bytes >> 20),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Least, median and 99 of 100.
+fn three(times: Option<Times>) -> String {
+    times.map_or("-".to_string(), |t| format!("{:.2} {:.2} {:.2}", t.min_ms, t.median_ms, t.p99_ms))
+}

@@ -1,0 +1,93 @@
+//! Owns what is measured: the sculptures, and the view of them.
+
+use std::path::{Path, PathBuf};
+
+use glam::{UVec2, Vec3};
+
+use crate::document::Document;
+use crate::format::{self, FormatError, options::ImportOptions};
+use crate::progress::Progress;
+use crate::scenes;
+use crate::sculpture::history::Contents;
+use crate::sculpture::{ColourDepth, Grid, GridError, Limits, Material, Rgb};
+use crate::view::{Camera, Eye};
+
+/// Pixels of the pictures.
+pub const PICTURE_PX: UVec2 = UVec2::new(640, 480);
+
+/// A sculpture to be measured with.
+pub enum Subject {
+    Cube,
+    Engine,
+    Cheese,
+    Gyroid,
+    File(PathBuf),
+}
+
+impl Subject {
+    pub const STANDARD: [Subject; 4] =
+        [Subject::Cube, Subject::Engine, Subject::Cheese, Subject::Gyroid];
+
+    pub fn of_name(name: &str) -> Subject {
+        match name {
+            "cube" => Subject::Cube,
+            "engine" => Subject::Engine,
+            "cheese" => Subject::Cheese,
+            "gyroid" => Subject::Gyroid,
+            file => Subject::File(PathBuf::from(file)),
+        }
+    }
+
+    pub fn name(&self) -> String {
+        match self {
+            Subject::Cube => "cube 256".to_string(),
+            Subject::Engine => "engine 256".to_string(),
+            Subject::Cheese => "cheese 512".to_string(),
+            Subject::Gyroid => "gyroid 512".to_string(),
+            Subject::File(path) => {
+                let name = path.file_name().unwrap_or(path.as_os_str());
+                name.to_string_lossy().into_owned()
+            }
+        }
+    }
+
+    /// The file that is measured, if it is one.
+    pub fn path(&self) -> Option<&Path> {
+        match self {
+            Subject::File(path) => Some(path),
+            _ => None,
+        }
+    }
+
+    pub fn make(
+        &self,
+        import: &ImportOptions,
+        limits: Limits,
+        progress: &dyn Progress,
+    ) -> Result<Document, FormatError> {
+        let contents = match self {
+            Subject::Cube => without_colour(scenes::solid_cube(256))?,
+            Subject::Engine => without_colour(scenes::engine_like(256))?,
+            Subject::Cheese => without_colour(scenes::cheese(512, 2000, 1))?,
+            Subject::Gyroid => without_colour(scenes::gyroid(512, 1))?,
+            Subject::File(path) => format::load(path, import, &limits, progress)?.contents,
+        };
+        Ok(Document::from_contents(contents, limits))
+    }
+}
+
+fn without_colour(grid: Result<Grid, GridError>) -> Result<Contents, FormatError> {
+    let grid = grid?;
+    let base = Rgb::new(200, 190, 170);
+    let material = Material::new(ColourDepth::None, base, grid.bricks().len());
+    Ok(Contents { grid, material })
+}
+
+/// The eye at a fixed place relative to the sculpture, with 45 degrees from top to bottom: 1.9
+/// times its longest edge off the middle, in the direction (0.8, 0.6, 1).
+pub fn eye_of(document: &Document) -> Eye {
+    let grid = document.grid();
+    let edge = (grid.dims().as_vec3() * grid.voxel_size()).max_element();
+    let eye = Vec3::new(0.8, 0.6, 1.0) / 2f32.sqrt() * 1.9 * edge;
+    Camera { eye, near: 0.01 * edge, ..Camera::default() }.eye(PICTURE_PX)
+}
