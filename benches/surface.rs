@@ -1,0 +1,73 @@
+//! Measures the kernels of a picture on the CPU, by scene: exact ray caster, Quickstep, software
+//! shader, and all of a partial update. The view is that of `virtual-sculpture bench`.
+
+use std::hint::black_box;
+
+use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use glam::{Affine3A, UVec2, Vec3};
+use virtual_sculpture::scenes;
+use virtual_sculpture::sculpture::{ColourDepth, Grid, Material, Rgb};
+use virtual_sculpture::shade::{self, Lighting, NORMAL_REACH_VX, Pixels, ShadePose};
+use virtual_sculpture::surface::{IndexMap, changed_pixels, quickstep, raycast};
+use virtual_sculpture::view::Camera;
+
+fn subjects() -> Vec<(&'static str, Grid)> {
+    let grids = [
+        ("cube_256", scenes::solid_cube(256)),
+        ("engine_256", scenes::engine_like(256)),
+        ("cheese_512", scenes::cheese(512, 2000, 1)),
+        ("gyroid_512", scenes::gyroid(512, 1)),
+    ];
+    grids.into_iter().map(|(name, grid)| (name, grid.expect("the scenes are small"))).collect()
+}
+
+fn pictures(c: &mut Criterion) {
+    for (name, grid) in subjects() {
+        let edge = grid.dims().x as f32;
+        let world_from_grid = Affine3A::from_translation(Vec3::splat(-0.5 * edge));
+        let camera = Camera {
+            eye: Vec3::new(0.8, 0.6, 1.0) / 2f32.sqrt() * 1.9 * edge,
+            near: 0.01 * edge,
+            ..Camera::default()
+        };
+        let eye = camera.eye(UVec2::new(640, 480));
+        let rays = eye.pixel_rays(&world_from_grid);
+        let base = Rgb::new(200, 190, 170);
+        let material = Material::new(ColourDepth::None, base, grid.bricks().len());
+        let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
+        let lighting = Lighting::default();
+        let mut map = IndexMap::new(rays);
+        let mut pixels = Pixels::new(rays.size);
+
+        let mut group = c.benchmark_group("picture");
+        group.bench_function(BenchmarkId::new("quickstep", name), |b| {
+            b.iter(|| quickstep::sample(&grid, &rays, &mut map));
+        });
+        group.bench_function(BenchmarkId::new("ray", name), |b| {
+            b.iter(|| raycast::sample(&grid, &rays, &mut map));
+        });
+        group.bench_function(BenchmarkId::new("shade", name), |b| {
+            b.iter(|| shade::shade(&map, &grid, &material, &pose, &lighting, &mut pixels));
+        });
+        // The bricks of a ball of radius 32 at the side of the grid that faces the eye.
+        let middle = grid.brick_dims().as_vec3() * Vec3::new(0.5, 0.5, 1.0);
+        let changed: Vec<u32> = (0..grid.bricks().len())
+            .filter(|&index| grid.brick_coords(index).as_vec3().distance(middle) < 4.5)
+            .map(|index| index as u32)
+            .collect();
+        group.bench_function(BenchmarkId::new("partial_update", name), |b| {
+            b.iter(|| {
+                let rects = changed_pixels(&grid, &changed, &rays, NORMAL_REACH_VX);
+                for &rect in rects.as_slice() {
+                    raycast::sample_rect(&grid, &mut map, rect);
+                    shade::shade_rect(&map, &grid, &material, &pose, &lighting, rect, &mut pixels);
+                }
+                black_box(rects)
+            });
+        });
+        group.finish();
+    }
+}
+
+criterion_group!(benches, pictures);
+criterion_main!(benches);

@@ -1,0 +1,146 @@
+//! The steady frame allocates nothing: the ray caster, the software shader and the partial update
+//! with memory from the frame before, and edits within a stroke that has begun.
+//!
+//! All threads' allocations are counted. What rayon itself needs (its threads, and now and then a
+//! block of its queue) is not the program's doing: a frame is measured many times, and most of
+//! these must be without any allocation at all.
+
+// A test that cannot go on has failed.
+#![allow(clippy::unwrap_used)]
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use glam::{Affine3A, Quat, UVec2, UVec3, Vec3};
+use virtual_sculpture::command::{Command, NewSculpture};
+use virtual_sculpture::document::{Document, Limits};
+use virtual_sculpture::scenes;
+use virtual_sculpture::sculpture::edit::EditOp;
+use virtual_sculpture::sculpture::{ColourDepth, Grid, Material, Rgb};
+use virtual_sculpture::shade::{self, Lighting, NORMAL_REACH_VX, Pixels, ShadePose};
+use virtual_sculpture::surface::{IndexMap, changed_pixels, quickstep, raycast};
+use virtual_sculpture::tools::construct::{Primitive, Solid};
+use virtual_sculpture::view::{Camera, Eye};
+
+/// Counts what is asked of the system's allocator.
+struct Counting;
+
+static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
+
+// SAFETY: everything is handed on to the system's allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: the caller keeps the contract of `alloc`.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the caller keeps the contract of `dealloc`.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: the caller keeps the contract of `realloc`.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// One test at a time: they share the counter.
+static TURN: Mutex<()> = Mutex::new(());
+
+const RUNS: usize = 64;
+
+/// Runs `f` so often that caches and queues are warm, then counts allocations of each further run.
+/// All but a few must have none. A queue of rayon's takes a block of memory for 63 tasks brought
+/// to it from outside of its threads, so one run in 63 has one.
+fn assert_free(what: &str, mut f: impl FnMut()) {
+    (0..8).for_each(|_| f());
+    let counts: Vec<usize> = (0..RUNS)
+        .map(|_| {
+            let before = ALLOCATIONS.load(Ordering::Relaxed);
+            f();
+            ALLOCATIONS.load(Ordering::Relaxed) - before
+        })
+        .collect();
+    let free = counts.iter().filter(|&&count| count == 0).count();
+    assert!(free + 4 >= RUNS && counts.iter().all(|&count| count <= 4), "{what}: {counts:?}");
+}
+
+fn view(grid: &Grid) -> (Eye, Affine3A) {
+    let edge = grid.dims().x as f32;
+    let world_from_grid = Affine3A::from_translation(Vec3::splat(-0.5 * edge));
+    let camera = Camera { eye: Vec3::new(0.8, 0.6, 1.0) * edge, ..Camera::default() };
+    (camera.eye(UVec2::new(320, 240)), world_from_grid)
+}
+
+#[test]
+fn a_steady_frame_on_the_cpu_allocates_nothing() {
+    let _turn = TURN.lock().unwrap();
+    let grid = scenes::cheese(128, 60, 1).unwrap();
+    let material = Material::new(ColourDepth::None, Rgb::new(9, 9, 9), grid.bricks().len());
+    let (eye, world_from_grid) = view(&grid);
+    let rays = eye.pixel_rays(&world_from_grid);
+    let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
+    let lighting = Lighting::default();
+    let mut map = IndexMap::new(rays);
+    let mut pixels = Pixels::default();
+    assert_free("ray caster", || raycast::sample(&grid, &rays, &mut map));
+    assert_free("Quickstep", || quickstep::sample(&grid, &rays, &mut map));
+    assert_free("shader", || shade::shade(&map, &grid, &material, &pose, &lighting, &mut pixels));
+    let changed: Vec<u32> = (700..760).chain(900..930).collect();
+    assert_free("partial update", || {
+        let rects = changed_pixels(&grid, &changed, &rays, NORMAL_REACH_VX);
+        assert!(!rects.is_empty());
+        for &rect in rects.as_slice() {
+            raycast::sample_rect(&grid, &mut map, rect);
+            shade::shade_rect(&map, &grid, &material, &pose, &lighting, rect, &mut pixels);
+        }
+    });
+}
+
+#[test]
+fn an_edit_allocates_for_its_command_and_nothing_for_its_voxels() {
+    let _turn = TURN.lock().unwrap();
+    let new = NewSculpture {
+        dims: UVec3::splat(128),
+        voxel_size: Vec3::ONE,
+        colour_depth: ColourDepth::None,
+        base: Rgb::default(),
+        solid: true,
+    };
+    let mut document = Document::new(&new, Limits::default()).unwrap();
+    let ball = |radius: f32| {
+        let primitive = Primitive {
+            solid: Solid::Ellipsoid,
+            centre_vx: Vec3::splat(64.0),
+            half: Vec3::splat(radius),
+            rotation: Quat::IDENTITY,
+        };
+        Command::Construct { op: EditOp::Subtract, primitive }
+    };
+    // In one stroke, whose record has kept the bricks already, after many such strokes.
+    let mut allocations = |radius: f32| {
+        let command = ball(radius);
+        let mut fewest = usize::MAX;
+        for _ in 0..16 {
+            document.apply(&Command::Begin { label: String::new() }).unwrap();
+            document.apply(&ball(2.0)).unwrap();
+            let before = ALLOCATIONS.load(Ordering::Relaxed);
+            document.apply(&command).unwrap();
+            fewest = fewest.min(ALLOCATIONS.load(Ordering::Relaxed) - before);
+            document.apply(&Command::Cancel).unwrap();
+            document.take_dirty(|_, _| ());
+        }
+        fewest
+    };
+    let (small, large) = (allocations(3.0), allocations(50.0));
+    // A list of mirror images and one of regions, and the uses that an array may repeat.
+    assert!(small <= 3, "{small} allocations for a small ball");
+    assert_eq!(small, large, "more voxels, more allocations");
+}
