@@ -265,7 +265,6 @@ fn measure_mode(
     Ok(Some(ModeReport {
         mode: mode_name(mode),
         sample,
-        read_back: of(|f| f.read_back),
         shade,
         composite: of(|f| f.composite),
         frame,

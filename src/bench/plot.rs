@@ -17,7 +17,7 @@ const COLOURS: [&str; 8] =
 /// The median frame of each mode in each scene.
 pub fn svg(report: &Report) -> String {
     let frames = || report.scenes.iter().flat_map(|s| &s.modes).map(|m| m.frame.median_ms);
-    let least = frames().fold(f64::INFINITY, f64::min).min(1e4).max(1e-3);
+    let least = frames().fold(f64::INFINITY, f64::min).clamp(1e-3, 1e4);
     let most = frames().fold(least, f64::max);
     let (low, high) = (least.log10().floor(), most.log10().ceil().max(least.log10().floor() + 1.0));
     let x = |ms: f64| LEFT + (ms.max(1e-3).log10() - low) / (high - low) * (WIDTH - LEFT - RIGHT);

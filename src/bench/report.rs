@@ -39,8 +39,8 @@ pub struct SceneReport {
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct ModeReport {
     pub mode: String,
+    /// With the way to the device and back where the mode samples there.
     pub sample: Times,
-    pub read_back: Option<Times>,
     pub shade: Times,
     pub composite: Option<Times>,
     /// All stages.
@@ -65,22 +65,17 @@ impl fmt::Display for Report {
         writeln!(f, "vulkan: {vulkan}")?;
         let [width, height] = self.picture;
         writeln!(f, "\npictures of {width}x{height}; ms: least, median, 99 of 100")?;
-        let columns = ["sample", "read back", "shade", "composite", "frame"];
+        let columns = ["sample", "shade", "composite", "frame"];
         write!(f, "{:<11} {:<10}", "scene", "mode")?;
         for column in columns {
             write!(f, " {column:>20}")?;
         }
-        writeln!(f, " {:>6} {:>20} {:>20}", "/ ray", "edit 32", "edit 64")?;
+        writeln!(f, " {:>6} {:>20} {:>20}", "to ray", "edit 32", "edit 64")?;
         for scene in &self.scenes {
             for mode in &scene.modes {
                 write!(f, "{:<11} {:<10}", scene.name, mode.mode)?;
-                let stages = [
-                    Some(mode.sample),
-                    mode.read_back,
-                    Some(mode.shade),
-                    mode.composite,
-                    Some(mode.frame),
-                ];
+                let stages =
+                    [Some(mode.sample), Some(mode.shade), mode.composite, Some(mode.frame)];
                 for times in stages {
                     write!(f, " {:>20}", three(times))?;
                 }
