@@ -26,7 +26,7 @@ use crate::view::StereoLayout;
 #[derive(Parser, Debug)]
 #[command(version, about, long_about = None, args_conflicts_with_subcommands = true)]
 pub struct Cli {
-    /// Sculpture or volume to open in the window (.pvm)
+    /// Sculpture or volume to open in the window (.vsc, .pvm)
     pub file: Option<PathBuf>,
     /// Settings instead of those in ~/.config/virtual-sculpture/config.toml
     #[arg(long, global = true, value_name = "FILE")]

@@ -108,7 +108,7 @@ pub enum JobError {
     },
     Bench(#[from] BenchError),
     #[error(
-        "there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); `render`, `run`, `convert`, `info` and `demo` need none"
+        "there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); `render`, `run`, `convert`, `info`, `demo` and `bench` need none"
     )]
     NoDisplay,
 }

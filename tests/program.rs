@@ -233,3 +233,59 @@ fn the_doctor_reports_without_failing() {
         assert!(said.contains(word), "{word} lacks in\n{said}");
     }
 }
+
+#[test]
+fn a_sculpture_in_the_own_format_is_as_good_as_a_volume() {
+    let folder = folder();
+    let path = folder.path();
+    std::fs::write(
+        path.join("ball.sculpt"),
+        "new dims=60,50,40 colour=16 base=#c8beaa fill=empty\n\
+         add ellipsoid at=30,25,20 half=22,20,18 colour=#d9a441\n",
+    )
+    .unwrap();
+    succeed(path, &["run", "ball.sculpt", "--out", "ball.vsc"]);
+    succeed(path, &["run", "ball.sculpt", "--out", "ball.pvm"]);
+    succeed(path, &["convert", "ball.vsc", "again.pvm"]);
+    assert_eq!(bytes(path.join("again.pvm")), bytes(path.join("ball.pvm")));
+    succeed(path, &["convert", "ball.pvm", "again.vsc"]);
+    succeed(path, &["convert", "again.vsc", "third.pvm"]);
+    assert_eq!(bytes(path.join("third.pvm")), bytes(path.join("ball.pvm")));
+    let info = succeed(path, &["info", "ball.vsc"]);
+    assert!(info.contains("60x50x40") && info.contains("16 bits of colour"), "{info}");
+
+    let why = fail(path, &["convert", "ball.vsc", "shape.vsc", "--form", "densities"], 1);
+    assert!(why.contains("as it is"), "{why}");
+    let mut damaged = bytes(path.join("ball.vsc"));
+    let middle = damaged.len() / 2;
+    damaged[middle] ^= 1;
+    std::fs::write(path.join("damaged.vsc"), damaged).unwrap();
+    let why = fail(path, &["convert", "damaged.vsc", "a.pvm"], 3);
+    assert!(why.contains("damaged"), "{why}");
+}
+
+#[test]
+fn the_benchmark_reports_as_table_json_and_plot() {
+    let folder = folder();
+    let path = folder.path();
+    std::fs::write(path.join("block.sculpt"), "new dims=64,64,64 colour=0 fill=solid\n").unwrap();
+    succeed(path, &["run", "block.sculpt", "--out", "block.vsc"]);
+    let said = succeed(path, &["bench", "--kernel", "ray", "block.vsc", "--repeat", "3"]);
+    assert!(said.starts_with("block.vsc: "), "{said}");
+
+    let said = succeed(path, &["bench", "cube", "--json", "b.json", "--plot", "b.svg"]);
+    assert!(said.contains("cube 256") && said.contains("voxels/s"), "{said}");
+    let json = String::from_utf8(bytes(path.join("b.json"))).unwrap();
+    let report: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let modes = report["scenes"][0]["modes"].as_array().unwrap();
+    let ray = modes.iter().find(|mode| mode["mode"] == "ray").unwrap();
+    for times in ["sample", "shade", "frame", "edit_32", "edit_64"] {
+        let [least, median, most] =
+            ["min_ms", "median_ms", "p99_ms"].map(|key| ray[times][key].as_f64().unwrap());
+        assert!(0.0 < least && least <= median && median <= most, "{times}");
+    }
+    assert_eq!(ray["to_ray"], 1.0);
+    let plot = String::from_utf8(bytes(path.join("b.svg"))).unwrap();
+    assert!(plot.starts_with("<svg") && plot.ends_with("</svg>\n") && plot.contains("cube 256"));
+    fail(path, &["bench", "missing.vsc"], 3);
+}
