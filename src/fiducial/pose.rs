@@ -178,10 +178,10 @@ fn solve(mut system: [[f64; 7]; 6]) -> Option<[f64; 6]> {
         if head[column].abs() < 1e-300 {
             return None;
         }
-        for row in 0..6 {
-            if row != column {
-                let factor = system[row][column] / head[column];
-                for (value, above) in system[row].iter_mut().zip(head) {
+        for (index, row) in system.iter_mut().enumerate() {
+            if index != column {
+                let factor = row[column] / head[column];
+                for (value, above) in row.iter_mut().zip(head) {
                     *value -= factor * above;
                 }
             }
