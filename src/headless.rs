@@ -67,32 +67,15 @@ pub enum JobError {
     #[error(transparent)]
     Session(#[from] SessionError),
     #[error("cannot read {path}: {error}")]
-    Info {
-        path: PathBuf,
-        error: FormatError,
-    },
+    Info { path: PathBuf, error: FormatError },
     #[error("cannot read the script {path}: {error}")]
-    ReadScript {
-        path: PathBuf,
-        error: std::io::Error,
-    },
+    ReadScript { path: PathBuf, error: std::io::Error },
     #[error("script {path}, {error}")]
-    Script {
-        path: PathBuf,
-        error: ScriptError,
-    },
+    Script { path: PathBuf, error: ScriptError },
     #[error("script {path}, line {line} (`{command}`): {error}")]
-    Command {
-        path: PathBuf,
-        line: usize,
-        command: String,
-        error: Box<SessionError>,
-    },
+    Command { path: PathBuf, line: usize, command: String, error: Box<SessionError> },
     #[error("cannot make the folder {path}: {error}")]
-    Folder {
-        path: PathBuf,
-        error: std::io::Error,
-    },
+    Folder { path: PathBuf, error: std::io::Error },
     #[error(transparent)]
     Picture(#[from] PictureError),
     #[error(transparent)]
@@ -102,10 +85,8 @@ pub enum JobError {
     #[error("there is no marker {0}; take 0 to {last}", last = family::COUNT - 1)]
     NoMarker(u32),
     #[error("cannot write {path}: {error}")]
-    WriteMarker {
-        path: PathBuf,
-        error: std::io::Error,
-    },
+    WriteMarker { path: PathBuf, error: std::io::Error },
+    #[error(transparent)]
     Bench(#[from] BenchError),
     #[error(
         "there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); `render`, `run`, `convert`, `info`, `demo` and `bench` need none"

@@ -195,6 +195,7 @@ impl Rendered {
             mode,
             lighting: *lighting,
             background: Background::Gradient { top, bottom },
+            video: None,
             ghosts: &[],
             lines: &[],
         };
