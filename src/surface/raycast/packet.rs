@@ -36,9 +36,11 @@ impl PacketBrick {
     #[inline(always)]
     pub fn new(brick: &Brick, corner: IVec3, eye: Vec3) -> PacketBrick {
         let corner = corner.as_vec3();
+        let full = brick.is_full();
         PacketBrick {
-            rows: bytemuck::cast(brick.to_rows()),
-            full: brick.is_full(),
+            // Of a full brick they are not looked at.
+            rows: if full { [0; 64] } else { bytemuck::cast(brick.to_rows()) },
+            full,
             low: corner - eye,
             high: corner + 8.0 - eye,
             corner,
