@@ -56,20 +56,34 @@ fn first_voxel(ray: Ray, dims: vec3<i32>) -> Seen {
         let low = cell & vec3<i32>(-8);
         loop {
             let word = word_at(cell);
-            if bit_of(word, cell) {
-                seen = Seen(cell, true);
+            let corner = cell & vec3<i32>(-4);
+            if all(word == vec2<u32>(0u)) {
+                // Out of the whole word.
+                let end = corner + ahead * 4;
+                let event = first_of(crossings(ray, end));
+                // The other axes cross at most three planes before.
+                let next = cell + ahead;
+                let count = select(zero, vec3<i32>(1), before(crossings(ray, next), event))
+                    + select(zero, vec3<i32>(1), before(crossings(ray, next + one), event))
+                    + select(zero, vec3<i32>(1), before(crossings(ray, next + 2 * one), event));
+                cell = select(cell + count * one, end - vec3<i32>(1) + ahead, event.axis);
+            } else {
+                // Voxel by voxel through it.
+                loop {
+                    if bit_of(word, cell) {
+                        seen = Seen(cell, true);
+                        break;
+                    }
+                    let event = first_of(crossings(ray, cell + ahead));
+                    cell += select(zero, one, event.axis);
+                    if any((cell & vec3<i32>(-4)) != corner) {
+                        break;
+                    }
+                }
+            }
+            if seen.found {
                 break;
             }
-            let empty = all(word == vec2<u32>(0u));
-            let size = select(1, 4, empty);
-            let end = (cell & vec3<i32>(-size)) + ahead * size;
-            let event = first_of(crossings(ray, end));
-            // The other axes cross at most three planes before.
-            let next = cell + ahead;
-            let count = select(zero, vec3<i32>(1), before(crossings(ray, next), event))
-                + select(zero, vec3<i32>(1), before(crossings(ray, next + one), event))
-                + select(zero, vec3<i32>(1), before(crossings(ray, next + 2 * one), event));
-            cell = select(cell + count * one, end - vec3<i32>(1) + ahead, event.axis);
             if any(vec3<u32>(cell - low) >= vec3<u32>(8u)) {
                 break;
             }

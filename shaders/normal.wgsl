@@ -26,54 +26,62 @@ fn x_moment(rows: u32) -> i32 {
         + count(rows & 0x08080808u) - count(rows & 0x02020202u);
 }
 
+// Five slices of a column of two words, from slice `first` (0 to 3) on: 16 bits each, two to a number.
+fn slices(below: vec2<u32>, above: vec2<u32>, first: u32) -> vec3<u32> {
+    let later = first >= 2u;
+    let a = select(below.x, below.y, later);
+    let b = select(below.y, above.x, later);
+    let c = select(above.x, above.y, later);
+    let odd = (first & 1u) != 0u;
+    return select(
+        vec3<u32>(a, b, c),
+        vec3<u32>((a >> 16u) | (b << 16u), (b >> 16u) | (c << 16u), c >> 16u),
+        odd,
+    );
+}
+
+// Moments of one of five slices from its four pieces of 4x4 voxels, `z` (-2 to 2) being its place.
+fn slice_moment(pieces: vec4<u32>, inner: vec2<u32>, z: i32) -> vec3<i32> {
+    // Four rows of eight voxels each.
+    let below = ((spread(pieces.x) | (spread(pieces.y) << 4u)) >> inner.x) & 0x1f1f1f1fu;
+    let above = ((spread(pieces.z) | (spread(pieces.w) << 4u)) >> inner.x) & 0x1f1f1f1fu;
+    let shift = 8u * inner.y;
+    // The five rows about the voxel: four of them, and the fifth.
+    let four = (below >> shift) | select(above << ((32u - shift) & 31u), 0u, shift == 0u);
+    let outer = abs(z) == 2;
+    let rows = four & select(0x1f1f1f0eu, 0x0e0e0e00u, outer);
+    let fifth = (above >> shift) & select(0x0eu, 0u, outer);
+    return vec3<i32>(
+        x_moment(rows) + x_moment(fifth),
+        2 * (count(fifth) - count(rows & 0xffu)) + count(rows >> 24u) - count(rows & 0xff00u),
+        z * (count(rows) + count(fifth)),
+    );
+}
+
 // Minus the gradient of existence, the first moment over the 81 voxels at most sqrt(6) away: the
 // 5^3 about the voxel without those that are two away on two axes.
 fn gradient(voxel: vec3<i32>, dims: vec3<i32>) -> vec3<f32> {
     let low = voxel - vec3<i32>(2);
-    let corner = low & vec3<i32>(-4);
+    let at = low & vec3<i32>(-4);
     let inner = vec3<u32>(low & vec3<i32>(3));
-    // Rows of eight voxels in x and y, the lower and the upper four of them, for the two words
-    // along z and the two halves of each.
-    var lower: array<vec2<u32>, 4>;
-    var upper: array<vec2<u32>, 4>;
-    for (var z = 0u; z < 2u; z++) {
-        for (var y = 0u; y < 2u; y++) {
-            let at = corner + vec3<i32>(0, i32(4u * y), i32(4u * z));
-            let near = word_or_nothing(at, dims);
-            let far = word_or_nothing(at + vec3<i32>(4, 0, 0), dims);
-            for (var half = 0u; half < 2u; half++) {
-                let a = select(near.x, near.y, half == 1u);
-                let b = select(far.x, far.y, half == 1u);
-                let rows = vec2<u32>(
-                    spread(a & 0xffffu) | (spread(b & 0xffffu) << 4u),
-                    spread(a >> 16u) | (spread(b >> 16u) << 4u),
-                );
-                let cut = (rows >> vec2<u32>(inner.x)) & vec2<u32>(0x1f1f1f1fu);
-                if y == 0u {
-                    lower[2u * z + half] = cut;
-                } else {
-                    upper[2u * z + half] = cut;
-                }
-            }
-        }
-    }
-    var moment = vec3<i32>(0);
-    let shift = 8u * inner.y;
-    for (var k = 0u; k < 5u; k++) {
-        let z = inner.z + k;
-        let below = select(lower[z >> 1u].x, lower[z >> 1u].y, (z & 1u) == 1u);
-        let above = select(upper[z >> 1u].x, upper[z >> 1u].y, (z & 1u) == 1u);
-        // Four rows, and the fifth.
-        let four = (below >> shift) | select(above << (32u - shift), 0u, shift == 0u);
-        let outer = k == 0u || k == 4u;
-        let rows = four & select(0x1f1f1f0eu, 0x0e0e0e00u, outer);
-        let fifth = (above >> shift) & select(0x0eu, 0u, outer);
-        moment += vec3<i32>(
-            x_moment(rows) + x_moment(fifth),
-            2 * (count(fifth) - count(rows & 0xffu)) + count(rows >> 24u) - count(rows & 0xff00u),
-            (i32(k) - 2) * (count(rows) + count(fifth)),
-        );
-    }
+    let x = vec3<i32>(4, 0, 0);
+    let y = vec3<i32>(0, 4, 0);
+    let z = vec3<i32>(0, 0, 4);
+    let c00 = slices(word_or_nothing(at, dims), word_or_nothing(at + z, dims), inner.z);
+    let c10 = slices(word_or_nothing(at + x, dims), word_or_nothing(at + x + z, dims), inner.z);
+    let c01 = slices(word_or_nothing(at + y, dims), word_or_nothing(at + y + z, dims), inner.z);
+    let c11 =
+        slices(word_or_nothing(at + x + y, dims), word_or_nothing(at + x + y + z, dims), inner.z);
+    let first = vec4<u32>(c00.x, c10.x, c01.x, c11.x);
+    let second = vec4<u32>(c00.y, c10.y, c01.y, c11.y);
+    let third = vec4<u32>(c00.z, c10.z, c01.z, c11.z);
+    let half = vec4<u32>(0xffffu);
+    let upper = vec4<u32>(16u);
+    let moment = slice_moment(first & half, inner.xy, -2)
+        + slice_moment(first >> upper, inner.xy, -1)
+        + slice_moment(second & half, inner.xy, 0)
+        + slice_moment(second >> upper, inner.xy, 1)
+        + slice_moment(third & half, inner.xy, 2);
     return vec3<f32>(-moment);
 }
 

@@ -1,4 +1,4 @@
-// The pixels of a point's rectangle whose rays meet the voxel's box, by the order of crossings that
+// The pixels of a point's triangle whose rays meet the voxel's box, by the order of crossings that
 // the ray caster goes by: so neighbouring points meet without gap or overlap, at any distance.
 
 //!include "layout.wgsl"

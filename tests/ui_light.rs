@@ -18,6 +18,8 @@ fn lighting(harness: &Bench) -> Lighting {
 
 fn click(harness: &mut Bench, label: &str) {
     harness.get_by_label(label).click();
+    // A window that has grown takes some frames to its new size, and then rests.
+    harness.run_steps(6);
     harness.run();
 }
 
@@ -43,6 +45,7 @@ fn lamps_are_added_placed_and_taken_away() {
     assert!(lighting(&harness).lights[1].is_none(), "off is not away");
     assert_eq!(harness.state().ui.view.light.lamps.len(), 4);
     harness.get_all_by_label("Remove").next().unwrap().click();
+    harness.run_steps(6);
     harness.run();
     assert_eq!(harness.state().ui.view.light.lamps.len(), 3);
     assert!(lighting(&harness).lights[0].is_none(), "the second is the first now");

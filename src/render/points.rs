@@ -60,7 +60,7 @@ impl Points {
                 per_instance: true,
                 attributes: &attributes,
             }),
-            topology: vk::PrimitiveTopology::TRIANGLE_STRIP,
+            topology: vk::PrimitiveTopology::TRIANGLE_LIST,
             cull: vk::CullModeFlags::NONE,
             colour: Some((format, Blend::Replace)),
             depth: Some(Depth::NEARER),
@@ -73,7 +73,6 @@ impl Points {
             fragment: shaders::BACKGROUND_FRAG,
             layout: &behind,
             vertices: None,
-            topology: vk::PrimitiveTopology::TRIANGLE_LIST,
             depth: Some(Depth::OVERWRITE),
             ..points
         };
@@ -138,7 +137,7 @@ impl Points {
         recorder.bind_set(&self.pipeline, self.sets.set(set));
         recorder.push(self.pipeline.layout(), &point_view);
         recorder.bind_vertices(piece.buffer, piece.offset);
-        recorder.draw(4, count);
+        recorder.draw(3, count);
         Ok(())
     }
 }

@@ -1,6 +1,6 @@
 //! The window of lights: up to four lamps, the light from everywhere, and the look of the surface.
 
-use egui::{Button, ComboBox, DragValue, Grid, RichText, Slider, Ui, Window, pos2};
+use egui::{Button, ComboBox, DragValue, Grid, RichText, ScrollArea, Slider, Ui, Window, pos2};
 use glam::Vec3;
 
 use super::{UiState, theme};
@@ -25,15 +25,14 @@ pub fn show(root: &Ui, state: &mut UiState) {
         .default_width(WIDTH)
         .default_pos(pos2(theme::TOOLBOX_WIDTH + 28.0, 52.0))
         .show(root.ctx(), |ui| {
-            ui.set_width(WIDTH);
-            lamps(ui, &mut state.view.light.lamps);
-            ui.separator();
-            surface(ui, state);
-            ui.separator();
-            if ui.button("Reset the light").clicked() {
-                state.view.light = LightSettings::default();
-                state.view.finish = Default::default();
-            }
+            // Four lamps and the rest are higher than small screens.
+            let height = 0.75 * ui.ctx().content_rect().height();
+            ScrollArea::vertical().max_height(height).show(ui, |ui| {
+                ui.set_width(WIDTH);
+                lamps(ui, state);
+                ui.separator();
+                surface(ui, state);
+            });
         });
     state.light_open &= open;
 }
@@ -84,8 +83,17 @@ fn name(smoothing: Smoothing) -> &'static str {
     }
 }
 
-fn lamps(ui: &mut Ui, lamps: &mut Vec<Lamp>) {
-    let mut removed = None;
+fn lamps(ui: &mut Ui, state: &mut UiState) {
+    let lamps = &mut state.view.light.lamps;
+    let (mut removed, mut reset) = (None, false);
+    ui.horizontal(|ui| {
+        let add = ui.add_enabled(lamps.len() < MAX_LIGHTS, Button::new("Add a light"));
+        if add.on_disabled_hover_text("There can be four").clicked() {
+            let place = PLACES[lamps.len()];
+            lamps.push(Lamp { place, intensity: 0.5, ..Lamp::default() });
+        }
+        reset = ui.button("Reset the light").clicked();
+    });
     for (i, lamp) in lamps.iter_mut().enumerate() {
         ui.push_id(i, |ui| {
             ui.horizontal(|ui| {
@@ -102,11 +110,9 @@ fn lamps(ui: &mut Ui, lamps: &mut Vec<Lamp>) {
     if let Some(i) = removed {
         lamps.remove(i);
     }
-    let room = lamps.len() < MAX_LIGHTS;
-    let add = ui.add_enabled(room, Button::new("Add a light"));
-    if add.on_disabled_hover_text("There can be four").clicked() {
-        let place = PLACES[lamps.len()];
-        lamps.push(Lamp { place, intensity: 0.5, ..Lamp::default() });
+    if reset {
+        state.view.light = LightSettings::default();
+        state.view.finish = Default::default();
     }
 }
 
