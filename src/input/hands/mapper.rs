@@ -93,7 +93,7 @@ impl Flick {
                 self.held = Some((way.signum(), now_s + REPEAT_AFTER_S));
                 Some(way.signum())
             }
-            Some((side, _)) if !(way * side > Self::BACK) => {
+            Some((side, _)) if way.is_nan() || way * side <= Self::BACK => {
                 self.held = None;
                 None
             }
