@@ -41,6 +41,9 @@ fn lamps_are_added_placed_and_taken_away() {
     assert_eq!(lighting(&harness).lights.iter().flatten().count(), 4);
     click(&mut harness, "Add a light");
     assert_eq!(harness.state().ui.view.light.lamps.len(), 4, "there is room for four");
+    let places = harness.state().ui.view.light.lamps.clone();
+    harness.run_steps(10);
+    assert_eq!(harness.state().ui.view.light.lamps, places, "no lamp moves by being looked at");
     click(&mut harness, "Light 2");
     assert!(lighting(&harness).lights[1].is_none(), "off is not away");
     assert_eq!(harness.state().ui.view.light.lamps.len(), 4);

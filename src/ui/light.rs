@@ -1,6 +1,6 @@
 //! The window of lights: up to four lamps, the light from everywhere, and the look of the surface.
 
-use egui::{Button, ComboBox, DragValue, Grid, RichText, ScrollArea, Slider, Ui, Window, pos2};
+use egui::{Button, ComboBox, DragValue, Grid, RichText, Slider, Ui, Window, pos2};
 use glam::Vec3;
 
 use super::{UiState, theme};
@@ -25,14 +25,10 @@ pub fn show(root: &Ui, state: &mut UiState) {
         .default_width(WIDTH)
         .default_pos(pos2(theme::TOOLBOX_WIDTH + 28.0, 52.0))
         .show(root.ctx(), |ui| {
-            // Four lamps and the rest are higher than small screens.
-            let height = 0.75 * ui.ctx().content_rect().height();
-            ScrollArea::vertical().max_height(height).show(ui, |ui| {
-                ui.set_width(WIDTH);
-                lamps(ui, state);
-                ui.separator();
-                surface(ui, state);
-            });
+            ui.set_width(WIDTH);
+            lamps(ui, state);
+            ui.separator();
+            surface(ui, state);
         });
     state.light_open &= open;
 }
@@ -49,28 +45,29 @@ pub fn surface(ui: &mut Ui, state: &mut UiState) {
         let slider = Slider::new(&mut light.shininess, 1..=256).logarithmic(true);
         ui.add(slider).labelled_by(label.id);
         ui.end_row();
+    });
+    let filters = ui.add_enabled_ui(software, |ui| {
         for (title, smoothing) in [
             ("Smooth normals", &mut finish.smooth_normals),
             ("Smooth colours", &mut finish.smooth_colours),
         ] {
-            let label = ui.label(title);
-            let combo = ComboBox::from_id_salt(title).width(96.0).selected_text(name(*smoothing));
-            ui.add_enabled_ui(software, |ui| {
-                let response = combo
+            ui.horizontal(|ui| {
+                let label = ui.label(title);
+                ComboBox::from_id_salt(title)
+                    .width(96.0)
+                    .selected_text(name(*smoothing))
                     .show_ui(ui, |ui| {
                         for choice in Smoothing::ALL {
                             ui.selectable_value(smoothing, choice, name(choice));
                         }
                     })
                     .response
-                    .labelled_by(label.id);
-                response
-                    .on_hover_text("Means over neighbours on the same surface")
-                    .on_disabled_hover_text("Only the software shader has filters");
+                    .labelled_by(label.id)
+                    .on_hover_text("Means over neighbours on the same surface");
             });
-            ui.end_row();
         }
     });
+    filters.response.on_disabled_hover_text("Only the software shader has filters");
     ui.checkbox(&mut finish.occlusion, "Shadow in corners")
         .on_hover_text("Ambient occlusion: corners and crevices get less light from everywhere");
 }
@@ -84,12 +81,13 @@ fn name(smoothing: Smoothing) -> &'static str {
 }
 
 fn lamps(ui: &mut Ui, state: &mut UiState) {
-    let lamps = &mut state.view.light.lamps;
+    let (lamps, chosen) = (&mut state.view.light.lamps, &mut state.lamp);
     let (mut removed, mut reset) = (None, false);
     ui.horizontal(|ui| {
         let add = ui.add_enabled(lamps.len() < MAX_LIGHTS, Button::new("Add a light"));
         if add.on_disabled_hover_text("There can be four").clicked() {
             let place = PLACES[lamps.len()];
+            *chosen = lamps.len();
             lamps.push(Lamp { place, intensity: 0.5, ..Lamp::default() });
         }
         reset = ui.button("Reset the light").clicked();
@@ -99,18 +97,23 @@ fn lamps(ui: &mut Ui, state: &mut UiState) {
             ui.horizontal(|ui| {
                 ui.checkbox(&mut lamp.on, RichText::new(format!("Light {}", i + 1)).strong());
                 ui.color_edit_button_srgb(&mut lamp.colour.0);
+                ui.selectable_value(chosen, i, "Place …");
                 if ui.button("Remove").clicked() {
                     removed = Some(i);
                 }
             });
-            ui.add_enabled_ui(lamp.on, |ui| one(ui, lamp));
         });
+    }
+    if let Some(lamp) = lamps.get_mut(*chosen) {
         ui.add_space(4.0);
+        ui.add_enabled_ui(lamp.on, |ui| one(ui, lamp));
     }
     if let Some(i) = removed {
         lamps.remove(i);
+        *chosen -= usize::from(*chosen >= i && *chosen > 0);
     }
     if reset {
+        state.lamp = 0;
         state.view.light = LightSettings::default();
         state.view.finish = Default::default();
     }
@@ -155,12 +158,13 @@ fn one(ui: &mut Ui, lamp: &mut Lamp) {
 /// A direction as two angles.
 fn direction(ui: &mut Ui, place: &mut [f32; 3]) {
     let direction = Vec3::from(*place).normalize_or(Vec3::Z);
-    let mut side_deg = direction.x.atan2(direction.z).to_degrees();
-    let mut height_deg = direction.y.clamp(-1.0, 1.0).asin().to_degrees();
+    // Within the sliders' ranges, so that none moves a lamp that nobody touches.
+    let mut side_deg = direction.x.atan2(direction.z).to_degrees().clamp(-180.0, 180.0);
+    let mut height_deg = direction.y.clamp(-1.0, 1.0).asin().to_degrees().clamp(-89.0, 89.0);
     let mut moved = false;
     let mut row = |label: &str, value: &mut f32, range| {
         let label = ui.label(label);
-        let slider = Slider::new(value, range).fixed_decimals(0).suffix("°");
+        let slider = Slider::new(value, range).custom_formatter(whole).suffix("°");
         moved |= ui.add(slider).labelled_by(label.id).changed();
         ui.end_row();
     };
@@ -177,9 +181,14 @@ fn direction(ui: &mut Ui, place: &mut [f32; 3]) {
 fn percent(ui: &mut Ui, title: &str, share: &mut f32, most: f32) {
     let mut shown = *share * 100.0;
     let label = ui.label(title);
-    let slider = Slider::new(&mut shown, 0.0..=most * 100.0).fixed_decimals(0).suffix("%");
+    let slider = Slider::new(&mut shown, 0.0..=most * 100.0).custom_formatter(whole).suffix("%");
     if ui.add(slider).labelled_by(label.id).changed() {
         *share = shown / 100.0;
     }
     ui.end_row();
+}
+
+/// A value as it is shown. (A slider with fixed decimals would round what nobody touches.)
+fn whole(value: f64, _: std::ops::RangeInclusive<usize>) -> String {
+    format!("{value:.0}")
 }

@@ -135,6 +135,8 @@ pub struct UiState {
     pub help_open: bool,
     /// The window of lights.
     pub light_open: bool,
+    /// The lamp whose place is shown there.
+    pub lamp: usize,
     pub keys: KeyTable,
     pub palette: Palette,
     /// The tracker is being calibrated.
@@ -175,6 +177,7 @@ impl UiState {
             guide: Default::default(),
             help_open: false,
             light_open: false,
+            lamp: 0,
             keys: KeyTable::default(),
             palette: Palette::default(),
             calibrating: false,
