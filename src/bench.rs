@@ -16,7 +16,7 @@ mod subjects;
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use clap::ValueEnum;
 use thiserror::Error;
@@ -69,6 +69,14 @@ impl Suite {
         }
     }
 
+    /// Longest that one figure is measured for; slow modes are then done with fewer pictures.
+    fn patience(self) -> Duration {
+        match self {
+            Suite::Quick => Duration::from_secs(2),
+            Suite::Full => Duration::from_secs(12),
+        }
+    }
+
     fn edits(self) -> usize {
         match self {
             Suite::Quick => 40,
@@ -84,12 +92,17 @@ impl Suite {
     }
 }
 
+/// Runs of anything, however long they take.
+const LEAST_RUNS: usize = 5;
+
 /// What `bench` is asked to do.
 #[derive(Debug)]
 pub struct BenchJob {
     pub json: Option<PathBuf>,
     pub plot: Option<PathBuf>,
     pub suite: Suite,
+    /// Those to measure; all if there are none.
+    pub modes: Vec<RenderMode>,
     /// Run this alone.
     pub kernel: Option<Kernel>,
     pub repeat: usize,
@@ -126,6 +139,10 @@ pub fn run(job: &BenchJob, config: &Config, progress: &dyn Progress) -> Result<(
     let mut subjects: Vec<Subject> = job.scenes.iter().map(|name| Subject::of_name(name)).collect();
     if subjects.is_empty() || subjects.iter().all(|s| s.path().is_some()) {
         subjects = Subject::STANDARD.into_iter().chain(subjects).collect();
+    }
+    // A bad file is heard of before minutes of measuring.
+    for subject in subjects.iter().filter(|subject| subject.path().is_some()) {
+        make(subject, job, config, progress)?;
     }
     let mut scenes = Vec::new();
     for subject in &subjects {
@@ -194,7 +211,8 @@ fn measure_scene(
     let mut document = make(subject, job, config, progress)?;
     progress.begin("measuring pictures");
     let mut modes: Vec<ModeReport> = Vec::new();
-    for mode in RenderMode::ALL {
+    let wanted = |mode: &RenderMode| job.modes.is_empty() || job.modes.contains(mode);
+    for mode in RenderMode::ALL.into_iter().filter(wanted) {
         modes.extend(measure_mode(mode, &mut document, job.suite, config, device)?);
     }
     let ray = modes.iter().find(|m| m.mode == mode_name(RenderMode::Ray));
@@ -250,10 +268,14 @@ fn measure_mode(
         return Ok(None);
     };
     pictures.whole(document)?;
-    let frames = (0..suite.frames())
-        .map(|_| pictures.whole(document))
-        .collect::<Result<Vec<_>, GpuError>>()?;
-    let of = |stage: fn(&pictures::StageTimes) -> Option<std::time::Duration>| {
+    let mut frames = Vec::new();
+    let begun = Instant::now();
+    while frames.len() < suite.frames()
+        && (frames.len() < LEAST_RUNS || begun.elapsed() < suite.patience())
+    {
+        frames.push(pictures.whole(document)?);
+    }
+    let of = |stage: fn(&pictures::StageTimes) -> Option<Duration>| {
         Times::of(&frames.iter().filter_map(stage).collect::<Vec<_>>())
     };
     let (Some(sample), Some(shade), Some(frame)) =
@@ -265,11 +287,12 @@ fn measure_mode(
     Ok(Some(ModeReport {
         mode: mode_name(mode),
         sample,
+        read_back: of(|f| f.read_back),
         shade,
         composite: of(|f| f.composite),
         frame,
         to_ray: None,
-        edit_32: edits::edit_to_image(document, &mut pictures, 32.0, strokes_32)?,
-        edit_64: edits::edit_to_image(document, &mut pictures, 64.0, strokes_64)?,
+        edit_32: edits::edit_to_image(document, &mut pictures, 32.0, strokes_32, suite.patience())?,
+        edit_64: edits::edit_to_image(document, &mut pictures, 64.0, strokes_64, suite.patience())?,
     }))
 }

@@ -133,6 +133,9 @@ pub enum Job {
         plot: Option<PathBuf>,
         #[arg(long, value_enum, default_value_t)]
         suite: Suite,
+        /// Measure pictures of this mode alone; may be given several times
+        #[arg(long = "mode", value_enum, value_name = "MODE")]
+        modes: Vec<RenderMode>,
         /// Run this kernel alone, for tools that count instructions
         #[arg(long, value_enum)]
         kernel: Option<Kernel>,
@@ -222,9 +225,9 @@ fn dispatch(cli: Cli) -> Result<(), JobError> {
         }
         Some(Job::Track(args)) => Ok(track::run(&args, &config)?),
         Some(Job::Marker { out, id, size_mm }) => headless::marker(id, size_mm, &out),
-        Some(Job::Bench { json, plot, suite, kernel, repeat, scenes, import }) => {
+        Some(Job::Bench { json, plot, suite, modes, kernel, repeat, scenes, import }) => {
             let import = import.options();
-            let job = BenchJob { json, plot, suite, kernel, repeat, scenes, import };
+            let job = BenchJob { json, plot, suite, modes, kernel, repeat, scenes, import };
             Ok(bench::run(&job, &config, &progress)?)
         }
         Some(Job::Commands) => {

@@ -273,7 +273,13 @@ fn the_benchmark_reports_as_table_json_and_plot() {
     let said = succeed(path, &["bench", "--kernel", "ray", "block.vsc", "--repeat", "3"]);
     assert!(said.starts_with("block.vsc: "), "{said}");
 
-    let said = succeed(path, &["bench", "cube", "--json", "b.json", "--plot", "b.svg"]);
+    let said = succeed(
+        path,
+        &[
+            "bench", "cube", "--mode", "ray", "--mode", "march", "--json", "b.json", "--plot",
+            "b.svg",
+        ],
+    );
     assert!(said.contains("cube 256") && said.contains("voxels/s"), "{said}");
     let json = String::from_utf8(bytes(path.join("b.json"))).unwrap();
     let report: serde_json::Value = serde_json::from_str(&json).unwrap();
@@ -284,7 +290,7 @@ fn the_benchmark_reports_as_table_json_and_plot() {
             ["min_ms", "median_ms", "p99_ms"].map(|key| ray[times][key].as_f64().unwrap());
         assert!(0.0 < least && least <= median && median <= most, "{times}");
     }
-    assert_eq!(ray["to_ray"], 1.0);
+    assert_eq!((ray["to_ray"].as_f64(), modes.len()), (Some(1.0), 2));
     let plot = String::from_utf8(bytes(path.join("b.svg"))).unwrap();
     assert!(plot.starts_with("<svg") && plot.ends_with("</svg>\n") && plot.contains("cube 256"));
     fail(path, &["bench", "missing.vsc"], 3);

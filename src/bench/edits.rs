@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use glam::{EulerRot, Quat, UVec3, Vec3};
 use serde::Serialize;
 
+use super::LEAST_RUNS;
 use super::pictures::Pictures;
 use super::statistics::{Times, measure};
 use crate::command::{Command, NewSculpture};
@@ -14,6 +15,7 @@ use crate::gpu::GpuError;
 use crate::scenes::Random;
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::{ColourDepth, Limits, Rgb};
+use crate::surface::raycast;
 use crate::tools::construct::{Primitive, Solid};
 
 /// One edit, many times.
@@ -138,22 +140,26 @@ pub fn edit_to_image(
     pictures: &mut Pictures,
     radius_vx: f32,
     strokes: usize,
+    patience: Duration,
 ) -> Result<Option<Times>, GpuError> {
     let mut random = Random(32);
     let mut times = Vec::with_capacity(strokes);
     let mut bites = 0;
     // Where the eye is inside of all that exists, or nothing does, there is nothing to bite.
     let mut missed = 0;
-    while times.len() < strokes && missed < 1000 {
-        let map = pictures.map();
-        let at = (random.next_u64() % map.voxels.len().max(1) as u64) as u32;
-        let size = map.rays.size;
-        let Some(voxel) = map.get(at % size.x, at / size.x) else {
+    let begun = Instant::now();
+    let patient = |runs: usize| runs < LEAST_RUNS || begun.elapsed() < patience;
+    while times.len() < strokes && missed < 1000 && patient(times.len()) {
+        // By a ray of its own, as some modes keep what they see to themselves.
+        let rays = pictures.map().rays;
+        let at = random.next_u64();
+        let (x, y) = (at as u32 % rays.size.x, (at >> 32) as u32 % rays.size.y);
+        let Some(hit) = raycast::cast(document.grid(), rays.origin, rays.direction(x, y)) else {
             missed += 1;
             continue;
         };
         missed = 0;
-        let centre = document.grid().voxel_coords(voxel).as_vec3() + 0.5;
+        let centre = hit.voxel.as_vec3() + 0.5;
         let half = Vec3::splat(radius_vx);
         let bite = subtract(Solid::Ellipsoid, centre, half, Quat::IDENTITY);
         let start = Instant::now();

@@ -27,6 +27,8 @@ use crate::view::{Eye, PixelRays};
 pub struct StageTimes {
     /// Finding the voxel of each pixel, with the way to the device and back where there is one.
     pub sample: Duration,
+    /// Of the sampling: bringing the map from the device to memory.
+    pub read_back: Option<Duration>,
     pub shade: Duration,
     /// Putting the picture together on the device.
     pub composite: Option<Duration>,
@@ -113,7 +115,7 @@ impl Pictures {
     pub fn whole(&mut self, document: &mut Document) -> Result<StageTimes> {
         let mut times = StageTimes::default();
         if let Some(rendered) = &mut self.rendered {
-            times = rendered.draw(self.mode, &self.eye, &self.lighting, document)?;
+            times = rendered.draw(self.mode, &self.eye, &self.lighting, document, true)?;
             if self.caster.is_none() {
                 self.map = rendered.map(&self.map);
             }
@@ -132,7 +134,10 @@ impl Pictures {
     /// The shaded picture after an edit, without the composite.
     pub fn after_edit(&mut self, document: &mut Document) -> Result<Duration> {
         let Some(caster) = self.caster else {
-            let times = self.whole(document)?;
+            // From the same place, so that no more is done than the edit asks for.
+            let Some(rendered) = &mut self.rendered else { return Ok(Duration::ZERO) };
+            let times = rendered.draw(self.mode, &self.eye, &self.lighting, document, false)?;
+            self.map = rendered.map(&self.map);
             return Ok(times.sample + times.shade);
         };
         let start = Instant::now();
@@ -176,16 +181,18 @@ impl Rendered {
         })
     }
 
-    /// Draws a picture and waits for it.
+    /// Draws a picture and waits for it; a whole one if it is `anew`.
     fn draw(
         &mut self,
         mode: RenderMode,
         eye: &Eye,
         lighting: &Lighting,
         document: &mut Document,
+        anew: bool,
     ) -> Result<StageTimes> {
-        // The renderer does nothing twice: each picture is seen from a hair's breadth beside.
-        self.count += 1;
+        // The renderer does nothing twice: a whole picture is seen from a hair's breadth beside
+        // the last one.
+        self.count += u32::from(anew);
         let aside = Affine3A::from_translation(Vec3::X * 1e-3 * (self.count % 2) as f32);
         let eye = Eye { eye_from_world: aside * eye.eye_from_world, ..*eye };
         let [top, bottom] = BACKGROUND.map(|c| Vec3::from(c.map(f32::from)) / 255.0);
@@ -208,7 +215,9 @@ impl Rendered {
         let times = self.renderer.times();
         let of_ms = |ms: f32| Duration::from_secs_f64(f64::from(ms.max(0.0)) * 1e-3);
         let (sample, shade) = (of_ms(times.sample_ms), of_ms(times.shade_ms));
-        Ok(StageTimes { sample, shade, composite: Some(whole.saturating_sub(sample + shade)) })
+        let read_back = times.read_back_ms.map(of_ms);
+        let composite = Some(whole.saturating_sub(sample + shade));
+        Ok(StageTimes { sample, read_back, shade, composite })
     }
 
     /// What was seen in the picture drawn last.

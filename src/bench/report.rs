@@ -41,6 +41,8 @@ pub struct ModeReport {
     pub mode: String,
     /// With the way to the device and back where the mode samples there.
     pub sample: Times,
+    /// Of these, bringing the map from the device to memory.
+    pub read_back: Option<Times>,
     pub shade: Times,
     pub composite: Option<Times>,
     /// All stages.
@@ -65,17 +67,22 @@ impl fmt::Display for Report {
         writeln!(f, "vulkan: {vulkan}")?;
         let [width, height] = self.picture;
         writeln!(f, "\npictures of {width}x{height}; ms: least, median, 99 of 100")?;
-        let columns = ["sample", "shade", "composite", "frame"];
-        write!(f, "{:<11} {:<10}", "scene", "mode")?;
+        let columns = ["sample", "(read back)", "shade", "composite", "frame"];
+        write!(f, "{:<11} {:<14}", "scene", "mode")?;
         for column in columns {
             write!(f, " {column:>20}")?;
         }
         writeln!(f, " {:>6} {:>20} {:>20}", "to ray", "edit 32", "edit 64")?;
         for scene in &self.scenes {
             for mode in &scene.modes {
-                write!(f, "{:<11} {:<10}", scene.name, mode.mode)?;
-                let stages =
-                    [Some(mode.sample), Some(mode.shade), mode.composite, Some(mode.frame)];
+                write!(f, "{:<11} {:<14}", scene.name, mode.mode)?;
+                let stages = [
+                    Some(mode.sample),
+                    mode.read_back,
+                    Some(mode.shade),
+                    mode.composite,
+                    Some(mode.frame),
+                ];
                 for times in stages {
                     write!(f, " {:>20}", three(times))?;
                 }

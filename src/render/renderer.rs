@@ -51,6 +51,9 @@ pub struct Shot<'a> {
 pub struct RenderTimes {
     /// Finding the voxel of every pixel, with upload and read-back.
     pub sample_ms: f32,
+    /// Of these, bringing the maps from the device to memory, once they were complete; none where
+    /// they stay or are made in memory.
+    pub read_back_ms: Option<f32>,
     /// The software shader.
     pub shade_ms: f32,
 }
@@ -260,6 +263,7 @@ impl Renderer {
             self.sampler.forget_copy();
         }
         self.times.sample_ms = ms_since(start);
+        self.times.read_back_ms = self.sampler.read_back_ms();
         result
     }
 

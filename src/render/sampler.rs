@@ -5,6 +5,7 @@
 //! the composite: one layer an eye. Where the device shades, too, they stay there.
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use ash::vk;
 
@@ -29,6 +30,7 @@ pub struct Sampler {
     staging: Staging,
     /// The maps in memory that are not yet on the device.
     pending: [bool; MAX_EYES],
+    read_back_ms: Option<f32>,
     device: Arc<Device>,
 }
 
@@ -54,6 +56,7 @@ impl Sampler {
             maps: None,
             staging: Staging::new(device, "index maps", usage, 1 << 20)?,
             pending: [false; MAX_EYES],
+            read_back_ms: None,
             device: device.clone(),
         })
     }
@@ -104,6 +107,7 @@ impl Sampler {
         changed: Option<&[u32]>,
         maps: &mut [Arc<IndexMap>],
     ) -> Result<()> {
+        self.read_back_ms = None;
         let stays = matches!(mode.shading(), Shading::Device | Shading::Within);
         for (rays, map) in rays.iter().zip(maps.iter_mut()) {
             let map = Arc::make_mut(map);
@@ -204,12 +208,21 @@ impl Sampler {
         }
         let serial = copy.frames.submit(recorder, &[], &[])?;
         if read_back {
+            device.wait(serial)?;
+            let start = Instant::now();
             for (map, readback) in maps.iter_mut().zip(&mut self.readbacks) {
                 readback.submitted(slot, serial);
                 readback.fetch(slot, Arc::make_mut(map))?;
             }
+            self.read_back_ms = Some(start.elapsed().as_secs_f32() * 1e3);
         }
         Ok(())
+    }
+
+    /// How long the maps sampled last took from the device to memory, in milliseconds; none where
+    /// they did not go that way.
+    pub fn read_back_ms(&self) -> Option<f32> {
+        self.read_back_ms
     }
 
     /// Forgets the device's copy, after an error that may have left it behind the document.
