@@ -25,18 +25,22 @@ pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec
         .resizable(false)
         .exact_size(theme::OPTIONS_WIDTH)
         .show(root, |ui| {
-            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                ui.set_width(theme::OPTIONS_WIDTH - 24.0);
-                if docked[0] {
+            if docked[1] {
+                // Always in sight, however much there is to choose above it.
+                egui::Panel::bottom("history").frame(Frame::NONE).resizable(false).show(ui, |ui| {
+                    panels::head(ui, Panel::History, state, facts, intents);
+                    let rows = if docked[0] { 6.0 } else { 20.0 };
+                    let height = ui.text_style_height(&egui::TextStyle::Body) * rows;
+                    history::show(ui, facts, height, intents);
+                });
+            }
+            if docked[0] {
+                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                    ui.set_width(theme::OPTIONS_WIDTH - 24.0);
                     panels::head(ui, Panel::Options, state, facts, intents);
                     content(ui, state, facts, intents);
-                }
-                if docked[1] {
-                    panels::head(ui, Panel::History, state, facts, intents);
-                    let height = ui.text_style_height(&egui::TextStyle::Body) * 9.0;
-                    history::show(ui, facts, height, intents);
-                }
-            });
+                });
+            }
         });
 }
 
