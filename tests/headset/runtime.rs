@@ -40,7 +40,15 @@ fn prefix() -> Option<PathBuf> {
     lock.lock().unwrap();
     let ready = prefix.join("ready");
     if !ready.exists() {
-        let out = Command::new("bash").arg(script).arg(&prefix).output().unwrap();
+        // Packages come over the network, which may fail now and then.
+        let unpack = || Command::new("bash").arg(&script).arg(&prefix).output().unwrap();
+        let mut out = unpack();
+        for pause_s in [5, 30] {
+            if !out.status.success() {
+                std::thread::sleep(Duration::from_secs(pause_s));
+                out = unpack();
+            }
+        }
         let said = String::from_utf8_lossy(&out.stderr);
         assert!(out.status.success(), "the runtime cannot be unpacked: {said}");
         // The same with the validation layers of this machine, where there are any.
