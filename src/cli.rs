@@ -4,10 +4,13 @@
 //! configuration cannot be used, 4 no usable Vulkan device or display. Results are said on
 //! stdout, everything else on stderr.
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand};
+use clap::error::ErrorKind;
+use clap::parser::ValueSource;
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use glam::Vec3;
 
 use crate::app;
@@ -24,7 +27,7 @@ use crate::view::StereoLayout;
 
 /// Shape a block of voxels as a sculptor shapes stone.
 #[derive(Parser, Debug)]
-#[command(version, about, long_about = None, args_conflicts_with_subcommands = true)]
+#[command(version, about, long_about = None)]
 pub struct Cli {
     /// Sculpture or volume to open in the window (.vsc, .pvm)
     pub file: Option<PathBuf>,
@@ -153,9 +156,27 @@ pub enum Job {
     Doctor,
 }
 
+/// Reads arguments. Those of the window are refused beside a job, those of all jobs stand anywhere.
+fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Cli, clap::Error> {
+    let mut command = Cli::command();
+    let matches = command.try_get_matches_from_mut(arguments)?;
+    if let Some(job) = matches.subcommand_name() {
+        let given = |id: &str| matches.value_source(id) == Some(ValueSource::CommandLine);
+        let mut own = command.get_arguments().filter(|argument| !argument.is_global_set());
+        let refused = own.find(|argument| given(argument.get_id().as_str())).map(|argument| {
+            format!("'{argument}' before '{job}' is for the window; see '{job} --help'")
+        });
+        drop(own);
+        if let Some(text) = refused {
+            return Err(command.error(ErrorKind::ArgumentConflict, text));
+        }
+    }
+    Cli::from_arg_matches(&matches)
+}
+
 /// Runs the program with the arguments of the process.
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = parse(std::env::args_os()).unwrap_or_else(|error| error.exit());
     let filter = tracing_subscriber::EnvFilter::try_from_default_env()
         .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn,virtual_sculpture=info"));
     tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).init();

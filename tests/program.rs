@@ -208,6 +208,33 @@ fn unusable_input_gives_code_3_and_names_file_and_place() {
 }
 
 #[test]
+fn settings_may_stand_before_a_job_and_arguments_of_the_window_may_not() {
+    let folder = folder();
+    let path = folder.path();
+    std::fs::write(path.join("c.toml"), "[new]\ndims = [8, 9, 10]\n").unwrap();
+    std::fs::write(path.join("nothing.sculpt"), "").unwrap();
+    let run = ["run", "nothing.sculpt", "--out", "a.vsc"];
+    for arguments in [
+        [&["--config", "c.toml", "--quiet"][..], &run].concat(),
+        [&run[..], &["--config", "c.toml"]].concat(),
+    ] {
+        succeed(path, &arguments);
+        let info = succeed(path, &["--profile", "desktop", "info", "a.vsc"]);
+        assert!(info.contains("8x9x10"), "{info}");
+        std::fs::remove_file(path.join("a.vsc")).unwrap();
+    }
+    for (arguments, named) in [
+        (&["--record", "j.sculpt", "info", "a.vsc"][..], "--record"),
+        (&["--threshold", "5", "info", "a.vsc"], "--threshold"),
+        (&["--headset", "doctor"], "--headset"),
+        (&["a.vsc", "commands"], "[FILE]"),
+    ] {
+        let error = fail(path, arguments, 2);
+        assert!(error.contains(named) && error.contains("window"), "{error}");
+    }
+}
+
+#[test]
 fn a_failed_save_keeps_the_old_file() {
     let folder = folder();
     std::fs::write(folder.path().join("a.sculpt"), "new dims=8,8,8\nsave \"no/such/folder.pvm\"\n")
