@@ -1,0 +1,104 @@
+#!/bin/bash
+# What camera.sh runs in the virtual machine: first the example, which says every frame and every
+# change of the camera's state, then the program, of which pictures are compared. Everything it finds
+# is left in out/.
+set -u
+# In memory: two processes that share a file of the host may see it differently.
+share=$PWD out=/tmp/out
+mkdir -p $out/frames
+trap 'cp -r $out "$share"' EXIT
+export LC_ALL=C DISPLAY=:9 LD_LIBRARY_PATH=$PWD/lib HOME=/tmp RUST_LOG=virtual_sculpture=debug NO_COLOR=1
+frames=$out/frames.log log=$out/program.log
+driver=/sys/bus/platform/drivers/vivid camera=vivid.0
+source='v4l2:/dev/video0?size=320x180'
+cat >$out/config.toml <<TOML
+[new]
+dims = [8, 8, 8]
+[render]
+mode = "ray"
+[window]
+size = [640, 400]
+guide = false
+[video]
+on = true
+source = "$source"
+TOML
+
+say() { printf '[%4ds] %s\n' "$SECONDS" "$*"; }
+die() { say "FAILED: $*"; exit 1; }
+# Waits until a command succeeds: within SECONDS, WHAT, COMMAND...
+await() {
+    local until=$((SECONDS + $1)) what=$2
+    shift 2
+    while ! "$@"; do
+        [ $SECONDS -lt $until ] || die "no $what"
+        kill -0 $running 2>/dev/null || die "the program has ended before: $what"
+        sleep 0.2
+    done
+    say "ok: $what"
+}
+unplug() { echo $camera >$driver/unbind; }
+plug() { echo $camera >$driver/bind; }
+count() { grep -c -- "$1" "$2"; }
+said() { [ "$(count "$2" "$3")" -ge "$1" ]; }
+
+# The example.
+./camera >$out/cameras.txt || die "cameras are not listed"
+cat $out/cameras.txt
+grep -q "^v4l2:/dev/video0  vivid" $out/cameras.txt || die "the camera is not listed"
+grep -q "YUYV 320 x 180" $out/cameras.txt || die "its modes are not listed"
+./camera "$source" 100000 $out/frames >$frames 2>&1 &
+running=$!
+await 30 "frames" said 5 ': frame ' $frames
+unplug
+await 30 "notice of a camera that went" said 1 '^lost: ' $frames
+sleep 2
+before=$(count ': frame ' $frames)
+sleep 2
+[ "$(count ': frame ' $frames)" = "$before" ] || die "frames without a camera"
+plug
+await 30 "frames of a camera that came back" said $((before + 5)) ': frame ' $frames
+said 2 '^live ' $frames || die "no notice of a camera that came back"
+kill $running
+cp "$(ls -t $out/frames/*.png | sed -n 2p)" $out/frame.png
+rm -r $out/frames
+
+# The program.
+picture() { import -window root "$out/$1.png"; }
+# Where the video shows a running clock, with nothing before it.
+clock=140x40+75+72
+# Pixels of the clock that differ between two pictures.
+differ() { compare -metric AE -extract $clock "$out/$1.png" "$out/$2.png" null: 2>&1; }
+# The video moves within some seconds.
+moves() {
+    picture $1
+    for _ in $(seq 20); do
+        sleep 0.5
+        picture $2
+        [ "$(differ $1 $2 | cut -d' ' -f1)" != 0 ] && return
+    done
+    return 1
+}
+Xvfb :9 -screen 0 640x400x24 >/dev/null 2>&1 &
+for _ in $(seq 50); do [ -e /tmp/.X11-unix/X9 ] && break; sleep 0.2; done
+./virtual-sculpture --config $out/config.toml 2>$log &
+running=$!
+touch $log
+await 120 "first picture" said 1 'picture shown' $log
+await 60 "video behind the sculpture" moves 1-video 2-video-later
+unplug
+sleep 4
+picture 3-unplugged
+sleep 3
+picture 4-unplugged-later
+[ "$(differ 3-unplugged 4-unplugged-later | cut -d' ' -f1)" = 0 ] || die "the last picture does not stay"
+say "ok: the last picture stays"
+convert $out/4-unplugged-later.png -crop $clock -format '%[fx:standard_deviation>0.02]' info: |
+    grep -q 1 || die "it is no picture"
+plug
+await 60 "video of a camera that came back" moves 5-plugged 6-plugged-later
+kill -0 $running || die "the program has ended"
+kill $running
+wait $running 2>/dev/null
+grep -E ' (WARN|ERROR) virtual_sculpture' $log
+say "done"
