@@ -1,0 +1,73 @@
+//! The renderer on the device of the tests, and a block to look at.
+
+use std::sync::Arc;
+
+use glam::{Affine3A, Vec3};
+use virtual_sculpture::command::{Command, NewSculpture};
+use virtual_sculpture::command_text::parse_script;
+use virtual_sculpture::config::RenderMode;
+use virtual_sculpture::document::{Document, Limits};
+use virtual_sculpture::gpu::{Device, Frames};
+use virtual_sculpture::render::overlay::Ghost;
+use virtual_sculpture::render::{Background, Renderer, Shot, Video};
+use virtual_sculpture::screen::offscreen::FORMAT;
+use virtual_sculpture::shade::{Lighting, Pixels};
+use virtual_sculpture::view::Eye;
+
+pub const BACKGROUND: Background =
+    Background::Gradient { top: Vec3::new(0.23, 0.25, 0.3), bottom: Vec3::new(0.1, 0.1, 0.12) };
+
+/// Everything that draws.
+pub struct Painter {
+    pub renderer: Renderer,
+    pub frames: Frames,
+}
+
+impl Painter {
+    pub fn new(device: &Arc<Device>) -> Painter {
+        let renderer = Renderer::new(device, FORMAT).unwrap();
+        Painter { renderer, frames: Frames::new(device).unwrap() }
+    }
+
+    /// What the eyes see of a document.
+    pub fn paint(&mut self, document: &mut Document, scene: &Scene) -> Vec<Pixels> {
+        let shot = Shot {
+            eyes: scene.eyes,
+            world_from_grid: scene.world_from_grid,
+            mode: scene.mode,
+            lighting: Lighting::default(),
+            background: BACKGROUND,
+            video: scene.video,
+            ghosts: scene.ghosts,
+            lines: &[],
+        };
+        let mut recorder = self.frames.begin().unwrap();
+        let slot = self.frames.slot();
+        self.renderer.paint(&mut recorder, slot, document, &shot).unwrap();
+        self.frames.submit(recorder, &[], &[]).unwrap();
+        self.renderer.read_back().unwrap()
+    }
+}
+
+/// What is looked at, and how.
+pub struct Scene<'a> {
+    pub eyes: &'a [Eye],
+    pub world_from_grid: Affine3A,
+    pub mode: RenderMode,
+    pub video: Option<Video<'a>>,
+    pub ghosts: &'a [Ghost],
+}
+
+/// A sculpture that commands make.
+pub fn document(script: &str) -> Document {
+    let mut commands = parse_script(script).unwrap().into_iter();
+    let new: NewSculpture = match commands.next() {
+        Some((_, Command::New(new))) => new,
+        other => panic!("the script begins with {other:?}"),
+    };
+    let mut document = Document::new(&new, Limits::default()).unwrap();
+    for (_, command) in commands {
+        document.apply(&command).unwrap();
+    }
+    document
+}
