@@ -152,7 +152,7 @@ pub enum Job {
     },
     /// List the commands of scripts
     Commands,
-    /// Say what this machine offers: Vulkan devices, gamepads, OpenXR, settings
+    /// Say what this machine offers: Vulkan devices, gamepads, cameras, OpenXR, settings
     Doctor,
 }
 

@@ -19,6 +19,7 @@ pub fn report() {
     }
     vulkan();
     gamepads();
+    cameras();
     match headset::probe() {
         Ok(runtime) => println!(
             "OpenXR: {} {}{}",
@@ -42,6 +43,30 @@ fn vulkan() {
         }
         Err(error) => println!("Vulkan: {error}"),
     }
+}
+
+#[cfg(target_os = "linux")]
+fn cameras() {
+    match crate::video::cameras() {
+        Ok(cameras) if cameras.is_empty() => println!("cameras: none connected"),
+        Ok(cameras) => {
+            let name = |camera: &crate::video::CameraInfo| {
+                let modes = match &camera.modes {
+                    Ok(modes) if modes.is_empty() => " (no format that can be shown)".to_string(),
+                    Ok(_) => String::new(),
+                    Err(error) => format!(" ({error})"),
+                };
+                format!("v4l2:{} {}{modes}", camera.device.display(), camera.name)
+            };
+            println!("cameras: {}", cameras.iter().map(name).collect::<Vec<_>>().join(", "));
+        }
+        Err(error) => println!("cameras: {error}"),
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+fn cameras() {
+    println!("cameras: only Linux can be asked; name a film or a phone's http:// address");
 }
 
 fn gamepads() {

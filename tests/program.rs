@@ -256,7 +256,7 @@ fn every_command_of_the_manual_is_listed() {
 fn the_doctor_reports_without_failing() {
     let folder = folder();
     let said = succeed(folder.path(), &["doctor"]);
-    for word in ["settings", "Vulkan", "gamepad", "OpenXR"] {
+    for word in ["settings", "Vulkan", "gamepad", "cameras", "OpenXR"] {
         assert!(said.contains(word), "{word} lacks in\n{said}");
     }
 }

@@ -47,6 +47,7 @@ said() { [ "$(count "$2" "$3")" -ge "$1" ]; }
 cat $out/cameras.txt
 grep -q "^v4l2:/dev/video0  vivid" $out/cameras.txt || die "the camera is not listed"
 grep -q "YUYV 320 x 180" $out/cameras.txt || die "its modes are not listed"
+./virtual-sculpture doctor | grep -q "^cameras: v4l2:/dev/video0 vivid" || die "the doctor knows no camera"
 ./camera "$source" 100000 $out/frames >$frames 2>&1 &
 running=$!
 await 30 "frames" said 5 ': frame ' $frames

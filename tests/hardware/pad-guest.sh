@@ -15,6 +15,7 @@ dims = [32, 32, 32]
 mode = "ray"
 [window]
 size = [640, 480]
+guide = false
 [gamepad]
 rumble_limit = 0.5
 rumble_voxels = 30
