@@ -24,7 +24,7 @@ const LOOK_EVERY: Duration = Duration::from_millis(2);
 
 #[derive(Args, Debug, Clone)]
 pub struct TrackArgs {
-    /// Whose poses: Device@host, Device@tcp://host, opentrack:PORT, script:FILE (default:
+    /// Whose poses: Device@host, Device@tcp://host, opentrack:PORT, openxr, script:FILE (default:
     /// tracking.source of the configuration)
     #[arg(long, visible_alias = "source", value_name = "SOURCE")]
     pub from: Option<SourceAddress>,
@@ -55,7 +55,7 @@ fn parse_seconds(text: &str) -> Result<Duration, String> {
 pub enum TrackError {
     #[error(
         "no source of poses is named; use --from, or tracking.source of the configuration: \
-         Device@host, Device@tcp://host, opentrack:PORT or script:FILE"
+         Device@host, Device@tcp://host, opentrack:PORT, openxr or script:FILE"
     )]
     NoSource,
     #[error(transparent)]

@@ -19,6 +19,7 @@ use tracking::{BodyOptions, ChannelOptions, Placement, Smoothing};
 use crate::fiducial::family;
 use crate::input::Action;
 use crate::input::action::Kind;
+use crate::screen::headset::RoomOrigin;
 
 /// Numbers of opentrack in the order in which they come.
 const AXES: [&str; 6] = ["x", "y", "z", "yaw", "pitch", "roll"];
@@ -32,6 +33,8 @@ pub enum SourceAddress {
     /// Where we listen for opentrack.
     Opentrack(SocketAddr),
     Script(PathBuf),
+    /// A headset that is used only as a tracker, on the axes of this origin.
+    Openxr(RoomOrigin),
 }
 
 impl FromStr for SourceAddress {
@@ -40,6 +43,11 @@ impl FromStr for SourceAddress {
     fn from_str(text: &str) -> Result<Self, String> {
         if matches!(text, "" | "none") {
             return Ok(SourceAddress::None);
+        }
+        match text {
+            "openxr" => return Ok(SourceAddress::Openxr(RoomOrigin::Stage)),
+            "openxr:local" => return Ok(SourceAddress::Openxr(RoomOrigin::Local)),
+            _ => {}
         }
         if let Some(file) = text.strip_prefix("script:").filter(|file| !file.is_empty()) {
             return Ok(SourceAddress::Script(file.into()));
@@ -53,7 +61,7 @@ impl FromStr for SourceAddress {
         text.parse().map(SourceAddress::Vrpn).map_err(|_| {
             format!(
                 "\"{text}\" is no source of poses: take Device@host, Device@tcp://host, \
-                 opentrack:PORT, script:FILE or none"
+                 opentrack:PORT, openxr, openxr:local, script:FILE or none"
             )
         })
     }
@@ -73,6 +81,7 @@ impl SourceAddress {
             SourceAddress::Vrpn(device) => device.to_string(),
             SourceAddress::Opentrack(_) => "opentrack".to_owned(),
             SourceAddress::Script(path) => path.display().to_string(),
+            SourceAddress::Openxr(_) => "openxr".to_owned(),
         }
     }
 }
@@ -402,8 +411,10 @@ mod tests {
         let listen = |text: &str| SourceAddress::Opentrack(text.parse().unwrap());
         assert_eq!(source("opentrack:4242"), Ok(listen("127.0.0.1:4242")));
         assert_eq!(source("opentrack:0.0.0.0:5000"), Ok(listen("0.0.0.0:5000")));
+        assert_eq!(source("openxr"), Ok(SourceAddress::Openxr(RoomOrigin::Stage)));
+        assert_eq!(source("openxr:local"), Ok(SourceAddress::Openxr(RoomOrigin::Local)));
         assert!(matches!(source("Head0@tcp://10.0.0.7"), Ok(SourceAddress::Vrpn(_))));
-        for bad in ["opentrack:", "opentrack:99999", "Head0", "@host", "script:", "udp://x"] {
+        for bad in ["opentrack:", "opentrack:99999", "Head0", "@host", "script:", "openxr:x"] {
             assert!(source(bad).unwrap_err().contains(bad), "{bad}");
         }
     }

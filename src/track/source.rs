@@ -11,6 +11,7 @@ use tracking::vrpn::{Client, ClientTiming, DeviceAddress};
 use tracking::{HostClock, Source};
 
 use crate::config::SourceAddress;
+use crate::screen::headset::HeadsetTracker;
 
 /// Why there are no poses.
 #[derive(Debug, Error)]
@@ -53,6 +54,11 @@ pub fn open(
             let script =
                 Script::parse(&text).map_err(|error| SourceError::Script(path.clone(), error))?;
             sources.push(Box::new(Scripted::new(&address.label(), script)));
+        }
+        SourceAddress::Openxr(origin) => {
+            let source = HeadsetTracker::start(&address.label(), *origin, clock)
+                .map_err(SourceError::Thread)?;
+            sources.push(Box::new(source));
         }
     }
     let clients = Client::start_all(&devices, ClientTiming::default(), clock);

@@ -12,6 +12,7 @@ mod runtime;
 #[path = "../shared_data/mod.rs"]
 mod shared_data;
 mod shot;
+mod tracker;
 
 use std::time::Duration;
 

@@ -386,7 +386,10 @@ impl Link {
 }
 
 /// The room's space: the one asked for, or the one that every runtime has.
-fn make_room(session: &xr::Session<xr::Vulkan>, origin: RoomOrigin) -> Result<xr::Space> {
+pub(super) fn make_room<G: xr::Graphics>(
+    session: &xr::Session<G>,
+    origin: RoomOrigin,
+) -> Result<xr::Space> {
     const DOING: &str = "find the room";
     let offered = session.enumerate_reference_spaces().doing(DOING)?;
     let stage = xr::ReferenceSpaceType::STAGE;

@@ -1,6 +1,7 @@
 //! The way to a headset through OpenXR: what the machine offers ([`probe`]), a session from
 //! connecting to parting ([`link`]), the states that it goes through ([`lifecycle`]), images,
-//! hands, and the wait for the next frame.
+//! hands, and the wait for the next frame; and a headset that shows nothing and only says where the
+//! head is ([`HeadsetTracker`]).
 //!
 //! The loader is a library of the system, loaded when it is first asked for, so that the program
 //! runs where there is none. Takes finished pictures; gives views and hands as values. Knows no
@@ -14,10 +15,12 @@ mod lifecycle;
 pub mod link;
 mod probe;
 mod runtime;
+mod tracker;
 mod waiter;
 
 pub use error::HeadsetError;
 pub use link::{Layers, Link, LinkOptions, RoomOrigin, Standing};
 pub use probe::probe;
 pub use runtime::Blend;
+pub use tracker::HeadsetTracker;
 pub use waiter::{FrameNews, FrameTime};

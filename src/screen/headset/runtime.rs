@@ -39,6 +39,41 @@ impl Blend {
     }
 }
 
+fn no_runtime(error: xr::sys::Result) -> HeadsetError {
+    HeadsetError::NoRuntime(error.to_string())
+}
+
+/// The loader of this machine, and what the runtime behind it offers.
+pub(super) fn reach() -> Result<(xr::Entry, xr::ExtensionSet)> {
+    // SAFETY: loading runs the loader's initialisers; a system's OpenXR loader is trusted as the
+    // Vulkan loader is.
+    let entry = unsafe { xr::Entry::load(&()) }
+        .map_err(|error| HeadsetError::NoLoader(error.to_string()))?;
+    let offered = entry.enumerate_extensions().map_err(no_runtime)?;
+    Ok((entry, offered))
+}
+
+/// Connects to the runtime; gives its headset and the names of both.
+pub(super) fn enter(
+    entry: &xr::Entry,
+    extensions: &xr::ExtensionSet,
+) -> Result<(xr::Instance, xr::SystemId, String)> {
+    let application = xr::ApplicationInfo {
+        application_name: "Virtual Sculpture",
+        application_version: 1,
+        engine_name: "",
+        engine_version: 0,
+        api_version: xr::Version::new(1, 0, 0),
+    };
+    let instance = entry.create_instance(&application, extensions, &[], &()).map_err(no_runtime)?;
+    let properties = instance.properties().doing("name the runtime")?;
+    let system = instance
+        .system(xr::FormFactor::HEAD_MOUNTED_DISPLAY)
+        .map_err(|error| HeadsetError::NoHeadset(error.to_string()))?;
+    let headset = instance.system_properties(system).doing("name the headset")?.system_name;
+    Ok((instance, system, format!("{} ({headset})", properties.runtime_name)))
+}
+
 /// A runtime with a headset.
 pub(super) struct Runtime {
     pub instance: xr::Instance,
@@ -59,12 +94,7 @@ pub(super) struct Runtime {
 impl Runtime {
     /// Connects to the runtime of this machine.
     pub fn connect(blend: Blend) -> Result<Runtime> {
-        // SAFETY: loading runs the loader's initialisers; a system's OpenXR loader is trusted as
-        // the Vulkan loader is.
-        let entry = unsafe { xr::Entry::load(&()) }
-            .map_err(|error| HeadsetError::NoLoader(error.to_string()))?;
-        let no_runtime = |error: xr::sys::Result| HeadsetError::NoRuntime(error.to_string());
-        let offered = entry.enumerate_extensions().map_err(no_runtime)?;
+        let (entry, offered) = reach()?;
         if !offered.khr_vulkan_enable2 {
             return Err(HeadsetError::Unsuitable {
                 runtime: "of this machine".to_string(),
@@ -75,21 +105,7 @@ impl Runtime {
         extensions.khr_vulkan_enable2 = true;
         extensions.khr_composition_layer_depth = offered.khr_composition_layer_depth;
         extensions.ext_hand_interaction = offered.ext_hand_interaction;
-        let application = xr::ApplicationInfo {
-            application_name: "Virtual Sculpture",
-            application_version: 1,
-            engine_name: "",
-            engine_version: 0,
-            api_version: xr::Version::new(1, 0, 0),
-        };
-        let instance =
-            entry.create_instance(&application, &extensions, &[], &()).map_err(no_runtime)?;
-        let properties = instance.properties().doing("name the runtime")?;
-        let system = instance
-            .system(xr::FormFactor::HEAD_MOUNTED_DISPLAY)
-            .map_err(|error| HeadsetError::NoHeadset(error.to_string()))?;
-        let headset = instance.system_properties(system).doing("name the headset")?.system_name;
-        let name = format!("{} ({headset})", properties.runtime_name);
+        let (instance, system, name) = enter(&entry, &extensions)?;
         let unsuitable = |lack: String| HeadsetError::Unsuitable { runtime: name.clone(), lack };
 
         let needs = instance
