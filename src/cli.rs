@@ -205,10 +205,11 @@ fn window_or_demo(cli: Cli, config: Config, progress: &Bar) -> Result<(), JobErr
         if let Some(record) = &cli.record {
             session.record_to(record)?;
         }
-        return Ok(match display {
+        match display {
             true => app::run(session, config, cli.headset_shots)?,
             false => app::headset::alone::run(session, &config, cli.headset_shots)?,
-        });
+        }
+        return Ok(());
     }
     if cli.file.is_some() || cli.record.is_some() {
         return Err(JobError::NoDisplay);

@@ -6,6 +6,9 @@
 //! What the eyes see comes as pictures that the program writes (`--headset-shots`), what the hands
 //! do as a journal (`--record`). Everything is waited for by condition, not by time.
 
+// A test that cannot go on has failed.
+#![allow(clippy::unwrap_used)]
+
 mod program;
 mod remote;
 mod runtime;

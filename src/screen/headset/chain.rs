@@ -57,7 +57,7 @@ impl Chain {
         };
         let handle = session.create_swapchain(&info).doing("make images for the headset")?;
         let images = handle.enumerate_images().doing("list the headset's images")?;
-        let images = images.into_iter().map(|image| vk::Image::from_raw(image as u64)).collect();
+        let images = images.into_iter().map(vk::Image::from_raw).collect();
         Ok(Some(Chain { handle, images, size, layers, depth }))
     }
 

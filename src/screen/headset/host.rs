@@ -86,7 +86,7 @@ fn checked<T>(
 ) -> Result<T> {
     match made {
         Ok(Ok(handle)) => Ok(handle),
-        Ok(Err(result)) => Err(GpuError::vulkan(doing, vk::Result::from_raw(result as i32))),
+        Ok(Err(result)) => Err(GpuError::vulkan(doing, vk::Result::from_raw(result))),
         Err(error) => Err(refused(doing, error)),
     }
 }
