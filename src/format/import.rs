@@ -3,6 +3,8 @@
 //! Works brick by brick in parallel. Memory for colours is counted before it is taken, and taken
 //! only for bricks in which an existing voxel differs from the base colour. Knows no files.
 
+use std::sync::atomic::{AtomicU32, Ordering};
+
 use fearless_simd::{Level, dispatch};
 use glam::UVec3;
 use rayon::prelude::*;
@@ -218,9 +220,16 @@ impl Job<'_> {
             v.x as usize + dims.x as usize * (v.y as usize + dims.y as usize * v.z as usize)
         };
         self.progress.begin("filling the grid");
+        let layers = dims.z.div_ceil(BRICK_EDGE_VX);
+        let begun = AtomicU32::new(0);
         grid.fill_bricks(|brick| {
             if self.progress.is_cancelled() {
                 return Brick::EMPTY;
+            }
+            // Once a layer, as it is begun: layers are filled side by side.
+            if brick.x == 0 && brick.y == 0 {
+                let before = begun.fetch_add(1, Ordering::Relaxed);
+                self.progress.advance(before as f32 / layers as f32);
             }
             let corner = brick * BRICK_EDGE_VX;
             let room = (dims - corner).min(UVec3::splat(BRICK_EDGE_VX));

@@ -131,7 +131,7 @@ pub fn save_with_texts(
     // The last moment: what is written is written.
     go_on(progress)?;
     progress.begin("writing");
-    let written = store::write_atomically(path, &bytes);
+    let written = store::write_with(path, &bytes, progress);
     progress.end();
     Ok(written?)
 }

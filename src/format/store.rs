@@ -11,7 +11,7 @@ use super::pvm::check_budget;
 use super::{FormatError, go_on};
 use crate::progress::Progress;
 
-/// So much is read between two looks whether it is still wanted.
+/// So much is read or written between two words about how far it is.
 const PORTION_BYTES: u64 = 4 << 20;
 
 /// Reads a whole file of at most `budget_bytes`. `admit` sees its length before memory is taken.
@@ -47,6 +47,15 @@ pub(super) fn read(
 /// temporary name in the same folder, synced, renamed, and the folder synced. Permissions of an
 /// old file are kept; where `path` is a symbolic link, the file it leads to is replaced.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    write_with(path, bytes, &())
+}
+
+/// [`write_atomically`], saying how far it is. It cannot be stopped.
+pub(super) fn write_with(
+    path: &Path,
+    bytes: &[u8],
+    progress: &dyn Progress,
+) -> std::io::Result<()> {
     let target = match fs::canonicalize(path) {
         Ok(target) => target,
         // Nothing there yet.
@@ -71,7 +80,12 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
     let mut file = builder.tempfile_in(&folder)?;
-    file.write_all(bytes)?;
+    let mut written = 0;
+    for portion in bytes.chunks(PORTION_BYTES as usize) {
+        file.write_all(portion)?;
+        written += portion.len();
+        progress.advance(written as f32 / bytes.len() as f32);
+    }
     if let Some(old) = old {
         file.as_file().set_permissions(old.permissions())?;
     }
