@@ -22,6 +22,9 @@ pub struct Guide {
     pub open: bool,
     /// Steps that are done stay done, whatever is undone later.
     done: [bool; STEPS.len()],
+    /// How long the history was when the step at hand began, so that what was tried before does
+    /// not count.
+    since: Option<u64>,
 }
 
 /// A step of the guide.
@@ -30,7 +33,8 @@ struct Step {
     /// What to do; `{}` stands for the shortcuts of `actions`, in their order.
     text: &'static str,
     actions: &'static [Action],
-    is_done: fn(&Document) -> bool,
+    /// Looks at the sculpture, and at what was done since the step began.
+    is_done: fn(&Document, u64) -> bool,
     /// What the step comes to, for those who would rather watch.
     commands: Option<fn(&Document) -> Vec<Command>>,
 }
@@ -38,11 +42,11 @@ struct Step {
 const STEPS: [Step; 7] = [
     Step {
         title: "Clear half of the grid",
-        text: "Take the marker ({}). It is a box: drag it over the stone, pull its faces with \
-               Ctrl and the left button, or type its numbers on the right. Let it hold the upper \
-               half, then remove what it holds ({}).",
+        text: "Take the marker ({}). It is a box: drag it over the stone from corner to corner, pull \
+               its faces with Ctrl and the left button, or type its numbers on the right. Let it \
+               hold the upper half, then remove what it holds ({}).",
         actions: &[Action::Marker, Action::ClearMarker],
-        is_done: |document| {
+        is_done: |document, _| {
             let grid = document.grid();
             let all = grid.dims().as_u64vec3().element_product();
             (1..=all * 7 / 10).contains(&grid.opaque_count())
@@ -56,7 +60,7 @@ const STEPS: [Step; 7] = [
         text: "Limit all tools to what the marker holds ({}). From now on the ground below is \
                safe.",
         actions: &[Action::ToggleLimit],
-        is_done: |document| document.selection().limit().is_some(),
+        is_done: |document, _| document.selection().limit().is_some(),
         commands: Some(|document| {
             let mark = Command::Mark(upper_half(document));
             vec![mark, Command::Select(SelectOp::Add), Command::Limit(true)]
@@ -71,7 +75,7 @@ const STEPS: [Step; 7] = [
             Action::Mode(crate::input::ToolMode::Add),
             Action::Grow,
         ],
-        is_done: |document| has_step(document, &["add cuboid"]),
+        is_done: |document, since| has_step(document, since, &["add cuboid"]),
         commands: None,
     },
     Step {
@@ -79,7 +83,7 @@ const STEPS: [Step; 7] = [
         text: "Bite into it with the devourer ({}), then fill the corners with growth ({}): drag \
                both over the cuboid until it looks like rock.",
         actions: &[Action::Spray(SprayKind::Devourer), Action::Spray(SprayKind::Growth)],
-        is_done: |document| has_step(document, &["devourer", "growth"]),
+        is_done: |document, since| has_step(document, since, &["devourer", "growth"]),
         commands: None,
     },
     Step {
@@ -87,7 +91,7 @@ const STEPS: [Step; 7] = [
         text: "Wear the edges off with erosion ({}). The left button with Shift smooths, whatever \
                tool you hold.",
         actions: &[Action::Spray(SprayKind::Erosion)],
-        is_done: |document| has_step(document, &["erosion"]),
+        is_done: |document, since| has_step(document, since, &["erosion"]),
         commands: None,
     },
     Step {
@@ -95,7 +99,7 @@ const STEPS: [Step; 7] = [
         text: "Take the brush ({}), choose a colour on the right and paint. Alt and the left \
                button take a colour from the surface.",
         actions: &[Action::Spray(SprayKind::Paintbrush)],
-        is_done: |document| has_step(document, &["paintbrush"]),
+        is_done: |document, since| has_step(document, since, &["paintbrush"]),
         commands: None,
     },
     Step {
@@ -103,7 +107,7 @@ const STEPS: [Step; 7] = [
         text: "Let the tools go everywhere again ({}), take the marker, let it hold the ground \
                and give it the colour ({}).",
         actions: &[Action::ToggleLimit, Action::DyeMarker],
-        is_done: |document| has_step(document, &["dye marker"]),
+        is_done: |document, since| has_step(document, since, &["dye marker"]),
         commands: None,
     },
 ];
@@ -113,19 +117,41 @@ fn upper_half(document: &Document) -> VoxelBox {
     VoxelBox { min: IVec3::new(0, dims.y / 2, 0), max: dims }
 }
 
-/// Whether the history has a step of each of these labels.
-fn has_step(document: &Document, labels: &[&str]) -> bool {
-    labels.iter().all(|label| document.history().undo_labels().any(|done| done == *label))
+/// Whether the history has a step of each of these labels since it was so long.
+fn has_step(document: &Document, since: u64, labels: &[&str]) -> bool {
+    let history = document.history();
+    let skipped = since.saturating_sub(history.dropped()) as usize;
+    labels.iter().all(|label| history.undo_labels().skip(skipped).any(|done| done == *label))
+}
+
+/// Steps made so far that still stand, with those forgotten.
+fn length(document: &Document) -> u64 {
+    let history = document.history();
+    history.dropped() + history.undo_count() as u64
 }
 
 impl Guide {
     /// Ticks off what has been done: only the step at hand counts, so that each is met in turn.
     fn follow(&mut self, document: &Document) {
-        while let Some(at) = self.step()
-            && (STEPS[at].is_done)(document)
-        {
-            self.done[at] = true;
+        while let Some(at) = self.step() {
+            let now = length(document);
+            let since = self.since.map_or(now, |since| since.min(now));
+            self.since = Some(since);
+            if !(STEPS[at].is_done)(document, since) {
+                return;
+            }
+            self.finish(at);
         }
+    }
+
+    /// Goes on with the next step.
+    fn finish(&mut self, at: usize) {
+        self.done[at] = true;
+        self.since = None;
+    }
+
+    fn start_again(&mut self) {
+        *self = Guide { open: self.open, ..Guide::default() };
     }
 
     /// The step at hand; none when all are done.
@@ -139,44 +165,57 @@ pub fn show(root: &Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Int
         return;
     }
     state.guide.follow(facts.document);
-    let at = state.guide.step();
     let mut open = true;
-    let mut leave = false;
     Window::new("First steps")
         .open(&mut open)
         .resizable(false)
         .default_width(WIDTH)
-        .default_pos(pos2(theme::TOOLBOX_WIDTH + 28.0, 52.0))
+        .default_pos(pos2(theme::TOOLBOX_WIDTH + 24.0, 44.0))
         .show(root.ctx(), |ui| {
             ui.set_width(WIDTH);
-            for (i, step) in STEPS.iter().enumerate() {
-                let tick = if state.guide.done[i] { "✔" } else { "•" };
-                let title = format!("{tick} {}. {}", i + 1, step.title);
-                if Some(i) == at {
-                    ui.label(RichText::new(title).strong());
-                    ui.indent(i, |ui| current(ui, state, facts, intents, i));
-                } else {
-                    ui.label(RichText::new(title).weak());
+            overview(ui, &state.guide);
+            match state.guide.step() {
+                Some(at) => current(ui, state, facts, intents, at),
+                None => {
+                    ui.label("You know the tools. Build a house, a tree, a lake and a hill!");
+                    ui.horizontal(|ui| {
+                        again(ui, &mut state.guide);
+                        if ui.button("Close").on_hover_text("The guide is in the menu").clicked() {
+                            state.guide.open = false;
+                        }
+                    });
                 }
             }
-            if at.is_none() {
-                ui.separator();
-                ui.label("You know the tools. Build a house, a tree, a lake and a hill!");
-            }
-            ui.separator();
-            ui.horizontal(|ui| {
-                leave = ui.button("Close").on_hover_text("The guide is in the menu").clicked();
-                if ui.button("Start again").clicked() {
-                    state.guide.done = Default::default();
-                }
-            });
         });
-    state.guide.open = open && !leave;
+    state.guide.open &= open;
+}
+
+/// A row with the number of each step; small, so that the sculpture is seen.
+fn overview(ui: &mut Ui, guide: &Guide) {
+    let at = guide.step();
+    ui.horizontal(|ui| {
+        for (i, step) in STEPS.iter().enumerate() {
+            let mut text = RichText::new(match guide.done[i] {
+                true => "✔".to_string(),
+                false => (i + 1).to_string(),
+            });
+            text = if at == Some(i) { text.strong().underline() } else { text.weak() };
+            ui.label(text).on_hover_text(step.title);
+            ui.add_space(8.0);
+        }
+    });
+}
+
+fn again(ui: &mut Ui, guide: &mut Guide) {
+    if ui.button("Start again").on_hover_text("From the first step").clicked() {
+        guide.start_again();
+    }
 }
 
 /// What to do in the step at hand.
 fn current(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>, at: usize) {
     let step = &STEPS[at];
+    ui.label(RichText::new(format!("{}. {}", at + 1, step.title)).strong());
     ui.label(with_keys(step, facts, state));
     ui.horizontal(|ui| {
         if let Some(commands) = step.commands
@@ -185,8 +224,9 @@ fn current(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<In
             intents.extend(commands(facts.document).into_iter().map(Intent::Run));
         }
         if ui.button("Skip").on_hover_text("Go on with the next step").clicked() {
-            state.guide.done[at] = true;
+            state.guide.finish(at);
         }
+        again(ui, &mut state.guide);
     });
 }
 
@@ -257,5 +297,16 @@ mod tests {
         document.apply(&Command::Undo { steps: None }).unwrap();
         guide.follow(&document);
         assert_eq!(guide.step(), None, "what was done stays done");
+
+        guide.start_again();
+        document.apply(&"limit on".parse().unwrap()).unwrap();
+        guide.follow(&document);
+        assert_eq!(guide.step(), Some(2), "the cuboid of the first time does not count");
+        document.apply(&Command::Undo { steps: Some(3) }).unwrap();
+        guide.follow(&document);
+        let cuboid = "add cuboid at=10,20,16 half=4,4,4 colour=#ff0000";
+        document.apply(&cuboid.parse().unwrap()).unwrap();
+        guide.follow(&document);
+        assert_eq!(guide.step(), Some(3), "one made after something was undone does");
     }
 }
