@@ -3,6 +3,7 @@
 
 use egui::{Button, RichText, ScrollArea, Ui};
 
+use super::top_bar::capital;
 use super::{Facts, Intent};
 use crate::command::Command;
 
@@ -15,13 +16,12 @@ pub fn show(ui: &mut Ui, facts: &Facts, height: f32, intents: &mut Vec<Intent>) 
     } else {
         "Start".to_string()
     };
-    let labels =
-        std::iter::once((start.as_str(), "")).chain(history.undo_labels().map(|l| (l, "")));
+    let labels = std::iter::once(start).chain(history.undo_labels().map(words));
     ScrollArea::vertical().id_salt("history").max_height(height).stick_to_bottom(true).show(
         ui,
         |ui| {
             ui.spacing_mut().item_spacing.y = 1.0;
-            for (done, (label, _)) in labels.enumerate() {
+            for (done, label) in labels.enumerate() {
                 let back = undos - done;
                 let button = Button::selectable(back == 0, label).frame_when_inactive(false);
                 if row(ui, button) && back > 0 {
@@ -29,7 +29,7 @@ pub fn show(ui: &mut Ui, facts: &Facts, height: f32, intents: &mut Vec<Intent>) 
                 }
             }
             for (i, label) in history.redo_labels().enumerate() {
-                let text = RichText::new(label).weak().italics();
+                let text = RichText::new(words(label)).weak().italics();
                 let button = Button::selectable(false, text).frame_when_inactive(false);
                 if row(ui, button) {
                     intents.push(Intent::Run(Command::Redo { steps: Some(i as u32 + 1) }));
@@ -45,4 +45,29 @@ pub fn show(ui: &mut Ui, facts: &Facts, height: f32, intents: &mut Vec<Intent>) 
 fn row(ui: &mut Ui, button: Button) -> bool {
     let size = egui::vec2(ui.available_width(), 0.0);
     ui.add(button.min_size(size).truncate()).clicked()
+}
+
+/// A label, which is of the words of scripts, in those of the toolbox.
+pub fn words(label: &str) -> String {
+    match label.split_once(' ').unwrap_or((label, "")) {
+        ("subtract", what) => format!("Cut {what}"),
+        ("recolour", what) => format!("Paint {what}"),
+        ("paintbrush", _) => "Brush".to_string(),
+        _ => capital(label),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn steps_are_called_as_in_the_toolbox() {
+        for (label, shown) in [
+            ("subtract ellipsoid", "Cut ellipsoid"),
+            ("recolour pyramid", "Paint pyramid"),
+            ("paintbrush", "Brush"),
+            ("my own stroke", "My own stroke"),
+        ] {
+            assert_eq!(super::words(label), shown);
+        }
+    }
 }

@@ -26,13 +26,7 @@ pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec
         .exact_size(theme::OPTIONS_WIDTH)
         .show(root, |ui| {
             if docked[1] {
-                // Always in sight, however much there is to choose above it.
-                egui::Panel::bottom("history").frame(Frame::NONE).resizable(false).show(ui, |ui| {
-                    panels::head(ui, Panel::History, state, facts, intents);
-                    let rows = if docked[0] { 6.0 } else { 20.0 };
-                    let height = ui.text_style_height(&egui::TextStyle::Body) * rows;
-                    history::show(ui, facts, height, intents);
-                });
+                past(ui, docked[0], state, facts, intents);
             }
             if docked[0] {
                 ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -41,6 +35,20 @@ pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec
                     content(ui, state, facts, intents);
                 });
             }
+        });
+}
+
+/// The history at the foot of the column: seen at all times, however long the options are.
+fn past(ui: &mut Ui, shared: bool, state: &UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+    let rows = ui.text_style_height(&egui::TextStyle::Body) * 9.0;
+    let height = if shared { rows.min(0.25 * ui.available_height()) } else { f32::INFINITY };
+    egui::Panel::bottom("history foot")
+        .frame(Frame::NONE.inner_margin(Margin { top: 4, right: 6, ..Margin::ZERO }))
+        .resizable(false)
+        .show_separator_line(shared)
+        .show(ui, |ui| {
+            panels::head(ui, Panel::History, state, facts, intents);
+            history::show(ui, facts, height, intents);
         });
 }
 

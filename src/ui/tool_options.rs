@@ -9,7 +9,7 @@ use super::files::FileTask;
 use super::hand::HALF_RANGE;
 use super::toolbox::mode_name;
 use super::top_bar::capital;
-use super::{Facts, Hand, Intent, Tool, UiState, marker_options, spray_options};
+use super::{Facts, Hand, Intent, Tool, UiState, history, marker_options, spray_options};
 use crate::input::{Action, ToolMode};
 use crate::sculpture::{ColourDepth, Rgb};
 
@@ -47,7 +47,7 @@ pub fn show(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<I
             place(ui, state, facts, intents);
         }
         Tool::Spray(kind) => {
-            ui.label(capital(kind.name()));
+            ui.label(history::words(kind.name()));
             spray_options::show(ui, state.hand.sprays.of_mut(kind), kind);
             if kind.gives_colour() {
                 colour(ui, state, facts);
