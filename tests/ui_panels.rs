@@ -236,7 +236,7 @@ fn the_top_bar_counts_and_undoes_and_the_history_travels() {
     harness.get_by_label("Start").click();
     harness.run();
     assert_eq!((undo_count(&harness), voxels(&harness)), (0, 64u64.pow(3)));
-    harness.get_all_by_label("subtract ellipsoid").last().unwrap().click();
+    harness.get_all_by_label("Cut ellipsoid").last().unwrap().click();
     harness.run();
     assert_eq!(undo_count(&harness), 3);
 }
@@ -276,6 +276,16 @@ fn the_new_dialog_makes_a_sculpture_and_names_what_is_impossible() {
     key(&mut harness, Modifiers::NONE, Key::Escape);
     harness.run();
     assert!(!harness.state().ui.new_dialog.open);
+
+    key(&mut harness, Modifiers::COMMAND, Key::N);
+    harness.state_mut().ui.new_dialog.dims = UVec3::splat(32);
+    harness.run();
+    key_in(&mut harness, Modifiers::NONE, Key::Enter);
+    harness.run_steps(2);
+    harness.state_mut().finish_job();
+    harness.run();
+    let dims = harness.state().session().document().grid().dims();
+    assert_eq!(dims, UVec3::splat(32), "Enter creates");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The window for a new sculpture: how large, how many colours, solid or empty, and how much
 //! memory that takes.
 
-use egui::{ComboBox, DragValue, Grid, Id, Modal, Ui};
+use egui::{ComboBox, DragValue, Grid, Id, Key, Modal, Ui};
 use glam::{UVec3, Vec3};
 
 use super::{Facts, Intent, UiState, theme};
@@ -51,6 +51,9 @@ pub fn show(root: &Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Int
         ui.heading("New sculpture");
         ui.add_space(4.0);
         let dialog = &mut state.new_dialog;
+        // While a field or a button has the keyboard, Enter is its own.
+        let free = ui.memory(|memory| memory.focused().is_none());
+        let enter = free && ui.input(|input| input.key_pressed(Key::Enter));
         fields(ui, dialog);
         ui.add_space(4.0);
         let limits = facts.document.limits();
@@ -65,7 +68,8 @@ pub fn show(root: &Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Int
         ui.add_space(8.0);
         ui.horizontal(|ui| {
             let create = theme::primary(ui.visuals(), "Create");
-            if ui.add_enabled(refusal.is_none(), create).clicked() {
+            let clicked = ui.add_enabled(refusal.is_none(), create).clicked();
+            if clicked || enter && refusal.is_none() {
                 intents.push(Intent::Run(Command::New(dialog.wanted())));
                 dialog.open = false;
             }
