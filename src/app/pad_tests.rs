@@ -7,6 +7,7 @@ use egui::{Key, RawInput, Rect};
 
 use super::*;
 use crate::config::Config;
+use crate::input::Trigger;
 use crate::input::pad::{PadButton, PadButtons, PadState};
 use crate::session::Session;
 
@@ -225,4 +226,32 @@ fn a_stroke_ends_when_its_pad_is_pulled_out_or_a_question_is_open() {
     assert_eq!((asked.voxels(), asked.bench.ui.hand.centre_vx), (full, at));
     asked.press(PadButton::Select);
     assert!(!asked.bench.ui.leave_open, "the question can be put aside");
+}
+
+#[test]
+fn a_button_is_caught_in_the_table_of_keys() {
+    let mut desk = Desk::new("", 60.0);
+    let full = desk.voxels();
+    let stick = Trigger::Pad { button: PadButton::LeftStick };
+    let has = |desk: &Desk, action, trigger| {
+        desk.bench.presets[desk.bench.ui.preset].triggers(action).any(|t| t == trigger)
+    };
+    desk.press(PadButton::South);
+    let cut = desk.voxels();
+    assert!(cut < full);
+    assert!(!has(&desk, Action::Undo, stick));
+    desk.bench.ui.keys.listen_for(Action::Undo);
+    desk.press(PadButton::LeftStick);
+    assert!(!desk.bench.ui.keys.is_catching() && has(&desk, Action::Undo, stick));
+    assert_eq!(desk.voxels(), cut, "what is caught does nothing else");
+    desk.press(PadButton::LeftStick);
+    assert_eq!(desk.voxels(), full, "from then on it is a key as any other");
+
+    // What another action has is asked about, and stays with it until the answer.
+    let right = Trigger::Pad { button: PadButton::DpadRight };
+    desk.bench.ui.keys.listen_for(Action::Fill);
+    desk.press(PadButton::DpadRight);
+    assert!(desk.bench.ui.keys.is_catching());
+    assert!(has(&desk, Action::Redo, right) && !has(&desk, Action::Fill, right));
+    assert_eq!(desk.voxels(), full, "nothing was redone");
 }

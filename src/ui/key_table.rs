@@ -37,6 +37,11 @@ impl KeyTable {
         self.catch.is_some()
     }
 
+    /// Awaits what `action` is to have.
+    pub fn listen_for(&mut self, action: Action) {
+        self.catch = Some(Catch::new(action));
+    }
+
     /// Takes what a device other than keyboard and mouse has pressed, if a trigger is awaited.
     pub fn hear(&mut self, trigger: Option<Trigger>) {
         self.pressed = trigger.or(self.pressed);
@@ -154,7 +159,7 @@ fn row(
             // First, so that all stand below one another.
             let add = named(ui.add(Button::new("+").small()), format!("Add to: {}", help.text));
             if add.on_hover_text("Give it another key or button").clicked() {
-                state.catch = Some(Catch::new(action));
+                state.listen_for(action);
             }
             for trigger in bindings.triggers(action) {
                 let text = capital(&trigger.to_string());
