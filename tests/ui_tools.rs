@@ -224,9 +224,9 @@ fn regions_are_selected_limit_tools_and_are_edited() {
     // Take a box off again, and all of them.
     key(&mut harness, Modifiers::NONE, Key::A);
     key(&mut harness, Modifiers::ALT, Key::A);
-    assert_eq!(harness.state().session().document().selection().boxes().len(), 3);
-    key(&mut harness, Modifiers::NONE, Key::Backspace);
     assert_eq!(harness.state().session().document().selection().boxes().len(), 2);
+    key(&mut harness, Modifiers::NONE, Key::Backspace);
+    assert_eq!(harness.state().session().document().selection().boxes().len(), 1);
     key(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::A);
     assert!(harness.state().session().document().selection().boxes().is_empty());
 }
@@ -319,5 +319,57 @@ fn the_options_of_every_tool_fit_into_their_panel() {
                 assert!(rect.left() >= 0.0 && rect.right() <= 1280.0, "{tool:?} {rect} {node:?}");
             }
         }
+    }
+}
+
+/// What the messages on screen say.
+fn told(harness: &Bench, text: &str) -> bool {
+    harness.state().ui.toasts.texts().any(|(_, toast)| toast.contains(text))
+}
+
+#[test]
+fn a_stroke_that_changes_nothing_says_why() {
+    let mut harness = front();
+    let at = middle(&harness);
+    drag(&mut harness, &[at, at + vec2(60.0, 0.0)]);
+    key(&mut harness, Modifiers::NONE, Key::T);
+    let beside = at - vec2(0.0, 120.0);
+    drag(&mut harness, &[beside]);
+    assert!(told(&harness, "the grid ends here"));
+
+    run(&mut harness, "mark at=0,0,0 size=64,8,64");
+    key(&mut harness, Modifiers::NONE, Key::L);
+    key(&mut harness, Modifiers::NONE, Key::R);
+    let before = voxels(&harness);
+    assert!(!told(&harness, "limited to what is selected"));
+    drag(&mut harness, &[beside]);
+    assert_eq!(voxels(&harness), before);
+    assert!(told(&harness, "limited to what is selected (L)"));
+    harness.get_by_label("Limited");
+    key(&mut harness, Modifiers::NONE, Key::L);
+    harness.run();
+    assert!(harness.query_by_label("Limited").is_none());
+}
+
+#[test]
+fn the_limit_takes_the_marker_where_it_is_unless_more_is_selected() {
+    let mut harness = front();
+    let boxes = |harness: &Bench| {
+        let selection = harness.state().session().document().selection();
+        selection.boxes().iter().map(|chosen| chosen.bounds).collect::<Vec<_>>()
+    };
+    for line in ["mark at=0,0,0 size=8,8,8", "mark at=16,0,0 size=8,8,8"] {
+        run(&mut harness, line);
+        let marker = marker(&harness);
+        key(&mut harness, Modifiers::NONE, Key::L);
+        assert_eq!(boxes(&harness), [marker]);
+        key(&mut harness, Modifiers::NONE, Key::L);
+        assert_eq!(boxes(&harness), []);
+    }
+    key(&mut harness, Modifiers::NONE, Key::A);
+    let chosen = boxes(&harness);
+    for _ in 0..2 {
+        key(&mut harness, Modifiers::NONE, Key::L);
+        assert_eq!(boxes(&harness), chosen, "what was selected stays so");
     }
 }

@@ -1,7 +1,7 @@
 //! Owns what each action and intent leads to: commands for the session, another view, another
 //! tool, a window that opens.
 
-use glam::{Vec2, Vec3};
+use glam::{UVec3, Vec2, Vec3};
 
 use super::aim::{lasting, voxel_at};
 use super::job::Then;
@@ -279,12 +279,16 @@ impl Workbench {
 
     /// Takes the colour of the voxel that the pointer points at.
     fn pick_colour(&mut self) {
-        let document = self.session.document();
-        let seen = self.pointer.zip(self.seen.as_ref());
-        let grid = document.grid();
-        let Some(index) = seen.and_then(|(at, map)| voxel_at(map, grid, at)) else { return };
-        let v = document.grid().voxel_coords(index);
-        self.ui.hand.colour = document.contents().rgb(v);
+        if let Some(v) = self.pointed() {
+            self.ui.hand.colour = self.session.document().contents().rgb(v);
+        }
+    }
+
+    /// The voxel that the pointer points at.
+    pub(super) fn pointed(&self) -> Option<UVec3> {
+        let grid = self.session.document().grid();
+        let (at, map) = self.pointer.zip(self.seen.as_ref())?;
+        Some(grid.voxel_coords(voxel_at(map, grid, at)?))
     }
 
     /// Makes the tool larger (`notches` above 0) or smaller, by `factor` a notch.
@@ -395,6 +399,7 @@ impl Workbench {
             Ok(applied) => {
                 self.pads.bitten += applied.stats.voxels_changed();
                 self.bitten_by_hand += applied.stats.voxels_changed();
+                self.note_idle_area(command, applied.stats.voxels_changed());
                 if self.session.document().grid().dims() != dims {
                     self.sculpture_replaced();
                 }

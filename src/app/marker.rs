@@ -9,7 +9,7 @@ use crate::command::{Area, Command, SelectOp};
 use crate::input::{Action, Step};
 use crate::sculpture::orientation::Orientation;
 use crate::sculpture::region::VoxelBox;
-use crate::sculpture::selection::Selection;
+use crate::sculpture::selection::{SelectedBox, Selection};
 use crate::ui::Tool;
 
 /// What a drag does to the marker.
@@ -157,9 +157,16 @@ impl Workbench {
             Action::ToggleLimit => {
                 let selection = self.session.document().selection();
                 let (limits, empty) = (selection.limits(), selection.boxes().is_empty());
-                // Whoever limits tools without having selected anything means the marker.
+                let lent =
+                    self.lent_to_limit.take().map(|bounds| SelectedBox { bounds, adds: true });
+                let only_lent = lent.is_some_and(|lent| selection.boxes() == [lent]);
+                // Whoever limits tools without having selected anything means the marker, and
+                // the next time where it is by then.
                 if !limits && empty {
+                    self.lent_to_limit = Some(marker);
                     self.run(Command::Select(SelectOp::Add), false);
+                } else if limits && only_lent {
+                    self.run(Command::Select(SelectOp::Clear), false);
                 }
                 self.run(Command::Limit(!limits), false);
             }

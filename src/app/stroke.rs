@@ -8,8 +8,8 @@ use glam::{Vec2, Vec3};
 use super::aim::surface_point;
 use super::path::Path;
 use super::workbench::Workbench;
-use crate::command::Command;
-use crate::input::ToolMode;
+use crate::command::{Area, Command};
+use crate::input::{Action, ToolMode};
 use crate::surface::IndexMap;
 use crate::tools::spray::{Footprint, SprayKind};
 use crate::ui::sprays::SprayOptions;
@@ -59,6 +59,8 @@ pub struct StrokeInHand {
     work: Work,
     /// In voxels; in pixels with z = 0 for sprays.
     path: Path,
+    /// Voxels that it has changed so far.
+    changed: u64,
 }
 
 impl StrokeInHand {
@@ -83,14 +85,14 @@ impl Workbench {
         }
         let spacing = (SPACING * options.radius_px).max(1.0);
         let path = Path::new(at.extend(0.0), spacing, Vec3::ONE);
-        self.stroke = Some(StrokeInHand { work: Work::Spray { kind, options }, path });
+        self.stroke = Some(StrokeInHand { work: Work::Spray { kind, options }, path, changed: 0 });
         self.spray_at(&[at.extend(0.0)]);
     }
 
     /// Leads the stroke of a spray to a point of the picture.
     pub(super) fn lead_spray(&mut self, to: Vec2) {
         let mut stops = Vec::new();
-        if let Some(StrokeInHand { work: Work::Spray { .. }, path }) = &mut self.stroke {
+        if let Some(StrokeInHand { work: Work::Spray { .. }, path, .. }) = &mut self.stroke {
             path.line_to(to.extend(0.0), |stop| stops.push(stop));
         }
         self.spray_at(&stops);
@@ -130,14 +132,14 @@ impl Workbench {
             self.ui.hand.used_colour();
         }
         let path = Path::new(footprint.eye_vx + footprint.aim, spacing_vx, Vec3::ONE);
-        self.stroke = Some(StrokeInHand { work: Work::Can { kind, options }, path });
+        self.stroke = Some(StrokeInHand { work: Work::Can { kind, options }, path, changed: 0 });
         self.use_can(footprint);
     }
 
     /// Leads the stroke of a spray that is held in a hand.
     pub(super) fn lead_can(&mut self, footprint: Footprint) {
         let at = footprint.eye_vx + footprint.aim;
-        if let Some(StrokeInHand { work: Work::Can { .. }, path }) = &mut self.stroke {
+        if let Some(StrokeInHand { work: Work::Can { .. }, path, .. }) = &mut self.stroke {
             let mut due = false;
             let mut way = *path;
             way.line_to(at, |_| due = true);
@@ -170,7 +172,7 @@ impl Workbench {
         let edges = edges / edges.min_element();
         let spacing = SPACING * self.ui.hand.half().min_element();
         let path = Path::new(self.ui.hand.centre_vx, spacing.max(0.5), edges);
-        self.stroke = Some(StrokeInHand { work: Work::Solid { mode, guide }, path });
+        self.stroke = Some(StrokeInHand { work: Work::Solid { mode, guide }, path, changed: 0 });
         if mode == ToolMode::Add || mode == ToolMode::Recolour && self.ui.hand.picture.is_none() {
             self.ui.hand.used_colour();
         }
@@ -183,7 +185,7 @@ impl Workbench {
     pub(super) fn lead_stroke(&mut self, to: Vec2) {
         let Some(mut stroke) = self.stroke.take() else { return };
         let mut stops = Vec::new();
-        let StrokeInHand { work, path } = &mut stroke;
+        let StrokeInHand { work, path, .. } = &mut stroke;
         if let Work::Solid { guide: Guide::Surface { seen, at, depth, lift }, .. } = work {
             let sight = self.sight();
             let grid = self.session.document().grid();
@@ -223,7 +225,7 @@ impl Workbench {
             }
             return;
         }
-        if let Some(StrokeInHand { work: Work::Solid { guide: Guide::Tool, .. }, path }) =
+        if let Some(StrokeInHand { work: Work::Solid { guide: Guide::Tool, .. }, path, .. }) =
             &mut self.stroke
         {
             path.line_to(to, |stop| stops.push(stop));
@@ -246,8 +248,46 @@ impl Workbench {
     }
 
     pub(super) fn end_stroke(&mut self) {
-        if self.stroke.take().is_some() {
-            self.execute(&Command::End);
+        if let Some(stroke) = self.stroke.take()
+            && self.execute(&Command::End)
+            && stroke.changed == 0
+        {
+            let adds = match stroke.work {
+                Work::Solid { mode, .. } => mode == ToolMode::Add,
+                Work::Spray { kind, .. } | Work::Can { kind, .. } => {
+                    matches!(kind, SprayKind::Clay | SprayKind::Dilation)
+                }
+            };
+            self.note_idle(adds);
+        }
+    }
+
+    /// Counts what a command has changed: within a stroke for its end, else what an area that
+    /// the limit has kept whole gives cause to say.
+    pub(super) fn note_idle_area(&mut self, command: &Command, changed: u64) {
+        match (&mut self.stroke, command) {
+            (Some(stroke), _) => stroke.changed += changed,
+            (
+                None,
+                Command::Fill { area: Area::Marker, .. }
+                | Command::Clear { area: Area::Marker }
+                | Command::Dye { area: Area::Marker, .. },
+            ) if changed == 0 => self.note_idle(false),
+            _ => {}
+        }
+    }
+
+    /// Says why nothing has changed, where that is not plain to see.
+    fn note_idle(&mut self, adds: bool) {
+        if self.session.document().selection().limit().is_some() {
+            let table = self.presets.get(self.ui.preset);
+            let keys = table.and_then(|table| table.shortcut(Action::ToggleLimit));
+            let keys = keys.map_or(String::new(), |keys| format!(" ({keys})"));
+            self.ui
+                .toasts
+                .note(format!("Nothing changed: all tools are limited to what is selected{keys}"));
+        } else if adds {
+            self.ui.toasts.note("Nothing was added: the grid ends here, or is full");
         }
     }
 

@@ -27,6 +27,7 @@ use crate::input::events::{Viewport, device_events};
 use crate::input::pad::shift_tap::ShiftTap;
 use crate::input::trigger::Trigger;
 use crate::input::{Action, Bindings, DeviceEvent, Mapper, Panel, Side, Signal};
+use crate::sculpture::region::VoxelBox;
 use crate::session::Session;
 use crate::shade::normal;
 use crate::surface::IndexMap;
@@ -60,6 +61,8 @@ pub struct Workbench {
     pub(super) stroke: Option<StrokeInHand>,
     /// What a drag does to the marker.
     pub(super) marker_drag: Option<MarkerDrag>,
+    /// The box that was selected only because tools were to be limited to the marker.
+    pub(super) lent_to_limit: Option<VoxelBox>,
     /// What drags have moved the marker by, less whole voxels.
     pub(super) marker_rest: Vec3,
     /// Where the pointer is, in pixels of the picture; none while it is elsewhere.
@@ -105,6 +108,7 @@ impl Workbench {
             camera: Camera::default(),
             stroke: None,
             marker_drag: None,
+            lent_to_limit: None,
             marker_rest: Vec3::ZERO,
             pointer: None,
             turns_instead: false,
@@ -295,6 +299,7 @@ impl Workbench {
             times: self.times,
             quad_buffered: self.quad_buffered,
             device: &self.device,
+            pointed_vx: self.pointed(),
             pad: self.pads.facts(),
             head: self.head.facts(),
             ar: self.ar.facts(),

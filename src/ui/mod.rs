@@ -72,6 +72,8 @@ pub struct Facts<'a> {
     pub quad_buffered: bool,
     /// Name of the Vulkan device.
     pub device: &'a str,
+    /// The voxel that the pointer points at.
+    pub pointed_vx: Option<glam::UVec3>,
     /// The gamepad that leads, if there is one.
     pub pad: Option<PadFacts<'a>>,
     pub head: head::HeadFacts,

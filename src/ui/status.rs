@@ -3,7 +3,9 @@
 
 use egui::{Align, Frame, Layout, Margin, Panel, Ui};
 
-use super::{Facts, UiState, ar, gamepad, head};
+use super::buttons::explain;
+use super::{Facts, Tool, UiState, ar, gamepad, head};
+use crate::input::Action;
 
 pub fn show(root: &mut Ui, state: &UiState, facts: &Facts) {
     let frame = Frame::side_top_panel(root.style()).inner_margin(Margin::symmetric(8, 3));
@@ -18,9 +20,8 @@ pub fn show(root: &mut Ui, state: &UiState, facts: &Facts) {
                 "Saved"
             });
             ui.separator();
-            let at = state.hand.centre_vx;
-            ui.monospace(format!("Tool {:.0} {:.0} {:.0}", at.x, at.y, at.z))
-                .on_hover_text("Centre of the tool in voxels: x, y, z");
+            place(ui, state, facts);
+            limit(ui, state, facts);
             if let Some(pad) = facts.pad {
                 ui.separator();
                 ui.strong(pad.mode.label()).on_hover_text(gamepad::mode_hint(pad.mode));
@@ -30,6 +31,34 @@ pub fn show(root: &mut Ui, state: &UiState, facts: &Facts) {
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| right(ui, facts));
         });
     });
+}
+
+/// Where the tool is; of a spray, what it points at.
+fn place(ui: &mut Ui, state: &UiState, facts: &Facts) {
+    let text = |what: &str, at: glam::Vec3| format!("{what} {:.0} {:.0} {:.0}", at.x, at.y, at.z);
+    let (shown, tip) = match state.hand.tool {
+        Tool::Solid => {
+            (text("Tool", state.hand.centre_vx), "Centre of the tool in voxels: x, y, z")
+        }
+        Tool::Marker => {
+            let marker = facts.document.selection().marker();
+            (text("Marker", marker.min.as_vec3()), "Lowest corner of the marker in voxels: x, y, z")
+        }
+        Tool::Spray(_) => match facts.pointed_vx {
+            Some(at) => (text("Spray", at.as_vec3()), "Voxel under the pointer: x, y, z"),
+            None => ("Spray".to_string(), "The pointer is beside the sculpture"),
+        },
+    };
+    ui.monospace(shown).on_hover_text(tip);
+}
+
+/// A sign while tools cannot go everywhere.
+fn limit(ui: &mut Ui, state: &UiState, facts: &Facts) {
+    if facts.document.selection().limit().is_some() {
+        ui.separator();
+        let sign = ui.colored_label(ui.visuals().warn_fg_color, "Limited");
+        explain(sign, state, facts, Action::ToggleLimit);
+    }
 }
 
 fn right(ui: &mut Ui, facts: &Facts) {
