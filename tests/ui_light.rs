@@ -26,7 +26,7 @@ fn click(harness: &mut Bench, label: &str) {
 #[test]
 fn lamps_are_added_placed_and_taken_away() {
     let mut harness = bench();
-    assert!(harness.query_by_label("Lights").is_none());
+    assert!(harness.query_by_label("Add a light").is_none());
     key(&mut harness, Modifiers::NONE, Key::F4);
     let lamp = lighting(&harness).lights[0].unwrap();
     assert!(matches!(lamp.source, LightSource::Direction(_)) && lamp.frame == LightFrame::Eye);

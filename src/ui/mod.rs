@@ -29,6 +29,7 @@ pub mod sprays;
 pub mod state;
 pub mod status;
 pub mod stereo_options;
+pub mod switches;
 pub mod theme;
 pub mod toasts;
 pub mod tool_options;

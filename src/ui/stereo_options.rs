@@ -52,13 +52,18 @@ pub fn layouts(ui: &mut Ui, state: &mut UiState, facts: &Facts) {
         .selected_text(chosen.label())
         .show_ui(ui, |ui| {
             for layout in StereoLayout::ALL {
-                let can = layout != StereoLayout::Layers || facts.quad_buffered;
-                ui.add_enabled_ui(can, |ui| {
-                    ui.selectable_value(&mut state.view.stereo.layout, layout, layout.label())
-                        .on_disabled_hover_text("This window's images have no second layer");
-                });
+                self::layout(ui, state, facts, layout);
             }
         })
         .response;
     explain(response, state, facts, Action::NextStereo);
+}
+
+/// One of the choices.
+pub fn layout(ui: &mut Ui, state: &mut UiState, facts: &Facts, layout: StereoLayout) {
+    let can = layout != StereoLayout::Layers || facts.quad_buffered;
+    ui.add_enabled_ui(can, |ui| {
+        ui.selectable_value(&mut state.view.stereo.layout, layout, layout.label())
+            .on_disabled_hover_text("This window's images have no second layer");
+    });
 }

@@ -1,9 +1,10 @@
-//! The bar along the top: files, history, the way of rendering, help and the menu.
+//! The bar along the top: files, history, the way of rendering, the switches of the picture, help
+//! and the menu.
 
 use egui::{Align, ComboBox, Frame, Layout, Margin, MenuBar, Ui};
 
 use super::buttons::{action_button, explain};
-use super::{Facts, Intent, UiState};
+use super::{Facts, Intent, UiState, switches};
 use crate::config::{RenderMode, Theme};
 use crate::input::{Action, Panel, Side};
 
@@ -28,8 +29,12 @@ pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec
             action_button(ui, state, facts, redo, Action::Redo, redos > 0, intents);
             ui.separator();
             render_mode(ui, state, facts);
+            let wide = switches::fit(ui, facts);
+            if wide {
+                switches::bar(ui, state, facts, intents);
+            }
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                menu(ui, state, facts, intents);
+                menu(ui, !wide, state, facts, intents);
                 action_button(ui, state, facts, "Help", Action::Help, true, intents);
             });
         });
@@ -51,8 +56,12 @@ fn render_mode(ui: &mut Ui, state: &mut UiState, facts: &Facts) {
     explain(response, state, facts, Action::NextRenderMode);
 }
 
-fn menu(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+/// `narrow`: the bar has no room for the switches.
+fn menu(ui: &mut Ui, narrow: bool, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
     ui.menu_button("Menu", |ui| {
+        if narrow {
+            switches::menu(ui, state, facts, intents);
+        }
         for (label, action) in [("Fill the grid", Action::Fill), ("Clear the grid", Action::Clear)]
         {
             action_button(ui, state, facts, label, action, true, intents);

@@ -1,0 +1,61 @@
+//! The switches of the picture: stereo, video, lights, and rumble while a gamepad is there. Beside
+//! the render mode where the bar along the top is wide enough for them, else in the menu.
+
+use egui::{Button, Ui};
+
+use super::buttons::explain;
+use super::{Facts, Intent, UiState, stereo_options};
+use crate::input::Action;
+use crate::view::StereoLayout;
+
+/// What they take of the bar, in points, and what stands right of them.
+const WIDTH: f32 = 296.0;
+const RUMBLE_WIDTH: f32 = 66.0;
+const HELP_AND_MENU: f32 = 104.0;
+
+/// Whether what is left of the bar has room for them.
+pub fn fit(ui: &Ui, facts: &Facts) -> bool {
+    let rumble = if facts.pad.is_some() { RUMBLE_WIDTH } else { 0.0 };
+    ui.available_width() >= WIDTH + rumble + HELP_AND_MENU
+}
+
+/// A switch: its name, whether it is on, what it does.
+type Switch = (&'static str, bool, Action);
+
+fn switches(state: &UiState, facts: &Facts) -> Vec<Switch> {
+    let mut all = vec![
+        ("Video", state.view.video.on, Action::ToggleVideo),
+        ("Lights", state.light_open, Action::Lights),
+    ];
+    if facts.pad.is_some_and(|pad| pad.rumbles) {
+        all.push(("Rumble", state.rumble, Action::ToggleRumble));
+    }
+    all
+}
+
+pub fn bar(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+    ui.separator();
+    ui.label("Stereo");
+    stereo_options::layouts(ui, state, facts);
+    for (name, on, action) in switches(state, facts) {
+        let response = ui.add(Button::selectable(on, name));
+        if explain(response, state, facts, action).clicked() {
+            intents.push(Intent::Do(action));
+        }
+    }
+}
+
+pub fn menu(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+    ui.menu_button("Stereo", |ui| {
+        for layout in StereoLayout::ALL {
+            stereo_options::layout(ui, state, facts, layout);
+        }
+    });
+    for (name, mut on, action) in switches(state, facts) {
+        let response = ui.checkbox(&mut on, name);
+        if explain(response, state, facts, action).changed() {
+            intents.push(Intent::Do(action));
+        }
+    }
+    ui.separator();
+}
