@@ -35,6 +35,8 @@ struct Step {
     actions: &'static [Action],
     /// Looks at the sculpture, and at what was done since the step began.
     is_done: fn(&Document, u64) -> bool,
+    /// What the marker is to hold, for those who would rather type.
+    marker: Option<fn(&Document) -> VoxelBox>,
     /// What the step comes to, for those who would rather watch.
     commands: Option<fn(&Document) -> Vec<Command>>,
 }
@@ -51,6 +53,7 @@ const STEPS: [Step; 7] = [
             let all = grid.dims().as_u64vec3().element_product();
             (1..=all * 7 / 10).contains(&grid.opaque_count())
         },
+        marker: Some(upper_half),
         commands: Some(|document| {
             vec![Command::Mark(upper_half(document)), Command::Clear { area: Area::Marker }]
         }),
@@ -61,6 +64,7 @@ const STEPS: [Step; 7] = [
                safe.",
         actions: &[Action::ToggleLimit],
         is_done: |document, _| document.selection().limit().is_some(),
+        marker: None,
         commands: Some(|document| {
             let mark = Command::Mark(upper_half(document));
             vec![mark, Command::Select(SelectOp::Add), Command::Limit(true)]
@@ -76,6 +80,7 @@ const STEPS: [Step; 7] = [
             Action::Grow,
         ],
         is_done: |document, since| has_step(document, since, &["add cuboid"]),
+        marker: None,
         commands: None,
     },
     Step {
@@ -84,6 +89,7 @@ const STEPS: [Step; 7] = [
                both over the cuboid until it looks like rock.",
         actions: &[Action::Spray(SprayKind::Devourer), Action::Spray(SprayKind::Growth)],
         is_done: |document, since| has_step(document, since, &["devourer", "growth"]),
+        marker: None,
         commands: None,
     },
     Step {
@@ -92,6 +98,7 @@ const STEPS: [Step; 7] = [
                tool you hold.",
         actions: &[Action::Spray(SprayKind::Erosion)],
         is_done: |document, since| has_step(document, since, &["erosion"]),
+        marker: None,
         commands: None,
     },
     Step {
@@ -100,6 +107,7 @@ const STEPS: [Step; 7] = [
                button take a colour from the surface.",
         actions: &[Action::Spray(SprayKind::Paintbrush)],
         is_done: |document, since| has_step(document, since, &["paintbrush"]),
+        marker: None,
         commands: None,
     },
     Step {
@@ -108,6 +116,7 @@ const STEPS: [Step; 7] = [
                and give it the colour ({}).",
         actions: &[Action::ToggleLimit, Action::DyeMarker],
         is_done: |document, since| has_step(document, since, &["dye marker"]),
+        marker: Some(lower_half),
         commands: None,
     },
 ];
@@ -115,6 +124,11 @@ const STEPS: [Step; 7] = [
 fn upper_half(document: &Document) -> VoxelBox {
     let dims = document.grid().dims().as_ivec3();
     VoxelBox { min: IVec3::new(0, dims.y / 2, 0), max: dims }
+}
+
+fn lower_half(document: &Document) -> VoxelBox {
+    let dims = document.grid().dims().as_ivec3();
+    VoxelBox { min: IVec3::ZERO, max: IVec3::new(dims.x, dims.y / 2, dims.z) }
 }
 
 /// Whether the history has a step of each of these labels since it was so long.
@@ -217,6 +231,14 @@ fn current(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<In
     let step = &STEPS[at];
     ui.label(RichText::new(format!("{}. {}", at + 1, step.title)).strong());
     ui.label(with_keys(step, facts, state));
+    if let Some(marker) = step.marker {
+        let marker = marker(facts.document);
+        let (from, size) = (marker.min, marker.size());
+        ui.weak(format!(
+            "In numbers: from {}, {}, {}; size {}, {}, {}.",
+            from.x, from.y, from.z, size.x, size.y, size.z
+        ));
+    }
     ui.horizontal(|ui| {
         if let Some(commands) = step.commands
             && ui.button("Do it for me").clicked()

@@ -158,7 +158,8 @@ fn rotation(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<I
             let value = DragValue::new(&mut turn_deg[axis])
                 .range(-180.0..=180.0)
                 .speed(1.0)
-                .max_decimals(0)
+                // Without the sign of what rounds to nothing.
+                .custom_formatter(|deg, _| format!("{:.0}", deg.round() + 0.0))
                 .prefix(format!("{name} "))
                 .suffix("°");
             let hint = format!("Rotation about the grid's {name} axis");
