@@ -320,6 +320,7 @@ mod tests {
         guide.follow(&document);
         assert_eq!(guide.step(), None, "what was done stays done");
 
+        document.apply(&Command::Redo { steps: None }).unwrap();
         guide.start_again();
         document.apply(&"limit on".parse().unwrap()).unwrap();
         guide.follow(&document);
