@@ -341,6 +341,7 @@ fn symbol(name: &str) -> Keysym {
         "bracketleft" => 0x5b,
         "bracketright" => 0x5d,
         "F3" => 0xffc0,
+        "F8" => 0xffc5,
         "equal" => 0x3d,
         "comma" => 0x2c,
         "Return" => 0xff0d,
