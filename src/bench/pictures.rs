@@ -138,7 +138,11 @@ impl Pictures {
             let Some(rendered) = &mut self.rendered else { return Ok(Duration::ZERO) };
             let times = rendered.draw(self.mode, &self.eye, &self.lighting, document, false)?;
             self.map = rendered.map(&self.map);
-            return Ok(times.sample + times.shade);
+            // What is shaded on the device is there only once the whole picture is.
+            return Ok(match self.map.is_known() {
+                true => times.sample + times.shade,
+                false => times.whole(),
+            });
         };
         let start = Instant::now();
         let rays = self.map.rays;
