@@ -170,12 +170,19 @@ fn srgb<S: Simd>(linear: f32x16<S>) -> u32x16<S> {
 fn facing<S: Simd>(simd: S, normal: [f32x16<S>; 3], to_eye: [f32x16<S>; 3]) -> [f32x16<S>; 3] {
     let normal = unit_or(simd, normal, to_eye);
     let away = dot(normal, to_eye).min(0.0);
-    if !away.simd_lt(0.0).any_true() {
+    let turns = away.simd_lt(0.0);
+    if !turns.any_true() {
         return normal;
     }
     let turned =
         [normal[0] - to_eye[0] * away, normal[1] - to_eye[1] * away, normal[2] - to_eye[2] * away];
-    unit_or(simd, turned, to_eye)
+    let turned = unit_or(simd, turned, to_eye);
+    // The others keep theirs to the bit: a pixel's shade does not depend on the pixels beside it.
+    [
+        turns.select(turned[0], normal[0]),
+        turns.select(turned[1], normal[1]),
+        turns.select(turned[2], normal[2]),
+    ]
 }
 
 /// The unit vector along `v`, or `other` where `v` has no length.

@@ -33,6 +33,30 @@ fn a_lit_face_is_brighter_than_its_ambient_light_and_nothing_is_transparent() {
     assert_eq!(unlit.rgba[centre][..3], [63, 31, 17]);
 }
 
+/// Alone and in company: what is beside a pixel in a vector must not show.
+#[test]
+fn a_pixel_is_shaded_the_same_whatever_is_beside_it() {
+    let grid = scenes::cheese(64, 30, 7).unwrap();
+    let material = Material::new(ColourDepth::Bits24, Rgb::new(200, 180, 160), grid.bricks().len());
+    let world_from_grid = Placement::default().world_from_grid(grid.dims(), grid.voxel_size());
+    for direction in [Vec3::new(0.8, 0.6, 1.0), Vec3::new(-1.0, 0.1, 0.2)] {
+        let eye = Camera::framing(50.0, direction, Vec3::Y).eye(UVec2::new(160, 120));
+        let rays = eye.pixel_rays(&world_from_grid);
+        let mut map = IndexMap::new(rays);
+        raycast::sample(&grid, &rays, &mut map);
+        let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
+        let lighting = Lighting::default();
+        let mut whole = Pixels::default();
+        shade(&map, &grid, &material, &pose, &lighting, &mut whole);
+        let mut columns = Pixels::new(map.rays.size);
+        for x in 0..160 {
+            let rect = PixelRect { min: UVec2::new(x, 0), max: UVec2::new(x + 1, 120) };
+            shade_rect(&map, &grid, &material, &pose, &lighting, rect, &mut columns);
+        }
+        assert!(columns == whole);
+    }
+}
+
 #[test]
 fn places_are_those_of_the_grid() {
     let mut random = crate::scenes::Random(9);
