@@ -131,6 +131,29 @@ pub struct Graphics<'a> {
     pub depth: Option<Depth>,
 }
 
+impl<'a> Graphics<'a> {
+    /// A pass over all pixels of a target of `format`, whose colours it replaces; draw 3 vertices.
+    pub fn screen(
+        name: &'a str,
+        fragment: &'a [u32],
+        layout: &'a Arc<PipelineLayout>,
+        format: vk::Format,
+        depth: Option<Depth>,
+    ) -> Graphics<'a> {
+        Graphics {
+            name,
+            vertex: super::shaders::SCREEN_VERT,
+            fragment,
+            layout,
+            vertices: None,
+            topology: vk::PrimitiveTopology::TRIANGLE_LIST,
+            cull: vk::CullModeFlags::NONE,
+            colour: Some((format, Blend::Replace)),
+            depth,
+        }
+    }
+}
+
 /// A graphics or compute pipeline; keeps its layout.
 pub struct Pipeline {
     handle: vk::Pipeline,

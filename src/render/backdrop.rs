@@ -13,8 +13,8 @@ use super::composite::is_srgb;
 use super::target::EyeImage;
 use crate::gpu::layout::BackdropView;
 use crate::gpu::{
-    Blend, Depth, DescriptorSets, Device, FRAMES_IN_FLIGHT, Graphics, Pipeline, PipelineLayout,
-    Recorder, Result, SetLayout, Staging, shaders,
+    Depth, DescriptorSets, Device, FRAMES_IN_FLIGHT, Graphics, Pipeline, PipelineLayout, Recorder,
+    Result, SetLayout, Staging, shaders,
 };
 use crate::video::{Fit, Frame, Framing, Intrinsics};
 
@@ -69,17 +69,13 @@ impl Backdrop {
         let layout = PipelineLayout::new(device, "backdrop", Some(&set_layout), push)?;
         let pipeline = Pipeline::graphics(
             device,
-            &Graphics {
-                name: "backdrop",
-                vertex: shaders::SCREEN_VERT,
-                fragment: shaders::BACKDROP_FRAG,
-                layout: &layout,
-                vertices: None,
-                topology: vk::PrimitiveTopology::TRIANGLE_LIST,
-                cull: vk::CullModeFlags::NONE,
-                colour: Some((format, Blend::Replace)),
-                depth: Some(Depth::OVERWRITE),
-            },
+            &Graphics::screen(
+                "backdrop",
+                shaders::BACKDROP_FRAG,
+                &layout,
+                format,
+                Some(Depth::OVERWRITE),
+            ),
         )?;
         let usage = vk::BufferUsageFlags::TRANSFER_SRC;
         Ok(Backdrop {

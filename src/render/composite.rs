@@ -12,8 +12,8 @@ use glam::{Mat4, UVec2, UVec3, Vec3};
 use super::target::{EyeImage, IndexTarget};
 use crate::gpu::layout::CompositeView;
 use crate::gpu::{
-    Blend, Depth, DescriptorSets, Device, FRAMES_IN_FLIGHT, Graphics, Pipeline, PipelineLayout,
-    Recorder, Result, SetLayout, Staging, shaders,
+    Depth, DescriptorSets, Device, FRAMES_IN_FLIGHT, Graphics, Pipeline, PipelineLayout, Recorder,
+    Result, SetLayout, Staging, shaders,
 };
 use crate::shade::Pixels;
 use crate::view::PixelRays;
@@ -68,17 +68,13 @@ impl Composite {
         let layout = PipelineLayout::new(device, "composite", Some(&set_layout), push)?;
         let pipeline = Pipeline::graphics(
             device,
-            &Graphics {
-                name: "composite",
-                vertex: shaders::SCREEN_VERT,
-                fragment: shaders::COMPOSITE_FRAG,
-                layout: &layout,
-                vertices: None,
-                topology: vk::PrimitiveTopology::TRIANGLE_LIST,
-                cull: vk::CullModeFlags::NONE,
-                colour: Some((format, Blend::Replace)),
-                depth: Some(Depth::OVERWRITE),
-            },
+            &Graphics::screen(
+                "composite",
+                shaders::COMPOSITE_FRAG,
+                &layout,
+                format,
+                Some(Depth::OVERWRITE),
+            ),
         )?;
         let count = FRAMES_IN_FLIGHT * eyes as usize;
         Ok(Composite {

@@ -14,8 +14,8 @@ use super::composite::{CompositeEye, constants, is_srgb};
 use super::shading::{COLOURS, OCCUPANCY, Surface, UNIFORMS, Uniforms, VOLUME};
 use crate::gpu::layout::CompositeView;
 use crate::gpu::{
-    Blend, Depth, DescriptorSets, Device, FRAMES_IN_FLIGHT, Graphics, Pipeline, PipelineLayout,
-    Recorder, Result, SetLayout, shaders,
+    Depth, DescriptorSets, Device, FRAMES_IN_FLIGHT, Graphics, Pipeline, PipelineLayout, Recorder,
+    Result, SetLayout, shaders,
 };
 
 /// Draws sculptures straight to a screen.
@@ -46,17 +46,13 @@ impl GpuOnly {
         let layout = PipelineLayout::new(device, "GPU only", Some(&set_layout), push)?;
         let pipeline = Pipeline::graphics(
             device,
-            &Graphics {
-                name: "GPU only",
-                vertex: shaders::SCREEN_VERT,
-                fragment: shaders::GPU_ONLY_FRAG,
-                layout: &layout,
-                vertices: None,
-                topology: vk::PrimitiveTopology::TRIANGLE_LIST,
-                cull: vk::CullModeFlags::NONE,
-                colour: Some((format, Blend::Replace)),
-                depth: Some(Depth::OVERWRITE),
-            },
+            &Graphics::screen(
+                "GPU only",
+                shaders::GPU_ONLY_FRAG,
+                &layout,
+                format,
+                Some(Depth::OVERWRITE),
+            ),
         )?;
         let count = FRAMES_IN_FLIGHT * eyes as usize;
         Ok(GpuOnly {

@@ -11,8 +11,8 @@ use glam::{IVec2, UVec2};
 use super::target::EyeImage;
 use crate::gpu::layout::StereoView;
 use crate::gpu::{
-    Blend, DescriptorSets, Device, FRAMES_IN_FLIGHT, Graphics, Pipeline, PipelineLayout, Recorder,
-    Result, SetLayout, shaders,
+    DescriptorSets, Device, FRAMES_IN_FLIGHT, Graphics, Pipeline, PipelineLayout, Recorder, Result,
+    SetLayout, shaders,
 };
 use crate::view::StereoLayout;
 
@@ -47,17 +47,7 @@ impl Stereo {
         let layout = PipelineLayout::new(device, "stereo", Some(&set_layout), push)?;
         let pipeline = Pipeline::graphics(
             device,
-            &Graphics {
-                name: "stereo",
-                vertex: shaders::SCREEN_VERT,
-                fragment: shaders::STEREO_FRAG,
-                layout: &layout,
-                vertices: None,
-                topology: vk::PrimitiveTopology::TRIANGLE_LIST,
-                cull: vk::CullModeFlags::NONE,
-                colour: Some((format, Blend::Replace)),
-                depth: None,
-            },
+            &Graphics::screen("stereo", shaders::STEREO_FRAG, &layout, format, None),
         )?;
         Ok(Stereo {
             pipeline,
