@@ -1,6 +1,8 @@
 // The bits of a grid as a 3D image: one texel is a word of 4^3 voxels, low and high 32 bits; the
 // eight words of a brick follow each other along x (render/volume.rs).
 
+//!include "word.wgsl"
+
 @group(0) @binding(0) var volume: texture_3d<u32>;
 
 // The word that holds the voxel.
@@ -9,11 +11,4 @@ fn word_at(voxel: vec3<i32>) -> vec2<u32> {
     let word = half.x | (half.y << 1u) | (half.z << 2u);
     let brick = voxel >> vec3<u32>(3u);
     return textureLoad(volume, vec3<i32>((brick.x << 3u) | word, brick.y, brick.z), 0).xy;
-}
-
-// Whether the voxel exists, from its word.
-fn bit_of(word: vec2<u32>, voxel: vec3<i32>) -> bool {
-    let local = vec3<u32>(voxel & vec3<i32>(3));
-    let bit = local.x | (local.y << 2u) | ((local.z & 1u) << 4u);
-    return ((select(word.x, word.y, local.z >= 2u) >> bit) & 1u) != 0u;
 }

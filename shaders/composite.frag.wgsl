@@ -1,4 +1,4 @@
-// The shaded sculpture over the background, with the depth of the surface, so that what is drawn
+// The shaded sculpture over what is there, with the depth of the surface, so that what is drawn
 // later is hidden by it: where the pixel's ray enters the box of the voxel that it sees.
 
 //!include "layout.wgsl"
@@ -22,11 +22,7 @@ fn main(@builtin(position) position: vec4<f32>) -> Pixel {
     let texel = min(vec2<u32>(on_map), view.size - vec2<u32>(1u));
     let voxel = textureLoad(index_map, texel, 0).x;
     if voxel == NO_VOXEL {
-        if view.keep != 0u {
-            discard;
-        }
-        let down = on_map.y / f32(view.size.y);
-        return Pixel(vec4<f32>(mix(view.top, view.bottom, down), 1.0), 0.0);
+        discard;
     }
     let low = voxel_of(voxel, view.dims);
     let centre = vec2<f32>(texel) + 0.5;

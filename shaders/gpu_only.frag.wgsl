@@ -1,5 +1,5 @@
 // Samples and lights in one go: each pixel's ray walks to the first voxel, which is lit at once.
-// Depth and background are the composite's.
+// Depth is the composite's.
 
 //!include "layout.wgsl"
 //!include "march.wgsl"
@@ -7,6 +7,7 @@
 //!include "encoding.wgsl"
 
 var<immediate> view: CompositeView;
+@group(0) @binding(6) var starts: texture_2d<f32>;
 
 struct Pixel {
     @location(0) colour: vec4<f32>,
@@ -19,13 +20,11 @@ fn main(@builtin(position) position: vec4<f32>) -> Pixel {
         * vec2<f32>(view.scale_x, view.scale_y);
     let direction = view.corner + view.step_x * on_map.x + view.step_y * on_map.y;
     let ray = make_ray(view.origin, direction);
-    let seen = first_voxel(ray, vec3<i32>(view.dims));
+    let texel = min(vec2<u32>(on_map), view.size - vec2<u32>(1u));
+    let start = textureLoad(starts, texel >> vec2<u32>(view.tile_log2), 0).x;
+    let seen = first_voxel(ray, vec3<i32>(view.dims), start);
     if !seen.found {
-        if view.keep != 0u {
-            discard;
-        }
-        let down = on_map.y / f32(view.size.y);
-        return Pixel(vec4<f32>(mix(view.top, view.bottom, down), 1.0), 0.0);
+        discard;
     }
     let low = seen.voxel;
     let enter = crossings(ray, select(low + vec3<i32>(1), low, ray.forward));

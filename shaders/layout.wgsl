@@ -26,7 +26,7 @@ struct CompositeView {
     step_y: vec3<f32>,
     scale_y: f32,
     dims: vec3<u32>,
-    keep: u32,
+    tile_log2: u32,
     top: vec3<f32>,
     left: f32,
     bottom: vec3<f32>,
@@ -41,6 +41,7 @@ struct MarchView {
     corner: vec3<f32>,
     height: u32,
     step_x: vec3<f32>,
+    tile_log2: u32,
     step_y: vec3<f32>,
     dims: vec3<u32>,
 }

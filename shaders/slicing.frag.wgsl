@@ -3,8 +3,7 @@
 // a layer behind may have something.
 
 //!include "layout.wgsl"
-//!include "bits.wgsl"
-//!include "ray.wgsl"
+//!include "walk.wgsl"
 
 var<immediate> view: SliceView;
 
@@ -24,29 +23,15 @@ fn main(
         discard;
     }
     var cell = cell_after(ray, enter, low, high);
-    let one = select(vec3<i32>(-1), vec3<i32>(1), ray.forward);
-    let ahead = select(vec3<i32>(0), vec3<i32>(1), ray.forward);
     let size = vec3<u32>(high - low);
     var found = false;
     loop {
         let word = word_at(cell);
-        if all(word == vec2<u32>(0u)) {
-            // Out of the whole word.
-            let end = (cell & vec3<i32>(-4)) + ahead * 4;
-            let event = first_of(crossings(ray, end));
-            // The other axes cross at most three planes before.
-            let next = cell + ahead;
-            let count = select(vec3<i32>(0), vec3<i32>(1), before(crossings(ray, next), event))
-                + select(vec3<i32>(0), vec3<i32>(1), before(crossings(ray, next + one), event))
-                + select(vec3<i32>(0), vec3<i32>(1), before(crossings(ray, next + 2 * one), event));
-            cell = select(cell + count * one, end - vec3<i32>(1) + ahead, event.axis);
-        } else if bit_of(word, cell) {
+        if bit_of(word, cell) {
             found = true;
             break;
-        } else {
-            let event = first_of(crossings(ray, cell + ahead));
-            cell += select(vec3<i32>(0), one, event.axis);
         }
+        cell = next_cell(ray, cell, word);
         if any(vec3<u32>(cell - low) >= size) {
             break;
         }

@@ -74,8 +74,8 @@ shared! {
         scale_y: f32,
         /// Size of the grid in voxels.
         dims: [u32; 3],
-        /// 1 to leave the target as it is where nothing is seen.
-        keep: u32,
+        /// The logarithm of the edge of a beam's tile in pixels of the map.
+        tile_log2: u32,
         /// Colour of the background at the top, as the target stores it.
         top: [f32; 3],
         /// Left edge of the eye's part of the target, in pixels.
@@ -93,7 +93,7 @@ shared! {
 }
 
 shared! {
-    /// Push constants of the ray march: one eye's rays, in grid coordinates.
+    /// Push constants of beams and ray march: one eye's rays, in grid coordinates.
     MarchView {
         /// The eye.
         origin: [f32; 3],
@@ -105,13 +105,14 @@ shared! {
         height: u32,
         /// Change of direction per pixel to the right.
         step_x: [f32; 3],
-        pad_0: u32,
+        /// The logarithm of the edge of a beam's tile in pixels.
+        tile_log2: u32,
         /// Change of direction per pixel downwards.
         step_y: [f32; 3],
-        pad_1: u32,
+        pad_0: u32,
         /// Size of the grid in voxels.
         dims: [u32; 3],
-        pad_2: u32,
+        pad_1: u32,
     }
 }
 
@@ -270,17 +271,28 @@ mod tests {
             compare(text, "SliceView", SliceView::members(), size_of::<SliceView>());
         }
         let (members, bytes) = (CompositeView::members(), size_of::<CompositeView>());
-        compare(stage!("composite.frag.wgsl"), "CompositeView", members, bytes);
+        for text in [stage!("composite.frag.wgsl"), stage!("gpu_only.frag.wgsl")] {
+            compare(text, "CompositeView", members.clone(), bytes);
+        }
         let (members, bytes) = (StereoView::members(), size_of::<StereoView>());
         compare(stage!("stereo.frag.wgsl"), "StereoView", members, bytes);
         let (members, bytes) = (BackdropView::members(), size_of::<BackdropView>());
         compare(stage!("backdrop.frag.wgsl"), "BackdropView", members, bytes);
         let (members, bytes) = (MarchView::members(), size_of::<MarchView>());
-        compare(stage!("ray_march.comp.wgsl"), "MarchView", members, bytes);
+        for text in [
+            stage!("beam.comp.wgsl"),
+            stage!("beam.frag.wgsl"),
+            stage!("ray_march.comp.wgsl"),
+            stage!("ray_march.frag.wgsl"),
+        ] {
+            compare(text, "MarchView", members.clone(), bytes);
+        }
         for text in [stage!("points.vert.wgsl"), stage!("points.frag.wgsl")] {
             compare(text, "PointView", PointView::members(), size_of::<PointView>());
         }
         let (members, bytes) = (Shading::members(), size_of::<Shading>());
-        compare(stage!("shade.comp.wgsl"), "Shading", members, bytes);
+        for text in [stage!("shade.comp.wgsl"), stage!("shade.frag.wgsl")] {
+            compare(text, "Shading", members.clone(), bytes);
+        }
     }
 }

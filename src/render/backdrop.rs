@@ -117,7 +117,8 @@ impl Backdrop {
                 vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST,
             )?),
         };
-        picture.upload(recorder, 0, piece);
+        let rows = 0..picture.size().y;
+        picture.upload_rows(recorder, 0, piece, rows);
         self.arrived = Some(frame.arrived);
         Ok(())
     }

@@ -7,8 +7,10 @@
 use std::sync::Arc;
 
 use ash::vk;
-use glam::{Mat4, UVec2, UVec3, Vec3};
+use glam::{Mat4, U64Vec2, UVec2, UVec3, Vec3};
 
+use super::background::{Background, BackgroundPass};
+use super::beam::TILE_LOG2;
 use super::target::{EyeImage, IndexTarget};
 use crate::gpu::layout::CompositeView;
 use crate::gpu::{
@@ -16,16 +18,11 @@ use crate::gpu::{
     Result, SetLayout, Staging, shaders,
 };
 use crate::shade::Pixels;
+use crate::surface::PixelRect;
 use crate::view::PixelRays;
 
-/// What is behind the sculpture. Colours are sRGB, 0 to 1.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub enum Background {
-    /// What the target holds already.
-    Keep,
-    /// From the upper to the lower edge.
-    Gradient { top: Vec3, bottom: Vec3 },
-}
+/// The format of shaded pictures on the device.
+pub(super) const PICTURE_FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
 
 /// Where and how an eye's picture goes to the target.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -40,11 +37,27 @@ pub struct CompositeEye {
     pub corner: UVec2,
     pub size: UVec2,
     pub background: Background,
+    /// Outside of these pixels of the map nothing is seen.
+    pub part: PixelRect,
+}
+
+impl CompositeEye {
+    /// What [`CompositeEye::part`] covers of the target: x, y, width, height.
+    pub(super) fn scissor(&self) -> [u32; 4] {
+        let (size, map) = (self.size.as_u64vec2(), self.rays.size.as_u64vec2().max(U64Vec2::ONE));
+        let (min, max) = (self.part.min.as_u64vec2(), self.part.max.as_u64vec2());
+        let low = (min * size / map).as_uvec2();
+        let high = ((max * size + map - 1) / map).as_uvec2().min(self.size);
+        let [x, y] = (self.corner + low).to_array();
+        let [width, height] = high.saturating_sub(low).to_array();
+        [x, y, width, height]
+    }
 }
 
 /// Draws sculptures to a screen.
 pub struct Composite {
     pipeline: Pipeline,
+    background: BackgroundPass,
     sets: DescriptorSets,
     /// The index image and the picture that each set names.
     named: Vec<(u64, u64)>,
@@ -79,6 +92,7 @@ impl Composite {
         let count = FRAMES_IN_FLIGHT * eyes as usize;
         Ok(Composite {
             pipeline,
+            background: BackgroundPass::new(device, format)?,
             sets: DescriptorSets::new(device, "composite", &set_layout, count)?,
             named: vec![(0, 0); count],
             pictures: None,
@@ -114,23 +128,30 @@ impl Composite {
                 "shaded picture",
                 size,
                 self.eyes,
-                vk::Format::R8G8B8A8_UNORM,
+                PICTURE_FORMAT,
                 vk::ImageUsageFlags::SAMPLED
                     | vk::ImageUsageFlags::STORAGE
+                    | vk::ImageUsageFlags::COLOR_ATTACHMENT
                     | vk::ImageUsageFlags::TRANSFER_DST,
             )?),
         })
     }
 
-    /// Uploads the picture of `eye`. Before rendering begins; all eyes' pictures have the
-    /// same size.
-    pub fn upload(&mut self, recorder: &mut Recorder, eye: u32, pixels: &Pixels) -> Result<()> {
-        let piece = self.staging.push(&pixels.rgba, 4)?;
-        self.pictures(pixels.size)?.upload(recorder, eye, piece);
+    /// Uploads the picture of `eye`, the rows of `part` of it. Before rendering begins; all eyes'
+    /// pictures have the same size.
+    pub fn upload(
+        &mut self,
+        recorder: &mut Recorder,
+        eye: u32,
+        pixels: &Pixels,
+        part: PixelRect,
+    ) -> Result<()> {
+        let piece = self.staging.push(part.rows_of(&pixels.rgba, pixels.size.x), 4)?;
+        self.pictures(pixels.size)?.upload_rows(recorder, eye, piece, part.rows());
         Ok(())
     }
 
-    /// Draws the picture uploaded or shaded last for `eye`, within rendering. The map of `eye` in `maps`
+    /// Draws the background and the picture uploaded or shaded last for `eye`, within rendering. The map of `eye` in `maps`
     /// must be the one it was shaded from, and ready for shaders
     /// ([`IndexTarget::make_readable`]).
     pub fn draw(
@@ -140,6 +161,7 @@ impl Composite {
         eye: u32,
         view: &CompositeEye,
     ) {
+        self.background.draw(recorder, view);
         let Some(pictures) = &self.pictures else { return };
         let (index, picture) = (maps.index().image(), pictures.image());
         let set = self.slot * self.eyes as usize + eye as usize;
@@ -151,8 +173,7 @@ impl Composite {
         recorder.bind_pipeline(&self.pipeline);
         recorder.bind_set(&self.pipeline, self.sets.set(set));
         recorder.push(self.pipeline.layout(), &constants(view, self.linear));
-        let [x, y] = view.corner.to_array();
-        recorder.set_scissor([x, y, view.size.x, view.size.y]);
+        recorder.set_scissor(view.scissor());
         recorder.draw(3, 1);
     }
 }
@@ -163,9 +184,9 @@ pub(super) fn constants(view: &CompositeEye, linear: bool) -> CompositeView {
     let rays = &view.rays;
     let scale = rays.size.as_vec2() / view.size.as_vec2();
     let encode = |c: Vec3| if linear { c.powf(2.2) } else { c };
-    let (keep, top, bottom) = match view.background {
-        Background::Keep => (1, Vec3::ZERO, Vec3::ZERO),
-        Background::Gradient { top, bottom } => (0, encode(top), encode(bottom)),
+    let (top, bottom) = match view.background {
+        Background::Keep => (Vec3::ZERO, Vec3::ZERO),
+        Background::Gradient { top, bottom } => (encode(top), encode(bottom)),
     };
     // Clip z of a point is `z_axis.z * z + w_axis.z`, its z in eye space is -t.
     let projection = &view.projection;
@@ -179,7 +200,7 @@ pub(super) fn constants(view: &CompositeEye, linear: bool) -> CompositeView {
         step_y: rays.step_y.to_array(),
         scale_y: scale.y,
         dims: view.dims.to_array(),
-        keep,
+        tile_log2: TILE_LOG2,
         top: top.to_array(),
         left: view.corner.x as f32,
         bottom: bottom.to_array(),

@@ -10,20 +10,29 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::Volume;
+use super::background::BackgroundPass;
+use super::beam::Beams;
 use super::composite::{CompositeEye, constants, is_srgb};
-use super::shading::{COLOURS, OCCUPANCY, Surface, UNIFORMS, Uniforms, VOLUME};
+use super::pixel_pass::PixelStage;
+use super::shading::{COLOURS, Surface, UNIFORMS, Uniforms, VOLUME};
 use crate::gpu::layout::CompositeView;
 use crate::gpu::{
     Depth, DescriptorSets, Device, FRAMES_IN_FLIGHT, Graphics, Pipeline, PipelineLayout, Recorder,
     Result, SetLayout, shaders,
 };
+use crate::view::PixelRays;
+
+/// Where rays start: the binding of the beams' image.
+const STARTS: u32 = 6;
 
 /// Draws sculptures straight to a screen.
 pub struct GpuOnly {
     pipeline: Pipeline,
     sets: DescriptorSets,
-    /// The image that each set names.
-    named: Vec<u64>,
+    /// The images that each set names: volume, starts of rays.
+    named: Vec<(u64, u64)>,
+    beams: Beams,
+    background: BackgroundPass,
     uniforms: Uniforms,
     slot: usize,
     eyes: u32,
@@ -37,9 +46,9 @@ impl GpuOnly {
         let fragment = vk::ShaderStageFlags::FRAGMENT;
         let bindings = [
             (VOLUME, vk::DescriptorType::SAMPLED_IMAGE, fragment),
-            (OCCUPANCY, vk::DescriptorType::SAMPLED_IMAGE, fragment),
             (COLOURS, vk::DescriptorType::STORAGE_BUFFER, fragment),
             (UNIFORMS, vk::DescriptorType::UNIFORM_BUFFER, fragment),
+            (STARTS, vk::DescriptorType::SAMPLED_IMAGE, fragment),
         ];
         let set_layout = SetLayout::new(device, "GPU only", &bindings)?;
         let push = Some((fragment, size_of::<CompositeView>()));
@@ -58,7 +67,9 @@ impl GpuOnly {
         Ok(GpuOnly {
             pipeline,
             sets: DescriptorSets::new(device, "GPU only", &set_layout, count)?,
-            named: vec![0; count],
+            named: vec![(0, 0); count],
+            beams: Beams::new(device, PixelStage::of(device), eyes)?,
+            background: BackgroundPass::new(device, format)?,
             uniforms: Uniforms::new(device)?,
             slot: 0,
             eyes,
@@ -70,9 +81,24 @@ impl GpuOnly {
     pub fn begin(&mut self, slot: usize) {
         self.slot = slot % FRAMES_IN_FLIGHT;
         self.uniforms.begin(slot);
+        self.beams.begin(slot);
+    }
+
+    /// Records what [`GpuOnly::draw`] needs for `eye`, which sees `volume` by `rays`. Before rendering
+    /// begins.
+    pub fn prepare(
+        &mut self,
+        recorder: &mut Recorder,
+        volume: &Volume,
+        rays: &PixelRays,
+        eye: u32,
+    ) -> Result<()> {
+        self.beams.record(recorder, volume, rays, eye)?;
+        Ok(())
     }
 
     /// Draws what `eye` sees of `volume`, lit as `surface` says, by the rays of `view`, within rendering.
+    /// After [`GpuOnly::prepare`] in the same frame.
     pub fn draw(
         &mut self,
         recorder: &mut Recorder,
@@ -82,19 +108,21 @@ impl GpuOnly {
         view: &CompositeEye,
     ) -> Result<()> {
         let set = self.slot * self.eyes as usize + eye as usize;
+        self.background.draw(recorder, view);
         let bits = volume.image();
-        if self.named[set] != bits.id() {
-            self.named[set] = bits.id();
+        let Some(starts) = self.beams.starts() else { return Ok(()) };
+        let names = (bits.id(), starts.id());
+        if self.named[set] != names {
+            self.named[set] = names;
+            self.sets.write_sampled(set, STARTS, starts.layer_view(eye));
             self.sets.write_sampled(set, VOLUME, bits.view());
-            self.sets.write_sampled(set, OCCUPANCY, volume.occupancy().view());
         }
         self.uniforms.write(&self.sets, set, surface)?;
         self.uniforms.write_colours(&self.sets, set, surface);
         recorder.bind_pipeline(&self.pipeline);
         recorder.bind_set(&self.pipeline, self.sets.set(set));
         recorder.push(self.pipeline.layout(), &constants(view, self.linear));
-        let [x, y] = view.corner.to_array();
-        recorder.set_scissor([x, y, view.size.x, view.size.y]);
+        recorder.set_scissor(view.scissor());
         recorder.draw(3, 1);
         Ok(())
     }

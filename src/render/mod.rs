@@ -1,13 +1,17 @@
 //! The passes of a frame, one file each. They own no policy: what to draw comes in as values.
 
 pub mod backdrop;
+pub mod background;
+pub mod beam;
 pub mod colours;
 pub mod composite;
 pub mod gpu_only;
 pub mod gui;
-pub mod occupancy;
+mod near;
+pub mod near_image;
 pub mod overlay;
 pub mod pictures;
+pub mod pixel_pass;
 pub mod points;
 pub mod ray_march;
 pub mod renderer;
@@ -20,9 +24,12 @@ pub mod target;
 pub mod volume;
 
 pub use backdrop::{Backdrop, Video, VideoView};
+pub use background::Background;
+pub use beam::Beams;
 pub use colours::Colours;
-pub use composite::{Background, Composite, CompositeEye};
+pub use composite::{Composite, CompositeEye};
 pub use gpu_only::GpuOnly;
+pub use pixel_pass::PixelStage;
 pub use points::Points;
 pub use ray_march::RayMarch;
 pub use renderer::{Renderer, Shot};
@@ -30,7 +37,7 @@ pub use shading::Surface;
 pub use slicing::Slicing;
 pub use stereo::{Stereo, StereoSources};
 pub use surface_shade::SurfaceShade;
-pub use target::{IndexReadback, IndexTarget};
+pub use target::{EyeImage, IndexReadback, IndexTarget};
 pub use volume::Volume;
 
 /// Eyes that a picture can have.

@@ -11,7 +11,8 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::composite::{Background, CompositeEye, constants, is_srgb};
+use super::background::BackgroundPass;
+use super::composite::{CompositeEye, constants, is_srgb};
 use super::shading::{Surface, UNIFORMS, Uniforms};
 use super::slicing::clip_rows;
 use crate::gpu::layout::{CompositeView, PointView};
@@ -24,7 +25,7 @@ use crate::shade::points::{PointCloud, SurfacePoint};
 /// Draws points to a screen.
 pub struct Points {
     pipeline: Pipeline,
-    background: Pipeline,
+    background: BackgroundPass,
     sets: DescriptorSets,
     uniforms: Uniforms,
     staging: Staging,
@@ -65,21 +66,10 @@ impl Points {
             colour: Some((format, Blend::Replace)),
             depth: Some(Depth::NEARER),
         };
-        let push = Some((fragment, size_of::<CompositeView>()));
-        let behind = PipelineLayout::new(device, "background", None, push)?;
-        let background = Graphics {
-            name: "background",
-            vertex: shaders::SCREEN_VERT,
-            fragment: shaders::BACKGROUND_FRAG,
-            layout: &behind,
-            vertices: None,
-            depth: Some(Depth::OVERWRITE),
-            ..points
-        };
         let usage = vk::BufferUsageFlags::VERTEX_BUFFER;
         Ok(Points {
             pipeline: Pipeline::graphics(device, &points)?,
-            background: Pipeline::graphics(device, &background)?,
+            background: BackgroundPass::new(device, format)?,
             sets: DescriptorSets::new(
                 device,
                 "points",
@@ -122,13 +112,7 @@ impl Points {
         eye: u32,
         view: &CompositeEye,
     ) -> Result<()> {
-        let [x, y] = view.corner.to_array();
-        recorder.set_scissor([x, y, view.size.x, view.size.y]);
-        if view.background != Background::Keep {
-            recorder.bind_pipeline(&self.background);
-            recorder.push(self.background.layout(), &constants(view, self.linear));
-            recorder.draw(3, 1);
-        }
+        self.background.draw(recorder, view);
         let Some((piece, count)) = self.pieces[eye as usize] else { return Ok(()) };
         let Some(point_view) = point_view(view, self.linear) else { return Ok(()) };
         let set = self.slot * self.eyes as usize + eye as usize;
@@ -137,6 +121,7 @@ impl Points {
         recorder.bind_set(&self.pipeline, self.sets.set(set));
         recorder.push(self.pipeline.layout(), &point_view);
         recorder.bind_vertices(piece.buffer, piece.offset);
+        recorder.set_scissor(view.scissor());
         recorder.draw(3, count);
         Ok(())
     }

@@ -1,6 +1,6 @@
-//! Owns the ray march: a compute pass in which each pixel's ray walks through the grid, skipping
-//! what is empty by blocks of bricks, bricks and words, and writes the first existing voxel to the
-//! index map.
+//! Owns the ray march: a pass in which each pixel's ray walks through the grid, from where
+//! its tile's beam ([`super::beam`]) ends, skipping what is empty by blocks of bricks, bricks and
+//! words, and writes the first existing voxel to the index map.
 //!
 //! Decides by the same arithmetic as the ray caster on the CPU ([`crate::surface::raycast`]), so
 //! that the maps are equal but for rounding where a device's division is not exact.
@@ -11,44 +11,54 @@ use std::sync::Arc;
 
 use ash::vk;
 
+use super::beam::{Beams, march_view};
+use super::pixel_pass::{PixelArea, PixelPass, PixelShaders, PixelStage};
 use crate::gpu::layout::MarchView;
 use crate::gpu::{
-    DescriptorSets, Device, FRAMES_IN_FLIGHT, Pipeline, PipelineLayout, Recorder, Result,
-    SetLayout, shaders,
+    DescriptorSets, Device, FRAMES_IN_FLIGHT, Load, PipelineLayout, Recorder, Result, SetLayout,
+    shaders,
 };
 use crate::render::{IndexTarget, Volume};
+use crate::sculpture::NO_VOXEL;
+use crate::surface::PixelRect;
 use crate::view::PixelRays;
 
-/// Pixels along the edge of the square that one group of invocations works on.
-const GROUP_PX: u32 = 8;
+const VOLUME: u32 = 0;
+const STARTS: u32 = 1;
+const INDEX_MAP: u32 = 2;
+
+const SHADERS: PixelShaders = PixelShaders {
+    name: "ray march",
+    compute: shaders::RAY_MARCH_COMP,
+    fragment: shaders::RAY_MARCH_FRAG,
+    format: vk::Format::R32_UINT,
+};
 
 /// Marches index maps.
 pub struct RayMarch {
-    pipeline: Pipeline,
+    pass: PixelPass,
     sets: DescriptorSets,
-    /// The images that each set names: volume, index map.
-    named: Vec<(u64, u64)>,
+    /// The images that each set names: volume, index map, starts of rays.
+    named: Vec<(u64, u64, u64)>,
+    beams: Beams,
     slot: usize,
     eyes: u32,
 }
 
 impl RayMarch {
     /// For up to `eyes` eyes a frame.
-    pub fn new(device: &Arc<Device>, eyes: u32) -> Result<RayMarch> {
-        let compute = vk::ShaderStageFlags::COMPUTE;
-        let bindings = [
-            (0, vk::DescriptorType::SAMPLED_IMAGE, compute),
-            (1, vk::DescriptorType::SAMPLED_IMAGE, compute),
-            (2, vk::DescriptorType::STORAGE_IMAGE, compute),
-        ];
-        let set_layout = SetLayout::new(device, "ray march", &bindings)?;
-        let push = Some((compute, size_of::<MarchView>()));
-        let layout = PipelineLayout::new(device, "ray march", Some(&set_layout), push)?;
+    pub fn new(device: &Arc<Device>, stage: PixelStage, eyes: u32) -> Result<RayMarch> {
+        let image = vk::DescriptorType::SAMPLED_IMAGE;
+        let inputs = [VOLUME, STARTS].map(|binding| (binding, image));
+        let set_layout = SetLayout::new(device, SHADERS.name, &stage.bindings(&inputs, INDEX_MAP))?;
+        let push = Some((stage.flags(), size_of::<MarchView>()));
+        let layout = PipelineLayout::new(device, SHADERS.name, Some(&set_layout), push)?;
         let count = FRAMES_IN_FLIGHT * eyes as usize;
         Ok(RayMarch {
-            pipeline: Pipeline::compute(device, "ray march", shaders::RAY_MARCH_COMP, &layout)?,
-            sets: DescriptorSets::new(device, "ray march", &set_layout, count)?,
-            named: vec![(0, 0); count],
+            pass: PixelPass::new(device, &SHADERS, stage, &layout)?,
+            sets: DescriptorSets::new(device, SHADERS.name, &set_layout, count)?,
+            named: vec![(0, 0, 0); count],
+            beams: Beams::new(device, stage, eyes)?,
             slot: 0,
             eyes,
         })
@@ -57,45 +67,35 @@ impl RayMarch {
     /// Starts a frame that uses `slot`.
     pub fn begin(&mut self, slot: usize) {
         self.slot = slot % FRAMES_IN_FLIGHT;
+        self.beams.begin(slot);
     }
 
-    /// Records the index map of `eye`, seen by `rays`. Leaves the map in the layout of
-    /// [`crate::gpu::Use::SHADER_WRITE`].
+    /// Records the index map of `eye`, seen by `rays`; nothing is seen outside of `part`. Leaves the map as [`PixelPass::record`] does.
     pub fn record(
         &mut self,
         recorder: &mut Recorder,
         volume: &Volume,
         rays: &PixelRays,
+        part: PixelRect,
         target: &mut IndexTarget,
         eye: u32,
-    ) {
-        target.begin_writing(recorder, eye);
+    ) -> Result<()> {
+        let starts = self.beams.record(recorder, volume, rays, eye)?;
         let set = self.slot * self.eyes as usize + eye as usize;
         let index = target.index().image();
-        let names = (volume.image().id(), index.id());
+        let names = (volume.image().id(), index.id(), starts.id());
         if self.named[set] != names {
             self.named[set] = names;
-            self.sets.write_sampled(set, 0, volume.image().view());
-            self.sets.write_sampled(set, 1, volume.occupancy().view());
-            self.sets.write_storage(set, 2, index.layer_view(eye));
+            self.sets.write_sampled(set, VOLUME, volume.image().view());
+            self.sets.write_sampled(set, STARTS, starts.layer_view(eye));
+            if self.pass.stage() == PixelStage::Compute {
+                self.sets.write_storage(set, INDEX_MAP, index.layer_view(eye));
+            }
         }
-        recorder.bind_pipeline(&self.pipeline);
-        recorder.bind_set(&self.pipeline, self.sets.set(set));
-        recorder.push(self.pipeline.layout(), &march_view(rays, volume));
-        let groups = (rays.size + (GROUP_PX - 1)) / GROUP_PX;
-        recorder.dispatch([groups.x, groups.y, 1]);
-    }
-}
-
-fn march_view(rays: &PixelRays, volume: &Volume) -> MarchView {
-    MarchView {
-        origin: rays.origin.to_array(),
-        width: rays.size.x,
-        corner: rays.corner.to_array(),
-        height: rays.size.y,
-        step_x: rays.step_x.to_array(),
-        step_y: rays.step_y.to_array(),
-        dims: volume.dims().to_array(),
-        ..MarchView::default()
+        let view = march_view(rays, volume);
+        let area = PixelArea { part, rest: Load::Integers([NO_VOXEL; 4]) };
+        let set = self.sets.set(set);
+        self.pass.record(recorder, set, Some(&view), target.index_mut(), eye, area);
+        Ok(())
     }
 }

@@ -15,6 +15,7 @@ use glam::{Affine3A, UVec2};
 use super::overlay::{Ghost, Line, Overlay, Scene};
 use super::pictures::pictures;
 pub use super::pictures::{DEPTH_FORMAT, Pictures};
+use super::pixel_pass::PixelStage;
 use super::sampler::Sampler;
 use super::{
     Backdrop, Background, Colours, Composite, CompositeEye, GpuOnly, IndexTarget, MAX_EYES, Points,
@@ -315,8 +316,8 @@ impl Renderer {
                 }
             }
         }
-        for (eye, pixels) in (0..).zip(&self.pixels) {
-            self.composite.upload(recorder, eye, pixels)?;
+        for ((eye, pixels), part) in (0..).zip(&self.pixels).zip(self.sampler.parts()) {
+            self.composite.upload(recorder, eye, pixels, part)?;
         }
         Ok(())
     }
@@ -328,16 +329,20 @@ impl Renderer {
         document: &Document,
         shot: &Shot,
     ) -> Result<()> {
+        let parts = self.sampler.parts();
         let Some((maps, volume, colours)) = self.sampler.on_device() else { return Ok(()) };
         let pass = match &mut self.surface_shade {
             Some(pass) => pass,
-            none => none.insert(SurfaceShade::new(&self.device, MAX_EYES as u32)?),
+            none => {
+                let stage = PixelStage::of(&self.device);
+                none.insert(SurfaceShade::new(&self.device, stage, MAX_EYES as u32)?)
+            }
         };
         pass.begin(slot);
         let pictures = self.composite.pictures(maps.size())?;
-        for (i, eye) in (0..).zip(shot.eyes) {
+        for ((i, eye), part) in (0..).zip(shot.eyes).zip(parts) {
             let surface = Surface { colours, ..shot.surface(document, eye) };
-            pass.record(recorder, volume, &surface, maps, pictures, i)?;
+            pass.record(recorder, volume, &surface, maps, pictures, i, part)?;
         }
         Ok(())
     }
@@ -351,6 +356,7 @@ impl Renderer {
         shot: &Shot,
     ) -> Result<()> {
         let pictures = pictures(&self.device, &mut self.pictures, self.format, shot.eyes)?;
+        let parts = self.sampler.parts();
         let mut sculpture = match shot.mode.shading() {
             Shading::Software | Shading::Device => {
                 let maps = self.sampler.maps(recorder, slot, &self.maps)?;
@@ -388,6 +394,9 @@ impl Renderer {
         self.overlay.begin(slot);
         for ((i, eye), map) in (0..).zip(shot.eyes).zip(&self.maps) {
             let background = if shot.video.is_some() { Background::Keep } else { shot.background };
+            if let Sculpture::Within(pass, volume, _) = &mut sculpture {
+                pass.prepare(recorder, volume, &map.rays, i)?;
+            }
             pictures.begin(recorder, i, background);
             if let (Some(video), Some(pass)) = (&shot.video, &mut self.backdrop) {
                 pass.draw(recorder, eye.size, &video.view);
@@ -399,6 +408,7 @@ impl Renderer {
                 corner: UVec2::ZERO,
                 size: eye.size,
                 background,
+                part: parts[i as usize],
             };
             let surface = shot.surface(document, eye);
             match &mut sculpture {

@@ -9,13 +9,14 @@ use std::time::Instant;
 
 use ash::vk;
 
+use super::pixel_pass::PixelStage;
 use super::{Colours, IndexReadback, IndexTarget, MAX_EYES, RayMarch, Slicing, Volume};
 use crate::config::{RenderMode, Sampling, Shading};
 use crate::document::{Document, Follower};
 use crate::gpu::{Device, Frames, Recorder, Result, Staging};
 use crate::surface::partial::changed_pixels;
 use crate::surface::slices::SliceAreas;
-use crate::surface::{IndexMap, quickstep, raycast};
+use crate::surface::{IndexMap, PixelRect, pixels_of_grid, quickstep, raycast};
 use crate::view::PixelRays;
 
 /// Samples the surface of one document.
@@ -30,6 +31,8 @@ pub struct Sampler {
     staging: Staging,
     /// The maps in memory that are not yet on the device.
     pending: [bool; MAX_EYES],
+    /// Outside of these pixels nothing is seen.
+    parts: [PixelRect; MAX_EYES],
     read_back_ms: Option<f32>,
     device: Arc<Device>,
 }
@@ -56,6 +59,7 @@ impl Sampler {
             maps: None,
             staging: Staging::new(device, "index maps", usage, 1 << 20)?,
             pending: [false; MAX_EYES],
+            parts: [PixelRect::EMPTY; MAX_EYES],
             read_back_ms: None,
             device: device.clone(),
         })
@@ -72,8 +76,10 @@ impl Sampler {
         self.staging.begin(slot);
         for ((eye, map), pending) in (0..).zip(maps).zip(&mut self.pending) {
             if std::mem::take(pending) {
-                let piece = self.staging.push(&map.voxels, 4)?;
-                target.upload(recorder, eye, piece);
+                let part = self.parts[eye as usize];
+                let rows = part.rows_of(&map.voxels, map.rays.size.x);
+                let piece = self.staging.push(rows, 4)?;
+                target.upload(recorder, eye, piece, part.rows());
             }
             target.make_readable(recorder, eye);
         }
@@ -85,6 +91,11 @@ impl Sampler {
     pub fn on_device(&mut self) -> Option<(&mut IndexTarget, &Volume, Option<&Colours>)> {
         let copy = self.copy.as_ref()?;
         Some((self.maps.as_mut()?, &copy.volume, copy.colours.as_ref()))
+    }
+
+    /// The pixels of each eye outside of which nothing is seen.
+    pub fn parts(&self) -> [PixelRect; MAX_EYES] {
+        self.parts
     }
 
     /// The copy of the document, once it was sampled in a mode that needs it.
@@ -108,6 +119,9 @@ impl Sampler {
         maps: &mut [Arc<IndexMap>],
     ) -> Result<()> {
         self.read_back_ms = None;
+        for (part, rays) in self.parts.iter_mut().zip(rays) {
+            *part = pixels_of_grid(document.grid(), rays);
+        }
         let stays = matches!(mode.shading(), Shading::Device | Shading::Within);
         for (rays, map) in rays.iter().zip(maps.iter_mut()) {
             let map = Arc::make_mut(map);
@@ -181,11 +195,13 @@ impl Sampler {
             Sampling::March => {
                 let pass = match &mut self.march {
                     Some(pass) => pass,
-                    none => none.insert(RayMarch::new(device, MAX_EYES as u32)?),
+                    none => {
+                        none.insert(RayMarch::new(device, PixelStage::of(device), MAX_EYES as u32)?)
+                    }
                 };
                 pass.begin(slot);
-                for (eye, map) in (0..).zip(maps.iter()) {
-                    pass.record(&mut recorder, &copy.volume, &map.rays, target, eye);
+                for ((eye, map), part) in (0..).zip(maps.iter()).zip(self.parts) {
+                    pass.record(&mut recorder, &copy.volume, &map.rays, part, target, eye)?;
                 }
             }
             Sampling::Slicing => {

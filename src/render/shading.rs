@@ -18,7 +18,6 @@ use crate::shade::{Illumination, LightSource, Lighting, ShadePose};
 
 /// Bindings that the shaders of these passes share (shaders/lighting.wgsl and the others).
 pub(super) const VOLUME: u32 = 0;
-pub(super) const OCCUPANCY: u32 = 1;
 pub(super) const COLOURS: u32 = 4;
 pub(super) const UNIFORMS: u32 = 5;
 

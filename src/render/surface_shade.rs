@@ -1,4 +1,4 @@
-//! Owns shading on the device: a compute pass that makes the picture of an eye from its index map,
+//! Owns shading on the device: a pass that makes the picture of an eye from its index map,
 //! which never leaves the device.
 //!
 //! The picture is the software shader's ([`crate::shade::shade`]) but for rounding; alpha is 0 where
@@ -9,22 +9,29 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::Volume;
+use super::composite::PICTURE_FORMAT;
+use super::pixel_pass::{PixelArea, PixelPass, PixelShaders, PixelStage};
 use super::shading::{COLOURS, Surface, UNIFORMS, Uniforms, VOLUME};
 use super::target::{EyeImage, IndexTarget};
 use crate::gpu::{
-    DescriptorSets, Device, FRAMES_IN_FLIGHT, Pipeline, PipelineLayout, Recorder, Result,
-    SetLayout, Use, shaders,
+    DescriptorSets, Device, FRAMES_IN_FLIGHT, Load, PipelineLayout, Recorder, Result, SetLayout,
+    Use, shaders,
 };
+use crate::surface::PixelRect;
 
 const INDEX_MAP: u32 = 2;
 const PICTURE: u32 = 3;
 
-/// Pixels along the edge of the square that one group of invocations works on.
-const GROUP_PX: u32 = 8;
+const SHADERS: PixelShaders = PixelShaders {
+    name: "surface shade",
+    compute: shaders::SHADE_COMP,
+    fragment: shaders::SHADE_FRAG,
+    format: PICTURE_FORMAT,
+};
 
 /// Shades index maps.
 pub struct SurfaceShade {
-    pipeline: Pipeline,
+    pass: PixelPass,
     sets: DescriptorSets,
     /// The images that each set names: volume, index map, picture.
     named: Vec<(u64, u64, u64)>,
@@ -35,21 +42,19 @@ pub struct SurfaceShade {
 
 impl SurfaceShade {
     /// For up to `eyes` eyes a frame.
-    pub fn new(device: &Arc<Device>, eyes: u32) -> Result<SurfaceShade> {
-        let compute = vk::ShaderStageFlags::COMPUTE;
-        let bindings = [
-            (VOLUME, vk::DescriptorType::SAMPLED_IMAGE, compute),
-            (INDEX_MAP, vk::DescriptorType::SAMPLED_IMAGE, compute),
-            (PICTURE, vk::DescriptorType::STORAGE_IMAGE, compute),
-            (COLOURS, vk::DescriptorType::STORAGE_BUFFER, compute),
-            (UNIFORMS, vk::DescriptorType::UNIFORM_BUFFER, compute),
+    pub fn new(device: &Arc<Device>, stage: PixelStage, eyes: u32) -> Result<SurfaceShade> {
+        let inputs = [
+            (VOLUME, vk::DescriptorType::SAMPLED_IMAGE),
+            (INDEX_MAP, vk::DescriptorType::SAMPLED_IMAGE),
+            (COLOURS, vk::DescriptorType::STORAGE_BUFFER),
+            (UNIFORMS, vk::DescriptorType::UNIFORM_BUFFER),
         ];
-        let set_layout = SetLayout::new(device, "surface shade", &bindings)?;
-        let layout = PipelineLayout::new(device, "surface shade", Some(&set_layout), None)?;
+        let set_layout = SetLayout::new(device, SHADERS.name, &stage.bindings(&inputs, PICTURE))?;
+        let layout = PipelineLayout::new(device, SHADERS.name, Some(&set_layout), None)?;
         let count = FRAMES_IN_FLIGHT * eyes as usize;
         Ok(SurfaceShade {
-            pipeline: Pipeline::compute(device, "surface shade", shaders::SHADE_COMP, &layout)?,
-            sets: DescriptorSets::new(device, "surface shade", &set_layout, count)?,
+            pass: PixelPass::new(device, &SHADERS, stage, &layout)?,
+            sets: DescriptorSets::new(device, SHADERS.name, &set_layout, count)?,
             named: vec![(0, 0, 0); count],
             uniforms: Uniforms::new(device)?,
             slot: 0,
@@ -64,7 +69,7 @@ impl SurfaceShade {
     }
 
     /// Records the picture of `eye` of `volume` from its map in `maps`, to its layer of `pictures`, which has
-    /// the size of the maps and storage usage. Leaves it in the layout of [`Use::SHADER_READ`].
+    /// the size of the maps; nothing is seen outside of `part`. Leaves it in the layout of [`Use::SHADER_READ`].
     pub fn record(
         &mut self,
         recorder: &mut Recorder,
@@ -73,9 +78,9 @@ impl SurfaceShade {
         maps: &mut IndexTarget,
         pictures: &mut EyeImage,
         eye: u32,
+        part: PixelRect,
     ) -> Result<()> {
         maps.make_readable(recorder, eye);
-        pictures.renew(recorder, eye, Use::SHADER_WRITE);
         let set = self.slot * self.eyes as usize + eye as usize;
         let (volume, index, picture) = (volume.image(), maps.index().image(), pictures.image());
         let names = (volume.id(), index.id(), picture.id());
@@ -83,14 +88,15 @@ impl SurfaceShade {
             self.named[set] = names;
             self.sets.write_sampled(set, VOLUME, volume.view());
             self.sets.write_sampled(set, INDEX_MAP, index.layer_view(eye));
-            self.sets.write_storage(set, PICTURE, picture.layer_view(eye));
+            if self.pass.stage() == PixelStage::Compute {
+                self.sets.write_storage(set, PICTURE, picture.layer_view(eye));
+            }
         }
         self.uniforms.write(&self.sets, set, surface)?;
         self.uniforms.write_colours(&self.sets, set, surface);
-        recorder.bind_pipeline(&self.pipeline);
-        recorder.bind_set(&self.pipeline, self.sets.set(set));
-        let groups = (maps.size() + (GROUP_PX - 1)) / GROUP_PX;
-        recorder.dispatch([groups.x, groups.y, 1]);
+        let area = PixelArea { part, rest: Load::Colour([0.0; 4]) };
+        let set = self.sets.set(set);
+        self.pass.record::<[u32; 0]>(recorder, set, None, pictures, eye, area);
         pictures.make(recorder, eye, Use::SHADER_READ);
         Ok(())
     }

@@ -2,6 +2,7 @@
 //!
 //! They know how each layer was used last, so that a change of use is one call.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use ash::vk;
@@ -62,10 +63,17 @@ impl EyeImage {
         recorder.image_barrier(self.image.layer(eye), from.discarded(), to);
     }
 
-    /// Writes the layer of `eye` from `piece`, row by row, and makes it ready for shaders.
-    pub fn upload(&mut self, recorder: &mut Recorder, eye: u32, piece: Piece) {
+    /// Writes `rows` of the layer of `eye` from `piece` and makes it ready for shaders. The other rows
+    /// are lost.
+    pub fn upload_rows(
+        &mut self,
+        recorder: &mut Recorder,
+        eye: u32,
+        piece: Piece,
+        rows: Range<u32>,
+    ) {
         self.renew(recorder, eye, Use::COPY_TARGET);
-        let [width, height, depth] = self.image.size();
+        let [width, ..] = self.image.size();
         let copy = vk::BufferImageCopy::default()
             .buffer_offset(piece.offset)
             .image_subresource(vk::ImageSubresourceLayers {
@@ -74,8 +82,11 @@ impl EyeImage {
                 base_array_layer: eye,
                 layer_count: 1,
             })
-            .image_extent(vk::Extent3D { width, height, depth });
-        recorder.copy_to_image(piece.buffer, self.image.layer(eye), &[copy]);
+            .image_offset(vk::Offset3D { x: 0, y: rows.start as i32, z: 0 })
+            .image_extent(vk::Extent3D { width, height: rows.len() as u32, depth: 1 });
+        if !rows.is_empty() {
+            recorder.copy_to_image(piece.buffer, self.image.layer(eye), &[copy]);
+        }
         self.make(recorder, eye, Use::SHADER_READ);
     }
 }
@@ -142,14 +153,14 @@ impl IndexTarget {
         recorder.end_rendering();
     }
 
-    /// Makes the map of `eye` ready for a compute shader that writes all of it.
-    pub fn begin_writing(&mut self, recorder: &mut Recorder, eye: u32) {
-        self.index.renew(recorder, eye, Use::SHADER_WRITE);
+    /// The voxel indices, for a pass that writes all of an eye's.
+    pub fn index_mut(&mut self) -> &mut EyeImage {
+        &mut self.index
     }
 
-    /// Puts a map that the CPU has made, copied to `piece`, in the place of the one of `eye`.
-    pub fn upload(&mut self, recorder: &mut Recorder, eye: u32, piece: Piece) {
-        self.index.upload(recorder, eye, piece);
+    /// Puts rows of a map that the CPU has made, copied to `piece`, in the place of the map of `eye`.
+    pub fn upload(&mut self, recorder: &mut Recorder, eye: u32, piece: Piece, rows: Range<u32>) {
+        self.index.upload_rows(recorder, eye, piece, rows);
     }
 
     /// Makes the map of `eye` ready for a shader.

@@ -2,7 +2,7 @@
 //! word of 4^3 voxels (low and high 32 bits) and the eight words of a brick follow each other
 //! along x. A row of bricks is thus the same bytes in grid and image, and nothing is repacked.
 //!
-//! Beside it lies which bricks hold anything ([`super::occupancy`]).
+//! Beside it lies which bricks are near something ([`super::near_image`]).
 //!
 //! The first time all of it is uploaded, afterwards only the bricks that changed. Knows no
 //! colours and no history: undo is a change like any other.
@@ -12,7 +12,7 @@ use std::sync::Arc;
 use ash::vk;
 use glam::UVec3;
 
-use super::occupancy::Occupancy;
+use super::near_image::NearImage;
 use crate::gpu::{
     Buffer, Device, Image, ImageInfo, MemoryLocation, Recorder, Result, Staging, Use, run_once,
 };
@@ -33,7 +33,7 @@ const BRICK_BYTES: usize = size_of::<Brick>();
 /// The device's copy of a grid's bits, always in the layout of [`Use::SHADER_READ`].
 pub struct Volume {
     image: Image,
-    occupancy: Occupancy,
+    near: NearImage,
     dims: UVec3,
     staging: Staging,
     /// Kept for their memory.
@@ -49,7 +49,7 @@ impl Volume {
         let usage = vk::BufferUsageFlags::TRANSFER_SRC;
         let mut volume = Volume {
             image: make_image(device, grid)?,
-            occupancy: Occupancy::new(device, grid)?,
+            near: NearImage::new(device, grid)?,
             dims: grid.dims(),
             staging: Staging::new(device, "changed bricks", usage, STAGING_BYTES)?,
             changed: Vec::new(),
@@ -73,13 +73,13 @@ impl Volume {
     ) -> Result<()> {
         if grid.dims() != self.dims {
             self.image = make_image(&self.device, grid)?;
-            self.occupancy = Occupancy::new(&self.device, grid)?;
+            self.near = NearImage::new(&self.device, grid)?;
             self.dims = grid.dims();
             return self.upload_whole(grid, Use::NOTHING);
         }
         match changed {
             Some([]) => return Ok(()),
-            changed => self.occupancy.update(recorder, slot, grid, changed)?,
+            changed => self.near.update(recorder, slot, grid, changed)?,
         }
         match changed {
             Some(bricks) if bricks.len() * WHOLE_FROM_SHARE <= grid.bricks().len() => {
@@ -93,9 +93,9 @@ impl Volume {
         &self.image
     }
 
-    /// Which bricks hold anything ([`Occupancy`]).
-    pub fn occupancy(&self) -> &Image {
-        self.occupancy.image()
+    /// Which bricks are near one that holds anything ([`NearImage::image`]).
+    pub fn near(&self) -> &Image {
+        self.near.image()
     }
 
     /// Size of the grid in voxels.

@@ -143,6 +143,27 @@ impl Grid {
         self.occupancy_dims
     }
 
+    /// The box of whole bricks about all voxels: its lowest voxel and one past its highest. None if the
+    /// grid is empty.
+    pub fn bounds_vx(&self) -> Option<(UVec3, UVec3)> {
+        let (mut low, mut high) = (UVec3::MAX, UVec3::ZERO);
+        let UVec3 { x: width, y: height, .. } = self.occupancy_dims;
+        for (row, words) in (0..).zip(self.occupancy.chunks_exact(width as usize)) {
+            let mut first = UVec3::new(0, row % height, row / height) * 4;
+            for &word in words {
+                // Most lie within what is known already.
+                if word != 0 && !(first.cmpge(low).all() && (first + 4).cmple(high).all()) {
+                    let (word_low, word_high) = bounds_of_word(word);
+                    low = low.min(first + word_low);
+                    high = high.max(first + word_high);
+                }
+                first.x += 4;
+            }
+        }
+        let edge = BRICK_EDGE_VX;
+        (low.x != u32::MAX).then(|| (low * edge, (high * edge).min(self.dims)))
+    }
+
     /// Number of existing voxels.
     #[inline]
     pub fn opaque_count(&self) -> u64 {
@@ -315,6 +336,18 @@ fn brick_dims(dims: UVec3) -> UVec3 {
     (dims + (BRICK_EDGE_VX - 1)) / BRICK_EDGE_VX
 }
 
+/// The lowest place of a word of 4^3 bits that is set, and one past the highest, on each axis.
+fn bounds_of_word(word: u64) -> (UVec3, UVec3) {
+    // Folded to the four bits of each axis.
+    let z = (0..4).fold(0, |z, i| z | u32::from(word >> (16 * i) & 0xFFFF != 0) << i);
+    let layer = word | word >> 16 | word >> 32 | word >> 48;
+    let y = (0..4).fold(0, |y, i| y | u32::from(layer >> (4 * i) & 0xF != 0) << i);
+    let x = ((layer | layer >> 4 | layer >> 8 | layer >> 12) & 0xF) as u32;
+    let axes = [x, y, z];
+    let low = axes.map(u32::trailing_zeros);
+    (UVec3::from(low), UVec3::from(axes.map(|bits| 32 - bits.leading_zeros())))
+}
+
 fn occupancy_dims(brick_dims: UVec3) -> UVec3 {
     (brick_dims + 3) / 4
 }
@@ -370,6 +403,24 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn bounds_are_those_of_the_bricks_in_use(
+            dims in prop::array::uniform3(1u32..70),
+            places in prop::collection::vec(prop::array::uniform3(0u32..70), 0..4),
+        ) {
+            let dims = UVec3::from(dims);
+            let mut grid = Grid::new(dims, Vec3::ONE, 1 << 30).unwrap();
+            let mut expected: Option<(UVec3, UVec3)> = None;
+            for place in places {
+                let voxel = UVec3::from(place) % dims;
+                grid.set(voxel.as_ivec3(), true);
+                let (low, high) = (voxel / 8 * 8, (voxel / 8 * 8 + 8).min(dims));
+                let (least, most) = expected.unwrap_or((low, high));
+                expected = Some((least.min(low), most.max(high)));
+            }
+            prop_assert_eq!(grid.bounds_vx(), expected);
+        }
+
         #[test]
         fn counts_and_occupancy_follow_the_bits(
             dims in prop::array::uniform3(1u32..40),

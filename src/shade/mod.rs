@@ -8,6 +8,7 @@
 
 mod illumination;
 pub mod light;
+mod moments;
 pub mod normal;
 pub mod occlusion;
 pub mod pixels;

@@ -6,65 +6,17 @@
 //! `sqrt(6)` voxels away. Other neighbourhoods, by their mean error against the radial direction
 //! on balls of radius 8 to 200: six voxels two away 20 degrees, 3^3 7.6, 5^3 4.8, these 81 3.1;
 //! a ball of radius 3.3 comes to 2.4 but touches 27 words instead of 8. Weights within the 5^3
-//! gain nothing.
-//!
-//! Five voxels an axis always lie in two words of 4^3, so that eight words hold all. Folded to
-//! one word, each bit standing for its residue modulo 4, neighbours two voxels to either side
-//! would meet; nothing else does. Two folded words therefore hold all neighbours, and counts of
-//! their planes give the moments exactly.
+//! gain nothing. How the moment is counted: [`super::moments`].
 
-use fearless_simd::{Level, Simd, f32x16, i32x16, prelude::*, u32x16, u64x8};
+use fearless_simd::{Simd, f32x16, i32x16, prelude::*};
 use glam::{IVec3, UVec3, Vec3};
 
+use super::moments::{FoldedLanes, fold, moments, moments_of_many};
 use crate::sculpture::Grid;
 use crate::sculpture::brick::BRICK_WORDS;
 
 /// Voxels, on each axis, between a voxel and those that its normal depends on.
 pub const NORMAL_REACH_VX: u32 = 2;
-
-/// Squared distance within which a voxel counts as a neighbour.
-const REACH_SQUARED: i32 = 6;
-
-/// The neighbours of a voxel in the eight words about it.
-#[derive(Clone, Copy)]
-struct Masks {
-    /// Those that are two voxels further up on some axis.
-    upper: [u64; 8],
-    /// The others.
-    lower: [u64; 8],
-}
-
-/// For a voxel `2 + (x, y, z)` of a cube of 8^3, `x + 4y + 16z` the index.
-static NEIGHBOURS: [Masks; 64] = neighbours();
-
-/// The voxels of a word whose x, y, z is 0. Shifted by `1 << 2 * axis` they are those of 1.
-const PLANES: [u64; 3] = [0x1111_1111_1111_1111, 0x000F_000F_000F_000F, 0xFFFF];
-
-const fn neighbours() -> [Masks; 64] {
-    let mut masks = [Masks { upper: [0; 8], lower: [0; 8] }; 64];
-    let mut voxel = 0;
-    while voxel < 64 {
-        let mut other = 0;
-        while other < 512 {
-            let dx = (other & 7) - ((voxel & 3) + 2);
-            let dy = (other >> 3 & 7) - ((voxel >> 2 & 3) + 2);
-            let dz = (other >> 6) - ((voxel >> 4) + 2);
-            if dx * dx + dy * dy + dz * dz <= REACH_SQUARED {
-                let word = (other >> 2 & 1) | (other >> 5 & 1) << 1 | (other >> 8 & 1) << 2;
-                let bit = (other & 3) | (other >> 3 & 3) << 2 | (other >> 6 & 3) << 4;
-                let masks = &mut masks[voxel as usize];
-                if dx == 2 || dy == 2 || dz == 2 {
-                    masks.upper[word as usize] |= 1 << bit;
-                } else {
-                    masks.lower[word as usize] |= 1 << bit;
-                }
-            }
-            other += 1;
-        }
-        voxel += 1;
-    }
-    masks
-}
 
 /// Minus the gradient of existence about a voxel, not normalised: it points towards emptiness.
 /// Whole numbers; zero where the neighbourhood is full, empty or symmetric.
@@ -75,93 +27,6 @@ pub fn gradient(grid: &Grid, voxel: UVec3) -> Vec3 {
     let at = (inside.x | inside.y << 2 | inside.z << 4) as usize;
     let (upper, lower) = fold(at, &bits);
     moments(at, upper, lower).as_vec3()
-}
-
-/// Folded neighbours of sixteen voxels.
-#[derive(Default)]
-struct FoldedLanes {
-    upper: [[u64; 8]; 2],
-    lower: [[u64; 8]; 2],
-}
-
-/// The existing neighbours of voxel `2 + (x, y, z)` of a cube of eight words, folded to two;
-/// `at` is `x + 4y + 16z`.
-#[inline(always)]
-fn fold(at: usize, bits: &[u64; 8]) -> (u64, u64) {
-    let masks = &NEIGHBOURS[at & 63];
-    let (mut upper, mut lower) = (0, 0);
-    for (word, (mask_upper, mask_lower)) in bits.iter().zip(masks.upper.iter().zip(&masks.lower)) {
-        upper |= word & mask_upper;
-        lower |= word & mask_lower;
-    }
-    (upper, lower)
-}
-
-/// Minus the sum of the offsets of folded neighbours.
-#[inline(always)]
-fn moments(at: usize, upper: u64, lower: u64) -> IVec3 {
-    let moment = |axis: usize| {
-        // The voxel itself has residue `at + 2` on the axis.
-        let plane = |residue: usize| PLANES[axis] << ((residue & 3) << (2 * axis));
-        let at = at >> (2 * axis);
-        let (two, down, up) = (plane(at), plane(at + 1), plane(at + 3));
-        let count = |bits: u64| bits.count_ones() as i32;
-        2 * (count(lower & two) - count(upper & two))
-            + (count(lower & down) - count(lower & up))
-            + (count(upper & down) - count(upper & up))
-    };
-    IVec3::new(moment(0), moment(1), moment(2))
-}
-
-/// [`moments`] of sixteen voxels.
-#[inline(always)]
-fn moments_of_many<S: Simd>(simd: S, at: u32x16<S>, folded: &FoldedLanes) -> [i32x16<S>; 3] {
-    #[cfg(target_arch = "x86_64")]
-    if let Level::Avx512(_) = simd.level() {
-        let (at_0, at_1) = at.widen();
-        let ([upper_0, upper_1], [lower_0, lower_1]) = (&folded.upper, &folded.lower);
-        let first = moments_of_eight(simd, at_0, upper_0, lower_0);
-        let second = moments_of_eight(simd, at_1, upper_1, lower_1);
-        let both = |axis: usize| first[axis].narrow(second[axis]).bitcast();
-        return [both(0), both(1), both(2)];
-    }
-    // Without counts of bits in vectors one at a time is faster.
-    let at = at.to_array();
-    let mut moments_of = [[0; 16]; 3];
-    for lane in 0..16 {
-        let (upper, lower) = (folded.upper[lane / 8][lane % 8], folded.lower[lane / 8][lane % 8]);
-        let moments = moments(at[lane] as usize, upper, lower);
-        for axis in 0..3 {
-            moments_of[axis][lane] = moments[axis];
-        }
-    }
-    moments_of.map(|v| i32x16::load_array(simd, v))
-}
-
-/// [`moments`] of eight voxels.
-#[inline(always)]
-fn moments_of_eight<S: Simd>(
-    simd: S,
-    at: u64x8<S>,
-    upper: &[u64; 8],
-    lower: &[u64; 8],
-) -> [u64x8<S>; 3] {
-    let upper = u64x8::load_array_ref(simd, upper);
-    let lower = u64x8::load_array_ref(simd, lower);
-    let mut moments = [at; 3];
-    for axis in 0..3 {
-        let plane = |residue: u64x8<S>| {
-            u64x8::splat(simd, PLANES[axis]) << ((residue & 3) << (2 * axis as u32))
-        };
-        let at = at >> (2 * axis as u32);
-        let (two, down, up) = (plane(at), plane(at + 1), plane(at + 3));
-        let two = (lower & two).count_ones() - (upper & two).count_ones();
-        let one = (lower & down).count_ones() - (lower & up).count_ones()
-            + (upper & down).count_ones()
-            - (upper & up).count_ones();
-        moments[axis] = two + two + one;
-    }
-    moments
 }
 
 /// The words of a grid by their place.

@@ -1,6 +1,8 @@
 //! Owns the index map: for one eye, the voxel seen through each pixel. Samplers on CPU and GPU
 //! make it; shaders read it.
 
+use std::ops::Range;
+
 use glam::UVec2;
 
 use crate::sculpture::NO_VOXEL;
@@ -74,6 +76,17 @@ impl PixelRect {
     /// Pixels in the rectangle.
     pub fn pixel_count(self) -> u64 {
         self.max.saturating_sub(self.min).as_u64vec2().element_product()
+    }
+
+    /// The rows that it touches.
+    pub fn rows(self) -> Range<u32> {
+        if self.is_empty() { 0..0 } else { self.min.y..self.max.y }
+    }
+
+    /// Its rows of a picture of `width` pixels a row, whole.
+    pub fn rows_of<T>(self, pixels: &[T], width: u32) -> &[T] {
+        let Range { start, end } = self.rows();
+        &pixels[(start * width) as usize..(end * width) as usize]
     }
 
     pub fn intersect(self, other: PixelRect) -> PixelRect {

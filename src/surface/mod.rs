@@ -8,4 +8,4 @@ pub mod slices;
 mod tiles;
 
 pub use index_map::{IndexMap, PixelRect};
-pub use partial::{PixelRects, changed_pixels};
+pub use partial::{PixelRects, changed_pixels, pixels_of_grid};

@@ -131,6 +131,15 @@ pub fn changed_pixels(grid: &Grid, changed: &[u32], rays: &PixelRays, reach_vx: 
     rects.without_overlap()
 }
 
+/// The pixels of `rays` in which anything of `grid` can be seen.
+pub fn pixels_of_grid(grid: &Grid, rays: &PixelRays) -> PixelRect {
+    let picture = PixelRect::of_picture(rays.size);
+    let Some((low, high)) = grid.bounds_vx() else { return PixelRect::EMPTY };
+    let Some(projection) = Projection::new(rays) else { return picture };
+    let rect = projection.pixels_of_box(low.as_vec3(), high.as_vec3(), rays.size);
+    rect.grown(MARGIN_PX).intersect(picture)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

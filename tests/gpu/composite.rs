@@ -15,7 +15,7 @@ use virtual_sculpture::screen::offscreen::{FORMAT, Offscreen};
 use virtual_sculpture::sculpture::Grid;
 use virtual_sculpture::shade::Pixels;
 use virtual_sculpture::surface::slices::SliceAreas;
-use virtual_sculpture::surface::{IndexMap, raycast};
+use virtual_sculpture::surface::{IndexMap, PixelRect, raycast};
 use virtual_sculpture::view::{Camera, Eye};
 
 use crate::fixture::with_device;
@@ -48,6 +48,7 @@ fn view_of(map: &IndexMap, eye: &Eye, grid: &Grid, background: Background) -> Co
         corner: UVec2::ZERO,
         size: eye.size,
         background,
+        part: PixelRect::of_picture(map.rays.size),
     }
 }
 
@@ -64,7 +65,7 @@ fn upload(device: &Arc<Device>, maps: &mut IndexTarget, eye: u32, map: &IndexMap
     let mut staging = Staging::new(device, "map", usage, 1 << 16).unwrap();
     run_once(device, |recorder| {
         let piece = staging.push(&map.voxels, 4)?;
-        maps.upload(recorder, eye, piece);
+        maps.upload(recorder, eye, piece, 0..map.rays.size.y);
         Ok(())
     })
     .unwrap();
@@ -116,7 +117,8 @@ fn slice_read_back_shade_and_composite_two_eyes() {
             let mut recorder = frames.begin().unwrap();
             composite.begin(frames.slot());
             for (i, eye) in (0..).zip(&eyes) {
-                composite.upload(&mut recorder, i, &pictures[i as usize]).unwrap();
+                let part = PixelRect::of_picture(SIZE);
+                composite.upload(&mut recorder, i, &pictures[i as usize], part).unwrap();
                 maps.make_readable(&mut recorder, i);
                 screen.begin(&mut recorder, i);
                 let background = Background::Gradient { top, bottom };
@@ -160,7 +162,8 @@ fn composite_once(
     let mut composite = Composite::new(device, FORMAT, 1).unwrap();
     composite.begin(0);
     run_once(device, |recorder| {
-        composite.upload(recorder, 0, &colours_of(map))?;
+        let part = PixelRect::of_picture(map.rays.size);
+        composite.upload(recorder, 0, &colours_of(map), part)?;
         recorder.image_barrier(colour.whole(), Use::NOTHING, Use::COLOUR_TARGET);
         recorder.image_barrier(depth.whole(), Use::NOTHING, Use::DEPTH_TARGET);
         let red = Load::Colour([1.0, 0.0, 0.0, 1.0]);

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use virtual_sculpture::gpu::{Device, Frames};
-use virtual_sculpture::render::{IndexReadback, IndexTarget, RayMarch, Volume};
+use virtual_sculpture::render::{IndexReadback, IndexTarget, PixelStage, RayMarch, Volume};
 use virtual_sculpture::sculpture::Grid;
-use virtual_sculpture::surface::{IndexMap, raycast};
+use virtual_sculpture::surface::{IndexMap, pixels_of_grid, raycast};
 use virtual_sculpture::view::PixelRays;
 
 use crate::agreement::compare;
@@ -29,7 +29,8 @@ fn march(
         let slot = frames.slot();
         pass.begin(slot);
         for (eye, rays) in (0..).zip(pair) {
-            pass.record(&mut recorder, &volume, rays, &mut target, eye);
+            let part = pixels_of_grid(grid, rays);
+            pass.record(&mut recorder, &volume, rays, part, &mut target, eye).unwrap();
         }
         for (eye, (rays, readback)) in (0..).zip(pair.iter().zip(&mut readbacks)) {
             readback.record(&mut recorder, slot, &mut target, eye, rays).unwrap();
@@ -49,19 +50,22 @@ fn march(
 #[test]
 fn the_ray_march_equals_the_caster() {
     with_device(|device| {
-        let mut pass = RayMarch::new(device, 2).unwrap();
-        for subject in subjects::all() {
-            let rays: Vec<_> = subject.views.iter().map(|v| v.rays()).collect();
-            let maps = march(device, &mut pass, &subject.grid, &rays);
-            let (mut different, mut pixels) = (0, 0);
-            for (marched, rays) in maps.iter().zip(&rays) {
-                let mut cast = IndexMap::new(*rays);
-                raycast::sample(&subject.grid, rays, &mut cast);
-                different += compare(subject.name, &subject.grid, &cast, marched, 0.005);
-                pixels += cast.voxels.len();
+        for stage in PixelStage::ALL {
+            let mut pass = RayMarch::new(device, stage, 2).unwrap();
+            for subject in subjects::all() {
+                let rays: Vec<_> = subject.views.iter().map(|v| v.rays()).collect();
+                let maps = march(device, &mut pass, &subject.grid, &rays);
+                let (mut different, mut pixels) = (0, 0);
+                for (marched, rays) in maps.iter().zip(&rays) {
+                    let mut cast = IndexMap::new(*rays);
+                    raycast::sample(&subject.grid, rays, &mut cast);
+                    different += compare(subject.name, &subject.grid, &cast, marched, 0.005);
+                    pixels += cast.voxels.len();
+                }
+                println!("{} {stage:?}: {different} of {pixels} pixels differ", subject.name);
+                let most = 1e-4 * pixels as f32;
+                assert!(different as f32 <= most, "{} {stage:?}: {different}", subject.name);
             }
-            println!("{}: {different} of {pixels} pixels differ", subject.name);
-            assert!(different as f32 <= 1e-4 * pixels as f32, "{}: {different}", subject.name);
         }
     });
 }

@@ -3,7 +3,7 @@
 //! Takes rays by their pixels and a brick that holds something, gives the first existing voxel
 //! that each ray meets in it. Decides as [`super::ray`] lays down, by the same arithmetic.
 
-use fearless_simd::{Level, Simd, f32x16, mask32x16, prelude::*, u8x64, u32x16};
+use fearless_simd::{Level, Simd, f32x16, mask32x16, prelude::*, u8x16, u8x64, u32x16};
 use glam::{IVec3, Vec3};
 
 use super::projection::TileFrame;
@@ -191,6 +191,20 @@ fn look_up<S: Simd>(simd: S, table: &[u8; 64], index: u32x16<S>) -> u32x16<S> {
     if let Level::Avx512(_) = simd.level() {
         let bytes: u8x64<S> = index.bitcast();
         return u8x64::load_array_ref(simd, table).swizzle_dyn(bytes).bitcast();
+    }
+    #[cfg(target_arch = "x86_64")]
+    if let Level::Avx2(_) = simd.level() {
+        // In each quarter of the table at once, then by quarters.
+        let bytes: u8x64<S> = (index & 15).bitcast();
+        let quarter = |quarter: usize| -> u32x16<S> {
+            let table: &[u8; 16] = table.as_chunks().0.get(quarter).unwrap_or(&[0; 16]);
+            let table = u8x64::block_splat(u8x16::load_array_ref(simd, table));
+            table.swizzle_dyn_within_blocks(bytes).bitcast()
+        };
+        let odd = (index & 16).simd_ne(0);
+        let low = odd.select(quarter(1), quarter(0));
+        let high = odd.select(quarter(3), quarter(2));
+        return (index & 32).simd_ne(0).select(high, low);
     }
     let index = index.to_array();
     u32x16::from_fn(simd, |lane| u32::from(table[(index[lane] & 63) as usize]))

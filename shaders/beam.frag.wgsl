@@ -1,0 +1,8 @@
+// How far the rays of each tile may go at least, by a fragment shader.
+
+//!include "beam.wgsl"
+
+@fragment
+fn main(@builtin(position) position: vec4<f32>) -> @location(0) f32 {
+    return start_of(vec2<u32>(position.xy));
+}

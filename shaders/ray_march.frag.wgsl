@@ -1,0 +1,8 @@
+// The index map of one eye by a fragment shader.
+
+//!include "ray_march.wgsl"
+
+@fragment
+fn main(@builtin(position) position: vec4<f32>) -> @location(0) u32 {
+    return voxel_at(vec2<u32>(position.xy));
+}

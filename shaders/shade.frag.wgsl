@@ -1,0 +1,8 @@
+// The picture of one eye from its index map by a fragment shader.
+
+//!include "shade.wgsl"
+
+@fragment
+fn main(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+    return colour_at(vec2<u32>(position.xy));
+}

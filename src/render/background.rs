@@ -1,0 +1,55 @@
+//! Owns what is behind the sculpture where there is no video: a gradient from the upper to the lower
+//! edge.
+//!
+//! Takes where an eye's picture goes; draws over all of that, infinitely far. Passes that draw the
+//! sculpture come after it, and then only to where the sculpture can be seen: a pixel of a gradient
+//! costs much less than one that has to find out that it shows nothing.
+
+use std::sync::Arc;
+
+use ash::vk;
+use glam::Vec3;
+
+use super::composite::{CompositeEye, constants, is_srgb};
+use crate::gpu::layout::CompositeView;
+use crate::gpu::{Depth, Device, Graphics, Pipeline, PipelineLayout, Recorder, Result, shaders};
+
+/// What is behind the sculpture. Colours are sRGB, 0 to 1.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Background {
+    /// What the target holds already.
+    Keep,
+    /// From the upper to the lower edge.
+    Gradient { top: Vec3, bottom: Vec3 },
+}
+
+/// Draws backgrounds.
+pub(super) struct BackgroundPass {
+    pipeline: Pipeline,
+    /// The target stores linear values, encoded by the device.
+    linear: bool,
+}
+
+impl BackgroundPass {
+    /// For targets of `format` with a D32 depth buffer.
+    pub fn new(device: &Arc<Device>, format: vk::Format) -> Result<BackgroundPass> {
+        let push = Some((vk::ShaderStageFlags::FRAGMENT, size_of::<CompositeView>()));
+        let layout = PipelineLayout::new(device, "background", None, push)?;
+        let fragment = shaders::BACKGROUND_FRAG;
+        let depth = Some(Depth::OVERWRITE);
+        let pass = Graphics::screen("background", fragment, &layout, format, depth);
+        Ok(BackgroundPass { pipeline: Pipeline::graphics(device, &pass)?, linear: is_srgb(format) })
+    }
+
+    /// Draws the background of `view`, if it has one, within rendering.
+    pub fn draw(&self, recorder: &mut Recorder, view: &CompositeEye) {
+        if view.background == Background::Keep {
+            return;
+        }
+        let [x, y] = view.corner.to_array();
+        recorder.set_scissor([x, y, view.size.x, view.size.y]);
+        recorder.bind_pipeline(&self.pipeline);
+        recorder.push(self.pipeline.layout(), &constants(view, self.linear));
+        recorder.draw(3, 1);
+    }
+}

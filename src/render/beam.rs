@@ -1,0 +1,131 @@
+//! Owns the beams: a pass that finds for each tile of a picture how far its rays may go
+//! before any of them can meet a brick in use, so that the walks of single rays start there.
+//!
+//! Takes a volume and the rays of an eye; gives an image of distances, in lengths of the rays'
+//! directions. Decides nothing about what is seen: a walk from there finds the same voxel.
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use super::pixel_pass::{PixelArea, PixelPass, PixelShaders, PixelStage};
+use super::{EyeImage, Volume};
+use crate::gpu::layout::MarchView;
+use crate::gpu::{
+    DescriptorSets, Device, FRAMES_IN_FLIGHT, Image, Load, PipelineLayout, Recorder, Result,
+    SetLayout, Use, shaders,
+};
+use crate::surface::PixelRect;
+use crate::view::PixelRays;
+
+/// The logarithm of the edge of a tile in pixels. A wider tile costs fewer beams, but is sooner too
+/// wide for a brick: at 1.7 voxels a pixel, as a grid of 512^3 has them in a picture 480 pixels high,
+/// one of eight pixels is.
+pub const TILE_LOG2: u32 = 2;
+
+const NEAR: u32 = 0;
+const STARTS: u32 = 1;
+
+const SHADERS: PixelShaders = PixelShaders {
+    name: "beams",
+    compute: shaders::BEAM_COMP,
+    fragment: shaders::BEAM_FRAG,
+    format: vk::Format::R32_SFLOAT,
+};
+
+/// Finds where rays may start.
+pub struct Beams {
+    pass: PixelPass,
+    sets: DescriptorSets,
+    /// The images that each set names: bricks, starts.
+    named: Vec<(u64, u64)>,
+    starts: Option<EyeImage>,
+    slot: usize,
+    eyes: u32,
+    device: Arc<Device>,
+}
+
+impl Beams {
+    /// For up to `eyes` eyes a frame.
+    pub fn new(device: &Arc<Device>, stage: PixelStage, eyes: u32) -> Result<Beams> {
+        let bindings = stage.bindings(&[(NEAR, vk::DescriptorType::SAMPLED_IMAGE)], STARTS);
+        let set_layout = SetLayout::new(device, SHADERS.name, &bindings)?;
+        let push = Some((stage.flags(), size_of::<MarchView>()));
+        let layout = PipelineLayout::new(device, SHADERS.name, Some(&set_layout), push)?;
+        let count = FRAMES_IN_FLIGHT * eyes as usize;
+        Ok(Beams {
+            pass: PixelPass::new(device, &SHADERS, stage, &layout)?,
+            sets: DescriptorSets::new(device, SHADERS.name, &set_layout, count)?,
+            named: vec![(0, 0); count],
+            starts: None,
+            slot: 0,
+            eyes,
+            device: device.clone(),
+        })
+    }
+
+    /// Starts a frame that uses `slot`.
+    pub fn begin(&mut self, slot: usize) {
+        self.slot = slot % FRAMES_IN_FLIGHT;
+    }
+
+    /// Records the beams of `eye`, seen by `rays`; all eyes of a frame have the same size in
+    /// pixels. Returns their image, a texel a tile and a layer an eye, ready for shaders.
+    pub fn record(
+        &mut self,
+        recorder: &mut Recorder,
+        volume: &Volume,
+        rays: &PixelRays,
+        eye: u32,
+    ) -> Result<&Image> {
+        let tiles = (rays.size + ((1 << TILE_LOG2) - 1)) >> TILE_LOG2;
+        if self.starts.as_ref().is_some_and(|starts| starts.size() != tiles) {
+            self.starts = None;
+        }
+        let starts = match &mut self.starts {
+            Some(starts) => starts,
+            none => none.insert(EyeImage::new(
+                &self.device,
+                "starts of rays",
+                tiles,
+                self.eyes,
+                SHADERS.format,
+                vk::ImageUsageFlags::SAMPLED | self.pass.stage().target_usage(),
+            )?),
+        };
+        let set = self.slot * self.eyes as usize + eye as usize;
+        let names = (volume.near().id(), starts.image().id());
+        if self.named[set] != names {
+            self.named[set] = names;
+            self.sets.write_sampled(set, NEAR, volume.near().view());
+            if self.pass.stage() == PixelStage::Compute {
+                self.sets.write_storage(set, STARTS, starts.image().layer_view(eye));
+            }
+        }
+        let view = march_view(rays, volume);
+        let area = PixelArea { part: PixelRect::of_picture(tiles), rest: Load::Forget };
+        self.pass.record(recorder, self.sets.set(set), Some(&view), starts, eye, area);
+        starts.make(recorder, eye, Use::SHADER_READ);
+        Ok(starts.image())
+    }
+
+    /// The image of [`Beams::record`].
+    pub fn starts(&self) -> Option<&Image> {
+        self.starts.as_ref().map(EyeImage::image)
+    }
+}
+
+/// The constants of passes that follow `rays` through `volume`.
+pub(super) fn march_view(rays: &PixelRays, volume: &Volume) -> MarchView {
+    MarchView {
+        origin: rays.origin.to_array(),
+        width: rays.size.x,
+        corner: rays.corner.to_array(),
+        height: rays.size.y,
+        step_x: rays.step_x.to_array(),
+        tile_log2: TILE_LOG2,
+        step_y: rays.step_y.to_array(),
+        dims: volume.dims().to_array(),
+        ..MarchView::default()
+    }
+}

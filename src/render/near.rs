@@ -1,0 +1,170 @@
+//! Owns which bricks of a grid are near something: those that hold anything or touch, by a side, an
+//! edge or a corner, one that does. Where none is near, a bundle of rays as wide as a brick to
+//! either side passes through nothing (shaders/beam.comp.wgsl).
+//!
+//! Takes the occupancy of a grid; gives words of 4^3 bricks, a bit each, as [`Grid::occupancy`] has
+//! them, with a block of bricks more at each side of the grid, for what is near it from without.
+//! Knows no device.
+
+use std::ops::Range;
+
+use glam::UVec3;
+
+use crate::sculpture::Grid;
+
+/// The bits of the lowest and the highest bricks of a word along each axis, and the distance of
+/// neighbours.
+const AXES: [(u64, u64, u32); 3] = [
+    (0x1111_1111_1111_1111, 0x8888_8888_8888_8888, 1),
+    (0x000F_000F_000F_000F, 0xF000_F000_F000_F000, 4),
+    (0x0000_0000_0000_FFFF, 0xFFFF_0000_0000_0000, 16),
+];
+
+/// The bricks near something.
+pub struct Near {
+    words: Vec<u64>,
+    dims: UVec3,
+    /// A slab on its way, kept for its memory.
+    slab: Vec<u64>,
+}
+
+impl Near {
+    /// Of `grid`.
+    pub fn new(grid: &Grid) -> Near {
+        let dims = grid.occupancy_dims() + 2;
+        let slab = (dims.x * dims.y) as usize;
+        let words = vec![0; slab * dims.z as usize];
+        let mut near = Near { words, dims, slab: vec![0; slab] };
+        near.update(grid, 0..grid.occupancy_dims().z);
+        near
+    }
+
+    /// Follows a change in `slabs` of blocks of a grid of the same size. Returns the slabs of
+    /// [`Near::words`] that may have changed.
+    pub fn update(&mut self, grid: &Grid, slabs: Range<u32>) -> Range<u32> {
+        let changed = slabs.start..(slabs.end + 2).min(self.dims.z);
+        for z in changed.clone() {
+            self.make_slab(grid, z);
+        }
+        changed
+    }
+
+    /// A word for each block.
+    pub fn words(&self) -> &[u64] {
+        &self.words
+    }
+
+    /// Size of [`Near::words`].
+    pub fn dims(&self) -> UVec3 {
+        self.dims
+    }
+
+    fn make_slab(&mut self, grid: &Grid, z: u32) {
+        let blocks = grid.occupancy_dims();
+        let occupancy = grid.occupancy();
+        let width = self.dims.x as usize;
+        // Rows of the grid's blocks; none beyond it.
+        let row = |y: u32, z: Option<u32>| -> &[u64] {
+            let Some(z) = z.filter(|&z| z < blocks.z) else { return &[] };
+            let first = (blocks.x * (y + blocks.y * z)) as usize;
+            &occupancy[first..first + blocks.x as usize]
+        };
+        self.slab.fill(0);
+        for y in 0..blocks.y {
+            let [below, here, above] =
+                [z.checked_sub(2), z.checked_sub(1), Some(z)].map(|z| row(y, z));
+            let first = (y as usize + 1) * width + 1;
+            let of = |row: &[u64], x: usize| row.get(x).copied().unwrap_or(0);
+            for (x, word) in self.slab[first..first + blocks.x as usize].iter_mut().enumerate() {
+                *word = spread(2, of(below, x), of(here, x), of(above, x));
+            }
+        }
+        let size = self.slab.len();
+        let target = &mut self.words[z as usize * size..(z as usize + 1) * size];
+        let at = |slab: &[u64], i: Option<usize>| i.and_then(|i| slab.get(i)).copied().unwrap_or(0);
+        for (i, word) in target.iter_mut().enumerate() {
+            let [before, after] = [i.checked_sub(width), Some(i + width)];
+            *word = spread(1, at(&self.slab, before), self.slab[i], at(&self.slab, after));
+        }
+        // The outermost words of a row reach nothing beyond their own: the ends of rows meet
+        // only at words of the margin, whose bits point inwards.
+        let mut before = 0;
+        for i in 0..size {
+            let here = target[i];
+            let after = if i + 1 < size { target[i + 1] } else { 0 };
+            target[i] = spread(0, before, here, after);
+            before = here;
+        }
+    }
+}
+
+/// A word with the neighbours of its bits along `axis`; `before` and `after` are the words beside
+/// it.
+fn spread(axis: usize, before: u64, here: u64, after: u64) -> u64 {
+    let (lowest, highest, distance) = AXES[axis];
+    here | (here & !highest) << distance
+        | (here & !lowest) >> distance
+        | (after & lowest) << (3 * distance)
+        | (before & highest) >> (3 * distance)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sculpture::Brick;
+    use glam::IVec3;
+    use proptest::prelude::*;
+
+    fn bit(words: &[u64], dims: UVec3, brick: UVec3) -> bool {
+        let block = brick / 4;
+        let word = words[(block.x + dims.x * (block.y + dims.y * block.z)) as usize];
+        word >> (brick.x % 4 + brick.y % 4 * 4 + brick.z % 4 * 16) & 1 != 0
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(32))]
+
+        /// At first, and after changes in some slabs.
+        #[test]
+        fn near_is_what_touches_something(
+            bricks in (1u32..10, 1u32..10, 1u32..14),
+            used in prop::collection::vec(any::<prop::sample::Index>(), 0..12),
+            later in prop::collection::vec(any::<prop::sample::Index>(), 0..4),
+        ) {
+            let bricks = UVec3::from(bricks);
+            let mut grid = Grid::new(bricks * 8, glam::Vec3::ONE, 1 << 30).unwrap();
+            let count = grid.bricks().len();
+            for index in &used {
+                grid.set_brick(index.index(count), Brick::FULL);
+            }
+            let mut near = Near::new(&grid);
+            for index in &later {
+                let index = index.index(count);
+                let brick = if grid.bricks()[index].is_empty() { Brick::FULL } else { Brick::EMPTY };
+                grid.set_brick(index, brick);
+                let slab = grid.brick_coords(index).z / 4;
+                near.update(&grid, slab..slab + 1);
+            }
+            let size = near.dims() * 4;
+            for z in 0..size.z {
+                for y in 0..size.y {
+                    for x in 0..size.x {
+                        let at = UVec3::new(x, y, z).as_ivec3() - 4;
+                        let mut expected = false;
+                        for i in 0..27 {
+                            let beside = at + IVec3::new(i % 3, i / 3 % 3, i / 9) - 1;
+                            let inside = beside.cmpge(IVec3::ZERO).all()
+                                && beside.cmplt(bricks.as_ivec3()).all();
+                            expected |= inside && {
+                                let index = grid.brick_index(beside.as_uvec3());
+                                !grid.bricks()[index].is_empty()
+                            };
+                        }
+                        let found = bit(near.words(), near.dims(), UVec3::new(x, y, z));
+                        prop_assert_eq!(found, expected, "{}", at);
+                    }
+                }
+            }
+        }
+    }
+}
