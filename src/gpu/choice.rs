@@ -38,6 +38,8 @@ pub(super) struct Candidate {
     pub physical: vk::PhysicalDevice,
     pub properties: vk::PhysicalDeviceProperties,
     pub queue_family: u32,
+    /// Bits of the queue's time stamps that count; 0 where it has none.
+    pub time_stamp_bits: u32,
 }
 
 impl Candidate {
@@ -170,7 +172,13 @@ fn candidate(
     for (index, family) in families.iter().enumerate() {
         let index = index as u32;
         if family.queue_flags.contains(needed) && host.can_show(physical, index)? {
-            return Ok(Ok(Candidate { physical, properties, queue_family: index }));
+            let time_stamp_bits = family.timestamp_valid_bits;
+            return Ok(Ok(Candidate {
+                physical,
+                properties,
+                queue_family: index,
+                time_stamp_bits,
+            }));
         }
     }
     Ok(Err(format!("{name} has no queue that draws, computes and serves {}", host.name())))

@@ -165,6 +165,11 @@ impl Device {
         self.candidate.queue_family
     }
 
+    /// Bits of the queue's time stamps that count; 0 where it has none.
+    pub fn time_stamp_bits(&self) -> u32 {
+        self.candidate.time_stamp_bits
+    }
+
     pub fn limits(&self) -> &vk::PhysicalDeviceLimits {
         &self.candidate.properties.limits
     }

@@ -49,6 +49,7 @@ mod pipeline;
 mod readback;
 mod retire;
 pub mod shaders;
+mod timing;
 mod upload;
 mod validation;
 
@@ -64,5 +65,6 @@ pub use pipeline::{
     Attribute, Blend, Depth, Graphics, MAX_PUSH_BYTES, Pipeline, PipelineLayout, Vertices,
 };
 pub use readback::{Readback, read_image_once};
+pub use timing::Timer;
 pub use upload::{Piece, Staging};
 pub use validation::ValidationLog;

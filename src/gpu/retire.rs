@@ -18,6 +18,7 @@ pub(super) enum Retired {
     SetLayout(vk::DescriptorSetLayout),
     DescriptorPool(vk::DescriptorPool),
     CommandPool(vk::CommandPool),
+    QueryPool(vk::QueryPool),
     /// Anything else.
     Call(Box<dyn FnOnce(&ash::Device) + Send>),
 }
@@ -96,6 +97,7 @@ impl Retired {
                 Retired::SetLayout(layout) => device.destroy_descriptor_set_layout(layout, None),
                 Retired::DescriptorPool(pool) => device.destroy_descriptor_pool(pool, None),
                 Retired::CommandPool(pool) => device.destroy_command_pool(pool, None),
+                Retired::QueryPool(pool) => device.destroy_query_pool(pool, None),
                 Retired::Call(destroy) => destroy(device),
             }
         }

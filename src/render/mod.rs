@@ -21,6 +21,7 @@ pub mod slicing;
 pub mod stereo;
 pub mod surface_shade;
 pub mod target;
+pub mod times;
 pub mod volume;
 
 pub use backdrop::{Backdrop, Video, VideoView};

@@ -17,6 +17,8 @@ use super::pictures::pictures;
 pub use super::pictures::{DEPTH_FORMAT, Pictures};
 use super::pixel_pass::PixelStage;
 use super::sampler::Sampler;
+use super::times::PictureTimer;
+pub use super::times::{DeviceTimes, RenderTimes};
 use super::{
     Backdrop, Background, Colours, Composite, CompositeEye, GpuOnly, IndexTarget, MAX_EYES, Points,
     Surface, SurfaceShade, Video, VideoView, Volume,
@@ -44,19 +46,6 @@ pub struct Shot<'a> {
     /// The tools.
     pub ghosts: &'a [Ghost],
     pub lines: &'a [Line],
-}
-
-/// How long the parts of the last picture took, in milliseconds. What was not done anew keeps its
-/// time.
-#[derive(Clone, Copy, PartialEq, Debug, Default)]
-pub struct RenderTimes {
-    /// Finding the voxel of every pixel, with upload and read-back.
-    pub sample_ms: f32,
-    /// Of these, bringing the maps from the device to memory, once they were complete; none where
-    /// they stay or are made in memory.
-    pub read_back_ms: Option<f32>,
-    /// The software shader.
-    pub shade_ms: f32,
 }
 
 /// What the voxels of a picture depend on.
@@ -118,6 +107,7 @@ pub struct Renderer {
     /// What the pictures were made of; none while they are not complete.
     shown: Option<PictureKey>,
     times: RenderTimes,
+    timer: PictureTimer,
     device: Arc<Device>,
 }
 
@@ -142,6 +132,7 @@ impl Renderer {
             changed: Vec::new(),
             shown: None,
             times: RenderTimes::default(),
+            timer: PictureTimer::new(device)?,
             device: device.clone(),
         })
     }
@@ -196,6 +187,9 @@ impl Renderer {
             self.sample(document, shot, part)?;
         }
         self.composite.begin(slot);
+        if recompose {
+            self.timer.begin(recorder, slot, shot.mode, &mut self.times.device)?;
+        }
         if reshade {
             self.shade(recorder, slot, document, shot, part)?;
         }
@@ -232,8 +226,18 @@ impl Renderer {
         &self.maps
     }
 
+    /// Those of the device are of the last picture that it is known to be done with.
     pub fn times(&self) -> RenderTimes {
         self.times
+    }
+
+    /// All times of the picture painted last, for one who has waited until it is done.
+    pub fn times_when_done(&mut self) -> Result<RenderTimes> {
+        if let Some(mode) = self.shown.as_ref().map(|shown| shown.sample.mode) {
+            self.times.device.sample_ms = self.sampler.device_ms_when_done(mode)?;
+            self.timer.latest(mode, &mut self.times.device)?;
+        }
+        Ok(self.times)
     }
 
     /// Notes which bricks have changed since the last picture; false if all may have.
@@ -265,6 +269,7 @@ impl Renderer {
         }
         self.times.sample_ms = ms_since(start);
         self.times.read_back_ms = self.sampler.read_back_ms();
+        self.times.device.sample_ms = self.sampler.device_ms();
         result
     }
 
@@ -340,10 +345,12 @@ impl Renderer {
         };
         pass.begin(slot);
         let pictures = self.composite.pictures(maps.size())?;
+        self.timer.start(recorder, PictureTimer::SHADE);
         for ((i, eye), part) in (0..).zip(shot.eyes).zip(parts) {
             let surface = Surface { colours, ..shot.surface(document, eye) };
             pass.record(recorder, volume, &surface, maps, pictures, i, part)?;
         }
+        self.timer.stop(recorder, PictureTimer::SHADE);
         Ok(())
     }
 
@@ -392,6 +399,7 @@ impl Renderer {
             pass.bring(recorder, video.frame)?;
         }
         self.overlay.begin(slot);
+        self.timer.start(recorder, PictureTimer::COMPOSE);
         for ((i, eye), map) in (0..).zip(shot.eyes).zip(&self.maps) {
             let background = if shot.video.is_some() { Background::Keep } else { shot.background };
             if let Sculpture::Within(pass, volume, _) = &mut sculpture {
@@ -429,6 +437,7 @@ impl Renderer {
             self.overlay.draw(recorder, &scene)?;
             recorder.end_rendering();
         }
+        self.timer.stop(recorder, PictureTimer::COMPOSE);
         Ok(())
     }
 }

@@ -13,7 +13,7 @@ use super::pixel_pass::PixelStage;
 use super::{Colours, IndexReadback, IndexTarget, MAX_EYES, RayMarch, Slicing, Volume};
 use crate::config::{RenderMode, Sampling, Shading};
 use crate::document::{Document, Follower};
-use crate::gpu::{Device, Frames, Recorder, Result, Staging};
+use crate::gpu::{Device, Frames, Recorder, Result, Staging, Timer};
 use crate::surface::partial::changed_pixels;
 use crate::surface::slices::SliceAreas;
 use crate::surface::{IndexMap, PixelRect, pixels_of_grid, quickstep, raycast};
@@ -34,6 +34,7 @@ pub struct Sampler {
     /// Outside of these pixels nothing is seen.
     parts: [PixelRect; MAX_EYES],
     read_back_ms: Option<f32>,
+    device_ms: Option<f32>,
     device: Arc<Device>,
 }
 
@@ -44,6 +45,8 @@ struct DeviceCopy {
     colours: Option<Colours>,
     areas: Option<SliceAreas>,
     frames: Frames,
+    /// Of the sampling.
+    timer: Option<Timer<1>>,
     /// Hears of the bricks that change.
     follower: Follower,
 }
@@ -61,6 +64,7 @@ impl Sampler {
             pending: [false; MAX_EYES],
             parts: [PixelRect::EMPTY; MAX_EYES],
             read_back_ms: None,
+            device_ms: None,
             device: device.clone(),
         })
     }
@@ -149,6 +153,7 @@ impl Sampler {
         }
         match mode.sampling() {
             Sampling::Cast | Sampling::Quickstep => {
+                self.device_ms = None;
                 self.pending = [true; MAX_EYES];
                 Ok(())
             }
@@ -180,6 +185,7 @@ impl Sampler {
                     colours: None,
                     areas: None,
                     frames: Frames::new(device)?,
+                    timer: Timer::new(device, "times of sampling")?,
                 }
             }),
         };
@@ -188,9 +194,15 @@ impl Sampler {
         copy.update(device, &mut recorder, slot, document, mode)?;
         if mode.sampling() == Sampling::Within {
             copy.frames.submit(recorder, &[], &[])?;
+            self.device_ms = None;
             return Ok(());
         }
         let target = target(device, &mut self.maps, maps)?;
+        if let Some(timer) = &mut copy.timer {
+            let [former] = timer.begin(&mut recorder, slot)?;
+            self.device_ms = former.or(self.device_ms);
+            timer.start(&mut recorder, 0);
+        }
         match mode.sampling() {
             Sampling::March => {
                 let pass = match &mut self.march {
@@ -217,6 +229,9 @@ impl Sampler {
             }
             Sampling::Cast | Sampling::Quickstep | Sampling::Within => {}
         }
+        if let Some(timer) = &mut copy.timer {
+            timer.stop(&mut recorder, 0);
+        }
         if read_back {
             for ((eye, map), readback) in (0..).zip(maps.iter()).zip(&mut self.readbacks) {
                 readback.record(&mut recorder, slot, target, eye, &map.rays)?;
@@ -231,6 +246,7 @@ impl Sampler {
                 readback.fetch(slot, Arc::make_mut(map))?;
             }
             self.read_back_ms = Some(start.elapsed().as_secs_f32() * 1e3);
+            self.device_ms = self.device_ms_when_done(mode)?;
         }
         Ok(())
     }
@@ -239,6 +255,22 @@ impl Sampler {
     /// they did not go that way.
     pub fn read_back_ms(&self) -> Option<f32> {
         self.read_back_ms
+    }
+
+    /// How long the device took for the maps, in milliseconds, without the ways there and back: for
+    /// those sampled last, or where they stay on the device, for the last that it is known to be
+    /// done with. None where it does not sample or has no time stamps.
+    pub fn device_ms(&self) -> Option<f32> {
+        self.device_ms
+    }
+
+    /// The same for the maps sampled last, in `mode`, for one who has waited until they are done.
+    pub fn device_ms_when_done(&self, mode: RenderMode) -> Result<Option<f32>> {
+        let timer = self.copy.as_ref().and_then(|copy| copy.timer.as_ref());
+        match (mode.sampling(), timer) {
+            (Sampling::Slicing | Sampling::March, Some(timer)) => Ok(timer.latest()?[0]),
+            _ => Ok(None),
+        }
     }
 
     /// Forgets the device's copy, after an error that may have left it behind the document.

@@ -15,4 +15,5 @@ mod ray_march;
 mod slicing;
 mod stereo;
 mod subjects;
+mod timing;
 mod volume;

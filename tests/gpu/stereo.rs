@@ -48,10 +48,10 @@ fn every_layout_is_its_twin_and_layers_are_drawn_one_by_one() {
         run_once(device, |recorder| {
             for (eye, pixels) in (0..).zip(&eyes) {
                 let piece = staging.push(&pixels.rgba, 4)?;
-                pictures.upload_rows(recorder, eye, piece, 0..SIZE.y);
+                pictures.upload_rows(recorder, eye, piece, 0..PICTURE.y);
             }
             let piece = staging.push(&interface.rgba, 4)?;
-            over.upload_rows(recorder, 0, piece, 0..SIZE.y);
+            over.upload_rows(recorder, 0, piece, 0..WINDOW.y);
             Ok(())
         })
         .unwrap();
