@@ -7,6 +7,7 @@
 mod edits;
 mod files;
 mod kernel;
+mod kernel_pictures;
 mod machine;
 mod pictures;
 mod plot;
@@ -19,6 +20,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use clap::ValueEnum;
+use glam::UVec2;
 use thiserror::Error;
 
 use crate::config::{Config, RenderMode};
@@ -28,12 +30,13 @@ use crate::format::{FormatError, store};
 use crate::gpu::{Device, GpuError, Headless};
 use crate::progress::Progress;
 use crate::render::Volume;
+use crate::render::renderer::DeviceTimes;
 pub use kernel::Kernel;
 use machine::Machine;
-use pictures::Pictures;
-use report::{ModeReport, Report, SceneReport};
+use pictures::{Pictures, Scene};
+use report::{DeviceReport, ModeReport, Report, SceneReport};
 use statistics::{Times, measure};
-use subjects::{PICTURE_PX, Subject, eye_of};
+use subjects::{Subject, eyes_of};
 
 /// How much is measured.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, ValueEnum)]
@@ -61,10 +64,10 @@ impl Suite {
         }
     }
 
-    /// Bites into each scene in each mode, by radius.
+    /// Bites into each scene in each mode, of radius 32 and 64.
     fn strokes(self) -> [usize; 2] {
         match self {
-            Suite::Quick => [100, 40],
+            Suite::Quick => [1000, 40],
             Suite::Full => [1000, 200],
         }
     }
@@ -106,6 +109,10 @@ pub struct BenchJob {
     /// Run this alone.
     pub kernel: Option<Kernel>,
     pub repeat: usize,
+    /// Pixels of the pictures.
+    pub size: UVec2,
+    /// One or two.
+    pub eyes: u32,
     /// Names of scenes and files; the standard scenes if there are none.
     pub scenes: Vec<String>,
     pub import: ImportOptions,
@@ -155,7 +162,8 @@ pub fn run(job: &BenchJob, config: &Config, progress: &dyn Progress) -> Result<(
         program: format!("virtual-sculpture {}", env!("CARGO_PKG_VERSION")),
         suite: job.suite.name().to_string(),
         machine,
-        picture: PICTURE_PX.to_array(),
+        picture: job.size.to_array(),
+        eyes: job.eyes,
         scenes,
         edits,
         peak_memory_bytes: machine::peak_memory_bytes(),
@@ -193,7 +201,7 @@ fn run_kernel(
     for name in scenes {
         let mut document = make(&Subject::of_name(name), job, config, progress)?;
         if let Some(Times { min_ms, median_ms, p99_ms, .. }) =
-            kernel::run(kernel, &mut document, job.repeat)
+            kernel::run(kernel, &mut document, job.size, job.repeat)
         {
             println!("{name}: {min_ms:.3} {median_ms:.3} {p99_ms:.3} ms: least, median, 99 of 100");
         }
@@ -213,7 +221,7 @@ fn measure_scene(
     let mut modes: Vec<ModeReport> = Vec::new();
     let wanted = |mode: &RenderMode| job.modes.is_empty() || job.modes.contains(mode);
     for mode in RenderMode::ALL.into_iter().filter(wanted) {
-        modes.extend(measure_mode(mode, &mut document, job.suite, config, device)?);
+        modes.extend(measure_mode(mode, &mut document, job, config, device)?);
     }
     let ray = modes.iter().find(|m| m.mode == mode_name(RenderMode::Ray));
     if let Some(ray_ms) = ray.map(|m| m.frame.median_ms) {
@@ -259,12 +267,14 @@ fn mode_name(mode: RenderMode) -> String {
 fn measure_mode(
     mode: RenderMode,
     document: &mut Document,
-    suite: Suite,
+    job: &BenchJob,
     config: &Config,
     device: Option<&Arc<Device>>,
 ) -> Result<Option<ModeReport>, BenchError> {
-    let (eye, lighting) = (eye_of(document), config.lighting());
-    let Some(mut pictures) = Pictures::new(mode, document, eye, lighting, device)? else {
+    let suite = job.suite;
+    let eyes = eyes_of(document, job.size, job.eyes, &config.stereo);
+    let scene = Scene { mode, eyes: &eyes, lighting: config.lighting() };
+    let Some(mut pictures) = Pictures::new(&scene, document, device)? else {
         return Ok(None);
     };
     pictures.whole(document)?;
@@ -283,7 +293,16 @@ fn measure_mode(
     else {
         return Ok(None);
     };
+    let of_device = |stage: fn(&DeviceTimes) -> Option<f32>| {
+        let ms = frames.iter().filter_map(|f| stage(&f.device));
+        let times: Vec<Duration> = ms.map(|ms| Duration::from_secs_f32(ms * 1e-3)).collect();
+        Times::of(&times)
+    };
     let [strokes_32, strokes_64] = suite.strokes();
+    let mut edits = |radius, strokes| {
+        edits::edit_to_image(document, &mut pictures, radius, strokes, suite.patience())
+    };
+    let (edit_32, edit_64) = (edits(32.0, strokes_32)?, edits(64.0, strokes_64)?);
     Ok(Some(ModeReport {
         mode: mode_name(mode),
         sample,
@@ -292,7 +311,14 @@ fn measure_mode(
         composite: of(|f| f.composite),
         frame,
         to_ray: None,
-        edit_32: edits::edit_to_image(document, &mut pictures, 32.0, strokes_32, suite.patience())?,
-        edit_64: edits::edit_to_image(document, &mut pictures, 64.0, strokes_64, suite.patience())?,
+        device: DeviceReport {
+            sample: of_device(|d| d.sample_ms),
+            shade: of_device(|d| d.shade_ms),
+            compose: of_device(|d| d.compose_ms),
+        },
+        edit_32: edit_32.map(|edit| edit.shaded),
+        edit_32_composite: edit_32.and_then(|edit| edit.composite),
+        edit_64: edit_64.map(|edit| edit.shaded),
+        edit_64_composite: edit_64.and_then(|edit| edit.composite),
     }))
 }

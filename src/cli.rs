@@ -145,6 +145,13 @@ pub enum Job {
         /// How often to run the kernel
         #[arg(long, default_value_t = 1, value_name = "N", requires = "kernel")]
         repeat: usize,
+        /// Pixels of the pictures
+        #[arg(long, default_value = "640x480", value_name = "WxH", value_parser = parse_size)]
+        size: glam::UVec2,
+        /// Pictures made at once: 1, or 2 for the two eyes of a stereo picture
+        #[arg(long, default_value_t = 1, value_name = "1|2", conflicts_with = "kernel",
+              value_parser = clap::value_parser!(u32).range(1..=2))]
+        eyes: u32,
         /// Scenes (cube, engine, cheese, gyroid) and files to measure with
         scenes: Vec<String>,
         #[command(flatten)]
@@ -247,9 +254,21 @@ fn dispatch(cli: Cli) -> Result<(), JobError> {
         }
         Some(Job::Track(args)) => Ok(track::run(&args, &config)?),
         Some(Job::Marker { out, id, size_mm }) => headless::marker(id, size_mm, &out),
-        Some(Job::Bench { json, plot, suite, modes, kernel, repeat, scenes, import }) => {
+        Some(Job::Bench {
+            json,
+            plot,
+            suite,
+            modes,
+            kernel,
+            repeat,
+            size,
+            eyes,
+            scenes,
+            import,
+        }) => {
             let import = import.options();
-            let job = BenchJob { json, plot, suite, modes, kernel, repeat, scenes, import };
+            let job =
+                BenchJob { json, plot, suite, modes, kernel, repeat, size, eyes, scenes, import };
             Ok(bench::run(&job, &config, &progress)?)
         }
         Some(Job::Commands) => {

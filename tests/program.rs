@@ -304,21 +304,46 @@ fn the_benchmark_reports_as_table_json_and_plot() {
         path,
         &[
             "bench", "cube", "--mode", "ray", "--mode", "march", "--json", "b.json", "--plot",
-            "b.svg",
+            "b.svg", "--size", "320x200", "--eyes", "2",
         ],
     );
     assert!(said.contains("cube 256") && said.contains("voxels/s"), "{said}");
+    assert!(said.contains("pictures of 320x200 for two eyes"), "{said}");
     let json = String::from_utf8(bytes(path.join("b.json"))).unwrap();
     let report: serde_json::Value = serde_json::from_str(&json).unwrap();
     let modes = report["scenes"][0]["modes"].as_array().unwrap();
     let ray = modes.iter().find(|mode| mode["mode"] == "ray").unwrap();
-    for times in ["sample", "shade", "frame", "edit_32", "edit_64"] {
+    assert_eq!(report["picture"], serde_json::json!([320, 200]));
+    assert_eq!(report["eyes"], 2);
+    for times in ["sample", "shade", "frame", "edit_32", "edit_32_composite", "edit_64"] {
         let [least, median, most] =
             ["min_ms", "median_ms", "p99_ms"].map(|key| ray[times][key].as_f64().unwrap());
         assert!(0.0 < least && least <= median && median <= most, "{times}");
     }
     assert_eq!((ray["to_ray"].as_f64(), modes.len()), (Some(1.0), 2));
+    // What the device says of itself, where it can, is within what the clock says.
+    let march = modes.iter().find(|mode| mode["mode"] == "march").unwrap();
+    let (on_device, ray_on_device) = (&march["device"], &ray["device"]);
+    assert!(on_device["shade"].is_null() && ray_on_device["sample"].is_null());
+    assert_eq!(on_device["sample"].is_null(), ray_on_device["compose"].is_null());
+    if let Some(sample_ms) = on_device["sample"]["min_ms"].as_f64() {
+        let wall_ms = march["sample"]["min_ms"].as_f64().unwrap();
+        assert!(0.0 < sample_ms && sample_ms <= wall_ms, "{sample_ms} {wall_ms}");
+        assert!(said.contains("on the device"), "{said}");
+    }
     let plot = String::from_utf8(bytes(path.join("b.svg"))).unwrap();
     assert!(plot.starts_with("<svg") && plot.ends_with("</svg>\n") && plot.contains("cube 256"));
+    assert!(plot.contains("two pictures of 320x200"));
     fail(path, &["bench", "missing.vsc"], 3);
+    for (option, value, why) in [
+        ("--size", "640", "WIDTHxHEIGHT"),
+        ("--size", "0x480", "1 to 16384"),
+        ("--eyes", "3", "1..=2"),
+        ("--eyes", "two", "invalid"),
+    ] {
+        let said = fail(path, &["bench", option, value], 2);
+        assert!(said.contains(option) && said.contains(why), "{said}");
+    }
+    let said = fail(path, &["bench", "--kernel", "ray", "--eyes", "2"], 2);
+    assert!(said.contains("--kernel"), "{said}");
 }

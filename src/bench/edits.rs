@@ -131,27 +131,40 @@ fn block(limits: Limits) -> Result<Document, CommandError> {
     Document::new(&new, limits)
 }
 
+/// Times from an edit to the picture that shows it.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct EditToImage {
+    /// From the command to the shaded picture.
+    pub shaded: Times,
+    /// From there to the finished picture, where that is another stage.
+    pub composite: Option<Times>,
+}
+
 /// Bites between two renewals of the sculpture: so many leave most of it.
 const BITES: usize = 20;
 
 /// Carves balls where the surface is seen, and times each from the command to the shaded picture.
+/// What is measured takes no longer than `patience` in all, but for one run and the least number.
 pub fn edit_to_image(
     document: &mut Document,
     pictures: &mut Pictures,
     radius_vx: f32,
     strokes: usize,
     patience: Duration,
-) -> Result<Option<Times>, GpuError> {
+) -> Result<Option<EditToImage>, GpuError> {
     let mut random = Random(32);
-    let mut times = Vec::with_capacity(strokes);
+    let mut shaded = Vec::with_capacity(strokes);
+    let mut composite = Vec::with_capacity(strokes);
+    let mut measured = Duration::ZERO;
     let mut bites = 0;
     // Where the eye is inside of all that exists, or nothing does, there is nothing to bite.
     let mut missed = 0;
-    let begun = Instant::now();
-    let patient = |runs: usize| runs < LEAST_RUNS || begun.elapsed() < patience;
-    while times.len() < strokes && missed < 1000 && patient(times.len()) {
+    while shaded.len() < strokes
+        && missed < 1000
+        && (shaded.len() < LEAST_RUNS || measured < patience)
+    {
         // By a ray of its own, as some modes keep what they see to themselves.
-        let rays = pictures.map().rays;
+        let rays = *pictures.rays();
         let at = random.next_u64();
         let (x, y) = (at as u32 % rays.size.x, (at >> 32) as u32 % rays.size.y);
         let Some(hit) = raycast::cast(document.grid(), rays.origin, rays.direction(x, y)) else {
@@ -167,7 +180,10 @@ pub fn edit_to_image(
             break;
         }
         let edited = start.elapsed();
-        times.push(edited + pictures.after_edit(document)?);
+        let after = pictures.after_edit(document)?;
+        measured += edited + after.shaded;
+        shaded.push(edited + after.shaded);
+        composite.extend(after.composite);
         bites += 1;
         if bites == BITES {
             renew(document, pictures, bites)?;
@@ -175,7 +191,8 @@ pub fn edit_to_image(
         }
     }
     renew(document, pictures, bites)?;
-    Ok(Times::of(&times))
+    let composite = Times::of(&composite);
+    Ok(Times::of(&shaded).map(|shaded| EditToImage { shaded, composite }))
 }
 
 /// Takes back bites, in sculpture and picture.

@@ -4,7 +4,7 @@
 use std::time::Instant;
 
 use clap::ValueEnum;
-use glam::{EulerRot, Quat, Vec3};
+use glam::{EulerRot, Quat, UVec2, Vec3};
 
 use super::statistics::Times;
 use super::subjects::eye_of;
@@ -30,9 +30,10 @@ pub enum Kernel {
     Ellipsoid,
 }
 
-/// Runs a kernel `repeat` times after what it needs is made, and says how long that took.
-pub fn run(kernel: Kernel, document: &mut Document, repeat: usize) -> Option<Times> {
-    let eye = eye_of(document);
+/// Runs a kernel `repeat` times after what it needs is made, and says how long that took. `size`: of
+/// the picture, in pixels.
+pub fn run(kernel: Kernel, document: &mut Document, size: UVec2, repeat: usize) -> Option<Times> {
+    let eye = eye_of(document, size);
     let world_from_grid = document.world_from_grid();
     let rays = eye.pixel_rays(&world_from_grid);
     let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };

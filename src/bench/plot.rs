@@ -30,8 +30,9 @@ pub fn svg(report: &Report) -> String {
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH}\" height=\"{height}\" \
          font-family=\"sans-serif\" font-size=\"13\">\n\
          <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n\
-         <text x=\"16\" y=\"24\" font-size=\"16\">Time to a picture of {}x{} in ms (median)</text>\n\
+         <text x=\"16\" y=\"24\" font-size=\"16\">Time to {} of {}x{} in ms (median)</text>\n\
          <text x=\"16\" y=\"44\" fill=\"#555\">{}; {}</text>\n",
+        if report.eyes == 1 { "a picture" } else { "two pictures" },
         report.picture[0],
         report.picture[1],
         escape(&report.machine.processor),

@@ -17,6 +17,8 @@ pub struct Report {
     pub machine: Machine,
     /// Pixels of the pictures.
     pub picture: [u32; 2],
+    /// Pictures that are made at once.
+    pub eyes: u32,
     pub scenes: Vec<SceneReport>,
     pub edits: Vec<EditReport>,
     pub peak_memory_bytes: Option<u64>,
@@ -49,9 +51,27 @@ pub struct ModeReport {
     pub frame: Times,
     /// The median frame, divided by that of the exact ray caster.
     pub to_ray: Option<f64>,
+    pub device: DeviceReport,
     /// From a ball of radius 32 carved to the shaded picture.
     pub edit_32: Option<Times>,
+    /// From there to the finished picture; none where the device shades.
+    pub edit_32_composite: Option<Times>,
     pub edit_64: Option<Times>,
+    pub edit_64_composite: Option<Times>,
+}
+
+/// What the device itself says it took for its parts of whole pictures.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
+pub struct DeviceReport {
+    pub sample: Option<Times>,
+    pub shade: Option<Times>,
+    pub compose: Option<Times>,
+}
+
+impl DeviceReport {
+    fn stages(&self) -> [Option<Times>; 3] {
+        [self.sample, self.shade, self.compose]
+    }
 }
 
 impl fmt::Display for Report {
@@ -66,13 +86,18 @@ impl fmt::Display for Report {
         writeln!(f, "memory: {:.1} GB/s copied", copy_bytes_per_s * 1e-9)?;
         writeln!(f, "vulkan: {vulkan}")?;
         let [width, height] = self.picture;
-        writeln!(f, "\npictures of {width}x{height}; ms: least, median, 99 of 100")?;
+        let eyes = match self.eyes {
+            1 => "one eye",
+            _ => "two eyes",
+        };
+        writeln!(f, "\npictures of {width}x{height} for {eyes}; ms: least, median, 99 of 100")?;
         let columns = ["sample", "(read back)", "shade", "composite", "frame"];
         write!(f, "{:<11} {:<14}", "scene", "mode")?;
         for column in columns {
             write!(f, " {column:>20}")?;
         }
-        writeln!(f, " {:>6} {:>20} {:>20}", "to ray", "edit 32", "edit 64")?;
+        write!(f, " {:>6} {:>26} {:>20}", "to ray", "edit 32", "(composite)")?;
+        writeln!(f, " {:>26} {:>20}", "edit 64", "(composite)")?;
         for scene in &self.scenes {
             for mode in &scene.modes {
                 write!(f, "{:<11} {:<14}", scene.name, mode.mode)?;
@@ -87,10 +112,19 @@ impl fmt::Display for Report {
                     write!(f, " {:>20}", three(times))?;
                 }
                 let to_ray = mode.to_ray.map_or("-".to_string(), |ratio| format!("{ratio:.2}"));
-                let edits = [mode.edit_32, mode.edit_64].map(three);
-                writeln!(f, " {to_ray:>6} {:>20} {:>20}", edits[0], edits[1])?;
+                write!(f, " {to_ray:>6}")?;
+                let edits = [
+                    (mode.edit_32, mode.edit_32_composite),
+                    (mode.edit_64, mode.edit_64_composite),
+                ];
+                for (edit, composite) in edits {
+                    let runs = edit.map_or(String::new(), |edit| format!(" x{}", edit.runs));
+                    write!(f, " {:>26} {:>20}", three(edit) + &runs, three(composite))?;
+                }
+                writeln!(f)?;
             }
         }
+        self.write_device_times(f)?;
         writeln!(f, "\n{:<11} {:>14} {:>10} {:>20} files", "scene", "voxels", "MiB", "upload ms")?;
         for scene in &self.scenes {
             let mib = scene.memory_bytes as f64 / f64::from(1 << 20);
@@ -117,6 +151,26 @@ impl fmt::Display for Report {
             Some(bytes) => write!(f, "\nmost memory in use: {} MiB", bytes >> 20),
             None => Ok(()),
         }
+    }
+}
+
+impl Report {
+    /// Nothing where the device has no time stamps.
+    fn write_device_times(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let modes = || self.scenes.iter().flat_map(|s| s.modes.iter().map(move |mode| (s, mode)));
+        let timed = |mode: &ModeReport| mode.device.stages().iter().any(Option::is_some);
+        if !modes().any(|(_, mode)| timed(mode)) {
+            return Ok(());
+        }
+        let [sample, shade, compose] = ["sample", "shade", "compose"];
+        write!(f, "\nof these on the device, by its time stamps\n{:<11} {:<14}", "scene", "mode")?;
+        writeln!(f, " {sample:>20} {shade:>20} {compose:>20}")?;
+        for (scene, mode) in modes().filter(|(_, mode)| timed(mode)) {
+            let [sample, shade, compose] = mode.device.stages().map(three);
+            write!(f, "{:<11} {:<14}", scene.name, mode.mode)?;
+            writeln!(f, " {sample:>20} {shade:>20} {compose:>20}")?;
+        }
+        Ok(())
     }
 }
 

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use glam::{UVec2, Vec3};
 
+use crate::config::StereoSettings;
 use crate::document::Document;
 use crate::format::{self, FormatError, options::ImportOptions};
 use crate::progress::Progress;
@@ -11,9 +12,6 @@ use crate::scenes;
 use crate::sculpture::history::Contents;
 use crate::sculpture::{ColourDepth, Grid, GridError, Limits, Material, Rgb};
 use crate::view::{Camera, Eye};
-
-/// Pixels of the pictures.
-pub const PICTURE_PX: UVec2 = UVec2::new(640, 480);
 
 /// A sculpture to be measured with.
 pub enum Subject {
@@ -84,10 +82,24 @@ fn without_colour(grid: Result<Grid, GridError>) -> Result<Contents, FormatError
 }
 
 /// The eye at a fixed place relative to the sculpture, with 45 degrees from top to bottom: 1.9
-/// times its longest edge off the middle, in the direction (0.8, 0.6, 1).
-pub fn eye_of(document: &Document) -> Eye {
+/// times its longest edge off the middle, in the direction (0.8, 0.6, 1). `size`: of the picture, in
+/// pixels.
+pub fn eye_of(document: &Document, size: UVec2) -> Eye {
     let grid = document.grid();
     let edge = (grid.dims().as_vec3() * grid.voxel_size()).max_element();
     let eye = Vec3::new(0.8, 0.6, 1.0) / 2f32.sqrt() * 1.9 * edge;
-    Camera { eye, near: 0.01 * edge, ..Camera::default() }.eye(PICTURE_PX)
+    Camera { eye, near: 0.01 * edge, ..Camera::default() }.eye(size)
+}
+
+/// That eye, or with `count` 2 the left and the right one of a person who is there, as `stereo` has
+/// them.
+pub fn eyes_of(document: &Document, size: UVec2, count: u32, stereo: &StereoSettings) -> Vec<Eye> {
+    let mono = eye_of(document, size);
+    if count < 2 {
+        return vec![mono];
+    }
+    let middle = document.grid().dims().as_vec3() * 0.5;
+    let seen = mono.eye_from_world * document.world_from_grid();
+    let distance = -seen.transform_point3(middle).z;
+    stereo.rig(distance.max(f32::MIN_POSITIVE)).eyes(&mono).to_vec()
 }

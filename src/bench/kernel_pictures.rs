@@ -1,0 +1,117 @@
+//! Owns the pictures of a machine without a Vulkan device: the ray casters and the software shader
+//! by themselves, up to the shaded picture.
+
+use std::time::Instant;
+
+use glam::Affine3A;
+
+use super::pictures::{AfterEdit, Scene, StageTimes};
+use crate::config::RenderMode;
+use crate::document::Document;
+use crate::sculpture::Grid;
+use crate::sculpture::history::Contents;
+use crate::shade::{self, Lighting, NORMAL_REACH_VX, Pixels, ShadePose};
+use crate::surface::{IndexMap, PixelRect, changed_pixels, quickstep, raycast};
+use crate::view::{Eye, PixelRays};
+
+/// Pictures of one document in one mode.
+pub struct KernelPictures {
+    caster: Caster,
+    lighting: Lighting,
+    views: Vec<View>,
+}
+
+/// What an eye sees.
+struct View {
+    eye: Eye,
+    map: IndexMap,
+    pixels: Pixels,
+}
+
+/// The kernels of a mode.
+#[derive(Clone, Copy)]
+struct Caster {
+    whole: fn(&Grid, &PixelRays, &mut IndexMap),
+    rect: fn(&Grid, &mut IndexMap, PixelRect),
+}
+
+impl Caster {
+    fn of(mode: RenderMode) -> Option<Caster> {
+        match mode {
+            RenderMode::Ray => Some(Caster { whole: raycast::sample, rect: raycast::sample_rect }),
+            RenderMode::Quickstep => {
+                Some(Caster { whole: quickstep::sample, rect: quickstep::sample_rect })
+            }
+            _ => None,
+        }
+    }
+}
+
+impl KernelPictures {
+    /// None where the mode needs a device.
+    pub fn new(scene: &Scene, document: &mut Document) -> Option<KernelPictures> {
+        let Scene { mode, eyes, lighting } = *scene;
+        let world_from_grid = document.world_from_grid();
+        let view = |eye: &Eye| {
+            let rays = eye.pixel_rays(&world_from_grid);
+            View { eye: *eye, map: IndexMap::new(rays), pixels: Pixels::new(rays.size) }
+        };
+        let views = eyes.iter().map(view).collect();
+        let mut pictures = KernelPictures { caster: Caster::of(mode)?, lighting, views };
+        pictures.whole(document);
+        Some(pictures)
+    }
+
+    /// Whole pictures.
+    pub fn whole(&mut self, document: &mut Document) -> StageTimes {
+        document.take_dirty(|_, _| ());
+        let start = Instant::now();
+        for View { map, .. } in &mut self.views {
+            let rays = map.rays;
+            (self.caster.whole)(document.grid(), &rays, map);
+        }
+        let sample = start.elapsed();
+        let start = Instant::now();
+        let world_from_grid = document.world_from_grid();
+        for view in &mut self.views {
+            let whole = PixelRect::of_picture(view.map.rays.size);
+            view.shade(document.contents(), &world_from_grid, &self.lighting, whole);
+        }
+        StageTimes { sample, shade: start.elapsed(), ..StageTimes::default() }
+    }
+
+    /// Samples and shades only the pixels that an edit may have changed.
+    pub fn after_edit(&mut self, document: &mut Document) -> AfterEdit {
+        let start = Instant::now();
+        let world_from_grid = document.world_from_grid();
+        let (views, caster, lighting) = (&mut self.views, self.caster, &self.lighting);
+        document.take_dirty(|contents, changed| {
+            for view in views {
+                let rays = view.map.rays;
+                let rects = changed
+                    .map(|bricks| changed_pixels(&contents.grid, bricks, &rays, NORMAL_REACH_VX));
+                let whole = [PixelRect::of_picture(rays.size)];
+                for &rect in rects.as_ref().map_or(&whole[..], |rects| rects.as_slice()) {
+                    (caster.rect)(&contents.grid, &mut view.map, rect);
+                    view.shade(contents, &world_from_grid, lighting, rect);
+                }
+            }
+        });
+        AfterEdit { shaded: start.elapsed(), composite: None }
+    }
+}
+
+impl View {
+    fn shade(
+        &mut self,
+        contents: &Contents,
+        world_from_grid: &Affine3A,
+        lighting: &Lighting,
+        rect: PixelRect,
+    ) {
+        let world_from_grid = *world_from_grid;
+        let pose = ShadePose { eye_from_world: self.eye.eye_from_world, world_from_grid };
+        let Contents { grid, material } = contents;
+        shade::shade_rect(&self.map, grid, material, &pose, lighting, rect, &mut self.pixels);
+    }
+}
