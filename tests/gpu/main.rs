@@ -11,6 +11,7 @@ mod device;
 mod fixture;
 mod modes;
 mod partial;
+mod points;
 mod ray_march;
 mod slicing;
 mod stereo;

@@ -98,7 +98,7 @@ fn expected(document: &Document, eye: &Eye, world: &Affine3A, lighting: &Lightin
 }
 
 /// The pictures of both eyes by `renderer`.
-fn painted(
+pub(crate) fn painted(
     frames: &mut Frames,
     renderer: &mut Renderer,
     document: &mut Document,
