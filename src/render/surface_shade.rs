@@ -70,6 +70,7 @@ impl SurfaceShade {
 
     /// Records the picture of `eye` of `volume` from its map in `maps`, to its layer of `pictures`, which has
     /// the size of the maps; nothing is seen outside of `part`. Leaves it in the layout of [`Use::SHADER_READ`].
+    #[allow(clippy::too_many_arguments)]
     pub fn record(
         &mut self,
         recorder: &mut Recorder,
