@@ -27,11 +27,12 @@ pub struct Program {
 }
 
 impl Program {
-    /// Starts with a cube of stone of `dims` voxels.
-    pub fn start(runtime: &Runtime, dims: u32) -> Program {
+    /// Starts with a cube of stone of `dims` voxels. `settings`: tables of the settings besides.
+    pub fn start(runtime: &Runtime, dims: u32, settings: &str) -> Program {
         let folder = tempfile::tempdir().unwrap();
         let config = folder.path().join("config.toml");
-        std::fs::write(&config, format!("[new]\ndims = [{dims}, {dims}, {dims}]\n")).unwrap();
+        let text = format!("[new]\ndims = [{dims}, {dims}, {dims}]\n{settings}");
+        std::fs::write(&config, text).unwrap();
         let mut child = runtime
             .command(Path::new(PROGRAM))
             .args(["--headset", "--headset-shots", "shots", "--record", "journal.sculpt"])
@@ -192,6 +193,11 @@ impl Program {
         let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).unwrap();
         let line = status.lines().find(|line| line.starts_with("VmRSS")).unwrap();
         line.split_whitespace().nth(1).unwrap().parse().unwrap()
+    }
+
+    /// Open descriptors.
+    pub fn descriptors(&self) -> usize {
+        std::fs::read_dir(format!("/proc/{}/fd", self.child.id())).unwrap().count()
     }
 
     /// Ends it; it must not have complained.
