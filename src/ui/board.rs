@@ -5,7 +5,7 @@ use egui::{CentralPanel, Frame, Margin, Panel as Side, RichText, ScrollArea, Ui}
 
 use super::{
     Facts, Intent, UiState, busy, files, guide, history, key_table, leave, new_dialog, options,
-    theme, toolbox, top_bar,
+    palette, theme, toolbox, top_bar,
 };
 use crate::input::hands::HandSide;
 
@@ -69,6 +69,7 @@ pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec
     });
     guide::show(root, state, facts, intents);
     key_table::show(root, state, facts, intents);
+    palette::show(root, state, facts, intents);
     new_dialog::show(root, state, facts, intents);
     leave::show(root, state, intents);
     files::show(root, state, intents);

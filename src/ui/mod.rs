@@ -17,6 +17,7 @@ pub mod history;
 pub mod icons;
 pub mod key_catch;
 pub mod key_table;
+pub mod keyboard;
 pub mod leave;
 pub mod light;
 pub mod marker_options;

@@ -188,6 +188,12 @@ impl Program {
         board.pose.at(from_middle.extend(0.0))
     }
 
+    /// Waits for a file in the folder in which the program was started.
+    pub fn wait_for_file(&self, name: &str) {
+        let path = self.folder.path().join(name);
+        self.wait(name, || path.exists().then_some(()));
+    }
+
     /// Memory in use.
     pub fn memory_kib(&self) -> u64 {
         let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).unwrap();

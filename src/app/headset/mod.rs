@@ -5,6 +5,7 @@
 //! on.
 
 pub mod alone;
+mod face;
 mod guides;
 mod hands;
 mod pane;

@@ -1,0 +1,310 @@
+//! The board's interface under a ray: what is pressed, what is typed on the drawn keyboard.
+
+use egui::{Align, Button, DragValue, Layout, Response, TextEdit, vec2};
+
+use super::*;
+use crate::app::Workbench;
+use crate::config::Config;
+use crate::input::Bindings;
+use crate::session::Session;
+use crate::ui::files::FileTask;
+use crate::ui::keyboard::{Cap, keys};
+
+const SIZE_PX: UVec2 = UVec2::new(1250, 800);
+
+/// A board with something on it, and a hand that points at it.
+struct Hand<S> {
+    face: BoardFace,
+    state: S,
+    show: fn(&mut Ui, &mut S),
+    now_s: f64,
+}
+
+impl<S> Hand<S> {
+    fn new(state: S, show: fn(&mut Ui, &mut S)) -> Hand<S> {
+        let face = BoardFace::new(SIZE_PX, 1.25, 4096);
+        let mut hand = Hand { face, state, show, now_s: 0.0 };
+        hand.look();
+        hand
+    }
+
+    /// Passes until nothing calls for another at once.
+    fn look(&mut self) {
+        for _ in 0..3 {
+            self.now_s += 0.05;
+            let (state, show) = (&mut self.state, self.show);
+            let mut output = self.face.pass(self.now_s, |root| show(root, state));
+            // Nobody draws.
+            output.textures_delta.clear();
+        }
+    }
+
+    fn point(&mut self, at: Pos2) {
+        let size = self.face.size_points();
+        self.face.hear(&HandAsk::Point(Vec2::new(at.x / size.x, at.y / size.y)));
+        self.look();
+    }
+
+    fn press(&mut self, down: bool) {
+        self.face.hear(&HandAsk::Click(down));
+        self.look();
+    }
+
+    fn click(&mut self, at: Pos2) {
+        self.point(at);
+        self.press(true);
+        self.press(false);
+    }
+
+    fn key(&mut self, cap: Cap) {
+        let rect = self.face.keyboard.key(cap).unwrap_or_else(|| panic!("no key {cap:?}"));
+        self.click(rect.center());
+    }
+
+    fn write(&mut self, text: &str) {
+        for char in text.chars() {
+            let has = |cap: &Cap| matches!(cap, Cap::Char(a, b) if *a == char || *b == char);
+            let (cap, _) = keys(Rect::ZERO).find(|(cap, _)| has(cap)).unwrap();
+            if matches!(cap, Cap::Char(plain, _) if plain != char) {
+                self.key(Cap::Shift);
+            }
+            self.key(cap);
+        }
+    }
+
+    fn has_keyboard(&self) -> bool {
+        self.face.keyboard.key(Cap::Space).is_some()
+    }
+}
+
+/// A form at an edge of the board.
+struct Form {
+    layout: Layout,
+    text: String,
+    number: f64,
+    entered: usize,
+    fields: Vec<Response>,
+    /// Fills the rest of the board.
+    button: Option<Response>,
+    clicks: usize,
+}
+
+fn form(layout: Layout) -> Hand<Form> {
+    let form = Form {
+        layout,
+        text: String::new(),
+        number: 7.0,
+        entered: 0,
+        fields: Vec::new(),
+        button: None,
+        clicks: 0,
+    };
+    Hand::new(form, |root, form| {
+        root.with_layout(form.layout, |ui| {
+            let text = ui.add(TextEdit::singleline(&mut form.text));
+            let enter = ui.input(|input| input.key_pressed(egui::Key::Enter));
+            form.entered += usize::from(text.lost_focus() && enter);
+            let number = ui.add(DragValue::new(&mut form.number));
+            form.fields = vec![text, number];
+            let button = ui.add_sized(ui.available_size(), Button::new("below"));
+            form.clicks += usize::from(button.clicked());
+            form.button = Some(button);
+        });
+    })
+}
+
+fn upper() -> Hand<Form> {
+    form(Layout::top_down(Align::Min))
+}
+
+#[test]
+fn keys_fill_a_field_that_keeps_its_focus() {
+    for layout in [Layout::top_down(Align::Min), Layout::bottom_up(Align::Min)] {
+        let mut hand = form(layout);
+        assert!(!hand.has_keyboard(), "no field wants text");
+        let field = hand.state.fields[0].rect;
+        hand.click(field.center());
+        assert!(hand.has_keyboard());
+        assert!(!hand.face.keyboard.covers(hand.state.fields[0].rect.center()), "it is seen");
+        hand.write("ab_1");
+        assert_eq!(hand.state.text, "ab_1");
+        assert!(hand.state.fields[0].has_focus());
+        hand.write("aBc");
+        hand.key(Cap::Backspace);
+        hand.key(Cap::Space);
+        hand.key(Cap::Left);
+        hand.write("-/.");
+        hand.key(Cap::Right);
+        assert_eq!(hand.state.text, "ab_1aB-/. ");
+        assert!(hand.state.fields[0].has_focus());
+        // Pressed twice, all letters are capitals.
+        hand.key(Cap::Shift);
+        hand.key(Cap::Shift);
+        hand.key(Cap::Char('x', 'X'));
+        hand.key(Cap::Char('y', 'Y'));
+        hand.key(Cap::Shift);
+        hand.key(Cap::Char('z', 'Z'));
+        assert_eq!(hand.state.text, "ab_1aB-/. XYz");
+        assert_eq!((hand.state.entered, hand.state.clicks), (0, 0));
+        hand.key(Cap::Enter);
+        assert_eq!(hand.state.entered, 1);
+        assert!(!hand.has_keyboard() && !hand.state.fields[0].has_focus());
+    }
+}
+
+#[test]
+fn a_number_is_typed_over_the_former_one() {
+    let mut hand = upper();
+    let number = hand.state.fields[1].rect.center();
+    hand.click(number);
+    assert!(hand.has_keyboard());
+    hand.write("-42.5");
+    hand.key(Cap::Enter);
+    assert_eq!(hand.state.number, -42.5);
+    assert!(!hand.has_keyboard());
+    // Dragged as ever: nobody wants text.
+    hand.point(number);
+    hand.press(true);
+    hand.point(number + vec2(30.0, 0.0));
+    assert!(!hand.has_keyboard());
+    hand.press(false);
+    assert!(hand.state.number > -42.5 && !hand.has_keyboard());
+}
+
+#[test]
+fn what_lies_under_the_keyboard_hears_nothing() {
+    let mut hand = upper();
+    hand.click(hand.state.fields[0].rect.center());
+    let key = hand.face.keyboard.key(Cap::Char('k', 'K')).unwrap();
+    let button = hand.state.button.clone().unwrap().rect;
+    assert!(button.contains_rect(key));
+    hand.point(key.center());
+    assert!(!hand.state.button.as_ref().unwrap().hovered());
+    hand.press(true);
+    hand.press(false);
+    assert_eq!((hand.state.text.as_str(), hand.state.clicks), ("k", 0));
+    // Between two keys and released beside the keyboard, too.
+    hand.point(key.right_center() + vec2(1.0, 0.0));
+    hand.press(true);
+    hand.point(button.center_top() + vec2(0.0, 5.0));
+    hand.press(false);
+    assert_eq!((hand.state.text.as_str(), hand.state.clicks), ("k", 0));
+    assert!(hand.state.fields[0].has_focus());
+    // Once it is closed, the button is there again.
+    hand.key(Cap::Close);
+    assert!(!hand.has_keyboard());
+    assert_eq!(hand.state.text, "k");
+    hand.click(key.center());
+    assert_eq!(hand.state.clicks, 1);
+}
+
+#[test]
+fn a_press_beside_field_and_keyboard_leaves_the_field() {
+    let mut hand = upper();
+    hand.click(hand.state.fields[0].rect.center());
+    hand.click(hand.state.button.clone().unwrap().rect.center_top() + vec2(0.0, 5.0));
+    assert!(!hand.has_keyboard());
+    assert_eq!(hand.state.clicks, 1);
+}
+
+#[test]
+fn a_drag_that_began_in_the_field_presses_no_key() {
+    let mut hand = upper();
+    let field = hand.state.fields[0].rect.center();
+    hand.click(field);
+    hand.write("ab");
+    let key = hand.face.keyboard.key(Cap::Char('q', 'Q')).unwrap().center();
+    hand.point(field);
+    hand.press(true);
+    hand.point(key);
+    hand.press(false);
+    assert!(hand.has_keyboard());
+    assert_eq!(hand.state.text, "ab");
+    hand.press(true);
+    hand.press(false);
+    assert!(hand.state.text.contains('q'), "the next press does: {:?}", hand.state.text);
+}
+
+#[test]
+fn a_hand_that_goes_away_while_a_key_is_down_stops_it() {
+    let mut hand = upper();
+    hand.click(hand.state.fields[0].rect.center());
+    hand.write("abcdefghijkl");
+    let key = hand.face.keyboard.key(Cap::Backspace).unwrap().center();
+    hand.point(key);
+    hand.press(true);
+    (0..8).for_each(|_| hand.look());
+    let left = hand.state.text.len();
+    assert!(left < 10, "held, it goes on: {:?}", hand.state.text);
+    hand.face.hear(&HandAsk::Click(false));
+    hand.face.hear(&HandAsk::PointAway);
+    (0..8).for_each(|_| hand.look());
+    assert_eq!(hand.state.text.len(), left);
+}
+
+#[test]
+fn the_board_is_filled_at_every_size_of_text() {
+    let mut hand = upper();
+    for zoom in [1.0, 1.5, 0.5] {
+        hand.face.context.set_zoom_factor(zoom);
+        hand.look();
+        let points = hand.face.context.pixels_per_point();
+        let filled = hand.face.context.content_rect().size() * points;
+        assert!((filled - vec2(1250.0, 800.0)).length() < 1.0, "{zoom}: {filled:?}");
+        let clicks = hand.state.clicks;
+        hand.click(hand.state.button.clone().unwrap().rect.right_bottom() - vec2(9.0, 9.0));
+        assert_eq!(hand.state.clicks, clicks + 1, "{zoom}");
+    }
+}
+
+/// The whole board with a sculpture in a folder of its own.
+fn desk(folder: &std::path::Path) -> Hand<Workbench> {
+    let mut config = Config::default();
+    config.new.dims = [16; 3];
+    let mut session = Session::new(&config).unwrap();
+    let save = format!("save {}", folder.join("first.pvm").display());
+    session.execute(&save.parse().unwrap(), &()).unwrap();
+    let bench = Workbench::new(session, &config, Bindings::presets().unwrap());
+    Hand::new(bench, |root, bench| bench.show_on_board(root))
+}
+
+#[test]
+fn a_file_is_saved_under_a_name_typed_on_the_board() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut hand = desk(folder.path());
+    hand.state.ui.files.open(FileTask::SaveAs, Some(&folder.path().join("first.pvm")));
+    hand.look();
+    assert!(hand.has_keyboard(), "the name wants to be typed");
+    // What was there but for its ending is typed over.
+    hand.write("ab_1");
+    assert!(hand.state.ui.files.is_open());
+    hand.key(Cap::Enter);
+    assert!(!hand.state.ui.files.is_open() && !hand.has_keyboard());
+    hand.state.finish_job();
+    assert!(folder.path().join("ab_1.pvm").exists());
+}
+
+#[test]
+fn closing_the_keyboard_leaves_the_dialog_open() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut hand = desk(folder.path());
+    hand.state.ui.files.open(FileTask::SaveAs, Some(&folder.path().join("first.pvm")));
+    hand.look();
+    hand.write("x");
+    hand.key(Cap::Close);
+    assert!(hand.state.ui.files.is_open() && !hand.has_keyboard());
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn the_palette_is_on_the_board_and_hears_its_keys() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut hand = desk(folder.path());
+    hand.state.ui.palette.open();
+    hand.look();
+    hand.write("clear");
+    assert_ne!(hand.state.session().document().grid().opaque_count(), 0);
+    hand.key(Cap::Enter);
+    assert!(!hand.state.ui.palette.open);
+    assert_eq!(hand.state.session().document().grid().opaque_count(), 0);
+}

@@ -1,0 +1,43 @@
+//! A name typed on the keyboard of the board, with nothing but a ray and a trigger.
+
+use egui::{Pos2, Rect, vec2};
+use virtual_sculpture::ui::keyboard::{Cap, keys, place};
+
+use crate::runtime::alone_in_network;
+use crate::{begin, open_board, press_board};
+
+/// The board, in points.
+const BOARD: Rect = Rect { min: Pos2::ZERO, max: Pos2::new(1000.0, 640.0) };
+/// The button in the bar, as a share of the board.
+const SAVE_AS: [f32; 2] = [151.0 / 1000.0, 17.0 / 640.0];
+
+/// Where a key lies, as a share of the board, while the field is in its lower part.
+fn key(cap: Cap) -> [f32; 2] {
+    let field = Rect::from_min_size(Pos2::new(300.0, 500.0), vec2(300.0, 20.0));
+    let (_, rect) = keys(place(field, BOARD)).find(|(other, _)| *other == cap).unwrap();
+    let at = rect.center();
+    [at.x / BOARD.width(), at.y / BOARD.height()]
+}
+
+#[test]
+fn a_file_is_saved_under_a_name_typed_with_a_ray() {
+    if !alone_in_network("keyboard::a_file_is_saved_under_a_name_typed_with_a_ray") {
+        return;
+    }
+    let (_runtime, mut remote, program) = begin();
+    open_board(&mut remote, &program);
+    assert!(!program.log().contains("keyboard on the board"), "nobody wants text");
+    press_board(&mut remote, &program, SAVE_AS);
+    // Its field for the name has the focus, and what is typed replaces the name proposed.
+    program.wait_for_log("keyboard on the board", 1);
+    let letter = |small: char| Cap::Char(small, small.to_ascii_uppercase());
+    for cap in [letter('a'), Cap::Shift, letter('b'), Cap::Char('_', '~'), Cap::Char('1', '!')] {
+        press_board(&mut remote, &program, key(cap));
+    }
+    press_board(&mut remote, &program, key(letter('x')));
+    press_board(&mut remote, &program, key(Cap::Backspace));
+    press_board(&mut remote, &program, key(Cap::Enter));
+    program.wait_for_log("keyboard gone", 1);
+    program.wait_for_file("aB_1.pvm");
+    program.stop();
+}
