@@ -13,6 +13,7 @@ pub mod error;
 mod host;
 mod lifecycle;
 pub mod link;
+mod parting;
 mod probe;
 mod runtime;
 mod tracker;

@@ -5,11 +5,11 @@
 //! in time is left out by the runtime, and none queues up.
 
 use std::sync::mpsc::{Sender, channel};
-use std::thread::JoinHandle;
 
 use openxr as xr;
 
 use super::error::{Doing, HeadsetError, Result};
+use super::parting::Helper;
 
 /// A frame that may be made now.
 #[derive(Clone, Copy, Debug)]
@@ -34,7 +34,7 @@ pub type FrameNews = Result<FrameTime>;
 pub(super) struct Waiter {
     /// None once the thread is to end.
     asks: Option<Sender<()>>,
-    thread: Option<JoinHandle<()>>,
+    thread: Helper,
     /// A frame has been asked for and not been used.
     asked: bool,
 }
@@ -57,11 +57,8 @@ impl Waiter {
                 }
             }
         };
-        let thread = std::thread::Builder::new()
-            .name("headset frames".to_string())
-            .spawn(wait)
-            .map_err(HeadsetError::Thread)?;
-        Ok(Waiter { asks: Some(asks), thread: Some(thread), asked: false })
+        let thread = Helper::start("headset frames", wait).map_err(HeadsetError::Thread)?;
+        Ok(Waiter { asks: Some(asks), thread, asked: false })
     }
 
     /// Asks for the next frame, unless one is under way.
@@ -88,10 +85,7 @@ impl Waiter {
 impl Drop for Waiter {
     fn drop(&mut self) {
         self.asks = None;
-        if let Some(thread) = self.thread.take()
-            && thread.join().is_err()
-        {
-            tracing::error!("the thread that waits for frames has failed");
-        }
+        // It has the session, too, and may keep it for as long as it is held up.
+        self.thread.part();
     }
 }
