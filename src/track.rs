@@ -75,7 +75,7 @@ pub fn run(args: &TrackArgs, config: &Config) -> Result<(), TrackError> {
     }
     let clock = HostClock::starting_now();
     let controls = settings.controls();
-    let mut sources = source::open(address, controls.as_ref(), settings.signs(), clock)?;
+    let mut sources = source::open(address, controls.as_ref(), settings.signs(), None, clock)?;
     if args.serve {
         serve(args, address, &mut sources, clock)
     } else {

@@ -21,6 +21,7 @@ use super::workbench::Workbench;
 use crate::config::{Config, ScreenSettings, SourceAddress, TrackingSettings};
 use crate::input::action::Kind;
 use crate::input::{Action, Signal};
+use crate::screen::headset::WornHead;
 use crate::track::source;
 use crate::ui::head::{CalibrationFacts, CalibrationStep, HeadFacts};
 use crate::view::Eye;
@@ -51,6 +52,8 @@ pub struct Head {
     settings: TrackingSettings,
     screen: ScreenSettings,
     clock: HostClock,
+    /// The head of the headset that the program is shown in, where that is to be followed.
+    worn: Option<WornHead>,
     /// While the view follows the head.
     tracker: Option<Tracker>,
     calibration: Calibration,
@@ -87,6 +90,7 @@ impl Rate {
 impl Head {
     pub fn new(config: &Config) -> Head {
         let (settings, screen) = (config.tracking.clone(), config.screen.clone());
+        let clock = HostClock::starting_now();
         let device = settings.controls().map_or(settings.source.label(), |d| d.to_string());
         let button = |(button, action)| ButtonBinding { source: device.clone(), button, action };
         let analog = |(channel, action): (u32, Action)| AnalogBinding {
@@ -103,6 +107,12 @@ impl Head {
                 TrackingSettings::bound(&settings.buttons).map(button).collect(),
                 TrackingSettings::bound(&settings.analogs).map(analog).collect(),
             ),
+            worn: match settings.source {
+                SourceAddress::Openxr(origin) if config.headset.enabled => {
+                    Some(WornHead::new(&settings.source.label(), origin, clock))
+                }
+                _ => None,
+            },
             calibration: settings.calibration(),
             calibration_file: None,
             calibrating: None,
@@ -113,7 +123,7 @@ impl Head {
             },
             settings,
             screen,
-            clock: HostClock::starting_now(),
+            clock,
             tracker: None,
             axes: Vec::new(),
             monitor: None,
@@ -135,7 +145,9 @@ impl Head {
     fn start(&mut self) -> Result<(), source::SourceError> {
         let TrackingSettings { source: address, .. } = &self.settings;
         let controls = self.settings.controls();
-        let sources = source::open(address, controls.as_ref(), self.settings.signs(), self.clock)?;
+        let worn = self.worn.as_ref();
+        let signs = self.settings.signs();
+        let sources = source::open(address, controls.as_ref(), signs, worn, self.clock)?;
         let body = self.settings.body(self.screen.rest_m.into(), self.calibration);
         let mut tracker = Tracker::new(body);
         sources.into_iter().for_each(|source| tracker.add_source(source));
@@ -285,6 +297,11 @@ impl Workbench {
                 self.wheel(action, (value * elapsed_s * NOTCHES_PER_S) as f32, middle);
             }
         }
+    }
+
+    /// Who is to hear of the head in the headset that the program is shown in.
+    pub(super) fn worn_head(&self) -> Option<&WornHead> {
+        self.head.worn.as_ref()
     }
 
     /// Where the program's window is on the screen.

@@ -11,7 +11,7 @@ use tracking::vrpn::{Client, ClientTiming, DeviceAddress};
 use tracking::{HostClock, Source};
 
 use crate::config::SourceAddress;
-use crate::screen::headset::HeadsetTracker;
+use crate::screen::headset::{HeadsetTracker, WornHead};
 
 /// Why there are no poses.
 #[derive(Debug, Error)]
@@ -27,11 +27,13 @@ pub enum SourceError {
 }
 
 /// Opens a source, with a second VRPN device for buttons and analogs where one is named. A server
-/// or sender that is not there yet is waited for; none gives nothing.
+/// or sender that is not there yet is waited for; none gives nothing. `worn`: the headset that the
+/// program is shown in, which is asked itself where it is.
 pub fn open(
     address: &SourceAddress,
     controls: Option<&DeviceAddress>,
     signs: Signs,
+    worn: Option<&WornHead>,
     clock: HostClock,
 ) -> Result<Vec<Box<dyn Source>>, SourceError> {
     let mut sources: Vec<Box<dyn Source>> = Vec::new();
@@ -55,11 +57,14 @@ pub fn open(
                 Script::parse(&text).map_err(|error| SourceError::Script(path.clone(), error))?;
             sources.push(Box::new(Scripted::new(&address.label(), script)));
         }
-        SourceAddress::Openxr(origin) => {
-            let source = HeadsetTracker::start(&address.label(), *origin, clock)
-                .map_err(SourceError::Thread)?;
-            sources.push(Box::new(source));
-        }
+        SourceAddress::Openxr(origin) => match worn {
+            Some(worn) => sources.push(Box::new(worn.source())),
+            None => {
+                let source = HeadsetTracker::start(&address.label(), *origin, clock)
+                    .map_err(SourceError::Thread)?;
+                sources.push(Box::new(source));
+            }
+        },
     }
     let clients = Client::start_all(&devices, ClientTiming::default(), clock);
     for client in clients.map_err(SourceError::Thread)? {

@@ -8,6 +8,13 @@ use std::time::{Duration, Instant};
 use crate::shared_data::shared_file;
 
 const INSIDE: &str = "VS_HEADSET_TEST_NETWORK";
+const CLIENT: &str = "VS_HEADSET_TEST_CLIENT";
+
+/// Whether this process runs with the runtime's libraries and may use it itself
+/// ([`Runtime::run_client`]).
+pub fn is_client() -> bool {
+    std::env::var_os(CLIENT).is_some()
+}
 
 /// Runs the test `name` of this binary in a network of its own; true in there, where the test goes
 /// on. False outside, when it is over or skipped.
@@ -70,6 +77,16 @@ pub struct Runtime {
     prefix: PathBuf,
     /// Holds its socket.
     folder: tempfile::TempDir,
+    driver: Driver,
+}
+
+/// Which headset the runtime has.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Driver {
+    /// Where the test puts it.
+    Remote,
+    /// On a way of its own, which the runtime knows for every time.
+    Simulated,
 }
 
 impl Runtime {
@@ -79,12 +96,19 @@ impl Runtime {
         runtime
     }
 
+    pub fn simulated() -> Runtime {
+        let mut runtime = Runtime::not_started();
+        runtime.driver = Driver::Simulated;
+        runtime.restart();
+        runtime
+    }
+
     pub fn not_started() -> Runtime {
         let prefix = prefix().unwrap();
         let folder = tempfile::tempdir().unwrap();
         let private = std::fs::Permissions::from_mode(0o700);
         std::fs::set_permissions(folder.path(), private).unwrap();
-        Runtime { service: None, prefix, folder }
+        Runtime { service: None, prefix, folder, driver: Driver::Remote }
     }
 
     /// A command that runs with the runtime's libraries and the validation layers.
@@ -99,13 +123,28 @@ impl Runtime {
         command
     }
 
+    /// Runs the test `name` of this binary once more with the runtime's libraries, so that it can
+    /// use the runtime itself.
+    pub fn run_client(&self, name: &str) {
+        let status = self
+            .command(&std::env::current_exe().unwrap())
+            .args(["--exact", name, "--nocapture", "--test-threads=1"])
+            .env(CLIENT, "1")
+            .status()
+            .unwrap();
+        assert!(status.success(), "{name}: {status}");
+    }
+
     pub fn restart(&mut self) {
         let socket = self.folder.path().join("monado_comp_ipc");
         let _ = std::fs::remove_file(&socket);
         let _ = std::fs::remove_file(self.folder.path().join("monado.pid"));
-        let service = self
-            .run_by("xr", &self.prefix.join("usr/bin/monado-service"))
-            .env("P_OVERRIDE_ACTIVE_CONFIG", "remote")
+        let mut command = self.run_by("xr", &self.prefix.join("usr/bin/monado-service"));
+        match self.driver {
+            Driver::Remote => command.env("P_OVERRIDE_ACTIVE_CONFIG", "remote"),
+            Driver::Simulated => command.env("SIMULATED_ENABLE", "1"),
+        };
+        let service = command
             .env("XRT_COMPOSITOR_NULL", "1")
             .stdin(Stdio::null())
             .stdout(Stdio::null())

@@ -1,4 +1,5 @@
-//! A headset that is used only as a tracker: `track --from openxr`.
+//! Where the head is, for the view through a screen: a headset that is used only as a tracker, and
+//! one that is worn at the same time.
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -7,9 +8,16 @@ use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
 use glam::{Quat, Vec3};
+use tracking::{Event, HeadPose, HostClock, Source, SourceState};
+use virtual_sculpture::app::Workbench;
+use virtual_sculpture::app::headset::Headset;
+use virtual_sculpture::config::Config;
+use virtual_sculpture::input::Bindings;
+use virtual_sculpture::screen::headset::{HeadsetTracker, RoomOrigin};
+use virtual_sculpture::session::Session;
 
 use crate::remote::{HEAD, Remote};
-use crate::runtime::{Runtime, alone_in_network};
+use crate::runtime::{Runtime, alone_in_network, is_client};
 
 const PATIENCE: Duration = Duration::from_secs(60);
 
@@ -93,4 +101,109 @@ fn a_headset_is_a_tracker_that_may_come_late_and_go() {
     let mut remote = Remote::connect();
     remote.send();
     track.says("x +0.000 y +1.600 z +0.000 m");
+}
+
+#[test]
+fn a_runtime_foresees_where_the_head_will_be() {
+    const NAME: &str = "tracker::a_runtime_foresees_where_the_head_will_be";
+    if is_client() {
+        return look_ahead();
+    }
+    if alone_in_network(NAME) {
+        Runtime::simulated().run_client(NAME);
+    }
+}
+
+/// What is foreseen of a head on a curved way is what is found when the time has come.
+fn look_ahead() {
+    const AHEAD_S: f64 = 0.08;
+    let clock = HostClock::starting_now();
+    let mut tracker = HeadsetTracker::start("openxr", RoomOrigin::Local, clock).unwrap();
+    assert!(tracker.located(0, 0.0).is_none(), "nobody is there yet");
+    let mut events = Vec::new();
+    let start = Instant::now();
+    while tracker.state() != SourceState::Running {
+        assert!(start.elapsed() < PATIENCE, "{:?}", tracker.state());
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let far = |a: &HeadPose, b: &HeadPose| {
+        a.placement.position_m.distance(b.placement.position_m) + a.placement.angle_to(b.placement)
+    };
+    let mut way = 0.0_f64;
+    for _ in 0..10 {
+        let then = clock.now_s() + AHEAD_S;
+        let foreseen = tracker.located(0, then).unwrap();
+        assert_eq!(foreseen.time_s, then);
+        way = way.max(far(&foreseen, &tracker.located(0, clock.now_s()).unwrap()));
+        // It is asked for again when it has just become the past.
+        while clock.now_s() < then {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        let found = tracker.located(0, then).unwrap();
+        assert!(far(&foreseen, &found) < 1e-3, "{foreseen:?} {found:?}");
+        tracker.poll(clock.now_s(), &mut events);
+    }
+    assert!(way > 0.01, "the head moves: {way}");
+    assert!(events.iter().any(|event| matches!(event, Event::Pose(_))));
+}
+
+#[test]
+fn the_view_of_the_window_follows_the_head_in_the_headset_that_is_worn() {
+    const NAME: &str =
+        "tracker::the_view_of_the_window_follows_the_head_in_the_headset_that_is_worn";
+    if is_client() {
+        return wear();
+    }
+    if alone_in_network(NAME) {
+        Runtime::start().run_client(NAME);
+    }
+}
+
+/// The program without its window, in a headset which is its tracker, too.
+fn wear() {
+    let mut remote = Remote::connect();
+    let mut config = Config::default();
+    config.new.dims = [32; 3];
+    config.headset.enabled = true;
+    config.tracking.source = "openxr".parse().unwrap();
+    let session = Session::new(&config).unwrap();
+    let mut bench = Workbench::new(session, &config, Bindings::presets().unwrap());
+    bench.start_head();
+    let follow = |bench: &mut Workbench, remote: &mut Remote| {
+        let (tell, heard) = channel();
+        let tell = move |connection, news| tell.send((connection, news)).is_ok();
+        let mut headset = Headset::new(&config, None, tell);
+        // The room's origin is the middle of the screen.
+        for head in [Vec3::new(0.1, 0.2, 0.7), Vec3::new(-0.3, 0.0, 0.5)] {
+            remote.head = (head, Quat::IDENTITY);
+            remote.send();
+            let start = Instant::now();
+            while !sees_from(bench, head) || !headset.is_showing() {
+                assert!(start.elapsed() < PATIENCE, "{:?}", bench.tracked_eyes(0.0));
+                headset.poll(bench);
+                if let Ok((connection, news)) = heard.recv_timeout(Duration::from_millis(20)) {
+                    headset.frame(bench, connection, news);
+                }
+                bench.track();
+            }
+        }
+        assert_eq!(headset.complaints(), 0);
+    };
+    follow(&mut bench, &mut remote);
+    // Without the headset the head goes to its place of rest.
+    let rest = Vec3::from(config.screen.rest_m.map(|x| x as f32));
+    let start = Instant::now();
+    while !sees_from(&bench, rest) {
+        assert!(start.elapsed() < PATIENCE, "{:?}", bench.tracked_eyes(0.0));
+        bench.track();
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    // It comes back.
+    follow(&mut bench, &mut remote);
+}
+
+/// Whether the window's eye is where `head` is before the screen.
+fn sees_from(bench: &Workbench, head: Vec3) -> bool {
+    let Some([eye, _]) = bench.tracked_eyes(0.0) else { return false };
+    eye.position().normalize().abs_diff_eq(head.normalize(), 1e-3)
 }

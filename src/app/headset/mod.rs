@@ -137,7 +137,8 @@ impl Headset {
         self.connection += 1;
         let (connection, tell) = (self.connection, self.tell.clone());
         let tell = move |news| tell(connection, news);
-        match Presence::new(&self.settings, &self.options, self.stood, tell) {
+        let worn = bench.worn_head();
+        match Presence::new(&self.settings, &self.options, self.stood, worn, tell) {
             Ok(presence) => {
                 let text = format!("Headset connected: {}", presence.name());
                 tracing::info!("{text}");

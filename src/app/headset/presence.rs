@@ -19,7 +19,7 @@ use crate::input::pad::rumble::Rumble;
 use crate::render::renderer::Shot;
 use crate::render::{Background, Renderer};
 use crate::screen::headset::{
-    FrameNews, FrameTime, HeadsetError, Layers, Link, LinkOptions, Standing,
+    FrameNews, FrameTime, HeadsetError, Layers, Link, LinkOptions, Standing, WornHead,
 };
 use crate::view::{Pose, Room, RoomView};
 
@@ -69,14 +69,15 @@ impl Extent {
 }
 
 impl Presence {
-    /// `stood`: the sculpture has stood in a headset before.
+    /// `stood`: the sculpture has stood in a headset before. `worn`: who is to hear of the head.
     pub fn new(
         settings: &HeadsetSettings,
         options: &LinkOptions,
         stood: bool,
+        worn: Option<&WornHead>,
         tell: impl Fn(FrameNews) -> bool + Send + 'static,
     ) -> Result<Presence> {
-        let link = Link::connect(options, tell)?;
+        let link = Link::connect(options, worn, tell)?;
         let device = link.device().clone();
         let points = settings.board_pixels_per_point();
         Ok(Presence {

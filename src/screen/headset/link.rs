@@ -16,6 +16,7 @@ use super::host::HeadsetHost;
 use super::lifecycle::{Answer, Lifecycle};
 use super::runtime::{Blend, Runtime, VIEWS};
 use super::waiter::{FrameNews, FrameTime, Waiter};
+use super::worn::{Lending, WornHead};
 use crate::gpu::{Device, DeviceOptions, Frames, ImagePart, Recorder, Use};
 use crate::input::hands::{Board, HandSide, HandsState};
 use crate::render::renderer::Pictures;
@@ -68,6 +69,7 @@ pub struct Layers<'a> {
 /// A session with a headset. Fields are dropped in this order.
 pub struct Link {
     waiter: Waiter,
+    _lending: Option<Lending>,
     stream: xr::FrameStream<xr::Vulkan>,
     frames: Frames,
     colour: Chain,
@@ -85,10 +87,11 @@ pub struct Link {
 }
 
 impl Link {
-    /// Connects to the runtime's headset. `tell` is called on another thread with each frame that
-    /// may be made; it says whether anybody still listens.
+    /// Connects to the runtime's headset. `worn`: who is to hear of its head. `tell` is called on
+    /// another thread with each frame that may be made; it says whether anybody still listens.
     pub fn connect(
         options: &LinkOptions,
+        worn: Option<&WornHead>,
         tell: impl Fn(FrameNews) -> bool + Send + 'static,
     ) -> Result<Link> {
         let runtime = Runtime::connect(options.blend)?;
@@ -134,8 +137,10 @@ impl Link {
             },
             if depth.is_some() { ", with depth" } else { "" }
         );
+        let lend = |worn: &WornHead| worn.lend(&session, &runtime.name, runtime.tells_time);
         Ok(Link {
             waiter: Waiter::new(waiter, tell)?,
+            _lending: worn.map(lend).transpose()?,
             stream,
             frames: Frames::new(&device)?,
             colour,

@@ -5,6 +5,7 @@ use glam::UVec2;
 use openxr as xr;
 
 use super::error::{Doing, HeadsetError, Result};
+use super::locator::ask_for_clock;
 
 pub(super) const VIEWS: xr::ViewConfigurationType = xr::ViewConfigurationType::PRIMARY_STEREO;
 /// Vulkan's version that the renderer is written for.
@@ -89,6 +90,8 @@ pub(super) struct Runtime {
     pub takes_depth: bool,
     /// Bare hands may be heard through actions.
     pub hears_hands: bool,
+    /// Its clock can be asked.
+    pub tells_time: bool,
 }
 
 impl Runtime {
@@ -105,6 +108,7 @@ impl Runtime {
         extensions.khr_vulkan_enable2 = true;
         extensions.khr_composition_layer_depth = offered.khr_composition_layer_depth;
         extensions.ext_hand_interaction = offered.ext_hand_interaction;
+        let tells_time = ask_for_clock(&mut extensions, &offered);
         let (instance, system, name) = enter(&entry, &extensions)?;
         let unsuitable = |lack: String| HeadsetError::Unsuitable { runtime: name.clone(), lack };
 
@@ -142,6 +146,7 @@ impl Runtime {
         Ok(Runtime {
             takes_depth: offered.khr_composition_layer_depth,
             hears_hands: offered.ext_hand_interaction,
+            tells_time,
             instance,
             system,
             name,

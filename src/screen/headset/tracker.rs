@@ -2,34 +2,35 @@
 //! poses for the view through a screen.
 //!
 //! Takes the origin; gives poses on the room's axes, a runtime that is missing or has gone as a text,
-//! and looks for it again. Everything happens on a thread of its own. Must not know screens.
+//! and looks for it again. Everything happens on a thread of its own, but for the question what the
+//! runtime foresees for a time, which whoever asks puts to it. Must not know screens.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
-use std::thread::{self, JoinHandle};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread;
 use std::time::{Duration, Instant};
 
-use glam::{DQuat, DVec3};
 use openxr as xr;
-use tracking::pose::Velocity;
-use tracking::{Counters, Event, HeadPose, HostClock, Inbox, Placement, Source, SourceState};
+use tracking::{Counters, Event, HeadPose, HostClock, Inbox, Source, SourceState};
 
 use super::error::{Doing, HeadsetError, Result};
 use super::lifecycle::{Answer, Lifecycle};
-use super::link::{RoomOrigin, make_room};
+use super::link::RoomOrigin;
+use super::locator::{Locator, Sight, Wish, ask_for_clock};
+use super::parting::Helper;
 use super::runtime::{VIEWS, enter, reach};
 
 /// Between two looks for the head: more often than any screen shows pictures.
 const LOOK_EVERY: Duration = Duration::from_millis(4);
 /// Between two looks for a runtime.
 const SEEK_EVERY: Duration = Duration::from_secs(2);
-/// Confidence in a head whose place the runtime only guesses.
-const GUESSED: f64 = 0.5;
 
 /// What the thread shares with the program.
 struct Shared {
     inbox: Inbox,
     stop: AtomicBool,
+    /// While there is a session.
+    locator: Mutex<Option<Locator>>,
     state: Mutex<SourceState>,
     accepted: AtomicU64,
     not_finite: AtomicU64,
@@ -41,6 +42,10 @@ impl Shared {
         *self.state.lock().unwrap_or_else(PoisonError::into_inner) = state;
     }
 
+    fn locator(&self) -> MutexGuard<'_, Option<Locator>> {
+        self.locator.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     fn stops(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }
@@ -49,7 +54,7 @@ impl Shared {
 /// Says where the head in a headset is. Dropping it ends the session.
 pub struct HeadsetTracker {
     shared: Arc<Shared>,
-    thread: Option<JoinHandle<()>>,
+    thread: Helper,
 }
 
 impl HeadsetTracker {
@@ -62,28 +67,31 @@ impl HeadsetTracker {
         let shared = Arc::new(Shared {
             inbox: Inbox::default(),
             stop: AtomicBool::new(false),
+            locator: Mutex::new(None),
             state: Mutex::new(SourceState::Seeking("looking for an OpenXR runtime".to_owned())),
             accepted: AtomicU64::new(0),
             not_finite: AtomicU64::new(0),
             connections: AtomicU64::new(0),
         });
-        let (theirs, label) = (shared.clone(), Arc::from(label));
-        let thread = thread::Builder::new()
-            .name("headset tracker".to_owned())
-            .spawn(move || seek(&theirs, &label, origin, clock))?;
-        Ok(HeadsetTracker { shared, thread: Some(thread) })
+        let (theirs, wish) = (shared.clone(), Wish { label: Arc::from(label), origin, clock });
+        let thread = Helper::start("headset tracker", move || seek(&theirs, &wish))?;
+        Ok(HeadsetTracker { shared, thread })
     }
 }
 
 /// Connects, follows the head until the runtime goes, and connects again.
-fn seek(shared: &Shared, label: &Arc<str>, origin: RoomOrigin, clock: HostClock) {
+fn seek(shared: &Shared, wish: &Wish) {
+    let Wish { label, clock, .. } = wish;
     while !shared.stops() {
-        let why = match Session::connect(origin) {
+        let why = match Session::connect() {
             Ok(mut session) => {
                 shared.connections.fetch_add(1, Ordering::Relaxed);
                 let (source, time_s) = (label.clone(), clock.now_s());
                 shared.inbox.put(&mut vec![Event::Found { source, time_s }]);
-                let why = match session.follow(shared, label, clock) {
+                let followed = session.follow(shared, wish);
+                // Nobody asks a session that is over; and it goes on this thread.
+                *shared.locator() = None;
+                let why = match followed {
                     Ok(()) => format!("{} has ended the session", session.name),
                     Err(error) => error.to_string(),
                 };
@@ -103,8 +111,6 @@ fn seek(shared: &Shared, label: &Arc<str>, origin: RoomOrigin, clock: HostClock)
 
 /// A session without pictures.
 struct Session {
-    head: xr::Space,
-    room: xr::Space,
     session: xr::Session<xr::Headless>,
     instance: xr::Instance,
     /// The runtime's name and the headset's.
@@ -112,7 +118,7 @@ struct Session {
 }
 
 impl Session {
-    fn connect(origin: RoomOrigin) -> Result<Session> {
+    fn connect() -> Result<Session> {
         let (entry, offered) = reach()?;
         let mut extensions = xr::ExtensionSet::default();
         extensions.mnd_headless = true;
@@ -130,16 +136,13 @@ impl Session {
         // SAFETY: without graphics there are no handles that could be wrong.
         let (session, ..) = unsafe { instance.create_session::<xr::Headless>(system, &info) }
             .doing("begin a session without pictures")?;
-        let head = session
-            .create_reference_space(xr::ReferenceSpaceType::VIEW, xr::Posef::IDENTITY)
-            .doing("find the head")?;
-        let room = make_room(&session, origin)?;
         tracing::info!("headset as a tracker: {name}");
-        Ok(Session { head, room, session, instance, name })
+        Ok(Session { session, instance, name })
     }
 
     /// Reports the head until the program has enough, or the runtime ends the session.
-    fn follow(&mut self, shared: &Shared, label: &Arc<str>, clock: HostClock) -> Result<()> {
+    fn follow(&mut self, shared: &Shared, wish: &Wish) -> Result<()> {
+        *shared.locator() = Some(Locator::new(&self.session, wish)?);
         let mut lifecycle = Lifecycle::default();
         let mut events = xr::EventDataBuffer::new();
         let mut reports = Vec::new();
@@ -164,7 +167,7 @@ impl Session {
                 }
             }
             if lifecycle.is_running() {
-                self.look(shared, label, clock, &mut reports)?;
+                self.look(shared, wish.clock, &mut reports)?;
                 shared.inbox.put(&mut reports);
             } else {
                 let why = format!("{} is not ready: is the headset on?", self.name);
@@ -176,66 +179,27 @@ impl Session {
     }
 
     /// Where the head is now, if that is known.
-    fn look(
-        &self,
-        shared: &Shared,
-        label: &Arc<str>,
-        clock: HostClock,
-        reports: &mut Vec<Event>,
-    ) -> Result<()> {
-        let (now, time_s) = (self.instance.now().doing("tell the time")?, clock.now_s());
-        let (at, moves) = self.head.relate(&self.room, now).doing("find the head")?;
-        use xr::SpaceLocationFlags as Flags;
-        if !at.location_flags.contains(Flags::ORIENTATION_VALID | Flags::POSITION_VALID) {
-            let why = format!("{} does not see where it is", self.name);
-            shared.enter(SourceState::Seeking(why));
-            return Ok(());
-        }
-        let tracked = Flags::ORIENTATION_TRACKED | Flags::POSITION_TRACKED;
-        let q = at.pose.orientation;
-        let orientation = DQuat::from_xyzw(q.x.into(), q.y.into(), q.z.into(), q.w.into());
-        let Some(placement) = Placement::checked(vector(at.pose.position), orientation) else {
-            shared.not_finite.fetch_add(1, Ordering::Relaxed);
-            return Ok(());
+    fn look(&self, shared: &Shared, clock: HostClock, reports: &mut Vec<Event>) -> Result<()> {
+        let sight = match &*shared.locator() {
+            Some(locator) => locator.look(clock.now_s())?,
+            None => Sight::Unknown,
         };
-        use xr::SpaceVelocityFlags as Known;
-        let velocity = moves
-            .velocity_flags
-            .contains(Known::LINEAR_VALID | Known::ANGULAR_VALID)
-            .then(|| {
-                Velocity::checked(vector(moves.linear_velocity), vector(moves.angular_velocity))
-            })
-            .flatten();
-        reports.push(Event::Pose(HeadPose {
-            placement,
-            time_s,
-            sender_time: None,
-            source: label.clone(),
-            sensor: 0,
-            confidence: if at.location_flags.contains(tracked) { 1.0 } else { GUESSED },
-            velocity,
-        }));
-        shared.accepted.fetch_add(1, Ordering::Relaxed);
-        shared.enter(SourceState::Running);
+        match sight {
+            Sight::Seen(pose) => {
+                reports.push(Event::Pose(pose));
+                shared.accepted.fetch_add(1, Ordering::Relaxed);
+                shared.enter(SourceState::Running);
+            }
+            Sight::Unknown => {
+                let why = format!("{} does not see where it is", self.name);
+                shared.enter(SourceState::Seeking(why));
+            }
+            Sight::NotFinite => {
+                shared.not_finite.fetch_add(1, Ordering::Relaxed);
+            }
+        }
         Ok(())
     }
-}
-
-/// Asks for the extension that tells the runtime's time; whether it is offered.
-#[cfg(not(windows))]
-fn ask_for_clock(extensions: &mut xr::ExtensionSet, offered: &xr::ExtensionSet) -> bool {
-    extensions.khr_convert_timespec_time = true;
-    offered.khr_convert_timespec_time
-}
-
-#[cfg(windows)]
-fn ask_for_clock(extensions: &mut xr::ExtensionSet, offered: &xr::ExtensionSet) -> bool {
-    extensions.khr_win32_convert_performance_counter_time = true;
-    offered.khr_win32_convert_performance_counter_time
-}
-
-fn vector(v: xr::Vector3f) -> DVec3 {
-    DVec3::new(v.x.into(), v.y.into(), v.z.into())
 }
 
 impl Source for HeadsetTracker {
@@ -261,14 +225,15 @@ impl Source for HeadsetTracker {
             ..Default::default()
         }
     }
+
+    fn located(&mut self, _sensor: u32, display_time_s: f64) -> Option<HeadPose> {
+        self.shared.locator().as_ref()?.foreseen(display_time_s)
+    }
 }
 
 impl Drop for HeadsetTracker {
     fn drop(&mut self) {
         self.shared.stop.store(true, Ordering::Relaxed);
-        if let Some(thread) = self.thread.take() {
-            // A panic there has been reported by its thread.
-            let _ = thread.join();
-        }
+        self.thread.part();
     }
 }
