@@ -53,6 +53,17 @@ pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec
                         ui.selectable_value(&mut state.hand_side, side, side.label());
                     }
                 });
+                if state.blends.len() > 1 {
+                    ui.horizontal(|ui| {
+                        ui.label("Surroundings");
+                        let now = state.blend.nearest(&state.blends);
+                        for &blend in &state.blends {
+                            if ui.selectable_label(now == Some(blend), blend.label()).clicked() {
+                                state.blend = blend;
+                            }
+                        }
+                    });
+                }
                 for (hand, does) in HINTS {
                     ui.label(RichText::new(hand).strong().small());
                     ui.label(RichText::new(does).small());

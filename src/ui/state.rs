@@ -20,6 +20,7 @@ use crate::input::hands::HandSide;
 use crate::input::remap::KeyChange;
 use crate::input::{Action, Panel};
 use crate::progress::Stage;
+use crate::screen::headset::Blend;
 use crate::sculpture::orientation::Orientation;
 use crate::shade::Lighting;
 
@@ -128,6 +129,10 @@ pub struct UiState {
     pub rumble: bool,
     /// The hand that has the tool in a headset.
     pub hand_side: HandSide,
+    /// How a headset's pictures are to go together with the surroundings.
+    pub blend: Blend,
+    /// How they can: nothing while there is no headset.
+    pub blends: Vec<Blend>,
     /// Index of the table of bindings in use.
     pub preset: usize,
     pub guide: super::guide::Guide,
@@ -173,6 +178,8 @@ impl UiState {
             torn: BTreeSet::new(),
             rumble: config.gamepad.rumble,
             hand_side: config.headset.hand,
+            blend: config.headset.blend,
+            blends: Vec::new(),
             preset: 0,
             guide: Default::default(),
             help_open: false,

@@ -9,6 +9,7 @@
 // A test that cannot go on has failed.
 #![allow(clippy::unwrap_used)]
 
+mod blending;
 mod keyboard;
 mod program;
 mod remote;
@@ -28,7 +29,7 @@ use runtime::{Runtime, alone_in_network};
 use shot::Predicted;
 
 /// Edge of the cube of stone in voxels; it is half a metre in the room.
-const DIMS: u32 = 64;
+pub const DIMS: u32 = 64;
 const EDGE_M: f32 = 0.5;
 
 /// The runtime, the head at rest, and the program in it.
@@ -37,7 +38,7 @@ pub fn begin() -> (Runtime, Remote, Program) {
 }
 
 /// The same with more settings.
-fn begin_with(settings: &str) -> (Runtime, Remote, Program) {
+pub fn begin_with(settings: &str) -> (Runtime, Remote, Program) {
     let runtime = Runtime::start();
     let mut remote = Remote::connect();
     remote.send();

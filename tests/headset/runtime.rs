@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use crate::shared_data::shared_file;
 
 const INSIDE: &str = "VS_HEADSET_TEST_NETWORK";
+const LAYER: &str = "XR_APILAYER_TEST_blend";
 const CLIENT: &str = "VS_HEADSET_TEST_CLIENT";
 
 /// Whether this process runs with the runtime's libraries and may use it itself
@@ -78,6 +79,8 @@ pub struct Runtime {
     /// Holds its socket.
     folder: tempfile::TempDir,
     driver: Driver,
+    /// The blend modes that a layer between programs and runtime says there are.
+    layered: Option<String>,
 }
 
 /// Which headset the runtime has.
@@ -108,12 +111,51 @@ impl Runtime {
         let folder = tempfile::tempdir().unwrap();
         let private = std::fs::Permissions::from_mode(0o700);
         std::fs::set_permissions(folder.path(), private).unwrap();
-        Runtime { service: None, prefix, folder, driver: Driver::Remote }
+        Runtime { service: None, prefix, folder, driver: Driver::Remote, layered: None }
     }
 
     /// A command that runs with the runtime's libraries and the validation layers.
     pub fn command(&self, program: &Path) -> Command {
-        self.run_by("xr-validated", program)
+        let mut command = self.run_by("xr-validated", program);
+        if let Some(modes) = &self.layered {
+            command
+                .env("XR_API_LAYER_PATH", self.folder.path())
+                .env("XR_ENABLE_API_LAYERS", LAYER)
+                .env("VS_LAYER_BLEND", modes)
+                .env("VS_LAYER_LOG", self.layer_log());
+        }
+        command
+    }
+
+    /// Puts a layer (`tests/headset/layer`) between the runtime and programs that start from now
+    /// on. It says that there are these blend modes, which the runtime does not have.
+    pub fn pretend(&mut self, modes: &str) {
+        let tests = std::env::current_exe().unwrap();
+        let library = tests.with_file_name("libopenxr_blend_layer.so");
+        assert!(library.exists(), "{}", library.display());
+        let manifest = serde_json::json!({
+            "file_format_version": "1.0.0",
+            "api_layer": {
+                "name": LAYER,
+                "library_path": library,
+                "api_version": "1.0",
+                "implementation_version": "1",
+                "description": "Blend modes",
+            },
+        });
+        std::fs::write(self.folder.path().join("layer.json"), manifest.to_string()).unwrap();
+        let _ = std::fs::remove_file(self.layer_log());
+        self.layered = Some(modes.to_owned());
+    }
+
+    fn layer_log(&self) -> PathBuf {
+        self.folder.path().join("layer.log")
+    }
+
+    /// What the last frame was ended with, as the layer has written it.
+    pub fn last_frame(&self) -> Option<String> {
+        let log = std::fs::read_to_string(self.layer_log()).ok()?;
+        log.lines().last().map(str::to_owned)
     }
 
     fn run_by(&self, wrapper: &str, program: &Path) -> Command {

@@ -138,12 +138,14 @@ impl Headset {
         let (connection, tell) = (self.connection, self.tell.clone());
         let tell = move |news| tell(connection, news);
         let worn = bench.worn_head();
+        self.options.blend = bench.ui.blend;
         match Presence::new(&self.settings, &self.options, self.stood, worn, tell) {
             Ok(presence) => {
                 let text = format!("Headset connected: {}", presence.name());
                 tracing::info!("{text}");
                 bench.ui.toasts.note(text);
                 self.said.clear();
+                bench.ui.blends = presence.blends();
                 self.state = State::Here(Box::new(presence));
             }
             Err(error) => self.lose(bench, &error),
@@ -189,6 +191,7 @@ impl Headset {
     fn part(&mut self, bench: &mut Workbench) {
         if let State::Here(mut presence) = std::mem::replace(&mut self.state, State::Left) {
             presence.let_go(bench);
+            bench.ui.blends.clear();
             self.stood |= presence.has_stood();
             let log = presence.validation_log();
             drop(presence);

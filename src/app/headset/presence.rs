@@ -19,7 +19,7 @@ use crate::input::pad::rumble::Rumble;
 use crate::render::renderer::Shot;
 use crate::render::{Background, Renderer};
 use crate::screen::headset::{
-    FrameNews, FrameTime, HeadsetError, Layers, Link, LinkOptions, Standing, WornHead,
+    Blend, FrameNews, FrameTime, HeadsetError, Layers, Link, LinkOptions, Standing, WornHead,
 };
 use crate::view::{Pose, Room, RoomView};
 
@@ -101,6 +101,11 @@ impl Presence {
         self.link.name()
     }
 
+    /// Ways in which pictures can go together with the surroundings.
+    pub fn blends(&self) -> Vec<Blend> {
+        self.link.blends()
+    }
+
     pub fn is_showing(&self) -> bool {
         self.showing
     }
@@ -148,6 +153,7 @@ impl Presence {
             self.let_go(bench);
             return self.link.end_empty(frame);
         }
+        self.link.set_blend(bench.ui.blend);
         let Some(views) = self.link.views(frame)? else { return self.link.end_empty(frame) };
         self.stand(bench, &head(&views));
         self.swap_hands(bench);

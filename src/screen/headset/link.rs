@@ -77,6 +77,8 @@ pub struct Link {
     board: Chain,
     /// The board's images have held a picture.
     board_filled: bool,
+    /// What is wished for as to the surroundings.
+    wish: Blend,
     actions: Actions,
     room: xr::Space,
     lifecycle: Lifecycle,
@@ -130,11 +132,7 @@ impl Link {
             runtime.name,
             size.x,
             size.y,
-            match runtime.blend {
-                xr::EnvironmentBlendMode::OPAQUE => "opaque",
-                xr::EnvironmentBlendMode::ADDITIVE => "additive",
-                _ => "over the surroundings",
-            },
+            blending(runtime.blend),
             if depth.is_some() { ", with depth" } else { "" }
         );
         let lend = |worn: &WornHead| worn.lend(&session, &runtime.name, runtime.tells_time);
@@ -147,6 +145,7 @@ impl Link {
             depth,
             board,
             board_filled: false,
+            wish: options.blend,
             actions: Actions::new(&session, runtime.hears_hands)?,
             room,
             lifecycle: Lifecycle::default(),
@@ -174,6 +173,21 @@ impl Link {
     /// Whether the surroundings are seen where the pictures show nothing.
     pub fn sees_through(&self) -> bool {
         self.runtime.blend != xr::EnvironmentBlendMode::OPAQUE
+    }
+
+    /// Ways in which pictures can go together with the surroundings.
+    pub fn blends(&self) -> Vec<Blend> {
+        self.runtime.modes.iter().filter_map(|mode| Blend::of(*mode)).collect()
+    }
+
+    /// Goes over to what the person wishes, as far as the headset can; from the next frame on.
+    pub fn set_blend(&mut self, wish: Blend) {
+        if std::mem::replace(&mut self.wish, wish) != wish
+            && let Some(mode) = wish.choose(&self.runtime.modes)
+            && std::mem::replace(&mut self.runtime.blend, mode) != mode
+        {
+            tracing::info!("headset: now {}", blending(mode));
+        }
     }
 
     /// Whether the hands are meant for this program.
@@ -387,6 +401,14 @@ impl Link {
     /// Whether a frame is being waited for.
     pub fn is_waiting(&self) -> bool {
         self.waiter.is_waiting()
+    }
+}
+
+fn blending(mode: xr::EnvironmentBlendMode) -> &'static str {
+    match mode {
+        xr::EnvironmentBlendMode::OPAQUE => "opaque",
+        xr::EnvironmentBlendMode::ADDITIVE => "additive",
+        _ => "over the surroundings",
     }
 }
 

@@ -27,16 +27,45 @@ pub enum Blend {
 }
 
 impl Blend {
-    /// The mode to ask for, of those that the runtime offers, the one it prefers first.
-    fn choose(self, offered: &[xr::EnvironmentBlendMode]) -> Option<xr::EnvironmentBlendMode> {
-        use xr::EnvironmentBlendMode as Mode;
+    /// What becomes of the surroundings, as the interface says it.
+    pub const fn label(self) -> &'static str {
+        match self {
+            Blend::Auto => "as they can",
+            Blend::Opaque => "hidden",
+            Blend::Additive => "under light",
+            Blend::Alpha => "seen",
+        }
+    }
+
+    /// The choice that asks for a mode of the runtime, if there is one.
+    pub(super) fn of(mode: xr::EnvironmentBlendMode) -> Option<Blend> {
+        match mode {
+            xr::EnvironmentBlendMode::OPAQUE => Some(Blend::Opaque),
+            xr::EnvironmentBlendMode::ADDITIVE => Some(Blend::Additive),
+            xr::EnvironmentBlendMode::ALPHA_BLEND => Some(Blend::Alpha),
+            _ => None,
+        }
+    }
+
+    /// What comes nearest to this wish, of what there is.
+    pub fn nearest(self, offered: &[Blend]) -> Option<Blend> {
+        use Blend::{Additive, Alpha, Opaque};
         let order = match self {
-            Blend::Auto => [Mode::ALPHA_BLEND, Mode::ADDITIVE, Mode::OPAQUE],
-            Blend::Opaque => [Mode::OPAQUE, Mode::ADDITIVE, Mode::ALPHA_BLEND],
-            Blend::Additive => [Mode::ADDITIVE, Mode::ALPHA_BLEND, Mode::OPAQUE],
-            Blend::Alpha => [Mode::ALPHA_BLEND, Mode::ADDITIVE, Mode::OPAQUE],
+            Blend::Auto | Alpha => [Alpha, Additive, Opaque],
+            Opaque => [Opaque, Additive, Alpha],
+            Additive => [Additive, Alpha, Opaque],
         };
-        order.into_iter().find(|mode| offered.contains(mode))
+        order.into_iter().find(|blend| offered.contains(blend))
+    }
+
+    /// The mode to ask for, of those that the runtime offers.
+    pub(super) fn choose(
+        self,
+        offered: &[xr::EnvironmentBlendMode],
+    ) -> Option<xr::EnvironmentBlendMode> {
+        let blends: Vec<Blend> = offered.iter().filter_map(|mode| Blend::of(*mode)).collect();
+        let nearest = self.nearest(&blends);
+        offered.iter().copied().find(|mode| nearest.is_some() && Blend::of(*mode) == nearest)
     }
 }
 
@@ -85,6 +114,9 @@ pub(super) struct Runtime {
     pub eye_size: UVec2,
     /// The most for each eye, in pixels.
     pub eye_limit: UVec2,
+    /// How pictures may blend with the surroundings.
+    pub modes: Vec<xr::EnvironmentBlendMode>,
+    /// How they do.
     pub blend: xr::EnvironmentBlendMode,
     /// Pictures may come with their depth.
     pub takes_depth: bool,
@@ -152,6 +184,7 @@ impl Runtime {
             name,
             eye_size,
             eye_limit,
+            modes,
             blend,
         })
     }
@@ -172,5 +205,9 @@ mod tests {
         assert_eq!(Blend::Additive.choose(&all), Some(Mode::ADDITIVE));
         assert_eq!(Blend::Opaque.choose(&[Mode::ADDITIVE]), Some(Mode::ADDITIVE), "what there is");
         assert_eq!(Blend::Auto.choose(&[]), None);
+        for mode in all {
+            assert_eq!(Blend::of(mode).and_then(|blend| blend.choose(&all)), Some(mode));
+        }
+        assert_eq!(Blend::of(Mode::from_raw(77)), None, "a mode of the future");
     }
 }
