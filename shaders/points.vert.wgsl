@@ -1,11 +1,15 @@
 // A voxel becomes a triangle in the picture that holds all of its box, lit as one point. Draw 3
-// vertices, an instance a point. (Two triangles would cover less, but cost twice where points are
-// small, and there are many then.)
+// vertices a point: as an instance each, points would be shaded one by one. (Two triangles would
+// cover less, but cost twice where points are small, and there are many then.)
 
 //!include "layout.wgsl"
 //!include "lighting.wgsl"
 
 var<immediate> view: PointView;
+
+// src/shade/points.rs: x and y, z of the voxel in 16 bits each; outwards and openness in signed
+// bytes; colour in bytes.
+@group(0) @binding(6) var<storage, read> points: array<vec4<u32>>;
 
 // Beyond the box, in voxels, for what rounding may lose. What it adds is looked at in vain.
 const MARGIN: f32 = 0.01;
@@ -19,17 +23,19 @@ struct Corner {
 @vertex
 fn main(
     @builtin(vertex_index) vertex: u32,
-    @location(0) voxel: vec4<u32>,
-    @location(1) outwards: vec4<i32>,
-    @location(2) colour: vec4<f32>,
 ) -> Corner {
-    let middle = vec3<f32>(voxel.xyz) + 0.5;
+    let point = points[vertex / 3u];
+    let corner = vertex % 3u;
+    let voxel = vec3<u32>(point.x & 0xffffu, point.x >> 16u, point.y & 0xffffu);
+    let outwards = unpack4xI8(point.z);
+    let colour = unpack4x8unorm(point.w);
+    let middle = vec3<f32>(voxel) + 0.5;
     let from_eye = middle - view.origin;
     let w = dot(view.clip_w, from_eye);
     let reach = 0.5 + MARGIN;
     let nearest = w - reach * dot(abs(view.clip_w), vec3<f32>(1.0));
     // Corners of a triangle around the square from -1 to 1.
-    let side = select(vec2<f32>(-1.0), vec2<f32>(3.0), vec2<bool>(vertex == 1u, vertex == 2u));
+    let side = select(vec2<f32>(-1.0), vec2<f32>(3.0), vec2<bool>(corner == 1u, corner == 2u));
     let seen = lit(middle, vec3<f32>(outwards.xyz), colour.xyz, f32(outwards.w) / 127.0);
     // Around the eye's plane it may be anywhere.
     var position = side;
@@ -40,5 +46,5 @@ fn main(
         let y = dot(abs(view.clip_y - centre.y * view.clip_w), vec3<f32>(1.0));
         position = centre + side * vec2<f32>(x, y) * (reach / nearest) + side * 1e-5;
     }
-    return Corner(vec4<f32>(position, 0.5, 1.0), vec3<i32>(voxel.xyz), seen);
+    return Corner(vec4<f32>(position, 0.5, 1.0), vec3<i32>(voxel), seen);
 }

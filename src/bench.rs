@@ -220,9 +220,12 @@ fn measure_scene(
     progress.begin("measuring pictures");
     let mut modes: Vec<ModeReport> = Vec::new();
     let wanted = |mode: &RenderMode| job.modes.is_empty() || job.modes.contains(mode);
+    // One renderer for all modes, as a window has: each keeps compiled shaders and copies.
+    let mut pictures = None;
     for mode in RenderMode::ALL.into_iter().filter(wanted) {
-        modes.extend(measure_mode(mode, &mut document, job, config, device)?);
+        modes.extend(measure_mode(mode, &mut document, &mut pictures, job, config, device)?);
     }
+    drop(pictures);
     let ray = modes.iter().find(|m| m.mode == mode_name(RenderMode::Ray));
     if let Some(ray_ms) = ray.map(|m| m.frame.median_ms) {
         modes.iter_mut().for_each(|m| m.to_ray = Some(m.frame.median_ms / ray_ms));
@@ -267,6 +270,7 @@ fn mode_name(mode: RenderMode) -> String {
 fn measure_mode(
     mode: RenderMode,
     document: &mut Document,
+    pictures: &mut Option<Pictures>,
     job: &BenchJob,
     config: &Config,
     device: Option<&Arc<Device>>,
@@ -274,9 +278,10 @@ fn measure_mode(
     let suite = job.suite;
     let eyes = eyes_of(document, job.size, job.eyes, &config.stereo);
     let scene = Scene { mode, eyes: &eyes, lighting: config.lighting() };
-    let Some(mut pictures) = Pictures::new(&scene, document, device)? else {
-        return Ok(None);
-    };
+    if !pictures.as_mut().is_some_and(|pictures| pictures.turn_to(mode)) {
+        *pictures = Pictures::new(&scene, document, device)?;
+    }
+    let Some(pictures) = pictures else { return Ok(None) };
     pictures.whole(document)?;
     let mut frames = Vec::new();
     let begun = Instant::now();
@@ -300,7 +305,7 @@ fn measure_mode(
     };
     let [strokes_32, strokes_64] = suite.strokes();
     let mut edits = |radius, strokes| {
-        edits::edit_to_image(document, &mut pictures, radius, strokes, suite.patience())
+        edits::edit_to_image(document, pictures, radius, strokes, suite.patience())
     };
     let (edit_32, edit_64) = (edits(32.0, strokes_32)?, edits(64.0, strokes_64)?);
     Ok(Some(ModeReport {

@@ -104,6 +104,17 @@ impl Pictures {
         Ok(Some(Pictures { rays, maker }))
     }
 
+    /// Makes pictures in another mode from now on; false if that needs a maker of its own.
+    pub fn turn_to(&mut self, mode: RenderMode) -> bool {
+        match &mut self.maker {
+            Maker::Renderer(rendered) => {
+                rendered.mode = mode;
+                true
+            }
+            Maker::Kernels(_) => false,
+        }
+    }
+
     /// Of the first eye.
     pub fn rays(&self) -> &PixelRays {
         &self.rays

@@ -94,6 +94,9 @@ impl Depth {
         compare: vk::CompareOp::GREATER_OR_EQUAL,
         write: false,
     };
+    /// Every fragment shows, and the depth stays as it was: for what is behind everything.
+    pub const KEEP: Depth =
+        Depth { format: vk::Format::D32_SFLOAT, compare: vk::CompareOp::ALWAYS, write: false };
     /// Every fragment wins and leaves its depth.
     pub const OVERWRITE: Depth =
         Depth { format: vk::Format::D32_SFLOAT, compare: vk::CompareOp::ALWAYS, write: true };

@@ -1,7 +1,7 @@
 //! Owns what is behind the sculpture where there is no video: a gradient from the upper to the lower
 //! edge.
 //!
-//! Takes where an eye's picture goes; draws over all of that, infinitely far. Passes that draw the
+//! Takes where an eye's picture goes; draws over all of that, and leaves the depth, which is cleared to infinitely far. Passes that draw the
 //! sculpture come after it, and then only to where the sculpture can be seen: a pixel of a gradient
 //! costs much less than one that has to find out that it shows nothing.
 
@@ -36,7 +36,7 @@ impl BackgroundPass {
         let push = Some((vk::ShaderStageFlags::FRAGMENT, size_of::<CompositeView>()));
         let layout = PipelineLayout::new(device, "background", None, push)?;
         let fragment = shaders::BACKGROUND_FRAG;
-        let depth = Some(Depth::OVERWRITE);
+        let depth = Some(Depth::KEEP);
         let pass = Graphics::screen("background", fragment, &layout, format, depth);
         Ok(BackgroundPass { pipeline: Pipeline::graphics(device, &pass)?, linear: is_srgb(format) })
     }

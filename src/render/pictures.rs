@@ -31,23 +31,23 @@ impl Pictures {
         Ok(Pictures { colour, depth })
     }
 
-    /// Over [`Background::Keep`] there is nothing: the picture is transparent where nothing is
+    /// Starts drawing the picture of `eye`, infinitely far. What is drawn first covers all of a gradient;
+    /// over [`Background::Keep`] there is nothing: the picture is transparent where nothing is
     /// drawn, colours premultiplied.
-    /// Starts drawing the picture of `eye`; what is drawn first covers all of it.
     pub(super) fn begin(&mut self, recorder: &mut Recorder, eye: u32, background: Background) {
         self.colour.renew(recorder, eye, Use::COLOUR_TARGET);
         self.depth.renew(recorder, eye, Use::DEPTH_TARGET);
-        let loads = match background {
-            Background::Keep => [Load::Colour([0.0; 4]), Load::Depth(0.0)],
-            // The composite covers every pixel of both.
-            Background::Gradient { .. } => [Load::Forget, Load::Forget],
+        let colours = match background {
+            Background::Keep => Load::Colour([0.0; 4]),
+            // Drawn over every pixel.
+            Background::Gradient { .. } => Load::Forget,
         };
         let attachment = |image: &EyeImage, load| {
             let view = image.image().layer_view(eye);
             Some(Attachment { view, load, store: true })
         };
-        let colour = attachment(&self.colour, loads[0]);
-        let depth = attachment(&self.depth, loads[1]);
+        let colour = attachment(&self.colour, colours);
+        let depth = attachment(&self.depth, Load::Depth(0.0));
         recorder.begin_rendering(self.colour.size().to_array(), colour, depth);
     }
 }

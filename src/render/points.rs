@@ -17,10 +17,13 @@ use super::shading::{Surface, UNIFORMS, Uniforms};
 use super::slicing::clip_rows;
 use crate::gpu::layout::{CompositeView, PointView};
 use crate::gpu::{
-    Attribute, Blend, Depth, DescriptorSets, Device, FRAMES_IN_FLIGHT, Graphics, Piece, Pipeline,
-    PipelineLayout, Recorder, Result, SetLayout, Staging, Vertices, shaders,
+    Blend, Depth, DescriptorSets, Device, FRAMES_IN_FLIGHT, GpuError, Graphics, Piece, Pipeline,
+    PipelineLayout, Recorder, Result, SetLayout, Staging, shaders,
 };
-use crate::shade::points::{PointCloud, SurfacePoint};
+use crate::shade::points::PointCloud;
+
+/// The binding of the points.
+const POINTS: u32 = 6;
 
 /// Draws points to a screen.
 pub struct Points {
@@ -31,6 +34,9 @@ pub struct Points {
     staging: Staging,
     /// The points of each eye in this frame.
     pieces: Vec<Option<(Piece, u32)>>,
+    /// Where in the staging points may begin, and how many bytes of them a shader can see.
+    align: u64,
+    most_bytes: u64,
     slot: usize,
     eyes: u32,
     /// The target stores linear values, encoded by the device.
@@ -41,32 +47,26 @@ impl Points {
     /// For targets of `format` with a D32 depth buffer and up to `eyes` eyes.
     pub fn new(device: &Arc<Device>, format: vk::Format, eyes: u32) -> Result<Points> {
         let (vertex, fragment) = (vk::ShaderStageFlags::VERTEX, vk::ShaderStageFlags::FRAGMENT);
-        let bindings = [(UNIFORMS, vk::DescriptorType::UNIFORM_BUFFER, vertex)];
+        let bindings = [
+            (UNIFORMS, vk::DescriptorType::UNIFORM_BUFFER, vertex),
+            (POINTS, vk::DescriptorType::STORAGE_BUFFER, vertex),
+        ];
         let set_layout = SetLayout::new(device, "points", &bindings)?;
         let push = Some((vertex | fragment, size_of::<PointView>()));
         let layout = PipelineLayout::new(device, "points", Some(&set_layout), push)?;
-        let attribute = |location, format, offset| Attribute { location, format, offset };
-        let attributes = [
-            attribute(0, vk::Format::R16G16B16A16_UINT, std::mem::offset_of!(SurfacePoint, voxel)),
-            attribute(1, vk::Format::R8G8B8A8_SINT, std::mem::offset_of!(SurfacePoint, outwards)),
-            attribute(2, vk::Format::R8G8B8A8_UNORM, std::mem::offset_of!(SurfacePoint, colour)),
-        ];
         let points = Graphics {
             name: "points",
             vertex: shaders::POINTS_VERT,
             fragment: shaders::POINTS_FRAG,
             layout: &layout,
-            vertices: Some(Vertices {
-                stride: size_of::<SurfacePoint>(),
-                per_instance: true,
-                attributes: &attributes,
-            }),
+            vertices: None,
             topology: vk::PrimitiveTopology::TRIANGLE_LIST,
             cull: vk::CullModeFlags::NONE,
             colour: Some((format, Blend::Replace)),
             depth: Some(Depth::NEARER),
         };
-        let usage = vk::BufferUsageFlags::VERTEX_BUFFER;
+        let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        let limits = device.limits();
         Ok(Points {
             pipeline: Pipeline::graphics(device, &points)?,
             background: BackgroundPass::new(device, format)?,
@@ -79,6 +79,8 @@ impl Points {
             uniforms: Uniforms::new(device)?,
             staging: Staging::new(device, "points", usage, 1 << 20)?,
             pieces: vec![None; eyes as usize],
+            align: limits.min_storage_buffer_offset_alignment.max(16),
+            most_bytes: limits.max_storage_buffer_range.into(),
             slot: 0,
             eyes,
             linear: is_srgb(format),
@@ -96,9 +98,18 @@ impl Points {
     /// Uploads the points of `eye`, for this frame.
     pub fn upload(&mut self, eye: u32, cloud: &PointCloud) -> Result<()> {
         let points = cloud.points();
+        let bytes = size_of_val(points) as u64;
+        if bytes > self.most_bytes {
+            return Err(GpuError::Limit {
+                what: format!("a picture of {} points", points.len()),
+                needed: bytes,
+                limit: "maxStorageBufferRange",
+                allowed: self.most_bytes,
+            });
+        }
         self.pieces[eye as usize] = match points {
             [] => None,
-            _ => Some((self.staging.push(points, 16)?, points.len() as u32)),
+            _ => Some((self.staging.push(points, self.align)?, points.len() as u32)),
         };
         Ok(())
     }
@@ -117,12 +128,13 @@ impl Points {
         let Some(point_view) = point_view(view, self.linear) else { return Ok(()) };
         let set = self.slot * self.eyes as usize + eye as usize;
         self.uniforms.write(&self.sets, set, surface)?;
+        let kind = vk::DescriptorType::STORAGE_BUFFER;
+        self.sets.write_buffer(set, POINTS, kind, piece.buffer, piece.offset, piece.bytes);
         recorder.bind_pipeline(&self.pipeline);
         recorder.bind_set(&self.pipeline, self.sets.set(set));
         recorder.push(self.pipeline.layout(), &point_view);
-        recorder.bind_vertices(piece.buffer, piece.offset);
         recorder.set_scissor(view.scissor());
-        recorder.draw(3, count);
+        recorder.draw(3 * count, 1);
         Ok(())
     }
 }

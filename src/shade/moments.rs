@@ -144,63 +144,80 @@ fn moments_of_eight<S: Simd>(
     upper: &[u64; 8],
     lower: &[u64; 8],
 ) -> [u64x8<S>; 3] {
-    let nibble = u8x64::splat(simd, 0xF);
-    let low = |v: u64x8<S>| v.bitcast::<u8x64<S>>() & nibble;
     let (upper, lower) = (turned(simd, at, upper), turned(simd, at, lower));
     // Rows at y 0 and 2, and at y 1 and 3.
-    let (upper_even, upper_odd) = (low(upper), low(upper >> 4));
-    let (lower_even, lower_odd) = (low(lower), low(lower >> 4));
-    let look_up = |table: &[u8; 64], of: u8x64<S>| {
-        u8x64::load_array_ref(simd, table).swizzle_dyn_within_blocks(of)
-    };
-    let byte = i16x32::splat(simd, 0xFF);
-    let even = |v: u8x64<S>| v.bitcast::<i16x32<S>>() & byte;
-    // No count is so large that a sign comes into this.
-    let odd = |v: u8x64<S>| v.bitcast::<i16x32<S>>() >> 8;
+    let (upper_even, upper_odd) = (low_nibbles(simd, upper), low_nibbles(simd, upper >> 4));
+    let (lower_even, lower_odd) = (low_nibbles(simd, lower), low_nibbles(simd, lower >> 4));
 
-    let along_x = look_up(&LOWER_ALONG_X, lower_even)
-        + look_up(&LOWER_ALONG_X, lower_odd)
-        + look_up(&UPPER_ALONG_X, upper_even)
-        + look_up(&UPPER_ALONG_X, upper_odd);
-    let x = even(along_x) + odd(along_x);
+    let along_x = look_up(simd, &LOWER_ALONG_X, lower_even)
+        + look_up(simd, &LOWER_ALONG_X, lower_odd)
+        + look_up(simd, &UPPER_ALONG_X, upper_even)
+        + look_up(simd, &UPPER_ALONG_X, upper_odd);
+    let x = even(simd, along_x) + odd(along_x);
 
-    let count = |of: u8x64<S>| look_up(&COUNT, of);
-    let (upper_even, upper_odd) = (count(upper_even), count(upper_odd));
-    let (lower_even, lower_odd) = (count(lower_even), count(lower_odd));
-    let two = even(lower_even) - even(upper_even);
+    let (upper_even, upper_odd) =
+        (look_up(simd, &COUNT, upper_even), look_up(simd, &COUNT, upper_odd));
+    let (lower_even, lower_odd) =
+        (look_up(simd, &COUNT, lower_even), look_up(simd, &COUNT, lower_odd));
+    let two = even(simd, lower_even) - even(simd, upper_even);
     let one = lower_odd + upper_odd;
-    let y = two + two + even(one) - odd(one);
+    let y = two + two + even(simd, one) - odd(one);
 
     let (upper, lower) = (upper_even + upper_odd, lower_even + lower_odd);
-    let weigh = |v: u8x64<S>, weights: &[i16; 32]| {
-        (even(v) + odd(v)) * i16x32::load_array_ref(simd, weights)
-    };
-    let z = weigh(lower, &LOWER_ALONG_Z) + weigh(upper, &UPPER_ALONG_Z);
+    let z = (even(simd, lower) + odd(lower)) * i16x32::load_array_ref(simd, &LOWER_ALONG_Z)
+        + (even(simd, upper) + odd(upper)) * i16x32::load_array_ref(simd, &UPPER_ALONG_Z);
+    [sum_of_four(x - BIAS_OF_PAIR), sum_of_four(y), sum_of_four(z)]
+}
 
-    // The sum of four numbers of 16 bits.
-    let sum = |v: i16x32<S>| {
-        let halves = v + (v.bitcast::<u64x8<S>>() >> 32).bitcast::<i16x32<S>>();
-        halves + (halves.bitcast::<u64x8<S>>() >> 16).bitcast::<i16x32<S>>()
-    };
-    [sum(x) - BIAS, sum(y), sum(z)].map(|v| v.bitcast())
+// Functions and not closures: what is not inlined loses the instructions that the dispatch chose.
+
+#[inline(always)]
+fn low_nibbles<S: Simd>(simd: S, v: u64x8<S>) -> u8x64<S> {
+    v.bitcast::<u8x64<S>>() & u8x64::splat(simd, 0xF)
+}
+
+#[inline(always)]
+fn look_up<S: Simd>(simd: S, table: &[u8; 64], of: u8x64<S>) -> u8x64<S> {
+    u8x64::load_array_ref(simd, table).swizzle_dyn_within_blocks(of)
+}
+
+/// The lower of each two bytes.
+#[inline(always)]
+fn even<S: Simd>(simd: S, v: u8x64<S>) -> i16x32<S> {
+    v.bitcast::<i16x32<S>>() & i16x32::splat(simd, 0xFF)
+}
+
+/// The upper of each two bytes, none of which is so large that a sign comes into this.
+#[inline(always)]
+fn odd<S: Simd>(v: u8x64<S>) -> i16x32<S> {
+    v.bitcast::<i16x32<S>>() >> 8
+}
+
+/// The sum of each four numbers, in the lowest 16 bits.
+#[inline(always)]
+fn sum_of_four<S: Simd>(v: i16x32<S>) -> u64x8<S> {
+    let halves = v + (v.bitcast::<u64x8<S>>() >> 32).bitcast::<i16x32<S>>();
+    (halves + (halves.bitcast::<u64x8<S>>() >> 16).bitcast::<i16x32<S>>()).bitcast()
 }
 
 /// Folded words with each bit moved down by the residue of `at` along each axis, round and round.
 #[inline(always)]
 fn turned<S: Simd>(simd: S, at: u64x8<S>, words: &[u64; 8]) -> u64x8<S> {
     let word = u64x8::load_array_ref(simd, words);
-    // Among `span` bits from each that `firsts` names.
-    let turn = |word: u64x8<S>, by: u64x8<S>, span: u64, firsts: u64| {
-        let back = u64x8::splat(simd, span) - by;
-        let firsts = u64x8::splat(simd, firsts);
-        let not_round = (firsts << back) - firsts;
-        (word >> by & not_round) | (word << back & !not_round)
-    };
-    let word = turn(word, at & 3, 4, PLANES[0]);
-    let word = turn(word, (at >> 2 & 3) << 2, 16, PLANES[0] & PLANES[1]);
+    let word = turned_in(simd, word, at & 3, 4, PLANES[0]);
+    let word = turned_in(simd, word, (at >> 2 & 3) << 2, 16, PLANES[0] & PLANES[1]);
     let by = (at >> 4 & 3) << 4;
     let back = (u64x8::splat(simd, 64) - by) & 63;
     word >> by | word << back
+}
+
+/// Bits moved down by `by`, round and round among `span` of them from each that `firsts` names.
+#[inline(always)]
+fn turned_in<S: Simd>(simd: S, word: u64x8<S>, by: u64x8<S>, span: u64, firsts: u64) -> u64x8<S> {
+    let back = u64x8::splat(simd, span) - by;
+    let firsts = u64x8::splat(simd, firsts);
+    let not_round = (firsts << back) - firsts;
+    (word >> by & not_round) | (word << back & !not_round)
 }
 
 /// What a row of four voxels, two voxels before the centre, one before, at it, and one behind, adds
@@ -230,8 +247,8 @@ const fn along_x(weights: [i8; 4], bias: i8) -> [u8; 64] {
 static LOWER_ALONG_X: [u8; 64] = along_x([2, 1, 0, -1], 1);
 static UPPER_ALONG_X: [u8; 64] = along_x([-2, 1, 0, -1], 3);
 static COUNT: [u8; 64] = along_x([1, 1, 1, 1], 0);
-/// Of the eight bytes of a word, each with two rows of either kind.
-const BIAS: i16 = 8 * 2 * (1 + 3);
+/// Of two bytes, each with two rows of either kind.
+const BIAS_OF_PAIR: i16 = 2 * 2 * (1 + 3);
 
 /// The weights of four layers, for eight words.
 const fn along_z(weights: [i16; 4]) -> [i16; 32] {

@@ -67,10 +67,10 @@ impl<'a> Words<'a> {
             let corner = low >> 2;
             at |= (low & 3) << (2 * axis as u32);
             let outside = i32x16::splat(simd, OUTSIDE);
-            let place = |word: i32x16<S>| (word >> 1) * self.stride[axis] + (word & 1) * STEP[axis];
+            let (stride, step) = (self.stride[axis], STEP[axis]);
             let next = corner + 1;
-            near[axis] = corner.simd_lt(0).select(outside, place(corner));
-            far[axis] = next.simd_ge(self.dims[axis]).select(outside, place(next));
+            near[axis] = corner.simd_lt(0).select(outside, place(corner, stride, step));
+            far[axis] = next.simd_ge(self.dims[axis]).select(outside, place(next, stride, step));
         }
         let at_lanes = at.to_array();
         let near = [near[0].to_array(), near[1].to_array(), near[2].to_array()];
@@ -110,6 +110,13 @@ impl<'a> Words<'a> {
             if exists { self.words[place.element_sum() as usize] } else { 0 }
         })
     }
+}
+
+/// What words add to the place along an axis. A function and not a closure: what is not inlined loses
+/// the instructions that the dispatch chose.
+#[inline(always)]
+fn place<S: Simd>(word: i32x16<S>, stride: i32, step: i32) -> i32x16<S> {
+    (word >> 1) * stride + (word & 1) * step
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
 use crate::sculpture::{Grid, Material, NO_VOXEL};
 use crate::surface::IndexMap;
 
-/// A voxel that is seen. Sixteen bytes, as a vertex.
+/// A voxel that is seen. Sixteen bytes, which shaders/points.vert.wgsl takes apart.
 #[repr(C)]
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct SurfacePoint {

@@ -196,16 +196,20 @@ fn look_up<S: Simd>(simd: S, table: &[u8; 64], index: u32x16<S>) -> u32x16<S> {
     if let Level::Avx2(_) = simd.level() {
         // In each quarter of the table at once, then by quarters.
         let bytes: u8x64<S> = (index & 15).bitcast();
-        let quarter = |quarter: usize| -> u32x16<S> {
-            let table: &[u8; 16] = table.as_chunks().0.get(quarter).unwrap_or(&[0; 16]);
-            let table = u8x64::block_splat(u8x16::load_array_ref(simd, table));
-            table.swizzle_dyn_within_blocks(bytes).bitcast()
-        };
         let odd = (index & 16).simd_ne(0);
-        let low = odd.select(quarter(1), quarter(0));
-        let high = odd.select(quarter(3), quarter(2));
+        let low = odd.select(look_up_in(simd, table, 1, bytes), look_up_in(simd, table, 0, bytes));
+        let high = odd.select(look_up_in(simd, table, 3, bytes), look_up_in(simd, table, 2, bytes));
         return (index & 32).simd_ne(0).select(high, low);
     }
     let index = index.to_array();
     u32x16::from_fn(simd, |lane| u32::from(table[(index[lane] & 63) as usize]))
+}
+
+/// The bytes of a quarter of a table at the given indices (0..16).
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn look_up_in<S: Simd>(simd: S, table: &[u8; 64], quarter: usize, index: u8x64<S>) -> u32x16<S> {
+    let quarter: &[u8; 16] = table.as_chunks().0.get(quarter).unwrap_or(&[0; 16]);
+    let quarter = u8x64::block_splat(u8x16::load_array_ref(simd, quarter));
+    quarter.swizzle_dyn_within_blocks(index).bitcast()
 }
