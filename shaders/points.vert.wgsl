@@ -27,7 +27,9 @@ fn main(
     let point = points[vertex / 3u];
     let corner = vertex % 3u;
     let voxel = vec3<u32>(point.x & 0xffffu, point.x >> 16u, point.y & 0xffffu);
-    let outwards = unpack4xI8(point.z);
+    // By hand: unpack4xI8 needs a feature that not every device has.
+    let bytes = vec4<i32>(vec4<u32>(point.z) << vec4<u32>(24u, 16u, 8u, 0u));
+    let outwards = bytes >> vec4<u32>(24u);
     let colour = unpack4x8unorm(point.w);
     let middle = vec3<f32>(voxel) + 0.5;
     let from_eye = middle - view.origin;
