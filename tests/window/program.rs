@@ -150,8 +150,18 @@ impl<'a> Program<'a> {
         self.named(title).is_some()
     }
 
+    /// The window of a panel, which may be on its way.
     fn panel(&self, title: &str) -> Window {
-        self.named(title).unwrap_or_else(|| panic!("there is no window {title}"))
+        let asked = Instant::now();
+        loop {
+            match self.named(title) {
+                Some(window) => return window,
+                None if asked.elapsed() > Duration::from_secs(20) => {
+                    panic!("there is no window {title}")
+                }
+                None => std::thread::sleep(Duration::from_millis(50)),
+            }
+        }
     }
 
     /// Puts the window of a panel at x, y with a width and height.
