@@ -3,8 +3,10 @@
 use egui::{Pos2, Rect, vec2};
 use virtual_sculpture::ui::keyboard::{Cap, keys, place};
 
+use crate::program::Program;
+use crate::remote::{Remote, Side};
 use crate::runtime::alone_in_network;
-use crate::{begin, open_board, press_board};
+use crate::{begin, open_board, point_at_board, press_board};
 
 /// The board, in points.
 const BOARD: Rect = Rect { min: Pos2::ZERO, max: Pos2::new(1000.0, 640.0) };
@@ -19,6 +21,15 @@ fn key(cap: Cap) -> [f32; 2] {
     [at.x / BOARD.width(), at.y / BOARD.height()]
 }
 
+/// Presses a key, `before` of them having been pressed, however long that takes to arrive.
+fn press_key(remote: &mut Remote, program: &Program, cap: Cap, before: usize) {
+    point_at_board(remote, program, key(cap));
+    remote.trigger(Side::Right, true);
+    program.wait_for_log("key of the board pressed", before + 1);
+    remote.trigger(Side::Right, false);
+    program.wait_for_log("key of the board released", before + 1);
+}
+
 #[test]
 fn a_file_is_saved_under_a_name_typed_with_a_ray() {
     if !alone_in_network("keyboard::a_file_is_saved_under_a_name_typed_with_a_ray") {
@@ -28,15 +39,22 @@ fn a_file_is_saved_under_a_name_typed_with_a_ray() {
     open_board(&mut remote, &program);
     assert!(!program.log().contains("keyboard on the board"), "nobody wants text");
     press_board(&mut remote, &program, SAVE_AS);
-    // Its field for the name has the focus, and what is typed replaces the name proposed.
+    // Its field for the name has the focus, and the name proposed is selected.
     program.wait_for_log("keyboard on the board", 1);
     let letter = |small: char| Cap::Char(small, small.to_ascii_uppercase());
-    for cap in [letter('a'), Cap::Shift, letter('b'), Cap::Char('_', '~'), Cap::Char('1', '!')] {
-        press_board(&mut remote, &program, key(cap));
+    // Held long, Backspace goes on; in front of all there is nothing more to take.
+    let typed = [
+        Cap::Backspace,
+        letter('a'),
+        Cap::Shift,
+        letter('b'),
+        Cap::Char('_', '~'),
+        Cap::Char('1', '!'),
+        Cap::Enter,
+    ];
+    for (before, cap) in typed.into_iter().enumerate() {
+        press_key(&mut remote, &program, cap, before);
     }
-    press_board(&mut remote, &program, key(letter('x')));
-    press_board(&mut remote, &program, key(Cap::Backspace));
-    press_board(&mut remote, &program, key(Cap::Enter));
     program.wait_for_log("keyboard gone", 1);
     program.wait_for_file("aB_1.pvm");
     program.stop();

@@ -75,14 +75,19 @@ pub fn open_board(remote: &mut Remote, program: &Program) {
 
 /// Points the right hand at a share of the board, from its upper left corner, and clicks there.
 pub fn press_board(remote: &mut Remote, program: &Program, share: [f32; 2]) {
+    point_at_board(remote, program, share);
+    remote.trigger(Side::Right, true);
+    program.frames(4);
+    remote.trigger(Side::Right, false);
+    program.frames(4);
+}
+
+/// Points the right hand at a share of the board.
+pub fn point_at_board(remote: &mut Remote, program: &Program, share: [f32; 2]) {
     let from = Vec3::new(0.0, 1.4, 0.0);
     let at = program.board_point(share, BOARD_HAND);
     let aim = Quat::from_rotation_arc(Vec3::NEG_Z, (at - from).normalize());
     remote.place(Side::Right, from, aim);
-    program.frames(4);
-    remote.trigger(Side::Right, true);
-    program.frames(4);
-    remote.trigger(Side::Right, false);
     program.frames(4);
 }
 

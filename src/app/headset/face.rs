@@ -86,6 +86,7 @@ impl BoardFace {
                 self.meant = Some(if self.is_on_keys() { Meant::Keys } else { Meant::Widgets });
                 if self.meant == Some(Meant::Keys) {
                     self.keyboard.press(&self.context, &mut self.events);
+                    tracing::debug!("key of the board pressed");
                     self.stale = true;
                 } else if let Some(pos) = self.pointer {
                     let (button, pressed) = (PointerButton::Primary, true);
@@ -95,6 +96,7 @@ impl BoardFace {
             HandAsk::Click(false) => {
                 if self.meant.take() == Some(Meant::Keys) {
                     self.keyboard.release();
+                    tracing::debug!("key of the board released");
                     self.stale = true;
                 } else {
                     // Released beside the board: where it was last.
