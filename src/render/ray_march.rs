@@ -1,6 +1,6 @@
-//! Owns the ray march: a pass in which each pixel's ray walks through the grid, from where
-//! its tile's beam ([`super::beam`]) ends, skipping what is empty by blocks of bricks, bricks and
-//! words, and writes the first existing voxel to the index map.
+//! Owns the ray march: a pass in which each pixel's ray walks through the grid, from where its tile's
+//! beam ([`super::beam`]) ends and what is empty by bricks is behind it, by words and voxels, and
+//! writes the first existing voxel to the index map.
 //!
 //! Decides by the same arithmetic as the ray caster on the CPU ([`crate::surface::raycast`]), so
 //! that the maps are equal but for rounding where a device's division is not exact.
