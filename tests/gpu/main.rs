@@ -13,6 +13,7 @@ mod modes;
 mod partial;
 mod points;
 mod ray_march;
+mod shading;
 mod slicing;
 mod stereo;
 mod subjects;

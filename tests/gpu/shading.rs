@@ -1,0 +1,68 @@
+//! Shading on the device, by compute and by fragment shaders, against the software shader. Which of
+//! the two the renderer takes depends on the device; both are tested on every one.
+
+use ash::vk;
+use glam::{Affine3A, UVec2, Vec3};
+use virtual_sculpture::gpu::{Staging, Use, read_image_once, run_once};
+use virtual_sculpture::render::{EyeImage, IndexTarget, PixelStage, Surface, SurfaceShade, Volume};
+use virtual_sculpture::scenes;
+use virtual_sculpture::sculpture::{ColourDepth, Material, Rgb};
+use virtual_sculpture::shade::{Lighting, Pixels, ShadePose, shade};
+use virtual_sculpture::surface::{IndexMap, pixels_of_grid, raycast};
+use virtual_sculpture::view::Camera;
+
+use crate::fixture::with_device;
+
+/// Neither a multiple of the squares of invocations.
+const SIZE: UVec2 = UVec2::new(131, 93);
+
+#[test]
+fn both_kinds_of_shaders_give_the_software_shaders_picture() {
+    with_device(|device| {
+        let grid = scenes::cheese(64, 12, 3).unwrap();
+        let base = Rgb::new(190, 180, 160);
+        let material = Material::new(ColourDepth::None, base, grid.bricks().len());
+        let world_from_grid = Affine3A::from_translation(Vec3::splat(-32.0));
+        let eye = Camera::framing(55.0, Vec3::new(0.7, 0.6, 1.0), Vec3::Y).eye(SIZE);
+        let rays = eye.pixel_rays(&world_from_grid);
+        let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
+        let lighting = Lighting::default();
+        let mut map = IndexMap::new(rays);
+        raycast::sample(&grid, &rays, &mut map);
+        assert!(map.covered() > 2000 && map.covered() < map.voxels.len());
+        let mut expected = Pixels::new(SIZE);
+        shade(&map, &grid, &material, &pose, &lighting, &mut expected);
+
+        let volume = Volume::new(device, &grid).unwrap();
+        let format = vk::Format::R8G8B8A8_UNORM;
+        use vk::ImageUsageFlags as Usage;
+        let usage = Usage::SAMPLED | Usage::STORAGE | Usage::COLOR_ATTACHMENT | Usage::TRANSFER_SRC;
+        for stage in PixelStage::ALL {
+            let mut maps = IndexTarget::new(device, SIZE, 1).unwrap();
+            let mut pictures = EyeImage::new(device, "picture", SIZE, 1, format, usage).unwrap();
+            let mut pass = SurfaceShade::new(device, stage, 1).unwrap();
+            let buffers = vk::BufferUsageFlags::TRANSFER_SRC;
+            let mut staging = Staging::new(device, "map", buffers, 1 << 16).unwrap();
+            pass.begin(0);
+            run_once(device, |recorder| {
+                let piece = staging.push(&map.voxels, 4)?;
+                maps.upload(recorder, 0, piece, 0..SIZE.y);
+                let dims = grid.dims();
+                let surface = Surface { dims, colours: None, base, pose, lighting: &lighting };
+                let part = pixels_of_grid(&grid, &rays);
+                pass.record(recorder, &volume, &surface, &mut maps, &mut pictures, 0, part)
+            })
+            .unwrap();
+            let image = pictures.image();
+            let bytes =
+                read_image_once(device, image.layer(0), image.size(), 4, Use::SHADER_READ).unwrap();
+            let found: Vec<[u8; 4]> = bytemuck::pod_collect_to_vec(&bytes);
+            for (i, (found, expected)) in found.iter().zip(&expected.rgba).enumerate() {
+                let off = (0..4).map(|c| found[c].abs_diff(expected[c])).max().unwrap();
+                let seen = expected[3] != 0;
+                assert_eq!(found[3], expected[3], "{stage:?}, pixel {i}");
+                assert!(off <= u8::from(seen), "{stage:?}, pixel {i}: {found:?}, {expected:?}");
+            }
+        }
+    });
+}
