@@ -193,9 +193,22 @@ impl Recorder {
         colour: Option<Attachment>,
         depth: Option<Attachment>,
     ) {
+        self.begin_rendering_in(size, ([0, 0], size), colour, depth);
+    }
+
+    /// Starts drawing to a part of a picture of `size` pixels, given by its corner and size: what is
+    /// forgotten or cleared is only that, and so is the scissor. No scissor set later may reach
+    /// beyond it. The viewport is the whole picture.
+    pub fn begin_rendering_in(
+        &mut self,
+        size: [u32; 2],
+        (corner, extent): ([u32; 2], [u32; 2]),
+        colour: Option<Attachment>,
+        depth: Option<Attachment>,
+    ) {
         let area = vk::Rect2D {
-            offset: vk::Offset2D::default(),
-            extent: vk::Extent2D { width: size[0], height: size[1] },
+            offset: vk::Offset2D { x: corner[0] as i32, y: corner[1] as i32 },
+            extent: vk::Extent2D { width: extent[0], height: extent[1] },
         };
         let colours = [colour
             .map(|c| attachment(c, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL))

@@ -46,8 +46,7 @@ impl BackgroundPass {
         if view.background == Background::Keep {
             return;
         }
-        let [x, y] = view.corner.to_array();
-        recorder.set_scissor([x, y, view.size.x, view.size.y]);
+        recorder.set_scissor(view.pixels_of(view.area));
         recorder.bind_pipeline(&self.pipeline);
         recorder.push(self.pipeline.layout(), &constants(view, self.linear));
         recorder.draw(3, 1);

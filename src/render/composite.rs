@@ -4,6 +4,7 @@
 //! Takes index maps (drawn by the device or made by the CPU), the pictures shaded from them,
 //! and a colour target of any format with a D32 depth buffer. Owns the pictures on the device.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use ash::vk;
@@ -37,20 +38,27 @@ pub struct CompositeEye {
     pub corner: UVec2,
     pub size: UVec2,
     pub background: Background,
+    /// The pixels of the map to draw; what the target holds elsewhere stays.
+    pub area: PixelRect,
     /// Outside of these pixels of the map nothing is seen.
     pub part: PixelRect,
 }
 
 impl CompositeEye {
-    /// What [`CompositeEye::part`] covers of the target: x, y, width, height.
-    pub(super) fn scissor(&self) -> [u32; 4] {
+    /// What pixels of the map cover of the target: x, y, width, height.
+    pub(super) fn pixels_of(&self, part: PixelRect) -> [u32; 4] {
         let (size, map) = (self.size.as_u64vec2(), self.rays.size.as_u64vec2().max(U64Vec2::ONE));
-        let (min, max) = (self.part.min.as_u64vec2(), self.part.max.as_u64vec2());
+        let (min, max) = (part.min.as_u64vec2(), part.max.as_u64vec2());
         let low = (min * size / map).as_uvec2();
         let high = ((max * size + map - 1) / map).as_uvec2().min(self.size);
         let [x, y] = (self.corner + low).to_array();
         let [width, height] = high.saturating_sub(low).to_array();
         [x, y, width, height]
+    }
+
+    /// Where the sculpture is to be drawn: x, y, width, height.
+    pub(super) fn scissor(&self) -> [u32; 4] {
+        self.pixels_of(self.part.intersect(self.area))
     }
 }
 
@@ -62,6 +70,8 @@ pub struct Composite {
     /// The index image and the picture that each set names.
     named: Vec<(u64, u64)>,
     pictures: Option<EyeImage>,
+    /// The rows that the picture uploaded last for each eye has on the device.
+    uploaded: Vec<Range<u32>>,
     staging: Staging,
     slot: usize,
     eyes: u32,
@@ -96,6 +106,7 @@ impl Composite {
             sets: DescriptorSets::new(device, "composite", &set_layout, count)?,
             named: vec![(0, 0); count],
             pictures: None,
+            uploaded: vec![0..0; eyes as usize],
             staging: Staging::new(
                 device,
                 "shaded pictures",
@@ -137,17 +148,26 @@ impl Composite {
         })
     }
 
-    /// Uploads the picture of `eye`, the rows of `part` of it. Before rendering begins; all eyes'
-    /// pictures have the same size.
+    /// Uploads the picture of `eye`, the rows of `part` of it; only those of `changed`, if that is
+    /// all that differs from the picture uploaded last. Before rendering begins; all eyes' pictures
+    /// have the same size.
     pub fn upload(
         &mut self,
         recorder: &mut Recorder,
         eye: u32,
         pixels: &Pixels,
         part: PixelRect,
+        changed: Option<PixelRect>,
     ) -> Result<()> {
-        let piece = self.staging.push(part.rows_of(&pixels.rgba, pixels.size.x), 4)?;
-        self.pictures(pixels.size)?.upload_rows(recorder, eye, piece, part.rows());
+        let former = std::mem::replace(&mut self.uploaded[eye as usize], part.rows());
+        let changed = changed.filter(|_| former == part.rows());
+        let rect = changed.map_or(part, |changed| changed.intersect(part));
+        let piece = self.staging.push(rect.rows_of(&pixels.rgba, pixels.size.x), 4)?;
+        let image = self.pictures(pixels.size)?;
+        match changed {
+            Some(_) => image.update_rows(recorder, eye, piece, rect.rows()),
+            None => image.upload_rows(recorder, eye, piece, rect.rows()),
+        }
         Ok(())
     }
 

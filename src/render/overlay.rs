@@ -233,7 +233,7 @@ impl Overlay {
 
 /// Maps tool space, where a solid fills [-1, 1], to voxel coordinates: the inverse of what the
 /// tool itself computes.
-fn grid_from_tool(primitive: &Primitive, voxel_size: Vec3) -> Affine3A {
+pub(super) fn grid_from_tool(primitive: &Primitive, voxel_size: Vec3) -> Affine3A {
     let shrink = voxel_size.min_element() / voxel_size;
     let linear = Mat3::from_diagonal(shrink)
         * Mat3::from_quat(primitive.rotation)

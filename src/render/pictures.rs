@@ -8,6 +8,7 @@ use glam::UVec2;
 use super::Background;
 use super::target::EyeImage;
 use crate::gpu::{Attachment, Device, Load, Recorder, Result, Use};
+use crate::surface::PixelRect;
 use crate::view::Eye;
 
 /// The format of depth: reversed, 1 at the near plane and 0 at infinity.
@@ -31,12 +32,24 @@ impl Pictures {
         Ok(Pictures { colour, depth })
     }
 
-    /// Starts drawing the picture of `eye`, infinitely far. What is drawn first covers all of a gradient;
-    /// over [`Background::Keep`] there is nothing: the picture is transparent where nothing is
-    /// drawn, colours premultiplied.
-    pub(super) fn begin(&mut self, recorder: &mut Recorder, eye: u32, background: Background) {
-        self.colour.renew(recorder, eye, Use::COLOUR_TARGET);
-        self.depth.renew(recorder, eye, Use::DEPTH_TARGET);
+    /// Starts drawing `area` of the picture of `eye`, infinitely far; the rest stays as it is. What is
+    /// drawn first covers all of a gradient; over [`Background::Keep`] there is nothing: the picture is
+    /// transparent where nothing is drawn, colours premultiplied.
+    pub(super) fn begin(
+        &mut self,
+        recorder: &mut Recorder,
+        eye: u32,
+        background: Background,
+        area: PixelRect,
+    ) {
+        let size = self.colour.size();
+        if area == PixelRect::of_picture(size) {
+            self.colour.renew(recorder, eye, Use::COLOUR_TARGET);
+            self.depth.renew(recorder, eye, Use::DEPTH_TARGET);
+        } else {
+            self.colour.rework(recorder, eye, Use::COLOUR_TARGET);
+            self.depth.rework(recorder, eye, Use::DEPTH_TARGET);
+        }
         let colours = match background {
             Background::Keep => Load::Colour([0.0; 4]),
             // Drawn over every pixel.
@@ -48,7 +61,9 @@ impl Pictures {
         };
         let colour = attachment(&self.colour, colours);
         let depth = attachment(&self.depth, Load::Depth(0.0));
-        recorder.begin_rendering(self.colour.size().to_array(), colour, depth);
+        let corner = area.min.to_array();
+        let extent = (area.max - area.min).to_array();
+        recorder.begin_rendering_in(size.to_array(), (corner, extent), colour, depth);
     }
 }
 

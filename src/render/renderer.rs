@@ -17,19 +17,19 @@ use super::pictures::pictures;
 pub use super::pictures::{DEPTH_FORMAT, Pictures};
 use super::pixel_pass::PixelStage;
 use super::sampler::Sampler;
+use super::shown::{Part, Shown, Steps, pixels_to_compose};
 use super::times::PictureTimer;
 pub use super::times::{DeviceTimes, RenderTimes};
 use super::{
     Backdrop, Background, Colours, Composite, CompositeEye, GpuOnly, IndexTarget, MAX_EYES, Points,
-    Surface, SurfaceShade, Video, VideoView, Volume,
+    Surface, SurfaceShade, Video, Volume,
 };
 use crate::config::{RenderMode, Shading};
 use crate::document::{Document, Follower};
 use crate::gpu::{Device, Recorder, Result, Use, read_image_once};
 use crate::shade::points::PointCloud;
 use crate::shade::{Lighting, NORMAL_REACH_VX, Pixels, ShadePose, SoftwareShader, shade_rect};
-use crate::surface::IndexMap;
-use crate::surface::partial::changed_pixels;
+use crate::surface::{IndexMap, PixelRect, PixelRects, changed_pixels};
 use crate::view::{Eye, PixelRays};
 
 /// From where and how a sculpture is to be seen.
@@ -46,41 +46,6 @@ pub struct Shot<'a> {
     /// The tools.
     pub ghosts: &'a [Ghost],
     pub lines: &'a [Line],
-}
-
-/// What the voxels of a picture depend on.
-#[derive(Clone, Copy, PartialEq)]
-struct SampleKey {
-    revision: u64,
-    eyes: [Option<Eye>; MAX_EYES],
-    world_from_grid: Affine3A,
-    mode: RenderMode,
-}
-
-/// What the picture as a whole depends on. Kept for its memory.
-struct PictureKey {
-    sample: SampleKey,
-    lighting: Lighting,
-    background: Background,
-    video: Option<(Instant, VideoView)>,
-    ghosts: Vec<Ghost>,
-    lines: Vec<Line>,
-}
-
-impl SampleKey {
-    /// Whether the same is looked at from the same place in the same way, but for edits.
-    fn sees_as(&self, other: &SampleKey) -> bool {
-        let SampleKey { revision: _, eyes, world_from_grid, mode } = other;
-        (&self.eyes, &self.world_from_grid, &self.mode) == (eyes, world_from_grid, mode)
-    }
-}
-
-/// What of a picture is made anew.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Part {
-    All,
-    /// What the changed bricks may change.
-    Changed,
 }
 
 /// Makes pictures of one document.
@@ -105,7 +70,7 @@ pub struct Renderer {
     /// Those that changed since the last one.
     changed: Vec<u32>,
     /// What the pictures were made of; none while they are not complete.
-    shown: Option<PictureKey>,
+    shown: Option<Shown>,
     times: RenderTimes,
     timer: PictureTimer,
     device: Arc<Device>,
@@ -149,54 +114,25 @@ impl Renderer {
         document: &mut Document,
         shot: &Shot,
     ) -> Result<()> {
-        let mut eyes = [None; MAX_EYES];
-        for (key, eye) in eyes.iter_mut().zip(shot.eyes) {
-            *key = Some(*eye);
-        }
-        let sample = SampleKey {
-            revision: document.revision(),
-            eyes,
-            world_from_grid: shot.world_from_grid,
-            mode: shot.mode,
-        };
         // Only what is complete counts as shown.
         let before = self.shown.take();
-        let (resample, reshade, recompose) = match &before {
-            None => (true, true, true),
-            Some(before) => {
-                let resample = before.sample != sample;
-                let reshade = resample || before.lighting != shot.lighting;
-                let same = before.background == shot.background
-                    && before.video == shot.video.map(|video| video.key())
-                    && before.ghosts == shot.ghosts
-                    && before.lines == shot.lines;
-                (resample, reshade, reshade || !same)
-            }
-        };
-        // While nothing moves, an edit changes but a part of the picture.
         let heard = self.hear_changes(document);
-        let part = match &before {
-            Some(before)
-                if heard && before.lighting == shot.lighting && before.sample.sees_as(&sample) =>
-            {
-                Part::Changed
-            }
-            _ => Part::All,
-        };
-        if resample {
+        let steps = Steps::new(before.as_ref(), document, shot, heard);
+        if let Some(part) = steps.sample {
             self.sample(document, shot, part)?;
         }
         self.composite.begin(slot);
-        if recompose {
+        if steps.compose.is_some() {
             self.timer.begin(recorder, slot, shot.mode, &mut self.times.device)?;
         }
-        if reshade {
+        if let Some(part) = steps.shade {
             self.shade(recorder, slot, document, shot, part)?;
         }
-        if recompose {
-            self.compose(recorder, slot, document, shot)?;
+        if let Some(part) = steps.compose {
+            let before = before.as_ref().filter(|_| part == Part::Changed);
+            self.compose(recorder, slot, document, shot, before)?;
         }
-        self.shown = Some(PictureKey::new(before, sample, shot));
+        self.shown = Some(Shown::new(before, document, shot));
         let pictures = pictures(&self.device, &mut self.pictures, self.format, shot.eyes)?;
         for eye in 0..pictures.colour.eyes() {
             pictures.colour.make(recorder, eye, Use::COPY_SOURCE);
@@ -233,7 +169,7 @@ impl Renderer {
 
     /// All times of the picture painted last, for one who has waited until it is done.
     pub fn times_when_done(&mut self) -> Result<RenderTimes> {
-        if let Some(mode) = self.shown.as_ref().map(|shown| shown.sample.mode) {
+        if let Some(mode) = self.shown.as_ref().map(Shown::mode) {
             self.times.device.sample_ms = self.sampler.device_ms_when_done(mode)?;
             self.timer.latest(mode, &mut self.times.device)?;
         }
@@ -307,22 +243,23 @@ impl Renderer {
         self.pixels.resize_with(self.maps.len(), Pixels::default);
         let (grid, material) = (document.grid(), document.material());
         let lighting = &shot.lighting;
-        // Filters look at the pixels around, occlusion far around the voxel.
-        let part = if lighting.is_local() { part } else { Part::All };
-        for ((map, pixels), eye) in self.maps.iter().zip(&mut self.pixels).zip(shot.eyes) {
-            let pose = shot.pose(eye);
-            match part {
-                Part::All => self.software.shade(map, grid, material, &pose, lighting, pixels),
+        let seen = self.sampler.parts();
+        for (i, (map, pixels)) in self.maps.iter().zip(&mut self.pixels).enumerate() {
+            let pose = shot.pose(&shot.eyes[i]);
+            let shaded = match part {
+                Part::All => {
+                    self.software.shade(map, grid, material, &pose, lighting, pixels);
+                    None
+                }
                 Part::Changed => {
                     let rects = changed_pixels(grid, &self.changed, &map.rays, NORMAL_REACH_VX);
                     for rect in rects.as_slice() {
                         shade_rect(map, grid, material, &pose, lighting, *rect, pixels);
                     }
+                    Some(rects.bounds())
                 }
-            }
-        }
-        for ((eye, pixels), part) in (0..).zip(&self.pixels).zip(self.sampler.parts()) {
-            self.composite.upload(recorder, eye, pixels, part)?;
+            };
+            self.composite.upload(recorder, i as u32, pixels, seen[i], shaded)?;
         }
         Ok(())
     }
@@ -354,13 +291,15 @@ impl Renderer {
         Ok(())
     }
 
-    /// Puts the pictures together, back to front.
+    /// Puts the pictures together, back to front: only what differs from those shown `before`, if
+    /// that is known.
     fn compose(
         &mut self,
         recorder: &mut Recorder,
         slot: usize,
         document: &Document,
         shot: &Shot,
+        before: Option<&Shown>,
     ) -> Result<()> {
         let pictures = pictures(&self.device, &mut self.pictures, self.format, shot.eyes)?;
         let parts = self.sampler.parts();
@@ -402,31 +341,16 @@ impl Renderer {
         self.timer.start(recorder, PictureTimer::COMPOSE);
         for ((i, eye), map) in (0..).zip(shot.eyes).zip(&self.maps) {
             let background = if shot.video.is_some() { Background::Keep } else { shot.background };
+            let rects = match before {
+                Some(before) => {
+                    pixels_to_compose(before, document, &self.changed, shot, eye, &map.rays)
+                }
+                None => PixelRects::of(PixelRect::of_picture(eye.size)),
+            };
             if let Sculpture::Within(pass, volume, _) = &mut sculpture {
                 pass.prepare(recorder, volume, &map.rays, i)?;
             }
-            pictures.begin(recorder, i, background);
-            if let (Some(video), Some(pass)) = (&shot.video, &mut self.backdrop) {
-                pass.draw(recorder, eye.size, &video.view);
-            }
-            let view = CompositeEye {
-                rays: map.rays,
-                projection: eye.projection,
-                dims: document.grid().dims(),
-                corner: UVec2::ZERO,
-                size: eye.size,
-                background,
-                part: parts[i as usize],
-            };
             let surface = shot.surface(document, eye);
-            match &mut sculpture {
-                Sculpture::Composite(pass, maps) => pass.draw(recorder, maps, i, &view),
-                Sculpture::Points(pass) => pass.draw(recorder, &surface, i, &view)?,
-                Sculpture::Within(pass, volume, colours) => {
-                    let surface = Surface { colours: *colours, ..surface };
-                    pass.draw(recorder, volume, &surface, i, &view)?;
-                }
-            }
             let scene = Scene {
                 eye_from_grid: eye.eye_from_world * shot.world_from_grid,
                 projection: eye.projection,
@@ -434,8 +358,33 @@ impl Renderer {
                 ghosts: shot.ghosts,
                 lines: shot.lines,
             };
-            self.overlay.draw(recorder, &scene)?;
-            recorder.end_rendering();
+            for area in sculpture.areas(&rects).as_slice() {
+                let view = CompositeEye {
+                    rays: map.rays,
+                    projection: eye.projection,
+                    dims: document.grid().dims(),
+                    corner: UVec2::ZERO,
+                    size: eye.size,
+                    background,
+                    area: *area,
+                    part: parts[i as usize],
+                };
+                pictures.begin(recorder, i, background, *area);
+                if let (Some(video), Some(pass)) = (&shot.video, &mut self.backdrop) {
+                    pass.draw(recorder, eye.size, &video.view);
+                }
+                match &mut sculpture {
+                    Sculpture::Composite(pass, maps) => pass.draw(recorder, maps, i, &view),
+                    Sculpture::Points(pass) => pass.draw(recorder, &surface, i, &view)?,
+                    Sculpture::Within(pass, volume, colours) => {
+                        let surface = Surface { colours: *colours, ..surface };
+                        pass.draw(recorder, volume, &surface, i, &view)?;
+                    }
+                }
+                recorder.set_scissor(view.pixels_of(*area));
+                self.overlay.draw(recorder, &scene)?;
+                recorder.end_rendering();
+            }
         }
         self.timer.stop(recorder, PictureTimer::COMPOSE);
         Ok(())
@@ -447,6 +396,17 @@ enum Sculpture<'a> {
     Composite(&'a mut Composite, &'a IndexTarget),
     Points(&'a mut Points),
     Within(&'a mut GpuOnly, &'a Volume, Option<&'a Colours>),
+}
+
+impl Sculpture<'_> {
+    /// The areas to draw one by one so that `rects` are drawn.
+    fn areas(&self, rects: &PixelRects) -> PixelRects {
+        match self {
+            Sculpture::Composite(..) => *rects,
+            // Uniforms are written with each.
+            Sculpture::Points(_) | Sculpture::Within(..) => PixelRects::of(rects.bounds()),
+        }
+    }
 }
 
 impl Shot<'_> {
@@ -463,20 +423,6 @@ impl Shot<'_> {
             pose: self.pose(eye),
             lighting: &self.lighting,
         }
-    }
-}
-
-impl PictureKey {
-    /// The key of `shot`, in the memory of a former one.
-    fn new(former: Option<PictureKey>, sample: SampleKey, shot: &Shot) -> PictureKey {
-        let (mut ghosts, mut lines) = former.map_or_else(Default::default, |f| (f.ghosts, f.lines));
-        ghosts.clear();
-        ghosts.extend_from_slice(shot.ghosts);
-        lines.clear();
-        lines.extend_from_slice(shot.lines);
-        let Shot { lighting, background, .. } = *shot;
-        let video = shot.video.map(|video| video.key());
-        PictureKey { sample, lighting, background, video, ghosts, lines }
     }
 }
 

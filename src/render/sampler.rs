@@ -14,10 +14,15 @@ use super::{Colours, IndexReadback, IndexTarget, MAX_EYES, RayMarch, Slicing, Vo
 use crate::config::{RenderMode, Sampling, Shading};
 use crate::document::{Document, Follower};
 use crate::gpu::{Device, Frames, Recorder, Result, Staging, Timer};
+use crate::sculpture::Grid;
 use crate::surface::partial::changed_pixels;
 use crate::surface::slices::SliceAreas;
 use crate::surface::{IndexMap, PixelRect, pixels_of_grid, quickstep, raycast};
 use crate::view::PixelRays;
+
+/// Samples a whole map, or a rectangle of it.
+type Whole = fn(&Grid, &PixelRays, &mut IndexMap);
+type InRect = fn(&Grid, &mut IndexMap, PixelRect);
 
 /// Samples the surface of one document.
 pub struct Sampler {
@@ -29,13 +34,35 @@ pub struct Sampler {
     maps: Option<IndexTarget>,
     /// Maps on their way to the device.
     staging: Staging,
-    /// The maps in memory that are not yet on the device.
-    pending: [bool; MAX_EYES],
+    /// What of the maps in memory is not yet on the device.
+    pending: [Pending; MAX_EYES],
     /// Outside of these pixels nothing is seen.
     parts: [PixelRect; MAX_EYES],
     read_back_ms: Option<f32>,
     device_ms: Option<f32>,
     device: Arc<Device>,
+}
+
+/// What of a map is to be brought to the device.
+#[derive(Clone, Copy, Default)]
+enum Pending {
+    #[default]
+    Nothing,
+    /// The rows of these pixels; what is there of the others is right.
+    Changed(PixelRect),
+    All,
+}
+
+impl Pending {
+    /// With more pixels sampled anew.
+    fn and(self, more: PixelRect) -> Pending {
+        match self {
+            Pending::Changed(rect) if more.is_empty() => Pending::Changed(rect),
+            Pending::Changed(rect) if !rect.is_empty() => Pending::Changed(rect.union(more)),
+            Pending::Nothing | Pending::Changed(_) => Pending::Changed(more),
+            Pending::All => Pending::All,
+        }
+    }
 }
 
 /// The device's copy of a document, and the frames in which it is updated and sampled.
@@ -61,7 +88,7 @@ impl Sampler {
             readbacks: std::array::from_fn(|_| IndexReadback::new(device)),
             maps: None,
             staging: Staging::new(device, "index maps", usage, 1 << 20)?,
-            pending: [false; MAX_EYES],
+            pending: [Pending::Nothing; MAX_EYES],
             parts: [PixelRect::EMPTY; MAX_EYES],
             read_back_ms: None,
             device_ms: None,
@@ -79,11 +106,19 @@ impl Sampler {
         let target = target(&self.device, &mut self.maps, maps)?;
         self.staging.begin(slot);
         for ((eye, map), pending) in (0..).zip(maps).zip(&mut self.pending) {
-            if std::mem::take(pending) {
-                let part = self.parts[eye as usize];
-                let rows = part.rows_of(&map.voxels, map.rays.size.x);
-                let piece = self.staging.push(rows, 4)?;
-                target.upload(recorder, eye, piece, part.rows());
+            let part = self.parts[eye as usize];
+            let width = map.rays.size.x;
+            match std::mem::take(pending) {
+                Pending::Nothing => {}
+                Pending::Changed(rect) => {
+                    let rect = rect.intersect(part);
+                    let piece = self.staging.push(rect.rows_of(&map.voxels, width), 4)?;
+                    target.update(recorder, eye, piece, rect.rows());
+                }
+                Pending::All => {
+                    let piece = self.staging.push(part.rows_of(&map.voxels, width), 4)?;
+                    target.upload(recorder, eye, piece, part.rows());
+                }
             }
             target.make_readable(recorder, eye);
         }
@@ -123,42 +158,45 @@ impl Sampler {
         maps: &mut [Arc<IndexMap>],
     ) -> Result<()> {
         self.read_back_ms = None;
-        for (part, rays) in self.parts.iter_mut().zip(rays) {
-            *part = pixels_of_grid(document.grid(), rays);
-        }
         let stays = matches!(mode.shading(), Shading::Device | Shading::Within);
-        for (rays, map) in rays.iter().zip(maps.iter_mut()) {
+        let grid = document.grid();
+        for (i, (rays, map)) in rays.iter().zip(maps.iter_mut()).enumerate() {
+            let part = pixels_of_grid(grid, rays);
+            // What is uploaded is the part of the map that can hold anything.
+            let same_part = std::mem::replace(&mut self.parts[i], part) == part;
             let map = Arc::make_mut(map);
-            let grid = document.grid();
-            match mode.sampling() {
-                Sampling::Cast => match changed {
-                    Some(bricks) => {
-                        for rect in changed_pixels(grid, bricks, rays, 0).as_slice() {
-                            raycast::sample_rect(grid, map, *rect);
-                        }
+            let (whole, rect): (Whole, InRect) = match mode.sampling() {
+                Sampling::Cast => (raycast::sample, raycast::sample_rect),
+                Sampling::Quickstep => (quickstep::sample, quickstep::sample_rect),
+                Sampling::Slicing | Sampling::March | Sampling::Within => {
+                    if stays {
+                        map.forget(*rays)
+                    } else {
+                        map.reset(*rays)
                     }
-                    None => raycast::sample(grid, rays, map),
-                },
-                Sampling::Quickstep => match changed {
-                    Some(bricks) => {
-                        for rect in changed_pixels(grid, bricks, rays, 0).as_slice() {
-                            quickstep::sample_rect(grid, map, *rect);
-                        }
-                    }
-                    None => quickstep::sample(grid, rays, map),
-                },
-                _ if stays => map.forget(*rays),
-                Sampling::Slicing | Sampling::March | Sampling::Within => map.reset(*rays),
-            }
+                    self.pending[i] = Pending::Nothing;
+                    continue;
+                }
+            };
+            let sampled = match changed {
+                Some(bricks) => {
+                    let rects = changed_pixels(grid, bricks, rays, 0);
+                    rects.as_slice().iter().for_each(|pixels| rect(grid, map, *pixels));
+                    Some(rects.bounds()).filter(|_| same_part)
+                }
+                None => {
+                    whole(grid, rays, map);
+                    None
+                }
+            };
+            self.pending[i] = sampled.map_or(Pending::All, |rect| self.pending[i].and(rect));
         }
         match mode.sampling() {
             Sampling::Cast | Sampling::Quickstep => {
                 self.device_ms = None;
-                self.pending = [true; MAX_EYES];
                 Ok(())
             }
             Sampling::Slicing | Sampling::March | Sampling::Within => {
-                self.pending = [false; MAX_EYES];
                 self.sample_on_device(document, mode, maps, !stays)
             }
         }

@@ -63,6 +63,12 @@ impl EyeImage {
         recorder.image_barrier(self.image.layer(eye), from.discarded(), to);
     }
 
+    /// Makes the layer of `eye` ready to be written in part, after all that was done to it before.
+    pub fn rework(&mut self, recorder: &mut Recorder, eye: u32, to: Use) {
+        let from = std::mem::replace(&mut self.uses[eye as usize], to);
+        recorder.image_barrier(self.image.layer(eye), from, to);
+    }
+
     /// Writes `rows` of the layer of `eye` from `piece` and makes it ready for shaders. The other rows
     /// are lost.
     pub fn upload_rows(
@@ -73,6 +79,22 @@ impl EyeImage {
         rows: Range<u32>,
     ) {
         self.renew(recorder, eye, Use::COPY_TARGET);
+        self.copy_rows(recorder, eye, piece, rows);
+    }
+
+    /// The same, but the other rows stay as they are.
+    pub fn update_rows(
+        &mut self,
+        recorder: &mut Recorder,
+        eye: u32,
+        piece: Piece,
+        rows: Range<u32>,
+    ) {
+        self.rework(recorder, eye, Use::COPY_TARGET);
+        self.copy_rows(recorder, eye, piece, rows);
+    }
+
+    fn copy_rows(&mut self, recorder: &mut Recorder, eye: u32, piece: Piece, rows: Range<u32>) {
         let [width, ..] = self.image.size();
         let copy = vk::BufferImageCopy::default()
             .buffer_offset(piece.offset)
@@ -161,6 +183,11 @@ impl IndexTarget {
     /// Puts rows of a map that the CPU has made, copied to `piece`, in the place of the map of `eye`.
     pub fn upload(&mut self, recorder: &mut Recorder, eye: u32, piece: Piece, rows: Range<u32>) {
         self.index.upload_rows(recorder, eye, piece, rows);
+    }
+
+    /// Puts them in the place of those rows alone.
+    pub fn update(&mut self, recorder: &mut Recorder, eye: u32, piece: Piece, rows: Range<u32>) {
+        self.index.update_rows(recorder, eye, piece, rows);
     }
 
     /// Makes the map of `eye` ready for a shader.

@@ -2,10 +2,12 @@
 
 pub mod index_map;
 pub mod partial;
+pub mod pixel_rects;
 pub mod quickstep;
 pub mod raycast;
 pub mod slices;
 mod tiles;
 
 pub use index_map::{IndexMap, PixelRect};
-pub use partial::{PixelRects, changed_pixels, pixels_of_grid};
+pub use partial::{changed_pixels, pixels_of_grid};
+pub use pixel_rects::PixelRects;

@@ -9,90 +9,17 @@
 use glam::{UVec3, Vec3};
 
 use super::index_map::PixelRect;
+use super::pixel_rects::PixelRects;
 use super::raycast::Projection;
 use crate::sculpture::Grid;
 use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::view::PixelRays;
-
-/// Most rectangles that changed pixels are described by: a tool and its mirror images.
-pub const MAX_RECTS: usize = 8;
 
 /// With more runs of bricks than this, one box about all of them is projected instead.
 const MAX_RUNS: usize = 4096;
 
 /// Pixels by which rectangles are wider than exact rays need: samplers on the GPU round otherwise.
 const MARGIN_PX: u32 = 1;
-
-/// Rectangles of pixels without overlap.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct PixelRects {
-    rects: [PixelRect; MAX_RECTS],
-    count: usize,
-}
-
-impl PixelRects {
-    const NONE: PixelRects = PixelRects { rects: [PixelRect::EMPTY; MAX_RECTS], count: 0 };
-
-    pub fn as_slice(&self) -> &[PixelRect] {
-        &self.rects[..self.count]
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.count == 0
-    }
-
-    /// Pixels in all of them.
-    pub fn pixel_count(&self) -> u64 {
-        self.as_slice().iter().map(|rect| rect.pixel_count()).sum()
-    }
-
-    /// Adds a rectangle to the one that grows least by it, or on its own.
-    fn insert(&mut self, rect: PixelRect) {
-        if rect.is_empty() {
-            return;
-        }
-        let growth = |old: &PixelRect| {
-            let union = old.union(rect).pixel_count();
-            (union, union as i64 - old.pixel_count() as i64 - rect.pixel_count() as i64)
-        };
-        let nearest = (0..self.count).min_by_key(|&i| growth(&self.rects[i]).1);
-        match nearest {
-            Some(i) if self.count == MAX_RECTS || near(&self.rects[i], &rect) => {
-                self.rects[i] = self.rects[i].union(rect);
-            }
-            _ => {
-                self.rects[self.count] = rect;
-                self.count += 1;
-            }
-        }
-    }
-
-    /// Unites rectangles until none overlap.
-    fn without_overlap(mut self) -> PixelRects {
-        let mut i = 0;
-        while i < self.count {
-            let rect = self.rects[i];
-            let other = (i + 1..self.count).find(|&j| !rect.intersect(self.rects[j]).is_empty());
-            match other {
-                Some(j) => {
-                    self.rects[i] = rect.union(self.rects[j]);
-                    self.count -= 1;
-                    self.rects[j] = self.rects[self.count];
-                    // The larger one may now overlap any other.
-                    i = 0;
-                }
-                None => i += 1,
-            }
-        }
-        self
-    }
-}
-
-/// Whether sampling the box about two rectangles costs no more than sampling both by themselves.
-fn near(a: &PixelRect, b: &PixelRect) -> bool {
-    const FIXED_COST_PX: u64 = 1024;
-    a.union(*b).pixel_count() <= a.pixel_count() + b.pixel_count() + FIXED_COST_PX
-}
 
 /// The pixels of `rays` whose voxel, or a voxel within `reach_vx` of it on every axis, may lie in
 /// one of the `changed` bricks (linear indices, rising).
@@ -104,7 +31,7 @@ pub fn changed_pixels(grid: &Grid, changed: &[u32], rays: &PixelRays, reach_vx: 
     let picture = PixelRect::of_picture(rays.size);
     let Some(projection) = Projection::new(rays) else {
         if !changed.is_empty() {
-            rects.insert(picture);
+            rects.add(picture);
         }
         return rects;
     };
@@ -121,12 +48,12 @@ pub fn changed_pixels(grid: &Grid, changed: &[u32], rays: &PixelRays, reach_vx: 
             let b = grid.brick_coords(index as usize);
             (low.min(b), high.max(b + 1))
         });
-        rects.insert(pixels_of(low, high));
+        rects.add(pixels_of(low, high));
         return rects;
     }
     for run in changed.chunk_by(in_row) {
         let first = grid.brick_coords(run[0] as usize);
-        rects.insert(pixels_of(first, first + UVec3::new(run.len() as u32, 1, 1)));
+        rects.add(pixels_of(first, first + UVec3::new(run.len() as u32, 1, 1)));
     }
     rects.without_overlap()
 }

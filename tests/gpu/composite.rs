@@ -48,6 +48,7 @@ fn view_of(map: &IndexMap, eye: &Eye, grid: &Grid, background: Background) -> Co
         corner: UVec2::ZERO,
         size: eye.size,
         background,
+        area: PixelRect::of_picture(map.rays.size),
         part: PixelRect::of_picture(map.rays.size),
     }
 }
@@ -118,7 +119,7 @@ fn slice_read_back_shade_and_composite_two_eyes() {
             composite.begin(frames.slot());
             for (i, eye) in (0..).zip(&eyes) {
                 let part = PixelRect::of_picture(SIZE);
-                composite.upload(&mut recorder, i, &pictures[i as usize], part).unwrap();
+                composite.upload(&mut recorder, i, &pictures[i as usize], part, None).unwrap();
                 maps.make_readable(&mut recorder, i);
                 screen.begin(&mut recorder, i);
                 let background = Background::Gradient { top, bottom };
@@ -163,7 +164,7 @@ fn composite_once(
     composite.begin(0);
     run_once(device, |recorder| {
         let part = PixelRect::of_picture(map.rays.size);
-        composite.upload(recorder, 0, &colours_of(map), part)?;
+        composite.upload(recorder, 0, &colours_of(map), part, None)?;
         recorder.image_barrier(colour.whole(), Use::NOTHING, Use::COLOUR_TARGET);
         recorder.image_barrier(depth.whole(), Use::NOTHING, Use::DEPTH_TARGET);
         let red = Load::Colour([1.0, 0.0, 0.0, 1.0]);

@@ -8,12 +8,14 @@ use virtual_sculpture::command::Command;
 use virtual_sculpture::config::RenderMode;
 use virtual_sculpture::document::{Document, Limits};
 use virtual_sculpture::gpu::{Device, Frames};
+use virtual_sculpture::render::overlay::{Ghost, Line};
 use virtual_sculpture::render::{Background, Renderer, Shot};
 use virtual_sculpture::scenes;
 use virtual_sculpture::screen::offscreen::FORMAT;
 use virtual_sculpture::sculpture::history::Contents;
 use virtual_sculpture::sculpture::{ColourDepth, Material, Rgb};
 use virtual_sculpture::shade::{Lighting, Pixels};
+use virtual_sculpture::tools::construct::{Primitive, Solid};
 use virtual_sculpture::view::{Camera, Eye};
 
 use crate::fixture::with_device;
@@ -31,7 +33,13 @@ impl Painter {
         Painter { renderer, frames: Frames::new(device).unwrap() }
     }
 
-    fn paint(&mut self, eyes: &[Eye], mode: RenderMode, document: &mut Document) -> Vec<Pixels> {
+    fn paint(
+        &mut self,
+        eyes: &[Eye],
+        mode: RenderMode,
+        (ghosts, lines): (&[Ghost], &[Line]),
+        document: &mut Document,
+    ) -> Vec<Pixels> {
         let lighting = Lighting::default();
         let grey = Vec3::splat(0.2);
         let shot = Shot {
@@ -41,8 +49,8 @@ impl Painter {
             lighting,
             background: Background::Gradient { top: grey, bottom: grey },
             video: None,
-            ghosts: &[],
-            lines: &[],
+            ghosts,
+            lines,
         };
         let mut recorder = self.frames.begin().unwrap();
         self.renderer.paint(&mut recorder, self.frames.slot(), document, &shot).unwrap();
@@ -51,43 +59,93 @@ impl Painter {
     }
 }
 
+/// A tool about a place, as a person has it in the hand.
+fn ghost(at: Vec3) -> Ghost {
+    let primitive = Primitive {
+        solid: Solid::Ellipsoid,
+        centre_vx: at,
+        half: Vec3::new(9.0, 6.0, 7.0),
+        rotation: Quat::from_rotation_z(0.4),
+    };
+    let colour = Rgb::new(250, 200, 40);
+    Ghost { primitive, voxel_size: Vec3::ONE, colour, opacity: [0.5, 0.2] }
+}
+
+fn line(from: Vec3, to: Vec3) -> Line {
+    let colour = Rgb::new(20, 240, 250);
+    Line { from, to, colour, width_px: 3.0, opacity: [1.0, 0.3] }
+}
+
+/// A block with holes that does not reach its grid's border, so that it can grow.
+fn sculpture() -> Document {
+    let grid = scenes::cheese(80, 14, 5).unwrap();
+    let base = Rgb::new(200, 180, 160);
+    let material = Material::new(ColourDepth::Bits24, base, grid.bricks().len());
+    let mut document = Document::from_contents(Contents { grid, material }, Limits::default());
+    document.apply(&"subtract cuboid at=40,40,74 half=40,40,6".parse().unwrap()).unwrap();
+    document
+}
+
 #[test]
 fn a_picture_followed_through_edits_is_the_picture_of_the_result() {
     with_device(|device| {
         let eyes = [Vec3::new(0.8, 0.6, 1.0), Vec3::new(0.7, 0.6, 1.1)]
             .map(|from| Camera::framing(69.0, from, Vec3::Y).eye(SIZE));
         let edits = [
-            "subtract ellipsoid at=50,60,70 half=12,9,14 turn=20,30,40",
-            "add cuboid at=50,60,78 half=6,4,2 colour=#c03020",
-            "recolour ellipsoid at=60,60,76 half=14,14,14 colour=#2060c0",
+            "subtract ellipsoid at=50,60,62 half=12,9,14 turn=20,30,40",
+            "add cuboid at=50,60,71 half=6,4,6 colour=#c03020",
+            "recolour ellipsoid at=60,60,68 half=14,14,14 colour=#2060c0",
             "undo 1",
+            "symmetry x=even",
             "subtract pyramid at=20,70,60 half=10,10,10 turn=0,45,0",
             "undo all",
             "redo all",
         ];
+        // The frame stays, the second line and the tool go with the hand.
+        let frame = line(Vec3::ZERO, Vec3::splat(80.0));
         for mode in RenderMode::ALL {
-            let grid = scenes::cheese(80, 14, 5).unwrap();
-            let base = Rgb::new(200, 180, 160);
-            let material = Material::new(ColourDepth::Bits24, base, grid.bricks().len());
-            let contents = Contents { grid, material };
-            let mut document = Document::from_contents(contents, Limits::default());
+            let mut document = sculpture();
             let mut follower = Painter::new(device);
-            let mut before = follower.paint(&eyes, mode, &mut document);
-            for text in edits {
+            let mut before = follower.paint(&eyes, mode, (&[], &[frame]), &mut document);
+            for (i, text) in edits.into_iter().enumerate() {
                 let command: Command = text.parse().unwrap();
                 document.apply(&command).unwrap();
-                let followed = follower.paint(&eyes, mode, &mut document);
-                // One colour for all shows no paint.
-                assert!(mode == RenderMode::Gpu || followed != before, "{mode:?}: {text} is seen");
-                let anew = Painter::new(device).paint(&eyes, mode, &mut document);
+                let place = Vec3::new(10.0 + 9.0 * i as f32, 40.0, 70.0);
+                let ghosts = &[ghost(place)][..usize::from(i % 3 != 1)];
+                let lines = [frame, line(place, place + Vec3::Y * 20.0)];
+                let tools = (ghosts, lines.as_slice());
+                let followed = follower.paint(&eyes, mode, tools, &mut document);
+                assert!(followed != before, "{mode:?}: {text} is seen");
+                let anew = Painter::new(device).paint(&eyes, mode, tools, &mut document);
                 assert!(followed == anew, "{mode:?}: {text}");
                 before = followed;
             }
             // Nothing is left over of the edits when the eye moves, either.
             let turn = Affine3A::from_quat(Quat::from_rotation_y(0.4));
             let moved = eyes.map(|eye| Eye { eye_from_world: eye.eye_from_world * turn, ..eye });
-            let followed = follower.paint(&moved, mode, &mut document);
-            assert!(followed == Painter::new(device).paint(&moved, mode, &mut document));
+            let tools: (&[Ghost], &[Line]) = (&[], &[frame]);
+            let followed = follower.paint(&moved, mode, tools, &mut document);
+            assert!(followed == Painter::new(device).paint(&moved, mode, tools, &mut document));
+        }
+    });
+}
+
+#[test]
+fn a_tool_that_moves_over_a_resting_sculpture_leaves_nothing_behind() {
+    with_device(|device| {
+        let eyes = [Camera::framing(69.0, Vec3::new(0.8, 0.6, 1.0), Vec3::Y).eye(SIZE)];
+        let mut document = sculpture();
+        for mode in RenderMode::ALL {
+            let mut follower = Painter::new(device);
+            let bare = follower.paint(&eyes, mode, (&[], &[]), &mut document);
+            for i in 0..6 {
+                let place = Vec3::new(15.0 * i as f32, 75.0 - 10.0 * i as f32, 66.0);
+                let tools = (&[ghost(place)][..], &[line(place, Vec3::splat(40.0))][..]);
+                let followed = follower.paint(&eyes, mode, tools, &mut document);
+                let anew = Painter::new(device).paint(&eyes, mode, tools, &mut document);
+                assert!(followed == anew && followed != bare, "{mode:?}: {place}");
+            }
+            assert!(follower.paint(&eyes, mode, (&[], &[]), &mut document) == bare, "{mode:?}");
         }
     });
 }

@@ -1,0 +1,176 @@
+//! Owns where tools and lines lie in a picture: which pixels they may touch, and so which ones are
+//! drawn anew when they move.
+//!
+//! Pure geometry, a twin of the overlay's shaders that is never too small. Knows no device.
+
+use std::iter;
+
+use glam::{Mat4, UVec2, Vec2, Vec3, Vec4};
+
+use super::overlay::{Ghost, Line, grid_from_tool};
+use crate::surface::{PixelRect, PixelRects};
+
+/// Pixels by which a shape may reach beyond the box about its corners: their rounding.
+const MARGIN_PX: f32 = 1.0;
+
+/// Pixels beside a line that its soft edge takes (overlay_line.vert.wgsl).
+const SOFT_EDGE_PX: f32 = 1.0;
+
+/// How a picture of `size` pixels shows the grid.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PictureOfGrid {
+    pub clip_from_grid: Mat4,
+    pub size: UVec2,
+}
+
+impl PictureOfGrid {
+    /// Adds to `rects` what tools or lines touch that are not the same `before` and `now`: as each
+    /// has its place in its list, those at one place are compared.
+    pub fn add_changes(
+        &self,
+        before: (&[Ghost], &[Line]),
+        now: (&[Ghost], &[Line]),
+        rects: &mut PixelRects,
+    ) {
+        for ghost in differing(before.0, now.0) {
+            rects.add(self.pixels_of_ghost(ghost));
+        }
+        for line in differing(before.1, now.1) {
+            rects.add(self.pixels_of_line(line));
+        }
+    }
+
+    fn pixels_of_ghost(&self, ghost: &Ghost) -> PixelRect {
+        if ghost.opacity.iter().all(|&opacity| opacity <= 0.0) {
+            return PixelRect::EMPTY;
+        }
+        let grid_from_tool = grid_from_tool(&ghost.primitive, ghost.voxel_size);
+        let corners: [Vec3; 8] = std::array::from_fn(|corner| {
+            let side = |bit: usize| if corner >> bit & 1 == 0 { -1.0 } else { 1.0 };
+            grid_from_tool.transform_point3(Vec3::new(side(0), side(1), side(2)))
+        });
+        self.pixels_about(&corners, MARGIN_PX)
+    }
+
+    fn pixels_of_line(&self, line: &Line) -> PixelRect {
+        if line.opacity.iter().all(|&opacity| opacity <= 0.0) {
+            return PixelRect::EMPTY;
+        }
+        let reach = 0.5 * line.width_px + SOFT_EDGE_PX + MARGIN_PX;
+        self.pixels_about(&[line.from, line.to], reach)
+    }
+
+    /// The pixels of the convex hull of points in the grid, and `reach_px` around it.
+    fn pixels_about(&self, points: &[Vec3], reach_px: f32) -> PixelRect {
+        let clip = |point: &Vec3| self.clip_from_grid * point.extend(1.0);
+        // Clip z is the near distance everywhere: reversed depth without a far plane.
+        let is_seen = |clip: Vec4| clip.w >= clip.z && clip.w > 0.0;
+        let seen = points.iter().filter(|point| is_seen(clip(point))).count();
+        let picture = PixelRect::of_picture(self.size);
+        match seen {
+            0 => return PixelRect::EMPTY,
+            some if some < points.len() => return picture,
+            _ => {}
+        }
+        let half = 0.5 * self.size.as_vec2();
+        let pixels = points.iter().map(|point| {
+            let clip = clip(point);
+            (Vec2::new(clip.x, clip.y) / clip.w + 1.0) * half
+        });
+        let (low, high) = pixels
+            .fold((Vec2::MAX, Vec2::MIN), |(low, high), pixel| (low.min(pixel), high.max(pixel)));
+        if !(low.is_finite() && high.is_finite()) {
+            return picture;
+        }
+        // Casts clamp at 0 and at the largest number.
+        let min = (low - reach_px).floor().as_uvec2();
+        let max = (high + reach_px).ceil().as_uvec2();
+        PixelRect { min, max }.intersect(picture)
+    }
+}
+
+/// What two lists have at a place where they differ.
+fn differing<'a, T: PartialEq>(
+    before: &'a [T],
+    now: &'a [T],
+) -> impl Iterator<Item = &'a T> + use<'a, T> {
+    let longest = before.len().max(now.len());
+    (0..longest)
+        .map(|i| (before.get(i), now.get(i)))
+        .filter(|(before, now)| before != now)
+        .flat_map(|(before, now)| iter::chain(before, now))
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{Affine3A, Quat};
+
+    use super::*;
+    use crate::sculpture::Rgb;
+    use crate::tools::construct::{Primitive, Solid};
+    use crate::view::Camera;
+
+    const SIZE: UVec2 = UVec2::new(800, 400);
+
+    fn picture() -> PictureOfGrid {
+        let camera = Camera { eye: Vec3::Z * 100.0, ..Camera::default() };
+        let clip_from_grid = camera.eye(SIZE).clip_from_grid(&Affine3A::IDENTITY);
+        PictureOfGrid { clip_from_grid, size: SIZE }
+    }
+
+    fn line(from: Vec3, to: Vec3) -> Line {
+        let colour = Rgb::new(1, 2, 3);
+        Line { from, to, colour, width_px: 4.0, opacity: [1.0, 0.0] }
+    }
+
+    fn ghost(centre_vx: Vec3) -> Ghost {
+        let primitive = Primitive {
+            solid: Solid::Cuboid,
+            centre_vx,
+            half: Vec3::splat(3.0),
+            rotation: Quat::from_rotation_z(0.3),
+        };
+        let colour = Rgb::new(9, 9, 9);
+        Ghost { primitive, voxel_size: Vec3::ONE, colour, opacity: [0.4, 0.1] }
+    }
+
+    fn changes(before: (&[Ghost], &[Line]), now: (&[Ghost], &[Line])) -> PixelRects {
+        let mut rects = PixelRects::NONE;
+        picture().add_changes(before, now, &mut rects);
+        rects
+    }
+
+    #[test]
+    fn what_stays_touches_nothing_and_what_moves_both_places() {
+        let (here, there) = (ghost(Vec3::ZERO), ghost(Vec3::new(30.0, 0.0, 0.0)));
+        let frame = line(Vec3::splat(-30.0), Vec3::splat(30.0));
+        assert!(changes((&[here], &[frame]), (&[here], &[frame])).is_empty());
+        let moved = changes((&[here], &[frame]), (&[there], &[frame]));
+        assert_eq!(moved.as_slice().len(), 2);
+        assert!(moved.pixel_count() < 2 * 60 * 60, "{moved:?}");
+        assert_eq!(changes((&[], &[]), (&[here], &[])).as_slice()[0], moved.as_slice()[0]);
+        // The middle of the picture is the middle of the first.
+        let PixelRect { min, max } = moved.as_slice()[0];
+        assert_eq!(min + max, SIZE);
+        let hidden = Ghost { opacity: [0.0; 2], ..there };
+        assert_eq!(changes((&[here], &[]), (&[hidden], &[])).as_slice().len(), 1);
+    }
+
+    #[test]
+    fn a_line_is_as_wide_as_it_is_drawn() {
+        let flat = line(Vec3::new(-10.0, 0.0, 0.0), Vec3::new(10.0, 0.0, 0.0));
+        let rects = changes((&[], &[]), (&[], &[flat]));
+        let PixelRect { min, max } = rects.bounds();
+        assert!(max.y - min.y >= 6 && max.y - min.y <= 10, "{rects:?}");
+    }
+
+    #[test]
+    fn what_reaches_behind_the_eye_may_be_anywhere() {
+        let behind = Vec3::Z * 200.0;
+        let through = line(Vec3::ZERO, behind);
+        let whole = PixelRect::of_picture(SIZE);
+        assert_eq!(changes((&[], &[]), (&[], &[through])).as_slice(), [whole]);
+        let unseen = line(behind, behind + Vec3::X);
+        assert!(changes((&[], &[]), (&[], &[unseen])).is_empty());
+    }
+}

@@ -1,0 +1,217 @@
+//! Owns what the pictures at hand were made of, and with it what of them a new shot changes.
+//!
+//! Pure values: knows no device and no pass.
+
+use std::time::Instant;
+
+use glam::Affine3A;
+
+use super::overlay::{Ghost, Line};
+use super::overlay_pixels::PictureOfGrid;
+use super::renderer::Shot;
+use super::{Background, MAX_EYES, VideoView};
+use crate::config::{RenderMode, Shading};
+use crate::document::Document;
+use crate::shade::{Lighting, NORMAL_REACH_VX};
+use crate::surface::{PixelRects, changed_pixels};
+use crate::view::{Eye, PixelRays};
+
+/// What the voxels of a picture depend on.
+#[derive(Clone, Copy, PartialEq)]
+struct SampleKey {
+    revision: u64,
+    eyes: [Option<Eye>; MAX_EYES],
+    world_from_grid: Affine3A,
+    mode: RenderMode,
+}
+
+impl SampleKey {
+    /// Whether the same is looked at from the same place in the same way, but for edits.
+    fn sees_as(&self, other: &SampleKey) -> bool {
+        let SampleKey { revision: _, eyes, world_from_grid, mode } = other;
+        (&self.eyes, &self.world_from_grid, &self.mode) == (eyes, world_from_grid, mode)
+    }
+}
+
+/// What pictures as a whole depend on. Kept for its memory.
+pub(super) struct Shown {
+    sample: SampleKey,
+    lighting: Lighting,
+    background: Background,
+    video: Option<(Instant, VideoView)>,
+    ghosts: Vec<Ghost>,
+    lines: Vec<Line>,
+}
+
+impl Shown {
+    /// What a shot of `document` shows, in the memory of a former one.
+    pub fn new(former: Option<Shown>, document: &Document, shot: &Shot) -> Shown {
+        let (mut ghosts, mut lines) = former.map_or_else(Default::default, |f| (f.ghosts, f.lines));
+        ghosts.clear();
+        ghosts.extend_from_slice(shot.ghosts);
+        lines.clear();
+        lines.extend_from_slice(shot.lines);
+        let Shot { lighting, background, .. } = *shot;
+        let video = shot.video.map(|video| video.key());
+        Shown { sample: sample_key(document, shot), lighting, background, video, ghosts, lines }
+    }
+
+    pub fn mode(&self) -> RenderMode {
+        self.sample.mode
+    }
+}
+
+/// What of the pictures is made anew.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Part {
+    All,
+    /// What the changed bricks, tools and lines may change.
+    Changed,
+}
+
+/// What a shot does again.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct Steps {
+    pub sample: Option<Part>,
+    pub shade: Option<Part>,
+    pub compose: Option<Part>,
+}
+
+impl Steps {
+    /// From the pictures shown `before` to those of `shot`. `heard`: it is known which bricks have
+    /// changed since.
+    pub fn new(before: Option<&Shown>, document: &Document, shot: &Shot, heard: bool) -> Steps {
+        let all = Some(Part::All);
+        let Some(before) = before else { return Steps { sample: all, shade: all, compose: all } };
+        let sample = sample_key(document, shot);
+        let same_light = before.lighting == shot.lighting;
+        let same_back = before.background == shot.background
+            && before.video == shot.video.map(|video| video.key());
+        let same_tools = before.ghosts == shot.ghosts && before.lines == shot.lines;
+        // While nothing moves, an edit changes but a part of the picture.
+        let part_if = |partial: bool| if partial { Part::Changed } else { Part::All };
+        let still = heard && before.sample.sees_as(&sample);
+        let resample = before.sample != sample;
+        let reshade = resample || !same_light;
+        let recompose = reshade || !(same_back && same_tools);
+        // Filters look at the pixels around, occlusion far around the voxel.
+        let shade_part = part_if(still && same_light && shot.lighting.is_local());
+        // Points stand out of their pixels.
+        let within_pixels = shot.mode.shading() != Shading::Points;
+        let compose_part = match reshade {
+            true => shade_part,
+            false => part_if(still),
+        };
+        Steps {
+            sample: resample.then_some(part_if(still)),
+            shade: reshade.then_some(shade_part),
+            compose: recompose.then_some(match same_back && within_pixels {
+                true => compose_part,
+                false => Part::All,
+            }),
+        }
+    }
+}
+
+/// The pixels of `eye`, which has `rays`, that [`Part::Changed`] of its picture stands for: where
+/// tools or lines are not those of `before`, or the voxel or its shade may have changed with the
+/// `changed` bricks.
+pub(super) fn pixels_to_compose(
+    before: &Shown,
+    document: &Document,
+    changed: &[u32],
+    shot: &Shot,
+    eye: &Eye,
+    rays: &PixelRays,
+) -> PixelRects {
+    let mut rects = changed_pixels(document.grid(), changed, rays, NORMAL_REACH_VX);
+    let clip_from_grid = eye.clip_from_grid(&shot.world_from_grid);
+    let picture = PictureOfGrid { clip_from_grid, size: eye.size };
+    let former = (before.ghosts.as_slice(), before.lines.as_slice());
+    picture.add_changes(former, (shot.ghosts, shot.lines), &mut rects);
+    rects.without_overlap()
+}
+
+fn sample_key(document: &Document, shot: &Shot) -> SampleKey {
+    let mut eyes = [None; MAX_EYES];
+    for (key, eye) in eyes.iter_mut().zip(shot.eyes) {
+        *key = Some(*eye);
+    }
+    SampleKey {
+        revision: document.revision(),
+        eyes,
+        world_from_grid: shot.world_from_grid,
+        mode: shot.mode,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{UVec2, Vec3};
+
+    use super::*;
+    use crate::document::Limits;
+    use crate::sculpture::history::Contents;
+    use crate::sculpture::{ColourDepth, Grid, Material, Rgb};
+    use crate::view::Camera;
+
+    #[test]
+    fn what_rests_is_not_done_again_and_what_is_local_only_in_part() {
+        let grid = Grid::new(glam::UVec3::splat(16), Vec3::ONE, 1 << 20).unwrap();
+        let material = Material::new(ColourDepth::None, Rgb::default(), grid.bricks().len());
+        let mut document = Document::from_contents(Contents { grid, material }, Limits::default());
+        let eyes = [Camera::default().eye(UVec2::new(40, 30))];
+        let line = Line {
+            from: Vec3::ZERO,
+            to: Vec3::ONE,
+            colour: Rgb::default(),
+            width_px: 1.0,
+            opacity: [1.0; 2],
+        };
+        let shot = Shot {
+            eyes: &eyes,
+            world_from_grid: Affine3A::IDENTITY,
+            mode: RenderMode::Ray,
+            lighting: Lighting::default(),
+            background: Background::Keep,
+            video: None,
+            ghosts: &[],
+            lines: &[],
+        };
+        let steps = |sample, shade, compose| Steps { sample, shade, compose };
+        let (all, some) = (Some(Part::All), Some(Part::Changed));
+        assert_eq!(Steps::new(None, &document, &shot, true), steps(all, all, all));
+
+        let shown = Shown::new(None, &document, &shot);
+        let to = |document: &Document, shot: &Shot| Steps::new(Some(&shown), document, shot, true);
+        assert_eq!(to(&document, &shot), steps(None, None, None));
+        let with_line = Shot { lines: &[line], ..shot };
+        assert_eq!(to(&document, &with_line), steps(None, None, some));
+        let before_black = Background::Gradient { top: Vec3::ZERO, bottom: Vec3::ZERO };
+        let shot_before_black = Shot { background: before_black, lines: &[line], ..shot };
+        assert_eq!(to(&document, &shot_before_black), steps(None, None, all));
+        let mut dark = shot;
+        dark.lighting.ambient = Rgb::default();
+        assert_eq!(to(&document, &dark), steps(None, all, all));
+        let moved = Shot { world_from_grid: Affine3A::from_translation(Vec3::X), ..shot };
+        assert_eq!(to(&document, &moved), steps(all, all, all));
+
+        document.apply(&"add cuboid at=8,8,8 half=2,2,2 colour=#ffffff".parse().unwrap()).unwrap();
+        assert_eq!(to(&document, &shot), steps(some, some, some));
+        assert_eq!(Steps::new(Some(&shown), &document, &shot, false), steps(all, all, all));
+        assert_eq!(to(&document, &dark), steps(some, all, all));
+        // Points stand out of their pixels.
+        let points = Shot { mode: RenderMode::RayPoints, ..shot };
+        let of_points = Shown::new(None, &document, &points);
+        let points = Shot { lines: &[line], ..points };
+        let to_points = Steps::new(Some(&of_points), &document, &points, true);
+        assert_eq!(to_points, steps(None, None, all));
+        // What is about a voxel darkens it from afar.
+        let mut occluded = shot;
+        occluded.lighting.occlusion = true;
+        let shown = Shown::new(Some(shown), &document, &occluded);
+        document.apply(&"undo 1".parse().unwrap()).unwrap();
+        let to_open = Steps::new(Some(&shown), &document, &occluded, true);
+        assert_eq!(to_open, steps(some, all, all));
+    }
+}
