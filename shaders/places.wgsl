@@ -1,28 +1,19 @@
 // Voxels by their number in an index map.
 
-// Quotient and remainder, for numbers of any size, without the integer division that is slow on
-// SIMD: an estimate in f32 is off by at most a few units, which a second one makes good.
-fn divide(number: u32, by: u32) -> vec2<u32> {
-    let inverse = 1.0 / f32(by);
-    var quotient = u32(f32(number) * inverse);
-    var rest = i32(number - quotient * by);
-    let correction = i32(floor(f32(rest) * inverse));
-    quotient += u32(correction);
-    rest -= correction * i32(by);
-    if rest < 0 {
-        quotient -= 1u;
-        rest += i32(by);
-    }
-    if rest >= i32(by) {
-        quotient += 1u;
-        rest -= i32(by);
-    }
-    return vec2<u32>(quotient, u32(rest));
+// Quotient and remainder without the integer division that is slow on SIMD: an estimate in f32, off
+// by at most one where the quotient is below 2^22 and the divisor below 2^30.
+fn divide(number: u32, by: i32) -> vec2<i32> {
+    let quotient = i32(f32(number) * (1.0 / f32(by)));
+    let rest = i32(number - u32(quotient) * u32(by));
+    // -1 below 0, 1 from the divisor on.
+    let off = (rest >> 31u) - ((by - 1 - rest) >> 31u);
+    return vec2<i32>(quotient + off, rest - off * by);
 }
 
-// The voxel `x + y*dX + z*dX*dY`.
+// The voxel `x + y*dX + z*dX*dY`. No axis is longer than 4096.
 fn voxel_of(index: u32, dims: vec3<u32>) -> vec3<i32> {
-    let yz = divide(index, dims.x);
-    let z = divide(yz.x, dims.y);
-    return vec3<i32>(i32(yz.y), i32(z.y), i32(z.x));
+    let size = vec3<i32>(dims);
+    let layer = divide(index, size.x * size.y);
+    let row = divide(u32(layer.y), size.x);
+    return vec3<i32>(row.y, row.x, layer.x);
 }

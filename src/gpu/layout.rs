@@ -271,7 +271,11 @@ mod tests {
             compare(text, "SliceView", SliceView::members(), size_of::<SliceView>());
         }
         let (members, bytes) = (CompositeView::members(), size_of::<CompositeView>());
-        for text in [stage!("composite.frag.wgsl"), stage!("gpu_only.frag.wgsl")] {
+        for text in [
+            stage!("composite.frag.wgsl"),
+            stage!("composite_linear.frag.wgsl"),
+            stage!("gpu_only.frag.wgsl"),
+        ] {
             compare(text, "CompositeView", members.clone(), bytes);
         }
         let (members, bytes) = (StereoView::members(), size_of::<StereoView>());

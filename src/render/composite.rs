@@ -89,16 +89,13 @@ impl Composite {
         let set_layout = SetLayout::new(device, "composite", &bindings)?;
         let push = Some((fragment, size_of::<CompositeView>()));
         let layout = PipelineLayout::new(device, "composite", Some(&set_layout), push)?;
-        let pipeline = Pipeline::graphics(
-            device,
-            &Graphics::screen(
-                "composite",
-                shaders::COMPOSITE_FRAG,
-                &layout,
-                format,
-                Some(Depth::OVERWRITE),
-            ),
-        )?;
+        let fragment = match is_srgb(format) {
+            true => shaders::COMPOSITE_LINEAR_FRAG,
+            false => shaders::COMPOSITE_FRAG,
+        };
+        let depth = Some(Depth::OVERWRITE);
+        let pass = Graphics::screen("composite", fragment, &layout, format, depth);
+        let pipeline = Pipeline::graphics(device, &pass)?;
         let count = FRAMES_IN_FLIGHT * eyes as usize;
         Ok(Composite {
             pipeline,

@@ -142,9 +142,11 @@ fn slice_read_back_shade_and_composite_two_eyes() {
     });
 }
 
-/// Draws `map` (as if of `eye`) on a target that holds red at depth 0; gives colour and depth.
+/// Draws `map` (as if of `eye`) on a target of `format` that holds red at depth 0; gives colour and
+/// depth.
 fn composite_once(
     device: &Arc<Device>,
+    format: vk::Format,
     grid: &Grid,
     map: &IndexMap,
     eye: &Eye,
@@ -156,11 +158,11 @@ fn composite_once(
         let info = ImageInfo::plane("screen", size, format, usage | Usage::TRANSFER_SRC);
         Image::new(device, &info).unwrap()
     };
-    let colour = image(FORMAT, Usage::COLOR_ATTACHMENT);
+    let colour = image(format, Usage::COLOR_ATTACHMENT);
     let depth = image(vk::Format::D32_SFLOAT, Usage::DEPTH_STENCIL_ATTACHMENT);
     let mut maps = IndexTarget::new(device, map.rays.size, 1).unwrap();
     upload(device, &mut maps, 0, map);
-    let mut composite = Composite::new(device, FORMAT, 1).unwrap();
+    let mut composite = Composite::new(device, format, 1).unwrap();
     composite.begin(0);
     run_once(device, |recorder| {
         let part = PixelRect::of_picture(map.rays.size);
@@ -203,7 +205,8 @@ fn the_depth_is_that_of_the_surface() {
             let eye = eye_at(direction, &grid);
             let map = sampled(&grid, &eye);
             assert!(map.covered() > 100);
-            let (colours, depths) = composite_once(device, &grid, &map, &eye, Background::Keep);
+            let (colours, depths) =
+                composite_once(device, FORMAT, &grid, &map, &eye, Background::Keep);
             let expected = colours_of(&map);
             for y in 0..SIZE.y {
                 for x in 0..SIZE.x {
@@ -230,7 +233,7 @@ fn a_smaller_map_fills_the_target_and_the_background_runs_from_top_to_bottom() {
         let map = sampled(&grid, &small);
         let large = Eye { size: SIZE, ..small };
         let background = Background::Gradient { top: Vec3::ZERO, bottom: Vec3::ONE };
-        let (colours, _) = composite_once(device, &grid, &map, &large, background);
+        let (colours, _) = composite_once(device, FORMAT, &grid, &map, &large, background);
         let picture = colours_of(&map);
         for y in 0..SIZE.y {
             for x in 0..SIZE.x {
@@ -243,6 +246,22 @@ fn a_smaller_map_fills_the_target_and_the_background_runs_from_top_to_bottom() {
                     assert!((f32::from(colour[0]) - grey).abs() <= 1.0);
                 }
             }
+        }
+    });
+}
+
+#[test]
+fn a_target_that_encodes_holds_the_same_colours() {
+    with_device(|device| {
+        let grid = scenes::cheese(64, 12, 3).unwrap();
+        let eye = eye_at(Vec3::new(0.7, 0.6, 1.0), &grid);
+        let map = sampled(&grid, &eye);
+        let draw = |format| composite_once(device, format, &grid, &map, &eye, Background::Keep).0;
+        let (plain, encoded) = (draw(FORMAT), draw(vk::Format::R8G8B8A8_SRGB));
+        assert_eq!(plain.len(), encoded.len());
+        for (plain, encoded) in plain.iter().zip(&encoded) {
+            let near = plain.iter().zip(encoded).all(|(a, b)| a.abs_diff(*b) <= 1);
+            assert!(near, "{encoded:?} for {plain:?}");
         }
     });
 }

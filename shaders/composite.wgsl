@@ -1,0 +1,35 @@
+// The shaded sculpture over what is there, with the depth of the surface, so that what is drawn
+// later is hidden by it: where the pixel's ray enters the box of the voxel that it sees.
+
+//!include "layout.wgsl"
+//!include "ray.wgsl"
+//!include "places.wgsl"
+
+var<immediate> view: CompositeView;
+@group(0) @binding(0) var index_map: texture_2d<u32>;
+@group(0) @binding(1) var picture: texture_2d<f32>;
+
+struct Pixel {
+    @location(0) colour: vec4<f32>,
+    @builtin(frag_depth) depth: f32,
+}
+
+@fragment
+fn main(@builtin(position) position: vec4<f32>) -> Pixel {
+    let at = position.xy - vec2<f32>(view.left, view.upper);
+    let on_map = at * vec2<f32>(view.scale_x, view.scale_y);
+    let texel = min(vec2<u32>(on_map), view.size - vec2<u32>(1u));
+    let voxel = textureLoad(index_map, texel, 0).x;
+    if voxel == NO_VOXEL {
+        discard;
+    }
+    let low = voxel_of(voxel, view.dims);
+    let centre = vec2<f32>(texel) + 0.5;
+    let ray = make_ray(view.origin, view.corner + view.step_x * centre.x + view.step_y * centre.y);
+    let enter = crossings(ray, select(low + vec3<i32>(1), low, ray.forward));
+    let t = max(max(enter.x, enter.y), enter.z);
+    // An eye within the voxel sees it at the near plane.
+    let depth = select(1.0, (view.depth_slope * t + view.depth_at_0) / t, t > 0.0);
+    let colour = stored(textureLoad(picture, texel, 0).xyz);
+    return Pixel(vec4<f32>(colour, 1.0), clamp(depth, 0.0, 1.0));
+}
