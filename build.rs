@@ -125,7 +125,44 @@ fn compile(source: &Source, stage: ShaderStage) -> Result<Vec<u32>, String> {
     };
     let entry = spv::PipelineOptions { shader_stage: stage, entry_point: "main".to_string() };
     spv::write_vec(&module, &info, &options, Some(&entry))
+        .map(specialise)
         .map_err(|e| source.message(None, &e.to_string()))
+}
+
+/// Literals from this one on stand for the specialization constants from 0 on, which naga does not
+/// write.
+const FIRST_SPECIALISED: u32 = 0x5bec_0000;
+const MAX_SPECIALISED: u32 = 16;
+
+/// Turns the constants of these literals into specialization constants (SPIR-V 1.5, 3.42).
+fn specialise(mut words: Vec<u32>) -> Vec<u32> {
+    const HEADER_WORDS: usize = 5;
+    const OP_DECORATE: u32 = 71;
+    const OP_CONSTANT: u32 = 43;
+    const OP_SPEC_CONSTANT: u32 = 50;
+    const SPEC_ID: u32 = 1;
+    let mut decorations = Vec::new();
+    let mut first_annotation = None;
+    let mut at = HEADER_WORDS;
+    while at < words.len() {
+        let (length, operation) = ((words[at] >> 16) as usize, words[at] & 0xffff);
+        // Annotations come before the types, of which the first are 19 to 33.
+        if matches!(operation, OP_DECORATE | 72 | 19..=33) {
+            first_annotation.get_or_insert(at);
+        }
+        if operation == OP_CONSTANT && length == 4 {
+            let number = words[at + 3].wrapping_sub(FIRST_SPECIALISED);
+            if number < MAX_SPECIALISED {
+                words[at] = 4 << 16 | OP_SPEC_CONSTANT;
+                words[at + 3] = 0;
+                decorations.extend([4 << 16 | OP_DECORATE, words[at + 2], SPEC_ID, number]);
+            }
+        }
+        at += length.max(1);
+    }
+    let place = first_annotation.unwrap_or(words.len());
+    words.splice(place..place, decorations);
+    words
 }
 
 fn file_name(path: &Path) -> String {

@@ -1,6 +1,8 @@
 // The colour of a voxel: a table with a number for each brick (0: not painted), then pages of 512
 // packed colours, as src/render/colours.rs lays them out and src/sculpture/colour.rs packs them.
 
+//!include "surface_kind.wgsl"
+
 @group(0) @binding(4) var<storage, read> colours: array<u32>;
 
 // A level of `steps` + 1 as 0 to 1, through the nearest of 256.
@@ -8,8 +10,9 @@ fn expand(level: u32, steps: f32) -> f32 {
     return floor((f32(level) * 255.0 + floor(0.5 * steps) + 0.5) / steps) / 255.0;
 }
 
-// sRGB, 0 to 1. Without `bytes` a voxel everybody has the base colour.
-fn colour_of(voxel: vec3<i32>, base: vec3<f32>, bytes: u32, bricks: vec3<u32>) -> vec3<f32> {
+// sRGB, 0 to 1.
+fn colour_of(voxel: vec3<i32>, base: vec3<f32>, bricks: vec3<u32>) -> vec3<f32> {
+    let bytes = kind_colour_bytes;
     if bytes == 0u {
         return base;
     }

@@ -56,10 +56,7 @@ struct Shading {
     base: vec3<f32>,
     shininess: u32,
     dims: vec3<u32>,
-    lights: u32,
     bricks: vec3<u32>,
-    colour_bytes: u32,
-    occlusion: u32,
 }
 
 struct StereoView {

@@ -1,7 +1,12 @@
 // Blinn-Phong with ambient light: the twin of src/shade/illumination.rs. Light is added in linear
 // space; gamma 2.0 stands for the sRGB curve.
 
+//!include "surface_kind.wgsl"
+
 @group(0) @binding(5) var<uniform> shading: Shading;
+
+// Of the largest exponent, 1024 (src/shade/light.rs).
+const EXPONENT_BITS: u32 = 11u;
 
 fn unit_or(v: vec3<f32>, other: vec3<f32>) -> vec3<f32> {
     let squared = dot(v, v);
@@ -11,10 +16,8 @@ fn unit_or(v: vec3<f32>, other: vec3<f32>) -> vec3<f32> {
 fn power(base: f32, exponent: u32) -> f32 {
     var product = 1.0;
     var square = base;
-    for (var rest = exponent; rest != 0u; rest >>= 1u) {
-        if (rest & 1u) != 0u {
-            product *= square;
-        }
+    for (var bit = 0u; bit < EXPONENT_BITS; bit++) {
+        product = select(product, product * square, ((exponent >> bit) & 1u) != 0u);
         square *= square;
     }
     return product;
@@ -37,13 +40,11 @@ fn lit(point: vec3<f32>, outwards: vec3<f32>, colour: vec3<f32>, open: f32) -> v
     let cos_eye = dot(normal, to_eye);
     let albedo = colour * colour;
     var sum = albedo * shading.ambient * open;
-    for (var i = 0u; i < shading.lights; i++) {
+    for (var i = 0u; i < kind_lights; i++) {
         let source = shading.sources[i];
-        var to_light = source.xyz;
-        if source.w != 0.0 {
-            let way = source.xyz - position;
-            to_light = way / sqrt(max(dot(way, way), 1e-38));
-        }
+        let way = source.xyz - position;
+        let from_place = way / sqrt(max(dot(way, way), 1e-38));
+        let to_light = select(source.xyz, from_place, source.w != 0.0);
         let cos_light = dot(normal, to_light);
         let between = sqrt(max(2.0 * dot(to_light, to_eye) + 2.0, 1e-38));
         let cos_half = max((cos_light + cos_eye) / between, 0.0);

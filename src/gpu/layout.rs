@@ -136,15 +136,10 @@ shared! {
         shininess: u32,
         /// Size of the grid in voxels.
         dims: [u32; 3],
-        /// How many lights there are.
-        lights: u32,
+        pad_0: u32,
         /// Size of the grid in bricks.
         bricks: [u32; 3],
-        /// Bytes of a voxel's colour; 0 where all have the base colour.
-        colour_bytes: u32,
-        /// 1 where surroundings dim the ambient light.
-        occlusion: u32,
-        pad_0: [u32; 3],
+        pad_1: u32,
     }
 }
 

@@ -132,6 +132,8 @@ pub struct Graphics<'a> {
     pub cull: vk::CullModeFlags,
     pub colour: Option<(vk::Format, Blend)>,
     pub depth: Option<Depth>,
+    /// The specialization constants of the shaders, from number 0 on.
+    pub constants: &'a [u32],
 }
 
 impl<'a> Graphics<'a> {
@@ -153,6 +155,7 @@ impl<'a> Graphics<'a> {
             cull: vk::CullModeFlags::NONE,
             colour: Some((format, Blend::Replace)),
             depth,
+            constants: &[],
         }
     }
 }
@@ -168,9 +171,11 @@ pub struct Pipeline {
 impl Pipeline {
     pub fn graphics(device: &Arc<Device>, of: &Graphics<'_>) -> Result<Pipeline> {
         let modules = [Module::new(device, of.vertex)?, Module::new(device, of.fragment)?];
+        let entries = constant_entries(of.constants);
+        let constants = constants_info(of.constants, &entries);
         let stages = [
-            modules[0].stage(vk::ShaderStageFlags::VERTEX),
-            modules[1].stage(vk::ShaderStageFlags::FRAGMENT),
+            modules[0].stage(vk::ShaderStageFlags::VERTEX).specialization_info(&constants),
+            modules[1].stage(vk::ShaderStageFlags::FRAGMENT).specialization_info(&constants),
         ];
         let (bindings, attributes) = vertex_input(of.vertices);
         let input = vk::PipelineVertexInputStateCreateInfo::default()
@@ -220,16 +225,21 @@ impl Pipeline {
         Pipeline::wrap(device, of.name, made, vk::PipelineBindPoint::GRAPHICS, of.layout)
     }
 
-    /// `shader`: SPIR-V with the entry point `main`.
+    /// `shader`: SPIR-V with the entry point `main`. `constants`: its specialization constants, from
+    /// number 0 on.
     pub fn compute(
         device: &Arc<Device>,
         name: &str,
         shader: &[u32],
         layout: &Arc<PipelineLayout>,
+        constants: &[u32],
     ) -> Result<Pipeline> {
         let module = Module::new(device, shader)?;
+        let entries = constant_entries(constants);
+        let constants = constants_info(constants, &entries);
+        let stage = module.stage(vk::ShaderStageFlags::COMPUTE);
         let info = vk::ComputePipelineCreateInfo::default()
-            .stage(module.stage(vk::ShaderStageFlags::COMPUTE))
+            .stage(stage.specialization_info(&constants))
             .layout(layout.handle());
         // SAFETY: the info is complete and all it points to lives.
         let made = unsafe {
@@ -267,6 +277,24 @@ impl Drop for Pipeline {
     fn drop(&mut self) {
         self.device.retire(Retired::Pipeline(self.handle));
     }
+}
+
+/// Where the specialization constants from number 0 on lie among others.
+fn constant_entries(constants: &[u32]) -> Vec<vk::SpecializationMapEntry> {
+    let size = size_of::<u32>();
+    let entry = |number: usize| vk::SpecializationMapEntry {
+        constant_id: number as u32,
+        offset: (number * size) as u32,
+        size,
+    };
+    (0..constants.len()).map(entry).collect()
+}
+
+fn constants_info<'a>(
+    constants: &'a [u32],
+    entries: &'a [vk::SpecializationMapEntry],
+) -> vk::SpecializationInfo<'a> {
+    vk::SpecializationInfo::default().map_entries(entries).data(bytemuck::cast_slice(constants))
 }
 
 /// A shader module, needed only while a pipeline is made.

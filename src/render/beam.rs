@@ -54,7 +54,7 @@ impl Beams {
         let layout = PipelineLayout::new(device, SHADERS.name, Some(&set_layout), push)?;
         let count = FRAMES_IN_FLIGHT * eyes as usize;
         Ok(Beams {
-            pass: PixelPass::new(device, &SHADERS, stage, &layout)?,
+            pass: PixelPass::new(device, &SHADERS, stage, &layout, &[])?,
             sets: DescriptorSets::new(device, SHADERS.name, &set_layout, count)?,
             named: vec![(0, 0); count],
             starts: None,

@@ -15,6 +15,7 @@ use super::beam::Beams;
 use super::composite::{CompositeEye, constants, is_srgb};
 use super::pixel_pass::PixelStage;
 use super::shading::{COLOURS, Surface, UNIFORMS, Uniforms, VOLUME};
+use super::surface_kind::{ByKind, SurfaceKind};
 use crate::gpu::layout::CompositeView;
 use crate::gpu::{
     Depth, DescriptorSets, Device, FRAMES_IN_FLIGHT, Graphics, Pipeline, PipelineLayout, Recorder,
@@ -27,7 +28,9 @@ const STARTS: u32 = 6;
 
 /// Draws sculptures straight to a screen.
 pub struct GpuOnly {
-    pipeline: Pipeline,
+    pipelines: ByKind<Pipeline>,
+    layout: Arc<PipelineLayout>,
+    format: vk::Format,
     sets: DescriptorSets,
     /// The images that each set names: volume, starts of rays.
     named: Vec<(u64, u64)>,
@@ -38,6 +41,7 @@ pub struct GpuOnly {
     eyes: u32,
     /// The target stores linear values, encoded by the device.
     linear: bool,
+    device: Arc<Device>,
 }
 
 impl GpuOnly {
@@ -53,19 +57,11 @@ impl GpuOnly {
         let set_layout = SetLayout::new(device, "GPU only", &bindings)?;
         let push = Some((fragment, size_of::<CompositeView>()));
         let layout = PipelineLayout::new(device, "GPU only", Some(&set_layout), push)?;
-        let pipeline = Pipeline::graphics(
-            device,
-            &Graphics::screen(
-                "GPU only",
-                shaders::GPU_ONLY_FRAG,
-                &layout,
-                format,
-                Some(Depth::OVERWRITE),
-            ),
-        )?;
         let count = FRAMES_IN_FLIGHT * eyes as usize;
         Ok(GpuOnly {
-            pipeline,
+            pipelines: ByKind::new(),
+            layout,
+            format,
             sets: DescriptorSets::new(device, "GPU only", &set_layout, count)?,
             named: vec![(0, 0); count],
             beams: Beams::new(device, PixelStage::of(device), eyes)?,
@@ -74,6 +70,7 @@ impl GpuOnly {
             slot: 0,
             eyes,
             linear: is_srgb(format),
+            device: device.clone(),
         })
     }
 
@@ -119,9 +116,14 @@ impl GpuOnly {
         }
         self.uniforms.write(&self.sets, set, surface)?;
         self.uniforms.write_colours(&self.sets, set, surface);
-        recorder.bind_pipeline(&self.pipeline);
-        recorder.bind_set(&self.pipeline, self.sets.set(set));
-        recorder.push(self.pipeline.layout(), &constants(view, self.linear));
+        let pipeline = self.pipelines.get(SurfaceKind::of(surface), |constants| {
+            let (fragment, depth) = (shaders::GPU_ONLY_FRAG, Some(Depth::OVERWRITE));
+            let pass = Graphics::screen("GPU only", fragment, &self.layout, self.format, depth);
+            Pipeline::graphics(&self.device, &Graphics { constants, ..pass })
+        })?;
+        recorder.bind_pipeline(pipeline);
+        recorder.bind_set(pipeline, self.sets.set(set));
+        recorder.push(pipeline.layout(), &constants(view, self.linear));
         recorder.set_scissor(view.scissor());
         recorder.draw(3, 1);
         Ok(())

@@ -21,6 +21,7 @@ pub mod shading;
 mod shown;
 pub mod slicing;
 pub mod stereo;
+mod surface_kind;
 pub mod surface_shade;
 pub mod target;
 pub mod times;

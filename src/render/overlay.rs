@@ -125,6 +125,7 @@ impl Overlay {
                     cull: vk::CullModeFlags::BACK,
                     colour: Some((colour, Blend::Alpha)),
                     depth: Some(Depth { format: depth, compare, write: false }),
+                    constants: &[],
                 },
             )
         };
@@ -145,6 +146,7 @@ impl Overlay {
                     cull: vk::CullModeFlags::NONE,
                     colour: Some((colour, Blend::Alpha)),
                     depth: Some(Depth { format: depth, compare, write: false }),
+                    constants: &[],
                 },
             )
         };

@@ -89,18 +89,20 @@ pub(super) struct PixelPass {
 }
 
 impl PixelPass {
+    /// `constants`: the specialization constants of the shaders, from number 0 on.
     pub fn new(
         device: &Arc<Device>,
         shaders: &PixelShaders,
         stage: PixelStage,
         layout: &Arc<PipelineLayout>,
+        constants: &[u32],
     ) -> Result<PixelPass> {
         let PixelShaders { name, compute, fragment, format } = *shaders;
         let pipeline = match stage {
-            PixelStage::Compute => Pipeline::compute(device, name, compute, layout),
+            PixelStage::Compute => Pipeline::compute(device, name, compute, layout, constants),
             PixelStage::Fragment => {
                 let pass = Graphics::screen(name, fragment, layout, format, None);
-                Pipeline::graphics(device, &pass)
+                Pipeline::graphics(device, &Graphics { constants, ..pass })
             }
         };
         Ok(PixelPass { pipeline: pipeline?, stage })

@@ -15,6 +15,7 @@ use super::background::BackgroundPass;
 use super::composite::{CompositeEye, constants, is_srgb};
 use super::shading::{Surface, UNIFORMS, Uniforms};
 use super::slicing::clip_rows;
+use super::surface_kind::{ByKind, SurfaceKind};
 use crate::gpu::layout::{CompositeView, PointView};
 use crate::gpu::{
     Blend, Depth, DescriptorSets, Device, FRAMES_IN_FLIGHT, GpuError, Graphics, Piece, Pipeline,
@@ -27,7 +28,9 @@ const POINTS: u32 = 6;
 
 /// Draws points to a screen.
 pub struct Points {
-    pipeline: Pipeline,
+    pipelines: ByKind<Pipeline>,
+    layout: Arc<PipelineLayout>,
+    format: vk::Format,
     background: BackgroundPass,
     sets: DescriptorSets,
     uniforms: Uniforms,
@@ -41,6 +44,7 @@ pub struct Points {
     eyes: u32,
     /// The target stores linear values, encoded by the device.
     linear: bool,
+    device: Arc<Device>,
 }
 
 impl Points {
@@ -54,21 +58,12 @@ impl Points {
         let set_layout = SetLayout::new(device, "points", &bindings)?;
         let push = Some((vertex | fragment, size_of::<PointView>()));
         let layout = PipelineLayout::new(device, "points", Some(&set_layout), push)?;
-        let points = Graphics {
-            name: "points",
-            vertex: shaders::POINTS_VERT,
-            fragment: shaders::POINTS_FRAG,
-            layout: &layout,
-            vertices: None,
-            topology: vk::PrimitiveTopology::TRIANGLE_LIST,
-            cull: vk::CullModeFlags::NONE,
-            colour: Some((format, Blend::Replace)),
-            depth: Some(Depth::NEARER),
-        };
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let limits = device.limits();
         Ok(Points {
-            pipeline: Pipeline::graphics(device, &points)?,
+            pipelines: ByKind::new(),
+            layout,
+            format,
             background: BackgroundPass::new(device, format)?,
             sets: DescriptorSets::new(
                 device,
@@ -84,6 +79,7 @@ impl Points {
             slot: 0,
             eyes,
             linear: is_srgb(format),
+            device: device.clone(),
         })
     }
 
@@ -130,9 +126,24 @@ impl Points {
         self.uniforms.write(&self.sets, set, surface)?;
         let kind = vk::DescriptorType::STORAGE_BUFFER;
         self.sets.write_buffer(set, POINTS, kind, piece.buffer, piece.offset, piece.bytes);
-        recorder.bind_pipeline(&self.pipeline);
-        recorder.bind_set(&self.pipeline, self.sets.set(set));
-        recorder.push(self.pipeline.layout(), &point_view);
+        let pipeline = self.pipelines.get(SurfaceKind::of(surface), |constants| {
+            let points = Graphics {
+                name: "points",
+                vertex: shaders::POINTS_VERT,
+                fragment: shaders::POINTS_FRAG,
+                layout: &self.layout,
+                vertices: None,
+                topology: vk::PrimitiveTopology::TRIANGLE_LIST,
+                cull: vk::CullModeFlags::NONE,
+                colour: Some((self.format, Blend::Replace)),
+                depth: Some(Depth::NEARER),
+                constants,
+            };
+            Pipeline::graphics(&self.device, &points)
+        })?;
+        recorder.bind_pipeline(pipeline);
+        recorder.bind_set(pipeline, self.sets.set(set));
+        recorder.push(pipeline.layout(), &point_view);
         recorder.set_scissor(view.scissor());
         recorder.draw(3 * count, 1);
         Ok(())

@@ -55,7 +55,7 @@ impl RayMarch {
         let layout = PipelineLayout::new(device, SHADERS.name, Some(&set_layout), push)?;
         let count = FRAMES_IN_FLIGHT * eyes as usize;
         Ok(RayMarch {
-            pass: PixelPass::new(device, &SHADERS, stage, &layout)?,
+            pass: PixelPass::new(device, &SHADERS, stage, &layout, &[])?,
             sets: DescriptorSets::new(device, SHADERS.name, &set_layout, count)?,
             named: vec![(0, 0, 0); count],
             beams: Beams::new(device, stage, eyes)?,

@@ -81,7 +81,7 @@ impl Uniforms {
 }
 
 fn uniforms(surface: &Surface) -> Shading {
-    let Surface { dims, colours, base, pose, lighting } = *surface;
+    let Surface { dims, colours: _, base, pose, lighting } = *surface;
     let light = Illumination::new(lighting, &pose.eye_from_world, &pose.world_from_grid);
     let mut shading = Shading {
         ambient: light.ambient.to_array(),
@@ -90,8 +90,6 @@ fn uniforms(surface: &Surface) -> Shading {
         shininess: light.shininess,
         dims: dims.to_array(),
         bricks: ((dims + (BRICK_EDGE_VX - 1)) / BRICK_EDGE_VX).to_array(),
-        colour_bytes: colours.map_or(0, Colours::bytes_per_voxel),
-        occlusion: lighting.occlusion.into(),
         ..Shading::default()
     };
     let matrix = light.eye_from_grid.matrix3;
@@ -102,14 +100,12 @@ fn uniforms(surface: &Surface) -> Shading {
         shading.eye_from_grid[row] = [point.x, point.y, point.z, translation[row]];
         shading.normal_from_gradient[row] = turn.row(row).extend(0.0).to_array();
     }
-    for light in light.lights.iter().flatten() {
-        let i = shading.lights as usize;
+    for (i, light) in light.lights.iter().flatten().enumerate() {
         shading.sources[i] = match light.source {
             LightSource::Direction(d) => d.extend(0.0).to_array(),
             LightSource::Position(p) => p.extend(1.0).to_array(),
         };
         shading.radiances[i] = light.radiance.extend(0.0).to_array();
-        shading.lights += 1;
     }
     shading
 }

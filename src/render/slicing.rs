@@ -68,6 +68,7 @@ impl Slicing {
                 cull: vk::CullModeFlags::NONE,
                 colour: Some((vk::Format::R32_UINT, Default::default())),
                 depth: Some(Depth::NEARER),
+                constants: &[],
             },
         )?;
         let usage = vk::BufferUsageFlags::VERTEX_BUFFER;

@@ -12,6 +12,7 @@ use super::Volume;
 use super::composite::PICTURE_FORMAT;
 use super::pixel_pass::{PixelArea, PixelPass, PixelShaders, PixelStage};
 use super::shading::{COLOURS, Surface, UNIFORMS, Uniforms, VOLUME};
+use super::surface_kind::{ByKind, SurfaceKind};
 use super::target::{EyeImage, IndexTarget};
 use crate::gpu::{
     DescriptorSets, Device, FRAMES_IN_FLIGHT, Load, PipelineLayout, Recorder, Result, SetLayout,
@@ -31,13 +32,16 @@ const SHADERS: PixelShaders = PixelShaders {
 
 /// Shades index maps.
 pub struct SurfaceShade {
-    pass: PixelPass,
+    passes: ByKind<PixelPass>,
+    stage: PixelStage,
+    layout: Arc<PipelineLayout>,
     sets: DescriptorSets,
     /// The images that each set names: volume, index map, picture.
     named: Vec<(u64, u64, u64)>,
     uniforms: Uniforms,
     slot: usize,
     eyes: u32,
+    device: Arc<Device>,
 }
 
 impl SurfaceShade {
@@ -53,12 +57,15 @@ impl SurfaceShade {
         let layout = PipelineLayout::new(device, SHADERS.name, Some(&set_layout), None)?;
         let count = FRAMES_IN_FLIGHT * eyes as usize;
         Ok(SurfaceShade {
-            pass: PixelPass::new(device, &SHADERS, stage, &layout)?,
+            passes: ByKind::new(),
+            stage,
+            layout,
             sets: DescriptorSets::new(device, SHADERS.name, &set_layout, count)?,
             named: vec![(0, 0, 0); count],
             uniforms: Uniforms::new(device)?,
             slot: 0,
             eyes,
+            device: device.clone(),
         })
     }
 
@@ -89,7 +96,7 @@ impl SurfaceShade {
             self.named[set] = names;
             self.sets.write_sampled(set, VOLUME, volume.view());
             self.sets.write_sampled(set, INDEX_MAP, index.layer_view(eye));
-            if self.pass.stage() == PixelStage::Compute {
+            if self.stage == PixelStage::Compute {
                 self.sets.write_storage(set, PICTURE, picture.layer_view(eye));
             }
         }
@@ -97,7 +104,10 @@ impl SurfaceShade {
         self.uniforms.write_colours(&self.sets, set, surface);
         let area = PixelArea { part, rest: Load::Colour([0.0; 4]) };
         let set = self.sets.set(set);
-        self.pass.record::<[u32; 0]>(recorder, set, None, pictures, eye, area);
+        let pass = self.passes.get(SurfaceKind::of(surface), |constants| {
+            PixelPass::new(&self.device, &SHADERS, self.stage, &self.layout, constants)
+        })?;
+        pass.record::<[u32; 0]>(recorder, set, None, pictures, eye, area);
         pictures.make(recorder, eye, Use::SHADER_READ);
         Ok(())
     }

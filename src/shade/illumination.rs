@@ -10,7 +10,7 @@
 use fearless_simd::{Simd, f32x16, prelude::*, u32x16};
 use glam::{Affine3A, Mat3, Vec3};
 
-use super::light::{Light, LightFrame, LightSource, Lighting, MAX_LIGHTS};
+use super::light::{Light, LightFrame, LightSource, Lighting, MAX_LIGHTS, MAX_SHININESS};
 use crate::sculpture::Rgb;
 
 /// Points that are lit at once.
@@ -76,7 +76,7 @@ impl Illumination {
             lights: lighting.lights.map(|light| Some(in_eye_space(light?, eye_from_world))),
             ambient: linear(lighting.ambient),
             specular: lighting.specular,
-            shininess: lighting.shininess,
+            shininess: lighting.shininess.min(MAX_SHININESS),
         }
     }
 

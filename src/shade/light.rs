@@ -44,6 +44,7 @@ pub struct Lighting {
     /// Share of light in the highlight, 0 to 1.
     pub specular: f32,
     /// Exponent of the highlight: larger is smaller and sharper.
+    /// At most [`MAX_SHININESS`].
     pub shininess: u32,
     /// Whether the voxels around one dim its ambient light ([`super::occlusion`]).
     pub occlusion: bool,
@@ -51,6 +52,10 @@ pub struct Lighting {
     pub smooth_normals: Smoothing,
     pub smooth_colours: Smoothing,
 }
+
+/// The largest exponent of a highlight; larger ones count as this one. The shaders of the device work
+/// with as many bits.
+pub const MAX_SHININESS: u32 = 1024;
 
 /// Over which neighbours an interpolation filter of the software shader takes its means.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Deserialize)]

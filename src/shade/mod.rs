@@ -18,7 +18,7 @@ mod smooth;
 pub mod software;
 
 pub(crate) use illumination::Illumination;
-pub use light::{Light, LightFrame, LightSource, Lighting, MAX_LIGHTS, Smoothing};
+pub use light::{Light, LightFrame, LightSource, Lighting, MAX_LIGHTS, MAX_SHININESS, Smoothing};
 pub use normal::NORMAL_REACH_VX;
 pub use pixels::Pixels;
 pub use refined::SoftwareShader;
