@@ -35,9 +35,9 @@ fn main(@builtin(position) position: vec4<f32>) -> Pixel {
     let size = vec2<f32>(view.size);
     // In pixels of the picture, the middle of the first at 0.
     var at = (position.xy / view.screen * view.scale + view.offset) * size - 0.5;
-    if view.lens != 0u {
-        at = distort((at - view.centre) / view.focal) * view.focal + view.centre;
-    }
+    let straight = distort((at - view.centre) / view.focal) * view.focal + view.centre;
+    // Not a branch, which a uniform must not decide (render/specialised.rs).
+    at = select(at, straight, view.lens != 0u);
     if any(at < vec2<f32>(-0.5)) || any(at > size - 0.5) {
         return Pixel(vec4<f32>(view.beyond, 1.0), 0.0);
     }

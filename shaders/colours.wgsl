@@ -1,7 +1,7 @@
 // The colour of a voxel: a table with a number for each brick (0: not painted), then pages of 512
 // packed colours, as src/render/colours.rs lays them out and src/sculpture/colour.rs packs them.
 
-//!include "surface_kind.wgsl"
+//!include "kind.wgsl"
 
 @group(0) @binding(4) var<storage, read> colours: array<u32>;
 

@@ -63,7 +63,6 @@ struct StereoView {
     window: vec2<u32>,
     size: vec2<u32>,
     corner: vec2<i32>,
-    arrangement: u32,
     eye: u32,
 }
 

@@ -1,7 +1,7 @@
 // Blinn-Phong with ambient light: the twin of src/shade/illumination.rs. Light is added in linear
 // space; gamma 2.0 stands for the sRGB curve.
 
-//!include "surface_kind.wgsl"
+//!include "kind.wgsl"
 
 @group(0) @binding(5) var<uniform> shading: Shading;
 

@@ -9,6 +9,8 @@ var<immediate> view: StereoView;
 // Premultiplied, of the size of the window.
 @group(0) @binding(2) var interface_image: texture_2d<f32>;
 
+// A specialization constant (kind.wgsl).
+var<private> arrangement: u32 = 0x5bec0000u;
 const LAYERS: u32 = 1u;
 const SIDE_BY_SIDE: u32 = 2u;
 const TOP_BOTTOM: u32 = 3u;
@@ -22,11 +24,9 @@ fn seen(eye: u32, at: vec2<u32>) -> vec3<f32> {
     let place = vec2<i32>(at) - view.corner;
     var behind = vec3<f32>(0.0);
     if all(place >= vec2<i32>(0)) && all(place < vec2<i32>(view.size)) {
-        if eye == 0u {
-            behind = textureLoad(left, place, 0).xyz;
-        } else {
-            behind = textureLoad(right, place, 0).xyz;
-        }
+        // Not a branch, which a uniform must not decide (render/specialised.rs).
+        let of_left = textureLoad(left, place, 0).xyz;
+        behind = select(textureLoad(right, place, 0).xyz, of_left, eye == 0u);
     }
     return over.xyz + behind * (1.0 - over.w);
 }
@@ -42,7 +42,7 @@ fn main(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let at = vec2<u32>(position.xy);
     let half_size = view.window / 2u;
     var colour = vec3<f32>(0.0);
-    switch view.arrangement {
+    switch arrangement {
         case SIDE_BY_SIDE: {
             let eye = select(0u, 1u, at.x >= half_size.x);
             let x = 2u * (at.x - eye * half_size.x);

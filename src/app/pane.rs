@@ -300,8 +300,7 @@ impl Pane {
         stereo.begin_interface(recorder, size)?;
         self.gui.draw(recorder, target.size, interface.pixels_per_point, &primitives)?;
         recorder.end_rendering();
-        stereo.compose(recorder, self.frames.slot(), target, pictures, corner, self.layout);
-        Ok(())
+        stereo.compose(recorder, self.frames.slot(), target, pictures, corner, self.layout)
     }
 
     /// Hands the picture to the window. `textures`: those to be freed after it.

@@ -55,7 +55,7 @@ impl StereoScreen {
         pictures: &mut EyeImage,
         corner: IVec2,
         layout: StereoLayout,
-    ) {
+    ) -> Result<()> {
         self.interface.make(recorder, 0, Use::SHADER_READ);
         for eye in 0..pictures.eyes() {
             pictures.make(recorder, eye, Use::SHADER_READ);
@@ -67,10 +67,11 @@ impl StereoScreen {
             let view = target.view(layer as usize);
             let attachment = Attachment { view, load: Load::Forget, store: true };
             recorder.begin_rendering(target.size, Some(attachment), None);
-            self.pass.draw(recorder, layout, layer, &sources);
+            self.pass.draw(recorder, layout, layer, &sources)?;
             recorder.end_rendering();
         }
         recorder.image_barrier(target.part(), Use::COLOUR_TARGET, Use::PRESENT);
+        Ok(())
     }
 }
 

@@ -152,10 +152,9 @@ shared! {
         size: [u32; 2],
         /// Their upper left corner in the window.
         corner: [i32; 2],
-        /// Number of the layout in [`crate::view::StereoLayout::ALL`].
-        arrangement: u32,
         /// The eye that the target is for, where targets are for one eye.
         eye: u32,
+        pad_0: u32,
     }
 }
 

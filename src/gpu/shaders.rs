@@ -2,3 +2,172 @@
 //! (see build.rs).
 
 include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+    use std::path::Path;
+
+    use naga::{AddressSpace, Block, Expression, Function, Handle, Module, Statement};
+
+    /// Of what a value is made, the later the more.
+    #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+    enum Made {
+        Constant,
+        /// The same for all pixels of a picture.
+        Uniform,
+        Varying,
+    }
+
+    struct Walk<'a> {
+        module: &'a Module,
+        function: &'a Function,
+        /// By local variable.
+        locals: Vec<Made>,
+    }
+
+    impl Walk<'_> {
+        fn made(&self, value: Handle<Expression>) -> Made {
+            let all = |values: &[Handle<Expression>]| {
+                values.iter().map(|v| self.made(*v)).max().unwrap_or(Made::Constant)
+            };
+            match &self.function.expressions[value] {
+                Expression::Literal(_) | Expression::Constant(_) | Expression::ZeroValue(_) => {
+                    Made::Constant
+                }
+                Expression::GlobalVariable(global) => {
+                    match self.module.global_variables[*global].space {
+                        AddressSpace::Uniform | AddressSpace::Immediate => Made::Uniform,
+                        _ => Made::Varying,
+                    }
+                }
+                Expression::LocalVariable(local) => self.locals[local.index()],
+                Expression::Load { pointer: inner }
+                | Expression::AccessIndex { base: inner, .. }
+                | Expression::Splat { value: inner, .. }
+                | Expression::Swizzle { vector: inner, .. }
+                | Expression::Unary { expr: inner, .. }
+                | Expression::As { expr: inner, .. }
+                | Expression::Relational { argument: inner, .. } => self.made(*inner),
+                Expression::Access { base, index } => all(&[*base, *index]),
+                Expression::Binary { left, right, .. } => all(&[*left, *right]),
+                Expression::Select { condition, accept, reject } => {
+                    all(&[*condition, *accept, *reject])
+                }
+                Expression::Compose { components, .. } => all(components),
+                Expression::Math { arg, arg1, arg2, arg3, .. } => {
+                    let args: Vec<_> =
+                        [Some(*arg), *arg1, *arg2, *arg3].into_iter().flatten().collect();
+                    all(&args)
+                }
+                _ => Made::Varying,
+            }
+        }
+
+        /// Notes what is stored to local variables.
+        fn note_stores(&mut self, block: &Block) {
+            for_each_statement(block, &mut |statement| {
+                if let Statement::Store { pointer, value } = statement {
+                    let mut place = *pointer;
+                    while let Expression::AccessIndex { base, .. }
+                    | Expression::Access { base, .. } = self.function.expressions[place]
+                    {
+                        place = base;
+                    }
+                    if let Expression::LocalVariable(local) = self.function.expressions[place] {
+                        let made = self.made(*value);
+                        let known = &mut self.locals[local.index()];
+                        *known = made.max(*known);
+                    }
+                }
+            });
+        }
+
+        fn branches_by_uniforms(&self, block: &Block) -> usize {
+            let mut count = 0;
+            for_each_statement(block, &mut |statement| {
+                let condition = match statement {
+                    Statement::If { condition, .. } => Some(*condition),
+                    Statement::Switch { selector, .. } => Some(*selector),
+                    Statement::Loop { break_if, .. } => *break_if,
+                    _ => None,
+                };
+                count += usize::from(condition.is_some_and(|c| self.made(c) == Made::Uniform));
+            });
+            count
+        }
+    }
+
+    fn for_each_statement(block: &Block, f: &mut dyn FnMut(&Statement)) {
+        for statement in block {
+            f(statement);
+            match statement {
+                Statement::Block(inner) => for_each_statement(inner, f),
+                Statement::If { accept, reject, .. } => {
+                    for_each_statement(accept, f);
+                    for_each_statement(reject, f);
+                }
+                Statement::Switch { cases, .. } => {
+                    cases.iter().for_each(|case| for_each_statement(&case.body, f));
+                }
+                Statement::Loop { body, continuing, .. } => {
+                    for_each_statement(body, f);
+                    for_each_statement(continuing, f);
+                }
+                _ => {}
+            }
+        }
+    }
+
+    fn branches_by_uniforms(text: &str) -> usize {
+        let module = naga::front::wgsl::parse_str(text).unwrap();
+        let entries = module.entry_points.iter().map(|entry| &entry.function);
+        let functions = module.functions.iter().map(|(_, function)| function);
+        let count = |function: &Function| {
+            let locals = vec![Made::Constant; function.local_variables.len()];
+            let mut walk = Walk { module: &module, function, locals };
+            // What is stored may be made of what is stored later in a loop.
+            for _ in 0..3 {
+                walk.note_stores(&function.body);
+            }
+            walk.branches_by_uniforms(&function.body)
+        };
+        entries.chain(functions).map(count).sum()
+    }
+
+    #[test]
+    fn no_uniform_decides_a_branch() {
+        let mut shaders = 0;
+        for entry in fs::read_dir(Path::new(env!("OUT_DIR"))).unwrap() {
+            let path = entry.unwrap().path();
+            if path.extension().is_some_and(|ending| ending == "wgsl") {
+                let text = fs::read_to_string(&path).unwrap();
+                assert_eq!(branches_by_uniforms(&text), 0, "{}", path.display());
+                shaders += 1;
+            }
+        }
+        assert!(shaders > 10);
+    }
+
+    #[test]
+    fn branches_by_uniforms_are_found() {
+        let shader = |body: &str| {
+            format!(
+                "struct S {{ n: u32, v: vec4<f32> }}
+                 @group(0) @binding(0) var<uniform> s: S;
+                 @fragment fn main(@builtin(position) p: vec4<f32>) -> @location(0) vec4<f32> {{
+                     var sum = p.x;
+                     {body}
+                     return vec4<f32>(sum);
+                 }}"
+            )
+        };
+        let count = |body| branches_by_uniforms(&shader(body));
+        assert_eq!(count("if s.n != 0u { sum += 1.0; }"), 1);
+        assert_eq!(count("for (var i = 0u; i < s.n; i++) { sum += s.v[i]; }"), 1);
+        assert_eq!(count("switch s.n + 1u { case 2u: { sum = 1.0; } default: {} }"), 1);
+        assert_eq!(count("if p.x < s.v.x { sum += 1.0; }"), 0);
+        assert_eq!(count("for (var i = 0u; i < 4u; i++) { sum += s.v[i]; }"), 0);
+        assert_eq!(count("sum = select(1.0, 2.0, s.n != 0u);"), 0);
+    }
+}

@@ -14,8 +14,8 @@ use super::background::BackgroundPass;
 use super::beam::Beams;
 use super::composite::{CompositeEye, constants, is_srgb};
 use super::pixel_pass::PixelStage;
-use super::shading::{COLOURS, Surface, UNIFORMS, Uniforms, VOLUME};
-use super::surface_kind::{ByKind, SurfaceKind};
+use super::shading::{COLOURS, KIND_CONSTANTS, Surface, UNIFORMS, Uniforms, VOLUME};
+use super::specialised::Specialised;
 use crate::gpu::layout::CompositeView;
 use crate::gpu::{
     Depth, DescriptorSets, Device, FRAMES_IN_FLIGHT, Graphics, Pipeline, PipelineLayout, Recorder,
@@ -28,7 +28,7 @@ const STARTS: u32 = 6;
 
 /// Draws sculptures straight to a screen.
 pub struct GpuOnly {
-    pipelines: ByKind<Pipeline>,
+    pipelines: Specialised<KIND_CONSTANTS, Pipeline>,
     layout: Arc<PipelineLayout>,
     format: vk::Format,
     sets: DescriptorSets,
@@ -59,7 +59,7 @@ impl GpuOnly {
         let layout = PipelineLayout::new(device, "GPU only", Some(&set_layout), push)?;
         let count = FRAMES_IN_FLIGHT * eyes as usize;
         Ok(GpuOnly {
-            pipelines: ByKind::new(),
+            pipelines: Specialised::new(),
             layout,
             format,
             sets: DescriptorSets::new(device, "GPU only", &set_layout, count)?,
@@ -116,7 +116,7 @@ impl GpuOnly {
         }
         self.uniforms.write(&self.sets, set, surface)?;
         self.uniforms.write_colours(&self.sets, set, surface);
-        let pipeline = self.pipelines.get(SurfaceKind::of(surface), |constants| {
+        let pipeline = self.pipelines.get(surface.kind(), |constants| {
             let (fragment, depth) = (shaders::GPU_ONLY_FRAG, Some(Depth::OVERWRITE));
             let pass = Graphics::screen("GPU only", fragment, &self.layout, self.format, depth);
             Pipeline::graphics(&self.device, &Graphics { constants, ..pass })

@@ -13,9 +13,9 @@ use ash::vk;
 
 use super::background::BackgroundPass;
 use super::composite::{CompositeEye, constants, is_srgb};
-use super::shading::{Surface, UNIFORMS, Uniforms};
+use super::shading::{KIND_CONSTANTS, Surface, UNIFORMS, Uniforms};
 use super::slicing::clip_rows;
-use super::surface_kind::{ByKind, SurfaceKind};
+use super::specialised::Specialised;
 use crate::gpu::layout::{CompositeView, PointView};
 use crate::gpu::{
     Blend, Depth, DescriptorSets, Device, FRAMES_IN_FLIGHT, GpuError, Graphics, Piece, Pipeline,
@@ -28,7 +28,7 @@ const POINTS: u32 = 6;
 
 /// Draws points to a screen.
 pub struct Points {
-    pipelines: ByKind<Pipeline>,
+    pipelines: Specialised<KIND_CONSTANTS, Pipeline>,
     layout: Arc<PipelineLayout>,
     format: vk::Format,
     background: BackgroundPass,
@@ -61,7 +61,7 @@ impl Points {
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let limits = device.limits();
         Ok(Points {
-            pipelines: ByKind::new(),
+            pipelines: Specialised::new(),
             layout,
             format,
             background: BackgroundPass::new(device, format)?,
@@ -126,7 +126,7 @@ impl Points {
         self.uniforms.write(&self.sets, set, surface)?;
         let kind = vk::DescriptorType::STORAGE_BUFFER;
         self.sets.write_buffer(set, POINTS, kind, piece.buffer, piece.offset, piece.bytes);
-        let pipeline = self.pipelines.get(SurfaceKind::of(surface), |constants| {
+        let pipeline = self.pipelines.get(surface.kind(), |constants| {
             let points = Graphics {
                 name: "points",
                 vertex: shaders::POINTS_VERT,

@@ -33,6 +33,20 @@ pub struct Surface<'a> {
     pub lighting: &'a Lighting,
 }
 
+/// Specialization constants of the shaders that light surfaces.
+pub(super) const KIND_CONSTANTS: usize = 3;
+
+impl Surface<'_> {
+    /// What a shader has to be able to do to light it (shaders/kind.wgsl).
+    pub(super) fn kind(&self) -> [u32; KIND_CONSTANTS] {
+        [
+            self.lighting.lights.iter().flatten().count() as u32,
+            self.lighting.occlusion.into(),
+            self.colours.map_or(0, Colours::bytes_per_voxel),
+        ]
+    }
+}
+
 /// Uniforms on their way to the device.
 pub(super) struct Uniforms {
     staging: Staging,

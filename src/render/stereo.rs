@@ -8,6 +8,7 @@ use std::sync::Arc;
 use ash::vk;
 use glam::{IVec2, UVec2};
 
+use super::specialised::Specialised;
 use super::target::EyeImage;
 use crate::gpu::layout::StereoView;
 use crate::gpu::{
@@ -29,11 +30,15 @@ pub struct StereoSources<'a> {
 
 /// The pass.
 pub struct Stereo {
-    pipeline: Pipeline,
+    /// By the number of the layout.
+    pipelines: Specialised<1, Pipeline>,
+    layout: Arc<PipelineLayout>,
+    format: vk::Format,
     sets: DescriptorSets,
     /// The images that each set names.
     named: [(u64, u64); FRAMES_IN_FLIGHT],
     slot: usize,
+    device: Arc<Device>,
 }
 
 impl Stereo {
@@ -45,15 +50,14 @@ impl Stereo {
         let set_layout = SetLayout::new(device, "stereo", &bindings)?;
         let push = Some((fragment, size_of::<StereoView>()));
         let layout = PipelineLayout::new(device, "stereo", Some(&set_layout), push)?;
-        let pipeline = Pipeline::graphics(
-            device,
-            &Graphics::screen("stereo", shaders::STEREO_FRAG, &layout, format, None),
-        )?;
         Ok(Stereo {
-            pipeline,
+            pipelines: Specialised::new(),
+            layout,
+            format,
             sets: DescriptorSets::new(device, "stereo", &set_layout, FRAMES_IN_FLIGHT)?,
             named: [(0, 0); FRAMES_IN_FLIGHT],
             slot: 0,
+            device: device.clone(),
         })
     }
 
@@ -73,24 +77,30 @@ impl Stereo {
     /// Covers a target of the size of the window, within rendering. With
     /// [`StereoLayout::Layers`] the target is that of `eye`.
     pub fn draw(
-        &self,
+        &mut self,
         recorder: &mut Recorder,
         layout: StereoLayout,
         eye: u32,
         sources: &StereoSources,
-    ) {
+    ) -> Result<()> {
         let window: UVec2 = sources.interface.size();
         let constants = StereoView {
             window: window.to_array(),
             size: sources.pictures.size().to_array(),
             corner: sources.corner.to_array(),
-            // The shader counts the layouts as the type does.
-            arrangement: layout as u32,
             eye,
+            ..StereoView::default()
         };
-        recorder.bind_pipeline(&self.pipeline);
-        recorder.bind_set(&self.pipeline, self.sets.set(self.slot));
-        recorder.push(self.pipeline.layout(), &constants);
+        // The shader counts the layouts as the type does.
+        let pipeline = self.pipelines.get([layout as u32], |constants| {
+            let fragment = shaders::STEREO_FRAG;
+            let pass = Graphics::screen("stereo", fragment, &self.layout, self.format, None);
+            Pipeline::graphics(&self.device, &Graphics { constants, ..pass })
+        })?;
+        recorder.bind_pipeline(pipeline);
+        recorder.bind_set(pipeline, self.sets.set(self.slot));
+        recorder.push(pipeline.layout(), &constants);
         recorder.draw(3, 1);
+        Ok(())
     }
 }

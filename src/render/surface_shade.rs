@@ -11,8 +11,8 @@ use ash::vk;
 use super::Volume;
 use super::composite::PICTURE_FORMAT;
 use super::pixel_pass::{PixelArea, PixelPass, PixelShaders, PixelStage};
-use super::shading::{COLOURS, Surface, UNIFORMS, Uniforms, VOLUME};
-use super::surface_kind::{ByKind, SurfaceKind};
+use super::shading::{COLOURS, KIND_CONSTANTS, Surface, UNIFORMS, Uniforms, VOLUME};
+use super::specialised::Specialised;
 use super::target::{EyeImage, IndexTarget};
 use crate::gpu::{
     DescriptorSets, Device, FRAMES_IN_FLIGHT, Load, PipelineLayout, Recorder, Result, SetLayout,
@@ -32,7 +32,7 @@ const SHADERS: PixelShaders = PixelShaders {
 
 /// Shades index maps.
 pub struct SurfaceShade {
-    passes: ByKind<PixelPass>,
+    passes: Specialised<KIND_CONSTANTS, PixelPass>,
     stage: PixelStage,
     layout: Arc<PipelineLayout>,
     sets: DescriptorSets,
@@ -57,7 +57,7 @@ impl SurfaceShade {
         let layout = PipelineLayout::new(device, SHADERS.name, Some(&set_layout), None)?;
         let count = FRAMES_IN_FLIGHT * eyes as usize;
         Ok(SurfaceShade {
-            passes: ByKind::new(),
+            passes: Specialised::new(),
             stage,
             layout,
             sets: DescriptorSets::new(device, SHADERS.name, &set_layout, count)?,
@@ -104,7 +104,7 @@ impl SurfaceShade {
         self.uniforms.write_colours(&self.sets, set, surface);
         let area = PixelArea { part, rest: Load::Colour([0.0; 4]) };
         let set = self.sets.set(set);
-        let pass = self.passes.get(SurfaceKind::of(surface), |constants| {
+        let pass = self.passes.get(surface.kind(), |constants| {
             PixelPass::new(&self.device, &SHADERS, self.stage, &self.layout, constants)
         })?;
         pass.record::<[u32; 0]>(recorder, set, None, pictures, eye, area);

@@ -82,7 +82,7 @@ fn two_eyes_side_by_side_and_in_red_and_cyan() {
             pass.begin(slot, &sources);
             screen.renew(&mut recorder, 0, Use::COLOUR_TARGET);
             recorder.begin_rendering(SIZE.to_array(), clear(&screen, Load::Forget), None);
-            pass.draw(&mut recorder, layout, 0, &sources);
+            pass.draw(&mut recorder, layout, 0, &sources).unwrap();
             recorder.end_rendering();
             painter.frames.submit(recorder, &[], &[]).unwrap();
             let part = screen.image().layer(0);

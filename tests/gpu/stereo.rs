@@ -85,7 +85,7 @@ fn every_layout_is_its_twin_and_layers_are_drawn_one_by_one() {
                 let view = screen.image().layer_view(eye);
                 let attachment = Attachment { view, load: Load::Forget, store: true };
                 recorder.begin_rendering(WINDOW.to_array(), Some(attachment), None);
-                stereo.draw(&mut recorder, layout, eye, &sources);
+                stereo.draw(&mut recorder, layout, eye, &sources).unwrap();
                 recorder.end_rendering();
             }
             frames.submit(recorder, &[], &[]).unwrap();
