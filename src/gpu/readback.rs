@@ -1,6 +1,7 @@
 //! Owns the way from the device to the CPU: one mapped buffer per frame in flight, so that a
 //! picture may be fetched at once or a frame later.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use ash::vk;
@@ -42,6 +43,32 @@ impl Readback {
         size: [u32; 3],
         texel_bytes: u64,
     ) -> Result<()> {
+        self.record_box(recorder, slot, part, ([0; 3], size), texel_bytes)
+    }
+
+    /// Records the copy of the `rows` of a flat layer that is `width` texels wide.
+    pub fn record_rows(
+        &mut self,
+        recorder: &mut Recorder,
+        slot: usize,
+        part: ImagePart,
+        width: u32,
+        rows: Range<u32>,
+        texel_bytes: u64,
+    ) -> Result<()> {
+        let corner = [0, rows.start as i32, 0];
+        let size = [width, rows.len() as u32, 1];
+        self.record_box(recorder, slot, part, (corner, size), texel_bytes)
+    }
+
+    fn record_box(
+        &mut self,
+        recorder: &mut Recorder,
+        slot: usize,
+        part: ImagePart,
+        ([x, y, z], size): ([i32; 3], [u32; 3]),
+        texel_bytes: u64,
+    ) -> Result<()> {
         let bytes = size.iter().map(|&n| u64::from(n)).product::<u64>() * texel_bytes;
         let count = self.slots.len();
         let slot = &mut self.slots[slot % count];
@@ -58,6 +85,7 @@ impl Readback {
         let Some(buffer) = &slot.buffer else { return Ok(()) };
         let copy = vk::BufferImageCopy::default()
             .image_subresource(part.copy_layers())
+            .image_offset(vk::Offset3D { x, y, z })
             .image_extent(vk::Extent3D { width: size[0], height: size[1], depth: size[2] });
         recorder.copy_from_image(part, buffer.handle(), &[copy]);
         recorder.buffer_barrier(Use::COPY_TARGET, Use::HOST_READ);

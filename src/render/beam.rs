@@ -103,7 +103,8 @@ impl Beams {
             }
         }
         let view = march_view(rays, volume);
-        let area = PixelArea { part: PixelRect::of_picture(tiles), rest: Load::Forget };
+        let all = PixelRect::of_picture(tiles);
+        let area = PixelArea { area: all, part: all, rest: Load::Forget };
         self.pass.record(recorder, self.sets.set(set), Some(&view), starts, eye, area);
         starts.make(recorder, eye, Use::SHADER_READ);
         Ok(starts.image())

@@ -41,7 +41,7 @@ pub use shading::Surface;
 pub use slicing::Slicing;
 pub use stereo::{Stereo, StereoSources};
 pub use surface_shade::SurfaceShade;
-pub use target::{EyeImage, IndexReadback, IndexTarget};
+pub use target::{EyeImage, EyeTask, IndexReadback, IndexTarget};
 pub use volume::Volume;
 
 /// Eyes that a picture can have.

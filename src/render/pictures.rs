@@ -61,9 +61,7 @@ impl Pictures {
         };
         let colour = attachment(&self.colour, colours);
         let depth = attachment(&self.depth, Load::Depth(0.0));
-        let corner = area.min.to_array();
-        let extent = (area.max - area.min).to_array();
-        recorder.begin_rendering_in(size.to_array(), (corner, extent), colour, depth);
+        recorder.begin_rendering_in(size.to_array(), area.corner_and_size(), colour, depth);
     }
 }
 

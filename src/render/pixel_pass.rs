@@ -68,8 +68,11 @@ impl PixelStage {
 /// The pixels that a pass has to compute.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PixelArea {
+    /// Those to be made anew. A compute shader makes all of them anew.
+    pub area: PixelRect,
+    /// Those that have a value of their own.
     pub part: PixelRect,
-    /// What the others get where pixels are drawn; a compute shader computes all of them.
+    /// What the others get.
     pub rest: Load,
 }
 
@@ -127,10 +130,14 @@ impl PixelPass {
         match self.stage {
             PixelStage::Compute => target.renew(recorder, eye, Use::SHADER_WRITE),
             PixelStage::Fragment => {
-                target.renew(recorder, eye, Use::COLOUR_TARGET);
+                match area.area == PixelRect::of_picture(size) {
+                    true => target.renew(recorder, eye, Use::COLOUR_TARGET),
+                    false => target.rework(recorder, eye, Use::COLOUR_TARGET),
+                }
                 let view = target.image().layer_view(eye);
-                let colour = Attachment { view, load: area.rest, store: true };
-                recorder.begin_rendering(size.to_array(), Some(colour), None);
+                let colour = Some(Attachment { view, load: area.rest, store: true });
+                let place = area.area.corner_and_size();
+                recorder.begin_rendering_in(size.to_array(), place, colour, None);
             }
         }
         recorder.bind_pipeline(&self.pipeline);
@@ -144,8 +151,7 @@ impl PixelPass {
                 recorder.dispatch([groups.x, groups.y, 1]);
             }
             PixelStage::Fragment => {
-                let [x, y] = area.part.min.to_array();
-                let [width, height] = area.part.max.saturating_sub(area.part.min).to_array();
+                let ([x, y], [width, height]) = area.area.intersect(area.part).corner_and_size();
                 recorder.set_scissor([x, y, width, height]);
                 recorder.draw(3, 1);
                 recorder.end_rendering();

@@ -18,10 +18,8 @@ use crate::gpu::{
     DescriptorSets, Device, FRAMES_IN_FLIGHT, Load, PipelineLayout, Recorder, Result, SetLayout,
     shaders,
 };
-use crate::render::{IndexTarget, Volume};
+use crate::render::{EyeTask, IndexTarget, Volume};
 use crate::sculpture::NO_VOXEL;
-use crate::surface::PixelRect;
-use crate::view::PixelRays;
 
 const VOLUME: u32 = 0;
 const STARTS: u32 = 1;
@@ -70,16 +68,15 @@ impl RayMarch {
         self.beams.begin(slot);
     }
 
-    /// Records the index map of `eye`, seen by `rays`; nothing is seen outside of `part`. Leaves the map as [`PixelPass::record`] does.
+    /// Records what `task` says of an index map. Leaves the map as [`PixelPass::record`] does.
     pub fn record(
         &mut self,
         recorder: &mut Recorder,
         volume: &Volume,
-        rays: &PixelRays,
-        part: PixelRect,
+        task: &EyeTask,
         target: &mut IndexTarget,
-        eye: u32,
     ) -> Result<()> {
+        let (eye, rays) = (task.eye, &task.rays);
         let starts = self.beams.record(recorder, volume, rays, eye)?;
         let set = self.slot * self.eyes as usize + eye as usize;
         let index = target.index().image();
@@ -93,7 +90,8 @@ impl RayMarch {
             }
         }
         let view = march_view(rays, volume);
-        let area = PixelArea { part, rest: Load::Integers([NO_VOXEL; 4]) };
+        let rest = Load::Integers([NO_VOXEL; 4]);
+        let area = PixelArea { area: task.area, part: task.part, rest };
         let set = self.sets.set(set);
         self.pass.record(recorder, set, Some(&view), target.index_mut(), eye, area);
         Ok(())

@@ -21,8 +21,8 @@ use super::shown::{Part, Shown, Steps, pixels_to_compose};
 use super::times::PictureTimer;
 pub use super::times::{DeviceTimes, RenderTimes};
 use super::{
-    Backdrop, Background, Colours, Composite, CompositeEye, GpuOnly, IndexTarget, MAX_EYES, Points,
-    Surface, SurfaceShade, Video, Volume,
+    Backdrop, Background, Colours, Composite, CompositeEye, EyeTask, GpuOnly, IndexTarget,
+    MAX_EYES, Points, Surface, SurfaceShade, Video, Volume,
 };
 use crate::config::{RenderMode, Shading};
 use crate::document::{Document, Follower};
@@ -226,7 +226,7 @@ impl Renderer {
                     cloud.take(map, grid, material, shot.lighting.occlusion);
                 }
             }
-            Shading::Device => self.shade_on_device(recorder, slot, document, shot)?,
+            Shading::Device => self.shade_on_device(recorder, slot, document, shot, part)?,
             Shading::Within => {}
         }
         self.times.shade_ms = ms_since(start);
@@ -270,8 +270,9 @@ impl Renderer {
         slot: usize,
         document: &Document,
         shot: &Shot,
+        part: Part,
     ) -> Result<()> {
-        let parts = self.sampler.parts();
+        let seen = self.sampler.parts();
         let Some((maps, volume, colours)) = self.sampler.on_device() else { return Ok(()) };
         let pass = match &mut self.surface_shade {
             Some(pass) => pass,
@@ -283,9 +284,16 @@ impl Renderer {
         pass.begin(slot);
         let pictures = self.composite.pictures(maps.size())?;
         self.timer.start(recorder, PictureTimer::SHADE);
-        for ((i, eye), part) in (0..).zip(shot.eyes).zip(parts) {
-            let surface = Surface { colours, ..shot.surface(document, eye) };
-            pass.record(recorder, volume, &surface, maps, pictures, i, part)?;
+        for ((i, eye), map) in (0..).zip(shot.eyes).zip(&self.maps) {
+            let mut task = EyeTask { part: seen[i as usize], ..EyeTask::whole(i, map.rays) };
+            if part == Part::Changed {
+                let (grid, rays) = (document.grid(), &map.rays);
+                task.area = changed_pixels(grid, &self.changed, rays, NORMAL_REACH_VX).bounds();
+            }
+            if !task.area.is_empty() {
+                let surface = Surface { colours, ..shot.surface(document, eye) };
+                pass.record(recorder, volume, &surface, maps, pictures, &task)?;
+            }
         }
         self.timer.stop(recorder, PictureTimer::SHADE);
         Ok(())

@@ -10,7 +10,7 @@ use std::time::Instant;
 use ash::vk;
 
 use super::pixel_pass::PixelStage;
-use super::{Colours, IndexReadback, IndexTarget, MAX_EYES, RayMarch, Slicing, Volume};
+use super::{Colours, EyeTask, IndexReadback, IndexTarget, MAX_EYES, RayMarch, Slicing, Volume};
 use crate::config::{RenderMode, Sampling, Shading};
 use crate::document::{Document, Follower};
 use crate::gpu::{Device, Frames, Recorder, Result, Staging, Timer};
@@ -148,7 +148,7 @@ impl Sampler {
     /// device shades, too, the maps are not known in memory ([`IndexMap::is_known`]).
     ///
     /// `changed`: the only bricks that have changed since `maps` were sampled with the same rays in
-    /// the same mode; ray casters then look only at the pixels that may see them.
+    /// the same mode; then only the pixels that may see them are looked at.
     pub fn sample(
         &mut self,
         document: &mut Document,
@@ -158,7 +158,7 @@ impl Sampler {
         maps: &mut [Arc<IndexMap>],
     ) -> Result<()> {
         self.read_back_ms = None;
-        let stays = matches!(mode.shading(), Shading::Device | Shading::Within);
+        let stays = stays_on_device(mode);
         let grid = document.grid();
         for (i, (rays, map)) in rays.iter().zip(maps.iter_mut()).enumerate() {
             let part = pixels_of_grid(grid, rays);
@@ -197,7 +197,7 @@ impl Sampler {
                 Ok(())
             }
             Sampling::Slicing | Sampling::March | Sampling::Within => {
-                self.sample_on_device(document, mode, maps, !stays)
+                self.sample_on_device(document, mode, changed, maps)
             }
         }
     }
@@ -206,9 +206,19 @@ impl Sampler {
         &mut self,
         document: &mut Document,
         mode: RenderMode,
+        changed: Option<&[u32]>,
         maps: &mut [Arc<IndexMap>],
-        read_back: bool,
     ) -> Result<()> {
+        let mut tasks = [None; MAX_EYES];
+        for ((eye, map), task) in (0..).zip(maps.iter()).zip(&mut tasks) {
+            let mut eye_task =
+                EyeTask { part: self.parts[eye as usize], ..EyeTask::whole(eye, map.rays) };
+            if let Some(bricks) = changed {
+                eye_task.area = changed_pixels(document.grid(), bricks, &map.rays, 0).bounds();
+            }
+            *task = Some(eye_task).filter(|task| !task.area.is_empty());
+        }
+        let read_back = !stays_on_device(mode);
         let device = &self.device;
         let copy = match &mut self.copy {
             Some(copy) => copy,
@@ -250,8 +260,8 @@ impl Sampler {
                     }
                 };
                 pass.begin(slot);
-                for ((eye, map), part) in (0..).zip(maps.iter()).zip(self.parts) {
-                    pass.record(&mut recorder, &copy.volume, &map.rays, part, target, eye)?;
+                for task in tasks.iter().flatten() {
+                    pass.record(&mut recorder, &copy.volume, task, target)?;
                 }
             }
             Sampling::Slicing => {
@@ -261,8 +271,8 @@ impl Sampler {
                 };
                 pass.begin(slot, &copy.volume);
                 let areas = copy.areas.get_or_insert_default();
-                for (eye, map) in (0..).zip(maps.iter()) {
-                    pass.record(&mut recorder, &copy.volume, areas, &map.rays, target, eye)?;
+                for task in tasks.iter().flatten() {
+                    pass.record(&mut recorder, &copy.volume, areas, task, target)?;
                 }
             }
             Sampling::Cast | Sampling::Quickstep | Sampling::Within => {}
@@ -271,17 +281,21 @@ impl Sampler {
             timer.stop(&mut recorder, 0);
         }
         if read_back {
-            for ((eye, map), readback) in (0..).zip(maps.iter()).zip(&mut self.readbacks) {
-                readback.record(&mut recorder, slot, target, eye, &map.rays)?;
+            for (task, readback) in tasks.iter().zip(&mut self.readbacks) {
+                if let Some(task) = task {
+                    readback.record(&mut recorder, slot, target, task)?;
+                }
             }
         }
         let serial = copy.frames.submit(recorder, &[], &[])?;
         if read_back {
             device.wait(serial)?;
             let start = Instant::now();
-            for (map, readback) in maps.iter_mut().zip(&mut self.readbacks) {
-                readback.submitted(slot, serial);
-                readback.fetch(slot, Arc::make_mut(map))?;
+            for ((map, task), readback) in maps.iter_mut().zip(tasks).zip(&mut self.readbacks) {
+                if task.is_some() {
+                    readback.submitted(slot, serial);
+                    readback.fetch(slot, Arc::make_mut(map))?;
+                }
             }
             self.read_back_ms = Some(start.elapsed().as_secs_f32() * 1e3);
             self.device_ms = self.device_ms_when_done(mode)?;
@@ -344,6 +358,11 @@ impl DeviceCopy {
             Ok(())
         })
     }
+}
+
+/// Whether nobody needs the maps in memory.
+fn stays_on_device(mode: RenderMode) -> bool {
+    matches!(mode.shading(), Shading::Device | Shading::Within)
 }
 
 /// The target for maps of the number and size of `maps`.

@@ -18,7 +18,7 @@ use crate::gpu::{
     Attribute, Depth, DescriptorSets, Device, FRAMES_IN_FLIGHT, Graphics, Pipeline, PipelineLayout,
     Recorder, Result, SetLayout, Staging, Vertices, shaders,
 };
-use crate::render::{IndexTarget, Volume};
+use crate::render::{EyeTask, IndexTarget, Volume};
 use crate::surface::slices::{LayerRect, Layers, SliceAreas, facing_axis};
 use crate::view::PixelRays;
 
@@ -100,18 +100,17 @@ impl Slicing {
         }
     }
 
-    /// Draws the index map of `eye`, seen by `rays`, of the volume given to
-    /// [`Slicing::begin`]. `areas` must be up to date with it. Leaves the map in the layout of
+    /// Draws what `task` says of an index map, of the volume given to [`Slicing::begin`]. `areas` must be up to date with it. Leaves the map in the layout of
     /// [`crate::gpu::Use::COLOUR_TARGET`].
     pub fn record(
         &mut self,
         recorder: &mut Recorder,
         volume: &Volume,
         areas: &mut SliceAreas,
-        rays: &PixelRays,
+        task: &EyeTask,
         target: &mut IndexTarget,
-        eye: u32,
     ) -> Result<()> {
+        let rays = &task.rays;
         let axis = facing_axis(rays, volume.dims());
         let slab = areas.slab_vx();
         let thickness = self.thickness.unwrap_or(slab);
@@ -127,7 +126,7 @@ impl Slicing {
             Some(_) if !instances.is_empty() => Some(self.staging.push(instances, 16)?),
             _ => None,
         };
-        target.begin(recorder, eye);
+        target.begin(recorder, task);
         if let (Some(piece), Some(view)) = (piece, view) {
             recorder.bind_pipeline(&self.pipeline);
             recorder.bind_set(&self.pipeline, self.sets.set(self.slot));

@@ -13,12 +13,11 @@ use super::composite::PICTURE_FORMAT;
 use super::pixel_pass::{PixelArea, PixelPass, PixelShaders, PixelStage};
 use super::shading::{COLOURS, KIND_CONSTANTS, Surface, UNIFORMS, Uniforms, VOLUME};
 use super::specialised::Specialised;
-use super::target::{EyeImage, IndexTarget};
+use super::target::{EyeImage, EyeTask, IndexTarget};
 use crate::gpu::{
     DescriptorSets, Device, FRAMES_IN_FLIGHT, Load, PipelineLayout, Recorder, Result, SetLayout,
     Use, shaders,
 };
-use crate::surface::PixelRect;
 
 const INDEX_MAP: u32 = 2;
 const PICTURE: u32 = 3;
@@ -75,9 +74,8 @@ impl SurfaceShade {
         self.uniforms.begin(slot);
     }
 
-    /// Records the picture of `eye` of `volume` from its map in `maps`, to its layer of `pictures`, which has
-    /// the size of the maps; nothing is seen outside of `part`. Leaves it in the layout of [`Use::SHADER_READ`].
-    #[allow(clippy::too_many_arguments)]
+    /// Records what `task` says of the picture of an eye of `volume`, from its map in `maps`, to its layer
+    /// of `pictures`, which has the size of the maps. Leaves it in the layout of [`Use::SHADER_READ`].
     pub fn record(
         &mut self,
         recorder: &mut Recorder,
@@ -85,9 +83,9 @@ impl SurfaceShade {
         surface: &Surface,
         maps: &mut IndexTarget,
         pictures: &mut EyeImage,
-        eye: u32,
-        part: PixelRect,
+        task: &EyeTask,
     ) -> Result<()> {
+        let eye = task.eye;
         maps.make_readable(recorder, eye);
         let set = self.slot * self.eyes as usize + eye as usize;
         let (volume, index, picture) = (volume.image(), maps.index().image(), pictures.image());
@@ -102,7 +100,8 @@ impl SurfaceShade {
         }
         self.uniforms.write(&self.sets, set, surface)?;
         self.uniforms.write_colours(&self.sets, set, surface);
-        let area = PixelArea { part, rest: Load::Colour([0.0; 4]) };
+        let rest = Load::Colour([0.0; 4]);
+        let area = PixelArea { area: task.area, part: task.part, rest };
         let set = self.sets.set(set);
         let pass = self.passes.get(surface.kind(), |constants| {
             PixelPass::new(&self.device, &SHADERS, self.stage, &self.layout, constants)

@@ -12,7 +12,7 @@ use crate::gpu::{
     Attachment, Device, Image, ImageInfo, Load, Piece, Readback, Recorder, Result, Serial, Use,
 };
 use crate::sculpture::NO_VOXEL;
-use crate::surface::IndexMap;
+use crate::surface::{IndexMap, PixelRect};
 use crate::view::PixelRays;
 
 /// An image with a layer an eye.
@@ -113,6 +113,29 @@ impl EyeImage {
     }
 }
 
+/// What a pass makes of the index map, or the picture, of an eye.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct EyeTask {
+    pub eye: u32,
+    pub rays: PixelRays,
+    /// The pixels to make anew; what others hold stays.
+    pub area: PixelRect,
+    /// Outside of these pixels nothing is seen.
+    pub part: PixelRect,
+}
+
+impl EyeTask {
+    /// All pixels, in any of which something may be seen.
+    pub fn whole(eye: u32, rays: PixelRays) -> EyeTask {
+        let area = PixelRect::of_picture(rays.size);
+        EyeTask { eye, rays, area, part: area }
+    }
+
+    pub(super) fn is_whole(&self) -> bool {
+        self.area == PixelRect::of_picture(self.rays.size)
+    }
+}
+
 /// Index maps on the device: an image of voxel indices and the depth buffer that they are drawn
 /// with.
 pub struct IndexTarget {
@@ -151,12 +174,17 @@ impl IndexTarget {
         &self.index
     }
 
-    /// Starts drawing the index map of `eye`: nothing seen yet.
-    pub fn begin(&mut self, recorder: &mut Recorder, eye: u32) {
-        self.index.renew(recorder, eye, Use::COLOUR_TARGET);
+    /// Starts drawing what `task` says of an index map: nothing seen there yet.
+    pub fn begin(&mut self, recorder: &mut Recorder, task: &EyeTask) {
+        let (eye, area) = (task.eye, task.area);
+        match task.is_whole() {
+            true => self.index.renew(recorder, eye, Use::COLOUR_TARGET),
+            false => self.index.rework(recorder, eye, Use::COLOUR_TARGET),
+        }
         self.depth.renew(recorder, eye, Use::DEPTH_TARGET);
-        recorder.begin_rendering(
+        recorder.begin_rendering_in(
             self.size().to_array(),
+            area.corner_and_size(),
             Some(Attachment {
                 view: self.index.image().layer_view(eye),
                 load: Load::Integers([NO_VOXEL; 4]),
@@ -200,29 +228,29 @@ impl IndexTarget {
 /// frame or in a later one. Each comes with the rays that it was made with.
 pub struct IndexReadback {
     readback: Readback,
-    rays: [Option<PixelRays>; crate::gpu::FRAMES_IN_FLIGHT],
+    tasks: [Option<EyeTask>; crate::gpu::FRAMES_IN_FLIGHT],
 }
 
 impl IndexReadback {
     /// For one eye.
     pub fn new(device: &Arc<Device>) -> IndexReadback {
-        IndexReadback { readback: Readback::new(device, "index map"), rays: Default::default() }
+        IndexReadback { readback: Readback::new(device, "index map"), tasks: Default::default() }
     }
 
-    /// Records the copy of the map of `eye`, made with `rays`.
+    /// Records the copy of what `task` has made of a map, by rows.
     pub fn record(
         &mut self,
         recorder: &mut Recorder,
         slot: usize,
         target: &mut IndexTarget,
-        eye: u32,
-        rays: &PixelRays,
+        task: &EyeTask,
     ) -> Result<()> {
-        target.index.make(recorder, eye, Use::COPY_SOURCE);
+        target.index.make(recorder, task.eye, Use::COPY_SOURCE);
         let image = target.index.image();
-        self.readback.record(recorder, slot, image.layer(eye), image.size(), 4)?;
-        let count = self.rays.len();
-        self.rays[slot % count] = Some(*rays);
+        let (layer, [width, ..]) = (image.layer(task.eye), image.size());
+        self.readback.record_rows(recorder, slot, layer, width, task.area.rows(), 4)?;
+        let count = self.tasks.len();
+        self.tasks[slot % count] = Some(*task);
         Ok(())
     }
 
@@ -231,13 +259,14 @@ impl IndexReadback {
         self.readback.submitted(slot, serial);
     }
 
-    /// Waits for the map recorded last for `slot` and copies it to `map`, which keeps its
-    /// memory.
+    /// Waits for what was recorded last for `slot` and copies it to `map`, which keeps its memory and
+    /// its other rows.
     pub fn fetch(&self, slot: usize, map: &mut IndexMap) -> Result<()> {
         let bytes = self.readback.wait(slot)?;
-        if let Some(rays) = &self.rays[slot % self.rays.len()] {
-            map.reset(*rays);
-            bytemuck::cast_slice_mut::<u32, u8>(&mut map.voxels).copy_from_slice(bytes);
+        if let Some(task) = &self.tasks[slot % self.tasks.len()] {
+            map.reset(task.rays);
+            let rows = task.area.rows_of_mut(&mut map.voxels, task.rays.size.x);
+            bytemuck::cast_slice_mut::<u32, u8>(rows).copy_from_slice(bytes);
         }
         Ok(())
     }

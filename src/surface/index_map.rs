@@ -89,6 +89,17 @@ impl PixelRect {
         &pixels[(start * width) as usize..(end * width) as usize]
     }
 
+    /// The same, to be written.
+    pub fn rows_of_mut<T>(self, pixels: &mut [T], width: u32) -> &mut [T] {
+        let Range { start, end } = self.rows();
+        &mut pixels[(start * width) as usize..(end * width) as usize]
+    }
+
+    /// The upper left corner, and how far it reaches from there.
+    pub fn corner_and_size(self) -> ([u32; 2], [u32; 2]) {
+        (self.min.to_array(), self.max.saturating_sub(self.min).to_array())
+    }
+
     pub fn intersect(self, other: PixelRect) -> PixelRect {
         PixelRect { min: self.min.max(other.min), max: self.max.min(other.max) }
     }

@@ -8,7 +8,7 @@ use virtual_sculpture::gpu::{
     Attachment, Device, Frames, Image, ImageInfo, Load, Staging, Use, read_image_once, run_once,
 };
 use virtual_sculpture::render::{
-    Background, Composite, CompositeEye, IndexReadback, IndexTarget, Slicing, Volume,
+    Background, Composite, CompositeEye, EyeTask, IndexReadback, IndexTarget, Slicing, Volume,
 };
 use virtual_sculpture::scenes;
 use virtual_sculpture::screen::offscreen::{FORMAT, Offscreen};
@@ -104,8 +104,9 @@ fn slice_read_back_shade_and_composite_two_eyes() {
             slicing.begin(slot, &volume);
             for (i, eye) in (0..).zip(&eyes) {
                 let rays = eye.pixel_rays(&world_from_grid(&grid));
-                slicing.record(&mut recorder, &volume, &mut areas, &rays, &mut maps, i).unwrap();
-                readbacks[i as usize].record(&mut recorder, slot, &mut maps, i, &rays).unwrap();
+                let task = EyeTask::whole(i, rays);
+                slicing.record(&mut recorder, &volume, &mut areas, &task, &mut maps).unwrap();
+                readbacks[i as usize].record(&mut recorder, slot, &mut maps, &task).unwrap();
             }
             let serial = frames.submit(recorder, &[], &[]).unwrap();
             let mut pictures = Vec::new();

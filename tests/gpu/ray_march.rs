@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use virtual_sculpture::gpu::{Device, Frames};
-use virtual_sculpture::render::{IndexReadback, IndexTarget, PixelStage, RayMarch, Volume};
+use virtual_sculpture::render::{
+    EyeTask, IndexReadback, IndexTarget, PixelStage, RayMarch, Volume,
+};
 use virtual_sculpture::sculpture::Grid;
 use virtual_sculpture::surface::{IndexMap, pixels_of_grid, raycast};
 use virtual_sculpture::view::PixelRays;
@@ -30,10 +32,12 @@ fn march(
         pass.begin(slot);
         for (eye, rays) in (0..).zip(pair) {
             let part = pixels_of_grid(grid, rays);
-            pass.record(&mut recorder, &volume, rays, part, &mut target, eye).unwrap();
+            let task = EyeTask { part, ..EyeTask::whole(eye, *rays) };
+            pass.record(&mut recorder, &volume, &task, &mut target).unwrap();
         }
         for (eye, (rays, readback)) in (0..).zip(pair.iter().zip(&mut readbacks)) {
-            readback.record(&mut recorder, slot, &mut target, eye, rays).unwrap();
+            let task = EyeTask::whole(eye, *rays);
+            readback.record(&mut recorder, slot, &mut target, &task).unwrap();
         }
         let serial = frames.submit(recorder, &[], &[]).unwrap();
         for (rays, readback) in pair.iter().zip(&mut readbacks) {

@@ -4,7 +4,9 @@
 use ash::vk;
 use glam::{Affine3A, UVec2, Vec3};
 use virtual_sculpture::gpu::{Staging, Use, read_image_once, run_once};
-use virtual_sculpture::render::{EyeImage, IndexTarget, PixelStage, Surface, SurfaceShade, Volume};
+use virtual_sculpture::render::{
+    EyeImage, EyeTask, IndexTarget, PixelStage, Surface, SurfaceShade, Volume,
+};
 use virtual_sculpture::scenes;
 use virtual_sculpture::sculpture::{ColourDepth, Material, Rgb};
 use virtual_sculpture::shade::{Lighting, Pixels, ShadePose, shade};
@@ -50,7 +52,8 @@ fn both_kinds_of_shaders_give_the_software_shaders_picture() {
                 let dims = grid.dims();
                 let surface = Surface { dims, colours: None, base, pose, lighting: &lighting };
                 let part = pixels_of_grid(&grid, &rays);
-                pass.record(recorder, &volume, &surface, &mut maps, &mut pictures, 0, part)
+                let task = EyeTask { part, ..EyeTask::whole(0, rays) };
+                pass.record(recorder, &volume, &surface, &mut maps, &mut pictures, &task)
             })
             .unwrap();
             let image = pictures.image();

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use virtual_sculpture::gpu::{Device, Frames, Use, read_image_once};
-use virtual_sculpture::render::{IndexTarget, Slicing, Volume};
+use virtual_sculpture::render::{EyeTask, IndexTarget, Slicing, Volume};
 use virtual_sculpture::sculpture::Grid;
 use virtual_sculpture::surface::slices::SliceAreas;
 use virtual_sculpture::surface::{IndexMap, raycast};
@@ -32,7 +32,8 @@ fn slice(
             let eye = i as u32 % 2;
             let mut recorder = frames.begin().unwrap();
             slicing.begin(frames.slot(), &volume);
-            slicing.record(&mut recorder, &volume, &mut areas, rays, &mut target, eye).unwrap();
+            let task = EyeTask::whole(eye, *rays);
+            slicing.record(&mut recorder, &volume, &mut areas, &task, &mut target).unwrap();
             frames.submit(recorder, &[], &[]).unwrap();
             let size = [SIZE.x, SIZE.y, 1];
             let part = target.index().image().layer(eye);
