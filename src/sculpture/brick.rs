@@ -73,7 +73,11 @@ impl Brick {
     /// Number of existing voxels, 0..=512.
     #[inline(always)]
     pub fn count(&self) -> u16 {
-        self.words.iter().map(|w| w.count_ones()).sum::<u32>() as u16
+        let mut count = 0;
+        for word in self.words {
+            count += word.count_ones();
+        }
+        count as u16
     }
 
     #[inline]
@@ -89,23 +93,39 @@ impl Brick {
     /// Combines two bricks word by word.
     #[inline(always)]
     pub fn zip(&self, other: &Brick, f: impl Fn(u64, u64) -> u64) -> Brick {
-        Brick { words: std::array::from_fn(|i| f(self.words[i], other.words[i])) }
+        let mut words = [0; BRICK_WORDS];
+        for (i, word) in words.iter_mut().enumerate() {
+            *word = f(self.words[i], other.words[i]);
+        }
+        Brick { words }
     }
 
     #[inline(always)]
     pub fn and(&self, other: &Brick) -> Brick {
-        self.zip(other, |a, b| a & b)
+        self.zip(
+            other,
+            #[inline(always)]
+            |a, b| a & b,
+        )
     }
 
     #[inline(always)]
     pub fn or(&self, other: &Brick) -> Brick {
-        self.zip(other, |a, b| a | b)
+        self.zip(
+            other,
+            #[inline(always)]
+            |a, b| a | b,
+        )
     }
 
     /// The voxels of `self` that are not in `other`.
     #[inline(always)]
     pub fn and_not(&self, other: &Brick) -> Brick {
-        self.zip(other, |a, b| a & !b)
+        self.zip(
+            other,
+            #[inline(always)]
+            |a, b| a & !b,
+        )
     }
 
     /// Builds a brick from its 64 rows: `rows[z]` holds 8 bytes, byte `y` the row of

@@ -7,6 +7,7 @@
 
 use std::ops::Range;
 
+use fearless_simd::{Level, Simd, dispatch};
 use glam::UVec3;
 
 use super::brick::{BRICK_EDGE_VX, Brick};
@@ -18,7 +19,6 @@ use super::material::{Brush, Page};
 use super::region::{BrickBox, Region};
 use super::row_edit::{Piece, RowEdit};
 use super::stroke::{BandRecord, Recording, StrokeRecorder};
-use super::vectors::vectorised;
 
 /// What happens to the voxels of a region.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -79,11 +79,11 @@ pub fn edit(
     let parallel = bricks.brick_count() >= PARALLEL_BRICKS;
     let Recording { bands, bits_kept, pages_kept } = recorder.recording();
     let slabs = bricks.min.z..bricks.max.z;
+    let level = Level::new();
     contents.grid.edit_bands(slabs.clone(), parallel, bands, |grid, record| {
-        vectorised(
-            #[inline(always)]
-            || edit_band(region, op, paint, &bricks, bits_kept, grid, record),
-        );
+        dispatch!(level, simd => {
+            edit_band(simd, region, op, paint, &bricks, bits_kept, grid, record);
+        });
     });
     let any_to_paint = bands.iter().any(|band| !band.to_paint.is_empty());
     if let Some(brush) = brush.as_ref().filter(|_| any_to_paint) {
@@ -100,7 +100,9 @@ pub fn edit(
 /// Does `op` to the voxels of `region` that lie in `bricks` and a band of the grid; colours are
 /// only put down to be painted, if `paint`.
 #[inline(always)]
-fn edit_band<R: Region>(
+#[expect(clippy::too_many_arguments, reason = "internal entry point")]
+fn edit_band<S: Simd, R: Region>(
+    simd: S,
     region: &R,
     op: EditOp,
     paint: bool,
@@ -117,18 +119,21 @@ fn edit_band<R: Region>(
             let mut edit = RowEdit::new(grid, record, bits_kept);
             match op {
                 EditOp::Add(_) => row.walk(
+                    simd,
                     region,
                     cut,
                     #[inline(always)]
                     |piece| edit.add(piece, paint),
                 ),
                 EditOp::Subtract => row.walk(
+                    simd,
                     region,
                     cut,
                     #[inline(always)]
                     |piece| edit.subtract(piece),
                 ),
                 EditOp::Recolour(_) => row.walk(
+                    simd,
                     region,
                     cut,
                     #[inline(always)]
@@ -159,30 +164,47 @@ pub fn max_new_pages(contents: &Contents, region: &impl Region, op: EditOp) -> O
 
 /// The number of colour pages that `op` would make.
 pub fn count_new_pages(contents: &Contents, region: &impl Region, op: EditOp) -> u64 {
-    let Contents { grid, material } = contents;
-    let Some(bricks) = BrickBox::around(region, grid) else { return 0 };
-    let mut pages = 0;
-    let mut cut = Default::default();
-    for z in bricks.min.z..bricks.max.z {
-        for y in bricks.min.y..bricks.max.y {
-            let row = BrickRow { x: bricks.min.x..bricks.max.x, y, z };
-            row.walk(region, &mut cut, |piece| {
-                piece.each(|b, mask| {
-                    let index = grid.brick_index(b);
-                    if material.page(index).is_some() {
-                        return;
-                    }
-                    let (mask, old) = (mask(), &grid.bricks()[index]);
-                    let painted = match op {
-                        EditOp::Add(_) => mask.and(&grid.valid_mask(b)).and_not(old),
-                        EditOp::Recolour(_) => mask.and(old),
-                        EditOp::Subtract => Brick::EMPTY,
-                    };
-                    pages += u64::from(!painted.is_empty());
-                });
-            });
+    let Some(bricks) = BrickBox::around(region, &contents.grid) else { return 0 };
+    dispatch!(Level::new(), simd => {
+        let mut pages = 0;
+        let mut cut = Default::default();
+        for z in bricks.min.z..bricks.max.z {
+            for y in bricks.min.y..bricks.max.y {
+                let row = BrickRow { x: bricks.min.x..bricks.max.x, y, z };
+                row.walk(
+                    simd,
+                    region,
+                    &mut cut,
+                    #[inline(always)]
+                    |piece| pages += new_pages_of(piece, contents, op),
+                );
+            }
         }
-    }
+        pages
+    })
+}
+
+/// The number of colour pages that `op` would make in a piece.
+#[inline(always)]
+fn new_pages_of(piece: Piece<impl Simd, impl Region>, contents: &Contents, op: EditOp) -> u64 {
+    let Contents { grid, material } = contents;
+    let mut pages = 0;
+    piece.each(
+        #[inline(always)]
+        |b| {
+            let index = grid.brick_index(b);
+            if material.page(index).is_some() {
+                return;
+            }
+            let (mask, old) = (piece.mask(b), &grid.bricks()[index]);
+            let painted = match op {
+                EditOp::Add(_) => mask.and(&grid.valid_mask(b)).and_not(old),
+                EditOp::Recolour(_) => mask.and(old),
+                EditOp::Subtract => Brick::EMPTY,
+            };
+            pages += u64::from(!painted.is_empty());
+        },
+    );
     pages
 }
 
@@ -225,8 +247,14 @@ pub(super) struct BrickRow {
 impl BrickRow {
     /// Cuts the region by this row, and calls `f` with what it covers of it, in rising order.
     #[inline(always)]
-    pub fn walk<R: Region>(self, region: &R, cut: &mut R::Row, mut f: impl FnMut(Piece<R>)) {
-        let reach = region.cut_row(self.y * BRICK_EDGE_VX, self.z * BRICK_EDGE_VX, cut);
+    pub fn walk<S: Simd, R: Region>(
+        self,
+        simd: S,
+        region: &R,
+        cut: &mut R::Row,
+        mut f: impl FnMut(Piece<S, R>),
+    ) {
+        let reach = region.cut_row(simd, self.y * BRICK_EDGE_VX, self.z * BRICK_EDGE_VX, cut);
         let end = reach.touched.end.min(self.x.end);
         let mut x = reach.touched.start.max(self.x.start);
         let whole = reach.whole.start.max(x)..reach.whole.end.min(end);
@@ -236,7 +264,7 @@ impl BrickRow {
                 f(Piece::Whole { first: brick, len: whole.end - x });
                 x = whole.end;
             } else {
-                f(Piece::Part { brick, region, cut, reach: &reach });
+                f(Piece::Part { simd, brick, region, cut, reach: &reach });
                 x += 1;
             }
         }
@@ -287,14 +315,14 @@ mod tests {
             self.bounds
         }
 
-        fn cut_row(&self, y_vx: u32, z_vx: u32, row: &mut UVec3) -> RowReach {
+        fn cut_row<S: Simd>(&self, _: S, y_vx: u32, z_vx: u32, row: &mut UVec3) -> RowReach {
             *row = UVec3::new(0, y_vx / BRICK_EDGE_VX, z_vx / BRICK_EDGE_VX);
             let full = |x: &u32| self.brick(row.with_x(*x)).is_full();
             let whole = (0..9).find(full).map_or(0..0, |start| start..start + 1);
             RowReach { touched: 0..9, whole }
         }
 
-        fn mask(&self, row: &UVec3, _: &RowReach, brick_x: u32) -> Brick {
+        fn mask<S: Simd>(&self, _: S, row: &UVec3, _: &RowReach, brick_x: u32) -> Brick {
             self.brick(row.with_x(brick_x))
         }
     }

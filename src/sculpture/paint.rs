@@ -4,6 +4,7 @@
 //! Takes the contents, a [`Region`] and a function of voxel and present colour; leaves the
 //! earlier colours in the recorder and marks bricks dirty. Makes no voxel exist.
 
+use fearless_simd::{Level, dispatch};
 use glam::UVec3;
 
 use super::brick::{BRICK_EDGE_VX, BRICK_VOXELS, Brick, local_coords};
@@ -38,31 +39,40 @@ pub fn paint_each(
     let per_band = grid.bricks_per_band();
     let touched = grid.bands_of(bricks.min.z..bricks.max.z);
     let per_slab = grid.brick_dims().x * grid.brick_dims().y;
+    let level = Level::new();
     material.edit_bands(per_band, touched, parallel, bands, |first, pages, record| {
         let first_slab = first / per_slab;
         let slabs = first_slab.max(bricks.min.z)
             ..(first_slab + (per_band as u32).div_ceil(per_slab)).min(bricks.max.z);
         let mut cut = Default::default();
         let mut made = 0;
+        let mut paint = |b: UVec3, mask: &Brick| {
+            let index = grid.brick_index(b);
+            let mask = grid.bricks()[index].and(mask);
+            let page = &mut pages[index - first as usize];
+            let origin = b * BRICK_EDGE_VX;
+            let one = |local: u32, now: Rgb| colour(origin + UVec3::from(local_coords(local)), now);
+            let kept = pages_kept.contains(index as u32);
+            made += palette.paint(index as u32, page, &mask, one, record, kept);
+        };
         for z in slabs {
             for y in bricks.min.y..bricks.max.y {
                 let row = BrickRow { x: bricks.min.x..bricks.max.x, y, z };
-                row.walk(region, &mut cut, |piece| {
-                    piece.each(|b, mask| {
-                        let index = grid.brick_index(b);
-                        if grid.counts()[index] == 0 {
-                            return;
-                        }
-                        let mask = grid.bricks()[index].and(&mask());
-                        let page = &mut pages[index - first as usize];
-                        let origin = b * BRICK_EDGE_VX;
-                        let one = |local: u32, now: Rgb| {
-                            colour(origin + UVec3::from(local_coords(local)), now)
-                        };
-                        let kept = pages_kept.contains(index as u32);
-                        made += palette.paint(index as u32, page, &mask, one, record, kept);
-                    });
-                });
+                // The masks are made with vectors, the rest is not gained by.
+                dispatch!(level, simd => row.walk(
+                    simd,
+                    region,
+                    &mut cut,
+                    #[inline(always)]
+                    |piece| piece.each(
+                        #[inline(always)]
+                        |b| {
+                            if grid.counts()[grid.brick_index(b)] != 0 {
+                                paint(b, &piece.mask(b));
+                            }
+                        },
+                    ),
+                ));
             }
         }
         made

@@ -7,6 +7,7 @@
 
 use std::ops::Range;
 
+use fearless_simd::Simd;
 use glam::{IVec3, UVec3};
 
 use super::brick::{BRICK_EDGE_VX, Brick};
@@ -56,7 +57,7 @@ impl Region for VoxelBox {
         *self
     }
 
-    fn cut_row(&self, y_vx: u32, z_vx: u32, row: &mut BoxRow) -> RowReach {
+    fn cut_row<S: Simd>(&self, _: S, y_vx: u32, z_vx: u32, row: &mut BoxRow) -> RowReach {
         let edge = BRICK_EDGE_VX as i32;
         let local = |v: i32, origin: u32| v.saturating_sub(origin as i32).clamp(0, edge) as u32;
         row.low = [local(self.min.y, y_vx), local(self.min.z, z_vx)];
@@ -72,7 +73,7 @@ impl Region for VoxelBox {
         RowReach { touched, whole }
     }
 
-    fn mask(&self, row: &BoxRow, _: &RowReach, brick_x: u32) -> Brick {
+    fn mask<S: Simd>(&self, _: S, row: &BoxRow, _: &RowReach, brick_x: u32) -> Brick {
         let origin = (brick_x * BRICK_EDGE_VX) as i32;
         let edge = BRICK_EDGE_VX as i32;
         let low = self.min.x.saturating_sub(origin).clamp(0, edge) as u32;
@@ -121,7 +122,8 @@ impl RowReach {
     pub const NONE: RowReach = RowReach { touched: 0..0, whole: 0..0 };
 }
 
-/// A set of voxels that can be asked row of bricks by row of bricks.
+/// A set of voxels that can be asked row of bricks by row of bricks, with the vector instructions
+/// that the whole of an edit is made with.
 pub trait Region: Sync {
     /// What is worked out once for a row of bricks along x, and reused for the next row.
     type Row: Default;
@@ -131,11 +133,11 @@ pub trait Region: Sync {
 
     /// Cuts the region by the row of bricks whose lower edge runs along x at voxel coordinates
     /// `y_vx`, `z_vx`.
-    fn cut_row(&self, y_vx: u32, z_vx: u32, row: &mut Self::Row) -> RowReach;
+    fn cut_row<S: Simd>(&self, simd: S, y_vx: u32, z_vx: u32, row: &mut Self::Row) -> RowReach;
 
     /// The voxels covered of a touched brick of the row just cut. Voxels beyond the grid's
     /// border may be among them.
-    fn mask(&self, row: &Self::Row, reach: &RowReach, brick_x: u32) -> Brick;
+    fn mask<S: Simd>(&self, simd: S, row: &Self::Row, reach: &RowReach, brick_x: u32) -> Brick;
 }
 
 /// A region of all voxels.
@@ -148,11 +150,11 @@ impl Region for Everywhere {
         VoxelBox { min: IVec3::ZERO, max: IVec3::MAX }
     }
 
-    fn cut_row(&self, _: u32, _: u32, (): &mut ()) -> RowReach {
+    fn cut_row<S: Simd>(&self, _: S, _: u32, _: u32, (): &mut ()) -> RowReach {
         RowReach { touched: 0..u32::MAX, whole: 0..u32::MAX }
     }
 
-    fn mask(&self, (): &(), _: &RowReach, _: u32) -> Brick {
+    fn mask<S: Simd>(&self, _: S, (): &(), _: &RowReach, _: u32) -> Brick {
         Brick::FULL
     }
 }
@@ -200,7 +202,7 @@ impl Region for ListedBricks {
         VoxelBox { min: (low * BRICK_EDGE_VX).as_ivec3(), max: (high * BRICK_EDGE_VX).as_ivec3() }
     }
 
-    fn cut_row(&self, y_vx: u32, z_vx: u32, row: &mut Range<usize>) -> RowReach {
+    fn cut_row<S: Simd>(&self, _: S, y_vx: u32, z_vx: u32, row: &mut Range<usize>) -> RowReach {
         let wanted = (z_vx / BRICK_EDGE_VX, y_vx / BRICK_EDGE_VX);
         let start = self.bricks.partition_point(|(b, _)| (b.z, b.y) < wanted);
         let end = self.bricks.partition_point(|(b, _)| (b.z, b.y) <= wanted);
@@ -214,7 +216,7 @@ impl Region for ListedBricks {
         }
     }
 
-    fn mask(&self, row: &Range<usize>, _: &RowReach, brick_x: u32) -> Brick {
+    fn mask<S: Simd>(&self, _: S, row: &Range<usize>, _: &RowReach, brick_x: u32) -> Brick {
         let bricks = &self.bricks[row.clone()];
         let found = bricks.binary_search_by_key(&brick_x, |(b, _)| b.x);
         found.map_or(Brick::EMPTY, |at| bricks[at].1)

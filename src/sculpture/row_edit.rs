@@ -4,6 +4,7 @@
 //! Bricks come in rising order, so that what concerns 64 of them is gathered in registers and
 //! written once. Knows no tool and no colour.
 
+use fearless_simd::Simd;
 use glam::UVec3;
 
 use super::brick::{BRICK_VOXELS, Brick};
@@ -16,24 +17,32 @@ use super::stroke::BandRecord;
 const FULL: u16 = BRICK_VOXELS as u16;
 
 /// Bricks of a row that an edit covers, in the same way.
-pub enum Piece<'a, R: Region> {
+pub enum Piece<'a, S: Simd, R: Region> {
     /// `len` bricks along x from `first` on, all of them.
     Whole { first: UVec3, len: u32 },
     /// What the region, cut by the row, covers of one brick.
-    Part { brick: UVec3, region: &'a R, cut: &'a R::Row, reach: &'a RowReach },
+    Part { simd: S, brick: UVec3, region: &'a R, cut: &'a R::Row, reach: &'a RowReach },
 }
 
-impl<R: Region> Piece<'_, R> {
-    /// Calls `f` with each brick and the way to its mask.
+impl<S: Simd, R: Region> Piece<'_, S, R> {
+    /// Calls `f` with each brick.
     #[inline(always)]
-    pub fn each(self, mut f: impl FnMut(UVec3, &dyn Fn() -> Brick)) {
+    pub fn each(&self, mut f: impl FnMut(UVec3)) {
+        let (first, len) = match *self {
+            Piece::Whole { first, len } => (first, len),
+            Piece::Part { brick, .. } => (brick, 1),
+        };
+        for i in 0..len {
+            f(first + UVec3::X * i);
+        }
+    }
+
+    /// The voxels that are covered of a brick.
+    #[inline(always)]
+    pub fn mask(&self, brick: UVec3) -> Brick {
         match self {
-            Piece::Whole { first, len } => {
-                (0..len).for_each(|i| f(first + UVec3::X * i, &|| Brick::FULL));
-            }
-            Piece::Part { brick, region, cut, reach } => {
-                f(brick, &|| region.mask(cut, reach, brick.x));
-            }
+            Piece::Whole { .. } => Brick::FULL,
+            Piece::Part { simd, region, cut, reach, .. } => region.mask(*simd, cut, reach, brick.x),
         }
     }
 }
@@ -69,23 +78,29 @@ impl<'a, 'g> RowEdit<'a, 'g> {
 
     /// Removes the covered voxels.
     #[inline(always)]
-    pub fn subtract(&mut self, piece: Piece<impl Region>) {
+    pub fn subtract(&mut self, piece: Piece<impl Simd, impl Region>) {
         match piece {
             Piece::Whole { first, len } => {
-                self.each_run(first, len, FULL, |edit, b, index| {
-                    let count = edit.grid.count(index);
-                    if count != 0 {
-                        edit.replace(b, index, count, &Brick::EMPTY, 0);
-                    }
-                });
+                self.each_run(
+                    first,
+                    len,
+                    FULL,
+                    #[inline(always)]
+                    |edit, b, index| {
+                        let count = edit.grid.count(index);
+                        if count != 0 {
+                            edit.replace(b, index, count, &Brick::EMPTY, 0);
+                        }
+                    },
+                );
             }
-            Piece::Part { brick: b, region, cut, reach } => {
+            Piece::Part { simd, brick: b, region, cut, reach } => {
                 let index = self.grid.brick_index(b);
                 let count = self.grid.count(index);
                 if count == 0 {
                     return;
                 }
-                let mask = region.mask(cut, reach, b.x);
+                let mask = region.mask(simd, cut, reach, b.x);
                 let old = if count == FULL { &Brick::FULL } else { self.grid.brick(index) };
                 let bits = old.and_not(&mask);
                 let left = bits.count();
@@ -99,48 +114,60 @@ impl<'a, 'g> RowEdit<'a, 'g> {
     /// Makes the covered voxels exist. If `paint`, those that did not are handed on to be
     /// painted.
     #[inline(always)]
-    pub fn add(&mut self, piece: Piece<impl Region>, paint: bool) {
-        let add = |edit: &mut Self, b: UVec3, index: u32, mask: &dyn Fn() -> Brick| {
-            let count = edit.grid.count(index);
-            if count == FULL {
-                return;
-            }
-            let mask = mask().and(&edit.grid.valid_mask(b));
-            let old = *edit.grid.brick(index);
-            let bits = old.or(&mask);
-            let now = bits.count();
-            if now != count {
-                if paint {
-                    edit.record.to_paint.push((index, mask.and_not(&old)));
-                }
-                edit.replace(b, index, count, &bits, now);
-            }
-        };
+    pub fn add(&mut self, piece: Piece<impl Simd, impl Region>, paint: bool) {
         match piece {
             Piece::Whole { first, len }
                 if !paint && self.grid.valid_mask(first + UVec3::X * (len - 1)).is_full() =>
             {
-                self.each_run(first, len, 0, |edit, b, index| {
-                    add(edit, b, index, &|| Brick::FULL);
-                });
+                self.each_run(
+                    first,
+                    len,
+                    0,
+                    #[inline(always)]
+                    |edit, b, index| edit.add_to(&piece, b, index, paint),
+                );
             }
-            piece => piece.each(|b, mask| add(self, b, self.grid.brick_index(b), mask)),
+            _ => piece.each(
+                #[inline(always)]
+                |b| self.add_to(&piece, b, self.grid.brick_index(b), paint),
+            ),
+        }
+    }
+
+    #[inline(always)]
+    fn add_to(&mut self, piece: &Piece<impl Simd, impl Region>, b: UVec3, index: u32, paint: bool) {
+        let count = self.grid.count(index);
+        if count == FULL {
+            return;
+        }
+        let mask = piece.mask(b).and(&self.grid.valid_mask(b));
+        let old = *self.grid.brick(index);
+        let bits = old.or(&mask);
+        let now = bits.count();
+        if now != count {
+            if paint {
+                self.record.to_paint.push((index, mask.and_not(&old)));
+            }
+            self.replace(b, index, count, &bits, now);
         }
     }
 
     /// Hands the covered voxels that exist on to be painted.
     #[inline(always)]
-    pub fn paint(&mut self, piece: Piece<impl Region>) {
-        piece.each(|b, mask| {
-            let index = self.grid.brick_index(b);
-            if self.grid.count(index) == 0 {
-                return;
-            }
-            let mask = mask().and(self.grid.brick(index));
-            if !mask.is_empty() {
-                self.record.to_paint.push((index, mask));
-            }
-        });
+    pub fn paint(&mut self, piece: Piece<impl Simd, impl Region>) {
+        piece.each(
+            #[inline(always)]
+            |b| {
+                let index = self.grid.brick_index(b);
+                if self.grid.count(index) == 0 {
+                    return;
+                }
+                let mask = piece.mask(b).and(self.grid.brick(index));
+                if !mask.is_empty() {
+                    self.record.to_paint.push((index, mask));
+                }
+            },
+        );
     }
 
     /// Fills or empties `len` bricks along x: up to 64 at once where all have `before` voxels,
@@ -171,7 +198,9 @@ impl<'a, 'g> RowEdit<'a, 'g> {
                 }
                 self.grid.flip_run(b, index, run, before == 0);
             } else {
-                (0..run).for_each(|i| one(self, b + UVec3::X * i, index + i));
+                for i in 0..run {
+                    one(self, b + UVec3::X * i, index + i);
+                }
             }
             b.x += run;
         }

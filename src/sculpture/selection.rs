@@ -4,6 +4,7 @@
 //! Boxes are in voxels and may reach beyond the grid. Changes no voxel; [`Limited`] is what cuts
 //! a tool's region down to the selection, at the one place where edits happen.
 
+use fearless_simd::Simd;
 use glam::{IVec3, UVec3};
 
 use super::brick::Brick;
@@ -126,12 +127,12 @@ impl Region for BoxStack {
         adding.reduce(around).unwrap_or(VoxelBox { min: IVec3::ZERO, max: IVec3::ZERO })
     }
 
-    fn cut_row(&self, y_vx: u32, z_vx: u32, row: &mut Self::Row) -> RowReach {
+    fn cut_row<S: Simd>(&self, simd: S, y_vx: u32, z_vx: u32, row: &mut Self::Row) -> RowReach {
         row.clear();
         let mut all = RowReach::NONE;
         for selected in &self.0 {
             let mut cut = BoxRow::default();
-            let reach = selected.bounds.cut_row(y_vx, z_vx, &mut cut);
+            let reach = selected.bounds.cut_row(simd, y_vx, z_vx, &mut cut);
             if !reach.touched.is_empty() {
                 match selected.adds {
                     true => all = joined(&all, &reach),
@@ -143,12 +144,12 @@ impl Region for BoxStack {
         all
     }
 
-    fn mask(&self, row: &Self::Row, _: &RowReach, brick_x: u32) -> Brick {
+    fn mask<S: Simd>(&self, simd: S, row: &Self::Row, _: &RowReach, brick_x: u32) -> Brick {
         self.0.iter().zip(row).fold(Brick::EMPTY, |mask, (selected, (reach, cut))| {
             if !reach.touched.contains(&brick_x) {
                 return mask;
             }
-            let covered = selected.bounds.mask(cut, reach, brick_x);
+            let covered = selected.bounds.mask(simd, cut, reach, brick_x);
             if selected.adds { mask.or(&covered) } else { mask.and_not(&covered) }
         })
     }
@@ -212,12 +213,12 @@ impl<R: Region> Region for Limited<'_, R> {
         self.region.bounds_vx().intersect(self.stack.bounds_vx())
     }
 
-    fn cut_row(&self, y_vx: u32, z_vx: u32, row: &mut Self::Row) -> RowReach {
-        let stack = self.stack.cut_row(y_vx, z_vx, &mut row.stack);
+    fn cut_row<S: Simd>(&self, simd: S, y_vx: u32, z_vx: u32, row: &mut Self::Row) -> RowReach {
+        let stack = self.stack.cut_row(simd, y_vx, z_vx, &mut row.stack);
         if stack.touched.is_empty() {
             return RowReach::NONE;
         }
-        row.reach = self.region.cut_row(y_vx, z_vx, &mut row.region);
+        row.reach = self.region.cut_row(simd, y_vx, z_vx, &mut row.region);
         let both = |a: &std::ops::Range<u32>, b: &std::ops::Range<u32>| {
             let both = a.start.max(b.start)..a.end.min(b.end);
             if both.is_empty() { 0..0 } else { both }
@@ -228,17 +229,18 @@ impl<R: Region> Region for Limited<'_, R> {
         }
     }
 
-    fn mask(&self, row: &Self::Row, reach: &RowReach, brick_x: u32) -> Brick {
-        let selected = self.stack.mask(&row.stack, reach, brick_x);
+    fn mask<S: Simd>(&self, simd: S, row: &Self::Row, reach: &RowReach, brick_x: u32) -> Brick {
+        let selected = self.stack.mask(simd, &row.stack, reach, brick_x);
         if row.reach.whole.contains(&brick_x) {
             return selected;
         }
-        selected.and(&self.region.mask(&row.region, &row.reach, brick_x))
+        selected.and(&self.region.mask(simd, &row.region, &row.reach, brick_x))
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use fearless_simd::{Level, dispatch};
     use glam::Vec3;
     use proptest::prelude::*;
 
@@ -248,15 +250,19 @@ mod tests {
 
     /// The voxels of a region that lie in a grid of `dims`, brick by brick.
     fn voxels_of(region: &impl Region, dims: UVec3) -> Vec<IVec3> {
+        dispatch!(Level::new(), simd => voxels_by(simd, region, dims))
+    }
+
+    fn voxels_by(simd: impl Simd, region: &impl Region, dims: UVec3) -> Vec<IVec3> {
         let mut all = Vec::new();
         let mut row = Default::default();
         let bricks = dims.map(|d| d.div_ceil(BRICK_EDGE_VX));
         for z in 0..bricks.z {
             for y in 0..bricks.y {
-                let reach = region.cut_row(y * BRICK_EDGE_VX, z * BRICK_EDGE_VX, &mut row);
+                let reach = region.cut_row(simd, y * BRICK_EDGE_VX, z * BRICK_EDGE_VX, &mut row);
                 for x in reach.touched.start..reach.touched.end.min(bricks.x) {
                     let whole = reach.whole.contains(&x);
-                    let mask = if whole { Brick::FULL } else { region.mask(&row, &reach, x) };
+                    let mask = if whole { Brick::FULL } else { region.mask(simd, &row, &reach, x) };
                     let origin = UVec3::new(x, y, z) * BRICK_EDGE_VX;
                     mask.for_each(|i| {
                         let v = origin + UVec3::from(local_coords(i));

@@ -6,8 +6,8 @@
 
 use std::ops::Range;
 
+use fearless_simd::Simd;
 use glam::{DMat3, DVec3, IVec3, Quat, UVec3, Vec3};
-use wide::i16x8;
 
 use super::construct_ends::{Magnitudes, solve};
 use super::construct_planes::{HalfSpace, Planes};
@@ -269,16 +269,14 @@ fn first_where(range: Range<i32>, p: impl Fn(i32) -> bool) -> i32 {
 }
 
 /// Cuts a box of voxels by a row of bricks.
-#[inline(always)]
 fn cut_box(inside: &VoxelBox, y_vx: u32, z_vx: u32, spans: &mut RowSpans) {
-    let (from, to) = (i16x8::splat(inside.min.x as i16), i16x8::splat(inside.max.x as i16));
-    let y = i16x8::splat(y_vx as i16) + i16x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
-    let within_y = !y.simd_lt(i16x8::splat(inside.min.y as i16))
-        & y.simd_lt(i16x8::splat(inside.max.y as i16));
+    let VoxelBox { min, max } = inside;
     for z in 0..8 {
-        let within_z = (inside.min.z..inside.max.z).contains(&(z_vx as i32 + z));
-        let to = if within_z { to & within_y } else { i16x8::ZERO };
-        spans.set(z as usize, from, to);
+        let within_z = (min.z..max.z).contains(&(z_vx as i32 + z));
+        for y in 0..8 {
+            let within = within_z && (min.y..max.y).contains(&(y_vx as i32 + y));
+            spans.set_row(y as usize, z as usize, if within { min.x..max.x } else { 0..0 });
+        }
     }
 }
 
@@ -306,13 +304,13 @@ impl Region for PlacedSolid {
     }
 
     #[inline(always)]
-    fn cut_row(&self, y_vx: u32, z_vx: u32, row: &mut SolidRow) -> RowReach {
+    fn cut_row<S: Simd>(&self, simd: S, y_vx: u32, z_vx: u32, row: &mut SolidRow) -> RowReach {
         let VoxelBox { min, max } = self.reachable;
         let (x, spans) = (min.x..max.x, &mut row.spans);
         let exact = |v| self.contains_voxel(v);
         let connected = match &self.cut {
-            Cut::Quadric(quadric) => solve(quadric, &x, y_vx, z_vx, exact, spans),
-            Cut::Planes(planes) => solve(planes, &x, y_vx, z_vx, exact, spans),
+            Cut::Quadric(quadric) => solve(simd, quadric, &x, y_vx, z_vx, exact, spans),
+            Cut::Planes(planes) => solve(simd, planes, &x, y_vx, z_vx, exact, spans),
             Cut::Box(inside) => {
                 cut_box(inside, y_vx, z_vx, spans);
                 true
@@ -320,16 +318,16 @@ impl Region for PlacedSolid {
         };
         row.torn = (!connected).then_some([y_vx, z_vx]);
         if connected {
-            return row.spans.reach();
+            return row.spans.reach(simd);
         }
         let edge = BRICK_EDGE_VX;
         RowReach { touched: min.x as u32 / edge..(max.x as u32).div_ceil(edge), whole: 0..0 }
     }
 
     #[inline(always)]
-    fn mask(&self, row: &SolidRow, reach: &RowReach, brick_x: u32) -> Brick {
+    fn mask<S: Simd>(&self, simd: S, row: &SolidRow, _: &RowReach, brick_x: u32) -> Brick {
         match row.torn {
-            None => row.spans.mask(brick_x, &reach.whole),
+            None => row.spans.mask(simd, brick_x),
             Some([y, z]) => self.test_brick(UVec3::new(brick_x * BRICK_EDGE_VX, y, z)),
         }
     }

@@ -2,15 +2,15 @@
 //! ends for eight rows of voxels at a time, rounded to voxels where errors cannot matter, and
 //! settled voxel by voxel with the exact test where they can.
 //!
-//! The ends are worked out in `f32`, of which eight at a time are cheap; about one row in a
+//! The ends are worked out in `f32`, of which eight at a time are one vector; about one row in a
 //! hundred is too close to call and is looked at again in `f64`, and of those about one in a
 //! million is decided by the exact test itself. Takes a [`RowSolver`] and the exact test; gives
 //! spans that equal the test on every voxel.
 
 use std::ops::Range;
 
+use fearless_simd::{Simd, f32x8, i32x8, mask32x8, prelude::*};
 use glam::{DVec3, IVec3};
-use wide::{f32x8, i16x8, i32x8};
 
 use super::construct_spans::RowSpans;
 
@@ -19,16 +19,15 @@ pub const ROUNDING: f64 = f64::EPSILON / 2.0;
 /// Relative error of one operation in `f32`.
 pub const ROUNDING_32: f64 = f32::EPSILON as f64 / 2.0;
 /// 0, 1, .. 7: the steps from one row to the next.
-pub const STEPS: f32x8 = f32x8::new([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
+pub const STEPS: [f32; 8] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
 /// Ends along x, as voxel indices less an origin, of eight rows next to each other along y. A
 /// row is empty where `from >= to`.
-#[derive(Clone, Copy)]
-pub struct Ends {
-    pub from: f32x8,
-    pub to: f32x8,
-    /// All bits set in the rows whose ends the margin does not cover.
-    pub doubtful: f32x8,
+pub struct Ends<S: Simd> {
+    pub from: f32x8<S>,
+    pub to: f32x8<S>,
+    /// The rows whose ends the margin does not cover.
+    pub doubtful: mask32x8<S>,
 }
 
 /// What is sure about one row: voxels outside of `outer` are out, those in `inner` are in.
@@ -56,12 +55,12 @@ pub trait RowSolver {
     type Local;
 
     /// Prepares for the 8x8 rows from `y`, `z` on; none if they are all empty. Ends will be less
-    /// `origin`. The second value is how far, in voxels, the ends of a row that is not doubtful may be from where the
-    /// exact test turns; at a half or more all rows are doubtful.
+    /// `origin`. The second value is how far, in voxels, the ends of a row that is not doubtful
+    /// may be from where the exact test turns; at a half or more all rows are doubtful.
     fn local(&self, origin: f64, y: f64, z: f64) -> Option<(Self::Local, f32)>;
 
     /// The ends of the eight rows `step_z` voxels on along z.
-    fn ends(&self, local: &Self::Local, step_z: f64) -> Ends;
+    fn ends<S: Simd>(&self, simd: S, local: &Self::Local, step_z: usize) -> Ends<S>;
 
     /// What is sure of the row at `y`, `z`, whatever the rounding errors.
     fn bracket(&self, y: f64, z: f64) -> Bracket;
@@ -74,7 +73,8 @@ const INTEGER_IN_LOW_BITS: f32 = 1.5 * (1u32 << 23) as f32;
 /// False if those of some row are not next to each other, which rounding errors of the exact
 /// test can bring about where a surface runs along the row.
 #[inline(always)]
-pub fn solve(
+pub fn solve<S: Simd>(
+    simd: S,
     solver: &impl RowSolver,
     x: &Range<i32>,
     y: u32,
@@ -83,11 +83,6 @@ pub fn solve(
     spans: &mut RowSpans,
 ) -> bool {
     let origin = (x.start + x.end) / 2;
-    let (low, high) = ((x.start - origin) as f32, (x.end - origin) as f32);
-    let (low, high, magic) =
-        (f32x8::splat(low), f32x8::splat(high), f32x8::splat(INTEGER_IN_LOW_BITS));
-    let magic_bits = i32x8::splat(INTEGER_IN_LOW_BITS.to_bits() as i32);
-    let origin16 = i16x8::splat(origin as i16);
     // A voxel whose index is r is in if r is at or beyond the lower end, so the first one is
     // that end rounded up: half added, then rounded to the nearest. One past the last voxel is
     // the upper end rounded down plus one: the same. Near a tie the rounding is in doubt.
@@ -96,49 +91,79 @@ pub fn solve(
         spans.clear();
         return true;
     };
-    let sure = f32x8::splat(0.5 - margin);
-    for step_z in 0..8 {
-        let ends = solver.ends(&local, f64::from(step_z));
-        let round = |end: f32x8| {
-            let moved = end.fast_max(low).fast_min(high);
-            let rounded = moved + magic;
-            let off = (moved - (rounded - magic)).abs();
-            let steps: i32x8 = bytemuck::cast::<f32x8, i32x8>(rounded) - magic_bits;
-            (i16x8::from_i32x8_saturate(steps) + origin16, off)
-        };
-        let ((mut from, off_from), (mut to, off_to)) = (round(ends.from), round(ends.to));
-        let doubtful = !off_from.fast_max(off_to).simd_lt(sure) | ends.doubtful;
-        if doubtful.to_bitmask() != 0 {
-            let at = (y as i32, z as i32 + step_z);
-            if !settle_rows(solver, x, at, doubtful.to_bitmask(), &exact, &mut from, &mut to) {
-                return false;
-            }
-        }
-        spans.set(step_z as usize, from, to);
+    let rounding = Rounding::new(simd, x, origin, margin);
+    let mut doubtful = 0;
+    for pair in 0..4 {
+        let (first, second) = (2 * pair, 2 * pair + 1);
+        let (from, to, doubts) = rounding.rows(solver.ends(simd, &local, first));
+        doubtful |= doubts << (8 * first);
+        let (next_from, next_to, doubts) = rounding.rows(solver.ends(simd, &local, second));
+        doubtful |= doubts << (8 * second);
+        spans.set(simd, pair, [from, next_from], [to, next_to]);
     }
-    true
+    doubtful == 0 || settle_rows(solver, x, (y as i32, z as i32), doubtful, &exact, spans)
 }
 
-/// Settles the rows of the bits in `rows` among eight. False if one is torn.
+/// The step from ends to voxels.
+struct Rounding<S: Simd> {
+    low: f32x8<S>,
+    high: f32x8<S>,
+    /// [`INTEGER_IN_LOW_BITS`] and the origin of the ends.
+    magic: f32x8<S>,
+    /// Ends that are rounded by less are sure.
+    sure: f32x8<S>,
+}
+
+impl<S: Simd> Rounding<S> {
+    #[inline(always)]
+    fn new(simd: S, x: &Range<i32>, origin: i32, margin: f32) -> Rounding<S> {
+        Rounding {
+            low: f32x8::splat(simd, (x.start - origin) as f32),
+            high: f32x8::splat(simd, (x.end - origin) as f32),
+            magic: f32x8::splat(simd, INTEGER_IN_LOW_BITS + origin as f32),
+            sure: f32x8::splat(simd, 0.5 - margin),
+        }
+    }
+
+    /// The first voxels of eight rows, one past the last ones, and a bit for each row in doubt.
+    #[inline(always)]
+    fn rows(&self, ends: Ends<S>) -> (i32x8<S>, i32x8<S>, u64) {
+        let (from, off_from) = self.round(ends.from);
+        let (to, off_to) = self.round(ends.to);
+        // What is not a number is in doubt.
+        let doubtful = !off_from.max(off_to).simd_lt(self.sure) | ends.doubtful;
+        (from, to, doubtful.to_bitmask())
+    }
+
+    /// Ends within the voxels asked for, rounded, and by how much.
+    #[inline(always)]
+    fn round(&self, end: f32x8<S>) -> (i32x8<S>, f32x8<S>) {
+        let moved = end.max(self.low).min(self.high);
+        let rounded = moved + self.magic;
+        let off = (moved - (rounded - self.magic)).abs();
+        (rounded.bitcast::<i32x8<S>>() - INTEGER_IN_LOW_BITS.to_bits() as i32, off)
+    }
+}
+
+/// Settles the rows of the bits in `rows` among 64, y the faster. False if one is torn.
 #[cold]
 #[inline(never)]
 fn settle_rows(
     solver: &impl RowSolver,
     x: &Range<i32>,
     (y, z): (i32, i32),
-    mut rows: u32,
+    mut rows: u64,
     exact: &impl Fn(IVec3) -> bool,
-    from: &mut i16x8,
-    to: &mut i16x8,
+    spans: &mut RowSpans,
 ) -> bool {
-    let (mut starts, mut ends) = (from.to_array(), to.to_array());
     while rows != 0 {
         let row = rows.trailing_zeros();
         rows &= rows - 1;
-        let Some(span) = settle(solver, x, y + row as i32, z, exact) else { return false };
-        (starts[row as usize], ends[row as usize]) = (span.start as i16, span.end as i16);
+        let (step_y, step_z) = (row % 8, row / 8);
+        let at = (y + step_y as i32, z + step_z as i32);
+        let Some(span) = settle(solver, x, at.0, at.1, exact) else { return false };
+        spans.set_row(step_y as usize, step_z as usize, span);
     }
-    (*from, *to) = (i16x8::new(starts), i16x8::new(ends));
     true
 }
 

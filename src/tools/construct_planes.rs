@@ -3,8 +3,8 @@
 
 use std::ops::Range;
 
+use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 use glam::{DMat3, DVec3};
-use wide::f32x8;
 
 use super::construct_ends::{Bracket, Ends, Magnitudes, ROUNDING, ROUNDING_32, RowSolver, STEPS};
 
@@ -32,6 +32,7 @@ struct Linear {
 }
 
 impl Linear {
+    #[inline(always)]
     fn at(&self, dy: f64, dz: f64) -> f64 {
         self.constant + self.z * dz + self.y * dy
     }
@@ -54,6 +55,8 @@ pub struct Planes {
     centre: DVec3,
     /// Those of [`Kind::From`], then of [`Kind::To`], then of [`Kind::Along`].
     faces: [Linear; 6],
+    /// How their numbers change with the steps of eight rows along y.
+    of_step: [[f32; 8]; 6],
     first_to: usize,
     first_along: usize,
     len: usize,
@@ -62,12 +65,11 @@ pub struct Planes {
     margin_along: f32,
 }
 
-/// Planes in one row of bricks: for each face the number of the first row, and how it changes
-/// with the steps of eight rows.
+/// Planes in one row of bricks: for each step along z the numbers of the faces at the first of
+/// eight rows.
 #[derive(Clone, Copy, Debug)]
 pub struct LocalPlanes {
-    at: [f64; 6],
-    of_step: [f32x8; 6],
+    at: [[f32; 6]; 8],
 }
 
 impl Planes {
@@ -80,6 +82,7 @@ impl Planes {
         let mut planes = Planes {
             centre: centre_vx - 0.5,
             faces: [Linear::default(); 6],
+            of_step: [[0.0; 8]; 6],
             first_to: 0,
             first_along: 0,
             len: 0,
@@ -136,9 +139,11 @@ impl Planes {
             face
         };
         self.faces[self.len] = face;
+        self.of_step[self.len] = STEPS.map(|step| step * face.y as f32);
         self.len += 1;
     }
 
+    #[inline(always)]
     fn range(&self, kind: Kind) -> Range<usize> {
         match kind {
             Kind::From => 0..self.first_to,
@@ -151,15 +156,10 @@ impl Planes {
         &self.faces[self.range(kind)]
     }
 
-    /// The numbers of the faces of a kind at eight rows, `step_z` on from the first.
+    /// The numbers of a face at eight rows.
     #[inline(always)]
-    fn rows(&self, local: &LocalPlanes, kind: Kind, step_z: f64) -> impl Iterator<Item = f32x8> {
-        let range = self.range(kind);
-        let faces = self.faces[range.clone()].iter();
-        let local = local.at[range.clone()].iter().zip(&local.of_step[range]);
-        faces.zip(local).map(move |(face, (at, of_step))| {
-            f32x8::splat((at + face.z * step_z) as f32) + *of_step
-        })
+    fn number<S: Simd>(&self, simd: S, local: &LocalPlanes, step_z: usize, i: usize) -> f32x8<S> {
+        f32x8::load_array_ref(simd, &self.of_step[i]) + local.at[step_z][i]
     }
 }
 
@@ -169,25 +169,32 @@ impl RowSolver for Planes {
     #[inline(always)]
     fn local(&self, origin: f64, y: f64, z: f64) -> Option<(LocalPlanes, f32)> {
         let (dy, dz) = (y - self.centre.y, z - self.centre.z);
-        let mut local = LocalPlanes { at: [0.0; 6], of_step: [f32x8::ZERO; 6] };
+        let mut local = LocalPlanes { at: [[0.0; 6]; 8] };
         for (i, face) in self.faces[..self.len].iter().enumerate() {
             let origin = if i < self.first_along { origin } else { 0.0 };
-            local.at[i] = face.at(dy, dz) - origin;
-            local.of_step[i] = STEPS * f32x8::splat(face.y as f32);
+            let first = face.at(dy, dz) - origin;
+            for (step, at) in local.at.iter_mut().enumerate() {
+                at[i] = (first + face.z * step as f64) as f32;
+            }
         }
         Some((local, self.margin))
     }
 
     #[inline(always)]
-    fn ends(&self, local: &LocalPlanes, step_z: f64) -> Ends {
-        let far = f32x8::splat(FAR as f32);
-        let from = self.rows(local, Kind::From, step_z).fold(-far, f32x8::fast_max);
-        let mut to = self.rows(local, Kind::To, step_z).fold(far, f32x8::fast_min);
-        let mut doubtful = f32x8::ZERO;
-        let margin = f32x8::splat(self.margin_along);
-        for beyond in self.rows(local, Kind::Along, step_z) {
-            to = beyond.simd_gt(margin).bitselect(-far, to);
-            doubtful |= !beyond.abs().simd_gt(margin);
+    fn ends<S: Simd>(&self, simd: S, local: &LocalPlanes, step_z: usize) -> Ends<S> {
+        let far = f32x8::splat(simd, FAR as f32);
+        let (mut from, mut to) = (-far, far);
+        let mut doubtful = mask32x8::splat(simd, false);
+        for i in self.range(Kind::From) {
+            from = from.max(self.number(simd, local, step_z, i));
+        }
+        for i in self.range(Kind::To) {
+            to = to.min(self.number(simd, local, step_z, i));
+        }
+        for i in self.range(Kind::Along) {
+            let beyond = self.number(simd, local, step_z, i);
+            to = beyond.simd_gt(self.margin_along).select(-far, to);
+            doubtful |= !beyond.abs().simd_gt(self.margin_along);
         }
         Ends { from, to, doubtful }
     }

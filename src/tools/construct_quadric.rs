@@ -6,8 +6,8 @@
 //! row's length over that of the row through the centre. Keeping the parts of `q` along and
 //! across `m0` separate loses no digits, as the usual `b^2 - 4ac` would.
 
+use fearless_simd::{Simd, f32x8, prelude::*};
 use glam::{DMat3, DVec3};
-use wide::f32x8;
 
 use super::construct_ends::{Bracket, Ends, Magnitudes, ROUNDING, ROUNDING_32, RowSolver, STEPS};
 
@@ -36,18 +36,17 @@ pub struct Quadric {
     /// Whether the errors are small enough for quick decisions.
     tame: bool,
     /// `-yy * step^2` and `middle_y * step` for the steps of eight rows.
-    rest_of_step: f32x8,
-    middle_of_step: f32x8,
+    rest_of_step: [f32; 8],
+    middle_of_step: [f32; 8],
 }
 
 /// A quadric in one row of bricks.
 #[derive(Clone, Copy, Debug)]
 pub struct LocalQuadric {
-    /// Of the first row, and how it changes with each step.
-    rest: f64,
-    rest_y: f64,
-    rest_z: f64,
-    middle: f64,
+    /// Of the first row of each eight along z, and how it changes with each step along y.
+    rest: [f32; 8],
+    rest_y: [f32; 8],
+    middle: [f32; 8],
     /// Rests below this are short.
     short: f32,
 }
@@ -73,15 +72,17 @@ impl Quadric {
             middle_error: 32.0
                 * ROUNDING
                 * (sizes.position * half_length + half_length + sizes.coordinate_vx),
-            rest_of_step: STEPS * STEPS * f32x8::splat(-yy as f32),
-            middle_of_step: STEPS * f32x8::splat(-along1 as f32),
+            rest_of_step: STEPS.map(|step| step * step * -yy as f32),
+            middle_of_step: STEPS.map(|step| step * -along1 as f32),
         }
     }
 
+    #[inline(always)]
     fn rest(&self, dy: f64, dz: f64) -> f64 {
         1.0 - self.zz * dz * dz - (self.yy * dy + self.yz * dz) * dy
     }
 
+    #[inline(always)]
     fn middle(&self, dy: f64, dz: f64) -> f64 {
         self.centre.x + self.middle_y * dy + self.middle_z * dz
     }
@@ -115,24 +116,33 @@ impl RowSolver for Quadric {
         let margin = error / short.sqrt() * self.half_length
             + 6.0 * ROUNDING_32 * largest_x
             + self.middle_error;
-        let local = LocalQuadric { rest, rest_y, rest_z, middle, short: short as f32 };
+        let mut local = LocalQuadric {
+            rest: [0.0; 8],
+            rest_y: [0.0; 8],
+            middle: [0.0; 8],
+            short: short as f32,
+        };
+        for step in 0..8 {
+            let step_z = step as f64;
+            local.rest[step] = (rest + (rest_z - self.zz * step_z) * step_z) as f32;
+            local.rest_y[step] = (rest_y - self.yz * step_z) as f32;
+            local.middle[step] = (middle + self.middle_z * step_z) as f32;
+        }
         // Where a number is too large for f32, nothing is known.
         let tame = self.tame && largest < 1e30 && largest_x < 1e30;
         Some((local, if tame { margin as f32 } else { f32::INFINITY }))
     }
 
     #[inline(always)]
-    fn ends(&self, local: &LocalQuadric, step_z: f64) -> Ends {
-        let rest = local.rest + (local.rest_z - self.zz * step_z) * step_z;
-        let rest_y = local.rest_y - self.yz * step_z;
-        let middle = local.middle + self.middle_z * step_z;
-        let rest =
-            f32x8::splat(rest as f32) + (f32x8::splat(rest_y as f32) * STEPS + self.rest_of_step);
-        let middle = f32x8::splat(middle as f32) + self.middle_of_step;
+    fn ends<S: Simd>(&self, simd: S, local: &LocalQuadric, step_z: usize) -> Ends<S> {
+        let rest_of_step = f32x8::load_array_ref(simd, &self.rest_of_step);
+        let middle_of_step = f32x8::load_array_ref(simd, &self.middle_of_step);
+        let steps = f32x8::load_array(simd, STEPS);
+        let rest = steps * local.rest_y[step_z] + rest_of_step + local.rest[step_z];
+        let middle = middle_of_step + local.middle[step_z];
         // A row outside has both ends in the middle, and so ends before it begins.
-        let half = rest.fast_max(f32x8::ZERO).sqrt() * f32x8::splat(self.half_length as f32);
-        let doubtful = rest.abs().simd_lt(f32x8::splat(local.short));
-        Ends { from: middle - half, to: middle + half, doubtful }
+        let half = rest.max(0.0).sqrt() * self.half_length as f32;
+        Ends { from: middle - half, to: middle + half, doubtful: rest.abs().simd_lt(local.short) }
     }
 
     fn bracket(&self, y: f64, z: f64) -> Bracket {

@@ -2,34 +2,28 @@
 //! into brick masks.
 //!
 //! A solid that is convex meets a row in one span, so this is all that a solid has to work out.
-//! A mask is made without a look at single voxels: a layer of 4x4 voxels of a brick word is one
-//! comparison of 16 bytes, its sign bits are the layer's 16 bits.
+//! A mask is made without a look at single voxels: a table has the eight bits of a row for each
+//! place at which it may begin, and 32 rows at a time are looked up and brought to the order of
+//! the bricks' words.
 
 use std::ops::Range;
 
-use wide::{i8x16, i16x8, i16x16, u8x16};
+use fearless_simd::{Simd, i16x16, i32x8, prelude::*, u8x32, u16x16, u64x4};
 
 use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_WORDS, Brick};
 use crate::sculpture::region::RowReach;
 
+/// Ends of 16 rows: four along y for each of two along z, then the next four along y.
+type EndsOfPair = [i16; 16];
+
 /// Spans along x of the rows of voxels in a row of bricks, 8 along y for each of 8 along z.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct RowSpans {
-    /// First voxel of each row, in grid coordinates; [`i16::MAX`] in an empty row.
-    from: [i16x8; 8],
-    /// One past the last voxel. Also [`i16::MAX`] in an empty row, so that one that ends early
-    /// does not make a left border look like a right one.
-    to: [i16x8; 8],
+    /// First voxel of each row, in grid coordinates, for each two steps along z.
+    from: [EndsOfPair; 4],
+    /// One past the last voxel. A row where this is not above the first voxel is empty.
+    to: [EndsOfPair; 4],
 }
-
-impl Default for RowSpans {
-    fn default() -> RowSpans {
-        RowSpans { from: [NEVER; 8], to: [NEVER; 8] }
-    }
-}
-
-/// Where an empty row begins and ends.
-const NEVER: i16x8 = i16x8::splat(i16::MAX);
 
 impl RowSpans {
     /// Makes all rows empty.
@@ -37,23 +31,34 @@ impl RowSpans {
         *self = RowSpans::default();
     }
 
-    /// Sets the eight rows at `z` of the row of bricks. All ends lie in 0..=4096; a row where
-    /// `to` is not above `from` is empty.
+    /// Sets the eight rows along y of each of two steps along z, `2 * pair` and the next. All
+    /// ends lie in 0..=4096; a row where `to` is not above `from` is empty.
     #[inline(always)]
-    pub fn set(&mut self, z: usize, from: i16x8, to: i16x8) {
-        let never = NEVER & !to.simd_gt(from);
-        (self.from[z], self.to[z]) = (from | never, to | never);
+    pub fn set<S: Simd>(&mut self, simd: S, pair: usize, from: [i32x8<S>; 2], to: [i32x8<S>; 2]) {
+        ordered(simd, from).store_array(&mut self.from[pair]);
+        ordered(simd, to).store_array(&mut self.to[pair]);
+    }
+
+    /// Sets the row at `y`, `z` of the row of bricks.
+    pub fn set_row(&mut self, y: usize, z: usize, span: Range<i32>) {
+        let (pair, row) = (z / 2, y / 4 * 8 + z % 2 * 4 + y % 4);
+        (self.from[pair][row], self.to[pair][row]) = (span.start as i16, span.end as i16);
     }
 
     /// Bricks along x that the spans touch and fill.
     #[inline(always)]
-    pub fn reach(&self) -> RowReach {
-        let (mut first, mut last) = (NEVER, i16x8::ZERO);
-        let (mut all_from, mut all_to) = (i16x8::ZERO, NEVER);
-        for (&from, &to) in self.from.iter().zip(&self.to) {
-            first = first.min(from);
+    pub fn reach<S: Simd>(&self, simd: S) -> RowReach {
+        let (zero, most) = (i16x16::splat(simd, 0), i16x16::splat(simd, i16::MAX));
+        let (mut first, mut last) = (most, zero);
+        let (mut all_from, mut all_to) = (zero, most);
+        for pair in 0..4 {
+            let from = i16x16::load_array_ref(simd, &self.from[pair]);
+            let to = i16x16::load_array_ref(simd, &self.to[pair]);
+            let some = to.simd_gt(from);
+            first = first.min(some.select(from, most));
+            last = last.max(some.select(to, zero));
+            // An empty row leaves no whole brick, as it ends before it begins.
             all_from = all_from.max(from);
-            last = last.max(to & !to.simd_eq(NEVER));
             all_to = all_to.min(to);
         }
         let last = last.reduce_max() as u32;
@@ -68,143 +73,172 @@ impl RowSpans {
         }
     }
 
-    /// The voxels of a touched brick that lie in the spans. `whole` is that of [`RowSpans::reach`].
+    /// The voxels of the brick at `brick_x` that lie in the spans.
     #[inline(always)]
-    pub fn mask(&self, brick_x: u32, whole: &Range<u32>) -> Brick {
-        // A brick at or after the first whole one has no row that begins in it, and one before
-        // the last none that ends.
-        match (brick_x < whole.start, brick_x >= whole.end) {
-            (true, false) => self.mask_of::<true, false>(brick_x),
-            (false, true) => self.mask_of::<false, true>(brick_x),
-            _ => self.mask_of::<true, true>(brick_x),
-        }
-    }
-
-    #[inline(always)]
-    fn mask_of<const BEGINS: bool, const ENDS: bool>(&self, brick_x: u32) -> Brick {
-        let origin = i16x16::splat((brick_x * BRICK_EDGE_VX) as i16);
+    pub fn mask<S: Simd>(&self, simd: S, brick_x: u32) -> Brick {
+        let origin = u16x16::splat(simd, (brick_x * BRICK_EDGE_VX) as u16);
+        let from_on = u8x32::load_array_ref(simd, &FROM_ON);
+        let to_words = u8x32::load_array_ref(simd, &NIBBLES_TO_WORDS);
         let mut words = [0; BRICK_WORDS];
-        for (upper, words) in words.chunks_exact_mut(4).enumerate() {
-            // The layers of words at z 0 and 1, then at 2 and 3, of the lower or upper half.
-            let z = 4 * upper;
-            let first = self.layers::<BEGINS, ENDS>(z, origin);
-            let second = self.layers::<BEGINS, ENDS>(z + 2, origin);
-            for (i, word) in words.iter_mut().enumerate() {
-                let (y, x) = (i / 2, i % 2);
-                *word = first[y][x]
-                    | first[2 + y][x] << 16
-                    | second[y][x] << 32
-                    | second[2 + y][x] << 48;
-            }
+        for upper in 0..2 {
+            let begun = from_on.swizzle_dyn_within_blocks(local(simd, &self.from, upper, origin));
+            let ended = from_on.swizzle_dyn_within_blocks(local(simd, &self.to, upper, origin));
+            // Two rows of eight bits are to become two times four bits of one word and two times
+            // four bits of the next.
+            let rows = (begun & !ended).bitcast::<u16x16<S>>();
+            let swapped = (rows ^ (rows >> 4)) & 0x00F0;
+            let nibbles = rows ^ swapped ^ (swapped << 4);
+            let ordered = nibbles.bitcast::<u8x32<S>>().swizzle_dyn_within_blocks(to_words);
+            ordered.bitcast::<u64x4<S>>().store_slice(&mut words[4 * upper..4 * upper + 4]);
         }
         Brick { words }
     }
+}
 
-    /// The 16 bits of each layer of words at `z` and `z + 1`: those at y 0 and 4 for one z, then
-    /// for the other, each for the words at x 0 and 4.
-    #[inline(always)]
-    fn layers<const BEGINS: bool, const ENDS: bool>(
-        &self,
-        z: usize,
-        origin: i16x16,
-    ) -> [[u64; 2]; 4] {
-        let ends = |ends: &[i16x8; 8]| four_times_each(local(ends, z, origin));
-        let from = if BEGINS { ends(&self.from) } else { [i8x16::ZERO; 4] };
-        let to = if ENDS { ends(&self.to) } else { [i8x16::ZERO; 4] };
-        let mut bits = [[0; 2]; 4];
-        for layer in 0..4 {
-            for (bits, x) in bits[layer].iter_mut().zip(X_IN_LAYER) {
-                let begun = (x + i8x16::ONE).simd_gt(from[layer]);
-                let not_ended = to[layer].simd_gt(x);
-                let inside = match (BEGINS, ENDS) {
-                    (true, false) => begun,
-                    (false, true) => not_ended,
-                    _ => begun & not_ended,
-                };
-                *bits = u64::from(inside.to_bitmask());
-            }
-        }
-        bits
+/// For each place 0..=8 at which a row may begin its bits from there on; twice, for both halves of
+/// a vector.
+const FROM_ON: [u8; 32] = {
+    let mut table = [0; 32];
+    let mut place = 0;
+    while place < 8 {
+        table[place] = 0xFF << place;
+        table[16 + place] = table[place];
+        place += 1;
     }
+    table
+};
+
+/// Where each byte of two words comes from: those at even places are the first word's.
+const NIBBLES_TO_WORDS: [u8; 32] = {
+    let mut places = [0; 32];
+    let mut place = 0;
+    while place < 16 {
+        places[place] = (place % 8 * 2 + place / 8) as u8;
+        places[16 + place] = places[place];
+        place += 1;
+    }
+    places
+};
+
+/// The ends of the lower or upper 32 rows along z relative to `origin`, cut to 0..=8: the rows of
+/// the lower 4 along y first, then the others.
+#[inline(always)]
+fn local<S: Simd>(simd: S, ends: &[EndsOfPair; 4], upper: usize, origin: u16x16<S>) -> u8x32<S> {
+    let bytes = simd.saturating_narrow_i16x16(
+        beyond(simd, &ends[2 * upper], origin),
+        beyond(simd, &ends[2 * upper + 1], origin),
+    );
+    middle_swapped(bytes.bitcast()).bitcast::<u8x32<S>>().min(BRICK_EDGE_VX as u8)
 }
 
-/// The brick-local x of the 16 voxels of a word's layer, for the lower and upper word along x.
-const X_IN_LAYER: [i8x16; 2] = [
-    i8x16::new([0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3]),
-    i8x16::new([4, 5, 6, 7, 4, 5, 6, 7, 4, 5, 6, 7, 4, 5, 6, 7]),
-];
-
-/// The ends at `z` and `z + 1` relative to `origin`; what does not fit a byte keeps its side.
+/// The ends less `origin`, and 0 if below it.
 #[inline(always)]
-fn local(ends: &[i16x8; 8], z: usize, origin: i16x16) -> u8x16 {
-    let ends: i16x16 = bytemuck::cast([ends[z], ends[z + 1]]);
-    bytemuck::cast(i8x16::from_i16x16_saturate(ends - origin))
+fn beyond<S: Simd>(simd: S, ends: &EndsOfPair, origin: u16x16<S>) -> i16x16<S> {
+    let ends = i16x16::load_array_ref(simd, ends).bitcast::<u16x16<S>>();
+    ends.saturating_sub(origin).bitcast()
 }
 
-/// Repeats each of 16 bytes four times.
+/// The ends of eight rows along y for each of two steps along z, in the order that is kept.
 #[inline(always)]
-fn four_times_each(v: u8x16) -> [i8x16; 4] {
-    let (low, high) = (u8x16::unpack_low(v, v), u8x16::unpack_high(v, v));
-    [
-        bytemuck::cast(u8x16::unpack_low(low, low)),
-        bytemuck::cast(u8x16::unpack_high(low, low)),
-        bytemuck::cast(u8x16::unpack_low(high, high)),
-        bytemuck::cast(u8x16::unpack_high(high, high)),
-    ]
+fn ordered<S: Simd>(simd: S, [first, second]: [i32x8<S>; 2]) -> i16x16<S> {
+    middle_swapped(simd.relaxed_narrow_i32x8(first, second).bitcast()).bitcast()
+}
+
+/// Swaps the second quarter with the third. Instructions that narrow two vectors leave the
+/// quarters so, and what brings them to order before is not needed then.
+#[inline(always)]
+fn middle_swapped<S: Simd>(quarters: u64x4<S>) -> u64x4<S> {
+    let (even, _) = quarters.unzip_low(quarters).split();
+    let (odd, _) = quarters.unzip_high(quarters).split();
+    even.combine(odd)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use fearless_simd::{Level, dispatch};
     use proptest::prelude::*;
 
-    fn spans(from: impl Fn(usize) -> i16, to: impl Fn(usize) -> i16) -> RowSpans {
+    use super::*;
+    use crate::surface::raycast::tests::levels;
+
+    fn spans(simd: impl Simd, from: impl Fn(usize) -> i32, to: impl Fn(usize) -> i32) -> RowSpans {
         let mut spans = RowSpans::default();
-        for z in 0..8 {
-            let rows = |f: &dyn Fn(usize) -> i16| i16x8::new(std::array::from_fn(|y| f(8 * z + y)));
-            spans.set(z, rows(&from), rows(&to));
+        for pair in 0..4 {
+            let rows = |f: &dyn Fn(usize) -> i32| {
+                [2 * pair, 2 * pair + 1].map(|z| {
+                    i32x8::from_slice(simd, &std::array::from_fn::<_, 8, _>(|y| f(8 * z + y)))
+                })
+            };
+            spans.set(simd, pair, rows(&from), rows(&to));
         }
         spans
+    }
+
+    fn check(
+        simd: impl Simd,
+        from: impl Fn(usize) -> i32,
+        to: impl Fn(usize) -> i32,
+    ) -> Result<(), TestCaseError> {
+        let spans = spans(simd, &from, &to);
+        let RowReach { touched, whole } = spans.reach(simd);
+        for bx in 0..512u32 {
+            let mut naive = Brick::EMPTY;
+            for (row, x) in (0..64).flat_map(|row| (0..8).map(move |x| (row, x))) {
+                let v = (bx * 8 + x) as i32;
+                let inside = from(row) <= v && v < to(row);
+                naive.set(x, row as u32 % 8, row as u32 / 8, inside);
+            }
+            prop_assert_eq!(whole.contains(&bx), naive.is_full(), "brick {}", bx);
+            if touched.contains(&bx) {
+                prop_assert_eq!(spans.mask(simd, bx), naive, "brick {}", bx);
+            } else {
+                prop_assert!(naive.is_empty(), "brick {}", bx);
+            }
+        }
+        Ok(())
     }
 
     proptest! {
         #[test]
         fn masks_and_ranges_say_what_the_spans_say(
-            base in 0i16..4000,
-            spread in 1i16..90,
-            ends in prop::collection::vec((0i16..1000, 0i16..1000), 64),
+            base in 0i32..4000,
+            spread in 1i32..90,
+            ends in prop::collection::vec((0i32..1000, 0i32..1000), 64),
         ) {
             let from = |row: usize| base + ends[row].0 % spread;
             let to = |row: usize| base + ends[row].1 % spread;
-            let spans = spans(from, to);
-            let RowReach { touched, whole } = spans.reach();
-            for bx in 0..512u32 {
-                let mut naive = Brick::EMPTY;
-                for (row, x) in (0..64).flat_map(|row| (0..8).map(move |x| (row, x))) {
-                    let v = (bx * 8 + x) as i16;
-                    let inside = from(row) <= v && v < to(row);
-                    naive.set(x, row as u32 % 8, row as u32 / 8, inside);
-                }
-                prop_assert_eq!(whole.contains(&bx), naive.is_full(), "brick {}", bx);
-                if touched.contains(&bx) {
-                    prop_assert_eq!(spans.mask(bx, &whole), naive, "brick {}", bx);
-                } else {
-                    prop_assert!(naive.is_empty(), "brick {}", bx);
-                }
+            for level in levels() {
+                dispatch!(level, simd => check(simd, from, to))?;
             }
+        }
+
+        #[test]
+        fn a_row_set_alone_is_the_row_set_with_others(
+            ends in prop::collection::vec((0i32..1000, 0i32..1000), 64),
+        ) {
+            let mut single = RowSpans::default();
+            for (row, &(from, to)) in ends.iter().enumerate() {
+                single.set_row(row % 8, row / 8, from..to);
+            }
+            let set = dispatch!(Level::new(), simd => spans(simd, |row| ends[row].0, |row| ends[row].1));
+            prop_assert_eq!((single.from, single.to), (set.from, set.to));
         }
     }
 
     #[test]
     fn no_voxel_touches_no_brick() {
-        assert_eq!(spans(|_| 9, |_| 9).reach(), RowReach::NONE);
-        assert_eq!(spans(|_| 4096, |_| 0).reach(), RowReach::NONE);
+        for (from, to) in [(9, 9), (4096, 0)] {
+            let reach = dispatch!(Level::new(), simd => spans(simd, |_| from, |_| to).reach(simd));
+            assert_eq!(reach, RowReach::NONE);
+        }
     }
 
     #[test]
     fn all_of_the_longest_row_is_whole() {
-        let spans = spans(|_| 0, |_| 4096);
-        assert_eq!(spans.reach(), RowReach { touched: 0..512, whole: 0..512 });
-        assert_eq!(spans.mask(511, &(0..512)), Brick::FULL);
+        dispatch!(Level::new(), simd => {
+            let spans = spans(simd, |_| 0, |_| 4096);
+            assert_eq!(spans.reach(simd), RowReach { touched: 0..512, whole: 0..512 });
+            assert_eq!(spans.mask(simd, 511), Brick::FULL);
+        });
     }
 }

@@ -1,20 +1,29 @@
 //! Solids against their definition: every voxel of every row of bricks, at poses made to be
 //! awkward.
 
+use fearless_simd::{Level, Simd, dispatch};
 use glam::{EulerRot, IVec3, Quat, UVec3, Vec3};
 use proptest::prelude::*;
 
 use super::construct::{PlacedSolid, Primitive, Solid, SolidRow};
 use crate::sculpture::Brick;
 use crate::sculpture::region::Region;
+use crate::surface::raycast::tests::levels;
 
-/// Compares all rows of a grid of `dims` voxels with [`PlacedSolid::contains_voxel`].
+/// Compares all rows of a grid of `dims` voxels with [`PlacedSolid::contains_voxel`], with each set
+/// of vector instructions.
 fn check(placed: &PlacedSolid, dims: UVec3) -> Result<(), TestCaseError> {
+    levels()
+        .into_iter()
+        .try_for_each(|level| dispatch!(level, simd => check_with(simd, placed, dims)))
+}
+
+fn check_with(simd: impl Simd, placed: &PlacedSolid, dims: UVec3) -> Result<(), TestCaseError> {
     let bricks = (dims + 7) / 8;
     let bounds = placed.bounds_vx();
     for (by, bz) in (0..bricks.z).flat_map(|z| (0..bricks.y).map(move |y| (y, z))) {
         let mut row = SolidRow::default();
-        let reach = placed.cut_row(by * 8, bz * 8, &mut row);
+        let reach = placed.cut_row(simd, by * 8, bz * 8, &mut row);
         for bx in 0..bricks.x {
             let mut naive = Brick::EMPTY;
             for (x, y, z) in (0..512).map(|i| (i % 8, i / 8 % 8, i / 64)) {
@@ -31,7 +40,7 @@ fn check(placed: &PlacedSolid, dims: UVec3) -> Result<(), TestCaseError> {
                     Brick::EMPTY
                 }
                 (true, true) => Brick::FULL,
-                (true, false) => placed.mask(&row, &reach, bx),
+                (true, false) => placed.mask(simd, &row, &reach, bx),
             };
             prop_assert_eq!(mask, naive, "brick {} {} {} of {:?}", bx, by, bz, placed);
         }
@@ -211,7 +220,7 @@ fn rows_torn_by_rounding_are_tested_voxel_by_voxel() {
         };
         let placed = primitive.in_grid(Vec3::ONE);
         let mut row = SolidRow::default();
-        placed.cut_row(0, 0, &mut row);
+        dispatch!(Level::new(), simd => placed.cut_row(simd, 0, 0, &mut row));
         if row.is_torn() {
             torn += 1;
             check(&placed, UVec3::new(100, 16, 16)).unwrap();
