@@ -55,8 +55,6 @@ pub struct Planes {
     centre: DVec3,
     /// Those of [`Kind::From`], then of [`Kind::To`], then of [`Kind::Along`].
     faces: [Linear; 6],
-    /// How their numbers change with the steps of eight rows along y.
-    of_step: [[f32; 8]; 6],
     first_to: usize,
     first_along: usize,
     len: usize,
@@ -70,6 +68,8 @@ pub struct Planes {
 #[derive(Clone, Copy, Debug)]
 pub struct LocalPlanes {
     at: [[f32; 6]; 8],
+    /// How they change with the steps of eight rows along y.
+    of_step: [[f32; 8]; 6],
 }
 
 impl Planes {
@@ -82,7 +82,6 @@ impl Planes {
         let mut planes = Planes {
             centre: centre_vx - 0.5,
             faces: [Linear::default(); 6],
-            of_step: [[0.0; 8]; 6],
             first_to: 0,
             first_along: 0,
             len: 0,
@@ -139,7 +138,6 @@ impl Planes {
             face
         };
         self.faces[self.len] = face;
-        self.of_step[self.len] = STEPS.map(|step| step * face.y as f32);
         self.len += 1;
     }
 
@@ -159,7 +157,7 @@ impl Planes {
     /// The numbers of a face at eight rows.
     #[inline(always)]
     fn number<S: Simd>(&self, simd: S, local: &LocalPlanes, step_z: usize, i: usize) -> f32x8<S> {
-        f32x8::load_array_ref(simd, &self.of_step[i]) + local.at[step_z][i]
+        f32x8::load_array_ref(simd, &local.of_step[i]) + local.at[step_z][i]
     }
 }
 
@@ -169,12 +167,15 @@ impl RowSolver for Planes {
     #[inline(always)]
     fn local(&self, origin: f64, y: f64, z: f64) -> Option<(LocalPlanes, f32)> {
         let (dy, dz) = (y - self.centre.y, z - self.centre.z);
-        let mut local = LocalPlanes { at: [[0.0; 6]; 8] };
+        let mut local = LocalPlanes { at: [[0.0; 6]; 8], of_step: [[0.0; 8]; 6] };
         for (i, face) in self.faces[..self.len].iter().enumerate() {
             let origin = if i < self.first_along { origin } else { 0.0 };
             let first = face.at(dy, dz) - origin;
             for (step, at) in local.at.iter_mut().enumerate() {
                 at[i] = (first + face.z * step as f64) as f32;
+            }
+            for (of_step, step) in local.of_step[i].iter_mut().zip(STEPS) {
+                *of_step = step * face.y as f32;
             }
         }
         Some((local, self.margin))
