@@ -3,7 +3,7 @@
 
 use std::sync::{Arc, Weak};
 
-use crate::sculpture::brick_set::{BrickMask, BrickSet};
+use crate::sculpture::brick_set::BrickSet;
 
 /// Somebody who follows a document. Clones are the same follower; one that is dropped is
 /// forgotten.
@@ -38,17 +38,10 @@ impl Followers {
                 unheard.all = true;
             }
         }
-        if !bricks.is_empty() {
-            self.handed.clear();
-            bricks.collect_into(&mut self.handed);
-            let words = self.handed.chunk_by(|a, b| a / 64 == b / 64);
-            for word in words {
-                let mask = word.iter().fold(0, |mask, brick| mask | 1u64 << (brick % 64));
-                let changed = BrickMask { word: word[0] / 64, mask };
-                self.list.iter_mut().for_each(|unheard| unheard.bricks.insert_mask(changed));
-            }
-            bricks.clear();
+        for changed in bricks.masks() {
+            self.list.iter_mut().for_each(|unheard| unheard.bricks.insert_mask(changed));
         }
+        bricks.clear();
     }
 
     /// What `follower` has not heard of, as rising indices, which it has heard of from now on;

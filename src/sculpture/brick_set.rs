@@ -12,16 +12,27 @@ pub struct BrickMask {
 
 impl BrickMask {
     /// The linear indices, rising.
-    #[inline]
-    pub fn indices(self) -> impl Iterator<Item = u32> {
-        let mut rest = self.mask;
-        std::iter::from_fn(move || {
-            (rest != 0).then(|| {
-                let index = self.word * 64 + rest.trailing_zeros();
-                rest &= rest - 1;
-                index
-            })
-        })
+    #[inline(always)]
+    pub fn indices(self) -> Indices {
+        Indices(self)
+    }
+}
+
+/// The linear indices of a [`BrickMask`].
+pub struct Indices(BrickMask);
+
+impl Iterator for Indices {
+    type Item = u32;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<u32> {
+        let BrickMask { word, mask } = &mut self.0;
+        if *mask == 0 {
+            return None;
+        }
+        let index = *word * 64 + mask.trailing_zeros();
+        *mask &= *mask - 1;
+        Some(index)
     }
 }
 
@@ -71,11 +82,16 @@ impl BrickSet {
         *word |= bricks.mask;
     }
 
+    /// The words in use, in the order of their first brick's arrival.
+    pub fn masks(&self) -> impl Iterator<Item = BrickMask> {
+        self.used.iter().map(|&word| BrickMask { word, mask: self.words[word as usize] })
+    }
+
     /// Appends the linear indices to `out`, rising.
     pub fn collect_into(&mut self, out: &mut Vec<u32>) {
         self.used.sort_unstable();
-        for &word in &self.used {
-            out.extend(BrickMask { word, mask: self.words[word as usize] }.indices());
+        for bricks in self.masks() {
+            out.extend(bricks.indices());
         }
     }
 

@@ -10,8 +10,10 @@ use thiserror::Error;
 use super::brick::{BRICK_EDGE_VX, Brick, local_coords};
 
 mod band;
+mod words;
 
 pub use band::GridBand;
+pub use words::WordKinds;
 
 /// Longest axis of a grid. Its product over three axes must still leave a `u32` index.
 pub const MAX_AXIS_VX: u32 = 4096;

@@ -214,7 +214,7 @@ mod tests {
 
     use super::*;
     use crate::sculpture::brick_set::BrickMask;
-    use crate::sculpture::record::KeptWord;
+    use crate::sculpture::grid::WordKinds;
     use crate::sculpture::{Brick, ColourDepth, Rgb};
 
     /// A step that keeps some mixed bricks, or a whole sculpture.
@@ -229,7 +229,7 @@ mod tests {
         let bits = Brick::below([1, 2, 3]);
         let bricks = BrickMask { word: 3, mask: u64::MAX >> (64 - u32::from(bricks).min(64)) };
         bricks.indices().for_each(|_| record.keep_mixed(&bits));
-        record.keep_word(bricks.word, KeptWord { mixed: bricks.mask, ..KeptWord::default() });
+        record.keep_word(bricks.word, WordKinds { mixed: bricks.mask, ..WordKinds::default() });
         if bricks.mask & 1 != 0 {
             record.keep_page(0, Some(vec![7; 512].into_boxed_slice()));
         }

@@ -5,6 +5,7 @@
 
 use super::brick::{BRICK_VOXELS, Brick};
 use super::brick_set::{BrickMask, BrickSet};
+use super::grid::WordKinds;
 use super::history::Contents;
 use super::material::Page;
 use super::vectors::vectorised;
@@ -21,26 +22,18 @@ pub struct BrickRecord {
     page_bytes: usize,
 }
 
-/// The bricks of one word whose earlier bits have been kept, by kind.
-#[derive(Clone, Copy, Default, Debug)]
-pub struct KeptWord {
-    pub empty: u64,
-    pub full: u64,
-    /// The bits of these have been given to [`BrickRecord::keep_mixed`].
-    pub mixed: u64,
-}
-
 impl BrickRecord {
     /// Keeps the bits of a brick that is neither empty nor full. Bricks of one word come in
     /// rising order, and are named by the next [`BrickRecord::keep_word`].
-    #[inline]
+    #[inline(always)]
     pub fn keep_mixed(&mut self, bits: &Brick) {
         self.mixed_bits.push(*bits);
     }
 
-    /// Names the bricks of a word that are kept.
-    #[inline]
-    pub fn keep_word(&mut self, word: u32, kept: KeptWord) {
+    /// Names the bricks of a word that are kept; the bits of those that are mixed have been given to
+    /// [`BrickRecord::keep_mixed`].
+    #[inline(always)]
+    pub fn keep_word(&mut self, word: u32, kept: WordKinds) {
         let lists = [&mut self.empty, &mut self.full, &mut self.mixed];
         for (list, mask) in lists.into_iter().zip([kept.empty, kept.full, kept.mixed]) {
             if mask != 0 {
@@ -96,18 +89,42 @@ impl BrickRecord {
     #[inline(always)]
     fn swap_all(self, contents: &mut Contents, touched: &mut BrickSet) -> BrickRecord {
         let mut reverse = BrickRecord::default();
-        let mut mixed_bits = self.mixed_bits.into_iter();
+        // As much room as there will be bricks: they are too many to be moved.
+        let mut mixed = 0;
+        for list in [&self.empty, &self.full, &self.mixed] {
+            for bricks in list {
+                mixed += contents.grid.count_mixed(*bricks);
+                touched.insert_mask(*bricks);
+            }
+        }
+        reverse.mixed_bits.reserve_exact(mixed);
         for bricks in self.empty {
-            reverse.swap_word(bricks, contents, || Brick::EMPTY);
-            touched.insert_mask(bricks);
+            reverse.swap_word(
+                bricks,
+                contents,
+                #[inline(always)]
+                || (Brick::EMPTY, 0),
+            );
         }
         for bricks in self.full {
-            reverse.swap_word(bricks, contents, || Brick::FULL);
-            touched.insert_mask(bricks);
+            reverse.swap_word(
+                bricks,
+                contents,
+                #[inline(always)]
+                || (Brick::FULL, BRICK_VOXELS as u16),
+            );
         }
+        let mut mixed_bits = self.mixed_bits.iter();
         for bricks in self.mixed {
-            reverse.swap_word(bricks, contents, || mixed_bits.next().unwrap_or_default());
-            touched.insert_mask(bricks);
+            reverse.swap_word(
+                bricks,
+                contents,
+                #[inline(always)]
+                || {
+                    let bits = mixed_bits.next().unwrap_or(&Brick::EMPTY);
+                    (*bits, bits.count())
+                },
+            );
         }
         for (index, page) in self.pages {
             reverse.keep_page(index, contents.material.swap_page(index as usize, page));
@@ -117,27 +134,21 @@ impl BrickRecord {
         reverse
     }
 
-    /// Sets bricks of one word to what `bits` gives for them in turn, and keeps what they were.
+    /// Sets bricks of one word to what `bits` gives for them in turn, with their counts, and keeps
+    /// what they were.
     #[inline(always)]
     fn swap_word(
         &mut self,
         bricks: BrickMask,
         contents: &mut Contents,
-        mut bits: impl FnMut() -> Brick,
+        bits: impl FnMut() -> (Brick, u16),
     ) {
-        let mut kept = KeptWord::default();
-        for index in bricks.indices() {
-            let bit = 1 << (index % 64);
-            match contents.grid.counts()[index as usize] {
-                0 => kept.empty |= bit,
-                count if u32::from(count) == BRICK_VOXELS => kept.full |= bit,
-                _ => {
-                    kept.mixed |= bit;
-                    self.keep_mixed(&contents.grid.bricks()[index as usize]);
-                }
-            }
-            contents.grid.set_brick(index as usize, bits());
-        }
+        let kept = contents.grid.swap_word(
+            bricks,
+            bits,
+            #[inline(always)]
+            |earlier| self.keep_mixed(earlier),
+        );
         self.keep_word(bricks.word, kept);
     }
 

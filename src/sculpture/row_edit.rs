@@ -9,8 +9,7 @@ use glam::UVec3;
 
 use super::brick::{BRICK_VOXELS, Brick};
 use super::brick_set::{BrickMask, BrickSet};
-use super::grid::GridBand;
-use super::record::KeptWord;
+use super::grid::{GridBand, WordKinds};
 use super::region::{Region, RowReach};
 use super::stroke::BandRecord;
 
@@ -55,7 +54,7 @@ pub struct RowEdit<'a, 'g> {
     /// The word of 64 bricks at hand, and which of them the stroke has kept already.
     word: u32,
     kept_of_word: u64,
-    kept: KeptWord,
+    kept: WordKinds,
     changed: u64,
 }
 
@@ -71,7 +70,7 @@ impl<'a, 'g> RowEdit<'a, 'g> {
             kept_before,
             word: u32::MAX,
             kept_of_word: 0,
-            kept: KeptWord::default(),
+            kept: WordKinds::default(),
             changed: 0,
         }
     }
@@ -243,8 +242,8 @@ impl<'a, 'g> RowEdit<'a, 'g> {
     pub fn close_word(&mut self) {
         if self.changed != 0 {
             let fresh = !self.kept_of_word;
-            let KeptWord { empty, full, mixed } = std::mem::take(&mut self.kept);
-            let kept = KeptWord { empty: empty & fresh, full: full & fresh, mixed: mixed & fresh };
+            let WordKinds { empty, full, mixed } = std::mem::take(&mut self.kept);
+            let kept = WordKinds { empty: empty & fresh, full: full & fresh, mixed: mixed & fresh };
             self.record.earlier.keep_word(self.word, kept);
             self.record.stats.bricks_changed += u64::from(self.changed.count_ones());
             let mask = std::mem::take(&mut self.changed);

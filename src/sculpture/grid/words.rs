@@ -1,0 +1,101 @@
+//! Owns changes of up to 64 bricks at once, those of one word of a set of bricks: undo puts back
+//! whole words.
+
+use super::{Grid, unflatten};
+use crate::sculpture::brick::{BRICK_VOXELS, Brick};
+use crate::sculpture::brick_set::BrickMask;
+
+/// Bricks of one word, by what they hold.
+#[derive(Clone, Copy, Default, Debug)]
+pub struct WordKinds {
+    pub empty: u64,
+    pub full: u64,
+    /// Neither.
+    pub mixed: u64,
+}
+
+impl Grid {
+    /// How many of some bricks are neither empty nor full.
+    #[inline(always)]
+    pub fn count_mixed(&self, bricks: BrickMask) -> usize {
+        let mut mixed = 0;
+        for index in bricks.indices() {
+            mixed += usize::from(Kind::of(self.counts[index as usize]) == Kind::Mixed);
+        }
+        mixed
+    }
+
+    /// Sets bricks to what `bits` gives for them in turn, with their counts. What they were is
+    /// returned, and given to `keep_mixed` where it is neither empty nor full.
+    #[inline(always)]
+    pub fn swap_word(
+        &mut self,
+        bricks: BrickMask,
+        mut bits: impl FnMut() -> (Brick, u16),
+        mut keep_mixed: impl FnMut(&Brick),
+    ) -> WordKinds {
+        let mut kept = WordKinds::default();
+        let (mut flipped, mut opaque) = (0, self.opaque);
+        for index in bricks.indices() {
+            let (at, bit) = (index as usize, 1 << (index % 64));
+            let (brick, before) = (&mut self.bricks[at], &mut self.counts[at]);
+            match Kind::of(*before) {
+                Kind::Empty => kept.empty |= bit,
+                Kind::Full => kept.full |= bit,
+                Kind::Mixed => {
+                    kept.mixed |= bit;
+                    keep_mixed(brick);
+                }
+            }
+            let (now, count) = bits();
+            debug_assert_eq!(count, now.count());
+            opaque = opaque + u64::from(count) - u64::from(*before);
+            if (*before == 0) != (count == 0) {
+                flipped |= bit;
+            }
+            (*brick, *before) = (now, count);
+        }
+        self.opaque = opaque;
+        self.flip_occupancy(BrickMask { word: bricks.word, mask: flipped });
+        kept
+    }
+
+    /// Flips the occupancy of bricks.
+    #[inline(always)]
+    fn flip_occupancy(&mut self, bricks: BrickMask) {
+        let (mut index, mut mask) = (bricks.word * 64, bricks.mask);
+        while mask != 0 {
+            let empty = mask.trailing_zeros();
+            (index, mask) = (index + empty, mask >> empty);
+            let b = unflatten(index, self.brick_dims);
+            // No further than the row, and with room to begin at a whole block.
+            let run = (self.brick_dims.x - b.x).min(60);
+            let mut bits = (mask & (u64::MAX >> (64 - run))) << (b.x & 3);
+            let (mut word, bit) = self.occupancy_place(b.with_x(b.x & !3));
+            while bits != 0 {
+                self.occupancy[word] ^= (bits & 0xF) << bit;
+                (word, bits) = (word + 1, bits >> 4);
+            }
+            (index, mask) = (index + run, mask >> run);
+        }
+    }
+}
+
+/// What a count says of a brick.
+#[derive(PartialEq, Eq)]
+enum Kind {
+    Empty,
+    Mixed,
+    Full,
+}
+
+impl Kind {
+    #[inline(always)]
+    fn of(count: u16) -> Kind {
+        match u32::from(count) {
+            0 => Kind::Empty,
+            BRICK_VOXELS => Kind::Full,
+            _ => Kind::Mixed,
+        }
+    }
+}
