@@ -43,13 +43,8 @@ impl Pictures {
         area: PixelRect,
     ) {
         let size = self.colour.size();
-        if area == PixelRect::of_picture(size) {
-            self.colour.renew(recorder, eye, Use::COLOUR_TARGET);
-            self.depth.renew(recorder, eye, Use::DEPTH_TARGET);
-        } else {
-            self.colour.rework(recorder, eye, Use::COLOUR_TARGET);
-            self.depth.rework(recorder, eye, Use::DEPTH_TARGET);
-        }
+        self.colour.renew_area(recorder, eye, area, Use::COLOUR_TARGET);
+        self.depth.renew_area(recorder, eye, area, Use::DEPTH_TARGET);
         let colours = match background {
             Background::Keep => Load::Colour([0.0; 4]),
             // Drawn over every pixel.

@@ -130,10 +130,7 @@ impl PixelPass {
         match self.stage {
             PixelStage::Compute => target.renew(recorder, eye, Use::SHADER_WRITE),
             PixelStage::Fragment => {
-                match area.area == PixelRect::of_picture(size) {
-                    true => target.renew(recorder, eye, Use::COLOUR_TARGET),
-                    false => target.rework(recorder, eye, Use::COLOUR_TARGET),
-                }
+                target.renew_area(recorder, eye, area.area, Use::COLOUR_TARGET);
                 let view = target.image().layer_view(eye);
                 let colour = Some(Attachment { view, load: area.rest, store: true });
                 let place = area.area.corner_and_size();

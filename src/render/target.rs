@@ -63,8 +63,12 @@ impl EyeImage {
         recorder.image_barrier(self.image.layer(eye), from.discarded(), to);
     }
 
-    /// Makes the layer of `eye` ready to be written in part, after all that was done to it before.
-    pub fn rework(&mut self, recorder: &mut Recorder, eye: u32, to: Use) {
+    /// Makes the layer of `eye` ready for `area` of it to be written anew. The rest stays as it is.
+    pub fn renew_area(&mut self, recorder: &mut Recorder, eye: u32, area: PixelRect, to: Use) {
+        if area == PixelRect::of_picture(self.size()) {
+            return self.renew(recorder, eye, to);
+        }
+        // A barrier even where the use stays: what was written before must be there.
         let from = std::mem::replace(&mut self.uses[eye as usize], to);
         recorder.image_barrier(self.image.layer(eye), from, to);
     }
@@ -90,7 +94,9 @@ impl EyeImage {
         piece: Piece,
         rows: Range<u32>,
     ) {
-        self.rework(recorder, eye, Use::COPY_TARGET);
+        let [width, ..] = self.image.size();
+        let area = PixelRect { min: UVec2::new(0, rows.start), max: UVec2::new(width, rows.end) };
+        self.renew_area(recorder, eye, area, Use::COPY_TARGET);
         self.copy_rows(recorder, eye, piece, rows);
     }
 
@@ -129,10 +135,6 @@ impl EyeTask {
     pub fn whole(eye: u32, rays: PixelRays) -> EyeTask {
         let area = PixelRect::of_picture(rays.size);
         EyeTask { eye, rays, area, part: area }
-    }
-
-    pub(super) fn is_whole(&self) -> bool {
-        self.area == PixelRect::of_picture(self.rays.size)
     }
 }
 
@@ -177,10 +179,7 @@ impl IndexTarget {
     /// Starts drawing what `task` says of an index map: nothing seen there yet.
     pub fn begin(&mut self, recorder: &mut Recorder, task: &EyeTask) {
         let (eye, area) = (task.eye, task.area);
-        match task.is_whole() {
-            true => self.index.renew(recorder, eye, Use::COLOUR_TARGET),
-            false => self.index.rework(recorder, eye, Use::COLOUR_TARGET),
-        }
+        self.index.renew_area(recorder, eye, area, Use::COLOUR_TARGET);
         self.depth.renew(recorder, eye, Use::DEPTH_TARGET);
         recorder.begin_rendering_in(
             self.size().to_array(),
