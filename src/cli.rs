@@ -19,7 +19,7 @@ use crate::config::{Config, Profile, RenderMode};
 use crate::doctor;
 use crate::format::options::{Colouring, Existence, ExportForm, ImportOptions, RawLayout};
 use crate::headless::{self, DemoScene, JobError, RunJob};
-use crate::progress::Bar;
+use crate::progress_bar::Bar;
 use crate::sculpture::ColourDepth;
 use crate::session::Session;
 use crate::track::{self, TrackArgs};
@@ -207,7 +207,7 @@ fn window_or_demo(cli: Cli, config: Config, progress: &Bar) -> Result<(), JobErr
     if display || config.headset.enabled {
         let mut session = match &cli.file {
             Some(file) => Session::open(file, &cli.import.options(), config.limits(), progress)?,
-            None => Session::new(&config)?,
+            None => Session::new(&config.new_sculpture(), config.limits())?,
         };
         if let Some(record) = &cli.record {
             session.record_to(record)?;

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Deserializer, de};
 use thiserror::Error;
 
+use crate::command::NewSculpture;
 use crate::document::Limits;
 use crate::gpu::{DeviceChoice, DeviceOptions, Validation};
 use crate::sculpture::{ColourDepth, Rgb};
@@ -233,6 +234,17 @@ impl Config {
         let validation =
             if self.gpu.validation { Validation::Required } else { Validation::default() };
         DeviceOptions { choice, validation }.with_environment()
+    }
+
+    /// The block of stone that a session begins with.
+    pub fn new_sculpture(&self) -> NewSculpture {
+        NewSculpture {
+            dims: self.new.dims.into(),
+            voxel_size: glam::Vec3::ONE,
+            colour_depth: self.new.colour_bits,
+            base: self.new.base,
+            solid: true,
+        }
     }
 
     /// The memory limits of a document.

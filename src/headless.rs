@@ -157,7 +157,7 @@ pub fn run(job: &RunJob, config: &Config, progress: &dyn Progress) -> Result<(),
         .map_err(|error| JobError::ReadScript { path: job.script.clone(), error })?;
     let mut session = match &job.input {
         Some(input) => Session::open(input, &job.import, config.limits(), progress)?,
-        None => Session::new(config)?,
+        None => Session::new(&config.new_sculpture(), config.limits())?,
     };
     execute_script(&mut session, &text, &job.script, progress)?;
     describe(session.document());
@@ -218,7 +218,7 @@ pub fn demo(
 ) -> Result<(), JobError> {
     std::fs::create_dir_all(folder)
         .map_err(|error| JobError::Folder { path: folder.to_path_buf(), error })?;
-    let mut session = Session::new(config)?;
+    let mut session = Session::new(&config.new_sculpture(), config.limits())?;
     let file = |ending: &str| format!("{}.{ending}", scene.name());
     execute_script(&mut session, scene.script(), Path::new(&file("sculpt")), progress)?;
     describe(session.document());

@@ -49,7 +49,8 @@ fn the_learning_task_makes_a_rock_and_leaves_the_ground_unhurt() {
     for tool in ["mark", "select", "limit", "devourer", "growth", "erosion", "paintbrush", "dye"] {
         assert!(used.iter().any(|u| u == tool), "the task needs {tool}: {used:?}");
     }
-    let mut session = Session::new(&Config::default()).unwrap();
+    let config = Config::default();
+    let mut session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
     let (mut cleared, mut cuboid) = (None, 0);
     for command in &commands {
         if *command == Command::Limit(false) {
@@ -107,7 +108,8 @@ fn house_tree_lake_and_hill_are_where_they_should_be() {
     ] {
         assert!(used.iter().any(|u| u == tool), "no {tool}: {used:?}");
     }
-    let mut session = Session::new(&Config::default()).unwrap();
+    let config = Config::default();
+    let mut session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
     commands.iter().for_each(|command| run(&mut session, command));
     let contents = session.document().contents();
     let top = |x: i32, z: i32| (0..128).rev().find(|y| contents.grid.get(IVec3::new(x, *y, z)));

@@ -430,7 +430,11 @@ fn a_torn_off_panel_does_the_same_in_a_window_of_its_own() {
     {
         let presets = Bindings::presets().unwrap();
         let config = config(32);
-        let mut bench = Workbench::new(Session::new(&config).unwrap(), &config, presets);
+        let mut bench = Workbench::new(
+            Session::new(&config.new_sculpture(), config.limits()).unwrap(),
+            &config,
+            presets,
+        );
         bench.ui.torn.insert(panel);
         let mut window = Harness::builder().with_size(vec2(260.0, 640.0)).build_ui_state(
             move |ui, bench: &mut Workbench| {

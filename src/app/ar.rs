@@ -18,9 +18,8 @@ use crate::config::ArSettings;
 use crate::fiducial::{Grey, MarkerPose, detect, poses};
 use crate::input::Side;
 use crate::ui::ar::ArFacts;
-use crate::video::{Fit, Frame, Framing, Intrinsics};
+use crate::video::{Fit, Frame, Framing, Intrinsics, Stand};
 use crate::view::Eye;
-use crate::view::ar::Stand;
 
 /// Without the marker for so long it is lost, seconds.
 const LOST_AFTER_S: f64 = 0.3;

@@ -17,7 +17,7 @@ const CELL_PX: f64 = 15.0;
 fn bench() -> Workbench {
     let toml = "[new]\ndims = [20, 40, 20]\n[ar]\nmarker = 4\nvoxel_mm = 1.0";
     let config = Config::parse(toml, std::path::Path::new("test.toml")).unwrap();
-    let session = Session::new(&config).unwrap();
+    let session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
     Workbench::new(session, &config, Bindings::presets().unwrap())
 }
 

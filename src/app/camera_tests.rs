@@ -12,7 +12,7 @@ fn bench(source: &str) -> Workbench {
     let mut config = Config::default();
     config.video.source = source.to_string();
     config.new.dims = [16; 3];
-    let session = Session::new(&config).unwrap();
+    let session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
     Workbench::new(session, &config, Bindings::presets().unwrap())
 }
 

@@ -28,7 +28,7 @@ impl Desk {
             path.display()
         );
         let config = Config::parse(&toml, Path::new("test.toml")).unwrap();
-        let session = Session::new(&config).unwrap();
+        let session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
         let bench = Workbench::new(session, &config, Bindings::presets().unwrap());
         let mut desk = Desk { bench, ctx: Context::default(), folder };
         desk.bench.on_screen(Some(Monitor {

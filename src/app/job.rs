@@ -169,7 +169,7 @@ mod tests {
     fn bench() -> Workbench {
         let mut config = Config::default();
         config.new.dims = [24, 16, 8];
-        let session = Session::new(&config).unwrap();
+        let session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
         Workbench::new(session, &config, Bindings::presets().unwrap())
     }
 

@@ -36,7 +36,7 @@ impl Desk {
     fn new(settings: &str, pictures_per_s: f64) -> Desk {
         let toml = format!("[new]\ndims = [32, 32, 32]\n{settings}");
         let config = Config::parse(&toml, std::path::Path::new("test.toml")).unwrap();
-        let session = Session::new(&config).unwrap();
+        let session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
         let bench = Workbench::new(session, &config, crate::input::Bindings::presets().unwrap());
         let (ctx, felt) = (Context::default(), Felt::default());
         let picture_s = 1.0 / pictures_per_s;

@@ -45,7 +45,7 @@ mod tests {
     fn a_stroke_in_hand_is_saved_too_and_no_file_is_overwritten() {
         let mut config = Config::default();
         config.new.dims = [16, 12, 8];
-        let mut session = Session::new(&config).unwrap();
+        let mut session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
         for line in [
             "begin",
             "subtract cuboid at=8,6,4 half=2",

@@ -23,7 +23,11 @@ pub fn config(edge: u32) -> Config {
 
 pub fn bench_of(config: &Config, size: Vec2) -> Bench {
     let presets = Bindings::presets().unwrap();
-    let bench = Workbench::new(Session::new(config).unwrap(), config, presets);
+    let bench = Workbench::new(
+        Session::new(&config.new_sculpture(), config.limits()).unwrap(),
+        config,
+        presets,
+    );
     let mut harness = Harness::builder()
         .with_size(size)
         .with_pixels_per_point(1.0)

@@ -9,9 +9,8 @@ use virtual_sculpture::fiducial::MarkerPose;
 use virtual_sculpture::fiducial::{Grey, detect, poses};
 use virtual_sculpture::render::{Video, VideoView};
 use virtual_sculpture::shade::Pixels;
-use virtual_sculpture::video::{Fit, Frame, Framing, Intrinsics};
+use virtual_sculpture::video::{Fit, Frame, Framing, Intrinsics, Stand};
 use virtual_sculpture::view::Eye;
-use virtual_sculpture::view::ar::Stand;
 
 use crate::fixture::with_device;
 use crate::paint::{Painter, Scene, document};

@@ -166,7 +166,7 @@ fn wear() {
     config.new.dims = [32; 3];
     config.headset.enabled = true;
     config.tracking.source = "openxr".parse().unwrap();
-    let session = Session::new(&config).unwrap();
+    let session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
     let mut bench = Workbench::new(session, &config, Bindings::presets().unwrap());
     bench.start_head();
     let follow = |bench: &mut Workbench, remote: &mut Remote| {

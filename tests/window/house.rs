@@ -81,7 +81,7 @@ fn a_house_is_built_with_mouse_and_keys() {
     // What was done is in the journal, and gives the same house without a window.
     let mut config = Config::default();
     config.new.dims = [96; 3];
-    let mut session = Session::new(&config).unwrap();
+    let mut session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
     for (line, command) in parse_script(&std::fs::read_to_string(&journal).unwrap()).unwrap() {
         session.execute(&command, &()).unwrap_or_else(|error| panic!("line {line}: {error}"));
     }

@@ -261,7 +261,7 @@ fn the_board_is_filled_at_every_size_of_text() {
 fn desk(folder: &std::path::Path) -> Hand<Workbench> {
     let mut config = Config::default();
     config.new.dims = [16; 3];
-    let mut session = Session::new(&config).unwrap();
+    let mut session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
     let save = format!("save {}", folder.join("first.pvm").display());
     session.execute(&save.parse().unwrap(), &()).unwrap();
     let bench = Workbench::new(session, &config, Bindings::presets().unwrap());

@@ -8,11 +8,11 @@ use std::time::{Duration, Instant};
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::{EulerRot, Quat, UVec3, Vec3};
-use virtual_sculpture::command::{Area, Command, NewSculpture};
-use virtual_sculpture::document::{Document, Limits};
-use virtual_sculpture::sculpture::edit::EditOp;
-use virtual_sculpture::sculpture::{ColourDepth, Rgb};
-use virtual_sculpture::tools::construct::{Primitive, Solid};
+use sculpture_core::command::{Area, Command, NewSculpture};
+use sculpture_core::document::{Document, Limits};
+use sculpture_core::sculpture::edit::EditOp;
+use sculpture_core::sculpture::{ColourDepth, Rgb};
+use sculpture_core::tools::construct::{Primitive, Solid};
 
 const PAINT: Rgb = Rgb::new(190, 30, 60);
 

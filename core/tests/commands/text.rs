@@ -5,8 +5,8 @@ use std::collections::HashSet;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;
-use virtual_sculpture::command::{COMMANDS, Command};
-use virtual_sculpture::command_text::parse_script;
+use sculpture_core::command::{COMMANDS, Command};
+use sculpture_core::command_text::parse_script;
 
 use crate::strategies::{any_command, hostile_text};
 

@@ -4,9 +4,9 @@
 use std::rc::Rc;
 
 use glam::{IVec3, UVec3, Vec3};
-use virtual_sculpture::command::{Area, Command, NewSculpture};
-use virtual_sculpture::sculpture::edit::EditOp;
-use virtual_sculpture::sculpture::{ColourDepth, Rgb};
+use sculpture_core::command::{Area, Command, NewSculpture};
+use sculpture_core::sculpture::edit::EditOp;
+use sculpture_core::sculpture::{ColourDepth, Rgb};
 
 /// A sculpture: the colour of each voxel that exists, x fastest, then y, then z.
 #[derive(Clone, PartialEq, Debug)]

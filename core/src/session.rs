@@ -13,7 +13,6 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use crate::command::{Command, NewSculpture};
-use crate::config::Config;
 use crate::document::{Applied, CommandError, Document, Limits};
 use crate::format::Texts;
 use crate::format::options::ImportOptions;
@@ -58,16 +57,9 @@ pub struct Session {
 }
 
 impl Session {
-    /// Begins with the block of stone that the configuration asks for.
-    pub fn new(config: &Config) -> Result<Session, SessionError> {
-        let new = NewSculpture {
-            dims: config.new.dims.into(),
-            voxel_size: glam::Vec3::ONE,
-            colour_depth: config.new.colour_bits,
-            base: config.new.base,
-            solid: true,
-        };
-        Ok(Session::with_document(Document::new(&new, config.limits())?))
+    /// Begins with a new sculpture.
+    pub fn new(new: &NewSculpture, limits: Limits) -> Result<Session, SessionError> {
+        Ok(Session::with_document(Document::new(new, limits)?))
     }
 
     /// Begins with the contents of a file.
@@ -225,6 +217,7 @@ impl Journal {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sculpture::{ColourDepth, Rgb};
 
     #[test]
     fn a_picture_is_read_anew_with_every_stroke() {
@@ -233,9 +226,14 @@ mod tests {
         let write = |rgb: [u8; 3]| {
             image::RgbImage::from_pixel(2, 2, image::Rgb(rgb)).save(&path).unwrap();
         };
-        let mut config = Config::default();
-        config.new.dims = [16; 3];
-        let mut session = Session::new(&config).unwrap();
+        let new = NewSculpture {
+            dims: glam::UVec3::splat(16),
+            voxel_size: glam::Vec3::ONE,
+            colour_depth: ColourDepth::Bits24,
+            base: Rgb([128; 3]),
+            solid: true,
+        };
+        let mut session = Session::new(&new, Limits::default()).unwrap();
         let paint = format!("texture \"{}\" cuboid at=8,8,8 half=4", path.display());
         for rgb in [[200, 10, 20], [30, 220, 40]] {
             write(rgb);

@@ -6,8 +6,8 @@
 
 use glam::{Affine3A, Mat3, UVec2, Vec2, Vec3};
 
-use super::eye::{Eye, Frustum};
-use crate::video::{Framing, Intrinsics};
+use super::{Framing, Intrinsics};
+use crate::view::eye::{Eye, Frustum};
 
 /// How a sculpture stands on a marker: upright at its middle, the world's y axis out of the paper.
 #[derive(Clone, Copy, PartialEq, Debug)]

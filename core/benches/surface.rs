@@ -5,11 +5,11 @@ use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use glam::{Affine3A, UVec2, Vec3};
-use virtual_sculpture::scenes;
-use virtual_sculpture::sculpture::{ColourDepth, Grid, Material, Rgb};
-use virtual_sculpture::shade::{self, Lighting, NORMAL_REACH_VX, Pixels, ShadePose};
-use virtual_sculpture::surface::{IndexMap, changed_pixels, quickstep, raycast};
-use virtual_sculpture::view::Camera;
+use sculpture_core::scenes;
+use sculpture_core::sculpture::{ColourDepth, Grid, Material, Rgb};
+use sculpture_core::shade::{self, Lighting, NORMAL_REACH_VX, Pixels, ShadePose};
+use sculpture_core::surface::{IndexMap, changed_pixels, quickstep, raycast};
+use sculpture_core::view::Camera;
 
 fn subjects() -> Vec<(&'static str, Grid)> {
     let grids = [

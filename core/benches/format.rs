@@ -2,11 +2,11 @@
 //! the program, with everything until the disk has it.
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use virtual_sculpture::format::options::{ExportForm, ImportOptions};
-use virtual_sculpture::format::{load, save};
-use virtual_sculpture::scenes;
-use virtual_sculpture::sculpture::history::Contents;
-use virtual_sculpture::sculpture::{ColourDepth, Limits, Material, Rgb};
+use sculpture_core::format::options::{ExportForm, ImportOptions};
+use sculpture_core::format::{load, save};
+use sculpture_core::scenes;
+use sculpture_core::sculpture::history::Contents;
+use sculpture_core::sculpture::{ColourDepth, Limits, Material, Rgb};
 
 fn files(c: &mut Criterion) {
     let folder = tempfile::tempdir().expect("there is a folder for temporary files");

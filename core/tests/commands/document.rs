@@ -4,13 +4,13 @@ use std::collections::HashSet;
 
 use glam::{IVec3, Quat, UVec3, Vec3};
 use proptest::prelude::*;
-use virtual_sculpture::command::{Area, Command, NewSculpture};
-use virtual_sculpture::document::{CommandError, Document, Limits};
-use virtual_sculpture::sculpture::brick::local_index;
-use virtual_sculpture::sculpture::edit::EditOp;
-use virtual_sculpture::sculpture::history::Contents;
-use virtual_sculpture::sculpture::{ColourDepth, Grid, GridError, Material, Placement, Rgb};
-use virtual_sculpture::tools::construct::{Primitive, Solid};
+use sculpture_core::command::{Area, Command, NewSculpture};
+use sculpture_core::document::{CommandError, Document, Limits};
+use sculpture_core::sculpture::brick::local_index;
+use sculpture_core::sculpture::edit::EditOp;
+use sculpture_core::sculpture::history::Contents;
+use sculpture_core::sculpture::{ColourDepth, Grid, GridError, Material, Placement, Rgb};
+use sculpture_core::tools::construct::{Primitive, Solid};
 
 use crate::model::{Done, Model, Voxels};
 use crate::strategies::{new_sculpture, work};

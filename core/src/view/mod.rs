@@ -1,6 +1,5 @@
 //! Views: where eyes are and which ray belongs to a pixel. Pure geometry.
 
-pub mod ar;
 pub mod camera;
 pub mod eye;
 pub mod off_axis;

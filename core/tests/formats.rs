@@ -4,21 +4,20 @@
 // A test that cannot go on has failed.
 #![allow(clippy::unwrap_used)]
 
+#[path = "../../tests/shared_data/mod.rs"]
 mod shared_data;
 
 use std::path::{Path, PathBuf};
 
 use glam::{IVec3, UVec3, Vec3};
 use proptest::prelude::*;
+use sculpture_core::format::options::{Colouring, Existence, ExportForm, ImportOptions, RawLayout};
+use sculpture_core::format::{self, FormatError, Loaded, Samples, Texts};
+use sculpture_core::sculpture::brick::local_index;
+use sculpture_core::sculpture::history::Contents;
+use sculpture_core::sculpture::{Brick, ColourDepth, Grid, Limits, Material, Rgb};
 use sha2::{Digest, Sha256};
 use shared_data::shared_file;
-use virtual_sculpture::format::options::{
-    Colouring, Existence, ExportForm, ImportOptions, RawLayout,
-};
-use virtual_sculpture::format::{self, FormatError, Loaded, Samples, Texts};
-use virtual_sculpture::sculpture::brick::local_index;
-use virtual_sculpture::sculpture::history::Contents;
-use virtual_sculpture::sculpture::{Brick, ColourDepth, Grid, Limits, Material, Rgb};
 
 const ROOM: u64 = 1 << 30;
 

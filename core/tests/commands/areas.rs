@@ -2,13 +2,13 @@
 
 use glam::{IVec3, UVec3, Vec3};
 use proptest::prelude::*;
-use virtual_sculpture::command::{Area, Command, NewSculpture, SelectOp};
-use virtual_sculpture::document::{CommandError, Document, Limits};
-use virtual_sculpture::sculpture::orientation::Orientation;
-use virtual_sculpture::sculpture::region::VoxelBox;
-use virtual_sculpture::sculpture::{ColourDepth, Rgb};
-use virtual_sculpture::tools::symmetry::{Parity, Symmetry};
-use virtual_sculpture::tools::texture::Texture;
+use sculpture_core::command::{Area, Command, NewSculpture, SelectOp};
+use sculpture_core::document::{CommandError, Document, Limits};
+use sculpture_core::sculpture::orientation::Orientation;
+use sculpture_core::sculpture::region::VoxelBox;
+use sculpture_core::sculpture::{ColourDepth, Rgb};
+use sculpture_core::tools::symmetry::{Parity, Symmetry};
+use sculpture_core::tools::texture::Texture;
 
 use crate::strategies::{area_work, marker, new_sculpture, op, orientation, primitive, work};
 

@@ -4,18 +4,16 @@ use std::path::PathBuf;
 
 use glam::{EulerRot, IVec3, Quat, UVec3, Vec3};
 use proptest::prelude::*;
-use virtual_sculpture::command::{Area, Command, NewSculpture, SelectOp, SpraySurface};
-use virtual_sculpture::format::Samples;
-use virtual_sculpture::format::options::{
-    Colouring, Existence, ExportForm, ImportOptions, RawLayout,
-};
-use virtual_sculpture::sculpture::edit::EditOp;
-use virtual_sculpture::sculpture::orientation::Orientation;
-use virtual_sculpture::sculpture::region::VoxelBox;
-use virtual_sculpture::sculpture::{ColourDepth, Placement, Rgb};
-use virtual_sculpture::tools::construct::{Primitive, Solid};
-use virtual_sculpture::tools::spray::{Effect, Footprint, Outline, Spray};
-use virtual_sculpture::tools::symmetry::{Parity, Symmetry};
+use sculpture_core::command::{Area, Command, NewSculpture, SelectOp, SpraySurface};
+use sculpture_core::format::Samples;
+use sculpture_core::format::options::{Colouring, Existence, ExportForm, ImportOptions, RawLayout};
+use sculpture_core::sculpture::edit::EditOp;
+use sculpture_core::sculpture::orientation::Orientation;
+use sculpture_core::sculpture::region::VoxelBox;
+use sculpture_core::sculpture::{ColourDepth, Placement, Rgb};
+use sculpture_core::tools::construct::{Primitive, Solid};
+use sculpture_core::tools::spray::{Effect, Footprint, Outline, Spray};
+use sculpture_core::tools::symmetry::{Parity, Symmetry};
 
 /// Few colours, so that painting a voxel with the colour it has already is not rare.
 pub fn colour() -> impl Strategy<Value = Rgb> {

@@ -17,7 +17,7 @@ pub mod refined;
 mod smooth;
 pub mod software;
 
-pub(crate) use illumination::Illumination;
+pub use illumination::Illumination;
 pub use light::{Light, LightFrame, LightSource, Lighting, MAX_LIGHTS, MAX_SHININESS, Smoothing};
 pub use normal::NORMAL_REACH_VX;
 pub use pixels::Pixels;

@@ -4,14 +4,15 @@
 // A test that cannot go on has failed.
 #![allow(clippy::unwrap_used)]
 
+#[path = "../../tests/shared_data/mod.rs"]
 mod shared_data;
 
 use std::path::Path;
 
+use sculpture_core::format::options::ImportOptions;
+use sculpture_core::format::{self, FormatError, Loaded};
+use sculpture_core::sculpture::Limits;
 use shared_data::shared_file;
-use virtual_sculpture::format::options::ImportOptions;
-use virtual_sculpture::format::{self, FormatError, Loaded};
-use virtual_sculpture::sculpture::Limits;
 
 fn load(path: &Path) -> Result<Loaded, FormatError> {
     format::load(path, &ImportOptions::default(), &Limits::default(), &())

@@ -18,7 +18,7 @@ pub(super) const LANES: usize = 16;
 
 /// Sixteen points of a surface, before they are taken to eye space.
 #[derive(Clone)]
-pub(crate) struct SurfacePoints {
+pub struct SurfacePoints {
     /// In grid coordinates.
     pub position: [[f32; LANES]; 3],
     /// Points out of the solid; any length. A covector of grid coordinates.
@@ -42,22 +42,22 @@ impl Default for SurfacePoints {
 
 /// A light in eye space, with its linear colour times intensity.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct EyeLight {
-    pub(crate) source: LightSource,
-    pub(crate) radiance: Vec3,
+pub struct EyeLight {
+    pub source: LightSource,
+    pub radiance: Vec3,
 }
 
 /// [`Lighting`] prepared for one picture.
 #[derive(Clone, Debug)]
-pub(crate) struct Illumination {
-    pub(crate) eye_from_grid: Affine3A,
+pub struct Illumination {
+    pub eye_from_grid: Affine3A,
     /// Takes covectors to eye space.
-    pub(crate) normal_from_gradient: Mat3,
-    pub(crate) lights: [Option<EyeLight>; MAX_LIGHTS],
+    pub normal_from_gradient: Mat3,
+    pub lights: [Option<EyeLight>; MAX_LIGHTS],
     /// Linear.
-    pub(crate) ambient: Vec3,
-    pub(crate) specular: f32,
-    pub(crate) shininess: u32,
+    pub ambient: Vec3,
+    pub specular: f32,
+    pub shininess: u32,
 }
 
 impl Illumination {

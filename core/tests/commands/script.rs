@@ -4,12 +4,12 @@ use glam::{UVec3, Vec3};
 use proptest::prelude::Strategy;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;
-use virtual_sculpture::command::{Command, NewSculpture};
-use virtual_sculpture::command_text::parse_script;
-use virtual_sculpture::document::{Document, Limits};
-use virtual_sculpture::sculpture::brick::BRICK_EDGE_VX;
-use virtual_sculpture::sculpture::history::Contents;
-use virtual_sculpture::sculpture::{Brick, ColourDepth, Grid, Material, Rgb};
+use sculpture_core::command::{Command, NewSculpture};
+use sculpture_core::command_text::parse_script;
+use sculpture_core::document::{Document, Limits};
+use sculpture_core::sculpture::brick::BRICK_EDGE_VX;
+use sculpture_core::sculpture::history::Contents;
+use sculpture_core::sculpture::{Brick, ColourDepth, Grid, Material, Rgb};
 
 use crate::strategies;
 

@@ -6,12 +6,12 @@
 
 use glam::{UVec3, Vec3};
 use proptest::prelude::*;
-use virtual_sculpture::command::{Command, NewSculpture, SpraySurface};
-use virtual_sculpture::document::{CommandError, Document, Limits};
-use virtual_sculpture::sculpture::edit::EditOp;
-use virtual_sculpture::sculpture::{ColourDepth, Rgb};
-use virtual_sculpture::tools::construct::{Primitive, Solid};
-use virtual_sculpture::tools::spray::{Effect, Footprint, Outline, Spray};
+use sculpture_core::command::{Command, NewSculpture, SpraySurface};
+use sculpture_core::document::{CommandError, Document, Limits};
+use sculpture_core::sculpture::edit::EditOp;
+use sculpture_core::sculpture::{ColourDepth, Rgb};
+use sculpture_core::tools::construct::{Primitive, Solid};
+use sculpture_core::tools::spray::{Effect, Footprint, Outline, Spray};
 
 const RED: Rgb = Rgb::new(220, 20, 30);
 
