@@ -13,6 +13,7 @@ use crate::gpu::{DeviceChoice, DeviceOptions, Validation};
 use crate::sculpture::{ColourDepth, Rgb};
 use crate::shade::Lighting;
 
+mod folders;
 mod gamepad;
 mod headset;
 pub mod light;
@@ -23,6 +24,7 @@ mod tracking;
 mod video;
 
 pub use self::tracking::{ArSettings, ScreenSettings, SourceAddress, TrackingSettings};
+pub use folders::{personal_file, personal_folder, state_folder};
 pub use gamepad::GamepadSettings;
 pub use headset::HeadsetSettings;
 pub use light::LightSettings;
@@ -255,18 +257,6 @@ impl Config {
             history_bytes: (self.memory.history_mib << 20) as usize,
         }
     }
-}
-
-/// The file of a person's own settings.
-pub fn personal_file() -> Option<PathBuf> {
-    personal_folder().map(|folder| folder.join("config.toml"))
-}
-
-/// Where a person's own settings are kept, as the XDG base directory specification says.
-pub fn personal_folder() -> Option<PathBuf> {
-    let set = |name| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
-    let base = set("XDG_CONFIG_HOME").or_else(|| set("HOME").map(|home| home.join(".config")))?;
-    Some(base.join("virtual-sculpture"))
 }
 
 fn colour_bits<'de, D: Deserializer<'de>>(from: D) -> Result<ColourDepth, D::Error> {

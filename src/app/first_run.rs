@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use super::recovery;
+use crate::config::state_folder;
 
 /// Whether this is the first start; from now on it is not.
 pub fn is_first_run() -> bool {
-    is_first_in(&recovery::folder())
+    is_first_in(&state_folder())
 }
 
 fn is_first_in(folder: &Path) -> bool {

@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use crate::command::Command;
+use crate::config::state_folder;
 use crate::format::options::ExportForm;
 use crate::session::{Session, SessionError};
 
 /// Saves the sculpture where no other file is; gives the path.
 pub fn save(session: &mut Session) -> Result<PathBuf, SessionError> {
-    let folder = folder();
+    let folder = state_folder();
     if let Err(error) = std::fs::create_dir_all(&folder) {
         // Saving will fail with the same reason and name the path.
         tracing::warn!("cannot make {}: {error}", folder.display());
@@ -26,14 +27,6 @@ fn save_in(session: &mut Session, folder: &Path) -> Result<PathBuf, SessionError
     let path = (1..10_000).map(candidate).find(|p| !p.exists()).unwrap_or_else(|| candidate(1));
     session.execute(&Command::Save { path: path.clone(), form: ExportForm::Auto }, &())?;
     Ok(path)
-}
-
-/// The folder for state as the XDG base directory specification says, else the temporary one.
-pub(super) fn folder() -> PathBuf {
-    let set = |name| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
-    set("XDG_STATE_HOME")
-        .or_else(|| set("HOME").map(|home| home.join(".local").join("state")))
-        .map_or_else(std::env::temp_dir, |base| base.join("virtual-sculpture"))
 }
 
 #[cfg(test)]
