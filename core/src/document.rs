@@ -15,7 +15,7 @@ pub use crate::sculpture::Limits;
 use crate::sculpture::brick_set::BrickSet;
 use crate::sculpture::clip::Clip;
 use crate::sculpture::edit::{EditOp, EditStats};
-use crate::sculpture::history::{Change, Contents, History, Step};
+use crate::sculpture::history::{Change, Contents, History, State, Step};
 use crate::sculpture::record::BrickRecord;
 use crate::sculpture::selection::Selection;
 use crate::sculpture::stroke::StrokeRecorder;
@@ -70,6 +70,11 @@ pub struct Document {
     all_dirty: bool,
     /// Rises with every change of voxels; a cheap "is my copy current?".
     revision: u64,
+    /// The state it is in, and the one that the last step led to: within a stroke they differ.
+    state: State,
+    settled: State,
+    /// Numbers of states given so far.
+    states: u64,
     limits: Limits,
 }
 
@@ -99,6 +104,9 @@ impl Document {
             stroke_surface: None,
             all_dirty: true,
             revision: 0,
+            state: State::default(),
+            settled: State::default(),
+            states: 0,
             limits,
         }
     }
@@ -174,6 +182,11 @@ impl Document {
         self.revision
     }
 
+    /// Names the state it is in: undo and redo bring back earlier names with earlier states.
+    pub fn state(&self) -> State {
+        self.state
+    }
+
     pub fn world_from_grid(&self) -> Affine3A {
         self.placement.world_from_grid(self.grid().dims(), self.grid().voxel_size())
     }
@@ -200,7 +213,10 @@ impl Document {
     pub fn replace(&mut self, contents: Contents, label: &str) -> Result<(), CommandError> {
         self.require_no_stroke("open")?;
         let old = Box::new(self.swap_contents(contents));
-        self.history.push(Step { label: label.to_string(), change: Change::Whole(old) });
+        let number = self.new_state();
+        let state = std::mem::replace(&mut self.state, State { sculpture: number, number });
+        self.settled = self.state;
+        self.history.push(Step { label: label.to_string(), change: Change::Whole(old), state });
         Ok(())
     }
 
@@ -233,6 +249,7 @@ impl Document {
                 self.uses.clear();
                 let record = self.recorder.finish();
                 self.swap_bricks(record);
+                self.state = self.settled;
                 Ok(Applied::default())
             }
             Command::Construct { .. }
@@ -304,7 +321,10 @@ impl Document {
 
     /// After edits: they are a step of their own unless a stroke is open.
     fn applied(&mut self, stats: EditStats, command: &Command) -> Applied {
-        self.revision += u64::from(stats.bricks_changed > 0);
+        if stats.bricks_changed > 0 {
+            self.revision += 1;
+            self.state.number = self.new_state();
+        }
         if self.stroke.is_none() && stats.bricks_changed > 0 {
             self.finish_stroke(command.label());
         }
@@ -315,8 +335,14 @@ impl Document {
     fn finish_stroke(&mut self, label: String) {
         let record = self.recorder.finish();
         if !record.is_empty() {
-            self.history.push(Step { label, change: Change::Bricks(record) });
+            let state = std::mem::replace(&mut self.settled, self.state);
+            self.history.push(Step { label, change: Change::Bricks(record), state });
         }
+    }
+
+    fn new_state(&mut self) -> u64 {
+        self.states += 1;
+        self.states
     }
 
     fn travel(
@@ -354,7 +380,9 @@ impl Document {
             Change::Bricks(record) => Change::Bricks(self.swap_bricks(record)),
             Change::Whole(contents) => Change::Whole(Box::new(self.swap_contents(*contents))),
         };
-        Step { label: step.label, change }
+        let state = std::mem::replace(&mut self.state, step.state);
+        self.settled = self.state;
+        Step { label: step.label, change, state }
     }
 
     fn swap_bricks(&mut self, record: BrickRecord) -> BrickRecord {

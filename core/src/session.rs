@@ -4,6 +4,7 @@
 //! Windows, headless jobs and scripts all work through [`Session::execute`], so that whatever a
 //! person can do can be recorded and replayed. Knows no screen.
 
+mod files;
 mod work;
 
 use std::fs::File;
@@ -14,10 +15,10 @@ use thiserror::Error;
 
 use crate::command::{Command, NewSculpture};
 use crate::document::{Applied, CommandError, Document, Limits};
-use crate::format::Texts;
 use crate::format::options::ImportOptions;
 use crate::format::{self, FormatError, Loaded};
 use crate::progress::Progress;
+use files::Files;
 pub use work::{Done, Work};
 use work::{Outcome, Task, load};
 
@@ -48,11 +49,8 @@ impl SessionError {
 #[derive(Debug)]
 pub struct Session {
     document: Document,
-    path: Option<PathBuf>,
-    /// Texts of the file, which go along when it is saved.
-    texts: Texts,
-    /// Revision of the document when it was last opened or saved.
-    saved_revision: u64,
+    /// The files of the sculptures that undo and redo can lead to.
+    files: Files,
     journal: Option<Journal>,
 }
 
@@ -71,19 +69,14 @@ impl Session {
     ) -> Result<Session, SessionError> {
         let Loaded { contents, texts, .. } = load(path, import, &limits, progress)?;
         let mut session = Session::with_document(Document::from_contents(contents, limits));
-        session.path = Some(path.to_path_buf());
-        session.texts = texts;
+        session.files.opened(session.document.state(), path.to_path_buf(), texts);
         Ok(session)
     }
 
     fn with_document(document: Document) -> Session {
-        Session {
-            saved_revision: document.revision(),
-            document,
-            path: None,
-            texts: Texts::default(),
-            journal: None,
-        }
+        let mut files = Files::default();
+        files.made(document.state());
+        Session { document, files, journal: None }
     }
 
     pub fn document(&self) -> &Document {
@@ -95,14 +88,15 @@ impl Session {
         &mut self.document
     }
 
-    /// The file that the sculpture was opened from or last saved to.
+    /// The file that the sculpture was opened from or last saved to. It goes with the sculpture:
+    /// undo and redo past `new` and `open` bring back that of the other.
     pub fn path(&self) -> Option<&Path> {
-        self.path.as_deref()
+        self.files.path(self.document.state())
     }
 
     /// Whether something would be lost if the session ended now.
     pub fn modified(&self) -> bool {
-        self.document.revision() != self.saved_revision
+        !self.files.is_saved(self.document.state())
     }
 
     /// From now on writes every command that was carried out to a script at `path`.
@@ -150,8 +144,8 @@ impl Session {
                 path,
                 form,
                 contents: self.document.share_contents(),
-                texts: self.texts.clone(),
-                revision: self.document.revision(),
+                texts: self.files.texts(self.document.state()),
+                state: self.document.state(),
             },
             _ => return Ok(None),
         };
@@ -164,21 +158,16 @@ impl Session {
         match outcome {
             Outcome::New(contents) => {
                 self.document.replace(*contents, "new")?;
-                self.path = None;
-                self.texts = Texts::default();
+                self.files.made(self.document.state());
             }
             Outcome::Opened { path, loaded } => {
                 let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
                 self.document.replace(loaded.contents, &format!("open {name}"))?;
-                self.texts = loaded.texts;
-                self.path = Some(path);
-                self.saved_revision = self.document.revision();
+                self.files.opened(self.document.state(), path, loaded.texts);
             }
-            Outcome::Saved { path, revision } => {
-                self.path = Some(path);
-                self.saved_revision = revision;
-            }
+            Outcome::Saved { path, state } => self.files.saved(state, path),
         }
+        self.files.keep_only(self.document.history().states().chain([self.document.state()]));
         self.note(&command)?;
         Ok(Applied::default())
     }

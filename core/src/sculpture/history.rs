@@ -54,12 +54,24 @@ impl Change {
     }
 }
 
+/// Names a state that a document is or was in. Undo and redo bring back the name with the state;
+/// whatever belongs to a state, such as its file, is kept under it.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub struct State {
+    /// Another for each sculpture that was made or opened.
+    pub sculpture: u64,
+    /// Another after each change.
+    pub number: u64,
+}
+
 /// A named, reversible change.
 #[derive(Debug)]
 pub struct Step {
     /// What the person did, as shown in the history list.
     pub label: String,
     pub change: Change,
+    /// The state that reversing it leads to.
+    pub state: State,
 }
 
 impl Step {
@@ -153,6 +165,11 @@ impl History {
         self.redo.iter().rev().map(|s| s.label.as_str())
     }
 
+    /// The states that undo and redo can lead to.
+    pub fn states(&self) -> impl Iterator<Item = State> {
+        self.undo.iter().chain(&self.redo).map(|s| s.state)
+    }
+
     /// Bytes held by all steps.
     pub fn bytes(&self) -> usize {
         self.bytes
@@ -223,7 +240,8 @@ mod tests {
         if bricks.is_multiple_of(16) {
             let grid = Grid::new(UVec3::splat(8 + u32::from(bricks)), Vec3::ONE, 1 << 30).unwrap();
             let material = Material::new(ColourDepth::None, Rgb::default(), grid.bricks().len());
-            return Step { label, change: Change::Whole(Box::new(Contents { grid, material })) };
+            let change = Change::Whole(Box::new(Contents { grid, material }));
+            return Step { label, change, state: State::default() };
         }
         let mut record = BrickRecord::default();
         let bits = Brick::below([1, 2, 3]);
@@ -233,7 +251,7 @@ mod tests {
         if bricks.mask & 1 != 0 {
             record.keep_page(0, Some(vec![7; 512].into_boxed_slice()));
         }
-        Step { label, change: Change::Bricks(record) }
+        Step { label, change: Change::Bricks(record), state: State::default() }
     }
 
     fn recount(history: &History) -> usize {

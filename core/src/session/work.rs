@@ -13,7 +13,7 @@ use crate::document::{self, Limits};
 use crate::format::options::{ExportForm, ImportOptions};
 use crate::format::{self, Loaded, Texts};
 use crate::progress::Progress;
-use crate::sculpture::history::Contents;
+use crate::sculpture::history::{Contents, State};
 
 /// Work to be done.
 #[derive(Debug)]
@@ -26,7 +26,7 @@ pub struct Work {
 pub(super) enum Task {
     New { new: NewSculpture, limits: Limits },
     Open { path: PathBuf, import: ImportOptions, limits: Limits },
-    Save { path: PathBuf, form: ExportForm, contents: Arc<Contents>, texts: Texts, revision: u64 },
+    Save { path: PathBuf, form: ExportForm, contents: Arc<Contents>, texts: Texts, state: State },
 }
 
 /// Work that was done.
@@ -40,7 +40,7 @@ pub struct Done {
 pub(super) enum Outcome {
     New(Box<Contents>),
     Opened { path: PathBuf, loaded: Box<Loaded> },
-    Saved { path: PathBuf, revision: u64 },
+    Saved { path: PathBuf, state: State },
 }
 
 impl Work {
@@ -54,9 +54,9 @@ impl Work {
                 let loaded = Box::new(load(&path, &import, &limits, progress)?);
                 Outcome::Opened { path, loaded }
             }
-            Task::Save { path, form, contents, texts, revision } => {
+            Task::Save { path, form, contents, texts, state } => {
                 match format::save_with_texts(&path, &contents, form, texts, progress) {
-                    Ok(()) => Outcome::Saved { path, revision },
+                    Ok(()) => Outcome::Saved { path, state },
                     Err(error) => return Err(SessionError::Save { path, error }),
                 }
             }

@@ -5,6 +5,7 @@
 
 mod areas;
 mod document;
+mod files;
 mod model;
 mod script;
 mod strategies;

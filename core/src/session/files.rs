@@ -1,0 +1,77 @@
+//! Owns which file belongs to which sculpture of a session, and in what state it was last written
+//! or read, so that undo past `new` and `open` leads back to the right file.
+//!
+//! Takes the names that the document gives to its states. Reads and writes no file.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use crate::format::Texts;
+use crate::sculpture::history::State;
+
+/// The file of one sculpture.
+#[derive(Debug, Default)]
+struct File {
+    path: Option<PathBuf>,
+    /// Texts of the file, which go along when it is saved.
+    texts: Texts,
+    /// Number of the state that the file holds. A sculpture that was only just made has nothing to
+    /// lose either.
+    saved: Option<u64>,
+}
+
+/// The files of all sculptures that undo and redo can lead to.
+#[derive(Debug, Default)]
+pub(super) struct Files {
+    of_sculpture: HashMap<u64, File>,
+}
+
+impl Files {
+    /// A new sculpture, without a file.
+    pub fn made(&mut self, state: State) {
+        let file = File { saved: Some(state.number), ..File::default() };
+        self.of_sculpture.insert(state.sculpture, file);
+    }
+
+    pub fn opened(&mut self, state: State, path: PathBuf, texts: Texts) {
+        let file = File { path: Some(path), texts, saved: Some(state.number) };
+        self.of_sculpture.insert(state.sculpture, file);
+    }
+
+    /// A sculpture was written in a state. Any other that had this file has it no longer.
+    pub fn saved(&mut self, state: State, path: PathBuf) {
+        for (sculpture, file) in &mut self.of_sculpture {
+            let is_same = |own: &PathBuf| is_same_file(own, &path);
+            if *sculpture != state.sculpture && file.path.as_ref().is_some_and(is_same) {
+                file.path = None;
+                file.saved = None;
+            }
+        }
+        let file = self.of_sculpture.entry(state.sculpture).or_default();
+        file.path = Some(path);
+        file.saved = Some(state.number);
+    }
+
+    /// Forgets the sculptures that no state leads to any more.
+    pub fn keep_only(&mut self, states: impl Iterator<Item = State>) {
+        let reachable: std::collections::HashSet<u64> = states.map(|s| s.sculpture).collect();
+        self.of_sculpture.retain(|sculpture, _| reachable.contains(sculpture));
+    }
+
+    pub fn path(&self, state: State) -> Option<&Path> {
+        self.of_sculpture.get(&state.sculpture)?.path.as_deref()
+    }
+
+    pub fn texts(&self, state: State) -> Texts {
+        self.of_sculpture.get(&state.sculpture).map(|f| f.texts.clone()).unwrap_or_default()
+    }
+
+    pub fn is_saved(&self, state: State) -> bool {
+        self.of_sculpture.get(&state.sculpture).and_then(|f| f.saved) == Some(state.number)
+    }
+}
+
+/// Whether two paths lead to one file, by whatever links.
+fn is_same_file(a: &Path, b: &Path) -> bool {
+    a == b || matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
