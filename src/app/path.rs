@@ -3,6 +3,9 @@
 
 use glam::Vec3;
 
+/// Most samples on one straight way: beyond that something has leapt, and the tool is lifted.
+const MOST_SAMPLES: f32 = 4096.0;
+
 /// A path that is being drawn.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Path {
@@ -18,23 +21,37 @@ impl Path {
     /// A path from `start` (voxels) with samples every `spacing`, measured in units of which a
     /// voxel has `edges`. The start itself counts as sampled.
     pub fn new(start: Vec3, spacing: f32, edges: Vec3) -> Path {
-        Path { at: start, since: 0.0, spacing: spacing.max(1e-3), edges }
+        Path { at: start, since: 0.0, spacing: spacing.max(1e-3).min(1e9), edges }
     }
 
-    /// Goes straight to `to` and gives the samples on the way.
+    /// Goes straight to `to` and gives the samples on the way; to what is too far for any
+    /// movement it jumps, and what is no point it does not hear.
     pub fn line_to(&mut self, to: Vec3, mut sample: impl FnMut(Vec3)) {
-        let from = std::mem::replace(&mut self.at, to);
-        let length = ((to - from) * self.edges).length();
-        let mut next = self.spacing - self.since;
-        while next <= length {
-            sample(from.lerp(to, next / length));
-            next += self.spacing;
+        let length = self.distance(to);
+        if !to.is_finite() || length == 0.0 {
+            return;
         }
-        self.since = self.spacing - (next - length);
+        let first = self.spacing - self.since;
+        // Counted, not summed up: far out a step is less than what a number can tell apart.
+        let count = ((length - first) / self.spacing).floor() + 1.0;
+        if count.is_nan() || count > MOST_SAMPLES {
+            self.jump_to(to, sample);
+            return;
+        }
+        let from = std::mem::replace(&mut self.at, to);
+        let count = count.max(0.0) as u32;
+        for i in 0..count {
+            let share = (first + i as f32 * self.spacing) / length;
+            sample(from.lerp(to, share.clamp(0.0, 1.0)));
+        }
+        self.since = (self.since + length - count as f32 * self.spacing).max(0.0);
     }
 
     /// Goes on at `to` without the way there, and gives a sample there.
     pub fn jump_to(&mut self, to: Vec3, mut sample: impl FnMut(Vec3)) {
+        if !to.is_finite() {
+            return;
+        }
         self.at = to;
         self.since = 0.0;
         sample(to);
@@ -72,7 +89,37 @@ mod tests {
         assert_eq!(flat.len(), 5, "long voxels count as long");
     }
 
+    #[test]
+    fn what_is_too_far_is_jumped_to_and_what_is_no_point_is_not_heard() {
+        for far in [1e5, 1e7, 1e30, f32::MAX] {
+            let out = samples(&[Vec3::ZERO, Vec3::X * far, Vec3::ZERO], 1.0, Vec3::ONE);
+            assert_eq!(out, [Vec3::X * far, Vec3::ZERO], "{far}");
+        }
+        // Far out, where a step is less than what a number can tell apart.
+        let out = samples(&[Vec3::X * 1e8, Vec3::new(1e8, 50.0, 0.0)], 1.0, Vec3::ONE);
+        assert_eq!(out.len(), 50);
+        let points = [Vec3::ZERO, Vec3::NAN, Vec3::INFINITY, Vec3::X * 3.0];
+        let xs: Vec<f32> = samples(&points, 1.0, Vec3::ONE).iter().map(|s| s.x).collect();
+        assert_eq!(xs, [1.0, 2.0, 3.0]);
+    }
+
     proptest! {
+        /// Whatever a path goes through, it ends, with few samples, all of them points.
+        #[test]
+        fn a_path_ends_wherever_it_goes(
+            ways in prop::collection::vec(prop::array::uniform3(prop::num::f32::ANY), 1..20),
+            spacing in prop::num::f32::ANY,
+        ) {
+            let mut path = Path::new(Vec3::ZERO, spacing, Vec3::ONE);
+            for way in ways {
+                let mut out = Vec::new();
+                path.line_to(Vec3::from(way), |sample| out.push(sample));
+                prop_assert!(out.len() <= MOST_SAMPLES as usize);
+                prop_assert!(out.iter().all(|sample| sample.is_finite()), "{out:?}");
+                prop_assert!(path.end().is_finite());
+            }
+        }
+
         /// However often the device speaks on the same straight way, the samples are the same.
         #[test]
         fn samples_do_not_depend_on_the_events(

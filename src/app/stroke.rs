@@ -18,6 +18,8 @@ use crate::ui::sprays::SprayOptions;
 const SPACING: f32 = 0.35;
 /// Pixels between two looks at the surface along a drag.
 const LOOK_EVERY_PX: f32 = 3.0;
+/// Most looks at the surface along a drag.
+const MOST_LOOKS: f32 = 1024.0;
 /// A step on the surface longer than this many tool sizes is a leap over an edge.
 const LEAP: f32 = 2.0;
 
@@ -183,14 +185,14 @@ impl Workbench {
 
     /// Leads the stroke to a point of the picture.
     pub(super) fn lead_stroke(&mut self, to: Vec2) {
-        let Some(mut stroke) = self.stroke.take() else { return };
+        let Some(mut stroke) = self.stroke.take_if(|_| to.is_finite()) else { return };
         let mut stops = Vec::new();
         let StrokeInHand { work, path, .. } = &mut stroke;
         if let Work::Solid { guide: Guide::Surface { seen, at, depth, lift }, .. } = work {
             let sight = self.sight();
             let grid = self.session.document().grid();
             let leap = LEAP * 2.0 * self.ui.hand.half().max_element();
-            let looks = (to.distance(*at) / LOOK_EVERY_PX).ceil().max(1.0) as u32;
+            let looks = (to.distance(*at) / LOOK_EVERY_PX).ceil().clamp(1.0, MOST_LOOKS) as u32;
             for i in 1..=looks {
                 let look = at.lerp(to, i as f32 / looks as f32);
                 let found = seen.as_ref().and_then(|map| surface_point(map, grid, look));

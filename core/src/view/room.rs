@@ -12,6 +12,8 @@ use crate::sculpture::Placement;
 
 /// Nearest distance that is drawn, in metres.
 pub const NEAR_M: f32 = 0.02;
+/// Nothing that is tracked is farther from the room's origin, in metres: it is a mistake.
+pub const FARTHEST_M: f32 = 1000.0;
 
 /// Where something is in the room and how it is turned; it looks along its own -z.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
@@ -45,8 +47,13 @@ impl Pose {
         }
     }
 
-    pub fn is_finite(&self) -> bool {
-        self.position.is_finite() && self.rotation.is_finite() && self.rotation.length() > 0.5
+    /// Whether something in a room can be there: all numbers are finite, the place is within
+    /// [`FARTHEST_M`], and the rotation is one.
+    pub fn is_plausible(&self) -> bool {
+        // What is no number is not within anything.
+        self.position.abs().max_element() <= FARTHEST_M
+            && self.position.is_finite()
+            && (self.rotation.length_squared() - 1.0).abs() < 1e-2
     }
 }
 

@@ -22,6 +22,8 @@ const CAN_REACH_M: f32 = 0.1;
 const CAN_STEP: f32 = 0.0085;
 /// How far it goes before it is used again, as a share of its radius there.
 const CAN_SPACING: f32 = 0.35;
+/// The tool is led no farther from the grid's origin than this, in voxels.
+const FARTHEST_VX: f32 = 1e7;
 /// Smallest and largest scale at which a sculpture is held, in world units a voxel edge.
 const SCALES: std::ops::RangeInclusive<f32> = 0.02..=100.0;
 
@@ -47,7 +49,7 @@ impl Workbench {
         match *ask {
             HandAsk::Carry(by) => {
                 let to = room.carried(self.session().document().placement(), &by);
-                if SCALES.contains(&to.scale) {
+                if SCALES.contains(&to.scale) && to.translation.is_finite() {
                     self.place(to);
                 }
             }
@@ -79,6 +81,12 @@ impl Workbench {
             return;
         }
         let own = self.in_grid(pose, room);
+        let near = own.position.is_finite() && own.position.abs().max_element() <= FARTHEST_VX;
+        if !near || !own.rotation.is_finite() {
+            // There is nothing to be done there.
+            self.release_by_hand(held);
+            return;
+        }
         let turn = own.rotation * self.ui.hand.rotation().inverse();
         self.hand_pose = Some(*pose);
         match self.ui.hand.tool {
@@ -176,3 +184,7 @@ impl Workbench {
         self.execute(&Command::Place(Placement { rotation, ..Placement::default() }));
     }
 }
+
+#[cfg(test)]
+#[path = "hands_tests.rs"]
+mod tests;

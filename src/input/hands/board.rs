@@ -43,7 +43,7 @@ impl Board {
         let (origin, direction) = (self.pose.own(aim.position), aim.forward());
         let direction = self.pose.rotation.inverse() * direction;
         // From behind there is nothing to press.
-        if !aim.is_finite() || origin.z <= 0.0 || direction.z >= -1e-4 {
+        if !aim.is_plausible() || origin.z <= 0.0 || direction.z >= -1e-4 {
             return None;
         }
         let way_m = -origin.z / direction.z;

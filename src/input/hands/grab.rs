@@ -6,13 +6,12 @@
 
 use glam::Quat;
 
+use super::pace::is_way;
 use super::{HandSide, HandsState};
 use crate::view::{Pose, Similarity};
 
 /// Hands nearer than this give no direction, in metres.
 const LEAST_SPAN_M: f32 = 0.02;
-/// A hand does not move this far between two looks: its tracking has leapt, in metres.
-const LEAP_M: f32 = 0.5;
 
 /// Hands that grip, and where they were at the last look.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
@@ -26,18 +25,22 @@ impl Grab {
         self.held.iter().any(Option::is_some)
     }
 
-    /// What the hands have done to the sculpture since the last look. `gripping`: which hands
-    /// hold it now, by [`HandSide::index`].
-    pub fn step(&mut self, gripping: [bool; 2], state: &HandsState) -> Option<Similarity> {
-        let now = HandSide::ALL.map(|side| {
-            let pose = state.hand(side).grip.filter(Pose::is_finite);
-            pose.filter(|_| gripping[side.index()])
-        });
+    /// What the hands have done to the sculpture since the last look, `dt_s` ago. `gripping`:
+    /// which hands hold it now, by [`HandSide::index`].
+    pub fn step(
+        &mut self,
+        gripping: [bool; 2],
+        state: &HandsState,
+        dt_s: f64,
+    ) -> Option<Similarity> {
+        let now =
+            HandSide::ALL.map(|side| state.hand(side).grip.filter(|_| gripping[side.index()]));
         let before = std::mem::replace(&mut self.held, now);
-        // A hand counts from the look after it has gripped: nothing jumps to it.
+        // A hand counts from the look after it has gripped: nothing jumps to it, nor along with
+        // tracking that leaps.
         let pair = |i: usize| {
             let (from, to) = (before[i]?, now[i]?);
-            (from.position.distance(to.position) < LEAP_M).then_some((from, to))
+            is_way(from.position, to.position, dt_s).then_some((from, to))
         };
         let moved = match (pair(0), pair(1)) {
             (Some(left), Some(right)) => between(left, right),
@@ -98,13 +101,15 @@ mod tests {
     }
 
     const BOTH: [bool; 2] = [true, true];
+    /// Between two looks, in seconds.
+    const DT_S: f64 = 0.1;
 
     proptest! {
         #[test]
         fn what_one_hand_holds_stays_in_it(a in pose(), b in pose(), own in pose()) {
             let mut grab = Grab::default();
-            prop_assert_eq!(grab.step([true, false], &at([Some(a), None])), None);
-            let moved = grab.step([true, false], &at([Some(b), None]))
+            prop_assert_eq!(grab.step([true, false], &at([Some(a), None]), DT_S), None);
+            let moved = grab.step([true, false], &at([Some(b), None]), DT_S)
                 .unwrap_or(Similarity::IDENTITY);
             let point = a.at(own.position);
             prop_assert!(moved.apply(point).abs_diff_eq(b.at(own.position), 1e-4));
@@ -119,8 +124,8 @@ mod tests {
             prop_assume!(a.position.distance(b.position) > 0.1);
             prop_assume!(c.position.distance(d.position) > 0.1);
             let mut grab = Grab::default();
-            grab.step(BOTH, &at([Some(a), Some(b)]));
-            let moved = grab.step(BOTH, &at([Some(c), Some(d)])).unwrap_or(Similarity::IDENTITY);
+            grab.step(BOTH, &at([Some(a), Some(b)]), DT_S);
+            let moved = grab.step(BOTH, &at([Some(c), Some(d)]), DT_S).unwrap_or(Similarity::IDENTITY);
             prop_assert!(moved.apply(a.position).abs_diff_eq(c.position, 1e-3));
             prop_assert!(moved.apply(b.position).abs_diff_eq(d.position, 1e-3));
         }
@@ -135,8 +140,8 @@ mod tests {
                 rotation: by.rotation * p.rotation,
             };
             let mut grab = Grab::default();
-            grab.step(BOTH, &at([Some(a), Some(b)]));
-            let moved = grab.step(BOTH, &at([Some(carried(a)), Some(carried(b))]))
+            grab.step(BOTH, &at([Some(a), Some(b)]), DT_S);
+            let moved = grab.step(BOTH, &at([Some(carried(a)), Some(carried(b))]), DT_S)
                 .unwrap_or(Similarity::IDENTITY);
             for p in [Vec3::ZERO, Vec3::X, Vec3::new(0.3, -0.4, 0.5)] {
                 prop_assert!(moved.apply(p).abs_diff_eq(by.apply(p), 5e-3), "{} {}", moved.apply(p), by.apply(p));
@@ -148,14 +153,14 @@ mod tests {
     fn letting_go_and_losing_track_move_nothing() {
         let pose = |x| Some(Pose { position: Vec3::X * x, rotation: Quat::IDENTITY });
         let mut grab = Grab::default();
-        assert_eq!(grab.step([false, true], &at([None, pose(0.0)])), None);
+        assert_eq!(grab.step([false, true], &at([None, pose(0.0)]), DT_S), None);
         assert!(grab.is_holding());
-        let moved = grab.step([false, true], &at([None, pose(0.1)])).unwrap();
+        let moved = grab.step([false, true], &at([None, pose(0.1)]), DT_S).unwrap();
         assert!(moved.translation.abs_diff_eq(Vec3::X * 0.1, 1e-6));
-        assert_eq!(grab.step([false, true], &at([None, None])), None, "not tracked");
-        assert_eq!(grab.step([false, true], &at([None, pose(0.3)])), None, "found again");
-        assert_eq!(grab.step([false, true], &at([None, pose(2.0)])), None, "leapt");
-        assert_eq!(grab.step([false, false], &at([None, pose(2.1)])), None, "let go");
+        assert_eq!(grab.step([false, true], &at([None, None]), DT_S), None, "not tracked");
+        assert_eq!(grab.step([false, true], &at([None, pose(0.3)]), DT_S), None, "found again");
+        assert_eq!(grab.step([false, true], &at([None, pose(2.0)]), DT_S), None, "leapt");
+        assert_eq!(grab.step([false, false], &at([None, pose(2.1)]), DT_S), None, "let go");
         assert!(!grab.is_holding());
     }
 }

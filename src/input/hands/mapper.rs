@@ -9,6 +9,7 @@
 use glam::Vec2;
 
 use super::grab::Grab;
+use super::pace::Pace;
 use super::{Board, Change, HandSide, HandsState, Switch};
 use crate::input::pad::stick::Response;
 use crate::view::{Pose, Similarity};
@@ -72,6 +73,8 @@ pub enum HandAsk {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Meant {
     Tool,
+    /// The tool, which is lifted until the hand is calm again.
+    Lifted,
     Board,
 }
 
@@ -131,6 +134,8 @@ pub struct HandMapper {
     undo: Flick,
     /// Where the tool was last led to.
     led: Option<Pose>,
+    /// Of the tool in the main hand.
+    pace: Pace,
 }
 
 impl HandMapper {
@@ -147,6 +152,7 @@ impl HandMapper {
             pointing: false,
             undo: Flick::default(),
             led: None,
+            pace: Pace::default(),
         }
     }
 
@@ -167,7 +173,7 @@ impl HandMapper {
         match self.meant.take() {
             Some(Meant::Tool) => asks.push(HandAsk::Release),
             Some(Meant::Board) => asks.push(HandAsk::Click(false)),
-            None => {}
+            Some(Meant::Lifted) | None => {}
         }
         if std::mem::take(&mut self.pointing) {
             asks.push(HandAsk::PointAway);
@@ -183,6 +189,7 @@ impl HandMapper {
     /// What the hands ask for now. `board`: where the board is, while it is open.
     pub fn hear(&mut self, state: &HandsState, board: Option<&Board>) -> Vec<HandAsk> {
         let mut asks = Vec::new();
+        let state = &state.plausible();
         let now_s = state.time_s;
         let dt_s = self.heard_s.map_or(0.0, |heard| (now_s - heard).clamp(0.0, LONGEST_STEP_S));
         self.heard_s = Some(now_s);
@@ -196,12 +203,13 @@ impl HandMapper {
             switch.down
         });
         gripping[off.index()] |= off_holds;
-        let carried = self.grab.step(gripping, state);
+        let carried = self.grab.step(gripping, state, dt_s);
         asks.extend(carried.map(HandAsk::Carry));
 
-        let aim = state.hand(main).aim.filter(Pose::is_finite);
+        let aim = state.hand(main).aim;
+        self.follow_pace(aim, now_s, dt_s, &mut asks);
         // A stroke that has begun goes on in front of the board, too.
-        let open = board.filter(|_| self.meant != Some(Meant::Tool));
+        let open = board.filter(|_| !matches!(self.meant, Some(Meant::Tool | Meant::Lifted)));
         let hit = open.zip(aim).and_then(|(board, aim)| board.hit(&aim));
         match hit {
             Some(hit) => asks.push(HandAsk::Point(hit.at)),
@@ -212,7 +220,7 @@ impl HandMapper {
         if !self.pointing {
             self.lead_tool(aim, carried.is_some(), &mut asks);
         }
-        self.hear_main_trigger(state.hand(main).trigger, aim, &mut asks);
+        self.hear_main_trigger(state.hand(main).trigger, aim, now_s, &mut asks);
 
         let stick = self.settings.response.speed(state.hand(main).stick) * dt_s as f32;
         if self.pointing && stick != Vec2::ZERO {
@@ -261,13 +269,25 @@ impl HandMapper {
         hold.since_s.is_some_and(|since| now_s - since >= TAP_S)
     }
 
+    /// The tool in a hand that points like this.
+    fn tool_of(&self, aim: &Pose) -> Pose {
+        let position = aim.position + aim.forward() * self.settings.reach_m;
+        Pose { position, rotation: aim.rotation }
+    }
+
+    /// Lifts the tool from its stroke where tracking leaps, rather than to cut all the way.
+    fn follow_pace(&mut self, aim: Option<Pose>, now_s: f64, dt_s: f64, asks: &mut Vec<HandAsk>) {
+        let at = aim.map(|aim| self.tool_of(&aim).position);
+        if self.pace.step(at, now_s, dt_s) && self.meant == Some(Meant::Tool) {
+            self.meant = Some(Meant::Lifted);
+            asks.push(HandAsk::Release);
+        }
+    }
+
     /// Leads the tool to the main hand, unless that rests.
     fn lead_tool(&mut self, aim: Option<Pose>, carried: bool, asks: &mut Vec<HandAsk>) {
         let Some(aim) = aim else { return };
-        let tool = Pose {
-            position: aim.position + aim.forward() * self.settings.reach_m,
-            rotation: aim.rotation,
-        };
+        let tool = self.tool_of(&aim);
         let rests = self.led.is_some_and(|led| {
             led.position.distance(tool.position) < REST_M
                 && led.rotation.angle_between(tool.rotation) < REST_RAD
@@ -278,7 +298,13 @@ impl HandMapper {
         }
     }
 
-    fn hear_main_trigger(&mut self, way: f32, aim: Option<Pose>, asks: &mut Vec<HandAsk>) {
+    fn hear_main_trigger(
+        &mut self,
+        way: f32,
+        aim: Option<Pose>,
+        now_s: f64,
+        asks: &mut Vec<HandAsk>,
+    ) {
         // A hand that is lost lets go.
         let way = if aim.is_some() { way } else { 0.0 };
         match self.main_trigger.feed(way) {
@@ -286,19 +312,20 @@ impl HandMapper {
                 self.meant = Some(Meant::Board);
                 asks.push(HandAsk::Click(true));
             }
-            Some(Change::Pressed) => {
-                self.meant = Some(Meant::Tool);
-                // The tool begins where the hand is, however long it has rested.
-                self.led = None;
-                self.lead_tool(aim, false, asks);
-                asks.push(HandAsk::Press);
-            }
+            Some(Change::Pressed) => self.meant = Some(Meant::Lifted),
             Some(Change::Released) => match self.meant.take() {
                 Some(Meant::Tool) => asks.push(HandAsk::Release),
                 Some(Meant::Board) => asks.push(HandAsk::Click(false)),
-                None => {}
+                Some(Meant::Lifted) | None => {}
             },
             None => {}
+        }
+        if self.meant == Some(Meant::Lifted) && self.pace.is_calm(now_s) {
+            self.meant = Some(Meant::Tool);
+            // The tool begins where the hand is, however long it has rested.
+            self.led = None;
+            self.lead_tool(aim, false, asks);
+            asks.push(HandAsk::Press);
         }
     }
 }

@@ -82,6 +82,42 @@ fn a_hand_that_is_lost_lets_go() {
 }
 
 #[test]
+fn a_leap_lifts_the_tool_until_the_hand_is_calm() {
+    let mut person = Person::new(Right);
+    person.hand(Right).trigger = 1.0;
+    person.look();
+    person.shift(Right, Vec3::X * 0.5);
+    assert!(matches!(person.look()[..], [HandAsk::Release, HandAsk::Tool(_)]));
+    assert_eq!(person.look(), [], "it rests, lifted");
+    person.shift(Right, Vec3::X * 0.05);
+    assert!(matches!(person.look()[..], [HandAsk::Tool(_)]), "it goes with the hand");
+    let asks = person.look_after(0.1);
+    let [HandAsk::Tool(tool), HandAsk::Press] = asks[..] else { panic!("{asks:?}") };
+    assert!((tool.position.x - 0.75).abs() < 1e-5);
+    // Pulled while it is not calm, and let go before it is.
+    person.shift(Right, Vec3::X * -0.5);
+    assert!(matches!(person.look()[..], [HandAsk::Release, HandAsk::Tool(_)]));
+    person.hand(Right).trigger = 0.0;
+    assert_eq!(person.look_after(0.2), []);
+    // A pause is no leave to go anywhere: only so much of it counts.
+    person.hand(Right).trigger = 1.0;
+    person.look();
+    person.shift(Right, Vec3::X * 0.7);
+    assert!(matches!(person.look_after(2.0)[..], [HandAsk::Release, HandAsk::Tool(_)]));
+}
+
+#[test]
+fn what_is_carried_does_not_go_along_with_a_leap() {
+    let mut person = Person::new(Right);
+    person.hand(Left).squeeze = 1.0;
+    person.look();
+    person.shift(Left, Vec3::X * 0.3);
+    assert_eq!(person.look(), [], "0.3 m in a 64th of a second");
+    person.shift(Left, Vec3::X * 0.05);
+    assert!(matches!(person.look()[..], [HandAsk::Carry(_), HandAsk::Tool(_)]));
+}
+
+#[test]
 fn grips_carry_and_both_scale() {
     let mut person = Person::new(Right);
     person.hand(Left).squeeze = 1.0;
@@ -95,7 +131,7 @@ fn grips_carry_and_both_scale() {
     person.look();
     // From 0.3 m to 0.6 m apart.
     person.shift(Right, Vec3::X * 0.3);
-    let asks = person.look();
+    let asks = person.look_after(0.1);
     let [HandAsk::Carry(by), HandAsk::Tool(_)] = asks[..] else { panic!("{asks:?}") };
     assert!((by.scale - 2.0).abs() < 1e-4);
     person.hand(Left).squeeze = 0.0;

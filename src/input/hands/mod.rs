@@ -8,6 +8,7 @@
 pub mod board;
 pub mod grab;
 pub mod mapper;
+mod pace;
 
 use glam::Vec2;
 use serde::Deserialize;
@@ -65,6 +66,19 @@ pub struct HandState {
     pub menu: bool,
 }
 
+impl HandState {
+    /// The same without what no hand can be or do: poses that are none, sticks beyond their end.
+    fn plausible(&self) -> HandState {
+        let share = |x: f32| if x.is_finite() { x.clamp(-1.0, 1.0) } else { 0.0 };
+        HandState {
+            grip: self.grip.filter(Pose::is_plausible),
+            aim: self.aim.filter(Pose::is_plausible),
+            stick: Vec2::new(share(self.stick.x), share(self.stick.y)),
+            ..*self
+        }
+    }
+}
+
 /// Both hands at one time.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct HandsState {
@@ -75,6 +89,11 @@ pub struct HandsState {
 }
 
 impl HandsState {
+    /// The same without what no hand can be or do.
+    fn plausible(&self) -> HandsState {
+        HandsState { hands: self.hands.map(|hand| hand.plausible()), ..*self }
+    }
+
     pub fn hand(&self, side: HandSide) -> &HandState {
         &self.hands[side.index()]
     }

@@ -236,11 +236,15 @@ impl Actions {
     }
 }
 
-/// The pose, where it is known.
+/// The pose, where it is known and can be one.
 fn located(location: xr::SpaceLocation) -> Option<Pose> {
     use xr::SpaceLocationFlags as Flags;
     let known = Flags::ORIENTATION_VALID | Flags::POSITION_VALID;
-    location.location_flags.contains(known).then(|| from_xr(&location.pose))
+    location
+        .location_flags
+        .contains(known)
+        .then(|| from_xr(&location.pose))
+        .filter(Pose::is_plausible)
 }
 
 pub(super) fn from_xr(pose: &xr::Posef) -> Pose {

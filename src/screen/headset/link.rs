@@ -278,7 +278,7 @@ impl Link {
         });
         let usable = |view: &RoomView| {
             let Frustum { left, right, down, up } = view.frustum;
-            view.pose.is_finite() && right > left && up > down
+            view.pose.is_plausible() && right > left && up > down
         };
         Ok((known && views.iter().all(usable)).then_some(views))
     }

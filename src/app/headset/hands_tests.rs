@@ -1,0 +1,255 @@
+//! Hands at work on a sculpture: where tracking leaps or gives nonsense, nothing is cut that no
+//! hand has touched, and nothing grows without end.
+
+use glam::Vec2;
+use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::TestRunner;
+
+use super::*;
+use crate::config::Config;
+use crate::input::Bindings;
+use crate::input::hands::{HandMapper, HandSettings, HandSide, HandState, HandsState};
+use crate::input::pad::stick::Response;
+use crate::session::Session;
+use crate::tools::spray::SprayKind;
+
+const REACH_M: f32 = 0.08;
+const LOOK_S: f64 = 1.0 / 72.0;
+/// Of the cube, half a metre in the room.
+const DIMS: u32 = 64;
+
+/// A person in a room with a cube of stone before them.
+struct Person {
+    bench: Workbench,
+    mapper: HandMapper,
+    room: Room,
+    held: Held,
+    state: HandsState,
+}
+
+impl Person {
+    fn new(dims: u32) -> Person {
+        let mut config = Config::default();
+        config.new.dims = [dims; 3];
+        let session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
+        let mut bench = Workbench::new(session, &config, Bindings::presets().unwrap());
+        bench.stand_upright();
+        let response = Response { dead_zone: 0.2, curve: 2.0 };
+        let settings = HandSettings { main: HandSide::Right, response, reach_m: REACH_M };
+        let head = Pose { position: Vec3::Y * 1.6, rotation: Quat::IDENTITY };
+        Person {
+            bench,
+            mapper: HandMapper::new(settings),
+            room: Room::before(&head, 0.7, 0.3, 0.5 / dims as f32),
+            held: Held::default(),
+            state: HandsState::default(),
+        }
+    }
+
+    /// The main hand holds the tool at this place of the room for so many looks.
+    fn hold(&mut self, tool: Vec3, trigger: f32, looks: usize) {
+        let position = tool + Vec3::Z * REACH_M;
+        let pose = Some(Pose { position, rotation: Quat::IDENTITY });
+        let hand = HandState { grip: pose, aim: pose, trigger, ..HandState::default() };
+        self.state.hands[HandSide::Right.index()] = hand;
+        (0..looks).for_each(|_| self.look());
+    }
+
+    fn look(&mut self) {
+        self.state.time_s += LOOK_S;
+        for ask in self.mapper.hear(&self.state, None) {
+            self.bench.do_by_hand(&ask, &self.room, &mut self.held);
+        }
+    }
+
+    fn gone(&self) -> u64 {
+        let grid = self.bench.session().document().grid();
+        u64::from(grid.dims().element_product()) - grid.opaque_count()
+    }
+
+    fn is_opaque(&self, share: Vec3) -> bool {
+        let grid = self.bench.session().document().grid();
+        grid.get((share * grid.dims().as_vec3()).as_ivec3())
+    }
+}
+
+/// The middle of the cube.
+const MIDDLE: Vec3 = Vec3::new(0.0, 1.3, -0.7);
+
+#[test]
+fn a_leap_of_tracking_cuts_no_tunnel() {
+    for tool in [Tool::Solid, Tool::Spray(SprayKind::Devourer)] {
+        let mut person = Person::new(DIMS);
+        person.bench.ui.hand.tool = tool;
+        let left = MIDDLE - Vec3::X * 0.3;
+        person.hold(left, 0.0, 5);
+        person.hold(left, 1.0, 2);
+        assert!(person.bench.stroke_in_hand());
+        // From one side of the cube to the other between two looks, and back.
+        person.hold(MIDDLE + Vec3::X * 0.3, 1.0, 1);
+        assert!(!person.bench.stroke_in_hand(), "the tool is lifted");
+        person.hold(left, 1.0, 5);
+        assert_eq!(person.gone(), 0, "{tool:?}");
+        assert!(!person.bench.stroke_in_hand());
+        // The hand is calm again.
+        person.hold(left, 1.0, 10);
+        assert!(person.bench.stroke_in_hand(), "a new stroke");
+        for i in 1..=40 {
+            person.hold(left + Vec3::X * (0.0075 * i as f32), 1.0, 1);
+        }
+        person.hold(MIDDLE, 0.0, 2);
+        assert!(!person.bench.stroke_in_hand());
+        if tool == Tool::Solid {
+            assert!(person.gone() > 100 && !person.is_opaque(Vec3::new(0.25, 0.5, 0.5)));
+            assert!(person.is_opaque(Vec3::new(0.75, 0.5, 0.5)), "not beyond where the hand went");
+        }
+    }
+}
+
+#[test]
+fn a_marker_does_not_go_along_with_a_leap() {
+    let mut person = Person::new(DIMS);
+    person.bench.ui.hand.tool = Tool::Marker;
+    person.hold(MIDDLE, 0.0, 5);
+    let marker = |person: &Person| person.bench.session().document().selection().marker();
+    let before = marker(&person);
+    person.hold(MIDDLE, 1.0, 2);
+    person.hold(MIDDLE + Vec3::X * 0.4, 1.0, 20);
+    assert_eq!(marker(&person), before);
+    // Held anew where the hand is calm.
+    for i in 1..=20 {
+        person.hold(MIDDLE + Vec3::X * (0.4 + 0.01 * i as f32), 1.0, 1);
+    }
+    let by = marker(&person).min.x - before.min.x;
+    assert!((24..=27).contains(&by), "0.2 m are 25.6 voxels, not {by}");
+}
+
+#[test]
+fn poses_that_are_none_end_the_stroke() {
+    let nonsense = [
+        Pose { position: Vec3::NAN, rotation: Quat::IDENTITY },
+        Pose { position: Vec3::INFINITY, rotation: Quat::IDENTITY },
+        Pose { position: Vec3::X * 1e30, rotation: Quat::IDENTITY },
+        Pose { position: Vec3::X * 1e7, rotation: Quat::IDENTITY },
+        Pose { position: MIDDLE, rotation: Quat::from_xyzw(0.0, 0.0, 0.0, 0.0) },
+        Pose { position: MIDDLE, rotation: Quat::from_xyzw(f32::NAN, 0.0, 0.0, 1.0) },
+        Pose { position: MIDDLE, rotation: Quat::from_xyzw(0.0, 0.0, 0.0, 1e20) },
+    ];
+    for pose in nonsense {
+        let mut person = Person::new(DIMS);
+        person.hold(MIDDLE, 0.0, 5);
+        person.hold(MIDDLE, 1.0, 2);
+        let (gone, tool) = (person.gone(), person.bench.ui.hand.centre_vx);
+        assert!(person.bench.stroke_in_hand() && gone > 0);
+        person.state.hands[HandSide::Right.index()].aim = Some(pose);
+        person.look();
+        assert!(!person.bench.stroke_in_hand(), "{pose:?}");
+        assert_eq!((person.gone(), person.bench.ui.hand.centre_vx), (gone, tool));
+    }
+}
+
+/// Numbers as a driver that has gone mad would give them, sensible ones among them.
+fn number() -> impl Strategy<Value = f32> {
+    prop_oneof![
+        12 => -1.5f32..1.5,
+        2 => -100.0f32..100.0,
+        1 => prop::sample::select(vec![
+            0.0, -0.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30, -1e30, f32::MAX, 1e7,
+            f32::MIN_POSITIVE, 1e-40, -1e-45,
+        ]),
+    ]
+}
+
+fn pose() -> impl Strategy<Value = Option<Pose>> {
+    let turn = prop_oneof![
+        8 => prop::array::uniform3(-3.0f32..3.0).prop_map(|v| Quat::from_scaled_axis(v.into())),
+        1 => Just(Quat::from_xyzw(0.0, 0.0, 0.0, 0.0)),
+        1 => prop::array::uniform4(number()).prop_map(Quat::from_array),
+    ];
+    let pose = (prop::array::uniform3(number()), turn)
+        .prop_map(|(at, rotation)| Pose { position: Vec3::from(at), rotation });
+    prop_oneof![20 => pose.prop_map(Some), 1 => Just(None)]
+}
+
+/// What a hand does for some looks.
+fn hand() -> impl Strategy<Value = HandState> {
+    (
+        pose(),
+        pose(),
+        number(),
+        number(),
+        prop::array::uniform2(number()),
+        prop::bool::weighted(0.05),
+    )
+        .prop_map(|(grip, aim, trigger, squeeze, stick, menu)| HandState {
+            grip,
+            aim,
+            trigger,
+            squeeze,
+            stick: Vec2::from(stick),
+            menu,
+        })
+}
+
+/// Ten thousand things to do, put together to looks of four poses each.
+#[test]
+fn a_million_mad_poses_do_no_harm() {
+    const LOOKS: u32 = 250_000;
+    let mut runner = TestRunner::deterministic();
+    let mut person = Person::new(8);
+    let draw = |runner: &mut TestRunner| hand().new_tree(runner).unwrap().current();
+    let stock: Vec<HandState> = (0..10_000).map(|_| draw(&mut runner)).collect();
+    let start = std::time::Instant::now();
+    let (mut asked, mut strokes, mut at_work) = (0, 0, false);
+    // A full period of a linear congruential generator says which comes next.
+    let mut seed = 1u32;
+    let mut next = || {
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (seed >> 8) as usize
+    };
+    for look in 0..LOOKS {
+        if look % 997 == 0 {
+            person.bench.ui.hand.tool = match next() % 6 {
+                0..3 => Tool::Solid,
+                3 => Tool::Marker,
+                _ => Tool::Spray(SprayKind::ALL[next() % SprayKind::ALL.len()]),
+            };
+        }
+        for hand in 0..2 {
+            let new = stock[next() % stock.len()];
+            let state = &mut person.state.hands[hand];
+            // Mostly it goes on as before, a little farther, so that there are strokes at all.
+            match (next() % 8, &mut state.aim) {
+                (0, _) => *state = new,
+                (1, _) => (state.grip, state.aim) = (new.grip, new.aim),
+                (_, Some(aim)) => aim.position += Vec3::splat(0.01),
+                _ => {}
+            }
+        }
+        person.state.time_s += match next() % 64 {
+            0 => f64::from(stock[next() % stock.len()].trigger),
+            _ => LOOK_S,
+        };
+        if !person.state.time_s.is_finite() {
+            person.state.time_s = f64::from(look);
+        }
+        let asks = person.mapper.hear(&person.state, None);
+        assert!(asks.len() <= 12, "{asks:?}");
+        asked += asks.len();
+        for ask in &asks {
+            person.bench.do_by_hand(ask, &person.room, &mut person.held);
+        }
+        let now = person.bench.stroke_in_hand();
+        strokes += u32::from(now && !std::mem::replace(&mut at_work, now));
+        at_work = now;
+        let (hand, placement) =
+            (&person.bench.ui.hand, person.bench.session().document().placement());
+        assert!(
+            hand.centre_vx.is_finite() && hand.rotation().is_finite() && hand.half().is_finite()
+        );
+        assert!(placement.translation.is_finite() && placement.rotation.is_finite());
+    }
+    println!("{asked} asks, {strokes} strokes, {:?}", start.elapsed());
+    assert!(strokes > 1000, "{strokes}");
+}
