@@ -8,12 +8,26 @@
 //! ```
 
 use std::path::Path;
+use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
+use virtual_sculpture::say::{self, Unsaid};
 use virtual_sculpture::video::{Address, Frame, State, VideoSource};
 
-fn main() -> Result<()> {
+fn main() -> ExitCode {
+    match run() {
+        // As with `| head`: nobody wants more.
+        Err(error) if matches!(error.downcast_ref(), Some(Unsaid::ReaderGone)) => ExitCode::SUCCESS,
+        Err(error) => {
+            say::aside(format_args!("error: {error:#}"));
+            ExitCode::FAILURE
+        }
+        Ok(()) => ExitCode::SUCCESS,
+    }
+}
+
+fn run() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let Some(address) = arguments.first() else {
         return list();
@@ -28,19 +42,20 @@ fn main() -> Result<()> {
 fn list() -> Result<()> {
     let cameras = virtual_sculpture::video::cameras()?;
     if cameras.is_empty() {
-        println!("No camera.");
+        say::result("No camera.")?;
     }
     for camera in cameras {
-        println!("v4l2:{}  {}", camera.device.display(), camera.name);
+        say::result(format_args!("v4l2:{}  {}", camera.device.display(), camera.name))?;
         match camera.modes {
             Ok(modes) => {
                 for mode in modes {
                     let format = String::from_utf8_lossy(&mode.format).into_owned();
                     let (width, height, rate) = (mode.width, mode.height, mode.per_second);
-                    println!("    {format} {width} x {height}, up to {rate:.1} a second");
+                    let size = format!("{width} x {height}");
+                    say::result(format_args!("    {format} {size}, up to {rate:.1} a second"))?;
                 }
             }
-            Err(error) => println!("    {error}"),
+            Err(error) => say::result(format_args!("    {error}"))?,
         }
     }
     Ok(())
@@ -62,7 +77,7 @@ fn capture(address: &str, count: u64, folder: &Path) -> Result<()> {
             let path = folder.join(format!("frame-{written:04}.png"));
             save(frame, &path)?;
             let (number, at) = (frame.sequence, frame.position.as_secs_f64());
-            println!("{}: frame {number} at {at:.3} s", path.display());
+            say::done(format_args!("{}: frame {number} at {at:.3} s", path.display()));
         }
         let state = match source.state() {
             State::Opening => "opening".to_owned(),
@@ -74,12 +89,12 @@ fn capture(address: &str, count: u64, folder: &Path) -> Result<()> {
         };
         let kind = state.split(' ').next().unwrap_or_default().to_owned();
         if !told.starts_with(&kind) || (kind == "lost:" && told != state) {
-            println!("{state}");
+            say::done(&state);
             told = state;
         }
         std::thread::sleep(Duration::from_millis(1));
     }
-    println!("{:?}", source.stats());
+    say::done(format_args!("{:?}", source.stats()));
     Ok(())
 }
 

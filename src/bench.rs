@@ -31,6 +31,7 @@ use crate::gpu::{Device, GpuError, Headless};
 use crate::progress::Progress;
 use crate::render::Volume;
 use crate::render::renderer::DeviceTimes;
+use crate::say::{self, Unsaid};
 pub use kernel::Kernel;
 use machine::Machine;
 use pictures::{Pictures, Scene};
@@ -133,9 +134,12 @@ pub enum BenchError {
     Write { path: PathBuf, error: std::io::Error },
     #[error("cannot write the figures as JSON: {0}")]
     Json(#[from] serde_json::Error),
+    #[error(transparent)]
+    Unsaid(#[from] Unsaid),
 }
 
-/// Measures, prints tables, and writes JSON and a plot where asked.
+/// Measures, writes JSON and a plot where asked, and prints tables: what cannot be had of these three
+/// costs none of the others.
 pub fn run(job: &BenchJob, config: &Config, progress: &dyn Progress) -> Result<(), BenchError> {
     if let Some(kernel) = job.kernel {
         return run_kernel(kernel, job, config, progress);
@@ -168,15 +172,24 @@ pub fn run(job: &BenchJob, config: &Config, progress: &dyn Progress) -> Result<(
         edits,
         peak_memory_bytes: machine::peak_memory_bytes(),
     };
-    println!("{report}");
     let write = |path: &Option<PathBuf>, text: String| {
         let Some(path) = path else { return Ok(()) };
-        println!("wrote {}", path.display());
         store::write_atomically(path, text.as_bytes())
             .map_err(|error| BenchError::Write { path: path.clone(), error })
     };
-    write(&job.json, serde_json::to_string_pretty(&report)? + "\n")?;
-    write(&job.plot, plot::svg(&report))
+    let json = match serde_json::to_string_pretty(&report) {
+        Ok(text) => write(&job.json, text + "\n"),
+        Err(error) => Err(error.into()),
+    };
+    let plot = write(&job.plot, plot::svg(&report));
+    let mut text = report.to_string();
+    for (path, written) in [(&job.json, &json), (&job.plot, &plot)] {
+        if let (Some(path), Ok(())) = (path, written) {
+            text += &format!("\nwrote {}", path.display());
+        }
+    }
+    let said = say::result(text).map_err(BenchError::from);
+    json.and(plot).and(said)
 }
 
 fn make(
@@ -203,7 +216,8 @@ fn run_kernel(
         if let Some(Times { min_ms, median_ms, p99_ms, .. }) =
             kernel::run(kernel, &mut document, job.size, job.repeat)
         {
-            println!("{name}: {min_ms:.3} {median_ms:.3} {p99_ms:.3} ms: least, median, 99 of 100");
+            let times = format!("{min_ms:.3} {median_ms:.3} {p99_ms:.3} ms");
+            say::result(format_args!("{name}: {times}: least, median, 99 of 100"))?;
         }
     }
     Ok(())

@@ -20,6 +20,7 @@ use crate::doctor;
 use crate::format::options::{Colouring, Existence, ExportForm, ImportOptions, RawLayout};
 use crate::headless::{self, DemoScene, JobError, RunJob};
 use crate::progress_bar::Bar;
+use crate::say;
 use crate::sculpture::ColourDepth;
 use crate::session::Session;
 use crate::track::{self, TrackArgs};
@@ -183,16 +184,26 @@ fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Cli, clap::Err
 
 /// Runs the program with the arguments of the process.
 pub fn main() -> ExitCode {
-    let cli = parse(std::env::args_os()).unwrap_or_else(|error| error.exit());
-    let filter = tracing_subscriber::EnvFilter::try_from_default_env()
-        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn,virtual_sculpture=info"));
-    tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).init();
+    let cli = match parse(std::env::args_os()) {
+        Ok(cli) => cli,
+        Err(words) => return refuse(&words),
+    };
+    say::begin_log(cli.quiet);
     match dispatch(cli) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
+        Err(error) if !error.is_reader_gone() => {
+            say::aside(format_args!("error: {error}"));
             ExitCode::from(error.exit_code())
         }
+        _ => ExitCode::SUCCESS,
+    }
+}
+
+/// Says what clap has to say: help and version, which are results, or what is wrong.
+fn refuse(words: &clap::Error) -> ExitCode {
+    let unsaid = words.print().is_err_and(|error| error.kind() != std::io::ErrorKind::BrokenPipe);
+    match words.exit_code() {
+        0 => ExitCode::from(u8::from(unsaid)),
+        code => ExitCode::from(u8::try_from(code).unwrap_or(2)),
     }
 }
 
@@ -221,7 +232,7 @@ fn window_or_demo(cli: Cli, config: Config, progress: &Bar) -> Result<(), JobErr
     if cli.file.is_some() || cli.record.is_some() {
         return Err(JobError::NoDisplay);
     }
-    eprintln!("no display: making the demo instead; see `virtual-sculpture --help` for more");
+    say::aside("no display: making the demo instead; see `virtual-sculpture --help` for more");
     headless::demo(
         DemoScene::default(),
         Path::new("out"),
@@ -271,14 +282,8 @@ fn dispatch(cli: Cli) -> Result<(), JobError> {
                 BenchJob { json, plot, suite, modes, kernel, repeat, size, eyes, scenes, import };
             Ok(bench::run(&job, &config, &progress)?)
         }
-        Some(Job::Commands) => {
-            headless::commands();
-            Ok(())
-        }
-        Some(Job::Doctor) => {
-            doctor::report();
-            Ok(())
-        }
+        Some(Job::Commands) => headless::commands(),
+        Some(Job::Doctor) => Ok(say::result(doctor::report())?),
         None => window_or_demo(cli, config, &progress),
     }
 }

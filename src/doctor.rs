@@ -5,50 +5,51 @@ use crate::config::personal_file;
 use crate::gpu;
 use crate::screen::headset;
 
-/// Prints what the program can use, a line each.
-pub fn report() {
-    println!("virtual-sculpture {}", env!("CARGO_PKG_VERSION"));
-    match personal_file() {
-        Some(path) if path.exists() => println!("settings: {}", path.display()),
-        Some(path) => println!("settings: the defaults, as {} does not exist", path.display()),
-        None => println!("settings: the defaults, as HOME is not set"),
-    }
-    match std::thread::available_parallelism() {
-        Ok(cores) => println!("processor: {cores} threads"),
-        Err(error) => println!("processor: unknown ({error})"),
-    }
-    vulkan();
-    gamepads();
-    cameras();
-    match headset::probe() {
-        Ok(runtime) => println!(
+/// What the program can use, a line each.
+pub fn report() -> String {
+    let mut lines = vec![format!("virtual-sculpture {}", env!("CARGO_PKG_VERSION"))];
+    lines.push(match personal_file() {
+        Some(path) if path.exists() => format!("settings: {}", path.display()),
+        Some(path) => format!("settings: the defaults, as {} does not exist", path.display()),
+        None => "settings: the defaults, as there is no home folder".to_string(),
+    });
+    lines.push(match std::thread::available_parallelism() {
+        Ok(cores) => format!("processor: {cores} threads"),
+        Err(error) => format!("processor: unknown ({error})"),
+    });
+    lines.extend(vulkan());
+    lines.push(gamepads());
+    lines.push(cameras());
+    lines.push(match headset::probe() {
+        Ok(runtime) => format!(
             "OpenXR: {} {}{}",
             runtime.name,
             runtime.version,
             if runtime.vulkan { "" } else { ", but it cannot share Vulkan images" }
         ),
-        Err(reason) => println!("OpenXR: {reason}"),
-    }
+        Err(reason) => format!("OpenXR: {reason}"),
+    });
+    lines.join("\n")
 }
 
-fn vulkan() {
+fn vulkan() -> Vec<String> {
     match gpu::survey() {
-        Ok(devices) => {
-            for (index, (name, refused)) in devices.iter().enumerate() {
-                match refused {
-                    None => println!("Vulkan device {index}: {name}"),
-                    Some(reason) => println!("Vulkan device {index}: {reason}"),
-                }
-            }
-        }
-        Err(error) => println!("Vulkan: {error}"),
+        Ok(devices) => devices
+            .into_iter()
+            .enumerate()
+            .map(|(index, (name, refused))| match refused {
+                None => format!("Vulkan device {index}: {name}"),
+                Some(reason) => format!("Vulkan device {index}: {reason}"),
+            })
+            .collect(),
+        Err(error) => vec![format!("Vulkan: {error}")],
     }
 }
 
 #[cfg(target_os = "linux")]
-fn cameras() {
+fn cameras() -> String {
     match crate::video::cameras() {
-        Ok(cameras) if cameras.is_empty() => println!("cameras: none connected"),
+        Ok(cameras) if cameras.is_empty() => "cameras: none connected".to_string(),
         Ok(cameras) => {
             let name = |camera: &crate::video::CameraInfo| {
                 let modes = match &camera.modes {
@@ -58,26 +59,26 @@ fn cameras() {
                 };
                 format!("v4l2:{} {}{modes}", camera.device.display(), camera.name)
             };
-            println!("cameras: {}", cameras.iter().map(name).collect::<Vec<_>>().join(", "));
+            format!("cameras: {}", cameras.iter().map(name).collect::<Vec<_>>().join(", "))
         }
-        Err(error) => println!("cameras: {error}"),
+        Err(error) => format!("cameras: {error}"),
     }
 }
 
 #[cfg(not(target_os = "linux"))]
-fn cameras() {
-    println!("cameras: only Linux can be asked; name a film or a phone's http:// address");
+fn cameras() -> String {
+    "cameras: only Linux can be asked; name a film or a phone's http:// address".to_string()
 }
 
-fn gamepads() {
+fn gamepads() -> String {
     match gilrs::Gilrs::new() {
         Ok(pads) => {
             let names: Vec<String> = pads.gamepads().map(|(_, pad)| pad.name().into()).collect();
             match names.is_empty() {
-                true => println!("gamepads: none connected"),
-                false => println!("gamepads: {}", names.join(", ")),
+                true => "gamepads: none connected".to_string(),
+                false => format!("gamepads: {}", names.join(", ")),
             }
         }
-        Err(error) => println!("gamepads: not available ({error})"),
+        Err(error) => format!("gamepads: not available ({error})"),
     }
 }

@@ -1,10 +1,11 @@
 //! Owns the jobs that need no screen: render, run, convert, info, demo, and the list of commands.
 //!
-//! Results go to stdout as one fact a line; progress and errors to stderr.
+//! Results go to stdout as one fact a line; progress and errors to stderr. Files are written before
+//! anything is said of them, so that nobody's not listening costs one.
 
 use std::path::{Path, PathBuf};
 
-use glam::UVec3;
+use glam::{UVec2, UVec3};
 use thiserror::Error;
 
 use crate::app::AppError;
@@ -16,9 +17,10 @@ use crate::config::{Config, ConfigError};
 use crate::document::Document;
 use crate::fiducial::{family, sheet};
 use crate::format::options::{ExportForm, ImportOptions};
-use crate::format::{self, FormatError};
+use crate::format::{self, FormatError, store};
 use crate::picture::{self, PictureError};
 use crate::progress::Progress;
+use crate::say::{self, Unsaid};
 use crate::session::{Session, SessionError};
 use crate::track::TrackError;
 use crate::track::source::SourceError;
@@ -88,6 +90,8 @@ pub enum JobError {
     WriteMarker { path: PathBuf, error: std::io::Error },
     #[error(transparent)]
     Bench(#[from] BenchError),
+    #[error(transparent)]
+    Unsaid(#[from] Unsaid),
     #[error(
         "there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); `render`, `run`, `convert`, `info`, `demo` and `bench` need none"
     )]
@@ -118,12 +122,24 @@ impl JobError {
             | JobError::Track(_)
             | JobError::Picture(_)
             | JobError::Bench(_)
+            | JobError::Unsaid(_)
             | JobError::App(_) => 1,
         }
     }
+
+    /// Whether nothing went wrong, but nobody reads the results any more.
+    pub fn is_reader_gone(&self) -> bool {
+        use JobError::{Bench, Track, Unsaid as Own};
+        matches!(
+            self,
+            Own(Unsaid::ReaderGone)
+                | Bench(BenchError::Unsaid(Unsaid::ReaderGone))
+                | Track(TrackError::Unsaid(Unsaid::ReaderGone))
+        )
+    }
 }
 
-/// Renders a file to a PNG.
+/// Renders a file to a picture.
 pub fn render(
     file: &Path,
     out: &Path,
@@ -144,10 +160,11 @@ pub fn marker(id: u32, size_mm: f64, out: &Path) -> Result<(), JobError> {
         false => sheet::png(id, size_mm),
     };
     let drawing = drawing.ok_or(JobError::NoMarker(id))?;
-    std::fs::write(out, drawing)
+    store::write_atomically(out, &drawing)
         .map_err(|error| JobError::WriteMarker { path: out.into(), error })?;
     let side_mm = sheet::side_mm(size_mm);
-    println!("{}: marker {id}; print it {side_mm} mm wide, its paper included", out.display());
+    let out = out.display();
+    say::done(format_args!("{out}: marker {id}; print it {side_mm} mm wide, its paper included"));
     Ok(())
 }
 
@@ -160,12 +177,12 @@ pub fn run(job: &RunJob, config: &Config, progress: &dyn Progress) -> Result<(),
         None => Session::new(&config.new_sculpture(), config.limits())?,
     };
     execute_script(&mut session, &text, &job.script, progress)?;
-    describe(session.document());
     if let Some(output) = &job.output {
         save(&mut session, output, ExportForm::Auto, progress)?;
     }
+    describe(session.document());
     match &job.render {
-        Some(png) => render_session(session, png, &job.picture, config),
+        Some(picture) => render_session(session, picture, &job.picture, config),
         None => Ok(()),
     }
 }
@@ -191,8 +208,9 @@ pub fn convert(
     progress: &dyn Progress,
 ) -> Result<(), JobError> {
     let mut session = Session::open(input, import, config.limits(), progress)?;
+    save(&mut session, output, form, progress)?;
     describe(session.document());
-    save(&mut session, output, form, progress)
+    Ok(())
 }
 
 /// Says what a file holds.
@@ -204,8 +222,7 @@ pub fn info(
 ) -> Result<(), JobError> {
     let failed = |error| JobError::Info { path: file.to_path_buf(), error };
     let info = format::info_with(file, import, &config.limits(), progress).map_err(failed)?;
-    println!("{info}");
-    Ok(())
+    Ok(say::result(info)?)
 }
 
 /// Builds a scene and writes a picture and the sculpture into `folder`.
@@ -221,16 +238,18 @@ pub fn demo(
     let mut session = Session::new(&config.new_sculpture(), config.limits())?;
     let file = |ending: &str| format!("{}.{ending}", scene.name());
     execute_script(&mut session, scene.script(), Path::new(&file("sculpt")), progress)?;
-    describe(session.document());
     save(&mut session, &folder.join(file("pvm")), ExportForm::Auto, progress)?;
+    describe(session.document());
     render_session(session, &folder.join(file("png")), picture, config)
 }
 
 /// Prints the commands that scripts know.
-pub fn commands() {
+pub fn commands() -> Result<(), JobError> {
     for command in COMMANDS {
-        println!("{} {}\n    {}", command.verb, command.usage, command.tooltip);
+        let (verb, usage, tooltip) = (command.verb, command.usage, command.tooltip);
+        say::result(format_args!("{verb} {usage}\n    {tooltip}"))?;
     }
+    Ok(())
 }
 
 fn execute_script(
@@ -263,7 +282,7 @@ fn save(
     progress: &dyn Progress,
 ) -> Result<(), JobError> {
     session.execute(&Command::Save { path: path.to_path_buf(), form }, progress)?;
-    println!("wrote {}", path.display());
+    say::done(format_args!("wrote {}", path.display()));
     Ok(())
 }
 
@@ -284,7 +303,8 @@ fn render_session(
         stereo: arguments.stereo.unwrap_or(config.stereo.layout),
     };
     for name in picture::render_to_file(session.document_mut(), &view, config, out)? {
-        println!("wrote {} ({}x{})", name.display(), view.size.x, view.size.y);
+        let UVec2 { x, y } = view.size;
+        say::done(format_args!("wrote {} ({x}x{y})", name.display()));
     }
     Ok(())
 }
@@ -292,11 +312,11 @@ fn render_session(
 fn describe(document: &Document) {
     let (grid, material) = (document.grid(), document.material());
     let UVec3 { x, y, z } = grid.dims();
-    println!(
+    say::done(format_args!(
         "sculpture {x}x{y}x{z}, {} of {} voxels, {} bits of colour, {} painted bricks",
         grid.opaque_count(),
         u64::from(x) * u64::from(y) * u64::from(z),
         material.depth().bits(),
         material.page_count()
-    );
+    ));
 }

@@ -2,6 +2,9 @@
 //!
 //! ARCHITECTURE.md is the map of the rooms below.
 
+// They panic where nobody reads: see `say`.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
 pub mod app;
 pub mod bench;
 pub mod cli;
@@ -14,6 +17,7 @@ pub mod input;
 pub mod picture;
 pub mod progress_bar;
 pub mod render;
+pub mod say;
 pub mod screen;
 pub mod track;
 pub mod ui;

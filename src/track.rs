@@ -17,6 +17,7 @@ use tracking::vrpn::{
 use tracking::{Event, HeadPose, HostClock, Source, SourceState};
 
 use crate::config::{Config, SourceAddress};
+use crate::say::{self, Unsaid};
 use source::SourceError;
 
 /// Between two looks at the sources.
@@ -64,6 +65,8 @@ pub enum TrackError {
     Server(#[from] ServerError),
     #[error("cannot serve: {0}")]
     Publish(#[from] PublishError),
+    #[error(transparent)]
+    Unsaid(#[from] Unsaid),
 }
 
 /// Shows or serves poses until the time is over, a script has ended, or the program is stopped.
@@ -100,7 +103,8 @@ fn serve(
     let listen = SocketAddr::new(args.listen, args.port);
     let devices = [DeviceSpec { name: args.device.clone(), buttons: MAX_BUTTONS }];
     let server = Server::start(ServerOptions { listen, ..Default::default() }, &devices)?;
-    println!("serving {} of {} at {}", args.device, address.label(), server.address());
+    let (device, label, at) = (&args.device, address.label(), server.address());
+    say::done(format_args!("serving {device} of {label} at {at}"));
     let (mut events, mut reports) = (Vec::new(), Vec::new());
     let mut channels: Vec<f64> = Vec::new();
     let started = Instant::now();
@@ -172,7 +176,7 @@ fn show(
 ) -> Result<(), TrackError> {
     const LINE_EVERY: Duration = Duration::from_millis(500);
     for source in sources.iter() {
-        println!("source {}", source.name());
+        say::result(format_args!("source {}", source.name()))?;
     }
     let (started, mut last_line) = (Instant::now(), Instant::now());
     let (mut tally, mut losses) = (Tally::default(), 0);
@@ -187,7 +191,7 @@ fn show(
         if elapsed >= LINE_EVERY || !goes_on {
             losses += tally.losses;
             for line in lines(&tally, sources, elapsed, losses) {
-                println!("{:7.1} s  {line}", started.elapsed().as_secs_f64());
+                say::result(format_args!("{:7.1} s  {line}", started.elapsed().as_secs_f64()))?;
             }
             (tally, last_line) = (Tally::default(), Instant::now());
         }

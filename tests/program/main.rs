@@ -4,7 +4,10 @@
 // A test that cannot go on has failed.
 #![allow(clippy::unwrap_used)]
 
+#[path = "../shared_data/mod.rs"]
 mod shared_data;
+#[cfg(target_os = "linux")]
+mod streams;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -12,15 +15,20 @@ use std::process::{Command, Output};
 use shared_data::shared_file;
 
 fn program(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_virtual-sculpture"))
+    command(folder, arguments).output().expect("the program starts")
+}
+
+/// The program without a display, to be run in a folder.
+fn command(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_virtual-sculpture"));
+    command
         .args(arguments)
         .current_dir(folder)
         .env_remove("DISPLAY")
         .env_remove("WAYLAND_DISPLAY")
         .env("XDG_CONFIG_HOME", folder)
-        .env("RUST_LOG", "warn")
-        .output()
-        .expect("the program starts")
+        .env("RUST_LOG", "warn");
+    command
 }
 
 /// Runs the program, demands success and gives what it said.
