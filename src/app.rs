@@ -7,6 +7,7 @@ pub mod ar;
 mod camera;
 mod deeds;
 mod first_run;
+mod footing;
 mod guides;
 pub mod head;
 pub mod headset;

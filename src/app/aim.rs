@@ -10,15 +10,56 @@ use crate::sculpture::Grid;
 use crate::surface::{IndexMap, raycast};
 use crate::view::{Eye, PixelRays};
 
-/// Where the ray through the point `at` (pixels) meets the voxel that is seen there.
-pub fn surface_point(map: &IndexMap, grid: &Grid, at: Vec2) -> Option<Vec3> {
-    let voxel = grid.voxel_coords(voxel_at(map, grid, at)?).as_vec3();
-    let (origin, direction) = (map.rays.origin, map.rays.direction_at(at.x, at.y));
-    // The picture has one ray a pixel, so the ray through `at` may pass the voxel by.
-    Some(match enter_box(origin, direction, voxel, voxel + 1.0) {
-        Some((enter, _)) => origin + direction * enter.max(0.0),
-        None => voxel + 0.5 + facing(direction) * 0.5,
-    })
+/// A point of the surface and the face of a voxel that it lies on.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct SurfacePoint {
+    pub point: Vec3,
+    /// A unit vector along an axis, out of the voxel.
+    pub face: Vec3,
+}
+
+/// Where the ray through the point `at` (pixels) meets the face that is seen there.
+///
+/// The picture has one ray a pixel, through its middle: that one says which face it is. The ray
+/// through `at` may pass that face by, or come from behind a neighbour; then it is the point of the
+/// face that is nearest to where it meets the face's plane.
+pub fn surface_point(map: &IndexMap, grid: &Grid, at: Vec2) -> Option<SurfacePoint> {
+    let voxel = grid.voxel_coords(voxel_at(map, grid, at)?);
+    let low = voxel.as_vec3();
+    let PixelRays { origin, .. } = map.rays;
+    let middle = at.floor() + 0.5;
+    let axis = seen_face(grid, voxel, origin, map.rays.direction_at(middle.x, middle.y));
+    let direction = map.rays.direction_at(at.x, at.y);
+    let outwards = if direction[axis] > 0.0 { -1.0 } else { 1.0 };
+    let plane = low[axis] + 0.5 + 0.5 * outwards;
+    let t = (plane - origin[axis]) / direction[axis];
+    // A ray along the face has no such point, and meets the voxel's middle.
+    let met = if t.is_finite() { origin + direction * t.max(0.0) } else { low + 0.5 };
+    let mut point = met.clamp(low, low + 1.0);
+    point[axis] = plane;
+    Some(SurfacePoint { point, face: Vec3::AXES[axis] * outwards })
+}
+
+/// The axis of the face by which a ray comes to a voxel that it sees: the last plane that it
+/// crosses of those whose faces lie open. A ray that rounding has brought to the voxel crosses
+/// them in nearly the same order.
+fn seen_face(grid: &Grid, voxel: UVec3, origin: Vec3, direction: Vec3) -> usize {
+    let enter = |axis: usize| {
+        let near = voxel[axis] as f32 + if direction[axis] < 0.0 { 1.0 } else { 0.0 };
+        match direction[axis] {
+            0.0 => f32::NEG_INFINITY,
+            along => (near - origin[axis]) / along,
+        }
+    };
+    let is_open = |axis: usize| {
+        let mut before = voxel.as_ivec3();
+        before[axis] -= direction[axis].signum() as i32;
+        !grid.get(before)
+    };
+    let mut axes = [0, 1, 2];
+    axes.sort_by(|a, b| enter(*b).total_cmp(&enter(*a)));
+    // Where an edit has buried the voxel since, the face is the one that it had.
+    axes.into_iter().find(|axis| direction[*axis] != 0.0 && is_open(*axis)).unwrap_or(axes[0])
 }
 
 /// The middle of the part of the ray through `at` that lies in the grid's box.
@@ -26,24 +67,6 @@ pub fn box_point(rays: &PixelRays, dims: UVec3, at: Vec2) -> Option<Vec3> {
     let direction = rays.direction_at(at.x, at.y);
     let (enter, leave) = enter_box(rays.origin, direction, Vec3::ZERO, dims.as_vec3())?;
     Some(rays.origin + direction * (0.5 * (enter.max(0.0) + leave)))
-}
-
-/// The face of the voxel seen at `at`: a unit vector along an axis, out of the voxel.
-pub fn surface_face(map: &IndexMap, grid: &Grid, at: Vec2) -> Option<Vec3> {
-    let voxel = grid.voxel_coords(voxel_at(map, grid, at)?).as_vec3();
-    let (origin, direction) = (map.rays.origin, map.rays.direction_at(at.x, at.y));
-    let face = entered_face(origin, direction, voxel, voxel + 1.0).map(|(_, face)| face);
-    // A ray may just pass the voxel by.
-    Some(face.unwrap_or_else(|| facing(direction)))
-}
-
-/// The face that looks most against a direction.
-fn facing(direction: Vec3) -> Vec3 {
-    let most = |best: usize, axis| {
-        if direction[axis].abs() > direction[best].abs() { axis } else { best }
-    };
-    let axis = (0..3).fold(2, most);
-    Vec3::AXES[axis] * -direction[axis].signum()
 }
 
 /// The index of the voxel seen at `at` (pixels). Where only the device knows what is seen, the
@@ -202,7 +225,8 @@ mod tests {
         let middle = Vec2::new(100.5, 49.5);
         assert_eq!(surface_point(&map, &grid, middle), None);
         map.voxels[100 + 49 * 200] = grid.voxel_index(UVec3::new(8, 8, 10));
-        let point = surface_point(&map, &grid, middle).unwrap();
+        let SurfacePoint { point, face } = surface_point(&map, &grid, middle).unwrap();
+        assert_eq!(face, Vec3::Z);
         assert!((point.z - 11.0).abs() < 1e-4, "{point}");
         // Half a pixel right of and above the axis, 57 before the eye.
         let half_pixel = 22.5f32.to_radians().tan() * 57.0 / 100.0;

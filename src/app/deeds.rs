@@ -74,7 +74,10 @@ impl Workbench {
             Action::Grow => self.resize(1.0, GROWTH),
             Action::Shrink => self.resize(-1.0, GROWTH),
             Action::ResetTool if self.ui.hand.tool == Tool::Marker => self.reset_marker(),
-            Action::ResetTool => self.ui.hand.reset_pose(dims),
+            Action::ResetTool => {
+                self.ui.hand.reset_pose(dims);
+                self.leave_ground();
+            }
             Action::AlignTool => self.ui.hand.set_turn_deg(Vec3::ZERO),
             Action::Nudge(step) => {
                 let by = self.grid_step(step);
@@ -84,7 +87,10 @@ impl Workbench {
                 let side = self.grid_step(step);
                 match self.ui.hand.tool {
                     Tool::Marker => self.stretch_marker(side),
-                    Tool::Solid => self.ui.hand.stretch(side, 1.0),
+                    Tool::Solid => {
+                        self.ui.hand.stretch(side, 1.0);
+                        self.leave_ground();
+                    }
                     Tool::Spray(_) => {}
                 }
             }
@@ -252,31 +258,6 @@ impl Workbench {
         }
     }
 
-    /// The pointer moves with nothing held.
-    pub(super) fn hover(&mut self, at: Vec2) {
-        match self.ui.hand.tool {
-            // A spray that a key holds down goes with the pointer.
-            Tool::Spray(_) => self.lead_spray(at),
-            Tool::Marker => {}
-            Tool::Solid => {
-                if self.ui.hand.follow
-                    && self.follows_pointer()
-                    && let Some(point) = self.target(at)
-                {
-                    self.lead_tool_to(at, point);
-                    self.tool_moved();
-                }
-            }
-        }
-    }
-
-    /// Puts the tool at a point of the surface, which is seen at `at`.
-    fn lead_tool_to(&mut self, at: Vec2, point: Vec3) {
-        let normal = self.normal(at);
-        let voxel_size = self.session.document().grid().voxel_size();
-        self.ui.hand.place_on(point, normal, voxel_size);
-    }
-
     /// Takes the colour of the voxel that the pointer points at.
     fn pick_colour(&mut self) {
         if let Some(v) = self.pointed() {
@@ -322,13 +303,6 @@ impl Workbench {
         self.place(placement);
     }
 
-    /// In a table of bindings without `Sculpt` the tool is moved by drags alone.
-    fn follows_pointer(&self) -> bool {
-        self.presets
-            .get(self.ui.preset)
-            .is_some_and(|bindings| bindings.triggers(Action::Sculpt).next().is_some())
-    }
-
     fn move_tool(&mut self, by: Vec3) {
         if self.ui.hand.tool == Tool::Marker {
             self.shift_marker(by);
@@ -336,6 +310,7 @@ impl Workbench {
         }
         let to = self.ui.hand.centre_vx + by;
         self.ui.hand.centre_vx = to;
+        self.leave_ground();
         self.tool_moved();
     }
 
@@ -423,6 +398,7 @@ impl Workbench {
     pub(super) fn sculpture_replaced(&mut self) {
         self.seen = None;
         self.ui.hand.reset_pose(self.session.document().grid().dims());
+        self.leave_ground();
         self.look_from(Side::Corner);
     }
 }

@@ -82,7 +82,7 @@ pub fn lines(aid: &Aid) -> Vec<Line> {
             Theme::Dark => Rgb::new(0x9a, 0xa4, 0xb0),
             Theme::Light => Rgb::new(0x60, 0x68, 0x70),
         };
-        let edge = |from, to| Line { from, to, colour, width_px: 1.2, opacity: [0.6, 0.15] };
+        let edge = |from, to| Line { from, to, colour, width_px: 1.2, opacity: [0.6, 0.0] };
         lines.extend(box_edges(Vec3::ZERO, grid.dims().as_vec3()).map(|(a, b)| edge(a, b)));
     }
     for (axis, plane) in document.symmetry().planes(grid.dims()).into_iter().enumerate() {
@@ -108,7 +108,7 @@ pub fn lines(aid: &Aid) -> Vec<Line> {
             to: hand.centre_vx,
             colour: RED,
             width_px: 1.8,
-            opacity: [0.95, 0.4],
+            opacity: [0.95, 0.0],
         });
     }
     let outline =

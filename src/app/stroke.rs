@@ -196,7 +196,7 @@ impl Workbench {
             for i in 1..=looks {
                 let look = at.lerp(to, i as f32 / looks as f32);
                 let found = seen.as_ref().and_then(|map| surface_point(map, grid, look));
-                let point = found.unwrap_or_else(|| sight.at_depth(look, *depth));
+                let point = found.map_or_else(|| sight.at_depth(look, *depth), |seen| seen.point);
                 *depth = sight.depth(point);
                 let point = point + *lift;
                 if path.distance(point) > leap {
@@ -212,6 +212,9 @@ impl Workbench {
         if let Some(stroke) = &self.stroke {
             let end = stroke.path.end();
             self.ui.hand.move_to(end);
+            if let Work::Solid { guide: Guide::Surface { lift, .. }, .. } = &stroke.work {
+                self.led_over(end - *lift);
+            }
         }
     }
 

@@ -14,6 +14,7 @@ use glam::{Affine3A, UVec2, Vec2, Vec3};
 use super::aim::{self, Sight};
 use super::ar::Ar;
 use super::camera::Camera;
+use super::footing::Footing;
 use super::guides::Aid;
 use super::head::Head;
 use super::job::{self, Job};
@@ -59,6 +60,8 @@ pub struct Workbench {
     pub(super) ar: Ar,
     pub(super) camera: Camera,
     pub(super) stroke: Option<StrokeInHand>,
+    /// Where the tool stands on the surface.
+    pub(super) footing: Footing,
     /// What a drag does to the marker.
     pub(super) marker_drag: Option<MarkerDrag>,
     /// The box that was selected only because tools were to be limited to the marker.
@@ -107,6 +110,7 @@ impl Workbench {
             ar: Ar::new(&config.ar),
             camera: Camera::default(),
             stroke: None,
+            footing: Footing::default(),
             marker_drag: None,
             lent_to_limit: None,
             marker_rest: Vec3::ZERO,
@@ -208,6 +212,11 @@ impl Workbench {
         self.stroke.is_some()
     }
 
+    /// Whether the pointer holds something on the picture.
+    pub(super) fn is_dragging(&self) -> bool {
+        self.mapper.captures_pointer()
+    }
+
     /// The window was asked to close.
     pub fn ask_to_leave(&mut self) {
         self.act(Action::Quit);
@@ -232,6 +241,7 @@ impl Workbench {
         for intent in intents {
             self.carry_out(intent);
         }
+        self.keep_footing();
         if self.job.is_some() {
             root.request_repaint_after(job::LOOK_EVERY);
         }
@@ -265,6 +275,7 @@ impl Workbench {
         for intent in intents {
             self.carry_out(intent);
         }
+        self.keep_footing();
         touched
     }
 
@@ -407,7 +418,7 @@ impl Workbench {
         if grid.opaque_count() == 0 {
             return aim::box_point(&self.sight().rays, grid.dims(), at);
         }
-        aim::surface_point(self.seen.as_ref()?, grid, at)
+        Some(aim::surface_point(self.seen.as_ref()?, grid, at)?.point)
     }
 
     /// What the overlay is drawn from.
@@ -437,7 +448,7 @@ impl Workbench {
         let smooth = voxel.filter(|_| self.ui.hand.lean).map(|v| normal::gradient(grid, v));
         smooth
             .and_then(|normal| normal.try_normalize())
-            .or_else(|| aim::surface_face(map, grid, at))
+            .or_else(|| aim::surface_point(map, grid, at).map(|seen| seen.face))
             .unwrap_or(Vec3::ZERO)
     }
 

@@ -20,6 +20,8 @@ use crate::tools::construct::{Primitive, Solid};
 const SEGMENTS: usize = 48;
 /// Factor on the depth of lines: brings them in front of a surface that they lie in.
 const LINE_DEPTH: f32 = 1.002;
+/// The same for the faces of tools, below their lines.
+const FACE_DEPTH: f32 = 1.0004;
 
 /// A line in grid coordinates.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -191,8 +193,10 @@ impl Overlay {
         let normals = Mat3::from(eye_from_tool.matrix3).inverse().transpose();
         let rows = normals.transpose();
         let row = |axis: Vec3| axis.extend(0.0).to_array();
+        // Clip z is the near distance everywhere.
+        let nearer = Mat4::from_scale(Vec3::new(1.0, 1.0, FACE_DEPTH));
         let constants = SolidConstants {
-            clip_from_tool: (scene.projection * Mat4::from(eye_from_tool)).to_cols_array(),
+            clip_from_tool: (nearer * scene.projection * Mat4::from(eye_from_tool)).to_cols_array(),
             eye_from_normal: [row(rows.x_axis), row(rows.y_axis), row(rows.z_axis)],
             colour: with_opacity(ghost.colour, ghost.opacity[side]),
         };

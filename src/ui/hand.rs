@@ -166,7 +166,13 @@ impl Hand {
         }
         let lift =
             if self.stand { normal * self.extent_along(normal, voxel_size) } else { Vec3::ZERO };
-        self.move_to(point + lift);
+        let wanted = point + lift;
+        self.move_to(wanted);
+        // The nearest voxel's centre may lie deeper, but never in the surface.
+        if self.stand && self.snap && (self.centre_vx - wanted).dot(normal) < -1e-3 {
+            let axis = normal.abs().max_position();
+            self.centre_vx[axis] += normal[axis].signum();
+        }
     }
 
     /// How far the tool reaches from its centre against `normal`, in voxels.
