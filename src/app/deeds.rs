@@ -161,6 +161,9 @@ impl Workbench {
     pub(super) fn begin(&mut self, action: Action, at: Option<Vec2>) {
         let inverse = action == Action::SculptInverse;
         match (action, at) {
+            (Action::Apply | Action::Sculpt, _) if std::mem::take(&mut self.ui.hand.eyedropper) => {
+                self.pick_colour();
+            }
             (Action::Apply, _) => self.apply_tool(),
             (Action::PickColour, _) => self.pick_colour(),
             (Action::Sculpt | Action::SculptInverse, Some(at))
@@ -260,8 +263,15 @@ impl Workbench {
 
     /// Takes the colour of the voxel that the pointer points at.
     fn pick_colour(&mut self) {
-        if let Some(v) = self.pointed() {
-            self.ui.hand.colour = self.session.document().contents().rgb(v);
+        if let Some(voxel) = self.pointed() {
+            self.take_colour_of(voxel);
+        }
+    }
+
+    pub(super) fn take_colour_of(&mut self, voxel: UVec3) {
+        let colour = self.session.document().contents().rgb(voxel);
+        if std::mem::replace(&mut self.ui.hand.colour, colour) != colour {
+            tracing::debug!("colour {colour} taken");
         }
     }
 

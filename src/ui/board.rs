@@ -15,11 +15,12 @@ const HISTORY_WIDTH: f32 = 290.0;
 const HISTORY_HEIGHT: f32 = 250.0;
 
 /// What the hands do, for those who open the board for the first time.
-const HINTS: [(&str, &str); 7] = [
+const HINTS: [(&str, &str); 8] = [
     ("Trigger", "use the tool; press a button here"),
     ("Grip", "hold, move and turn the sculpture"),
     ("Both grips", "make it larger or smaller"),
     ("Stick up, down", "size of the tool; scroll here"),
+    ("A, X or stick pressed", "take the colour that the tool touches"),
     ("Other stick left, right", "undo, redo"),
     ("Menu, or a tap of the other trigger", "this board"),
     ("Menu held", "bring the sculpture before you"),

@@ -57,6 +57,8 @@ pub struct Hand {
     pub follow: bool,
     /// The tool's centre is kept at centres of voxels.
     pub snap: bool,
+    /// The next press takes the colour of what it meets, instead of using the tool.
+    pub eyedropper: bool,
     /// A tool that follows the pointer stands on the surface rather than half in it.
     pub stand: bool,
     /// A tool that follows the pointer turns its y axis out of the surface.
@@ -81,6 +83,7 @@ impl Hand {
             centre_vx: Vec3::ZERO,
             follow: true,
             snap: false,
+            eyedropper: false,
             stand: false,
             lean: false,
         };

@@ -181,9 +181,9 @@ fn colour(ui: &mut Ui, state: &mut UiState, facts: &Facts) {
         ui.color_edit_button_srgb(&mut state.hand.colour.0).labelled_by(label.id);
         ui.monospace(state.hand.colour.to_string());
         let keys = facts.bindings(state).and_then(|b| b.shortcut(Action::PickColour));
-        if let Some(keys) = keys {
-            ui.weak("🖊").on_hover_text(format!("{keys} takes the colour of the surface"));
-        }
+        let keys = keys.map_or(String::new(), |keys| format!(" ({keys})"));
+        let does = format!("The next press takes the colour of the surface{keys}");
+        ui.toggle_value(&mut state.hand.eyedropper, "🖊 Pick").on_hover_text(does);
     });
     let pick = |ui: &mut Ui, colours: &[Rgb], hand: &mut Hand| {
         ui.horizontal_wrapped(|ui| {

@@ -76,10 +76,20 @@ pub fn open_board(remote: &mut Remote, program: &Program) {
 /// Points the right hand at a share of the board, from its upper left corner, and clicks there.
 pub fn press_board(remote: &mut Remote, program: &Program, share: [f32; 2]) {
     point_at_board(remote, program, share);
+    pull(remote, program, |_| {});
+}
+
+/// Pulls the trigger over the board, does something meanwhile, and lets it go. It lasts no longer
+/// than it takes to be heard.
+pub fn pull(remote: &mut Remote, program: &Program, meanwhile: impl FnOnce(&mut Remote)) {
+    let heard = |what: &str| program.log().matches(what).count() + 1;
+    let (pressed, released) = (heard("board pressed"), heard("board released"));
     remote.trigger(Side::Right, true);
-    program.frames(4);
+    program.wait_for_log("board pressed", pressed);
+    meanwhile(remote);
     remote.trigger(Side::Right, false);
-    program.frames(4);
+    program.wait_for_log("board released", released);
+    program.frames(3);
 }
 
 /// Points the right hand at a share of the board.
@@ -239,6 +249,48 @@ fn the_board_opens_on_the_off_hand_and_is_pressed_by_a_ray() {
     program.wait_for_command("subtract cuboid", 1);
     remote.trigger(Side::Right, false);
     program.wait_for_command("end", 1);
+    program.stop();
+}
+
+#[test]
+fn a_pull_that_lasts_a_second_and_turns_the_hand_is_a_click() {
+    if !alone_in_network("a_pull_that_lasts_a_second_and_turns_the_hand_is_a_click") {
+        return;
+    }
+    let (_runtime, mut remote, program) = begin();
+    open_board(&mut remote, &program);
+    // The tool "Cuboid".
+    let share = [118.0 / 1250.0, 105.0 / 800.0];
+    point_at_board(&mut remote, &program, share);
+    pull(&mut remote, &program, |remote| {
+        let from = Vec3::new(0.0, 1.4, 0.0);
+        let at = program.board_point(share, BOARD_HAND);
+        let aim = Quat::from_rotation_arc(Vec3::NEG_Z, (at - from).normalize());
+        for i in 1..=10 {
+            let drift = Quat::from_rotation_y((0.05 * i as f32).to_radians());
+            remote.place(Side::Right, from, drift * aim);
+            std::thread::sleep(Duration::from_millis(100));
+        }
+    });
+    remote.place(Side::Left, remote::AWAY, Quat::IDENTITY);
+    remote.place(Side::Right, middle() + Vec3::Z * (0.5 * EDGE_M + 0.08), Quat::IDENTITY);
+    program.frames(3);
+    remote.trigger(Side::Right, true);
+    program.wait_for_command("subtract cuboid", 1);
+    program.stop();
+}
+
+#[test]
+fn a_button_takes_the_colour_that_the_tool_touches() {
+    if !alone_in_network("a_button_takes_the_colour_that_the_tool_touches") {
+        return;
+    }
+    let (_runtime, mut remote, program) = begin();
+    remote.place(Side::Right, middle() + Vec3::Z * (0.5 * EDGE_M + 0.08), Quat::IDENTITY);
+    program.frames(3);
+    remote.pick(Side::Right, true);
+    program.wait_for_log("taken", 1);
+    remote.pick(Side::Right, false);
     program.stop();
 }
 

@@ -32,6 +32,7 @@ struct Hand {
     squeeze: f32,
     stick: [f32; 2],
     menu: bool,
+    pick: bool,
 }
 
 pub struct Remote {
@@ -64,6 +65,7 @@ impl Remote {
             squeeze: 0.0,
             stick: [0.0; 2],
             menu: false,
+            pick: false,
         };
         Remote { stream, head: (HEAD, Quat::IDENTITY), hands: [hand(-0.2), hand(0.2)] }
     }
@@ -94,7 +96,8 @@ impl Remote {
             let pressed = u8::from(hand.trigger > 0.5);
             // Hand tracking, active, system, a, b, trigger, stick, trackpad, padding.
             let menu = u8::from(hand.menu);
-            packet.extend([0, 1, 0, 0, 0, 0, menu, menu, pressed, pressed, 0, 0, 0, 0, 0, 0]);
+            let pick = u8::from(hand.pick);
+            packet.extend([0, 1, 0, 0, pick, pick, menu, menu, pressed, pressed, 0, 0, 0, 0, 0, 0]);
         }
         assert_eq!(packet.len(), SIZE);
         self.stream.write_all(&packet).unwrap();
@@ -127,6 +130,12 @@ impl Remote {
 
     pub fn stick(&mut self, side: Side, stick: [f32; 2]) {
         self.hand(side).stick = stick;
+        self.send();
+    }
+
+    /// The button that takes a colour, on this controller A.
+    pub fn pick(&mut self, side: Side, down: bool) {
+        self.hand(side).pick = down;
         self.send();
     }
 

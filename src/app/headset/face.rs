@@ -18,6 +18,11 @@ use crate::ui::keyboard::Keyboard;
 /// there, too.
 const REFRESH_S: f64 = 0.25;
 
+/// A press that is longer is no click, in seconds.
+const LONGEST_CLICK_S: f64 = 3.0;
+/// A press on what can be dragged, too, is no click if it goes farther than this, in points.
+const CLICK_DRIFT: f32 = 6.0;
+
 /// What a press of the pointer is for until it is released.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Meant {
@@ -38,6 +43,8 @@ pub struct BoardFace {
     /// The widgets have been told that the pointer is over them.
     told: bool,
     meant: Option<Meant>,
+    /// Where the widget is that was pressed, while it is, if it can be clicked only.
+    pressed: Option<Rect>,
     keyboard: Keyboard,
     /// What is drawn over the widgets has changed.
     stale: bool,
@@ -47,8 +54,13 @@ pub struct BoardFace {
 
 impl BoardFace {
     pub fn new(size_px: UVec2, pixels_per_point: f32, texture_limit: usize) -> BoardFace {
+        let context = Context::default();
+        context.options_mut(|options| {
+            options.input_options.max_click_duration = LONGEST_CLICK_S;
+            options.input_options.max_click_dist = CLICK_DRIFT;
+        });
         BoardFace {
-            context: Context::default(),
+            context,
             size_px,
             pixels_per_point,
             texture_limit,
@@ -56,6 +68,7 @@ impl BoardFace {
             pointer: None,
             told: false,
             meant: None,
+            pressed: None,
             keyboard: Keyboard::default(),
             stale: false,
             due_s: 0.0,
@@ -92,6 +105,7 @@ impl BoardFace {
                     let (button, pressed) = (PointerButton::Primary, true);
                     self.events.push(Event::PointerButton { pos, button, pressed, modifiers });
                 }
+                tracing::debug!("board pressed");
             }
             HandAsk::Click(false) => {
                 if self.meant.take() == Some(Meant::Keys) {
@@ -102,11 +116,14 @@ impl BoardFace {
                     // Released beside the board: where it was last.
                     let last = || self.context.input(|input| input.pointer.latest_pos());
                     if let Some(pos) = self.pointer.or_else(last) {
+                        // It is heard whether this is too far for a click.
+                        self.events.push(Event::PointerMoved(pos));
                         let (button, pressed) = (PointerButton::Primary, false);
                         self.events.push(Event::PointerButton { pos, button, pressed, modifiers });
                     }
                 }
                 self.lead();
+                tracing::debug!("board released");
             }
             HandAsk::Scroll(by) => self.events.push(Event::MouseWheel {
                 unit: MouseWheelUnit::Point,
@@ -151,9 +168,40 @@ impl BoardFace {
         self.stale || !self.events.is_empty() || now_s >= due_s
     }
 
+    /// What is pressed and released within one widget is a click, wherever it was in between; but
+    /// a widget that can be dragged as well has to tell one from the other by how far it goes.
+    fn judge_clicks(&self) {
+        let button = |event: &Event| match event {
+            Event::PointerButton { pos, pressed, .. } => Some((*pos, *pressed)),
+            _ => None,
+        };
+        let farthest = match (self.pressed, self.events.iter().find_map(button)) {
+            (Some(_), None | Some((_, true))) => f32::INFINITY,
+            (Some(widget), Some((pos, false))) if widget.contains(pos) => f32::INFINITY,
+            (Some(_), Some((_, false))) => 0.0,
+            (None, _) => CLICK_DRIFT,
+        };
+        self.context.options_mut(|options| options.input_options.max_click_dist = farthest);
+    }
+
+    /// Remembers the widget that was pressed in the last pass, until it is released.
+    fn note_pressed(&mut self) {
+        let pointer = |input: &egui::InputState| {
+            (input.pointer.primary_pressed(), input.pointer.primary_down())
+        };
+        let (pressed, down) = self.context.input(pointer);
+        if pressed {
+            let widget = self.context.viewport(|viewport| viewport.hits.click);
+            let widget = widget.filter(|widget| !widget.sense.senses_drag());
+            self.pressed = widget.map(|widget| widget.interact_rect);
+        }
+        self.pressed = self.pressed.filter(|_| down);
+    }
+
     /// Runs a pass of what `show` shows.
     pub fn pass(&mut self, now_s: f64, mut show: impl FnMut(&mut Ui)) -> FullOutput {
         self.keyboard.hold(now_s, &self.context, &mut self.events);
+        self.judge_clicks();
         let size = self.size_points();
         let mut input = RawInput {
             screen_rect: Some(Rect::from_min_size(Pos2::ZERO, egui::vec2(size.x, size.y))),
@@ -173,6 +221,7 @@ impl BoardFace {
                 draw_pointer(root.ctx(), at);
             }
         });
+        self.note_pressed();
         let viewport = output.viewport_output.get(&ViewportId::ROOT);
         let again = viewport.map_or(Duration::MAX, |viewport| viewport.repaint_delay);
         self.due_s = now_s + again.as_secs_f64().min(REFRESH_S);

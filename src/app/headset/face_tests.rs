@@ -1,14 +1,18 @@
 //! The board's interface under a ray: what is pressed, what is typed on the drawn keyboard.
 
-use egui::{Align, Button, DragValue, Layout, Response, TextEdit, vec2};
+use egui::{Align, Button, DragValue, Layout, Response, Slider, TextEdit, vec2};
+use glam::{Quat, Vec3};
 
 use super::*;
 use crate::app::Workbench;
 use crate::config::Config;
 use crate::input::Bindings;
+use crate::input::hands::{Board, HandMapper, HandSettings, HandSide, HandsState};
+use crate::input::pad::stick::Response as StickResponse;
 use crate::session::Session;
 use crate::ui::files::FileTask;
 use crate::ui::keyboard::{Cap, keys};
+use crate::view::Pose;
 
 const SIZE_PX: UVec2 = UVec2::new(1250, 800);
 
@@ -255,6 +259,126 @@ fn the_board_is_filled_at_every_size_of_text() {
         hand.click(hand.state.button.clone().unwrap().rect.right_bottom() - vec2(9.0, 9.0));
         assert_eq!(hand.state.clicks, clicks + 1, "{zoom}");
     }
+}
+
+/// Small things to press and to drag.
+#[derive(Default)]
+struct Things {
+    clicks: [usize; 2],
+    value: f64,
+    number: f64,
+    places: Vec<Rect>,
+}
+
+fn things() -> Hand<Things> {
+    Hand::new(Things::default(), |root, things| {
+        root.with_layout(Layout::top_down(Align::Min), |ui| {
+            ui.add_space(300.0);
+            let names = ["one", "two"];
+            let mut places = Vec::new();
+            ui.horizontal(|ui| {
+                for (clicks, name) in things.clicks.iter_mut().zip(names) {
+                    let button = ui.add_sized(vec2(40.0, 24.0), Button::new(name));
+                    *clicks += usize::from(button.clicked());
+                    places.push(button.rect);
+                }
+            });
+            let slider = ui.add(Slider::new(&mut things.value, 0.0..=1.0).show_value(false));
+            let number = ui.add(DragValue::new(&mut things.number));
+            places.extend([slider.rect, number.rect]);
+            things.places = places;
+        });
+    })
+}
+
+/// A hand half a metre before the board, which it points at by a ray.
+struct Ray {
+    mapper: HandMapper,
+    board: Board,
+    state: HandsState,
+}
+
+impl Ray {
+    fn new() -> Ray {
+        let response = StickResponse { dead_zone: 0.2, curve: 1.0 };
+        let settings = HandSettings { main: HandSide::Right, response, reach_m: 0.08 };
+        let pose = Pose { position: Vec3::new(0.0, 0.0, -0.5), rotation: Quat::IDENTITY };
+        Ray {
+            mapper: HandMapper::new(settings),
+            board: Board { pose, size_m: Vec2::new(0.5, 0.32) },
+            state: HandsState::default(),
+        }
+    }
+
+    /// The hand points at a place on the board, turned by some degrees besides, and pulls.
+    fn look(&mut self, hand: &mut Hand<Things>, at: Pos2, off_deg: f32, trigger: f32) {
+        let size = hand.face.size_points();
+        let share = Vec2::new(at.x / size.x - 0.5, 0.5 - at.y / size.y);
+        let to = (share * self.board.size_m).extend(-0.5);
+        let rotation = Quat::from_rotation_arc(Vec3::NEG_Z, to.normalize());
+        let rotation = Quat::from_rotation_y(off_deg.to_radians()) * rotation;
+        let aim = Some(Pose { position: Vec3::ZERO, rotation });
+        let main = &mut self.state.hands[HandSide::Right.index()];
+        (main.aim, main.trigger) = (aim, trigger);
+        self.state.time_s += 1.0 / 20.0;
+        for ask in self.mapper.hear(&self.state, Some(&self.board)) {
+            hand.face.hear(&ask);
+        }
+        hand.now_s = self.state.time_s;
+        let (state, show) = (&mut hand.state, hand.show);
+        hand.face.pass(hand.now_s, |root| show(root, state)).textures_delta.clear();
+    }
+
+    /// Pulls the trigger and lets it go in `length_s`, while the hand turns by `drift_deg`.
+    fn pull(&mut self, hand: &mut Hand<Things>, at: Pos2, drift_deg: f32, length_s: f32) {
+        (0..4).for_each(|_| self.look(hand, at, 0.0, 0.0));
+        let looks = (length_s * 20.0) as u32;
+        for i in 0..=looks {
+            let share = i as f32 / looks as f32;
+            let way = (4.0 * share).min(4.0 - 4.0 * share).min(1.0);
+            self.look(hand, at, drift_deg * share, way);
+        }
+        (0..4).for_each(|_| self.look(hand, at, drift_deg, 0.0));
+    }
+}
+
+#[test]
+fn slow_pulls_that_turn_the_hand_are_clicks() {
+    let (mut hand, mut ray) = (things(), Ray::new());
+    let button = hand.state.places[0].center();
+    let mut clicks = 0;
+    for length_s in [0.3, 1.0, 2.8] {
+        for drift_deg in [0.0, 0.5, -0.5, 1.2] {
+            ray.pull(&mut hand, button, drift_deg, length_s);
+            clicks += 1;
+            assert_eq!(hand.state.clicks, [clicks, 0], "{length_s} s, {drift_deg} degrees");
+        }
+    }
+    // Not what is held much longer, nor what ends on another widget or beside all.
+    ray.pull(&mut hand, button, 0.0, 6.0);
+    ray.pull(&mut hand, button, -5.0, 0.5);
+    ray.pull(&mut hand, button, 8.0, 0.5);
+    assert_eq!(hand.state.clicks, [clicks, 0]);
+    // A pull over the whole of a button is a click, too: it ends where it began.
+    let edge = hand.state.places[1].left_center() + vec2(2.0, 0.0);
+    ray.pull(&mut hand, edge, -1.9, 1.0);
+    assert_eq!(hand.state.clicks, [clicks, 1]);
+}
+
+#[test]
+fn what_can_be_dragged_is_dragged_beyond_a_small_way() {
+    let (mut hand, mut ray) = (things(), Ray::new());
+    let slider = hand.state.places[2];
+    ray.pull(&mut hand, slider.left_center() + vec2(6.0, 0.0), -1.0, 1.0);
+    assert!(hand.state.value < 0.05, "{}", hand.state.value);
+    ray.pull(&mut hand, slider.left_center() + vec2(6.0, 0.0), -4.0, 1.0);
+    assert!((0.4..0.95).contains(&hand.state.value), "{}", hand.state.value);
+    // A number is typed after a click, and dragged by more than that.
+    let number = hand.state.places[3].center();
+    ray.pull(&mut hand, number, -4.0, 1.0);
+    assert!(hand.state.number > 10.0 && !hand.has_keyboard(), "{}", hand.state.number);
+    ray.pull(&mut hand, number, -0.5, 1.0);
+    assert!(hand.has_keyboard());
 }
 
 /// The whole board with a sculpture in a folder of its own.

@@ -12,6 +12,7 @@ use crate::command::Command;
 use crate::input::Action;
 use crate::input::hands::HandAsk;
 use crate::sculpture::Placement;
+use crate::surface::raycast;
 use crate::tools::spray::{Footprint, MAX_FOOTPRINT};
 use crate::ui::Tool;
 use crate::view::{Pose, Room};
@@ -57,6 +58,7 @@ impl Workbench {
             HandAsk::Press => self.press_by_hand(room, held),
             HandAsk::Release => self.release_by_hand(held),
             HandAsk::Resize(notches) => self.resize(notches, GROWTH_PER_NOTCH),
+            HandAsk::Pick => self.pick_by_hand(room),
             HandAsk::Undo => self.act(Action::Undo),
             HandAsk::Redo => self.act(Action::Redo),
             HandAsk::ToggleBoard
@@ -116,6 +118,10 @@ impl Workbench {
         if self.stroke_in_hand() {
             return;
         }
+        if std::mem::take(&mut self.ui.hand.eyedropper) {
+            self.pick_by_hand(room);
+            return;
+        }
         match self.ui.hand.tool {
             Tool::Solid => self.begin_stroke(self.ui.hand.mode, Guide::Tool),
             Tool::Spray(kind) => {
@@ -130,6 +136,22 @@ impl Workbench {
             }
         }
         held.stroke = self.stroke_in_hand();
+    }
+
+    /// Takes the colour of the voxel that the tool in the hand touches, or else points at.
+    fn pick_by_hand(&mut self, room: &Room) {
+        let Some(pose) = &self.hand_pose else { return };
+        let at = self.grid_point(pose.position, room);
+        let ahead = (self.grid_point(pose.at(Vec3::NEG_Z), room) - at).normalize_or_zero();
+        let grid = self.session().document().grid();
+        let here = at.floor().as_ivec3();
+        let voxel = match grid.get(here) {
+            true => Some(here.as_uvec3()),
+            false => raycast::cast(grid, at, ahead).map(|hit| hit.voxel),
+        };
+        if let Some(voxel) = voxel {
+            self.take_colour_of(voxel);
+        }
     }
 
     /// The rays of the spray in the hand, if it holds one.

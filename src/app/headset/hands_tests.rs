@@ -11,6 +11,7 @@ use crate::config::Config;
 use crate::input::Bindings;
 use crate::input::hands::{HandMapper, HandSettings, HandSide, HandState, HandsState};
 use crate::input::pad::stick::Response;
+use crate::sculpture::Rgb;
 use crate::session::Session;
 use crate::tools::spray::SprayKind;
 
@@ -149,6 +150,38 @@ fn poses_that_are_none_end_the_stroke() {
     }
 }
 
+#[test]
+fn the_eyedropper_takes_the_colour_that_the_tool_touches_or_points_at() {
+    let mut person = Person::new(DIMS);
+    let (red, blue) = (Rgb::new(0xff, 0, 0), Rgb::new(0, 0, 0xff));
+    let dye = format!("dye colour={red}");
+    let mark = "mark at=0,0,32 size=64,64,32".to_string();
+    for command in [dye, mark, format!("dye marker colour={blue}")] {
+        assert!(person.bench.execute(&command.parse().unwrap()), "{command}");
+    }
+    let own = person.bench.ui.hand.colour;
+    let pick = |person: &mut Person, at: Vec3| {
+        person.hold(at, 0.0, 2);
+        person.state.hands[HandSide::Right.index()].pick = true;
+        person.look();
+        person.bench.ui.hand.colour
+    };
+    // Beside all, pointing past it.
+    assert_eq!(pick(&mut person, MIDDLE + Vec3::X), own);
+    // Before it: what is pointed at. Within: what is touched.
+    assert_eq!(pick(&mut person, MIDDLE + Vec3::Z * 0.5), blue);
+    assert_eq!(pick(&mut person, MIDDLE - Vec3::Z * 0.1), red);
+    assert_eq!(pick(&mut person, MIDDLE + Vec3::Z * 0.1), blue);
+    // Chosen on the board, the next pull takes a colour and uses no tool.
+    person.bench.ui.hand.eyedropper = true;
+    person.hold(MIDDLE - Vec3::Z * 0.1, 0.0, 20);
+    person.hold(MIDDLE - Vec3::Z * 0.1, 1.0, 2);
+    assert_eq!((person.bench.ui.hand.colour, person.gone()), (red, 0));
+    person.hold(MIDDLE - Vec3::Z * 0.1, 0.0, 1);
+    person.hold(MIDDLE - Vec3::Z * 0.1, 1.0, 2);
+    assert!(person.gone() > 0, "the one after that uses the tool");
+}
+
 /// Numbers as a driver that has gone mad would give them, sensible ones among them.
 fn number() -> impl Strategy<Value = f32> {
     prop_oneof![
@@ -189,6 +222,7 @@ fn hand() -> impl Strategy<Value = HandState> {
             squeeze,
             stick: Vec2::from(stick),
             menu,
+            pick: menu,
         })
 }
 

@@ -1,8 +1,9 @@
 //! Owns the board: the panel of the interface as a thing in the room, hung on the off hand, and
-//! the ray of the main hand that points at it.
+//! the ray of the main hand that points at it, which is held still while the trigger is pulled.
 
 use glam::{Quat, Vec2, Vec3};
 
+use super::Change;
 use crate::view::Pose;
 
 /// From the palm to the middle of the board's lower edge, in the hand's coordinates, in metres.
@@ -28,6 +29,15 @@ pub struct Hit {
     pub at: Vec2,
     /// In metres of the room.
     pub point: Vec3,
+    /// From the hand, in metres.
+    pub way_m: f32,
+}
+
+impl Hit {
+    /// Whether it is on the board.
+    fn is_inside(&self) -> bool {
+        self.at.cmpge(Vec2::ZERO).all() && self.at.cmple(Vec2::ONE).all()
+    }
 }
 
 impl Board {
@@ -40,6 +50,11 @@ impl Board {
 
     /// Where the ray of a hand meets the front of the board; none where it misses it.
     pub fn hit(&self, aim: &Pose) -> Option<Hit> {
+        self.meet(aim).filter(Hit::is_inside)
+    }
+
+    /// Where the ray of a hand meets the plane of the board's front, beside the board, too.
+    fn meet(&self, aim: &Pose) -> Option<Hit> {
         let (origin, direction) = (self.pose.own(aim.position), aim.forward());
         let direction = self.pose.rotation.inverse() * direction;
         // From behind there is nothing to press.
@@ -49,8 +64,72 @@ impl Board {
         let way_m = -origin.z / direction.z;
         let own = origin + direction * way_m;
         let at = Vec2::new(own.x / self.size_m.x + 0.5, 0.5 - own.y / self.size_m.y);
-        let inside = at.cmpge(Vec2::ZERO).all() && at.cmple(Vec2::ONE).all();
-        (inside && way_m <= REACH_M).then(|| Hit { at, point: self.pose.at(own) })
+        (way_m <= REACH_M).then(|| Hit { at, point: self.pose.at(own), way_m })
+    }
+}
+
+/// The place that a ray points at, kept while the trigger is pulled: a finger that pulls turns the
+/// hand. A ray that goes farther than a pull turns it drags.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub(super) struct Pointing {
+    /// Where the ray was at the last look.
+    before: Option<Hit>,
+    /// How little the trigger was pulled lately.
+    least: f32,
+    kept: Option<Hit>,
+    dragging: bool,
+}
+
+impl Pointing {
+    /// Farther than a finger that pulls turns the hand, as a tangent: 1.5 degrees.
+    const DRIFT: f32 = 0.026;
+    /// A pull begins when the trigger has gone this much of its way.
+    const BEGUN: f32 = 0.05;
+
+    /// Where the hand points at `board`. `way`: of the trigger, 0 to 1; `change`: what its switch
+    /// has just done; `down`: what it is now.
+    pub fn step(
+        &mut self,
+        board: &Board,
+        aim: &Pose,
+        way: f32,
+        change: Option<Change>,
+        down: bool,
+    ) -> Option<Hit> {
+        let way = if way.is_finite() { way } else { 0.0 };
+        let now = board.meet(aim);
+        let hit = now.filter(Hit::is_inside);
+        let before = std::mem::replace(&mut self.before, hit);
+        let near = |kept: &Hit| {
+            now.is_some_and(|now| {
+                let drift_m = ((now.at - kept.at) * board.size_m).length();
+                drift_m <= Self::DRIFT * kept.way_m
+            })
+        };
+        let held = down || change == Some(Change::Released);
+        if !held {
+            self.dragging = false;
+            self.least = self.least.min(way);
+        }
+        let pulled = held || way >= self.least + Self::BEGUN;
+        if !pulled {
+            self.kept = None;
+        } else if self.kept.is_none() && (!held || change == Some(Change::Pressed)) {
+            // Where it pointed before the finger moved.
+            self.kept = before.filter(near).or(hit);
+        }
+        match self.kept {
+            Some(kept) if !self.dragging && near(&kept) => Some(kept),
+            Some(_) if held => {
+                self.dragging = true;
+                hit
+            }
+            // It goes on to something else, half pulled.
+            _ => {
+                (self.kept, self.least) = (None, way);
+                hit
+            }
+        }
     }
 }
 

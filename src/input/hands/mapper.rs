@@ -4,10 +4,12 @@
 //! **off** hand has the board, undo and redo. Either grip holds the sculpture, both scale it; so
 //! does the off hand's trigger, for controllers without a grip. A tap of the off trigger or of a
 //! menu button opens and closes the board, a menu button held long brings everything before the
-//! person. Over the board the main trigger clicks and the main stick scrolls.
+//! person. Over the board the main trigger clicks and the main stick scrolls. A button of the main
+//! hand takes the colour of what the tool touches.
 
 use glam::Vec2;
 
+use super::board::Pointing;
 use super::grab::Grab;
 use super::pace::Pace;
 use super::{Board, Change, HandSide, HandsState, Switch};
@@ -53,6 +55,8 @@ pub enum HandAsk {
     Release,
     /// The tool becomes larger by notches, or smaller below 0.
     Resize(f32),
+    /// The colour that the tool touches, or points at, is taken.
+    Pick,
     Undo,
     Redo,
     /// The board is opened, or closed.
@@ -131,6 +135,8 @@ pub struct HandMapper {
     off_trigger: Hold,
     meant: Option<Meant>,
     pointing: bool,
+    /// Where on the board.
+    pointer: Pointing,
     undo: Flick,
     /// Where the tool was last led to.
     led: Option<Pose>,
@@ -150,6 +156,7 @@ impl HandMapper {
             off_trigger: Hold::default(),
             meant: None,
             pointing: false,
+            pointer: Pointing::default(),
             undo: Flick::default(),
             led: None,
             pace: Pace::default(),
@@ -210,7 +217,18 @@ impl HandMapper {
         self.follow_pace(aim, now_s, dt_s, &mut asks);
         // A stroke that has begun goes on in front of the board, too.
         let open = board.filter(|_| !matches!(self.meant, Some(Meant::Tool | Meant::Lifted)));
-        let hit = open.zip(aim).and_then(|(board, aim)| board.hit(&aim));
+        // A hand that is lost lets go.
+        let way = if aim.is_some() { state.hand(main).trigger } else { 0.0 };
+        let change = self.main_trigger.feed(way);
+        let hit = match open.zip(aim) {
+            Some((board, aim)) => {
+                self.pointer.step(board, &aim, way, change, self.main_trigger.down)
+            }
+            None => {
+                self.pointer = Pointing::default();
+                None
+            }
+        };
         match hit {
             Some(hit) => asks.push(HandAsk::Point(hit.at)),
             None if self.pointing => asks.push(HandAsk::PointAway),
@@ -220,7 +238,10 @@ impl HandMapper {
         if !self.pointing {
             self.lead_tool(aim, carried.is_some(), &mut asks);
         }
-        self.hear_main_trigger(state.hand(main).trigger, aim, now_s, &mut asks);
+        self.hear_main_trigger(change, aim, now_s, &mut asks);
+        if state.hand(main).pick && !self.pointing && self.meant != Some(Meant::Tool) {
+            asks.push(HandAsk::Pick);
+        }
 
         let stick = self.settings.response.speed(state.hand(main).stick) * dt_s as f32;
         if self.pointing && stick != Vec2::ZERO {
@@ -300,14 +321,12 @@ impl HandMapper {
 
     fn hear_main_trigger(
         &mut self,
-        way: f32,
+        change: Option<Change>,
         aim: Option<Pose>,
         now_s: f64,
         asks: &mut Vec<HandAsk>,
     ) {
-        // A hand that is lost lets go.
-        let way = if aim.is_some() { way } else { 0.0 };
-        match self.main_trigger.feed(way) {
+        match change {
             Some(Change::Pressed) if self.pointing => {
                 self.meant = Some(Meant::Board);
                 asks.push(HandAsk::Click(true));

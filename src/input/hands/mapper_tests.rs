@@ -220,6 +220,74 @@ fn over_the_board_the_trigger_clicks_and_the_stick_scrolls() {
 }
 
 #[test]
+fn a_pull_that_turns_the_hand_points_where_it_began() {
+    let mut person = Person::new(Right);
+    let pose = Pose { position: Vec3::new(0.2, 1.3, -0.8), rotation: Quat::IDENTITY };
+    person.board = Some(Board { pose, size_m: Vec2::new(0.4, 0.2) });
+    let turn = |person: &mut Person, degrees: f32| {
+        let rotation = Quat::from_rotation_y(degrees.to_radians());
+        person.hand(Right).aim.as_mut().unwrap().rotation = rotation;
+    };
+    let middle = HandAsk::Point(Vec2::splat(0.5));
+    assert!(matches!(person.look()[..], [HandAsk::Point(_)]));
+    // A second's pull, in which the hand turns by half a degree, and back.
+    let mut asks = Vec::new();
+    for i in 0..=64 {
+        let way = (i as f32 / 32.0).min(2.0 - i as f32 / 32.0);
+        person.hand(Right).trigger = way;
+        turn(&mut person, -0.5 * way);
+        asks.extend(person.look());
+    }
+    asks.dedup();
+    let around = |ask: &HandAsk| match (ask, middle) {
+        // Half a degree is 0.009.
+        (HandAsk::Point(a), HandAsk::Point(b)) => a.abs_diff_eq(b, 1e-3),
+        _ => false,
+    };
+    let begun = asks.iter().position(|ask| *ask == HandAsk::Click(true)).unwrap();
+    let ended = asks.iter().position(|ask| *ask == HandAsk::Click(false)).unwrap();
+    assert!(asks[..=ended].iter().filter(|ask| matches!(ask, HandAsk::Point(_))).all(around));
+    assert!(begun < ended, "{asks:?}");
+    // On and off at once, as a button is.
+    turn(&mut person, 0.0);
+    person.look();
+    person.hand(Right).trigger = 1.0;
+    turn(&mut person, 0.7);
+    let asks = person.look();
+    assert!(around(&asks[0]) && asks[1] == HandAsk::Click(true), "{asks:?}");
+    // Farther than a finger turns the hand it drags, and goes on to.
+    turn(&mut person, 3.0);
+    assert!(!around(&person.look()[0]));
+    turn(&mut person, 0.5);
+    let asks = person.look();
+    let [HandAsk::Point(at)] = asks[..] else { panic!("{asks:?}") };
+    assert!((at.x - 0.5).abs() > 0.005, "a drag is not held still: {at}");
+    person.hand(Right).trigger = 0.0;
+    person.look();
+    // A finger that rests on the trigger does not keep the ray.
+    person.hand(Right).trigger = 0.3;
+    person.look();
+    turn(&mut person, 6.0);
+    let asks = person.look();
+    let [HandAsk::Point(at)] = asks[..] else { panic!("{asks:?}") };
+    turn(&mut person, 5.5);
+    assert!(person.look() != [HandAsk::Point(at)]);
+}
+
+#[test]
+fn a_button_of_the_main_hand_takes_a_colour() {
+    let mut person = Person::new(Right);
+    person.hand(Right).pick = true;
+    assert_eq!(person.look(), [HandAsk::Pick]);
+    person.hand(Right).trigger = 1.0;
+    assert!(!person.look().contains(&HandAsk::Pick), "not in a stroke");
+    person.hand(Right).trigger = 0.0;
+    person.hand(Right).pick = false;
+    person.hand(Left).pick = true;
+    assert!(!person.look().contains(&HandAsk::Pick), "the other hand has no tool");
+}
+
+#[test]
 fn a_stroke_that_has_begun_goes_on_in_front_of_the_board() {
     let mut person = Person::new(Right);
     person.hand(Right).trigger = 1.0;

@@ -64,6 +64,8 @@ pub struct HandState {
     /// Right and up are positive, -1 to 1 each.
     pub stick: Vec2,
     pub menu: bool,
+    /// The button that takes a colour.
+    pub pick: bool,
 }
 
 impl HandState {

@@ -19,6 +19,8 @@ struct Profile {
     stick: &'static str,
     /// Of the left and of the right hand.
     menu: [&'static [&'static str]; 2],
+    /// Of the left and of the right hand.
+    pick: [&'static str; 2],
     haptic: bool,
     /// Needs XR_EXT_hand_interaction.
     bare_hands: bool,
@@ -31,6 +33,7 @@ const PROFILES: &[Profile] = &[
         squeeze: "",
         stick: "",
         menu: [&["menu/click"], &["menu/click"]],
+        pick: ["", ""],
         haptic: true,
         bare_hands: false,
     },
@@ -41,6 +44,7 @@ const PROFILES: &[Profile] = &[
         stick: "thumbstick",
         // The right hand's own menu button belongs to the system.
         menu: [&["menu/click", "y/click"], &["b/click"]],
+        pick: ["x/click", "a/click"],
         haptic: true,
         bare_hands: false,
     },
@@ -50,6 +54,7 @@ const PROFILES: &[Profile] = &[
         squeeze: "squeeze/value",
         stick: "thumbstick",
         menu: [&["b/click"], &["b/click"]],
+        pick: ["a/click", "a/click"],
         haptic: true,
         bare_hands: false,
     },
@@ -59,6 +64,7 @@ const PROFILES: &[Profile] = &[
         squeeze: "squeeze/click",
         stick: "thumbstick",
         menu: [&["menu/click"], &["menu/click"]],
+        pick: ["thumbstick/click", "thumbstick/click"],
         haptic: true,
         bare_hands: false,
     },
@@ -68,6 +74,7 @@ const PROFILES: &[Profile] = &[
         squeeze: "squeeze/click",
         stick: "trackpad",
         menu: [&["menu/click"], &["menu/click"]],
+        pick: ["trackpad/click", "trackpad/click"],
         haptic: true,
         bare_hands: false,
     },
@@ -77,6 +84,7 @@ const PROFILES: &[Profile] = &[
         squeeze: "grasp_ext/value",
         stick: "",
         menu: [&[], &[]],
+        pick: ["", ""],
         haptic: false,
         bare_hands: true,
     },
@@ -93,6 +101,7 @@ pub(super) struct Actions {
     squeeze: xr::Action<f32>,
     stick: xr::Action<xr::Vector2f>,
     menu: xr::Action<bool>,
+    pick: xr::Action<bool>,
     haptic: xr::Action<xr::Haptic>,
     hands: [xr::Path; 2],
     /// What each hand shakes with, as told last.
@@ -118,11 +127,13 @@ impl Actions {
             .create_action("stick", "Size of the tool, undo and redo, scroll", &hands)
             .doing(DOING)?;
         let menu = set.create_action("menu", "Open the panel", &hands).doing(DOING)?;
+        let pick = set.create_action("pick", "Take a colour", &hands).doing(DOING)?;
         let haptic = set.create_action("haptic", "Feel the tool bite", &hands).doing(DOING)?;
 
         for profile in PROFILES.iter().filter(|p| hears_hands || !p.bare_hands) {
             let mut bindings = Vec::new();
-            for (hand, menus) in ["left", "right"].into_iter().zip(profile.menu) {
+            let buttons = profile.menu.into_iter().zip(profile.pick);
+            for (hand, (menus, picks)) in ["left", "right"].into_iter().zip(buttons) {
                 let input = |name: &str| path(&format!("/user/hand/{hand}/input/{name}"));
                 bindings.push(xr::Binding::new(&grip, input("grip/pose")?));
                 bindings.push(xr::Binding::new(&aim, input("aim/pose")?));
@@ -137,6 +148,9 @@ impl Actions {
                 }
                 for name in menus {
                     bindings.push(xr::Binding::new(&menu, input(name)?));
+                }
+                if !picks.is_empty() {
+                    bindings.push(xr::Binding::new(&pick, input(picks)?));
                 }
                 if profile.haptic {
                     let output = path(&format!("/user/hand/{hand}/output/haptic"))?;
@@ -162,6 +176,7 @@ impl Actions {
             squeeze,
             stick,
             menu,
+            pick,
             haptic,
             hands,
             felt: [0.0; 2],
@@ -190,7 +205,10 @@ impl Actions {
                 Ok(if state.is_active { state.current_state } else { 0.0 })
             };
             let stick = self.stick.state(session, hand).doing(DOING)?;
-            let menu = self.menu.state(session, hand).doing(DOING)?;
+            let is_down = |action: &xr::Action<bool>| -> Result<bool> {
+                let state = action.state(session, hand).doing(DOING)?;
+                Ok(state.is_active && state.current_state)
+            };
             state.hands[i] = HandState {
                 grip: pose(&self.grip, &self.grips[i])?,
                 aim: pose(&self.aim, &self.aims[i])?,
@@ -200,7 +218,8 @@ impl Actions {
                     true => Vec2::new(stick.current_state.x, stick.current_state.y),
                     false => Vec2::ZERO,
                 },
-                menu: menu.is_active && menu.current_state,
+                menu: is_down(&self.menu)?,
+                pick: is_down(&self.pick)?,
             };
         }
         Ok(state)
