@@ -3,7 +3,7 @@
 //!
 //! Files with another name hold shared definitions: a line `//!include "file.wgsl"` is replaced
 //! by that file's text, once per stage. Each stage becomes `pub static NAME_STAGE: &[u32]` in
-//! `OUT_DIR/shaders.rs`, and its expanded text `OUT_DIR/NAME.stage.wgsl`, which a test compares
+//! `OUT_DIR/shaders.rs` (with a list of them all, `ALL`, for tests), and its expanded text `OUT_DIR/NAME.stage.wgsl`, which a test compares
 //! with the layouts on the Rust side. The entry point is always `main`.
 
 use std::collections::BTreeSet;
@@ -27,14 +27,17 @@ fn main() {
 fn build() -> Result<(), String> {
     let out = PathBuf::from(env::var("OUT_DIR").map_err(|e| format!("OUT_DIR: {e}"))?);
     let mut table = String::new();
+    let mut all = String::new();
     for (path, stage) in stages(Path::new("shaders"))? {
         let name = file_name(&path);
         let source = Source::expand(&path)?;
         let words = compile(&source, stage)?;
         let constant = name.trim_end_matches(".wgsl").replace(['.', '-'], "_").to_uppercase();
         let _ = writeln!(table, "pub static {constant}: &[u32] = &{words:?};");
+        let _ = writeln!(all, "(\"{name}\", {constant}),");
         write(&out.join(&name), &source.text)?;
     }
+    let _ = writeln!(table, "#[cfg(test)]\nstatic ALL: &[(&str, &[u32])] = &[\n{all}];");
     write(&out.join("shaders.rs"), &table)
 }
 
@@ -113,7 +116,9 @@ fn compile(source: &Source, stage: ShaderStage) -> Result<Vec<u32>, String> {
         source.message(e.location(&source.text), &e.emit_to_string(&source.text))
     })?;
     let options = spv::Options {
-        lang_version: (1, 5),
+        // The last version in which variables of functions may be of a type with offsets, which naga
+        // gives every structure; from 1.5 on only buffers and push constants may.
+        lang_version: (1, 4),
         // Clip space and depth are handled by the projection, not by naga.
         flags: spv::WriterFlags::DEBUG,
         // Without a map of bindings naga takes those of the source.

@@ -7,6 +7,7 @@ struct SliceView {
     corner: vec3<f32>,
     depth_step: f32,
     step_x: vec3<f32>,
+    margin_px: f32,
     step_y: vec3<f32>,
     clip_x: vec3<f32>,
     clip_y: vec3<f32>,
@@ -91,5 +92,7 @@ struct PointView {
     clip_x: vec3<f32>,
     linear: u32,
     clip_y: vec3<f32>,
+    margin_x: f32,
     clip_w: vec3<f32>,
+    margin_y: f32,
 }

@@ -8,6 +8,10 @@
 // Of the largest exponent, 1024 (src/shade/light.rs).
 const EXPONENT_BITS: u32 = 11u;
 
+// Instead of the square of no length. Much smaller numbers are 0 on devices that know no denormal
+// ones, and what is divided by their root is then no number.
+const LEAST_SQUARE: f32 = 1e-30;
+
 fn unit_or(v: vec3<f32>, other: vec3<f32>) -> vec3<f32> {
     let squared = dot(v, v);
     return select(v / sqrt(max(squared, 1e-12)), other, squared < 1e-12);
@@ -32,7 +36,7 @@ fn rows_times(rows: array<vec4<f32>, 3>, v: vec4<f32>) -> vec3<f32> {
 // light.
 fn lit(point: vec3<f32>, outwards: vec3<f32>, colour: vec3<f32>, open: f32) -> vec3<f32> {
     let position = rows_times(shading.eye_from_grid, vec4<f32>(point, 1.0));
-    let to_eye = -position / sqrt(max(dot(position, position), 1e-38));
+    let to_eye = -position / sqrt(max(dot(position, position), LEAST_SQUARE));
     let turned = rows_times(shading.normal_from_gradient, vec4<f32>(outwards, 0.0));
     // What is seen cannot look away: the part of the normal that does is taken off.
     var normal = unit_or(turned, to_eye);
@@ -43,10 +47,10 @@ fn lit(point: vec3<f32>, outwards: vec3<f32>, colour: vec3<f32>, open: f32) -> v
     for (var i = 0u; i < kind_lights; i++) {
         let source = shading.sources[i];
         let way = source.xyz - position;
-        let from_place = way / sqrt(max(dot(way, way), 1e-38));
+        let from_place = way / sqrt(max(dot(way, way), LEAST_SQUARE));
         let to_light = select(source.xyz, from_place, source.w != 0.0);
         let cos_light = dot(normal, to_light);
-        let between = sqrt(max(2.0 * dot(to_light, to_eye) + 2.0, 1e-38));
+        let between = sqrt(max(2.0 * dot(to_light, to_eye) + 2.0, LEAST_SQUARE));
         let cos_half = max((cos_light + cos_eye) / between, 0.0);
         let highlight = power(cos_half, shading.shininess) * shading.specular;
         let reflected = albedo * max(cos_light, 0.0) + select(0.0, highlight, cos_light > 0.0);

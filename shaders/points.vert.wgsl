@@ -12,7 +12,7 @@ var<immediate> view: PointView;
 @group(0) @binding(6) var<storage, read> points: array<vec4<u32>>;
 
 // Beyond the box, in voxels, for what rounding may lose. What it adds is looked at in vain.
-const MARGIN: f32 = 0.01;
+const MARGIN_VX: f32 = 0.01;
 
 struct Corner {
     @builtin(position) position: vec4<f32>,
@@ -34,7 +34,7 @@ fn main(
     let middle = vec3<f32>(voxel) + 0.5;
     let from_eye = middle - view.origin;
     let w = dot(view.clip_w, from_eye);
-    let reach = 0.5 + MARGIN;
+    let reach = 0.5 + MARGIN_VX;
     let nearest = w - reach * dot(abs(view.clip_w), vec3<f32>(1.0));
     // Corners of a triangle around the square from -1 to 1.
     let side = select(vec2<f32>(-1.0), vec2<f32>(3.0), vec2<bool>(corner == 1u, corner == 2u));
@@ -46,7 +46,9 @@ fn main(
         // How far a corner can be from the centre: what the centre's own place leaves of each edge.
         let x = dot(abs(view.clip_x - centre.x * view.clip_w), vec3<f32>(1.0));
         let y = dot(abs(view.clip_y - centre.y * view.clip_w), vec3<f32>(1.0));
-        position = centre + side * vec2<f32>(x, y) * (reach / nearest) + side * 1e-5;
+        // Corners are drawn at multiples of a part of a pixel.
+        let margin = vec2<f32>(view.margin_x, view.margin_y);
+        position = centre + side * (vec2<f32>(x, y) * (reach / nearest) + margin);
     }
     return Corner(vec4<f32>(position, 0.5, 1.0), vec3<i32>(voxel), seen);
 }

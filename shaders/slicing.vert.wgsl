@@ -7,11 +7,21 @@
 var<immediate> view: SliceView;
 
 // Beyond the outline, in voxels, for what rounding may lose. What it adds is looked at in vain.
-const MARGIN: f32 = 0.02;
+const MARGIN_VX: f32 = 0.02;
 
 struct Corner {
     @builtin(position) position: vec4<f32>,
     @location(0) @interpolate(flat) planes: vec2<u32>,
+}
+
+// How far an edge `along` an axis of the layer that passes the point `from_eye` has to move across
+// itself within the layer's plane to move by a pixel in the picture. This is proportional to the
+// distance w along the edge, so that corners give it to all of the edge; behind the eye any will do.
+fn voxels_per_pixel(from_eye: vec3<f32>, along: vec3<f32>, across_layer: u32) -> f32 {
+    // Of the plane through the eye and the edge.
+    let normal = cross(along, from_eye);
+    let pixel = vec2<f32>(dot(view.step_x, normal), dot(view.step_y, normal));
+    return length(pixel) * abs(dot(view.clip_w, from_eye) / from_eye[across_layer]);
 }
 
 // rect: lower and upper u, lower and upper v. layer: lower and upper plane, rank, and whether it
@@ -39,9 +49,20 @@ fn main(
     let outline = vec2<f32>(select(rect.xz, rect.yw, upper));
     let near = eye + (outline - eye) * scale.x;
     let far = eye + (outline - eye) * scale.y;
-    let corner = select(min(near, far) - MARGIN, max(near, far) + MARGIN, upper);
+    let seen = select(min(near, far) - MARGIN_VX, max(near, far) + MARGIN_VX, upper);
     var from_eye = vec3<f32>(0.0);
     from_eye[d] = middle - view.origin[d];
+    from_eye[u] = seen.x - eye.x;
+    from_eye[v] = seen.y - eye.y;
+    // Corners are drawn at multiples of a part of a pixel. So the edges along v move outwards by that
+    // part, and those along u.
+    let along_u = vec3<f32>(vec3<u32>(0u, 1u, 2u) == vec3<u32>(u));
+    let along_v = vec3<f32>(vec3<u32>(0u, 1u, 2u) == vec3<u32>(v));
+    let margin = view.margin_px * vec2<f32>(
+        voxels_per_pixel(from_eye, along_v, d),
+        voxels_per_pixel(from_eye, along_u, d),
+    );
+    let corner = select(seen - margin, seen + margin, upper);
     from_eye[u] = corner.x - eye.x;
     from_eye[v] = corner.y - eye.y;
     let w = dot(view.clip_w, from_eye);

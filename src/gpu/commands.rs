@@ -96,9 +96,9 @@ impl Use {
     );
 
     /// The same use where the former contents may be lost: no layout to keep, but still after
-    /// the former use.
+    /// the former use, whose writes must be done before others to the same memory.
     pub const fn discarded(self) -> Use {
-        Use::new(self.stage, vk::AccessFlags2::NONE, vk::ImageLayout::UNDEFINED)
+        Use::new(self.stage, self.access, vk::ImageLayout::UNDEFINED)
     }
 }
 

@@ -37,20 +37,21 @@ shared! {
         depth_step: f32,
         /// Change of direction per pixel to the right.
         step_x: [f32; 3],
-        pad_0: u32,
+        /// So far the device may draw a corner beside its place, in pixels.
+        margin_px: f32,
         /// Change of direction per pixel downwards.
         step_y: [f32; 3],
-        pad_1: u32,
+        pad_0: u32,
         /// Clip coordinates of a point p are these times `p - origin`.
         clip_x: [f32; 3],
-        pad_2: u32,
+        pad_1: u32,
         clip_y: [f32; 3],
-        pad_3: u32,
+        pad_2: u32,
         clip_w: [f32; 3],
-        pad_4: u32,
+        pad_3: u32,
         /// Size of the grid in voxels.
         dims: [u32; 3],
-        pad_5: u32,
+        pad_4: u32,
     }
 }
 
@@ -207,9 +208,11 @@ shared! {
         /// 1 where the target is given linear values and encodes them itself.
         linear: u32,
         clip_y: [f32; 3],
-        pad_0: u32,
+        /// So far the device may draw a corner beside its place, in clip coordinates, and a little
+        /// for rounding.
+        margin_x: f32,
         clip_w: [f32; 3],
-        pad_1: u32,
+        margin_y: f32,
     }
 }
 

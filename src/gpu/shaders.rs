@@ -137,16 +137,58 @@ mod tests {
 
     #[test]
     fn no_uniform_decides_a_branch() {
+        for_each_text(|name, text| assert_eq!(branches_by_uniforms(text), 0, "{name}"));
+    }
+
+    /// Every stage's name and expanded text.
+    fn for_each_text(f: impl Fn(&str, &str)) {
         let mut shaders = 0;
         for entry in fs::read_dir(Path::new(env!("OUT_DIR"))).unwrap() {
             let path = entry.unwrap().path();
             if path.extension().is_some_and(|ending| ending == "wgsl") {
-                let text = fs::read_to_string(&path).unwrap();
-                assert_eq!(branches_by_uniforms(&text), 0, "{}", path.display());
+                f(&path.display().to_string(), &fs::read_to_string(&path).unwrap());
                 shaders += 1;
             }
         }
         assert!(shaders > 10);
+    }
+
+    /// From SPIR-V 1.5 on no variable of a function may be of a structure with offsets, as all of
+    /// naga's are.
+    #[test]
+    fn shaders_are_of_a_version_in_which_structures_of_variables_may_have_offsets() {
+        assert!(super::ALL.len() > 10);
+        for (name, words) in super::ALL {
+            assert_eq!(words[0], 0x0723_0203, "{name} is SPIR-V");
+            assert!(words[1] <= 0x0001_0400, "{name} is of version {:#x}", words[1]);
+        }
+    }
+
+    /// Numbers below 1.2e-38 are 0 on devices without denormal ones, and so are results with them.
+    #[test]
+    fn no_number_of_a_shader_is_so_small_that_a_device_may_take_it_for_zero() {
+        let smallest = |text: &str| {
+            let module = naga::front::wgsl::parse_str(text).unwrap();
+            let functions = module.functions.iter().map(|(_, function)| function);
+            let entries = module.entry_points.iter().map(|entry| &entry.function);
+            let local = functions.chain(entries).flat_map(|function| function.expressions.iter());
+            let least = |least: f32, expression: &Expression| match expression {
+                Expression::Literal(naga::Literal::F32(number)) if *number != 0.0 => {
+                    least.min(number.abs())
+                }
+                _ => least,
+            };
+            module.global_expressions.iter().chain(local).map(|(_, e)| e).fold(f32::MAX, least)
+        };
+        let shader = |number: &str| {
+            format!(
+                "@fragment fn main(@builtin(position) p: vec4<f32>) -> @location(0) f32 {{
+                     return max(p.x, {number});
+                 }}"
+            )
+        };
+        assert_eq!(smallest(&shader("2.5e-38")), 2.5e-38);
+        for_each_text(|name, text| assert!(smallest(text) >= 1e-30, "{name}"));
     }
 
     #[test]

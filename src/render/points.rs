@@ -14,7 +14,7 @@ use ash::vk;
 use super::background::BackgroundPass;
 use super::composite::{CompositeEye, constants, is_srgb};
 use super::shading::{KIND_CONSTANTS, Surface, UNIFORMS, Uniforms};
-use super::slicing::clip_rows;
+use super::slicing::{clip_rows, corner_margin_px};
 use super::specialised::Specialised;
 use crate::gpu::layout::{CompositeView, PointView};
 use crate::gpu::{
@@ -42,6 +42,7 @@ pub struct Points {
     most_bytes: u64,
     slot: usize,
     eyes: u32,
+    margin_px: f32,
     /// The target stores linear values, encoded by the device.
     linear: bool,
     device: Arc<Device>,
@@ -78,6 +79,7 @@ impl Points {
             most_bytes: limits.max_storage_buffer_range.into(),
             slot: 0,
             eyes,
+            margin_px: corner_margin_px(device),
             linear: is_srgb(format),
             device: device.clone(),
         })
@@ -121,7 +123,7 @@ impl Points {
     ) -> Result<()> {
         self.background.draw(recorder, view);
         let Some((piece, count)) = self.pieces[eye as usize] else { return Ok(()) };
-        let Some(point_view) = point_view(view, self.linear) else { return Ok(()) };
+        let Some(point_view) = point_view(view, self.margin_px, self.linear) else { return Ok(()) };
         let set = self.slot * self.eyes as usize + eye as usize;
         self.uniforms.write(&self.sets, set, surface)?;
         let kind = vk::DescriptorType::STORAGE_BUFFER;
@@ -151,11 +153,14 @@ impl Points {
 }
 
 /// `None` where the rays do not span a picture.
-fn point_view(view: &CompositeEye, linear: bool) -> Option<PointView> {
+fn point_view(view: &CompositeEye, margin_px: f32, linear: bool) -> Option<PointView> {
     let [clip_x, clip_y, clip_w] = clip_rows(&view.rays)?.map(|row| row.to_array());
     let CompositeView {
         origin, depth_slope, corner, depth_at_0, step_x, step_y, left, upper, ..
     } = constants(view, linear);
+    // Clip coordinates go from -1 to 1 across the picture. What is added is for rounding in them.
+    let [margin_x, margin_y] =
+        view.rays.size.to_array().map(|edge| 2.0 * margin_px / edge as f32 + 1e-5);
     Some(PointView {
         origin,
         depth_slope,
@@ -168,7 +173,8 @@ fn point_view(view: &CompositeEye, linear: bool) -> Option<PointView> {
         clip_x,
         linear: linear.into(),
         clip_y,
+        margin_x,
         clip_w,
-        ..PointView::default()
+        margin_y,
     })
 }

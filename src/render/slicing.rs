@@ -35,6 +35,7 @@ pub struct Slicing {
     /// Kept for its memory.
     instances: Vec<SliceInstance>,
     slot: usize,
+    margin_px: f32,
     /// Voxels in a layer; as many as in a slab if not set.
     thickness: Option<u32>,
 }
@@ -79,6 +80,7 @@ impl Slicing {
             staging: Staging::new(device, "areas", usage, STAGING_BYTES)?,
             instances: Vec::new(),
             slot: 0,
+            margin_px: corner_margin_px(device),
             thickness: None,
         })
     }
@@ -120,7 +122,7 @@ impl Slicing {
         instances.clear();
         layers.for_each(slabs, |rect| instances.push(instance(&rect)));
         let ranks = volume.dims()[axis].div_ceil(thickness) + 2;
-        let view = slice_view(rays, volume, axis, ranks);
+        let view = slice_view(rays, volume, axis, ranks, self.margin_px);
 
         let piece = match &view {
             Some(_) if !instances.is_empty() => Some(self.staging.push(instances, 16)?),
@@ -148,6 +150,12 @@ fn instance(rect: &LayerRect) -> SliceInstance {
     }
 }
 
+/// How far the device may draw a corner beside its place: it knows places to so small a part of a
+/// pixel.
+pub(super) fn corner_margin_px(device: &Device) -> f32 {
+    0.5f32.powi(device.limits().sub_pixel_precision_bits as i32)
+}
+
 /// Rows that take `p - origin` of a point p to its clip x, y and w. `None` where the rays do not span
 /// a picture.
 pub(super) fn clip_rows(rays: &PixelRays) -> Option<[Vec3; 3]> {
@@ -166,7 +174,13 @@ pub(super) fn clip_rows(rays: &PixelRays) -> Option<[Vec3; 3]> {
 }
 
 /// `None` where the rays do not span a picture.
-fn slice_view(rays: &PixelRays, volume: &Volume, axis: usize, ranks: u32) -> Option<SliceView> {
+fn slice_view(
+    rays: &PixelRays,
+    volume: &Volume,
+    axis: usize,
+    ranks: u32,
+    margin_px: f32,
+) -> Option<SliceView> {
     let [clip_x, clip_y, clip_w] = clip_rows(rays)?.map(|row| row.to_array());
     Some(SliceView {
         origin: rays.origin.to_array(),
@@ -174,6 +188,7 @@ fn slice_view(rays: &PixelRays, volume: &Volume, axis: usize, ranks: u32) -> Opt
         corner: rays.corner.to_array(),
         depth_step: 1.0 / ranks as f32,
         step_x: rays.step_x.to_array(),
+        margin_px,
         step_y: rays.step_y.to_array(),
         clip_x,
         clip_y,

@@ -5,11 +5,13 @@ use std::sync::{Arc, Once};
 use virtual_sculpture::gpu::{Device, DeviceChoice, DeviceOptions, Headless, Validation};
 
 /// Runs `test` with a headless device, then checks that the validation layers had nothing to
-/// say, the device's end included. `VS_TEST_DEVICE` chooses the device, as in the configuration.
+/// say, the device's end included. `VS_TEST_DEVICE` chooses the device, as in the configuration;
+/// with `VS_REQUIRE_VALIDATION=1` the layers must be there.
 pub fn with_device(test: impl FnOnce(&Arc<Device>)) {
     let choice = std::env::var("VS_TEST_DEVICE").unwrap_or_default();
-    let options =
-        DeviceOptions { choice: DeviceChoice::parse(&choice), validation: Validation::IfAvailable };
+    let required = std::env::var("VS_REQUIRE_VALIDATION").is_ok_and(|value| value == "1");
+    let validation = if required { Validation::Required } else { Validation::IfAvailable };
+    let options = DeviceOptions { choice: DeviceChoice::parse(&choice), validation };
     let device = Device::new(&mut Headless, &options).unwrap();
     warn_without_validation(&device);
     let log = device.validation_log().clone();

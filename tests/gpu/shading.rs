@@ -8,10 +8,12 @@ use virtual_sculpture::render::{
     EyeImage, EyeTask, IndexTarget, PixelStage, Surface, SurfaceShade, Volume,
 };
 use virtual_sculpture::scenes;
-use virtual_sculpture::sculpture::{ColourDepth, Material, Rgb};
-use virtual_sculpture::shade::{Lighting, Pixels, ShadePose, shade};
+use virtual_sculpture::sculpture::{ColourDepth, Grid, Material, Rgb};
+use virtual_sculpture::shade::{
+    Light, LightFrame, LightSource, Lighting, Pixels, ShadePose, shade,
+};
 use virtual_sculpture::surface::{IndexMap, pixels_of_grid, raycast};
-use virtual_sculpture::view::Camera;
+use virtual_sculpture::view::{Camera, Eye};
 
 use crate::fixture::with_device;
 
@@ -20,21 +22,54 @@ const SIZE: UVec2 = UVec2::new(131, 93);
 
 #[test]
 fn both_kinds_of_shaders_give_the_software_shaders_picture() {
-    with_device(|device| {
-        let grid = scenes::cheese(64, 12, 3).unwrap();
-        let base = Rgb::new(190, 180, 160);
-        let material = Material::new(ColourDepth::None, base, grid.bricks().len());
-        let world_from_grid = Affine3A::from_translation(Vec3::splat(-32.0));
-        let eye = Camera::framing(55.0, Vec3::new(0.7, 0.6, 1.0), Vec3::Y).eye(SIZE);
-        let rays = eye.pixel_rays(&world_from_grid);
-        let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
-        let lighting = Lighting::default();
-        let mut map = IndexMap::new(rays);
-        raycast::sample(&grid, &rays, &mut map);
-        assert!(map.covered() > 2000 && map.covered() < map.voxels.len());
-        let mut expected = Pixels::new(SIZE);
-        shade(&map, &grid, &material, &pose, &lighting, &mut expected);
+    let world_from_grid = Affine3A::from_translation(Vec3::splat(-32.0));
+    let eye = Camera::framing(55.0, Vec3::new(0.7, 0.6, 1.0), Vec3::Y).eye(SIZE);
+    let map = assert_shaders_agree(&eye, world_from_grid, &Lighting::default());
+    assert!(map.covered() > 2000 && map.covered() < map.voxels.len());
+}
 
+/// The way to the eye, or to a lamp, has no length: a device without denormal numbers must not divide
+/// by the root of one.
+#[test]
+fn an_eye_and_a_lamp_in_the_middle_of_a_voxel_give_the_software_shaders_picture() {
+    let grid = cheese();
+    let from = |x: i32| Vec3::new(x as f32 + 0.5, 31.5, 90.5);
+    let mut columns = (20..64).map(from);
+    let seen = columns.find_map(|from| raycast::cast(&grid, from, -Vec3::Z)).unwrap().voxel;
+    let middle = seen.as_vec3() + 0.5;
+    // Before the voxel, and in it; places are whole numbers, so that nothing is rounded.
+    for eye in [middle.with_z(90.5), middle] {
+        let world_from_grid = Affine3A::from_translation(-eye);
+        let camera = Camera { eye: Vec3::ZERO, target: -Vec3::Z, near: 0.01, ..Camera::default() };
+        let mut lighting = Lighting::default();
+        lighting.lights[0] = Some(Light {
+            source: LightSource::Position(middle - eye),
+            frame: LightFrame::World,
+            colour: Rgb::new(255, 255, 255),
+            intensity: 1.0,
+        });
+        let map = assert_shaders_agree(&camera.eye(SIZE), world_from_grid, &lighting);
+        assert!(map.voxels.contains(&grid.voxel_index(seen)));
+    }
+}
+
+fn cheese() -> Grid {
+    scenes::cheese(64, 12, 3).unwrap()
+}
+
+/// Shades what `eye` sees of the cheese in each of the ways. Returns what it sees.
+fn assert_shaders_agree(eye: &Eye, world_from_grid: Affine3A, lighting: &Lighting) -> IndexMap {
+    let grid = cheese();
+    let base = Rgb::new(190, 180, 160);
+    let material = Material::new(ColourDepth::None, base, grid.bricks().len());
+    let rays = eye.pixel_rays(&world_from_grid);
+    let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
+    let mut map = IndexMap::new(rays);
+    raycast::sample(&grid, &rays, &mut map);
+    let mut expected = Pixels::new(SIZE);
+    shade(&map, &grid, &material, &pose, lighting, &mut expected);
+
+    with_device(|device| {
         let volume = Volume::new(device, &grid).unwrap();
         let format = vk::Format::R8G8B8A8_UNORM;
         use vk::ImageUsageFlags as Usage;
@@ -50,7 +85,7 @@ fn both_kinds_of_shaders_give_the_software_shaders_picture() {
                 let piece = staging.push(&map.voxels, 4)?;
                 maps.upload(recorder, 0, piece, 0..SIZE.y);
                 let dims = grid.dims();
-                let surface = Surface { dims, colours: None, base, pose, lighting: &lighting };
+                let surface = Surface { dims, colours: None, base, pose, lighting };
                 let part = pixels_of_grid(&grid, &rays);
                 let task = EyeTask { part, ..EyeTask::whole(0, rays) };
                 pass.record(recorder, &volume, &surface, &mut maps, &mut pictures, &task)
@@ -68,4 +103,5 @@ fn both_kinds_of_shaders_give_the_software_shaders_picture() {
             }
         }
     });
+    map
 }

@@ -16,6 +16,10 @@ use crate::sculpture::Rgb;
 /// Points that are lit at once.
 pub(super) const LANES: usize = 16;
 
+/// Instead of the square of no length. A device may take much smaller numbers for 0, and the shaders
+/// do the same.
+const LEAST_SQUARE: f32 = 1e-30;
+
 /// Sixteen points of a surface, before they are taken to eye space.
 #[derive(Clone)]
 pub struct SurfacePoints {
@@ -95,7 +99,7 @@ impl Illumination {
         let offset = Vec3::from(self.eye_from_grid.translation);
         let position = add(simd, transform(simd, &map, load(&points.position)), offset);
         let to_eye = {
-            let away_by = dot(position, position).max(f32::MIN_POSITIVE).sqrt();
+            let away_by = dot(position, position).max(LEAST_SQUARE).sqrt();
             scale(position, splat(-1.0) / away_by)
         };
         let gradient = transform(simd, &self.normal_from_gradient, load(&points.gradient));
@@ -119,12 +123,12 @@ impl Illumination {
                 LightSource::Direction(d) => [splat(d.x), splat(d.y), splat(d.z)],
                 LightSource::Position(p) => {
                     let v = add(simd, scale(position, splat(-1.0)), p);
-                    scale(v, splat(1.0) / dot(v, v).max(f32::MIN_POSITIVE).sqrt())
+                    scale(v, splat(1.0) / dot(v, v).max(LEAST_SQUARE).sqrt())
                 }
             };
             let cos_light = dot(normal, to_light);
             // The vector half way between has length sqrt(2 + 2 cos) before it is normalised.
-            let between = (dot(to_light, to_eye) * 2.0 + 2.0).max(f32::MIN_POSITIVE).sqrt();
+            let between = (dot(to_light, to_eye) * 2.0 + 2.0).max(LEAST_SQUARE).sqrt();
             let cos_half = ((cos_light + cos_eye) / between).max(0.0);
             let lit = cos_light.simd_gt(0.0);
             let highlight = power(simd, cos_half, self.shininess) * self.specular;
