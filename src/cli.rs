@@ -10,21 +10,26 @@ use std::process::ExitCode;
 
 use clap::error::ErrorKind;
 use clap::parser::ValueSource;
-use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
-use glam::Vec3;
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::app;
 use crate::bench::{self, BenchJob, Kernel, Suite};
 use crate::config::{Config, Profile, RenderMode};
 use crate::doctor;
-use crate::format::options::{Colouring, Existence, ExportForm, ImportOptions, RawLayout};
+use crate::format;
+use crate::format::options::ExportForm;
 use crate::headless::{self, DemoScene, JobError, RunJob};
+use crate::picture;
 use crate::progress_bar::Bar;
 use crate::say;
-use crate::sculpture::ColourDepth;
+use crate::screen::console;
 use crate::session::Session;
 use crate::track::{self, TrackArgs};
-use crate::view::StereoLayout;
+
+mod arguments;
+
+pub use arguments::{ImportArgs, PictureArgs};
+use arguments::{named, parse_marker_mm, parse_size};
 
 /// Shape a block of voxels as a sculptor shapes stone.
 #[derive(Parser, Debug)]
@@ -32,22 +37,22 @@ use crate::view::StereoLayout;
 pub struct Cli {
     /// Sculpture or volume to open in the window (.vsc, .pvm)
     pub file: Option<PathBuf>,
-    /// Settings instead of those in ~/.config/virtual-sculpture/config.toml
+    /// Settings file to use instead of your own (`doctor` shows where that is)
     #[arg(long, global = true, value_name = "FILE")]
     pub config: Option<PathBuf>,
-    /// Settings for a way of working, under your own
+    /// Preset for a way of working; your own settings override it
     #[arg(long, global = true, value_enum)]
     pub profile: Option<Profile>,
-    /// Write every command of the window to a script, to be replayed with `run`
+    /// Record every command as a script, to replay with `run`
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
-    /// Work in a headset, beside the window or without one
+    /// Work in a headset, with or without a window
     #[arg(long)]
     pub headset: bool,
-    /// Write what the eyes in the headset see to this folder, now and then (for developers)
+    /// Save what the headset shows to this folder now and then (for developers)
     #[arg(long, value_name = "DIR")]
     pub headset_shots: Option<PathBuf>,
-    /// Say nothing but errors and results
+    /// Print only errors and results
     #[arg(long, short, global = true)]
     pub quiet: bool,
     #[command(flatten)]
@@ -58,11 +63,11 @@ pub struct Cli {
 
 #[derive(Subcommand, Debug)]
 pub enum Job {
-    /// Render a file to a PNG, without a display
+    /// Render a file to a picture, without a display
     Render {
         file: PathBuf,
-        /// The PNG to write
-        #[arg(long)]
+        /// The picture to write (.png, .jpg)
+        #[arg(long, value_parser = named(&picture::ENDINGS))]
         out: PathBuf,
         #[command(flatten)]
         picture: PictureArgs,
@@ -76,34 +81,36 @@ pub enum Job {
         /// Sculpture or volume to begin with
         #[arg(long = "in", value_name = "FILE")]
         input: Option<PathBuf>,
-        /// Where to save the result
-        #[arg(long = "out", value_name = "FILE")]
+        /// Where to save the result (.vsc, .pvm, .raw)
+        #[arg(long = "out", value_name = "FILE", value_parser = named(&format::ENDINGS))]
         output: Option<PathBuf>,
-        /// Also render the result to this PNG
-        #[arg(long, value_name = "PNG")]
+        /// Also render the result to this picture (.png, .jpg)
+        #[arg(long, value_name = "PICTURE", value_parser = named(&picture::ENDINGS))]
         render: Option<PathBuf>,
         #[command(flatten)]
         picture: PictureArgs,
         #[command(flatten)]
         import: ImportArgs,
     },
-    /// Read a file and write it in another form
+    /// Convert a file to another format
     Convert {
         input: PathBuf,
+        /// The file to write (.vsc, .pvm, .raw)
+        #[arg(value_parser = named(&format::ENDINGS))]
         output: PathBuf,
-        /// What is written: auto, densities, rgba or packed
+        /// How voxels are written: auto, densities, rgba or packed
         #[arg(long, default_value_t, value_name = "FORM")]
         form: ExportForm,
         #[command(flatten)]
         import: ImportArgs,
     },
-    /// Say what a file holds
+    /// Show what a file contains
     Info {
         file: PathBuf,
         #[command(flatten)]
         import: ImportArgs,
     },
-    /// Build a scene with a script, render it and save it
+    /// Build a scene from a script, save it and render it
     Demo {
         #[arg(long, value_enum, default_value_t)]
         scene: DemoScene,
@@ -113,12 +120,12 @@ pub enum Job {
         #[command(flatten)]
         picture: PictureArgs,
     },
-    /// Show the poses of a tracker, or serve them by VRPN
+    /// Show the poses of a head tracker, or serve them over VRPN
     Track(TrackArgs),
-    /// Draw a marker for the sculpture to stand on, to be printed
+    /// Draw a marker to print, for the sculpture to stand on in AR
     Marker {
-        /// The PNG or SVG to write
-        #[arg(long, value_name = "FILE")]
+        /// The drawing to write (.svg, .png)
+        #[arg(long, value_name = "FILE", value_parser = named(&["svg", "png"]))]
         out: PathBuf,
         /// Its number, 0 to 29
         #[arg(long, default_value_t = 0)]
@@ -127,53 +134,57 @@ pub enum Job {
         #[arg(long, default_value_t = 80.0, value_name = "MM", value_parser = parse_marker_mm)]
         size_mm: f64,
     },
-    /// Measure pictures, edits and files on this machine
+    /// Benchmark rendering, edits and files on this machine
     Bench {
-        /// Write the figures to this file
-        #[arg(long, value_name = "FILE")]
+        /// Write the figures to this file (.json)
+        #[arg(long, value_name = "JSON", value_parser = named(&["json"]))]
         json: Option<PathBuf>,
-        /// Draw modes against scenes to this SVG
-        #[arg(long, value_name = "SVG")]
+        /// Plot modes against scenes in this file (.svg)
+        #[arg(long, value_name = "SVG", value_parser = named(&["svg"]))]
         plot: Option<PathBuf>,
         #[arg(long, value_enum, default_value_t)]
         suite: Suite,
-        /// Measure pictures of this mode alone; may be given several times
+        /// Measure only this mode; may be repeated
         #[arg(long = "mode", value_enum, value_name = "MODE")]
         modes: Vec<RenderMode>,
-        /// Run this kernel alone, for tools that count instructions
+        /// Run only this kernel, for profilers
         #[arg(long, value_enum)]
         kernel: Option<Kernel>,
         /// How often to run the kernel
         #[arg(long, default_value_t = 1, value_name = "N", requires = "kernel")]
         repeat: usize,
-        /// Pixels of the pictures
+        /// Picture size in pixels
         #[arg(long, default_value = "640x480", value_name = "WxH", value_parser = parse_size)]
         size: glam::UVec2,
-        /// Pictures made at once: 1, or 2 for the two eyes of a stereo picture
+        /// Pictures rendered at once: 1, or 2 for stereo
         #[arg(long, default_value_t = 1, value_name = "1|2", conflicts_with = "kernel",
               value_parser = clap::value_parser!(u32).range(1..=2))]
         eyes: u32,
-        /// Scenes (cube, engine, cheese, gyroid) and files to measure with
+        /// Scenes (cube, engine, cheese, gyroid) or files to measure
         scenes: Vec<String>,
         #[command(flatten)]
         import: ImportArgs,
     },
-    /// List the commands of scripts
+    /// List the commands that scripts can use
     Commands,
-    /// Say what this machine offers: Vulkan devices, gamepads, cameras, OpenXR, settings
+    /// Show what was found on this machine: Vulkan devices, gamepads, cameras, OpenXR, settings
     Doctor,
 }
 
 /// Reads arguments. Those of the window are refused beside a job, those of all jobs stand anywhere.
 fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Cli, clap::Error> {
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
     let mut command = Cli::command();
+    if let Some(text) = misspelt_job(&command, &arguments) {
+        return Err(command.error(ErrorKind::InvalidSubcommand, text));
+    }
     let matches = command.try_get_matches_from_mut(arguments)?;
     if let Some(job) = matches.subcommand_name() {
         let given = |id: &str| matches.value_source(id) == Some(ValueSource::CommandLine);
         let mut own = command.get_arguments().filter(|argument| !argument.is_global_set());
-        let refused = own.find(|argument| given(argument.get_id().as_str())).map(|argument| {
-            format!("'{argument}' before '{job}' is for the window; see '{job} --help'")
-        });
+        let refused = own
+            .find(|argument| given(argument.get_id().as_str()))
+            .map(|argument| format!("'{argument}' applies only to the window; see '{job} --help'"));
         drop(own);
         if let Some(text) = refused {
             return Err(command.error(ErrorKind::ArgumentConflict, text));
@@ -182,8 +193,27 @@ fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Cli, clap::Err
     Cli::from_arg_matches(&matches)
 }
 
+/// What to say of a first word that is neither a job nor a file, but much like a job. clap takes it for
+/// the file to open, and complains of what follows it, if of anything.
+fn misspelt_job(command: &clap::Command, arguments: &[OsString]) -> Option<String> {
+    let lenient = command.clone().ignore_errors(true).disable_help_flag(true);
+    let matches = lenient.try_get_matches_from(arguments).ok()?;
+    let file = matches.get_one::<PathBuf>("file").filter(|file| !file.exists())?;
+    // What has an ending or a folder is meant as a file.
+    let word = file.to_str().filter(|_| Path::new(file.file_name().unwrap_or_default()) == file)?;
+    if matches.subcommand_name().is_some() || file.extension().is_some() {
+        return None;
+    }
+    let jobs = command.get_subcommands().map(|job| (strsim::jaro(word, job.get_name()), job));
+    let (likeness, job) = jobs.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    // The measure and the limit that clap has for its own suggestions.
+    let name = job.get_name();
+    (likeness > 0.7).then(|| format!("there is no command '{word}'; did you mean '{name}'?"))
+}
+
 /// Runs the program with the arguments of the process.
 pub fn main() -> ExitCode {
+    console::attach();
     let cli = match parse(std::env::args_os()) {
         Ok(cli) => cli,
         Err(words) => return refuse(&words),
@@ -192,6 +222,7 @@ pub fn main() -> ExitCode {
     match dispatch(cli) {
         Err(error) if !error.is_reader_gone() => {
             say::aside(format_args!("error: {error}"));
+            console::show(&error.to_string());
             ExitCode::from(error.exit_code())
         }
         _ => ExitCode::SUCCESS,
@@ -285,142 +316,5 @@ fn dispatch(cli: Cli) -> Result<(), JobError> {
         Some(Job::Commands) => headless::commands(),
         Some(Job::Doctor) => Ok(say::result(doctor::report())?),
         None => window_or_demo(cli, config, &progress),
-    }
-}
-
-/// How a file becomes a sculpture.
-#[derive(Args, Debug, Clone)]
-pub struct ImportArgs {
-    /// Densities from this on exist: auto, or a number in the units of the file
-    #[arg(long, default_value_t, value_name = "DENSITY")]
-    pub threshold: Existence,
-    /// Colours of the voxels: auto, none, grey, tissue or packed
-    #[arg(long, default_value_t, value_name = "HOW")]
-    pub colouring: Colouring,
-    /// Bits of colour a voxel: 0, 8, 16 or 24 (default: as the file has)
-    #[arg(long, value_name = "BITS", value_parser = parse_colour_bits)]
-    pub colour_bits: Option<ColourDepth>,
-    /// What a raw file holds: WIDTHxHEIGHTxDEPTH:TYPE[:skip=BYTES][:size=SX,SY,SZ]
-    #[arg(long, value_name = "LAYOUT")]
-    pub raw: Option<RawLayout>,
-}
-
-impl ImportArgs {
-    pub fn options(&self) -> ImportOptions {
-        ImportOptions {
-            existence: self.threshold,
-            colouring: self.colouring,
-            colour_depth: self.colour_bits,
-            raw: self.raw,
-        }
-    }
-}
-
-fn parse_colour_bits(text: &str) -> Result<ColourDepth, String> {
-    let depth = text.parse().ok().and_then(ColourDepth::from_bits);
-    depth.ok_or_else(|| "take 0, 8, 16 or 24".to_string())
-}
-
-/// How to look at the sculpture and what picture to make.
-#[derive(Args, Debug, Clone)]
-pub struct PictureArgs {
-    /// Picture size in pixels
-    #[arg(long, default_value = "640x480", value_name = "WxH", value_parser = parse_size)]
-    pub size: glam::UVec2,
-    /// How the surface is sampled (default: render.mode of the configuration)
-    #[arg(long, value_enum)]
-    pub mode: Option<RenderMode>,
-    /// 3/4, front, back, left, right, top, bottom, or a direction X,Y,Z from the centre to the eye
-    #[arg(long, default_value = "3/4", value_name = "VIEW", value_parser = parse_direction, allow_hyphen_values = true)]
-    pub camera: Vec3,
-    /// The axis of the grid that points up in the picture: x, y, z, -x, -y or -z
-    #[arg(long, default_value = "y", value_name = "AXIS", value_parser = parse_axis, allow_hyphen_values = true)]
-    pub up: Vec3,
-    /// Degrees by which the sculpture is turned about the up axis
-    #[arg(long, default_value_t = 0.0, value_name = "DEG", allow_hyphen_values = true)]
-    pub turn: f32,
-    /// Factor on the size in the picture; at 1 all that exists fits
-    #[arg(long, default_value_t = 1.0, value_name = "FACTOR", value_parser = parse_zoom)]
-    pub zoom: f32,
-    /// How two eyes share the picture (default: stereo.layout of the configuration); layers writes
-    /// two pictures
-    #[arg(long, value_enum)]
-    pub stereo: Option<StereoLayout>,
-}
-
-impl Default for PictureArgs {
-    /// What the command line takes where nothing is said.
-    fn default() -> Self {
-        PictureArgs {
-            size: glam::UVec2::new(640, 480),
-            mode: None,
-            camera: THREE_QUARTER,
-            up: Vec3::Y,
-            turn: 0.0,
-            zoom: 1.0,
-            stereo: None,
-        }
-    }
-}
-
-/// From the upper right in front: the view in which most shapes are read best.
-const THREE_QUARTER: Vec3 = Vec3::new(0.8, 0.6, 1.0);
-
-fn parse_size(text: &str) -> Result<glam::UVec2, String> {
-    let size = text
-        .split_once(['x', 'X'])
-        .and_then(|(w, h)| Some(glam::UVec2::new(w.trim().parse().ok()?, h.trim().parse().ok()?)));
-    match size {
-        Some(s) if s.min_element() >= 1 && s.max_element() <= 16384 => Ok(s),
-        _ => Err("write it as WIDTHxHEIGHT, each 1 to 16384".to_string()),
-    }
-}
-
-fn parse_direction(text: &str) -> Result<Vec3, String> {
-    Ok(match text {
-        "3/4" => THREE_QUARTER,
-        "front" => Vec3::Z,
-        "back" => Vec3::NEG_Z,
-        "left" => Vec3::NEG_X,
-        "right" => Vec3::X,
-        "top" => Vec3::Y,
-        "bottom" => Vec3::NEG_Y,
-        _ => {
-            let parts: Vec<f32> = text.split(',').filter_map(|p| p.trim().parse().ok()).collect();
-            let direction = <[f32; 3]>::try_from(parts).map(Vec3::from);
-            match direction {
-                Ok(d) if d.is_finite() && d.length_squared() > 1e-12 => d,
-                _ => {
-                    return Err("take 3/4, front, back, left, right, top, bottom, \
-                                or three numbers X,Y,Z that are not all zero"
-                        .to_string());
-                }
-            }
-        }
-    })
-}
-
-fn parse_axis(text: &str) -> Result<Vec3, String> {
-    let (sign, name) = text.strip_prefix('-').map_or((1.0, text), |name| (-1.0, name));
-    let axis = match name {
-        "x" => Vec3::X,
-        "y" => Vec3::Y,
-        "z" => Vec3::Z,
-        _ => return Err("take x, y, z, -x, -y or -z".to_string()),
-    };
-    Ok(sign * axis)
-}
-
-fn parse_zoom(text: &str) -> Result<f32, String> {
-    match text.parse::<f32>() {
-        Ok(zoom) if (0.01..=1000.0).contains(&zoom) => Ok(zoom),
-        _ => Err("must be 0.01 to 1000".to_string()),
-    }
-}
-
-fn parse_marker_mm(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(size) if (5.0..=5000.0).contains(&size) => Ok(size),
-        _ => Err("must be 5 to 5000".to_string()),
     }
 }

@@ -9,6 +9,7 @@ use thiserror::Error;
 
 use crate::command::NewSculpture;
 use crate::document::Limits;
+use crate::format::store;
 use crate::gpu::{DeviceChoice, DeviceOptions, Validation};
 use crate::sculpture::{ColourDepth, Rgb};
 use crate::shade::Lighting;
@@ -149,8 +150,7 @@ impl Config {
             _ => None,
         };
         let read = |path: &Path| {
-            std::fs::read_to_string(path)
-                .map_err(|error| ConfigError::Read { path: path.into(), error })
+            store::read_text(path).map_err(|error| ConfigError::Read { path: path.into(), error })
         };
         let text = path.map(read).transpose()?;
         match (profile, text.as_deref().zip(path)) {

@@ -170,7 +170,7 @@ pub fn marker(id: u32, size_mm: f64, out: &Path) -> Result<(), JobError> {
 
 /// Carries out a script; saves and renders the result where asked.
 pub fn run(job: &RunJob, config: &Config, progress: &dyn Progress) -> Result<(), JobError> {
-    let text = std::fs::read_to_string(&job.script)
+    let text = store::read_text(&job.script)
         .map_err(|error| JobError::ReadScript { path: job.script.clone(), error })?;
     let mut session = match &job.input {
         Some(input) => Session::open(input, &job.import, config.limits(), progress)?,

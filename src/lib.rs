@@ -16,6 +16,7 @@ pub mod headless;
 pub mod input;
 pub mod picture;
 pub mod progress_bar;
+pub mod remedy;
 pub mod render;
 pub mod say;
 pub mod screen;

@@ -6,7 +6,8 @@
 use std::path::{Path, PathBuf};
 
 use glam::{Affine3A, Quat, UVec2, UVec3, Vec3};
-use image::{Rgb, RgbImage};
+use image::codecs::jpeg::JpegEncoder;
+use image::{ImageError, Rgb, RgbImage};
 use thiserror::Error;
 
 use crate::config::{Config, RenderMode};
@@ -24,6 +25,12 @@ use crate::view::{Camera, Eye, StereoLayout};
 /// Colours of the background at the upper and the lower edge of a picture, sRGB.
 pub const BACKGROUND: [[u8; 3]; 2] = [[58, 64, 76], [24, 26, 31]];
 
+/// Endings of the names of files that pictures are written to.
+pub const ENDINGS: [&str; 3] = ["png", "jpg", "jpeg"];
+
+/// Quality of JPEG files, of 100: lines stay clean.
+const JPEG_QUALITY: u8 = 92;
+
 /// Why a picture was not made.
 #[derive(Debug, Error)]
 pub enum PictureError {
@@ -34,7 +41,7 @@ pub enum PictureError {
     #[error("cannot write the picture {path}: {error}")]
     Write { path: PathBuf, error: std::io::Error },
     #[error("cannot encode the picture: {0}")]
-    Encode(#[from] image::ImageError),
+    Encode(#[from] ImageError),
 }
 
 /// From where and how to look.
@@ -114,10 +121,7 @@ pub fn render(
     };
     let pictures = match view.mode.needs_device() {
         true => render_on_device(document, view, &eyes, world_from_grid, config)?,
-        false => {
-            let cast = |eye| render_by_casting(document, view.mode, eye, world_from_grid, config);
-            eyes.iter().map(cast).collect()
-        }
+        false => render_by_casting(document, view.mode, &eyes, world_from_grid, config),
     };
     Ok(match (view.stereo, pictures.as_slice()) {
         (StereoLayout::Mono | StereoLayout::Layers, _) => pictures,
@@ -130,8 +134,8 @@ pub fn render(
     })
 }
 
-/// The same to a PNG, or to two whose names end in `.left.png` and `.right.png`; a file appears
-/// only when it is complete. Gives the names.
+/// The same to a file, PNG or JPEG as its ending says, or to two whose names end in `.left` and
+/// `.right` before it; a file appears only when it is complete. Gives the names.
 pub fn render_to_file(
     document: &mut Document,
     view: &View,
@@ -139,21 +143,43 @@ pub fn render_to_file(
     path: &Path,
 ) -> Result<Vec<PathBuf>, PictureError> {
     let pictures = render(document, view, config)?;
+    let ending = path.extension().unwrap_or("png".as_ref()).to_string_lossy().into_owned();
+    let of_eye = |eye: &str| path.with_extension(format!("{eye}.{ending}"));
     let names = match pictures.len() {
         1 => vec![path.to_path_buf()],
-        _ => ["left.png", "right.png"].map(|end| path.with_extension(end)).to_vec(),
+        _ => vec![of_eye("left"), of_eye("right")],
     };
     for (picture, path) in pictures.iter().zip(&names) {
-        let mut png = std::io::Cursor::new(Vec::new());
-        picture.write_to(&mut png, image::ImageFormat::Png)?;
-        store::write_atomically(path, png.get_ref())
+        store::write_atomically(path, &encoded(picture, &ending)?)
             .map_err(|error| PictureError::Write { path: path.clone(), error })?;
     }
     Ok(names)
 }
 
+fn encoded(picture: &RgbImage, ending: &str) -> Result<Vec<u8>, ImageError> {
+    let mut file = std::io::Cursor::new(Vec::new());
+    match ending.to_ascii_lowercase().as_str() {
+        "jpg" | "jpeg" => {
+            picture.write_with_encoder(JpegEncoder::new_with_quality(&mut file, JPEG_QUALITY))?;
+        }
+        _ => picture.write_to(&mut file, image::ImageFormat::Png)?,
+    }
+    Ok(file.into_inner())
+}
+
 /// Renders without Vulkan.
 fn render_by_casting(
+    document: &Document,
+    mode: RenderMode,
+    eyes: &[Eye],
+    world_from_grid: Affine3A,
+    config: &Config,
+) -> Vec<RgbImage> {
+    let cast = |eye| cast_eye(document, mode, eye, world_from_grid, config);
+    eyes.iter().map(cast).collect()
+}
+
+fn cast_eye(
     document: &Document,
     mode: RenderMode,
     eye: &Eye,
@@ -174,7 +200,8 @@ fn render_by_casting(
     over_background(&pixels)
 }
 
-/// Renders on a device of its own, which is given back afterwards.
+/// Renders on a device of its own, which is given back afterwards. A sculpture that is too large for the
+/// device in this mode is drawn in the next best.
 fn render_on_device(
     document: &mut Document,
     view: &View,
@@ -186,7 +213,7 @@ fn render_on_device(
     let mut renderer = Renderer::new(&device, offscreen::FORMAT)?;
     let mut frames = Frames::new(&device)?;
     let [top, bottom] = BACKGROUND.map(|rgb| Vec3::from(rgb.map(f32::from)) / 255.0);
-    let shot = Shot {
+    let mut shot = Shot {
         eyes,
         world_from_grid,
         mode: view.mode,
@@ -197,7 +224,20 @@ fn render_on_device(
         lines: &[],
     };
     let mut recorder = frames.begin()?;
-    renderer.paint(&mut recorder, frames.slot(), document, &shot)?;
+    loop {
+        let Err(error) = renderer.paint(&mut recorder, frames.slot(), document, &shot) else {
+            break;
+        };
+        let too_large = matches!(error, GpuError::Limit { .. } | GpuError::OutOfMemory(_));
+        let Some(mode) = shot.mode.fallback().filter(|_| too_large) else {
+            return Err(error.into());
+        };
+        tracing::warn!("{error}; rendering by {}", mode.label());
+        if !mode.needs_device() {
+            return Ok(render_by_casting(document, mode, eyes, world_from_grid, config));
+        }
+        shot.mode = mode;
+    }
     frames.submit(recorder, &[], &[])?;
     let pictures = renderer.read_back()?;
     match device.validation_messages() {

@@ -4,28 +4,27 @@
 use ash::vk;
 use thiserror::Error;
 
+use crate::remedy;
+
 pub type Result<T> = std::result::Result<T, GpuError>;
 
 #[derive(Debug, Error)]
 pub enum GpuError {
-    #[error(
-        "no Vulkan loader found ({0}); install it (Debian, Ubuntu: libvulkan1; Fedora: \
-         vulkan-loader) and a driver (mesa-vulkan-drivers)"
-    )]
+    #[error("no Vulkan loader found ({0}); {remedy}", remedy = remedy::VULKAN_LOADER)]
     NoLoader(String),
-    #[error("the Vulkan loader speaks only {0}; version 1.3 is needed, update libvulkan1")]
+    #[error(
+        "the Vulkan loader speaks only {0}; version 1.3 is needed: {remedy}",
+        remedy = remedy::NEWER_VULKAN_LOADER
+    )]
     LoaderVersion(String),
     #[error(
-        "the Vulkan validation layer was asked for but is not installed \
-         (Debian, Ubuntu: vulkan-validationlayers)"
+        "the Vulkan validation layer was asked for but is not here; {remedy}",
+        remedy = remedy::VALIDATION_LAYER
     )]
     NoValidation,
     #[error("the Vulkan loader lacks the instance extension {0}, which {1} needs")]
     InstanceExtension(String, String),
-    #[error(
-        "no Vulkan device found; install a driver (Debian, Ubuntu: mesa-vulkan-drivers, which \
-         also brings the software renderer lavapipe)"
-    )]
+    #[error("no Vulkan device found; {remedy}", remedy = remedy::VULKAN_DRIVER)]
     NoDevice,
     #[error("no Vulkan device can be used: {0}")]
     NoneSuitable(String),

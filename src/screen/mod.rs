@@ -1,5 +1,6 @@
 //! Screens: where eyes come from and where images go.
 
+pub mod console;
 pub mod headset;
 pub mod offscreen;
 pub mod window;

@@ -11,6 +11,7 @@ use tracking::vrpn::{Client, ClientTiming, DeviceAddress};
 use tracking::{HostClock, Source};
 
 use crate::config::SourceAddress;
+use crate::format::store;
 use crate::screen::headset::{HeadsetTracker, WornHead};
 
 /// Why there are no poses.
@@ -51,7 +52,7 @@ pub fn open(
             sources.push(Box::new(source));
         }
         SourceAddress::Script(path) => {
-            let text = std::fs::read_to_string(path)
+            let text = store::read_text(path)
                 .map_err(|error| SourceError::ReadScript(path.clone(), error))?;
             let script =
                 Script::parse(&text).map_err(|error| SourceError::Script(path.clone(), error))?;

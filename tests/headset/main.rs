@@ -8,6 +8,7 @@
 
 // A test that cannot go on has failed.
 #![allow(clippy::unwrap_used)]
+#![cfg(target_os = "linux")]
 
 mod blending;
 mod keyboard;

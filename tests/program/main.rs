@@ -4,6 +4,7 @@
 // A test that cannot go on has failed.
 #![allow(clippy::unwrap_used)]
 
+mod files;
 #[path = "../shared_data/mod.rs"]
 mod shared_data;
 #[cfg(target_os = "linux")]

@@ -20,7 +20,7 @@ use glam::DVec3;
 use crate::calibration::rotation_from_degrees;
 use crate::event::{Event, Inbox};
 use crate::pose::{HeadPose, Placement};
-use crate::source::{Counters, HostClock, Source, SourceState};
+use crate::source::{ANY_DATAGRAM_BYTES, Counters, HostClock, Source, SourceState};
 
 /// Bytes of a datagram.
 pub const DATAGRAM_BYTES: usize = 48;
@@ -126,8 +126,7 @@ impl Opentrack {
 impl Shared {
     fn hear(&self, socket: &UdpSocket, options: &OpentrackOptions, clock: HostClock) {
         let source: Arc<str> = options.label.as_str().into();
-        // One byte more than lawful, so that longer ones show.
-        let mut bytes = [0; DATAGRAM_BYTES + 1];
+        let mut bytes = vec![0; ANY_DATAGRAM_BYTES];
         let mut events = Vec::new();
         while !self.stop.load(Ordering::Relaxed) {
             let count = match socket.recv(&mut bytes) {

@@ -83,6 +83,9 @@ impl Script {
                 }
             }
         }
+        if script.entries.is_empty() {
+            return Err(ScriptError { line: 1, what: "the script has no pose, button or loss" });
+        }
         if script.looped && script.length_s() <= 0.0 {
             return Err(ScriptError { line: 1, what: "a loop needs two different times" });
         }
@@ -253,7 +256,7 @@ impl Source for Scripted {
     fn poll(&mut self, now_s: f64, events: &mut Vec<Event>) {
         let start_s = *self.start_s.get_or_insert(now_s);
         let (from_s, to_s) = (self.played_s, now_s - start_s);
-        if to_s <= from_s || self.script.entries.is_empty() {
+        if to_s <= from_s {
             return;
         }
         self.played_s = to_s;

@@ -123,12 +123,13 @@ fn errors_name_the_line() {
         ("sensor -1", 1),
         ("1e300 lost", 1),
         ("loop", 1),
+        ("", 1),
+        ("rate 60 # and no pose", 1),
         ("loop\n0 lost", 1),
         ("0 1e99 0 0 0 0 0 1", 1),
     ] {
         assert_eq!(Script::parse(text).map_err(|error| error.line), Err(line), "{text:?}");
     }
-    assert!(Script::parse("").is_ok());
 }
 
 proptest::proptest! {

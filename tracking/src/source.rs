@@ -7,6 +7,10 @@ use std::time::Instant;
 use crate::event::Event;
 use crate::pose::HeadPose;
 
+/// Room for any datagram there is. Windows makes an error of one that is longer than its buffer; here
+/// it is received, and refused by its length.
+pub(crate) const ANY_DATAGRAM_BYTES: usize = 65536;
+
 /// Where a source stands.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum SourceState {

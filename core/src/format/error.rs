@@ -14,7 +14,7 @@ pub enum FormatError {
     Io(#[from] std::io::Error),
     #[error("the work was cancelled")]
     Cancelled,
-    #[error("this is not a file but a folder or a device; name a file")]
+    #[error("this is not a file but a folder, a pipe or a device; name a file")]
     NotAFile,
     #[error("the ending `{0}` is not one of those known: .vsc, .pvm, .raw")]
     UnknownEnding(String),

@@ -1,12 +1,12 @@
 //! Owns reading pictures that solids are coloured with: PNG and JPEG files to a [`Texture`].
 
-use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
 use image::{ImageReader, Limits};
 
 use super::error::FormatError;
+use super::store;
 use crate::sculpture::Rgb;
 use crate::tools::texture::{MAX_SIDE, Texture};
 
@@ -15,10 +15,7 @@ use crate::tools::texture::{MAX_SIDE, Texture};
 /// # Errors
 /// If it cannot be read, is neither PNG nor JPEG, or is longer than [`MAX_SIDE`] on a side.
 pub fn load_picture(path: &Path) -> Result<Texture, FormatError> {
-    let file = File::open(path)?;
-    if !file.metadata()?.is_file() {
-        return Err(FormatError::NotAFile);
-    }
+    let file = store::open(path)?;
     let mut reader = ImageReader::new(BufReader::new(file)).with_guessed_format()?;
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_SIDE);

@@ -3,9 +3,12 @@
 //!
 //! Knows no format.
 
-use std::fs::{self, File};
-use std::io::{Error, ErrorKind, Read, Write};
+use std::fs::{self, File, OpenOptions};
+use std::io::{Error, ErrorKind, Read, Result, Write};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use tempfile::NamedTempFile;
 
 use super::pvm::check_budget;
 use super::{FormatError, go_on};
@@ -13,73 +16,87 @@ use crate::progress::Progress;
 
 /// So much is read or written between two words about how far it is.
 const PORTION_BYTES: u64 = 4 << 20;
+/// A text to be read, at most.
+const TEXT_LIMIT_BYTES: u64 = 512 << 20;
+/// What unfinished files are called, with something random in between.
+const UNFINISHED: [&str; 2] = [".virtual-sculpture-", ".part"];
+/// Links of a chain that are followed, as many as Linux does.
+const LINKS: usize = 40;
+
+/// Opens a file to read it. What is no file, such as a pipe that nobody may ever write to, is refused
+/// before it is opened.
+pub(super) fn open(path: &Path) -> std::result::Result<File, FormatError> {
+    if !fs::metadata(path)?.is_file() {
+        return Err(FormatError::NotAFile);
+    }
+    Ok(File::open(path)?)
+}
 
 /// Reads a whole file of at most `budget_bytes`. `admit` sees its length before memory is taken.
 pub(super) fn read(
     path: &Path,
     budget_bytes: u64,
-    admit: impl Fn(u64) -> Result<(), FormatError>,
+    admit: impl Fn(u64) -> std::result::Result<(), FormatError>,
     progress: &dyn Progress,
-) -> Result<Vec<u8>, FormatError> {
-    let file = File::open(path)?;
-    let metadata = file.metadata()?;
-    if !metadata.is_file() {
-        return Err(FormatError::NotAFile);
-    }
-    if metadata.len() == 0 {
+) -> std::result::Result<Vec<u8>, FormatError> {
+    let file = open(path)?;
+    let length = file.metadata()?.len();
+    if length == 0 {
         return Err(FormatError::Empty);
     }
-    admit(metadata.len())?;
-    check_budget(metadata.len(), budget_bytes)?;
-    let mut bytes = Vec::with_capacity(metadata.len() as usize);
+    admit(length)?;
+    check_budget(length, budget_bytes)?;
+    let mut bytes = Vec::with_capacity(length as usize);
     progress.begin("reading");
     // A file that grows meanwhile does not take more.
     let mut file = file.take(budget_bytes);
     while (&mut file).take(PORTION_BYTES).read_to_end(&mut bytes)? > 0 {
-        progress.advance(bytes.len() as f32 / metadata.len() as f32);
+        progress.advance(bytes.len() as f32 / length as f32);
         go_on(progress)?;
     }
     progress.end();
     Ok(bytes)
 }
 
+/// Reads a text, such as a script, from a file or a pipe; within a bound.
+pub fn read_text(path: &Path) -> Result<String> {
+    read_text_within(path, TEXT_LIMIT_BYTES)
+}
+
+fn read_text_within(path: &Path, limit_bytes: u64) -> Result<String> {
+    let mut text = String::new();
+    let read = File::open(path)?.take(limit_bytes + 1).read_to_string(&mut text)? as u64;
+    if read > limit_bytes {
+        let limit_mib = limit_bytes >> 20;
+        let message = format!("it is longer than the {limit_mib} MiB that a text may have");
+        return Err(Error::new(ErrorKind::FileTooLarge, message));
+    }
+    Ok(text)
+}
+
 /// Writes a file so that at any time either the old or the new one is there, whole: to a
 /// temporary name in the same folder, synced, renamed, and the folder synced. Permissions of an
-/// old file are kept; where `path` is a symbolic link, the file it leads to is replaced.
-pub fn write_atomically(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+/// old file are kept, and a file that may not be written to is not replaced either; where `path` is a
+/// symbolic link, the file it leads to is replaced, or made. Unfinished files of programs that were
+/// killed are removed from the folder.
+pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
     write_with(path, bytes, &())
 }
 
 /// [`write_atomically`], saying how far it is. It cannot be stopped.
-pub(super) fn write_with(
-    path: &Path,
-    bytes: &[u8],
-    progress: &dyn Progress,
-) -> std::io::Result<()> {
-    let target = match fs::canonicalize(path) {
-        Ok(target) => target,
-        // Nothing there yet.
-        Err(error) if error.kind() == ErrorKind::NotFound => path.to_path_buf(),
-        Err(error) => return Err(error),
-    };
-    let old = fs::metadata(&target).ok();
-    if old.as_ref().is_some_and(|m| !m.is_file()) {
-        let message = "there is a folder or a device of that name; choose another";
-        return Err(Error::new(ErrorKind::AlreadyExists, message));
-    }
+pub(super) fn write_with(path: &Path, bytes: &[u8], progress: &dyn Progress) -> Result<()> {
+    let target = followed(path)?;
+    let old = replaceable(&target)?;
     let folder = match target.parent() {
         Some(parent) if parent != Path::new("") => parent.to_path_buf(),
         _ => PathBuf::from("."),
     };
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".virtual-sculpture-").suffix(".part");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // As any new file; the process's mask is taken off.
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    let mut file = builder.tempfile_in(&folder)?;
+    let mut temporary = unfinished_in(&folder)?;
+    // A lock tells a file that is being written from one that was left behind. Where there are no locks
+    // none is held for abandoned.
+    let _ = temporary.as_file().try_lock();
+    // The file itself, as errors of the named one name the temporary name.
+    let file = temporary.as_file_mut();
     let mut written = 0;
     for portion in bytes.chunks(PORTION_BYTES as usize) {
         file.write_all(portion)?;
@@ -87,78 +104,124 @@ pub(super) fn write_with(
         progress.advance(written as f32 / bytes.len() as f32);
     }
     if let Some(old) = old {
-        file.as_file().set_permissions(old.permissions())?;
+        file.set_permissions(old.permissions())?;
     }
-    file.as_file().sync_all()?;
-    file.persist(&target).map_err(|error| error.error)?;
+    file.sync_all()?;
+    rename(temporary, &target)?;
     // Only now is the new name sure to survive a crash. Other systems cannot sync folders.
     #[cfg(unix)]
     File::open(&folder)?.sync_all()?;
+    remove_abandoned(&folder);
     Ok(())
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn names(folder: &Path) -> Vec<String> {
-        let mut names: Vec<String> = fs::read_dir(folder)
-            .unwrap()
-            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .collect();
-        names.sort();
-        names
+/// The file that `path` leads to, which need not be there yet.
+fn followed(path: &Path) -> Result<PathBuf> {
+    let mut path = path.to_path_buf();
+    for _ in 0..LINKS {
+        match fs::canonicalize(&path) {
+            Err(error) if error.kind() == ErrorKind::NotFound => {}
+            found => return found,
+        }
+        // Nothing there, or a link to nothing.
+        let Ok(next) = fs::read_link(&path) else { return Ok(path) };
+        path = path.parent().unwrap_or(Path::new("")).join(next);
     }
+    Err(Error::other("the link leads to itself"))
+}
 
-    #[test]
-    fn writing_replaces_and_leaves_nothing_else() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.pvm");
-        write_atomically(&path, b"old").unwrap();
-        write_atomically(&path, b"newer").unwrap();
-        assert_eq!(fs::read(&path).unwrap(), b"newer");
-        assert_eq!(names(folder.path()), ["a.pvm"]);
+/// What is known of the file at `target`, none where there is none; an error if it must not be
+/// replaced.
+fn replaceable(target: &Path) -> Result<Option<fs::Metadata>> {
+    let Ok(old) = fs::metadata(target) else { return Ok(None) };
+    if !old.is_file() {
+        let message = "there is a folder or a device of that name; choose another";
+        return Err(Error::new(ErrorKind::AlreadyExists, message));
     }
-
-    #[test]
-    fn a_failure_leaves_the_old_file() {
-        let folder = tempfile::tempdir().unwrap();
-        // A folder in the way of the new name.
-        let path = folder.path().join("taken.pvm");
-        fs::create_dir(&path).unwrap();
-        fs::write(path.join("inside"), b"kept").unwrap();
-        assert!(write_atomically(&path, b"new").is_err());
-        assert_eq!(fs::read(path.join("inside")).unwrap(), b"kept");
-        assert_eq!(names(folder.path()), ["taken.pvm"]);
-        assert!(write_atomically(&folder.path().join("missing/a.pvm"), b"new").is_err());
+    // A rename asks only for the folder's permission, but who protects a file means the file.
+    let protected = || {
+        let message = "the file is write-protected; choose another name, or allow writing to it";
+        Error::new(ErrorKind::PermissionDenied, message)
+    };
+    if old.permissions().readonly() {
+        return Err(protected());
     }
-
     #[cfg(unix)]
-    #[test]
-    fn permissions_and_links_are_kept() {
-        use std::os::unix::fs::{PermissionsExt, symlink};
-        let folder = tempfile::tempdir().unwrap();
-        let (path, link) = (folder.path().join("a.pvm"), folder.path().join("link.pvm"));
-        write_atomically(&path, b"old").unwrap();
-        assert_ne!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o600);
-        fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
-        symlink(&path, &link).unwrap();
-        write_atomically(&link, b"new").unwrap();
-        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
-        assert_eq!(fs::read(&path).unwrap(), b"new");
-        assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
+    if let Err(error) = OpenOptions::new().write(true).open(target) {
+        return Err(match error.kind() {
+            ErrorKind::PermissionDenied => protected(),
+            _ => error,
+        });
     }
+    Ok(Some(old))
+}
 
-    #[test]
-    fn reading_is_bounded_and_refuses_folders() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.raw");
-        write_atomically(&path, &[7; 2 << 20]).unwrap();
-        assert_eq!(read(&path, 2 << 20, |_| Ok(()), &()).unwrap().len(), 2 << 20);
-        assert!(matches!(
-            read(&path, 1 << 20, |_| Ok(()), &()),
-            Err(FormatError::Memory { needed_mib: 2, budget_mib: 1 })
-        ));
-        assert!(matches!(read(folder.path(), 1, |_| Ok(()), &()), Err(FormatError::NotAFile)));
+fn unfinished_in(folder: &Path) -> Result<NamedTempFile> {
+    let mut options = OpenOptions::new();
+    options.read(true).write(true).create_new(true);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::OpenOptionsExt;
+        // As any new file; the process's mask is taken off.
+        options.mode(0o666);
+    }
+    let [prefix, suffix] = UNFINISHED;
+    let mut builder = tempfile::Builder::new();
+    let made = builder.prefix(prefix).suffix(suffix).make_in(folder, |path| options.open(path));
+    made.map_err(|error| {
+        let folder = folder.display();
+        let message = match error.kind() {
+            ErrorKind::NotFound => format!("there is no folder {folder}"),
+            ErrorKind::NotADirectory => format!("{folder} is no folder"),
+            ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
+                format!("no files can be made in the folder {folder}; choose another")
+            }
+            _ => return error,
+        };
+        Error::new(error.kind(), message)
+    })
+}
+
+/// Gives the finished file its name. On Windows no file can be replaced that another program has
+/// open, such as a virus scanner or a preview for a moment: it is asked for again for a while.
+fn rename(mut temporary: NamedTempFile, target: &Path) -> Result<()> {
+    const TRIES: usize = 50;
+    const PAUSE: Duration = Duration::from_millis(60);
+    for _ in 0..TRIES {
+        match temporary.persist(target) {
+            Ok(_) => return Ok(()),
+            Err(failed) if is_held(&failed.error) => temporary = failed.file,
+            Err(failed) => return Err(failed.error),
+        }
+        std::thread::sleep(PAUSE);
+    }
+    let message = "another program has the file open; close it there, or choose another name";
+    Err(Error::new(ErrorKind::ResourceBusy, message))
+}
+
+/// Whether an error of Windows means that another program has the file open: access denied, sharing or
+/// lock violation.
+fn is_held(error: &Error) -> bool {
+    cfg!(windows) && matches!(error.raw_os_error(), Some(5 | 32 | 33))
+}
+
+/// Removes the unfinished files of programs that were killed while they wrote. Those of living ones are
+/// locked before the first byte is in them.
+fn remove_abandoned(folder: &Path) {
+    let [prefix, suffix] = UNFINISHED;
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let is_unfinished = |name: &str| name.starts_with(prefix) && name.ends_with(suffix);
+        if !entry.file_name().to_str().is_some_and(is_unfinished) {
+            continue;
+        }
+        let is_file = entry.metadata().is_ok_and(|found| found.is_file() && found.len() > 0);
+        let is_free = || File::open(entry.path()).is_ok_and(|file| file.try_lock().is_ok());
+        if is_file && is_free() {
+            // Should it not go, the next save tries again.
+            let _ = fs::remove_file(entry.path());
+        }
     }
 }
+
+#[cfg(test)]
+mod tests;

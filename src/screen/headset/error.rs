@@ -5,12 +5,13 @@ use openxr as xr;
 use thiserror::Error;
 
 use crate::gpu::GpuError;
+use crate::remedy;
 
 pub type Result<T> = std::result::Result<T, HeadsetError>;
 
 #[derive(Debug, Error)]
 pub enum HeadsetError {
-    #[error("no OpenXR loader ({0}); install it (Debian, Ubuntu: libopenxr-loader1)")]
+    #[error("no OpenXR loader ({0}); {remedy}", remedy = remedy::OPENXR_LOADER)]
     NoLoader(String),
     #[error("no OpenXR runtime answers ({0}); start SteamVR, Monado or the headset's own software")]
     NoRuntime(String),

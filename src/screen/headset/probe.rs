@@ -3,6 +3,8 @@
 
 use openxr as xr;
 
+use crate::remedy;
+
 /// An OpenXR runtime that answers.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Runtime {
@@ -17,7 +19,7 @@ pub fn probe() -> Result<Runtime, String> {
     // SAFETY: loading runs the loader's initialisers; a system's OpenXR loader is trusted as the
     // Vulkan loader is.
     let entry = unsafe { xr::Entry::load(&()) }
-        .map_err(|error| format!("no OpenXR loader ({error}); install libopenxr-loader1"))?;
+        .map_err(|error| format!("no OpenXR loader ({error}); {}", remedy::OPENXR_LOADER))?;
     let extensions = entry
         .enumerate_extensions()
         .map_err(|error| format!("the OpenXR loader finds no runtime ({error}); start one"))?;

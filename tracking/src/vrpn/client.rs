@@ -10,7 +10,7 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use crate::event::{Event, Inbox};
-use crate::source::{Counters, HostClock, Source, SourceState};
+use crate::source::{ANY_DATAGRAM_BYTES, Counters, HostClock, Source, SourceState};
 use crate::vrpn::address::{DeviceAddress, Mode, ServerAddress};
 use crate::vrpn::session::Session;
 use crate::vrpn::wire::{COOKIE, MAX_DATAGRAM_BYTES, StreamReader, check_cookie, datagram_frames};
@@ -363,8 +363,7 @@ impl Shared {
     }
 
     fn hear_datagrams(&self, udp: &UdpSocket, server_ip: IpAddr, over: &AtomicBool) {
-        // Longer than any lawful datagram, so that a longer one shows.
-        let mut bytes = [0; MAX_DATAGRAM_BYTES + 1];
+        let mut bytes = vec![0; ANY_DATAGRAM_BYTES];
         let mut events = Vec::new();
         while !over.load(Ordering::Relaxed) {
             let (count, from) = match udp.recv_from(&mut bytes) {

@@ -8,6 +8,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
+use crate::source::ANY_DATAGRAM_BYTES;
 use crate::vrpn::messages::Message;
 use crate::vrpn::peer::{Peer, Writer};
 use crate::vrpn::server::{Shared, Tally};
@@ -170,7 +171,7 @@ pub(crate) fn accept_streams(shared: &Arc<Shared>, listener: &TcpListener) {
 /// Connects back to clients that ask for it by UDP. Only to the address that the request came
 /// from, so that nobody can point us at others.
 pub(crate) fn answer_requests(shared: &Arc<Shared>, requests: &UdpSocket) {
-    let mut bytes = [0; 256];
+    let mut bytes = vec![0; ANY_DATAGRAM_BYTES];
     while !shared.stopped() {
         let Ok((count, from)) = requests.recv_from(&mut bytes) else { continue };
         // A client that a closing server has just left asks again at once.
@@ -320,7 +321,7 @@ fn reject(shared: &Shared, error: WireError) -> io::Error {
 fn hear(shared: &Shared, link: &Link) -> io::Result<()> {
     let mut reader = StreamReader::default();
     let mut peer = Peer::default();
-    let mut bytes = [0; 4096];
+    let (mut bytes, mut datagram) = ([0; 4096], vec![0; ANY_DATAGRAM_BYTES]);
     while !shared.stopped() && !link.is_closed() {
         match (&link.tcp).read(&mut bytes) {
             Ok(0) => return Ok(()),
@@ -333,17 +334,22 @@ fn hear(shared: &Shared, link: &Link) -> io::Result<()> {
         }
         if let Some(udp) = &link.udp {
             link.udp_port.store(peer.udp_port().unwrap_or(0), Ordering::Relaxed);
-            hear_datagrams(shared, link, &mut peer, udp);
+            hear_datagrams(shared, link, &mut peer, udp, &mut datagram);
         }
     }
     Ok(())
 }
 
 /// Takes what has come by UDP: a client may send what it thinks urgent that way.
-fn hear_datagrams(shared: &Shared, link: &Link, peer: &mut Peer, udp: &UdpSocket) {
-    let mut bytes = [0; MAX_DATAGRAM_BYTES];
-    while let Ok((count, from)) = udp.recv_from(&mut bytes) {
-        if from.ip() != link.peer_ip {
+fn hear_datagrams(
+    shared: &Shared,
+    link: &Link,
+    peer: &mut Peer,
+    udp: &UdpSocket,
+    bytes: &mut [u8],
+) {
+    while let Ok((count, from)) = udp.recv_from(bytes) {
+        if from.ip() != link.peer_ip || count > MAX_DATAGRAM_BYTES {
             shared.tally.rejected.fetch_add(1, Ordering::Relaxed);
             continue;
         }

@@ -1,0 +1,134 @@
+//! Reading and writing: what is refused, what is replaced, what is left behind.
+
+use super::*;
+
+fn names(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> = fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn writing_replaces_and_leaves_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.pvm");
+    write_atomically(&path, b"old").unwrap();
+    write_atomically(&path, b"newer").unwrap();
+    assert_eq!(fs::read(&path).unwrap(), b"newer");
+    assert_eq!(names(folder.path()), ["a.pvm"]);
+}
+
+#[test]
+fn a_failure_leaves_the_old_file() {
+    let folder = tempfile::tempdir().unwrap();
+    // A folder in the way of the new name.
+    let path = folder.path().join("taken.pvm");
+    fs::create_dir(&path).unwrap();
+    fs::write(path.join("inside"), b"kept").unwrap();
+    assert!(write_atomically(&path, b"new").is_err());
+    assert_eq!(fs::read(path.join("inside")).unwrap(), b"kept");
+    assert_eq!(names(folder.path()), ["taken.pvm"]);
+    assert!(write_atomically(&folder.path().join("missing/a.pvm"), b"new").is_err());
+}
+
+#[cfg(unix)]
+#[test]
+fn permissions_and_links_are_kept() {
+    use std::os::unix::fs::{PermissionsExt, symlink};
+    let folder = tempfile::tempdir().unwrap();
+    let (path, link) = (folder.path().join("a.pvm"), folder.path().join("link.pvm"));
+    write_atomically(&path, b"old").unwrap();
+    assert_ne!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o600);
+    fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
+    symlink(&path, &link).unwrap();
+    write_atomically(&link, b"new").unwrap();
+    assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+    assert_eq!(fs::read(&path).unwrap(), b"new");
+    assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_to_nothing_gets_its_file_and_a_ring_of_links_is_refused() {
+    use std::os::unix::fs::symlink;
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fs::create_dir(at("there")).unwrap();
+    symlink("there/a.vsc", at("second")).unwrap();
+    symlink(at("second"), at("first")).unwrap();
+    write_atomically(&at("first"), b"made").unwrap();
+    assert_eq!(fs::read(at("there/a.vsc")).unwrap(), b"made");
+    assert!(fs::symlink_metadata(at("first")).unwrap().is_symlink());
+    assert!(fs::symlink_metadata(at("second")).unwrap().is_symlink());
+    symlink("missing/a.vsc", at("lost")).unwrap();
+    let error = write_atomically(&at("lost"), b"made").unwrap_err().to_string();
+    assert!(error.contains("no folder") && error.contains("missing"), "{error}");
+    symlink(at("ring"), at("ring")).unwrap();
+    assert!(write_atomically(&at("ring"), b"made").is_err());
+    assert!(fs::symlink_metadata(at("ring")).unwrap().is_symlink());
+}
+
+#[test]
+fn a_protected_file_is_not_replaced_and_no_temporary_name_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.vsc");
+    write_atomically(&path, b"old").unwrap();
+    let mut permissions = fs::metadata(&path).unwrap().permissions();
+    permissions.set_readonly(true);
+    fs::set_permissions(&path, permissions).unwrap();
+    let error = write_atomically(&path, b"new").unwrap_err().to_string();
+    assert!(error.contains("write-protected"), "{error}");
+    assert_eq!(fs::read(&path).unwrap(), b"old");
+    assert_eq!(names(folder.path()), ["a.vsc"]);
+    for nowhere in ["missing/a.vsc", "a.vsc/b.vsc"] {
+        let error = write_atomically(&folder.path().join(nowhere), b"new").unwrap_err();
+        assert!(error.to_string().contains("folder"), "{error}");
+        assert!(!error.to_string().contains(UNFINISHED[0]), "{error}");
+    }
+    #[cfg(target_os = "linux")]
+    {
+        let error = write_atomically(Path::new("/proc/a.vsc"), b"new").unwrap_err().to_string();
+        assert!(error.contains("/proc") && !error.contains(UNFINISHED[0]), "{error}");
+    }
+}
+
+#[test]
+fn what_killed_programs_left_is_removed_and_what_is_being_written_is_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at(".virtual-sculpture-abc123.part"), b"half").unwrap();
+    fs::write(at("other.part"), b"not ours").unwrap();
+    let busy = File::create(at(".virtual-sculpture-def456.part")).unwrap();
+    busy.try_lock().unwrap();
+    (&busy).write_all(b"half").unwrap();
+    write_atomically(&at("a.vsc"), b"whole").unwrap();
+    assert_eq!(names(folder.path()), [".virtual-sculpture-def456.part", "a.vsc", "other.part"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn what_is_no_file_is_refused_at_once_and_no_text_is_endless() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("pipe.pvm");
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status().unwrap();
+    assert!(made.success());
+    assert!(matches!(read(&pipe, 1 << 20, |_| Ok(()), &()), Err(FormatError::NotAFile)));
+    let error = read_text_within(Path::new("/dev/zero"), 5 << 20).unwrap_err().to_string();
+    assert!(error.contains("5 MiB"), "{error}");
+}
+
+#[test]
+fn reading_is_bounded_and_refuses_folders() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.raw");
+    write_atomically(&path, &[7; 2 << 20]).unwrap();
+    assert_eq!(read(&path, 2 << 20, |_| Ok(()), &()).unwrap().len(), 2 << 20);
+    assert!(matches!(
+        read(&path, 1 << 20, |_| Ok(()), &()),
+        Err(FormatError::Memory { needed_mib: 2, budget_mib: 1 })
+    ));
+    assert!(matches!(read(folder.path(), 1, |_| Ok(()), &()), Err(FormatError::NotAFile)));
+}

@@ -1,0 +1,161 @@
+//! Owns the arguments that several jobs share, and the reading of single values: texts in, checked
+//! values out, with words for what is wrong. Knows no job.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use clap::builder::{PathBufValueParser, TypedValueParser};
+use glam::Vec3;
+
+use crate::config::RenderMode;
+use crate::format::options::{Colouring, Existence, ImportOptions, RawLayout};
+use crate::sculpture::ColourDepth;
+use crate::view::StereoLayout;
+
+/// How a file becomes a sculpture.
+#[derive(Args, Debug, Clone)]
+pub struct ImportArgs {
+    /// Density from which voxels are filled: auto, or a number in the units of the file
+    #[arg(long, default_value_t, value_name = "DENSITY", allow_negative_numbers = true)]
+    pub threshold: Existence,
+    /// How voxels are coloured: auto, none, grey, tissue or packed
+    #[arg(long, default_value_t, value_name = "HOW")]
+    pub colouring: Colouring,
+    /// Colour bits per voxel: 0, 8, 16 or 24 (default: as in the file)
+    #[arg(long, value_name = "BITS", value_parser = parse_colour_bits)]
+    pub colour_bits: Option<ColourDepth>,
+    /// Layout of a raw file: WIDTHxHEIGHTxDEPTH:TYPE[:skip=BYTES][:size=SX,SY,SZ]
+    #[arg(long, value_name = "LAYOUT")]
+    pub raw: Option<RawLayout>,
+}
+
+impl ImportArgs {
+    pub fn options(&self) -> ImportOptions {
+        ImportOptions {
+            existence: self.threshold,
+            colouring: self.colouring,
+            colour_depth: self.colour_bits,
+            raw: self.raw,
+        }
+    }
+}
+
+/// A file to be written, whose ending says what it becomes: so that no file is overwritten by
+/// something else by a slip.
+pub(super) fn named(endings: &'static [&'static str]) -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(move |path| {
+        let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+        match ending.is_some_and(|ending| endings.contains(&ending.as_str())) {
+            true => Ok(path),
+            false => Err(format!("the name must end in .{}", endings.join(" or ."))),
+        }
+    })
+}
+
+fn parse_colour_bits(text: &str) -> Result<ColourDepth, String> {
+    let depth = text.parse().ok().and_then(ColourDepth::from_bits);
+    depth.ok_or_else(|| "take 0, 8, 16 or 24".to_string())
+}
+
+/// How to look at the sculpture and what picture to make.
+#[derive(Args, Debug, Clone)]
+pub struct PictureArgs {
+    /// Picture size in pixels
+    #[arg(long, default_value = "640x480", value_name = "WxH", value_parser = parse_size)]
+    pub size: glam::UVec2,
+    /// How to render (default: render.mode in the settings)
+    #[arg(long, value_enum)]
+    pub mode: Option<RenderMode>,
+    /// 3/4, front, back, left, right, top, bottom, or a direction X,Y,Z from the centre to the eye
+    #[arg(long, default_value = "3/4", value_name = "VIEW", value_parser = parse_direction, allow_hyphen_values = true)]
+    pub camera: Vec3,
+    /// The axis of the grid that points up in the picture: x, y, z, -x, -y or -z
+    #[arg(long, default_value = "y", value_name = "AXIS", value_parser = parse_axis, allow_hyphen_values = true)]
+    pub up: Vec3,
+    /// Turn the sculpture about the up axis, in degrees
+    #[arg(long, default_value_t = 0.0, value_name = "DEG", allow_hyphen_values = true)]
+    pub turn: f32,
+    /// Zoom factor; 1 fits the whole sculpture
+    #[arg(long, default_value_t = 1.0, value_name = "FACTOR", value_parser = parse_zoom)]
+    pub zoom: f32,
+    /// Stereo layout (default: stereo.layout in the settings); `layers` writes two pictures
+    #[arg(long, value_enum)]
+    pub stereo: Option<StereoLayout>,
+}
+
+impl Default for PictureArgs {
+    /// What the command line takes where nothing is said.
+    fn default() -> Self {
+        PictureArgs {
+            size: glam::UVec2::new(640, 480),
+            mode: None,
+            camera: THREE_QUARTER,
+            up: Vec3::Y,
+            turn: 0.0,
+            zoom: 1.0,
+            stereo: None,
+        }
+    }
+}
+
+/// From the upper right in front: the view in which most shapes are read best.
+const THREE_QUARTER: Vec3 = Vec3::new(0.8, 0.6, 1.0);
+
+pub(super) fn parse_size(text: &str) -> Result<glam::UVec2, String> {
+    let size = text
+        .split_once(['x', 'X'])
+        .and_then(|(w, h)| Some(glam::UVec2::new(w.trim().parse().ok()?, h.trim().parse().ok()?)));
+    match size {
+        Some(s) if s.min_element() >= 1 && s.max_element() <= 16384 => Ok(s),
+        _ => Err("write it as WIDTHxHEIGHT, each 1 to 16384".to_string()),
+    }
+}
+
+fn parse_direction(text: &str) -> Result<Vec3, String> {
+    Ok(match text {
+        "3/4" => THREE_QUARTER,
+        "front" => Vec3::Z,
+        "back" => Vec3::NEG_Z,
+        "left" => Vec3::NEG_X,
+        "right" => Vec3::X,
+        "top" => Vec3::Y,
+        "bottom" => Vec3::NEG_Y,
+        _ => {
+            let parts: Vec<f32> = text.split(',').filter_map(|p| p.trim().parse().ok()).collect();
+            let direction = <[f32; 3]>::try_from(parts).map(Vec3::from);
+            match direction {
+                Ok(d) if d.is_finite() && d.length_squared() > 1e-12 => d,
+                _ => {
+                    return Err("take 3/4, front, back, left, right, top, bottom, \
+                                or three numbers X,Y,Z that are not all zero"
+                        .to_string());
+                }
+            }
+        }
+    })
+}
+
+fn parse_axis(text: &str) -> Result<Vec3, String> {
+    let (sign, name) = text.strip_prefix('-').map_or((1.0, text), |name| (-1.0, name));
+    let axis = match name {
+        "x" => Vec3::X,
+        "y" => Vec3::Y,
+        "z" => Vec3::Z,
+        _ => return Err("take x, y, z, -x, -y or -z".to_string()),
+    };
+    Ok(sign * axis)
+}
+
+fn parse_zoom(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(zoom) if (0.01..=1000.0).contains(&zoom) => Ok(zoom),
+        _ => Err("must be 0.01 to 1000".to_string()),
+    }
+}
+
+pub(super) fn parse_marker_mm(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(size) if (5.0..=5000.0).contains(&size) => Ok(size),
+        _ => Err("must be 5 to 5000".to_string()),
+    }
+}

@@ -1,0 +1,35 @@
+//! Owns the terminal of a program that Windows starts without one: no black window comes up beside the
+//! program's own, and words still reach whoever started it. Elsewhere there is nothing to do.
+
+/// Joins the console of the program that started this one, if it has one. Streams that lead elsewhere
+/// already stay.
+#[cfg(windows)]
+pub fn attach() {
+    use windows_sys::Win32::System::Console::{ATTACH_PARENT_PROCESS, AttachConsole};
+    // SAFETY: the call takes no memory of ours. It is made first of all, before anyone asks for a
+    // stream; where there is no console it fails and changes nothing.
+    unsafe { AttachConsole(ATTACH_PARENT_PROCESS) };
+}
+
+/// Shows why the program cannot go on, in a window, where standard error leads nowhere, as when it was
+/// started from the Explorer.
+#[cfg(windows)]
+pub fn show(text: &str) {
+    use std::os::windows::io::AsRawHandle;
+
+    use windows_sys::Win32::UI::WindowsAndMessaging::{MB_ICONERROR, MB_OK, MessageBoxW};
+    if !std::io::stderr().as_raw_handle().is_null() {
+        return;
+    }
+    let wide = |text: &str| text.encode_utf16().chain([0]).collect::<Vec<u16>>();
+    let (text, title) = (wide(text), wide("Virtual Sculpture"));
+    let style = MB_OK | MB_ICONERROR;
+    // SAFETY: both texts end in a zero and live until the call returns; no window owns the box.
+    unsafe { MessageBoxW(std::ptr::null_mut(), text.as_ptr(), title.as_ptr(), style) };
+}
+
+#[cfg(not(windows))]
+pub fn attach() {}
+
+#[cfg(not(windows))]
+pub fn show(_text: &str) {}
