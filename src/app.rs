@@ -19,6 +19,7 @@ mod painter;
 mod pane;
 mod path;
 mod recovery;
+mod screenshot;
 mod stage;
 mod stereo_screen;
 mod stroke;
@@ -65,13 +66,13 @@ const MIRROR_EVERY: Duration = Duration::from_millis(100);
 /// Why the program ended.
 #[derive(Debug, Error)]
 pub enum AppError {
-    #[error("no window can be opened: {0}")]
+    #[error("cannot open a window: {0}")]
     EventLoop(#[from] EventLoopError),
-    #[error("no window can be opened: {0}")]
+    #[error("cannot open a window: {0}")]
     Window(#[from] OsError),
     #[error(transparent)]
     Gpu(#[from] GpuError),
-    #[error("a table of keys is not usable: {0}")]
+    #[error("a preset of controls cannot be used: {0}")]
     Bindings(#[from] BindingsError),
     #[error("{error}; the sculpture was saved to {path}")]
     Recovered { error: GpuError, path: PathBuf },
@@ -168,6 +169,8 @@ impl App {
         let again = started.checked_add(pad_needs.unwrap_or(interface.repaint_after));
         view.pane.wake_at(again);
         view.end(frame, interface)?;
+        view.save_screenshot(&mut self.bench)?;
+        view.switch_fullscreen(&mut self.bench);
         self.bench.times.total_ms = started.elapsed().as_secs_f32() * 1e3;
         view.set_title(&self.bench);
         // What was done may show in the panels.
@@ -212,7 +215,7 @@ impl App {
         );
         let again = self.restarted.is_some_and(|at| at.elapsed() < RESTART_INTERVAL);
         if let (true, false, Some(view)) = (lost, again, self.view.take()) {
-            tracing::warn!("{error}; making the device anew");
+            tracing::warn!("{error}; recreating the device");
             self.restarted = Some(Instant::now());
             self.torn.close();
             let window = view.into_window();

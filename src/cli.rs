@@ -74,11 +74,11 @@ pub enum Job {
         #[command(flatten)]
         import: ImportArgs,
     },
-    /// Carry out a script of commands, without a display
+    /// Run a script of commands, without a display
     Run {
-        /// One command a line; see `virtual-sculpture commands`
+        /// Script with one command per line; see `virtual-sculpture commands`
         script: PathBuf,
-        /// Sculpture or volume to begin with
+        /// Sculpture or volume to start from
         #[arg(long = "in", value_name = "FILE")]
         input: Option<PathBuf>,
         /// Where to save the result (.vsc, .pvm, .raw)
@@ -114,7 +114,7 @@ pub enum Job {
     Demo {
         #[arg(long, value_enum, default_value_t)]
         scene: DemoScene,
-        /// Folder for the picture and the sculpture (made if missing)
+        /// Folder for the picture and the sculpture (created if missing)
         #[arg(long, default_value = "out", value_name = "DIR")]
         out: PathBuf,
         #[command(flatten)]

@@ -43,11 +43,11 @@ pub const SCALE_RANGE: std::ops::RangeInclusive<f32> = 0.5..=4.0;
 /// Why the settings cannot be used.
 #[derive(Debug, Error)]
 pub enum ConfigError {
-    #[error("cannot read the configuration {path}: {error}")]
+    #[error("cannot read the settings {path}: {error}")]
     Read { path: PathBuf, error: std::io::Error },
-    #[error("the configuration {path} is not usable: {error}")]
+    #[error("the settings {path} cannot be used: {error}")]
     Parse { path: PathBuf, error: Box<toml::de::Error> },
-    #[error("the configuration {path}: {key} = {value}: {rule}")]
+    #[error("the settings {path}: {key} = {value} {rule}")]
     Value { path: PathBuf, key: &'static str, value: String, rule: &'static str },
 }
 
@@ -101,6 +101,15 @@ pub enum Theme {
     #[default]
     Dark,
     Light,
+}
+
+impl Theme {
+    pub fn other(self) -> Theme {
+        match self {
+            Theme::Dark => Theme::Light,
+            Theme::Light => Theme::Dark,
+        }
+    }
 }
 
 #[derive(Clone, PartialEq, Debug, Deserialize)]

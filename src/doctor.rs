@@ -10,7 +10,7 @@ pub fn report() -> String {
     let mut lines = vec![format!("virtual-sculpture {}", env!("CARGO_PKG_VERSION"))];
     lines.push(match personal_file() {
         Some(path) if path.exists() => format!("settings: {}", path.display()),
-        Some(path) => format!("settings: the defaults, as {} does not exist", path.display()),
+        Some(path) => format!("settings: defaults ({} does not exist)", path.display()),
         None => "settings: the defaults, as there is no home folder".to_string(),
     });
     lines.push(match std::thread::available_parallelism() {
@@ -53,7 +53,7 @@ fn cameras() -> String {
         Ok(cameras) => {
             let name = |camera: &crate::video::CameraInfo| {
                 let modes = match &camera.modes {
-                    Ok(modes) if modes.is_empty() => " (no format that can be shown)".to_string(),
+                    Ok(modes) if modes.is_empty() => " (no supported format)".to_string(),
                     Ok(_) => String::new(),
                     Err(error) => format!(" ({error})"),
                 };
@@ -67,7 +67,8 @@ fn cameras() -> String {
 
 #[cfg(not(target_os = "linux"))]
 fn cameras() -> String {
-    "cameras: only Linux can be asked; name a film or a phone's http:// address".to_string()
+    "cameras: can only be listed on Linux; use a video file or a phone's http:// address"
+        .to_string()
 }
 
 fn gamepads() -> String {

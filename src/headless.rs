@@ -76,7 +76,7 @@ pub enum JobError {
     Script { path: PathBuf, error: ScriptError },
     #[error("script {path}, line {line} (`{command}`): {error}")]
     Command { path: PathBuf, line: usize, command: String, error: Box<SessionError> },
-    #[error("cannot make the folder {path}: {error}")]
+    #[error("cannot create the folder {path}: {error}")]
     Folder { path: PathBuf, error: std::io::Error },
     #[error(transparent)]
     Picture(#[from] PictureError),
@@ -84,7 +84,7 @@ pub enum JobError {
     App(#[from] AppError),
     #[error(transparent)]
     Track(#[from] TrackError),
-    #[error("there is no marker {0}; take 0 to {last}", last = family::COUNT - 1)]
+    #[error("there is no marker {0}; use 0 to {last}", last = family::COUNT - 1)]
     NoMarker(u32),
     #[error("cannot write {path}: {error}")]
     WriteMarker { path: PathBuf, error: std::io::Error },

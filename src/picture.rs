@@ -38,7 +38,7 @@ pub enum PictureError {
     Gpu(#[from] GpuError),
     #[error("Vulkan's validation layers complain:\n{0}")]
     Validation(String),
-    #[error("cannot write the picture {path}: {error}")]
+    #[error("cannot write the image {path}: {error}")]
     Write { path: PathBuf, error: std::io::Error },
     #[error("cannot encode the picture: {0}")]
     Encode(#[from] ImageError),

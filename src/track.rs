@@ -25,37 +25,37 @@ const LOOK_EVERY: Duration = Duration::from_millis(2);
 
 #[derive(Args, Debug, Clone)]
 pub struct TrackArgs {
-    /// Whose poses: Device@host, Device@tcp://host, opentrack:PORT, openxr, script:FILE (default:
-    /// tracking.source of the configuration)
+    /// Source of the poses: Device@host, Device@tcp://host, opentrack:PORT, openxr, script:FILE (default:
+    /// tracking.source in the settings)
     #[arg(long, visible_alias = "source", value_name = "SOURCE")]
     pub from: Option<SourceAddress>,
-    /// Serve them to others by VRPN instead of showing them
+    /// Serve the poses over VRPN instead of showing them
     #[arg(long)]
     pub serve: bool,
-    /// Where to serve; 0.0.0.0 lets other machines in
+    /// Address to serve at; 0.0.0.0 allows other machines
     #[arg(long, default_value_t = IpAddr::V4(Ipv4Addr::LOCALHOST), value_name = "ADDRESS")]
     pub listen: IpAddr,
-    /// Port to serve at; 0 takes one that is free
+    /// Port to serve at; 0 chooses a free one
     #[arg(long, default_value_t = DEFAULT_PORT, value_name = "PORT")]
     pub port: u16,
     /// Name under which to serve
     #[arg(long, default_value = "Tracker0", value_name = "NAME")]
     pub device: String,
-    /// End after so many seconds
+    /// Stop after this many seconds
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds)]
     pub seconds: Option<Duration>,
 }
 
 fn parse_seconds(text: &str) -> Result<Duration, String> {
     let seconds = text.parse().ok().and_then(|s| Duration::try_from_secs_f64(s).ok());
-    seconds.ok_or_else(|| "take a number of seconds".to_string())
+    seconds.ok_or_else(|| "must be a number of seconds".to_string())
 }
 
 /// Why tracking ended.
 #[derive(Debug, Error)]
 pub enum TrackError {
     #[error(
-        "no source of poses is named; use --from, or tracking.source of the configuration: \
+        "no source of poses is set; use --from, or tracking.source in the settings: \
          Device@host, Device@tcp://host, opentrack:PORT, openxr or script:FILE"
     )]
     NoSource,

@@ -15,7 +15,7 @@ use bench::{
     Bench, bench, bench_of, config, corner, drag, key, middle, send, undo_count, voxels, wheel,
 };
 
-const UNDO: &str = "Take back the last step";
+const UNDO: &str = "Undo the last step";
 const FILL: &str = "Fill the whole grid";
 
 fn help(harness: &mut Bench) {
@@ -59,14 +59,14 @@ fn file() -> (tempfile::TempDir, PathBuf) {
 fn the_window_lists_the_triggers_of_the_preset_in_use() {
     let mut harness = bench();
     help(&mut harness);
-    assert!(has(&harness, &format!("Take Ctrl+Z from: {UNDO}")));
-    assert!(!has(&harness, "Take Left + right buttons from: Use the tool where it is"));
+    assert!(has(&harness, &format!("Remove Ctrl+Z from: {UNDO}")));
+    assert!(!has(&harness, "Remove Left + right buttons from: Use the tool where it is"));
     harness.state_mut().ui.preset = 1;
     harness.run();
-    assert!(has(&harness, "Take Left + right buttons from: Use the tool where it is"));
+    assert!(has(&harness, "Remove Left + right buttons from: Use the tool where it is"));
     harness.get_by_label("Filter").focus();
     harness.run();
-    typed(&mut harness, "step back");
+    typed(&mut harness, "step last undo");
     assert!(has(&harness, &format!("Add to: {UNDO}")));
     assert!(!has(&harness, &format!("Add to: {FILL}")));
     // The first leaves the field, the second the window.
@@ -83,7 +83,7 @@ fn a_key_is_added_used_removed_and_reset() {
     click(&mut harness, &format!("Add to: {UNDO}"));
     key(&mut harness, Modifiers::NONE, Key::U);
     harness.run();
-    let chip = format!("Take U from: {UNDO}");
+    let chip = format!("Remove U from: {UNDO}");
     assert!(has(&harness, &chip));
     key(&mut harness, Modifiers::NONE, Key::F1);
     key(&mut harness, Modifiers::COMMAND, Key::Delete);
@@ -91,7 +91,7 @@ fn a_key_is_added_used_removed_and_reset() {
     key(&mut harness, Modifiers::NONE, Key::U);
     assert!(voxels(&harness) > 0, "the new key undoes");
     help(&mut harness);
-    click(&mut harness, &format!("Take Ctrl+Z from: {UNDO}"));
+    click(&mut harness, &format!("Remove Ctrl+Z from: {UNDO}"));
     key(&mut harness, Modifiers::NONE, Key::F1);
     key(&mut harness, Modifiers::COMMAND, Key::Y);
     assert_eq!(voxels(&harness), 0);
@@ -99,7 +99,7 @@ fn a_key_is_added_used_removed_and_reset() {
     assert_eq!(voxels(&harness), 0, "the old key does not");
     help(&mut harness);
     click(&mut harness, &format!("Reset: {UNDO}"));
-    assert!(!has(&harness, &chip) && has(&harness, &format!("Take Ctrl+Z from: {UNDO}")));
+    assert!(!has(&harness, &chip) && has(&harness, &format!("Remove Ctrl+Z from: {UNDO}")));
 }
 
 #[test]
@@ -113,10 +113,10 @@ fn while_a_trigger_is_awaited_nothing_else_reacts() {
     let at = corner(&harness);
     wheel(&mut harness, Modifiers::NONE, at, 1.0);
     harness.run();
-    harness.get_by_label_contains("Wheel cannot do this; it needs a key").rect();
+    harness.get_by_label_contains("Wheel cannot trigger this action; it needs a key").rect();
     drag(&mut harness, PointerButton::Primary, Modifiers::NONE, &[at, at + vec2(30.0, 0.0)]);
     harness.run();
-    harness.get_by_label_contains("Left button cannot do this").rect();
+    harness.get_by_label_contains("Left button cannot trigger this action").rect();
     let new = harness.get_by_label("New").rect().center();
     drag(&mut harness, PointerButton::Primary, Modifiers::NONE, &[new]);
     assert!(!harness.state().ui.new_dialog.open);
@@ -142,7 +142,7 @@ fn while_a_trigger_is_awaited_nothing_else_reacts() {
         send(&mut harness, press(button, pressed));
     }
     harness.run();
-    assert!(has(&harness, "Take Left + middle buttons from: Use the tool where it is"));
+    assert!(has(&harness, "Remove Left + middle buttons from: Use the tool where it is"));
     assert_eq!(undo_count(&harness), 0);
 }
 
@@ -150,21 +150,21 @@ fn while_a_trigger_is_awaited_nothing_else_reacts() {
 fn a_trigger_of_another_action_is_asked_about() {
     let mut harness = bench();
     help(&mut harness);
-    for (answer, owner) in [("Leave it", UNDO), ("Take it", FILL)] {
+    for (answer, owner) in [("Cancel", UNDO), ("Reassign", FILL)] {
         click(&mut harness, &format!("Add to: {FILL}"));
         key(&mut harness, Modifiers::COMMAND, Key::Z);
         harness.run();
-        harness.get_by_label(&format!("Ctrl+Z does something else now: {UNDO}.")).rect();
+        harness.get_by_label(&format!("Ctrl+Z is already assigned to: {UNDO}.")).rect();
         harness.get_by_label(answer).click();
         harness.run();
-        assert!(has(&harness, &format!("Take Ctrl+Z from: {owner}")), "{answer}");
+        assert!(has(&harness, &format!("Remove Ctrl+Z from: {owner}")), "{answer}");
     }
-    assert!(!has(&harness, &format!("Take Ctrl+Z from: {UNDO}")));
+    assert!(!has(&harness, &format!("Remove Ctrl+Z from: {UNDO}")));
     harness.get_by_label("Reset all").click();
     harness.run();
-    harness.get_by_label("Forget all changes to Direct").click();
+    harness.get_by_label("Discard all changes to Direct").click();
     harness.run();
-    assert!(has(&harness, &format!("Take Ctrl+Z from: {UNDO}")));
+    assert!(has(&harness, &format!("Remove Ctrl+Z from: {UNDO}")));
 }
 
 #[test]
@@ -179,7 +179,7 @@ fn changes_and_the_choice_of_a_preset_are_kept() {
     // Another preset keeps its own changes.
     harness.get_by_label("Menu").click();
     harness.run();
-    harness.get_by_label("Keys and mouse ⏵").click();
+    harness.get_by_label("Controls ⏵").click();
     harness.run();
     harness.get_by_label("Thesis").click();
     harness.run();
@@ -191,7 +191,7 @@ fn changes_and_the_choice_of_a_preset_are_kept() {
     assert_eq!(again.state().ui.preset, 1);
     again.state_mut().ui.preset = 0;
     help(&mut again);
-    assert!(has(&again, &format!("Take U from: {UNDO}")));
+    assert!(has(&again, &format!("Remove U from: {UNDO}")));
 }
 
 #[test]
@@ -202,8 +202,8 @@ fn a_broken_table_is_said_to_be_so_and_is_not_lost() {
     let mut harness = keeping(&path);
     harness.get_by_label_contains("fly: there is no such action").rect();
     help(&mut harness);
-    assert!(has(&harness, &format!("Take Ctrl+Z from: {UNDO}")), "the preset is used");
-    click(&mut harness, &format!("Take Ctrl+Z from: {UNDO}"));
+    assert!(has(&harness, &format!("Remove Ctrl+Z from: {UNDO}")), "the preset is used");
+    click(&mut harness, &format!("Remove Ctrl+Z from: {UNDO}"));
     let old = std::fs::read_to_string(folder.path().join("bindings.old.toml")).unwrap();
     assert!(old.contains("fly"));
     assert!(std::fs::read_to_string(&path).unwrap().contains("undo = ["));
@@ -216,7 +216,7 @@ fn the_palette_finds_actions_by_words_and_runs_them() {
         key(&mut harness, open.0, open.1);
         harness.run();
         assert!(harness.state().ui.palette.open);
-        typed(&mut harness, "voxel remove every");
+        typed(&mut harness, "voxel delete every");
         key(&mut harness, Modifiers::NONE, Key::Enter);
         harness.run();
         assert!(!harness.state().ui.palette.open);
@@ -226,7 +226,7 @@ fn the_palette_finds_actions_by_words_and_runs_them() {
     }
     // Arrows choose, Escape closes and does nothing.
     key(&mut harness, Modifiers::NONE, Key::F3);
-    typed(&mut harness, "mirror what tools");
+    typed(&mut harness, "mirror symmetry in");
     key(&mut harness, Modifiers::NONE, Key::ArrowDown);
     key(&mut harness, Modifiers::NONE, Key::Enter);
     harness.run();

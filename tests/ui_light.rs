@@ -26,20 +26,20 @@ fn click(harness: &mut Bench, label: &str) {
 #[test]
 fn lamps_are_added_placed_and_taken_away() {
     let mut harness = bench();
-    assert!(harness.query_by_label("Add a light").is_none());
+    assert!(harness.query_by_label("Add light").is_none());
     key(&mut harness, Modifiers::NONE, Key::F4);
     let lamp = lighting(&harness).lights[0].unwrap();
     assert!(matches!(lamp.source, LightSource::Direction(_)) && lamp.frame == LightFrame::Eye);
-    click(&mut harness, "the world");
-    click(&mut harness, "At a point");
+    click(&mut harness, "world");
+    click(&mut harness, "Point");
     let lamp = lighting(&harness).lights[0].unwrap();
     assert!(matches!(lamp.source, LightSource::Position(_)) && lamp.frame == LightFrame::World);
 
     for _ in 0..3 {
-        click(&mut harness, "Add a light");
+        click(&mut harness, "Add light");
     }
     assert_eq!(lighting(&harness).lights.iter().flatten().count(), 4);
-    click(&mut harness, "Add a light");
+    click(&mut harness, "Add light");
     assert_eq!(harness.state().ui.view.light.lamps.len(), 4, "there is room for four");
     let places = harness.state().ui.view.light.lamps.clone();
     harness.run_steps(10);
@@ -53,17 +53,17 @@ fn lamps_are_added_placed_and_taken_away() {
     assert_eq!(harness.state().ui.view.light.lamps.len(), 3);
     assert!(lighting(&harness).lights[0].is_none(), "the second is the first now");
 
-    click(&mut harness, "Reset the light");
+    click(&mut harness, "Reset lights");
     assert_eq!(harness.state().ui.view.light, Default::default());
     key(&mut harness, Modifiers::NONE, Key::Escape);
-    assert!(harness.query_by_label("Add a light").is_none(), "Escape closes the window");
+    assert!(harness.query_by_label("Add light").is_none(), "Escape closes the window");
 }
 
 #[test]
 fn the_finish_is_chosen_where_it_can_be_had() {
     let mut harness = bench();
     key(&mut harness, Modifiers::NONE, Key::F4);
-    click(&mut harness, "Shadow in corners");
+    click(&mut harness, "Ambient occlusion");
     assert!(lighting(&harness).occlusion);
     click(&mut harness, "Smooth normals");
     click(&mut harness, "5 × 5");

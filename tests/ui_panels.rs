@@ -248,7 +248,7 @@ fn the_new_dialog_makes_a_sculpture_and_names_what_is_impossible() {
     harness.run();
     harness.get_by_label("128").click();
     harness.run();
-    harness.get_by_label("nothing").click();
+    harness.get_by_label("an empty grid").click();
     harness.run();
     harness.get_by_label("Create").click();
     harness.run_steps(2);
@@ -299,12 +299,12 @@ fn leaving_asks_before_work_is_lost() {
     harness.state_mut().ask_to_leave();
     harness.run();
     assert!(!harness.state().is_leaving());
-    harness.get_by_label("Stay").click();
+    harness.get_by_label("Cancel").click();
     harness.run();
     assert!(!harness.state().is_leaving() && !harness.state().ui.leave_open);
     harness.state_mut().ask_to_leave();
     harness.run();
-    harness.get_by_label("Leave without saving").click();
+    harness.get_by_label("Don't save").click();
     harness.run();
     assert!(harness.state().is_leaving());
 }
@@ -324,7 +324,7 @@ fn errors_are_shown_and_nothing_changes() {
     let mut config = config(32);
     config.new.colour_bits = virtual_sculpture::sculpture::ColourDepth::None;
     let mut harness = bench_of(&config, vec2(1280.0, 800.0));
-    harness.get_by_label_contains("one colour only").rect();
+    harness.get_by_label_contains("only one colour").rect();
     key(&mut harness, Modifiers::NONE, Key::G);
     let at = middle(&harness);
     drag(&mut harness, PointerButton::Primary, Modifiers::NONE, &[at]);
@@ -341,7 +341,7 @@ fn the_options_change_the_tool_and_the_view() {
     assert!(harness.state().ui.hand.snap);
     harness.get_by_label("View").click();
     harness.run();
-    harness.get_by_label("Edges of the grid").click();
+    harness.get_by_label("Grid outline").click();
     harness.run();
     assert!(!harness.state().ui.view.bounds);
     let mode = harness.state().ui.view.mode;
@@ -414,13 +414,13 @@ fn scripts_say_what_the_mouse_does() {
 #[test]
 fn a_torn_off_panel_does_the_same_in_a_window_of_its_own() {
     let mut harness = bench();
-    harness.get_by_label("Tear off: Toolbox").click();
+    harness.get_by_label("Detach: Toolbox").click();
     harness.run();
     assert!(harness.query_by_label("Cuboid").is_none(), "it is not in the main window");
     let wider = harness.state().picture();
-    harness.get_by_label("Tear off: Options").click();
+    harness.get_by_label("Detach: Options").click();
     harness.run();
-    harness.get_by_label("Tear off: History").click();
+    harness.get_by_label("Detach: History").click();
     harness.run();
     assert!(harness.state().picture().width() > wider.width() + 200.0);
 
@@ -460,7 +460,7 @@ fn a_torn_off_panel_does_the_same_in_a_window_of_its_own() {
         assert_eq!(voxels(&window), 32u64.pow(3));
         window.state_mut().ui.new_dialog.open = false;
         window.run();
-        window.get_by_label(&format!("Put back: {}", panel.title())).click();
+        window.get_by_label(&format!("Dock: {}", panel.title())).click();
         window.run();
         assert!(window.state().ui.torn.is_empty());
     }

@@ -9,6 +9,7 @@ mod bench;
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
+use virtual_sculpture::config::Theme;
 use virtual_sculpture::ui::toasts::Tone;
 use virtual_sculpture::view::StereoLayout;
 
@@ -43,12 +44,12 @@ fn open_layouts(harness: &mut Bench) {
 fn a_wide_bar_has_the_switches() {
     let mut harness = bench();
     click(&mut harness, "Lights");
-    assert!(harness.state().ui.light_open && has(&harness, "Add a light"));
+    assert!(harness.state().ui.light_open && has(&harness, "Add light"));
     key(&mut harness, Modifiers::NONE, Key::F4);
     assert!(!harness.state().ui.light_open, "the key and the switch are one");
     assert!(!has(&harness, "Rumble"), "there is no gamepad");
     open_layouts(&mut harness);
-    click(&mut harness, "Red and cyan");
+    click(&mut harness, "Anaglyph");
     assert_eq!(layout(&harness), StereoLayout::Anaglyph);
 }
 
@@ -86,7 +87,7 @@ fn the_address_of_a_video_is_taken_when_it_is_whole_and_good() {
     let mut config = config(64);
     config.video.source = "/there/is/no.y4m".to_string();
     let mut harness = bench_of(&config, vec2(1280.0, 1000.0));
-    click(&mut harness, "Head and marker");
+    click(&mut harness, "Head tracking and AR");
     assert!(harness.query_by_role(Role::TextInput).is_none(), "it is off");
     // Pictures follow one another while a video is looked for, so the passes have no end.
     harness.get_by_label("Video").click();
@@ -112,4 +113,44 @@ fn the_address_of_a_video_is_taken_when_it_is_whole_and_good() {
     let toasts: Vec<_> = harness.state().ui.toasts.texts().collect();
     let told = |(tone, text): &(Tone, &str)| *tone == Tone::Error && text.contains("table.avi");
     assert!(toasts.iter().any(told), "{toasts:?}");
+}
+
+#[test]
+fn the_view_is_zoomed_framed_and_saved_by_key_and_by_the_menu() {
+    let mut harness = bench();
+    let distance = |harness: &Bench| harness.state().eye().position().z;
+    let far = distance(&harness);
+    key(&mut harness, Modifiers::COMMAND, Key::ArrowUp);
+    let near = distance(&harness);
+    assert!(near < far);
+    key(&mut harness, Modifiers::COMMAND, Key::ArrowDown);
+    assert!((distance(&harness) - far).abs() < 1e-3 * far, "as far out as in");
+
+    assert!(harness.state().ui.view.bounds);
+    key(&mut harness, Modifiers::ALT, Key::G);
+    assert!(!harness.state().ui.view.bounds);
+    assert_eq!(harness.state().ui.theme, Theme::Dark);
+    key(&mut harness, Modifiers::ALT, Key::T);
+    assert_eq!(harness.state().ui.theme, Theme::Light);
+    let asked = |harness: &mut Bench| {
+        let ui = &mut harness.state_mut().ui;
+        let asked = (ui.switch_fullscreen, ui.screenshot);
+        (ui.switch_fullscreen, ui.screenshot) = (false, false);
+        asked
+    };
+    key(&mut harness, Modifiers::NONE, Key::F11);
+    assert_eq!(asked(&mut harness), (true, false));
+    key(&mut harness, Modifiers::NONE, Key::F12);
+    assert_eq!(asked(&mut harness), (false, true));
+
+    click(&mut harness, "Menu");
+    click(&mut harness, "Full screen");
+    assert_eq!(asked(&mut harness), (true, false));
+    click(&mut harness, "Menu");
+    click(&mut harness, "Save picture");
+    assert_eq!(asked(&mut harness), (false, true));
+    click(&mut harness, "Menu");
+    click(&mut harness, "View ⏵");
+    click(&mut harness, "Zoom in");
+    assert!((distance(&harness) - near).abs() < 1e-3 * near);
 }

@@ -198,7 +198,7 @@ fn regions_are_selected_limit_tools_and_are_edited() {
     let mut harness = front();
     key(&mut harness, Modifiers::NONE, Key::Q);
     run(&mut harness, "mark at=0,0,0 size=32,64,64");
-    click(&mut harness, "Limit all tools to it");
+    click(&mut harness, "Limit tools to selection");
     let selection = harness.state().session().document().selection().clone();
     assert!(selection.limits() && selection.boxes().len() == 1, "the marker is meant");
     // A cut in the middle takes the selected half of the ball only.
@@ -291,7 +291,7 @@ fn a_tool_stands_on_the_surface_when_asked_to() {
     key(&mut harness, Modifiers::NONE, Key::C);
     key(&mut harness, Modifiers::NONE, Key::T);
     run(&mut harness, "subtract cuboid at=32,32,48 half=32,32,16");
-    click(&mut harness, "Stand on the surface");
+    click(&mut harness, "Rest on the surface");
     harness.state_mut().ui.hand.set_half(0, 4.2);
     let at = middle(&harness);
     drag(&mut harness, &[at]);
@@ -336,16 +336,16 @@ fn a_stroke_that_changes_nothing_says_why() {
     key(&mut harness, Modifiers::NONE, Key::T);
     let beside = at - vec2(0.0, 120.0);
     drag(&mut harness, &[beside]);
-    assert!(told(&harness, "the grid ends here"));
+    assert!(told(&harness, "this part of the grid is full"));
 
     run(&mut harness, "mark at=0,0,0 size=64,8,64");
     key(&mut harness, Modifiers::NONE, Key::L);
     key(&mut harness, Modifiers::NONE, Key::R);
     let before = voxels(&harness);
-    assert!(!told(&harness, "limited to what is selected"));
+    assert!(!told(&harness, "limited to the selection"));
     drag(&mut harness, &[beside]);
     assert_eq!(voxels(&harness), before);
-    assert!(told(&harness, "limited to what is selected (L)"));
+    assert!(told(&harness, "limited to the selection (L)"));
     harness.get_by_label("Limited");
     key(&mut harness, Modifiers::NONE, Key::L);
     harness.run();

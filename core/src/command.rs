@@ -101,21 +101,21 @@ impl SelectOp {
 pub enum Command {
     /// Replace the sculpture by a new one.
     New(NewSculpture),
-    /// Replace the sculpture by the contents of a file.
+    /// Replace the sculpture with the contents of a file.
     Open { path: PathBuf, import: ImportOptions },
     /// Write the sculpture to a file, in the format its name's ending says.
     Save { path: PathBuf, form: ExportForm },
     /// Open a stroke: the commands up to `End` are one undo step.
     Begin { label: String },
-    /// Close the open stroke.
+    /// End the open stroke.
     End,
-    /// Close the open stroke and take back what it did.
+    /// End the open stroke and take back what it did.
     Cancel,
     /// Add, subtract or recolour the voxels inside a solid.
     Construct { op: EditOp, primitive: Primitive },
     /// Use a spray tool once, where its rays meet the surface.
     Spray { spray: Spray, surface: SpraySurface },
-    /// Give the voxels inside a solid the colours of a picture.
+    /// Recolour the voxels inside a solids of a picture.
     Texture { primitive: Primitive, picture: PathBuf },
     /// Make every voxel of the area exist; new ones get the colour, or the base colour.
     Fill { area: Area, colour: Option<Rgb> },
@@ -128,7 +128,7 @@ pub enum Command {
     Mark(VoxelBox),
     /// Change the stack of selected boxes.
     Select(SelectOp),
-    /// Limit every tool to what is selected, or not.
+    /// Limit all tools to the selection, or not.
     Limit(bool),
     /// Use solids and sprays on both sides of mirror planes.
     Symmetry(Symmetry),
@@ -164,12 +164,12 @@ pub const COMMANDS: &[CommandHelp] = &[
     CommandHelp {
         verb: "new",
         usage: "dims=X,Y,Z [size=SX,SY,SZ] [colour=0|8|16|24] [base=#rrggbb] [fill=solid|empty]",
-        tooltip: "Replace the sculpture by a new block of voxels",
+        tooltip: "Replace the sculpture with a new block of voxels",
     },
     CommandHelp {
         verb: "open",
         usage: "\"PATH\" [threshold=auto|N] [colouring=auto|none|grey|tissue|packed] [colour=0|8|16|24] [raw=LAYOUT]",
-        tooltip: "Replace the sculpture by the contents of a file",
+        tooltip: "Replace the sculpture with the contents of a file",
     },
     CommandHelp {
         verb: "save",
@@ -179,14 +179,18 @@ pub const COMMANDS: &[CommandHelp] = &[
     CommandHelp {
         verb: "begin",
         usage: "[\"LABEL\"]",
-        tooltip: "Open a stroke: all commands up to `end` are one undo step",
+        tooltip: "Begin a stroke: all commands up to `end` are one undo step",
     },
-    CommandHelp { verb: "end", usage: "", tooltip: "Close the open stroke" },
-    CommandHelp { verb: "cancel", usage: "", tooltip: "Close the open stroke and take it back" },
+    CommandHelp { verb: "end", usage: "", tooltip: "End the open stroke" },
+    CommandHelp {
+        verb: "cancel",
+        usage: "",
+        tooltip: "Cancel the open stroke and undo what it did",
+    },
     CommandHelp {
         verb: "add",
         usage: "ellipsoid|cuboid|pyramid at=X,Y,Z half=A[,B,C] [turn=RX,RY,RZ | turn=X,Y,Z,W] colour=#rrggbb",
-        tooltip: "Make the voxels inside a solid exist; new ones get the colour",
+        tooltip: "Fill the voxels inside a solid; new ones get the colour",
     },
     CommandHelp {
         verb: "subtract",
@@ -196,72 +200,76 @@ pub const COMMANDS: &[CommandHelp] = &[
     CommandHelp {
         verb: "recolour",
         usage: "ellipsoid|cuboid|pyramid at=X,Y,Z half=A[,B,C] [turn=...] colour=#rrggbb",
-        tooltip: "Give the voxels inside a solid the colour",
+        tooltip: "Recolour the voxels inside a solid",
     },
     CommandHelp {
         verb: "spray",
         usage: "paintbrush|devourer|erosion|dilation|growth|smooth|clay eye=X,Y,Z aim=X,Y,Z across=X,Y,Z down=X,Y,Z radius=RAYS [outline=round|square] [reach=VOXELS] [surface=now|stroke] [colour=#rrggbb] [cover=0..1] [bite=round|square] [threshold=1..26] [around=1..8]",
-        tooltip: "Use a spray tool where the rays under its footprint meet the surface",
+        tooltip: "Use a brush where the rays under its footprint meet the surface",
     },
     CommandHelp {
         verb: "texture",
         usage: "\"PICTURE\" ellipsoid|cuboid|pyramid at=X,Y,Z half=A[,B,C] [turn=...]",
-        tooltip: "Give the voxels inside a solid the colours of a PNG picture",
+        tooltip: "Paint the voxels inside a solid with a PNG or JPEG image",
     },
     CommandHelp {
         verb: "fill",
         usage: "[grid|selection|marker] [colour=#rrggbb]",
-        tooltip: "Make every voxel of an area exist",
+        tooltip: "Fill every voxel of an area",
     },
     CommandHelp {
         verb: "clear",
         usage: "[grid|selection|marker]",
-        tooltip: "Remove every voxel of an area",
+        tooltip: "Delete every voxel of an area",
     },
     CommandHelp {
         verb: "dye",
         usage: "[grid|selection|marker] colour=#rrggbb",
-        tooltip: "Give every voxel of an area the colour",
+        tooltip: "Recolour every voxel of an area",
     },
     CommandHelp {
         verb: "mark",
         usage: "at=X,Y,Z size=A,B,C",
-        tooltip: "Move and size the marker: its lower corner and its lengths in voxels",
+        tooltip: "Move and resize the marker: its lower corner and its size in voxels",
     },
     CommandHelp {
         verb: "select",
         usage: "add|subtract|drop|clear",
-        tooltip: "Select the marker's box or take it away, drop the last box, or all of them",
+        tooltip: "Add the marker's box to the selection or subtract it, drop the last box, or clear all",
     },
-    CommandHelp { verb: "limit", usage: "on|off", tooltip: "Limit every tool to what is selected" },
+    CommandHelp { verb: "limit", usage: "on|off", tooltip: "Limit all tools to the selection" },
     CommandHelp {
         verb: "symmetry",
         usage: "[x=off|even|odd] [y=off|even|odd] [z=off|even|odd]",
-        tooltip: "Use tools on both sides of planes at the grid's centre",
+        tooltip: "Mirror what tools do at planes through the grid's centre",
     },
-    CommandHelp { verb: "copy", usage: "", tooltip: "Copy what the marker holds" },
-    CommandHelp { verb: "cut", usage: "", tooltip: "Copy what the marker holds and remove it" },
+    CommandHelp { verb: "copy", usage: "", tooltip: "Copy the voxels in the marker" },
+    CommandHelp {
+        verb: "cut",
+        usage: "",
+        tooltip: "Cut the voxels in the marker to the clipboard",
+    },
     CommandHelp {
         verb: "paste",
         usage: "at=X,Y,Z [axes=x,y,z]",
-        tooltip: "Put the copy somewhere, its axes along others or reversed, such as axes=y,-x,z",
+        tooltip: "Paste the clipboard, its axes exchanged or reversed if wanted, such as axes=y,-x,z",
     },
     CommandHelp {
         verb: "move",
         usage: "[by=X,Y,Z] [axes=x,y,z]",
-        tooltip: "Move and turn what the marker holds",
+        tooltip: "Move, rotate or mirror the marker's contents",
     },
     CommandHelp {
         verb: "array",
         usage: "count=N step=X,Y,Z",
-        tooltip: "Do the last operation again and again, each time further",
+        tooltip: "Repeat the last operation, each time with a further offset",
     },
-    CommandHelp { verb: "undo", usage: "[N|all]", tooltip: "Take back the last steps" },
-    CommandHelp { verb: "redo", usage: "[N|all]", tooltip: "Do undone steps again" },
+    CommandHelp { verb: "undo", usage: "[N|all]", tooltip: "Undo the last steps" },
+    CommandHelp { verb: "redo", usage: "[N|all]", tooltip: "Redo undone steps" },
     CommandHelp {
         verb: "place",
         usage: "[turn=...] [move=X,Y,Z] [scale=S]",
-        tooltip: "Turn, move and scale the sculpture in the world",
+        tooltip: "Rotate, move and scale the sculpture in the world",
     },
 ];
 

@@ -190,7 +190,7 @@ impl FromStr for Command {
             _ => {
                 let known: Vec<&str> = COMMANDS.iter().map(|c| c.verb).collect();
                 return Err(ParseError(format!(
-                    "unknown command `{verb}`; known are {}",
+                    "unknown command `{verb}`; the commands are {}",
                     known.join(", ")
                 )));
             }
@@ -222,7 +222,7 @@ fn parse_new(args: &mut Arguments) -> Result<NewSculpture, ParseError> {
 fn parse_primitive(args: &mut Arguments) -> Result<Primitive, ParseError> {
     let name = args.word("ellipsoid, cuboid or pyramid")?;
     let solid = Solid::ALL.into_iter().find(|s| s.name() == name).ok_or_else(|| {
-        ParseError(format!("`{name}` is not a solid; take ellipsoid, cuboid or pyramid"))
+        ParseError(format!("`{name}` is not a solid; use ellipsoid, cuboid or pyramid"))
     })?;
     Ok(Primitive {
         solid,
@@ -268,7 +268,7 @@ fn parse_rotation(text: &str) -> Result<Quat, String> {
     match quat.is_normalized() {
         true => Ok(quat),
         false if quat.length_squared() > 1e-12 => Ok(quat.normalize()),
-        false => Err("is a quaternion of length 0".to_string()),
+        false => Err("must not be a quaternion of length 0".to_string()),
     }
 }
 
@@ -291,13 +291,13 @@ fn parse_ivec3(text: &str) -> Result<IVec3, String> {
 
 fn numbers<T: Number, const N: usize>(text: &str) -> Result<[T; N], String> {
     let values: Vec<T> = text.split(',').map(number).collect::<Result<_, _>>()?;
-    values.try_into().map_err(|_| format!("must be {N} numbers with commas between"))
+    values.try_into().map_err(|_| format!("must be {N} numbers separated by commas"))
 }
 
 fn number<T: Number>(text: &str) -> Result<T, String> {
     match text.trim().parse::<T>() {
         Ok(value) if value.usable() => Ok(value),
-        _ => Err(format!("`{text}` is not a usable number")),
+        _ => Err(format!("`{text}` is not a valid number")),
     }
 }
 

@@ -31,7 +31,7 @@ pub enum SessionError {
     Open { path: PathBuf, error: FormatError },
     #[error("cannot save {path}: {error}")]
     Save { path: PathBuf, error: FormatError },
-    #[error("cannot read the picture {path}: {error}")]
+    #[error("cannot read the image {path}: {error}")]
     Picture { path: PathBuf, error: FormatError },
     #[error("cannot write the journal {path}: {error}")]
     Journal { path: PathBuf, error: std::io::Error },

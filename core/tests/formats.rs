@@ -402,7 +402,7 @@ fn endings_choose_the_format_or_are_explained() {
         material: Material::new(ColourDepth::None, Rgb::STONE, 1),
     };
     let folder = tempfile::tempdir().unwrap();
-    for (name, part) in [("a.vox", "`.vox`"), ("a", "no ending")] {
+    for (name, part) in [("a.vox", "`.vox`"), ("a", "no extension")] {
         let path = folder.path().join(name);
         for error in [
             format::save(&path, &contents, ExportForm::Auto, &()).unwrap_err(),

@@ -293,7 +293,9 @@ impl Workbench {
         match self.ar.start() {
             Ok(()) => self.look_from(Side::Front),
             Err(error) => {
-                self.ui.toasts.error(format!("No thread to look for the marker: {error}"));
+                self.ui.toasts.error(format!(
+                    "The printed marker cannot be tracked: no thread can be started ({error})"
+                ));
             }
         }
     }

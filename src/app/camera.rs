@@ -93,15 +93,16 @@ enum News {
 fn read_lens(path: &Path) -> Result<Intrinsics, String> {
     let name = path.display();
     let text = std::fs::read_to_string(path)
-        .map_err(|error| format!("the lens {name} cannot be read: {error}"))?;
-    Intrinsics::parse(&text).map_err(|error| format!("the lens {name} is not usable: {error}"))
+        .map_err(|error| format!("the lens file {name} cannot be read: {error}"))?;
+    Intrinsics::parse(&text)
+        .map_err(|error| format!("the lens file {name} cannot be used: {error}"))
 }
 
 #[cfg(target_os = "linux")]
 fn first_camera() -> Result<Address, String> {
     let cameras = crate::video::cameras().map_err(|error| error.to_string())?;
     let first = cameras.first().ok_or(
-        "this machine has no camera; name a film, a folder of PNGs or a phone's http:// address",
+        "this computer has no camera; enter a video file, a folder of PNGs or a phone's http:// address",
     )?;
     format!("v4l2:{}", first.device.display())
         .parse()
@@ -110,7 +111,7 @@ fn first_camera() -> Result<Address, String> {
 
 #[cfg(not(target_os = "linux"))]
 fn first_camera() -> Result<Address, String> {
-    Err("name a film, a folder of PNGs or a phone's http:// address".to_string())
+    Err("enter a video file, a folder of PNGs or a phone's http:// address".to_string())
 }
 
 impl Workbench {
@@ -136,11 +137,14 @@ impl Workbench {
         }
         match self.camera.poll() {
             Some(News::Lost(error)) => {
-                let text = "The camera is gone; its last picture stays and it is looked for";
+                let text =
+                    "The camera has been disconnected; its last picture stays until it is back";
                 self.ui.toasts.error(format!("{text}: {error}"));
             }
             Some(News::Back) => self.ui.toasts.note("The camera is back"),
-            Some(News::Failed(error)) => self.ui.toasts.error(format!("No more video: {error}")),
+            Some(News::Failed(error)) => {
+                self.ui.toasts.error(format!("The video has stopped: {error}"))
+            }
             None => {}
         }
         if let Some(frame) = self.camera.frame.clone() {

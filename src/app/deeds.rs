@@ -24,6 +24,9 @@ const GROWTH: f32 = 1.15;
 /// Factor on the tool's size for one notch of the wheel.
 pub(super) const GROWTH_PER_NOTCH: f32 = 1.1;
 
+/// Notches of the wheel for one press of a key that zooms.
+const ZOOM_NOTCHES: f32 = 2.0;
+
 impl Workbench {
     pub(super) fn carry_out(&mut self, intent: Intent) {
         match intent {
@@ -126,6 +129,11 @@ impl Workbench {
             Action::ResetView if self.ar.is_on() => self.look_from(Side::Front),
             Action::ResetView => self.look_from(Side::Corner),
             Action::LookFrom(side) => self.look_from(side),
+            Action::ZoomIn | Action::ZoomOut => {
+                let notches = if action == Action::ZoomIn { ZOOM_NOTCHES } else { -ZOOM_NOTCHES };
+                self.wheel(Action::Zoom, notches, self.stage.middle());
+            }
+            Action::ToggleBounds => self.ui.view.bounds ^= true,
             Action::NextToolMode => self.ui.hand.mode = self.ui.hand.mode.next(),
             Action::NextPadMode => self.next_pad_mode(),
             Action::ToggleRumble => self.toggle_rumble(),
@@ -137,6 +145,9 @@ impl Workbench {
             Action::ToggleVideo => self.ui.view.video.on ^= true,
             Action::SwapEyes => self.ui.view.stereo.swap_eyes ^= true,
             Action::Lights => self.ui.light_open = !self.ui.light_open,
+            Action::ToggleTheme => self.ui.theme = self.ui.theme.other(),
+            Action::Fullscreen => self.ui.switch_fullscreen = true,
+            Action::Screenshot => self.ui.screenshot = true,
             Action::TearOff(panel) => self.ui.tear_off(panel),
             Action::ScaleUp => self.ui.scale.change_by(1.0),
             Action::ScaleDown => self.ui.scale.change_by(-1.0),
@@ -401,7 +412,7 @@ impl Workbench {
     /// While long work is under way nothing changes the sculpture.
     fn refuse(&mut self, command: &Command) {
         let verb = command.verb();
-        self.ui.toasts.note(format!("`{verb}` has to wait until the work under way is done"));
+        self.ui.toasts.note(format!("`{verb}` must wait until the current task has finished"));
     }
 
     /// Another sculpture is there: tool and view begin anew.

@@ -313,16 +313,15 @@ impl Workbench {
     pub fn start_head(&mut self) {
         if self.head.settings.source == SourceAddress::None {
             self.ui.toasts.note(
-                "No tracker is named: the head is taken to be at rest. See tracking.source in the \
-                 settings",
+                "No head tracker is set, so the view stays still. Set tracking.source in the settings",
             );
         }
         let (screen, guessed) = self.head.whole_screen();
         if guessed {
             let (width, height) = (screen.width_m * 100.0, screen.height_m * 100.0);
             self.ui.toasts.note(format!(
-                "The screen is taken to be {width:.0} × {height:.0} cm; screen.size_m in the \
-                 settings says better"
+                "The screen is assumed to be {width:.0} × {height:.0} cm; if it is not, set \
+                 screen.size_m in the settings"
             ));
         }
         if let Err(error) = self.head.start() {
@@ -375,7 +374,7 @@ impl Workbench {
                 let file = self.head.calibration_file.as_ref();
                 match file.map(|path| calibrate::write(path, &self.head.calibration)) {
                     Some(Err(error)) => self.ui.toasts.error(error.to_string()),
-                    Some(Ok(())) | None => self.ui.toasts.note("Calibrated"),
+                    Some(Ok(())) | None => self.ui.toasts.note("Head tracker calibrated"),
                 }
             }
         }

@@ -50,7 +50,7 @@ impl Job {
         let sign = match command {
             Command::Open { .. } => "Opening",
             Command::Save { .. } => "Saving",
-            _ => "Making a new sculpture",
+            _ => "Creating a new sculpture",
         };
         let report = Arc::new(Report::default());
         let told = report.clone();
@@ -108,7 +108,7 @@ impl Workbench {
             }
             Err(_) => {
                 // The panic's message is on stderr already.
-                self.ui.toasts.error(format!("{}: failed by a fault of the program", job.sign));
+                self.ui.toasts.error(format!("{}: failed because of an internal error", job.sign));
                 false
             }
         };

@@ -35,8 +35,10 @@ impl Workbench {
                 self.ui.preset = in_use;
             }
             Err(error) => {
-                let text =
-                    format!("{}: {error}. Keys and mouse are those of the preset.", path.display());
+                let text = format!(
+                    "{}: {error}. The controls of the preset are used instead.",
+                    path.display()
+                );
                 tracing::warn!("{text}");
                 self.ui.toasts.error(text);
             }
@@ -63,11 +65,13 @@ impl Workbench {
         match write(file, &text) {
             Ok(None) => {}
             Ok(Some(aside)) => {
-                self.ui.toasts.note(format!("The old table of keys is now {}", aside.display()));
+                self.ui
+                    .toasts
+                    .note(format!("The old controls have been renamed to {}", aside.display()));
             }
             Err(error) => {
                 let path = file.path.display();
-                self.ui.toasts.error(format!("The keys cannot be kept in {path}: {error}"));
+                self.ui.toasts.error(format!("The controls cannot be saved to {path}: {error}"));
             }
         }
     }

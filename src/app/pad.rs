@@ -81,8 +81,8 @@ impl Workbench {
             PadChange::Went => {
                 self.pads.motors.retain(|(id, _)| *id != news.pad);
                 if let Some(name) = self.pads.mapper.went(news.pad) {
-                    tracing::info!("gamepad gone: {name}");
-                    self.ui.toasts.note(format!("Gamepad gone: {name}"));
+                    tracing::info!("gamepad disconnected: {name}");
+                    self.ui.toasts.note(format!("Gamepad disconnected: {name}"));
                 }
             }
             PadChange::State(state) => {

@@ -207,7 +207,7 @@ fn shift_alone_switches_the_mode_while_a_pad_is_there() {
     assert_eq!(mode(&desk), Some(PadMode::MoveGrid), "without a pad nothing was switched");
     let texts: Vec<&str> = desk.bench.ui.toasts.texts().map(|(_, text)| text).collect();
     assert!(texts.contains(&"Gamepad connected: again"), "{texts:?}");
-    assert!(texts.contains(&"Gamepad gone: test pad"), "{texts:?}");
+    assert!(texts.contains(&"Gamepad disconnected: test pad"), "{texts:?}");
 }
 
 #[test]

@@ -12,6 +12,7 @@ use crate::config::Theme;
 use crate::gpu::{Device, GpuError, Recorder, Result};
 use crate::render::renderer::{Pictures, Shot};
 use crate::render::{Background, Renderer, Video, VideoView};
+use crate::shade::Pixels;
 
 /// The pictures of the sculpture in the window.
 pub struct Painter {
@@ -36,7 +37,11 @@ impl Painter {
         bench: &mut Workbench,
     ) -> Result<()> {
         let aid = bench.aid();
-        let (ghost, lines) = (guides::ghost(&aid), guides::lines(&aid));
+        // A picture to be saved shows the sculpture alone.
+        let (ghost, lines) = match bench.ui.screenshot {
+            true => (None, Vec::new()),
+            false => (guides::ghost(&aid), guides::lines(&aid)),
+        };
         let eyes = bench.eyes();
         let mut shot = Shot {
             eyes: &eyes,
@@ -68,7 +73,7 @@ impl Painter {
             let Err(error) = renderer.paint(recorder, slot, document, &shot) else { break };
             let too_large = matches!(error, GpuError::Limit { .. } | GpuError::OutOfMemory(_));
             let Some(mode) = shot.mode.fallback().filter(|_| too_large) else { return Err(error) };
-            bench.ui.toasts.error(format!("{error}; rendering by {}", mode.label()));
+            bench.ui.toasts.error(format!("{error}; switched to {}", mode.label()));
             bench.ui.view.mode = mode;
             shot.mode = mode;
         }
@@ -80,6 +85,13 @@ impl Painter {
         bench.times.sample_ms = times.sample_ms;
         bench.times.shade_ms = times.shade_ms;
         Ok(())
+    }
+
+    /// What was painted last, in memory, with its format. Waits for the device.
+    pub fn read_back(&mut self) -> Result<Option<(vk::Format, Vec<Pixels>)>> {
+        let Some(pictures) = self.renderer.pictures() else { return Ok(None) };
+        let format = pictures.colour.image().format();
+        Ok(Some((format, self.renderer.read_back()?)))
     }
 
     /// What was painted last.

@@ -58,6 +58,11 @@ impl Stage {
         self.camera().eye(self.size)
     }
 
+    /// The middle of the picture, in pixels.
+    pub fn middle(&self) -> Vec2 {
+        self.size.as_vec2() * 0.5
+    }
+
     /// Height of what is seen at the distance of the origin, in world units.
     pub fn window_height(&self) -> f32 {
         2.0 * (0.5 * self.fov_y_rad).tan() * self.distance

@@ -290,9 +290,11 @@ impl Workbench {
             let keys = keys.map_or(String::new(), |keys| format!(" ({keys})"));
             self.ui
                 .toasts
-                .note(format!("Nothing changed: all tools are limited to what is selected{keys}"));
+                .note(format!("Nothing changed: tools are limited to the selection{keys}"));
         } else if adds {
-            self.ui.toasts.note("Nothing was added: the grid ends here, or is full");
+            self.ui
+                .toasts
+                .note("Nothing was added: this part of the grid is full, or lies outside it");
         }
     }
 

@@ -7,10 +7,11 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use glam::UVec2;
-use winit::window::Window;
+use winit::window::{Fullscreen, Window};
 
 use super::painter::Painter;
 use super::pane::{Frame, Interface, Pane};
+use super::screenshot;
 use super::workbench::Workbench;
 use crate::config::Config;
 use crate::gpu::{Device, GpuError, ValidationLog, WindowHost};
@@ -67,7 +68,7 @@ impl View {
         let layout = &mut bench.ui.view.stereo.layout;
         if *layout == StereoLayout::Layers && !bench.quad_buffered {
             *layout = StereoLayout::SideBySide;
-            let text = "this window's images have no second layer for quad-buffered stereo";
+            let text = "this display does not support quad-buffered stereo";
             bench.ui.toasts.error(format!("{text}; showing the eyes side by side"));
         }
         self.pane.arrange(bench.ui.view.stereo.layout);
@@ -131,6 +132,36 @@ impl View {
                 self.pane.draw_stereo(frame, interface, &mut pictures.colour, corner)
             }
             _ => self.pane.draw(frame, interface),
+        }
+    }
+
+    /// Saves the picture that was just shown, if that was asked for.
+    pub fn save_screenshot(&mut self, bench: &mut Workbench) -> Result<(), GpuError> {
+        if !std::mem::take(&mut bench.ui.screenshot) {
+            return Ok(());
+        }
+        if let Some((format, eyes)) = self.painter.read_back()? {
+            match screenshot::save(bench.session().path(), format, &eyes) {
+                Ok(paths) => {
+                    let names: Vec<String> =
+                        paths.iter().map(|path| path.display().to_string()).collect();
+                    bench.ui.toasts.note(format!("Saved {}", names.join(" and ")));
+                }
+                Err(error) => bench.ui.toasts.error(error.to_string()),
+            }
+        }
+        // Tool and lines come back.
+        self.pane.redraw();
+        Ok(())
+    }
+
+    /// Lets the window fill its screen, or no longer, if that was asked for. The system may have
+    /// changed it meanwhile, so the window itself is asked what it does now.
+    pub fn switch_fullscreen(&self, bench: &mut Workbench) {
+        if std::mem::take(&mut bench.ui.switch_fullscreen) {
+            let window = self.pane.window();
+            let whole = window.fullscreen().is_none().then_some(Fullscreen::Borderless(None));
+            window.set_fullscreen(whole);
         }
     }
 

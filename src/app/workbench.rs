@@ -228,7 +228,8 @@ impl Workbench {
         self.follow_camera();
         self.listen(root);
         let mut intents = Vec::new();
-        let picture = self.with_facts(|ui, facts| ui::show(root, ui, facts, &mut intents).rect);
+        let picture =
+            self.with_facts(false, |ui, facts| ui::show(root, ui, facts, &mut intents).rect);
         self.draw_pad_pointer(root.ctx());
         let response = root.interact(picture, picture_id(), Sense::hover());
         self.set_picture(picture, root.pixels_per_point());
@@ -268,7 +269,7 @@ impl Workbench {
             ctx.input(|input| (device_events(input, &viewport), is_touched(input)));
         self.hear(Some(panel), &events);
         let mut intents = Vec::new();
-        self.with_facts(|ui, facts| ui::panels::show(root, panel, ui, facts, &mut intents));
+        self.with_facts(false, |ui, facts| ui::panels::show(root, panel, ui, facts, &mut intents));
         if !intents.is_empty() {
             root.request_repaint();
         }
@@ -291,7 +292,7 @@ impl Workbench {
     pub fn show_on_board(&mut self, root: &mut Ui) {
         self.follow_job();
         let mut intents = Vec::new();
-        self.with_facts(|ui, facts| ui::board::show(root, ui, facts, &mut intents));
+        self.with_facts(true, |ui, facts| ui::board::show(root, ui, facts, &mut intents));
         if !intents.is_empty() {
             root.request_repaint();
         }
@@ -300,7 +301,11 @@ impl Workbench {
         }
     }
 
-    fn with_facts<T>(&mut self, show: impl FnOnce(&mut UiState, &Facts) -> T) -> T {
+    fn with_facts<T>(
+        &mut self,
+        in_headset: bool,
+        show: impl FnOnce(&mut UiState, &Facts) -> T,
+    ) -> T {
         let facts = Facts {
             document: self.session.document(),
             path: self.session.path(),
@@ -308,6 +313,7 @@ impl Workbench {
             presets: &self.presets,
             pristine: &self.pristine,
             times: self.times,
+            in_headset,
             quad_buffered: self.quad_buffered,
             device: &self.device,
             pointed_vx: self.pointed(),

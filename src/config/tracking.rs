@@ -55,12 +55,12 @@ impl FromStr for SourceAddress {
         if let Some(place) = text.strip_prefix("opentrack:") {
             let port = place.parse().map(|port: u16| (Ipv4Addr::LOCALHOST, port).into());
             return port.or_else(|_| place.parse()).map(SourceAddress::Opentrack).map_err(|_| {
-                format!("\"{text}\": after opentrack: stands a port, or address:port to listen at")
+                format!("\"{text}\" is not valid: opentrack: is followed by a port, or by address:port to listen at")
             });
         }
         text.parse().map(SourceAddress::Vrpn).map_err(|_| {
             format!(
-                "\"{text}\" is no source of poses: take Device@host, Device@tcp://host, \
+                "\"{text}\" is not a source of poses; use Device@host, Device@tcp://host, \
                  opentrack:PORT, openxr, openxr:local, script:FILE or none"
             )
         })
@@ -305,7 +305,7 @@ impl TrackingSettings {
             Some((key, format!("{{ {number} = \"{name}\" }}"), rule))
         };
         let tables = [
-            ("tracking.buttons", &self.buttons, 256, "actions of a key, as `undo` or `apply`"),
+            ("tracking.buttons", &self.buttons, 256, "actions of a key, such as `undo` or `apply`"),
             ("tracking.analogs", &self.analogs, 128, "actions of a key or of the wheel"),
         ];
         for (key, table, count, rule) in tables {
@@ -344,7 +344,7 @@ impl ScreenSettings {
     pub(super) fn fault(&self) -> Option<Fault> {
         let sized = self.size_m.iter().all(|side| (0.02..=20.0).contains(side));
         if !sized && self.size_m != [0.0; 2] {
-            let rule = "must be two lengths from 0.02 to 20 m, or zeros for a guess";
+            let rule = "must be two lengths from 0.02 to 20 m, or zeros for an estimate";
             return Some(("screen.size_m", format!("{:?}", self.size_m), rule));
         }
         let [x, y, z] = self.rest_m;

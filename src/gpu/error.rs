@@ -13,7 +13,7 @@ pub enum GpuError {
     #[error("no Vulkan loader found ({0}); {remedy}", remedy = remedy::VULKAN_LOADER)]
     NoLoader(String),
     #[error(
-        "the Vulkan loader speaks only {0}; version 1.3 is needed: {remedy}",
+        "the Vulkan loader supports only version {0}; version 1.3 is needed: {remedy}",
         remedy = remedy::NEWER_VULKAN_LOADER
     )]
     LoaderVersion(String),
@@ -30,10 +30,10 @@ pub enum GpuError {
     NoneSuitable(String),
     #[error("no Vulkan device matches `{wanted}`; there are: {available}")]
     NoSuchDevice { wanted: String, available: String },
-    #[error("no memory left to {0}; close other programs or choose a smaller sculpture")]
+    #[error("not enough memory to {0}; close other programs or use a smaller sculpture")]
     OutOfMemory(&'static str),
     #[error(
-        "the graphics device was lost while it was to {0} (driver reset or unplugged); \
+        "the graphics device was lost, unable to {0} (driver reset or device unplugged); \
          restart the program"
     )]
     DeviceLost(&'static str),

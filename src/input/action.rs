@@ -171,6 +171,9 @@ pub enum Action {
     MoveContents(Step),
     ResetView,
     LookFrom(Side),
+    /// Comes one notch nearer, without a wheel.
+    ZoomIn,
+    ZoomOut,
     NextRenderMode,
     /// Shows the window of lights, or closes it.
     Lights,
@@ -182,6 +185,14 @@ pub enum Action {
     CalibrateHead,
     /// Puts the sculpture on the marker in the video, or not.
     ToggleAr,
+    /// Shows the edges of the grid, or not.
+    ToggleBounds,
+    /// Goes from the dark theme to the light one and back.
+    ToggleTheme,
+    /// Lets the main window fill its screen, or not.
+    Fullscreen,
+    /// Writes what the view shows to a file.
+    Screenshot,
     /// Tears a panel off into a window of its own, or puts it back.
     TearOff(Panel),
     ScaleUp,
@@ -312,6 +323,9 @@ impl Action {
         Action::LookFrom(Side::Right),
         Action::LookFrom(Side::Top),
         Action::LookFrom(Side::Bottom),
+        Action::ZoomIn,
+        Action::ZoomOut,
+        Action::ToggleBounds,
         Action::NextRenderMode,
         Action::Lights,
         Action::NextStereo,
@@ -320,6 +334,8 @@ impl Action {
         Action::ToggleHead,
         Action::CalibrateHead,
         Action::ToggleAr,
+        Action::Fullscreen,
+        Action::ToggleTheme,
         Action::TearOff(Panel::Toolbox),
         Action::TearOff(Panel::Options),
         Action::TearOff(Panel::History),
@@ -332,6 +348,7 @@ impl Action {
         Action::Open,
         Action::Save,
         Action::SaveAs,
+        Action::Screenshot,
         Action::Palette,
         Action::Help,
         Action::Guide,
@@ -341,6 +358,7 @@ impl Action {
     /// Whether holding the key down asks again and again.
     pub fn repeats(self) -> bool {
         use Action::{Grow, MoveContents, Nudge, Redo, ScaleDown, ScaleUp, Shrink, Stretch, Undo};
+        use Action::{ZoomIn, ZoomOut};
         matches!(
             self,
             Nudge(_)
@@ -352,6 +370,8 @@ impl Action {
                 | Redo
                 | ScaleUp
                 | ScaleDown
+                | ZoomIn
+                | ZoomOut
         )
     }
 

@@ -10,170 +10,194 @@ impl Action {
     pub fn help(self) -> ActionHelp {
         use Kind::{Drag, Hold, Tap, Wheel};
         let (name, kind, text) = match self {
-            Action::Sculpt => ("sculpt", Drag, "Use the tool; beside the sculpture, turn it"),
-            Action::SculptInverse => {
-                ("sculpt-inverse", Drag, "The same, but the opposite: cut for add, add for cut")
+            Action::Sculpt => ("sculpt", Drag, "Use the tool; beside the sculpture, rotate it"),
+            Action::SculptInverse => (
+                "sculpt-inverse",
+                Drag,
+                "Use the tool inverted: add instead of cut, or the reverse",
+            ),
+            Action::SculptSmooth => {
+                ("sculpt-smooth", Drag, "Use the smooth brush, whatever the current tool")
             }
-            Action::SculptSmooth => ("sculpt-smooth", Drag, "Smooth, whatever tool is in hand"),
-            Action::PickColour => ("pick-colour", Drag, "Take the colour of the surface"),
-            Action::PickHere => ("pick-here", Tap, "Take the colour under the pointer"),
+            Action::PickColour => ("pick-colour", Drag, "Pick the colour of the surface"),
+            Action::PickHere => ("pick-here", Tap, "Pick the colour under the pointer"),
             Action::Apply => ("apply", Hold, "Use the tool where it is"),
-            Action::Cancel => ("cancel", Tap, "Take back the stroke in hand, or close a window"),
-            Action::TurnSculpture => ("turn-sculpture", Drag, "Turn the sculpture"),
-            Action::PanSculpture => ("pan-sculpture", Drag, "Shift the sculpture"),
-            Action::Zoom => ("zoom", Wheel, "Nearer and farther"),
-            Action::MoveTool => ("move-tool", Drag, "Move the tool across and up"),
-            Action::MoveToolDeep => ("move-tool-deep", Drag, "Move the tool across and in depth"),
-            Action::TurnTool => ("turn-tool", Drag, "Turn the tool"),
-            Action::ResizeTool => ("resize-tool", Wheel, "Make the tool larger and smaller"),
-            Action::Solid(Solid::Ellipsoid) => ("ellipsoid", Tap, "Take the ellipsoid"),
-            Action::Solid(Solid::Cuboid) => ("cuboid", Tap, "Take the cuboid"),
-            Action::Solid(Solid::Pyramid) => ("pyramid", Tap, "Take the pyramid"),
+            Action::Cancel => ("cancel", Tap, "Cancel the stroke, or close a window"),
+            Action::TurnSculpture => ("turn-sculpture", Drag, "Rotate the sculpture"),
+            Action::PanSculpture => ("pan-sculpture", Drag, "Pan the sculpture"),
+            Action::Zoom => ("zoom", Wheel, "Zoom in and out"),
+            Action::MoveTool => ("move-tool", Drag, "Move the tool sideways and up or down"),
+            Action::MoveToolDeep => ("move-tool-deep", Drag, "Move the tool sideways and in depth"),
+            Action::TurnTool => ("turn-tool", Drag, "Rotate the tool"),
+            Action::ResizeTool => ("resize-tool", Wheel, "Resize the tool"),
+            Action::Solid(Solid::Ellipsoid) => ("ellipsoid", Tap, "Ellipsoid tool"),
+            Action::Solid(Solid::Cuboid) => ("cuboid", Tap, "Cuboid tool"),
+            Action::Solid(Solid::Pyramid) => ("pyramid", Tap, "Pyramid tool"),
             Action::Spray(SprayKind::Paintbrush) => {
-                ("paintbrush", Tap, "Take the paintbrush: colours what is seen under it")
+                ("paintbrush", Tap, "Brush: paints the visible surface under it")
             }
             Action::Spray(SprayKind::Devourer) => {
-                ("devourer", Tap, "Take the devourer: bites around every point under it")
+                ("devourer", Tap, "Devourer (carve): bites into the surface under it")
             }
             Action::Spray(SprayKind::Clay) => {
-                ("clay", Tap, "Take the clay: puts a soft mound on the surface")
+                ("clay", Tap, "Clay: builds up a soft mound on the surface")
             }
             Action::Spray(SprayKind::Erosion) => {
-                ("erosion", Tap, "Take the erosion: wears edges off, leaves planes alone")
+                ("erosion", Tap, "Erosion: wears down edges and leaves flat faces alone")
             }
             Action::Spray(SprayKind::Dilation) => {
-                ("dilation", Tap, "Take the dilation: thickens edges and corners")
+                ("dilation", Tap, "Dilation: thickens edges and corners")
             }
             Action::Spray(SprayKind::Growth) => {
-                ("growth", Tap, "Take the growth: fills corners until the surface is closed")
+                ("growth", Tap, "Growth: fills concave corners and small holes")
             }
-            Action::Spray(SprayKind::Smooth) => {
-                ("smooth", Tap, "Take the smoothing: evens out bumps and pits")
-            }
-            Action::Marker => ("marker", Tap, "Take the marker: a box to select, copy and move"),
-            Action::Mode(ToolMode::Add) => ("add", Tap, "The tool adds voxels"),
-            Action::Mode(ToolMode::Subtract) => ("cut", Tap, "The tool cuts voxels away"),
-            Action::Mode(ToolMode::Recolour) => ("paint", Tap, "The tool colours voxels"),
-            Action::Grow => ("grow", Tap, "Make the tool larger"),
-            Action::Shrink => ("shrink", Tap, "Make the tool smaller"),
+            Action::Spray(SprayKind::Smooth) => ("smooth", Tap, "Smooth: evens out bumps and pits"),
+            Action::Marker => ("marker", Tap, "Marker: a box to select, copy and move voxels"),
+            Action::Mode(ToolMode::Add) => ("add", Tap, "Add: the tool adds voxels"),
+            Action::Mode(ToolMode::Subtract) => ("cut", Tap, "Cut: the tool removes voxels"),
+            Action::Mode(ToolMode::Recolour) => ("paint", Tap, "Paint: the tool colours voxels"),
+            Action::Grow => ("grow", Tap, "Enlarge the tool"),
+            Action::Shrink => ("shrink", Tap, "Shrink the tool"),
             Action::Nudge(Step::Left) => ("nudge-left", Tap, "Move the tool one voxel left"),
             Action::Nudge(Step::Right) => ("nudge-right", Tap, "Move the tool one voxel right"),
             Action::Nudge(Step::Up) => ("nudge-up", Tap, "Move the tool one voxel up"),
             Action::Nudge(Step::Down) => ("nudge-down", Tap, "Move the tool one voxel down"),
-            Action::Nudge(Step::Nearer) => ("nudge-nearer", Tap, "Move the tool one voxel nearer"),
+            Action::Nudge(Step::Nearer) => {
+                ("nudge-nearer", Tap, "Move the tool one voxel towards you")
+            }
             Action::Nudge(Step::Farther) => {
-                ("nudge-farther", Tap, "Move the tool one voxel farther")
+                ("nudge-farther", Tap, "Move the tool one voxel away from you")
             }
             Action::Stretch(Step::Left) => {
-                ("stretch-left", Tap, "Tool one voxel longer on the left")
+                ("stretch-left", Tap, "Extend the tool by one voxel on the left")
             }
             Action::Stretch(Step::Right) => {
-                ("stretch-right", Tap, "Tool one voxel longer on the right")
+                ("stretch-right", Tap, "Extend the tool by one voxel on the right")
             }
-            Action::Stretch(Step::Up) => ("stretch-up", Tap, "Tool one voxel longer above"),
-            Action::Stretch(Step::Down) => ("stretch-down", Tap, "Tool one voxel longer below"),
+            Action::Stretch(Step::Up) => {
+                ("stretch-up", Tap, "Extend the tool by one voxel upwards")
+            }
+            Action::Stretch(Step::Down) => {
+                ("stretch-down", Tap, "Extend the tool by one voxel downwards")
+            }
             Action::Stretch(Step::Nearer) => {
-                ("stretch-nearer", Tap, "Tool one voxel longer in front")
+                ("stretch-nearer", Tap, "Extend the tool by one voxel towards you")
             }
             Action::Stretch(Step::Farther) => {
-                ("stretch-farther", Tap, "Tool one voxel longer behind")
+                ("stretch-farther", Tap, "Extend the tool by one voxel away from you")
             }
-            Action::AlignTool => ("align-tool", Tap, "Turn the tool back along the grid's axes"),
-            Action::ToggleSnap => ("toggle-snap", Tap, "Keep the tool on whole voxels, or not"),
-            Action::Mirror(Axis::X) => ("mirror-x", Tap, "Mirror what tools do left and right (x)"),
-            Action::Mirror(Axis::Y) => ("mirror-y", Tap, "Mirror what tools do up and down (y)"),
-            Action::Mirror(Axis::Z) => ("mirror-z", Tap, "Mirror what tools do front and back (z)"),
-            Action::Repeat => ("repeat", Tap, "Do the last operation again, further on"),
-            Action::SelectMarker => ("select", Tap, "Select the marker's box, too"),
-            Action::DeselectMarker => ("deselect", Tap, "Take the marker's box off the selection"),
-            Action::DropBox => ("drop-box", Tap, "Drop the last box of the selection"),
-            Action::ClearSelection => ("clear-selection", Tap, "Select nothing"),
-            Action::ToggleLimit => ("toggle-limit", Tap, "Limit every tool to the selection"),
-            Action::FillMarker => ("fill-marker", Tap, "Fill the marker's box with the colour"),
-            Action::ClearMarker => ("clear-marker", Tap, "Remove what the marker holds"),
-            Action::DyeMarker => ("dye-marker", Tap, "Give the colour to what the marker holds"),
-            Action::Copy => ("copy", Tap, "Copy what the marker holds"),
-            Action::Cut => ("cut-out", Tap, "Copy what the marker holds and remove it"),
-            Action::Paste => ("paste", Tap, "Put the copy at the marker's lower corner"),
-            Action::TurnClip(Axis::X) => ("turn-copy-x", Tap, "Turn the copy about x by 90°"),
-            Action::TurnClip(Axis::Y) => ("turn-copy-y", Tap, "Turn the copy about y by 90°"),
-            Action::TurnClip(Axis::Z) => ("turn-copy-z", Tap, "Turn the copy about z by 90°"),
-            Action::MirrorClip(Axis::X) => ("mirror-copy-x", Tap, "Mirror the copy along x"),
-            Action::MirrorClip(Axis::Y) => ("mirror-copy-y", Tap, "Mirror the copy along y"),
-            Action::MirrorClip(Axis::Z) => ("mirror-copy-z", Tap, "Mirror the copy along z"),
+            Action::AlignTool => ("align-tool", Tap, "Reset the tool's rotation"),
+            Action::ToggleSnap => ("toggle-snap", Tap, "Snap the tool to whole voxels, or not"),
+            Action::Mirror(Axis::X) => ("mirror-x", Tap, "Mirror symmetry in x (left and right)"),
+            Action::Mirror(Axis::Y) => ("mirror-y", Tap, "Mirror symmetry in y (up and down)"),
+            Action::Mirror(Axis::Z) => ("mirror-z", Tap, "Mirror symmetry in z (front and back)"),
+            Action::Repeat => ("repeat", Tap, "Repeat the last operation with an offset"),
+            Action::SelectMarker => ("select", Tap, "Add the marker's box to the selection"),
+            Action::DeselectMarker => {
+                ("deselect", Tap, "Subtract the marker's box from the selection")
+            }
+            Action::DropBox => ("drop-box", Tap, "Take the last box off the selection"),
+            Action::ClearSelection => ("clear-selection", Tap, "Deselect all"),
+            Action::ToggleLimit => {
+                ("toggle-limit", Tap, "Limit all tools to the selection, or not")
+            }
+            Action::FillMarker => {
+                ("fill-marker", Tap, "Fill the marker's box with the current colour")
+            }
+            Action::ClearMarker => ("clear-marker", Tap, "Delete the voxels in the marker"),
+            Action::DyeMarker => ("dye-marker", Tap, "Recolour the voxels in the marker"),
+            Action::Copy => ("copy", Tap, "Copy the voxels in the marker"),
+            Action::Cut => ("cut-out", Tap, "Cut the voxels in the marker to the clipboard"),
+            Action::Paste => ("paste", Tap, "Paste at the marker's lower corner"),
+            Action::TurnClip(Axis::X) => ("turn-copy-x", Tap, "Rotate the clipboard 90° about x"),
+            Action::TurnClip(Axis::Y) => ("turn-copy-y", Tap, "Rotate the clipboard 90° about y"),
+            Action::TurnClip(Axis::Z) => ("turn-copy-z", Tap, "Rotate the clipboard 90° about z"),
+            Action::MirrorClip(Axis::X) => ("mirror-copy-x", Tap, "Mirror the clipboard along x"),
+            Action::MirrorClip(Axis::Y) => ("mirror-copy-y", Tap, "Mirror the clipboard along y"),
+            Action::MirrorClip(Axis::Z) => ("mirror-copy-z", Tap, "Mirror the clipboard along z"),
             Action::MoveContents(Step::Left) => {
-                ("move-left", Tap, "Move what the marker holds one voxel left")
+                ("move-left", Tap, "Move the marker's contents one voxel left")
             }
             Action::MoveContents(Step::Right) => {
-                ("move-right", Tap, "Move what the marker holds one voxel right")
+                ("move-right", Tap, "Move the marker's contents one voxel right")
             }
             Action::MoveContents(Step::Up) => {
-                ("move-up", Tap, "Move what the marker holds one voxel up")
+                ("move-up", Tap, "Move the marker's contents one voxel up")
             }
             Action::MoveContents(Step::Down) => {
-                ("move-down", Tap, "Move what the marker holds one voxel down")
+                ("move-down", Tap, "Move the marker's contents one voxel down")
             }
             Action::MoveContents(Step::Nearer) => {
-                ("move-nearer", Tap, "Move what the marker holds one voxel nearer")
+                ("move-nearer", Tap, "Move the marker's contents one voxel towards you")
             }
             Action::MoveContents(Step::Farther) => {
-                ("move-farther", Tap, "Move what the marker holds one voxel farther")
+                ("move-farther", Tap, "Move the marker's contents one voxel away from you")
             }
             Action::ToggleFollow => {
-                ("toggle-follow", Tap, "Let the tool follow the pointer, or stay")
+                ("toggle-follow", Tap, "Let the tool follow the pointer, or stay where it is")
             }
-            Action::ResetTool => ("reset-tool", Tap, "Tool to the centre, upright, at first size"),
-            Action::Undo => ("undo", Tap, "Take back the last step"),
-            Action::Redo => ("redo", Tap, "Do the undone step again"),
+            Action::ResetTool => {
+                ("reset-tool", Tap, "Reset the tool's position, rotation and size")
+            }
+            Action::Undo => ("undo", Tap, "Undo the last step"),
+            Action::Redo => ("redo", Tap, "Redo the last undone step"),
             Action::Fill => ("fill", Tap, "Fill the whole grid"),
-            Action::Clear => ("clear", Tap, "Remove every voxel"),
-            Action::ResetView => ("reset-view", Tap, "Show the whole sculpture"),
-            Action::LookFrom(Side::Corner) => ("look-corner", Tap, "Look at a corner"),
-            Action::LookFrom(Side::Front) => ("look-front", Tap, "Look at the front"),
-            Action::LookFrom(Side::Back) => ("look-back", Tap, "Look at the back"),
-            Action::LookFrom(Side::Left) => ("look-left", Tap, "Look at the left side"),
-            Action::LookFrom(Side::Right) => ("look-right", Tap, "Look at the right side"),
-            Action::LookFrom(Side::Top) => ("look-top", Tap, "Look at the top"),
-            Action::LookFrom(Side::Bottom) => ("look-bottom", Tap, "Look at the bottom"),
-            Action::NextToolMode => ("next-tool-mode", Tap, "Cut, add and paint in turn"),
+            Action::Clear => ("clear", Tap, "Clear the grid: delete every voxel"),
+            Action::ResetView => ("reset-view", Tap, "Frame all: show the whole sculpture"),
+            Action::LookFrom(Side::Corner) => ("look-corner", Tap, "View from a corner"),
+            Action::LookFrom(Side::Front) => ("look-front", Tap, "View from the front"),
+            Action::LookFrom(Side::Back) => ("look-back", Tap, "View from the back"),
+            Action::LookFrom(Side::Left) => ("look-left", Tap, "View from the left"),
+            Action::LookFrom(Side::Right) => ("look-right", Tap, "View from the right"),
+            Action::LookFrom(Side::Top) => ("look-top", Tap, "View from the top"),
+            Action::LookFrom(Side::Bottom) => ("look-bottom", Tap, "View from the bottom"),
+            Action::NextToolMode => ("next-tool-mode", Tap, "Next tool mode: cut, add or paint"),
             Action::NextPadMode => {
-                ("next-pad-mode", Tap, "The gamepad moves pointer, tool or sculpture in turn")
+                ("next-pad-mode", Tap, "Next gamepad mode: pointer, tool or sculpture")
             }
-            Action::ToggleRumble => ("toggle-rumble", Tap, "Let the gamepad shake, or not"),
-            Action::NextRenderMode => ("next-render-mode", Tap, "Take the next way of rendering"),
-            Action::NextStereo => ("next-stereo", Tap, "Take the next way to show two eyes"),
-            Action::ToggleVideo => ("toggle-video", Tap, "Video behind the sculpture, or not"),
-            Action::SwapEyes => ("swap-eyes", Tap, "Exchange the pictures of the two eyes"),
-            Action::ToggleHead => ("toggle-head", Tap, "Let the view follow the head, or not"),
-            Action::CalibrateHead => {
-                ("calibrate-head", Tap, "Calibrate the tracker by touching the screen's corners")
-            }
+            Action::ToggleRumble => ("toggle-rumble", Tap, "Gamepad rumble on or off"),
+            Action::ZoomIn => ("zoom-in", Tap, "Zoom in"),
+            Action::ZoomOut => ("zoom-out", Tap, "Zoom out"),
+            Action::ToggleBounds => ("toggle-bounds", Tap, "Grid outline on or off"),
+            Action::ToggleTheme => ("toggle-theme", Tap, "Dark or light theme"),
+            Action::Fullscreen => ("fullscreen", Tap, "Full screen on or off"),
+            Action::Screenshot => ("screenshot", Tap, "Save a picture of the view"),
+            Action::NextRenderMode => ("next-render-mode", Tap, "Next render mode"),
+            Action::NextStereo => ("next-stereo", Tap, "Next stereo layout"),
+            Action::ToggleVideo => ("toggle-video", Tap, "Video background on or off"),
+            Action::SwapEyes => ("swap-eyes", Tap, "Swap the left and right eye"),
+            Action::ToggleHead => ("toggle-head", Tap, "Head tracking on or off"),
+            Action::CalibrateHead => (
+                "calibrate-head",
+                Tap,
+                "Calibrate the head tracker by touching the screen's corners",
+            ),
             Action::ToggleAr => {
-                ("toggle-ar", Tap, "Stand the sculpture on the marker in the video, or not")
+                ("toggle-ar", Tap, "Stand the sculpture on the printed marker in the video, or not")
             }
-            Action::Lights => ("lights", Tap, "Show and change the lights"),
+            Action::Lights => ("lights", Tap, "Show or hide the lights"),
             Action::TearOff(Panel::Toolbox) => {
-                ("tear-toolbox", Tap, "Toolbox into a window of its own, or back")
+                ("tear-toolbox", Tap, "Detach the toolbox into its own window, or dock it")
             }
             Action::TearOff(Panel::Options) => {
-                ("tear-options", Tap, "Options into a window of their own, or back")
+                ("tear-options", Tap, "Detach the options into their own window, or dock them")
             }
             Action::TearOff(Panel::History) => {
-                ("tear-history", Tap, "History into a window of its own, or back")
+                ("tear-history", Tap, "Detach the history into its own window, or dock it")
             }
-            Action::ScaleUp => ("scale-up", Tap, "Larger text and buttons"),
-            Action::ScaleDown => ("scale-down", Tap, "Smaller text and buttons"),
+            Action::ScaleUp => ("scale-up", Tap, "Enlarge the interface"),
+            Action::ScaleDown => ("scale-down", Tap, "Shrink the interface"),
             Action::ScaleReset => {
-                ("scale-reset", Tap, "Text and buttons as large as the settings say")
+                ("scale-reset", Tap, "Reset the interface to its configured size")
             }
-            Action::New => ("new", Tap, "Make a new sculpture"),
+            Action::New => ("new", Tap, "New sculpture"),
             Action::Open => ("open", Tap, "Open a sculpture or a volume"),
             Action::Save => ("save", Tap, "Save the sculpture"),
-            Action::SaveAs => ("save-as", Tap, "Save the sculpture under another name"),
-            Action::Guide => ("guide", Tap, "Show the first steps"),
-            Action::Palette => ("palette", Tap, "Find an action by words, or type a command"),
-            Action::Help => ("help", Tap, "Show and change keys and mouse"),
-            Action::Quit => ("quit", Tap, "Leave the program"),
+            Action::SaveAs => ("save-as", Tap, "Save the sculpture under a new name"),
+            Action::Guide => ("guide", Tap, "Show or hide the first steps"),
+            Action::Palette => ("palette", Tap, "Search actions, or type a script command"),
+            Action::Help => ("help", Tap, "Show and change the controls"),
+            Action::Quit => ("quit", Tap, "Quit"),
         };
         ActionHelp { name, kind, text }
     }

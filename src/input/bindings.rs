@@ -38,19 +38,19 @@ pub type Lines = BTreeMap<String, Vec<String>>;
 pub enum BindingsError {
     #[error("{0}")]
     Toml(String),
-    #[error("there is no table called \"{0}\" to extend")]
+    #[error("there is no preset called \"{0}\"; use direct, thesis, blender or magicavoxel")]
     UnknownTable(String),
-    #[error("the changes to {0} stand in [bindings] and in [kept.{0}]")]
+    #[error("the changes to {0} are given twice, in [bindings] and in [kept.{0}]; remove one")]
     KeptTwice(String),
-    #[error("a table that extends none needs a {0}")]
+    #[error("a table without `extends` needs a {0}")]
     Unnamed(&'static str),
-    #[error("[bindings] {0}: there is no such action")]
+    #[error("[bindings] {0}: there is no such action; F1 lists all, with their names")]
     UnknownAction(String),
     #[error("[bindings] {action}: {error}")]
     Trigger { action: &'static str, error: String },
-    #[error("[bindings] {action}: `{trigger}` cannot trigger it; it needs {needs}")]
+    #[error("[bindings] {action}: `{trigger}` cannot trigger this action; it needs {needs}")]
     Kind { action: &'static str, trigger: Trigger, needs: &'static str },
-    #[error("[bindings] `{trigger}` is given to both {first} and {second}")]
+    #[error("[bindings] `{trigger}` is assigned to both {first} and {second}; remove one")]
     Twice { trigger: Trigger, first: &'static str, second: &'static str },
 }
 
@@ -171,10 +171,10 @@ pub(super) fn check_kind(kind: Kind, trigger: Trigger) -> Result<(), &'static st
         | (Kind::Wheel, Trigger::Wheel { .. }) => Ok(()),
         // One button alone starts a drag; two together can hold something on top of it.
         (Kind::Hold, Trigger::Mouse { buttons, .. }) if buttons.count() >= 2 => Ok(()),
-        (Kind::Tap, _) => Err("a key or a button of a gamepad"),
-        (Kind::Hold, _) => Err("a key, a button of a gamepad, or mouse buttons together"),
+        (Kind::Tap, _) => Err("a key or a gamepad button"),
+        (Kind::Hold, _) => Err("a key, a gamepad button, or several mouse buttons together"),
         (Kind::Drag, _) => Err("mouse buttons"),
-        (Kind::Wheel, _) => Err("the wheel"),
+        (Kind::Wheel, _) => Err("the mouse wheel"),
     }
 }
 
@@ -245,9 +245,9 @@ mod tests {
         .unwrap();
         assert_eq!(mine.name, "mine");
         assert_eq!(mine.action("ctrl+z".parse().unwrap()), Some(Action::Fill));
-        assert_eq!(mine.shortcut(Action::Undo).unwrap(), "pad cross left");
+        assert_eq!(mine.shortcut(Action::Undo).unwrap(), "gamepad D-pad left");
         let error = Bindings::parse("extends = \"emacs\"").unwrap_err().to_string();
-        assert!(error.contains("no table called \"emacs\""), "{error}");
+        assert!(error.contains("no preset called \"emacs\""), "{error}");
     }
 
     #[test]
@@ -256,7 +256,7 @@ mod tests {
         assert!(error("fly = [\"a\"]").contains("fly: there is no such action"));
         assert!(error("undo = [\"ctrl+nokey\"]").contains("undo: `nokey` is not a key"));
         assert!(error("undo = [\"left\"]").contains("needs a key"));
-        assert!(error("zoom = [\"z\"]").contains("needs the wheel"));
+        assert!(error("zoom = [\"z\"]").contains("needs the mouse wheel"));
         assert!(error("apply = [\"left\"]").contains("mouse buttons together"));
         let twice = error("undo = [\"ctrl+z\"]\nredo = [\"ctrl+z\"]");
         assert!(twice.contains("Ctrl+Z") && twice.contains("redo") && twice.contains("undo"));

@@ -29,14 +29,14 @@ impl Group {
 
     pub const fn title(self) -> &'static str {
         match self {
-            Group::Pointer => "Working with the pointer",
+            Group::Pointer => "Pointer",
             Group::Tools => "Tools",
-            Group::Pose => "Size and place of the tool",
-            Group::Repetition => "Symmetry and repetition",
-            Group::Areas => "Marker, selection and copies",
-            Group::History => "History and the whole grid",
+            Group::Pose => "Tool size and position",
+            Group::Repetition => "Symmetry and array",
+            Group::Areas => "Marker, selection and clipboard",
+            Group::History => "History and grid",
             Group::View => "View",
-            Group::Program => "Files and the program",
+            Group::Program => "Files and program",
         }
     }
 
@@ -54,10 +54,11 @@ impl Group {
             | ClearMarker | DyeMarker | Copy | Cut | Paste | TurnClip(_) | MirrorClip(_)
             | MoveContents(_) => Group::Areas,
             Undo | Redo | Fill | Clear => Group::History,
-            ResetView | LookFrom(_) | NextRenderMode | NextStereo | SwapEyes | ToggleVideo
-            | ToggleHead | CalibrateHead | ToggleAr | Lights => Group::View,
-            ScaleUp | ScaleDown | ScaleReset | TearOff(_) | ToggleRumble | New | Open | Save
-            | SaveAs | Palette | Help | Guide | Quit => Group::Program,
+            ResetView | LookFrom(_) | ZoomIn | ZoomOut | ToggleBounds | NextRenderMode
+            | NextStereo | SwapEyes | ToggleVideo | ToggleHead | CalibrateHead | ToggleAr
+            | Lights | Fullscreen => Group::View,
+            ScaleUp | ScaleDown | ScaleReset | ToggleTheme | TearOff(_) | ToggleRumble | New
+            | Open | Save | SaveAs | Screenshot | Palette | Help | Guide | Quit => Group::Program,
         }
     }
 }

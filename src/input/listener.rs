@@ -127,7 +127,7 @@ mod tests {
             modifiers: egui::Modifiers::NONE,
         };
         let shift = key(Key::ShiftLeft, egui::Modifiers::SHIFT);
-        assert_eq!(hear(&[shift, released]), ["left Shift alone"]);
+        assert_eq!(hear(&[shift, released]), ["tap left Shift"]);
         assert_eq!(hear(&[Event::Copy, Event::Paste(String::new())]), ["Ctrl+C", "Ctrl+V"]);
     }
 

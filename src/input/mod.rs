@@ -15,6 +15,7 @@ pub mod pad;
 pub mod panel;
 pub mod personal;
 pub mod remap;
+mod synonyms;
 pub mod trigger;
 
 pub use action::{Action, Axis, Side, Step, ToolMode};

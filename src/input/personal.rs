@@ -20,8 +20,8 @@ use serde::Deserialize;
 use super::bindings::{Bindings, BindingsError, Lines};
 
 const HEAD: &str = "\
-# Keys and mouse, as changed under Help (F1) in Virtual Sculpture.
-# `extends` names the preset in use; the lines say what differs from it, [] for nothing at all.
+# Controls, as changed under Help (F1) in Virtual Sculpture.
+# `extends` names the preset in use; the lines below override it, [] removes every key of an action.
 ";
 
 /// All presets as a person has changed them.
@@ -134,7 +134,7 @@ mod tests {
     fn mistakes_are_named() {
         let error = |text: &str| Personal::parse(text, &presets()).unwrap_err().to_string();
         assert!(error("").contains("extends"));
-        assert!(error("extends = \"emacs\"").contains("no table called \"emacs\""));
+        assert!(error("extends = \"emacs\"").contains("no preset called \"emacs\""));
         assert!(error("extends = \"direct\"\n[kept.vi]").contains("\"vi\""));
         assert!(error("extends = \"direct\"\n[bindings]\nfly = [\"a\"]").contains("fly"));
         assert!(error("extends = \"direct\"\n[kept.thesis]\nundo = [\"wheel\"]").contains("a key"));

@@ -18,7 +18,7 @@ pub struct Unfit {
 
 impl fmt::Display for Unfit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} cannot do this; it needs {}", self.trigger, self.needs)
+        write!(f, "{} cannot trigger this action; it needs {}", self.trigger, self.needs)
     }
 }
 
@@ -151,7 +151,7 @@ mod tests {
         let unfit = mine.bind(trigger("ctrl+wheel"), Action::Undo).unwrap_err();
         assert_eq!(
             unfit.to_string(),
-            "Ctrl+wheel cannot do this; it needs a key or a button of a gamepad"
+            "Ctrl+wheel cannot trigger this action; it needs a key or a gamepad button"
         );
         assert!(mine.bind(trigger("z"), Action::Zoom).is_err());
         assert!(mine.bind(trigger("left"), Action::Apply).is_err());

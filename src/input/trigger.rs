@@ -186,7 +186,7 @@ impl fmt::Display for Trigger {
                 write!(f, "{} button{plural}", names.join(" + "))
             }
             Trigger::Wheel { .. } => f.write_str("wheel"),
-            Trigger::ShiftTap => f.write_str("left Shift alone"),
+            Trigger::ShiftTap => f.write_str("tap left Shift"),
             Trigger::Pad { button } => f.write_str(button.label()),
         }
     }
@@ -212,8 +212,8 @@ mod tests {
         assert_eq!(shown("left"), "left button");
         assert_eq!(shown("ctrl+left+right"), "Ctrl+left + right buttons");
         assert_eq!(shown("shift+wheel"), "Shift+wheel");
-        assert_eq!(shown("shift-tap"), "left Shift alone");
-        assert_eq!(shown("pad-dpad-left"), "pad cross left");
+        assert_eq!(shown("shift-tap"), "tap left Shift");
+        assert_eq!(shown("pad-dpad-left"), "gamepad D-pad left");
     }
 
     #[test]

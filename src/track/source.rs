@@ -23,7 +23,7 @@ pub enum SourceError {
     Thread(io::Error),
     #[error("cannot read the script of poses {0}: {1}")]
     ReadScript(PathBuf, io::Error),
-    #[error("the script of poses {0}, {1}")]
+    #[error("the script of poses {0}: {1}")]
     Script(PathBuf, ScriptError),
 }
 

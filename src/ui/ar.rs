@@ -24,9 +24,11 @@ pub struct ArFacts {
 impl ArFacts {
     fn state(&self) -> String {
         match (self.video, self.seen) {
-            (false, _) => "No video to look for the marker in".to_owned(),
-            (true, false) => format!("Looking for marker {}", self.marker),
-            (true, true) => format!("On marker {}, {:.2} mm a voxel", self.marker, self.voxel_mm),
+            (false, _) => "No video to find the printed marker in".to_owned(),
+            (true, false) => format!("Looking for printed marker {}", self.marker),
+            (true, true) => {
+                format!("On printed marker {}, {:.2} mm per voxel", self.marker, self.voxel_mm)
+            }
         }
     }
 }
@@ -34,7 +36,7 @@ impl ArFacts {
 /// Its part of the options.
 pub fn options(ui: &mut Ui, state: &UiState, facts: &Facts, intents: &mut Vec<Intent>) {
     let mut on = facts.ar.on;
-    let stand = ui.checkbox(&mut on, "On the marker in the video");
+    let stand = ui.checkbox(&mut on, "Stand on the printed marker");
     if explain(stand, state, facts, Action::ToggleAr).changed() {
         intents.push(Intent::Do(Action::ToggleAr));
     }
@@ -47,7 +49,7 @@ pub fn options(ui: &mut Ui, state: &UiState, facts: &Facts, intents: &mut Vec<In
 pub fn status(ui: &mut Ui, facts: &Facts) {
     if facts.ar.on {
         ui.separator();
-        let word = if facts.ar.seen { "Marker seen" } else { "No marker" };
+        let word = if facts.ar.seen { "Marker found" } else { "Marker not found" };
         ui.strong(word).on_hover_text(facts.ar.state());
     }
 }

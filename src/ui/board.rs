@@ -4,7 +4,7 @@
 use egui::{CentralPanel, Frame, Margin, Panel as Side, RichText, ScrollArea, Ui};
 
 use super::{
-    Facts, Intent, UiState, busy, files, guide, history, key_table, leave, new_dialog, options,
+    Facts, Intent, UiState, busy, files, guide, history, leave, light, new_dialog, options,
     palette, theme, toolbox, top_bar,
 };
 use crate::input::hands::HandSide;
@@ -16,14 +16,14 @@ const HISTORY_HEIGHT: f32 = 250.0;
 
 /// What the hands do, for those who open the board for the first time.
 const HINTS: [(&str, &str); 8] = [
-    ("Trigger", "use the tool; press a button here"),
-    ("Grip", "hold, move and turn the sculpture"),
-    ("Both grips", "make it larger or smaller"),
-    ("Stick up, down", "size of the tool; scroll here"),
-    ("A, X or stick pressed", "take the colour that the tool touches"),
+    ("Trigger", "use the tool; click here"),
+    ("Grip", "grab, move and rotate the sculpture"),
+    ("Both grips", "scale the sculpture"),
+    ("Stick up, down", "resize the tool; scroll here"),
+    ("A, X or stick click", "pick the colour that the tool touches"),
     ("Other stick left, right", "undo, redo"),
-    ("Menu, or a tap of the other trigger", "this board"),
-    ("Menu held", "bring the sculpture before you"),
+    ("Menu, or other trigger", "show or hide this panel"),
+    ("Hold menu", "bring the sculpture in front of you"),
 ];
 
 /// Shows everything in `root` and adds to `intents` what was asked for.
@@ -49,7 +49,7 @@ pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec
                 history::show(ui, facts, HISTORY_HEIGHT, intents);
                 ui.separator();
                 ui.horizontal(|ui| {
-                    ui.label("Tool in the");
+                    ui.label("Tool in");
                     for side in HandSide::ALL {
                         ui.selectable_value(&mut state.hand_side, side, side.label());
                     }
@@ -80,7 +80,7 @@ pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec
         });
     });
     guide::show(root, state, facts, intents);
-    key_table::show(root, state, facts, intents);
+    light::show(root, state);
     palette::show(root, state, facts, intents);
     new_dialog::show(root, state, facts, intents);
     leave::show(root, state, intents);

@@ -20,7 +20,7 @@ pub fn show(root: &Ui, state: &UiState, intents: &mut Vec<Intent>) {
             None => ProgressBar::new(0.0).fill(Color32::TRANSPARENT),
         });
         ui.add_space(8.0);
-        ui.button("Cancel").on_hover_text("Stop; everything stays as it was").clicked()
+        ui.button("Cancel").on_hover_text("Stop and leave everything as it was").clicked()
     });
     if stop.inner || root.input(|input| input.key_pressed(Key::Escape)) {
         intents.push(Intent::StopWork);

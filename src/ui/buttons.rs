@@ -1,5 +1,5 @@
 //! Owns the buttons that stand for an action: their tooltip says what it does and which key does
-//! the same.
+//! the same, where there are keys.
 
 use egui::{Response, RichText, Ui, WidgetText};
 
@@ -28,7 +28,7 @@ pub fn action_button(
 pub fn explain(response: Response, state: &UiState, facts: &Facts, action: Action) -> Response {
     let tip = |ui: &mut Ui| {
         ui.label(action.help().text);
-        if let Some(keys) = facts.bindings(state).and_then(|b| b.shortcut(action)) {
+        if let Some(keys) = facts.shortcut(state, action) {
             ui.label(RichText::new(keys).weak());
         }
     };

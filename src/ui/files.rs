@@ -61,7 +61,7 @@ impl Files {
     /// Opens the dialog, in the folder of `path` if there is one.
     pub fn open(&mut self, task: FileTask, path: Option<&Path>) {
         const VOLUMES: &str = "Sculptures and volumes (.vsc, .pvm, .raw)";
-        const PICTURES: &str = "Pictures (.png, .jpg)";
+        const PICTURES: &str = "Images (.png, .jpg)";
         let mut dialog = FileDialog::new()
             .add_file_filter_extensions(VOLUMES, crate::format::ENDINGS.to_vec())
             .add_file_filter_extensions(PICTURES, vec!["png", "jpg", "jpeg"])
@@ -78,12 +78,12 @@ impl Files {
         dialog = match task {
             FileTask::Open => dialog.title("Open").default_file_filter(VOLUMES),
             FileTask::Picture => {
-                dialog.title("Picture to paint with").default_file_filter(PICTURES)
+                dialog.title("Choose an image to paint with").default_file_filter(PICTURES)
             }
             FileTask::SaveAs | FileTask::SaveAndLeave => dialog
                 .title("Save as")
                 .add_save_extension("Volume", ENDING)
-                .add_save_extension("Raw bytes", "raw")
+                .add_save_extension("Raw voxels", "raw")
                 .default_save_extension("Volume")
                 .default_file_name(&name),
         };
@@ -112,7 +112,7 @@ pub fn show(root: &Ui, state: &mut UiState, intents: &mut Vec<Intent>) {
             FileTask::Open => import_options(ui, choice),
             FileTask::SaveAs | FileTask::SaveAndLeave => export_options(ui, choice),
             FileTask::Picture => {
-                ui.label("The picture is wrapped around the tool when that paints.");
+                ui.label("The image is wrapped around the tool in Paint mode.");
             }
         }
     });
@@ -134,15 +134,15 @@ pub fn show(root: &Ui, state: &mut UiState, intents: &mut Vec<Intent>) {
 }
 
 fn import_options(ui: &mut Ui, choice: &mut Choice) {
-    ui.label(RichText::new("Voxels that exist").strong());
+    ui.label(RichText::new("Density threshold").strong());
     let existence = &mut choice.import.existence;
     let mut auto = *existence == Existence::Auto;
     ui.radio_value(&mut auto, true, "Automatic")
-        .on_hover_text("Densities from a threshold on that their histogram suggests");
+        .on_hover_text("Threshold chosen from the file's histogram");
     ui.horizontal(|ui| {
-        ui.radio_value(&mut auto, false, "From");
+        ui.radio_value(&mut auto, false, "Manual");
         ui.add_enabled(!auto, DragValue::new(&mut choice.threshold))
-            .on_hover_text("Least density, in the units of the file");
+            .on_hover_text("Lowest density that becomes a filled voxel, in the file's units");
     });
     *existence = if auto { Existence::Auto } else { Existence::Threshold(choice.threshold) };
 
@@ -163,7 +163,7 @@ fn import_options(ui: &mut Ui, choice: &mut Choice) {
     let field = TextEdit::singleline(&mut choice.raw).hint_text("128x256x256:u8");
     ui.add(field.desired_width(f32::INFINITY)).on_hover_text(
         "WIDTHxHEIGHTxDEPTH:TYPE[:skip=BYTES][:size=SX,SY,SZ]\n\
-         with a type of u8, u16le, u16be, i16le, i16be, f32le, f32be, rgb8, rgba8",
+         where TYPE is u8, u16le, u16be, i16le, i16be, f32le, f32be, rgb8 or rgba8",
     );
     choice.import.raw = match choice.raw.trim() {
         "" => None,
@@ -178,12 +178,12 @@ fn import_options(ui: &mut Ui, choice: &mut Choice) {
 }
 
 fn export_options(ui: &mut Ui, choice: &mut Choice) {
-    ui.label(RichText::new("What is written").strong());
+    ui.label(RichText::new("Contents").strong());
     for (form, text) in [
-        (ExportForm::Auto, "Shape, and colours if there are any"),
-        (ExportForm::Densities, "Shape only: a byte a voxel, for any volume viewer"),
-        (ExportForm::Rgba, "Red, green, blue and opacity, a byte each"),
-        (ExportForm::Packed, "Colours as they are packed in memory"),
+        (ExportForm::Auto, "Shape, plus colours if there are any"),
+        (ExportForm::Densities, "Shape only, one byte per voxel, for any volume viewer"),
+        (ExportForm::Rgba, "Red, green, blue and opacity, one byte each"),
+        (ExportForm::Packed, "Colours packed into 8, 16 or 24 bits"),
     ] {
         ui.radio_value(&mut choice.form, form, capital(&form.to_string())).on_hover_text(text);
     }

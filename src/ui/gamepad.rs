@@ -18,8 +18,8 @@ pub fn show(ui: &mut Ui, state: &mut UiState, pad: PadFacts, intents: &mut Vec<I
         let mut rumble = state.rumble && pad.rumbles;
         let checkbox = ui
             .checkbox(&mut rumble, "Rumble")
-            .on_hover_text("The gamepad shakes as strongly as the tool bites")
-            .on_disabled_hover_text("This gamepad cannot shake");
+            .on_hover_text("The gamepad vibrates while the tool cuts")
+            .on_disabled_hover_text("This gamepad has no rumble");
         if checkbox.changed() {
             state.rumble = rumble;
         }
@@ -30,7 +30,7 @@ pub fn show(ui: &mut Ui, state: &mut UiState, pad: PadFacts, intents: &mut Vec<I
 pub const fn mode_hint(mode: PadMode) -> &'static str {
     match mode {
         PadMode::OnlyMouse => "Left stick: pointer; Y: click; A: double click",
-        PadMode::UseTool => "Left stick: move the tool; right stick: turn it; A: use it",
-        PadMode::MoveGrid => "Left stick: move the sculpture; right stick: turn it",
+        PadMode::UseTool => "Left stick: move the tool; right stick: rotate it; A: use it",
+        PadMode::MoveGrid => "Left stick: move the sculpture; right stick: rotate it",
     }
 }

@@ -32,6 +32,8 @@ struct Step {
     title: &'static str,
     /// What to do; `{}` stands for the shortcuts of `actions`, in their order.
     text: &'static str,
+    /// The same for hands with controllers, in a headset.
+    by_hand: &'static str,
     actions: &'static [Action],
     /// Looks at the sculpture, and at what was done since the step began.
     is_done: fn(&Document, u64) -> bool,
@@ -44,9 +46,12 @@ struct Step {
 const STEPS: [Step; 7] = [
     Step {
         title: "Clear half of the grid",
-        text: "Take the marker ({}). It is a box: drag it over the stone from corner to corner, pull \
-               its faces with Ctrl and the left button, or type its numbers on the right. Let it \
-               hold the upper half, then remove what it holds ({}).",
+        text: "Choose the marker ({}). It is a box: drag it over the stone from corner to corner, \
+               pull its faces with Ctrl and the left button, or type its numbers on the right. Put \
+               it around the upper half, then delete the voxels in it ({}).",
+        by_hand: "Choose the marker. It is a box: it moves with your hand while you pull the \
+                  trigger, and its numbers are in the options. Put it around the upper half, then \
+                  press Delete in the options.",
         actions: &[Action::Marker, Action::ClearMarker],
         is_done: |document, _| {
             let grid = document.grid();
@@ -60,8 +65,9 @@ const STEPS: [Step; 7] = [
     },
     Step {
         title: "Limit the tools to it",
-        text: "Limit all tools to what the marker holds ({}). From now on the ground below is \
-               safe.",
+        text: "Limit all tools to the marker ({}). From now on the ground below is safe.",
+        by_hand: "Tick Limit tools to selection in the options of the marker. From now on the \
+                  ground below is safe.",
         actions: &[Action::ToggleLimit],
         is_done: |document, _| document.selection().limit().is_some(),
         marker: None,
@@ -72,8 +78,10 @@ const STEPS: [Step; 7] = [
     },
     Step {
         title: "Add a cuboid",
-        text: "Take the cuboid ({}), let it add ({}), make it larger ({}), tick Stand on the \
-               surface on the right, and press the left button on the ground.",
+        text: "Choose the cuboid ({}) and Add ({}), enlarge it ({}), tick Rest on the surface on \
+               the right, and click on the ground with the left button.",
+        by_hand: "Choose the cuboid and Add. Enlarge it with the stick, hold it on the ground and \
+                  pull the trigger.",
         actions: &[
             Action::Solid(Solid::Cuboid),
             Action::Mode(crate::input::ToolMode::Add),
@@ -85,8 +93,10 @@ const STEPS: [Step; 7] = [
     },
     Step {
         title: "Roughen it",
-        text: "Bite into it with the devourer ({}), then fill the corners with growth ({}): drag \
+        text: "Carve into it with the devourer ({}), then fill the corners with growth ({}): drag \
                both over the cuboid until it looks like rock.",
+        by_hand: "Carve into it with the devourer, then fill the corners with growth: pull the \
+                  trigger and sweep both over the cuboid until it looks like rock.",
         actions: &[Action::Spray(SprayKind::Devourer), Action::Spray(SprayKind::Growth)],
         is_done: |document, since| has_step(document, since, &["devourer", "growth"]),
         marker: None,
@@ -94,8 +104,10 @@ const STEPS: [Step; 7] = [
     },
     Step {
         title: "Smooth it",
-        text: "Wear the edges off with erosion ({}). The left button with Shift smooths, whatever \
-               tool you hold.",
+        text: "Wear down the edges with erosion ({}). The left button with Shift smooths, whatever \
+               the current tool.",
+        by_hand: "Wear down the edges with erosion: pull the trigger and sweep it along them. \
+                  Smooth evens out what is left.",
         actions: &[Action::Spray(SprayKind::Erosion)],
         is_done: |document, since| has_step(document, since, &["erosion"]),
         marker: None,
@@ -103,17 +115,21 @@ const STEPS: [Step; 7] = [
     },
     Step {
         title: "Paint it",
-        text: "Take the brush ({}), choose a colour on the right and paint. Alt and the left \
-               button take a colour from the surface.",
+        text: "Choose the brush ({}) and a colour on the right, and paint. Alt and the left button \
+               pick a colour from the surface.",
+        by_hand: "Choose the brush and a colour, point at the cuboid and pull the trigger. Pick in \
+                  the options, or the A or X button, picks a colour from the surface.",
         actions: &[Action::Spray(SprayKind::Paintbrush)],
         is_done: |document, since| has_step(document, since, &["paintbrush"]),
         marker: None,
         commands: None,
     },
     Step {
-        title: "Dye the ground",
-        text: "Let the tools go everywhere again ({}), take the marker, let it hold the ground \
-               and give it the colour ({}).",
+        title: "Recolour the ground",
+        text: "Lift the limit ({}), choose the marker, put it around the ground and recolour the \
+               voxels in it ({}).",
+        by_hand: "Untick Limit tools to selection, choose the marker, put it around the ground and \
+                  press Recolour in the options.",
         actions: &[Action::ToggleLimit, Action::DyeMarker],
         is_done: |document, since| has_step(document, since, &["dye marker"]),
         marker: Some(lower_half),
@@ -191,10 +207,14 @@ pub fn show(root: &Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Int
             match state.guide.step() {
                 Some(at) => current(ui, state, facts, intents, at),
                 None => {
-                    ui.label("You know the tools. Build a house, a tree, a lake and a hill!");
+                    ui.label("You know the tools now. Build a house, a tree, a lake and a hill!");
                     ui.horizontal(|ui| {
                         again(ui, &mut state.guide);
-                        if ui.button("Close").on_hover_text("The guide is in the menu").clicked() {
+                        if ui
+                            .button("Close")
+                            .on_hover_text("First steps can be reopened from the menu")
+                            .clicked()
+                        {
                             state.guide.open = false;
                         }
                     });
@@ -221,7 +241,7 @@ fn overview(ui: &mut Ui, guide: &Guide) {
 }
 
 fn again(ui: &mut Ui, guide: &mut Guide) {
-    if ui.button("Start again").on_hover_text("From the first step").clicked() {
+    if ui.button("Start again").on_hover_text("Go back to the first step").clicked() {
         guide.start_again();
     }
 }
@@ -230,7 +250,11 @@ fn again(ui: &mut Ui, guide: &mut Guide) {
 fn current(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>, at: usize) {
     let step = &STEPS[at];
     ui.label(RichText::new(format!("{}. {}", at + 1, step.title)).strong());
-    ui.label(with_keys(step, facts, state));
+    ui.label(if facts.in_headset {
+        step.by_hand.to_string()
+    } else {
+        with_keys(step, facts, state)
+    });
     if let Some(marker) = step.marker {
         let marker = marker(facts.document);
         let (from, size) = (marker.min, marker.size());
@@ -245,7 +269,7 @@ fn current(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<In
         {
             intents.extend(commands(facts.document).into_iter().map(Intent::Run));
         }
-        if ui.button("Skip").on_hover_text("Go on with the next step").clicked() {
+        if ui.button("Skip").on_hover_text("Continue with the next step").clicked() {
             state.guide.finish(at);
         }
         again(ui, &mut state.guide);
@@ -279,6 +303,18 @@ mod tests {
     fn every_step_names_as_many_actions_as_its_text_has_gaps() {
         for step in &STEPS {
             assert_eq!(step.text.matches("{}").count(), step.actions.len(), "{}", step.title);
+        }
+    }
+
+    #[test]
+    fn in_a_headset_there_is_no_word_of_mouse_and_keys() {
+        for step in &STEPS {
+            let words = step.by_hand.to_lowercase();
+            let words: Vec<&str> = words.split(|c: char| !c.is_alphanumeric()).collect();
+            for word in ["mouse", "ctrl", "shift", "alt", "key", "keys", "left", "drag", "click"] {
+                assert!(!words.contains(&word), "{}: {word}", step.title);
+            }
+            assert!(!step.by_hand.contains("{}"), "{}", step.title);
         }
     }
 

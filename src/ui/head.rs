@@ -64,11 +64,11 @@ impl HeadFacts {
     fn details(&self) -> String {
         let [x, y, z] = self.position_m.map(|v| v * 100.0);
         let [width, height] = self.screen_m.map(|v| v * 100.0);
-        let guess = if self.guessed { " (a guess)" } else { "" };
+        let guess = if self.guessed { " (estimated)" } else { "" };
         let state = self.state.as_deref().unwrap_or("connected");
         format!(
-            "{}: {state}\n{:.0} poses a second, lost {} times, {} messages dropped\n\
-             Head {x:.0} cm right, {y:.0} up, {z:.0} before the screen of {width:.0} × {height:.0} cm\
+            "{}: {state}\n{:.0} poses per second, lost {} times, {} messages dropped\n\
+             Head {x:.0} cm right, {y:.0} up, {z:.0} in front of the {width:.0} × {height:.0} cm screen\
              {guess}",
             self.source, self.rate_hz, self.losses, self.dropped
         )
@@ -85,7 +85,7 @@ pub fn options(ui: &mut Ui, state: &UiState, facts: &Facts, intents: &mut Vec<In
     if facts.head.on {
         ui.label(facts.head.details());
     }
-    action_button(ui, state, facts, "Calibrate…", Action::CalibrateHead, true, intents);
+    action_button(ui, state, facts, "Calibrate …", Action::CalibrateHead, true, intents);
 }
 
 /// Its part of the status line.
@@ -102,24 +102,26 @@ const CORNERS: [&str; 4] = ["top left", "top right", "bottom right", "bottom lef
 pub fn calibration(root: &Ui, facts: &Facts, intents: &mut Vec<Intent>) {
     let Some(calibration) = &facts.head.calibration else { return };
     let mut ask = |step| intents.push(Intent::Calibrate(step));
-    let frame = Window::new("Calibrate the tracker").collapsible(false).resizable(false);
+    let frame = Window::new("Calibrate the head tracker").collapsible(false).resizable(false);
     frame.anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0)).show(root.ctx(), |ui| {
         ui.set_width(360.0);
         if let Some(corner) = CORNERS.get(calibration.taken) {
-            ui.label("Touch this corner of the screen with the tracked thing and hold it still:");
+            ui.label("Touch this corner of the screen with the tracked object and hold it still:");
             ui.label(RichText::new(format!("{} of 4: {corner}", calibration.taken + 1)).heading());
             screen(ui, calibration.taken);
-            ui.label("Then press Space, Take, or a button of the tracker.");
+            ui.label("Then press Space, Record, or a button on the tracker.");
             let space = ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Space));
-            if ui.button("Take").clicked() || space {
+            if ui.button("Record").clicked() || space {
                 ask(CalibrationStep::Take);
             }
         } else if let Some(rms_mm) = calibration.rms_mm {
-            ui.label(format!("The touches agree within {rms_mm:.1} mm."));
+            ui.label(format!("The four touches agree to within {rms_mm:.1} mm."));
             if rms_mm > 10.0 {
-                ui.label("That is much: is screen.size_m right? Better begin again.");
+                ui.label(
+                    "That is inaccurate. Check screen.size_m in the settings, then start again.",
+                );
             }
-            if ui.button("Keep").clicked() {
+            if ui.button("Save").clicked() {
                 ask(CalibrationStep::Keep);
             }
         }
@@ -128,7 +130,7 @@ pub fn calibration(root: &Ui, facts: &Facts, intents: &mut Vec<Intent>) {
         }
         ui.separator();
         ui.horizontal(|ui| {
-            if ui.button("Begin again").clicked() {
+            if ui.button("Start again").clicked() {
                 ask(CalibrationStep::Again);
             }
             let escape =

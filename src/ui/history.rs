@@ -12,7 +12,7 @@ pub fn show(ui: &mut Ui, facts: &Facts, height: f32, intents: &mut Vec<Intent>) 
     let history = facts.document.history();
     let undos = history.undo_count();
     let start = if history.dropped() > 0 {
-        format!("({} earlier steps forgotten)", history.dropped())
+        format!("({} older steps discarded)", history.dropped())
     } else {
         "Start".to_string()
     };
@@ -52,7 +52,9 @@ pub fn words(label: &str) -> String {
     match label.split_once(' ').unwrap_or((label, "")) {
         ("subtract", what) => format!("Cut {what}"),
         ("recolour", what) => format!("Paint {what}"),
+        ("dye", what) => format!("Recolour {what}"),
         ("paintbrush", _) => "Brush".to_string(),
+        ("array", _) => "Repeat".to_string(),
         _ => capital(label),
     }
 }
@@ -65,6 +67,8 @@ mod tests {
             ("subtract ellipsoid", "Cut ellipsoid"),
             ("recolour pyramid", "Paint pyramid"),
             ("paintbrush", "Brush"),
+            ("dye marker", "Recolour marker"),
+            ("array", "Repeat"),
             ("my own stroke", "My own stroke"),
         ] {
             assert_eq!(super::words(label), shown);

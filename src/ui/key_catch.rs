@@ -95,19 +95,19 @@ pub fn show(root: &Ui, state: &mut UiState, intents: &mut Vec<Intent>) {
                 if let Some(refusal) = refusal {
                     ui.colored_label(theme::error_colour(ui.visuals()), format!("{refusal}."));
                 }
-                ui.weak("Escape leaves everything as it is.");
+                ui.weak("Press Escape to cancel.");
             }
             Step::Ask(trigger, other) => {
                 let text = capital(&trigger.to_string());
-                ui.label(format!("{text} does something else now: {}.", other.help().text));
+                ui.label(format!("{text} is already assigned to: {}.", other.help().text));
                 ui.add_space(8.0);
                 ui.horizontal(|ui| {
-                    if ui.add(theme::primary(ui.visuals(), "Take it")).clicked() {
+                    if ui.add(theme::primary(ui.visuals(), "Reassign")).clicked() {
                         let change = KeyChange::Bind(*trigger, catch.action);
                         intents.push(Intent::Keys(change));
                         over = true;
                     }
-                    over |= ui.button("Leave it").clicked();
+                    over |= ui.button("Cancel").clicked();
                 });
             }
         }
@@ -121,11 +121,11 @@ pub fn show(root: &Ui, state: &mut UiState, intents: &mut Vec<Intent>) {
 
 fn wish(kind: Kind) -> &'static str {
     match kind {
-        Kind::Tap => {
-            "Press the key, with Ctrl, Shift or Alt if you like, or the button of a gamepad."
+        Kind::Tap => "Press a key, with Ctrl, Shift or Alt if you like, or a gamepad button.",
+        Kind::Hold => {
+            "Press a key, or several mouse buttons together, with Ctrl, Shift or Alt if you like."
         }
-        Kind::Hold => "Press the key, or mouse buttons together, with Ctrl, Shift or Alt.",
-        Kind::Drag => "Click the mouse button, with Ctrl, Shift or Alt if you like.",
-        Kind::Wheel => "Turn the wheel, with Ctrl, Shift or Alt if you like.",
+        Kind::Drag => "Click a mouse button, with Ctrl, Shift or Alt if you like.",
+        Kind::Wheel => "Turn the mouse wheel, with Ctrl, Shift or Alt if you like.",
     }
 }

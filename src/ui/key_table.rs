@@ -57,7 +57,7 @@ pub fn show(root: &Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Int
     let room = root.ctx().content_rect();
     let height = (room.height() - 190.0).min(HEIGHT);
     let mut open = state.help_open;
-    Window::new("Keys and mouse")
+    Window::new("Controls")
         .open(&mut open)
         .resizable(false)
         .collapsible(false)
@@ -84,13 +84,13 @@ fn head(ui: &mut Ui, state: &mut UiState, facts: &Facts, changed: bool, intents:
             }
         });
         let field = TextEdit::singleline(&mut state.keys.filter)
-            .hint_text("Filter by words or keys")
+            .hint_text("Filter by name or key")
             .desired_width(240.0);
         let response = ui.add(field);
         response.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, "Filter"));
         ui.add_enabled_ui(changed, |ui| {
             ui.menu_button("Reset all", |ui| {
-                let text = format!("Forget all changes to {}", name(state.preset));
+                let text = format!("Discard all changes to {}", name(state.preset));
                 if ui.button(text).clicked() {
                     intents.push(Intent::Keys(KeyChange::ResetAll));
                 }
@@ -128,14 +128,20 @@ fn rows(
         });
     }
     if !any {
-        ui.weak("Nothing has all these words.");
+        ui.weak("No matches.");
     }
 }
 
 fn takes(filter: &Filter, action: Action, bindings: &Bindings) -> bool {
     let triggers: Vec<String> = bindings.triggers(action).map(|t| t.to_string()).collect();
     let help = action.help();
-    filter.takes(&[help.text, help.name, Group::of(action).title(), &triggers.join(" ")])
+    filter.takes(&[
+        help.text,
+        help.name,
+        action.synonyms(),
+        Group::of(action).title(),
+        &triggers.join(" "),
+    ])
 }
 
 fn row(
@@ -150,7 +156,7 @@ fn row(
     ui.scope(|ui| {
         ui.set_width(TEXT_WIDTH);
         let label = egui::Label::new(help.text).wrap();
-        ui.add(label).on_hover_text(format!("\"{}\" in tables of bindings", help.name));
+        ui.add(label).on_hover_text(format!("\"{}\" in bindings.toml", help.name));
     });
     ui.scope(|ui| {
         ui.set_width(TRIGGERS_WIDTH);
@@ -158,14 +164,14 @@ fn row(
             ui.spacing_mut().item_spacing = egui::vec2(4.0, 3.0);
             // First, so that all stand below one another.
             let add = named(ui.add(Button::new("+").small()), format!("Add to: {}", help.text));
-            if add.on_hover_text("Give it another key or button").clicked() {
+            if add.on_hover_text("Add a key or button").clicked() {
                 state.listen_for(action);
             }
             for trigger in bindings.triggers(action) {
                 let text = capital(&trigger.to_string());
                 let chip = ui.add(Button::new(format!("{text}  ✖")).small());
-                let chip = named(chip, format!("Take {text} from: {}", help.text));
-                if chip.on_hover_text("Take it away").clicked() {
+                let chip = named(chip, format!("Remove {text} from: {}", help.text));
+                if chip.on_hover_text("Remove").clicked() {
                     intents.push(Intent::Keys(KeyChange::Unbind(trigger)));
                 }
             }
@@ -173,7 +179,7 @@ fn row(
     });
     if bindings.differs(action, pristine) {
         let reset = named(ui.add(Button::new("⟲").small()), format!("Reset: {}", help.text));
-        if reset.on_hover_text("As in the preset").clicked() {
+        if reset.on_hover_text("Reset to the preset").clicked() {
             intents.push(Intent::Keys(KeyChange::Reset(action)));
         }
     } else {

@@ -268,7 +268,7 @@ impl Keyboard {
             Cap::Enter => "Enter",
             Cap::Left => "◀",
             Cap::Right => "▶",
-            Cap::Shift if self.shift == Shift::Locked => "Capitals",
+            Cap::Shift if self.shift == Shift::Locked => "Caps",
             Cap::Shift => "Shift",
             Cap::Close => "Close",
         }

@@ -10,20 +10,20 @@ pub fn show(root: &Ui, state: &mut UiState, intents: &mut Vec<Intent>) {
     }
     let response = Modal::new(Id::new("leave")).show(root.ctx(), |ui| {
         ui.set_width(320.0);
-        ui.heading("Save before leaving?");
+        ui.heading("Save before quitting?");
         ui.add_space(4.0);
-        ui.label("The sculpture has changes that are in no file yet.");
+        ui.label("You have unsaved changes.");
         ui.add_space(8.0);
         ui.horizontal(|ui| {
             if ui.add(theme::primary(ui.visuals(), "Save")).clicked() {
                 state.leave_open = false;
                 intents.push(Intent::SaveAndLeave);
             }
-            if ui.button("Leave without saving").clicked() {
+            if ui.button("Don't save").clicked() {
                 state.leave_open = false;
                 intents.push(Intent::Leave);
             }
-            if ui.button("Stay").clicked() {
+            if ui.button("Cancel").clicked() {
                 state.leave_open = false;
             }
         });

@@ -40,8 +40,8 @@ pub fn surface(ui: &mut Ui, state: &mut UiState) {
     let software = state.view.mode.shading() == crate::config::Shading::Software;
     Grid::new("surface").num_columns(2).show(ui, |ui| {
         percent(ui, "Ambient", &mut light.ambient, 1.0);
-        percent(ui, "Highlight", &mut light.specular, 1.0);
-        let label = ui.label("Sharpness");
+        percent(ui, "Specular", &mut light.specular, 1.0);
+        let label = ui.label("Shininess");
         let slider = Slider::new(&mut light.shininess, 1..=256).logarithmic(true);
         ui.add(slider).labelled_by(label.id);
         ui.end_row();
@@ -63,18 +63,18 @@ pub fn surface(ui: &mut Ui, state: &mut UiState) {
                     })
                     .response
                     .labelled_by(label.id)
-                    .on_hover_text("Means over neighbours on the same surface");
+                    .on_hover_text("Average over neighbouring pixels of the same surface");
             });
         }
     });
-    filters.response.on_disabled_hover_text("Only the software shader has filters");
-    ui.checkbox(&mut finish.occlusion, "Shadow in corners")
-        .on_hover_text("Ambient occlusion: corners and crevices get less light from everywhere");
+    filters.response.on_disabled_hover_text("Only available with the software shader");
+    ui.checkbox(&mut finish.occlusion, "Ambient occlusion")
+        .on_hover_text("Darkens corners and crevices, which get less ambient light");
 }
 
 fn name(smoothing: Smoothing) -> &'static str {
     match smoothing {
-        Smoothing::Off => "off",
+        Smoothing::Off => "Off",
         Smoothing::Near => "3 × 3",
         Smoothing::Wide => "5 × 5",
     }
@@ -84,20 +84,20 @@ fn lamps(ui: &mut Ui, state: &mut UiState) {
     let (lamps, chosen) = (&mut state.view.light.lamps, &mut state.lamp);
     let (mut removed, mut reset) = (None, false);
     ui.horizontal(|ui| {
-        let add = ui.add_enabled(lamps.len() < MAX_LIGHTS, Button::new("Add a light"));
-        if add.on_disabled_hover_text("There can be four").clicked() {
+        let add = ui.add_enabled(lamps.len() < MAX_LIGHTS, Button::new("Add light"));
+        if add.on_disabled_hover_text("There can be at most four lights").clicked() {
             let place = PLACES[lamps.len()];
             *chosen = lamps.len();
             lamps.push(Lamp { place, intensity: 0.5, ..Lamp::default() });
         }
-        reset = ui.button("Reset the light").clicked();
+        reset = ui.button("Reset lights").clicked();
     });
     for (i, lamp) in lamps.iter_mut().enumerate() {
         ui.push_id(i, |ui| {
             ui.horizontal(|ui| {
                 ui.checkbox(&mut lamp.on, RichText::new(format!("Light {}", i + 1)).strong());
                 ui.color_edit_button_srgb(&mut lamp.colour.0);
-                ui.selectable_value(chosen, i, "Place …");
+                ui.selectable_value(chosen, i, "Edit");
                 if ui.button("Remove").clicked() {
                     removed = Some(i);
                 }
@@ -123,8 +123,8 @@ fn lamps(ui: &mut Ui, state: &mut UiState) {
 fn one(ui: &mut Ui, lamp: &mut Lamp) {
     ui.horizontal(|ui| {
         let before = lamp.kind;
-        ui.radio_value(&mut lamp.kind, LampKind::Direction, "Far away");
-        ui.radio_value(&mut lamp.kind, LampKind::Position, "At a point");
+        ui.radio_value(&mut lamp.kind, LampKind::Direction, "Distant");
+        ui.radio_value(&mut lamp.kind, LampKind::Position, "Point");
         if lamp.kind != before {
             // Where it can be seen to be: about as far as the sculpture is large, or back.
             let towards = Vec3::from(lamp.place).normalize_or(Vec3::Z);
@@ -133,15 +133,15 @@ fn one(ui: &mut Ui, lamp: &mut Lamp) {
         }
     });
     ui.horizontal(|ui| {
-        ui.label("Stays with");
-        ui.radio_value(&mut lamp.frame, LampFrame::Eye, "the viewer");
-        ui.radio_value(&mut lamp.frame, LampFrame::World, "the world");
+        ui.label("Fixed to");
+        ui.radio_value(&mut lamp.frame, LampFrame::Eye, "viewer");
+        ui.radio_value(&mut lamp.frame, LampFrame::World, "world");
     });
     Grid::new("place").num_columns(2).show(ui, |ui| {
         match lamp.kind {
             LampKind::Direction => direction(ui, &mut lamp.place),
             LampKind::Position => {
-                ui.label("Place");
+                ui.label("Position");
                 ui.horizontal(|ui| {
                     for (value, axis) in lamp.place.iter_mut().zip(["x ", "y ", "z "]) {
                         let range = -1e5..=1e5;
@@ -168,8 +168,8 @@ fn direction(ui: &mut Ui, place: &mut [f32; 3]) {
         moved |= ui.add(slider).labelled_by(label.id).changed();
         ui.end_row();
     };
-    row("From the side", &mut side_deg, -180.0..=180.0);
-    row("Height", &mut height_deg, -89.0..=89.0);
+    row("Azimuth", &mut side_deg, -180.0..=180.0);
+    row("Elevation", &mut height_deg, -89.0..=89.0);
     if moved {
         let (side, height) = (side_deg.to_radians(), height_deg.to_radians());
         let across = height.cos();

@@ -22,7 +22,7 @@ pub fn show(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<I
         intents,
         &[
             ("Fill", Action::FillMarker),
-            ("Dye", Action::DyeMarker),
+            ("Recolour", Action::DyeMarker),
             ("Delete", Action::ClearMarker),
             ("Reset", Action::ResetTool),
         ],
@@ -98,7 +98,7 @@ fn selection(ui: &mut Ui, state: &UiState, facts: &Facts, intents: &mut Vec<Inte
             ui.monospace(format!("{sign} {}×{}×{}", size.x, size.y, size.z))
                 .on_hover_text(format!("from {} {} {}", at.x, at.y, at.z));
             if i + 1 == boxes.len() {
-                action_button(ui, state, facts, "Drop", Action::DropBox, true, intents);
+                action_button(ui, state, facts, "Remove", Action::DropBox, true, intents);
             }
         });
     }
@@ -106,12 +106,12 @@ fn selection(ui: &mut Ui, state: &UiState, facts: &Facts, intents: &mut Vec<Inte
         ui.weak(format!("and {} more", boxes.len() - 6));
     }
     if boxes.is_empty() {
-        ui.weak("Nothing is selected");
+        ui.weak("Nothing selected");
     } else {
-        buttons(ui, state, facts, intents, &[("Select nothing", Action::ClearSelection)]);
+        buttons(ui, state, facts, intents, &[("Deselect all", Action::ClearSelection)]);
     }
     let mut limits = selection.limits();
-    let limit = ui.checkbox(&mut limits, "Limit all tools to it");
+    let limit = ui.checkbox(&mut limits, "Limit tools to selection");
     if explain(limit, state, facts, Action::ToggleLimit).changed() {
         intents.push(Intent::Do(Action::ToggleLimit));
     }
@@ -122,8 +122,8 @@ fn contents(ui: &mut Ui, state: &UiState, facts: &Facts, intents: &mut Vec<Inten
     buttons(ui, state, facts, intents, &[("Copy", Action::Copy), ("Cut", Action::Cut)]);
     type Make = fn(usize) -> Orientation;
     let rows: [(&str, &str, Make); 2] = [
-        ("Turn", "Turn what the marker holds by 90° about", Orientation::quarter_turn),
-        ("Mirror", "Mirror what the marker holds along", Orientation::mirroring),
+        ("Rotate", "Rotate the marker's contents 90° about", Orientation::quarter_turn),
+        ("Mirror", "Mirror the marker's contents along", Orientation::mirroring),
     ];
     for (title, hint, make) in rows {
         ui.horizontal(|ui| {
@@ -136,24 +136,22 @@ fn contents(ui: &mut Ui, state: &UiState, facts: &Facts, intents: &mut Vec<Inten
             }
         });
     }
-    let keys = facts
-        .bindings(state)
-        .and_then(|b| b.shortcut(Action::MoveContents(crate::input::Step::Left)));
+    let keys = facts.shortcut(state, Action::MoveContents(crate::input::Step::Left));
     if let Some(keys) = keys {
-        ui.weak(format!("{keys} … moves it"));
+        ui.weak(format!("{keys} etc. to move"));
     }
 }
 
 /// What has been copied, and how it will be put down.
 fn copy(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
     let Some(clip) = facts.document.clip() else { return };
-    heading(ui, "Copy");
+    heading(ui, "Clipboard");
     let size = state.orientation.size(clip.size());
     ui.label(format!("{} × {} × {}", size.x, size.y, size.z))
         .on_hover_text(format!("{} voxels", grouped(clip.voxel_count())));
     buttons(ui, state, facts, intents, &[("Paste", Action::Paste)]);
     type Make = fn(Axis) -> Action;
-    let rows: [(&str, Make); 2] = [("Turn", Action::TurnClip), ("Mirror", Action::MirrorClip)];
+    let rows: [(&str, Make); 2] = [("Rotate", Action::TurnClip), ("Mirror", Action::MirrorClip)];
     for (title, action) in rows {
         ui.horizontal(|ui| {
             ui.label(title);

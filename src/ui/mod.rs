@@ -43,8 +43,8 @@ use std::path::Path;
 use egui::{CentralPanel, Frame, Response, Sense, Ui};
 
 use crate::document::Document;
-use crate::input::Bindings;
 use crate::input::pad::PadMode;
+use crate::input::{Action, Bindings};
 
 pub use hand::{Hand, Tool};
 pub use state::{Intent, UiState, ViewState};
@@ -70,6 +70,8 @@ pub struct Facts<'a> {
     /// The same as the program brings them along.
     pub pristine: &'a [Bindings],
     pub times: FrameTimes,
+    /// These are the panels on a hand in a headset, where nobody reaches keyboard and mouse.
+    pub in_headset: bool,
     /// Whether the window can have a layer an eye.
     pub quad_buffered: bool,
     /// Name of the Vulkan device.
@@ -96,6 +98,11 @@ impl Facts<'_> {
     /// The bindings in use.
     fn bindings(&self, state: &UiState) -> Option<&Bindings> {
         self.presets.get(state.preset)
+    }
+
+    /// The first key or button for an action, as a person reads it; none in a headset.
+    fn shortcut(&self, state: &UiState, action: Action) -> Option<String> {
+        self.bindings(state).filter(|_| !self.in_headset).and_then(|b| b.shortcut(action))
     }
 }
 

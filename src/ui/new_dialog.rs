@@ -64,7 +64,7 @@ pub fn show(root: &Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Int
                 ui.colored_label(theme::error_colour(ui.visuals()), error.to_string());
             }
         }
-        ui.weak("The present sculpture can be brought back by undo.");
+        ui.weak("You can get the current sculpture back with Undo.");
         ui.add_space(8.0);
         ui.horizontal(|ui| {
             let create = theme::primary(ui.visuals(), "Create");
@@ -85,7 +85,7 @@ pub fn show(root: &Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Int
 
 fn fields(ui: &mut Ui, dialog: &mut NewDialog) {
     Grid::new("new").num_columns(2).spacing([12.0, 8.0]).show(ui, |ui| {
-        ui.label("Cube of");
+        ui.label("Preset");
         ui.horizontal(|ui| {
             for edge in [64, 128, 256, 512] {
                 let chosen = dialog.dims == UVec3::splat(edge);
@@ -95,7 +95,7 @@ fn fields(ui: &mut Ui, dialog: &mut NewDialog) {
             }
         });
         ui.end_row();
-        ui.label("Voxels");
+        ui.label("Size");
         ui.horizontal(|ui| {
             for (axis, name) in ["X ", "Y ", "Z "].into_iter().enumerate() {
                 let value = DragValue::new(&mut dialog.dims[axis])
@@ -116,13 +116,13 @@ fn fields(ui: &mut Ui, dialog: &mut NewDialog) {
                 }
             });
         ui.end_row();
-        let label = ui.label("Stone");
+        let label = ui.label("Base colour");
         ui.color_edit_button_srgb(&mut dialog.base.0).labelled_by(label.id);
         ui.end_row();
-        ui.label("Begin with");
+        ui.label("Start with");
         ui.horizontal(|ui| {
             ui.radio_value(&mut dialog.solid, true, "a solid block");
-            ui.radio_value(&mut dialog.solid, false, "nothing");
+            ui.radio_value(&mut dialog.solid, false, "an empty grid");
         });
         ui.end_row();
     });
@@ -130,10 +130,10 @@ fn fields(ui: &mut Ui, dialog: &mut NewDialog) {
 
 fn depth_name(depth: ColourDepth) -> &'static str {
     match depth {
-        ColourDepth::None => "one for all voxels",
-        ColourDepth::Bits8 => "256 (8 bits a voxel)",
-        ColourDepth::Bits16 => "65 536 (16 bits a voxel)",
-        ColourDepth::Bits24 => "16 million (24 bits a voxel)",
+        ColourDepth::None => "One for all voxels",
+        ColourDepth::Bits8 => "256 (8 bits per voxel)",
+        ColourDepth::Bits16 => "65 536 (16 bits per voxel)",
+        ColourDepth::Bits24 => "16 million (24 bits per voxel)",
     }
 }
 
@@ -143,9 +143,9 @@ fn memory(ui: &mut Ui, dialog: &NewDialog) {
     let voxels = dialog.dims.as_u64vec3().element_product();
     let colours = voxels * dialog.depth.bytes() as u64;
     let text = if colours == 0 {
-        format!("Takes {:.1} MiB of memory", mib(shape))
+        format!("Needs {:.1} MiB of memory", mib(shape))
     } else {
-        format!("Takes {:.1} MiB, up to {:.0} MiB more as it is painted", mib(shape), mib(colours))
+        format!("Needs {:.1} MiB, plus up to {:.0} MiB once painted", mib(shape), mib(colours))
     };
     ui.label(text);
 }

@@ -55,17 +55,19 @@ fn past(ui: &mut Ui, shared: bool, state: &UiState, facts: &Facts, intents: &mut
 /// The options themselves.
 pub fn content(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
     section(ui, "Tool", true, |ui| tool_options::show(ui, state, facts, intents));
-    section(ui, "Symmetry and repetition", false, |ui| {
+    section(ui, "Symmetry and array", false, |ui| {
         symmetry(ui, state, facts, intents);
         repeat(ui, state, facts, intents);
     });
     section(ui, "View", false, |ui| view(ui, state, facts, intents));
-    section(ui, "Head and marker", false, |ui| {
-        head::options(ui, state, facts, intents);
-        video::options(ui, state, facts, intents);
-        ar::options(ui, state, facts, intents);
-    });
-    if let Some(pad) = facts.pad {
+    if !facts.in_headset {
+        section(ui, "Head tracking and AR", false, |ui| {
+            head::options(ui, state, facts, intents);
+            video::options(ui, state, facts, intents);
+            ar::options(ui, state, facts, intents);
+        });
+    }
+    if let Some(pad) = facts.pad.filter(|_| !facts.in_headset) {
         section(ui, "Gamepad", true, |ui| gamepad::show(ui, state, pad, intents));
     }
     section(ui, "Light", false, |ui| {
@@ -93,9 +95,9 @@ fn symmetry(ui: &mut Ui, state: &UiState, facts: &Facts, intents: &mut Vec<Inten
             }
             if let Some(parity) = parity {
                 ui.selectable_value(parity, Parity::Even, "Even")
-                    .on_hover_text("The plane lies between two voxels");
+                    .on_hover_text("The mirror plane lies between two voxels");
                 ui.selectable_value(parity, Parity::Odd, "Odd")
-                    .on_hover_text("The plane goes through the middle of a voxel");
+                    .on_hover_text("The mirror plane passes through the middle of a voxel");
             }
         });
     }
@@ -109,30 +111,33 @@ fn repeat(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Int
     ui.horizontal(|ui| {
         ui.label("Repeat");
         ui.add(DragValue::new(&mut state.repeat.count).range(1..=MAX_ARRAY).suffix(" times"))
-            .on_hover_text("How often the last operation is done again");
+            .on_hover_text("How many times to repeat the last operation");
         let can = facts.document.can_repeat();
-        action_button(ui, state, facts, "Go", Action::Repeat, can, intents);
+        action_button(ui, state, facts, "Apply", Action::Repeat, can, intents);
     });
     ui.horizontal(|ui| {
-        ui.label("further by");
+        ui.label("Offset");
         for (axis, name) in ["X", "Y", "Z"].into_iter().enumerate() {
             let value = DragValue::new(&mut state.repeat.step[axis]).range(-4096..=4096);
             ui.add(value.prefix(format!("{name} ")).speed(0.5))
-                .on_hover_text("Voxels from one repetition to the next");
+                .on_hover_text("Distance in voxels from one copy to the next");
         }
     });
 }
 
 fn view(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
     ui.horizontal(|ui| {
-        action_button(ui, state, facts, "Show all", Action::ResetView, true, intents);
-        ui.label("Up");
+        action_button(ui, state, facts, "Frame all", Action::ResetView, true, intents);
+        ui.label("Up axis");
         up_axis(ui, &mut state.view.up, intents);
     });
-    stereo_options::show(ui, state, facts);
-    ui.checkbox(&mut state.view.bounds, "Edges of the grid");
+    if !facts.in_headset {
+        stereo_options::show(ui, state, facts);
+    }
+    let bounds = ui.checkbox(&mut state.view.bounds, "Grid outline");
+    explain(bounds, state, facts, Action::ToggleBounds);
     ui.checkbox(&mut state.view.tool, "Tool");
-    ui.checkbox(&mut state.view.line, "Line from the centre to the tool");
+    ui.checkbox(&mut state.view.line, "Line from centre to tool");
 }
 
 const AXES: [(&str, Vec3); 6] = [

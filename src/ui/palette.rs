@@ -55,31 +55,45 @@ fn entries(typed: &str, bindings: Option<&Bindings>) -> (Vec<Entry>, Option<Stri
     let typed = typed.trim();
     let verb = typed.split_whitespace().next().unwrap_or_default();
     let is_command = COMMANDS.iter().any(|command| command.verb == verb);
-    let mut list = Vec::new();
-    let mut error = None;
+    let (mut run, mut error) = (None, None);
     if is_command {
         match typed.parse::<Command>() {
-            Ok(command) => list.push(Entry::Run(Box::new(command))),
+            Ok(command) => run = Some(Entry::Run(Box::new(command))),
             Err(reason) => error = Some(reason.to_string()),
         }
     }
     let filter = Filter::new(typed);
-    let mut by_hand = Vec::new();
+    // Nothing typed: all in their order, what needs a hand on the mouse at the end.
+    const LAST: u32 = u32::MAX;
+    let mut ranked = Vec::new();
     for &action in Action::ALL {
         let help = action.help();
-        let triggers = triggers_of(action, bindings);
-        if filter.takes(&[help.text, help.name, &triggers]) {
+        let triggers: Vec<String> =
+            bindings.into_iter().flat_map(|b| b.triggers(action)).map(|t| t.to_string()).collect();
+        let keys: Vec<&str> = triggers.iter().map(String::as_str).collect();
+        if let Some(rank) = filter.rank(help.text, &[help.name, action.synonyms()], &keys) {
             let entry = Entry::Do(action);
-            if entry.can_be_chosen() { &mut list } else { &mut by_hand }.push(entry);
+            let last = filter.is_empty() && !entry.can_be_chosen();
+            ranked.push((if last { LAST } else { rank }, entry));
         }
     }
     for command in COMMANDS {
-        if command.verb == verb || filter.takes(&[command.verb, command.usage, command.tooltip]) {
-            list.push(Entry::Complete(command));
-        }
+        // Of equals the action comes first: it needs no arguments.
+        let rank = filter.rank(command.verb, &[command.usage, command.tooltip], &[]);
+        let rank = if command.verb == verb { Some(0) } else { rank };
+        ranked.extend(
+            rank.map(|rank| (rank + u32::from(!filter.is_empty()), Entry::Complete(command))),
+        );
     }
-    list.append(&mut by_hand);
-    (list, error)
+    ranked.sort_by_key(|(rank, _)| *rank);
+    if let Some(run) = run {
+        // A verb alone may be a word that was searched for: then what has it for its title comes
+        // first.
+        let alone = typed == verb;
+        let at = ranked.iter().take_while(|(rank, _)| alone && *rank == 0).count();
+        ranked.insert(at, (0, run));
+    }
+    (ranked.into_iter().map(|(_, entry)| entry).collect(), error)
 }
 
 fn triggers_of(action: Action, bindings: Option<&Bindings>) -> String {
@@ -118,7 +132,7 @@ pub fn show(root: &Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Int
                 }
             }
             if list.is_empty() {
-                ui.weak("Nothing has all these words.");
+                ui.weak("No matches.");
             }
         });
         if let Some(entry) = chosen.filter(|entry| entry.can_be_chosen()) {
@@ -181,7 +195,7 @@ impl Palette {
 
 fn field(ui: &mut Ui, palette: &mut Palette) {
     let mut output = TextEdit::singleline(&mut palette.text)
-        .hint_text("What shall be done? Or a command of scripts")
+        .hint_text("Search actions, or type a script command")
         .desired_width(f32::INFINITY)
         .show(ui);
     let response = &output.response.response;
@@ -205,25 +219,28 @@ fn row(ui: &mut Ui, entry: &Entry, chosen: bool, bindings: Option<&Bindings>) ->
         Entry::Run(command) => (
             RichText::new(format!("Run {command}")).strong(),
             "Enter".to_string(),
-            "Runs what is typed".to_string(),
+            "Run the command as typed".to_string(),
         ),
         Entry::Do(action) => {
             let (help, triggers) = (action.help(), triggers_of(*action, bindings));
             let how = match help.kind {
                 Kind::Tap => "",
-                Kind::Hold => " (held)",
-                Kind::Drag => " (by dragging)",
-                Kind::Wheel => " (by turning)",
+                Kind::Hold => " (hold)",
+                Kind::Drag => " (drag)",
+                Kind::Wheel => " (turn)",
             };
             let tip = match help.kind {
                 Kind::Tap => help.text.to_string(),
-                _ => format!("{}: done with the mouse or held down, not from here", help.text),
+                _ => format!(
+                    "{}: use the mouse or hold the key; it cannot be started from here",
+                    help.text
+                ),
             };
             (RichText::new(help.text), format!("{triggers}{how}"), tip)
         }
         Entry::Complete(command) => (
             RichText::new(format!("{} {}", command.verb, command.usage)).monospace(),
-            "command".to_string(),
+            "script command".to_string(),
             format!("{}\n{} {}", command.tooltip, command.verb, command.usage),
         ),
     };
@@ -237,56 +254,5 @@ fn row(ui: &mut Ui, entry: &Entry, chosen: bool, bindings: Option<&Bindings>) ->
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn direct() -> Bindings {
-        Bindings::presets().unwrap().remove(0)
-    }
-
-    fn listed(typed: &str) -> Vec<Entry> {
-        entries(typed, Some(&direct())).0
-    }
-
-    #[test]
-    fn without_words_everything_is_listed() {
-        assert_eq!(listed("").len(), Action::ALL.len() + COMMANDS.len());
-    }
-
-    #[test]
-    fn words_choose_by_text_name_key_and_usage() {
-        assert_eq!(listed("back step last")[0], Entry::Do(Action::Undo));
-        assert!(listed("ctrl+z").contains(&Entry::Do(Action::Undo)));
-        assert!(listed("next-render").contains(&Entry::Do(Action::NextRenderMode)));
-        assert!(matches!(listed("mirror planes centre off")[..], []));
-        assert!(matches!(listed("off even odd")[..], [Entry::Complete(c)] if c.verb == "symmetry"));
-    }
-
-    #[test]
-    fn a_typed_command_comes_first_and_a_wrong_one_says_why() {
-        let line = "subtract cuboid at=8,8,8 half=2";
-        let (list, error) = entries(line, None);
-        assert_eq!(list[0], Entry::Run(Box::new(line.parse().unwrap())));
-        assert_eq!(error, None);
-        let (list, error) = entries("subtract sponge at=8,8,8", None);
-        assert!(matches!(list[..], [Entry::Complete(c)] if c.verb == "subtract"), "{list:?}");
-        assert!(error.unwrap().contains("sponge"));
-        assert_eq!(entries("sponge", None).1, None, "no command at all");
-    }
-
-    #[test]
-    fn what_the_mouse_does_comes_last_and_is_passed_over() {
-        let mut palette = Palette::default();
-        let list = listed("");
-        palette.go(&list, 0);
-        assert_eq!(list[palette.chosen], Entry::Do(Action::PickHere));
-        palette.go(&list, -1);
-        assert_eq!(list[palette.chosen], Entry::Do(Action::PickHere));
-        palette.go(&list, 1);
-        assert_eq!(list[palette.chosen], Entry::Do(Action::Cancel));
-        palette.go(&list, 1000);
-        let last = &list[palette.chosen];
-        assert!(matches!(last, Entry::Complete(c) if c.verb == "place"), "{last:?}");
-        assert!(!palette.go(&[], 1) || palette.chosen == 0);
-    }
-}
+#[path = "palette_tests.rs"]
+mod tests;

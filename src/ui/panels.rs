@@ -70,7 +70,7 @@ pub fn tear_button(
     let response = ui.interact(place, ui.id().with(("tear off", panel)), Sense::click());
     response.widget_info(|| {
         let name = panel.title();
-        let text = if torn { format!("Put back: {name}") } else { format!("Tear off: {name}") };
+        let text = if torn { format!("Dock: {name}") } else { format!("Detach: {name}") };
         WidgetInfo::labeled(WidgetType::Button, ui.is_enabled(), text)
     });
     let visuals = ui.style().interact(&response);

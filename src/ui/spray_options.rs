@@ -19,16 +19,16 @@ pub fn show(ui: &mut Ui, options: &mut SprayOptions, kind: SprayKind) {
             .logarithmic(true)
             .max_decimals(0)
             .suffix(" px");
-        ui.add(slider).labelled_by(label.id).on_hover_text("Of the footprint on the screen");
+        ui.add(slider).labelled_by(label.id).on_hover_text("Radius of the brush on the screen");
         ui.end_row();
-        ui.label("Footprint");
-        outline(ui, &mut options.outline, "All rays in a disc", "All rays in a square");
+        ui.label("Brush shape");
+        outline(ui, &mut options.outline, "Circular brush", "Square brush");
         ui.end_row();
         if kind != Paintbrush {
             let (name, hint) = match kind {
-                Devourer => ("Bite", "How deep it bites around every point under the footprint"),
-                Clay => ("Height", "Of the mound in the middle of the footprint"),
-                _ => ("Reach", "How far around the surface voxels may change"),
+                Devourer => ("Depth", "How deep it cuts into the surface under the brush"),
+                Clay => ("Height", "Height of the mound under the middle of the brush"),
+                _ => ("Reach", "How far from the surface voxels may change"),
             };
             let label = ui.label(name);
             let slider = Slider::new(&mut options.reach_vx, 0.0..=MAX_REACH_VX)
@@ -40,33 +40,33 @@ pub fn show(ui: &mut Ui, options: &mut SprayOptions, kind: SprayKind) {
             ui.end_row();
         }
         if kind == Devourer {
-            ui.label("Shape");
-            outline(ui, &mut options.bite, "Bites balls", "Bites cubes");
+            ui.label("Cut shape");
+            outline(ui, &mut options.bite, "Cut balls", "Cut cubes");
             ui.end_row();
         }
         if matches!(kind, Erosion | Dilation | Growth) {
             let label = ui.label("Threshold");
             let hint = match kind {
-                Erosion => "Voxels with fewer of the 26 neighbours go; up to 17 keeps planes",
-                _ => "Gaps with at least so many of the 26 neighbours are filled; from 10 on keeps planes",
+                Erosion => "Voxels with fewer of their 26 neighbours are removed; up to 17 keeps flat faces",
+                _ => "Gaps with at least this many of their 26 neighbours are filled; 10 or more keeps flat faces",
             };
             let slider = Slider::new(&mut options.threshold, 1..=26);
             ui.add(slider).labelled_by(label.id).on_hover_text(hint);
             ui.end_row();
         }
         if kind == Smooth {
-            let label = ui.label("Around");
+            let label = ui.label("Average");
             let slider = Slider::new(&mut options.around_vx, 1..=8).suffix(" vx");
             ui.add(slider)
                 .labelled_by(label.id)
-                .on_hover_text("How far around a voxel the majority decides");
+                .on_hover_text("Radius of the neighbourhood whose majority decides whether a voxel is filled");
             ui.end_row();
         }
         if kind == Paintbrush {
-            let label = ui.label("Cover");
+            let label = ui.label("Strength");
             let mut percent = options.cover * 100.0;
             let slider = Slider::new(&mut percent, 1.0..=100.0).fixed_decimals(0).suffix(" %");
-            let hint = "Share of the colour that every pass mixes in";
+            let hint = "How much of the colour each pass mixes in";
             if ui.add(slider).labelled_by(label.id).on_hover_text(hint).changed() {
                 options.cover = percent / 100.0;
             }
@@ -75,13 +75,13 @@ pub fn show(ui: &mut Ui, options: &mut SprayOptions, kind: SprayKind) {
     });
     if kind != Paintbrush {
         let mut once = options.surface == SpraySurface::Stroke;
-        ui.checkbox(&mut once, "Once a stroke").on_hover_text(
-            "Meets the surface as it was when the stroke began, so that it does not work twice \
-             where the stroke overlaps",
+        ui.checkbox(&mut once, "Once per stroke").on_hover_text(
+            "Uses the surface as it was when the stroke began, so that overlapping parts of the 
+             stroke are not cut or raised twice",
         );
         options.surface = if once { SpraySurface::Stroke } else { SpraySurface::Now };
     }
-    if ui.button("Reset the options").clicked() {
+    if ui.button("Reset options").clicked() {
         *options = SprayOptions::of(kind);
     }
 }

@@ -125,6 +125,10 @@ pub struct UiState {
     pub scale: Scale,
     /// The panels that are windows of their own.
     pub torn: BTreeSet<Panel>,
+    /// The main window is to fill its screen, or no longer.
+    pub switch_fullscreen: bool,
+    /// The next picture of the view is to be saved to a file.
+    pub screenshot: bool,
     /// Lets a gamepad shake when the tool bites.
     pub rumble: bool,
     /// The hand that has the tool in a headset.
@@ -176,6 +180,8 @@ impl UiState {
             repeat: Repeat { count: 3, step: IVec3::new(16, 0, 0) },
             scale: Scale::new(config.window.scale),
             torn: BTreeSet::new(),
+            switch_fullscreen: false,
+            screenshot: false,
             rumble: config.gamepad.rumble,
             hand_side: config.headset.hand,
             blend: config.headset.blend,

@@ -15,7 +15,7 @@ pub fn show(root: &mut Ui, state: &UiState, facts: &Facts) {
             let name = name.as_deref().unwrap_or("untitled");
             let star = if facts.modified { " *" } else { "" };
             ui.label(format!("{name}{star}")).on_hover_text(if facts.modified {
-                "Not saved yet"
+                "Unsaved changes"
             } else {
                 "Saved"
             });
@@ -42,11 +42,11 @@ fn place(ui: &mut Ui, state: &UiState, facts: &Facts) {
         }
         Tool::Marker => {
             let marker = facts.document.selection().marker();
-            (text("Marker", marker.min.as_vec3()), "Lowest corner of the marker in voxels: x, y, z")
+            (text("Marker", marker.min.as_vec3()), "Lower corner of the marker in voxels: x, y, z")
         }
         Tool::Spray(_) => match facts.pointed_vx {
-            Some(at) => (text("Spray", at.as_vec3()), "Voxel under the pointer: x, y, z"),
-            None => ("Spray".to_string(), "The pointer is beside the sculpture"),
+            Some(at) => (text("Brush", at.as_vec3()), "Voxel under the pointer: x, y, z"),
+            None => ("Brush".to_string(), "The pointer is not over the sculpture"),
         },
     };
     ui.monospace(shown).on_hover_text(tip);
@@ -64,7 +64,7 @@ fn limit(ui: &mut Ui, state: &UiState, facts: &Facts) {
 fn right(ui: &mut Ui, facts: &Facts) {
     let times = facts.times;
     ui.monospace(format!("{:>6.1} ms", times.total_ms)).on_hover_text(format!(
-        "Time of the last picture, of which finding the voxels {:.1} ms and shading {:.1} ms\n{}",
+        "Time for the last frame, including {:.1} ms sampling and {:.1} ms shading\n{}",
         times.sample_ms, times.shade_ms, facts.device
     ));
     ui.separator();
@@ -72,9 +72,9 @@ fn right(ui: &mut Ui, facts: &Facts) {
     let dims = grid.dims();
     let bits = facts.document.material().depth().bits();
     ui.label(format!("{} × {} × {}", dims.x, dims.y, dims.z))
-        .on_hover_text(format!("Size of the grid in voxels, with {bits} bits of colour"));
+        .on_hover_text(format!("Size of the grid in voxels, {bits} bits of colour per voxel"));
     ui.separator();
-    ui.label(format!("{} voxels", grouped(grid.opaque_count()))).on_hover_text("Voxels that exist");
+    ui.label(format!("{} voxels", grouped(grid.opaque_count()))).on_hover_text("Filled voxels");
 }
 
 /// Digits in groups of three, parted by narrow spaces.

@@ -25,22 +25,22 @@ pub fn show(ui: &mut Ui, state: &mut UiState, facts: &Facts) {
             ui.end_row();
         };
         row(
-            "Eye distance",
+            "Eye separation",
             &mut stereo.eye_distance_mm,
             EYE_DISTANCE_MM,
             " mm",
-            "More of it, more depth; people have 55 to 75",
+            "More separation gives more depth; people have 55 to 75 mm",
         );
         row(
             "Convergence",
             &mut stereo.convergence_percent,
             CONVERGENCE_PERCENT,
             " %",
-            "What is so far away lies in the screen, in percent of the way to the sculpture's \
+            "Distance that appears at screen depth, in percent of the distance to the sculpture's 
              centre; less pushes the sculpture behind the screen",
         );
     });
-    let response = ui.checkbox(&mut state.view.stereo.swap_eyes, "Swap the eyes");
+    let response = ui.checkbox(&mut state.view.stereo.swap_eyes, "Swap eyes");
     explain(response, state, facts, Action::SwapEyes);
 }
 
@@ -64,6 +64,6 @@ pub fn layout(ui: &mut Ui, state: &mut UiState, facts: &Facts, layout: StereoLay
     let can = layout != StereoLayout::Layers || facts.quad_buffered;
     ui.add_enabled_ui(can, |ui| {
         ui.selectable_value(&mut state.view.stereo.layout, layout, layout.label())
-            .on_disabled_hover_text("This window's images have no second layer");
+            .on_disabled_hover_text("This display does not support quad-buffered stereo");
     });
 }

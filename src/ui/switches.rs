@@ -11,10 +11,14 @@ use crate::view::StereoLayout;
 /// What they take of the bar, in points, and what stands right of them.
 const WIDTH: f32 = 296.0;
 const RUMBLE_WIDTH: f32 = 66.0;
+const LIGHTS_WIDTH: f32 = 66.0;
 const HELP_AND_MENU: f32 = 104.0;
 
 /// Whether what is left of the bar has room for them.
 pub fn fit(ui: &Ui, facts: &Facts) -> bool {
+    if facts.in_headset {
+        return ui.available_width() >= LIGHTS_WIDTH + HELP_AND_MENU;
+    }
     let rumble = if facts.pad.is_some() { RUMBLE_WIDTH } else { 0.0 };
     ui.available_width() >= WIDTH + rumble + HELP_AND_MENU
 }
@@ -23,6 +27,9 @@ pub fn fit(ui: &Ui, facts: &Facts) -> bool {
 type Switch = (&'static str, bool, Action);
 
 fn switches(state: &UiState, facts: &Facts) -> Vec<Switch> {
+    if facts.in_headset {
+        return vec![("Lights", state.light_open, Action::Lights)];
+    }
     let mut all = vec![
         ("Video", state.view.video.on, Action::ToggleVideo),
         ("Lights", state.light_open, Action::Lights),
@@ -35,8 +42,10 @@ fn switches(state: &UiState, facts: &Facts) -> Vec<Switch> {
 
 pub fn bar(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
     ui.separator();
-    ui.label("Stereo");
-    stereo_options::layouts(ui, state, facts);
+    if !facts.in_headset {
+        ui.label("Stereo");
+        stereo_options::layouts(ui, state, facts);
+    }
     for (name, on, action) in switches(state, facts) {
         let response = ui.add(Button::selectable(on, name));
         if explain(response, state, facts, action).clicked() {
@@ -46,11 +55,13 @@ pub fn bar(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<In
 }
 
 pub fn menu(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
-    ui.menu_button("Stereo", |ui| {
-        for layout in StereoLayout::ALL {
-            stereo_options::layout(ui, state, facts, layout);
-        }
-    });
+    if !facts.in_headset {
+        ui.menu_button("Stereo", |ui| {
+            for layout in StereoLayout::ALL {
+                stereo_options::layout(ui, state, facts, layout);
+            }
+        });
+    }
     for (name, mut on, action) in switches(state, facts) {
         let response = ui.checkbox(&mut on, name);
         if explain(response, state, facts, action).changed() {

@@ -12,6 +12,7 @@ use super::top_bar::capital;
 use super::{Facts, Hand, Intent, Tool, UiState, history, marker_options, spray_options};
 use crate::input::{Action, ToolMode};
 use crate::sculpture::{ColourDepth, Rgb};
+use crate::tools::spray::SprayKind;
 
 const AXES: [&str; 3] = ["X", "Y", "Z"];
 /// Stone, metal, plants, water and the signal colours.
@@ -47,7 +48,10 @@ pub fn show(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<I
             place(ui, state, facts, intents);
         }
         Tool::Spray(kind) => {
-            ui.label(history::words(kind.name()));
+            ui.label(match kind {
+                SprayKind::Devourer => "Devourer (carve)".to_string(),
+                kind => history::words(kind.name()),
+            });
             spray_options::show(ui, state.hand.sprays.of_mut(kind), kind);
             if kind.gives_colour() {
                 colour(ui, state, facts);
@@ -63,36 +67,43 @@ pub fn show(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<I
 
 /// Where the tool goes.
 fn place(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+    if !facts.in_headset {
+        follow(ui, state, facts);
+    }
+    let snap = ui.checkbox(&mut state.hand.snap, "Snap to voxels");
+    explain(snap, state, facts, Action::ToggleSnap);
+    action_button(ui, state, facts, "Reset tool", Action::ResetTool, true, intents);
+}
+
+/// How the tool follows a pointer; in a headset it is where the hand is.
+fn follow(ui: &mut Ui, state: &mut UiState, facts: &Facts) {
     let follow = ui.checkbox(&mut state.hand.follow, "Follow the pointer");
     explain(follow, state, facts, Action::ToggleFollow);
     ui.add_enabled_ui(state.hand.follow, |ui| {
-        ui.checkbox(&mut state.hand.stand, "Stand on the surface")
-            .on_hover_text("The tool touches the surface instead of being half in it");
-        ui.checkbox(&mut state.hand.lean, "Turn with the surface")
-            .on_hover_text("The tool's y axis looks out of the surface");
+        ui.checkbox(&mut state.hand.stand, "Rest on the surface")
+            .on_hover_text("The tool rests on the surface instead of being half sunk into it");
+        ui.checkbox(&mut state.hand.lean, "Align with the surface")
+            .on_hover_text("The tool's y axis points out of the surface");
     });
-    let snap = ui.checkbox(&mut state.hand.snap, "Snap to voxels");
-    explain(snap, state, facts, Action::ToggleSnap);
-    action_button(ui, state, facts, "Reset the tool", Action::ResetTool, true, intents);
 }
 
 /// What a solid paints with instead of one colour.
 fn picture(ui: &mut Ui, state: &mut UiState) {
     ui.horizontal(|ui| {
         if ui
-            .button("Picture …")
-            .on_hover_text("Paint with a PNG or JPEG picture wrapped around the tool")
+            .button("Image …")
+            .on_hover_text("Paint with a PNG or JPEG image wrapped around the tool")
             .clicked()
         {
             state.files.open(FileTask::Picture, state.hand.picture.as_deref());
         }
         let Some(picture) = &state.hand.picture else {
-            ui.weak("one colour");
+            ui.weak("Plain colour");
             return;
         };
         let name = picture.file_name().unwrap_or(picture.as_os_str()).to_string_lossy();
         ui.add(egui::Label::new(name).truncate()).on_hover_text(picture.display().to_string());
-        if ui.small_button("✖").on_hover_text("Paint with the colour again").clicked() {
+        if ui.small_button("✖").on_hover_text("Paint with the plain colour again").clicked() {
             state.hand.picture = None;
         }
     });
@@ -130,13 +141,12 @@ fn size(ui: &mut Ui, state: &mut UiState) {
     });
     let mut uniform = hand.uniform;
     ui.horizontal(|ui| {
-        ui.checkbox(&mut uniform, "Keep proportions")
-            .on_hover_text("Changing one side changes all");
+        ui.checkbox(&mut uniform, "Keep proportions").on_hover_text("Scale all sides together");
         let sides = hand.half();
         let even = sides.max_element() - sides.min_element() < 1e-3;
         if ui
-            .add_enabled(!even, egui::Button::new("Even"))
-            .on_hover_text("All sides alike")
+            .add_enabled(!even, egui::Button::new("Equal"))
+            .on_hover_text("Make all sides equally long")
             .clicked()
         {
             hand.even_out();
@@ -149,7 +159,7 @@ fn rotation(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<I
     ui.horizontal(|ui| {
         ui.label("Rotation");
         let turned = state.hand.turn_deg() != Vec3::ZERO;
-        action_button(ui, state, facts, "Upright", Action::AlignTool, turned, intents);
+        action_button(ui, state, facts, "Reset", Action::AlignTool, turned, intents);
     });
     ui.horizontal(|ui| {
         let mut turn_deg = state.hand.turn_deg();
@@ -173,16 +183,16 @@ fn rotation(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<I
 
 fn colour(ui: &mut Ui, state: &mut UiState, facts: &Facts) {
     if facts.document.material().depth() == ColourDepth::None {
-        ui.weak("This sculpture has one colour only");
+        ui.weak("This sculpture has only one colour");
         return;
     }
     ui.horizontal(|ui| {
         let label = ui.label("Colour");
         ui.color_edit_button_srgb(&mut state.hand.colour.0).labelled_by(label.id);
         ui.monospace(state.hand.colour.to_string());
-        let keys = facts.bindings(state).and_then(|b| b.shortcut(Action::PickColour));
+        let keys = facts.shortcut(state, Action::PickColour);
         let keys = keys.map_or(String::new(), |keys| format!(" ({keys})"));
-        let does = format!("The next press takes the colour of the surface{keys}");
+        let does = format!("The next press picks the colour of the surface{keys}");
         ui.toggle_value(&mut state.hand.eyedropper, "🖊 Pick").on_hover_text(does);
     });
     let pick = |ui: &mut Ui, colours: &[Rgb], hand: &mut Hand| {
@@ -198,7 +208,7 @@ fn colour(ui: &mut Ui, state: &mut UiState, facts: &Facts) {
     pick(ui, &PALETTE, &mut state.hand);
     let recent = state.hand.recent().to_vec();
     if !recent.is_empty() {
-        ui.label(egui::RichText::new("Used last").small().weak());
+        ui.label(egui::RichText::new("Recent").small().weak());
         pick(ui, &recent, &mut state.hand);
     }
 }

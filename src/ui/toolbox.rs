@@ -48,7 +48,7 @@ pub fn content(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Ve
         chosen: state.hand.tool == Tool::Spray(kind),
         action: Action::Spray(kind),
     });
-    group(ui, state, facts, "Sprays", &sprays, intents);
+    group(ui, state, facts, "Brushes", &sprays, intents);
     let marker = Entry {
         name: "Marker".to_string(),
         chosen: state.hand.tool == Tool::Marker,

@@ -35,7 +35,9 @@ pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec
             }
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 menu(ui, !wide, state, facts, intents);
-                action_button(ui, state, facts, "Help", Action::Help, true, intents);
+                if !facts.in_headset {
+                    action_button(ui, state, facts, "Help", Action::Help, true, intents);
+                }
             });
         });
     });
@@ -67,46 +69,63 @@ fn menu(ui: &mut Ui, narrow: bool, state: &mut UiState, facts: &Facts, intents: 
             action_button(ui, state, facts, label, action, true, intents);
         }
         ui.separator();
-        ui.menu_button("Look from", |ui| {
+        ui.menu_button("View", |ui| {
             for side in Side::ALL {
                 let action = Action::LookFrom(side);
                 action_button(ui, state, facts, capital(side.name()), action, true, intents);
             }
-        });
-        action_button(ui, state, facts, "Find …", Action::Palette, true, intents);
-        ui.menu_button("Keys and mouse", |ui| {
-            for (i, preset) in facts.presets.iter().enumerate() {
-                ui.radio_value(&mut state.preset, i, capital(&preset.name))
-                    .on_hover_text(&preset.text);
-            }
             ui.separator();
-            action_button(ui, state, facts, "Change …", Action::Help, true, intents);
+            action_button(ui, state, facts, "Frame all", Action::ResetView, true, intents);
+            if !facts.in_headset {
+                action_button(ui, state, facts, "Zoom in", Action::ZoomIn, true, intents);
+                action_button(ui, state, facts, "Zoom out", Action::ZoomOut, true, intents);
+            }
         });
+        action_button(ui, state, facts, "Search actions …", Action::Palette, true, intents);
+        if !facts.in_headset {
+            at_the_desk(ui, state, facts, intents);
+        }
         ui.menu_button("Theme", |ui| {
             ui.radio_value(&mut state.theme, Theme::Dark, "Dark");
             ui.radio_value(&mut state.theme, Theme::Light, "Light");
         });
-        ui.menu_button("Text and buttons", |ui| {
+        ui.menu_button("Interface size", |ui| {
             for (label, action) in [
                 ("Larger", Action::ScaleUp),
                 ("Smaller", Action::ScaleDown),
-                ("As in the settings", Action::ScaleReset),
+                ("Reset", Action::ScaleReset),
             ] {
                 action_button(ui, state, facts, label, action, true, intents);
-            }
-        });
-        ui.menu_button("Panels", |ui| {
-            for panel in Panel::ALL {
-                let mut torn = state.torn.contains(&panel);
-                let response = ui.checkbox(&mut torn, format!("{} in a window", panel.title()));
-                if explain(response, state, facts, Action::TearOff(panel)).clicked() {
-                    intents.push(Intent::Do(Action::TearOff(panel)));
-                }
             }
         });
         action_button(ui, state, facts, "First steps", Action::Guide, true, intents);
         ui.separator();
         action_button(ui, state, facts, "Quit", Action::Quit, true, intents);
+    });
+}
+
+/// What makes sense before a screen alone: keys, windows and pictures of the view.
+fn at_the_desk(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+    ui.menu_button("Controls", |ui| {
+        for (i, preset) in facts.presets.iter().enumerate() {
+            ui.radio_value(&mut state.preset, i, capital(&preset.name)).on_hover_text(&preset.text);
+        }
+        ui.separator();
+        action_button(ui, state, facts, "Edit controls …", Action::Help, true, intents);
+    });
+    for (label, action) in
+        [("Full screen", Action::Fullscreen), ("Save picture", Action::Screenshot)]
+    {
+        action_button(ui, state, facts, label, action, true, intents);
+    }
+    ui.menu_button("Panels", |ui| {
+        for panel in Panel::ALL {
+            let mut torn = state.torn.contains(&panel);
+            let response = ui.checkbox(&mut torn, format!("Detach {}", panel.title()));
+            if explain(response, state, facts, Action::TearOff(panel)).clicked() {
+                intents.push(Intent::Do(Action::TearOff(panel)));
+            }
+        }
     });
 }
 

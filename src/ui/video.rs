@@ -38,8 +38,8 @@ impl VideoFacts {
             VideoState::Off => "Off".to_string(),
             VideoState::Opening => "Opening …".to_string(),
             VideoState::Live => format!("Live{size}"),
-            VideoState::Ended => format!("The film is over{size}"),
-            VideoState::Lost(error) => format!("Lost, looking for it: {error}"),
+            VideoState::Ended => format!("End of the video{size}"),
+            VideoState::Lost(error) => format!("Lost, trying to reconnect: {error}"),
             VideoState::Failed(error) => error.clone(),
         }
     }
@@ -48,7 +48,7 @@ impl VideoFacts {
 /// Its part of the options.
 pub fn options(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
     let mut on = state.view.video.on;
-    let response = ui.checkbox(&mut on, "Video behind the sculpture");
+    let response = ui.checkbox(&mut on, "Video background");
     if explain(response, state, facts, Action::ToggleVideo).changed() {
         intents.push(Intent::Do(Action::ToggleVideo));
     }
@@ -59,7 +59,7 @@ pub fn options(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Ve
     ui.horizontal(|ui| {
         let video = &mut state.view.video;
         let name = |fit: Fit| match fit {
-            Fit::Fit => "All of it",
+            Fit::Fit => "Fit",
             Fit::Fill => "Fill",
             Fit::Stretch => "Stretch",
         };
@@ -71,11 +71,12 @@ pub fn options(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Ve
                 }
             },
         );
-        ui.checkbox(&mut video.mirror, "Mirrored").on_hover_text("As in a looking glass");
+        ui.checkbox(&mut video.mirror, "Mirrored")
+            .on_hover_text("Flip left and right, as in a mirror");
     });
     let stats = facts.video.stats;
     ui.label(facts.video.words()).on_hover_text(format!(
-        "{} frames, {} of them overtaken by newer ones, {} damaged",
+        "{} frames: {} skipped in favour of newer ones, {} damaged",
         stats.decoded, stats.unseen, stats.broken
     ));
 }
@@ -86,10 +87,10 @@ fn source(ui: &mut Ui, state: &mut UiState) {
     let id = ui.make_persistent_id("video source");
     let source = &mut state.view.video.source;
     let mut text = ui.data_mut(|data| data.get_temp::<String>(id)).unwrap_or(source.clone());
-    let field = TextEdit::singleline(&mut text).hint_text("The first camera").desired_width(176.0);
+    let field = TextEdit::singleline(&mut text).hint_text("First camera").desired_width(176.0);
     let response = ui.add(field).on_hover_text(
-        "v4l2:/dev/video0, a .y4m or .mjpeg film, a folder of PNGs, or http://phone:8080/video; \
-         empty is the first camera",
+        "v4l2:/dev/video0, a .y4m or .mjpeg video, a folder of PNGs, or http://phone:8080/video; 
+         leave empty for the first camera",
     );
     if !response.lost_focus() {
         if response.has_focus() {

@@ -101,7 +101,7 @@ fn parse(text: &str) -> Result<Address, String> {
     let mut options = Options::parse(options)?;
     let address = if let Some(device) = strip_scheme(place, "v4l2:") {
         if device.is_empty() {
-            return Err("it names no device, such as v4l2:/dev/video0".into());
+            return Err("it names no device; write it like v4l2:/dev/video0".into());
         }
         Address::Camera(CameraAddress {
             device: device.into(),
@@ -117,7 +117,7 @@ fn parse(text: &str) -> Result<Address, String> {
             Some("y4m") => FilmKind::Y4m,
             Some("mjpeg" | "mjpg") => FilmKind::Mjpeg,
             Some("avi" | "mp4" | "mkv" | "mov" | "webm" | "png" | "jpg" | "jpeg" | "gif") => {
-                return Err("files may be .y4m, .mjpeg or .mjpg, or a folder of .png".into());
+                return Err("this type of file is not supported; use .y4m, .mjpeg, .mjpg or a folder of .png files".into());
             }
             _ => FilmKind::PngFolder,
         };
@@ -151,7 +151,7 @@ impl<'a> Options<'a> {
                 return Err(format!("the option {option:?} has no value"));
             };
             if pairs.iter().any(|(k, _)| *k == key) {
-                return Err(format!("the option {key:?} stands there twice"));
+                return Err(format!("the option {key:?} is given twice"));
             }
             pairs.push((key, value));
         }
@@ -186,7 +186,7 @@ impl<'a> Options<'a> {
 
     fn finish(self) -> Result<(), String> {
         match self.0.first() {
-            Some((key, _)) => Err(format!("{key:?} is no option of such a source")),
+            Some((key, _)) => Err(format!("{key:?} is not an option of this kind of source")),
             None => Ok(()),
         }
     }
@@ -194,7 +194,8 @@ impl<'a> Options<'a> {
 
 fn size(text: &str) -> Result<(u32, u32), String> {
     let pair = text.split_once('x').and_then(|(w, h)| w.parse().ok().zip(h.parse().ok()));
-    let (width, height) = pair.ok_or_else(|| format!("{text:?} is no size like 1280x720"))?;
+    let (width, height) =
+        pair.ok_or_else(|| format!("{text:?} is not a size; write it like 1280x720"))?;
     check_size(u64::from(width), u64::from(height), text).map_err(|error| error.to_string())?;
     Ok((width, height))
 }
@@ -218,7 +219,7 @@ fn format(text: &str) -> Result<[u8; 4], String> {
     <[u8; 4]>::try_from(code.as_bytes())
         .ok()
         .filter(|code| code.is_ascii())
-        .ok_or_else(|| format!("{text:?} is no format of four characters, such as YUYV"))
+        .ok_or_else(|| format!("{text:?} is not a format; write four characters, such as YUYV"))
 }
 
 #[cfg(test)]

@@ -22,7 +22,7 @@ pub enum VideoError {
     #[error("{subject}: no picture for {seconds} s")]
     Silent { subject: String, seconds: u64 },
     /// A driver's or decoder's library gave up with a panic; its message went to the log.
-    #[error("{subject}: the library that reads it broke down")]
+    #[error("{subject}: the library that decodes it has failed")]
     Panicked { subject: String },
 }
 

@@ -44,7 +44,7 @@ impl Reader for Mjpeg {
                 // A recording that was broken off is shown as far as it goes.
                 self.splitter.reset();
                 if self.index == 0 {
-                    let problem = "not one whole JPEG picture in it";
+                    let problem = "it contains not one whole JPEG picture";
                     return Err(VideoError::malformed(&*self.subject, problem));
                 }
                 return Ok(Fetched::End);
@@ -59,7 +59,7 @@ impl Reader for Mjpeg {
                 return Ok(Fetched::Picture { position, stale: 0, broken });
             }
             if self.splitter.outside() > MAX_COMPRESSED_BYTES {
-                return Err(VideoError::malformed(&*self.subject, "no JPEG pictures in it"));
+                return Err(VideoError::malformed(&*self.subject, "it contains no JPEG pictures"));
             }
         }
     }

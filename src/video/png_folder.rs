@@ -45,7 +45,7 @@ impl PngFolder {
             }
         }
         if paths.is_empty() {
-            return Err(VideoError::malformed(&*subject, "a folder without PNG pictures"));
+            return Err(VideoError::malformed(&*subject, "the folder contains no PNG pictures"));
         }
         paths.sort_by(|a, b| {
             let name = |path: &PathBuf| {

@@ -42,7 +42,7 @@ impl FromStr for Rate {
 
     /// `30`, `29.97` or `30000/1001`.
     fn from_str(text: &str) -> Result<Rate, String> {
-        let rule = || format!("{text:?} is no frame rate between 0.01 and 1000 a second");
+        let rule = || format!("{text:?} is not a frame rate between 0.01 and 1000 per second");
         let rate = if let Some((frames, seconds)) = text.split_once('/') {
             frames.parse().ok().zip(seconds.parse().ok()).and_then(|(f, s)| Rate::new(f, s))
         } else {

@@ -74,7 +74,7 @@ impl VideoSource {
             #[cfg(not(target_os = "linux"))]
             Address::Camera(camera) => {
                 let subject = camera.device.display().to_string();
-                let problem = "cameras of this computer are read through V4L2, which is Linux's";
+                let problem = "cameras of this computer can only be used on Linux; use a video file or a phone's http:// address";
                 return Err(VideoError::unsupported(subject, problem));
             }
         };

@@ -87,7 +87,7 @@ impl Reader for Y4m {
             .map_err(|error| VideoError::io(&*self.subject, error))?;
         if got < self.picture_len {
             let need = self.picture_len;
-            let problem = format!("picture {number} breaks off after {got} of {need} bytes");
+            let problem = format!("picture {number} is truncated after {got} of {need} bytes");
             return Err(VideoError::malformed(&*self.subject, problem));
         }
         let position = self.rate.time_of(self.index);
@@ -125,7 +125,7 @@ fn read_line(file: &mut impl BufRead, subject: &str) -> Result<Option<Vec<u8>>, 
         None => Ok(None),
         Some(b'\n') => Ok(Some(line)),
         Some(_) => {
-            let problem = format!("a header line that has no end within {MAX_LINE} bytes");
+            let problem = format!("a header line longer than {MAX_LINE} bytes");
             Err(VideoError::malformed(subject, problem))
         }
     }
@@ -137,7 +137,7 @@ impl Header {
         let text = std::str::from_utf8(line).unwrap_or_default();
         let mut words = text.split_ascii_whitespace();
         if words.next() != Some("YUV4MPEG2") {
-            return Err(malformed("no YUV4MPEG2 film".into()));
+            return Err(malformed("not a YUV4MPEG2 video".into()));
         }
         let (mut width, mut height, mut rate, mut range) = (None, None, None, None);
         let mut chroma = "420";
@@ -170,8 +170,9 @@ impl Header {
             "411" => Layout::Planar { across: 2, down: 0 },
             "mono" => Layout::Grey,
             other => {
-                let problem =
-                    format!("samples of kind C{other}; known are C420, C422, C444, C411 and Cmono");
+                let problem = format!(
+                    "samples of type C{other} are not supported; C420, C422, C444, C411 and Cmono are"
+                );
                 return Err(VideoError::unsupported(subject, problem));
             }
         };

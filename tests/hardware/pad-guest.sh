@@ -77,7 +77,7 @@ await 30 "undo by the cross" wrote 1 '^undo'
 # The sculpture moves and turns.
 places=$(count '^place')
 pad 'tap b 0.2'
-await 30 "mode MOVE ACTIVE GRID" said 1 'MOVE ACTIVE GRID'
+await 30 "sculpture mode" said 1 'Sculpture mode'
 pad 'axis rx 1' 'axis ly -0.6' 'sleep 1.5' 'axis rx 0' 'axis ly 0'
 await 60 "moved and turned sculpture" wrote $((places + 3)) '^place'
 await 60 "rest after moving" rests
@@ -85,7 +85,7 @@ picture 3-grid-moved
 
 # The stick leads the pointer; a click on the sculpture uses the tool.
 pad 'tap b 0.2'
-await 30 "mode ONLY MOUSE" said 1 'ONLY MOUSE'
+await 30 "pointer mode" said 1 'Pointer mode'
 strokes=$(count '^begin')
 pad 'axis ly 0.5' 'sleep 0.3' 'axis ly 0' 'sleep 1' 'tap y 0.3'
 await 60 "stroke by a click" wrote $((strokes + 1)) '^begin'
@@ -94,11 +94,11 @@ picture 4-clicked
 
 # Pulled out in the middle of a stroke, and put back.
 pad 'tap b 0.2'
-await 30 "mode USE TOOL" said 1 'USE TOOL'
+await 30 "tool mode" said 1 'Tool mode'
 ends=$(count '^end')
 pad 'press a' 'sleep 1' 'replug'
 await 60 "end of the stroke of the pad that went" wrote $((ends + 1)) '^end'
-await 30 "pad that went" said 1 'gamepad gone'
+await 30 "pad that went" said 1 'gamepad disconnected'
 await 30 "pad that came back" said 2 'gamepad: .*rumble=true'
 await 60 "rest after it came back" rests
 bites=$(count '^subtract')
@@ -110,7 +110,7 @@ picture 5-came-back
 kill -0 $program || die "the program has ended"
 pad 'quit'
 exec 7>&-
-await 30 "pad that went for good" said 2 'gamepad gone'
+await 30 "pad that went for good" said 2 'gamepad disconnected'
 kill $program
 wait $program 2>/dev/null
 grep -E ' (WARN|ERROR) virtual_sculpture' $log && die "the program complained"

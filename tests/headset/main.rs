@@ -309,7 +309,7 @@ fn a_runtime_that_goes_and_comes_back_costs_nothing() {
     runtime.kill();
     program.wait_for_log("no headset: ", 1);
     program.wait_for_command("end", 1);
-    program.wait_for_log("is looked for again", 1);
+    program.wait_for_log("trying again every", 1);
     runtime.restart();
     let mut remote = Remote::connect();
     remote.send();

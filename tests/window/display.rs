@@ -127,6 +127,11 @@ impl Picture {
         std::iter::zip(&self.rgb, &other.rgb).filter(|(a, b)| a != b).count()
     }
 
+    /// All pixels, row by row.
+    pub fn pixels(&self) -> Vec<[u8; 3]> {
+        self.rgb.clone()
+    }
+
     /// Different colours.
     pub fn colours(&self) -> usize {
         self.rgb.iter().collect::<std::collections::HashSet<_>>().len()

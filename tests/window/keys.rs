@@ -36,7 +36,7 @@ fn a_key_is_changed_used_and_remembered_and_the_palette_runs_a_command() {
     program.key(&["F1"]);
     shot(&program, "keys-1-table-dark");
     program.click(FILTER);
-    write(&program, "remove every");
+    write(&program, "delete every");
     shot(&program, "keys-2-filtered");
     program.click(ADD);
     shot(&program, "keys-3-listening");
@@ -104,3 +104,27 @@ fn copies_are_pasted_by_key_with_nothing_on_the_clipboard() {
 /// The filter of the window of keys, and the + of the first line below it while one is shown.
 const FILTER: [i16; 2] = [600, 160];
 const ADD: [i16; 2] = [639, 250];
+
+#[test]
+fn a_picture_of_the_view_is_saved_by_key_without_tool_and_lines() {
+    let Some(display) = display() else { return };
+    let program = start(&display, "dark");
+    tool_home(&program);
+    let before = shot(&program, "keys-30-before");
+    program.key(&["F12"]);
+    shot(&program, "keys-31-saved");
+    // A sculpture without a file has its pictures where the person's pictures are.
+    let saved = image::open(program.folder().join("sculpture-1.png")).unwrap().to_rgb8();
+    let [_, _, width, height] = PICTURE;
+    assert!(saved.width() >= width && saved.height() >= height);
+    let red = |[r, g, b]: [u8; 3]| r > 120 && r / 2 > g && r / 2 > b;
+    let stone = |[r, g, b]: [u8; 3]| r > 120 && g > 100 && b > 80;
+    let saved: Vec<[u8; 3]> = saved.pixels().map(|pixel| pixel.0).collect();
+    let shown = before.part(PICTURE).pixels();
+    let count = |of: &[[u8; 3]], is: fn([u8; 3]) -> bool| of.iter().filter(|p| is(**p)).count();
+    assert!(count(&shown, red) > 100, "the line to the tool is red, and nothing else");
+    assert_eq!(count(&saved, red), 0);
+    assert!(count(&saved, stone) > 20_000);
+    program.close();
+    program.expect_clean_exit();
+}

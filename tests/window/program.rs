@@ -305,7 +305,7 @@ impl<'a> Program<'a> {
 
     /// Answers the question that leaving asks, and waits for the end.
     pub fn leave_without_saving(self) {
-        // Save, Leave without saving, Stay: two steps of the keyboard lead to the second.
+        // Save, Don't save, Cancel: two steps of the keyboard lead to the second.
         self.key(&["Tab"]);
         self.key(&["Tab"]);
         self.key(&["space"]);
@@ -352,6 +352,7 @@ fn symbol(name: &str) -> Keysym {
         "bracketright" => 0x5d,
         "F3" => 0xffc0,
         "F8" => 0xffc5,
+        "F12" => 0xffc9,
         "equal" => 0x3d,
         "comma" => 0x2c,
         "Return" => 0xff0d,

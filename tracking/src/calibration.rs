@@ -19,7 +19,7 @@ pub enum CalibrationError {
     NotFinite,
     #[error("the {side} points lie on one spot or one line (breadth {breadth_m:.4} m)")]
     Degenerate { side: &'static str, breadth_m: f64 },
-    #[error("the touches leave the rotation open")]
+    #[error("the touches do not determine the rotation; touch four different corners")]
     Ambiguous,
     #[error("the scale {0} is outside 0.01 to 100")]
     Scale(f64),

@@ -55,7 +55,7 @@ impl Default for OpentrackOptions {
 /// Why a datagram is no pose.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum DatagramError {
-    #[error("a datagram has not 48 bytes")]
+    #[error("a datagram does not have 48 bytes")]
     Length,
     #[error("a number is not finite or absurdly large")]
     NotFinite,
@@ -180,7 +180,7 @@ impl Source for Opentrack {
         match &*failure {
             Some(reason) => SourceState::Ended(reason.clone()),
             None if self.shared.accepted.load(Ordering::Relaxed) == 0 => {
-                SourceState::Seeking("nothing heard yet".to_owned())
+                SourceState::Seeking("nothing received yet".to_owned())
             }
             None => SourceState::Running,
         }

@@ -74,7 +74,7 @@ impl Script {
                         .filter(|time| (0.0..=1.0e6).contains(time))
                         .ok_or(error("a time is a number from 0 to 1000000"))?;
                     if script.entries.last().is_some_and(|(last_s, _)| time_s < *last_s) {
-                        return Err(error("times must not fall"));
+                        return Err(error("times must not decrease"));
                     }
                     if script.entries.len() >= MAX_ENTRIES {
                         return Err(error("the script is too long"));
@@ -147,7 +147,7 @@ fn entry(words: &[&str], sensor: u32) -> Result<Entry, &'static str> {
                 DVec3::new(n[0], n[1], n[2]),
                 DQuat::from_xyzw(n[3], n[4], n[5], n[6]),
             );
-            let placement = placement.ok_or("a position or quaternion that cannot be")?;
+            let placement = placement.ok_or("a position or quaternion that is not valid")?;
             if !(0.0..=1.0).contains(&n[7]) {
                 return Err("a confidence is 0 to 1");
             }

@@ -49,7 +49,8 @@ impl Arguments {
             }
             rest = after.trim_start();
         }
-        let verb = words.pop_front().ok_or_else(|| ParseError("no command".to_string()))?;
+        let verb =
+            words.pop_front().ok_or_else(|| ParseError("the line has no command".to_string()))?;
         Ok(Arguments { verb: text(verb)?, words, pairs })
     }
 

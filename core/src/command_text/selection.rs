@@ -62,13 +62,13 @@ pub fn parse(verb: &str, args: &mut Arguments) -> Result<Command, ParseError> {
             let name = args.word("add, subtract, drop or clear")?;
             let op = SelectOp::ALL.into_iter().find(|op| op.name() == name);
             Command::Select(op.ok_or_else(|| {
-                ParseError(format!("`{name}`: take add, subtract, drop or clear"))
+                ParseError(format!("`{name}` is not valid; use add, subtract, drop or clear"))
             })?)
         }
         "limit" => match args.word("on or off")?.as_str() {
             "on" => Command::Limit(true),
             "off" => Command::Limit(false),
-            other => return Err(ParseError(format!("`{other}`: take on or off"))),
+            other => return Err(ParseError(format!("`{other}` is not valid; use on or off"))),
         },
         "symmetry" => {
             let mut symmetry = Symmetry::default();
@@ -97,7 +97,9 @@ pub fn parse(verb: &str, args: &mut Arguments) -> Result<Command, ParseError> {
 pub fn parse_area(args: &mut Arguments) -> Result<Area, ParseError> {
     let Some(name) = args.optional_word()? else { return Ok(Area::Grid) };
     let area = Area::ALL.into_iter().find(|area| area.name() == name);
-    area.ok_or_else(|| ParseError(format!("`{name}`: take grid, selection or marker")))
+    area.ok_or_else(|| {
+        ParseError(format!("`{name}` is not an area; use grid, selection or marker"))
+    })
 }
 
 fn parse_parity(text: &str) -> Result<Option<Parity>, String> {

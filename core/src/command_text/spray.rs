@@ -36,7 +36,7 @@ pub fn write(spray: &Spray, surface: SpraySurface, f: &mut fmt::Formatter<'_>) -
 
 /// Reads what follows the verb.
 pub fn parse(args: &mut Arguments) -> Result<Command, ParseError> {
-    let name = args.word("a spray tool, such as devourer")?;
+    let name = args.word("a brush, such as devourer")?;
     let effect = match name.as_str() {
         "paintbrush" => Effect::Paintbrush {
             colour: args.required("colour", parse_colour)?,
@@ -60,7 +60,7 @@ pub fn parse(args: &mut Arguments) -> Result<Command, ParseError> {
         "clay" => Effect::Clay { colour: args.required("colour", parse_colour)? },
         _ => {
             return Err(ParseError(format!(
-                "`{name}` is not a spray tool; take paintbrush, devourer, erosion, dilation, \
+                "`{name}` is not a brush; use paintbrush, devourer, erosion, dilation, \
                  growth, smooth or clay"
             )));
         }

@@ -209,7 +209,7 @@ impl Document {
     ) -> Result<ListedBricks, CommandError> {
         let far = IVec3::splat(MARKER_LIMIT_VX);
         if at.cmplt(-far).any() || at.cmpgt(far).any() {
-            return Err(CommandError::Marker("the place to paste at lies too far from the grid"));
+            return Err(CommandError::Marker("the place to paste at is too far from the grid"));
         }
         let voxels = clip.voxels(at, orientation, self.grid().brick_dims());
         if self.has_colour() {

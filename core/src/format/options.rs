@@ -115,15 +115,15 @@ macro_rules! named_text_form {
                 let known = <$kind>::NAMED.iter().find(|(_, name)| *name == text);
                 known.map(|(choice, _)| *choice).ok_or_else(|| {
                     let names = <$kind>::NAMED.map(|(_, name)| name).join(", ");
-                    format!("`{text}` is not {}; take one of {names}", $what)
+                    format!("`{text}` is not {}; use one of {names}", $what)
                 })
             }
         }
     };
 }
 
-named_text_form!(Colouring, "a way of colouring");
-named_text_form!(ExportForm, "a form of saving");
+named_text_form!(Colouring, "a colouring");
+named_text_form!(ExportForm, "a form to save in");
 
 /// Writes `auto` or the threshold.
 impl fmt::Display for Existence {
@@ -144,7 +144,7 @@ impl FromStr for Existence {
         }
         match text.parse::<f64>() {
             Ok(threshold) if threshold.is_finite() => Ok(Existence::Threshold(threshold)),
-            _ => Err(format!("`{text}` is not a threshold; take auto or a number")),
+            _ => Err(format!("`{text}` is not a threshold; use auto or a number")),
         }
     }
 }
@@ -175,7 +175,7 @@ impl FromStr for RawLayout {
             format!("`{text}` must begin with the size in voxels, such as 128x128x64")
         })?;
         let samples = parts.next().ok_or_else(|| {
-            format!("`{text}` must go on with the type of the voxels, such as :u8 or :u16le")
+            format!("`{text}` must continue with the voxel type, such as :u8 or :u16le")
         })?;
         let mut layout = RawLayout {
             dims: dims.into(),
@@ -238,7 +238,7 @@ mod tests {
         for (text, part) in [
             ("128x256", "size in voxels"),
             ("0x1x1:u8", "size in voxels"),
-            ("1x1x1", "type of the voxels"),
+            ("1x1x1", "the voxel type"),
             ("1x1x1:u64", "u16le"),
             ("1x1x1:u8:skip=-1", "skip=352"),
             ("1x1x1:u8:size=1,1", "three lengths"),

@@ -401,7 +401,7 @@ mod tests {
             (b"PVM2\n1 1 1\n1 1 0,5\n1\n_", ["voxel size", "0,5"]),
             (b"PVM\n1 1 1\n0\n_", ["components", "`0`"]),
             (b"PVM\r\n1 1 1\r\n1\r\n_", ["CR LF", "binary"]),
-            (b"PNG\n", ["no PVM volume", "PNG\\n"]),
+            (b"PNG\n", ["not a PVM volume", "PNG\\n"]),
         ] {
             let message = read_any(file).unwrap_err().to_string();
             assert!(parts.iter().all(|p| message.contains(p)), "{message}");

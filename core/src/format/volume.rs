@@ -83,7 +83,7 @@ impl FromStr for Samples {
         let known = Samples::NAMED.iter().find(|(_, name)| *name == text);
         known.map(|(s, _)| *s).ok_or_else(|| {
             let names = Samples::NAMED.map(|(_, name)| name).join(", ");
-            format!("`{text}` is not a type of voxels; take one of {names}")
+            format!("`{text}` is not a voxel type; use one of {names}")
         })
     }
 }

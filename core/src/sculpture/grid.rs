@@ -31,10 +31,10 @@ pub enum GridError {
     Index(u32, u32, u32, u64),
     #[error(
         "grid of {dims} voxels needs {needed_mib} MiB, more than the {budget_mib} MiB allowed; \
-         choose a smaller grid or raise memory.grid_mib in the configuration"
+         choose a smaller grid or raise memory.grid_mib in the settings"
     )]
     Memory { dims: UVec3, needed_mib: u64, budget_mib: u64 },
-    #[error("voxel size {0} must be a positive, finite length on every axis")]
+    #[error("the voxel size {0} is not valid: it must be a positive, finite length on every axis")]
     VoxelSize(Vec3),
 }
 

@@ -205,7 +205,7 @@ impl History {
                 step = step.label,
                 bytes,
                 budget = self.budget_bytes,
-                "step is larger than the history's budget and cannot be taken back"
+                "this step is larger than the history's budget and cannot be undone"
             );
             self.too_large = Some(TooLarge { label: step.label, bytes });
             return;

@@ -56,7 +56,7 @@ impl Selection {
     pub fn set_marker(&mut self, marker: VoxelBox) -> Result<(), &'static str> {
         let far = IVec3::splat(MARKER_LIMIT_VX);
         if marker.min.cmplt(-far).any() || marker.max.cmpgt(far).any() {
-            return Err("the marker lies too far from the grid");
+            return Err("the marker is too far from the grid");
         }
         if marker.is_empty() {
             return Err("the marker must be at least one voxel long on every axis");

@@ -189,7 +189,7 @@ impl Spray {
         let finite =
             f.eye_vx.is_finite() && f.aim.is_finite() && f.across.is_finite() && f.down.is_finite();
         if !finite {
-            return Err("the rays");
+            return Err("a ray");
         }
         if !(0.0..=MAX_FOOTPRINT).contains(&f.radius) {
             return Err("the radius of the footprint");

@@ -48,7 +48,7 @@ impl StereoLayout {
             StereoLayout::TopBottom => "Top and bottom",
             StereoLayout::Rows => "Rows",
             StereoLayout::Columns => "Columns",
-            StereoLayout::Anaglyph => "Red and cyan",
+            StereoLayout::Anaglyph => "Anaglyph",
         }
     }
 

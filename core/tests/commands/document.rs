@@ -342,8 +342,8 @@ fn refusals_name_the_reason_and_change_nothing() {
     let cases = [
         (Command::End, "`end` without an open stroke"),
         (Command::Cancel, "`cancel` without an open stroke"),
-        (Command::Open { path: "a".into(), import: Default::default() }, "`open` concerns files"),
-        (Command::Save { path: "a".into(), form: Default::default() }, "`save` concerns files"),
+        (Command::Open { path: "a".into(), import: Default::default() }, "`open` works on files"),
+        (Command::Save { path: "a".into(), form: Default::default() }, "`save` works on files"),
         (ball(EditOp::Recolour(RED), Vec3::splat(8.0), 4.0), "this sculpture has no colours"),
         (ball(EditOp::Subtract, Vec3::NAN, 4.0), "the centre of the solid"),
         (ball(EditOp::Subtract, Vec3::ONE, 0.0), "the half extent of the solid"),
@@ -352,9 +352,12 @@ fn refusals_name_the_reason_and_change_nothing() {
             Command::New(painted(UVec3::new(1, 5000, 1), ColourDepth::None, true)),
             "grid of 1x5000x1 voxels",
         ),
-        (place(Quat::from_xyzw(0.0, 0.0, 0.0, 2.0), Vec3::ZERO, 1.0), "rotation of the placement"),
-        (place(Quat::IDENTITY, Vec3::NAN, 1.0), "translation of the placement"),
-        (place(Quat::IDENTITY, Vec3::ZERO, 0.0), "scale of the placement"),
+        (
+            place(Quat::from_xyzw(0.0, 0.0, 0.0, 2.0), Vec3::ZERO, 1.0),
+            "the rotation of the placement",
+        ),
+        (place(Quat::IDENTITY, Vec3::NAN, 1.0), "the translation of the placement"),
+        (place(Quat::IDENTITY, Vec3::ZERO, 0.0), "the scale of the placement"),
     ];
     for (command, message) in cases {
         let error = document.apply(&command).expect_err(message).to_string();

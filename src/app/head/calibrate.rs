@@ -22,11 +22,11 @@ const LEAST_REPORTS: usize = 3;
 pub enum CalibrationFileError {
     #[error("the calibration {0} cannot be read: {1}")]
     Read(PathBuf, std::io::Error),
-    #[error("the calibration {0} is not usable: {1}")]
+    #[error("the calibration {0} cannot be used: {1}; delete the file and calibrate again")]
     Parse(PathBuf, Box<toml::de::Error>),
-    #[error("the calibration {0}: its numbers are those of no calibration")]
+    #[error("the calibration {0} has impossible values; delete the file and calibrate again")]
     Value(PathBuf),
-    #[error("the calibration {0} cannot be kept: {1}")]
+    #[error("the calibration {0} cannot be saved: {1}")]
     Write(PathBuf, std::io::Error),
 }
 
@@ -72,7 +72,8 @@ pub fn write(path: &Path, calibration: &Calibration) -> Result<(), CalibrationFi
         let folder = path.parent().unwrap_or(Path::new("."));
         std::fs::create_dir_all(folder)?;
         let mut file = tempfile::NamedTempFile::new_in(folder)?;
-        let head = "# From the calibration by four touches; remove this file to be without.\n";
+        let head =
+            "# Calibration of the head tracker by four touches; delete this file to undo it.\n";
         std::io::Write::write_all(&mut file, (head.to_owned() + &body).as_bytes())?;
         file.as_file().sync_all()?;
         file.persist(path).map_err(|error| error.error).map(|_| ())
@@ -128,13 +129,13 @@ impl Calibrating {
         let Some(&screen_m) = self.corners_m.get(self.touches.len()) else { return };
         self.problem = None;
         if self.recent.len() < LEAST_REPORTS {
-            self.problem = Some("The tracker does not see it: no poses come.".into());
+            self.problem = Some("The tracker does not see the object: no poses arrive.".into());
             return;
         }
         let count = self.recent.len() as f64;
         let tracker_m = self.recent.iter().map(|(_, tip)| *tip).sum::<DVec3>() / count;
         if self.recent.iter().any(|(_, tip)| tip.distance(tracker_m) > STEADY_M) {
-            self.problem = Some("Hold it still on the corner, then take it again.".into());
+            self.problem = Some("Hold it still on the corner, then record it again.".into());
             return;
         }
         self.touches.push(Touch { tracker_m, screen_m });
@@ -143,7 +144,7 @@ impl Calibrating {
                 Ok(fit) => self.fit = Some(fit),
                 Err(error) => {
                     self.touches.clear();
-                    self.problem = Some(format!("Not usable: {error}. Begin again."));
+                    self.problem = Some(format!("Calibration failed: {error}. Start again."));
                 }
             }
         }

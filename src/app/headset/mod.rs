@@ -167,7 +167,7 @@ impl Headset {
             Ok(Standing::Over { again: false }) => {
                 self.part(bench);
                 self.state = State::Left;
-                let text = "The headset was left; start the program with --headset to come back";
+                let text = "The headset session has ended; start the program with --headset to return to it";
                 tracing::info!("{text}");
                 bench.ui.toasts.note(text);
             }
@@ -180,8 +180,8 @@ impl Headset {
         self.part(bench);
         let reason = error.to_string();
         if self.said != reason {
-            tracing::warn!("no headset: {reason}; it is looked for again every {AGAIN:?}");
-            bench.ui.toasts.error(format!("No headset: {reason}. It is looked for again."));
+            tracing::warn!("no headset: {reason}; trying again every {AGAIN:?}");
+            bench.ui.toasts.error(format!("No headset: {reason}. Still looking for one."));
             self.said = reason;
         }
         self.state = State::Away(Instant::now() + AGAIN);

@@ -77,22 +77,22 @@ impl PadButton {
     /// As a person reads it.
     pub const fn label(self) -> &'static str {
         match self {
-            PadButton::South => "pad A",
-            PadButton::East => "pad B",
-            PadButton::West => "pad X",
-            PadButton::North => "pad Y",
-            PadButton::LeftShoulder => "pad left shoulder",
-            PadButton::RightShoulder => "pad right shoulder",
-            PadButton::LeftTrigger => "pad left trigger",
-            PadButton::RightTrigger => "pad right trigger",
-            PadButton::Select => "pad select",
-            PadButton::Start => "pad start",
-            PadButton::LeftStick => "pad left stick pressed",
-            PadButton::RightStick => "pad right stick pressed",
-            PadButton::DpadLeft => "pad cross left",
-            PadButton::DpadRight => "pad cross right",
-            PadButton::DpadUp => "pad cross up",
-            PadButton::DpadDown => "pad cross down",
+            PadButton::South => "gamepad A",
+            PadButton::East => "gamepad B",
+            PadButton::West => "gamepad X",
+            PadButton::North => "gamepad Y",
+            PadButton::LeftShoulder => "gamepad left shoulder",
+            PadButton::RightShoulder => "gamepad right shoulder",
+            PadButton::LeftTrigger => "gamepad left trigger",
+            PadButton::RightTrigger => "gamepad right trigger",
+            PadButton::Select => "gamepad select",
+            PadButton::Start => "gamepad start",
+            PadButton::LeftStick => "gamepad left stick click",
+            PadButton::RightStick => "gamepad right stick click",
+            PadButton::DpadLeft => "gamepad D-pad left",
+            PadButton::DpadRight => "gamepad D-pad right",
+            PadButton::DpadUp => "gamepad D-pad up",
+            PadButton::DpadDown => "gamepad D-pad down",
         }
     }
 

@@ -116,7 +116,7 @@ fn came(gilrs: &mut Gilrs, id: GamepadId) -> PadNews {
         match PadMotor::new(gilrs, id) {
             Ok(motor) => Some(Box::new(motor) as Box<dyn Motor>),
             Err(error) => {
-                tracing::warn!("{name} cannot shake: {error}");
+                tracing::warn!("{name} cannot rumble: {error}");
                 None
             }
         }

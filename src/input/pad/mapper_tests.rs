@@ -76,7 +76,7 @@ fn three_modes_follow_one_another() {
         mapper.hear(PAD, holding(&[PadButton::East]), f64::from(i), &bindings);
         mapper.hear(PAD, holding(&[]), f64::from(i) + 0.1, &bindings);
     }
-    assert_eq!(modes, ["ONLY MOUSE", "USE TOOL", "MOVE ACTIVE GRID", "ONLY MOUSE"]);
+    assert_eq!(modes, ["Pointer mode", "Tool mode", "Sculpture mode", "Pointer mode"]);
 }
 
 #[test]

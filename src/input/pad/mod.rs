@@ -58,9 +58,9 @@ impl PadMode {
     /// As the status line shows it.
     pub const fn label(self) -> &'static str {
         match self {
-            PadMode::OnlyMouse => "ONLY MOUSE",
-            PadMode::UseTool => "USE TOOL",
-            PadMode::MoveGrid => "MOVE ACTIVE GRID",
+            PadMode::OnlyMouse => "Pointer mode",
+            PadMode::UseTool => "Tool mode",
+            PadMode::MoveGrid => "Sculpture mode",
         }
     }
 }

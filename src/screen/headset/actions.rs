@@ -120,11 +120,10 @@ impl Actions {
         let set = instance.create_action_set("sculpting", "Sculpting", 0).doing(DOING)?;
         let grip = set.create_action("grip_pose", "Hand", &hands).doing(DOING)?;
         let aim = set.create_action("aim_pose", "Pointing", &hands).doing(DOING)?;
-        let trigger =
-            set.create_action("trigger", "Use the tool, press a button", &hands).doing(DOING)?;
-        let squeeze = set.create_action("squeeze", "Hold the sculpture", &hands).doing(DOING)?;
+        let trigger = set.create_action("trigger", "Use the tool, click", &hands).doing(DOING)?;
+        let squeeze = set.create_action("squeeze", "Grab the sculpture", &hands).doing(DOING)?;
         let stick = set
-            .create_action("stick", "Size of the tool, undo and redo, scroll", &hands)
+            .create_action("stick", "Resize the tool, undo and redo, scroll", &hands)
             .doing(DOING)?;
         let menu = set.create_action("menu", "Open the panel", &hands).doing(DOING)?;
         let pick = set.create_action("pick", "Take a colour", &hands).doing(DOING)?;

@@ -13,20 +13,22 @@ pub type Result<T> = std::result::Result<T, HeadsetError>;
 pub enum HeadsetError {
     #[error("no OpenXR loader ({0}); {remedy}", remedy = remedy::OPENXR_LOADER)]
     NoLoader(String),
-    #[error("no OpenXR runtime answers ({0}); start SteamVR, Monado or the headset's own software")]
+    #[error(
+        "no OpenXR runtime is running ({0}); start SteamVR, Monado or the headset's own software"
+    )]
     NoRuntime(String),
-    #[error("the OpenXR runtime finds no headset ({0}); plug it in and switch it on")]
+    #[error("the OpenXR runtime finds no headset ({0}); connect it and switch it on")]
     NoHeadset(String),
     #[error("the OpenXR runtime {runtime} {lack}")]
     Unsuitable { runtime: String, lack: String },
     /// The runtime went away, or wants to be left.
-    #[error("the connection to the headset is lost ({0})")]
+    #[error("the connection to the headset was lost ({0})")]
     Lost(&'static str),
     #[error("OpenXR could not {doing}: {result}")]
     Xr { doing: &'static str, result: xr::sys::Result },
     #[error(transparent)]
     Gpu(#[from] GpuError),
-    #[error("no thread can be started for the headset: {0}")]
+    #[error("cannot start a thread for the headset: {0}")]
     Thread(std::io::Error),
 }
 

@@ -30,10 +30,10 @@ impl Blend {
     /// What becomes of the surroundings, as the interface says it.
     pub const fn label(self) -> &'static str {
         match self {
-            Blend::Auto => "as they can",
+            Blend::Auto => "automatic",
             Blend::Opaque => "hidden",
-            Blend::Additive => "under light",
-            Blend::Alpha => "seen",
+            Blend::Additive => "additive",
+            Blend::Alpha => "visible",
         }
     }
 

@@ -58,7 +58,7 @@ impl Head {
                 return refuse(format!("it has moved to {:?}", clip(&self.location)));
             }
             401 | 403 => {
-                return refuse("it wants a login: http://name:password@host/path".into());
+                return refuse("it needs a login; write http://name:password@host/path".into());
             }
             status => return refuse(format!("the server answers with status {status}")),
         }

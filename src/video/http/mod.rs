@@ -117,7 +117,7 @@ impl HttpCamera {
             }
         }
         if self.splitter.outside() > MAX_COMPRESSED_BYTES {
-            return Err(VideoError::malformed(&*self.subject, "no JPEG pictures come"));
+            return Err(VideoError::malformed(&*self.subject, "no JPEG pictures arrive"));
         }
         Ok(false)
     }

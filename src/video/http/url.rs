@@ -49,9 +49,9 @@ impl Url {
             place.split_at(place.find(':').unwrap_or(place.len()))
         };
         let port = match port.strip_prefix(':') {
-            Some(digits) => digits.parse().map_err(|_| format!("{digits:?} is no port"))?,
+            Some(digits) => digits.parse().map_err(|_| format!("{digits:?} is not a port"))?,
             None if port.is_empty() => 80,
-            None => return Err(format!("{port:?} after the host is no port")),
+            None => return Err(format!("{port:?} after the host is not a port")),
         };
         if host.is_empty() {
             return Err("it names no host".into());

@@ -50,7 +50,7 @@ impl Camera {
         let io = |error: Error| VideoError::io(&*subject, error);
         let device = Device::open(&address.device).map_err(io)?;
         if !device.supported_buf_types().contains(BufTypes::VIDEO_CAPTURE) {
-            let problem = "not a camera, or one with several planes of memory";
+            let problem = "not a camera, or one with an unsupported multi-planar interface";
             return Err(VideoError::unsupported(subject, problem));
         }
         let size = address.size.unwrap_or(DEFAULT_SIZE);
@@ -134,7 +134,7 @@ impl Reader for Camera {
             Err(error) => return Err(VideoError::io(&*self.subject, error)),
         }
         if !events[0].revents().contains(PollFlags::IN) {
-            let error = Error::new(ErrorKind::NotConnected, "the camera is gone");
+            let error = Error::new(ErrorKind::NotConnected, "the camera has been disconnected");
             return Err(VideoError::io(&*self.subject, error));
         }
         self.dequeue()?;
@@ -170,7 +170,7 @@ impl Reader for Camera {
                 self.splitter.reset();
                 let (_, whole) = self.splitter.feed(&self.bytes);
                 if !whole {
-                    return broken("a JPEG that breaks off".into());
+                    return broken("a truncated JPEG".into());
                 }
                 self.splitter.swap_picture(&mut self.picture);
                 Ok(jpeg::decode(&self.picture, &self.subject, frame))

@@ -50,7 +50,7 @@ pub enum ServerError {
     Listen(SocketAddr, io::Error),
     #[error("cannot start a thread: {0}")]
     Thread(io::Error),
-    #[error("\"{0}\" is no name for a device, is there twice, or has too many buttons")]
+    #[error("\"{0}\" is not a valid device name, is given twice, or has too many buttons")]
     Device(String),
 }
 

@@ -1,0 +1,129 @@
+//! Pictures of the view, saved as PNG files when a person asks for one: the sculpture over its
+//! background, without tool, lines and panels.
+//!
+//! Takes pixels as they were read back from the device; gives the names of the files. Knows no
+//! window.
+
+use std::path::{Path, PathBuf};
+
+use ash::vk;
+use directories::UserDirs;
+use image::{ImageFormat, Rgb, RgbImage};
+
+use crate::format::store;
+use crate::picture::PictureError;
+use crate::shade::Pixels;
+
+/// How many names are tried before the last is used again.
+const MOST: u32 = 10_000;
+
+/// Saves the pictures of one view, one an eye, beside the sculpture's file, or among the person's
+/// pictures while there is none, where no other file is.
+pub fn save(
+    sculpture: Option<&Path>,
+    format: vk::Format,
+    eyes: &[Pixels],
+) -> Result<Vec<PathBuf>, PictureError> {
+    let beside = sculpture.and_then(Path::parent).filter(|folder| *folder != Path::new(""));
+    let folder = beside.map_or_else(pictures_folder, Path::to_path_buf);
+    let name = sculpture.and_then(Path::file_stem).map(|name| name.to_string_lossy().into_owned());
+    save_in(&folder, name.as_deref().unwrap_or("sculpture"), format, eyes)
+}
+
+fn save_in(
+    folder: &Path,
+    name: &str,
+    format: vk::Format,
+    eyes: &[Pixels],
+) -> Result<Vec<PathBuf>, PictureError> {
+    let endings: &[&str] = if eyes.len() == 1 { &["png"] } else { &["left.png", "right.png"] };
+    let names = |n: u32| -> Vec<PathBuf> {
+        endings.iter().map(|ending| folder.join(format!("{name}-{n}.{ending}"))).collect()
+    };
+    let free = |paths: &Vec<PathBuf>| paths.iter().all(|path| !path.exists());
+    let paths = (1..MOST).map(names).find(free).unwrap_or_else(|| names(MOST));
+    for (path, pixels) in paths.iter().zip(eyes) {
+        let mut png = std::io::Cursor::new(Vec::new());
+        picture(format, pixels).write_to(&mut png, ImageFormat::Png)?;
+        store::write_atomically(path, png.get_ref())
+            .map_err(|error| PictureError::Write { path: path.clone(), error })?;
+    }
+    Ok(paths)
+}
+
+fn pictures_folder() -> PathBuf {
+    let of = |user: UserDirs| user.picture_dir().unwrap_or(user.home_dir()).to_path_buf();
+    UserDirs::new().map_or_else(|| PathBuf::from("."), of)
+}
+
+/// The picture in the order of a file. Windows have their own orders of the channels.
+fn picture(format: vk::Format, pixels: &Pixels) -> RgbImage {
+    let ten_bits = |word: u32, at: u32| (((word >> at & 0x3ff) * 255 + 511) / 1023) as u8;
+    let rgb = |pixel: [u8; 4]| {
+        let [a, b, c, _] = pixel;
+        let word = u32::from_le_bytes(pixel);
+        Rgb(match format {
+            vk::Format::B8G8R8A8_UNORM | vk::Format::B8G8R8A8_SRGB => [c, b, a],
+            vk::Format::A2B10G10R10_UNORM_PACK32 => [0, 10, 20].map(|at| ten_bits(word, at)),
+            vk::Format::A2R10G10B10_UNORM_PACK32 => [20, 10, 0].map(|at| ten_bits(word, at)),
+            _ => [a, b, c],
+        })
+    };
+    let width = pixels.size.x;
+    RgbImage::from_fn(width, pixels.size.y, |x, y| rgb(pixels.rgba[(x + y * width) as usize]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::UVec2;
+
+    fn pixels(rgba: [u8; 4]) -> Pixels {
+        Pixels { size: UVec2::new(2, 1), rgba: vec![rgba; 2] }
+    }
+
+    fn seen(path: &Path) -> [u8; 3] {
+        image::open(path).unwrap().to_rgb8().get_pixel(1, 0).0
+    }
+
+    #[test]
+    fn every_picture_gets_a_name_of_its_own_beside_the_sculpture() {
+        let folder = tempfile::tempdir().unwrap();
+        let sculpture = folder.path().join("head.vsc");
+        let format = vk::Format::R8G8B8A8_UNORM;
+        let one = save(Some(&sculpture), format, &[pixels([1, 2, 3, 255])]).unwrap();
+        let two = save(Some(&sculpture), format, &[pixels([4, 5, 6, 255])]).unwrap();
+        assert_eq!(
+            [&one[..], &two[..]].concat(),
+            ["head-1.png", "head-2.png"].map(|name| folder.path().join(name))
+        );
+        assert_eq!((seen(&one[0]), seen(&two[0])), ([1, 2, 3], [4, 5, 6]));
+        let eyes = [pixels([7, 7, 7, 255]), pixels([8, 8, 8, 255])];
+        let both = save(Some(&sculpture), format, &eyes).unwrap();
+        assert_eq!(
+            both,
+            ["head-1.left.png", "head-1.right.png"].map(|name| folder.path().join(name))
+        );
+        assert_eq!((seen(&both[0]), seen(&both[1])), ([7; 3], [8; 3]));
+    }
+
+    #[test]
+    fn channels_are_in_the_order_of_the_windows_format() {
+        let shown = |format, rgba| picture(format, &pixels(rgba)).get_pixel(0, 0).0;
+        assert_eq!(shown(vk::Format::B8G8R8A8_SRGB, [3, 2, 1, 0]), [1, 2, 3]);
+        assert_eq!(shown(vk::Format::R8G8B8A8_SRGB, [1, 2, 3, 0]), [1, 2, 3]);
+        let word = 1023u32 | 512 << 10 | 3 << 30;
+        assert_eq!(shown(vk::Format::A2B10G10R10_UNORM_PACK32, word.to_le_bytes()), [255, 128, 0]);
+        assert_eq!(shown(vk::Format::A2R10G10B10_UNORM_PACK32, word.to_le_bytes()), [0, 128, 255]);
+    }
+
+    #[test]
+    fn a_folder_that_is_not_there_is_named() {
+        let error = save(
+            Some(Path::new("/there/is/no.vsc")),
+            vk::Format::R8G8B8A8_UNORM,
+            &[pixels([0; 4])],
+        );
+        assert!(error.unwrap_err().to_string().contains("/there/is/no-1.png"));
+    }
+}

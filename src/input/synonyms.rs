@@ -1,0 +1,108 @@
+//! What else people call an action: the words of other programs, by which the palette and the
+//! filter of the controls find it.
+//!
+//! In lower case and British spelling, as searches are brought into; words of the action's own text
+//! need not stand here.
+
+use super::action::{Action, Side, ToolMode};
+use super::panel::Panel;
+use crate::tools::construct::Solid;
+use crate::tools::spray::SprayKind;
+
+impl Action {
+    /// Words that find the action besides those of its help, with spaces between.
+    pub fn synonyms(self) -> &'static str {
+        match self {
+            Action::New => "create file",
+            Action::Open => "load import read browse file",
+            Action::Save => "write store file",
+            Action::SaveAs => "export convert copy rename file",
+            Action::Screenshot => "screenshot capture snapshot photo image png export render",
+            Action::Fullscreen => "fullscreen maximise window",
+            Action::Quit => "exit leave end close program",
+            Action::Help => {
+                "shortcuts hotkeys keys keyboard mouse gamepad keybindings bindings keymap \
+                 preferences settings options configure customise manual"
+            }
+            Action::Guide => "tutorial learn lesson introduction getting started welcome tips",
+            Action::Palette => "find command menu",
+            Action::Undo => "back revert",
+            Action::Redo => "forward again",
+            Action::Fill => "solid block flood everything",
+            Action::Clear => "erase remove empty reset everything all",
+            Action::Cancel => "abort stop escape",
+            Action::Solid(Solid::Ellipsoid) => "sphere ball round",
+            Action::Solid(Solid::Cuboid) => "cube box block brick square",
+            Action::Solid(Solid::Pyramid) => "cone roof triangle",
+            Action::Spray(SprayKind::Paintbrush) => "paint airbrush colour",
+            Action::Spray(SprayKind::Devourer) => "dig gouge eat remove erase",
+            Action::Spray(SprayKind::Clay) => "build add draw",
+            Action::Spray(SprayKind::Erosion) => "erode weather round",
+            Action::Spray(SprayKind::Dilation) => "dilate inflate expand thicken",
+            Action::Spray(SprayKind::Growth) => "grow close fill",
+            Action::Spray(SprayKind::Smooth) => "soften relax blur polish",
+            Action::Marker => "selection marquee rectangle region area",
+            Action::Mode(ToolMode::Add) => "attach build union extrude draw",
+            Action::Mode(ToolMode::Subtract) => "erase eraser remove delete subtract difference",
+            Action::Mode(ToolMode::Recolour) => "recolour colour dye tint",
+            Action::NextToolMode => "switch toggle cycle",
+            Action::Grow => "larger bigger increase resize size radius scale",
+            Action::Shrink => "smaller decrease reduce resize size radius scale",
+            Action::ResetTool => "default restore centre",
+            Action::Nudge(_) => "shift nudge",
+            Action::Stretch(_) => "stretch lengthen longer resize",
+            Action::AlignTool => "upright straighten align",
+            Action::ToggleFollow => "lock pin fixed",
+            Action::ToggleSnap => "snapping magnet align",
+            Action::PickHere | Action::PickColour => "eyedropper pipette sample picker",
+            Action::Mirror(_) => "symmetric reflect flip",
+            Action::Repeat => "array again pattern copies",
+            Action::SelectMarker => "union extend",
+            Action::DeselectMarker => "deselect unselect",
+            Action::DropBox => "drop remove",
+            Action::ClearSelection => "deselect unselect none",
+            Action::ToggleLimit => "mask restrict protect clip",
+            Action::FillMarker => "solid add",
+            Action::ClearMarker => "erase remove empty clear",
+            Action::DyeMarker => "colour paint dye tint",
+            Action::Copy => "duplicate clone",
+            Action::Cut => "move",
+            Action::Paste => "insert stamp",
+            Action::TurnClip(_) => "turn copy",
+            Action::MirrorClip(_) => "flip reflect copy",
+            Action::MoveContents(_) => "shift nudge translate",
+            Action::ResetView => "fit centre recentre zoom camera see everything",
+            Action::LookFrom(Side::Corner) => "look camera perspective isometric",
+            Action::LookFrom(_) => "look camera side",
+            Action::ZoomIn => "closer nearer magnify",
+            Action::ZoomOut => "away farther further",
+            Action::NextRenderMode => "rendering renderer shader quality gpu cpu performance",
+            Action::Lights => "lighting light lamp sun shadow brightness shading",
+            Action::NextStereo => "3d glasses anaglyph two eyes",
+            Action::SwapEyes => "exchange stereo reverse",
+            Action::ToggleVideo => "camera webcam backdrop",
+            Action::ToggleHead => "tracker webcam opentrack",
+            Action::CalibrateHead => "tracking",
+            Action::ToggleAr => "augmented reality webcam ar",
+            Action::ToggleBounds => "bounds box edges frame",
+            Action::ToggleTheme => "mode appearance skin colours",
+            Action::TearOff(Panel::Toolbox) => "tools panel undock float tear window",
+            Action::TearOff(_) => "panel undock float tear window",
+            Action::ScaleUp => "larger bigger text font size zoom dpi",
+            Action::ScaleDown => "smaller text font size zoom dpi",
+            Action::ScaleReset => "text font zoom dpi default",
+            Action::NextPadMode => "controller joystick",
+            Action::ToggleRumble => "vibration vibrate haptics shake controller",
+            Action::Apply => "stamp",
+            Action::Sculpt => "carve draw",
+            Action::SculptInverse => "invert opposite",
+            Action::SculptSmooth => "relax",
+            Action::TurnSculpture => "turn orbit spin tumble view",
+            Action::PanSculpture => "move shift translate view",
+            Action::Zoom => "dolly closer nearer farther",
+            Action::MoveTool | Action::MoveToolDeep => "drag translate",
+            Action::TurnTool => "turn",
+            Action::ResizeTool => "size radius scale brush",
+        }
+    }
+}

@@ -1,0 +1,189 @@
+//! Tests of the palette: what is listed for what is typed, and what is chosen.
+
+use super::*;
+use crate::input::{Axis, Panel, Side, ToolMode};
+use crate::tools::construct::Solid;
+use crate::tools::spray::SprayKind;
+use crate::ui::filter::british;
+
+fn direct() -> Bindings {
+    Bindings::presets().unwrap().remove(0)
+}
+
+fn listed(typed: &str) -> Vec<Entry> {
+    entries(typed, Some(&direct())).0
+}
+
+#[test]
+fn without_words_everything_is_listed() {
+    assert_eq!(listed("").len(), Action::ALL.len() + COMMANDS.len());
+}
+
+#[test]
+fn words_choose_by_text_name_key_and_usage() {
+    assert_eq!(listed("step undo last")[0], Entry::Do(Action::Undo));
+    assert!(listed("ctrl+z").contains(&Entry::Do(Action::Undo)));
+    assert!(listed("next-render").contains(&Entry::Do(Action::NextRenderMode)));
+    assert!(matches!(listed("mirror planes centre fly")[..], []));
+    assert!(matches!(listed("off even odd")[..], [Entry::Complete(c)] if c.verb == "symmetry"));
+}
+
+/// What people who know other programs type, and the action that must come first.
+#[test]
+fn what_people_type_finds_the_action() {
+    let expected = [
+        ("rotate", Action::TurnSculpture),
+        ("orbit", Action::TurnSculpture),
+        ("pan", Action::PanSculpture),
+        ("zoom", Action::Zoom),
+        ("magnify", Action::ZoomIn),
+        ("zoom out", Action::Zoom),
+        ("move", Action::MoveTool),
+        ("resize", Action::ResizeTool),
+        ("radius", Action::ResizeTool),
+        ("bigger", Action::Grow),
+        ("smaller", Action::Shrink),
+        ("erase", Action::Mode(ToolMode::Subtract)),
+        ("eraser", Action::Mode(ToolMode::Subtract)),
+        ("remove", Action::Mode(ToolMode::Subtract)),
+        ("cut", Action::Mode(ToolMode::Subtract)),
+        ("add", Action::Mode(ToolMode::Add)),
+        ("build", Action::Mode(ToolMode::Add)),
+        ("paint", Action::Mode(ToolMode::Recolour)),
+        ("delete", Action::ClearMarker),
+        ("sphere", Action::Solid(Solid::Ellipsoid)),
+        ("ball", Action::Solid(Solid::Ellipsoid)),
+        ("cube", Action::Solid(Solid::Cuboid)),
+        ("cone", Action::Solid(Solid::Pyramid)),
+        ("brush", Action::Spray(SprayKind::Paintbrush)),
+        ("airbrush", Action::Spray(SprayKind::Paintbrush)),
+        ("carve", Action::Spray(SprayKind::Devourer)),
+        ("dig", Action::Spray(SprayKind::Devourer)),
+        ("clay", Action::Spray(SprayKind::Clay)),
+        ("inflate", Action::Spray(SprayKind::Dilation)),
+        ("smooth", Action::Spray(SprayKind::Smooth)),
+        ("blur", Action::Spray(SprayKind::Smooth)),
+        ("colour", Action::PickColour),
+        ("color", Action::PickColour),
+        ("eyedropper", Action::PickColour),
+        ("marquee", Action::Marker),
+        ("select", Action::Marker),
+        ("deselect", Action::ClearSelection),
+        ("mask", Action::ToggleLimit),
+        ("mirror", Action::Mirror(Axis::X)),
+        ("symmetry", Action::Mirror(Axis::X)),
+        ("flip", Action::Mirror(Axis::X)),
+        ("array", Action::Repeat),
+        ("duplicate", Action::Copy),
+        ("clone", Action::Copy),
+        ("paste", Action::Paste),
+        ("snap", Action::ToggleSnap),
+        ("undo", Action::Undo),
+        ("revert", Action::Undo),
+        ("redo", Action::Redo),
+        ("clear", Action::Clear),
+        ("clear grid", Action::Clear),
+        ("fit", Action::ResetView),
+        ("frame", Action::ResetView),
+        ("reset view", Action::ResetView),
+        ("center", Action::ResetTool),
+        ("front", Action::LookFrom(Side::Front)),
+        ("top", Action::LookFrom(Side::Top)),
+        ("perspective", Action::LookFrom(Side::Corner)),
+        ("grid", Action::ToggleBounds),
+        ("fullscreen", Action::Fullscreen),
+        ("full screen", Action::Fullscreen),
+        ("screenshot", Action::Screenshot),
+        ("snapshot", Action::Screenshot),
+        ("picture", Action::Screenshot),
+        ("dark mode", Action::ToggleTheme),
+        ("theme", Action::ToggleTheme),
+        ("font", Action::ScaleUp),
+        ("panel", Action::TearOff(Panel::Toolbox)),
+        ("lighting", Action::Lights),
+        ("shadow", Action::Lights),
+        ("3d", Action::NextStereo),
+        ("webcam", Action::ToggleVideo),
+        ("augmented reality", Action::ToggleAr),
+        ("quality", Action::NextRenderMode),
+        ("vibration", Action::ToggleRumble),
+        ("controller", Action::NextPadMode),
+        ("new", Action::New),
+        ("open", Action::Open),
+        ("import", Action::Open),
+        ("load", Action::Open),
+        ("save", Action::Save),
+        ("save as", Action::SaveAs),
+        ("export", Action::SaveAs),
+        ("search", Action::Palette),
+        ("help", Action::Help),
+        ("hotkeys", Action::Help),
+        ("shortcuts", Action::Help),
+        ("keyboard", Action::Help),
+        ("preferences", Action::Help),
+        ("settings", Action::Help),
+        ("tutorial", Action::Guide),
+        ("quit", Action::Quit),
+        ("exit", Action::Quit),
+        ("home", Action::ResetView),
+        ("ctrl+z", Action::Undo),
+    ];
+    let first = |typed: &str| {
+        listed(typed).into_iter().find_map(|entry| match entry {
+            Entry::Do(action) => Some(action),
+            _ => None,
+        })
+    };
+    let found: Vec<_> = expected.iter().map(|(typed, _)| (*typed, first(typed))).collect();
+    let wanted = expected.map(|(typed, action)| (typed, Some(action)));
+    let wrong: Vec<_> = found.iter().zip(&wanted).filter(|(a, b)| a != b).collect();
+    assert!(wrong.is_empty(), "found and wanted: {wrong:#?}");
+}
+
+#[test]
+fn synonyms_are_as_searches_are_brought_into() {
+    for &action in Action::ALL {
+        let words = action.synonyms();
+        assert_eq!(words, british(words), "{action:?}");
+        let list: Vec<&str> = words.split_whitespace().collect();
+        let twice = |(i, word): (usize, &&str)| list[..i].contains(word);
+        assert!(!list.iter().enumerate().any(twice), "{action:?}");
+    }
+}
+
+#[test]
+fn a_verb_alone_comes_after_the_actions_that_are_called_so() {
+    for (typed, first) in [("undo", Action::Undo), ("clear", Action::Clear)] {
+        assert_eq!(listed(typed)[0], Entry::Do(first));
+        let run = Entry::Run(Box::new(typed.parse().unwrap()));
+        assert!(listed(typed).contains(&run), "{typed}");
+    }
+}
+
+#[test]
+fn a_typed_command_comes_first_and_a_wrong_one_says_why() {
+    let line = "subtract cuboid at=8,8,8 half=2";
+    let (list, error) = entries(line, None);
+    assert_eq!(list[0], Entry::Run(Box::new(line.parse().unwrap())));
+    assert_eq!(error, None);
+    let (list, error) = entries("subtract sponge at=8,8,8", None);
+    assert!(matches!(list[..], [Entry::Complete(c)] if c.verb == "subtract"), "{list:?}");
+    assert!(error.unwrap().contains("sponge"));
+    assert_eq!(entries("sponge", None).1, None, "no command at all");
+}
+
+#[test]
+fn what_the_mouse_does_comes_last_and_is_passed_over() {
+    let mut palette = Palette::default();
+    let list = listed("");
+    palette.go(&list, 0);
+    assert_eq!(list[palette.chosen], Entry::Do(Action::PickHere));
+    palette.go(&list, -1);
+    assert_eq!(list[palette.chosen], Entry::Do(Action::PickHere));
+    palette.go(&list, 1);
+    assert_eq!(list[palette.chosen], Entry::Do(Action::Cancel));
+    palette.go(&list, 1000);
+    let last = &list[palette.chosen];
+    assert!(matches!(last, Entry::Complete(c) if c.verb == "place"), "{last:?}");
+    assert!(!palette.go(&[], 1) || palette.chosen == 0);
+}
