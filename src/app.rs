@@ -44,7 +44,7 @@ use crate::gpu::GpuError;
 use crate::input::Bindings;
 use crate::input::bindings::BindingsError;
 use crate::input::pad::device::{self, PadNews};
-use crate::screen::headset::FrameNews;
+use crate::screen::headset::LinkNews;
 use crate::session::Session;
 
 use headset::{Connection, Headset};
@@ -119,7 +119,7 @@ pub fn run(session: Session, config: Config, shots: Option<PathBuf>) -> Result<(
 #[derive(Debug)]
 enum Wake {
     Pad(PadNews),
-    Headset(Connection, FrameNews),
+    Headset(Connection, LinkNews),
 }
 
 /// The program in a window.
@@ -165,6 +165,9 @@ impl App {
         self.bench.shake_pad(self.started.elapsed().as_secs_f64());
         view.draw_sculpture(&mut frame, &mut self.bench)?;
         view.draw_interface(&mut frame, &mut interface)?;
+        if let Some(lack) = view.pane.take_lack() {
+            self.bench.ui.toasts.error(lack.to_string());
+        }
         let pad_needs = self.bench.pad_is_active().then_some(Duration::ZERO);
         let again = started.checked_add(pad_needs.unwrap_or(interface.repaint_after));
         view.pane.wake_at(again);
@@ -266,10 +269,11 @@ impl App {
         }
     }
 
-    /// Makes a picture for the headset; now and then the window shows what is done there.
-    fn headset_frame(&mut self, connection: Connection, news: FrameNews) {
+    /// Hears of the headset and makes its pictures; now and then the window shows what is done
+    /// there.
+    fn hear_headset(&mut self, connection: Connection, news: LinkNews) {
         let Some(headset) = &mut self.headset else { return };
-        headset.frame(&mut self.bench, connection, news);
+        headset.hear(&mut self.bench, connection, news);
         if self.mirrored.is_none_or(|at| at.elapsed() >= MIRROR_EVERY) {
             self.mirrored = Some(Instant::now());
             self.redraw();
@@ -316,7 +320,7 @@ impl ApplicationHandler<Wake> for App {
                 self.redraw();
             }
             Wake::Headset(connection, news) => {
-                self.headset_frame(connection, news);
+                self.hear_headset(connection, news);
                 if self.bench.is_leaving() {
                     event_loop.exit();
                 }

@@ -27,9 +27,6 @@ impl Painter {
 
     /// Records what the workbench's next picture needs; then it is in [`Painter::pictures`].
     /// `slot`: [`crate::gpu::Frames::slot`].
-    ///
-    /// A sculpture that is too large for the device in this mode is drawn in the next best from then
-    /// on.
     pub fn paint(
         &mut self,
         recorder: &mut Recorder,
@@ -68,15 +65,7 @@ impl Painter {
         // The renderer writes to the maps that nobody else holds.
         bench.forget_seen();
         let renderer = &mut self.renderer;
-        loop {
-            let document = bench.session_mut().document_mut();
-            let Err(error) = renderer.paint(recorder, slot, document, &shot) else { break };
-            let too_large = matches!(error, GpuError::Limit { .. } | GpuError::OutOfMemory(_));
-            let Some(mode) = shot.mode.fallback().filter(|_| too_large) else { return Err(error) };
-            bench.ui.toasts.error(format!("{error}; switched to {}", mode.label()));
-            bench.ui.view.mode = mode;
-            shot.mode = mode;
-        }
+        paint_what_fits(renderer, recorder, slot, bench, &mut shot)?;
         let maps = renderer.maps();
         if let Some(map) = maps.get(bench.pointing_eye).or(maps.first()) {
             bench.saw(map.clone());
@@ -97,6 +86,26 @@ impl Painter {
     /// What was painted last.
     pub fn pictures(&mut self) -> Option<&mut Pictures> {
         self.renderer.pictures()
+    }
+}
+
+/// Paints a shot, in the window or in a headset. A sculpture that is too large for the device in
+/// its mode is drawn in the next best, which is the workbench's from then on.
+pub(super) fn paint_what_fits(
+    renderer: &mut Renderer,
+    recorder: &mut Recorder,
+    slot: usize,
+    bench: &mut Workbench,
+    shot: &mut Shot,
+) -> Result<()> {
+    loop {
+        let document = bench.session_mut().document_mut();
+        let Err(error) = renderer.paint(recorder, slot, document, shot) else { return Ok(()) };
+        let too_large = matches!(error, GpuError::Limit { .. } | GpuError::OutOfMemory(_));
+        let Some(mode) = shot.mode.fallback().filter(|_| too_large) else { return Err(error) };
+        bench.ui.toasts.error(format!("{error}; switched to {}", mode.label()));
+        bench.ui.view.mode = mode;
+        shot.mode = mode;
     }
 }
 

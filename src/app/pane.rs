@@ -262,6 +262,11 @@ impl Pane {
         self.gui.upload(textures)
     }
 
+    /// What of the interface lacks memory, once ([`Gui::take_lack`]).
+    pub fn take_lack(&mut self) -> Option<GpuError> {
+        self.gui.take_lack()
+    }
+
     /// Records the interface, over what was pasted or over nothing.
     pub fn draw(&mut self, frame: &mut Frame, interface: &Interface) -> Result<(), GpuError> {
         let context = self.egui.egui_ctx();

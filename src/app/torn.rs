@@ -217,6 +217,9 @@ impl PanelWindow {
         self.pane.wake_at(started.checked_add(interface.repaint_after));
         self.textures.append(std::mem::take(&mut interface.textures));
         self.show(interface)?;
+        if let Some(lack) = self.pane.take_lack() {
+            bench.ui.toasts.error(lack.to_string());
+        }
         Ok(touched)
     }
 

@@ -39,7 +39,8 @@ impl Buffer {
             unsafe { device.raw().create_buffer(&info, None) }.during("create a buffer")?;
         // SAFETY: just made.
         let requirements = unsafe { device.raw().get_buffer_memory_requirements(handle) };
-        let memory = allocate(device, name, requirements, location, true).inspect_err(|_| {
+        let alone = AllocationScheme::DedicatedBuffer(handle);
+        let memory = allocate(device, name, requirements, location, alone).inspect_err(|_| {
             // SAFETY: not used by anything.
             unsafe { device.raw().destroy_buffer(handle, None) }
         })?;
@@ -152,7 +153,8 @@ impl Image {
             unsafe { device.raw().create_image(&create, None) }.during("create an image")?;
         // SAFETY: just made.
         let requirements = unsafe { device.raw().get_image_memory_requirements(handle) };
-        let memory = allocate(device, info.name, requirements, MemoryLocation::GpuOnly, false)
+        let alone = AllocationScheme::DedicatedImage(handle);
+        let memory = allocate(device, info.name, requirements, MemoryLocation::GpuOnly, alone)
             .inspect_err(|_| {
                 // SAFETY: not used by anything.
                 unsafe { device.raw().destroy_image(handle, None) }
@@ -326,22 +328,26 @@ fn memory_of(memory: &Allocation) -> vk::DeviceMemory {
     unsafe { memory.memory() }
 }
 
+/// A place in a block of memory that many share, or where no further block can be had, memory of
+/// just this size by the scheme `alone`.
 fn allocate(
     device: &Device,
     name: &str,
     requirements: vk::MemoryRequirements,
     location: MemoryLocation,
-    linear: bool,
+    alone: AllocationScheme,
 ) -> Result<Allocation> {
     let allocator = device.allocator()?;
     let mut allocator = allocator.lock().unwrap_or_else(PoisonError::into_inner);
-    allocator
-        .allocate(&AllocationCreateDesc {
-            name,
-            requirements,
-            location,
-            linear,
-            allocation_scheme: AllocationScheme::GpuAllocatorManaged,
+    let linear = matches!(alone, AllocationScheme::DedicatedBuffer(_));
+    let mut place = |allocation_scheme| {
+        let desc = AllocationCreateDesc { name, requirements, location, linear, allocation_scheme };
+        allocator.allocate(&desc)
+    };
+    place(AllocationScheme::GpuAllocatorManaged)
+        .or_else(|error| match error {
+            gpu_allocator::AllocationError::OutOfMemory => place(alone),
+            error => Err(error),
         })
         .map_err(|e| match e {
             gpu_allocator::AllocationError::OutOfMemory => {

@@ -4,12 +4,13 @@
 //! library uploads textures by submissions of its own that it waits for, so [`Gui::upload`] comes
 //! before the frame's commands.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use ash::vk;
+use egui::epaint::Primitive;
 use egui::epaint::{ImageData, ImageDelta};
-use egui::{ClippedPrimitive, ColorImage, TextureId, TexturesDelta};
+use egui::{ClippedPrimitive, ColorImage, TextureId, TextureOptions, TexturesDelta};
 use egui_ash_renderer::allocator::GpuAllocator;
 use egui_ash_renderer::{DynamicRendering, Options, RenderMode, Renderer, RendererError};
 
@@ -23,6 +24,12 @@ pub struct Gui {
     /// What each texture holds. The library's partial updates forget the rest of the image (they
     /// begin with an undefined layout), so every update is made whole here.
     images: HashMap<TextureId, ColorImage>,
+    /// Textures that are on the device.
+    there: HashSet<TextureId>,
+    /// Those for which there was no memory, to be tried again.
+    lacking: HashMap<TextureId, TextureOptions>,
+    /// What there was no memory for, to be said.
+    lack: Option<GpuError>,
     /// Textures that egui needs no more, and the submission that may still use them.
     condemned: Vec<(TextureId, Serial)>,
     device: Arc<Device>,
@@ -49,30 +56,49 @@ impl Gui {
             renderer,
             pool: Pool::new(device, "textures of the interface")?,
             images: HashMap::new(),
+            there: HashSet::new(),
+            lacking: HashMap::new(),
+            lack: None,
             condemned: Vec::new(),
             device: device.clone(),
         })
     }
 
-    /// Brings new textures to the device and frees those that no frame uses any more.
+    /// Brings new textures to the device and frees those that no frame uses any more. One for
+    /// which there is no memory is left out, and tried again the next time ([`Gui::take_lack`]).
     pub fn upload(&mut self, delta: &mut TexturesDelta) -> Result<()> {
+        let before = std::mem::take(&mut self.lacking);
+        let mut due = before.clone();
         for (id, changes) in delta.set.drain() {
-            let known = self.images.contains_key(&id);
             for change in &changes {
                 self.remember(id, change);
             }
-            let (Some(image), Some(last)) = (self.images.get(&id), changes.last()) else {
-                continue;
-            };
-            if known {
+            due.extend(changes.last().map(|last| (id, last.options)));
+        }
+        for (id, options) in due {
+            let Some(image) = self.images.get(&id) else { continue };
+            if self.there.contains(&id) {
                 // The texture that is replaced may be in use by a frame in flight.
                 self.device.wait_idle()?;
             }
-            let whole = ImageDelta::full(image.clone(), last.options);
+            let whole = ImageDelta::full(image.clone(), options);
             let (renderer, pool) = (&mut self.renderer, self.pool.handle());
-            self.device
+            let set = self
+                .device
                 .with_queue(|queue| renderer.set_texture(queue, pool, id, &whole))
-                .map_err(|error| gpu_error("bring a texture of the interface over", error))?;
+                .map_err(|error| gpu_error("bring a texture of the interface over", error));
+            match set {
+                Ok(()) => {
+                    self.there.insert(id);
+                }
+                Err(error @ GpuError::OutOfMemory(_)) => {
+                    self.lacking.insert(id, options);
+                    if !before.contains_key(&id) {
+                        self.lack = Some(error);
+                    }
+                }
+                Err(error) => return Err(error),
+            }
         }
         let mut kept = Vec::new();
         for (id, serial) in self.condemned.drain(..) {
@@ -88,10 +114,16 @@ impl Gui {
         Ok(())
     }
 
+    /// What there was no memory for since the last call: something of the interface is not shown.
+    pub fn take_lack(&mut self) -> Option<GpuError> {
+        self.lack.take()
+    }
+
     /// Frees textures once the submission that may use them is done.
     pub fn free_after(&mut self, delta: &mut TexturesDelta, serial: Serial) {
         for id in delta.free.drain() {
             self.images.remove(&id);
+            self.there.remove(&id);
             self.condemned.push((id, serial));
         }
     }
@@ -105,6 +137,18 @@ impl Gui {
         primitives: &[ClippedPrimitive],
     ) -> Result<()> {
         let extent = vk::Extent2D { width: size[0], height: size[1] };
+        let shown: Vec<ClippedPrimitive>;
+        let primitives = match self.lacking.is_empty() {
+            true => primitives,
+            false => {
+                let is_there = |primitive: &&ClippedPrimitive| match &primitive.primitive {
+                    Primitive::Mesh(mesh) => self.there.contains(&mesh.texture_id),
+                    Primitive::Callback(_) => true,
+                };
+                shown = primitives.iter().filter(is_there).cloned().collect();
+                &shown[..]
+            }
+        };
         self.renderer
             .cmd_draw(recorder.raw(), extent, pixels_per_point, primitives)
             .map_err(|error| gpu_error("draw the interface", error))
@@ -141,6 +185,9 @@ impl Drop for Gui {
 fn gpu_error(doing: &'static str, error: RendererError) -> GpuError {
     match error {
         RendererError::Vulkan(result) => GpuError::vulkan(doing, result),
+        RendererError::GpuAllocator(gpu_allocator::AllocationError::OutOfMemory) => {
+            GpuError::OutOfMemory(doing)
+        }
         error => GpuError::Host(format!("could not {doing}: {error}")),
     }
 }

@@ -9,6 +9,8 @@ mod backdrop;
 mod composite;
 mod device;
 mod fixture;
+#[cfg(target_os = "linux")]
+mod memory;
 mod modes;
 mod partial;
 mod points;

@@ -322,6 +322,53 @@ fn a_runtime_that_goes_and_comes_back_costs_nothing() {
 }
 
 #[test]
+fn a_runtime_that_stops_and_goes_on_costs_a_stroke_at_most() {
+    if !alone_in_network("a_runtime_that_stops_and_goes_on_costs_a_stroke_at_most") {
+        return;
+    }
+    let (runtime, mut remote, program) = begin();
+    remote.place(Side::Right, middle() + Vec3::Z * (0.5 * EDGE_M + 0.08), Quat::IDENTITY);
+    program.frames(3);
+    for round in 1..=3 {
+        remote.trigger(Side::Right, true);
+        program.wait_for_command("subtract", round);
+        runtime.set_stopped(true);
+        // The main loop goes on, and ends what the hand has begun.
+        program.wait_for_log("does not respond", round);
+        program.wait_for_command("end", round);
+        remote.trigger(Side::Right, false);
+        runtime.set_stopped(false);
+        program.wait_for_log("answers again", round);
+        program.frames(5);
+    }
+    assert!(!program.log().contains("no headset"), "{}", program.log());
+    program.stop();
+}
+
+#[test]
+fn a_headset_that_is_taken_off_and_put_on_is_never_lost() {
+    if !alone_in_network("a_headset_that_is_taken_off_and_put_on_is_never_lost") {
+        return;
+    }
+    let mut runtime = Runtime::start();
+    runtime.pretend("opaque");
+    let mut remote = Remote::connect();
+    remote.send();
+    let program = Program::start(&runtime, DIMS, "");
+    program.wait_for_log("FOCUSED", 1);
+    for round in 1..=12 {
+        program.frames(1 + round % 3);
+        runtime.take_off(true);
+        program.wait_for_log("headset session: STOPPING", round);
+        runtime.take_off(false);
+        program.wait_for_log("headset session: READY", round + 1);
+    }
+    program.frames(3);
+    assert!(!program.log().contains("no headset"), "{}", program.log());
+    program.stop();
+}
+
+#[test]
 fn without_a_runtime_the_program_says_what_to_do() {
     if !alone_in_network("without_a_runtime_the_program_says_what_to_do") {
         return;

@@ -10,11 +10,24 @@ use crate::shared_data::shared_file;
 const INSIDE: &str = "VS_HEADSET_TEST_NETWORK";
 const LAYER: &str = "XR_APILAYER_TEST_blend";
 const CLIENT: &str = "VS_HEADSET_TEST_CLIENT";
+/// The number of the runtime's process, for clients.
+const SERVICE: &str = "VS_HEADSET_TEST_SERVICE";
 
 /// Whether this process runs with the runtime's libraries and may use it itself
 /// ([`Runtime::run_client`]).
 pub fn is_client() -> bool {
     std::env::var_os(CLIENT).is_some()
+}
+
+/// Stops the runtime that a client uses, or lets it go on.
+pub fn stop_service(stopped: bool) {
+    set_stopped(&std::env::var(SERVICE).unwrap(), stopped);
+}
+
+fn set_stopped(process: &str, stopped: bool) {
+    let signal = if stopped { "-STOP" } else { "-CONT" };
+    let done = Command::new("kill").args([signal, process]).status().unwrap();
+    assert!(done.success(), "kill {signal} {process}: {done}");
 }
 
 /// Runs the test `name` of this binary in a network of its own; true in there, where the test goes
@@ -122,7 +135,8 @@ impl Runtime {
                 .env("XR_API_LAYER_PATH", self.folder.path())
                 .env("XR_ENABLE_API_LAYERS", LAYER)
                 .env("VS_LAYER_BLEND", modes)
-                .env("VS_LAYER_LOG", self.layer_log());
+                .env("VS_LAYER_LOG", self.layer_log())
+                .env("VS_LAYER_OFF", self.off());
         }
         command
     }
@@ -152,6 +166,18 @@ impl Runtime {
         self.folder.path().join("layer.log")
     }
 
+    fn off(&self) -> PathBuf {
+        self.folder.path().join("off")
+    }
+
+    /// Takes the headset off or puts it on, as the layer ([`Runtime::pretend`]) has it.
+    pub fn take_off(&self, off: bool) {
+        match off {
+            true => std::fs::write(self.off(), "").unwrap(),
+            false => std::fs::remove_file(self.off()).unwrap(),
+        }
+    }
+
     /// What the last frame was ended with, as the layer has written it.
     pub fn last_frame(&self) -> Option<String> {
         let log = std::fs::read_to_string(self.layer_log()).ok()?;
@@ -172,6 +198,7 @@ impl Runtime {
             .command(&std::env::current_exe().unwrap())
             .args(["--exact", name, "--nocapture", "--test-threads=1"])
             .env(CLIENT, "1")
+            .env(SERVICE, self.service.as_ref().map_or(String::new(), |s| s.id().to_string()))
             .status()
             .unwrap();
         assert!(status.success(), "{name}: {status}");
@@ -199,6 +226,12 @@ impl Runtime {
             assert!(start.elapsed() < Duration::from_secs(60), "the runtime does not start");
             std::thread::sleep(Duration::from_millis(20));
         }
+    }
+
+    /// Stops it as it is, or lets it go on: it is there, and does not answer.
+    pub fn set_stopped(&self, stopped: bool) {
+        let service = self.service.as_ref().unwrap();
+        set_stopped(&service.id().to_string(), stopped);
     }
 
     /// As if it had crashed.

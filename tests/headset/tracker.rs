@@ -17,7 +17,7 @@ use virtual_sculpture::screen::headset::{HeadsetTracker, RoomOrigin};
 use virtual_sculpture::session::Session;
 
 use crate::remote::{HEAD, Remote};
-use crate::runtime::{Runtime, alone_in_network, is_client};
+use crate::runtime::{Runtime, alone_in_network, is_client, stop_service};
 
 const PATIENCE: Duration = Duration::from_secs(60);
 
@@ -182,7 +182,7 @@ fn wear() {
                 assert!(start.elapsed() < PATIENCE, "{:?}", bench.tracked_eyes(0.0));
                 headset.poll(bench);
                 if let Ok((connection, news)) = heard.recv_timeout(Duration::from_millis(20)) {
-                    headset.frame(bench, connection, news);
+                    headset.hear(bench, connection, news);
                 }
                 bench.track();
             }
@@ -200,6 +200,65 @@ fn wear() {
     }
     // It comes back.
     follow(&mut bench, &mut remote);
+}
+
+#[test]
+fn a_runtime_that_stops_holds_up_no_window() {
+    const NAME: &str = "tracker::a_runtime_that_stops_holds_up_no_window";
+    if is_client() {
+        return go_on_without();
+    }
+    if alone_in_network(NAME) {
+        Runtime::start().run_client(NAME);
+    }
+}
+
+/// The program without its window: each turn of its loop is short, whenever the runtime stops.
+fn go_on_without() {
+    /// Longer than is waited for within a frame for pictures and for the tracker, and what a busy
+    /// machine adds.
+    const TURN: Duration = Duration::from_millis(700);
+    let mut remote = Remote::connect();
+    remote.send();
+    let mut config = Config::default();
+    config.new.dims = [32; 3];
+    config.headset.enabled = true;
+    config.tracking.source = "openxr".parse().unwrap();
+    let session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
+    let mut bench = Workbench::new(session, &config, Bindings::presets().unwrap());
+    bench.start_head();
+    let (tell, heard) = channel();
+    let tell = move |connection, news| tell.send((connection, news)).is_ok();
+    let mut headset = Headset::new(&config, None, tell);
+    // Turns of the main loop until something is so; gives how long the longest took.
+    let mut turns = |done: &dyn Fn(&Headset, Duration) -> bool| {
+        let (start, mut longest) = (Instant::now(), Duration::ZERO);
+        while !done(&headset, start.elapsed()) {
+            assert!(start.elapsed() < PATIENCE);
+            let news = heard.recv_timeout(Duration::from_millis(5));
+            let turn = Instant::now();
+            headset.poll(&mut bench);
+            if let Ok((connection, news)) = news {
+                headset.hear(&mut bench, connection, news);
+            }
+            bench.track();
+            let _ = bench.tracked_eyes(0.0);
+            longest = longest.max(turn.elapsed());
+        }
+        longest
+    };
+    turns(&|headset, _| headset.is_showing());
+    for round in 0..4 {
+        stop_service(true);
+        let longest = [
+            turns(&|headset, _| !headset.is_showing()),
+            turns(&|_, after| after > Duration::from_millis(500)),
+        ];
+        stop_service(false);
+        assert!(longest.iter().all(|turn| *turn < TURN), "{longest:?} in round {round}");
+        turns(&|headset, _| headset.is_showing());
+    }
+    assert_eq!(headset.complaints(), 0);
 }
 
 /// Whether the window's eye is where `head` is before the screen.

@@ -23,7 +23,7 @@ pub fn run(session: Session, config: &Config, shots: Option<PathBuf>) -> Result<
         let (Some(again), false) = (again, bench.is_leaving()) else { break };
         let patience = again.saturating_duration_since(Instant::now());
         match heard.recv_timeout(patience.max(Duration::from_millis(1))) {
-            Ok((connection, news)) => headset.frame(&mut bench, connection, news),
+            Ok((connection, news)) => headset.hear(&mut bench, connection, news),
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => break,
         }

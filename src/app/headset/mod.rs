@@ -10,6 +10,7 @@ mod guides;
 mod hands;
 mod pane;
 mod presence;
+mod search;
 mod shots;
 
 use std::path::PathBuf;
@@ -19,18 +20,24 @@ use std::time::{Duration, Instant};
 use super::workbench::Workbench;
 use crate::config::{Config, HeadsetSettings};
 use crate::gpu::ValidationLog;
-use crate::screen::headset::{FrameNews, HeadsetError, LinkOptions, Standing};
+use crate::screen::headset::{HeadsetError, LinkNews, LinkOptions};
 
 use presence::Presence;
+use search::{Search, Wanted};
 use shots::Shots;
 
 /// How long to wait before a runtime is looked for again.
 const AGAIN: Duration = Duration::from_secs(2);
-/// How often a runtime is asked for events while it shows no frames.
+/// Longest time between two tries with a device that lacks memory.
+const LONGEST_AGAIN: Duration = Duration::from_secs(64);
+/// How often it is seen to that a runtime answers.
 const POLL: Duration = Duration::from_millis(100);
 
 /// Which connection news belongs to: each has another number.
 pub type Connection = u64;
+
+/// Tells of a connection's news on another thread; says whether anybody still listens.
+type Tell = Arc<dyn Fn(Connection, LinkNews) -> bool + Send + Sync>;
 
 /// The link to a headset, or the wait for one.
 pub struct Headset {
@@ -41,7 +48,10 @@ pub struct Headset {
     shots: Option<Shots>,
     /// What was last said of why there is no headset, so that it is said once.
     said: String,
-    tell: Arc<dyn Fn(Connection, FrameNews) -> bool + Send + Sync>,
+    /// Until the next try, should this connection fail.
+    pause: Duration,
+    tell: Tell,
+    search: Option<Search>,
     started: Instant,
     /// The sculpture has stood in a headset before.
     stood: bool,
@@ -52,19 +62,21 @@ pub struct Headset {
 enum State {
     /// Looked for again at this time.
     Away(Instant),
+    /// Being looked for.
+    Sought,
     Here(Box<Presence>),
     /// The person has left the program in the headset.
     Left,
 }
 
 impl Headset {
-    /// `tell` is called on another thread with frames that may be made, to be given to
-    /// [`Headset::frame`]; it says whether anybody still listens. `shots`: a folder for pictures
+    /// `tell` is called on another thread with news, to be given to [`Headset::hear`]; it says
+    /// whether anybody still listens. `shots`: a folder for pictures
     /// of what the eyes see.
     pub fn new(
         config: &Config,
         shots: Option<PathBuf>,
-        tell: impl Fn(Connection, FrameNews) -> bool + Send + Sync + 'static,
+        tell: impl Fn(Connection, LinkNews) -> bool + Send + Sync + 'static,
     ) -> Headset {
         let started = Instant::now();
         Headset {
@@ -74,44 +86,66 @@ impl Headset {
             options: config.headset.link(config.device_options()),
             shots: shots.map(Shots::new),
             said: String::new(),
+            pause: AGAIN,
             tell: Arc::new(tell),
+            search: None,
             started,
             stood: false,
             complaints: 0,
         }
     }
 
-    /// Connects if it is time, hears the runtime, asks for frames. Gives when to be called again at
-    /// the latest; never, once the person has left.
+    /// Looks for a headset if it is time, and sees to it that its runtime answers. Gives when to be
+    /// called again at the latest; never, once the person has left.
     pub fn poll(&mut self, bench: &mut Workbench) -> Option<Instant> {
         let now = Instant::now();
         if let State::Away(again) = self.state
             && now >= again
         {
-            self.connect(bench);
+            self.seek(bench);
         }
-        if let State::Here(presence) = &mut self.state {
-            let standing = presence.poll();
-            self.stand(bench, standing);
+        self.take_found(bench);
+        if let State::Here(presence) = &mut self.state
+            && presence.falls_silent(bench)
+        {
+            let text = "The headset's runtime does not respond";
+            tracing::warn!("{text}");
+            bench.ui.toasts.error(text);
         }
         match &self.state {
             State::Away(again) => Some(*again),
-            State::Here(_) => Some(now + POLL),
+            State::Sought | State::Here(_) => Some(now + POLL),
             State::Left => None,
         }
     }
 
-    /// Makes the frame that was told of.
-    pub fn frame(&mut self, bench: &mut Workbench, connection: Connection, news: FrameNews) {
+    /// Hears what was told of a connection; makes the frame that is to be made.
+    pub fn hear(&mut self, bench: &mut Workbench, connection: Connection, news: LinkNews) {
         if connection != self.connection {
             return;
         }
         let now_s = self.started.elapsed().as_secs_f64();
         let State::Here(presence) = &mut self.state else { return };
-        let made = news.and_then(|frame| presence.frame(bench, &frame, &mut self.shots, now_s));
-        // The next one is asked for only now: none queues up.
-        let standing = made.and_then(|()| presence.poll());
-        self.stand(bench, standing);
+        match news {
+            LinkNews::Frame(frame) => {
+                if let Err(error) = presence.frame(bench, &frame, &mut self.shots, now_s) {
+                    self.lose(bench, &error);
+                }
+            }
+            LinkNews::Recentred => presence.recentre(),
+            LinkNews::Over { again: true } => {
+                self.lose(bench, &HeadsetError::Lost("the runtime ends"));
+            }
+            LinkNews::Over { again: false } => {
+                self.part(bench);
+                let text = "The headset session has ended; start the program with --headset to return to it";
+                tracing::info!("{text}");
+                bench.ui.toasts.note(text);
+            }
+            LinkNews::Failed(error) => self.lose(bench, &error),
+            // It is taken by `poll`.
+            LinkNews::Tried => {}
+        }
     }
 
     /// Whether somebody looks at the sculpture through the headset.
@@ -133,58 +167,67 @@ impl Headset {
         }
     }
 
-    fn connect(&mut self, bench: &mut Workbench) {
+    /// Has the headset looked for, on another thread.
+    fn seek(&mut self, bench: &mut Workbench) {
         self.connection += 1;
-        let (connection, tell) = (self.connection, self.tell.clone());
-        let tell = move |news| tell(connection, news);
-        let worn = bench.worn_head();
         self.options.blend = bench.ui.blend;
-        match Presence::new(&self.settings, &self.options, self.stood, worn, tell) {
+        let wanted = Wanted {
+            connection: self.connection,
+            settings: self.settings.clone(),
+            options: self.options.clone(),
+            stood: self.stood,
+            worn: bench.worn_head().cloned(),
+        };
+        if self.search.is_none() {
+            match Search::start(self.tell.clone()) {
+                Ok(search) => self.search = Some(search),
+                Err(error) => return self.lose(bench, &HeadsetError::Thread(error)),
+            }
+        }
+        if let Some(search) = &self.search {
+            search.seek(wanted);
+        }
+        self.state = State::Sought;
+    }
+
+    /// Takes the headset that was found, or hears why there is none.
+    fn take_found(&mut self, bench: &mut Workbench) {
+        if !matches!(self.state, State::Sought) {
+            return;
+        }
+        let Some(found) = self.search.as_ref().and_then(Search::found) else { return };
+        let (connection, tell) = (self.connection, self.tell.clone());
+        let started = found.and_then(|mut presence| {
+            presence.start(move |news| tell(connection, news)).map(|()| presence)
+        });
+        match started {
             Ok(presence) => {
                 let text = format!("Headset connected: {}", presence.name());
                 tracing::info!("{text}");
                 bench.ui.toasts.note(text);
                 self.said.clear();
                 bench.ui.blends = presence.blends();
-                self.state = State::Here(Box::new(presence));
+                self.state = State::Here(presence);
             }
             Err(error) => self.lose(bench, &error),
         }
     }
 
-    /// Goes on as the session stands.
-    fn stand(&mut self, bench: &mut Workbench, standing: Result<Standing, HeadsetError>) {
-        match standing {
-            Ok(Standing::Going) => {}
-            Ok(Standing::Recentred) => {
-                if let State::Here(presence) = &mut self.state {
-                    presence.recentre();
-                }
-            }
-            Ok(Standing::Over { again: true }) => {
-                self.lose(bench, &HeadsetError::Lost("the runtime ends"));
-            }
-            Ok(Standing::Over { again: false }) => {
-                self.part(bench);
-                self.state = State::Left;
-                let text = "The headset session has ended; start the program with --headset to return to it";
-                tracing::info!("{text}");
-                bench.ui.toasts.note(text);
-            }
-            Err(error) => self.lose(bench, &error),
-        }
-    }
-
-    /// There is no headset, or no longer: says why, once, and looks for it again later.
+    /// There is no headset, or no longer: says why, once, and looks for it again later. A device
+    /// that lacks memory will still lack it in a moment.
     fn lose(&mut self, bench: &mut Workbench, error: &HeadsetError) {
         self.part(bench);
-        let reason = error.to_string();
+        self.pause = match error {
+            HeadsetError::Gpu(_) => (self.pause * 2).min(LONGEST_AGAIN),
+            _ => AGAIN,
+        };
+        let (reason, pause) = (error.to_string(), self.pause);
         if self.said != reason {
-            tracing::warn!("no headset: {reason}; trying again every {AGAIN:?}");
+            tracing::warn!("no headset: {reason}; trying again every {pause:?}");
             bench.ui.toasts.error(format!("No headset: {reason}. Still looking for one."));
             self.said = reason;
         }
-        self.state = State::Away(Instant::now() + AGAIN);
+        self.state = State::Away(Instant::now() + pause);
     }
 
     /// Lets go of what hands hold, and of the connection.

@@ -87,6 +87,11 @@ impl BoardPane {
         Ok(self.picture.image().layer(0))
     }
 
+    /// What of the interface lacks memory, once ([`Gui::take_lack`]).
+    pub fn take_lack(&mut self) -> Option<GpuError> {
+        self.gui.take_lack()
+    }
+
     /// After the submission that draws a pass.
     pub fn submitted(&mut self, pass: &mut Pass, serial: Serial) {
         self.gui.free_after(&mut pass.textures, serial);

@@ -2,6 +2,7 @@
 //! the room, what the hands hold.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use ash::vk;
 use glam::{UVec3, Vec3};
@@ -10,16 +11,16 @@ use super::guides::guides;
 use super::hands::Held;
 use super::pane::BoardPane;
 use super::shots::Shots;
-use crate::app::painter::background;
+use crate::app::painter::{background, paint_what_fits};
 use crate::app::workbench::Workbench;
-use crate::config::{HeadsetSettings, RenderMode};
-use crate::gpu::{GpuError, ValidationLog};
+use crate::config::HeadsetSettings;
+use crate::gpu::ValidationLog;
 use crate::input::hands::{Board, HandAsk, HandMapper, HandsState};
 use crate::input::pad::rumble::Rumble;
 use crate::render::renderer::Shot;
 use crate::render::{Background, Renderer};
 use crate::screen::headset::{
-    Blend, FrameNews, FrameTime, HeadsetError, Layers, Link, LinkOptions, Standing, WornHead,
+    Blend, Connector, Frame, HeadsetError, Layers, Link, LinkNews, LinkOptions, WornHead,
 };
 use crate::view::{Pose, Room, RoomView};
 
@@ -27,8 +28,11 @@ type Result<T> = std::result::Result<T, HeadsetError>;
 
 /// Pictures are copied to the headset as they are.
 const FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
+/// A runtime that says nothing for so long while it shows pictures hangs.
+const SILENCE: Duration = Duration::from_secs(1);
 
-/// A session in a headset. Fields are dropped in this order: what draws before its device.
+/// A session in a headset. It ends first, then fields are dropped in this order: what draws before
+/// its device.
 pub struct Presence {
     renderer: Renderer,
     pane: BoardPane,
@@ -47,6 +51,8 @@ pub struct Presence {
     /// The sculpture stands as the person has left it, for an earlier session.
     stood: bool,
     showing: bool,
+    /// The runtime has ceased to answer.
+    silent: bool,
 }
 
 /// Voxels and edge lengths of a sculpture.
@@ -69,15 +75,16 @@ impl Extent {
 }
 
 impl Presence {
-    /// `stood`: the sculpture has stood in a headset before. `worn`: who is to hear of the head.
+    /// Connects, which may take long. `stood`: the sculpture has stood in a headset before.
+    /// `worn`: who is to hear of the head.
     pub fn new(
+        connector: &mut Connector,
         settings: &HeadsetSettings,
         options: &LinkOptions,
         stood: bool,
         worn: Option<&WornHead>,
-        tell: impl Fn(FrameNews) -> bool + Send + 'static,
     ) -> Result<Presence> {
-        let link = Link::connect(options, worn, tell)?;
+        let link = Link::connect(connector, options, worn)?;
         let device = link.device().clone();
         let points = settings.board_pixels_per_point();
         Ok(Presence {
@@ -94,6 +101,7 @@ impl Presence {
             recentring: false,
             stood,
             showing: false,
+            silent: false,
         })
     }
 
@@ -114,8 +122,20 @@ impl Presence {
         self.link.device().validation_log().clone()
     }
 
-    pub fn poll(&mut self) -> Result<Standing> {
-        self.link.poll()
+    /// Begins to hear the runtime ([`Link::start`]).
+    pub fn start(&mut self, tell: impl Fn(LinkNews) -> bool + Send + 'static) -> Result<()> {
+        self.link.start(tell)
+    }
+
+    /// Notes if the runtime has ceased to answer: true once each time.
+    pub fn falls_silent(&mut self, bench: &mut Workbench) -> bool {
+        let silent = self.showing && self.link.silence() >= SILENCE;
+        if silent {
+            self.showing = false;
+            self.silent = true;
+            self.let_go(bench);
+        }
+        silent
     }
 
     /// The room is another: the sculpture comes before the head again.
@@ -141,60 +161,74 @@ impl Presence {
     pub fn frame(
         &mut self,
         bench: &mut Workbench,
-        frame: &FrameTime,
+        frame: &Frame,
         shots: &mut Option<Shots>,
         now_s: f64,
     ) -> Result<()> {
-        if !self.link.begin()? {
-            return Ok(());
+        self.link.hear();
+        if std::mem::take(&mut self.silent) {
+            tracing::info!("the headset answers again");
         }
         self.showing = frame.shown;
+        if !self.make(bench, frame, shots, now_s)? {
+            self.link.end_empty();
+        }
+        Ok(())
+    }
+
+    /// False if there is nothing to be seen.
+    fn make(
+        &mut self,
+        bench: &mut Workbench,
+        frame: &Frame,
+        shots: &mut Option<Shots>,
+        now_s: f64,
+    ) -> Result<bool> {
         if !frame.shown {
             self.let_go(bench);
-            return self.link.end_empty(frame);
+            return Ok(false);
         }
         self.link.set_blend(bench.ui.blend);
-        let Some(views) = self.link.views(frame)? else { return self.link.end_empty(frame) };
+        let Some(views) = frame.views else { return Ok(false) };
         self.stand(bench, &head(&views));
         self.swap_hands(bench);
-        let hands = match self.link.is_focused() {
-            true => Some(self.link.hands(frame)?),
-            false => None,
-        };
-        match &hands {
+        let hands = frame.hands.as_ref();
+        match hands {
             Some(hands) => self.hear(bench, hands),
             None => self.let_go(bench),
         }
-        self.feel(bench, frame)?;
-        let board = self.board(bench, hands.as_ref());
-        let mut pass = match &board {
-            Some(_) if self.pane.is_due(now_s) => Some(self.pane.pass(bench, now_s)),
-            _ => None,
-        };
-        let ray = self.ray(hands.as_ref(), board.as_ref());
+        self.feel(bench, frame);
+        let board = self.board(bench, hands);
+        let due = board.is_some() && self.pane.is_due(now_s);
+        let ray = self.ray(hands, board.as_ref());
 
         // As late as can be: the eyes have moved meanwhile.
-        let Some(views) = self.link.views(frame)? else { return self.link.end_empty(frame) };
-        let Some((room, _)) = self.room else { return self.link.end_empty(frame) };
+        let Some(aimed) = self.link.aim(due) else { return Ok(false) };
+        let (views, Some((room, _))) = (aimed.views, self.room) else { return Ok(false) };
+        let mut pass = due.then(|| self.pane.pass(bench, now_s));
         let (mut recorder, slot) = self.link.record()?;
         self.draw(bench, &mut recorder, slot, &room, &views, ray)?;
         if let Some(pictures) = self.renderer.pictures() {
-            self.link.show(&mut recorder, pictures)?;
+            self.link.show(&mut recorder, &aimed, pictures)?;
         }
         if let Some(pass) = &mut pass {
             let picture = self.pane.draw(&mut recorder, pass)?;
-            self.link.show_board(&mut recorder, picture)?;
+            if let Some(lack) = self.pane.take_lack() {
+                bench.ui.toasts.error(lack.to_string());
+            }
+            self.link.show_board(&mut recorder, &aimed, picture)?;
         }
-        let layers = Layers { views: Some(views), board: board.as_ref() };
-        let serial = self.link.end(frame, recorder, pass.is_some(), &layers)?;
+        let serial = self.link.submit(recorder)?;
         if let Some(pass) = &mut pass {
             self.pane.submitted(pass, serial);
         }
-        tracing::trace!("frame shown");
-        match shots.as_mut().filter(|shots| shots.is_due(now_s)) {
-            Some(shots) => self.shoot(shots, now_s, &views, &room, board.is_some()),
-            None => Ok(()),
+        if let Some(shots) = shots.as_mut().filter(|shots| shots.is_due(now_s)) {
+            // Before the frame ends: the queue is the runtime's, too, from then on.
+            self.shoot(shots, now_s, &views, &room, board.is_some())?;
         }
+        self.link.end(Layers { views: Some(views), board }, pass.is_some());
+        tracing::trace!("frame shown");
+        Ok(true)
     }
 
     /// Puts the sculpture before the head, if it does not stand in the room yet, is another, or is
@@ -247,7 +281,7 @@ impl Presence {
     }
 
     /// Lets the main hand feel what the tool has bitten off.
-    fn feel(&mut self, bench: &mut Workbench, frame: &FrameTime) -> Result<()> {
+    fn feel(&mut self, bench: &mut Workbench, frame: &Frame) {
         let now_s = frame.seconds();
         let dt_s = self.felt_s.replace(now_s).map_or(0.0, |felt| (now_s - felt).clamp(0.0, 1.0));
         let bitten = std::mem::take(&mut bench.bitten_by_hand);
@@ -255,9 +289,8 @@ impl Presence {
         let before = self.rumble.is_shaking();
         let curve = self.settings.haptics_curve();
         let strength = self.rumble.step(felt.then_some(bitten), dt_s as f32, &curve);
-        match before || strength > 0.0 {
-            true => self.link.feel(self.mapper.settings().main, strength),
-            false => Ok(()),
+        if before || strength > 0.0 {
+            self.link.feel(self.mapper.settings().main, strength);
         }
     }
 
@@ -301,16 +334,7 @@ impl Presence {
             ghosts: ghost.as_slice(),
             lines: &lines,
         };
-        let document = bench.session_mut().document_mut();
-        match self.renderer.paint(recorder, slot, document, &shot) {
-            Err(GpuError::Limit { .. }) => {
-                // The window says so, too, and chooses for good.
-                shot.mode = RenderMode::Ray;
-                self.renderer.paint(recorder, slot, document, &shot)?;
-            }
-            result => result?,
-        }
-        Ok(())
+        Ok(paint_what_fits(&mut self.renderer, recorder, slot, bench, &mut shot)?)
     }
 
     fn shoot(
@@ -327,6 +351,12 @@ impl Presence {
             tracing::warn!("what the eyes see cannot be written: {error}");
         }
         Ok(())
+    }
+}
+
+impl Drop for Presence {
+    fn drop(&mut self) {
+        self.link.part();
     }
 }
 

@@ -19,8 +19,16 @@ pub(super) const DEPTH: vk::Format = vk::Format::D32_SFLOAT;
 /// Images of one size and format that take turns.
 pub(super) struct Chain {
     handle: xr::Swapchain<xr::Vulkan>,
+    images: Images,
+    /// The image that has been got and not been given back.
+    held: Option<usize>,
+}
+
+/// The images themselves, to record what fills them.
+#[derive(Clone, Debug)]
+pub(super) struct Images {
     images: Vec<vk::Image>,
-    size: UVec2,
+    pub size: UVec2,
     layers: u32,
     depth: bool,
 }
@@ -58,21 +66,58 @@ impl Chain {
         let handle = session.create_swapchain(&info).doing("make images for the headset")?;
         let images = handle.enumerate_images().doing("list the headset's images")?;
         let images = images.into_iter().map(vk::Image::from_raw).collect();
-        Ok(Some(Chain { handle, images, size, layers, depth }))
+        let images = Images { images, size, layers, depth };
+        Ok(Some(Chain { handle, images, held: None }))
     }
 
-    /// Waits for a free image, into which `record` records what it will hold; in between it is in
-    /// the layout of [`Use::COPY_TARGET`]. After the submission comes [`Chain::release`].
+    pub fn images(&self) -> Images {
+        self.images.clone()
+    }
+
+    /// Waits for a free image, unless there is one that has not been filled. After the submission
+    /// of what fills it comes [`Chain::release`].
+    pub fn acquire(&mut self) -> Result<usize> {
+        if let Some(index) = self.held {
+            return Ok(index);
+        }
+        let index = self.handle.acquire_image().doing("get an image of the headset")? as usize;
+        self.handle.wait_image(xr::Duration::INFINITE).doing("wait for an image of the headset")?;
+        self.held = Some(index);
+        Ok(index)
+    }
+
+    /// Gives the image back once all that fills it has been submitted.
+    pub fn release(&mut self) -> Result<()> {
+        match self.held.take() {
+            Some(_) => self.handle.release_image().doing("give an image to the headset"),
+            None => Ok(()),
+        }
+    }
+
+    /// A layer of the image released last.
+    pub fn view(&self, layer: u32) -> xr::SwapchainSubImage<'_, xr::Vulkan> {
+        let size = self.images.size;
+        let extent = xr::Extent2Di { width: size.x as i32, height: size.y as i32 };
+        let rect = xr::Rect2Di { offset: xr::Offset2Di { x: 0, y: 0 }, extent };
+        xr::SwapchainSubImage::new()
+            .swapchain(&self.handle)
+            .image_array_index(layer)
+            .image_rect(rect)
+    }
+}
+
+impl Images {
+    /// `record` records what an image of the chain will hold; in between it is in the layout of
+    /// [`Use::COPY_TARGET`].
     pub fn fill(
-        &mut self,
+        &self,
         recorder: &mut Recorder,
+        index: usize,
         record: impl FnOnce(&mut Recorder, ImagePart),
     ) -> Result<()> {
-        let index = self.handle.acquire_image().doing("get an image of the headset")?;
-        self.handle.wait_image(xr::Duration::INFINITE).doing("wait for an image of the headset")?;
         let image = *self
             .images
-            .get(index as usize)
+            .get(index)
             .ok_or(HeadsetError::Lost("the runtime names an image that is not there"))?;
         let aspect =
             if self.depth { vk::ImageAspectFlags::DEPTH } else { vk::ImageAspectFlags::COLOR };
@@ -89,25 +134,6 @@ impl Chain {
         record(recorder, part);
         recorder.image_barrier(part, Use::COPY_TARGET, theirs);
         Ok(())
-    }
-
-    /// Gives the image back once all that fills it has been submitted.
-    pub fn release(&mut self) -> Result<()> {
-        self.handle.release_image().doing("give an image to the headset")
-    }
-
-    pub fn size(&self) -> UVec2 {
-        self.size
-    }
-
-    /// A layer of the image released last.
-    pub fn view(&self, layer: u32) -> xr::SwapchainSubImage<'_, xr::Vulkan> {
-        let extent = xr::Extent2Di { width: self.size.x as i32, height: self.size.y as i32 };
-        let rect = xr::Rect2Di { offset: xr::Offset2Di { x: 0, y: 0 }, extent };
-        xr::SwapchainSubImage::new()
-            .swapchain(&self.handle)
-            .image_array_index(layer)
-            .image_rect(rect)
     }
 }
 

@@ -1,6 +1,6 @@
 //! The way to a headset through OpenXR: what the machine offers ([`probe`]), a session from
-//! connecting to parting ([`link`]), the states that it goes through ([`lifecycle`]), images,
-//! hands, and the wait for the next frame. And where the head is, for the view through a screen:
+//! connecting to parting ([`link`]), all that calls the runtime within it on a thread of its own
+//! ([`session`]), the states that it goes through ([`lifecycle`]), images, hands. And where the head is, for the view through a screen:
 //! asked of a headset that shows nothing ([`HeadsetTracker`]) or of the one that is worn
 //! ([`WornHead`]).
 //!
@@ -18,14 +18,15 @@ mod locator;
 mod parting;
 mod probe;
 mod runtime;
+mod session;
 mod tracker;
-mod waiter;
 mod worn;
 
 pub use error::HeadsetError;
-pub use link::{Layers, Link, LinkOptions, RoomOrigin, Standing};
+pub use link::{Link, LinkOptions, RoomOrigin};
+pub(crate) use parting::Helper;
 pub use probe::probe;
-pub use runtime::Blend;
+pub use runtime::{Blend, Connector};
+pub use session::{Aimed, Frame, Layers, LinkNews};
 pub use tracker::HeadsetTracker;
-pub use waiter::{FrameNews, FrameTime};
 pub use worn::WornHead;

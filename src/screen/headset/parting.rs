@@ -10,7 +10,7 @@ use std::time::Duration;
 const PATIENCE: Duration = Duration::from_secs(2);
 
 /// A thread that ends by itself soon after it is asked to.
-pub(super) struct Helper {
+pub(crate) struct Helper {
     name: &'static str,
     thread: Option<JoinHandle<()>>,
     /// Hangs up when the thread has ended.

@@ -88,20 +88,85 @@ pub(super) fn enter(
     entry: &xr::Entry,
     extensions: &xr::ExtensionSet,
 ) -> Result<(xr::Instance, xr::SystemId, String)> {
-    let application = xr::ApplicationInfo {
+    let instance =
+        entry.create_instance(&application(), extensions, &[], &()).map_err(no_runtime)?;
+    let system = instance
+        .system(xr::FormFactor::HEAD_MOUNTED_DISPLAY)
+        .map_err(|error| HeadsetError::NoHeadset(error.to_string()))?;
+    let name = name_of(&instance, system)?;
+    Ok((instance, system, name))
+}
+
+/// What a runtime hears of the program.
+fn application() -> xr::ApplicationInfo<'static> {
+    xr::ApplicationInfo {
         application_name: "Virtual Sculpture",
         application_version: 1,
         engine_name: "",
         engine_version: 0,
         api_version: xr::Version::new(1, 0, 0),
-    };
-    let instance = entry.create_instance(&application, extensions, &[], &()).map_err(no_runtime)?;
+    }
+}
+
+/// The runtime's name and the headset's.
+fn name_of(instance: &xr::Instance, system: xr::SystemId) -> Result<String> {
     let properties = instance.properties().doing("name the runtime")?;
-    let system = instance
-        .system(xr::FormFactor::HEAD_MOUNTED_DISPLAY)
-        .map_err(|error| HeadsetError::NoHeadset(error.to_string()))?;
     let headset = instance.system_properties(system).doing("name the headset")?.system_name;
-    Ok((instance, system, format!("{} ({headset})", properties.runtime_name)))
+    Ok(format!("{} ({headset})", properties.runtime_name))
+}
+
+/// Finds the runtime of this machine, and keeps the connection to it while it waits for a headset.
+#[derive(Default)]
+pub struct Connector {
+    kept: Option<Reached>,
+}
+
+/// A connection to a runtime.
+struct Reached {
+    instance: xr::Instance,
+    offered: xr::ExtensionSet,
+    tells_time: bool,
+}
+
+impl Connector {
+    /// Connects to a headset; without one the connection to the runtime is kept for the next try.
+    pub(super) fn connect(&mut self, blend: Blend) -> Result<Runtime> {
+        let reached = match self.kept.take() {
+            Some(reached) => reached,
+            None => Reached::new()?,
+        };
+        match reached.instance.system(xr::FormFactor::HEAD_MOUNTED_DISPLAY) {
+            Ok(system) => Runtime::new(reached, system, blend),
+            Err(error) => {
+                use xr::sys::Result as R;
+                let waits = [R::ERROR_FORM_FACTOR_UNAVAILABLE, R::ERROR_FORM_FACTOR_UNSUPPORTED];
+                if waits.contains(&error) {
+                    self.kept = Some(reached);
+                }
+                Err(HeadsetError::NoHeadset(error.to_string()))
+            }
+        }
+    }
+}
+
+impl Reached {
+    fn new() -> Result<Reached> {
+        let (entry, offered) = reach()?;
+        if !offered.khr_vulkan_enable2 {
+            return Err(HeadsetError::Unsuitable {
+                runtime: "of this machine".to_string(),
+                lack: "cannot share Vulkan images (XR_KHR_vulkan_enable2); update it".to_string(),
+            });
+        }
+        let mut extensions = xr::ExtensionSet::default();
+        extensions.khr_vulkan_enable2 = true;
+        extensions.khr_composition_layer_depth = offered.khr_composition_layer_depth;
+        extensions.ext_hand_interaction = offered.ext_hand_interaction;
+        let tells_time = ask_for_clock(&mut extensions, &offered);
+        let instance =
+            entry.create_instance(&application(), &extensions, &[], &()).map_err(no_runtime)?;
+        Ok(Reached { instance, offered, tells_time })
+    }
 }
 
 /// A runtime with a headset.
@@ -127,21 +192,10 @@ pub(super) struct Runtime {
 }
 
 impl Runtime {
-    /// Connects to the runtime of this machine.
-    pub fn connect(blend: Blend) -> Result<Runtime> {
-        let (entry, offered) = reach()?;
-        if !offered.khr_vulkan_enable2 {
-            return Err(HeadsetError::Unsuitable {
-                runtime: "of this machine".to_string(),
-                lack: "cannot share Vulkan images (XR_KHR_vulkan_enable2); update it".to_string(),
-            });
-        }
-        let mut extensions = xr::ExtensionSet::default();
-        extensions.khr_vulkan_enable2 = true;
-        extensions.khr_composition_layer_depth = offered.khr_composition_layer_depth;
-        extensions.ext_hand_interaction = offered.ext_hand_interaction;
-        let tells_time = ask_for_clock(&mut extensions, &offered);
-        let (instance, system, name) = enter(&entry, &extensions)?;
+    /// What the runtime and its headset offer.
+    fn new(reached: Reached, system: xr::SystemId, blend: Blend) -> Result<Runtime> {
+        let Reached { instance, offered, tells_time } = reached;
+        let name = name_of(&instance, system)?;
         let unsuitable = |lack: String| HeadsetError::Unsuitable { runtime: name.clone(), lack };
 
         let needs = instance

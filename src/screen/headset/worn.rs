@@ -2,16 +2,23 @@
 //! through a screen. A program has one connection to a runtime, so a headset that is worn cannot
 //! be asked by a second session.
 //!
-//! The link lends its session while it has one; the source asks it on whatever thread it is on.
+//! The link lends its session while it has one. It is asked on a thread of its own: whoever wants
+//! to know waits no longer than [`PATIENCE`] for a runtime that hangs.
 
+use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use openxr as xr;
 use tracking::{Counters, Event, HeadPose, HostClock, Source, SourceState};
 
-use super::error::Result;
+use super::error::{HeadsetError, Result};
 use super::link::RoomOrigin;
 use super::locator::{Locator, Sight, Wish};
+use super::parting::Helper;
+
+/// Longest wait for an answer.
+const PATIENCE: Duration = Duration::from_millis(100);
 
 /// The head of the headset that the program is shown in, whether there is one yet or not.
 #[derive(Clone)]
@@ -23,7 +30,51 @@ pub struct WornHead {
 enum Lent {
     /// Nothing, for this reason.
     Nothing(String),
-    Session(Locator, String),
+    Session(Asker, String),
+}
+
+/// Asks a locator on a thread of its own.
+struct Asker {
+    /// None once the thread is to end.
+    asks: Option<Sender<f64>>,
+    answers: Receiver<Result<Sight>>,
+    /// It has been asked and has not answered in time.
+    late: bool,
+    thread: Helper,
+}
+
+impl Asker {
+    fn new(locator: Locator) -> Result<Asker> {
+        let (asks, heard) = channel();
+        let (tell, answers) = channel();
+        let work = move || {
+            while let Ok(time_s) = heard.recv() {
+                if tell.send(locator.look(time_s)).is_err() {
+                    return;
+                }
+            }
+        };
+        let thread = Helper::start("headset's head", work).map_err(HeadsetError::Thread)?;
+        Ok(Asker { asks: Some(asks), answers, late: false, thread })
+    }
+
+    /// Where the head is at `time_s`; unknown while the runtime does not answer.
+    fn look(&mut self, time_s: f64) -> Result<Sight> {
+        if self.late && self.answers.try_recv().is_err() {
+            return Ok(Sight::Unknown);
+        }
+        let asked = self.asks.as_ref().is_some_and(|asks| asks.send(time_s).is_ok());
+        let answer = self.answers.recv_timeout(PATIENCE);
+        self.late = asked && answer.is_err();
+        answer.unwrap_or(Ok(Sight::Unknown))
+    }
+}
+
+impl Drop for Asker {
+    fn drop(&mut self) {
+        self.asks = None;
+        self.thread.part();
+    }
 }
 
 impl WornHead {
@@ -48,7 +99,10 @@ impl WornHead {
         tells_time: bool,
     ) -> Result<Lending> {
         let lent = match tells_time {
-            true => Lent::Session(Locator::new(session, &self.wish)?, name.to_owned()),
+            true => {
+                let asker = Asker::new(Locator::new(session, &self.wish)?)?;
+                Lent::Session(asker, name.to_owned())
+            }
             false => Lent::Nothing(format!("{name} does not tell its time; update the runtime")),
         };
         *self.lent() = lent;
@@ -94,7 +148,7 @@ impl Source for WornSource {
 
     fn poll(&mut self, now_s: f64, events: &mut Vec<Event>) {
         let source = self.head.wish.label.clone();
-        let lent = self.head.lent();
+        let mut lent = self.head.lent();
         let here = matches!(*lent, Lent::Session(..));
         if here != std::mem::replace(&mut self.here, here) {
             self.counters.connections += u64::from(here);
@@ -104,9 +158,9 @@ impl Source for WornSource {
                 false => Event::Lost { source, time_s },
             });
         }
-        self.state = match &*lent {
+        self.state = match &mut *lent {
             Lent::Nothing(why) => SourceState::Seeking(why.clone()),
-            Lent::Session(locator, name) => match locator.look(now_s) {
+            Lent::Session(asker, name) => match asker.look(now_s) {
                 Ok(Sight::Seen(pose)) => {
                     self.counters.accepted += 1;
                     events.push(Event::Pose(pose));
@@ -133,9 +187,11 @@ impl Source for WornSource {
     }
 
     fn located(&mut self, _sensor: u32, display_time_s: f64) -> Option<HeadPose> {
-        match &*self.head.lent() {
-            Lent::Session(locator, _) => locator.foreseen(display_time_s),
-            Lent::Nothing(_) => None,
+        let Lent::Session(asker, _) = &mut *self.head.lent() else { return None };
+        match asker.look(display_time_s) {
+            Ok(Sight::Seen(pose)) => Some(pose),
+            // Whoever has the session hears of an error, too, and says so.
+            Ok(Sight::Unknown | Sight::NotFinite) | Err(_) => None,
         }
     }
 }

@@ -1,7 +1,9 @@
 //! An OpenXR API layer for tests. It says that the headset can blend pictures with the surroundings
 //! as the environment variable `VS_LAYER_BLEND` has it (`alpha`, `additive`, `opaque`, with
 //! commas), writes what frames are ended with to the file `VS_LAYER_LOG`, a line whenever that
-//! changes, and passes everything on to the runtime as opaque.
+//! changes, and passes everything on to the runtime as opaque. And while there is a file
+//! `VS_LAYER_OFF`, the headset is taken off: the session stops, and begins anew afterwards
+//! ([`worn`]).
 //!
 //! Loaded by the OpenXR loader into the program under test. Must not know the program.
 
@@ -12,11 +14,14 @@ use std::sync::Mutex;
 use openxr_sys as xr;
 use xr::pfn;
 
+mod worn;
+
 /// The functions of whatever comes next.
 #[derive(Clone, Copy)]
 struct Next {
     get_instance_proc_addr: pfn::GetInstanceProcAddr,
     end_frame: pfn::EndFrame,
+    session: worn::Calls,
 }
 
 static NEXT: Mutex<Option<Next>> = Mutex::new(None);
@@ -132,7 +137,7 @@ unsafe extern "system" fn get_instance_proc_addr(
             // SAFETY: as above.
             Some(unsafe { std::mem::transmute::<pfn::EndFrame, pfn::VoidFunction>(own) })
         }
-        _ => None,
+        name => worn::own(name),
     };
     if own.is_some() {
         // SAFETY: the caller gives a place for the function.
@@ -164,16 +169,19 @@ unsafe extern "system" fn create_instance(
     if made != xr::Result::SUCCESS {
         return made;
     }
-    let mut end: Option<pfn::VoidFunction> = None;
-    // SAFETY: the instance has just been made; the name ends with 0.
-    let found = unsafe { get(*instance, c"xrEndFrame".as_ptr(), &mut end) };
-    let Some(end) = end.filter(|_| found == xr::Result::SUCCESS) else {
+    let function = |name: &CStr| {
+        let mut found: Option<pfn::VoidFunction> = None;
+        // SAFETY: the instance has just been made; the name ends with 0.
+        let result = unsafe { get(*instance, name.as_ptr(), &mut found) };
+        found.filter(|_| result == xr::Result::SUCCESS)
+    };
+    let (Some(end), Some(session)) = (function(c"xrEndFrame"), worn::Calls::find(&function)) else {
         return xr::Result::ERROR_INITIALIZATION_FAILED;
     };
     // SAFETY: the name says which type the function has.
     let end_frame = unsafe { std::mem::transmute::<pfn::VoidFunction, pfn::EndFrame>(end) };
     if let Ok(mut next) = NEXT.lock() {
-        *next = Some(Next { get_instance_proc_addr: get, end_frame });
+        *next = Some(Next { get_instance_proc_addr: get, end_frame, session });
     }
     xr::Result::SUCCESS
 }

@@ -1,0 +1,158 @@
+//! Owns the pretence that the headset is taken off and put on again, while the runtime goes on as
+//! if it were worn: the program hears STOPPING, ends the session, hears IDLE, and READY when the
+//! headset is put on. A frame waited for in between is an error, as the specification has it.
+
+use std::collections::VecDeque;
+use std::ffi::CStr;
+use std::mem::transmute;
+use std::path::Path;
+use std::sync::Mutex;
+
+use openxr_sys as xr;
+use xr::pfn;
+
+use crate::next;
+
+/// Functions of whatever comes next.
+#[derive(Clone, Copy)]
+pub struct Calls {
+    poll_event: pfn::PollEvent,
+    begin_session: pfn::BeginSession,
+    end_session: pfn::EndSession,
+    wait_frame: pfn::WaitFrame,
+}
+
+impl Calls {
+    pub fn find(function: &dyn Fn(&CStr) -> Option<pfn::VoidFunction>) -> Option<Calls> {
+        // SAFETY: the names say which types the functions have.
+        unsafe {
+            Some(Calls {
+                poll_event: transmute::<pfn::VoidFunction, pfn::PollEvent>(function(
+                    c"xrPollEvent",
+                )?),
+                begin_session: transmute::<pfn::VoidFunction, pfn::BeginSession>(function(
+                    c"xrBeginSession",
+                )?),
+                end_session: transmute::<pfn::VoidFunction, pfn::EndSession>(function(
+                    c"xrEndSession",
+                )?),
+                wait_frame: transmute::<pfn::VoidFunction, pfn::WaitFrame>(function(
+                    c"xrWaitFrame",
+                )?),
+            })
+        }
+    }
+}
+
+/// What the program believes.
+struct Life {
+    session: xr::Session,
+    /// Between begin and end.
+    running: bool,
+    /// The program has heard that it is to stop.
+    stopping: bool,
+    /// States that it is to hear.
+    states: VecDeque<xr::SessionState>,
+}
+
+static LIFE: Mutex<Option<Life>> = Mutex::new(None);
+
+fn is_off() -> bool {
+    std::env::var_os("VS_LAYER_OFF").is_some_and(|path| Path::new(&path).exists())
+}
+
+/// The function that takes the place of the one with this name, if there is one.
+pub fn own(name: &[u8]) -> Option<pfn::VoidFunction> {
+    std::env::var_os("VS_LAYER_OFF")?;
+    // SAFETY: the caller knows by the name which type the function has.
+    unsafe {
+        match name {
+            b"xrPollEvent" => Some(transmute::<pfn::PollEvent, pfn::VoidFunction>(poll_event)),
+            b"xrBeginSession" => {
+                Some(transmute::<pfn::BeginSession, pfn::VoidFunction>(begin_session))
+            }
+            b"xrEndSession" => Some(transmute::<pfn::EndSession, pfn::VoidFunction>(end_session)),
+            b"xrWaitFrame" => Some(transmute::<pfn::WaitFrame, pfn::VoidFunction>(wait_frame)),
+            _ => None,
+        }
+    }
+}
+
+unsafe extern "system" fn poll_event(
+    instance: xr::Instance,
+    event: *mut xr::EventDataBuffer,
+) -> xr::Result {
+    let Some(next) = next() else { return xr::Result::ERROR_RUNTIME_FAILURE };
+    if let Ok(mut life) = LIFE.lock()
+        && let Some(life) = &mut *life
+    {
+        use xr::SessionState as State;
+        if is_off() && life.running && !life.stopping {
+            life.stopping = true;
+            life.states.extend([State::VISIBLE, State::SYNCHRONIZED, State::STOPPING]);
+        } else if !is_off() && !life.running && life.stopping {
+            life.stopping = false;
+            life.states.push_back(State::READY);
+        }
+        if let Some(state) = life.states.pop_front() {
+            let changed = xr::EventDataSessionStateChanged {
+                ty: xr::EventDataSessionStateChanged::TYPE,
+                next: std::ptr::null(),
+                session: life.session,
+                state,
+                time: xr::Time::from_nanos(1),
+            };
+            // SAFETY: the caller gives room for any event.
+            unsafe { event.cast::<xr::EventDataSessionStateChanged>().write(changed) };
+            return xr::Result::SUCCESS;
+        }
+    }
+    // SAFETY: passed on as it came.
+    unsafe { (next.session.poll_event)(instance, event) }
+}
+
+unsafe extern "system" fn begin_session(
+    session: xr::Session,
+    info: *const xr::SessionBeginInfo,
+) -> xr::Result {
+    let Some(next) = next() else { return xr::Result::ERROR_RUNTIME_FAILURE };
+    let Ok(mut life) = LIFE.lock() else { return xr::Result::ERROR_RUNTIME_FAILURE };
+    if let Some(life) = &mut *life {
+        use xr::SessionState as State;
+        life.running = true;
+        life.states.extend([State::SYNCHRONIZED, State::VISIBLE, State::FOCUSED]);
+        return xr::Result::SUCCESS;
+    }
+    // SAFETY: passed on as it came.
+    let begun = unsafe { (next.session.begin_session)(session, info) };
+    let states = VecDeque::new();
+    *life = Some(Life { session, running: true, stopping: false, states });
+    begun
+}
+
+unsafe extern "system" fn end_session(session: xr::Session) -> xr::Result {
+    let Some(next) = next() else { return xr::Result::ERROR_RUNTIME_FAILURE };
+    if let Ok(mut life) = LIFE.lock()
+        && let Some(life) = life.as_mut().filter(|life| life.stopping)
+    {
+        life.running = false;
+        life.states.push_back(xr::SessionState::IDLE);
+        return xr::Result::SUCCESS;
+    }
+    // SAFETY: passed on as it came.
+    unsafe { (next.session.end_session)(session) }
+}
+
+unsafe extern "system" fn wait_frame(
+    session: xr::Session,
+    info: *const xr::FrameWaitInfo,
+    state: *mut xr::FrameState,
+) -> xr::Result {
+    let Some(next) = next() else { return xr::Result::ERROR_RUNTIME_FAILURE };
+    let runs = LIFE.lock().is_ok_and(|life| life.as_ref().is_some_and(|life| life.running));
+    if !runs {
+        return xr::Result::ERROR_SESSION_NOT_RUNNING;
+    }
+    // SAFETY: passed on as it came.
+    unsafe { (next.session.wait_frame)(session, info, state) }
+}
