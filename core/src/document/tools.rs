@@ -135,7 +135,7 @@ impl Document {
         op: EditOp,
     ) -> Result<Vec<(Image, PlacedSolid)>, CommandError> {
         let voxel_size = self.grid().voxel_size();
-        let placed = |image: Image| (image, image.primitive(primitive).in_grid(voxel_size));
+        let placed = |image: Image| (image, image.placed(primitive, voxel_size));
         let images = self.symmetry.images(self.grid().dims());
         let solids: Vec<_> = images.into_iter().map(placed).collect();
         self.check_colour_memory(|document, exact| {

@@ -129,7 +129,13 @@ impl Primitive {
 
     /// The region this solid covers in a grid whose voxels have edges of `voxel_size`.
     pub fn in_grid(&self, voxel_size: Vec3) -> PlacedSolid {
-        PlacedSolid::new(self, voxel_size)
+        PlacedSolid::new(self, voxel_size, [None; 3])
+    }
+
+    /// The same, mirrored at the planes (voxel coordinates) across each axis that has one. It
+    /// covers the mirrored voxels to the bit where a plane stands between or through voxels.
+    pub fn mirrored_in_grid(&self, voxel_size: Vec3, planes: [Option<f32>; 3]) -> PlacedSolid {
+        PlacedSolid::new(self, voxel_size, planes)
     }
 }
 
@@ -156,16 +162,26 @@ enum Cut {
 }
 
 impl PlacedSolid {
-    fn new(primitive: &Primitive, voxel_size: Vec3) -> PlacedSolid {
+    fn new(primitive: &Primitive, voxel_size: Vec3, planes: [Option<f32>; 3]) -> PlacedSolid {
         let Primitive { solid, centre_vx, half, rotation } = *primitive;
-        let (centre_vx, half) = (centre_vx.as_dvec3(), half.as_dvec3());
+        let (mut centre_vx, half) = (centre_vx.as_dvec3(), half.as_dvec3());
         let stretch = voxel_size.as_dvec3() / voxel_size.as_dvec3().min_element();
         let rotation = DMat3::from_quat(rotation.as_dquat().normalize());
+        // Signs are changed after all rounding, so that an image is rounded as the solid is.
+        let mut mirror = DVec3::ONE;
+        for (axis, plane) in planes.into_iter().enumerate() {
+            if let Some(plane) = plane {
+                centre_vx[axis] = 2.0 * f64::from(plane) - centre_vx[axis];
+                mirror[axis] = -1.0;
+            }
+        }
+        let mirror = DMat3::from_diagonal(mirror);
         let tool_from_vx = DMat3::from_diagonal(half.recip())
             * rotation.transpose()
-            * DMat3::from_diagonal(stretch);
+            * DMat3::from_diagonal(stretch)
+            * mirror;
         let vx_from_tool =
-            DMat3::from_diagonal(stretch.recip()) * rotation * DMat3::from_diagonal(half);
+            mirror * DMat3::from_diagonal(stretch.recip()) * rotation * DMat3::from_diagonal(half);
 
         let axes = vx_from_tool.transpose();
         let support = |sign: f64| {
@@ -200,8 +216,10 @@ impl PlacedSolid {
         let off_axis = m - DMat3::from_diagonal(DVec3::new(m.x_axis.x, m.y_axis.y, m.z_axis.z));
         if self.solid == Solid::Cuboid && off_axis == DMat3::ZERO {
             let axis = |axis: usize| {
-                let place =
-                    |v: i32| m.col(axis)[axis] * (f64::from(v) + 0.5 - self.centre_vx[axis]);
+                // A cuboid is its own mirror image, so a reversed axis (from a mirror plane, or a
+                // half turn) is one that is not.
+                let scale = m.col(axis)[axis].abs();
+                let place = |v: i32| scale * (f64::from(v) + 0.5 - self.centre_vx[axis]);
                 // Position along the axis rises with the voxel, rounded or not.
                 let first = first_where(min[axis]..max[axis], |v| place(v) >= -1.0);
                 first..first_where(first..max[axis], |v| place(v) > 1.0)

@@ -52,9 +52,31 @@ fn solid() -> impl Strategy<Value = Solid> {
     prop::sample::select(&Solid::ALL[..])
 }
 
-/// Any rotation, quarter turns (whose matrices are nearly, but not quite, a permutation), tiny
-/// turns and none.
-fn rotation() -> impl Strategy<Value = Quat> {
+/// The 24 turns that lay axes along axes, as exactly as `f32` has them: half turns have no rounding
+/// at all.
+pub fn axis_turns() -> Vec<Quat> {
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    let mut turns = Vec::new();
+    for i in 0..81 {
+        let signs = [i % 3, i / 3 % 3, i / 9 % 3, i / 27].map(|s| s as f32 - 1.0);
+        let parts = signs.iter().filter(|s| **s != 0.0).count();
+        let length = match parts {
+            1 => 1.0,
+            2 => half,
+            4 => 0.5,
+            _ => continue,
+        };
+        // Of q and -q, which are the same turn, the one whose first part is positive.
+        if signs.iter().find(|s| **s != 0.0) == Some(&1.0) {
+            turns.push(Quat::from_array(signs.map(|s| s * length)));
+        }
+    }
+    turns
+}
+
+/// Any rotation, quarter turns (whose matrices are nearly, but not quite, a permutation), turns
+/// from axes to axes, tiny turns and none.
+pub fn rotation() -> impl Strategy<Value = Quat> {
     let any = prop::array::uniform4(-1.0f32..1.0)
         .prop_filter("a direction", |q| q.iter().map(|v| v * v).sum::<f32>() > 0.01)
         .prop_map(|q| Quat::from_array(q).normalize());
@@ -65,7 +87,10 @@ fn rotation() -> impl Strategy<Value = Quat> {
     let tiny = prop::array::uniform3(-1e-6f32..1e-6)
         .prop_map(|[x, y, z]| Quat::from_euler(EulerRot::XYZ, x, y, z));
     let about_x = (-3.2f32..3.2).prop_map(Quat::from_rotation_x);
-    prop_oneof![4 => any, 2 => quarters, 1 => tiny, 1 => about_x, 2 => Just(Quat::IDENTITY)]
+    let exact = prop::sample::select(axis_turns());
+    prop_oneof![
+        4 => any, 2 => quarters, 3 => exact, 1 => tiny, 1 => about_x, 2 => Just(Quat::IDENTITY),
+    ]
 }
 
 /// Half extents from a hundredth of a voxel to a thousand times the grid.
@@ -120,9 +145,15 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 600, ..ProptestConfig::default() })]
 
     #[test]
-    fn rows_equal_the_definition(primitive in primitive(), size in voxel_size(), dims in dims()) {
+    fn rows_equal_the_definition(
+        primitive in primitive(),
+        size in voxel_size(),
+        dims in dims(),
+        planes in prop::array::uniform3(prop::option::of((0u8..50).prop_map(|p| f32::from(p) / 2.0))),
+    ) {
         prop_assert!(primitive.check().is_ok());
         check(&primitive.in_grid(size), dims)?;
+        check(&primitive.mirrored_in_grid(size, planes), dims)?;
     }
 
     /// Solids so large, and so placed, that a face runs through the grid: here the rounding
@@ -160,6 +191,16 @@ proptest! {
         primitive.centre_vx.x = centre_x;
         primitive.half.x = half_x;
         check(&primitive.in_grid(Vec3::ONE), UVec3::new(4096, 9, 3))?;
+    }
+}
+
+#[test]
+fn there_are_24_turns_from_axes_to_axes() {
+    let turns = axis_turns();
+    assert_eq!(turns.len(), 24);
+    for (i, turn) in turns.iter().enumerate() {
+        assert!(turn.is_normalized());
+        assert!(turns[..i].iter().all(|other| other.angle_between(*turn) > 1.0));
     }
 }
 

@@ -5,7 +5,7 @@
 
 use glam::{Quat, UVec3, Vec3};
 
-use super::construct::Primitive;
+use super::construct::{PlacedSolid, Primitive};
 use super::spray::Footprint;
 
 /// Where a mirror plane stands against the voxels.
@@ -92,7 +92,12 @@ impl Image {
         v
     }
 
-    /// The mirrored solid. A mirroring is no rotation; but every solid is its own image at its
+    /// The voxels that the mirrored solid covers.
+    pub fn placed(&self, primitive: &Primitive, voxel_size: Vec3) -> PlacedSolid {
+        primitive.mirrored_in_grid(voxel_size, self.planes)
+    }
+
+    /// The mirrored solid as one to be drawn. A mirroring is no rotation; but every solid is its own image at its
     /// own x plane, so that a mirroring before it makes one of the two.
     pub fn primitive(&self, primitive: &Primitive) -> Primitive {
         let mirrored = self.planes.iter().filter(|plane| plane.is_some()).count();
@@ -136,22 +141,24 @@ fn conjugated(rotation: Quat, axis: usize) -> Quat {
 
 #[cfg(test)]
 mod tests {
-    use glam::{EulerRot, IVec3};
+    use glam::IVec3;
     use proptest::prelude::*;
 
     use super::*;
     use crate::tools::construct::Solid;
+    use crate::tools::construct_tests::rotation;
 
     proptest! {
-        /// Each image covers the mirrored voxels, but where a face passes through a voxel's centre.
+        /// Each image covers the mirrored voxels, also where a face passes through their centres;
+        /// the mirrored solid as a primitive does so but for those.
         #[test]
         fn images_of_solids_cover_mirrored_voxels(
             dims in prop::array::uniform3(8u32..20),
             axes in prop::array::uniform3(prop::option::of(prop::sample::select(&Parity::ALL[..]))),
             solid in prop::sample::select(&Solid::ALL[..]),
-            centre in prop::array::uniform3(0f32..20.0),
-            half in prop::array::uniform3(1f32..8.0),
-            turn in prop::array::uniform3(-3f32..3.0),
+            centre in prop::array::uniform3(prop_oneof![0f32..20.0, (0u8..40).prop_map(|c| f32::from(c) / 2.0)]),
+            half in prop::array::uniform3(prop_oneof![1f32..8.0, (1u8..16).prop_map(|h| f32::from(h) / 2.0)]),
+            rotation in rotation(),
         ) {
             let dims = UVec3::from(dims);
             let symmetry = Symmetry { axes };
@@ -159,7 +166,7 @@ mod tests {
                 solid,
                 centre_vx: centre.into(),
                 half: half.into(),
-                rotation: Quat::from_euler(EulerRot::XYZ, turn[0], turn[1], turn[2]),
+                rotation,
             };
             let images = symmetry.images(dims);
             prop_assert_eq!(images.len(), 1 << axes.iter().flatten().count());
@@ -168,12 +175,14 @@ mod tests {
             let scaled = |by: f32| Primitive { half: primitive.half * by, ..primitive };
             let (inner, outer) = (scaled(0.9999).in_grid(Vec3::ONE), scaled(1.0001).in_grid(Vec3::ONE));
             for image in &images {
+                let placed = image.placed(&primitive, Vec3::ONE);
                 let mirrored = image.primitive(&primitive);
                 prop_assert!(mirrored.check().is_ok());
                 let mirrored = mirrored.in_grid(Vec3::ONE);
                 for i in 0..4000 {
                     let v = IVec3::new(i % 16, i / 16 % 16, i / 256) + 2;
                     let other = (image.point(v.as_vec3() + 0.5) - 0.5).as_ivec3();
+                    prop_assert_eq!(region.contains_voxel(v), placed.contains_voxel(other));
                     if inner.contains_voxel(v) == outer.contains_voxel(v) {
                         prop_assert_eq!(region.contains_voxel(v), mirrored.contains_voxel(other));
                     }

@@ -7,6 +7,7 @@ mod areas;
 mod document;
 mod files;
 mod model;
+mod orientations;
 mod script;
 mod strategies;
 mod text;

@@ -1,0 +1,162 @@
+//! Solids along the grid's axes in each of the 48 ways (24 turns, and their mirror images), against
+//! whole numbers: where each axis goes and in which direction.
+
+use glam::{DVec3, IVec3, Quat, UVec3, Vec3};
+use sculpture_core::command::{Command, NewSculpture};
+use sculpture_core::document::{Document, Limits};
+use sculpture_core::sculpture::edit::EditOp;
+use sculpture_core::sculpture::{ColourDepth, Grid, Rgb};
+use sculpture_core::tools::construct::{Primitive, Solid};
+use sculpture_core::tools::symmetry::{Parity, Symmetry};
+
+/// Where the axes of a tool go: the axis of the grid, and the sign.
+type AxisMap = [(usize, f64); 3];
+
+/// The 24 turns, with the quaternion of each worked out from its matrix.
+fn turns() -> Vec<(AxisMap, Quat)> {
+    let mut all = Vec::new();
+    for [x, y, z] in [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [1, 0, 2], [2, 1, 0]] {
+        for signs in 0..8 {
+            let sign = |i: usize| if signs >> i & 1 == 0 { 1.0 } else { -1.0 };
+            let map = [(x, sign(0)), (y, sign(1)), (z, sign(2))];
+            let column = |(axis, sign): (usize, f64)| {
+                let mut column = Vec3::ZERO;
+                column[axis] = sign as f32;
+                column
+            };
+            let matrix = glam::Mat3::from_cols(column(map[0]), column(map[1]), column(map[2]));
+            if matrix.determinant() > 0.0 {
+                all.push((map, Quat::from_mat3(&matrix)));
+            }
+        }
+    }
+    assert_eq!(all.len(), 24);
+    all
+}
+
+fn inside(solid: Solid, p: [f64; 3]) -> bool {
+    let [x, y, z] = p.map(f64::abs);
+    match solid {
+        Solid::Ellipsoid => x * x + y * y + z * z <= 1.0,
+        Solid::Cuboid => x <= 1.0 && y <= 1.0 && z <= 1.0,
+        Solid::Pyramid => y <= 1.0 && 2.0 * x <= 1.0 - p[1] && 2.0 * z <= 1.0 - p[1],
+    }
+}
+
+/// Whether the solid covers the point `v` (voxels).
+fn covers(primitive: &Primitive, map: &AxisMap, voxel_size: Vec3, v: DVec3) -> bool {
+    let stretch = voxel_size.as_dvec3() / f64::from(voxel_size.min_element());
+    let offset = (v - primitive.centre_vx.as_dvec3()) * stretch;
+    let p = [0, 1, 2].map(|i| map[i].1 * offset[map[i].0] / f64::from(primitive.half[i]));
+    inside(primitive.solid, p)
+}
+
+fn grid_with(new: &NewSculpture, symmetry: Symmetry, op: EditOp, primitive: Primitive) -> Grid {
+    let mut document = Document::new(new, Limits::default()).unwrap();
+    document.apply(&Command::Symmetry(symmetry)).unwrap();
+    document.apply(&Command::Construct { op, primitive }).unwrap();
+    document.grid().clone()
+}
+
+#[test]
+fn solids_and_their_mirror_images_equal_whole_numbers_in_all_48_orientations() {
+    let dims = UVec3::new(21, 24, 19);
+    let symmetries = (0..27).map(|i| {
+        let parity = |i: u32| [None, Some(Parity::Even), Some(Parity::Odd)][i as usize % 3];
+        Symmetry { axes: [parity(i), parity(i / 3), parity(i / 9)] }
+    });
+    for symmetry in symmetries {
+        for (i, (map, rotation)) in turns().into_iter().enumerate() {
+            let voxel_size = [Vec3::ONE, Vec3::new(1.0, 1.5, 2.0)][i % 2];
+            for solid in Solid::ALL {
+                let primitive = Primitive {
+                    solid,
+                    centre_vx: Vec3::new(7.13, 9.31, 6.22),
+                    half: Vec3::new(3.3, 5.21, 7.47),
+                    rotation,
+                };
+                let (filled, op) = match i % 3 {
+                    0 => (true, EditOp::Subtract),
+                    _ => (false, EditOp::Add(Rgb::STONE)),
+                };
+                let new = NewSculpture {
+                    dims,
+                    voxel_size,
+                    colour_depth: ColourDepth::None,
+                    base: Rgb::STONE,
+                    solid: filled,
+                };
+                let grid = grid_with(&new, symmetry, op, primitive);
+                let planes = symmetry.axes.map(|parity| match parity {
+                    Some(Parity::Odd) => 0.5,
+                    _ => 0.0,
+                });
+                let middle = (dims / 2).as_dvec3() + DVec3::from(planes);
+                let images = (0..8u32).filter(|image| {
+                    (0..3).all(|axis| image >> axis & 1 == 0 || symmetry.axes[axis].is_some())
+                });
+                let images: Vec<u32> = images.collect();
+                for voxel in 0..dims.element_product() {
+                    let v = grid.voxel_coords(voxel).as_ivec3();
+                    let at = v.as_dvec3() + 0.5;
+                    let covered = images.iter().any(|image| {
+                        let mut own = at;
+                        for axis in 0..3 {
+                            if image >> axis & 1 != 0 {
+                                own[axis] = 2.0 * middle[axis] - own[axis];
+                            }
+                        }
+                        covers(&primitive, &map, voxel_size, own)
+                    });
+                    assert_eq!(grid.get(v), covered != filled, "{v} {symmetry:?} {primitive:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_cuboid_and_its_image_across_any_axis_have_all_their_voxels() {
+    for axis in ["x", "y", "z", "x=even y", "y=even z", "x=even z", "x=odd y=even z"] {
+        for turn in ["0,0,0,1", "1,0,0,0", "0,1,0,0", "0,0,1,0", "0,90,0", "180,0,90"] {
+            let new = "new dims=64,64,64 fill=empty".parse().unwrap();
+            let Command::New(new) = new else { panic!("not new") };
+            let mut document = Document::new(&new, Limits::default()).unwrap();
+            let add = format!("add cuboid at=16,16,16 half=8 turn={turn} colour=#808080");
+            document.apply(&format!("symmetry {axis}=even").parse().unwrap()).unwrap();
+            document.apply(&add.parse().unwrap()).unwrap();
+            let images = 1 << axis.split(' ').count();
+            // The odd plane runs through a voxel, but the images still do not meet.
+            assert_eq!(document.grid().opaque_count(), 4096 * images, "{axis} {turn}");
+            assert!(document.grid().get(IVec3::splat(8)));
+        }
+    }
+}
+
+/// Also where faces run through the centres of voxels, and whatever the turn.
+#[test]
+fn what_is_made_with_a_mirror_plane_is_symmetric_to_the_voxel() {
+    let turns = ["0,90,0", "0,45,0", "30,0,0", "0,0,180", "10,20,30", "45,45,45"];
+    for (turn, solid) in turns.iter().flat_map(|t| Solid::ALL.map(|solid| (t, solid))) {
+        for axis in 0..3 {
+            let Ok(Command::New(new)) = "new dims=40,40,40 fill=empty".parse() else {
+                panic!("not new")
+            };
+            let mut document = Document::new(&new, Limits::default()).unwrap();
+            let name = ["x", "y", "z"][axis];
+            document.apply(&format!("symmetry {name}=even").parse().unwrap()).unwrap();
+            let add = format!(
+                "add {} at=16.5,14.5,18.5 half=8,6,7 turn={turn} colour=#808080",
+                solid.name()
+            );
+            document.apply(&add.parse().unwrap()).unwrap();
+            let grid = document.grid();
+            for voxel in 0..40u32.pow(3) {
+                let v = grid.voxel_coords(voxel).as_ivec3();
+                let mut other = v;
+                other[axis] = 39 - v[axis];
+                assert_eq!(grid.get(v), grid.get(other), "{v} {turn} {solid:?} {name}");
+            }
+        }
+    }
+}
