@@ -1,0 +1,160 @@
+//! What a line of a script says, and its text by the grammar of the manual.
+
+use std::fmt;
+
+use crate::solid::Placed;
+
+pub type Colour = [u8; 3];
+
+/// Where the x, y and z axes of a copy go, and which are reversed.
+pub type Axes = [(usize, bool); 3];
+
+/// None, or a mirror plane between two voxels (`Even`) or through one (`Odd`).
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Mirror {
+    Off,
+    Even,
+    Odd,
+}
+
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Area {
+    Grid,
+    Selection,
+    Marker,
+}
+
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Op {
+    Add(Option<Colour>),
+    Subtract,
+    Recolour(Colour),
+}
+
+/// One ray along an axis, from outside through the middle of voxels.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Ray {
+    pub axis: usize,
+    /// Towards higher voxels.
+    pub rising: bool,
+    /// The voxels that it runs through; that of `axis` does not matter.
+    pub through: [i64; 3],
+}
+
+#[derive(Clone, Debug)]
+pub enum Deed {
+    New { dims: [usize; 3], size: [f64; 3], bits: u32, base: Colour, solid: bool },
+    Begin,
+    End,
+    Cancel,
+    Solid { op: Op, placed: Placed },
+    Brush { ray: Ray, colour: Colour },
+    Devour { ray: Ray, reach: f64 },
+    Fill { area: Area, colour: Option<Colour> },
+    Clear { area: Area },
+    Dye { area: Area, colour: Colour },
+    Mark { at: [i64; 3], size: [i64; 3] },
+    Select { adds: bool },
+    Drop,
+    ClearSelection,
+    Limit(bool),
+    Symmetry([Mirror; 3]),
+    Copy,
+    Cut,
+    Paste { at: [i64; 3], axes: Axes },
+    Move { by: [i64; 3], axes: Axes },
+    Array { count: usize, step: [i64; 3] },
+    Undo(Option<usize>),
+    Redo(Option<usize>),
+}
+
+fn colour([r, g, b]: Colour) -> String {
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+pub fn list<T: fmt::Display>(values: &[T]) -> String {
+    values.iter().map(T::to_string).collect::<Vec<_>>().join(",")
+}
+
+fn axes(axes: &Axes) -> String {
+    let name = |&(axis, reversed): &(usize, bool)| {
+        format!("{}{}", if reversed { "-" } else { "" }, ["x", "y", "z"][axis])
+    };
+    list(&axes.iter().map(name).collect::<Vec<_>>())
+}
+
+fn area(area: Area) -> &'static str {
+    match area {
+        Area::Grid => "grid",
+        Area::Selection => "selection",
+        Area::Marker => "marker",
+    }
+}
+
+/// The eye stands 100 voxels before the grid; the steps between rays do not matter to one ray.
+fn ray(ray: &Ray) -> String {
+    let (mut eye, mut aim) = (ray.through.map(|v| v as f64 + 0.5), [0; 3]);
+    eye[ray.axis] = if ray.rising { -100.0 } else { 160.0 };
+    aim[ray.axis] = if ray.rising { 1 } else { -1 };
+    let (mut across, mut down) = ([0.0; 3], [0.0; 3]);
+    across[(ray.axis + 1) % 3] = 0.001;
+    down[(ray.axis + 2) % 3] = 0.001;
+    let (eye, aim) = (list(&eye), list(&aim));
+    format!("eye={eye} aim={aim} across={} down={} radius=0", list(&across), list(&down))
+}
+
+fn steps(steps: &Option<usize>) -> String {
+    steps.map_or("all".to_string(), |n| n.to_string())
+}
+
+impl fmt::Display for Deed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Deed::New { dims, size, bits, base, solid } => {
+                let fill = if *solid { "solid" } else { "empty" };
+                let (dims, size, base) = (list(dims), list(size), colour(*base));
+                write!(f, "new dims={dims} size={size} colour={bits} base={base} fill={fill}")
+            }
+            Deed::Begin => write!(f, "begin \"a stroke\""),
+            Deed::End => write!(f, "end"),
+            Deed::Cancel => write!(f, "cancel"),
+            Deed::Solid { op, placed } => match op {
+                Op::Add(None) => write!(f, "add {placed}"),
+                Op::Add(Some(c)) => write!(f, "add {placed} colour={}", colour(*c)),
+                Op::Subtract => write!(f, "subtract {placed}"),
+                Op::Recolour(c) => write!(f, "recolour {placed} colour={}", colour(*c)),
+            },
+            Deed::Brush { ray: r, colour: c } => {
+                write!(f, "spray paintbrush {} colour={}", ray(r), colour(*c))
+            }
+            Deed::Devour { ray: r, reach } => write!(f, "spray devourer {} reach={reach}", ray(r)),
+            Deed::Fill { area: a, colour: None } => write!(f, "fill {}", area(*a)),
+            Deed::Fill { area: a, colour: Some(c) } => {
+                write!(f, "fill {} colour={}", area(*a), colour(*c))
+            }
+            Deed::Clear { area: a } => write!(f, "clear {}", area(*a)),
+            Deed::Dye { area: a, colour: c } => write!(f, "dye {} colour={}", area(*a), colour(*c)),
+            Deed::Mark { at, size } => write!(f, "mark at={} size={}", list(at), list(size)),
+            Deed::Select { adds: true } => write!(f, "select add"),
+            Deed::Select { adds: false } => write!(f, "select subtract"),
+            Deed::Drop => write!(f, "select drop"),
+            Deed::ClearSelection => write!(f, "select clear"),
+            Deed::Limit(on) => write!(f, "limit {}", if *on { "on" } else { "off" }),
+            Deed::Symmetry(mirrors) => {
+                write!(f, "symmetry")?;
+                for (axis, mirror) in ["x", "y", "z"].iter().zip(mirrors) {
+                    let word = format!("{mirror:?}").to_lowercase();
+                    write!(f, " {axis}={word}")?;
+                }
+                Ok(())
+            }
+            Deed::Copy => write!(f, "copy"),
+            Deed::Cut => write!(f, "cut"),
+            Deed::Paste { at, axes: a } => write!(f, "paste at={} axes={}", list(at), axes(a)),
+            Deed::Move { by, axes: a } => write!(f, "move by={} axes={}", list(by), axes(a)),
+            Deed::Array { count, step } => write!(f, "array count={count} step={}", list(step)),
+            Deed::Undo(n) => write!(f, "undo {}", steps(n)),
+            Deed::Redo(n) => write!(f, "redo {}", steps(n)),
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! The solids by their definitions: tool space, where each fills [-1, 1], and a turn.
+
+use std::fmt;
+
+use crate::deed::list;
+
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Shape {
+    Ellipsoid,
+    Cuboid,
+    Pyramid,
+}
+
+/// As a script gives it.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Turn {
+    /// Degrees about x, then y, then z.
+    Angles([f64; 3]),
+    /// x, y, z, w of any length.
+    Quaternion([f64; 4]),
+}
+
+/// Rows of a matrix.
+type Matrix = [[f64; 3]; 3];
+
+fn times(a: &Matrix, b: &Matrix) -> Matrix {
+    let mut out = [[0.0; 3]; 3];
+    for (row, out) in out.iter_mut().enumerate() {
+        for (column, out) in out.iter_mut().enumerate() {
+            *out = (0..3).map(|k| a[row][k] * b[k][column]).sum();
+        }
+    }
+    out
+}
+
+impl Turn {
+    /// Takes directions of the tool to directions of the grid.
+    fn matrix(&self) -> Matrix {
+        match *self {
+            Turn::Angles(degrees) => {
+                let [x, y, z] = degrees.map(|d| d.to_radians().sin_cos());
+                let about_x = [[1.0, 0.0, 0.0], [0.0, x.1, -x.0], [0.0, x.0, x.1]];
+                let about_y = [[y.1, 0.0, y.0], [0.0, 1.0, 0.0], [-y.0, 0.0, y.1]];
+                let about_z = [[z.1, -z.0, 0.0], [z.0, z.1, 0.0], [0.0, 0.0, 1.0]];
+                times(&about_z, &times(&about_y, &about_x))
+            }
+            Turn::Quaternion(q) => {
+                let length = q.iter().map(|v| v * v).sum::<f64>().sqrt();
+                let [x, y, z, w] = q.map(|v| v / length);
+                [
+                    [w * w + x * x - y * y - z * z, 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
+                    [2.0 * (x * y + z * w), w * w - x * x + y * y - z * z, 2.0 * (y * z - x * w)],
+                    [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), w * w - x * x - y * y + z * z],
+                ]
+            }
+        }
+    }
+}
+
+/// A solid somewhere.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Placed {
+    pub shape: Shape,
+    /// In voxels.
+    pub at: [f64; 3],
+    /// In edges of the smallest voxel edge.
+    pub half: [f64; 3],
+    pub turn: Turn,
+}
+
+/// A solid in the voxels of one sculpture.
+pub struct Ready<'a> {
+    placed: &'a Placed,
+    turn: Matrix,
+    edges: [f64; 3],
+}
+
+impl Placed {
+    pub fn ready(&self, edges: [f64; 3]) -> Ready<'_> {
+        let smallest = edges.iter().copied().fold(f64::INFINITY, f64::min);
+        Ready { placed: self, turn: self.turn.matrix(), edges: edges.map(|e| e / smallest) }
+    }
+}
+
+impl Ready<'_> {
+    /// How far outside the solid a point (voxels) is, less than 0 inside and 0 on its surface; in
+    /// units of tool space, and no true distance.
+    pub fn beyond(&self, point: [f64; 3]) -> f64 {
+        let Placed { shape, at, half, .. } = self.placed;
+        let offset: [f64; 3] = std::array::from_fn(|i| (point[i] - at[i]) * self.edges[i]);
+        // Back by the transposed matrix, then by the half extents.
+        let [x, y, z]: [f64; 3] = std::array::from_fn(|i| {
+            (0..3).map(|k| self.turn[k][i] * offset[k]).sum::<f64>() / half[i]
+        });
+        match shape {
+            Shape::Ellipsoid => (x * x + y * y + z * z).sqrt() - 1.0,
+            Shape::Cuboid => x.abs().max(y.abs()).max(z.abs()) - 1.0,
+            Shape::Pyramid => (y.abs() - 1.0).max(x.abs().max(z.abs()) - 0.5 * (1.0 - y)),
+        }
+    }
+
+    /// Whether a point is nearer to the surface than rounding can tell.
+    pub fn doubtful(&self, point: [f64; 3]) -> bool {
+        let smallest = self.placed.half.iter().copied().fold(f64::INFINITY, f64::min);
+        self.beyond(point).abs() * smallest.min(1.0) < 1e-4
+    }
+}
+
+impl fmt::Display for Placed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = format!("{:?}", self.shape).to_lowercase();
+        write!(f, "{name} at={} half={} turn=", list(&self.at), list(&self.half))?;
+        match self.turn {
+            Turn::Angles(angles) => write!(f, "{}", list(&angles)),
+            Turn::Quaternion(q) => write!(f, "{}", list(&q)),
+        }
+    }
+}

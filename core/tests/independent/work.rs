@@ -1,0 +1,190 @@
+//! What each line of a script does to the model.
+
+use std::rc::Rc;
+
+use crate::deed::{Area, Axes, Deed, Op};
+use crate::model::{Box3, Model, Sculpture};
+
+impl Model {
+    /// Does what a line says; false if it must be refused.
+    pub fn carry_out(&mut self, deed: &Deed) -> bool {
+        let colours = self.now.bits != 0;
+        match deed {
+            Deed::New { .. } | Deed::Begin | Deed::Array { .. } if self.stroke_open() => false,
+            Deed::New { dims, size, bits, base, solid } => {
+                let mut new = Sculpture {
+                    dims: *dims,
+                    size: *size,
+                    bits: *bits,
+                    base: *base,
+                    voxels: vec![],
+                };
+                new.base = new.kept(*base);
+                new.voxels = vec![solid.then_some(new.base); dims.iter().product()];
+                let before = self.now.clone();
+                self.begin_with(new);
+                self.step(before, true);
+                true
+            }
+            Deed::Begin => {
+                self.stroke = Some((self.now.clone(), false));
+                true
+            }
+            Deed::End => self.end(),
+            Deed::Cancel => match self.stroke.take() {
+                Some((before, _)) => {
+                    self.now = before;
+                    self.uses.clear();
+                    true
+                }
+                None => false,
+            },
+            Deed::Solid { op: Op::Recolour(_), .. } | Deed::Dye { .. } | Deed::Brush { .. }
+                if !colours =>
+            {
+                false
+            }
+            Deed::Solid { op, placed } => {
+                let sculpture = self.now.clone();
+                let solid = placed.ready(sculpture.size);
+                // A voxel is covered if the solid holds its centre or the image of that.
+                let covered: Vec<bool> = sculpture
+                    .all()
+                    .map(|v| self.images(v.map(|v| v as f64 + 0.5)))
+                    .map(|images| images.iter().any(|p| solid.beyond(*p) <= 0.0))
+                    .collect();
+                self.op(*op, |v| sculpture.place(v).is_some_and(|place| covered[place]));
+                self.used(deed);
+                true
+            }
+            Deed::Brush { ray, colour } => {
+                let met = self.met(ray);
+                self.op(Op::Recolour(*colour), |v| met.contains(&v));
+                self.used(deed);
+                true
+            }
+            Deed::Devour { ray, reach } => {
+                let met = self.met(ray);
+                let distance = |a: [i64; 3], b: [i64; 3]| {
+                    (0..3).map(|i| ((a[i] - b[i]) as f64).powi(2)).sum::<f64>().sqrt()
+                };
+                self.op(Op::Subtract, |v| met.iter().any(|m| distance(*m, v) <= *reach));
+                self.used(deed);
+                true
+            }
+            Deed::Fill { area, colour } => self.area(*area, Op::Add(*colour)),
+            Deed::Clear { area } => self.area(*area, Op::Subtract),
+            Deed::Dye { area, colour } => self.area(*area, Op::Recolour(*colour)),
+            Deed::Mark { at, size } => {
+                self.marker = Box3 { min: *at, max: std::array::from_fn(|i| at[i] + size[i]) };
+                true
+            }
+            Deed::Select { adds } => {
+                self.boxes.push((self.marker, *adds));
+                true
+            }
+            Deed::Drop => self.boxes.pop().is_some(),
+            Deed::ClearSelection => {
+                self.boxes.clear();
+                true
+            }
+            Deed::Limit(on) => {
+                self.limit = *on;
+                true
+            }
+            Deed::Symmetry(mirrors) => {
+                self.mirrors = *mirrors;
+                true
+            }
+            Deed::Copy => match self.copy() {
+                Some((copied, _)) => {
+                    self.copied = Some(copied);
+                    true
+                }
+                None => false,
+            },
+            Deed::Cut => {
+                let Some((copied, _)) = self.copy() else { return false };
+                self.copied = Some(copied);
+                self.area(Area::Marker, Op::Subtract)
+            }
+            Deed::Paste { at, axes } => {
+                let Some(copied) = &self.copied else { return false };
+                self.put(self.with(copied, *at, axes));
+                self.used(deed);
+                true
+            }
+            Deed::Move { by, axes } => self.carry(*by, axes),
+            Deed::Array { count, step } => self.array(*count, *step),
+            Deed::Undo(steps) => self.travel(*steps, true),
+            Deed::Redo(steps) => self.travel(*steps, false),
+        }
+    }
+
+    fn area(&mut self, area: Area, op: Op) -> bool {
+        let (marker, boxes) = (self.marker, self.boxes.clone());
+        if area == Area::Selection && boxes.is_empty() {
+            return false;
+        }
+        self.op(op, |v| match area {
+            Area::Grid => true,
+            Area::Marker => marker.contains(v),
+            Area::Selection => {
+                boxes.iter().rev().find(|(b, _)| b.contains(v)).is_some_and(|(_, adds)| *adds)
+            }
+        });
+        true
+    }
+
+    /// Turns what is marked about its middle, and moves it; the marker goes along.
+    fn carry(&mut self, by: [i64; 3], axes: &Axes) -> bool {
+        let Some((copied, from)) = self.copy() else { return false };
+        let mut turned = [0; 3];
+        (0..3).for_each(|i| turned[axes[i].0] = copied.size[i]);
+        let at: [i64; 3] =
+            std::array::from_fn(|i| from[i] + by[i] + (copied.size[i] - turned[i]) / 2);
+        let before = self.now.clone();
+        let mut without = (*before).clone();
+        for (v, _) in &copied.voxels {
+            let place = without.place(std::array::from_fn(|i| v[i] + from[i]));
+            without.voxels[place.unwrap()] = None;
+        }
+        self.now = Rc::new(without);
+        self.now = Rc::new(self.with(&copied, at, axes));
+        self.marker = Box3 { min: at, max: std::array::from_fn(|i| at[i] + turned[i]) };
+        self.step(before, true);
+        true
+    }
+
+    fn array(&mut self, count: usize, step: [i64; 3]) -> bool {
+        if self.last_uses.is_empty() || count == 0 {
+            return false;
+        }
+        let uses = self.last_uses.clone();
+        self.stroke = Some((self.now.clone(), false));
+        for i in 1..=count as i64 {
+            for used in &uses {
+                assert!(self.carry_out(&used.shifted(step.map(|s| s * i))));
+            }
+        }
+        self.end();
+        self.last_uses.splice(0..0, uses);
+        true
+    }
+}
+
+impl Deed {
+    /// The same use of a tool, further by `by` voxels.
+    fn shifted(&self, by: [i64; 3]) -> Deed {
+        let mut deed = self.clone();
+        match &mut deed {
+            Deed::Solid { placed, .. } => (0..3).for_each(|i| placed.at[i] += by[i] as f64),
+            Deed::Paste { at, .. } => (0..3).for_each(|i| at[i] += by[i]),
+            Deed::Brush { ray, .. } | Deed::Devour { ray, .. } => {
+                (0..3).for_each(|i| ray.through[i] += by[i]);
+            }
+            _ => unreachable!("no use of a tool"),
+        }
+        deed
+    }
+}
