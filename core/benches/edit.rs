@@ -61,7 +61,7 @@ fn time_command(document: &mut Document, command: &Command, runs: u64) -> Durati
 
 fn primitives(c: &mut Criterion) {
     let turned = Quat::from_euler(EulerRot::XYZ, 0.4, 0.7, 1.1);
-    let add = EditOp::Add(PAINT);
+    let add = EditOp::Add(Some(PAINT));
     let cases = [
         (
             "sphere",

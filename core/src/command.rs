@@ -5,7 +5,8 @@
 //! sculpture, `session` what concerns files.
 //!
 //! Grammar, one command a line: a verb, then words, quoted strings and `key=value` pairs in any
-//! order; `#` opens a comment at the start of a line. See [`crate::command_text`].
+//! order; `#` opens a comment at the start of a line. A quoted string is what stands between the
+//! quotes. See [`crate::command_text`].
 
 use std::path::PathBuf;
 
@@ -189,8 +190,8 @@ pub const COMMANDS: &[CommandHelp] = &[
     },
     CommandHelp {
         verb: "add",
-        usage: "ellipsoid|cuboid|pyramid at=X,Y,Z half=A[,B,C] [turn=RX,RY,RZ | turn=X,Y,Z,W] colour=#rrggbb",
-        tooltip: "Fill the voxels inside a solid; new ones get the colour",
+        usage: "ellipsoid|cuboid|pyramid at=X,Y,Z half=A[,B,C] [turn=RX,RY,RZ | turn=X,Y,Z,W] [colour=#rrggbb]",
+        tooltip: "Fill the voxels inside a solid; new ones get the colour, or the base colour",
     },
     CommandHelp {
         verb: "subtract",

@@ -1,7 +1,7 @@
 //! Owns the text form of commands: one a line, and scripts of them.
 //!
 //! A line is a verb, then words, quoted strings and `key=value` pairs in any order. A line that
-//! is empty or begins with `#` says nothing. Numbers are written so that they read back to the
+//! is empty or begins with `#` says nothing. Quotes and escapes: [`arguments`]. Numbers are written so that they read back to the
 //! same bits. Takes and gives text only; reads no file.
 
 use std::fmt;
@@ -90,8 +90,10 @@ impl fmt::Display for Command {
             Command::Construct { op, primitive } => {
                 write!(f, " {primitive}")?;
                 match op {
-                    EditOp::Add(colour) | EditOp::Recolour(colour) => write!(f, " colour={colour}"),
-                    EditOp::Subtract => Ok(()),
+                    EditOp::Add(Some(colour)) | EditOp::Recolour(colour) => {
+                        write!(f, " colour={colour}")
+                    }
+                    EditOp::Add(None) | EditOp::Subtract => Ok(()),
                 }
             }
             Command::Spray { spray, surface } => spray::write(spray, *surface, f),
@@ -238,7 +240,7 @@ fn parse_primitive(args: &mut Arguments) -> Result<Primitive, ParseError> {
 fn parse_construct(verb: &str, args: &mut Arguments) -> Result<Command, ParseError> {
     let primitive = parse_primitive(args)?;
     let op = match verb {
-        "add" => EditOp::Add(args.required("colour", parse_colour)?),
+        "add" => EditOp::Add(args.optional("colour", parse_colour)?),
         "recolour" => EditOp::Recolour(args.required("colour", parse_colour)?),
         _ => EditOp::Subtract,
     };

@@ -158,6 +158,14 @@ impl Document {
         !self.last_uses.is_empty()
     }
 
+    /// The pictures that `array` needs.
+    pub fn pictures_to_repeat(&self) -> impl Iterator<Item = &Path> {
+        self.last_uses.iter().filter_map(|used| match used {
+            Command::Texture { picture, .. } => Some(picture.as_path()),
+            _ => None,
+        })
+    }
+
     /// Whether a picture is known by the name.
     pub fn has_picture(&self, name: &Path) -> bool {
         self.pictures.contains_key(name)
@@ -257,10 +265,7 @@ impl Document {
             | Command::Spray { .. }
             | Command::Paste { .. } => self.use_tool(command),
             Command::Array { count, step } => self.array(*count, *step, command),
-            Command::Fill { area, colour } => {
-                let colour = colour.unwrap_or(self.material().base());
-                self.edit_area(*area, EditOp::Add(colour), command)
-            }
+            Command::Fill { area, colour } => self.edit_area(*area, EditOp::Add(*colour), command),
             Command::Clear { area } => self.edit_area(*area, EditOp::Subtract, command),
             Command::Dye { area, colour } => {
                 self.edit_area(*area, EditOp::Recolour(*colour), command)

@@ -118,16 +118,29 @@ impl Session {
             // Read again with every stroke: the file may have been changed by then.
             self.document.forget_pictures();
         }
-        if let Command::Texture { picture, .. } = command
-            && !self.document.has_picture(picture)
-        {
-            let texture = format::load_picture(picture)
-                .map_err(|error| SessionError::Picture { path: picture.clone(), error })?;
-            self.document.learn_picture(picture, texture);
-        }
+        self.learn_pictures(command)?;
         let applied = self.document.apply(command)?;
         self.note(command)?;
         Ok(applied)
+    }
+
+    /// Reads the pictures that a command needs, unless they are known.
+    fn learn_pictures(&mut self, command: &Command) -> Result<(), SessionError> {
+        let needed: Vec<PathBuf> = match command {
+            Command::Texture { picture, .. } => vec![picture.clone()],
+            Command::Array { .. } => {
+                self.document.pictures_to_repeat().map(Path::to_path_buf).collect()
+            }
+            _ => return Ok(()),
+        };
+        for path in needed {
+            if !self.document.has_picture(&path) {
+                let texture = format::load_picture(&path)
+                    .map_err(|error| SessionError::Picture { path: path.clone(), error })?;
+                self.document.learn_picture(&path, texture);
+            }
+        }
+        Ok(())
     }
 
     /// The long part of a command, to be done on its own; none for commands that take no time,
@@ -232,6 +245,11 @@ mod tests {
             let contents = session.document().contents();
             assert_eq!(contents.rgb(glam::UVec3::splat(8)).0, rgb);
         }
+        // An empty stroke forgets the picture, but not that it was used.
+        for line in ["begin", "end", "array count=1 step=4,0,0"] {
+            session.execute(&line.parse().unwrap(), &()).unwrap();
+        }
+        assert_eq!(session.document().contents().rgb(glam::UVec3::splat(11)).0, [30, 220, 40]);
         std::fs::remove_file(&path).unwrap();
         session.execute(&Command::Begin { label: String::new() }, &()).unwrap();
         let error = session.execute(&paint.parse().unwrap(), &()).unwrap_err();

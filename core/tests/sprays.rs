@@ -47,8 +47,8 @@ fn effect() -> impl Strategy<Value = Effect> {
         Just(Effect::Devourer { outline: Outline::Round }),
         Just(Effect::Devourer { outline: Outline::Square }),
         Just(Effect::Erosion { threshold: 14 }),
-        Just(Effect::Dilation { threshold: 8, colour: RED }),
-        Just(Effect::Growth { threshold: 12, colour: RED }),
+        Just(Effect::Dilation { threshold: 8, colour: Some(RED) }),
+        Just(Effect::Growth { threshold: 12, colour: Some(RED) }),
         Just(Effect::Smooth { radius_vx: 2 }),
         Just(Effect::Clay { colour: RED }),
     ]
@@ -148,4 +148,91 @@ fn unusable_sprays_are_refused_and_change_nothing() {
     let devourer = Effect::Devourer { outline: Outline::Round };
     assert!(matches!(apply(devourer, 1e9), Err(CommandError::Spray("the reach"))));
     assert_eq!(document.contents(), &before);
+}
+
+/// A block that is painted red, and blue from the middle of x on, with pits across the border.
+fn painted_with_pits(colour_depth: ColourDepth) -> Document {
+    let mut document = block(colour_depth);
+    let script = "dye colour=#dc141e
+        mark at=20,0,0 size=20,36,44
+        dye marker colour=#0000ff
+        subtract ellipsoid at=20,30,14 half=3.4
+        subtract cuboid at=20,34,30 half=6,2,3
+        subtract cuboid at=8,35,30 half=1,1,1";
+    script.lines().for_each(|line| {
+        document.apply(&line.trim().parse().unwrap()).unwrap();
+    });
+    document
+}
+
+#[test]
+fn what_filters_add_takes_the_colours_around_it() {
+    for depth in [ColourDepth::Bits8, ColourDepth::Bits16, ColourDepth::Bits24] {
+        for filter in ["smooth around=3", "dilation threshold=7", "growth threshold=9"] {
+            let mut document = painted_with_pits(depth);
+            let before = document.contents().clone();
+            let (mut added, steps) = (0, document.history().undo_count());
+            let (name, option) = filter.split_once(' ').unwrap();
+            for z in [14, 30] {
+                let spray = format!(
+                    "spray {name} eye=20,200,{z} aim=0,-1,0 across=0.005,0,0 down=0,0,0.005 \
+                     radius=16 reach=6 {option}"
+                );
+                added += document.apply(&spray.parse().unwrap()).unwrap().stats.voxels_added;
+            }
+            assert!(added > 20, "{filter} filled {added} voxels");
+            let quantised = [RED, Rgb::new(0, 0, 255)].map(|colour| depth.quantise(colour));
+            let after = document.contents();
+            let mut met = [0; 2];
+            for voxel in 0..after.grid.dims().element_product() {
+                let v = after.grid.voxel_coords(voxel).as_ivec3();
+                let Some(colour) = after.colour(v).filter(|_| !before.grid.get(v)) else {
+                    continue;
+                };
+                // Six voxels from the border the other colour has not come through.
+                for (side, far) in [v.x < 14, v.x >= 26].into_iter().enumerate() {
+                    if far {
+                        assert_eq!(colour, quantised[side], "{filter} {depth:?} {v}");
+                    }
+                    met[side] += u32::from(colour == quantised[side]);
+                }
+                // Between the two: red and blue in some share, never the stone's green.
+                assert!(colour.0[1] <= 40, "{filter} {depth:?} {v}: {colour}");
+            }
+            assert!(met.iter().all(|count| *count > 0), "{filter} {depth:?} {met:?}");
+            let done = document.history().undo_count() - steps;
+            document.apply(&Command::Undo { steps: Some(done as u32) }).unwrap();
+            assert_eq!(document.contents(), &before, "{filter} {depth:?}");
+        }
+    }
+}
+
+#[test]
+fn colours_that_are_taken_over_are_mirrored_and_bounded() {
+    let mut document = block(ColourDepth::Bits24);
+    let script = "symmetry x=even
+        recolour ellipsoid at=9,30,20 half=7 colour=#ff8000
+        recolour ellipsoid at=13,33,22 half=4 colour=#004080
+        subtract ellipsoid at=12,34,20 half=4";
+    for line in script.lines() {
+        document.apply(&line.trim().parse().unwrap()).unwrap();
+    }
+    let smooth = "spray smooth eye=12.4,200,20.3 aim=0,-1,0 across=0.005,0,0 down=0,0,0.005 radius=20 \
+                  reach=6 around=4";
+    assert!(document.apply(&smooth.parse().unwrap()).unwrap().stats.voxels_added > 0);
+    let contents = document.contents();
+    for voxel in 0..contents.grid.dims().element_product() {
+        let v = contents.grid.voxel_coords(voxel).as_ivec3();
+        assert_eq!(contents.colour(v), contents.colour(v.with_x(39 - v.x)), "{v}");
+    }
+    // Where the memory for colours is used up nothing is filled, and that is said.
+    let pages = contents.material.page_count() as u64;
+    let limits = Limits { colour_bytes: contents.material.bytes_with(0), ..Limits::default() };
+    let mut full = Document::from_contents(contents.clone(), limits);
+    full.apply(&"subtract cuboid at=20,36,20 half=20,4,20".parse().unwrap()).unwrap();
+    assert_eq!(full.material().page_count() as u64, pages);
+    let clay = "spray clay eye=36,200,36 aim=0,-1,0 across=0.005,0,0 down=0,0,0.005 radius=9 \
+                reach=4 colour=#ff0000";
+    let refused = full.apply(&clay.parse().unwrap()).unwrap_err();
+    assert!(matches!(refused, CommandError::ColourMemory { .. }), "{refused}");
 }

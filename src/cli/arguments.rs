@@ -19,10 +19,10 @@ pub struct ImportArgs {
     #[arg(long, default_value_t, value_name = "DENSITY", allow_negative_numbers = true)]
     pub threshold: Existence,
     /// How voxels are coloured: auto, none, grey, tissue or packed
-    #[arg(long, default_value_t, value_name = "HOW")]
+    #[arg(long, alias = "coloring", default_value_t, value_name = "HOW")]
     pub colouring: Colouring,
     /// Colour bits per voxel: 0, 8, 16 or 24 (default: as in the file)
-    #[arg(long, value_name = "BITS", value_parser = parse_colour_bits)]
+    #[arg(long, alias = "color-bits", value_name = "BITS", value_parser = parse_colour_bits)]
     pub colour_bits: Option<ColourDepth>,
     /// Layout of a raw file: WIDTHxHEIGHTxDEPTH:TYPE[:skip=BYTES][:size=SX,SY,SZ]
     #[arg(long, value_name = "LAYOUT")]

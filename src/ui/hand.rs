@@ -238,7 +238,7 @@ impl Hand {
             return Command::Texture { primitive: self.primitive(), picture: picture.clone() };
         }
         let op = match mode {
-            ToolMode::Add => EditOp::Add(self.colour),
+            ToolMode::Add => EditOp::Add(Some(self.colour)),
             ToolMode::Subtract => EditOp::Subtract,
             ToolMode::Recolour => EditOp::Recolour(self.colour),
         };

@@ -78,8 +78,8 @@ impl SprayOptions {
             SprayKind::Paintbrush => Effect::Paintbrush { colour, cover: self.cover },
             SprayKind::Devourer => Effect::Devourer { outline: self.bite },
             SprayKind::Erosion => Effect::Erosion { threshold },
-            SprayKind::Dilation => Effect::Dilation { threshold, colour },
-            SprayKind::Growth => Effect::Growth { threshold, colour },
+            SprayKind::Dilation => Effect::Dilation { threshold, colour: None },
+            SprayKind::Growth => Effect::Growth { threshold, colour: None },
             SprayKind::Smooth => Effect::Smooth { radius_vx: self.around_vx },
             SprayKind::Clay => Effect::Clay { colour },
         };

@@ -1,8 +1,10 @@
 //! Owns a line of the text form taken apart: a verb, words and `key=value` pairs, handed out as
 //! a command asks for them.
 //!
-//! A word in double quotes may hold anything; in it `\"`, `\\`, `\n`, `\r`, `\t` and `\xNN` (one
-//! byte, in hexadecimal) stand for what they name. Knows no command.
+//! A word in double quotes is what stands between them, backslashes too, so that `"C:\dir\new.vsc"`
+//! names that file. A word that holds double quotes, line ends or bytes that are no text is written
+//! `e"..."`; in it `\"`, `\\`, `\n`, `\r`, `\t` and `\xNN` (one byte, in hexadecimal) stand for what
+//! they name. Keys are read in American spelling, too. Knows no command.
 
 use std::collections::VecDeque;
 use std::ffi::OsString;
@@ -27,8 +29,10 @@ impl Arguments {
         let mut pairs: Vec<(String, String)> = Vec::new();
         let mut rest = line.trim_start();
         while !rest.is_empty() {
-            if let Some(quoted) = rest.strip_prefix('"') {
-                let (word, after) = unquote(quoted)?;
+            let plain = rest.strip_prefix('"').map(unquote);
+            let quoted = plain.or_else(|| rest.strip_prefix("e\"").map(unescape));
+            if let Some(quoted) = quoted {
+                let (word, after) = quoted?;
                 words.push_back(word);
                 rest = after.trim_start();
                 if rest.len() == after.len() && !rest.is_empty() {
@@ -40,10 +44,11 @@ impl Arguments {
             let (token, after) = rest.split_at(end);
             match token.split_once('=') {
                 Some((key, value)) => {
-                    if pairs.iter().any(|(k, _)| k == key) {
+                    let key = british(key);
+                    if pairs.iter().any(|(k, _)| *k == key) {
                         return Err(ParseError(format!("`{key}=` is given twice")));
                     }
-                    pairs.push((key.to_string(), value.to_string()));
+                    pairs.push((key, value.to_string()));
                 }
                 None => words.push_back(token.into()),
             }
@@ -51,7 +56,7 @@ impl Arguments {
         }
         let verb =
             words.pop_front().ok_or_else(|| ParseError("the line has no command".to_string()))?;
-        Ok(Arguments { verb: text(verb)?, words, pairs })
+        Ok(Arguments { verb: british(&text(verb)?), words, pairs })
     }
 
     /// The next word, which `what` describes.
@@ -107,14 +112,33 @@ fn text(word: Word) -> Result<String, ParseError> {
         .map_err(|error| ParseError(format!("{:?} is not UTF-8", error.into_bytes().as_slice())))
 }
 
-/// Reads up to the closing quote; gives the word and what follows.
+/// A verb or a key as commands know it: `color`, `coloring` and `recolor` are taken for what they
+/// are in British spelling.
+fn british(word: &str) -> String {
+    match word {
+        "color" | "coloring" | "recolor" => word.replace("color", "colour"),
+        _ => word.to_string(),
+    }
+}
+
+/// Reads what stands as it is up to the closing quote; gives the word and what follows.
 fn unquote(text: &str) -> Result<(Word, &str), ParseError> {
+    match text.split_once('"') {
+        Some((word, after)) => Ok((word.into(), after)),
+        None => Err(unclosed()),
+    }
+}
+
+fn unclosed() -> ParseError {
+    ParseError("a quoted text has no closing `\"`".to_string())
+}
+
+/// Reads a text with escapes up to the closing quote; gives the word and what follows.
+fn unescape(text: &str) -> Result<(Word, &str), ParseError> {
     let mut word = Vec::new();
     let mut rest = text;
     loop {
-        let Some(at) = rest.find(['"', '\\']) else {
-            return Err(ParseError("a quoted text has no closing `\"`".to_string()));
-        };
+        let at = rest.find(['"', '\\']).ok_or_else(unclosed)?;
         word.extend_from_slice(&rest.as_bytes()[..at]);
         let escape = rest[at..].strip_prefix('\\');
         let Some(escape) = escape else { return Ok((word, &rest[at + 1..])) };
@@ -135,10 +159,10 @@ fn unquote(text: &str) -> Result<(Word, &str), ParseError> {
             }
             Some(other) => {
                 return Err(ParseError(format!(
-                    "`\\{other}` means nothing in a quoted text; write `\\\\` for a backslash"
+                    "`\\{other}` means nothing in an e\"...\" text; write `\\\\` for a backslash"
                 )));
             }
-            None => return Err(ParseError("a quoted text has no closing `\"`".to_string())),
+            None => return Err(unclosed()),
         });
         rest = chars.as_str();
     }
@@ -149,26 +173,33 @@ pub struct Quoted<'a>(pub &'a str);
 
 impl fmt::Display for Quoted<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "\"")?;
-        write_escaped(f, self.0)?;
-        write!(f, "\"")
+        write_quoted(f, self.0.as_bytes())
     }
 }
 
-/// A path in double quotes; bytes that are no text become `\xNN`.
+/// A path in double quotes, as [`Arguments::parse`] reads it.
 pub struct QuotedPath<'a>(pub &'a Path);
 
 impl fmt::Display for QuotedPath<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "\"")?;
-        for chunk in self.0.as_os_str().as_encoded_bytes().utf8_chunks() {
-            write_escaped(f, chunk.valid())?;
-            for byte in chunk.invalid() {
-                write!(f, "\\x{byte:02x}")?;
-            }
-        }
-        write!(f, "\"")
+        write_quoted(f, self.0.as_os_str().as_encoded_bytes())
     }
+}
+
+/// Writes a word as it is where that can be read back, else with escapes.
+fn write_quoted(f: &mut fmt::Formatter<'_>, word: &[u8]) -> fmt::Result {
+    let plain = std::str::from_utf8(word).ok();
+    if let Some(plain) = plain.filter(|text| !text.contains(['"', '\n', '\r', '\t'])) {
+        return write!(f, "\"{plain}\"");
+    }
+    write!(f, "e\"")?;
+    for chunk in word.utf8_chunks() {
+        write_escaped(f, chunk.valid())?;
+        for byte in chunk.invalid() {
+            write!(f, "\\x{byte:02x}")?;
+        }
+    }
+    write!(f, "\"")
 }
 
 fn write_escaped(f: &mut fmt::Formatter<'_>, text: &str) -> fmt::Result {

@@ -27,7 +27,8 @@ pub fn write(spray: &Spray, surface: SpraySurface, f: &mut fmt::Formatter<'_>) -
         Effect::Devourer { outline } => write!(f, " bite={}", outline.name()),
         Effect::Erosion { threshold } => write!(f, " threshold={threshold}"),
         Effect::Dilation { threshold, colour } | Effect::Growth { threshold, colour } => {
-            write!(f, " threshold={threshold} colour={colour}")
+            write!(f, " threshold={threshold}")?;
+            colour.map_or(Ok(()), |colour| write!(f, " colour={colour}"))
         }
         Effect::Smooth { radius_vx } => write!(f, " around={radius_vx}"),
         Effect::Clay { colour } => write!(f, " colour={colour}"),
@@ -50,11 +51,11 @@ pub fn parse(args: &mut Arguments) -> Result<Command, ParseError> {
         }
         "dilation" => Effect::Dilation {
             threshold: args.optional("threshold", number)?.unwrap_or(9),
-            colour: args.required("colour", parse_colour)?,
+            colour: args.optional("colour", parse_colour)?,
         },
         "growth" => Effect::Growth {
             threshold: args.optional("threshold", number)?.unwrap_or(12),
-            colour: args.required("colour", parse_colour)?,
+            colour: args.optional("colour", parse_colour)?,
         },
         "smooth" => Effect::Smooth { radius_vx: args.optional("around", number)?.unwrap_or(2) },
         "clay" => Effect::Clay { colour: args.required("colour", parse_colour)? },

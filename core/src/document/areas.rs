@@ -9,6 +9,7 @@ use crate::sculpture::clip::Clip;
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::orientation::Orientation;
 use crate::sculpture::region::{Everywhere, Region};
+use crate::sculpture::selection::Selection;
 
 impl Document {
     /// One edit of all voxels of an area.
@@ -68,9 +69,10 @@ impl Document {
         // Rounded towards zero, so that turning there and back leads back.
         let to = from.saturating_add(by).saturating_add((size - turned) / 2);
         self.pasted(&clip, to, orientation)?;
+        let marker = clip.bounds(to, orientation);
+        Selection::check_marker(marker).map_err(CommandError::Marker)?;
         let upright = clip.voxels(from, Orientation::UPRIGHT, self.grid().brick_dims());
         let mut stats = self.edit(&upright, EditOp::Subtract);
-        let marker = clip.bounds(to, orientation);
         let kept = self.clip.replace(clip);
         let pasted = self.paste(to, orientation);
         self.clip = kept;

@@ -13,6 +13,7 @@ use crate::command::{Command, SpraySurface};
 use crate::sculpture::clip::Clip;
 use crate::sculpture::edit::{self, EditOp, EditStats};
 use crate::sculpture::history::Contents;
+use crate::sculpture::inherit::Inherited;
 use crate::sculpture::orientation::Orientation;
 use crate::sculpture::paint::paint_each;
 use crate::sculpture::region::{ListedBricks, Region};
@@ -72,6 +73,7 @@ impl Document {
             _ => std::mem::take(&mut self.last_uses),
         };
         let mut stats = EditStats::default();
+        let revision = self.revision;
         self.stroke = Some(command.label());
         for i in 1..=count {
             for used in &uses {
@@ -83,6 +85,8 @@ impl Document {
                     Ok(applied) => stats += applied.stats,
                     Err(error) => {
                         self.apply(&Command::Cancel)?;
+                        // What it is now it was before: whoever has a copy need not look.
+                        self.revision = revision;
                         self.last_uses = uses;
                         return Err(error);
                     }
@@ -151,9 +155,6 @@ impl Document {
         if matches!(spray.effect, Effect::Paintbrush { .. }) && !self.has_colour() {
             return Err(CommandError::NoColour);
         }
-        if self.stroke_open() && surface == SpraySurface::Stroke && self.stroke_surface.is_none() {
-            self.stroke_surface = Some(Box::new(self.grid().clone()));
-        }
         let stamp = {
             let surface = match surface {
                 SpraySurface::Stroke => self.stroke_surface.as_deref(),
@@ -166,14 +167,28 @@ impl Document {
                 Spray { footprint, ..*spray }.stamp(self.grid(), surface)
             }))
         };
-        let colour = spray.colour().unwrap_or(self.material().base());
-        let (add, paint) = (EditOp::Add(colour), EditOp::Recolour(self.new_colour()));
+        let inherited = match spray.colour() {
+            None if !stamp.add.bricks().is_empty() => {
+                let limit = self.selection.limit();
+                let may_change = |v| limit.is_none_or(|stack| stack.contains(v));
+                Inherited::colours(&self.contents, &stamp.add, may_change)
+            }
+            _ => Inherited::default(),
+        };
+        let (add, paint) = (EditOp::Add(spray.colour()), EditOp::Recolour(self.new_colour()));
         self.check_colour_memory(|document, exact| {
             document.new_pages(&stamp.add, add, exact)
                 + document.new_pages(&stamp.paint, paint, exact)
+                + inherited.new_pages(document.contents())
         })?;
+        if self.stroke_open() && surface == SpraySurface::Stroke && self.stroke_surface.is_none() {
+            self.stroke_surface = Some(Box::new(self.grid().clone()));
+        }
         let mut stats = self.edit(&stamp.remove, EditOp::Subtract);
         stats += self.edit(&stamp.add, add);
+        if !inherited.is_empty() {
+            self.paint(&stamp.add, |v, now| inherited.colour(v).unwrap_or(now));
+        }
         if let Some(mix) = spray.paint(self.material().depth()) {
             stats += self.paint(&stamp.paint, mix);
         }
@@ -192,7 +207,7 @@ impl Document {
             let (existing, new) = self.parted(&voxels);
             let colour = |v: UVec3, _| clip.colour(at, orientation, v);
             let mut stats = self.paint(&existing, colour);
-            stats += self.edit(&new, EditOp::Add(self.material().base()));
+            stats += self.edit(&new, EditOp::Add(None));
             self.paint(&new, colour);
             stats
         });

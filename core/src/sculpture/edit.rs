@@ -23,8 +23,8 @@ use super::stroke::{BandRecord, Recording, StrokeRecorder};
 /// What happens to the voxels of a region.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum EditOp {
-    /// They exist afterwards; those that did not before get the colour.
-    Add(Rgb),
+    /// They exist afterwards; those that did not before get the colour, or the base colour.
+    Add(Option<Rgb>),
     /// They are gone afterwards.
     Subtract,
     /// Those that exist get the colour.
@@ -68,7 +68,8 @@ pub fn edit(
     dirty: &mut BrickSet,
 ) -> EditStats {
     let brush = match op {
-        EditOp::Add(colour) | EditOp::Recolour(colour) => brush_for(contents, colour),
+        EditOp::Add(colour) => brush_for(contents, colour.unwrap_or(contents.material.base())),
+        EditOp::Recolour(colour) => brush_for(contents, colour),
         EditOp::Subtract => None,
     };
     let paint = brush.is_some();
@@ -155,7 +156,7 @@ fn brush_for(contents: &Contents, colour: Rgb) -> Option<Brush> {
 
 /// A quick upper bound for [`count_new_pages`]; none if `op` paints nothing new.
 pub fn max_new_pages(contents: &Contents, region: &impl Region, op: EditOp) -> Option<u64> {
-    let (EditOp::Add(colour) | EditOp::Recolour(colour)) = op else { return None };
+    let (EditOp::Add(Some(colour)) | EditOp::Recolour(colour)) = op else { return None };
     let Contents { grid, material } = contents;
     let new = brush_for(contents, colour).is_some_and(|brush| !brush.is_base());
     let bricks = BrickBox::around(region, grid).filter(|_| new)?;
@@ -346,7 +347,7 @@ mod tests {
             let red = Rgb::new(255, 0, 0);
             for (i, seed) in seeds.into_iter().enumerate() {
                 let region = Scattered { bounds: VoxelBox { min: a.min(b), max: a.max(b) }, seed };
-                let op = [EditOp::Add(red), EditOp::Subtract, EditOp::Recolour(red)][i % 3];
+                let op = [EditOp::Add(Some(red)), EditOp::Subtract, EditOp::Recolour(red)][i % 3];
                 let before = contents.clone();
                 let pages = count_new_pages(&contents, &region, op);
                 prop_assert!(max_new_pages(&contents, &region, op).is_none_or(|most| pages <= most));

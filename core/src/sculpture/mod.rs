@@ -10,6 +10,7 @@ pub mod colour;
 pub mod edit;
 pub mod grid;
 pub mod history;
+pub mod inherit;
 pub mod limits;
 pub mod material;
 pub mod orientation;

@@ -53,7 +53,7 @@ impl Selection {
     }
 
     /// Names what is wrong with `marker`, if anything.
-    pub fn set_marker(&mut self, marker: VoxelBox) -> Result<(), &'static str> {
+    pub fn check_marker(marker: VoxelBox) -> Result<(), &'static str> {
         let far = IVec3::splat(MARKER_LIMIT_VX);
         if marker.min.cmplt(-far).any() || marker.max.cmpgt(far).any() {
             return Err("the marker is too far from the grid");
@@ -61,6 +61,12 @@ impl Selection {
         if marker.is_empty() {
             return Err("the marker must be at least one voxel long on every axis");
         }
+        Ok(())
+    }
+
+    /// Moves and sizes the marker. Names what is wrong with `marker`, if anything.
+    pub fn set_marker(&mut self, marker: VoxelBox) -> Result<(), &'static str> {
+        Self::check_marker(marker)?;
         self.marker = marker;
         Ok(())
     }

@@ -64,7 +64,7 @@ impl Solid {
     }
 
     /// The half spaces that meet in the solid, if it has flat faces.
-    fn half_spaces(self) -> &'static [HalfSpace] {
+    pub(super) fn half_spaces(self) -> &'static [HalfSpace] {
         const fn face(x: f64, y: f64, z: f64, distance: f64) -> HalfSpace {
             HalfSpace { normal: DVec3::new(x, y, z), distance }
         }

@@ -12,5 +12,6 @@ pub mod filter;
 pub mod spray;
 #[cfg(test)]
 mod spray_tests;
+pub mod sweep;
 pub mod symmetry;
 pub mod texture;

@@ -52,11 +52,14 @@ pub enum Effect {
     Devourer { outline: Outline },
     /// Removes voxels near the hits that have fewer than `threshold` of 26 neighbours.
     Erosion { threshold: u32 },
-    /// Adds voxels near the hits that have at least `threshold` of 26 neighbours.
-    Dilation { threshold: u32, colour: Rgb },
-    /// Adds voxels near the hits into concave corners until the surface is closed.
-    Growth { threshold: u32, colour: Rgb },
-    /// Gives voxels near the hits the value of the majority around them.
+    /// Adds voxels near the hits that have at least `threshold` of 26 neighbours. Without a colour
+    /// they take their neighbours'.
+    Dilation { threshold: u32, colour: Option<Rgb> },
+    /// Adds voxels near the hits into concave corners until the surface is closed. Without a
+    /// colour they take their neighbours'.
+    Growth { threshold: u32, colour: Option<Rgb> },
+    /// Gives voxels near the hits the value of the majority around them; new ones take their
+    /// neighbours' colours.
     Smooth { radius_vx: u32 },
     /// Adds a soft mound on the surface, highest in the middle of the footprint.
     Clay { colour: Rgb },
@@ -100,8 +103,7 @@ impl SprayKind {
 
     /// Whether the tool leaves voxels of a colour that is chosen.
     pub const fn gives_colour(self) -> bool {
-        use SprayKind::{Clay, Dilation, Growth, Paintbrush};
-        matches!(self, Paintbrush | Clay | Dilation | Growth)
+        matches!(self, SprayKind::Paintbrush | SprayKind::Clay)
     }
 }
 
@@ -259,13 +261,11 @@ impl Spray {
         }
     }
 
-    /// The colour that this spray gives.
+    /// The colour that this spray gives; none if what it adds takes the neighbours' colours.
     pub fn colour(&self) -> Option<Rgb> {
         match self.effect {
-            Effect::Paintbrush { colour, .. }
-            | Effect::Dilation { colour, .. }
-            | Effect::Growth { colour, .. }
-            | Effect::Clay { colour } => Some(colour),
+            Effect::Paintbrush { colour, .. } | Effect::Clay { colour } => Some(colour),
+            Effect::Dilation { colour, .. } | Effect::Growth { colour, .. } => colour,
             Effect::Devourer { .. } | Effect::Erosion { .. } | Effect::Smooth { .. } => None,
         }
     }

@@ -130,8 +130,8 @@ fn filters_leave_a_plane_alone() {
     let grid = slab();
     for effect in [
         Effect::Erosion { threshold: 14 },
-        Effect::Dilation { threshold: 10, colour: COLOUR },
-        Effect::Growth { threshold: 12, colour: COLOUR },
+        Effect::Dilation { threshold: 10, colour: Some(COLOUR) },
+        Effect::Growth { threshold: 12, colour: Some(COLOUR) },
         Effect::Smooth { radius_vx: 2 },
     ] {
         let stamp = spray(effect, from_above(8.0, Outline::Round), 4.0).stamp(&grid, &grid);

@@ -237,10 +237,10 @@ fn large_edits_equal_the_definition() {
             rotation,
         };
         let steps = [
-            (EditOp::Add(RED), at(66.0, 75.0)),
+            (EditOp::Add(Some(RED)), at(66.0, 75.0)),
             (EditOp::Subtract, at(80.0, 62.0)),
             (EditOp::Recolour(Rgb::new(0, 90, 255)), at(60.0, 66.0)),
-            (EditOp::Add(new.base), at(90.0, 64.0)),
+            (EditOp::Add(None), at(90.0, 64.0)),
         ];
         document.apply(&Command::Begin { label: "large".into() }).unwrap();
         for (op, primitive) in steps {
@@ -286,7 +286,7 @@ fn a_step_beyond_the_budget_stands_and_is_told_of() {
     let limits = Limits { history_bytes: 20_000, ..Limits::default() };
     let new = painted(UVec3::splat(64), ColourDepth::Bits24, false);
     let mut document = Document::new(&new, limits).unwrap();
-    document.apply(&ball(EditOp::Add(RED), Vec3::splat(10.0), 3.0)).unwrap();
+    document.apply(&ball(EditOp::Add(Some(RED)), Vec3::splat(10.0), 3.0)).unwrap();
     assert_eq!(document.history().undo_count(), 1);
     assert_eq!(document.history().too_large(), None);
     // The pages that this paints over are more than 20 kB.
@@ -314,11 +314,11 @@ fn colours_stay_within_their_budget() {
     let new = painted(UVec3::splat(32), ColourDepth::Bits24, false);
     let mut document = Document::new(&new, limits).unwrap();
     // The box around this ball has 27 bricks; the ball itself touches fewer, 7.
-    let fits = ball(EditOp::Add(RED), Vec3::splat(12.0), 4.6);
+    let fits = ball(EditOp::Add(Some(RED)), Vec3::splat(12.0), 4.6);
     document.apply(&fits).unwrap();
     assert_eq!(document.material().page_count(), 7);
     let before = document.contents().clone();
-    let too_much = ball(EditOp::Add(RED), Vec3::splat(20.0), 9.0);
+    let too_much = ball(EditOp::Add(Some(RED)), Vec3::splat(20.0), 9.0);
     let refused = document.apply(&too_much).unwrap_err();
     assert!(matches!(refused, CommandError::ColourMemory { .. }), "{refused}");
     assert!(refused.to_string().contains("memory.colour_mib"), "{refused}");
@@ -326,7 +326,7 @@ fn colours_stay_within_their_budget() {
     assert_eq!(document.history().undo_count(), 1);
     // What needs no new pages is always possible: again, base colour, subtract.
     document.apply(&ball(EditOp::Recolour(Rgb::new(0, 0, 9)), Vec3::splat(12.0), 4.6)).unwrap();
-    document.apply(&ball(EditOp::Add(document.material().base()), Vec3::splat(20.0), 9.0)).unwrap();
+    document.apply(&ball(EditOp::Add(None), Vec3::splat(20.0), 9.0)).unwrap();
     document.apply(&ball(EditOp::Recolour(RED), Vec3::splat(20.0), 9.0)).unwrap_err();
     document.apply(&ball(EditOp::Subtract, Vec3::splat(20.0), 9.0)).unwrap();
     assert!(document.material().heap_bytes() <= limits.colour_bytes);
@@ -400,7 +400,7 @@ fn replacing_is_one_step_and_marks_all_dirty() {
     };
     document.replace(other.clone(), "open").unwrap();
     assert!(document.take_dirty(|_, dirty| dirty.is_none()));
-    document.apply(&ball(EditOp::Add(RED), Vec3::new(4.0, 20.0, 2.0), 3.0)).unwrap();
+    document.apply(&ball(EditOp::Add(Some(RED)), Vec3::new(4.0, 20.0, 2.0), 3.0)).unwrap();
     assert!(document.take_dirty(|_, dirty| dirty.is_some_and(|d| !d.is_empty())));
     assert!(document.grid().get(IVec3::new(4, 20, 2)));
     document.apply(&Command::Undo { steps: Some(2) }).unwrap();

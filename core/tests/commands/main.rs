@@ -8,6 +8,7 @@ mod document;
 mod files;
 mod model;
 mod orientations;
+mod refusals;
 mod script;
 mod strategies;
 mod text;

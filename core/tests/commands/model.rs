@@ -62,7 +62,7 @@ impl Voxels {
         };
         for (v, old) in self.all().zip(self.colours.clone()).filter(|&(v, _)| covers(v)) {
             let new = match (op, old) {
-                (EditOp::Add(colour), None) => Some(stored(colour)),
+                (EditOp::Add(colour), None) => Some(stored(colour.unwrap_or(self.base))),
                 (EditOp::Recolour(colour), Some(_)) => Some(stored(colour)),
                 (EditOp::Subtract, _) => None,
                 _ => old,
@@ -153,9 +153,7 @@ impl Model {
                 let placed = primitive.in_grid(self.now.voxel_size);
                 self.edit(*op, |v| placed.contains_voxel(v))
             }
-            Command::Fill { area: Area::Grid, colour } => {
-                self.edit(EditOp::Add(colour.unwrap_or(self.now.base)), |_| true)
-            }
+            Command::Fill { area: Area::Grid, colour } => self.edit(EditOp::Add(*colour), |_| true),
             Command::Clear { area: Area::Grid } => self.edit(EditOp::Subtract, |_| true),
             Command::Place(_) => Done::default(),
             _ => return None,

@@ -77,7 +77,7 @@ fn solids_and_their_mirror_images_equal_whole_numbers_in_all_48_orientations() {
                 };
                 let (filled, op) = match i % 3 {
                     0 => (true, EditOp::Subtract),
-                    _ => (false, EditOp::Add(Rgb::STONE)),
+                    _ => (false, EditOp::Add(None)),
                 };
                 let new = NewSculpture {
                     dims,

@@ -1,13 +1,14 @@
 //! Scripts carried out on a document, saved, reopened, undone.
 
 use glam::{UVec3, Vec3};
-use proptest::prelude::Strategy;
+use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;
 use sculpture_core::command::{Command, NewSculpture};
 use sculpture_core::command_text::parse_script;
 use sculpture_core::document::{Document, Limits};
 use sculpture_core::sculpture::brick::BRICK_EDGE_VX;
+use sculpture_core::sculpture::edit::EditOp;
 use sculpture_core::sculpture::history::Contents;
 use sculpture_core::sculpture::{Brick, ColourDepth, Grid, Material, Rgb};
 
@@ -49,7 +50,12 @@ fn bytes(contents: &Contents) -> (Vec<u8>, Vec<Option<Vec<u8>>>) {
 #[test]
 fn a_script_of_200_solids_saves_reloads_and_undoes_to_identical_bytes() {
     let mut runner = TestRunner::deterministic();
-    let strategy = (strategies::op(), strategies::primitive(0.0..130.0, 1.0..35.0));
+    let op = prop_oneof![
+        strategies::colour().prop_map(|colour| EditOp::Add(Some(colour))),
+        Just(EditOp::Subtract),
+        strategies::colour().prop_map(EditOp::Recolour),
+    ];
+    let strategy = (op, strategies::primitive(0.0..130.0, 1.0..35.0));
     let mut script = String::new();
     for i in 0..200 {
         let (op, primitive) = strategy.new_tree(&mut runner).unwrap().current();

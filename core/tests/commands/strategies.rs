@@ -65,9 +65,10 @@ pub fn spray<S: Strategy<Value = Vec3>>(vector: impl Fn() -> S) -> impl Strategy
         (colour(), 0f32..=1.0).prop_map(|(colour, cover)| Effect::Paintbrush { colour, cover }),
         outline().prop_map(|outline| Effect::Devourer { outline }),
         (1u32..=26).prop_map(|threshold| Effect::Erosion { threshold }),
-        (1u32..=26, colour())
+        (1u32..=26, prop::option::of(colour()))
             .prop_map(|(threshold, colour)| Effect::Dilation { threshold, colour }),
-        (1u32..=26, colour()).prop_map(|(threshold, colour)| Effect::Growth { threshold, colour }),
+        (1u32..=26, prop::option::of(colour()))
+            .prop_map(|(threshold, colour)| Effect::Growth { threshold, colour }),
         (1u32..=3).prop_map(|radius_vx| Effect::Smooth { radius_vx }),
         colour().prop_map(|colour| Effect::Clay { colour }),
     ];
@@ -96,7 +97,8 @@ pub fn rotation() -> impl Strategy<Value = Quat> {
 
 pub fn op() -> impl Strategy<Value = EditOp> {
     prop_oneof![
-        colour().prop_map(EditOp::Add),
+        colour().prop_map(|colour| EditOp::Add(Some(colour))),
+        Just(EditOp::Add(None)),
         Just(EditOp::Subtract),
         colour().prop_map(EditOp::Recolour),
     ]
@@ -162,6 +164,8 @@ pub fn hostile_text() -> impl Strategy<Value = String> {
             "\\n",
             "\n# not a comment\n",
             "trailing \r",
+            "C:\\dir\\new.vsc",
+            "\\\\host\\x\\41",
             "all",
         ])
         .prop_map(String::from),

@@ -5,8 +5,10 @@ use std::collections::HashSet;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;
-use sculpture_core::command::{COMMANDS, Command};
+use sculpture_core::command::{COMMANDS, Command, NewSculpture};
 use sculpture_core::command_text::parse_script;
+use sculpture_core::document::{Document, Limits};
+use sculpture_core::sculpture::{ColourDepth, Rgb};
 
 use crate::strategies::{any_command, hostile_text};
 
@@ -56,6 +58,76 @@ proptest! {
         let text = command.to_string();
         let end = (0..=cut.index(text.len() + 1)).rev().find(|&i| text.is_char_boundary(i));
         let _ = text[..end.unwrap_or(0)].parse::<Command>();
+    }
+}
+
+#[test]
+fn american_spelling_is_read_and_british_written() {
+    for (line, written) in [
+        ("new dims=4,4,4 color=8", "new dims=4,4,4 size=1,1,1 colour=8 base=#c8beaa fill=solid"),
+        ("fill color=#102030", "fill grid colour=#102030"),
+        ("open a.pvm coloring=grey color=8", "open \"a.pvm\" colouring=grey colour=8"),
+        (
+            "recolor cuboid at=1,2,3 half=4 color=#102030",
+            "recolour cuboid at=1,2,3 half=4,4,4 turn=0,0,0,1 colour=#102030",
+        ),
+    ] {
+        assert_eq!(line.parse::<Command>().unwrap().to_string(), written);
+    }
+}
+
+#[test]
+fn a_solid_is_added_in_the_base_colour_unless_one_is_named() {
+    let mut document = Document::new(
+        &NewSculpture {
+            dims: glam::UVec3::splat(16),
+            voxel_size: glam::Vec3::ONE,
+            colour_depth: ColourDepth::Bits24,
+            base: Rgb::new(1, 2, 3),
+            solid: true,
+        },
+        Limits::default(),
+    )
+    .unwrap();
+    // What a voxel was painted before it was taken away is forgotten.
+    for line in ["dye colour=#ff0000", "clear", "add cuboid at=8,8,8 half=3"] {
+        document.apply(&line.parse().unwrap()).unwrap();
+    }
+    assert_eq!(document.grid().opaque_count(), 216);
+    assert_eq!(document.contents().colour(glam::IVec3::splat(8)), Some(Rgb::new(1, 2, 3)));
+}
+
+#[test]
+fn quoted_paths_are_what_stands_between_the_quotes() {
+    for path in ["C:\\dir\\new.vsc", "\\\\host\\share\\x.vsc", "C:\\", "\\n\\x41\\\\", "\\", "a e"]
+    {
+        let line = format!("open \"{path}\"");
+        let command: Command = line.parse().unwrap();
+        let Command::Open { path: read, .. } = &command else { panic!("{line}") };
+        assert_eq!(read.to_str(), Some(path));
+        assert_eq!(command.to_string(), line);
+    }
+    // A name that holds quotes or is no text needs escapes.
+    let command: Command = "begin e\"say \\\"hi\\\"\\n\\t\\\\\"".parse().unwrap();
+    assert_eq!(command, Command::Begin { label: "say \"hi\"\n\t\\".into() });
+    assert_eq!(command.to_string(), "begin e\"say \\\"hi\\\"\\n\\t\\\\\"");
+    // Without quotes a backslash is one, too.
+    let command: Command = "save C:\\dir\\new.vsc".parse().unwrap();
+    assert_eq!(command.to_string(), "save \"C:\\dir\\new.vsc\"");
+}
+
+proptest! {
+    /// Whatever a Windows file may be called, typed between quotes it is that file, and it is
+    /// written as it was typed.
+    #[test]
+    fn windows_paths_survive_both_ways(
+        path in "([A-Z]:|\\\\\\\\[a-z]{1,4})(\\\\[-a-z0-9 .#=,'ntrxé]{0,8}){0,5}",
+    ) {
+        let line = format!("save \"{path}\"");
+        let command: Command = line.parse().unwrap();
+        let Command::Save { path: read, .. } = &command else { panic!("{line}") };
+        prop_assert_eq!(read.to_str(), Some(path.as_str()));
+        prop_assert_eq!(command.to_string(), line);
     }
 }
 
@@ -163,15 +235,22 @@ fn errors_say_what_is_wrong() {
         ("open \"a", "a quoted text has no closing `\"`"),
         ("open \"a\\", "a quoted text has no closing `\"`"),
         ("open \"a\"b", "a space is missing after a closing `\"`"),
-        ("open \"C:\\dir\"", "`\\d` means nothing in a quoted text; write `\\\\` for a backslash"),
-        ("begin \"\\x4\"", "`\\x4\"` must have two hexadecimal digits"),
-        ("begin \"\\xff\"", "[255] is not UTF-8"),
+        ("open e\"a", "a quoted text has no closing `\"`"),
+        ("open e\"a\\", "a quoted text has no closing `\"`"),
+        (
+            "open e\"C:\\dir\"",
+            "`\\d` means nothing in an e\"...\" text; write `\\\\` for a backslash",
+        ),
+        ("begin e\"\\x4\"", "`\\x4\"` must have two hexadecimal digits"),
+        ("begin e\"\\xff\"", "[255] is not UTF-8"),
+        ("clear color=#000000", "`clear` does not take `colour=`"),
+        ("fill color=#000000 colour=#000000", "`colour=` is given twice"),
         ("end now", "`end` does not take `now`"),
         ("clear x=1", "`clear` does not take `x=`"),
         ("add", "`add` needs ellipsoid, cuboid or pyramid"),
         ("add ball at=1,2,3", "`ball` is not a solid; use ellipsoid, cuboid or pyramid"),
         ("add cuboid half=1 colour=#000000", "`add` needs `at=`"),
-        ("add cuboid at=1,2,3 half=1", "`add` needs `colour=`"),
+        ("recolour cuboid at=1,2,3 half=1", "`recolour` needs `colour=`"),
         ("subtract cuboid at=1,2,3 half=1 colour=#000000", "`subtract` does not take `colour=`"),
         ("subtract cuboid at=1,2,nan half=1", "at=1,2,nan: `nan` is not a valid number"),
         ("subtract cuboid at=1,2,3 half=1e99", "half=1e99: `1e99` is not a valid number"),

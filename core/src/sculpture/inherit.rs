@@ -1,0 +1,109 @@
+//! Owns the colours of voxels that fill gaps: each takes the mean of its neighbours', so that what
+//! a filter adds to a painted surface is painted like it.
+//!
+//! Takes the contents before the change and the voxels to be added; gives their colours. The order
+//! of the voxels does not matter, so what is mirrored gets mirrored colours. Changes nothing.
+
+use std::collections::{HashMap, HashSet};
+
+use glam::{IVec3, UVec3};
+
+use super::brick::{BRICK_EDGE_VX, local_coords};
+use super::colour::Rgb;
+use super::history::Contents;
+use super::region::ListedBricks;
+
+/// How far a voxel without neighbours looks for voxels that exist: as far as the widest majority.
+const FAR_VX: i32 = 8;
+
+/// Colours for voxels that are about to exist.
+#[derive(Debug, Default)]
+pub struct Inherited(HashMap<UVec3, Rgb>);
+
+impl Inherited {
+    /// The colours of those voxels of `add` that do not exist yet and `may_change`. None where all
+    /// is of one colour.
+    pub fn colours(
+        contents: &Contents,
+        add: &ListedBricks,
+        may_change: impl Fn(IVec3) -> bool,
+    ) -> Inherited {
+        let mut colours = HashMap::new();
+        if contents.material.page_count() == 0 {
+            return Inherited(colours);
+        }
+        let mut pending = Vec::new();
+        for (b, mask) in add.bricks() {
+            mask.for_each(|local| {
+                let v = *b * BRICK_EDGE_VX + UVec3::from(local_coords(local));
+                let signed = v.as_ivec3();
+                let grid = &contents.grid;
+                if grid.contains(signed) && !grid.get(signed) && may_change(signed) {
+                    pending.push(v);
+                }
+            });
+        }
+        // From the surface outwards, a layer of voxels at a time.
+        while !pending.is_empty() {
+            let before = pending.len();
+            let mut layer = Vec::new();
+            pending.retain(|&v| {
+                let known = |at: IVec3| match contents.colour(at) {
+                    None if colours.is_empty() => None,
+                    None => colours.get(&at.as_uvec3()).copied(),
+                    existing => existing,
+                };
+                let found = mean_within(v, 1, known);
+                layer.extend(found.map(|colour| (v, colour)));
+                found.is_none()
+            });
+            colours.extend(layer);
+            if pending.len() == before {
+                break;
+            }
+        }
+        for v in pending {
+            let near =
+                (2..=FAR_VX).find_map(|reach| mean_within(v, reach, |at| contents.colour(at)));
+            colours.insert(v, near.unwrap_or(contents.material.base()));
+        }
+        Inherited(colours)
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    pub fn colour(&self, v: UVec3) -> Option<Rgb> {
+        self.0.get(&v).copied()
+    }
+
+    /// The number of colour pages that painting them makes.
+    pub fn new_pages(&self, contents: &Contents) -> u64 {
+        let Contents { grid, material } = contents;
+        let painted = self
+            .0
+            .iter()
+            .filter(|(_, colour)| material.depth().quantise(**colour) != material.base());
+        let bricks = painted.map(|(v, _)| grid.brick_index(*v / BRICK_EDGE_VX));
+        let new: HashSet<usize> = bricks.filter(|brick| material.page(*brick).is_none()).collect();
+        new.len() as u64
+    }
+}
+
+/// The mean of the colours known in the cube that reaches `reach` voxels around `v`, each channel
+/// rounded.
+fn mean_within(v: UVec3, reach: i32, known: impl Fn(IVec3) -> Option<Rgb>) -> Option<Rgb> {
+    let (mut sum, mut count) = ([0u32; 3], 0);
+    for z in -reach..=reach {
+        for y in -reach..=reach {
+            for x in -reach..=reach {
+                if let Some(Rgb(colour)) = known(v.as_ivec3() + IVec3::new(x, y, z)) {
+                    (0..3).for_each(|i| sum[i] += u32::from(colour[i]));
+                    count += 1;
+                }
+            }
+        }
+    }
+    (count > 0).then(|| Rgb(sum.map(|sum| ((sum + count / 2) / count) as u8)))
+}
