@@ -1,8 +1,8 @@
 //! Owns the device's copy of a sculpture's colours: one buffer with a number for each brick (0: not
 //! painted, else the page's, counted from 1), then the pages, packed as the sculpture has them.
 //!
-//! The first time all of it is uploaded, afterwards only the pages of bricks that changed. Where
-//! the colours are more than the device can address or has room for, making or updating the copy
+//! The first time all of it is uploaded, afterwards only the pages of bricks that changed; where there
+//! are more pages than room, what is there is copied on the device. Where the colours are more than the device can address or has room for, making or updating the copy
 //! fails with the name of the limit, and the sculpture can still be drawn in its base colour.
 
 use std::sync::Arc;
@@ -14,11 +14,15 @@ use crate::gpu::{
 };
 use crate::sculpture::Material;
 
-/// Bytes of a whole upload that are in flight at once.
+/// Most bytes of pages that are in flight at once. What is more is uploaded piece by piece and waited
+/// for.
 const CHUNK_BYTES: usize = 8 << 20;
 
 /// Bytes of changed pages that a frame has room for without growing.
 const STAGING_BYTES: u64 = 1 << 20;
+
+/// Entries of the table that are copied with their neighbours rather than by a copy of their own.
+const GAP_ENTRIES: u32 = 256;
 
 /// The copy.
 pub struct Colours {
@@ -32,7 +36,9 @@ pub struct Colours {
     room: u32,
     bytes_per_voxel: u32,
     staging: Staging,
-    /// Kept for its memory.
+    /// Kept for their memory: bricks whose pages are to be uploaded, those whose entries are, copies.
+    painted: Vec<u32>,
+    entries: Vec<u32>,
     copies: Vec<vk::BufferCopy>,
     device: Arc<Device>,
 }
@@ -41,15 +47,18 @@ impl Colours {
     /// Uploads all colours of `bricks` bricks and waits for it.
     pub fn new(device: &Arc<Device>, material: &Material, bricks: usize) -> Result<Colours> {
         let usage = vk::BufferUsageFlags::TRANSFER_SRC;
-        let room = room_for(material.page_count());
+        let (buffer, room) =
+            make_buffer(device, bricks, material.page_count(), material.page_bytes())?;
         let mut made = Colours {
-            buffer: make_buffer(device, bricks, material, room)?,
+            buffer,
             table: vec![0; bricks],
             free: Vec::new(),
             used: 0,
             room,
             bytes_per_voxel: material.depth().bytes() as u32,
             staging: Staging::new(device, "changed colours", usage, STAGING_BYTES)?,
+            painted: Vec::new(),
+            entries: Vec::new(),
             copies: Vec::new(),
             device: device.clone(),
         };
@@ -69,9 +78,8 @@ impl Colours {
         bricks: usize,
         changed: Option<&[u32]>,
     ) -> Result<()> {
-        let fits = bricks == self.table.len()
-            && material.depth().bytes() as u32 == self.bytes_per_voxel
-            && material.page_count() <= self.room as usize;
+        let fits =
+            bricks == self.table.len() && material.depth().bytes() as u32 == self.bytes_per_voxel;
         match changed {
             Some(changed) if fits => self.upload_bricks(recorder, slot, material, changed),
             _ => {
@@ -86,7 +94,7 @@ impl Colours {
         self.bytes_per_voxel
     }
 
-    pub(super) fn buffer(&self) -> &Buffer {
+    pub fn buffer(&self) -> &Buffer {
         &self.buffer
     }
 
@@ -100,46 +108,100 @@ impl Colours {
     }
 
     fn upload_whole(&mut self, material: &Material) -> Result<()> {
-        for (brick, page) in self.table.iter_mut().enumerate() {
-            if material.page(brick).is_some() {
-                self.used += 1;
-                *page = self.used;
-            }
-        }
-        let painted: Vec<u32> =
-            (0..self.table.len() as u32).filter(|&b| self.table[b as usize] != 0).collect();
-        let mut chunk = Buffer::new(
-            &self.device,
-            "all colours",
-            CHUNK_BYTES as u64,
-            vk::BufferUsageFlags::TRANSFER_SRC,
-            MemoryLocation::CpuToGpu,
-        )?;
+        let bricks: Vec<u32> = (0..self.table.len() as u32).collect();
+        self.assign_pages(material, &bricks);
+        let mut chunk = self.chunk()?;
         for (i, table) in self.table.chunks(CHUNK_BYTES / 4).enumerate() {
             chunk.write(0, table)?;
-            self.copy_chunk(&chunk, (i * CHUNK_BYTES) as u64, size_of_val(table) as u64)?;
+            let (offset, size) = ((i * CHUNK_BYTES) as u64, size_of_val(table) as u64);
+            let copy = vk::BufferCopy { src_offset: 0, dst_offset: offset, size };
+            self.copy_at_once(&chunk, &[copy])?;
         }
-        let per_chunk = CHUNK_BYTES / self.page_bytes().max(1);
-        for bricks in painted.chunks(per_chunk) {
-            let bytes = self.page_bytes();
-            for (i, &brick) in bricks.iter().enumerate() {
-                if let Some(page) = material.page(brick as usize) {
-                    chunk.write((i * bytes) as u64, page)?;
-                }
-            }
-            let first = self.place(self.table[bricks[0] as usize]);
-            self.copy_chunk(&chunk, first, (bricks.len() * bytes) as u64)?;
-        }
-        Ok(())
+        self.upload_pages_at_once(material, &mut chunk)
     }
 
-    fn copy_chunk(&self, chunk: &Buffer, to: u64, bytes: u64) -> Result<()> {
-        let copy = vk::BufferCopy { src_offset: 0, dst_offset: to, size: bytes };
+    /// A buffer for what is uploaded at once.
+    fn chunk(&self) -> Result<Buffer> {
+        let usage = vk::BufferUsageFlags::TRANSFER_SRC;
+        let location = MemoryLocation::CpuToGpu;
+        Buffer::new(&self.device, "many colours", CHUNK_BYTES as u64, usage, location)
+    }
+
+    fn copy_at_once(&self, chunk: &Buffer, copies: &[vk::BufferCopy]) -> Result<()> {
         run_once(&self.device, |recorder| {
-            recorder.copy_buffer(chunk.handle(), self.buffer.handle(), &[copy]);
+            recorder.buffer_barrier(Use::SHADER_READ, Use::COPY_TARGET);
+            recorder.copy_buffer(chunk.handle(), self.buffer.handle(), copies);
             recorder.buffer_barrier(Use::COPY_TARGET, Use::SHADER_READ);
             Ok(())
         })
+    }
+
+    /// Uploads the pages of the painted bricks and waits for it.
+    fn upload_pages_at_once(&mut self, material: &Material, chunk: &mut Buffer) -> Result<()> {
+        let bytes = self.page_bytes();
+        let painted = std::mem::take(&mut self.painted);
+        for bricks in painted.chunks(CHUNK_BYTES / bytes.max(1)) {
+            for (i, &brick) in bricks.iter().enumerate() {
+                chunk.write((i * bytes) as u64, material.page(brick as usize).unwrap_or(&[]))?;
+            }
+            self.find_page_copies(bricks, 0);
+            self.copy_at_once(chunk, &self.copies)?;
+        }
+        self.painted = painted;
+        Ok(())
+    }
+
+    /// Copies of the pages of `bricks`, which lie one after the other from `offset` on.
+    fn find_page_copies(&mut self, bricks: &[u32], offset: u64) {
+        let bytes = self.page_bytes() as u64;
+        self.copies.clear();
+        for (i, &brick) in bricks.iter().enumerate() {
+            let dst_offset = self.place(self.table[brick as usize]);
+            match self.copies.last_mut() {
+                Some(last) if last.dst_offset + last.size == dst_offset => last.size += bytes,
+                _ => {
+                    let src_offset = offset + i as u64 * bytes;
+                    self.copies.push(vk::BufferCopy { src_offset, dst_offset, size: bytes });
+                }
+            }
+        }
+    }
+
+    /// Gives each painted brick a page and takes those of the others. Notes which of them are painted,
+    /// in the order of their pages, and whose entries in the table change, in their own.
+    fn assign_pages(&mut self, material: &Material, changed: &[u32]) {
+        self.painted.clear();
+        self.entries.clear();
+        if self.bytes_per_voxel == 0 {
+            return;
+        }
+        // What some leave is there for others.
+        for &brick in changed {
+            match material.page(brick as usize) {
+                Some(_) => self.painted.push(brick),
+                None => {
+                    let page = std::mem::take(&mut self.table[brick as usize]);
+                    if page != 0 {
+                        self.free.push(page);
+                        self.entries.push(brick);
+                    }
+                }
+            }
+        }
+        self.painted.sort_unstable();
+        self.painted.dedup();
+        for &brick in &self.painted {
+            if self.table[brick as usize] == 0 {
+                self.table[brick as usize] = self.free.pop().unwrap_or_else(|| {
+                    self.used += 1;
+                    self.used
+                });
+                self.entries.push(brick);
+            }
+        }
+        let table = &self.table;
+        self.painted.sort_unstable_by_key(|&brick| table[brick as usize]);
+        self.entries.sort_unstable();
     }
 
     fn upload_bricks(
@@ -150,90 +212,109 @@ impl Colours {
         changed: &[u32],
     ) -> Result<()> {
         self.staging.begin(slot);
-        if self.bytes_per_voxel == 0 || changed.is_empty() {
+        self.assign_pages(material, changed);
+        if self.painted.is_empty() && self.entries.is_empty() {
             return Ok(());
         }
-        recorder.buffer_barrier(Use::SHADER_READ, Use::COPY_TARGET);
-        // Pages first, so that what they leave is there for others.
-        for &brick in changed {
-            if material.page(brick as usize).is_none() && self.table[brick as usize] != 0 {
-                self.free.push(self.table[brick as usize]);
-                self.set_entry(recorder, brick, 0)?;
-            }
-        }
         let bytes = self.page_bytes();
-        for chunk in changed.chunks(CHUNK_BYTES / bytes) {
-            self.copies.clear();
-            let painted = || chunk.iter().filter_map(|&b| Some((b, material.page(b as usize)?)));
-            let count = painted().count();
-            if count == 0 {
-                continue;
-            }
-            let piece = self.staging.fill((count * bytes) as u64, 4, |target| {
-                for (target, (_, page)) in target.chunks_exact_mut(bytes).zip(painted()) {
-                    target.copy_from_slice(page);
-                }
+        recorder.buffer_barrier(Use::SHADER_READ, Use::COPY_TARGET);
+        if self.painted.len() * bytes <= CHUNK_BYTES {
+            self.make_room(|copy| {
+                copy(recorder);
+                Ok(())
             })?;
-            for (i, (brick, _)) in painted().enumerate() {
-                let page = match self.table[brick as usize] {
-                    0 => {
-                        let page = self.new_page();
-                        self.set_entry(recorder, brick, page)?;
-                        page
-                    }
-                    page => page,
-                };
-                self.copies.push(vk::BufferCopy {
-                    src_offset: piece.offset + (i * bytes) as u64,
-                    dst_offset: self.place(page),
-                    size: bytes as u64,
-                });
-            }
-            recorder.copy_buffer(piece.buffer, self.buffer.handle(), &self.copies);
+            self.upload_pages(recorder, material)?;
+        } else {
+            let device = self.device.clone();
+            self.make_room(|copy| {
+                run_once(&device, |recorder| {
+                    copy(recorder);
+                    Ok(())
+                })
+            })?;
+            let mut chunk = self.chunk()?;
+            self.upload_pages_at_once(material, &mut chunk)?;
         }
+        self.upload_entries(recorder)?;
         recorder.buffer_barrier(Use::COPY_TARGET, Use::SHADER_READ);
         Ok(())
     }
 
-    /// The number of a page that no brick has. There is room, since there is for all pages.
-    fn new_page(&mut self) -> u32 {
-        self.free.pop().unwrap_or_else(|| {
-            self.used += 1;
-            self.used
-        })
+    /// Where there are more pages than room, has `record` record the copy to a larger buffer.
+    fn make_room(
+        &mut self,
+        record: impl FnOnce(&dyn Fn(&mut Recorder)) -> Result<()>,
+    ) -> Result<()> {
+        if self.used <= self.room {
+            return Ok(());
+        }
+        let (larger, room) =
+            make_buffer(&self.device, self.table.len(), self.used as usize, self.page_bytes())?;
+        let all = vk::BufferCopy { src_offset: 0, dst_offset: 0, size: self.buffer.bytes() };
+        record(&|recorder| {
+            recorder.buffer_barrier(Use::COPY_TARGET, Use::COPY_SOURCE);
+            recorder.copy_buffer(self.buffer.handle(), larger.handle(), &[all]);
+            recorder.buffer_barrier(Use::COPY_TARGET, Use::COPY_TARGET);
+        })?;
+        // The device may still read the former, which goes when it is done.
+        self.buffer = larger;
+        self.room = room;
+        Ok(())
     }
 
-    fn set_entry(&mut self, recorder: &mut Recorder, brick: u32, page: u32) -> Result<()> {
-        self.table[brick as usize] = page;
-        let piece = self.staging.push(&[page], 4)?;
-        let copy =
-            vk::BufferCopy { src_offset: piece.offset, dst_offset: 4 * u64::from(brick), size: 4 };
-        recorder.copy_buffer(piece.buffer, self.buffer.handle(), &[copy]);
+    /// Has a frame upload the pages of the painted bricks.
+    fn upload_pages(&mut self, recorder: &mut Recorder, material: &Material) -> Result<()> {
+        let bytes = self.page_bytes();
+        let painted = std::mem::take(&mut self.painted);
+        let piece = self.staging.fill((painted.len() * bytes) as u64, 4, |target| {
+            for (target, &brick) in target.chunks_exact_mut(bytes).zip(&painted) {
+                if let Some(page) = material.page(brick as usize) {
+                    target.copy_from_slice(page);
+                }
+            }
+        })?;
+        self.find_page_copies(&painted, piece.offset);
+        recorder.copy_buffer(piece.buffer, self.buffer.handle(), &self.copies);
+        self.painted = painted;
+        Ok(())
+    }
+
+    /// Has a frame upload the entries that change, with what lies between neighbours.
+    fn upload_entries(&mut self, recorder: &mut Recorder) -> Result<()> {
+        for near in self.entries.chunk_by(|a, b| b - a <= GAP_ENTRIES) {
+            let (first, last) = (near[0] as usize, near[near.len() - 1] as usize);
+            let piece = self.staging.push(&self.table[first..=last], 4)?;
+            let (src_offset, size) = (piece.offset, piece.bytes);
+            let copy = vk::BufferCopy { src_offset, dst_offset: 4 * first as u64, size };
+            recorder.copy_buffer(piece.buffer, self.buffer.handle(), &[copy]);
+        }
         Ok(())
     }
 }
 
-/// Pages to make room for where `pages` are needed now.
-fn room_for(pages: usize) -> u32 {
-    (pages + pages / 2 + 256) as u32
-}
-
+/// A buffer for the table of `bricks` bricks and `pages` pages of `page_bytes`, and the number of
+/// pages that it has room for: some more, as far as the device can address them.
 fn make_buffer(
     device: &Arc<Device>,
     bricks: usize,
-    material: &Material,
-    room: u32,
-) -> Result<Buffer> {
-    let bytes = (bricks * 4 + room as usize * material.page_bytes()) as u64;
+    pages: usize,
+    page_bytes: usize,
+) -> Result<(Buffer, u32)> {
+    let bytes_for = |pages: usize| (bricks * 4 + pages * page_bytes) as u64;
     let allowed = u64::from(device.limits().max_storage_buffer_range);
-    if bytes > allowed {
+    if bytes_for(pages) > allowed {
         return Err(GpuError::Limit {
             what: "the colours of the sculpture".to_string(),
-            needed: bytes,
+            needed: bytes_for(pages),
             limit: "maxStorageBufferRange",
             allowed,
         });
     }
-    let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
-    Buffer::new(device, "colours", bytes, usage, MemoryLocation::GpuOnly)
+    let left = (allowed - bytes_for(0)) as usize / page_bytes.max(1);
+    let room = (pages + pages / 2 + 256).min(left);
+    let usage = vk::BufferUsageFlags::STORAGE_BUFFER
+        | vk::BufferUsageFlags::TRANSFER_DST
+        | vk::BufferUsageFlags::TRANSFER_SRC;
+    let location = MemoryLocation::GpuOnly;
+    Ok((Buffer::new(device, "colours", bytes_for(room), usage, location)?, room as u32))
 }

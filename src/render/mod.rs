@@ -3,6 +3,7 @@
 pub mod backdrop;
 pub mod background;
 pub mod beam;
+mod brick_boxes;
 pub mod colours;
 pub mod composite;
 pub mod gpu_only;

@@ -4,22 +4,24 @@
 //!
 //! Beside it lies which bricks are near something ([`super::near_image`]).
 //!
-//! The first time all of it is uploaded, afterwards only the bricks that changed. Knows no
-//! colours and no history: undo is a change like any other.
+//! The first time all of it is uploaded, afterwards only boxes with the bricks that changed
+//! ([`super::brick_boxes`]). Knows no colours and no history: undo is a change like any other.
 
 use std::sync::Arc;
 
 use ash::vk;
 use glam::UVec3;
 
+use super::brick_boxes::{BrickBox, cover};
 use super::near_image::NearImage;
 use crate::gpu::{
-    Buffer, Device, Image, ImageInfo, MemoryLocation, Recorder, Result, Staging, Use, run_once,
+    Buffer, Device, GpuError, Image, ImageInfo, MemoryLocation, Recorder, Result, Staging, Use,
+    run_once,
 };
 use crate::sculpture::brick::BRICK_WORDS;
 use crate::sculpture::{Brick, Grid};
 
-/// Bytes of a whole upload that are in flight at once.
+/// Most bytes that are in flight at once. What is more is uploaded piece by piece and waited for.
 const CHUNK_BYTES: usize = 8 << 20;
 
 /// Bytes of changed bricks that a frame has room for without growing.
@@ -37,7 +39,8 @@ pub struct Volume {
     dims: UVec3,
     staging: Staging,
     /// Kept for their memory.
-    changed: Vec<u32>,
+    changed: Vec<UVec3>,
+    boxes: Vec<BrickBox>,
     copies: Vec<vk::BufferImageCopy>,
     device: Arc<Device>,
 }
@@ -53,6 +56,7 @@ impl Volume {
             dims: grid.dims(),
             staging: Staging::new(device, "changed bricks", usage, STAGING_BYTES)?,
             changed: Vec::new(),
+            boxes: Vec::new(),
             copies: Vec::new(),
             device: device.clone(),
         };
@@ -83,7 +87,15 @@ impl Volume {
         }
         match changed {
             Some(bricks) if bricks.len() * WHOLE_FROM_SHARE <= grid.bricks().len() => {
-                self.upload_bricks(recorder, slot, grid, bricks)
+                self.changed.clear();
+                self.changed.extend(bricks.iter().map(|&b| grid.brick_coords(b as usize)));
+                self.boxes.clear();
+                cover(&mut self.changed, &mut self.boxes);
+                let bricks: usize = self.boxes.iter().map(|b| b.bricks()).sum();
+                match bricks * BRICK_BYTES <= CHUNK_BYTES {
+                    true => self.upload_in_frame(recorder, slot, grid, bricks),
+                    false => self.upload_at_once(grid, Use::SHADER_READ),
+                }
             }
             _ => self.upload_whole(grid, Use::SHADER_READ),
         }
@@ -104,72 +116,92 @@ impl Volume {
     }
 
     fn upload_whole(&mut self, grid: &Grid, before: Use) -> Result<()> {
-        let brick_dims = grid.brick_dims();
-        let per_slab = (brick_dims.x * brick_dims.y) as usize;
-        let slabs_per_chunk = (CHUNK_BYTES / (per_slab * BRICK_BYTES)).max(1);
-        let chunk_bytes = slabs_per_chunk.min(brick_dims.z as usize) * per_slab * BRICK_BYTES;
-        let usage = vk::BufferUsageFlags::TRANSFER_SRC;
+        self.boxes.clear();
+        self.boxes.push(BrickBox { min: UVec3::ZERO, size: grid.brick_dims() });
+        self.upload_at_once(grid, before)
+    }
+
+    /// Uploads the boxes and waits for it.
+    fn upload_at_once(&mut self, grid: &Grid, before: Use) -> Result<()> {
+        let most = CHUNK_BYTES / BRICK_BYTES;
+        let mut pieces = Vec::new();
+        for of in &self.boxes {
+            of.split(most, &mut |piece| pieces.push(piece));
+        }
+        let bricks: usize = pieces.iter().map(|piece| piece.bricks()).sum();
         let mut buffer = Buffer::new(
             &self.device,
-            "all bricks",
-            chunk_bytes as u64,
-            usage,
+            "many bricks",
+            (bricks.min(most) * BRICK_BYTES) as u64,
+            vk::BufferUsageFlags::TRANSFER_SRC,
             MemoryLocation::CpuToGpu,
         )?;
         let part = self.image.whole();
-        let mut from = before.discarded();
-        for (chunk, bricks) in grid.bricks().chunks(slabs_per_chunk * per_slab).enumerate() {
-            buffer.write(0, bricks)?;
-            let first = UVec3::new(0, 0, (chunk * slabs_per_chunk) as u32);
-            let size = brick_dims.with_z((bricks.len() / per_slab) as u32);
+        let (mut from, mut rest) = (before, pieces.as_slice());
+        while !rest.is_empty() {
+            let mut bricks = 0;
+            let fits = |piece: &&BrickBox| {
+                bricks += piece.bricks();
+                bricks <= most
+            };
+            let (now, later) = rest.split_at(rest.iter().take_while(fits).count());
+            let target = buffer.mapped_mut();
+            if target.is_empty() {
+                return Err(GpuError::Host("many bricks is not mapped".to_string()));
+            }
+            pack(grid, now, target, &mut self.copies);
             run_once(&self.device, |recorder| {
                 recorder.image_barrier(part, from, Use::COPY_TARGET);
-                recorder.copy_to_image(buffer.handle(), part, &[copy(0, first, size)]);
+                recorder.copy_to_image(buffer.handle(), part, &self.copies);
                 recorder.image_barrier(part, Use::COPY_TARGET, Use::SHADER_READ);
                 Ok(())
             })?;
-            from = Use::SHADER_READ;
+            (from, rest) = (Use::SHADER_READ, later);
         }
         Ok(())
     }
 
-    fn upload_bricks(
+    /// Has a frame upload the boxes, which hold `bricks` bricks.
+    fn upload_in_frame(
         &mut self,
         recorder: &mut Recorder,
         slot: usize,
         grid: &Grid,
-        bricks: &[u32],
+        bricks: usize,
     ) -> Result<()> {
+        let (boxes, copies) = (&self.boxes, &mut self.copies);
         self.staging.begin(slot);
-        self.changed.clear();
-        self.changed.extend_from_slice(bricks);
-        self.changed.sort_unstable();
-        self.changed.dedup();
-        let width = grid.brick_dims().x;
-        let part = self.image.whole();
-        recorder.image_barrier(part, Use::SHADER_READ, Use::COPY_TARGET);
-
-        let bytes = (self.changed.len() * BRICK_BYTES) as u64;
-        let (changed, copies) = (&self.changed, &mut self.copies);
-        copies.clear();
+        let bytes = (bricks * BRICK_BYTES) as u64;
         let piece = self.staging.fill(bytes, BRICK_BYTES as u64, |target| {
-            let mut offset = 0;
-            let same_row = |a: &u32, b: &u32| *b == a + 1 && !b.is_multiple_of(width);
-            for run in changed.chunk_by(same_row) {
-                let first = run[0] as usize;
-                let source: &[u8] = bytemuck::cast_slice(&grid.bricks()[first..first + run.len()]);
-                target[offset..offset + source.len()].copy_from_slice(source);
-                let size = UVec3::new(run.len() as u32, 1, 1);
-                copies.push(copy(offset, grid.brick_coords(first), size));
-                offset += source.len();
-            }
+            pack(grid, boxes, target, copies);
         })?;
         for copy in copies.iter_mut() {
             copy.buffer_offset += piece.offset;
         }
+        let part = self.image.whole();
+        recorder.image_barrier(part, Use::SHADER_READ, Use::COPY_TARGET);
         recorder.copy_to_image(piece.buffer, part, copies);
         recorder.image_barrier(part, Use::COPY_TARGET, Use::SHADER_READ);
         Ok(())
+    }
+}
+
+/// Writes the bricks of `boxes` to `target`, one box after the other, and to `copies` how they get from
+/// there to the image.
+fn pack(grid: &Grid, boxes: &[BrickBox], target: &mut [u8], copies: &mut Vec<vk::BufferImageCopy>) {
+    copies.clear();
+    let mut offset = 0;
+    for of in boxes {
+        copies.push(copy(offset, of.min, of.size));
+        for z in 0..of.size.z {
+            for y in 0..of.size.y {
+                let first = grid.brick_index(of.min + UVec3::new(0, y, z));
+                let row = &grid.bricks()[first..first + of.size.x as usize];
+                let source: &[u8] = bytemuck::cast_slice(row);
+                target[offset..offset + source.len()].copy_from_slice(source);
+                offset += source.len();
+            }
+        }
     }
 }
 

@@ -6,6 +6,7 @@
 
 mod agreement;
 mod backdrop;
+mod colours;
 mod composite;
 mod device;
 mod fixture;

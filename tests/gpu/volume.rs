@@ -116,3 +116,25 @@ fn the_longest_axes_work_or_are_refused_by_the_limits_name() {
         }
     });
 }
+
+/// Too many for a frame, too few for all to be uploaded.
+#[test]
+fn scattered_bricks_of_a_large_grid_are_uploaded_piece_by_piece() {
+    with_device(|device| {
+        let mut grid = Grid::new(UVec3::new(1024, 512, 520), Vec3::ONE, 1 << 30).unwrap();
+        let mut volume = Volume::new(device, &grid).unwrap();
+        let mut changed: Vec<u32> = (0..grid.bricks().len() as u32).step_by(4).collect();
+        // As documents hear of them: in no order, and more than once.
+        changed.reverse();
+        changed.truncate(changed.len() - 9);
+        changed.extend([3, 3]);
+        for &brick in &changed {
+            grid.set_brick(brick as usize, Brick::FULL);
+        }
+        let mut frames = Frames::new(device).unwrap();
+        let mut recorder = frames.begin().unwrap();
+        volume.update(&mut recorder, frames.slot(), &grid, Some(&changed)).unwrap();
+        frames.submit(recorder, &[], &[]).unwrap();
+        assert!(read_back(device, &volume) == grid.bricks());
+    });
+}

@@ -1,0 +1,110 @@
+#!/usr/bin/env bash
+# The Vulkan tests on other drivers than the system's: tests/drivers.sh SHARED [PREFIX]
+# SHARED: the folder with vulkan/drivers.sh and openxr/monado-prefix.sh, which unpack drivers and layers to
+# PREFIX (target/drivers if not given; kept from run to run) without root. Runs the tests `gpu` and `golden`
+# as they were built last, with today's validation layer and synchronization validation, on
+#   system       the driver that the system prefers
+#   mesa25       lavapipe of Mesa 25
+#   swiftshader  SwiftShader: 4 bits of a pixel's parts, other limits
+#   discrete     the system's lavapipe, which pretends to be a discrete GPU: compute shaders, staging, a
+#                small window of memory that is mapped
+# and first makes sure that synchronization validation is awake: with barriers dropped it must complain.
+# Fails if a test fails anywhere, or if fewer have run than there are. VS_DRIVERS="mesa25 discrete" runs
+# these alone. Where SHARED is not there, nothing is run, and it says so.
+set -euo pipefail
+[ $# -ge 1 ] || { sed -n '2,16p' "$0" >&2; exit 2; }
+cd "$(dirname "$0")/.."
+if [ ! -x "$1/vulkan/drivers.sh" ] && [ ! -f "$1/vulkan/drivers.sh" ]; then
+    echo "SKIPPED: the tests on other Vulkan drivers: $1/vulkan/drivers.sh is not there"
+    exit 0
+fi
+shared=$(cd "$1" && pwd)
+prefix=${2:-target/drivers}
+mkdir -p "$prefix"
+prefix=$(cd "$prefix" && pwd)
+drivers=${VS_DRIVERS:-system mesa25 swiftshader discrete}
+export VS_REQUIRE_VALIDATION=1 VS_SHARED="$shared"
+
+# Unpacked anew where that has not been completed, or where it has been moved: they hold whole paths.
+unpack() {
+    local name=$1 script=$2
+    [ "$(cat "$prefix/$name.done" 2>/dev/null)" = "$prefix/$name" ] && return
+    rm -rf "${prefix:?}/$name"
+    bash "$shared/$script" "$prefix/$name" >"$prefix/$name.log" 2>&1 || {
+        echo "drivers: $script failed:" >&2
+        tail -n 20 "$prefix/$name.log" >&2
+        return 1
+    }
+    echo "$prefix/$name" >"$prefix/$name.done"
+}
+unpack vulkan vulkan/drivers.sh
+case " $drivers " in *" mesa25 "*) unpack openxr openxr/monado-prefix.sh ;; esac
+vulkan=$prefix/vulkan
+openxr=$prefix/openxr
+
+# The test binary of a name that was built last.
+binary() {
+    local found
+    for found in $(ls -t "${CARGO_TARGET_DIR:-target}"/debug/deps/"$1"-* 2>/dev/null); do
+        case $found in *.*) ;; *) [ -x "$found" ] && { echo "$found"; return; } ;; esac
+    done
+    echo "drivers: the tests '$1' are not built: cargo test --workspace --no-run" >&2
+    return 1
+}
+
+# Runs a command with a driver of that name.
+with_driver() {
+    local driver=$1
+    shift
+    (
+        . "$vulkan/env-newlayer"
+        case $driver in
+        mesa25)
+            local libraries=$openxr/usr/lib/x86_64-linux-gnu
+            export VK_DRIVER_FILES=$openxr/lvp.json VK_ICD_FILENAMES=$openxr/lvp.json
+            exec "$openxr/lib64/ld-linux-x86-64.so.2" \
+                --library-path "$libraries:$openxr/usr/lib:$libraries/pulseaudio" "$@"
+            ;;
+        swiftshader) . "$vulkan/env-swiftshader" ;;
+        discrete)
+            . "$vulkan/env-discrete"
+            # That layer knows one device at a time, and needs another one below it.
+            export VK_INSTANCE_LAYERS=VK_LAYER_FAKE_discrete:VK_LAYER_KHRONOS_validation
+            set -- "$@" --test-threads=1
+            ;;
+        esac
+        exec "$@"
+    )
+}
+
+failed=()
+log=$prefix/log
+for name in gpu golden; do
+    program=$(binary "$name")
+    if [ "$name" = gpu ]; then
+        case " $drivers " in *" discrete "*)
+            if FAKE_DROP=2 with_driver discrete "$program" a_depth_buffer_is_cleared >"$log" 2>&1 ||
+                ! grep -q 'WRITE_AFTER_WRITE hazard' "$log"; then
+                echo "drivers: synchronization validation does not notice a barrier that is missing" >&2
+                failed+=(awake)
+            fi
+            ;;
+        esac
+    fi
+    count=$("$program" --list 2>/dev/null | grep -c ': test$')
+    for driver in $drivers; do
+        begun=$SECONDS
+        with_driver "$driver" "$program" >"$log" 2>&1 || true
+        result=$(grep '^test result: ' "$log" || echo "it broke off")
+        passed=$(sed -n 's/^test result: ok\. \([0-9]*\) passed; 0 failed; .*/\1/p' "$log")
+        if [ "${passed:-0}" -ne "$count" ] || [ "$count" -eq 0 ]; then
+            failed+=("$driver/$name")
+            cp "$log" "$prefix/$driver-$name.log"
+            echo "--- $driver, $name: $prefix/$driver-$name.log ends with"
+            tail -n 60 "$log"
+        fi
+        printf 'drivers: %-12s %-7s %s (%d s, %d tests)\n' \
+            "$driver" "$name" "$result" $((SECONDS - begun)) "$count"
+    done
+done
+[ ${#failed[@]} -eq 0 ] || { echo "drivers: FAILED: ${failed[*]}" >&2; exit 1; }
