@@ -5,6 +5,7 @@
 mod aim;
 pub mod ar;
 mod camera;
+mod carry;
 mod deeds;
 mod first_run;
 mod footing;

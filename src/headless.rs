@@ -238,7 +238,7 @@ pub fn demo(
     let mut session = Session::new(&config.new_sculpture(), config.limits())?;
     let file = |ending: &str| format!("{}.{ending}", scene.name());
     execute_script(&mut session, scene.script(), Path::new(&file("sculpt")), progress)?;
-    save(&mut session, &folder.join(file("pvm")), ExportForm::Auto, progress)?;
+    save(&mut session, &folder.join(file("vsc")), ExportForm::Auto, progress)?;
     describe(session.document());
     render_session(session, &folder.join(file("png")), picture, config)
 }

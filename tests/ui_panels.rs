@@ -282,6 +282,8 @@ fn the_new_dialog_makes_a_sculpture_and_names_what_is_impossible() {
     harness.run();
     key_in(&mut harness, Modifiers::NONE, Key::Enter);
     harness.run_steps(2);
+    harness.get_by_label("Don't save").click();
+    harness.run_steps(2);
     harness.state_mut().finish_job();
     harness.run();
     let dims = harness.state().session().document().grid().dims();
@@ -301,7 +303,7 @@ fn leaving_asks_before_work_is_lost() {
     assert!(!harness.state().is_leaving());
     harness.get_by_label("Cancel").click();
     harness.run();
-    assert!(!harness.state().is_leaving() && !harness.state().ui.leave_open);
+    assert!(!harness.state().is_leaving() && harness.state().ui.unsaved.is_none());
     harness.state_mut().ask_to_leave();
     harness.run();
     harness.get_by_label("Don't save").click();

@@ -131,6 +131,8 @@ pub enum Command {
     Select(SelectOp),
     /// Limit all tools to the selection, or not.
     Limit(bool),
+    /// Do steps that the history has no room for, which cannot be undone, or refuse them.
+    Irreversible(bool),
     /// Use solids and sprays on both sides of mirror planes.
     Symmetry(Symmetry),
     /// Keep a copy of what the marker holds.
@@ -268,6 +270,11 @@ pub const COMMANDS: &[CommandHelp] = &[
     CommandHelp { verb: "undo", usage: "[N|all]", tooltip: "Undo the last steps" },
     CommandHelp { verb: "redo", usage: "[N|all]", tooltip: "Redo undone steps" },
     CommandHelp {
+        verb: "irreversible",
+        usage: "on|off",
+        tooltip: "Do steps that are too large to be undone, or refuse them",
+    },
+    CommandHelp {
         verb: "place",
         usage: "[turn=...] [move=X,Y,Z] [scale=S]",
         tooltip: "Rotate, move and scale the sculpture in the world",
@@ -295,6 +302,7 @@ impl Command {
             Command::Mark(_) => "mark",
             Command::Select(_) => "select",
             Command::Limit(_) => "limit",
+            Command::Irreversible(_) => "irreversible",
             Command::Symmetry(_) => "symmetry",
             Command::Copy => "copy",
             Command::Cut => "cut",

@@ -110,6 +110,7 @@ impl fmt::Display for Command {
             | Command::Select(_)
             | Command::Limit(_)
             | Command::Symmetry(_)
+            | Command::Irreversible(_)
             | Command::Paste { .. }
             | Command::Move { .. }
             | Command::Array { .. } => selection::write(self, f),
@@ -180,8 +181,8 @@ impl FromStr for Command {
                 area: selection::parse_area(&mut args)?,
                 colour: args.required("colour", parse_colour)?,
             },
-            "mark" | "select" | "limit" | "symmetry" | "copy" | "cut" | "paste" | "move"
-            | "array" => selection::parse(&verb, &mut args)?,
+            "mark" | "select" | "limit" | "irreversible" | "symmetry" | "copy" | "cut"
+            | "paste" | "move" | "array" => selection::parse(&verb, &mut args)?,
             "undo" => Command::Undo { steps: parse_steps(&mut args)? },
             "redo" => Command::Redo { steps: parse_steps(&mut args)? },
             "place" => Command::Place(Placement {

@@ -26,6 +26,7 @@ use crate::tools::texture::Texture;
 mod areas;
 mod error;
 mod followers;
+mod steps;
 mod tools;
 
 pub use error::CommandError;
@@ -75,6 +76,8 @@ pub struct Document {
     settled: State,
     /// Numbers of states given so far.
     states: u64,
+    /// Steps that the history cannot keep are done all the same.
+    irreversible: bool,
     limits: Limits,
 }
 
@@ -107,6 +110,7 @@ impl Document {
             state: State::default(),
             settled: State::default(),
             states: 0,
+            irreversible: false,
             limits,
         }
     }
@@ -220,6 +224,7 @@ impl Document {
     /// Puts a loaded sculpture in place of the present one, as one undo step.
     pub fn replace(&mut self, contents: Contents, label: &str) -> Result<(), CommandError> {
         self.require_no_stroke("open")?;
+        self.require_room_for_whole(label)?;
         let old = Box::new(self.swap_contents(contents));
         let number = self.new_state();
         let state = std::mem::replace(&mut self.state, State { sculpture: number, number });
@@ -245,7 +250,9 @@ impl Document {
                 Ok(Applied::default())
             }
             Command::End => {
-                let label = self.stroke.take().ok_or(CommandError::NoStroke("end"))?;
+                let label = self.stroke.as_ref().ok_or(CommandError::NoStroke("end"))?;
+                self.require_room(label, self.recorder.bytes())?;
+                let label = self.stroke.take().unwrap_or_default();
                 self.stroke_surface = None;
                 self.finish_stroke(label);
                 self.remember_stroke();
@@ -255,9 +262,7 @@ impl Document {
                 self.stroke.take().ok_or(CommandError::NoStroke("cancel"))?;
                 self.stroke_surface = None;
                 self.uses.clear();
-                let record = self.recorder.finish();
-                self.swap_bricks(record);
-                self.state = self.settled;
+                self.take_back();
                 Ok(Applied::default())
             }
             Command::Construct { .. }
@@ -280,6 +285,10 @@ impl Document {
             Command::Select(op) => self.select(*op),
             Command::Limit(on) => {
                 self.selection.set_limits(*on);
+                Ok(Applied::default())
+            }
+            Command::Irreversible(on) => {
+                self.irreversible = *on;
                 Ok(Applied::default())
             }
             Command::Symmetry(symmetry) => {
@@ -324,70 +333,24 @@ impl Document {
         self.material().depth() != ColourDepth::None
     }
 
-    /// After edits: they are a step of their own unless a stroke is open.
-    fn applied(&mut self, stats: EditStats, command: &Command) -> Applied {
+    /// After edits: they are a step of their own unless a stroke is open. They are taken back if
+    /// the history cannot keep that.
+    fn applied(&mut self, stats: EditStats, command: &Command) -> Result<Applied, CommandError> {
+        let revision = self.revision;
         if stats.bricks_changed > 0 {
             self.revision += 1;
             self.state.number = self.new_state();
         }
         if self.stroke.is_none() && stats.bricks_changed > 0 {
-            self.finish_stroke(command.label());
+            let label = command.label();
+            if let Err(error) = self.require_room(&label, self.recorder.bytes()) {
+                self.take_back();
+                self.revision = revision;
+                return Err(error);
+            }
+            self.finish_stroke(label);
         }
-        Applied { stats, steps: 0 }
-    }
-
-    /// Makes an undo step of what has been recorded, unless that is nothing.
-    fn finish_stroke(&mut self, label: String) {
-        let record = self.recorder.finish();
-        if !record.is_empty() {
-            let state = std::mem::replace(&mut self.settled, self.state);
-            self.history.push(Step { label, change: Change::Bricks(record), state });
-        }
-    }
-
-    fn new_state(&mut self) -> u64 {
-        self.states += 1;
-        self.states
-    }
-
-    fn travel(
-        &mut self,
-        steps: Option<u32>,
-        verb: &'static str,
-        step: impl Fn(&mut Self) -> bool,
-    ) -> Result<Applied, CommandError> {
-        self.require_no_stroke(verb)?;
-        self.last_uses.clear();
-        let mut done = 0;
-        while steps.is_none_or(|limit| done < limit) && step(self) {
-            done += 1;
-        }
-        Ok(Applied { stats: EditStats::default(), steps: done })
-    }
-
-    fn undo_step(&mut self) -> bool {
-        let Some(step) = self.history.take_undo() else { return false };
-        let reverse = self.reverse(step);
-        self.history.undone(reverse);
-        true
-    }
-
-    fn redo_step(&mut self) -> bool {
-        let Some(step) = self.history.take_redo() else { return false };
-        let reverse = self.reverse(step);
-        self.history.redone(reverse);
-        true
-    }
-
-    /// Swaps a step's values with the sculpture's.
-    fn reverse(&mut self, step: Step) -> Step {
-        let change = match step.change {
-            Change::Bricks(record) => Change::Bricks(self.swap_bricks(record)),
-            Change::Whole(contents) => Change::Whole(Box::new(self.swap_contents(*contents))),
-        };
-        let state = std::mem::replace(&mut self.state, step.state);
-        self.settled = self.state;
-        Step { label: step.label, change, state }
+        Ok(Applied { stats, steps: 0 })
     }
 
     fn swap_bricks(&mut self, record: BrickRecord) -> BrickRecord {

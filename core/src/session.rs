@@ -5,10 +5,9 @@
 //! person can do can be recorded and replayed. Knows no screen.
 
 mod files;
+mod journal;
 mod work;
 
-use std::fs::File;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
@@ -19,6 +18,7 @@ use crate::format::options::ImportOptions;
 use crate::format::{self, FormatError, Loaded};
 use crate::progress::Progress;
 use files::Files;
+use journal::Journal;
 pub use work::{Done, Work};
 use work::{Outcome, Task, load};
 
@@ -33,8 +33,14 @@ pub enum SessionError {
     Save { path: PathBuf, error: FormatError },
     #[error("cannot read the image {path}: {error}")]
     Picture { path: PathBuf, error: FormatError },
-    #[error("cannot write the journal {path}: {error}")]
+    #[error("cannot record to {path}: {error}")]
     Journal { path: PathBuf, error: std::io::Error },
+    #[error(
+        "cannot record to {path}: that file {holds}; choose another name, or move the file away"
+    )]
+    JournalTaken { path: PathBuf, holds: &'static str },
+    #[error("a recording must begin before the sculpture is changed")]
+    JournalLate,
 }
 
 impl SessionError {
@@ -51,13 +57,17 @@ pub struct Session {
     document: Document,
     /// The files of the sculptures that undo and redo can lead to.
     files: Files,
+    /// The command that leads to what the session began with.
+    beginning: Command,
     journal: Option<Journal>,
+    /// Why the journal has ended.
+    journal_error: Option<SessionError>,
 }
 
 impl Session {
     /// Begins with a new sculpture.
     pub fn new(new: &NewSculpture, limits: Limits) -> Result<Session, SessionError> {
-        Ok(Session::with_document(Document::new(new, limits)?))
+        Ok(Session::with_document(Document::new(new, limits)?, Command::New(*new)))
     }
 
     /// Begins with the contents of a file.
@@ -68,15 +78,17 @@ impl Session {
         progress: &dyn Progress,
     ) -> Result<Session, SessionError> {
         let Loaded { contents, texts, .. } = load(path, import, &limits, progress)?;
-        let mut session = Session::with_document(Document::from_contents(contents, limits));
+        let document = Document::from_contents(contents, limits);
+        let beginning = Command::Open { path: path.to_path_buf(), import: *import };
+        let mut session = Session::with_document(document, beginning);
         session.files.opened(session.document.state(), path.to_path_buf(), texts);
         Ok(session)
     }
 
-    fn with_document(document: Document) -> Session {
+    fn with_document(document: Document, beginning: Command) -> Session {
         let mut files = Files::default();
         files.made(document.state());
-        Session { document, files, journal: None }
+        Session { document, files, beginning, journal: None, journal_error: None }
     }
 
     pub fn document(&self) -> &Document {
@@ -99,10 +111,19 @@ impl Session {
         !self.files.is_saved(self.document.state())
     }
 
-    /// From now on writes every command that was carried out to a script at `path`.
+    /// From now on writes every command that was carried out to a script at `path`, after the one
+    /// that leads to what the session began with. A file that holds anything is refused.
     pub fn record_to(&mut self, path: &Path) -> Result<(), SessionError> {
-        self.journal = Some(Journal::create(path)?);
+        if self.document.revision() > 0 {
+            return Err(SessionError::JournalLate);
+        }
+        self.journal = Some(Journal::begin(path, &self.beginning)?);
         Ok(())
+    }
+
+    /// Why the recording has ended before the session, once. The sculpture is not concerned.
+    pub fn take_journal_error(&mut self) -> Option<SessionError> {
+        self.journal_error.take()
     }
 
     /// Carries out a command.
@@ -120,7 +141,7 @@ impl Session {
         }
         self.learn_pictures(command)?;
         let applied = self.document.apply(command)?;
-        self.note(command)?;
+        self.note(command, applied);
         Ok(applied)
     }
 
@@ -149,6 +170,7 @@ impl Session {
         let limits = *self.document.limits();
         if matches!(command, Command::New(_) | Command::Open { .. }) {
             self.document.require_no_stroke(command.verb())?;
+            self.document.require_room_for_whole(command.verb())?;
         }
         let task = match command.clone() {
             Command::New(new) => Task::New { new, limits },
@@ -178,41 +200,26 @@ impl Session {
                 self.document.replace(loaded.contents, &format!("open {name}"))?;
                 self.files.opened(self.document.state(), path, loaded.texts);
             }
-            Outcome::Saved { path, state } => self.files.saved(state, path),
+            // Volumes are for other programs: what they cannot hold would be lost.
+            Outcome::Saved { path, state } if format::is_sculpture(&path) => {
+                self.files.saved(state, path);
+            }
+            Outcome::Saved { .. } => {}
         }
         self.files.keep_only(self.document.history().states().chain([self.document.state()]));
-        self.note(&command)?;
+        self.note(&command, Applied::default());
         Ok(Applied::default())
     }
 
-    /// Writes what was carried out to the journal.
-    fn note(&mut self, command: &Command) -> Result<(), SessionError> {
-        match &mut self.journal {
-            Some(journal) => journal.write(command),
-            None => Ok(()),
+    /// Writes what was carried out to the journal. That it cannot be written is no failure of the
+    /// command; the journal ends there, since with a gap it would replay something else.
+    fn note(&mut self, command: &Command, applied: Applied) {
+        let Some(journal) = &mut self.journal else { return };
+        if let Err(error) = journal.write(command, applied) {
+            tracing::warn!("{error}");
+            self.journal = None;
+            self.journal_error = Some(error);
         }
-    }
-}
-
-/// A script that grows with every command, flushed at once so that a crash loses nothing.
-#[derive(Debug)]
-struct Journal {
-    path: PathBuf,
-    file: File,
-}
-
-impl Journal {
-    fn create(path: &Path) -> Result<Journal, SessionError> {
-        let failed = |error| SessionError::Journal { path: path.to_path_buf(), error };
-        let mut file = File::create(path).map_err(failed)?;
-        writeln!(file, "# Recorded by Virtual Sculpture; replay with `virtual-sculpture run`")
-            .map_err(failed)?;
-        Ok(Journal { path: path.to_path_buf(), file })
-    }
-
-    fn write(&mut self, command: &Command) -> Result<(), SessionError> {
-        writeln!(self.file, "{command}")
-            .map_err(|error| SessionError::Journal { path: self.path.clone(), error })
     }
 }
 

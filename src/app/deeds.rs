@@ -9,13 +9,12 @@ use super::stroke::Guide;
 use super::workbench::Workbench;
 use crate::command::{Area, Command};
 use crate::config::RenderMode;
-use crate::format::options::ExportForm;
 use crate::input::{Action, Side};
 use crate::sculpture::Placement;
 use crate::tools::spray::SprayKind;
 use crate::tools::symmetry::Parity;
 use crate::ui::files::FileTask;
-use crate::ui::state::Repeat;
+use crate::ui::state::{Next, Repeat};
 use crate::ui::{Intent, Tool, sprays};
 use crate::view::StereoLayout;
 
@@ -31,14 +30,17 @@ impl Workbench {
     pub(super) fn carry_out(&mut self, intent: Intent) {
         match intent {
             Intent::Do(action) => self.act(action),
-            Intent::Run(command) => self.run(command, false),
+            Intent::Run(command) => self.run_unless_work_is_lost(command),
             Intent::Keys(change) => self.change_keys(change),
             Intent::Calibrate(step) => self.calibrate(step),
             Intent::StopWork => self.cancel_job(),
             // If something is being written, leaving waits for its success.
-            Intent::Leave if self.job.is_some() => self.leave_after_job(),
-            Intent::Leave => self.leave(),
-            Intent::SaveAndLeave => self.save(true),
+            Intent::Go(Next::Leave) if self.job.is_some() => self.leave_after_job(),
+            Intent::Go(Next::Leave) => self.leave(),
+            Intent::Go(Next::Run(command)) => self.run(command),
+            Intent::SaveFirst(next) => self.save(Some(next)),
+            Intent::SaveThen(command, next) => self.run_then(command, Then::Go(next)),
+            Intent::Irreversibly(command) => self.run_irreversibly(command),
         }
     }
 
@@ -48,18 +50,19 @@ impl Workbench {
         match action {
             Action::New => self.ui.new_dialog.open = true,
             Action::Open => self.ui.files.open(FileTask::Open, self.session.path()),
-            Action::Save => self.save(false),
-            Action::SaveAs => self.ui.files.open(FileTask::SaveAs, self.session.path()),
+            Action::Save => self.save(None),
+            Action::SaveAs => self.ui.files.open(FileTask::SaveAs(None), self.session.path()),
+            Action::Export => self.ui.files.open(FileTask::Export, self.session.path()),
             Action::Quit if self.job.is_some() => self.leave_after_job(),
-            Action::Quit if self.session.modified() => self.ui.leave_open = true,
+            Action::Quit if self.session.modified() => self.ui.unsaved = Some(Next::Leave),
             Action::Quit => self.leave(),
             Action::Palette => self.ui.palette.open(),
             Action::Help => self.ui.help_open = !self.ui.help_open,
             Action::Guide => self.ui.guide.open = !self.ui.guide.open,
-            Action::Undo => self.run(Command::Undo { steps: Some(1) }, false),
-            Action::Redo => self.run(Command::Redo { steps: Some(1) }, false),
-            Action::Fill => self.run(Command::Fill { area: Area::Grid, colour: None }, false),
-            Action::Clear => self.run(Command::Clear { area: Area::Grid }, false),
+            Action::Undo => self.run(Command::Undo { steps: Some(1) }),
+            Action::Redo => self.run(Command::Redo { steps: Some(1) }),
+            Action::Fill => self.run(Command::Fill { area: Area::Grid, colour: None }),
+            Action::Clear => self.run(Command::Clear { area: Area::Grid }),
             Action::Cancel if self.job.is_some() => self.cancel_job(),
             Action::Cancel if self.stroke.is_some() => self.cancel_stroke(),
             Action::Cancel => {
@@ -108,7 +111,7 @@ impl Workbench {
             }
             Action::Repeat => {
                 let Repeat { count, step } = self.ui.repeat;
-                self.run(Command::Array { count, step }, false);
+                self.run(Command::Array { count, step });
             }
             Action::Marker
             | Action::SelectMarker
@@ -354,65 +357,6 @@ impl Workbench {
 
     pub(super) fn place(&mut self, placement: Placement) {
         self.execute(&Command::Place(placement));
-    }
-
-    fn save(&mut self, leave: bool) {
-        match self.session.path().map(|p| p.to_path_buf()) {
-            // A file that this run has not written may hold more than a sculpture does.
-            Some(path) if self.written.as_ref() == Some(&path) => {
-                self.run(Command::Save { path, form: ExportForm::Auto }, leave);
-            }
-            path => {
-                let task = if leave { FileTask::SaveAndLeave } else { FileTask::SaveAs };
-                self.ui.files.open(task, path.as_deref());
-            }
-        }
-    }
-
-    /// Carries out a command that is no part of a stroke; what takes long on another thread. With
-    /// `leave` that is the last there is to do.
-    pub(super) fn run(&mut self, command: Command, leave: bool) {
-        self.end_stroke();
-        let then = if leave { Then::Leave } else { Then::Stay };
-        match self.session.prepare(&command) {
-            Ok(Some(_)) if self.job.is_some() => self.refuse(&command),
-            Ok(Some(work)) => self.start_job(work, &command, then),
-            Ok(None) => {
-                self.execute(&command);
-            }
-            Err(error) => self.ui.toasts.error(error.to_string()),
-        }
-    }
-
-    /// Carries out a command that takes no time; says what went wrong. True if it was done.
-    pub(super) fn execute(&mut self, command: &Command) -> bool {
-        if self.job.is_some() && !matches!(command, Command::Place(_)) {
-            self.refuse(command);
-            return false;
-        }
-        let dims = self.session.document().grid().dims();
-        match self.session.execute(command, &()) {
-            Ok(applied) => {
-                self.pads.bitten += applied.stats.voxels_changed();
-                self.bitten_by_hand += applied.stats.voxels_changed();
-                self.note_idle_area(command, applied.stats.voxels_changed());
-                if self.session.document().grid().dims() != dims {
-                    self.sculpture_replaced();
-                }
-                true
-            }
-            Err(error) => {
-                tracing::warn!("{command}: {error}");
-                self.ui.toasts.error(error.to_string());
-                false
-            }
-        }
-    }
-
-    /// While long work is under way nothing changes the sculpture.
-    fn refuse(&mut self, command: &Command) {
-        let verb = command.verb();
-        self.ui.toasts.note(format!("`{verb}` must wait until the current task has finished"));
     }
 
     /// Another sculpture is there: tool and view begin anew.

@@ -13,7 +13,8 @@ use super::workbench::Workbench;
 use crate::command::Command;
 use crate::progress::Report;
 use crate::session::{Done, SessionError, Work};
-use crate::ui::state::Busy;
+use crate::ui::Intent;
+use crate::ui::state::{Busy, Next};
 
 /// Work shorter than this goes without a sign, which would only flicker.
 const PATIENCE: Duration = Duration::from_millis(150);
@@ -32,12 +33,12 @@ pub struct Job {
 }
 
 /// What follows when the work is done.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub enum Then {
     Stay,
-    /// Leave if it succeeded; ask first if work would be lost.
-    Leave,
-    /// The same, also if it was cancelled.
+    /// Do this if it succeeded; ask first if work would be lost.
+    Go(Next),
+    /// Leave, also if it was cancelled.
     LeaveAnyway,
 }
 
@@ -112,8 +113,14 @@ impl Workbench {
                 false
             }
         };
-        if done && job.then != Then::Stay {
-            self.ask_to_leave();
+        // From here on nothing is done that cannot be undone, unless someone asks for it again.
+        if std::mem::take(&mut self.irreversible_job) {
+            self.execute(&Command::Irreversible(false));
+        }
+        match job.then {
+            Then::Go(Next::Leave) | Then::LeaveAnyway if done => self.ask_to_leave(),
+            Then::Go(Next::Run(command)) if done => self.carry_out(Intent::Run(command)),
+            _ => {}
         }
     }
 
@@ -129,7 +136,7 @@ impl Workbench {
     pub(super) fn leave_after_job(&mut self) {
         let Some(job) = &mut self.job else { return };
         if job.is_save {
-            job.then = Then::Leave;
+            job.then = Then::Go(Next::Leave);
         } else {
             job.then = Then::LeaveAnyway;
             job.report.cancel();
@@ -145,12 +152,15 @@ impl Workbench {
             return false;
         }
         match command {
-            Command::Save { path, .. } => {
+            Command::Save { path, .. } if crate::format::is_sculpture(&path) => {
                 self.ui.toasts.note(format!("Saved {}", path.display()));
-                self.written = Some(path);
+            }
+            Command::Save { path, .. } => {
+                self.ui.toasts.note(format!("Exported {}", path.display()));
             }
             _ => self.sculpture_replaced(),
         }
+        self.tell_journal_error();
         true
     }
 }
@@ -200,7 +210,7 @@ mod tests {
     fn while_it_runs_it_is_shown_and_nothing_changes() {
         let mut bench = bench();
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.pvm");
+        let path = folder.path().join("a.vsc");
         bench.execute(&"subtract cuboid at=4,4,4 half=2".parse().unwrap());
         let before = bench.session.document().contents().clone();
         let go = start_slowly(&mut bench, &format!("save {path:?}"));
@@ -211,7 +221,7 @@ mod tests {
         for refused in ["clear", "undo", "subtract cuboid at=9,9,4 half=3", "begin"] {
             assert!(!bench.execute(&refused.parse().unwrap()), "{refused}");
         }
-        bench.run("new dims=8,8,8".parse().unwrap(), false);
+        bench.run("new dims=8,8,8".parse().unwrap());
         assert!(bench.execute(&"place scale=2".parse().unwrap()), "the view may move");
         assert_eq!(*bench.session.document().contents(), before);
         assert!(bench.session.modified());
@@ -249,7 +259,7 @@ mod tests {
     fn leaving_waits_for_a_save_and_gives_up_an_opening() {
         let mut bench = bench();
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.pvm");
+        let path = folder.path().join("a.vsc");
         bench.execute(&"clear".parse().unwrap());
         let go = start_slowly(&mut bench, &format!("save {path:?}"));
         bench.ask_to_leave();

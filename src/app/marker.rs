@@ -150,10 +150,10 @@ impl Workbench {
         let area = Area::Marker;
         match action {
             Action::Marker => self.ui.hand.tool = Tool::Marker,
-            Action::SelectMarker => self.run(Command::Select(SelectOp::Add), false),
-            Action::DeselectMarker => self.run(Command::Select(SelectOp::Subtract), false),
-            Action::DropBox => self.run(Command::Select(SelectOp::Drop), false),
-            Action::ClearSelection => self.run(Command::Select(SelectOp::Clear), false),
+            Action::SelectMarker => self.run(Command::Select(SelectOp::Add)),
+            Action::DeselectMarker => self.run(Command::Select(SelectOp::Subtract)),
+            Action::DropBox => self.run(Command::Select(SelectOp::Drop)),
+            Action::ClearSelection => self.run(Command::Select(SelectOp::Clear)),
             Action::ToggleLimit => {
                 let selection = self.session.document().selection();
                 let (limits, empty) = (selection.limits(), selection.boxes().is_empty());
@@ -164,29 +164,29 @@ impl Workbench {
                 // the next time where it is by then.
                 if !limits && empty {
                     self.lent_to_limit = Some(marker);
-                    self.run(Command::Select(SelectOp::Add), false);
+                    self.run(Command::Select(SelectOp::Add));
                 } else if limits && only_lent {
-                    self.run(Command::Select(SelectOp::Clear), false);
+                    self.run(Command::Select(SelectOp::Clear));
                 }
-                self.run(Command::Limit(!limits), false);
+                self.run(Command::Limit(!limits));
             }
             Action::FillMarker => {
                 self.ui.hand.used_colour();
-                self.run(Command::Fill { area, colour: Some(colour) }, false);
+                self.run(Command::Fill { area, colour: Some(colour) });
             }
-            Action::ClearMarker => self.run(Command::Clear { area }, false),
+            Action::ClearMarker => self.run(Command::Clear { area }),
             Action::DyeMarker => {
                 self.ui.hand.used_colour();
-                self.run(Command::Dye { area, colour }, false);
+                self.run(Command::Dye { area, colour });
             }
             Action::Copy | Action::Cut => {
                 let cut = action == Action::Cut;
-                self.run(if cut { Command::Cut } else { Command::Copy }, false);
+                self.run(if cut { Command::Cut } else { Command::Copy });
                 self.ui.orientation = Orientation::UPRIGHT;
             }
             Action::Paste => {
                 let orientation = self.ui.orientation;
-                self.run(Command::Paste { at: marker.min, orientation }, false);
+                self.run(Command::Paste { at: marker.min, orientation });
             }
             Action::TurnClip(axis) => {
                 let turn = Orientation::quarter_turn(axis.index());
@@ -198,7 +198,7 @@ impl Workbench {
             }
             Action::MoveContents(step) => {
                 let by = self.grid_step(step).as_ivec3();
-                self.run(Command::Move { by, orientation: Orientation::UPRIGHT }, false);
+                self.run(Command::Move { by, orientation: Orientation::UPRIGHT });
             }
             _ => {}
         }

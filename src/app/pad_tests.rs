@@ -10,6 +10,7 @@ use crate::config::Config;
 use crate::input::Trigger;
 use crate::input::pad::{PadButton, PadButtons, PadState};
 use crate::session::Session;
+use crate::ui::state::Next;
 
 const PAD: PadId = PadId(0);
 
@@ -221,11 +222,11 @@ fn a_stroke_ends_when_its_pad_is_pulled_out_or_a_question_is_open() {
 
     let mut asked = Desk::new("", 60.0);
     let (full, at) = (asked.voxels(), asked.bench.ui.hand.centre_vx);
-    asked.bench.ui.leave_open = true;
+    asked.bench.ui.unsaved = Some(Next::Leave);
     asked.keep(PadState { held: holding(PadButton::South).held, ..left(1.0, 0.0) }, 0.3);
     assert_eq!((asked.voxels(), asked.bench.ui.hand.centre_vx), (full, at));
     asked.press(PadButton::Select);
-    assert!(!asked.bench.ui.leave_open, "the question can be put aside");
+    assert!(asked.bench.ui.unsaved.is_none(), "the question can be put aside");
 }
 
 #[test]

@@ -21,8 +21,8 @@ fn save_in(session: &mut Session, folder: &Path) -> Result<PathBuf, SessionError
     let name = session.path().and_then(|p| p.file_stem()).map(|n| n.to_string_lossy().into_owned());
     let name = name.unwrap_or_else(|| "sculpture".to_string());
     let candidate = |n: u32| match n {
-        1 => folder.join(format!("{name}-recovered.pvm")),
-        n => folder.join(format!("{name}-recovered-{n}.pvm")),
+        1 => folder.join(format!("{name}-recovered.vsc")),
+        n => folder.join(format!("{name}-recovered-{n}.vsc")),
     };
     let path = (1..10_000).map(candidate).find(|p| !p.exists()).unwrap_or_else(|| candidate(1));
     session.execute(&Command::Save { path: path.clone(), form: ExportForm::Auto }, &())?;
@@ -48,7 +48,7 @@ mod tests {
         }
         let folder = tempfile::tempdir().unwrap();
         let first = save_in(&mut session, folder.path()).unwrap();
-        assert_eq!(first.file_name().unwrap(), "sculpture-recovered.pvm");
+        assert_eq!(first.file_name().unwrap(), "sculpture-recovered.vsc");
         let again = Session::open(&first, &Default::default(), config.limits(), &()).unwrap();
         assert_eq!(again.document().grid(), session.document().grid());
         let second = save_in(&mut session, folder.path()).unwrap();

@@ -5,7 +5,6 @@
 //! next. Knows no window and no Vulkan, so that all of it can be tested without either.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use egui::{CursorIcon, Id, Rect, Sense, Ui};
@@ -32,7 +31,7 @@ use crate::sculpture::region::VoxelBox;
 use crate::session::Session;
 use crate::shade::normal;
 use crate::surface::IndexMap;
-use crate::ui::{self, Facts, FrameTimes, UiState};
+use crate::ui::{self, Facts, FrameTimes, Intent, UiState};
 use crate::view::{Eye, Pose, StereoLayout};
 
 /// Everything but the screen.
@@ -78,8 +77,10 @@ pub struct Workbench {
     pixels_per_point: f32,
     /// Long work under way.
     pub(super) job: Option<Job>,
-    /// The file that this run of the program has written, which may be written again unasked.
-    pub(super) written: Option<PathBuf>,
+    /// It may do what cannot be undone.
+    pub(super) irreversible_job: bool,
+    /// A stroke that is over, but cannot be undone: the person is asked whether to keep it.
+    pub(super) stroke_in_question: bool,
     leaving: bool,
     pub times: FrameTimes,
     pub device: String,
@@ -120,7 +121,8 @@ impl Workbench {
             picture: Rect::ZERO,
             pixels_per_point: 1.0,
             job: None,
-            written: None,
+            irreversible_job: false,
+            stroke_in_question: false,
             leaving: false,
             times: FrameTimes::default(),
             device: String::new(),
@@ -239,9 +241,7 @@ impl Workbench {
         if !intents.is_empty() {
             root.request_repaint();
         }
-        for intent in intents {
-            self.carry_out(intent);
-        }
+        self.answer_questions(intents);
         self.keep_footing();
         if self.job.is_some() {
             root.request_repaint_after(job::LOOK_EVERY);
@@ -273,9 +273,7 @@ impl Workbench {
         if !intents.is_empty() {
             root.request_repaint();
         }
-        for intent in intents {
-            self.carry_out(intent);
-        }
+        self.answer_questions(intents);
         self.keep_footing();
         touched
     }
@@ -296,9 +294,15 @@ impl Workbench {
         if !intents.is_empty() {
             root.request_repaint();
         }
+        self.answer_questions(intents);
+    }
+
+    /// Does what was asked for. A stroke that nobody wants to keep any more is taken back.
+    fn answer_questions(&mut self, intents: Vec<Intent>) {
         for intent in intents {
             self.carry_out(intent);
         }
+        self.settle_stroke_in_question();
     }
 
     fn with_facts<T>(

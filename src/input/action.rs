@@ -120,6 +120,8 @@ pub enum Action {
     Open,
     Save,
     SaveAs,
+    /// Write a file for other programs.
+    Export,
     Quit,
     Help,
     Guide,
@@ -349,6 +351,7 @@ impl Action {
         Action::Save,
         Action::SaveAs,
         Action::Screenshot,
+        Action::Export,
         Action::Palette,
         Action::Help,
         Action::Guide,

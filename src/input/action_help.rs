@@ -194,6 +194,7 @@ impl Action {
             Action::Open => ("open", Tap, "Open a sculpture or a volume"),
             Action::Save => ("save", Tap, "Save the sculpture"),
             Action::SaveAs => ("save-as", Tap, "Save the sculpture under a new name"),
+            Action::Export => ("export", Tap, "Export the sculpture for other programs"),
             Action::Guide => ("guide", Tap, "Show or hide the first steps"),
             Action::Palette => ("palette", Tap, "Search actions, or type a script command"),
             Action::Help => ("help", Tap, "Show and change the controls"),

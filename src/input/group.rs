@@ -58,7 +58,9 @@ impl Group {
             | NextStereo | SwapEyes | ToggleVideo | ToggleHead | CalibrateHead | ToggleAr
             | Lights | Fullscreen => Group::View,
             ScaleUp | ScaleDown | ScaleReset | ToggleTheme | TearOff(_) | ToggleRumble | New
-            | Open | Save | SaveAs | Screenshot | Palette | Help | Guide | Quit => Group::Program,
+            | Open | Save | SaveAs | Export | Screenshot | Palette | Help | Guide | Quit => {
+                Group::Program
+            }
         }
     }
 }

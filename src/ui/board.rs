@@ -4,8 +4,8 @@
 use egui::{CentralPanel, Frame, Margin, Panel as Side, RichText, ScrollArea, Ui};
 
 use super::{
-    Facts, Intent, UiState, busy, files, guide, history, leave, light, new_dialog, options,
-    palette, theme, toolbox, top_bar,
+    Facts, Intent, UiState, busy, files, guide, history, light, new_dialog, options, palette,
+    theme, toolbox, top_bar, unkept, unsaved,
 };
 use crate::input::hands::HandSide;
 
@@ -83,7 +83,8 @@ pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec
     light::show(root, state);
     palette::show(root, state, facts, intents);
     new_dialog::show(root, state, facts, intents);
-    leave::show(root, state, intents);
+    unsaved::show(root, state, intents);
+    unkept::show(root, state, intents);
     files::show(root, state, intents);
     state.toasts.show(root, middle.response.rect);
     busy::show(root, state, intents);

@@ -6,23 +6,25 @@ use std::path::{Path, PathBuf};
 use egui::{ComboBox, DragValue, RichText, TextEdit, Ui};
 use egui_file_dialog::{DialogState, FileDialog};
 
-use super::state::folder_of;
+use super::state::{Next, folder_of};
 use super::top_bar::capital;
 use super::{Intent, UiState, theme};
 use crate::command::Command;
 use crate::format::options::{Colouring, Existence, ExportForm, ImportOptions, RawLayout};
 
-/// The ending of the program's own files.
-const ENDING: &str = "pvm";
+/// The endings of the program's own files, and of what other programs read best.
+const ENDING: &str = "vsc";
+const EXPORT_ENDING: &str = "pvm";
 const SIDE_WIDTH: f32 = 170.0;
 
 /// What a file dialog is open for.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub enum FileTask {
     Open,
-    SaveAs,
-    /// Save under a new name, then leave.
-    SaveAndLeave,
+    /// Save under a new name, then do what would lose unsaved work.
+    SaveAs(Option<Next>),
+    /// Write a file for other programs.
+    Export,
     /// Choose a picture for solids to paint with.
     Picture,
 }
@@ -74,22 +76,27 @@ impl Files {
             dialog = dialog.initial_directory(folder);
         }
         let name = path.and_then(|p| p.file_stem()).map(|n| n.to_string_lossy().into_owned());
-        let name = format!("{}.{ENDING}", name.as_deref().unwrap_or("sculpture"));
+        let name = name.as_deref().unwrap_or("sculpture");
         dialog = match task {
             FileTask::Open => dialog.title("Open").default_file_filter(VOLUMES),
             FileTask::Picture => {
                 dialog.title("Choose an image to paint with").default_file_filter(PICTURES)
             }
-            FileTask::SaveAs | FileTask::SaveAndLeave => dialog
+            FileTask::SaveAs(_) => dialog
                 .title("Save as")
-                .add_save_extension("Volume", ENDING)
+                .add_save_extension("Sculpture", ENDING)
+                .default_save_extension("Sculpture")
+                .default_file_name(&format!("{name}.{ENDING}")),
+            FileTask::Export => dialog
+                .title("Export")
+                .add_save_extension("Volume", EXPORT_ENDING)
                 .add_save_extension("Raw voxels", "raw")
                 .default_save_extension("Volume")
-                .default_file_name(&name),
+                .default_file_name(&format!("{name}.{EXPORT_ENDING}")),
         };
         match task {
             FileTask::Open | FileTask::Picture => dialog.pick_file(),
-            FileTask::SaveAs | FileTask::SaveAndLeave => dialog.save_file(),
+            FileTask::SaveAs(_) | FileTask::Export => dialog.save_file(),
         }
         self.dialog = dialog;
         self.task = task;
@@ -110,26 +117,35 @@ pub fn show(root: &Ui, state: &mut UiState, intents: &mut Vec<Intent>) {
         ui.add_space(4.0);
         match task {
             FileTask::Open => import_options(ui, choice),
-            FileTask::SaveAs | FileTask::SaveAndLeave => export_options(ui, choice),
+            FileTask::SaveAs(_) => {
+                ui.label("Keeps everything: all colours, the base colour, the texts of the file.");
+                ui.add_space(8.0);
+                ui.weak("Other programs read what Export writes.");
+            }
+            FileTask::Export => export_options(ui, choice),
             FileTask::Picture => {
                 ui.label("The image is wrapped around the tool in Paint mode.");
             }
         }
     });
     let Some(path) = dialog.take_picked() else { return };
-    let command = match task {
-        FileTask::Picture => {
-            state.hand.picture = Some(path);
-            return;
+    match task {
+        FileTask::Picture => state.hand.picture = Some(path),
+        FileTask::Open => {
+            intents.push(Intent::Run(Command::Open { path, import: choice.import }));
         }
-        FileTask::Open => Command::Open { path, import: choice.import },
-        FileTask::SaveAs | FileTask::SaveAndLeave => {
-            Command::Save { path: with_ending(path), form: choice.form }
+        FileTask::SaveAs(next) => {
+            let path = with_ending(path, ENDING);
+            let save = Command::Save { path, form: ExportForm::Auto };
+            intents.push(match next.take() {
+                Some(next) => Intent::SaveThen(save, next),
+                None => Intent::Run(save),
+            });
         }
-    };
-    intents.push(Intent::Run(command));
-    if *task == FileTask::SaveAndLeave {
-        intents.push(Intent::Leave);
+        FileTask::Export => {
+            let path = with_ending(path, EXPORT_ENDING);
+            intents.push(Intent::Run(Command::Save { path, form: choice.form }));
+        }
     }
 }
 
@@ -190,6 +206,6 @@ fn export_options(ui: &mut Ui, choice: &mut Choice) {
 }
 
 /// The path with an ending, if it was typed without one.
-fn with_ending(path: PathBuf) -> PathBuf {
-    if path.extension().is_none() { path.with_extension(ENDING) } else { path }
+fn with_ending(path: PathBuf, ending: &str) -> PathBuf {
+    if path.extension().is_none() { path.with_extension(ending) } else { path }
 }

@@ -18,7 +18,6 @@ pub mod icons;
 pub mod key_catch;
 pub mod key_table;
 pub mod keyboard;
-pub mod leave;
 pub mod light;
 pub mod marker_options;
 pub mod new_dialog;
@@ -36,6 +35,8 @@ pub mod toasts;
 pub mod tool_options;
 pub mod toolbox;
 pub mod top_bar;
+pub mod unkept;
+pub mod unsaved;
 pub mod video;
 
 use std::path::Path;
@@ -134,7 +135,8 @@ pub fn show(
     palette::show(root, state, facts, intents);
     new_dialog::show(root, state, facts, intents);
     head::calibration(root, facts, intents);
-    leave::show(root, state, intents);
+    unsaved::show(root, state, intents);
+    unkept::show(root, state, intents);
     files::show(root, state, intents);
     state.toasts.show(root, picture.rect);
     busy::show(root, state, intents);

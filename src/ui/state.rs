@@ -37,10 +37,29 @@ pub enum Intent {
     Calibrate(CalibrationStep),
     /// Change the table of keys in use.
     Keys(KeyChange),
-    /// Leave without asking again.
+    /// Do what would lose unsaved work, without asking again.
+    Go(Next),
+    /// Save, under a name that is asked for if there is none, then do that.
+    SaveFirst(Next),
+    /// Carry out a command that saves, then do that.
+    SaveThen(Command, Next),
+    /// Carry out a command although it cannot be undone.
+    Irreversibly(Command),
+}
+
+/// What would lose unsaved work.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Next {
     Leave,
-    /// Save, then leave.
-    SaveAndLeave,
+    /// `new` or `open`.
+    Run(Command),
+}
+
+/// A command that the history cannot keep, and why.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Unkept {
+    pub command: Command,
+    pub why: String,
 }
 
 /// Long work, as the interface shows it.
@@ -150,8 +169,10 @@ pub struct UiState {
     pub palette: Palette,
     /// The tracker is being calibrated.
     pub calibrating: bool,
-    /// Asks what to do with unsaved work.
-    pub leave_open: bool,
+    /// Asks what to do with unsaved work before this.
+    pub unsaved: Option<Next>,
+    /// Asks whether to do what cannot be undone.
+    pub unkept: Option<Unkept>,
     pub new_dialog: NewDialog,
     pub files: super::files::Files,
     pub toasts: Toasts,
@@ -194,7 +215,8 @@ impl UiState {
             keys: KeyTable::default(),
             palette: Palette::default(),
             calibrating: false,
-            leave_open: false,
+            unsaved: None,
+            unkept: None,
             new_dialog: NewDialog::new(config),
             files: super::files::Files::new(),
             toasts: Toasts::default(),
@@ -204,7 +226,8 @@ impl UiState {
 
     /// Whether a window lies over the sculpture and has the person's attention.
     pub fn is_modal(&self) -> bool {
-        self.leave_open
+        self.unsaved.is_some()
+            || self.unkept.is_some()
             || self.calibrating
             || self.new_dialog.open
             || self.palette.open
@@ -222,8 +245,10 @@ impl UiState {
 
     /// Closes the uppermost open window; false if there is none.
     pub fn close_top(&mut self) -> bool {
+        if self.unkept.take().is_some() || self.unsaved.take().is_some() {
+            return true;
+        }
         let open = [
-            &mut self.leave_open,
             &mut self.new_dialog.open,
             &mut self.help_open,
             &mut self.light_open,

@@ -17,6 +17,7 @@ pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec
                 ("Open", Action::Open),
                 ("Save", Action::Save),
                 ("Save as", Action::SaveAs),
+                ("Export", Action::Export),
             ] {
                 action_button(ui, state, facts, label, action, true, intents);
             }

@@ -28,6 +28,10 @@ pub fn bench_of(config: &Config, size: Vec2) -> Bench {
         config,
         presets,
     );
+    bench_around(bench, size)
+}
+
+pub fn bench_around(bench: Workbench, size: Vec2) -> Bench {
     let mut harness = Harness::builder()
         .with_size(size)
         .with_pixels_per_point(1.0)

@@ -56,6 +56,6 @@ fn a_file_is_saved_under_a_name_typed_with_a_ray() {
         press_key(&mut remote, &program, cap, before);
     }
     program.wait_for_log("keyboard gone", 1);
-    program.wait_for_file("aB_1.pvm");
+    program.wait_for_file("aB_1.vsc");
     program.stop();
 }

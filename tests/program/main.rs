@@ -98,17 +98,17 @@ fn random_carvings(count: u32, dims: [f32; 3]) -> String {
 fn the_demo_writes_a_picture_and_a_sculpture_that_reads_back() {
     let folder = folder();
     let said = succeed(folder.path(), &["demo", "--out", "made/here", "--mode", "ray"]);
-    assert!(said.contains("demo.png") && said.contains("demo.pvm"), "{said}");
+    assert!(said.contains("demo.png") && said.contains("demo.vsc"), "{said}");
     let image = picture(folder.path().join("made/here/demo.png"));
     assert_eq!(image.dimensions(), (640, 480));
     let colours: std::collections::HashSet<_> = image.pixels().collect();
     assert!(colours.len() > 200, "only {} colours: nothing to see", colours.len());
-    let info = succeed(folder.path(), &["info", "made/here/demo.pvm"]);
+    let info = succeed(folder.path(), &["info", "made/here/demo.vsc"]);
     assert!(info.contains("256x256x256"), "{info}");
     // What was saved is what was rendered.
     succeed(
         folder.path(),
-        &["render", "made/here/demo.pvm", "--out", "again.png", "--mode", "ray"],
+        &["render", "made/here/demo.vsc", "--out", "again.png", "--mode", "ray"],
     );
     assert_eq!(picture(folder.path().join("again.png")), image);
 }
@@ -140,7 +140,7 @@ fn two_eyes_are_written_apart_and_together_by_either_sampler() {
 fn without_arguments_and_display_the_demo_is_made() {
     let folder = folder();
     let said = succeed(folder.path(), &[]);
-    assert!(folder.path().join("out/demo.png").exists() && said.contains("out/demo.pvm"), "{said}");
+    assert!(folder.path().join("out/demo.png").exists() && said.contains("out/demo.vsc"), "{said}");
 }
 
 #[test]

@@ -90,6 +90,8 @@ fn a_house_is_built_with_mouse_and_keys() {
     assert_eq!(
         labels,
         [
+            // What the window began with.
+            "new",
             "clear",
             "add cuboid",
             "add cuboid",

@@ -119,7 +119,7 @@ fn the_window_stays_alive_while_a_large_sculpture_is_saved() {
     std::thread::sleep(std::time::Duration::from_millis(250));
     display.picture().save("saving-2-bar");
     program.close();
-    let file = program.folder().join("sculpture.pvm");
+    let file = program.folder().join("sculpture.vsc");
     // Closing waits for the end of the save, and asks nothing after it.
     let (status, text) = program.wait();
     assert!(status.success(), "{text}");

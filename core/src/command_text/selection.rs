@@ -1,4 +1,5 @@
-//! Owns the text form of commands about areas: marker, selection, symmetry, copies.
+//! Owns the text form of commands about areas: marker, selection, symmetry, copies;
+//! and the switches.
 
 use std::fmt;
 
@@ -23,7 +24,9 @@ pub fn write(command: &Command, f: &mut fmt::Formatter<'_>) -> fmt::Result {
             write!(f, " at={} size={}", list(marker.min.to_array()), list(size))
         }
         Command::Select(op) => write!(f, " {}", op.name()),
-        Command::Limit(on) => write!(f, " {}", if *on { "on" } else { "off" }),
+        Command::Limit(on) | Command::Irreversible(on) => {
+            write!(f, " {}", if *on { "on" } else { "off" })
+        }
         Command::Symmetry(symmetry) => {
             AXES.iter().zip(symmetry.axes).try_for_each(|(axis, parity)| {
                 write!(f, " {axis}={}", parity.map_or("off", Parity::name))
@@ -65,11 +68,8 @@ pub fn parse(verb: &str, args: &mut Arguments) -> Result<Command, ParseError> {
                 ParseError(format!("`{name}` is not valid; use add, subtract, drop or clear"))
             })?)
         }
-        "limit" => match args.word("on or off")?.as_str() {
-            "on" => Command::Limit(true),
-            "off" => Command::Limit(false),
-            other => return Err(ParseError(format!("`{other}` is not valid; use on or off"))),
-        },
+        "limit" => Command::Limit(parse_switch(args)?),
+        "irreversible" => Command::Irreversible(parse_switch(args)?),
         "symmetry" => {
             let mut symmetry = Symmetry::default();
             for (axis, name) in AXES.into_iter().enumerate() {
@@ -100,6 +100,14 @@ pub fn parse_area(args: &mut Arguments) -> Result<Area, ParseError> {
     area.ok_or_else(|| {
         ParseError(format!("`{name}` is not an area; use grid, selection or marker"))
     })
+}
+
+fn parse_switch(args: &mut Arguments) -> Result<bool, ParseError> {
+    match args.word("on or off")?.as_str() {
+        "on" => Ok(true),
+        "off" => Ok(false),
+        other => Err(ParseError(format!("`{other}` is not valid; use on or off"))),
+    }
 }
 
 fn parse_parity(text: &str) -> Result<Option<Parity>, String> {

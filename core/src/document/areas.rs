@@ -40,7 +40,7 @@ impl Document {
     ) -> Result<Applied, CommandError> {
         self.check_colour_memory(|document, exact| document.new_pages(region, op, exact))?;
         let stats = self.edit(region, op);
-        Ok(self.applied(stats, command))
+        self.applied(stats, command)
     }
 
     /// Keeps a copy of what the marker holds.
@@ -51,9 +51,13 @@ impl Document {
 
     /// Keeps a copy of what the marker holds and removes it.
     pub(super) fn cut(&mut self, command: &Command) -> Result<Applied, CommandError> {
-        self.copy()?;
+        let kept = self.clip.replace(self.marked()?);
         let stats = self.edit(&self.selection.marker(), EditOp::Subtract);
-        Ok(self.applied(stats, command))
+        let applied = self.applied(stats, command);
+        if applied.is_err() {
+            self.clip = kept;
+        }
+        applied
     }
 
     /// Turns what the marker holds about its middle and moves it, with the marker.
@@ -77,8 +81,13 @@ impl Document {
         let pasted = self.paste(to, orientation);
         self.clip = kept;
         stats += pasted?;
+        let before = self.selection.marker();
         self.selection.set_marker(marker).map_err(CommandError::Marker)?;
-        Ok(self.applied(stats, command))
+        let applied = self.applied(stats, command);
+        if applied.is_err() {
+            self.selection.set_marker(before).map_err(CommandError::Marker)?;
+        }
+        applied
     }
 
     /// What the marker holds, as far as the selection lets it be taken.

@@ -20,6 +20,12 @@ pub enum CommandError {
          allowed; raise memory.colour_mib in the settings"
     )]
     ColourMemory { needed_mib: u64, budget_mib: u64 },
+    #[error(
+        "the history cannot keep `{step}`: it takes {needed_mib} MiB of the {budget_mib} MiB \
+         allowed; raise memory.history_mib in the configuration, or say `irreversible on` to do it \
+         without a way back"
+    )]
+    Irreversible { step: String, needed_mib: usize, budget_mib: usize },
     #[error("a stroke is open; end or cancel it before `{0}`")]
     StrokeOpen(&'static str),
     #[error("`{0}` without an open stroke; `begin` one first")]

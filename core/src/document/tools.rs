@@ -39,13 +39,14 @@ impl Document {
             Command::Paste { at, orientation } => self.paste(*at, *orientation)?,
             _ => EditStats::default(),
         };
+        let applied = self.applied(stats, command)?;
         if self.stroke.is_none() {
             self.last_uses.clear();
             self.last_uses.push(command.clone());
         } else if self.uses.len() <= MAX_REPEATED {
             self.uses.push(command.clone());
         }
-        Ok(self.applied(stats, command))
+        Ok(applied)
     }
 
     /// The stroke that has just ended is the last operation now, if a tool was used in it.
@@ -93,7 +94,12 @@ impl Document {
                 }
             }
         }
-        self.apply(&Command::End)?;
+        if let Err(error) = self.apply(&Command::End) {
+            self.apply(&Command::Cancel)?;
+            self.revision = revision;
+            self.last_uses = uses;
+            return Err(error);
+        }
         self.last_uses.splice(0..0, uses);
         Ok(Applied { stats, steps: 0 })
     }

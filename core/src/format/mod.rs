@@ -59,6 +59,12 @@ impl Format {
     }
 }
 
+/// Whether a file of that name holds a sculpture with all that it has: not a volume, which is for
+/// other programs.
+pub fn is_sculpture(path: &Path) -> bool {
+    matches!(Format::of(path), Ok(Format::Vsc))
+}
+
 /// A sculpture from a file.
 #[derive(Debug)]
 pub struct Loaded {

@@ -43,13 +43,18 @@ pub enum Change {
     Whole(Box<Contents>),
 }
 
+impl Contents {
+    /// What a step takes that keeps all of it.
+    pub fn kept_bytes(&self) -> usize {
+        size_of::<Contents>() + (self.grid.heap_bytes() + self.material.heap_bytes()) as usize
+    }
+}
+
 impl Change {
     fn heap_bytes(&self) -> usize {
         match self {
             Change::Bricks(record) => record.heap_bytes(),
-            Change::Whole(old) => {
-                size_of::<Contents>() + (old.grid.heap_bytes() + old.material.heap_bytes()) as usize
-            }
+            Change::Whole(old) => old.kept_bytes(),
         }
     }
 }
@@ -75,16 +80,9 @@ pub struct Step {
 }
 
 impl Step {
-    fn heap_bytes(&self) -> usize {
-        size_of::<Step>() + self.label.capacity() + self.change.heap_bytes()
+    pub fn heap_bytes(&self) -> usize {
+        size_of::<Step>() + self.label.len() + self.change.heap_bytes()
     }
-}
-
-/// A step that is too large for the whole budget, and so cannot be taken back.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub struct TooLarge {
-    pub label: String,
-    pub bytes: usize,
 }
 
 /// Where a step goes.
@@ -104,19 +102,11 @@ pub struct History {
     bytes: usize,
     budget_bytes: usize,
     dropped: u64,
-    too_large: Option<TooLarge>,
 }
 
 impl History {
     pub fn new(budget_bytes: usize) -> History {
-        History {
-            undo: VecDeque::new(),
-            redo: VecDeque::new(),
-            bytes: 0,
-            budget_bytes,
-            dropped: 0,
-            too_large: None,
-        }
+        History { undo: VecDeque::new(), redo: VecDeque::new(), bytes: 0, budget_bytes, dropped: 0 }
     }
 
     /// Adds a finished step; what was undone before can no longer be redone.
@@ -125,14 +115,21 @@ impl History {
         self.put(step, Stack::Undo);
     }
 
-    /// Takes the step to undo next. Give its reverse to [`History::undone`].
+    /// Whether a step can be kept whose label and change take so many bytes.
+    pub fn can_keep(&self, bytes: usize) -> bool {
+        bytes.saturating_add(size_of::<Step>()) <= self.budget_bytes
+    }
+
+    /// Takes the step to undo next. Give its reverse to [`History::undone`], or the step itself
+    /// back to [`History::redone`].
     pub fn take_undo(&mut self) -> Option<Step> {
         let step = self.undo.pop_back()?;
         self.bytes -= step.heap_bytes();
         Some(step)
     }
 
-    /// Takes the step to redo next. Give its reverse to [`History::redone`].
+    /// Takes the step to redo next. Give its reverse to [`History::redone`], or the step itself
+    /// back to [`History::undone`].
     pub fn take_redo(&mut self) -> Option<Step> {
         let step = self.redo.pop_back()?;
         self.bytes -= step.heap_bytes();
@@ -184,13 +181,8 @@ impl History {
         self.dropped
     }
 
-    /// The last step made, undone or redone, if it was larger than the whole budget: it stands,
-    /// but cannot be taken back, nor can what lies behind it. Tell the person.
-    pub fn too_large(&self) -> Option<&TooLarge> {
-        self.too_large.as_ref()
-    }
-
-    /// Adds a step to the top of a stack and drops what the budget has no room for.
+    /// Adds a step to the top of a stack and drops what the budget has no room for. A step larger
+    /// than the whole budget is not kept, nor what lies behind it: ask the person before.
     fn put(&mut self, step: Step, to: Stack) {
         let (stack, other) = match to {
             Stack::Undo => (&mut self.undo, &mut self.redo),
@@ -201,16 +193,8 @@ impl History {
             // The steps below it can only be reached through it.
             self.dropped += 1 + stack.len() as u64;
             self.bytes -= stack.drain(..).map(|s| s.heap_bytes()).sum::<usize>();
-            tracing::warn!(
-                step = step.label,
-                bytes,
-                budget = self.budget_bytes,
-                "this step is larger than the history's budget and cannot be undone"
-            );
-            self.too_large = Some(TooLarge { label: step.label, bytes });
             return;
         }
-        self.too_large = None;
         self.bytes += bytes;
         stack.push_back(step);
         while self.bytes > self.budget_bytes {
@@ -306,9 +290,7 @@ mod tests {
                 };
                 prop_assert_eq!(history.bytes(), recount(&history));
                 prop_assert!(history.bytes() <= budget);
-                let told = history.too_large().map(|t| t.bytes);
-                prop_assert_eq!(told, (bytes > budget).then_some(bytes));
-                if told.is_some() {
+                if bytes > budget {
                     if kind == 2 { redo.clear() } else { undo.clear() }
                 }
                 // What is left are the newest of each, in order.

@@ -64,6 +64,15 @@ impl BrickRecord {
             + self.page_bytes
     }
 
+    /// Heap bytes that it takes once gathered.
+    pub fn gathered_bytes(&self) -> usize {
+        let masks = self.empty.len() + self.full.len() + self.mixed.len();
+        masks * size_of::<BrickMask>()
+            + self.mixed_bits.len() * size_of::<Brick>()
+            + self.pages.len() * size_of::<(u32, Option<Page>)>()
+            + self.page_bytes
+    }
+
     /// Moves what `parts` have kept into one record that takes no more memory than it needs.
     /// The parts are left empty, and with their memory unless it is large.
     pub fn gather<P: AsMut<BrickRecord>>(parts: &mut [P]) -> BrickRecord {

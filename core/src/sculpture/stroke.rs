@@ -82,6 +82,11 @@ impl StrokeRecorder {
         stats
     }
 
+    /// What the record of the stroke takes so far.
+    pub fn bytes(&self) -> usize {
+        self.bands.iter().map(|band| band.earlier.gathered_bytes()).sum()
+    }
+
     /// Ends the stroke: returns its record and is ready for the next one.
     pub fn finish(&mut self) -> BrickRecord {
         self.bits_kept.clear();

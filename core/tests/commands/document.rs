@@ -167,37 +167,9 @@ proptest! {
         prop_assert_eq!(redone.steps, steps);
         prop_assert_eq!(document.contents(), &end);
     }
-
-    #[test]
-    fn whatever_the_budget_undo_returns_to_earlier_states(
-        new in new_sculpture(24),
-        commands in prop::collection::vec(work(), 1..40),
-        history_bytes in 0usize..40_000,
-    ) {
-        let mut document = Document::new(&new, Limits { history_bytes, ..Limits::default() }).unwrap();
-        let mut states = vec![document.contents().clone()];
-        for command in &commands {
-            let _ = document.apply(command);
-            prop_assert!(document.history().bytes() <= history_bytes);
-            states.push(document.contents().clone());
-        }
-        let _ = document.apply(&Command::End);
-        states.push(document.contents().clone());
-        let mut steps = document.history().undo_count();
-        while steps > 0 {
-            document.apply(&Command::Undo { steps: Some(1) }).unwrap();
-            prop_assert!(states.contains(document.contents()));
-            prop_assert!(document.history().bytes() <= history_bytes);
-            // The way forward may need more room than the way back did.
-            prop_assert!(document.history().undo_count() < steps);
-            steps = document.history().undo_count();
-        }
-        document.apply(&Command::Redo { steps: None }).unwrap();
-        prop_assert!(states.contains(document.contents()));
-    }
 }
 
-fn painted(dims: UVec3, depth: ColourDepth, solid: bool) -> NewSculpture {
+pub fn painted(dims: UVec3, depth: ColourDepth, solid: bool) -> NewSculpture {
     NewSculpture {
         dims,
         voxel_size: Vec3::ONE,
@@ -207,7 +179,7 @@ fn painted(dims: UVec3, depth: ColourDepth, solid: bool) -> NewSculpture {
     }
 }
 
-fn ball(op: EditOp, centre: Vec3, radius: f32) -> Command {
+pub fn ball(op: EditOp, centre: Vec3, radius: f32) -> Command {
     let primitive = Primitive {
         solid: Solid::Ellipsoid,
         centre_vx: centre,
@@ -217,7 +189,7 @@ fn ball(op: EditOp, centre: Vec3, radius: f32) -> Command {
     Command::Construct { op, primitive }
 }
 
-const RED: Rgb = Rgb::new(255, 0, 0);
+pub const RED: Rgb = Rgb::new(255, 0, 0);
 
 /// Large enough to be shared out among threads, with a border that is no multiple of a brick.
 #[test]
@@ -279,31 +251,6 @@ fn a_512_clear_is_one_small_step() {
     assert!(document.history().bytes() <= 80 << 10, "{} bytes", document.history().bytes());
     document.apply(&Command::Undo { steps: Some(1) }).unwrap();
     assert_eq!(document.contents(), &before);
-}
-
-#[test]
-fn a_step_beyond_the_budget_stands_and_is_told_of() {
-    let limits = Limits { history_bytes: 20_000, ..Limits::default() };
-    let new = painted(UVec3::splat(64), ColourDepth::Bits24, false);
-    let mut document = Document::new(&new, limits).unwrap();
-    document.apply(&ball(EditOp::Add(Some(RED)), Vec3::splat(10.0), 3.0)).unwrap();
-    assert_eq!(document.history().undo_count(), 1);
-    assert_eq!(document.history().too_large(), None);
-    // The pages that this paints over are more than 20 kB.
-    document.apply(&Command::Fill { area: Area::Grid, colour: Some(RED) }).unwrap();
-    let blue = Rgb::new(0, 0, 255);
-    document.apply(&ball(EditOp::Recolour(blue), Vec3::splat(30.0), 20.0)).unwrap();
-    let told = document.history().too_large().expect("the step is too large").clone();
-    assert_eq!(told.label, "recolour ellipsoid");
-    assert!(told.bytes > 20_000);
-    assert_eq!(document.history().undo_count(), 0);
-    assert_eq!(document.history().bytes(), 0);
-    assert!(document.history().dropped() >= 2);
-    assert_eq!(document.apply(&Command::Undo { steps: None }).unwrap().steps, 0);
-    // The next step that fits is a step like any other.
-    document.apply(&ball(EditOp::Subtract, Vec3::splat(10.0), 3.0)).unwrap();
-    assert_eq!(document.history().too_large(), None);
-    assert_eq!(document.history().undo_count(), 1);
 }
 
 #[test]

@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod areas;
+mod budget;
 mod document;
 mod files;
 mod model;

@@ -304,6 +304,7 @@ pub fn any_command() -> impl Strategy<Value = Command> {
         mark,
         prop::sample::select(&SelectOp::ALL[..]).prop_map(Command::Select),
         any::<bool>().prop_map(Command::Limit),
+        any::<bool>().prop_map(Command::Irreversible),
         symmetry().prop_map(Command::Symmetry),
         Just(Command::Copy),
         Just(Command::Cut),

@@ -181,6 +181,7 @@ fn the_usage_of_each_command_is_true() {
         "select clear",
         "limit on",
         "limit off",
+        "irreversible on",
         "symmetry x=even y=odd z=off",
         "symmetry",
         "copy",

@@ -386,7 +386,7 @@ fn desk(folder: &std::path::Path) -> Hand<Workbench> {
     let mut config = Config::default();
     config.new.dims = [16; 3];
     let mut session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
-    let save = format!("save {}", folder.join("first.pvm").display());
+    let save = format!("save {}", folder.join("first.vsc").display());
     session.execute(&save.parse().unwrap(), &()).unwrap();
     let bench = Workbench::new(session, &config, Bindings::presets().unwrap());
     Hand::new(bench, |root, bench| bench.show_on_board(root))
@@ -396,7 +396,7 @@ fn desk(folder: &std::path::Path) -> Hand<Workbench> {
 fn a_file_is_saved_under_a_name_typed_on_the_board() {
     let folder = tempfile::tempdir().unwrap();
     let mut hand = desk(folder.path());
-    hand.state.ui.files.open(FileTask::SaveAs, Some(&folder.path().join("first.pvm")));
+    hand.state.ui.files.open(FileTask::SaveAs(None), Some(&folder.path().join("first.vsc")));
     hand.look();
     assert!(hand.has_keyboard(), "the name wants to be typed");
     // What was there but for its ending is typed over.
@@ -405,14 +405,14 @@ fn a_file_is_saved_under_a_name_typed_on_the_board() {
     hand.key(Cap::Enter);
     assert!(!hand.state.ui.files.is_open() && !hand.has_keyboard());
     hand.state.finish_job();
-    assert!(folder.path().join("ab_1.pvm").exists());
+    assert!(folder.path().join("ab_1.vsc").exists());
 }
 
 #[test]
 fn closing_the_keyboard_leaves_the_dialog_open() {
     let folder = tempfile::tempdir().unwrap();
     let mut hand = desk(folder.path());
-    hand.state.ui.files.open(FileTask::SaveAs, Some(&folder.path().join("first.pvm")));
+    hand.state.ui.files.open(FileTask::SaveAs(None), Some(&folder.path().join("first.vsc")));
     hand.look();
     hand.write("x");
     hand.key(Cap::Close);

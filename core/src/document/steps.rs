@@ -1,0 +1,122 @@
+//! Owns the steps of a document: making them, whether the history can keep them, and going back
+//! and forth through them.
+
+use super::{Applied, CommandError, Document};
+use crate::sculpture::edit::EditStats;
+use crate::sculpture::history::{Change, Step};
+
+impl Document {
+    /// Makes an undo step of what has been recorded, unless that is nothing.
+    pub(super) fn finish_stroke(&mut self, label: String) {
+        let record = self.recorder.finish();
+        if !record.is_empty() {
+            let state = std::mem::replace(&mut self.settled, self.state);
+            self.history.push(Step { label, change: Change::Bricks(record), state });
+        }
+    }
+
+    pub(super) fn new_state(&mut self) -> u64 {
+        self.states += 1;
+        self.states
+    }
+
+    /// Takes back what has been recorded.
+    pub(super) fn take_back(&mut self) {
+        let record = self.recorder.finish();
+        self.swap_bricks(record);
+        self.state = self.settled;
+    }
+
+    /// Refuses a step that the history cannot keep, unless that is wanted.
+    pub(super) fn require_room(&self, label: &str, bytes: usize) -> Result<(), CommandError> {
+        let bytes = bytes.saturating_add(label.len());
+        if self.irreversible || self.history.can_keep(bytes) {
+            return Ok(());
+        }
+        Err(CommandError::Irreversible {
+            step: label.to_string(),
+            needed_mib: bytes.div_ceil(1 << 20),
+            budget_mib: self.history.budget_bytes() >> 20,
+        })
+    }
+
+    /// Refuses to put another sculpture in place of this one if the history cannot keep it, unless
+    /// that is wanted.
+    pub fn require_room_for_whole(&self, label: &str) -> Result<(), CommandError> {
+        self.require_room(label, self.contents.kept_bytes())
+    }
+
+    pub(super) fn travel(
+        &mut self,
+        steps: Option<u32>,
+        verb: &'static str,
+        step: impl Fn(&mut Self) -> Result<bool, CommandError>,
+    ) -> Result<Applied, CommandError> {
+        self.require_no_stroke(verb)?;
+        let mut done = 0;
+        while steps.is_none_or(|limit| done < limit) {
+            match step(self) {
+                Ok(true) => done += 1,
+                Ok(false) => break,
+                Err(error) if done == 0 => return Err(error),
+                // What is done is done; whoever asks for the rest is told.
+                Err(_) => break,
+            }
+        }
+        self.last_uses.clear();
+        Ok(Applied { stats: EditStats::default(), steps: done })
+    }
+
+    pub(super) fn undo_step(&mut self) -> Result<bool, CommandError> {
+        let Some(step) = self.history.take_undo() else { return Ok(false) };
+        let (step, refused) = self.reverse_if_kept(step, "undo");
+        match refused {
+            None => self.history.undone(step),
+            Some(error) => {
+                self.history.redone(step);
+                return Err(error);
+            }
+        }
+        Ok(true)
+    }
+
+    pub(super) fn redo_step(&mut self) -> Result<bool, CommandError> {
+        let Some(step) = self.history.take_redo() else { return Ok(false) };
+        let (step, refused) = self.reverse_if_kept(step, "redo");
+        match refused {
+            None => self.history.redone(step),
+            Some(error) => {
+                self.history.undone(step);
+                return Err(error);
+            }
+        }
+        Ok(true)
+    }
+
+    /// Swaps a step's values with the sculpture's and gives its reverse. If the history cannot keep
+    /// that, nothing has changed and the step itself comes back.
+    fn reverse_if_kept(&mut self, step: Step, verb: &str) -> (Step, Option<CommandError>) {
+        let label = format!("{verb} {}", step.label);
+        if matches!(step.change, Change::Whole(_))
+            && let Err(error) = self.require_room_for_whole(&label)
+        {
+            return (step, Some(error));
+        }
+        let reverse = self.reverse(step);
+        // Only now is it known what bricks hold on the way back.
+        match self.require_room(&label, reverse.heap_bytes()) {
+            Ok(()) => (reverse, None),
+            Err(error) => (self.reverse(reverse), Some(error)),
+        }
+    }
+
+    fn reverse(&mut self, step: Step) -> Step {
+        let change = match step.change {
+            Change::Bricks(record) => Change::Bricks(self.swap_bricks(record)),
+            Change::Whole(contents) => Change::Whole(Box::new(self.swap_contents(*contents))),
+        };
+        let state = std::mem::replace(&mut self.state, step.state);
+        self.settled = self.state;
+        Step { label: step.label, change, state }
+    }
+}

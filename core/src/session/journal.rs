@@ -1,0 +1,224 @@
+//! Owns the recording of a session: a script that grows by a line with every command, so that a
+//! crash loses nothing and `run` does the same again, from whatever folder.
+//!
+//! Files that hold something are never opened for writing. Knows no document.
+
+use std::fs::{File, OpenOptions, metadata};
+use std::io::{Error, ErrorKind, Read, Write};
+use std::path::{Path, PathBuf};
+
+use super::SessionError;
+use crate::command::Command;
+use crate::document::Applied;
+
+const TITLE: &str = "# Recorded by Virtual Sculpture";
+
+/// A recording under way.
+#[derive(Debug)]
+pub(super) struct Journal {
+    path: PathBuf,
+    file: File,
+    /// Bytes of the lines that are whole.
+    length: u64,
+}
+
+impl Journal {
+    /// Begins a recording with the command that leads to what the session began with.
+    pub fn begin(path: &Path, beginning: &Command) -> Result<Journal, SessionError> {
+        let failed = |error| SessionError::Journal { path: path.to_path_buf(), error };
+        let mut options = OpenOptions::new();
+        options.write(true);
+        match metadata(path) {
+            Ok(there) if there.is_file() && there.len() > 0 => {
+                let holds = match is_recording(path) {
+                    true => "holds a recording already",
+                    false => "is there already and is no recording",
+                };
+                return Err(SessionError::JournalTaken { path: path.to_path_buf(), holds });
+            }
+            Ok(_) => {}
+            Err(error) if error.kind() == ErrorKind::NotFound => drop(options.create_new(true)),
+            Err(error) => return Err(failed(error)),
+        }
+        let file = options.open(path).map_err(failed)?;
+        let mut journal = Journal { path: path.to_path_buf(), file, length: 0 };
+        let head = format!("{TITLE}; replay with `virtual-sculpture run`\n");
+        journal.write_line(head).map_err(failed)?;
+        journal.write(beginning, Applied::default())?;
+        Ok(journal)
+    }
+
+    /// Adds what was carried out, and how.
+    pub fn write(&mut self, command: &Command, applied: Applied) -> Result<(), SessionError> {
+        let Some(line) = line_of(command, applied) else { return Ok(()) };
+        self.write_line(line)
+            .map_err(|error| SessionError::Journal { path: self.path.clone(), error })
+    }
+
+    /// Writes a line at once. If there is no room for all of it, nothing of it stays.
+    fn write_line(&mut self, line: String) -> Result<(), Error> {
+        let written = self.file.write_all(line.as_bytes());
+        match written {
+            Ok(()) => self.length += line.len() as u64,
+            // Devices and pipes cannot be cut; the error that matters is the first.
+            Err(_) => drop(self.file.set_len(self.length)),
+        }
+        written
+    }
+}
+
+/// The line that does again what was done; none for what did nothing.
+fn line_of(command: &Command, applied: Applied) -> Option<String> {
+    let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    Some(match command {
+        // A replay writes no file unless someone takes the mark of the comment away.
+        Command::Save { path, form } => {
+            let save = Command::Save { path: absolute(path), form: *form };
+            format!("# {save}\n")
+        }
+        Command::Open { path, import } => {
+            format!("{}\n", Command::Open { path: absolute(path), import: *import })
+        }
+        Command::Texture { primitive, picture } => {
+            let (primitive, picture) = (*primitive, absolute(picture));
+            format!("{}\n", Command::Texture { primitive, picture })
+        }
+        // As many as there were: a replay has another one before them, that of the beginning.
+        Command::Undo { .. } | Command::Redo { .. } if applied.steps == 0 => return None,
+        Command::Undo { .. } => format!("{}\n", Command::Undo { steps: Some(applied.steps) }),
+        Command::Redo { .. } => format!("{}\n", Command::Redo { steps: Some(applied.steps) }),
+        other => format!("{other}\n"),
+    })
+}
+
+fn is_recording(path: &Path) -> bool {
+    let mut start = Vec::new();
+    let read = File::open(path).and_then(|f| f.take(TITLE.len() as u64).read_to_end(&mut start));
+    read.is_ok() && start == TITLE.as_bytes()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+    use std::io::{BufRead, BufReader};
+
+    use super::*;
+    use crate::document::Limits;
+    use crate::session::Session;
+
+    fn session() -> Session {
+        let Command::New(new) = "new dims=12,10,8 colour=24".parse().unwrap() else { panic!() };
+        Session::new(&new, Limits::default()).unwrap()
+    }
+
+    fn execute(session: &mut Session, line: &str) {
+        session.execute(&line.parse().unwrap(), &()).unwrap_or_else(|e| panic!("{line}: {e}"));
+    }
+
+    /// Carries out a script as `run` does, over another sculpture.
+    fn replay(script: &str) -> Session {
+        let Command::New(new) = "new dims=3,3,3".parse().unwrap() else { panic!() };
+        let mut session = Session::new(&new, Limits::default()).unwrap();
+        script.lines().filter(|line| !line.starts_with('#')).for_each(|line| {
+            execute(&mut session, line);
+        });
+        session
+    }
+
+    #[test]
+    fn a_file_that_holds_something_is_refused_and_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let own = folder.path().join("own.vsc");
+        execute(&mut session(), &format!("save {own:?}"));
+        let sculpture = fs::read(&own).unwrap();
+        let error = session().record_to(&own).unwrap_err().to_string();
+        assert!(error.contains("own.vsc") && error.contains("is no recording"), "{error}");
+        assert_eq!(fs::read(&own).unwrap(), sculpture);
+
+        // A second start with the same name.
+        let path = folder.path().join("first.sculpt");
+        let mut first = session();
+        first.record_to(&path).unwrap();
+        execute(&mut first, "clear");
+        let recorded = fs::read(&path).unwrap();
+        let error = session().record_to(&path).unwrap_err().to_string();
+        assert!(error.contains("holds a recording") && error.contains("another name"), "{error}");
+        assert_eq!(fs::read(&path).unwrap(), recorded);
+        assert!(matches!(first.record_to(&path), Err(SessionError::JournalLate)));
+
+        // An empty one is free, a folder is not.
+        fs::write(folder.path().join("empty"), "").unwrap();
+        session().record_to(&folder.path().join("empty")).unwrap();
+        assert!(session().record_to(folder.path()).is_err());
+    }
+
+    #[test]
+    fn a_replay_begins_with_the_same_sculpture_and_writes_no_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let [start, saved, script] =
+            ["start.vsc", "saved.vsc", "made.sculpt"].map(|name| folder.path().join(name));
+        execute(&mut session(), &format!("save {start:?}"));
+        let limits = Limits::default();
+        let mut opened = Session::open(&start, &Default::default(), limits, &()).unwrap();
+        opened.record_to(&script).unwrap();
+        execute(&mut opened, "subtract cuboid at=4,4,4 half=2");
+        execute(&mut opened, &format!("save {saved:?}"));
+        execute(&mut opened, "subtract cuboid at=8,4,4 half=2");
+        // More than there is: in a replay there is one more, the opening.
+        execute(&mut opened, "undo all");
+        execute(&mut opened, "undo all");
+        execute(&mut opened, "redo 1");
+        let text = fs::read_to_string(&script).unwrap();
+        let opening = format!("open {start:?}");
+        assert_eq!(text.lines().nth(1), Some(opening.as_str()), "{text}");
+        assert!(text.contains(&format!("# save {saved:?}")), "{text}");
+        fs::write(&saved, "another's work").unwrap();
+        let again = replay(&text);
+        assert_eq!(again.document().contents(), opened.document().contents());
+        assert_eq!(fs::read(&saved).unwrap(), b"another's work");
+    }
+
+    #[test]
+    fn what_a_session_without_a_file_began_with_is_recorded_too() {
+        let folder = tempfile::tempdir().unwrap();
+        let script = folder.path().join("made.sculpt");
+        let mut made = session();
+        made.record_to(&script).unwrap();
+        execute(&mut made, "subtract cuboid at=4,4,4 half=2");
+        let again = replay(&fs::read_to_string(&script).unwrap());
+        assert_eq!(again.document().contents(), made.document().contents());
+    }
+
+    /// A pipe whose reader goes takes no more, as a full disk does.
+    #[cfg(unix)]
+    #[test]
+    fn a_recording_that_cannot_be_written_stops_no_work() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let reading = pipe.clone();
+        let reader = std::thread::spawn(move || {
+            // Until the beginning has come.
+            let mut lines = BufReader::new(File::open(&reading).unwrap()).lines();
+            lines.by_ref().take(2).collect::<Result<Vec<String>, _>>().unwrap()
+        });
+        let mut session = session();
+        session.record_to(&pipe).unwrap();
+        assert!(reader.join().unwrap()[0].starts_with(TITLE));
+        for line in ["begin", "subtract cuboid at=4,4,4 half=2", "end", "clear"] {
+            execute(&mut session, line);
+        }
+        assert!(!session.document().stroke_open());
+        assert_eq!(session.document().history().undo_count(), 2);
+        let error = session.take_journal_error().unwrap().to_string();
+        assert!(error.contains("pipe"), "{error}");
+        assert!(session.take_journal_error().is_none(), "it is said once");
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_full_disk_at_the_start_is_said() {
+        let error = session().record_to(Path::new("/dev/full")).unwrap_err().to_string();
+        assert!(error.contains("/dev/full") && error.contains("space"), "{error}");
+    }
+}

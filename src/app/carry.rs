@@ -1,0 +1,163 @@
+//! Owns how the workbench has commands carried out: at once or on a thread, with the questions
+//! before work is lost, and with what is said when one fails.
+
+use super::job::Then;
+use super::workbench::Workbench;
+use crate::command::Command;
+use crate::document::{Applied, CommandError};
+use crate::format;
+use crate::format::options::ExportForm;
+use crate::session::SessionError;
+use crate::ui::files::FileTask;
+use crate::ui::state::{Next, Unkept};
+
+impl Workbench {
+    /// Writes the sculpture to its file; asks for a name if it has none of the program's own.
+    pub(super) fn save(&mut self, next: Option<Next>) {
+        match self.session.path().map(|p| p.to_path_buf()) {
+            Some(path) if format::is_sculpture(&path) => {
+                let then = next.map_or(Then::Stay, Then::Go);
+                self.run_then(Command::Save { path, form: ExportForm::Auto }, then);
+            }
+            path => self.ui.files.open(FileTask::SaveAs(next), path.as_deref()),
+        }
+    }
+
+    /// Carries out a command that was asked for, but asks first if it would lose unsaved work.
+    pub(super) fn run_unless_work_is_lost(&mut self, command: Command) {
+        let replaces = matches!(command, Command::New(_) | Command::Open { .. });
+        if replaces {
+            self.end_stroke();
+        }
+        // While there is long work it is refused anyhow.
+        if replaces && self.session.modified() && self.job.is_none() && self.ui.unkept.is_none() {
+            self.ui.unsaved = Some(Next::Run(command));
+        } else {
+            self.run(command);
+        }
+    }
+
+    /// Carries out a command that is no part of a stroke; what takes long on another thread.
+    pub(super) fn run(&mut self, command: Command) {
+        self.run_then(command, Then::Stay);
+    }
+
+    /// The same, and then what would lose unsaved work.
+    pub(super) fn run_then(&mut self, command: Command, then: Then) {
+        self.end_stroke();
+        match self.session.prepare(&command) {
+            Ok(Some(_)) if self.job.is_some() => self.refuse(&command),
+            Ok(Some(work)) => self.start_job(work, &command, then),
+            Ok(None) => {
+                self.execute(&command);
+            }
+            Err(error) => self.tell(&command, error),
+        }
+    }
+
+    /// Carries out what the history cannot keep, since the person wants it.
+    pub(super) fn run_irreversibly(&mut self, command: Command) {
+        if self.job.is_some() {
+            return self.refuse(&command);
+        }
+        self.execute(&Command::Irreversible(true));
+        if command == Command::End {
+            self.stroke_in_question = false;
+            self.execute(&command);
+        } else {
+            self.run(command);
+        }
+        match self.job {
+            // What comes of it is put in place when it is done.
+            Some(_) => self.irreversible_job = true,
+            None => drop(self.execute(&Command::Irreversible(false))),
+        }
+    }
+
+    /// Takes back a stroke that cannot be undone and that the person has not chosen to keep.
+    pub(super) fn settle_stroke_in_question(&mut self) {
+        if self.stroke_in_question && self.ui.unkept.is_none() {
+            self.stroke_in_question = false;
+            self.execute(&Command::Cancel);
+        }
+    }
+
+    /// Carries out a command that takes no time; says what went wrong. True if it was done.
+    pub(super) fn execute(&mut self, command: &Command) -> bool {
+        if self.job.is_some() && !matches!(command, Command::Place(_)) {
+            self.refuse(command);
+            return false;
+        }
+        let dims = self.session.document().grid().dims();
+        match self.session.execute(command, &()) {
+            Ok(applied) => {
+                self.pads.bitten += applied.stats.voxels_changed();
+                self.bitten_by_hand += applied.stats.voxels_changed();
+                self.note_idle_area(command, applied.stats.voxels_changed());
+                if self.session.document().grid().dims() != dims {
+                    self.sculpture_replaced();
+                }
+                self.tell_journal_error();
+                self.go_on_travelling(command, applied);
+                true
+            }
+            Err(error) => {
+                self.tell(command, error);
+                false
+            }
+        }
+    }
+
+    /// Asks about the steps that are left of an undo or redo that stopped at one that the history
+    /// cannot keep.
+    fn go_on_travelling(&mut self, command: &Command, applied: Applied) {
+        let history = self.session.document().history();
+        let left = |steps: &Option<u32>, there: usize| {
+            let left = steps.map(|steps| steps.saturating_sub(applied.steps));
+            (there > 0 && left != Some(0) && applied.steps > 0).then_some(left)
+        };
+        let rest = match command {
+            Command::Undo { steps } => {
+                left(steps, history.undo_count()).map(|steps| Command::Undo { steps })
+            }
+            Command::Redo { steps } => {
+                left(steps, history.redo_count()).map(|steps| Command::Redo { steps })
+            }
+            _ => None,
+        };
+        if let Some(rest) = rest {
+            self.execute(&rest);
+        }
+    }
+
+    /// Says why a command was not carried out, or asks whether it is wanted all the same.
+    fn tell(&mut self, command: &Command, error: SessionError) {
+        if let SessionError::Command(CommandError::Irreversible {
+            needed_mib, budget_mib, ..
+        }) = error
+        {
+            let why = format!(
+                "Undo would need {needed_mib} MiB for it, but memory.history_mib allows \
+                 {budget_mib} MiB."
+            );
+            self.stroke_in_question = *command == Command::End;
+            self.ui.unkept = Some(Unkept { command: command.clone(), why });
+            return;
+        }
+        tracing::warn!("{command}: {error}");
+        self.ui.toasts.error(error.to_string());
+    }
+
+    /// Says once that the recording has ended; the work goes on.
+    pub(super) fn tell_journal_error(&mut self) {
+        if let Some(error) = self.session.take_journal_error() {
+            self.ui.toasts.error(format!("{error}; the recording ends here, your work goes on"));
+        }
+    }
+
+    /// While long work is under way nothing changes the sculpture.
+    fn refuse(&mut self, command: &Command) {
+        let verb = command.verb();
+        self.ui.toasts.note(format!("`{verb}` must wait until the current task has finished"));
+    }
+}

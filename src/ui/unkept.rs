@@ -1,0 +1,43 @@
+//! The question before something is done that cannot be undone, since the history has no room for
+//! it.
+
+use egui::{Id, Modal, Ui};
+
+use super::state::Unkept;
+use super::{Intent, UiState, theme};
+use crate::command::Command;
+
+pub fn show(root: &Ui, state: &mut UiState, intents: &mut Vec<Intent>) {
+    let Some(Unkept { command, why }) = &state.unkept else { return };
+    // Of a stroke the end is refused; what it did is there to be seen.
+    let [question, go_on, stop] = match command {
+        Command::End => ["Keep a stroke that cannot be undone?", "Keep it", "Take it back"],
+        Command::Undo { .. } => ["Undo what cannot be redone?", "Undo", "Cancel"],
+        Command::Redo { .. } => ["Redo what cannot be undone?", "Redo", "Cancel"],
+        _ => ["Do what cannot be undone?", "Do it", "Cancel"],
+    };
+    let mut answer = None;
+    let response = Modal::new(Id::new("unkept")).show(root.ctx(), |ui| {
+        ui.set_width(360.0);
+        ui.heading(question);
+        ui.add_space(4.0);
+        ui.label(why);
+        ui.label("Earlier steps will be forgotten, too.");
+        ui.add_space(8.0);
+        ui.horizontal(|ui| {
+            if ui.button(go_on).clicked() {
+                answer = Some(Some(Intent::Irreversibly(command.clone())));
+            }
+            if ui.add(theme::primary(ui.visuals(), stop)).clicked() {
+                answer = Some(None);
+            }
+        });
+    });
+    if response.should_close() {
+        answer = Some(None);
+    }
+    if let Some(answer) = answer {
+        state.unkept = None;
+        intents.extend(answer);
+    }
+}

@@ -1,0 +1,39 @@
+//! The question before unsaved work is lost: by leaving, or by another sculpture.
+
+use egui::{Id, Modal, Ui};
+
+use super::state::Next;
+use super::{Intent, UiState, theme};
+
+pub fn show(root: &Ui, state: &mut UiState, intents: &mut Vec<Intent>) {
+    let Some(next) = &state.unsaved else { return };
+    let mut answer = None;
+    let response = Modal::new(Id::new("unsaved")).show(root.ctx(), |ui| {
+        ui.set_width(320.0);
+        ui.heading("You have unsaved changes");
+        ui.add_space(4.0);
+        ui.label(match next {
+            Next::Leave => "Save them before quitting?",
+            Next::Run(_) => "Save them before another sculpture takes the place of this one?",
+        });
+        ui.add_space(8.0);
+        ui.horizontal(|ui| {
+            if ui.add(theme::primary(ui.visuals(), "Save")).clicked() {
+                answer = Some(Some(Intent::SaveFirst(next.clone())));
+            }
+            if ui.button("Don't save").clicked() {
+                answer = Some(Some(Intent::Go(next.clone())));
+            }
+            if ui.button("Cancel").clicked() {
+                answer = Some(None);
+            }
+        });
+    });
+    if response.should_close() {
+        answer = Some(None);
+    }
+    if let Some(answer) = answer {
+        state.unsaved = None;
+        intents.extend(answer);
+    }
+}
