@@ -21,7 +21,8 @@ impl Path {
     /// A path from `start` (voxels) with samples every `spacing`, measured in units of which a
     /// voxel has `edges`. The start itself counts as sampled.
     pub fn new(start: Vec3, spacing: f32, edges: Vec3) -> Path {
-        Path { at: start, since: 0.0, spacing: spacing.max(1e-3).min(1e9), edges }
+        let spacing = if spacing.is_finite() { spacing.max(1e-3) } else { 1e-3 };
+        Path { at: start, since: 0.0, spacing, edges }
     }
 
     /// Goes straight to `to` and gives the samples on the way; to what is too far for any

@@ -62,7 +62,7 @@ fn where_no_block_fits_there_is_room_for_one_thing_and_a_texture_waits() {
 
 fn run_out(device: &std::sync::Arc<virtual_sculpture::gpu::Device>) {
     let mut gui = Gui::new(device, vk::Format::R8G8B8A8_UNORM, false).unwrap();
-    let mut delta = texture(2048);
+    let mut delta = texture(1024);
     // Less than any block, enough for one image of 16 MiB and what brings a texture over.
     limit(Some(60));
     let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
