@@ -47,7 +47,7 @@ pub enum ConfigError {
     Read { path: PathBuf, error: std::io::Error },
     #[error("the settings {path} cannot be used: {error}")]
     Parse { path: PathBuf, error: Box<toml::de::Error> },
-    #[error("the settings {path}: {key} = {value} {rule}")]
+    #[error("the settings {path}: {key} = {value}: {rule}")]
     Value { path: PathBuf, key: &'static str, value: String, rule: &'static str },
 }
 

@@ -54,7 +54,7 @@ pub(super) fn named(endings: &'static [&'static str]) -> impl TypedValueParser<V
 
 fn parse_colour_bits(text: &str) -> Result<ColourDepth, String> {
     let depth = text.parse().ok().and_then(ColourDepth::from_bits);
-    depth.ok_or_else(|| "take 0, 8, 16 or 24".to_string())
+    depth.ok_or_else(|| "must be 0, 8, 16 or 24".to_string())
 }
 
 /// How to look at the sculpture and what picture to make.
@@ -126,7 +126,7 @@ fn parse_direction(text: &str) -> Result<Vec3, String> {
             match direction {
                 Ok(d) if d.is_finite() && d.length_squared() > 1e-12 => d,
                 _ => {
-                    return Err("take 3/4, front, back, left, right, top, bottom, \
+                    return Err("use 3/4, front, back, left, right, top, bottom, \
                                 or three numbers X,Y,Z that are not all zero"
                         .to_string());
                 }
@@ -141,7 +141,7 @@ fn parse_axis(text: &str) -> Result<Vec3, String> {
         "x" => Vec3::X,
         "y" => Vec3::Y,
         "z" => Vec3::Z,
-        _ => return Err("take x, y, z, -x, -y or -z".to_string()),
+        _ => return Err("must be x, y, z, -x, -y or -z".to_string()),
     };
     Ok(sign * axis)
 }

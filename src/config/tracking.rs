@@ -305,8 +305,13 @@ impl TrackingSettings {
             Some((key, format!("{{ {number} = \"{name}\" }}"), rule))
         };
         let tables = [
-            ("tracking.buttons", &self.buttons, 256, "actions of a key, such as `undo` or `apply`"),
-            ("tracking.analogs", &self.analogs, 128, "actions of a key or of the wheel"),
+            (
+                "tracking.buttons",
+                &self.buttons,
+                256,
+                "must be actions of a key, such as `undo` or `apply`",
+            ),
+            ("tracking.analogs", &self.analogs, 128, "must be actions of a key or of the wheel"),
         ];
         for (key, table, count, rule) in tables {
             for (number, name) in table {

@@ -18,7 +18,7 @@ pub enum GpuError {
     )]
     LoaderVersion(String),
     #[error(
-        "the Vulkan validation layer was asked for but is not here; {remedy}",
+        "the Vulkan validation layer was requested but is not installed; {remedy}",
         remedy = remedy::VALIDATION_LAYER
     )]
     NoValidation,

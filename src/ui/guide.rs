@@ -107,7 +107,7 @@ const STEPS: [Step; 7] = [
         text: "Wear down the edges with erosion ({}). The left button with Shift smooths, whatever \
                the current tool.",
         by_hand: "Wear down the edges with erosion: pull the trigger and sweep it along them. \
-                  Smooth evens out what is left.",
+                  Smooth evens out what remains.",
         actions: &[Action::Spray(SprayKind::Erosion)],
         is_done: |document, since| has_step(document, since, &["erosion"]),
         marker: None,

@@ -44,7 +44,7 @@ impl Reader for Mjpeg {
                 // A recording that was broken off is shown as far as it goes.
                 self.splitter.reset();
                 if self.index == 0 {
-                    let problem = "it contains not one whole JPEG picture";
+                    let problem = "it contains no complete JPEG picture";
                     return Err(VideoError::malformed(&*self.subject, problem));
                 }
                 return Ok(Fetched::End);

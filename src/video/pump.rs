@@ -144,7 +144,7 @@ impl Pump<'_> {
                 Fetched::Idle => continue,
                 Fetched::End if shown == 0 => {
                     return Err(trouble.unwrap_or_else(|| {
-                        VideoError::malformed(subject, "a film of no pictures")
+                        VideoError::malformed(subject, "the video contains no pictures")
                     }));
                 }
                 Fetched::End if !repeat => return Ok(Done::Over),

@@ -173,18 +173,18 @@ fn damaged_films_say_what_is_wrong() {
     std::fs::write(png.join("1.png"), b"\x89PNG\r\n\x1a\nnonsense").unwrap();
     std::fs::create_dir(folder.path().join("empty")).unwrap();
     let files: [(&str, Vec<u8>, &str); 12] = [
-        ("cut.y4m", whole[..whole.len() - 7].to_vec(), "picture 3 breaks off"),
+        ("cut.y4m", whole[..whole.len() - 7].to_vec(), "picture 3 is truncated"),
         ("tag.y4m", [&whole[..whole.len() - frame_len], b"FROME\nxx"].concat(), "picture 3"),
         ("only.y4m", b"YUV4MPEG2 W16 H16\n".to_vec(), "no pictures"),
-        ("none.y4m", Vec::new(), "no YUV4MPEG2"),
+        ("none.y4m", Vec::new(), "not a YUV4MPEG2"),
         ("huge.y4m", b"YUV4MPEG2 W4000000000 H4000000000\nFRAME\n".to_vec(), "4000000000"),
         ("wide.y4m", b"YUV4MPEG2 W8192 H8192\nFRAME\n".to_vec(), "8192"),
         ("zero.y4m", b"YUV4MPEG2 W0 H5\nFRAME\n".to_vec(), "0 x 5"),
         ("deep.y4m", b"YUV4MPEG2 W5 H5 C420p10\nFRAME\n".to_vec(), "C420p10"),
         ("line.y4m", vec![b'Y'; 100_000], "header line"),
-        ("none.mjpeg", Vec::new(), "not one whole"),
-        ("text.mjpeg", b"no picture in here".to_vec(), "not one whole"),
-        ("cut.mjpg", jpeg(16, 16, [1, 2, 3])[..300].to_vec(), "not one whole"),
+        ("none.mjpeg", Vec::new(), "no complete JPEG"),
+        ("text.mjpeg", b"no picture in here".to_vec(), "no complete JPEG"),
+        ("cut.mjpg", jpeg(16, 16, [1, 2, 3])[..300].to_vec(), "no complete JPEG"),
     ];
     for (name, bytes, why) in files {
         std::fs::write(folder.path().join(name), bytes).unwrap();
@@ -195,7 +195,7 @@ fn damaged_films_say_what_is_wrong() {
     }
     for (name, why) in [
         ("shots", "broken PNG"),
-        ("empty", "without PNG"),
+        ("empty", "no PNG"),
         ("missing", "No such file"),
         ("missing.y4m", "No such file"),
     ] {

@@ -34,7 +34,10 @@ impl Helper {
         let Some(thread) = self.thread.take() else { return };
         match self.ended.recv_timeout(PATIENCE) {
             Err(RecvTimeoutError::Timeout) | Ok(()) => {
-                tracing::warn!("{}: the runtime does not answer; it is left behind", self.name);
+                tracing::warn!(
+                    "{}: the runtime does not answer; no longer waiting for it",
+                    self.name
+                );
             }
             Err(RecvTimeoutError::Disconnected) => {
                 if thread.join().is_err() {

@@ -103,7 +103,7 @@ impl WornHead {
                 let asker = Asker::new(Locator::new(session, &self.wish)?)?;
                 Lent::Session(asker, name.to_owned())
             }
-            false => Lent::Nothing(format!("{name} does not tell its time; update the runtime")),
+            false => Lent::Nothing(format!("{name} does not report its time; update the runtime")),
         };
         *self.lent() = lent;
         Ok(Lending(self.clone()))
