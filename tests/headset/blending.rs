@@ -3,10 +3,10 @@
 
 use image::{Rgba, RgbaImage};
 
-use crate::program::Program;
-use crate::remote::Remote;
-use crate::runtime::{Runtime, alone_in_network};
-use crate::{DIMS, open_board, press_board};
+use super::program::Program;
+use super::remote::Remote;
+use super::runtime::{Runtime, alone_in_network};
+use super::{DIMS, open_board, press_board};
 
 /// What becomes of the surroundings: buttons on the board, as shares of it.
 const HIDDEN: [f32; 2] = [1048.0 / 1250.0, 185.0 / 800.0];
@@ -27,8 +27,7 @@ fn corners(picture: &RgbaImage) -> impl Iterator<Item = Rgba<u8>> {
         .map(|(x, y)| *picture.get_pixel(x, y))
 }
 
-#[test]
-fn what_the_headset_offers_and_the_person_wishes_decides_how_pictures_blend() {
+pub fn what_the_headset_offers_and_the_person_wishes_decides_how_pictures_blend() {
     if !alone_in_network(
         "blending::what_the_headset_offers_and_the_person_wishes_decides_how_pictures_blend",
     ) {
@@ -71,8 +70,7 @@ fn what_the_headset_offers_and_the_person_wishes_decides_how_pictures_blend() {
     }
 }
 
-#[test]
-fn the_surroundings_are_hidden_and_seen_again_while_the_program_runs() {
+pub fn the_surroundings_are_hidden_and_seen_again_while_the_program_runs() {
     if !alone_in_network(
         "blending::the_surroundings_are_hidden_and_seen_again_while_the_program_runs",
     ) {

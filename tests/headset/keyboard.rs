@@ -3,10 +3,10 @@
 use egui::{Pos2, Rect, vec2};
 use virtual_sculpture::ui::keyboard::{Cap, keys, place};
 
-use crate::program::Program;
-use crate::remote::{Remote, Side};
-use crate::runtime::alone_in_network;
-use crate::{begin, open_board, point_at_board, press_board};
+use super::program::Program;
+use super::remote::{Remote, Side};
+use super::runtime::alone_in_network;
+use super::{begin, open_board, point_at_board, press_board};
 
 /// The board, in points.
 const BOARD: Rect = Rect { min: Pos2::ZERO, max: Pos2::new(1000.0, 640.0) };
@@ -30,8 +30,7 @@ fn press_key(remote: &mut Remote, program: &Program, cap: Cap, before: usize) {
     program.wait_for_log("key of the board released", before + 1);
 }
 
-#[test]
-fn a_file_is_saved_under_a_name_typed_with_a_ray() {
+pub fn a_file_is_saved_under_a_name_typed_with_a_ray() {
     if !alone_in_network("keyboard::a_file_is_saved_under_a_name_typed_with_a_ray") {
         return;
     }

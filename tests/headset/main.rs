@@ -1,6 +1,6 @@
 //! The program in a headset: a real OpenXR runtime (Monado) with a headset and hands that follow a
-//! script. Runs where the shared folder `openxr` is; elsewhere it says that it is skipped, unless
-//! VS_REQUIRE_SHARED is set.
+//! script. Runs where the shared folder `openxr` is; elsewhere its tests are ignored, or fail
+//! with VS_REQUIRE_SHARED.
 //!
 //! Each test runs itself again in a network of its own, since the runtime listens on a fixed port.
 //! What the eyes see comes as pictures that the program writes (`--headset-shots`), what the hands
@@ -8,7 +8,10 @@
 
 // A test that cannot go on has failed.
 #![allow(clippy::unwrap_used)]
-#![cfg(target_os = "linux")]
+
+#[path = "../trials/mod.rs"]
+#[macro_use]
+mod trials;
 
 mod blending;
 mod keyboard;
@@ -26,8 +29,32 @@ use glam::{Quat, Vec3};
 
 use program::Program;
 use remote::{Remote, Side};
-use runtime::{Runtime, alone_in_network};
+use runtime::{Runtime, alone_in_network, lack};
 use shot::Predicted;
+
+pub fn main() {
+    let tests = tests![
+        the_picture_moves_as_the_head_does,
+        the_trigger_takes_voxels_away_and_the_hand_feels_it,
+        grips_carry_turn_and_scale,
+        the_board_opens_on_the_off_hand_and_is_pressed_by_a_ray,
+        a_pull_that_lasts_a_second_and_turns_the_hand_is_a_click,
+        a_button_takes_the_colour_that_the_tool_touches,
+        a_runtime_that_goes_and_comes_back_costs_nothing,
+        a_runtime_that_stops_and_goes_on_costs_a_stroke_at_most,
+        a_headset_that_is_taken_off_and_put_on_is_never_lost,
+        without_a_runtime_the_program_says_what_to_do,
+        a_soak_leaves_the_memory_as_it_was,
+        blending::what_the_headset_offers_and_the_person_wishes_decides_how_pictures_blend,
+        blending::the_surroundings_are_hidden_and_seen_again_while_the_program_runs,
+        keyboard::a_file_is_saved_under_a_name_typed_with_a_ray,
+        tracker::a_headset_is_a_tracker_that_may_come_late_and_go,
+        tracker::a_runtime_foresees_where_the_head_will_be,
+        tracker::a_runtime_that_stops_holds_up_no_window,
+        tracker::the_view_of_the_window_follows_the_head_in_the_headset_that_is_worn,
+    ];
+    trials::run(file!(), lack(), tests)
+}
 
 /// Edge of the cube of stone in voxels; it is half a metre in the room.
 pub const DIMS: u32 = 64;
@@ -102,7 +129,6 @@ pub fn point_at_board(remote: &mut Remote, program: &Program, share: [f32; 2]) {
     program.frames(4);
 }
 
-#[test]
 fn the_picture_moves_as_the_head_does() {
     if !alone_in_network("the_picture_moves_as_the_head_does") {
         return;
@@ -127,7 +153,6 @@ fn the_picture_moves_as_the_head_does() {
     program.stop();
 }
 
-#[test]
 fn the_trigger_takes_voxels_away_and_the_hand_feels_it() {
     if !alone_in_network("the_trigger_takes_voxels_away_and_the_hand_feels_it") {
         return;
@@ -166,7 +191,6 @@ fn the_trigger_takes_voxels_away_and_the_hand_feels_it() {
     program.stop();
 }
 
-#[test]
 fn grips_carry_turn_and_scale() {
     if !alone_in_network("grips_carry_turn_and_scale") {
         return;
@@ -224,7 +248,6 @@ fn grips_carry_turn_and_scale() {
     program.stop();
 }
 
-#[test]
 fn the_board_opens_on_the_off_hand_and_is_pressed_by_a_ray() {
     if !alone_in_network("the_board_opens_on_the_off_hand_and_is_pressed_by_a_ray") {
         return;
@@ -253,7 +276,6 @@ fn the_board_opens_on_the_off_hand_and_is_pressed_by_a_ray() {
     program.stop();
 }
 
-#[test]
 fn a_pull_that_lasts_a_second_and_turns_the_hand_is_a_click() {
     if !alone_in_network("a_pull_that_lasts_a_second_and_turns_the_hand_is_a_click") {
         return;
@@ -281,7 +303,6 @@ fn a_pull_that_lasts_a_second_and_turns_the_hand_is_a_click() {
     program.stop();
 }
 
-#[test]
 fn a_button_takes_the_colour_that_the_tool_touches() {
     if !alone_in_network("a_button_takes_the_colour_that_the_tool_touches") {
         return;
@@ -295,7 +316,6 @@ fn a_button_takes_the_colour_that_the_tool_touches() {
     program.stop();
 }
 
-#[test]
 fn a_runtime_that_goes_and_comes_back_costs_nothing() {
     if !alone_in_network("a_runtime_that_goes_and_comes_back_costs_nothing") {
         return;
@@ -321,7 +341,6 @@ fn a_runtime_that_goes_and_comes_back_costs_nothing() {
     program.stop();
 }
 
-#[test]
 fn a_runtime_that_stops_and_goes_on_costs_a_stroke_at_most() {
     if !alone_in_network("a_runtime_that_stops_and_goes_on_costs_a_stroke_at_most") {
         return;
@@ -345,7 +364,6 @@ fn a_runtime_that_stops_and_goes_on_costs_a_stroke_at_most() {
     program.stop();
 }
 
-#[test]
 fn a_headset_that_is_taken_off_and_put_on_is_never_lost() {
     if !alone_in_network("a_headset_that_is_taken_off_and_put_on_is_never_lost") {
         return;
@@ -368,7 +386,6 @@ fn a_headset_that_is_taken_off_and_put_on_is_never_lost() {
     program.stop();
 }
 
-#[test]
 fn without_a_runtime_the_program_says_what_to_do() {
     if !alone_in_network("without_a_runtime_the_program_says_what_to_do") {
         return;
@@ -387,7 +404,6 @@ fn without_a_runtime_the_program_says_what_to_do() {
 const SOAK_S: u64 = 15;
 
 /// Says what it has measured, also where it passes (`--nocapture`).
-#[test]
 fn a_soak_leaves_the_memory_as_it_was() {
     if !alone_in_network("a_soak_leaves_the_memory_as_it_was") {
         return;

@@ -12,9 +12,9 @@ use virtual_sculpture::config::HeadsetSettings;
 use virtual_sculpture::input::hands::Board;
 use virtual_sculpture::view::Pose;
 
-use crate::remote::EYES;
-use crate::runtime::Runtime;
-use crate::shot::Shot;
+use super::remote::EYES;
+use super::runtime::Runtime;
+use super::shot::Shot;
 
 /// Longer than anything takes, on a slow machine too.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -140,7 +140,7 @@ impl Program {
     pub fn fresh_shot(&self) -> Shot {
         self.fresh_views();
         self.fresh_views();
-        self.shot((crate::remote::HEAD, Quat::IDENTITY))
+        self.shot((super::remote::HEAD, Quat::IDENTITY))
     }
 
     /// A shot of this head.

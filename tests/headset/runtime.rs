@@ -5,10 +5,12 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::shared_data::shared_file;
+use super::shared_data::shared_file;
 
 const INSIDE: &str = "VS_HEADSET_TEST_NETWORK";
 const LAYER: &str = "XR_APILAYER_TEST_blend";
+/// Unpacks the runtime.
+const SCRIPT: &str = "openxr/monado-prefix.sh";
 const CLIENT: &str = "VS_HEADSET_TEST_CLIENT";
 /// The number of the runtime's process, for clients.
 const SERVICE: &str = "VS_HEADSET_TEST_SERVICE";
@@ -28,6 +30,12 @@ fn set_stopped(process: &str, stopped: bool) {
     let signal = if stopped { "-STOP" } else { "-CONT" };
     let done = Command::new("kill").args([signal, process]).status().unwrap();
     assert!(done.success(), "kill {signal} {process}: {done}");
+}
+
+/// What lacks for these tests, if anything.
+pub fn lack() -> Option<String> {
+    let inside = std::env::var_os(INSIDE).is_some();
+    (!inside && shared_file(SCRIPT).is_none()).then(|| format!("no {SCRIPT} in ../shared"))
 }
 
 /// Runs the test `name` of this binary in a network of its own; true in there, where the test goes
@@ -54,7 +62,7 @@ fn target() -> PathBuf {
 
 /// Where the runtime is unpacked; none (announced) where its script is not.
 fn prefix() -> Option<PathBuf> {
-    let script = shared_file("openxr/monado-prefix.sh")?;
+    let script = shared_file(SCRIPT)?;
     let prefix = target().join("openxr-runtime");
     // Tests run at the same time: one unpacks, the others wait.
     let lock = std::fs::File::create(target().join("openxr-runtime.lock")).unwrap();

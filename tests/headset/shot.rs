@@ -6,7 +6,7 @@ use std::path::Path;
 use glam::{Quat, Vec2, Vec3};
 use image::RgbaImage;
 
-use crate::remote::{ANGLES, EYES};
+use super::remote::{ANGLES, EYES};
 
 /// A shot of both eyes.
 pub struct Shot {

@@ -16,8 +16,8 @@ use virtual_sculpture::input::Bindings;
 use virtual_sculpture::screen::headset::{HeadsetTracker, RoomOrigin};
 use virtual_sculpture::session::Session;
 
-use crate::remote::{HEAD, Remote};
-use crate::runtime::{Runtime, alone_in_network, is_client, stop_service};
+use super::remote::{HEAD, Remote};
+use super::runtime::{Runtime, alone_in_network, is_client, stop_service};
 
 const PATIENCE: Duration = Duration::from_secs(60);
 
@@ -65,8 +65,7 @@ impl Drop for Track {
     }
 }
 
-#[test]
-fn a_headset_is_a_tracker_that_may_come_late_and_go() {
+pub fn a_headset_is_a_tracker_that_may_come_late_and_go() {
     if !alone_in_network("tracker::a_headset_is_a_tracker_that_may_come_late_and_go") {
         return;
     }
@@ -103,8 +102,7 @@ fn a_headset_is_a_tracker_that_may_come_late_and_go() {
     track.says("x +0.000 y +1.600 z +0.000 m");
 }
 
-#[test]
-fn a_runtime_foresees_where_the_head_will_be() {
+pub fn a_runtime_foresees_where_the_head_will_be() {
     const NAME: &str = "tracker::a_runtime_foresees_where_the_head_will_be";
     if is_client() {
         return look_ahead();
@@ -147,8 +145,7 @@ fn look_ahead() {
     assert!(events.iter().any(|event| matches!(event, Event::Pose(_))));
 }
 
-#[test]
-fn the_view_of_the_window_follows_the_head_in_the_headset_that_is_worn() {
+pub fn the_view_of_the_window_follows_the_head_in_the_headset_that_is_worn() {
     const NAME: &str =
         "tracker::the_view_of_the_window_follows_the_head_in_the_headset_that_is_worn";
     if is_client() {
@@ -202,8 +199,7 @@ fn wear() {
     follow(&mut bench, &mut remote);
 }
 
-#[test]
-fn a_runtime_that_stops_holds_up_no_window() {
+pub fn a_runtime_that_stops_holds_up_no_window() {
     const NAME: &str = "tracker::a_runtime_that_stops_holds_up_no_window";
     if is_client() {
         return go_on_without();

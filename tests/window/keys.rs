@@ -1,10 +1,10 @@
 //! Keys that are changed in the window and used at once, the palette, and copies by key with
 //! nothing on the clipboard.
 
-use crate::program::Program;
-use crate::{PICTURE, display, shot, tool_home};
+use super::program::Program;
+use super::{PICTURE, display, shot, tool_home};
 
-fn start<'a>(display: &'a crate::Display, theme: &str) -> Program<'a> {
+fn start<'a>(display: &'a super::Display, theme: &str) -> Program<'a> {
     let settings =
         format!("[new]\ndims = [96, 96, 96]\n[window]\nguide = false\ntheme = \"{theme}\"\n");
     let program = Program::start_with(display, &[], &settings);
@@ -25,9 +25,8 @@ fn write(program: &Program, text: &str) {
     program.settle();
 }
 
-#[test]
-fn a_key_is_changed_used_and_remembered_and_the_palette_runs_a_command() {
-    let Some(display) = display() else { return };
+pub fn a_key_is_changed_used_and_remembered_and_the_palette_runs_a_command() {
+    let display = display();
     let program = start(&display, "dark");
     tool_home(&program);
     let before = shot(&program, "keys-0-before").part(PICTURE);
@@ -76,9 +75,8 @@ fn a_key_is_changed_used_and_remembered_and_the_palette_runs_a_command() {
     program.leave_without_saving();
 }
 
-#[test]
-fn copies_are_pasted_by_key_with_nothing_on_the_clipboard() {
-    let Some(display) = display() else { return };
+pub fn copies_are_pasted_by_key_with_nothing_on_the_clipboard() {
+    let display = display();
     let program = start(&display, "light");
     program.key(&["F1"]);
     shot(&program, "keys-20-table-light");
@@ -105,9 +103,8 @@ fn copies_are_pasted_by_key_with_nothing_on_the_clipboard() {
 const FILTER: [i16; 2] = [600, 160];
 const ADD: [i16; 2] = [639, 250];
 
-#[test]
-fn a_picture_of_the_view_is_saved_by_key_without_tool_and_lines() {
-    let Some(display) = display() else { return };
+pub fn a_picture_of_the_view_is_saved_by_key_without_tool_and_lines() {
+    let display = display();
     let program = start(&display, "dark");
     tool_home(&program);
     let before = shot(&program, "keys-30-before");

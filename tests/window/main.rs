@@ -1,11 +1,14 @@
 //! The program in its window, under a private X server, with real mouse and key events.
 //!
-//! Needs `Xvfb` (Debian, Ubuntu: xvfb). Without it the tests say SKIPPED, unless
+//! Needs `Xvfb` (Debian, Ubuntu: xvfb). Without it the tests are ignored, or fail with
 //! `VS_REQUIRE_WINDOW=1`. Screenshots are left in target/test-output/window.
 
 // A test that cannot go on has failed.
 #![allow(clippy::unwrap_used)]
-#![cfg(target_os = "linux")]
+
+#[path = "../trials/mod.rs"]
+#[macro_use]
+mod trials;
 
 mod display;
 mod head;
@@ -19,6 +22,26 @@ use std::time::Duration;
 
 use display::{Display, Picture};
 use program::Program;
+
+pub fn main() {
+    let tests = tests![
+        a_stroke_changes_the_picture_and_undo_brings_it_back,
+        the_view_turns_shifts_and_zooms_and_home_brings_it_back,
+        the_window_is_resized_minimised_and_restored,
+        every_window_opens_by_key_and_closes_by_escape,
+        a_file_that_cannot_be_opened_is_an_error_before_any_window,
+        head::the_picture_goes_with_the_head_and_rests_without,
+        house::a_house_is_built_with_mouse_and_keys,
+        keys::a_key_is_changed_used_and_remembered_and_the_palette_runs_a_command,
+        keys::copies_are_pasted_by_key_with_nothing_on_the_clipboard,
+        keys::a_picture_of_the_view_is_saved_by_key_without_tool_and_lines,
+        panels::a_torn_off_toolbox_works_with_the_main_window_and_goes_back,
+        panels::the_window_stays_alive_while_a_large_sculpture_is_saved,
+        panels::all_panels_are_torn_off_in_the_light_theme_and_scaled_together,
+        stereo::a_stroke_in_the_right_eye_s_half_is_where_it_is_seen,
+    ];
+    trials::run(file!(), lack(), tests)
+}
 
 const LEFT: u8 = 1;
 const MIDDLE: u8 = 2;
@@ -35,23 +58,22 @@ fn start<'a>(display: &'a Display, arguments: &[&str]) -> Program<'a> {
     program
 }
 
-/// A display, or none where tests of the window are skipped.
-fn display() -> Option<Display> {
+/// What lacks for these tests, if anything.
+fn lack() -> Option<String> {
+    let reason = Display::start([64, 64]).err()?;
+    let required = std::env::var_os("VS_REQUIRE_WINDOW").is_some_and(|v| v == "1");
+    assert!(!required, "VS_REQUIRE_WINDOW=1, but {reason}");
+    Some(reason)
+}
+
+/// A display of the usual size.
+fn display() -> Display {
     display_of([1280, 800])
 }
 
 /// The same of another size in pixels.
-fn display_of(size: [u32; 2]) -> Option<Display> {
-    match Display::start(size) {
-        Ok(display) => Some(display),
-        Err(reason) if std::env::var_os("VS_REQUIRE_WINDOW").is_some_and(|v| v == "1") => {
-            panic!("VS_REQUIRE_WINDOW=1, but {reason}")
-        }
-        Err(reason) => {
-            println!("SKIPPED: {reason}");
-            None
-        }
-    }
+fn display_of(size: [u32; 2]) -> Display {
+    Display::start(size).unwrap()
 }
 
 /// Moves the tool to its first place, so that pictures with the same voxels are the same.
@@ -67,9 +89,8 @@ fn shot(program: &Program, name: &str) -> Picture {
     picture
 }
 
-#[test]
 fn a_stroke_changes_the_picture_and_undo_brings_it_back() {
-    let Some(display) = display() else { return };
+    let display = display();
     let program = start(&display, &[]);
     tool_home(&program);
     let before = shot(&program, "1-before").part(PICTURE);
@@ -120,9 +141,8 @@ fn a_stroke_changes_the_picture_and_undo_brings_it_back() {
     program.leave_without_saving();
 }
 
-#[test]
 fn the_view_turns_shifts_and_zooms_and_home_brings_it_back() {
-    let Some(display) = display() else { return };
+    let display = display();
     let program = start(&display, &[]);
     tool_home(&program);
     let before = shot(&program, "view-1-home").part(PICTURE);
@@ -146,9 +166,8 @@ fn the_view_turns_shifts_and_zooms_and_home_brings_it_back() {
     program.expect_clean_exit();
 }
 
-#[test]
 fn the_window_is_resized_minimised_and_restored() {
-    let Some(display) = display() else { return };
+    let display = display();
     let program = start(&display, &[]);
     tool_home(&program);
     let before = shot(&program, "size-1-before");
@@ -190,9 +209,8 @@ fn the_window_is_resized_minimised_and_restored() {
     program.expect_clean_exit();
 }
 
-#[test]
 fn every_window_opens_by_key_and_closes_by_escape() {
-    let Some(display) = display() else { return };
+    let display = display();
     let program = start(&display, &[]);
     tool_home(&program);
     let before = shot(&program, "panels-0-none").part(PICTURE);
@@ -218,9 +236,8 @@ fn every_window_opens_by_key_and_closes_by_escape() {
     program.expect_clean_exit();
 }
 
-#[test]
 fn a_file_that_cannot_be_opened_is_an_error_before_any_window() {
-    let Some(display) = display() else { return };
+    let display = display();
     let program = Program::start(&display, &["/nonexistent/statue.pvm"]);
     let (status, text) = program.wait();
     assert_eq!(status.code(), Some(3), "{text}");

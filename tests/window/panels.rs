@@ -1,7 +1,7 @@
 //! Panels in windows of their own, and the scale of text and buttons.
 
-use crate::program::Program;
-use crate::{LEFT, display_of, shot, tool_home};
+use super::program::Program;
+use super::{LEFT, display_of, shot, tool_home};
 
 /// Room for the main window, at the left, and those of panels beside it.
 const SCREEN: [u32; 2] = [1700, 800];
@@ -17,7 +17,7 @@ const CUBOID: [i16; 2] = [1379, 95];
 /// A place where no window is.
 const NOWHERE: [i16; 2] = [1690, 790];
 
-fn start<'a>(display: &'a crate::Display, theme: &str) -> Program<'a> {
+fn start<'a>(display: &'a super::Display, theme: &str) -> Program<'a> {
     let settings =
         format!("[new]\ndims = [96, 96, 96]\n[window]\nguide = false\ntheme = \"{theme}\"\n");
     let program = Program::start_with(display, &[], &settings);
@@ -26,9 +26,8 @@ fn start<'a>(display: &'a crate::Display, theme: &str) -> Program<'a> {
     program
 }
 
-#[test]
-fn a_torn_off_toolbox_works_with_the_main_window_and_goes_back() {
-    let Some(display) = display_of(SCREEN) else { return };
+pub fn a_torn_off_toolbox_works_with_the_main_window_and_goes_back() {
+    let display = display_of(SCREEN);
     let program = start(&display, "dark");
     tool_home(&program);
     let docked = shot(&program, "torn-0-docked");
@@ -99,9 +98,8 @@ fn a_torn_off_toolbox_works_with_the_main_window_and_goes_back() {
     program.leave_without_saving();
 }
 
-#[test]
-fn the_window_stays_alive_while_a_large_sculpture_is_saved() {
-    let Some(display) = display_of([1280, 800]) else { return };
+pub fn the_window_stays_alive_while_a_large_sculpture_is_saved() {
+    let display = display_of([1280, 800]);
     let settings = "[new]\ndims = [448, 448, 448]\ncolour_bits = 0\n\
                     [window]\ntheme = \"light\"\n";
     let program = Program::start_with(&display, &[], settings);
@@ -128,9 +126,8 @@ fn the_window_stays_alive_while_a_large_sculpture_is_saved() {
     assert_eq!(info.dims.to_array(), [448; 3]);
 }
 
-#[test]
-fn all_panels_are_torn_off_in_the_light_theme_and_scaled_together() {
-    let Some(display) = display_of(SCREEN) else { return };
+pub fn all_panels_are_torn_off_in_the_light_theme_and_scaled_together() {
+    let display = display_of(SCREEN);
     let program = start(&display, "light");
     program.click(TEAR_TOOLBOX);
     program.click(TEAR_OPTIONS);

@@ -12,7 +12,7 @@ use x11rb::protocol::xproto::{
     Keysym, Window,
 };
 
-use crate::display::Display;
+use super::display::Display;
 
 /// In the title of the main window alone.
 const MAIN: &str = "Virtual Sculpture";

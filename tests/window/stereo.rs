@@ -1,15 +1,14 @@
 //! Two eyes in one window.
 
-use crate::program::Program;
-use crate::{LEFT, display_of, shot, tool_home};
+use super::program::Program;
+use super::{LEFT, display_of, shot, tool_home};
 
 const SCREEN: [u32; 2] = [1280, 800];
 /// The sculpture in a mono window.
 const PICTURE: [u32; 4] = [150, 50, 800, 680];
 
-#[test]
-fn a_stroke_in_the_right_eye_s_half_is_where_it_is_seen() {
-    let Some(display) = display_of(SCREEN) else { return };
+pub fn a_stroke_in_the_right_eye_s_half_is_where_it_is_seen() {
+    let display = display_of(SCREEN);
     let settings = "[new]\ndims = [96, 96, 96]\n[window]\nguide = false\n";
     let program = Program::start_with(&display, &[], settings);
     program.leave_picture();
