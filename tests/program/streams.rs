@@ -131,3 +131,26 @@ fn exit_codes_of_failures_are_the_same_when_nobody_hears_of_them() {
         }
     }
 }
+
+#[test]
+fn the_log_has_no_colours_in_a_pipe_and_only_warnings_unless_asked() {
+    let folder = folder();
+    let path = folder.path();
+    std::fs::write(path.join("s.sculpt"), "new dims=16,16,16\n").unwrap();
+    // With a device, of which there is something to tell.
+    let arguments =
+        ["run", "s.sculpt", "--render", "a.png", "--size", "32x32", "--mode", "slicing"];
+    let log = |filter: Option<&str>| {
+        let mut program = command(path, &arguments);
+        match filter {
+            Some(filter) => program.env("RUST_LOG", filter),
+            None => program.env_remove("RUST_LOG"),
+        };
+        let output = program.output().unwrap();
+        assert!(output.status.success());
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    let (usual, more) = (log(None), log(Some("virtual_sculpture=info")));
+    assert!(!usual.contains("INFO") && !usual.contains('\x1b'), "{usual:?}");
+    assert!(more.contains("INFO") && !more.contains('\x1b'), "{more:?}");
+}
