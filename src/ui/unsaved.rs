@@ -14,7 +14,7 @@ pub fn show(root: &Ui, state: &mut UiState, intents: &mut Vec<Intent>) {
         ui.add_space(4.0);
         ui.label(match next {
             Next::Leave => "Save them before quitting?",
-            Next::Run(_) => "Save them before another sculpture takes the place of this one?",
+            Next::Run(_) => "Save them before replacing this sculpture?",
         });
         ui.add_space(8.0);
         ui.horizontal(|ui| {
