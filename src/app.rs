@@ -15,6 +15,7 @@ pub mod headset;
 mod job;
 mod keys;
 mod marker;
+mod memory;
 mod pad;
 mod painter;
 mod pane;
@@ -93,6 +94,7 @@ pub fn run(session: Session, config: Config, shots: Option<PathBuf>) -> Result<(
         bench.keep_keys_in(folder.join("bindings.toml"));
         bench.keep_calibration_in(folder.join("calibration.toml"));
     }
+    bench.remember_in(config::state_folder().join("state.toml"), &config);
     let proxy = event_loop.create_proxy();
     let headset = config.headset.enabled.then(|| {
         Headset::new(&config, shots, move |connection, news| {
@@ -199,10 +201,21 @@ impl App {
     }
 
     fn open_window(&mut self, event_loop: &ActiveEventLoop) -> Result<(), AppError> {
-        let [width, height] = self.config.window.size;
+        let windows = &self.bench.ui.windows;
+        let mut size = windows.main.unwrap_or(self.config.window.size);
+        // It may have been on a larger screen last.
+        let screens = event_loop.available_monitors();
+        let screens = screens.map(|screen| screen.size().to_logical::<u32>(screen.scale_factor()));
+        if let Some(largest) =
+            screens.max_by_key(|size| u64::from(size.width) * u64::from(size.height))
+            && windows.main.is_some()
+        {
+            size = [size[0].min(largest.width), size[1].min(largest.height)];
+        }
         let attributes = Window::default_attributes()
             .with_title("Virtual Sculpture")
-            .with_inner_size(LogicalSize::new(width, height))
+            .with_inner_size(LogicalSize::new(size[0], size[1]))
+            .with_maximized(windows.maximised)
             .with_min_inner_size(SMALLEST);
         let window = Arc::new(event_loop.create_window(attributes)?);
         self.view = Some(View::new(window, &self.config)?);
@@ -221,6 +234,7 @@ impl App {
         if let (true, false, Some(view)) = (lost, again, self.view.take()) {
             tracing::warn!("{error}; recreating the device");
             self.restarted = Some(Instant::now());
+            self.torn.note_places(&mut self.bench.ui.windows.panels);
             self.torn.close();
             let window = view.into_window();
             match View::new(window, &self.config) {
@@ -281,6 +295,19 @@ impl App {
         }
     }
 
+    /// Notes how large the windows are and where.
+    fn note_windows(&mut self) {
+        self.torn.note_places(&mut self.bench.ui.windows.panels);
+        let Some(view) = &self.view else { return };
+        let (window, windows) = (view.pane.window(), &mut self.bench.ui.windows);
+        windows.maximised = window.is_maximized();
+        let size = window.inner_size().to_logical::<u32>(window.scale_factor());
+        let usable = size.width >= SMALLEST.width && size.height >= SMALLEST.height;
+        if usable && !windows.maximised && window.fullscreen().is_none() {
+            windows.main = Some([size.width, size.height]);
+        }
+    }
+
     /// Says once that the program waits, for those who wait for it.
     fn note_rest(&mut self) {
         let soon = Instant::now() + Duration::from_secs(1);
@@ -288,6 +315,8 @@ impl App {
         let resting = !pending && self.wake().is_none_or(|wake| wake > soon);
         if resting && !self.resting {
             tracing::debug!("at rest");
+            self.note_windows();
+            self.bench.remember_at_rest();
         }
         self.resting = resting;
     }
@@ -296,6 +325,8 @@ impl App {
     fn finish(mut self) -> Result<(), AppError> {
         // What is being saved is saved.
         self.bench.finish_job();
+        self.note_windows();
+        self.bench.remember();
         let log = self.view.as_ref().map(View::validation_log);
         let mut complaints = self.headset.as_ref().map_or(0, Headset::complaints);
         self.headset = None;

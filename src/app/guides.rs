@@ -253,7 +253,26 @@ mod tests {
     }
 
     #[test]
-    fn what_is_switched_off_is_not_shown() {
+    fn what_the_sculpture_hides_of_grid_and_line_is_not_drawn() {
+        let document = document();
+        let state = UiState::new(&Config::default(), document.grid().dims());
+        let aid = Aid {
+            hand: &state.hand,
+            document: &document,
+            view: &state.view,
+            theme: Theme::Light,
+            orientation: Orientation::UPRIGHT,
+            seen: None,
+            pointer: None,
+            depth: 1.0,
+        };
+        let lines = lines(&aid);
+        let hidden = lines.iter().filter(|line| line.opacity[1] == 0.0).count();
+        assert_eq!(hidden, 12 + 1, "the edges of the grid and the red line");
+        assert!(lines.iter().all(|line| line.opacity[0] > 0.5));
+    }
+
+    fn document() -> Document {
         let new = NewSculpture {
             dims: UVec3::splat(8),
             voxel_size: Vec3::ONE,
@@ -261,7 +280,12 @@ mod tests {
             base: Rgb::STONE,
             solid: true,
         };
-        let mut document = Document::new(&new, Limits::default()).unwrap();
+        Document::new(&new, Limits::default()).unwrap()
+    }
+
+    #[test]
+    fn what_is_switched_off_is_not_shown() {
+        let mut document = document();
         let mut state = UiState::new(&Config::default(), document.grid().dims());
         let count = |state: &UiState, document: &Document| {
             let aid = Aid {

@@ -151,6 +151,7 @@ impl Workbench {
             self.ui.toasts.error(error.to_string());
             return false;
         }
+        self.note_file(&command);
         match command {
             Command::Save { path, .. } if crate::format::is_sculpture(&path) => {
                 self.ui.toasts.note(format!("Saved {}", path.display()));

@@ -20,6 +20,7 @@ use super::pane::{Interface, Pane};
 use super::workbench::Workbench;
 use crate::gpu::{Device, GpuError};
 use crate::input::Panel;
+use crate::ui::state::PanelPlace;
 use crate::ui::theme;
 
 /// When a window that has no free image is asked again, at first; twice as late each time after.
@@ -34,15 +35,6 @@ const SMALLEST: LogicalSize<f32> = LogicalSize::new(theme::TOOLBOX_WIDTH, 120.0)
 #[derive(Default)]
 pub struct Torn {
     windows: Vec<PanelWindow>,
-    places: BTreeMap<Panel, Place>,
-}
-
-/// Where a window was.
-#[derive(Clone, Copy)]
-struct Place {
-    /// Not known everywhere.
-    corner: Option<PhysicalPosition<i32>>,
-    size: PhysicalSize<u32>,
 }
 
 /// A panel in a window of its own.
@@ -80,14 +72,14 @@ impl Torn {
             .partition(|window| bench.ui.torn.contains(&window.panel));
         self.windows = kept;
         for window in gone {
-            self.places.insert(window.panel, Place::of(window.pane.window()));
+            bench.ui.windows.panels.insert(window.panel, place_of(window.pane.window()));
             bench.put_back(window.panel);
         }
         for panel in bench.ui.torn.clone() {
             if self.windows.iter().any(|window| window.panel == panel) {
                 continue;
             }
-            let place = self.places.get(&panel).copied();
+            let place = bench.ui.windows.panels.get(&panel).copied();
             let scale = bench.ui.scale.factor();
             match PanelWindow::open(event_loop, main, device, panel, place, scale) {
                 Ok(window) => self.windows.push(window),
@@ -126,46 +118,60 @@ impl Torn {
         self.windows.iter().filter_map(|window| window.pane.wake()).min()
     }
 
+    /// Notes where the windows are.
+    pub fn note_places(&self, places: &mut BTreeMap<Panel, PanelPlace>) {
+        let windows = self.windows.iter();
+        places.extend(windows.map(|window| (window.panel, place_of(window.pane.window()))));
+    }
+
     /// Closes all windows; [`Torn::follow`] opens them again, with another device if need be,
-    /// where they were.
+    /// where they were noted to be.
     pub fn close(&mut self) {
-        for window in self.windows.drain(..) {
-            self.places.insert(window.panel, Place::of(window.pane.window()));
-        }
+        self.windows.clear();
     }
 }
 
-impl Place {
-    fn of(window: &Window) -> Place {
-        Place { corner: window.outer_position().ok(), size: window.inner_size() }
-    }
+fn place_of(window: &Window) -> PanelPlace {
+    let corner_px = window.outer_position().ok().map(|corner| [corner.x, corner.y]);
+    PanelPlace { corner_px, size_px: window.inner_size().into() }
+}
 
-    /// Where a panel's first window goes: over the main one, where the panel has been.
-    fn first(main: &Window, panel: Panel, scale: f32) -> Place {
-        let (width, height) = match panel {
-            Panel::Toolbox => (theme::TOOLBOX_WIDTH + 20.0, 620.0),
-            Panel::Options => (theme::OPTIONS_WIDTH + 20.0, 560.0),
-            Panel::History => (theme::OPTIONS_WIDTH, 280.0),
+/// Where a panel's first window goes: over the main one, where the panel has been.
+fn first_place(main: &Window, panel: Panel, scale: f32) -> PanelPlace {
+    let (width, height) = match panel {
+        Panel::Toolbox => (theme::TOOLBOX_WIDTH + 20.0, 620.0),
+        Panel::Options => (theme::OPTIONS_WIDTH + 20.0, 560.0),
+        Panel::History => (theme::OPTIONS_WIDTH, 280.0),
+    };
+    let pixels = main.scale_factor() * f64::from(scale);
+    let size = LogicalSize::new(width, height).to_physical::<u32>(pixels);
+    let corner = main.inner_position().ok().map(|corner| {
+        let offset = (OFFSET * pixels) as i32;
+        let room = main.inner_size();
+        let x = match panel {
+            Panel::Toolbox => offset,
+            Panel::Options | Panel::History => {
+                (room.width as i32 - size.width as i32 - offset).max(0)
+            }
         };
-        let pixels = main.scale_factor() * f64::from(scale);
-        let size = LogicalSize::new(width, height).to_physical::<u32>(pixels);
-        let corner = main.inner_position().ok().map(|corner| {
-            let offset = (OFFSET * pixels) as i32;
-            let room = main.inner_size();
-            let x = match panel {
-                Panel::Toolbox => offset,
-                Panel::Options | Panel::History => {
-                    (room.width as i32 - size.width as i32 - offset).max(0)
-                }
-            };
-            let y = match panel {
-                Panel::Toolbox | Panel::Options => offset,
-                Panel::History => (room.height as i32 - size.height as i32 - offset).max(0),
-            };
-            PhysicalPosition::new(corner.x + x, corner.y + y)
-        });
-        Place { corner, size }
-    }
+        let y = match panel {
+            Panel::Toolbox | Panel::Options => offset,
+            Panel::History => (room.height as i32 - size.height as i32 - offset).max(0),
+        };
+        [corner.x + x, corner.y + y]
+    });
+    PanelPlace { corner_px: corner, size_px: size.into() }
+}
+
+/// Whether a corner lies on a screen that is there.
+fn is_on_screen(event_loop: &ActiveEventLoop, corner: [i32; 2]) -> bool {
+    event_loop.available_monitors().any(|screen| {
+        let (at, size) = (screen.position(), screen.size());
+        let within = |value: i32, from: i32, length: u32| {
+            (i64::from(from)..i64::from(from) + i64::from(length)).contains(&i64::from(value))
+        };
+        within(corner[0], at.x, size.width) && within(corner[1], at.y, size.height)
+    })
 }
 
 impl PanelWindow {
@@ -174,16 +180,19 @@ impl PanelWindow {
         main: &Window,
         device: &Arc<Device>,
         panel: Panel,
-        place: Option<Place>,
+        place: Option<PanelPlace>,
         scale: f32,
     ) -> Result<PanelWindow, AppError> {
-        let Place { corner, size } = place.unwrap_or_else(|| Place::first(main, panel, scale));
+        // The screen that it was on may be gone.
+        let place = place
+            .filter(|place| place.corner_px.is_none_or(|corner| is_on_screen(event_loop, corner)));
+        let place = place.unwrap_or_else(|| first_place(main, panel, scale));
         let mut attributes = Window::default_attributes()
             .with_title(panel.title())
-            .with_inner_size(Size::Physical(size))
+            .with_inner_size(Size::Physical(place.size_px.into()))
             .with_min_inner_size(SMALLEST);
-        if let Some(corner) = corner {
-            attributes = attributes.with_position(corner);
+        if let Some(corner) = place.corner_px {
+            attributes = attributes.with_position(PhysicalPosition::<i32>::from(corner));
         }
         let window = Arc::new(event_loop.create_window(attributes)?);
         let pane = Pane::new(window.clone(), device.surface(window)?, device)?;

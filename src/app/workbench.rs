@@ -19,6 +19,7 @@ use super::head::Head;
 use super::job::{self, Job};
 use super::keys::KeyFile;
 use super::marker::MarkerDrag;
+use super::memory::MemoryFile;
 use super::pad::Pads;
 use super::stage::Stage;
 use super::stroke::StrokeInHand;
@@ -44,6 +45,8 @@ pub struct Workbench {
     pub(super) pristine: Vec<Bindings>,
     /// Where changes to the tables are kept, if anywhere.
     pub(super) key_file: Option<KeyFile>,
+    /// Where it is remembered how the program was left, if anywhere.
+    pub(super) memory: Option<MemoryFile>,
     /// What is held in the main window.
     mapper: Mapper,
     /// What is held in the windows of panels.
@@ -100,6 +103,7 @@ impl Workbench {
             pristine: presets.clone(),
             presets,
             key_file: None,
+            memory: None,
             mapper: Mapper::default(),
             panel_mappers: BTreeMap::new(),
             shift_tap: ShiftTap::default(),

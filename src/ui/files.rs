@@ -34,6 +34,8 @@ pub struct Files {
     dialog: FileDialog,
     task: FileTask,
     choice: Choice,
+    /// Where a sculpture was opened or saved last.
+    folder: Option<PathBuf>,
 }
 
 /// What is chosen about a file, kept from one dialog to the next.
@@ -53,7 +55,16 @@ impl Files {
             raw: String::new(),
             form: ExportForm::default(),
         };
-        Files { dialog: FileDialog::new(), task: FileTask::Open, choice }
+        Files { dialog: FileDialog::new(), task: FileTask::Open, choice, folder: None }
+    }
+
+    /// The folder that dialogs open in where no file says another.
+    pub fn folder(&self) -> Option<&Path> {
+        self.folder.as_deref()
+    }
+
+    pub fn set_folder(&mut self, folder: PathBuf) {
+        self.folder = Some(folder);
     }
 
     pub fn is_open(&self) -> bool {
@@ -72,7 +83,8 @@ impl Files {
             .resizable(false)
             .movable(false);
         dialog.set_right_panel_width(SIDE_WIDTH);
-        if let Some(folder) = folder_of(path) {
+        let folder = folder_of(path).or_else(|| self.folder.clone());
+        if let Some(folder) = folder.filter(|folder| folder.is_dir()) {
             dialog = dialog.initial_directory(folder);
         }
         let name = path.and_then(|p| p.file_stem()).map(|n| n.to_string_lossy().into_owned());
@@ -110,7 +122,7 @@ impl Default for Files {
 }
 
 pub fn show(root: &Ui, state: &mut UiState, intents: &mut Vec<Intent>) {
-    let Files { dialog, task, choice } = &mut state.files;
+    let Files { dialog, task, choice, .. } = &mut state.files;
     // The library draws its search field black on any ground: dark text could not be read there.
     dialog.config_mut().show_search = root.visuals().dark_mode;
     dialog.update_with_right_panel_ui(root.ctx(), &mut |ui, _| {

@@ -223,6 +223,11 @@ impl Hand {
         &self.recent
     }
 
+    /// Colours of an earlier time, the latest first.
+    pub fn set_recent(&mut self, colours: impl Iterator<Item = Rgb>) {
+        self.recent = colours.take(RECENT).collect();
+    }
+
     pub fn primitive(&self) -> Primitive {
         Primitive {
             solid: self.solid,

@@ -54,31 +54,44 @@ fn past(ui: &mut Ui, shared: bool, state: &UiState, facts: &Facts, intents: &mut
 
 /// The options themselves.
 pub fn content(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
-    section(ui, "Tool", true, |ui| tool_options::show(ui, state, facts, intents));
-    section(ui, "Symmetry and array", false, |ui| {
+    section(ui, "Tool", true, state, |ui, state| tool_options::show(ui, state, facts, intents));
+    section(ui, "Symmetry and array", false, state, |ui, state| {
         symmetry(ui, state, facts, intents);
         repeat(ui, state, facts, intents);
     });
-    section(ui, "View", false, |ui| view(ui, state, facts, intents));
+    section(ui, "View", false, state, |ui, state| view(ui, state, facts, intents));
     if !facts.in_headset {
-        section(ui, "Head tracking and AR", false, |ui| {
+        section(ui, "Head tracking and AR", false, state, |ui, state| {
             head::options(ui, state, facts, intents);
             video::options(ui, state, facts, intents);
             ar::options(ui, state, facts, intents);
         });
     }
     if let Some(pad) = facts.pad.filter(|_| !facts.in_headset) {
-        section(ui, "Gamepad", true, |ui| gamepad::show(ui, state, pad, intents));
+        section(ui, "Gamepad", true, state, |ui, state| gamepad::show(ui, state, pad, intents));
     }
-    section(ui, "Light", false, |ui| {
+    section(ui, "Light", false, state, |ui, state| {
         action_button(ui, state, facts, "Lights …", Action::Lights, true, intents);
         light::surface(ui, state);
     });
 }
 
-fn section(ui: &mut Ui, title: &str, open: bool, content: impl FnOnce(&mut Ui)) {
-    let title = egui::RichText::new(title).strong();
-    CollapsingHeader::new(title).default_open(open).show_unindented(ui, content);
+/// `open`: whether it is so at the very first.
+fn section(
+    ui: &mut Ui,
+    title: &str,
+    open: bool,
+    state: &mut UiState,
+    content: impl FnOnce(&mut Ui, &mut UiState),
+) {
+    let before = state.sections.get(title).copied().unwrap_or(open);
+    let shown = CollapsingHeader::new(egui::RichText::new(title).strong())
+        .open(Some(before))
+        .show_unindented(ui, |ui| content(ui, state));
+    if shown.header_response.clicked() {
+        state.sections.insert(title.to_string(), !before);
+        ui.ctx().request_repaint();
+    }
     ui.add_space(4.0);
 }
 

@@ -1,16 +1,18 @@
 //! Owns what the interface remembers: the tool in hand, how the sculpture is shown, and which
 //! windows are open. None of it belongs to the sculpture.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use glam::{IVec3, UVec3, Vec3};
+use serde::{Deserialize, Serialize};
 
 use super::hand::Hand;
 use super::head::CalibrationStep;
 use super::key_table::KeyTable;
 use super::new_dialog::NewDialog;
 use super::palette::Palette;
+use super::recent::Recent;
 use super::toasts::Toasts;
 use crate::command::Command;
 use crate::config::{
@@ -127,9 +129,33 @@ impl Scale {
         self.now = to.clamp(*SCALE_RANGE.start(), *SCALE_RANGE.end());
     }
 
+    /// To a factor, as far as the settings allow.
+    pub fn set(&mut self, factor: f32) {
+        self.now = factor.clamp(*SCALE_RANGE.start(), *SCALE_RANGE.end());
+    }
+
     pub fn reset(&mut self) {
         self.now = self.configured;
     }
+}
+
+/// Where the window of a panel is, in pixels of the screen.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+pub struct PanelPlace {
+    /// Not known everywhere.
+    #[serde(default)]
+    pub corner_px: Option<[i32; 2]>,
+    pub size_px: [u32; 2],
+}
+
+/// How large the windows were last, and where those of panels.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct Windows {
+    /// Width and height of the main window in points, while it does not fill the screen; none
+    /// before it was open.
+    pub main: Option<[u32; 2]>,
+    pub maximised: bool,
+    pub panels: BTreeMap<Panel, PanelPlace>,
 }
 
 /// Everything that the interface remembers.
@@ -148,6 +174,11 @@ pub struct UiState {
     pub switch_fullscreen: bool,
     /// The next picture of the view is to be saved to a file.
     pub screenshot: bool,
+    pub windows: Windows,
+    /// The sections of the options that were opened or closed.
+    pub sections: BTreeMap<String, bool>,
+    /// The files that were opened or saved last.
+    pub recent: Recent,
     /// Lets a gamepad shake when the tool bites.
     pub rumble: bool,
     /// The hand that has the tool in a headset.
@@ -203,6 +234,9 @@ impl UiState {
             torn: BTreeSet::new(),
             switch_fullscreen: false,
             screenshot: false,
+            windows: Windows::default(),
+            sections: BTreeMap::new(),
+            recent: Recent::default(),
             rumble: config.gamepad.rumble,
             hand_side: config.headset.hand,
             blend: config.headset.blend,

@@ -4,7 +4,7 @@
 use egui::{Align, ComboBox, Frame, Layout, Margin, MenuBar, Ui};
 
 use super::buttons::{action_button, explain};
-use super::{Facts, Intent, UiState, switches};
+use super::{Facts, Intent, UiState, recent, switches};
 use crate::config::{RenderMode, Theme};
 use crate::input::{Action, Panel, Side};
 
@@ -65,6 +65,8 @@ fn menu(ui: &mut Ui, narrow: bool, state: &mut UiState, facts: &Facts, intents: 
         if narrow {
             switches::menu(ui, state, facts, intents);
         }
+        recent::menu(ui, state, intents);
+        ui.separator();
         for (label, action) in [("Fill the grid", Action::Fill), ("Clear the grid", Action::Clear)]
         {
             action_button(ui, state, facts, label, action, true, intents);

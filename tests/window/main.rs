@@ -14,6 +14,7 @@ mod display;
 mod head;
 mod house;
 mod keys;
+mod memory;
 mod panels;
 mod program;
 mod stereo;
@@ -35,6 +36,7 @@ pub fn main() {
         keys::a_key_is_changed_used_and_remembered_and_the_palette_runs_a_command,
         keys::copies_are_pasted_by_key_with_nothing_on_the_clipboard,
         keys::a_picture_of_the_view_is_saved_by_key_without_tool_and_lines,
+        memory::the_program_comes_back_as_it_was_left,
         panels::a_torn_off_toolbox_works_with_the_main_window_and_goes_back,
         panels::the_window_stays_alive_while_a_large_sculpture_is_saved,
         panels::all_panels_are_torn_off_in_the_light_theme_and_scaled_together,

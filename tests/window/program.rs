@@ -57,7 +57,16 @@ impl<'a> Program<'a> {
 
     /// The same with other settings.
     pub fn start_with(display: &'a Display, arguments: &[&str], settings: &str) -> Program<'a> {
-        let folder = tempfile::tempdir().unwrap().keep();
+        Program::start_in(display, tempfile::tempdir().unwrap().keep(), arguments, settings)
+    }
+
+    /// The same at home in a folder, where it may have been started before.
+    pub fn start_in(
+        display: &'a Display,
+        folder: PathBuf,
+        arguments: &[&str],
+        settings: &str,
+    ) -> Program<'a> {
         let config = folder.join("config.toml");
         std::fs::write(&config, settings).unwrap();
         let mut child = Command::new(env!("CARGO_BIN_EXE_virtual-sculpture"))
@@ -169,6 +178,12 @@ impl<'a> Program<'a> {
         let change = ConfigureWindowAux::new().x(x as i32).y(y as i32).width(width).height(height);
         self.display.x.configure_window(self.panel(title), &change).unwrap();
         self.display.sync();
+    }
+
+    /// Width and height of the main window.
+    pub fn size(&self) -> [u32; 2] {
+        let place = self.display.x.get_geometry(self.window()).unwrap().reply().unwrap();
+        [place.width.into(), place.height.into()]
     }
 
     /// x, y, width and height of the window of a panel.

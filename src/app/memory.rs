@@ -1,0 +1,110 @@
+//! Owns the file in which the program remembers what a person finds again at the next start.
+//!
+//! It is written when it has changed: when a file was opened or saved, now and then at rest, and at
+//! the end. Without [`Workbench::remember_in`] nothing is read or written, as in tests.
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use super::workbench::Workbench;
+use crate::command::Command;
+use crate::config::Config;
+use crate::format::store::write_atomically;
+use crate::ui::memory;
+use crate::ui::state::folder_of;
+
+/// A longer file is none of this program's.
+const LONGEST_BYTES: u64 = 1 << 20;
+/// At rest it is written no more often than this.
+const EVERY: Duration = Duration::from_secs(30);
+
+/// The file and what it holds.
+pub(super) struct MemoryFile {
+    path: PathBuf,
+    config: Config,
+    written: String,
+    at: Instant,
+    /// That it cannot be written has been said.
+    complained: bool,
+}
+
+impl Workbench {
+    /// Remembers what the file holds, if there is one, and from now on writes what is to be
+    /// remembered to it.
+    pub fn remember_in(&mut self, path: PathBuf, config: &Config) {
+        let read = read(&path);
+        match &read {
+            Ok(Some(text)) => memory::recall(text, &mut self.ui, config),
+            Ok(None) => {}
+            Err(error) => tracing::warn!("cannot read {}: {error}", path.display()),
+        }
+        self.leave_ground();
+        if let Some(path) = self.session.path() {
+            self.ui.recent.note_open(path);
+        }
+        let written = read.ok().flatten().unwrap_or_default();
+        let config = config.clone();
+        self.memory =
+            Some(MemoryFile { path, config, written, at: Instant::now(), complained: false });
+    }
+
+    /// A file was opened or saved by a command.
+    pub(super) fn note_file(&mut self, command: &Command) {
+        if let Command::Open { path, .. } | Command::Save { path, .. } = command {
+            self.ui.recent.note(command);
+            if let Some(folder) = folder_of(std::path::absolute(path).ok().as_deref()) {
+                self.ui.files.set_folder(folder);
+            }
+            self.remember();
+        }
+    }
+
+    /// The same, if some time has gone by since.
+    pub fn remember_at_rest(&mut self) {
+        if self.memory.as_ref().is_some_and(|memory| memory.at.elapsed() >= EVERY) {
+            self.remember();
+        }
+    }
+
+    /// Writes what is to be remembered, if it has changed.
+    pub fn remember(&mut self) {
+        let Some(file) = &mut self.memory else { return };
+        let text = memory::to_text(&self.ui, &file.config);
+        file.at = Instant::now();
+        if text == file.written {
+            return;
+        }
+        match write(&file.path, &text) {
+            Ok(()) => file.written = text,
+            Err(error) => {
+                // The work is not in danger, so nobody is kept from it.
+                if !std::mem::replace(&mut file.complained, true) {
+                    tracing::warn!("cannot write {}: {error}", file.path.display());
+                }
+            }
+        }
+    }
+}
+
+/// The file's text; none if there is no file.
+fn read(path: &Path) -> std::io::Result<Option<String>> {
+    use std::io::{Error, ErrorKind};
+    let metadata = match std::fs::metadata(path) {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+        metadata => metadata?,
+    };
+    if !metadata.is_file() || metadata.len() > LONGEST_BYTES {
+        return Err(Error::new(ErrorKind::InvalidData, "it is no file of this program"));
+    }
+    let mut bytes = Vec::new();
+    std::fs::File::open(path)?.take(LONGEST_BYTES).read_to_end(&mut bytes)?;
+    Ok(Some(String::from_utf8_lossy(&bytes).into_owned()))
+}
+
+fn write(path: &Path, text: &str) -> std::io::Result<()> {
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder)?;
+    }
+    write_atomically(path, text.as_bytes())
+}

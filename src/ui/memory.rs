@@ -1,0 +1,300 @@
+//! Owns what a person finds again at the next start, as text: how the interface looks, which panels
+//! are where, the tool in hand with its colours, the last folder and the last files.
+//!
+//! Takes and gives text; knows no file. What cannot be read is left out and never stops a start.
+//! A setting that has changed since overrules what is remembered of the same thing.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Deserializer, Serialize};
+
+use super::recent::Recent;
+use super::sprays::SprayOptions;
+use super::state::PanelPlace;
+use super::{Hand, Tool, UiState};
+use crate::command::SpraySurface;
+use crate::config::{Config, SCALE_RANGE, Theme};
+use crate::input::{Panel, ToolMode};
+use crate::sculpture::Rgb;
+use crate::tools::construct::Solid;
+use crate::tools::spray::{MAX_FOOTPRINT, MAX_REACH_VX, Outline, SprayKind};
+
+const HEAD: &str = "\
+# What Virtual Sculpture remembers from one start to the next. Settings stand in config.toml; this
+# file may be deleted.
+";
+/// Sides of windows that are believed, in points.
+const SIDES: std::ops::RangeInclusive<u32> = 64..=16384;
+
+#[derive(Default, Serialize, Deserialize)]
+#[serde(default)]
+struct Kept {
+    #[serde(deserialize_with = "lenient")]
+    theme: Option<Theme>,
+    #[serde(deserialize_with = "lenient")]
+    scale: Option<f64>,
+    /// Width and height of the main window in points.
+    #[serde(deserialize_with = "lenient")]
+    window: Option<[u32; 2]>,
+    #[serde(deserialize_with = "lenient")]
+    maximised: Option<bool>,
+    /// Panels that are windows of their own.
+    #[serde(deserialize_with = "lenient")]
+    torn: Option<Vec<String>>,
+    #[serde(deserialize_with = "lenient")]
+    folder: Option<String>,
+    #[serde(deserialize_with = "lenient")]
+    recent: Option<Vec<toml::Value>>,
+    /// What the settings said when this was written.
+    #[serde(deserialize_with = "lenient")]
+    settings: Option<Looks>,
+    #[serde(deserialize_with = "lenient")]
+    sections: Option<BTreeMap<String, bool>>,
+    #[serde(deserialize_with = "lenient")]
+    panels: Option<BTreeMap<String, PanelPlace>>,
+    #[serde(deserialize_with = "lenient")]
+    tool: Option<KeptTool>,
+    #[serde(deserialize_with = "lenient")]
+    sprays: Option<BTreeMap<String, KeptSpray>>,
+}
+
+#[derive(Clone, Copy, PartialEq, Serialize, Deserialize)]
+struct Looks {
+    theme: Theme,
+    scale: f64,
+    window: [u32; 2],
+}
+
+impl Looks {
+    fn of(config: &Config) -> Looks {
+        let window = &config.window;
+        Looks { theme: window.theme, scale: neat(window.scale), window: window.size }
+    }
+}
+
+#[derive(Default, Serialize, Deserialize)]
+#[serde(default)]
+struct KeptTool {
+    #[serde(deserialize_with = "lenient")]
+    kind: Option<String>,
+    #[serde(deserialize_with = "lenient")]
+    solid: Option<String>,
+    #[serde(deserialize_with = "lenient")]
+    mode: Option<String>,
+    #[serde(deserialize_with = "lenient")]
+    follow: Option<bool>,
+    #[serde(deserialize_with = "lenient")]
+    snap: Option<bool>,
+    #[serde(deserialize_with = "lenient")]
+    stand: Option<bool>,
+    #[serde(deserialize_with = "lenient")]
+    lean: Option<bool>,
+    #[serde(deserialize_with = "lenient")]
+    colour: Option<String>,
+    #[serde(deserialize_with = "lenient")]
+    used_colours: Option<Vec<String>>,
+}
+
+#[derive(Default, Serialize, Deserialize)]
+#[serde(default)]
+struct KeptSpray {
+    #[serde(deserialize_with = "lenient")]
+    radius_px: Option<f64>,
+    #[serde(deserialize_with = "lenient")]
+    square: Option<bool>,
+    #[serde(deserialize_with = "lenient")]
+    reach_vx: Option<f64>,
+    #[serde(deserialize_with = "lenient")]
+    bites_cubes: Option<bool>,
+    #[serde(deserialize_with = "lenient")]
+    threshold: Option<u32>,
+    #[serde(deserialize_with = "lenient")]
+    around_vx: Option<u32>,
+    #[serde(deserialize_with = "lenient")]
+    cover: Option<f64>,
+    #[serde(deserialize_with = "lenient")]
+    once_a_stroke: Option<bool>,
+}
+
+/// What is to be remembered.
+pub fn to_text(state: &UiState, config: &Config) -> String {
+    let names = |panels: &mut dyn Iterator<Item = &Panel>| {
+        panels.map(|panel| panel.title().to_string()).collect()
+    };
+    let places = state.windows.panels.iter();
+    let kept = Kept {
+        theme: Some(state.theme),
+        scale: Some(neat(state.scale.factor())),
+        window: state.windows.main,
+        maximised: Some(state.windows.maximised),
+        torn: Some(names(&mut state.torn.iter())),
+        folder: state.files.folder().and_then(|folder| folder.to_str()).map(String::from),
+        recent: Some(state.recent.lines().map(toml::Value::String).collect()),
+        settings: Some(Looks::of(config)),
+        sections: Some(state.sections.clone()),
+        panels: Some(places.map(|(panel, place)| (panel.title().to_string(), *place)).collect()),
+        tool: Some(kept_tool(&state.hand)),
+        sprays: Some(
+            SprayKind::ALL
+                .into_iter()
+                .map(|kind| (kind.name().to_string(), kept_spray(state.hand.sprays.of(kind))))
+                .collect(),
+        ),
+    };
+    match toml::to_string(&kept) {
+        Ok(text) => format!("{HEAD}{text}"),
+        Err(error) => {
+            tracing::warn!("what is to be remembered has no text: {error}");
+            HEAD.to_string()
+        }
+    }
+}
+
+/// Gives the interface what a text remembers.
+pub fn recall(text: &str, state: &mut UiState, config: &Config) {
+    let kept: Kept = match toml::from_str(text) {
+        Ok(kept) => kept,
+        Err(error) => {
+            tracing::warn!("what was remembered cannot be read: {error}");
+            return;
+        }
+    };
+    let now = Looks::of(config);
+    let then = kept.settings.unwrap_or(now);
+    if let Some(theme) = kept.theme.filter(|_| then.theme == now.theme) {
+        state.theme = theme;
+    }
+    let scale = kept.scale.map(|scale| scale as f32).filter(|scale| SCALE_RANGE.contains(scale));
+    if let Some(scale) = scale.filter(|_| then.scale == now.scale) {
+        state.scale.set(scale);
+    }
+    if then.window == now.window {
+        state.windows.main = kept.window.filter(is_side);
+        state.windows.maximised = kept.maximised.unwrap_or(false);
+    }
+    let panel = |name: &String| Panel::ALL.into_iter().find(|panel| panel.title() == name);
+    state.torn.extend(kept.torn.iter().flatten().filter_map(panel));
+    let places = kept.panels.into_iter().flatten();
+    state.windows.panels.extend(
+        places
+            .filter(|(_, place)| is_side(&place.size_px))
+            .filter_map(|(name, place)| Some((panel(&name)?, place))),
+    );
+    if let Some(folder) = kept.folder {
+        state.files.set_folder(PathBuf::from(folder));
+    }
+    let lines = kept.recent.iter().flatten().filter_map(toml::Value::as_str);
+    state.recent = Recent::from_lines(lines);
+    state.sections.extend(kept.sections.into_iter().flatten().take(64));
+    recall_tool(&kept.tool.unwrap_or_default(), &mut state.hand);
+    for kind in SprayKind::ALL {
+        if let Some(spray) = kept.sprays.as_ref().and_then(|sprays| sprays.get(kind.name())) {
+            recall_spray(spray, state.hand.sprays.of_mut(kind));
+        }
+    }
+}
+
+fn kept_tool(hand: &Hand) -> KeptTool {
+    let kind = match hand.tool {
+        Tool::Solid => SOLID,
+        Tool::Marker => MARKER,
+        Tool::Spray(kind) => kind.name(),
+    };
+    KeptTool {
+        kind: Some(kind.to_string()),
+        solid: Some(hand.solid.name().to_string()),
+        mode: Some(mode_name(hand.mode).to_string()),
+        follow: Some(hand.follow),
+        snap: Some(hand.snap),
+        stand: Some(hand.stand),
+        lean: Some(hand.lean),
+        colour: Some(hand.colour.to_string()),
+        used_colours: Some(hand.recent().iter().map(Rgb::to_string).collect()),
+    }
+}
+
+fn recall_tool(kept: &KeptTool, hand: &mut Hand) {
+    let spray = |name: &str| SprayKind::ALL.into_iter().find(|kind| kind.name() == name);
+    match kept.kind.as_deref() {
+        Some(SOLID) => hand.tool = Tool::Solid,
+        Some(MARKER) => hand.tool = Tool::Marker,
+        other => hand.tool = other.and_then(spray).map_or(hand.tool, Tool::Spray),
+    }
+    let solid = |name: &str| Solid::ALL.into_iter().find(|solid| solid.name() == name);
+    hand.solid = kept.solid.as_deref().and_then(solid).unwrap_or(hand.solid);
+    let mode = |name: &str| ToolMode::ALL.into_iter().find(|mode| mode_name(*mode) == name);
+    hand.mode = kept.mode.as_deref().and_then(mode).unwrap_or(hand.mode);
+    hand.follow = kept.follow.unwrap_or(hand.follow);
+    hand.snap = kept.snap.unwrap_or(hand.snap);
+    hand.stand = kept.stand.unwrap_or(hand.stand);
+    hand.lean = kept.lean.unwrap_or(hand.lean);
+    let colour = |text: &String| text.parse().ok();
+    hand.colour = kept.colour.as_ref().and_then(colour).unwrap_or(hand.colour);
+    hand.set_recent(kept.used_colours.iter().flatten().filter_map(colour));
+}
+
+const SOLID: &str = "solid";
+const MARKER: &str = "marker";
+
+const fn mode_name(mode: ToolMode) -> &'static str {
+    match mode {
+        ToolMode::Add => "add",
+        ToolMode::Subtract => "subtract",
+        ToolMode::Recolour => "recolour",
+    }
+}
+
+fn kept_spray(options: &SprayOptions) -> KeptSpray {
+    KeptSpray {
+        radius_px: Some(neat(options.radius_px)),
+        square: Some(options.outline == Outline::Square),
+        reach_vx: Some(neat(options.reach_vx)),
+        bites_cubes: Some(options.bite == Outline::Square),
+        threshold: Some(options.threshold),
+        around_vx: Some(options.around_vx),
+        cover: Some(neat(options.cover)),
+        once_a_stroke: Some(options.surface == SpraySurface::Stroke),
+    }
+}
+
+fn recall_spray(kept: &KeptSpray, options: &mut SprayOptions) {
+    let outline = |square: bool| if square { Outline::Square } else { Outline::Round };
+    // What is no number is in no range.
+    let within = |value: Option<f64>, range: std::ops::RangeInclusive<f32>, usual: f32| {
+        value.map(|value| value as f32).filter(|value| range.contains(value)).unwrap_or(usual)
+    };
+    options.radius_px = within(kept.radius_px, 1.0..=MAX_FOOTPRINT, options.radius_px);
+    options.reach_vx = within(kept.reach_vx, 0.0..=MAX_REACH_VX, options.reach_vx);
+    options.cover = within(kept.cover, 0.01..=1.0, options.cover);
+    options.outline = kept.square.map_or(options.outline, outline);
+    options.bite = kept.bites_cubes.map_or(options.bite, outline);
+    let threshold = kept.threshold.filter(|threshold| (1..=26).contains(threshold));
+    options.threshold = threshold.unwrap_or(options.threshold);
+    let around = kept.around_vx.filter(|around| (1..=8).contains(around));
+    options.around_vx = around.unwrap_or(options.around_vx);
+    if let Some(once) = kept.once_a_stroke {
+        options.surface = if once { SpraySurface::Stroke } else { SpraySurface::Now };
+    }
+}
+
+fn is_side(size: &[u32; 2]) -> bool {
+    size.iter().all(|side| SIDES.contains(side))
+}
+
+/// The number as a person would write it.
+fn neat(value: f32) -> f64 {
+    value.to_string().parse().unwrap_or(f64::from(value))
+}
+
+/// A value that is not what it should be is none.
+fn lenient<'de, D: Deserializer<'de>, T: DeserializeOwned>(from: D) -> Result<Option<T>, D::Error> {
+    let value = toml::Value::deserialize(from)?;
+    let text = value.to_string();
+    Ok(value.try_into().inspect_err(|error| tracing::warn!("not remembered: {text}: {error}")).ok())
+}
+
+#[cfg(test)]
+#[path = "memory_tests.rs"]
+mod tests;

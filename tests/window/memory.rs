@@ -1,0 +1,61 @@
+//! The program is used, left and started again: it looks as it was left.
+
+use super::program::Program;
+use super::{LEFT, display_of, shot};
+
+/// Room for the main window and that of a panel.
+const SCREEN: [u32; 2] = [1700, 800];
+const HISTORY: [u32; 4] = [1300, 20, 250, 500];
+/// A place where no window is.
+const NOWHERE: [i16; 2] = [1690, 790];
+const SETTINGS: &str = "[new]\ndims = [96, 96, 96]\n[window]\nguide = false\n";
+
+pub fn the_program_comes_back_as_it_was_left() {
+    let display = display_of(SCREEN);
+    let program = Program::start_with(&display, &[], SETTINGS);
+    program.leave_picture();
+    program.settle();
+    let folder = program.folder().to_path_buf();
+    shot(&program, "memory-0-first");
+    program.resize([1100, 720]);
+    program.key(&["c"]);
+    program.key(&["t"]);
+    program.key(&["F8"]);
+    program.settle();
+    program.place_panel("History", HISTORY);
+    program.key(&["Control_L", "equal"]);
+    display.device(6, 0, NOWHERE);
+    let left = shot(&program, "memory-1-left");
+    program.key(&["Control_L", "q"]);
+    program.expect_clean_exit();
+    let kept = folder.join(".local/state/virtual-sculpture/state.toml");
+    let text = std::fs::read_to_string(&kept).unwrap();
+    assert!(text.contains("window = [1100, 720]"), "{text}");
+
+    let program = Program::start_in(&display, folder.clone(), &[], SETTINGS);
+    program.settle();
+    assert_eq!(program.size(), [1100, 720]);
+    assert_eq!(program.panel_place("History"), HISTORY);
+    display.device(6, 0, NOWHERE);
+    let again = shot(&program, "memory-2-again");
+    // All but the time of the last picture in the status line.
+    let seen = [0, 0, 1100, 690];
+    assert_eq!(left.part(seen).differing(&again.part(seen)), 0);
+
+    // A stroke, the killed program, and damage: it starts all the same.
+    program.drag(LEFT, &[[430, 380], [470, 400]]);
+    program.settle();
+    drop(program);
+    for damage in ["", "theme = ", "\u{fffd}\u{0}", "window = [3, 3]\nscale = -1\n"] {
+        std::fs::write(&kept, damage).unwrap();
+        let program = Program::start_in(&display, folder.clone(), &[], SETTINGS);
+        program.settle();
+        assert_eq!(program.size(), [1280, 800], "{damage:?}");
+        assert!(!program.has_window("History"));
+        program.close();
+        let (status, said) = program.wait();
+        assert!(status.success(), "{damage:?}: {said}");
+    }
+    let text = std::fs::read_to_string(&kept).unwrap();
+    assert!(text.contains("window = [1280, 800]"), "{text}");
+}
