@@ -14,7 +14,7 @@ use crate::surface::IndexMap;
 use crate::tools::spray::{Footprint, SprayKind};
 use crate::ui::sprays::SprayOptions;
 
-/// Spacing of a path as a share of the tool's smallest half extent.
+/// Spacing of a spray's path as a share of its radius.
 const SPACING: f32 = 0.35;
 /// Pixels between two looks at the surface along a drag.
 const LOOK_EVERY_PX: f32 = 3.0;
@@ -172,8 +172,8 @@ impl Workbench {
         }
         let edges = self.session.document().grid().voxel_size();
         let edges = edges / edges.min_element();
-        let spacing = SPACING * self.ui.hand.half().min_element();
-        let path = Path::new(self.ui.hand.centre_vx, spacing.max(0.5), edges);
+        let spacing = self.ui.hand.primitive().spacing_anywhere();
+        let path = Path::new(self.ui.hand.centre_vx, spacing, edges);
         self.stroke = Some(StrokeInHand { work: Work::Solid { mode, guide }, path, changed: 0 });
         if mode == ToolMode::Add || mode == ToolMode::Recolour && self.ui.hand.picture.is_none() {
             self.ui.hand.used_colour();
@@ -191,6 +191,7 @@ impl Workbench {
         if let Work::Solid { guide: Guide::Surface { seen, at, depth, lift }, .. } = work {
             let sight = self.sight();
             let grid = self.session.document().grid();
+            let solid = self.ui.hand.primitive();
             let leap = LEAP * 2.0 * self.ui.hand.half().max_element();
             let looks = (to.distance(*at) / LOOK_EVERY_PX).ceil().clamp(1.0, MOST_LOOKS) as u32;
             for i in 1..=looks {
@@ -202,7 +203,7 @@ impl Workbench {
                 if path.distance(point) > leap {
                     path.jump_to(point, |stop| stops.push(stop));
                 } else {
-                    path.line_to(point, |stop| stops.push(stop));
+                    path.sweep_to(point, &solid, |stop| stops.push(stop));
                 }
             }
             *at = to;
@@ -233,7 +234,7 @@ impl Workbench {
         if let Some(StrokeInHand { work: Work::Solid { guide: Guide::Tool, .. }, path, .. }) =
             &mut self.stroke
         {
-            path.line_to(to, |stop| stops.push(stop));
+            path.sweep_to(to, &self.ui.hand.primitive(), |stop| stops.push(stop));
         }
         self.use_tool_at(&stops);
         self.ui.hand.centre_vx = to;

@@ -108,7 +108,9 @@ mod tests {
         let rotation = DMat3::from_quat(primitive.rotation.as_dquat());
         let half = primitive.half.as_dvec3();
         let covered = |p: DVec3| (-3..=4).any(|i| inside(primitive, p - step * f64::from(i)));
-        let around: Vec<DVec3> = spread(300).collect();
+        // Towards the uses, too, where the solid is too thin for other ways to meet it.
+        let (to, fro) = (step.normalize(), -step.normalize());
+        let around: Vec<DVec3> = spread(300).chain([to, fro]).collect();
         let mut deepest = 0.0f64;
         for direction in spread(400) {
             // The surface towards `direction`: by halving, since the solid holds its centre.
@@ -120,7 +122,7 @@ mod tests {
                     false => high = middle,
                 }
             }
-            let on_surface = rotation * (direction * low * half);
+            let on_surface = rotation * (direction * low * half) * (1.0 - 1e-6);
             for part in [0.25, 0.5, 0.75] {
                 let p = on_surface + step * part;
                 let near = |depth: f64| around.iter().any(|way| covered(p + *way * depth));
