@@ -50,6 +50,7 @@ use crate::screen::headset::LinkNews;
 use crate::session::Session;
 
 use headset::{Connection, Headset};
+use pane::Frame;
 use torn::Torn;
 use view::View;
 pub use workbench::Workbench;
@@ -62,6 +63,8 @@ const RESTART_INTERVAL: Duration = Duration::from_secs(20);
 const PATIENCE: Duration = Duration::from_millis(200);
 /// The same while a headset waits for its pictures, which come first.
 const BRIEFLY: Duration = Duration::from_millis(2);
+/// When a window without a free image is asked again.
+const ASK_AGAIN: Duration = Duration::from_millis(250);
 /// How often the window shows what is done in a headset.
 const MIRROR_EVERY: Duration = Duration::from_millis(100);
 
@@ -151,36 +154,68 @@ impl App {
     /// picture of the sculpture up to date, put it and the interface into the window.
     fn frame(&mut self) -> Result<(), GpuError> {
         let Some(view) = &mut self.view else { return Ok(()) };
-        let started = Instant::now();
-        view.pane.answer();
+        if let Some(due) = view.pane.is_early(Instant::now()) {
+            view.pane.wake_at(Some(due));
+            return Ok(());
+        }
         let showing = self.headset.as_ref().is_some_and(Headset::is_showing);
         let patience = if showing { BRIEFLY } else { PATIENCE };
-        let Some(mut frame) = view.begin(&mut self.bench, patience)? else {
-            // Nothing to draw to. A hidden window is asked again now and then.
-            let again = started + Duration::from_millis(250);
-            view.pane.wake_at((!view.pane.is_minimised()).then_some(again));
-            return Ok(());
-        };
+        let frame = view.begin(&mut self.bench, patience)?;
+        self.attend(frame)
+    }
+
+    /// The same for a window that may not be seen, without a picture: what the person wants is done
+    /// all the same, for it may come from another window, from a headset or a closing one.
+    fn attend(&mut self, frame: Option<Frame>) -> Result<(), GpuError> {
+        let Some(view) = &mut self.view else { return Ok(()) };
+        let started = Instant::now();
+        view.pane.answer();
         view.play_pad(&mut self.bench, (started - self.started).as_secs_f64());
         self.bench.on_screen(view.pane.monitor());
         self.bench.track();
-        let mut interface = view.interface(&mut self.bench);
+        let interface = view.interface(&mut self.bench);
         self.bench.shake_pad(self.started.elapsed().as_secs_f64());
-        view.draw_sculpture(&mut frame, &mut self.bench)?;
-        view.draw_interface(&mut frame, &mut interface)?;
-        if let Some(lack) = view.pane.take_lack() {
-            self.bench.ui.toasts.error(lack.to_string());
-        }
         let pad_needs = self.bench.pad_is_active().then_some(Duration::ZERO);
-        let again = started.checked_add(pad_needs.unwrap_or(interface.repaint_after));
-        view.pane.wake_at(again);
-        view.end(frame, interface)?;
-        view.save_screenshot(&mut self.bench)?;
+        let mut again = pad_needs.unwrap_or(interface.repaint_after);
+        if frame.is_none() {
+            tracing::debug!("a picture is left out");
+            // A hidden window is asked again now and then.
+            let soon = if view.pane.is_minimised() { Duration::MAX } else { ASK_AGAIN };
+            again = again.max(ASK_AGAIN).min(soon);
+        }
+        view.pane.wake_at(started.checked_add(again));
+        if let Some(mut frame) = frame {
+            view.draw_sculpture(&mut frame, &mut self.bench)?;
+            view.draw_interface(&mut frame, &interface)?;
+            if let Some(lack) = view.pane.take_lack() {
+                self.bench.ui.toasts.error(lack.to_string());
+            }
+            view.end(frame)?;
+            view.save_screenshot(&mut self.bench)?;
+            self.bench.times.total_ms = started.elapsed().as_secs_f32() * 1e3;
+        }
         view.switch_fullscreen(&mut self.bench);
-        self.bench.times.total_ms = started.elapsed().as_secs_f32() * 1e3;
         view.set_title(&self.bench);
         // What was done may show in the panels.
         self.torn.touch();
+        Ok(())
+    }
+
+    /// What the window's own time has come for: another picture, or a look at what is to be done if
+    /// the window system asks for none.
+    fn look_after_window(&mut self) -> Result<(), GpuError> {
+        let now = Instant::now();
+        let Some(view) = &mut self.view else { return Ok(()) };
+        if view.pane.has_missed() {
+            return self.frame();
+        }
+        if view.pane.is_unseen(now) {
+            return self.attend(None);
+        }
+        if view.pane.wake().is_some_and(|wake| wake <= now) {
+            view.pane.wake_at(None);
+            view.pane.redraw();
+        }
         Ok(())
     }
 
@@ -218,7 +253,9 @@ impl App {
             .with_maximized(windows.maximised)
             .with_min_inner_size(SMALLEST);
         let window = Arc::new(event_loop.create_window(attributes)?);
-        self.view = Some(View::new(window, &self.config)?);
+        let view = View::new(window, &self.config)?;
+        self.bench.ui.view.suit_device(view.device().is_software());
+        self.view = Some(view);
         Ok(())
     }
 
@@ -308,15 +345,20 @@ impl App {
         }
     }
 
-    /// Says once that the program waits, for those who wait for it.
+    /// Says when the program begins to wait, and when it no longer does, for those who wait for it.
     fn note_rest(&mut self) {
         let soon = Instant::now() + Duration::from_secs(1);
         let pending = self.view.as_ref().is_some_and(|view| view.pane.is_pending());
-        let resting = !pending && self.wake().is_none_or(|wake| wake > soon);
-        if resting && !self.resting {
-            tracing::debug!("at rest");
-            self.note_windows();
-            self.bench.remember_at_rest();
+        let resting =
+            !pending && !self.torn.is_pending() && self.wake().is_none_or(|wake| wake > soon);
+        match (self.resting, resting) {
+            (false, true) => {
+                tracing::debug!("at rest");
+                self.note_windows();
+                self.bench.remember_at_rest();
+            }
+            (true, false) => tracing::debug!("at work"),
+            _ => {}
         }
         self.resting = resting;
     }
@@ -344,19 +386,14 @@ impl App {
 }
 
 impl ApplicationHandler<Wake> for App {
-    fn user_event(&mut self, event_loop: &ActiveEventLoop, wake: Wake) {
+    fn user_event(&mut self, _: &ActiveEventLoop, wake: Wake) {
         match wake {
             Wake::Pad(news) => {
                 let now = news.at.saturating_duration_since(self.started);
                 self.bench.hear_pad(news, now.as_secs_f64());
                 self.redraw();
             }
-            Wake::Headset(connection, news) => {
-                self.hear_headset(connection, news);
-                if self.bench.is_leaving() {
-                    event_loop.exit();
-                }
-            }
+            Wake::Headset(connection, news) => self.hear_headset(connection, news),
         }
     }
 
@@ -384,7 +421,10 @@ impl ApplicationHandler<Wake> for App {
                 window.touch();
             }
             match event {
-                WindowEvent::RedrawRequested => window.lose_picture(),
+                WindowEvent::RedrawRequested => {
+                    let result = window.draw();
+                    self.survive(event_loop, result);
+                }
                 WindowEvent::CloseRequested => {
                     let panel = window.panel();
                     self.bench.put_back(panel);
@@ -401,9 +441,6 @@ impl ApplicationHandler<Wake> for App {
                 self.resting = false;
                 let result = self.frame();
                 self.survive(event_loop, result);
-                if self.bench.is_leaving() {
-                    event_loop.exit();
-                }
             }
             WindowEvent::CloseRequested => {
                 self.bench.ask_to_leave();
@@ -416,14 +453,10 @@ impl ApplicationHandler<Wake> for App {
     }
 
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
-        let result = self.panels(event_loop);
+        let result = self.panels(event_loop).and_then(|()| self.look_after_window());
         self.survive(event_loop, result);
-        let now = Instant::now();
-        if let Some(view) = &mut self.view
-            && view.pane.wake().is_some_and(|wake| wake <= now)
-        {
-            view.pane.wake_at(None);
-            view.pane.redraw();
+        if self.bench.is_leaving() {
+            event_loop.exit();
         }
         let headset = self.headset.as_mut().and_then(|headset| headset.poll(&mut self.bench));
         event_loop.set_control_flow(match self.wake().into_iter().chain(headset).min() {

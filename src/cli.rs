@@ -14,7 +14,7 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::app;
 use crate::bench::{self, BenchJob, Kernel, Suite};
-use crate::config::{Config, Profile, RenderMode};
+use crate::config::{self, Config, Profile, RenderMode};
 use crate::doctor;
 use crate::format;
 use crate::format::options::ExportForm;
@@ -274,7 +274,8 @@ fn window_or_demo(cli: Cli, config: Config, progress: &Bar) -> Result<(), JobErr
 }
 
 fn dispatch(cli: Cli) -> Result<(), JobError> {
-    let config = Config::load_over(cli.profile, cli.config.as_deref())?;
+    let mut config = Config::load_over(cli.profile, cli.config.as_deref())?;
+    config.gpu.pipeline_cache = config::cache_folder();
     let progress = Bar::new(cli.quiet);
     match cli.job {
         Some(Job::Render { file, out, picture, import }) => {

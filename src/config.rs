@@ -25,7 +25,7 @@ mod tracking;
 mod video;
 
 pub use self::tracking::{ArSettings, ScreenSettings, SourceAddress, TrackingSettings};
-pub use folders::{personal_file, personal_folder, state_folder};
+pub use folders::{cache_folder, personal_file, personal_folder, state_folder};
 pub use gamepad::GamepadSettings;
 pub use headset::HeadsetSettings;
 pub use light::LightSettings;
@@ -93,6 +93,9 @@ pub struct New {
 pub struct Gpu {
     pub device: String,
     pub validation: bool,
+    /// The folder of compiled pipelines; no setting, but given by whoever runs the program.
+    #[serde(skip)]
+    pub pipeline_cache: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
@@ -244,7 +247,8 @@ impl Config {
         let choice = DeviceChoice::parse(&self.gpu.device);
         let validation =
             if self.gpu.validation { Validation::Required } else { Validation::default() };
-        DeviceOptions { choice, validation }.with_environment()
+        let pipeline_cache = self.gpu.pipeline_cache.clone();
+        DeviceOptions { choice, validation, pipeline_cache }.with_environment()
     }
 
     /// The block of stone that a session begins with.

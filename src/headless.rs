@@ -294,7 +294,7 @@ fn render_session(
 ) -> Result<(), JobError> {
     let view = picture::View {
         size: arguments.size,
-        mode: arguments.mode.unwrap_or(config.render.mode),
+        mode: arguments.mode.or(config.render.mode).unwrap_or_default(),
         direction: arguments.camera,
         up: arguments.up,
         turn_rad: arguments.turn.to_radians(),

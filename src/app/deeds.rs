@@ -143,7 +143,7 @@ impl Workbench {
             Action::ToggleHead => self.toggle_head(),
             Action::CalibrateHead => self.begin_calibration(),
             Action::ToggleAr => self.toggle_ar(),
-            Action::NextRenderMode => self.ui.view.mode = next_mode(self.ui.view.mode),
+            Action::NextRenderMode => self.ui.view.choose_mode(next_mode(self.ui.view.mode)),
             Action::NextStereo => self.next_stereo(),
             Action::ToggleVideo => self.ui.view.video.on ^= true,
             Action::SwapEyes => self.ui.view.stereo.swap_eyes ^= true,

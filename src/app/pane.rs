@@ -23,6 +23,14 @@ use crate::view::StereoLayout;
 
 use super::stereo_screen::StereoScreen;
 
+/// When a picture that was asked for and is not drawn is taken for one of a window that cannot be
+/// seen: Wayland asks for none of those.
+const UNSEEN_AFTER: Duration = Duration::from_millis(250);
+/// From picture to picture where the screen does not say how often it shows one.
+const USUAL_PERIOD: Duration = Duration::from_micros(16_667);
+/// A picture may come so much before the screen's next one, for clocks are not that exact.
+const SLACK: Duration = Duration::from_millis(1);
+
 /// A window that an interface is drawn into. Fields are dropped in this order.
 pub struct Pane {
     gui: Gui,
@@ -39,8 +47,14 @@ pub struct Pane {
     pointing_eye: usize,
     /// When the interface wants to be drawn again by itself.
     wake: Option<Instant>,
-    /// A picture was asked for and has not been drawn.
-    pending: bool,
+    /// Since when a picture is asked for that has not been drawn.
+    pending: Option<Instant>,
+    /// When the last picture was begun.
+    begun: Option<Instant>,
+    /// The last picture came too late for the window as it was: it is owed another.
+    missed: bool,
+    /// The interface's textures that are not yet brought over or freed.
+    textures: TexturesDelta,
 }
 
 /// A picture being made.
@@ -55,7 +69,6 @@ pub struct Frame {
 pub struct Interface {
     pub shapes: Vec<ClippedShape>,
     pub pixels_per_point: f32,
-    pub textures: TexturesDelta,
     /// When the interface wants another picture by itself.
     pub repaint_after: Duration,
 }
@@ -79,7 +92,7 @@ impl Pane {
             Some(texture_side),
         );
         Ok(Pane {
-            gui: Gui::new(device, screen.format(), screen.encodes_srgb())?,
+            gui: Gui::new(device, screen.format())?,
             frames: Frames::new(device)?,
             screen,
             device: device.clone(),
@@ -89,7 +102,10 @@ impl Pane {
             layout: StereoLayout::Mono,
             pointing_eye: 0,
             wake: None,
-            pending: false,
+            pending: None,
+            begun: None,
+            missed: false,
+            textures: TexturesDelta::default(),
         })
     }
 
@@ -157,16 +173,41 @@ impl Pane {
         self.window.is_minimized().unwrap_or(false)
     }
 
-    /// Asks for a picture.
+    /// Asks for a picture. The window system says when it is to be made
+    /// (`WindowEvent::RedrawRequested`).
     pub fn redraw(&mut self) {
-        self.pending = true;
+        self.pending.get_or_insert_with(Instant::now);
         self.window.request_redraw();
     }
 
-    /// The picture that was asked for is being made.
+    /// What was asked for is being done.
     pub fn answer(&mut self) {
         self.wake = None;
-        self.pending = false;
+        self.pending = None;
+    }
+
+    /// The picture that was asked for is not awaited any more.
+    pub fn await_none(&mut self) {
+        self.pending = None;
+    }
+
+    /// When the screen can show another picture, if that is after `now`. Without this a mailbox
+    /// would be filled as fast as the device can.
+    pub fn is_early(&self, now: Instant) -> Option<Instant> {
+        let begun = self.begun.filter(|_| !self.screen.is_paced())?;
+        let rate = self.window.current_monitor().and_then(|m| m.refresh_rate_millihertz());
+        Some(begun + period(rate)).filter(|due| *due > now)
+    }
+
+    /// Whether the window system does not ask for the picture that it has been told of.
+    pub fn is_unseen(&self, now: Instant) -> bool {
+        self.pending.is_some_and(|since| since + UNSEEN_AFTER <= now)
+    }
+
+    /// Whether the last picture was lost on its way to the window, so that the window system waits
+    /// for it before it asks for another.
+    pub fn has_missed(&self) -> bool {
+        self.missed
     }
 
     /// Asks for a picture later; with `None` not.
@@ -174,14 +215,15 @@ impl Pane {
         self.wake = wake;
     }
 
-    /// When the interface wants to be drawn again by itself.
+    /// When the pane wants attention by itself.
     pub fn wake(&self) -> Option<Instant> {
-        self.wake
+        let unseen = self.pending.map(|since| since + UNSEEN_AFTER);
+        self.wake.into_iter().chain(unseen).min()
     }
 
     /// Whether a picture was asked for and has not been drawn.
     pub fn is_pending(&self) -> bool {
-        self.pending
+        self.pending.is_some()
     }
 
     /// Shows two eyes in another way from the next picture on. Layers are for windows that have
@@ -237,29 +279,33 @@ impl Pane {
 
     /// Waits up to `patience` for a free image of the window; none while there is none.
     pub fn begin(&mut self, patience: Duration) -> Result<Option<Frame>, GpuError> {
+        let begun = Instant::now();
         let recorder = self.frames.begin()?;
         let target = self.screen.acquire(self.frames.slot(), patience)?;
+        if target.is_some() {
+            self.begun = Some(begun);
+        }
         Ok(target.map(|target| Frame { recorder, target, pasted: false }))
     }
 
-    /// Runs a pass of the interface, which `show` fills.
+    /// Runs a pass of the interface, which `show` fills. Its textures wait for the next picture.
     pub fn interface(&mut self, show: impl FnMut(&mut Ui)) -> Interface {
         let input = self.egui.take_egui_input(&self.window);
         let context = self.egui.egui_ctx().clone();
         let output = context.run_ui(input, show);
         self.egui.handle_platform_output(&self.window, output.platform_output);
         let viewport = output.viewport_output.get(&ViewportId::ROOT);
+        self.textures.append(output.textures_delta);
         Interface {
             shapes: output.shapes,
             pixels_per_point: output.pixels_per_point,
-            textures: output.textures_delta,
             repaint_after: viewport.map_or(Duration::MAX, |v| v.repaint_delay),
         }
     }
 
-    /// Brings the interface's new textures to the device.
-    pub fn upload(&mut self, textures: &mut TexturesDelta) -> Result<(), GpuError> {
-        self.gui.upload(textures)
+    /// Whether textures wait for the next picture.
+    pub fn has_textures(&self) -> bool {
+        !self.textures.is_empty()
     }
 
     /// What of the interface lacks memory, once ([`Gui::take_lack`]).
@@ -269,9 +315,10 @@ impl Pane {
 
     /// Records the interface, over what was pasted or over nothing.
     pub fn draw(&mut self, frame: &mut Frame, interface: &Interface) -> Result<(), GpuError> {
+        let Frame { recorder, target, pasted } = frame;
+        self.gui.upload(recorder, self.frames.slot(), &mut self.textures)?;
         let context = self.egui.egui_ctx();
         let primitives = context.tessellate(interface.shapes.clone(), interface.pixels_per_point);
-        let Frame { recorder, target, pasted } = frame;
         let (before, load) = match pasted {
             true => (Use::COPY_TARGET, Load::Keep),
             false => (Target::FIRST, Load::Colour([0.0, 0.0, 0.0, 1.0])),
@@ -279,7 +326,7 @@ impl Pane {
         recorder.image_barrier(target.part(), before, Use::COLOUR_TARGET);
         let attachment = Attachment { view: target.view(0), load, store: true };
         recorder.begin_rendering(target.size, Some(attachment), None);
-        self.gui.draw(recorder, target.size, interface.pixels_per_point, &primitives)?;
+        self.gui.draw(recorder, target.size, interface.pixels_per_point, primitives)?;
         recorder.end_rendering();
         recorder.image_barrier(target.part(), Use::COLOUR_TARGET, Use::PRESENT);
         Ok(())
@@ -294,27 +341,40 @@ impl Pane {
         pictures: &mut EyeImage,
         corner: IVec2,
     ) -> Result<(), GpuError> {
+        let Frame { recorder, target, .. } = frame;
+        self.gui.upload(recorder, self.frames.slot(), &mut self.textures)?;
         let context = self.egui.egui_ctx();
         let primitives = context.tessellate(interface.shapes.clone(), interface.pixels_per_point);
-        let Frame { recorder, target, .. } = frame;
         let size = UVec2::from(target.size);
         let stereo = match &mut self.stereo {
             Some(stereo) => stereo,
             none => none.insert(StereoScreen::new(&self.device, self.screen.format(), size)?),
         };
         stereo.begin_interface(recorder, size)?;
-        self.gui.draw(recorder, target.size, interface.pixels_per_point, &primitives)?;
+        self.gui.draw(recorder, target.size, interface.pixels_per_point, primitives)?;
         recorder.end_rendering();
         stereo.compose(recorder, self.frames.slot(), target, pictures, corner, self.layout)
     }
 
-    /// Hands the picture to the window. `textures`: those to be freed after it.
-    pub fn end(&mut self, frame: Frame, textures: &mut TexturesDelta) -> Result<(), GpuError> {
+    /// Hands the picture to the window. False if the window has changed too much to show it; then
+    /// another one is due at once ([`Pane::has_missed`]).
+    pub fn end(&mut self, frame: Frame) -> Result<bool, GpuError> {
         let Frame { recorder, target, .. } = frame;
-        let serial = self.frames.submit(recorder, &[target.wait()], &[target.signal()])?;
-        self.gui.free_after(textures, serial);
-        self.screen.present(&target)
+        self.frames.submit(recorder, &[target.wait()], &[target.signal()])?;
+        self.gui.free(&mut self.textures);
+        // Wayland asks for the next picture when this one has been seen.
+        self.window.pre_present_notify();
+        let shown = self.screen.present(&target)?;
+        self.missed = !shown;
+        Ok(shown)
     }
+}
+
+/// The least time from picture to picture on a screen that shows so many in 1000 seconds.
+fn period(millihertz: Option<u32>) -> Duration {
+    let told = millihertz.filter(|rate| (10_000..=1_000_000).contains(rate));
+    let period = told.map_or(USUAL_PERIOD, |rate| Duration::from_secs(1000) / rate);
+    period.saturating_sub(SLACK)
 }
 
 /// Whether the key that pastes was pressed: V, or where V is on keyboards without Latin letters.
@@ -336,5 +396,21 @@ impl Frame {
         self.recorder.image_barrier(self.target.part(), Target::FIRST, Use::COPY_TARGET);
         WindowScreen::paste(&mut self.recorder, picture, size, &self.target, at);
         self.pasted = true;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_follow_one_another_as_the_screen_shows_them_and_never_without_end() {
+        let ms = |rate| period(rate).as_secs_f32() * 1e3;
+        assert!((ms(Some(60_000)) - 15.67).abs() < 0.01);
+        assert!((ms(Some(144_000)) - 5.94).abs() < 0.01);
+        // What is no rate counts as none, so that it does not become no wait at all.
+        for none in [None, Some(0), Some(1), Some(u32::MAX)] {
+            assert!((ms(none) - 15.67).abs() < 0.01, "{none:?}");
+        }
     }
 }

@@ -1,16 +1,15 @@
 //! Owns the windows of panels that are torn off: one for each in the workbench's list, with the
 //! place where it was last.
 //!
-//! A panel's pass is run whenever something happened in any window, for it costs little; a
-//! picture of it is made only if the pass gives another one than the last, or if the window
-//! system has lost it. It never waits for its window, so that it does not hold up the main one.
+//! A panel's pass is run whenever something happened in any window, for it costs little. If it gives
+//! another picture than the last, the window system is told, and the picture is made when that asks
+//! for it: for a window that cannot be seen, never. It never waits for its window, so that it does
+//! not hold up the main one.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use egui::TexturesDelta;
-use egui::epaint::ClippedShape;
 use winit::dpi::{LogicalSize, PhysicalPosition, PhysicalSize, Size};
 use winit::event_loop::ActiveEventLoop;
 use winit::window::{Window, WindowId};
@@ -43,18 +42,11 @@ pub struct PanelWindow {
     pub pane: Pane,
     /// Something happened that it may show.
     stale: bool,
-    /// What the window shows.
-    drawn: Option<Drawn>,
-    /// Textures not yet brought over or freed.
-    textures: TexturesDelta,
+    /// What the last pass gave.
+    latest: Option<Interface>,
+    /// What the window shows is of this size; none if it does not show the latest.
+    drawn: Option<PhysicalSize<u32>>,
     retry: Duration,
-}
-
-#[derive(PartialEq)]
-struct Drawn {
-    shapes: Vec<ClippedShape>,
-    pixels_per_point: f32,
-    size: PhysicalSize<u32>,
 }
 
 impl Torn {
@@ -106,8 +98,16 @@ impl Torn {
         let now = Instant::now();
         let mut touched = false;
         for window in &mut self.windows {
+            if window.pane.is_unseen(now) {
+                // The window system asks for the picture once somebody can see it.
+                window.pane.await_none();
+            }
             if window.stale || window.pane.wake().is_some_and(|wake| wake <= now) {
-                touched |= window.frame(bench)?;
+                touched |= window.frame(bench);
+            }
+            // The window system waits for a picture that it did not get.
+            if window.pane.has_missed() {
+                window.draw()?;
             }
         }
         Ok(touched)
@@ -122,6 +122,11 @@ impl Torn {
     pub fn note_places(&self, places: &mut BTreeMap<Panel, PanelPlace>) {
         let windows = self.windows.iter();
         places.extend(windows.map(|window| (window.panel, place_of(window.pane.window()))));
+    }
+
+    /// Whether a window is about to be drawn.
+    pub fn is_pending(&self) -> bool {
+        self.windows.iter().any(|window| window.pane.is_pending())
     }
 
     /// Closes all windows; [`Torn::follow`] opens them again, with another device if need be,
@@ -196,8 +201,7 @@ impl PanelWindow {
         }
         let window = Arc::new(event_loop.create_window(attributes)?);
         let pane = Pane::new(window.clone(), device.surface(window)?, device)?;
-        let textures = TexturesDelta::default();
-        Ok(PanelWindow { panel, pane, stale: true, drawn: None, textures, retry: RETRY })
+        Ok(PanelWindow { panel, pane, stale: true, latest: None, drawn: None, retry: RETRY })
     }
 
     pub fn panel(&self) -> Panel {
@@ -209,53 +213,68 @@ impl PanelWindow {
         self.stale = true;
     }
 
-    /// The window system has lost the window's picture.
-    pub fn lose_picture(&mut self) {
-        self.drawn = None;
-        self.stale = true;
-    }
-
-    /// Runs the panel's pass and draws it if it looks other than before. True if something was
-    /// done in it that other windows may show.
-    fn frame(&mut self, bench: &mut Workbench) -> Result<bool, GpuError> {
+    /// Runs the panel's pass, and asks for a picture if it looks other than the last. True if
+    /// something was done in it that other windows may show.
+    fn frame(&mut self, bench: &mut Workbench) -> bool {
         let started = Instant::now();
         self.stale = false;
         let panel = self.panel;
         let mut touched = false;
-        let mut interface = self.pane.interface(|root| touched |= bench.show_panel(panel, root));
+        let interface = self.pane.interface(|root| touched |= bench.show_panel(panel, root));
         self.pane.wake_at(started.checked_add(interface.repaint_after));
-        self.textures.append(std::mem::take(&mut interface.textures));
-        self.show(interface)?;
+        let same = self.latest.as_ref().is_some_and(|latest| {
+            latest.pixels_per_point == interface.pixels_per_point
+                && latest.shapes == interface.shapes
+        });
+        self.latest = Some(interface);
+        let size = self.pane.window().inner_size();
+        if !same || self.drawn != Some(size) || self.pane.has_textures() {
+            self.drawn = None;
+            self.pane.redraw();
+        }
         if let Some(lack) = self.pane.take_lack() {
             bench.ui.toasts.error(lack.to_string());
         }
-        Ok(touched)
+        touched
     }
 
-    fn show(&mut self, interface: Interface) -> Result<(), GpuError> {
-        let size = self.pane.window().inner_size();
-        let Interface { shapes, pixels_per_point, .. } = &interface;
-        let same = self.drawn.as_ref().is_some_and(|drawn| {
-            (drawn.size, drawn.pixels_per_point) == (size, *pixels_per_point)
-                && drawn.shapes == *shapes
-        });
-        // A window without a size is shown again once it has one.
-        if (same && self.textures.is_empty()) || size.width == 0 || size.height == 0 {
+    /// Makes the picture that the window system asks for.
+    pub fn draw(&mut self) -> Result<(), GpuError> {
+        let now = Instant::now();
+        self.pane.await_none();
+        if let Some(due) = self.pane.is_early(now) {
+            self.wake_by(due);
             return Ok(());
         }
-        let Some(mut frame) = self.pane.begin(Duration::ZERO)? else {
-            let again = Instant::now() + self.retry;
-            self.pane.wake_at(Some(self.pane.wake().map_or(again, |wake| wake.min(again))));
-            self.retry = (2 * self.retry).min(RETRY_AT_LAST);
+        let size = self.pane.window().inner_size();
+        // A window without a size is shown again once it has one.
+        let Some(interface) = self.latest.take().filter(|_| size.width > 0 && size.height > 0)
+        else {
             return Ok(());
         };
-        self.retry = RETRY;
-        self.pane.upload(&mut self.textures)?;
-        self.pane.draw(&mut frame, &interface)?;
-        self.pane.end(frame, &mut self.textures)?;
-        let Interface { shapes, pixels_per_point, .. } = interface;
-        self.drawn = Some(Drawn { shapes, pixels_per_point, size });
-        tracing::debug!("{} shown", self.panel.title());
+        let drawn = self.show(&interface);
+        self.latest = Some(interface);
+        if drawn? {
+            self.retry = RETRY;
+            self.drawn = Some(size);
+            tracing::debug!("{} shown", self.panel.title());
+        } else {
+            self.drawn = None;
+            self.wake_by(now + self.retry);
+            self.retry = (2 * self.retry).min(RETRY_AT_LAST);
+        }
         Ok(())
+    }
+
+    /// False if the window cannot show it now.
+    fn show(&mut self, interface: &Interface) -> Result<bool, GpuError> {
+        let Some(mut frame) = self.pane.begin(Duration::ZERO)? else { return Ok(false) };
+        self.pane.draw(&mut frame, interface)?;
+        self.pane.end(frame)
+    }
+
+    fn wake_by(&mut self, at: Instant) {
+        let wake = self.pane.wake().map_or(at, |wake| wake.min(at));
+        self.pane.wake_at(Some(wake));
     }
 }

@@ -123,9 +123,8 @@ impl View {
     pub fn draw_interface(
         &mut self,
         frame: &mut Frame,
-        interface: &mut Interface,
+        interface: &Interface,
     ) -> Result<(), GpuError> {
-        self.pane.upload(&mut interface.textures)?;
         match self.painter.pictures() {
             Some(pictures) if pictures.colour.eyes() > 1 => {
                 let corner = self.corner.as_ivec2();
@@ -166,10 +165,11 @@ impl View {
     }
 
     /// Hands the picture to the window.
-    pub fn end(&mut self, frame: Frame, mut interface: Interface) -> Result<(), GpuError> {
-        self.pane.end(frame, &mut interface.textures)?;
-        self.shown += 1;
-        tracing::debug!(number = self.shown, "picture shown");
+    pub fn end(&mut self, frame: Frame) -> Result<(), GpuError> {
+        if self.pane.end(frame)? {
+            self.shown += 1;
+            tracing::debug!(number = self.shown, "picture shown");
+        }
         Ok(())
     }
 }

@@ -22,6 +22,11 @@ pub fn state_folder() -> PathBuf {
     project().map_or_else(std::env::temp_dir, of)
 }
 
+/// Where the program keeps what it can make again.
+pub fn cache_folder() -> Option<PathBuf> {
+    project().map(|project| project.cache_dir().to_path_buf())
+}
+
 /// The file of a person's own settings.
 pub fn personal_file() -> Option<PathBuf> {
     personal_folder().map(|folder| folder.join("config.toml"))
@@ -41,5 +46,6 @@ mod tests {
         };
         assert_eq!(personal_folder(), Some(base("XDG_CONFIG_HOME", ".config")));
         assert_eq!(state_folder(), base("XDG_STATE_HOME", ".local/state"));
+        assert_eq!(cache_folder(), Some(base("XDG_CACHE_HOME", ".cache")));
     }
 }

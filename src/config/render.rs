@@ -1,6 +1,7 @@
 //! The settings of rendering: by which passes, and how finely.
 
-use serde::Deserialize;
+use serde::de::IntoDeserializer;
+use serde::{Deserialize, Deserializer};
 
 use crate::shade::{Lighting, Smoothing};
 
@@ -67,6 +68,14 @@ impl RenderMode {
         RenderMode::Quickstep,
     ];
 
+    /// The mode for a device where the person has chosen none. A GPU finds and lights the surface by
+    /// itself: what goes to the CPU and back is too slow for a headset, whose two pictures the
+    /// software shader takes 0.3 s for. A software device shares the CPU, where the software shader
+    /// is the fastest.
+    pub fn usual(software: bool) -> RenderMode {
+        if software { RenderMode::Slicing } else { RenderMode::MarchGpu }
+    }
+
     pub fn sampling(self) -> Sampling {
         match self {
             RenderMode::Gpu | RenderMode::GpuColour => Sampling::Within,
@@ -130,7 +139,9 @@ impl RenderMode {
 #[derive(Clone, PartialEq, Debug, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Render {
-    pub mode: RenderMode,
+    /// None: as suits the device.
+    #[serde(deserialize_with = "mode_or_auto")]
+    pub mode: Option<RenderMode>,
     pub fov_deg: f32,
     pub smooth_normals: Smoothing,
     pub smooth_colours: Smoothing,
@@ -140,12 +151,20 @@ pub struct Render {
 impl Default for Render {
     fn default() -> Self {
         Render {
-            mode: RenderMode::Slicing,
+            mode: None,
             fov_deg: 45.0,
             smooth_normals: Smoothing::Off,
             smooth_colours: Smoothing::Off,
             occlusion: false,
         }
+    }
+}
+
+fn mode_or_auto<'de, D: Deserializer<'de>>(from: D) -> Result<Option<RenderMode>, D::Error> {
+    let text = String::deserialize(from)?;
+    match text.as_str() {
+        "auto" => Ok(None),
+        _ => RenderMode::deserialize(text.into_deserializer()).map(Some),
     }
 }
 
@@ -173,5 +192,29 @@ impl Finish {
     pub fn of(self, lighting: Lighting) -> Lighting {
         let Finish { smooth_normals, smooth_colours, occlusion } = self;
         Lighting { smooth_normals, smooth_colours, occlusion, ..lighting }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mode_is_one_of_the_names_or_left_to_the_device() {
+        let mode = |text: &str| toml::from_str::<Render>(text).map(|render| render.mode);
+        assert_eq!(mode("").unwrap(), None);
+        assert_eq!(mode("mode = \"auto\"").unwrap(), None);
+        assert_eq!(mode("mode = \"gpu-colour\"").unwrap(), Some(RenderMode::GpuColour));
+        let error = mode("mode = \"automatic\"").unwrap_err().to_string();
+        assert!(error.contains("automatic") && error.contains("slicing-points"), "{error}");
+    }
+
+    #[test]
+    fn on_a_gpu_the_usual_mode_never_leaves_it() {
+        let mode = RenderMode::usual(false);
+        assert!(matches!(mode.sampling(), Sampling::March | Sampling::Within));
+        assert!(matches!(mode.shading(), Shading::Device | Shading::Within));
+        assert!(mode.needs_colours(), "and it shows colours");
+        assert_eq!(RenderMode::usual(true), RenderMode::default());
     }
 }

@@ -1,8 +1,9 @@
-//! Owns which of the computer's devices is taken, and why the others are not.
+//! Owns which of the computer's devices is taken, and why the others are not. A device whose driver
+//! is broken is one of those.
 
 use std::ffi::CStr;
 
-use ash::vk;
+use ash::{khr, vk};
 
 use super::error::{During, GpuError, Result};
 use super::host::Host;
@@ -16,7 +17,7 @@ pub enum DeviceChoice {
     Preferred,
     /// The n-th that the loader lists, from 0.
     Index(usize),
-    /// The first whose name contains this, letter case aside.
+    /// The first that works whose name contains this, letter case aside.
     Name(String),
 }
 
@@ -38,6 +39,8 @@ pub(super) struct Candidate {
     pub physical: vk::PhysicalDevice,
     pub properties: vk::PhysicalDeviceProperties,
     pub queue_family: u32,
+    /// Those to be enabled.
+    pub extensions: Vec<&'static CStr>,
     /// Bits of the queue's time stamps that count; 0 where it has none.
     pub time_stamp_bits: u32,
 }
@@ -48,14 +51,15 @@ impl Candidate {
     }
 }
 
-/// The device to use, or an error that names every device with what it lacks.
-pub(super) fn choose(
+/// The devices that can be used, the best first, and for each other one in words why not.
+pub(super) fn candidates(
     instance: &Instance,
     host: &mut dyn Host,
     choice: &DeviceChoice,
-) -> Result<Candidate> {
+) -> Result<(Vec<Candidate>, Vec<String>)> {
     if let Some(physical) = host.prescribed_device(instance)? {
-        return candidate(instance, host, physical)?.map_err(GpuError::NoneSuitable);
+        let candidate = candidate(instance, host, physical)?.map_err(GpuError::NoneSuitable)?;
+        return Ok((vec![candidate], Vec::new()));
     }
     let (all, names) = all_devices(instance)?;
     let wanted: Vec<vk::PhysicalDevice> = match choice {
@@ -63,8 +67,8 @@ pub(super) fn choose(
         DeviceChoice::Index(index) => all.get(*index).copied().into_iter().collect(),
         DeviceChoice::Name(part) => {
             let part = part.to_lowercase();
-            let named = names.iter().position(|n| n.to_lowercase().contains(&part));
-            named.map(|i| all[i]).into_iter().collect()
+            let named = std::iter::zip(&all, &names);
+            named.filter(|(_, n)| n.to_lowercase().contains(&part)).map(|(&p, _)| p).collect()
         }
     };
     if wanted.is_empty() {
@@ -80,15 +84,44 @@ pub(super) fn choose(
     let mut usable = Vec::new();
     let mut refused = Vec::new();
     for physical in wanted {
-        match candidate(instance, host, physical)? {
-            Ok(candidate) => usable.push(candidate),
-            Err(reason) => refused.push(reason),
+        match candidate(instance, host, physical) {
+            Ok(Ok(candidate)) => usable.push(candidate),
+            Ok(Err(reason)) => refused.push(reason),
+            Err(error) => refused.push(broken(&name_of(instance, physical), &error)),
         }
     }
-    usable
-        .into_iter()
-        .min_by_key(|c| rank(c.properties.device_type))
-        .ok_or_else(|| GpuError::NoneSuitable(refused.join("; ")))
+    if *choice == DeviceChoice::Preferred {
+        usable.sort_by_key(|c| rank(c.properties.device_type));
+    }
+    Ok((usable, refused))
+}
+
+/// What `make` makes of the first candidate that it succeeds with, or an error that says of every
+/// one, and of those `refused` before, why it cannot be used.
+pub(super) fn first_that_works<C, D>(
+    usable: Vec<C>,
+    mut refused: Vec<String>,
+    name: impl Fn(&C) -> String,
+    mut make: impl FnMut(C) -> Result<D>,
+) -> Result<D> {
+    let only = usable.len() == 1 && refused.is_empty();
+    for candidate in usable {
+        let name = name(&candidate);
+        match make(candidate) {
+            Ok(made) => return Ok(made),
+            // There is nothing to choose from, and this says best what is wrong.
+            Err(error) if only => return Err(error),
+            Err(error) => refused.push(broken(&name, &error)),
+        }
+    }
+    Err(GpuError::NoneSuitable(refused.join("; ")))
+}
+
+/// Why a device cannot be used whose driver fails.
+fn broken(name: &str, error: &GpuError) -> String {
+    let reason = format!("the driver of {name} is broken ({error})");
+    tracing::warn!("{reason}; passing it over");
+    reason
 }
 
 /// Every device of the computer with its name, in the loader's order; an error if there is none.
@@ -102,10 +135,13 @@ fn all_devices(instance: &Instance) -> Result<(Vec<vk::PhysicalDevice>, Vec<Stri
     if all.is_empty() {
         return Err(GpuError::NoDevice);
     }
-    // SAFETY: the handles were just listed.
-    let properties = |physical| unsafe { instance.raw().get_physical_device_properties(physical) };
-    let names = all.iter().map(|&p| device_name(&properties(p))).collect();
+    let names = all.iter().map(|&physical| name_of(instance, physical)).collect();
     Ok((all, names))
+}
+
+fn name_of(instance: &Instance, physical: vk::PhysicalDevice) -> String {
+    // SAFETY: a handle of this instance, which was listed.
+    device_name(&unsafe { instance.raw().get_physical_device_properties(physical) })
 }
 
 /// Says of every device of the computer, in the order of [`DeviceChoice::Index`], its name and,
@@ -116,7 +152,11 @@ pub fn survey() -> Result<Vec<(String, Option<String>)>> {
     let (all, names) = all_devices(&instance)?;
     let mut devices = Vec::new();
     for (physical, name) in all.into_iter().zip(names) {
-        devices.push((name, candidate(&instance, &host, physical)?.err()));
+        let fault = match candidate(&instance, &host, physical) {
+            Ok(candidate) => candidate.err(),
+            Err(error) => Some(broken(&name, &error)),
+        };
+        devices.push((name, fault));
     }
     Ok(devices)
 }
@@ -153,18 +193,14 @@ fn candidate(
             "{name} has Vulkan {version}, version 1.3 is needed (update its driver)"
         )));
     }
-    for wanted in host.device_extensions() {
-        let has = |e: &vk::ExtensionProperties| {
-            e.extension_name_as_c_str().is_ok_and(|n: &CStr| n == wanted)
-        };
-        if !extensions.iter().any(has) {
-            return Ok(Err(format!(
-                "{name} lacks the extension {}, which {} needs",
-                wanted.to_string_lossy(),
-                host.name()
-            )));
+    let offered = extensions.iter().filter_map(|e| e.extension_name_as_c_str().ok());
+    let extensions = match device_extensions(&host.device_extensions(), offered) {
+        Ok(extensions) => extensions,
+        Err(lacking) => {
+            let (lacking, host) = (lacking.to_string_lossy(), host.name());
+            return Ok(Err(format!("{name} lacks the extension {lacking}, which {host} needs")));
         }
-    }
+    };
     if let Some(feature) = missing_feature(instance, physical) {
         return Ok(Err(format!("{name} lacks the feature {feature} (update its driver)")));
     }
@@ -177,11 +213,26 @@ fn candidate(
                 physical,
                 properties,
                 queue_family: index,
+                extensions,
                 time_stamp_bits,
             }));
         }
     }
     Ok(Err(format!("{name} has no queue that draws, computes and serves {}", host.name())))
+}
+
+/// What is to be enabled of what a device offers: what is `wanted`, or that which is lacking; and
+/// where a device lacks a part of Vulkan the extension that says so, which must be.
+fn device_extensions<'a>(
+    wanted: &[&'static CStr],
+    offered: impl Iterator<Item = &'a CStr>,
+) -> std::result::Result<Vec<&'static CStr>, &'static CStr> {
+    let offered: Vec<&CStr> = offered.collect();
+    if let Some(&lacking) = wanted.iter().find(|name| !offered.contains(name)) {
+        return Err(lacking);
+    }
+    let subset = khr::portability_subset::NAME;
+    Ok(wanted.iter().copied().chain(offered.contains(&subset).then_some(subset)).collect())
 }
 
 fn missing_feature(instance: &Instance, physical: vk::PhysicalDevice) -> Option<&'static str> {
@@ -217,6 +268,44 @@ mod tests {
         assert_eq!(DeviceChoice::parse(""), DeviceChoice::Preferred);
         assert_eq!(DeviceChoice::parse("1"), DeviceChoice::Index(1));
         assert_eq!(DeviceChoice::parse("llvm"), DeviceChoice::Name("llvm".to_string()));
+    }
+
+    #[test]
+    fn a_broken_device_is_passed_over_and_the_next_is_taken() {
+        let mut tried = Vec::new();
+        let mut make = |name: &'static str| {
+            tried.push(name);
+            match name {
+                "good" => Ok(name),
+                _ => Err(GpuError::vulkan("create the device", vk::Result::ERROR_UNKNOWN)),
+            }
+        };
+        let name = |name: &&str| name.to_string();
+        let taken = first_that_works(vec!["bad", "good", "best"], Vec::new(), name, &mut make);
+        assert_eq!(taken.unwrap(), "good");
+
+        let refused = vec!["old has Vulkan 1.1".to_string()];
+        let error = first_that_works(vec!["bad", "worse"], refused, name, &mut make).unwrap_err();
+        let said = error.to_string();
+        assert!(["old has Vulkan 1.1", "bad", "worse"].iter().all(|n| said.contains(n)), "{said}");
+        assert_eq!(tried, ["bad", "good", "bad", "worse"]);
+
+        // The only one's fault is said as it is, so that who asks can tell faults apart.
+        let lost = |_| Err::<(), _>(GpuError::DeviceLost("create the device"));
+        let error = first_that_works(vec!["one"], Vec::new(), name, lost).unwrap_err();
+        assert!(matches!(error, GpuError::DeviceLost(_)));
+        let none = first_that_works(Vec::<&str>::new(), vec!["x".to_string()], name, |_| Ok(()));
+        assert!(matches!(none, Err(GpuError::NoneSuitable(_))));
+    }
+
+    #[test]
+    fn a_device_that_lacks_a_part_of_vulkan_is_told_that_this_is_known() {
+        let (swapchain, subset) = (khr::swapchain::NAME, khr::portability_subset::NAME);
+        let enabled =
+            |offered: &[&'static CStr]| device_extensions(&[swapchain], offered.iter().copied());
+        assert_eq!(enabled(&[subset, swapchain]), Ok(vec![swapchain, subset]));
+        assert_eq!(enabled(&[swapchain]), Ok(vec![swapchain]));
+        assert_eq!(enabled(&[subset]), Err(swapchain));
     }
 
     #[test]

@@ -125,6 +125,8 @@ pub struct Attachment {
 pub struct Recorder {
     device: Arc<Device>,
     buffer: vk::CommandBuffer,
+    /// Between the beginning and the end of rendering.
+    rendering: bool,
 }
 
 impl Recorder {
@@ -134,7 +136,7 @@ impl Recorder {
         // SAFETY: the buffer's pool was reset or just made, and is used by one thread.
         unsafe { device.raw().begin_command_buffer(buffer, &info) }.during("begin commands")?;
         device.recording_begun();
-        Ok(Recorder { device: device.clone(), buffer })
+        Ok(Recorder { device: device.clone(), buffer, rendering: false })
     }
 
     fn submit(
@@ -236,11 +238,21 @@ impl Recorder {
             raw.cmd_set_viewport(self.buffer, 0, &viewport);
             raw.cmd_set_scissor(self.buffer, 0, &[area]);
         }
+        self.rendering = true;
     }
 
     pub fn end_rendering(&mut self) {
         // SAFETY: recording.
         unsafe { self.device.raw().cmd_end_rendering(self.buffer) };
+        self.rendering = false;
+    }
+
+    /// Ends rendering if it has begun: for who goes on recording after a failure, which may have come
+    /// at any place.
+    pub fn end_rendering_if_begun(&mut self) {
+        if self.rendering {
+            self.end_rendering();
+        }
     }
 
     /// Draws to a part of the picture only: x, y, width, height in pixels.

@@ -50,6 +50,37 @@ impl Drop for SetLayout {
     }
 }
 
+/// How shaders look between the texels of an image: as a mean of those around, and beyond the edge as
+/// at the edge.
+pub struct Sampler {
+    handle: vk::Sampler,
+    device: Arc<Device>,
+}
+
+impl Sampler {
+    pub fn linear(device: &Arc<Device>, name: &str) -> Result<Sampler> {
+        let info = vk::SamplerCreateInfo::default()
+            .mag_filter(vk::Filter::LINEAR)
+            .min_filter(vk::Filter::LINEAR)
+            .address_mode_u(vk::SamplerAddressMode::CLAMP_TO_EDGE)
+            .address_mode_v(vk::SamplerAddressMode::CLAMP_TO_EDGE)
+            .address_mode_w(vk::SamplerAddressMode::CLAMP_TO_EDGE);
+        // SAFETY: the info is complete.
+        let handle =
+            unsafe { device.raw().create_sampler(&info, None) }.during("create a sampler")?;
+        device.name(handle, name);
+        Ok(Sampler { handle, device: device.clone() })
+    }
+}
+
+impl Drop for Sampler {
+    fn drop(&mut self) {
+        let handle = self.handle;
+        // SAFETY: called once the device is done with all that may use it.
+        self.device.retire_with(move |device| unsafe { device.destroy_sampler(handle, None) });
+    }
+}
+
 /// Sets of one layout. A set may only be written while no submission in flight uses it: keep
 /// one a frame slot, or make new ones.
 pub struct DescriptorSets {
@@ -107,6 +138,28 @@ impl DescriptorSets {
     pub fn write_sampled(&self, index: usize, binding: u32, view: vk::ImageView) {
         let layout = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
         self.write_image(index, binding, vk::DescriptorType::SAMPLED_IMAGE, view, layout);
+    }
+
+    /// Names an image that shaders sample, in the layout of [`crate::gpu::Use::SHADER_READ`]. Image
+    /// and sampler must live as long as the set.
+    pub fn write_texture(
+        &self,
+        index: usize,
+        binding: u32,
+        view: vk::ImageView,
+        sampler: &Sampler,
+    ) {
+        let images = [vk::DescriptorImageInfo::default()
+            .sampler(sampler.handle)
+            .image_view(view)
+            .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL)];
+        let write = vk::WriteDescriptorSet::default()
+            .dst_set(self.sets[index])
+            .dst_binding(binding)
+            .descriptor_type(vk::DescriptorType::COMBINED_IMAGE_SAMPLER)
+            .image_info(&images);
+        // SAFETY: set, view and sampler are of this device.
+        unsafe { self.device.raw().update_descriptor_sets(&[write], &[]) };
     }
 
     /// Names an image that compute shaders write, in the layout of

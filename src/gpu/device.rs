@@ -4,6 +4,7 @@
 //! There is one constructor for headless work, a window and a headset; they differ in their
 //! [`Host`]. Every owner made from a device keeps an `Arc` of it, so it outlives them all.
 
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -12,10 +13,11 @@ use gpu_allocator::AllocationSizes;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use winit::raw_window_handle::{HasDisplayHandle, HasWindowHandle};
 
-use super::choice::{Candidate, DeviceChoice, choose};
+use super::choice::{Candidate, DeviceChoice, candidates, first_that_works};
 use super::error::{During, GpuError, Result};
 use super::host::{Host, Surface};
 use super::instance::{Instance, Validation};
+use super::pipeline_cache::PipelineCache;
 use super::retire::{RetireQueue, Retired};
 use super::validation::ValidationLog;
 
@@ -30,16 +32,22 @@ pub const MAX_SEMAPHORES: usize = 3;
 pub struct DeviceOptions {
     pub choice: DeviceChoice,
     pub validation: Validation,
+    /// The folder in which compiled pipelines are kept for the next start; without one they are not.
+    pub pipeline_cache: Option<PathBuf>,
 }
 
 impl DeviceOptions {
     /// These options, with validation required where the environment says `VS_VALIDATION=1`, and
-    /// on where the layer is installed with `VS_VALIDATION=if-available`.
+    /// on where the layer is installed with `VS_VALIDATION=if-available`. What is validated is made
+    /// anew each time.
     pub fn with_environment(mut self) -> DeviceOptions {
         match std::env::var("VS_VALIDATION").as_deref() {
             Ok("1") => self.validation = Validation::Required,
             Ok("if-available") => self.validation = Validation::IfAvailable,
             _ => {}
+        }
+        if self.validation != Validation::Off {
+            self.pipeline_cache = None;
         }
         self
     }
@@ -62,6 +70,8 @@ pub struct Device {
     retired: Mutex<RetireQueue>,
     queue: Mutex<Queue>,
     timeline: vk::Semaphore,
+    /// Taken out on drop.
+    pipelines: Option<PipelineCache>,
     names: Option<ext::debug_utils::Device>,
     candidate: Candidate,
     raw: ash::Device,
@@ -69,13 +79,26 @@ pub struct Device {
 }
 
 impl Device {
-    /// Makes instance and device for `host`.
+    /// Makes instance and device for `host`: the best device that can be made.
     pub fn new(host: &mut dyn Host, options: &DeviceOptions) -> Result<Arc<Device>> {
         let instance = Instance::new(host, options.validation)?;
         host.attach(&instance)?;
-        let candidate = choose(&instance, host, &options.choice)?;
+        let (usable, refused) = candidates(&instance, host, &options.choice)?;
+        let device = first_that_works(usable, refused, Candidate::name, |candidate| {
+            Device::of(&instance, host, options, candidate)
+        })?;
+        tracing::info!("drawing with {}", device.device_name());
+        Ok(Arc::new(device))
+    }
 
-        let extensions: Vec<_> = host.device_extensions().iter().map(|e| e.as_ptr()).collect();
+    /// Makes one device.
+    fn of(
+        instance: &Arc<Instance>,
+        host: &mut dyn Host,
+        options: &DeviceOptions,
+        candidate: Candidate,
+    ) -> Result<Device> {
+        let extensions: Vec<_> = candidate.extensions.iter().map(|e| e.as_ptr()).collect();
         let queues = [vk::DeviceQueueCreateInfo::default()
             .queue_family_index(candidate.queue_family)
             .queue_priorities(&[1.0])];
@@ -91,7 +114,7 @@ impl Device {
             .enabled_extension_names(&extensions)
             .push_next(&mut timeline)
             .push_next(&mut v13);
-        let raw = host.create_device(&instance, candidate.physical, &info)?;
+        let raw = host.create_device(instance, candidate.physical, &info)?;
         // SAFETY: the family was asked for with one queue.
         let queue = unsafe { raw.get_device_queue(candidate.queue_family, 0) };
         let names = (instance.validated() && instance.debug_names())
@@ -101,10 +124,11 @@ impl Device {
             retired: Mutex::default(),
             queue: Mutex::new(Queue { raw: queue, submitted: 0 }),
             timeline: vk::Semaphore::null(),
+            pipelines: None,
             names,
             candidate,
             raw,
-            instance,
+            instance: instance.clone(),
         };
         let mut kind =
             vk::SemaphoreTypeCreateInfo::default().semaphore_type(vk::SemaphoreType::TIMELINE);
@@ -113,9 +137,11 @@ impl Device {
         device.timeline = unsafe { device.raw.create_semaphore(&info, None) }
             .during("create the queue's timeline")?;
         device.allocator = Some(Arc::new(Mutex::new(device.make_allocator()?)));
+        let folder = options.pipeline_cache.as_deref();
+        let (raw, properties) = (&device.raw, &device.candidate.properties);
+        device.pipelines = Some(PipelineCache::new(raw, properties, folder)?);
         device.name(device.timeline, "submissions");
-        tracing::info!("drawing with {}", device.device_name());
-        Ok(Arc::new(device))
+        Ok(device)
     }
 
     fn make_allocator(&self) -> Result<Allocator> {
@@ -181,6 +207,11 @@ impl Device {
     /// Whether this is a software renderer, on which copies cost no bus.
     pub fn is_software(&self) -> bool {
         self.candidate.properties.device_type == vk::PhysicalDeviceType::CPU
+    }
+
+    /// What pipelines are made with.
+    pub(super) fn pipeline_cache(&self) -> vk::PipelineCache {
+        self.pipelines.as_ref().map_or(vk::PipelineCache::null(), PipelineCache::handle)
     }
 
     /// The allocator, for libraries that allocate themselves; whoever keeps the `Arc` must be
@@ -341,6 +372,9 @@ impl Drop for Device {
             while let Some(object) = self.lock_retired().take_any() {
                 object.destroy(&self.raw, &mut guard);
             }
+        }
+        if let Some(pipelines) = self.pipelines.take() {
+            pipelines.end(&self.raw);
         }
         // SAFETY: idle, and every owner made from the device is gone.
         unsafe {

@@ -123,9 +123,14 @@ impl<W: HasDisplayHandle + HasWindowHandle + 'static> Host for WindowHost<W> {
 pub struct Surface {
     handle: vk::SurfaceKHR,
     loader: khr::surface::Instance,
-    _instance: Arc<Instance>,
-    _window: Arc<dyn std::any::Any>,
+    instance: Arc<Instance>,
+    window: Arc<dyn Handles>,
 }
+
+/// A window as window systems know it.
+trait Handles: HasDisplayHandle + HasWindowHandle {}
+
+impl<W: HasDisplayHandle + HasWindowHandle> Handles for W {}
 
 impl Surface {
     /// The surface of `window`.
@@ -133,18 +138,31 @@ impl Surface {
     where
         W: HasDisplayHandle + HasWindowHandle + 'static,
     {
-        let display = window.display_handle().map_err(|e| handle_error(&e))?.as_raw();
-        let handle = window.window_handle().map_err(|e| handle_error(&e))?.as_raw();
-        let (entry, raw) = (instance.entry(), instance.raw());
-        // SAFETY: the handles are of a live window, which the surface keeps alive.
-        let handle = unsafe { ash_window::create_surface(entry, raw, display, handle, None) }
-            .during("create the window's surface")?;
-        Ok(Surface {
-            handle,
-            loader: khr::surface::Instance::new(entry, raw),
-            _instance: instance.clone(),
-            _window: window,
-        })
+        let mut surface = Surface {
+            handle: vk::SurfaceKHR::null(),
+            loader: khr::surface::Instance::new(instance.entry(), instance.raw()),
+            instance: instance.clone(),
+            window,
+        };
+        surface.renew()?;
+        Ok(surface)
+    }
+
+    /// Another surface of the same window in the place of this one, which is lost. Nothing made
+    /// from it may be left.
+    pub fn renew(&mut self) -> Result<()> {
+        let display = self.window.display_handle().map_err(|e| handle_error(&e))?.as_raw();
+        let window = self.window.window_handle().map_err(|e| handle_error(&e))?.as_raw();
+        let (entry, raw) = (self.instance.entry(), self.instance.raw());
+        let former = std::mem::take(&mut self.handle);
+        // SAFETY: the swapchain made from it is gone (the caller's duty); null is ignored. The
+        // handles are of a live window, which the surface keeps alive.
+        self.handle = unsafe {
+            self.loader.destroy_surface(former, None);
+            ash_window::create_surface(entry, raw, display, window, None)
+        }
+        .during("create the window's surface")?;
+        Ok(())
     }
 
     /// Whether a queue family of a device of the same instance can draw to it.

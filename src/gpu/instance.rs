@@ -5,7 +5,7 @@
 use std::ffi::{CStr, CString};
 use std::sync::Arc;
 
-use ash::{ext, vk};
+use ash::{ext, khr, vk};
 
 use super::error::{During, GpuError, Result};
 use super::host::Host;
@@ -57,6 +57,12 @@ impl Instance {
         if debug_names {
             extensions.push(CString::from(ext::debug_utils::NAME));
         }
+        // Else loaders hide devices that lack a part of Vulkan, as all those of Apple's do.
+        let mut flags = vk::InstanceCreateFlags::empty();
+        if has(khr::portability_enumeration::NAME) {
+            extensions.push(CString::from(khr::portability_enumeration::NAME));
+            flags |= vk::InstanceCreateFlags::ENUMERATE_PORTABILITY_KHR;
+        }
         let extension_names: Vec<_> = extensions.iter().map(|e| e.as_ptr()).collect();
         let layer_names: Vec<_> = validation.then_some(LAYER.as_ptr()).into_iter().collect();
 
@@ -66,6 +72,7 @@ impl Instance {
         let log = Arc::new(ValidationLog::default());
         let mut messenger = messenger_info(&log);
         let mut info = vk::InstanceCreateInfo::default()
+            .flags(flags)
             .application_info(&app)
             .enabled_extension_names(&extension_names)
             .enabled_layer_names(&layer_names);

@@ -46,6 +46,7 @@ mod instance;
 pub mod layout;
 mod memory;
 mod pipeline;
+mod pipeline_cache;
 mod readback;
 mod retire;
 pub mod shaders;
@@ -55,7 +56,7 @@ mod validation;
 
 pub use choice::{DeviceChoice, survey};
 pub use commands::{Attachment, FRAMES_IN_FLIGHT, Frames, Load, Pool, Recorder, Use, run_once};
-pub use descriptors::{Binding, DescriptorSets, SetLayout};
+pub use descriptors::{Binding, DescriptorSets, Sampler, SetLayout};
 pub use device::{Device, DeviceOptions, MAX_SEMAPHORES, Serial};
 pub use error::{During, GpuError, Result};
 pub use host::{Headless, Host, Surface, WindowHost};

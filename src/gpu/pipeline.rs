@@ -220,7 +220,7 @@ impl Pipeline {
             .push_next(&mut formats);
         // SAFETY: the info is complete and all it points to lives.
         let made = unsafe {
-            device.raw().create_graphics_pipelines(vk::PipelineCache::null(), &[info], None)
+            device.raw().create_graphics_pipelines(device.pipeline_cache(), &[info], None)
         };
         Pipeline::wrap(device, of.name, made, vk::PipelineBindPoint::GRAPHICS, of.layout)
     }
@@ -243,7 +243,7 @@ impl Pipeline {
             .layout(layout.handle());
         // SAFETY: the info is complete and all it points to lives.
         let made = unsafe {
-            device.raw().create_compute_pipelines(vk::PipelineCache::null(), &[info], None)
+            device.raw().create_compute_pipelines(device.pipeline_cache(), &[info], None)
         };
         Pipeline::wrap(device, name, made, vk::PipelineBindPoint::COMPUTE, layout)
     }

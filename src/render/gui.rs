@@ -1,43 +1,57 @@
 //! Draws the interface: egui's triangles, through egui-ash-renderer.
 //!
-//! Takes the output of an egui pass; records into a target that is being rendered to. The
-//! library uploads textures by submissions of its own that it waits for, so [`Gui::upload`] comes
-//! before the frame's commands.
+//! Takes the output of an egui pass; records into a target that is being rendered to. Textures are
+//! ours: the library's own are brought over by submissions that it waits for, with all that the
+//! device has to do. [`Gui::upload`] records them into the frame, before rendering begins.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use ash::vk;
-use egui::epaint::Primitive;
-use egui::epaint::{ImageData, ImageDelta};
-use egui::{ClippedPrimitive, ColorImage, TextureId, TextureOptions, TexturesDelta};
+use egui::epaint::{ImageData, ImageDelta, Primitive};
+use egui::{ClippedPrimitive, TextureId, TexturesDelta};
 use egui_ash_renderer::allocator::GpuAllocator;
 use egui_ash_renderer::{DynamicRendering, Options, RenderMode, Renderer, RendererError};
 
-use crate::gpu::{Device, FRAMES_IN_FLIGHT, GpuError, Pool, Recorder, Result, Serial};
+use super::composite::is_srgb;
+use crate::gpu::{
+    DescriptorSets, Device, FRAMES_IN_FLIGHT, GpuError, Image, ImageInfo, Recorder, Result,
+    Sampler, SetLayout, Staging, Use,
+};
+
+/// The library takes colours for sRGB.
+const TEXTURE_FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
+const TEXEL_BYTES: u64 = 4;
 
 /// The interface's renderer.
 pub struct Gui {
-    // Dropped in this order, once the device is idle.
+    // Dropped first, once the device is idle.
     renderer: Renderer<GpuAllocator>,
-    pool: Pool,
-    /// What each texture holds. The library's partial updates forget the rest of the image (they
-    /// begin with an undefined layout), so every update is made whole here.
-    images: HashMap<TextureId, ColorImage>,
-    /// Textures that are on the device.
-    there: HashSet<TextureId>,
-    /// Those for which there was no memory, to be tried again.
-    lacking: HashMap<TextureId, TextureOptions>,
+    textures: HashMap<TextureId, Texture>,
+    /// What could not be brought over for want of memory, to be tried again.
+    lacking: HashMap<TextureId, Vec<ImageDelta>>,
     /// What there was no memory for, to be said.
     lack: Option<GpuError>,
-    /// Textures that egui needs no more, and the submission that may still use them.
-    condemned: Vec<(TextureId, Serial)>,
+    staging: Staging,
+    layout: Arc<SetLayout>,
+    sampler: Sampler,
     device: Arc<Device>,
 }
 
+/// A texture on the device.
+struct Texture {
+    /// What the renderer calls it.
+    id: TextureId,
+    image: Image,
+    /// One, which names the image.
+    _set: DescriptorSets,
+    /// What the image was used for last.
+    used: Use,
+}
+
 impl Gui {
-    /// For targets of `format`; `encodes_srgb` if the format converts to sRGB itself.
-    pub fn new(device: &Arc<Device>, format: vk::Format, encodes_srgb: bool) -> Result<Gui> {
+    /// For targets of `format`.
+    pub fn new(device: &Arc<Device>, format: vk::Format) -> Result<Gui> {
         let mode = RenderMode::DynamicRendering(DynamicRendering {
             color_attachment_format: format,
             depth_attachment_format: None,
@@ -45,72 +59,65 @@ impl Gui {
         });
         let options = Options {
             in_flight_frames: FRAMES_IN_FLIGHT,
-            srgb_framebuffer: encodes_srgb,
+            srgb_framebuffer: is_srgb(format),
             ..Options::default()
         };
         let allocator = device.allocator()?;
         let raw = device.raw().clone();
         let renderer = Renderer::with_gpu_allocator(allocator, raw, mode, options)
             .map_err(|error| gpu_error("make the interface's renderer", error))?;
+        let name = "textures of the interface";
+        // As the library's own, so that its pipeline takes them.
+        let binding =
+            (0, vk::DescriptorType::COMBINED_IMAGE_SAMPLER, vk::ShaderStageFlags::FRAGMENT);
+        let usage = vk::BufferUsageFlags::TRANSFER_SRC;
         Ok(Gui {
             renderer,
-            pool: Pool::new(device, "textures of the interface")?,
-            images: HashMap::new(),
-            there: HashSet::new(),
+            textures: HashMap::new(),
             lacking: HashMap::new(),
             lack: None,
-            condemned: Vec::new(),
+            staging: Staging::new(device, name, usage, 1 << 16)?,
+            layout: SetLayout::new(device, name, &[binding])?,
+            sampler: Sampler::linear(device, name)?,
             device: device.clone(),
         })
     }
 
-    /// Brings new textures to the device and frees those that no frame uses any more. One for
+    /// Records the way of new textures to the device. `slot`: [`crate::gpu::Frames::slot`]. One for
     /// which there is no memory is left out, and tried again the next time ([`Gui::take_lack`]).
-    pub fn upload(&mut self, delta: &mut TexturesDelta) -> Result<()> {
-        let before = std::mem::take(&mut self.lacking);
-        let mut due = before.clone();
+    pub fn upload(
+        &mut self,
+        recorder: &mut Recorder,
+        slot: usize,
+        delta: &mut TexturesDelta,
+    ) -> Result<()> {
+        self.staging.begin(slot);
+        let mut due = std::mem::take(&mut self.lacking);
+        let known: Vec<TextureId> = due.keys().copied().collect();
         for (id, changes) in delta.set.drain() {
-            for change in &changes {
-                self.remember(id, change);
-            }
-            due.extend(changes.last().map(|last| (id, last.options)));
-        }
-        for (id, options) in due {
-            let Some(image) = self.images.get(&id) else { continue };
-            if self.there.contains(&id) {
-                // The texture that is replaced may be in use by a frame in flight.
-                self.device.wait_idle()?;
-            }
-            let whole = ImageDelta::full(image.clone(), options);
-            let (renderer, pool) = (&mut self.renderer, self.pool.handle());
-            let set = self
-                .device
-                .with_queue(|queue| renderer.set_texture(queue, pool, id, &whole))
-                .map_err(|error| gpu_error("bring a texture of the interface over", error));
-            match set {
-                Ok(()) => {
-                    self.there.insert(id);
+            let list = due.entry(id).or_default();
+            for change in changes {
+                if change.is_whole() {
+                    list.clear();
                 }
+                list.push(change);
+            }
+        }
+        for (id, changes) in due {
+            match changes.iter().try_for_each(|change| self.write(recorder, id, change)) {
+                Ok(()) => {}
                 Err(error @ GpuError::OutOfMemory(_)) => {
-                    self.lacking.insert(id, options);
-                    if !before.contains_key(&id) {
+                    if changes.first().is_some_and(ImageDelta::is_whole) {
+                        self.forget(id);
+                    }
+                    if !known.contains(&id) {
                         self.lack = Some(error);
                     }
+                    self.lacking.insert(id, changes);
                 }
                 Err(error) => return Err(error),
             }
         }
-        let mut kept = Vec::new();
-        for (id, serial) in self.condemned.drain(..) {
-            if self.device.is_done(serial)? {
-                self.renderer
-                    .free_texture(id)
-                    .map_err(|error| gpu_error("free a texture of the interface", error))?;
-            } else {
-                kept.push((id, serial));
-            }
-        }
-        self.condemned = kept;
         Ok(())
     }
 
@@ -119,13 +126,78 @@ impl Gui {
         self.lack.take()
     }
 
-    /// Frees textures once the submission that may use them is done.
-    pub fn free_after(&mut self, delta: &mut TexturesDelta, serial: Serial) {
+    /// Forgets the textures that egui needs no more. After the frame that may use them; on the device
+    /// they stay for as long as a frame in flight does.
+    pub fn free(&mut self, delta: &mut TexturesDelta) {
         for id in delta.free.drain() {
-            self.images.remove(&id);
-            self.there.remove(&id);
-            self.condemned.push((id, serial));
+            self.lacking.remove(&id);
+            self.forget(id);
         }
+    }
+
+    fn forget(&mut self, id: TextureId) {
+        if let Some(texture) = self.textures.remove(&id) {
+            self.renderer.remove_user_texture(texture.id);
+        }
+    }
+
+    /// Records a change of a texture.
+    fn write(&mut self, recorder: &mut Recorder, id: TextureId, change: &ImageDelta) -> Result<()> {
+        let ImageData::Color(patch) = &change.image;
+        let size = patch.size.map(|side| side as u32);
+        let [x, y] = change.pos.unwrap_or_default().map(|place| place as u32);
+        if change.pos.is_none() {
+            self.make(id, size)?;
+        }
+        let Some(texture) = self.textures.get_mut(&id) else {
+            let text = "the interface changes a texture that it has not made";
+            return Err(GpuError::Host(text.to_string()));
+        };
+        let [width, height, _] = texture.image.size();
+        if x + size[0] > width || y + size[1] > height {
+            let text = "the interface changes more of a texture than there is";
+            return Err(GpuError::Host(text.to_string()));
+        }
+        let bytes = TEXEL_BYTES * patch.pixels.len() as u64;
+        let piece = self.staging.fill(bytes, TEXEL_BYTES, |target| {
+            for (texel, colour) in std::iter::zip(target.as_chunks_mut().0, &patch.pixels) {
+                *texel = colour.to_array();
+            }
+        })?;
+        let copy = vk::BufferImageCopy::default()
+            .buffer_offset(piece.offset)
+            .image_subresource(vk::ImageSubresourceLayers {
+                aspect_mask: vk::ImageAspectFlags::COLOR,
+                layer_count: 1,
+                ..Default::default()
+            })
+            .image_offset(vk::Offset3D { x: x as i32, y: y as i32, z: 0 })
+            .image_extent(vk::Extent3D { width: size[0], height: size[1], depth: 1 });
+        let part = texture.image.whole();
+        recorder.image_barrier(part, texture.used, Use::COPY_TARGET);
+        recorder.copy_to_image(piece.buffer, part, &[copy]);
+        recorder.image_barrier(part, Use::COPY_TARGET, Use::SHADER_READ);
+        texture.used = Use::SHADER_READ;
+        Ok(())
+    }
+
+    /// Makes a texture of a size, unless there is one.
+    fn make(&mut self, id: TextureId, size: [u32; 2]) -> Result<()> {
+        let fits = |texture: &Texture| texture.image.size()[..2] == size;
+        if self.textures.get(&id).is_some_and(fits) {
+            return Ok(());
+        }
+        let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
+        let info = ImageInfo::plane("texture of the interface", size, TEXTURE_FORMAT, usage);
+        let image = Image::new(&self.device, &info)?;
+        let set = DescriptorSets::new(&self.device, "texture of the interface", &self.layout, 1)?;
+        set.write_texture(0, 0, image.view(), &self.sampler);
+        let known = self.renderer.add_user_texture(set.set(0));
+        let made = Texture { id: known, image, _set: set, used: Use::NOTHING };
+        if let Some(former) = self.textures.insert(id, made) {
+            self.renderer.remove_user_texture(former.id);
+        }
+        Ok(())
     }
 
     /// Records the interface into a target of `size` pixels. Once a frame.
@@ -134,42 +206,22 @@ impl Gui {
         recorder: &Recorder,
         size: [u32; 2],
         pixels_per_point: f32,
-        primitives: &[ClippedPrimitive],
+        mut primitives: Vec<ClippedPrimitive>,
     ) -> Result<()> {
+        primitives.retain_mut(|primitive| match &mut primitive.primitive {
+            Primitive::Mesh(mesh) => match self.textures.get(&mesh.texture_id) {
+                Some(texture) => {
+                    mesh.texture_id = texture.id;
+                    true
+                }
+                None => !self.lacking.contains_key(&mesh.texture_id),
+            },
+            Primitive::Callback(_) => true,
+        });
         let extent = vk::Extent2D { width: size[0], height: size[1] };
-        let shown: Vec<ClippedPrimitive>;
-        let primitives = match self.lacking.is_empty() {
-            true => primitives,
-            false => {
-                let is_there = |primitive: &&ClippedPrimitive| match &primitive.primitive {
-                    Primitive::Mesh(mesh) => self.there.contains(&mesh.texture_id),
-                    Primitive::Callback(_) => true,
-                };
-                shown = primitives.iter().filter(is_there).cloned().collect();
-                &shown[..]
-            }
-        };
         self.renderer
-            .cmd_draw(recorder.raw(), extent, pixels_per_point, primitives)
+            .cmd_draw(recorder.raw(), extent, pixels_per_point, &primitives)
             .map_err(|error| gpu_error("draw the interface", error))
-    }
-
-    /// Applies a change to the copy of a texture.
-    fn remember(&mut self, id: TextureId, change: &ImageDelta) {
-        let ImageData::Color(patch) = &change.image;
-        let Some([left, top]) = change.pos else {
-            self.images.insert(id, (**patch).clone());
-            return;
-        };
-        let Some(image) = self.images.get_mut(&id) else { return };
-        let [width, height] = patch.size;
-        for row in 0..height {
-            let from = &patch.pixels[row * width..(row + 1) * width];
-            let start = (top + row) * image.size[0] + left;
-            if let Some(to) = image.pixels.get_mut(start..start + width) {
-                to.copy_from_slice(from);
-            }
-        }
     }
 }
 

@@ -114,6 +114,21 @@ impl Renderer {
         document: &mut Document,
         shot: &Shot,
     ) -> Result<()> {
+        let painted = self.try_paint(recorder, slot, document, shot);
+        if painted.is_err() {
+            // Whoever asks again records after what has failed, maybe in the middle of a pass.
+            recorder.end_rendering_if_begun();
+        }
+        painted
+    }
+
+    fn try_paint(
+        &mut self,
+        recorder: &mut Recorder,
+        slot: usize,
+        document: &mut Document,
+        shot: &Shot,
+    ) -> Result<()> {
         // Only what is complete counts as shown.
         let before = self.shown.take();
         let heard = self.hear_changes(document);

@@ -3,16 +3,24 @@
 //!
 //! Takes a surface and sizes; gives a [`Target`] to draw to, or none while there is nothing to
 //! draw to. Knows nothing of what is drawn, and not winit either: the window system's events
-//! come in as sizes.
+//! come in as sizes. Presenting waits for nobody where the driver has a mailbox, so whoever draws
+//! must not draw more often than the screen shows ([`WindowScreen::is_paced`]).
+
+mod choices;
 
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use ash::{khr, vk};
+
+use choices::Remedy;
 
 use crate::gpu::{
     Device, During, FRAMES_IN_FLIGHT, GpuError, ImagePart, Recorder, Result, Surface, Use,
 };
+
+/// So long a window system may go on refusing a swapchain before that is an error.
+const GIVE_UP_AFTER: Duration = Duration::from_secs(10);
 
 /// An image of the window to be drawn and presented.
 #[derive(Clone, Copy, Debug)]
@@ -70,6 +78,7 @@ pub struct WindowScreen {
     acquired: [vk::Semaphore; FRAMES_IN_FLIGHT],
     loader: khr::swapchain::Device,
     format: vk::SurfaceFormatKHR,
+    mode: vk::PresentModeKHR,
     /// Size of the window in pixels; zero while it is minimised.
     size: [u32; 2],
     /// Layers an image: one, or one an eye.
@@ -77,6 +86,8 @@ pub struct WindowScreen {
     can_layer: bool,
     /// The swapchain does not fit the window any more.
     stale: bool,
+    /// Since when the window system refuses.
+    refused: Option<Instant>,
     surface: Surface,
     device: Arc<Device>,
 }
@@ -103,10 +114,12 @@ impl WindowScreen {
             acquired: [vk::Semaphore::null(); FRAMES_IN_FLIGHT],
             loader: khr::swapchain::Device::new(device.instance().raw(), device.raw()),
             format,
+            mode: choose_mode(device, &surface)?,
             size,
             layers: 1,
             can_layer: false,
             stale: true,
+            refused: None,
             surface,
             device: device.clone(),
         };
@@ -121,9 +134,9 @@ impl WindowScreen {
         self.format.format
     }
 
-    /// Whether colours written to the window are converted from linear to sRGB on the way.
-    pub fn encodes_srgb(&self) -> bool {
-        matches!(self.format(), vk::Format::B8G8R8A8_SRGB | vk::Format::R8G8B8A8_SRGB)
+    /// Whether images become free only as fast as the screen shows them.
+    pub fn is_paced(&self) -> bool {
+        self.mode == vk::PresentModeKHR::FIFO
     }
 
     /// The window has another size in pixels; zero for a minimised one.
@@ -133,56 +146,68 @@ impl WindowScreen {
     }
 
     /// The next image to draw to, waited for up to `patience`; none while the window is minimised
-    /// or hidden. `slot` is that of the frame begun ([`crate::gpu::Frames::slot`]), whose
-    /// semaphore is free again.
+    /// or hidden, or the window system is busy with it. `slot` is that of the frame begun
+    /// ([`crate::gpu::Frames::slot`]), whose semaphore is free again.
     pub fn acquire(&mut self, slot: usize, patience: Duration) -> Result<Option<Target>> {
         // A swapchain that is out of date at once is made anew, but not for ever.
         for _ in 0..3 {
             if self.size.contains(&0) {
                 return Ok(None);
             }
-            if self.stale || self.swapchain.is_none() {
-                self.rebuild()?;
-            }
-            let Some(swapchain) = &self.swapchain else { return Ok(None) };
-            let semaphore = self.acquired[slot % FRAMES_IN_FLIGHT];
-            // SAFETY: the semaphore's last use is done, as `Frames::begin` has waited for it.
-            let result = unsafe {
-                self.loader.acquire_next_image(
-                    swapchain.handle,
-                    patience.as_nanos() as u64,
-                    semaphore,
-                    vk::Fence::null(),
-                )
-            };
-            match result {
-                Ok((index, suboptimal)) => {
-                    self.stale |= suboptimal;
-                    let image = &swapchain.images[index as usize];
-                    let view = |layer: usize| {
-                        image.views.get(layer).or(image.views.first()).copied().unwrap_or_default()
-                    };
-                    return Ok(Some(Target {
-                        image: image.image,
-                        views: [view(0), view(1)],
-                        layers: image.views.len() as u32,
-                        size: swapchain.size,
-                        acquired: semaphore,
-                        finished: image.finished,
-                        index,
-                    }));
+            match self.try_acquire(slot, patience) {
+                Ok(target) => {
+                    self.refused = None;
+                    return Ok(target);
                 }
-                Err(vk::Result::TIMEOUT | vk::Result::NOT_READY) => return Ok(None),
-                Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => self.stale = true,
-                Err(error) => return Err(GpuError::vulkan("get an image of the window", error)),
+                Err(error) => {
+                    if self.mend(error)? == Remedy::Later {
+                        return Ok(None);
+                    }
+                }
             }
         }
         Ok(None)
     }
 
-    /// Shows a finished target.
-    pub fn present(&mut self, target: &Target) -> Result<()> {
-        let Some(swapchain) = &self.swapchain else { return Ok(()) };
+    fn try_acquire(&mut self, slot: usize, patience: Duration) -> Result<Option<Target>> {
+        if self.stale || self.swapchain.is_none() {
+            self.rebuild()?;
+        }
+        let Some(swapchain) = &self.swapchain else { return Ok(None) };
+        let semaphore = self.acquired[slot % FRAMES_IN_FLIGHT];
+        // SAFETY: the semaphore's last use is done, as `Frames::begin` has waited for it.
+        let result = unsafe {
+            self.loader.acquire_next_image(
+                swapchain.handle,
+                patience.as_nanos() as u64,
+                semaphore,
+                vk::Fence::null(),
+            )
+        };
+        let (index, suboptimal) = match result {
+            Err(vk::Result::TIMEOUT | vk::Result::NOT_READY) => return Ok(None),
+            result => result.during("get an image of the window")?,
+        };
+        let image = &swapchain.images[index as usize];
+        let view = |layer: usize| {
+            image.views.get(layer).or(image.views.first()).copied().unwrap_or_default()
+        };
+        let target = Target {
+            image: image.image,
+            views: [view(0), view(1)],
+            layers: image.views.len() as u32,
+            size: swapchain.size,
+            acquired: semaphore,
+            finished: image.finished,
+            index,
+        };
+        self.stale |= suboptimal && self.has_another_size();
+        Ok(Some(target))
+    }
+
+    /// Shows a finished target; false if the window has changed too much to show it.
+    pub fn present(&mut self, target: &Target) -> Result<bool> {
+        let Some(swapchain) = &self.swapchain else { return Ok(false) };
         let (chains, indices, waits) = ([swapchain.handle], [target.index], [target.finished]);
         let info = vk::PresentInfoKHR::default()
             .wait_semaphores(&waits)
@@ -191,12 +216,52 @@ impl WindowScreen {
         // SAFETY: the queue is locked; the image was acquired and its commands are submitted.
         let result =
             self.device.with_queue(|queue| unsafe { self.loader.queue_present(queue, &info) });
-        match result {
-            Ok(suboptimal) => self.stale |= suboptimal,
-            Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => self.stale = true,
-            Err(error) => return Err(GpuError::vulkan("show a picture in the window", error)),
+        match result.during("show a picture in the window") {
+            Ok(suboptimal) => {
+                self.stale |= suboptimal && self.has_another_size();
+                Ok(true)
+            }
+            Err(error) => self.mend(error).map(|_| false),
         }
-        Ok(())
+    }
+
+    /// Does what can be done about a failure of the window system; says when to try again, which is
+    /// at once but for [`Remedy::Later`].
+    fn mend(&mut self, error: GpuError) -> Result<Remedy> {
+        let remedy = match &error {
+            GpuError::Vulkan { result, .. } => choices::remedy(*result),
+            _ => None,
+        };
+        let Some(remedy) = remedy else { return Err(error) };
+        self.stale = true;
+        if remedy == Remedy::Rebuild {
+            return Ok(remedy);
+        }
+        tracing::debug!("{error}; trying again");
+        if self.refused.get_or_insert_with(Instant::now).elapsed() > GIVE_UP_AFTER {
+            return Err(error);
+        }
+        self.device.wait_idle()?;
+        self.drop_swapchain();
+        if remedy == Remedy::Resurface {
+            let renewed =
+                self.surface.renew().and_then(|()| choose_format(&self.device, &self.surface));
+            // Another format asks for other pipelines: that is for whoever made them.
+            if renewed.map(|format| format.format).ok() != Some(self.format.format) {
+                return Err(error);
+            }
+        }
+        Ok(remedy)
+    }
+
+    /// Whether the window has another size than the swapchain. Suboptimal it may be for other
+    /// reasons, and another one would then be so, too.
+    fn has_another_size(&self) -> bool {
+        let size = self.capabilities().map(|of| choices::extent(&of, self.size));
+        match (size, &self.swapchain) {
+            (Ok(size), Some(swapchain)) => size != swapchain.size,
+            _ => true,
+        }
     }
 
     /// Records the copy of a picture in the layout of [`crate::gpu::Use::COPY_SOURCE`] to a place
@@ -257,11 +322,12 @@ impl WindowScreen {
 
     /// Makes the swapchain anew for the window as it is now.
     fn rebuild(&mut self) -> Result<()> {
-        let surface = self.surface.handle();
         let capabilities = self.capabilities()?;
-        let size = extent(&capabilities, self.size);
+        let size = choices::extent(&capabilities, self.size);
         if size.contains(&0) {
-            self.size = size;
+            // Nothing can be made for it, and nothing be drawn to what there was.
+            self.device.wait_idle()?;
+            self.drop_swapchain();
             return Ok(());
         }
         let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_DST;
@@ -270,13 +336,10 @@ impl WindowScreen {
                 "the window's images cannot be copied to; choose another device".to_string(),
             ));
         }
-        let most = match capabilities.max_image_count {
-            0 => u32::MAX,
-            most => most,
-        };
+        let former = self.swapchain.as_ref().map_or(vk::SwapchainKHR::null(), |s| s.handle);
         let info = vk::SwapchainCreateInfoKHR::default()
-            .surface(surface)
-            .min_image_count((capabilities.min_image_count + 1).min(most))
+            .surface(self.surface.handle())
+            .min_image_count(choices::image_count(&capabilities))
             .image_format(self.format.format)
             .image_color_space(self.format.color_space)
             .image_extent(vk::Extent2D { width: size[0], height: size[1] })
@@ -284,16 +347,17 @@ impl WindowScreen {
             .image_usage(usage)
             .image_sharing_mode(vk::SharingMode::EXCLUSIVE)
             .pre_transform(capabilities.current_transform)
-            .composite_alpha(composite_alpha(&capabilities))
-            // FIFO is everywhere and spends no power on pictures that nobody sees.
-            .present_mode(vk::PresentModeKHR::FIFO)
+            .composite_alpha(choices::composite_alpha(&capabilities))
+            .present_mode(self.mode)
+            .old_swapchain(former)
             .clipped(true);
         // Before the old images go, all that draws to them must be done.
         self.device.wait_idle()?;
+        // SAFETY: the info is complete; the surface's former swapchain is handed over, and goes in
+        // any case.
+        let made = unsafe { self.loader.create_swapchain(&info, None) };
         self.drop_swapchain();
-        // SAFETY: the info is complete, the surface has no other swapchain.
-        let handle = unsafe { self.loader.create_swapchain(&info, None) }
-            .during("make the window's swapchain")?;
+        let handle = made.during("make the window's swapchain")?;
         self.swapchain = Some(Swapchain { handle, size, images: Vec::new() });
         // SAFETY: just made.
         let images = unsafe { self.loader.get_swapchain_images(handle) }
@@ -305,7 +369,8 @@ impl WindowScreen {
             }
         }
         self.stale = false;
-        tracing::debug!("swapchain of {}x{} pixels", size[0], size[1]);
+        let [width, height] = size;
+        tracing::debug!("swapchain of {width}x{height} pixels, {:?}", self.mode);
         Ok(())
     }
 
@@ -383,44 +448,37 @@ fn make_semaphore(device: &Device, name: &str) -> Result<vk::Semaphore> {
     Ok(semaphore)
 }
 
-/// Plain 8-bit formats first: pictures are shaded and blended as sRGB values.
+/// The format to draw in.
 fn choose_format(device: &Device, surface: &Surface) -> Result<vk::SurfaceFormatKHR> {
     // SAFETY: device and surface are of the same instance.
     let formats = unsafe {
         surface.loader().get_physical_device_surface_formats(device.physical(), surface.handle())
     }
     .during("list the window's formats")?;
-    let wanted = [
-        vk::Format::B8G8R8A8_UNORM,
-        vk::Format::R8G8B8A8_UNORM,
-        vk::Format::B8G8R8A8_SRGB,
-        vk::Format::R8G8B8A8_SRGB,
-    ];
-    wanted
-        .iter()
-        .find_map(|&wanted| {
-            formats
-                .iter()
-                .find(|f| f.format == wanted && f.color_space == vk::ColorSpaceKHR::SRGB_NONLINEAR)
-        })
-        .copied()
-        .ok_or_else(|| GpuError::Host("the window has no format of 8 bits a colour".to_string()))
+    choices::format(&formats, |format| can_draw_in(device, format)).ok_or_else(|| {
+        GpuError::Host("the window has no format of 8 or 10 bits a colour".to_string())
+    })
 }
 
-/// The window's size as the surface reports it, or `wanted` where it lets us choose.
-fn extent(capabilities: &vk::SurfaceCapabilitiesKHR, wanted: [u32; 2]) -> [u32; 2] {
-    let vk::Extent2D { width, height } = capabilities.current_extent;
-    if width != u32::MAX {
-        return [width, height];
-    }
-    let (min, max) = (capabilities.min_image_extent, capabilities.max_image_extent);
-    [wanted[0].clamp(min.width, max.width), wanted[1].clamp(min.height, max.height)]
+/// Whether pictures can be drawn, blended, read and copied in a format.
+fn can_draw_in(device: &Device, format: vk::Format) -> bool {
+    use vk::FormatFeatureFlags as Feature;
+    let needed = Feature::COLOR_ATTACHMENT_BLEND
+        | Feature::SAMPLED_IMAGE
+        | Feature::TRANSFER_SRC
+        | Feature::TRANSFER_DST;
+    let (instance, physical) = (device.instance().raw(), device.physical());
+    // SAFETY: plain query of a device of this instance.
+    let properties = unsafe { instance.get_physical_device_format_properties(physical, format) };
+    properties.optimal_tiling_features.contains(needed)
 }
 
-fn composite_alpha(capabilities: &vk::SurfaceCapabilitiesKHR) -> vk::CompositeAlphaFlagsKHR {
-    let supported = capabilities.supported_composite_alpha;
-    [vk::CompositeAlphaFlagsKHR::OPAQUE, vk::CompositeAlphaFlagsKHR::INHERIT]
-        .into_iter()
-        .find(|&alpha| supported.contains(alpha))
-        .unwrap_or(vk::CompositeAlphaFlagsKHR::PRE_MULTIPLIED)
+/// The way of presenting.
+fn choose_mode(device: &Device, surface: &Surface) -> Result<vk::PresentModeKHR> {
+    let (loader, handle) = (surface.loader(), surface.handle());
+    // SAFETY: device and surface are of the same instance.
+    let offered =
+        unsafe { loader.get_physical_device_surface_present_modes(device.physical(), handle) }
+            .during("list the window's ways of presenting")?;
+    Ok(choices::present_mode(&offered))
 }

@@ -78,6 +78,8 @@ pub struct Busy {
 #[derive(Clone, PartialEq, Debug)]
 pub struct ViewState {
     pub mode: RenderMode,
+    /// The person has not chosen the mode.
+    pub mode_is_automatic: bool,
     pub light: LightSettings,
     pub finish: Finish,
     pub stereo: StereoSettings,
@@ -93,6 +95,20 @@ pub struct ViewState {
 }
 
 impl ViewState {
+    /// Takes the mode that the person wants.
+    pub fn choose_mode(&mut self, mode: RenderMode) {
+        self.mode = mode;
+        self.mode_is_automatic = false;
+    }
+
+    /// Takes the mode that suits a device to draw with, unless the person has chosen one. What suits
+    /// a GPU stays: the window may draw without one while a headset has one.
+    pub fn suit_device(&mut self, software: bool) {
+        if self.mode_is_automatic && !software {
+            self.choose_mode(RenderMode::usual(software));
+        }
+    }
+
     /// What the shaders take.
     pub fn lighting(&self) -> Lighting {
         self.finish.of(self.light.lighting())
@@ -217,7 +233,8 @@ impl UiState {
         UiState {
             hand: Hand::new(dims),
             view: ViewState {
-                mode: config.render.mode,
+                mode: config.render.mode.unwrap_or_default(),
+                mode_is_automatic: config.render.mode.is_none(),
                 light: config.light.clone(),
                 finish: config.render.finish(),
                 stereo: config.stereo,

@@ -52,7 +52,9 @@ fn render_mode(ui: &mut Ui, state: &mut UiState, facts: &Facts) {
         .selected_text(short(chosen))
         .show_ui(ui, |ui| {
             for mode in RenderMode::ALL {
-                ui.selectable_value(&mut state.view.mode, mode, mode.label());
+                if ui.selectable_label(mode == chosen, mode.label()).clicked() {
+                    state.view.choose_mode(mode);
+                }
             }
         })
         .response;

@@ -10,6 +10,8 @@ use virtual_sculpture::gpu::{
     Image, ImageInfo, Load, Readback, Staging, Use, Validation, read_image_once, run_once,
 };
 
+use virtual_sculpture::render::Renderer;
+
 use crate::fixture::with_device;
 
 const COLOUR: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
@@ -184,7 +186,7 @@ fn an_unknown_device_is_refused_with_the_list() {
         (DeviceChoice::Name("no such renderer".to_string()), "no such renderer"),
         (DeviceChoice::Index(99), "99"),
     ] {
-        let options = DeviceOptions { choice, validation: Validation::Off };
+        let options = DeviceOptions { choice, ..DeviceOptions::default() };
         let error = Device::new(&mut Headless, &options).err().unwrap().to_string();
         assert!(error.contains(wanted) && error.contains("0: "), "{error}");
     }
@@ -218,4 +220,68 @@ fn without_a_loader_the_error_says_what_to_install() {
     }
     let said = message_with(&["LD_LIBRARY_PATH"], &folder.path().to_string_lossy());
     assert!(said.contains("Vulkan: no Vulkan loader") && said.contains("libvulkan1"), "{said}");
+}
+
+#[test]
+fn a_failure_within_rendering_does_not_keep_the_recorder_from_going_on() {
+    with_device(|device| {
+        let info = ImageInfo::plane("target", [4, 4], vk::Format::R32_UINT, COLOUR);
+        let target = Image::new(device, &info).unwrap();
+        run_once(device, |recorder| {
+            recorder.image_barrier(target.whole(), Use::NOTHING, Use::COLOUR_TARGET);
+            let load = Load::Integers([5; 4]);
+            let colour = Attachment { view: target.view(), load, store: true };
+            // What fails leaves here; who goes on does not know where it was.
+            recorder.begin_rendering([4, 4], Some(colour), None);
+            recorder.end_rendering_if_begun();
+            recorder.end_rendering_if_begun();
+            // Not allowed within rendering, and the layers say so.
+            recorder.image_barrier(target.whole(), Use::COLOUR_TARGET, Use::COLOUR_TARGET);
+            let load = Load::Integers([6; 4]);
+            let colour = Attachment { view: target.view(), load, store: true };
+            recorder.begin_rendering([4, 4], Some(colour), None);
+            recorder.end_rendering();
+            Ok(())
+        })
+        .unwrap();
+        let bytes =
+            read_image_once(device, target.whole(), [4, 4, 1], 4, Use::COLOUR_TARGET).unwrap();
+        assert_eq!(bytemuck::pod_collect_to_vec::<u8, u32>(&bytes), [6; 16]);
+    });
+}
+
+#[test]
+fn pipelines_are_kept_for_the_next_start_where_a_driver_gives_any_and_damage_is_survived() {
+    let folder = tempfile::tempdir().unwrap();
+    let kept = folder.path().join("deeper");
+    let options = || DeviceOptions { pipeline_cache: Some(kept.clone()), ..Default::default() };
+    let use_it = |options: &DeviceOptions| {
+        let device = Device::new(&mut Headless, options).unwrap();
+        drop(Renderer::new(&device, vk::Format::R8G8B8A8_UNORM).unwrap());
+    };
+    let files = || -> Vec<std::path::PathBuf> {
+        let list = std::fs::read_dir(&kept).into_iter().flatten();
+        list.map(|entry| entry.unwrap().path()).collect()
+    };
+    use_it(&options());
+    // Some drivers keep nothing; then nothing is written.
+    let first = files();
+    assert!(first.len() <= 1, "{first:?}");
+    use_it(&options());
+    assert_eq!(files(), first);
+    for path in &first {
+        std::fs::write(path, b"VSpipes1 and then something else").unwrap();
+    }
+    use_it(&options());
+    assert_eq!(files(), first);
+    // A folder that cannot be made stops nobody.
+    let file = folder.path().join("file");
+    std::fs::write(&file, b"").unwrap();
+    use_it(&DeviceOptions { pipeline_cache: Some(file.join("x")), ..Default::default() });
+    // What is validated is made anew.
+    if std::env::var_os("VS_VALIDATION").is_none() {
+        let asked = DeviceOptions { validation: Validation::IfAvailable, ..options() };
+        assert_eq!(asked.with_environment().pipeline_cache, None);
+        assert_eq!(options().with_environment().pipeline_cache, Some(kept.clone()));
+    }
 }

@@ -11,7 +11,8 @@ pub fn with_device(test: impl FnOnce(&Arc<Device>)) {
     let choice = std::env::var("VS_TEST_DEVICE").unwrap_or_default();
     let required = std::env::var("VS_REQUIRE_VALIDATION").is_ok_and(|value| value == "1");
     let validation = if required { Validation::Required } else { Validation::IfAvailable };
-    let options = DeviceOptions { choice: DeviceChoice::parse(&choice), validation };
+    let choice = DeviceChoice::parse(&choice);
+    let options = DeviceOptions { choice, validation, ..DeviceOptions::default() };
     let device = Device::new(&mut Headless, &options).unwrap();
     warn_without_validation(&device);
     let log = device.validation_log().clone();

@@ -10,6 +10,7 @@ mod colours;
 mod composite;
 mod device;
 mod fixture;
+mod gui;
 #[cfg(target_os = "linux")]
 mod memory;
 mod modes;

@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use ash::vk;
 use glam::{Affine3A, Quat, UVec2, UVec3, Vec3};
 use virtual_sculpture::command::Command;
 use virtual_sculpture::config::{RenderMode, Shading};
@@ -232,6 +233,48 @@ fn bits_and_colours_follow_edits_undo_and_other_sculptures_in_every_mode() {
                     share_off(&format!("{mode:?} after {command}"), &picture[0], &expected, 1);
                 assert!(share <= 1e-3, "{mode:?} after {command}: {share}");
             }
+        }
+    });
+}
+
+#[test]
+fn a_window_of_10_bits_a_colour_shows_the_same_picture() {
+    with_device(|device| {
+        let mut document = document(ColourDepth::Bits24, Vec3::ONE);
+        let world = Placement::default().world_from_grid(document.grid().dims(), Vec3::ONE);
+        let [[eye, _], _] = eyes(&document, &world);
+        let modes = [
+            RenderMode::Slicing,
+            RenderMode::SlicingPoints,
+            RenderMode::MarchGpu,
+            RenderMode::GpuColour,
+        ];
+        for mode in modes {
+            let shot = Shot {
+                eyes: &[eye],
+                world_from_grid: world,
+                mode,
+                lighting: lighting(false),
+                background: Background::Gradient { top: RED, bottom: RED },
+                video: None,
+                ghosts: &[],
+                lines: &[],
+            };
+            let mut seen = |format| {
+                let mut frames = Frames::new(device).unwrap();
+                let mut renderer = Renderer::new(device, format).unwrap();
+                painted(&mut frames, &mut renderer, &mut document, &shot).remove(0)
+            };
+            let plain = seen(FORMAT);
+            let ten = seen(vk::Format::A2B10G10R10_UNORM_PACK32);
+            let channel = |pixel: &[u8; 4], i: usize| {
+                let bits = u32::from_le_bytes(*pixel) >> (10 * i) & 0x3ff;
+                (bits as f32 * 255.0 / 1023.0).round() as u8
+            };
+            let most = std::iter::zip(&plain.rgba, &ten.rgba)
+                .flat_map(|(a, b)| (0..3).map(move |i| a[i].abs_diff(channel(b, i))))
+                .max();
+            assert!(most <= Some(1), "{mode:?}: {most:?} levels");
         }
     });
 }

@@ -207,6 +207,7 @@ impl Headset {
                 bench.ui.toasts.note(text);
                 self.said.clear();
                 bench.ui.blends = presence.blends();
+                bench.ui.view.suit_device(presence.is_software());
                 self.state = State::Here(presence);
             }
             Err(error) => self.lose(bench, &error),

@@ -10,7 +10,7 @@ use glam::UVec2;
 
 use super::face::BoardFace;
 use crate::app::Workbench;
-use crate::gpu::{Attachment, Device, GpuError, ImagePart, Load, Recorder, Serial, Use};
+use crate::gpu::{Attachment, Device, GpuError, ImagePart, Load, Recorder, Use};
 use crate::input::hands::HandAsk;
 use crate::render::gui::Gui;
 use crate::render::target::EyeImage;
@@ -43,7 +43,7 @@ impl BoardPane {
         let usage = Usage::COLOR_ATTACHMENT | Usage::TRANSFER_SRC;
         let texture_limit = device.limits().max_image_dimension2_d as usize;
         Ok(BoardPane {
-            gui: Gui::new(device, FORMAT, false)?,
+            gui: Gui::new(device, FORMAT)?,
             picture: EyeImage::new(device, "board", size_px, 1, FORMAT, usage)?,
             face: BoardFace::new(size_px, pixels_per_point, texture_limit),
             device: device.clone(),
@@ -66,13 +66,15 @@ impl BoardPane {
         Pass { shapes: output.shapes, textures: output.textures_delta }
     }
 
-    /// Records the picture of a pass; it is in the layout of [`Use::COPY_SOURCE`] then.
+    /// Records the picture of a pass; it is in the layout of [`Use::COPY_SOURCE`] then. `slot`:
+    /// [`crate::gpu::Frames::slot`].
     pub fn draw(
         &mut self,
         recorder: &mut Recorder,
+        slot: usize,
         pass: &mut Pass,
     ) -> Result<ImagePart, GpuError> {
-        self.gui.upload(&mut pass.textures)?;
+        self.gui.upload(recorder, slot, &mut pass.textures)?;
         let context = self.face.context();
         let points = context.pixels_per_point();
         let primitives = context.tessellate(std::mem::take(&mut pass.shapes), points);
@@ -81,7 +83,7 @@ impl BoardPane {
         let attachment = Attachment { view, load: Load::Colour([0.0; 4]), store: true };
         let size = self.picture.size().to_array();
         recorder.begin_rendering(size, Some(attachment), None);
-        self.gui.draw(recorder, size, points, &primitives)?;
+        self.gui.draw(recorder, size, points, primitives)?;
         recorder.end_rendering();
         self.picture.make(recorder, 0, Use::COPY_SOURCE);
         Ok(self.picture.image().layer(0))
@@ -93,8 +95,8 @@ impl BoardPane {
     }
 
     /// After the submission that draws a pass.
-    pub fn submitted(&mut self, pass: &mut Pass, serial: Serial) {
-        self.gui.free_after(&mut pass.textures, serial);
+    pub fn submitted(&mut self, pass: &mut Pass) {
+        self.gui.free(&mut pass.textures);
     }
 
     /// The picture, in memory. Waits.

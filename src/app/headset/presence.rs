@@ -109,6 +109,11 @@ impl Presence {
         self.link.name()
     }
 
+    /// Whether its device is a software renderer.
+    pub fn is_software(&self) -> bool {
+        self.link.device().is_software()
+    }
+
     /// Ways in which pictures can go together with the surroundings.
     pub fn blends(&self) -> Vec<Blend> {
         self.link.blends()
@@ -212,7 +217,7 @@ impl Presence {
             self.link.show(&mut recorder, &aimed, pictures)?;
         }
         if let Some(pass) = &mut pass {
-            let picture = self.pane.draw(&mut recorder, pass)?;
+            let picture = self.pane.draw(&mut recorder, slot, pass)?;
             if let Some(lack) = self.pane.take_lack() {
                 bench.ui.toasts.error(lack.to_string());
             }
@@ -220,7 +225,7 @@ impl Presence {
         }
         let serial = self.link.submit(recorder)?;
         if let Some(pass) = &mut pass {
-            self.pane.submitted(pass, serial);
+            self.pane.submitted(pass);
         }
         if let Some(shots) = shots.as_mut().filter(|shots| shots.is_due(now_s)) {
             // Before the frame ends: the queue is the runtime's, too, from then on.

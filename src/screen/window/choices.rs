@@ -1,0 +1,182 @@
+//! Says what of that which a window system offers is taken: format, way of presenting, size,
+//! transparency.
+//!
+//! Pure: takes what surface and device have said, gives a choice.
+
+use ash::vk;
+
+/// Plain 8-bit formats first, as pictures are shaded and blended as sRGB values; then those with 10
+/// bits, which is all that some screens offer; then those that the device encodes.
+const FORMATS: [vk::Format; 8] = [
+    vk::Format::B8G8R8A8_UNORM,
+    vk::Format::R8G8B8A8_UNORM,
+    vk::Format::A8B8G8R8_UNORM_PACK32,
+    vk::Format::A2R10G10B10_UNORM_PACK32,
+    vk::Format::A2B10G10R10_UNORM_PACK32,
+    vk::Format::B8G8R8A8_SRGB,
+    vk::Format::R8G8B8A8_SRGB,
+    vk::Format::A8B8G8R8_SRGB_PACK32,
+];
+
+/// The format to draw in. `usable` says whether the device draws and blends in one.
+pub fn format(
+    offered: &[vk::SurfaceFormatKHR],
+    usable: impl Fn(vk::Format) -> bool,
+) -> Option<vk::SurfaceFormatKHR> {
+    FORMATS.into_iter().filter(|&wanted| usable(wanted)).find_map(|wanted| {
+        let fits = |f: &&vk::SurfaceFormatKHR| {
+            f.format == wanted && f.color_space == vk::ColorSpaceKHR::SRGB_NONLINEAR
+        };
+        offered.iter().find(fits).copied()
+    })
+}
+
+/// The way of presenting: one that never waits for the window to be seen, for a covered window may
+/// not be seen for hours. What shows each picture in turn (FIFO) does on Wayland; it is taken where
+/// there is nothing but tearing beside it, and then pictures are made only when the compositor asks
+/// for one.
+pub fn present_mode(offered: &[vk::PresentModeKHR]) -> vk::PresentModeKHR {
+    match offered.contains(&vk::PresentModeKHR::MAILBOX) {
+        true => vk::PresentModeKHR::MAILBOX,
+        false => vk::PresentModeKHR::FIFO,
+    }
+}
+
+/// The number of images: with a mailbox one is shown, one waits and one is drawn to.
+pub fn image_count(of: &vk::SurfaceCapabilitiesKHR) -> u32 {
+    let most = match of.max_image_count {
+        0 => u32::MAX,
+        most => most,
+    };
+    (of.min_image_count + 1).max(3).min(most)
+}
+
+/// The window's size as the surface reports it, or `wanted` where it lets us choose; zero while
+/// there is nothing to be seen.
+pub fn extent(of: &vk::SurfaceCapabilitiesKHR, wanted: [u32; 2]) -> [u32; 2] {
+    let vk::Extent2D { width, height } = of.current_extent;
+    let (min, max) = (of.min_image_extent, of.max_image_extent);
+    if width != u32::MAX {
+        return [width, height];
+    }
+    // A minimised window has no room for any picture, whatever the least size is said to be.
+    if wanted.contains(&0) || max.width == 0 || max.height == 0 {
+        return [0, 0];
+    }
+    let between = |wanted: u32, min: u32, max: u32| wanted.max(min).min(max);
+    [between(wanted[0], min.width, max.width), between(wanted[1], min.height, max.height)]
+}
+
+/// How the window goes together with what is behind it: not at all, where that can be chosen.
+pub fn composite_alpha(of: &vk::SurfaceCapabilitiesKHR) -> vk::CompositeAlphaFlagsKHR {
+    let supported = of.supported_composite_alpha;
+    [vk::CompositeAlphaFlagsKHR::OPAQUE, vk::CompositeAlphaFlagsKHR::INHERIT]
+        .into_iter()
+        .find(|&alpha| supported.contains(alpha))
+        .unwrap_or(vk::CompositeAlphaFlagsKHR::PRE_MULTIPLIED)
+}
+
+/// What to do about a failure of the window system.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Remedy {
+    /// The window has changed: another swapchain.
+    Rebuild,
+    /// Something of before still holds the window, or it is between two states: later.
+    Later,
+    /// The surface is gone: another one, with all that hangs on it.
+    Resurface,
+}
+
+/// The remedy of a failure, where there is one.
+pub fn remedy(failure: vk::Result) -> Option<Remedy> {
+    match failure {
+        vk::Result::ERROR_OUT_OF_DATE_KHR => Some(Remedy::Rebuild),
+        vk::Result::ERROR_FULL_SCREEN_EXCLUSIVE_MODE_LOST_EXT => Some(Remedy::Rebuild),
+        // Drivers say the second where a window has another size than they were told a moment ago.
+        vk::Result::ERROR_NATIVE_WINDOW_IN_USE_KHR | vk::Result::ERROR_INITIALIZATION_FAILED => {
+            Some(Remedy::Later)
+        }
+        vk::Result::ERROR_SURFACE_LOST_KHR => Some(Remedy::Resurface),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn offered(formats: &[vk::Format]) -> Vec<vk::SurfaceFormatKHR> {
+        let plain = vk::SurfaceFormatKHR::default().color_space(vk::ColorSpaceKHR::SRGB_NONLINEAR);
+        formats.iter().map(|&format| plain.format(format)).collect()
+    }
+
+    #[test]
+    fn a_window_of_10_bits_a_colour_will_do() {
+        let ten = vk::Format::A2B10G10R10_UNORM_PACK32;
+        let half = vk::Format::R16G16B16A16_SFLOAT;
+        let chosen = |formats: &[vk::Format]| format(&offered(formats), |_| true).map(|f| f.format);
+        assert_eq!(chosen(&[half, ten]), Some(ten));
+        assert_eq!(chosen(&[vk::Format::A2R10G10B10_UNORM_PACK32]).map(|f| f.as_raw()), Some(58));
+        // What needs no conversion is preferred.
+        let eight = vk::Format::R8G8B8A8_UNORM;
+        assert_eq!(chosen(&[ten, vk::Format::B8G8R8A8_SRGB, eight]), Some(eight));
+        assert_eq!(chosen(&[vk::Format::B8G8R8A8_SRGB, ten]), Some(ten));
+        assert_eq!(chosen(&[half]), None);
+        assert_eq!(chosen(&[]), None);
+    }
+
+    #[test]
+    fn a_format_that_the_device_cannot_draw_in_or_of_another_colour_space_is_passed_over() {
+        let mut all = offered(&[vk::Format::B8G8R8A8_UNORM, vk::Format::R8G8B8A8_SRGB]);
+        let cannot = |f| f != vk::Format::B8G8R8A8_UNORM;
+        assert_eq!(format(&all, cannot).map(|f| f.format), Some(vk::Format::R8G8B8A8_SRGB));
+        all[0].color_space = vk::ColorSpaceKHR::HDR10_ST2084_EXT;
+        assert_eq!(format(&all, |_| true).map(|f| f.format), Some(vk::Format::R8G8B8A8_SRGB));
+    }
+
+    #[test]
+    fn presenting_never_waits_where_that_can_be_chosen() {
+        use vk::PresentModeKHR as Mode;
+        let all = [Mode::IMMEDIATE, Mode::FIFO, Mode::MAILBOX, Mode::FIFO_RELAXED];
+        assert_eq!(present_mode(&all), Mode::MAILBOX);
+        assert_eq!(present_mode(&[Mode::FIFO, Mode::IMMEDIATE]), Mode::FIFO, "nothing tears");
+        assert_eq!(present_mode(&[]), Mode::FIFO, "which is everywhere");
+    }
+
+    #[test]
+    fn a_size_is_what_the_surface_says_or_within_what_it_allows() {
+        let size = |width, height| vk::Extent2D { width, height };
+        let mut of = vk::SurfaceCapabilitiesKHR::default()
+            .min_image_extent(size(1, 1))
+            .max_image_extent(size(4096, 2048))
+            .current_extent(size(640, 480));
+        assert_eq!(extent(&of, [800, 600]), [640, 480]);
+        of = of.current_extent(size(u32::MAX, u32::MAX));
+        assert_eq!(extent(&of, [800, 600]), [800, 600]);
+        assert_eq!(extent(&of, [9000, 9000]), [4096, 2048]);
+        assert_eq!(extent(&of, [0, 600]), [0, 0], "minimised");
+        of = of.max_image_extent(size(0, 0));
+        assert_eq!(extent(&of, [800, 600]), [0, 0], "and said so by the surface");
+    }
+
+    #[test]
+    fn images_are_enough_for_a_mailbox_and_not_more_than_there_may_be() {
+        let of = |min, max| {
+            vk::SurfaceCapabilitiesKHR::default().min_image_count(min).max_image_count(max)
+        };
+        assert_eq!(image_count(&of(1, 0)), 3);
+        assert_eq!(image_count(&of(3, 0)), 4);
+        assert_eq!(image_count(&of(2, 2)), 2);
+    }
+
+    #[test]
+    fn what_a_window_system_does_to_a_window_in_a_resize_ends_nothing() {
+        use vk::Result as R;
+        assert_eq!(remedy(R::ERROR_OUT_OF_DATE_KHR), Some(Remedy::Rebuild));
+        assert_eq!(remedy(R::ERROR_NATIVE_WINDOW_IN_USE_KHR), Some(Remedy::Later));
+        assert_eq!(remedy(R::ERROR_INITIALIZATION_FAILED), Some(Remedy::Later));
+        assert_eq!(remedy(R::ERROR_SURFACE_LOST_KHR), Some(Remedy::Resurface));
+        assert_eq!(remedy(R::ERROR_DEVICE_LOST), None);
+        assert_eq!(remedy(R::ERROR_OUT_OF_DEVICE_MEMORY), None);
+    }
+}
