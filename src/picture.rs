@@ -224,10 +224,7 @@ fn render_on_device(
         lines: &[],
     };
     let mut recorder = frames.begin()?;
-    loop {
-        let Err(error) = renderer.paint(&mut recorder, frames.slot(), document, &shot) else {
-            break;
-        };
+    while let Err(error) = renderer.paint(&mut recorder, frames.slot(), document, &shot) {
         let too_large = matches!(error, GpuError::Limit { .. } | GpuError::OutOfMemory(_));
         let Some(mode) = shot.mode.fallback().filter(|_| too_large) else {
             return Err(error.into());

@@ -41,7 +41,7 @@ impl State {
             undo: history.undo_labels().map(str::to_string).collect(),
             redo: history.redo_labels().map(str::to_string).collect(),
             history_bytes: history.bytes(),
-            dropped: history.dropped() as u64,
+            dropped: history.dropped(),
             selection: document.selection().clone(),
             symmetry: document.symmetry(),
             clip: document.clip().cloned(),

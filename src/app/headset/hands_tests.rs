@@ -234,8 +234,7 @@ fn a_million_mad_poses_do_no_harm() {
     let mut person = Person::new(8);
     let draw = |runner: &mut TestRunner| hand().new_tree(runner).unwrap().current();
     let stock: Vec<HandState> = (0..10_000).map(|_| draw(&mut runner)).collect();
-    let start = std::time::Instant::now();
-    let (mut asked, mut strokes, mut at_work) = (0, 0, false);
+    let (mut strokes, mut at_work) = (0, false);
     // A full period of a linear congruential generator says which comes next.
     let mut seed = 1u32;
     let mut next = || {
@@ -270,7 +269,6 @@ fn a_million_mad_poses_do_no_harm() {
         }
         let asks = person.mapper.hear(&person.state, None);
         assert!(asks.len() <= 12, "{asks:?}");
-        asked += asks.len();
         for ask in &asks {
             person.bench.do_by_hand(ask, &person.room, &mut person.held);
         }
@@ -284,6 +282,5 @@ fn a_million_mad_poses_do_no_harm() {
         );
         assert!(placement.translation.is_finite() && placement.rotation.is_finite());
     }
-    println!("{asked} asks, {strokes} strokes, {:?}", start.elapsed());
-    assert!(strokes > 1000, "{strokes}");
+    assert!(strokes > 1000, "{strokes} strokes");
 }

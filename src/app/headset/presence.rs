@@ -223,7 +223,7 @@ impl Presence {
             }
             self.link.show_board(&mut recorder, &aimed, picture)?;
         }
-        let serial = self.link.submit(recorder)?;
+        self.link.submit(recorder)?;
         if let Some(pass) = &mut pass {
             self.pane.submitted(pass);
         }
