@@ -96,17 +96,13 @@ impl Document {
     /// Swaps a step's values with the sculpture's and gives its reverse. If the history cannot keep
     /// that, nothing has changed and the step itself comes back.
     fn reverse_if_kept(&mut self, step: Step, verb: &str) -> (Step, Option<CommandError>) {
-        let label = format!("{verb} {}", step.label);
-        if matches!(step.change, Change::Whole(_))
-            && let Err(error) = self.require_room_for_whole(&label)
-        {
-            return (step, Some(error));
-        }
-        let reverse = self.reverse(step);
-        // Only now is it known what bricks hold on the way back.
-        match self.require_room(&label, reverse.heap_bytes()) {
-            Ok(()) => (reverse, None),
-            Err(error) => (self.reverse(reverse), Some(error)),
+        let bytes = match &step.change {
+            Change::Bricks(record) => record.reverse_bytes(&self.contents),
+            Change::Whole(_) => self.contents.kept_bytes(),
+        };
+        match self.require_room(&format!("{verb} {}", step.label), bytes) {
+            Ok(()) => (self.reverse(step), None),
+            Err(error) => (step, Some(error)),
         }
     }
 

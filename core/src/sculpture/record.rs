@@ -73,6 +73,22 @@ impl BrickRecord {
             + self.page_bytes
     }
 
+    /// Heap bytes that the reverse of this takes at most, see [`BrickRecord::swap`].
+    pub fn reverse_bytes(&self, contents: &Contents) -> usize {
+        let lists = [&self.empty, &self.full, &self.mixed];
+        let masks: usize = lists.iter().map(|list| list.len()).sum();
+        let mixed: usize =
+            lists.into_iter().flatten().map(|bricks| contents.grid.count_mixed(*bricks)).sum();
+        let page = |(index, _): &(u32, Option<Page>)| {
+            contents.material.page(*index as usize).map_or(0, |page| page.len())
+        };
+        // Bricks of one kind may be of all three on the way back.
+        lists.len() * masks * size_of::<BrickMask>()
+            + mixed * size_of::<Brick>()
+            + self.pages.len() * size_of::<(u32, Option<Page>)>()
+            + self.pages.iter().map(page).sum::<usize>()
+    }
+
     /// Moves what `parts` have kept into one record that takes no more memory than it needs.
     /// The parts are left empty, and with their memory unless it is large.
     pub fn gather<P: AsMut<BrickRecord>>(parts: &mut [P]) -> BrickRecord {
