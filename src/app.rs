@@ -20,6 +20,7 @@ mod pad;
 mod painter;
 mod pane;
 mod path;
+mod picking;
 mod recovery;
 mod screenshot;
 mod stage;

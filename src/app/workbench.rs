@@ -10,7 +10,6 @@ use std::sync::Arc;
 use egui::{CursorIcon, Id, Rect, Sense, Ui};
 use glam::{Affine3A, UVec2, Vec2, Vec3};
 
-use super::aim::{self, Sight};
 use super::ar::Ar;
 use super::camera::Camera;
 use super::footing::Footing;
@@ -30,7 +29,7 @@ use crate::input::trigger::Trigger;
 use crate::input::{Action, Bindings, DeviceEvent, Mapper, Panel, Side, Signal};
 use crate::sculpture::region::VoxelBox;
 use crate::session::Session;
-use crate::shade::normal;
+
 use crate::surface::IndexMap;
 use crate::ui::{self, Facts, FrameTimes, Intent, UiState};
 use crate::view::{Eye, Pose, StereoLayout};
@@ -420,21 +419,6 @@ impl Workbench {
         }
     }
 
-    /// The view of the grid that the next picture will have.
-    pub(super) fn sight(&self) -> Sight {
-        Sight::new(&self.eye(), &self.world_from_grid())
-    }
-
-    /// The point of the grid that the pointer points at: on the surface that was seen, or
-    /// anywhere in the grid while it is empty.
-    pub(super) fn target(&self, at: Vec2) -> Option<Vec3> {
-        let grid = self.session.document().grid();
-        if grid.opaque_count() == 0 {
-            return aim::box_point(&self.sight().rays, grid.dims(), at);
-        }
-        Some(aim::surface_point(self.seen.as_ref()?, grid, at)?.point)
-    }
-
     /// What the overlay is drawn from.
     pub(super) fn aid(&self) -> Aid<'_> {
         let sight = self.sight();
@@ -451,19 +435,6 @@ impl Workbench {
             pointer: self.pointer,
             depth: sight.depth(target.unwrap_or(middle)),
         }
-    }
-
-    /// The way out of the surface that the pointer points at: of the face of the voxel, or of the
-    /// surface around it if the tool leans.
-    pub(super) fn normal(&self, at: Vec2) -> Vec3 {
-        let grid = self.session.document().grid();
-        let Some(map) = &self.seen else { return Vec3::ZERO };
-        let voxel = aim::voxel_at(map, grid, at).map(|index| grid.voxel_coords(index));
-        let smooth = voxel.filter(|_| self.ui.hand.lean).map(|v| normal::gradient(grid, v));
-        smooth
-            .and_then(|normal| normal.try_normalize())
-            .or_else(|| aim::surface_point(map, grid, at).map(|seen| seen.face))
-            .unwrap_or(Vec3::ZERO)
     }
 
     pub(super) fn leave(&mut self) {
