@@ -53,7 +53,7 @@ pub fn main() {
         tracker::a_runtime_that_stops_holds_up_no_window,
         tracker::the_view_of_the_window_follows_the_head_in_the_headset_that_is_worn,
     ];
-    trials::run(file!(), lack(), tests)
+    trials::run(file!(), vec![(lack(), tests)])
 }
 
 /// Edge of the cube of stone in voxels; it is half a metre in the room.

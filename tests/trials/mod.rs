@@ -14,24 +14,29 @@ macro_rules! tests {
     ($($test:path),* $(,)?) => { vec![$((stringify!($test), $test as fn())),*] };
 }
 
-/// Runs `tests`, or ignores them where something lacks; ends the process. `file` is the `file!()` of
-/// `main`.
-pub fn run(file: &str, lacks: Option<String>, tests: Vec<(&'static str, fn())>) -> ! {
+/// Tests that need the same, and what of it lacks.
+pub type Group = (Option<String>, Vec<(&'static str, fn())>);
+
+/// Runs the tests of all groups, or ignores them where something lacks; ends the process. `file` is the
+/// `file!()` of `main`.
+pub fn run(file: &str, groups: Vec<Group>) -> ! {
     refuse_attributes(Path::new(file).parent().unwrap());
-    if let Some(reason) = &lacks {
-        println!("SKIPPED: {reason}");
-    }
-    let trial = |(name, test): (&str, fn())| {
-        let trial = Trial::test(name, move || {
-            test();
-            Ok(())
-        });
-        match &lacks {
-            Some(reason) => trial.with_kind(reason).with_ignored_flag(true),
-            None => trial,
+    let mut trials = Vec::new();
+    for (lacks, tests) in groups {
+        if let Some(reason) = &lacks {
+            println!("SKIPPED: {reason}");
         }
-    };
-    let trials = tests.into_iter().map(trial).collect();
+        for (name, test) in tests {
+            let trial = Trial::test(name, move || {
+                test();
+                Ok(())
+            });
+            trials.push(match &lacks {
+                Some(reason) => trial.with_kind(reason).with_ignored_flag(true),
+                None => trial,
+            });
+        }
+    }
     libtest_mimic::run(&Arguments::from_args(), trials).exit()
 }
 

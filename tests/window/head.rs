@@ -1,13 +1,12 @@
 //! The view follows a head that a script moves.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::display_of;
 use super::program::Program;
 
 /// The sculpture, less the panels.
 const PICTURE: [u32; 4] = [150, 50, 800, 680];
-const PATIENCE: Duration = Duration::from_secs(120);
 
 pub fn the_picture_goes_with_the_head_and_rests_without() {
     let display = display_of([1280, 800]);
@@ -23,14 +22,7 @@ pub fn the_picture_goes_with_the_head_and_rests_without() {
     );
     let program = Program::start_with(&display, &[], &settings);
     // The head moves, and nothing else does: pictures differ by themselves.
-    let started = Instant::now();
-    let until = |what: &str, is_so: &dyn Fn() -> bool| {
-        while !is_so() {
-            assert!(started.elapsed() < PATIENCE, "{what}");
-            assert!(program.is_running(), "{what}");
-            std::thread::sleep(Duration::from_millis(50));
-        }
-    };
+    let until = |what: &str, is_so: &dyn Fn() -> bool| program.until(what, is_so);
     until("pictures come", &|| program.pictures() > 10);
     let before = display.picture();
     before.save("head-1-left");

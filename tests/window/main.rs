@@ -1,7 +1,8 @@
 //! The program in its window, under a private X server, with real mouse and key events.
 //!
 //! Needs `Xvfb` (Debian, Ubuntu: xvfb). Without it the tests are ignored, or fail with
-//! `VS_REQUIRE_WINDOW=1`. Screenshots are left in target/test-output/window.
+//! `VS_REQUIRE_WINDOW=1`. Those on Wayland need `weston` (`VS_REQUIRE_WAYLAND=1`). Screenshots are left in
+//! target/test-output/window.
 
 // A test that cannot go on has failed.
 #![allow(clippy::unwrap_used)]
@@ -16,8 +17,10 @@ mod house;
 mod keys;
 mod memory;
 mod panels;
+mod process;
 mod program;
 mod stereo;
+mod wayland;
 
 use std::time::Duration;
 
@@ -42,7 +45,11 @@ pub fn main() {
         panels::all_panels_are_torn_off_in_the_light_theme_and_scaled_together,
         stereo::a_stroke_in_the_right_eye_s_half_is_where_it_is_seen,
     ];
-    trials::run(file!(), lack(), tests)
+    let on_wayland = tests![
+        wayland::a_window_that_is_never_shown_does_not_stop_the_program,
+        wayland::a_window_that_is_shown_is_drawn_as_often_as_the_screen_shows_it_and_not_more,
+    ];
+    trials::run(file!(), vec![(lack(), tests), (wayland::lack(), on_wayland)])
 }
 
 const LEFT: u8 = 1;

@@ -114,7 +114,6 @@ pub fn the_window_stays_alive_while_a_large_sculpture_is_saved() {
     program.key(&["Control_L", "s"]);
     let dialog = shot(&program, "saving-1-dialog");
     program.key(&["Return"]);
-    std::thread::sleep(std::time::Duration::from_millis(250));
     display.picture().save("saving-2-bar");
     program.close();
     let file = program.folder().join("sculpture.vsc");

@@ -1,52 +1,43 @@
-//! The program as a process with a window.
+//! The program in a window on an X server, with the hands of a person.
+//!
+//! Nothing here waits for a time: the program is asked whether it has heard what was done
+//! ([`Program::heard`]), and says when it rests.
 
-use std::io::{BufRead, BufReader};
+use std::ops::Deref;
 use std::path::PathBuf;
-use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
 
 use x11rb::connection::Connection;
+use x11rb::protocol::Event;
 use x11rb::protocol::xproto::{
-    AtomEnum, ClientMessageEvent, ConfigureWindowAux, ConnectionExt as _, EventMask, InputFocus,
-    Keysym, Window,
+    AtomEnum, ChangeWindowAttributesAux, ClientMessageEvent, ConfigureWindowAux,
+    ConnectionExt as _, EventMask, InputFocus, Keysym, Window,
 };
 
 use super::display::Display;
+use super::process::Process;
 
 /// In the title of the main window alone.
 const MAIN: &str = "Virtual Sculpture";
 const KEY: u8 = 2;
 const BUTTON: u8 = 4;
 const MOTION: u8 = 6;
-/// So long at rest is at rest.
-const REST: Duration = Duration::from_millis(80);
-/// By then the program has heard what was done to its window.
-const HEARING: Duration = Duration::from_millis(300);
-/// Longer than anything takes, on a slow machine too.
-const PATIENCE: Duration = Duration::from_secs(120);
-
-/// What the program has said so far.
-#[derive(Default)]
-struct Log {
-    text: String,
-    pictures: usize,
-    /// Since when the program has said that it waits.
-    resting: Option<Instant>,
-}
 
 /// The running program.
 pub struct Program<'a> {
-    child: Mutex<Child>,
-    log: Arc<Mutex<Log>>,
-    reader: Option<std::thread::JoinHandle<()>>,
+    process: Process,
     display: &'a Display,
-    folder: PathBuf,
+}
+
+impl Deref for Program<'_> {
+    type Target = Process;
+
+    fn deref(&self) -> &Process {
+        &self.process
+    }
 }
 
 impl<'a> Program<'a> {
-    /// Starts the program on a display with settings of its own: a small sculpture, and the
-    /// validation layers where they are installed.
+    /// Starts the program on a display with settings of its own: a small sculpture.
     pub fn start(display: &'a Display, arguments: &[&str]) -> Program<'a> {
         Program::start_with(
             display,
@@ -67,74 +58,60 @@ impl<'a> Program<'a> {
         arguments: &[&str],
         settings: &str,
     ) -> Program<'a> {
-        let config = folder.join("config.toml");
-        std::fs::write(&config, settings).unwrap();
-        let mut child = Command::new(env!("CARGO_BIN_EXE_virtual-sculpture"))
-            .arg("--config")
-            .arg(&config)
-            .args(arguments)
-            .env("DISPLAY", display.name())
-            .env_remove("WAYLAND_DISPLAY")
-            .env("VS_VALIDATION", "if-available")
-            .env("RUST_LOG", "virtual_sculpture=debug")
-            .env("NO_COLOR", "1")
-            .env("HOME", &folder)
-            .env_remove("XDG_CONFIG_HOME")
-            .env_remove("XDG_STATE_HOME")
-            .current_dir(&folder)
-            .stdout(Stdio::null())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let log = Arc::new(Mutex::new(Log::default()));
-        let (stderr, heard) = (child.stderr.take().unwrap(), log.clone());
-        let reader = std::thread::spawn(move || {
-            for line in BufReader::new(stderr).lines().map_while(Result::ok) {
-                let mut log = heard.lock().unwrap();
-                log.pictures += usize::from(line.contains("picture shown"));
-                let resting = line.ends_with("at rest");
-                log.resting = resting.then(Instant::now);
-                log.text.push_str(&line);
-                log.text.push('\n');
-            }
+        let process = Process::start_in(folder, arguments, settings, |command| {
+            command.env("DISPLAY", display.name()).env_remove("WAYLAND_DISPLAY");
         });
-        Program { child: Mutex::new(child), log, reader: Some(reader), display, folder }
+        Program { process, display }
     }
 
     pub fn display(&self) -> &Display {
         self.display
     }
 
-    pub fn is_running(&self) -> bool {
-        self.child.lock().unwrap().try_wait().unwrap().is_none()
+    /// Waits until the program has heard all that was done so far, and has done what follows at
+    /// once. Events come in order; the second question comes in another round of the program's loop
+    /// than the first, and so after what the first round has led to.
+    pub fn heard(&self) {
+        // There is none yet, or none any more.
+        let has_begun = || self.named(MAIN).is_some() || self.pictures() > 0;
+        self.until("there is a window", || has_begun() || !self.is_running());
+        for _ in 0..2 {
+            self.ask();
+        }
     }
 
-    /// Pictures that the window has shown so far.
-    pub fn pictures(&self) -> usize {
-        self.log.lock().unwrap().pictures
+    /// Asks the window whether the program is alive, as window managers do, and waits for the answer.
+    fn ask(&self) {
+        let x = &self.display.x;
+        let listen = ChangeWindowAttributesAux::new().event_mask(EventMask::SUBSTRUCTURE_NOTIFY);
+        x.change_window_attributes(self.display.root, &listen).unwrap();
+        let atom = |name: &[u8]| x.intern_atom(false, name).unwrap().reply().unwrap().atom;
+        let (protocols, ping) = (atom(b"WM_PROTOCOLS"), atom(b"_NET_WM_PING"));
+        while x.poll_for_event().unwrap().is_some() {}
+        // A program that ends has no window any more.
+        let Some(window) = self.named(MAIN) else { return };
+        let data = [ping, x11rb::CURRENT_TIME, window, 0, 0];
+        let question = ClientMessageEvent::new(32, window, protocols, data);
+        x.send_event(false, window, EventMask::NO_EVENT, question).unwrap();
+        self.display.sync();
+        self.until("the window answers", || {
+            while let Some(event) = x.poll_for_event().unwrap() {
+                if let Event::ClientMessage(answer) = event
+                    && answer.data.as_data32()[0] == ping
+                {
+                    return true;
+                }
+            }
+            self.named(MAIN).is_none() || !self.is_running()
+        });
     }
 
-    /// The folder that the program runs in.
-    pub fn folder(&self) -> &std::path::Path {
-        &self.folder
-    }
-
-    /// Waits until the program has shown a picture and rests.
+    /// Waits until the program has heard all that was done so far, has shown a picture, and rests.
     pub fn settle(&self) {
         self.display.sync();
-        let start = Instant::now();
-        loop {
-            std::thread::sleep(Duration::from_millis(20));
-            let log = self.log.lock().unwrap();
-            if self.child.lock().unwrap().try_wait().unwrap().is_some() {
-                panic!("the program has ended:\n{}", log.text);
-            }
-            let resting = log.resting.is_some_and(|since| since.elapsed() > REST);
-            if log.pictures > 0 && resting && start.elapsed() > HEARING {
-                return;
-            }
-            assert!(start.elapsed() < PATIENCE, "no rest:\n{}", log.text);
-        }
+        self.until("there is a picture", || self.pictures() > 0);
+        self.heard();
+        self.until("the program rests", || self.rests());
     }
 
     /// The program's main window.
@@ -161,16 +138,8 @@ impl<'a> Program<'a> {
 
     /// The window of a panel, which may be on its way.
     fn panel(&self, title: &str) -> Window {
-        let asked = Instant::now();
-        loop {
-            match self.named(title) {
-                Some(window) => return window,
-                None if asked.elapsed() > Duration::from_secs(20) => {
-                    panic!("there is no window {title}")
-                }
-                None => std::thread::sleep(Duration::from_millis(50)),
-            }
-        }
+        self.until("there is the window of a panel", || self.named(title).is_some());
+        self.named(title).expect("it was there")
     }
 
     /// Puts the window of a panel at x, y with a width and height.
@@ -207,7 +176,7 @@ impl<'a> Program<'a> {
         self.display.device(MOTION, 0, at);
         self.settle();
         self.display.device(BUTTON, 1, at);
-        std::thread::sleep(Duration::from_millis(60));
+        self.heard();
         self.display.device(BUTTON + 1, 1, at);
         self.settle();
     }
@@ -221,34 +190,33 @@ impl<'a> Program<'a> {
     fn key_in(&self, window: Window, names: &[&str]) {
         let x = &self.display.x;
         x.set_input_focus(InputFocus::PARENT, window, x11rb::CURRENT_TIME).unwrap();
-        self.display.sync();
-        std::thread::sleep(Duration::from_millis(80));
+        self.heard();
         let codes: Vec<u8> = names.iter().map(|n| self.display.keycode(symbol(n))).collect();
         for &code in &codes {
             self.display.device(KEY, code, [0, 0]);
-            std::thread::sleep(Duration::from_millis(20));
+            self.heard();
         }
         for &code in codes.iter().rev() {
             self.display.device(KEY + 1, code, [0, 0]);
         }
-        std::thread::sleep(Duration::from_millis(80));
+        self.heard();
     }
 
     /// Presses a button at the first point, goes along the others, releases it at the last, and
     /// leaves the picture.
     pub fn drag(&self, button: u8, way: &[[i16; 2]]) {
-        let pause = || std::thread::sleep(Duration::from_millis(60));
         self.display.device(MOTION, 0, way[0]);
         // The pointer is where it points at only once its picture is there.
         self.settle();
         self.display.device(BUTTON, button, way[0]);
-        pause();
+        self.settle();
         for &at in &way[1..] {
             self.display.device(MOTION, 0, at);
-            pause();
+            // Each place has a picture of its own, or the tool would leave it out.
+            self.settle();
         }
         self.display.device(BUTTON + 1, button, way[way.len() - 1]);
-        pause();
+        self.settle();
         self.leave_picture();
     }
 
@@ -297,25 +265,8 @@ impl<'a> Program<'a> {
         let data = [atom(b"WM_DELETE_WINDOW"), x11rb::CURRENT_TIME, 0, 0, 0];
         let message = ClientMessageEvent::new(32, window, atom(b"WM_PROTOCOLS"), data);
         x.send_event(false, window, EventMask::NO_EVENT, message).unwrap();
-        x.flush().unwrap();
-        std::thread::sleep(Duration::from_millis(200));
-    }
-
-    /// Waits for the end; gives how it ended and all that was said.
-    pub fn wait(mut self) -> (ExitStatus, String) {
-        let start = Instant::now();
-        let status = loop {
-            if let Some(status) = self.child.lock().unwrap().try_wait().unwrap() {
-                break status;
-            }
-            assert!(start.elapsed() < PATIENCE, "no end:\n{}", self.log.lock().unwrap().text);
-            std::thread::sleep(Duration::from_millis(50));
-        };
-        if let Some(reader) = self.reader.take() {
-            reader.join().unwrap();
-        }
-        let text = self.log.lock().unwrap().text.clone();
-        (status, text)
+        self.display.sync();
+        self.heard();
     }
 
     /// Answers the question that leaving asks, and waits for the end.
@@ -325,27 +276,6 @@ impl<'a> Program<'a> {
         self.key(&["Tab"]);
         self.key(&["space"]);
         self.expect_clean_exit();
-    }
-
-    /// Waits for the end, which must be without complaint, of the validation layers too.
-    pub fn expect_clean_exit(self) {
-        let (status, text) = self.wait();
-        assert!(status.success(), "{status}:\n{text}");
-        let complaints: Vec<&str> = text
-            .lines()
-            .filter(|l| l.contains("virtual_sculpture"))
-            .filter(|l| l.contains(" WARN ") || l.contains("ERROR"))
-            .collect();
-        assert!(complaints.is_empty(), "{complaints:#?}");
-    }
-}
-
-impl Drop for Program<'_> {
-    fn drop(&mut self) {
-        if let Ok(mut child) = self.child.lock() {
-            let _ = child.kill();
-            let _ = child.wait();
-        }
     }
 }
 

@@ -1,0 +1,120 @@
+//! The program in a Wayland compositor without a screen: Weston, whose kiosk shell shows no window
+//! while there is no seat, and whose desktop shell shows all of them.
+//!
+//! Needs `weston` (Debian, Ubuntu: weston). Without it the tests are ignored, or fail
+//! with `VS_REQUIRE_WAYLAND=1`.
+
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::Instant;
+
+use super::process::{LOOK, PATIENCE, Process};
+
+const SOCKET: &str = "virtual-sculpture-test";
+
+/// A running compositor; killed on drop.
+struct Weston {
+    server: Child,
+    folder: tempfile::TempDir,
+}
+
+impl Weston {
+    /// Starts one with a shell, or says why there is none.
+    fn start(shell: &str) -> Result<Weston, String> {
+        let folder = tempfile::tempdir().unwrap();
+        let settings = folder.path().join("weston.ini");
+        std::fs::write(&settings, "[core]\nidle-time=0\n[shell]\npanel-position=none\n").unwrap();
+        let server = Command::new("weston")
+            .args(["--backend=headless-backend.so", "--use-pixman", "--width=1280", "--height=800"])
+            .args([&format!("--shell={shell}"), &format!("--socket={SOCKET}")])
+            .arg(format!("--config={}", settings.display()))
+            .env("XDG_RUNTIME_DIR", folder.path())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn();
+        match server {
+            Ok(server) => {
+                let mut weston = Weston { server, folder };
+                weston.listen();
+                Ok(weston)
+            }
+            Err(error) => Err(format!("Weston cannot be started ({error}); install weston")),
+        }
+    }
+
+    /// Waits until programs can connect.
+    fn listen(&mut self) {
+        let start = Instant::now();
+        while !self.folder.path().join(SOCKET).exists() {
+            if let Some(status) = self.server.try_wait().unwrap() {
+                panic!("Weston ends with {status}");
+            }
+            assert!(start.elapsed() < PATIENCE, "Weston does not listen");
+            std::thread::sleep(LOOK);
+        }
+    }
+
+    /// The program in it, with a film that asks for a new picture all the time.
+    fn program(&self) -> Process {
+        let film = self.folder.path().join("film");
+        std::fs::create_dir_all(&film).unwrap();
+        film_of_greys(&film);
+        let settings = format!(
+            "[new]\ndims = [64, 64, 64]\n[window]\nguide = false\n[video]\non = true\n\
+             source = \"{}?fps=25\"\n",
+            film.display()
+        );
+        Process::start(&[], &settings, |command| {
+            command
+                .env_remove("DISPLAY")
+                .env("WAYLAND_DISPLAY", SOCKET)
+                .env("XDG_RUNTIME_DIR", self.folder.path());
+        })
+    }
+}
+
+impl Drop for Weston {
+    fn drop(&mut self) {
+        let _ = self.server.kill();
+        let _ = self.server.wait();
+    }
+}
+
+/// What the tests here need and the machine lacks.
+pub fn lack() -> Option<String> {
+    let reason = Weston::start("kiosk-shell.so").err()?;
+    let required = std::env::var_os("VS_REQUIRE_WAYLAND").is_some_and(|v| v == "1");
+    assert!(!required, "VS_REQUIRE_WAYLAND=1, but {reason}");
+    Some(reason)
+}
+
+fn film_of_greys(folder: &Path) {
+    for i in 0..8_u8 {
+        let picture = image::RgbImage::from_pixel(64, 48, image::Rgb([30 * i; 3]));
+        picture.save(folder.join(format!("{i}.png"))).unwrap();
+    }
+}
+
+pub fn a_window_that_is_never_shown_does_not_stop_the_program() {
+    let weston = Weston::start("kiosk-shell.so").unwrap();
+    let program = weston.program();
+    // Presenting by turns would wait for ever with the first or second picture.
+    let left_out = || program.count("a picture is left out");
+    program.until("the program goes on", || left_out() >= 5);
+    let pictures = program.pictures();
+    program.until("the program goes on", || left_out() >= 10);
+    assert!(program.pictures() <= pictures + 1, "nobody sees them");
+    program.expect_no_complaint();
+}
+
+pub fn a_window_that_is_shown_is_drawn_as_often_as_the_screen_shows_it_and_not_more() {
+    let weston = Weston::start("desktop-shell.so").unwrap();
+    let program = weston.program();
+    program.until("pictures come", || program.pictures() >= 20);
+    let (pictures, start) = (program.pictures(), Instant::now());
+    program.until("pictures go on", || program.pictures() >= pictures + 60);
+    // Weston's screen without a screen shows 60 a second.
+    let rate = (program.pictures() - pictures) as f32 / start.elapsed().as_secs_f32();
+    assert!(rate < 75.0, "{rate} pictures a second");
+    program.expect_no_complaint();
+}
