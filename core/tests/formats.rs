@@ -204,11 +204,25 @@ fn memory_is_bounded_before_it_is_taken() {
     assert!(matches!(error, FormatError::Grid(_)), "{error}");
     assert!(error.to_string().contains("memory.grid_mib"), "{error}");
     let few_colours = Limits { colour_bytes: 10 << 20, ..Limits::default() };
-    let error = format::load(&path, &ImportOptions::default(), &few_colours, &()).unwrap_err();
+    let grey = ImportOptions { colouring: Colouring::Grey, ..ImportOptions::default() };
+    let error = format::load(&path, &grey, &few_colours, &()).unwrap_err();
     assert!(matches!(error, FormatError::ColourMemory { budget_mib: 10, .. }), "{error}");
     // The same limits do for a sculpture of one colour.
     let plain = ImportOptions { colouring: Colouring::None, ..ImportOptions::default() };
     format::load(&path, &plain, &few_colours, &()).unwrap();
+}
+
+#[test]
+fn densities_have_the_base_colour_unless_another_is_asked_for_and_can_be_painted() {
+    for name in ["derived/VisMale_128x256x256_u8.pvm", "derived/CraniumCT_128x128x108_u16.pvm"] {
+        let Some(path) = shared_volume(name) else { return };
+        let Contents { grid, material } = load_plainly(&path);
+        assert_eq!((material.page_count(), material.depth()), (0, ColourDepth::Bits24), "{name}");
+        let grey = ImportOptions { colouring: Colouring::Grey, ..ImportOptions::default() };
+        let shades = load(&path, &grey).unwrap().contents;
+        assert_eq!(shades.grid, grid, "{name}");
+        assert!(shades.material.page_count() > 0, "{name}");
+    }
 }
 
 prop_compose! {

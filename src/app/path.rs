@@ -8,9 +8,9 @@ use crate::tools::construct::Primitive;
 /// Most samples on one straight way: beyond that something has leapt, and the tool is lifted.
 const MOST_SAMPLES: f32 = 4096.0;
 
-/// Cosine of the bend up to which a way is straight: where samples are far apart the tool then
-/// misses less than a tenth of a voxel.
-const STRAIGHT: f32 = 0.9995;
+/// How far, in edges of the smallest voxel edge, the tool may have gone beside its new way since the
+/// last sample; beyond that it is used at the bend, too.
+const BESIDE: f32 = 0.15;
 
 /// A path that is being drawn.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -63,7 +63,12 @@ impl Path {
         if !way.is_finite() || heading == Vec3::ZERO {
             return;
         }
-        if heading.dot(self.heading) < STRAIGHT && self.since > 0.5 * solid.spacing_anywhere() {
+        // The sine of the bend; what is sharper than a right angle leaves the whole tip behind.
+        let bend = match heading.dot(self.heading) {
+            straight if straight > 0.0 => (1.0 - straight * straight).max(0.0).sqrt(),
+            _ => self.heading.length(),
+        };
+        if self.since * bend > BESIDE {
             // What the tool would have cut or filled at the bend.
             let bend = self.at;
             self.jump_to(bend, &mut sample);

@@ -122,21 +122,23 @@ impl Job<'_> {
         let own = self.signature.is_some_and(|s| s.form == ExportForm::Densities);
         let colouring = match self.options.colouring {
             Colouring::Auto if own => Colouring::None,
-            Colouring::Auto => Colouring::Grey,
             chosen => chosen,
         };
+        let is_plain = matches!(colouring, Colouring::Auto | Colouring::None);
         let threshold = match self.options.existence {
             Existence::Threshold(threshold) => Some(threshold),
             Existence::Auto => own.then_some(OPAQUE),
         };
         let depth = if colouring == Colouring::None { ColourDepth::None } else { self.depth() };
         self.check_grid()?;
-        if let (Some(threshold), ColourDepth::None) = (threshold, depth) {
-            let exists = from_on(threshold, value);
-            return self.build(depth, exists, |_| Rgb::STONE);
+        if let (Some(threshold), true) = (threshold, is_plain) {
+            return self.build(depth, from_on(threshold, value), |_| Rgb::STONE);
         }
         let histogram = Histogram::of(self.voxels(), value, values);
         let threshold = threshold.unwrap_or_else(|| threshold::automatic(&histogram));
+        if is_plain {
+            return self.build(depth, from_on(threshold, value), |_| Rgb::STONE);
+        }
         let top = histogram.quantile(RAMP_QUANTILE).max(threshold);
         let ramp = match colouring {
             Colouring::Tissue => Ramp::tissue(threshold, top),

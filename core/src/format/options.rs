@@ -26,7 +26,8 @@ pub enum Existence {
 /// How the voxels of a volume get their colours.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Colouring {
-    /// As the file was written by this program; else colours as they are, densities as grey.
+    /// As the file was written by this program; else colours as they are, and densities in the base
+    /// colour, to be painted: shades of grey would show as stripes wherever the surface crosses them.
     #[default]
     Auto,
     /// No colours.
