@@ -159,9 +159,9 @@ mod tests {
     #[test]
     fn what_was_chosen_about_a_file_is_kept_in_its_line() {
         let mut recent = Recent::default();
-        let raw: Command = "open \"/a/x \\\" y.raw\" threshold=7 raw=4x4x4:u8".parse().unwrap();
+        let raw: Command = "open e\"/a/x \\\" y.raw\" threshold=7 raw=4x4x4:u8".parse().unwrap();
         recent.note(&raw);
-        recent.note(&"save \"/a/x \\\" y.raw\"".parse().unwrap());
+        recent.note(&"save e\"/a/x \\\" y.raw\"".parse().unwrap());
         let lines: Vec<String> = recent.lines().collect();
         assert_eq!(lines, [raw.to_string()]);
         let again = Recent::from_lines(lines.iter().map(String::as_str));

@@ -141,7 +141,7 @@ fn a_camera_is_sought_at_growing_intervals() {
 fn a_panic_and_broken_pictures_are_losses_not_ends() {
     let scripts: [&[Act]; 3] = [&[Act::Panic], &[Act::Broken, Act::Broken], &[Act::Give(0)]];
     let (mut source, go) = source(&scripts, CAMERA);
-    until(&mut source, |s| error_of(s).contains("broke down"));
+    until(&mut source, |s| error_of(s).contains("has failed"));
     go.send(()).unwrap();
     until(&mut source, |s| error_of(s).contains("as told"));
     go.send(()).unwrap();

@@ -110,8 +110,16 @@ impl<'a> Program<'a> {
     pub fn settle(&self) {
         self.display.sync();
         self.until("there is a picture", || self.pictures() > 0);
-        self.heard();
-        self.until("the program rests", || self.rests());
+        // Until a round of questions finds it at rest and has led to nothing: what it hears of one
+        // window may come to be drawn in another only rounds later.
+        loop {
+            let before = self.said().len();
+            self.heard();
+            self.until("the program rests", || self.rests());
+            if self.said().len() == before {
+                return;
+            }
+        }
     }
 
     /// The program's main window.

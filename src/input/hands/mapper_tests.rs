@@ -246,8 +246,9 @@ fn a_pull_that_turns_the_hand_points_where_it_began() {
     };
     let begun = asks.iter().position(|ask| *ask == HandAsk::Click(true)).unwrap();
     let ended = asks.iter().position(|ask| *ask == HandAsk::Click(false)).unwrap();
-    assert!(asks[..=ended].iter().filter(|ask| matches!(ask, HandAsk::Point(_))).all(around));
     assert!(begun < ended, "{asks:?}");
+    let mut points = asks[..=ended].iter().filter(|ask| matches!(ask, HandAsk::Point(_)));
+    assert!(points.all(around), "{asks:?}");
     // On and off at once, as a button is.
     turn(&mut person, 0.0);
     person.look();
