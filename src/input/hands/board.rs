@@ -125,10 +125,11 @@ impl Pointing {
                 hit
             }
             // It goes on to something else, half pulled.
-            _ => {
+            Some(_) => {
                 (self.kept, self.least) = (None, way);
                 hit
             }
+            None => hit,
         }
     }
 }
