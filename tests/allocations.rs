@@ -7,23 +7,21 @@
 
 // A test that cannot go on has failed.
 #![allow(clippy::unwrap_used)]
-// The one place with `unsafe` beside this crate: an allocator that counts.
-#![allow(unsafe_code)]
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::{Affine3A, Quat, UVec2, UVec3, Vec3};
-use sculpture_core::command::{Command, NewSculpture};
-use sculpture_core::document::{Document, Limits};
-use sculpture_core::scenes;
-use sculpture_core::sculpture::edit::EditOp;
-use sculpture_core::sculpture::{ColourDepth, Grid, Material, Rgb};
-use sculpture_core::shade::{self, Lighting, NORMAL_REACH_VX, Pixels, ShadePose};
-use sculpture_core::surface::{IndexMap, changed_pixels, quickstep, raycast};
-use sculpture_core::tools::construct::{Primitive, Solid};
-use sculpture_core::view::{Camera, Eye};
+use virtual_sculpture::command::{Command, NewSculpture};
+use virtual_sculpture::document::{Document, Limits};
+use virtual_sculpture::scenes;
+use virtual_sculpture::sculpture::edit::EditOp;
+use virtual_sculpture::sculpture::{ColourDepth, Grid, Material, Rgb};
+use virtual_sculpture::shade::{self, Lighting, NORMAL_REACH_VX, Pixels, ShadePose};
+use virtual_sculpture::surface::{IndexMap, changed_pixels, quickstep, raycast};
+use virtual_sculpture::tools::construct::{Primitive, Solid};
+use virtual_sculpture::view::{Camera, Eye};
 
 /// Counts what is asked of the system's allocator.
 struct Counting;
