@@ -8,8 +8,11 @@ use std::fmt::Display;
 use std::io::{ErrorKind, Write};
 
 use thiserror::Error;
-use tracing_subscriber::EnvFilter;
+use tracing_subscriber::Layer;
+use tracing_subscriber::filter::Targets;
 use tracing_subscriber::fmt::MakeWriter;
+use tracing_subscriber::layer::SubscriberExt;
+use tracing_subscriber::util::SubscriberInitExt;
 
 /// Why a result was not said.
 #[derive(Debug, Error)]
@@ -50,19 +53,25 @@ fn line(mut to: impl Write, text: impl Display) -> std::io::Result<()> {
 const USUAL_LOG: &str = "error,virtual_sculpture=warn,sculpture_core=warn,tracking=warn,\
                          winit=off,egui=off,calloop=off,sctk=off,smithay_client_toolkit=off";
 
-/// Begins to write the log to standard error: warnings of this program, or with `quiet` errors alone;
-/// `RUST_LOG` says otherwise. Colours only for a terminal whose owner does not mind (`NO_COLOR`).
+/// Starts writing the log to standard error: warnings of this program, or with `quiet` errors only.
+/// `RUST_LOG` overrides that, as a list of `level` and `target=level`. Colours only on a terminal
+/// without `NO_COLOR`.
 pub fn begin_log(quiet: bool) {
     use std::io::IsTerminal;
     let usual = if quiet { "error,winit=off,egui=off" } else { USUAL_LOG };
-    let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(usual));
+    let wanted = std::env::var("RUST_LOG").ok().filter(|text| !text.is_empty());
+    let filter: Option<Targets> = wanted.as_deref().and_then(|text| text.parse().ok());
+    let malformed = wanted.filter(|_| filter.is_none());
     let refused = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
-    tracing_subscriber::fmt()
-        .with_env_filter(filter)
+    let lines = tracing_subscriber::fmt::layer()
         .with_ansi(std::io::stderr().is_terminal() && !refused)
         .log_internal_errors(false)
         .with_writer(Log)
-        .init();
+        .with_filter(filter.unwrap_or_else(|| usual.parse().unwrap_or_default()));
+    tracing_subscriber::registry().with(lines).init();
+    if let Some(text) = malformed {
+        aside(format_args!("RUST_LOG: '{text}' is no list of `level` and `target=level`; ignored"));
+    }
 }
 
 /// Standard error for the log. A line that cannot be written is lost.
