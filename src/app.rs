@@ -1,21 +1,23 @@
 //! Owns the program in its windows: winit's events come in, pictures go out.
 //!
-//! [`App::frame`] is the program read aloud. What does not need a window is in [`Workbench`].
+//! [`App::frame`] is the program read aloud. What does not need a window is in [`Workspace`].
 
+mod actions;
 mod aim;
 pub mod ar;
 mod camera;
 mod carry;
-mod deeds;
+mod detached;
 mod first_run;
 mod footing;
-mod guides;
 pub mod head;
 pub mod headset;
 mod job;
 mod keys;
+mod main_window;
 mod marker;
 mod memory;
+mod overlay;
 mod pad;
 mod painter;
 mod pane;
@@ -23,12 +25,10 @@ mod path;
 mod picking;
 mod recovery;
 mod screenshot;
-mod stage;
 mod stereo_screen;
 mod stroke;
-mod torn;
-mod view;
-pub mod workbench;
+mod turntable;
+pub mod workspace;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -50,11 +50,11 @@ use crate::input::pad::device::{self, PadNews};
 use crate::screen::headset::LinkNews;
 use crate::session::Session;
 
+use detached::DetachedPanels;
 use headset::{Connection, Headset};
+use main_window::MainWindow;
 use pane::Frame;
-use torn::Torn;
-use view::View;
-pub use workbench::Workbench;
+pub use workspace::Workspace;
 
 /// Smallest window in points for which the panels are laid out.
 const SMALLEST: LogicalSize<u32> = LogicalSize::new(640, 480);
@@ -92,13 +92,13 @@ pub fn run(session: Session, config: Config, shots: Option<PathBuf>) -> Result<(
     let event_loop = EventLoop::with_user_event().build()?;
     let proxy = event_loop.create_proxy();
     device::listen(move |news| proxy.send_event(Wake::Pad(news)).is_ok());
-    let mut bench = Workbench::new(session, &config, Bindings::presets()?);
-    bench.ui.guide.open = config.window.guide && first_run::is_first_run();
+    let mut workspace = Workspace::new(session, &config, Bindings::presets()?);
+    workspace.ui.guide.open = config.window.guide && first_run::is_first_run();
     if let Some(folder) = config::personal_folder() {
-        bench.keep_keys_in(folder.join("bindings.toml"));
-        bench.keep_calibration_in(folder.join("calibration.toml"));
+        workspace.keep_keys_in(folder.join("bindings.toml"));
+        workspace.keep_calibration_in(folder.join("calibration.toml"));
     }
-    bench.remember_in(config::state_folder().join("state.toml"), &config);
+    workspace.remember_in(config::state_folder().join("state.toml"), &config);
     let proxy = event_loop.create_proxy();
     let headset = config.headset.enabled.then(|| {
         Headset::new(&config, shots, move |connection, news| {
@@ -106,14 +106,14 @@ pub fn run(session: Session, config: Config, shots: Option<PathBuf>) -> Result<(
         })
     });
     let mut app = App {
-        bench,
+        workspace,
         headset,
         mirrored: None,
         config,
         started: Instant::now(),
         focused: None,
         view: None,
-        torn: Torn::default(),
+        detached: DetachedPanels::default(),
         restarted: None,
         resting: false,
         failed: None,
@@ -131,18 +131,18 @@ enum Wake {
 
 /// The program in a window.
 struct App {
-    bench: Workbench,
+    workspace: Workspace,
     headset: Option<Headset>,
     /// When the window last showed what is done in the headset.
     mirrored: Option<Instant>,
     config: Config,
     /// Windows of panels, on the device of the main one.
-    torn: Torn,
+    detached: DetachedPanels,
     started: Instant,
     /// The window that has the keyboard.
     focused: Option<WindowId>,
     /// Window and device, once there is an event loop to make them with.
-    view: Option<View>,
+    view: Option<MainWindow>,
     /// When the device was last made anew.
     restarted: Option<Instant>,
     /// Nothing is to be done, as has been said in the log.
@@ -161,7 +161,7 @@ impl App {
         }
         let showing = self.headset.as_ref().is_some_and(Headset::is_showing);
         let patience = if showing { BRIEFLY } else { PATIENCE };
-        let frame = view.begin(&mut self.bench, patience)?;
+        let frame = view.begin(&mut self.workspace, patience)?;
         self.attend(frame)
     }
 
@@ -171,12 +171,12 @@ impl App {
         let Some(view) = &mut self.view else { return Ok(()) };
         let started = Instant::now();
         view.pane.answer();
-        view.play_pad(&mut self.bench, (started - self.started).as_secs_f64());
-        self.bench.on_screen(view.pane.monitor());
-        self.bench.track();
-        let interface = view.interface(&mut self.bench);
-        self.bench.shake_pad(self.started.elapsed().as_secs_f64());
-        let pad_needs = self.bench.pad_is_active().then_some(Duration::ZERO);
+        view.play_pad(&mut self.workspace, (started - self.started).as_secs_f64());
+        self.workspace.on_screen(view.pane.monitor());
+        self.workspace.track();
+        let interface = view.interface(&mut self.workspace);
+        self.workspace.shake_pad(self.started.elapsed().as_secs_f64());
+        let pad_needs = self.workspace.pad_is_active().then_some(Duration::ZERO);
         let mut again = pad_needs.unwrap_or(interface.repaint_after);
         if frame.is_none() {
             tracing::debug!("a picture is left out");
@@ -186,19 +186,19 @@ impl App {
         }
         view.pane.wake_at(started.checked_add(again));
         if let Some(mut frame) = frame {
-            view.draw_sculpture(&mut frame, &mut self.bench)?;
+            view.draw_sculpture(&mut frame, &mut self.workspace)?;
             view.draw_interface(&mut frame, &interface)?;
             if let Some(lack) = view.pane.take_lack() {
-                self.bench.ui.toasts.error(lack.to_string());
+                self.workspace.ui.toasts.error(lack.to_string());
             }
             view.end(frame)?;
-            view.save_screenshot(&mut self.bench)?;
-            self.bench.times.total_ms = started.elapsed().as_secs_f32() * 1e3;
+            view.save_screenshot(&mut self.workspace)?;
+            self.workspace.times.total_ms = started.elapsed().as_secs_f32() * 1e3;
         }
-        view.switch_fullscreen(&mut self.bench);
-        view.set_title(&self.bench);
+        view.switch_fullscreen(&mut self.workspace);
+        view.set_title(&self.workspace);
         // What was done may show in the panels.
-        self.torn.touch();
+        self.detached.touch();
         Ok(())
     }
 
@@ -224,11 +224,11 @@ impl App {
     fn panels(&mut self, event_loop: &ActiveEventLoop) -> Result<(), GpuError> {
         let Some(view) = &mut self.view else { return Ok(()) };
         let device = view.device().clone();
-        self.torn.follow(event_loop, view.pane.window(), &device, &mut self.bench);
-        let modal = self.bench.ui.is_modal();
-        if self.torn.refresh(&mut self.bench)? {
+        self.detached.follow(event_loop, view.pane.window(), &device, &mut self.workspace);
+        let modal = self.workspace.ui.is_modal();
+        if self.detached.refresh(&mut self.workspace)? {
             view.pane.redraw();
-            if self.bench.ui.is_modal() && !modal {
+            if self.workspace.ui.is_modal() && !modal {
                 // What was opened from a panel is shown in the main window.
                 view.pane.window().focus_window();
             }
@@ -237,7 +237,7 @@ impl App {
     }
 
     fn open_window(&mut self, event_loop: &ActiveEventLoop) -> Result<(), AppError> {
-        let windows = &self.bench.ui.windows;
+        let windows = &self.workspace.ui.windows;
         let mut size = windows.main.unwrap_or(self.config.window.size);
         // It may have been on a larger screen last.
         let screens = event_loop.available_monitors();
@@ -254,8 +254,8 @@ impl App {
             .with_maximized(windows.maximised)
             .with_min_inner_size(SMALLEST);
         let window = Arc::new(event_loop.create_window(attributes)?);
-        let view = View::new(window, &self.config)?;
-        self.bench.ui.view.suit_device(view.device().is_software());
+        let view = MainWindow::new(window, &self.config)?;
+        self.workspace.ui.view.suit_device(view.device().is_software());
         self.view = Some(view);
         Ok(())
     }
@@ -272,10 +272,10 @@ impl App {
         if let (true, false, Some(view)) = (lost, again, self.view.take()) {
             tracing::warn!("{error}; recreating the device");
             self.restarted = Some(Instant::now());
-            self.torn.note_places(&mut self.bench.ui.windows.panels);
-            self.torn.close();
+            self.detached.note_places(&mut self.workspace.ui.windows.panels);
+            self.detached.close();
             let window = view.into_window();
-            match View::new(window, &self.config) {
+            match MainWindow::new(window, &self.config) {
                 Ok(mut view) => {
                     view.pane.redraw();
                     self.view = Some(view);
@@ -284,10 +284,10 @@ impl App {
                 Err(second) => tracing::error!("{second}"),
             }
         }
-        if !self.bench.session().modified() {
+        if !self.workspace.session().modified() {
             return Err(error.into());
         }
-        match recovery::save(self.bench.session_mut()) {
+        match recovery::save(self.workspace.session_mut()) {
             Ok(path) => Err(AppError::Recovered { error, path }),
             Err(second) => {
                 tracing::error!("the sculpture could not be saved: {second}");
@@ -310,7 +310,7 @@ impl App {
     /// When the first window wants to be drawn by itself.
     fn wake(&self) -> Option<Instant> {
         let main = self.view.as_ref().and_then(|view| view.pane.wake());
-        main.into_iter().chain(self.torn.wake()).min()
+        main.into_iter().chain(self.detached.wake()).min()
     }
 
     /// Goes on after a failure to draw, or ends the program.
@@ -326,7 +326,7 @@ impl App {
     /// there.
     fn hear_headset(&mut self, connection: Connection, news: LinkNews) {
         let Some(headset) = &mut self.headset else { return };
-        headset.hear(&mut self.bench, connection, news);
+        headset.hear(&mut self.workspace, connection, news);
         if self.mirrored.is_none_or(|at| at.elapsed() >= MIRROR_EVERY) {
             self.mirrored = Some(Instant::now());
             self.redraw();
@@ -335,9 +335,9 @@ impl App {
 
     /// Notes how large the windows are and where.
     fn note_windows(&mut self) {
-        self.torn.note_places(&mut self.bench.ui.windows.panels);
+        self.detached.note_places(&mut self.workspace.ui.windows.panels);
         let Some(view) = &self.view else { return };
-        let (window, windows) = (view.pane.window(), &mut self.bench.ui.windows);
+        let (window, windows) = (view.pane.window(), &mut self.workspace.ui.windows);
         windows.maximised = window.is_maximized();
         let size = window.inner_size().to_logical::<u32>(window.scale_factor());
         let usable = size.width >= SMALLEST.width && size.height >= SMALLEST.height;
@@ -351,12 +351,12 @@ impl App {
         let soon = Instant::now() + Duration::from_secs(1);
         let pending = self.view.as_ref().is_some_and(|view| view.pane.is_pending());
         let resting =
-            !pending && !self.torn.is_pending() && self.wake().is_none_or(|wake| wake > soon);
+            !pending && !self.detached.is_pending() && self.wake().is_none_or(|wake| wake > soon);
         match (self.resting, resting) {
             (false, true) => {
                 tracing::debug!("at rest");
                 self.note_windows();
-                self.bench.remember_at_rest();
+                self.workspace.remember_at_rest();
             }
             (true, false) => tracing::debug!("at work"),
             _ => {}
@@ -367,13 +367,13 @@ impl App {
     /// After the event loop: the device goes, and what went wrong is said.
     fn finish(mut self) -> Result<(), AppError> {
         // What is being saved is saved.
-        self.bench.finish_job();
+        self.workspace.finish_job();
         self.note_windows();
-        self.bench.remember();
-        let log = self.view.as_ref().map(View::validation_log);
+        self.workspace.remember();
+        let log = self.view.as_ref().map(MainWindow::validation_log);
         let mut complaints = self.headset.as_ref().map_or(0, Headset::complaints);
         self.headset = None;
-        self.torn.close();
+        self.detached.close();
         self.view = None;
         if let Some(error) = self.failed {
             return Err(error);
@@ -391,7 +391,7 @@ impl ApplicationHandler<Wake> for App {
         match wake {
             Wake::Pad(news) => {
                 let now = news.at.saturating_duration_since(self.started);
-                self.bench.hear_pad(news, now.as_secs_f64());
+                self.workspace.hear_pad(news, now.as_secs_f64());
                 self.redraw();
             }
             Wake::Headset(connection, news) => self.hear_headset(connection, news),
@@ -414,9 +414,9 @@ impl ApplicationHandler<Wake> for App {
             && (focused || self.focused == Some(id))
         {
             self.focused = focused.then_some(id);
-            self.bench.listen_to_pads(focused);
+            self.workspace.listen_to_pads(focused);
         }
-        if let Some(window) = self.torn.get_mut(id) {
+        if let Some(window) = self.detached.get_mut(id) {
             self.resting = false;
             if window.pane.hear(&event) {
                 window.touch();
@@ -428,7 +428,7 @@ impl ApplicationHandler<Wake> for App {
                 }
                 WindowEvent::CloseRequested => {
                     let panel = window.panel();
-                    self.bench.put_back(panel);
+                    self.workspace.put_back(panel);
                     self.redraw();
                 }
                 _ => {}
@@ -444,7 +444,7 @@ impl ApplicationHandler<Wake> for App {
                 self.survive(event_loop, result);
             }
             WindowEvent::CloseRequested => {
-                self.bench.ask_to_leave();
+                self.workspace.ask_to_leave();
                 self.redraw();
             }
             WindowEvent::Focused(_) => self.redraw(),
@@ -456,10 +456,10 @@ impl ApplicationHandler<Wake> for App {
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
         let result = self.panels(event_loop).and_then(|()| self.look_after_window());
         self.survive(event_loop, result);
-        if self.bench.is_leaving() {
+        if self.workspace.is_leaving() {
             event_loop.exit();
         }
-        let headset = self.headset.as_mut().and_then(|headset| headset.poll(&mut self.bench));
+        let headset = self.headset.as_mut().and_then(|headset| headset.poll(&mut self.workspace));
         event_loop.set_control_flow(match self.wake().into_iter().chain(headset).min() {
             Some(wake) => ControlFlow::WaitUntil(wake),
             None => ControlFlow::Wait,

@@ -14,7 +14,7 @@ use crate::config::{Config, RenderMode};
 use crate::document::Document;
 use crate::format::store;
 use crate::gpu::{Device, Frames, GpuError, Headless};
-use crate::render::{Background, Renderer, Shot};
+use crate::render::{Background, FrameDesc, Renderer};
 use crate::screen::offscreen;
 use crate::sculpture::Grid;
 use crate::sculpture::brick::BRICK_EDGE_VX;
@@ -213,27 +213,27 @@ fn render_on_device(
     let mut renderer = Renderer::new(&device, offscreen::FORMAT)?;
     let mut frames = Frames::new(&device)?;
     let [top, bottom] = BACKGROUND.map(|rgb| Vec3::from(rgb.map(f32::from)) / 255.0);
-    let mut shot = Shot {
+    let mut desc = FrameDesc {
         eyes,
         world_from_grid,
         mode: view.mode,
         lighting: config.lighting(),
         background: Background::Gradient { top, bottom },
         video: None,
-        ghosts: &[],
+        previews: &[],
         lines: &[],
     };
     let mut recorder = frames.begin()?;
-    while let Err(error) = renderer.paint(&mut recorder, frames.slot(), document, &shot) {
+    while let Err(error) = renderer.paint(&mut recorder, frames.slot(), document, &desc) {
         let too_large = matches!(error, GpuError::Limit { .. } | GpuError::OutOfMemory(_));
-        let Some(mode) = shot.mode.fallback().filter(|_| too_large) else {
+        let Some(mode) = desc.mode.fallback().filter(|_| too_large) else {
             return Err(error.into());
         };
         tracing::warn!("{error}; rendering by {}", mode.label());
         if !mode.needs_device() {
             return Ok(render_by_casting(document, mode, eyes, world_from_grid, config));
         }
-        shot.mode = mode;
+        desc.mode = mode;
     }
     frames.submit(recorder, &[], &[])?;
     let pictures = renderer.read_back()?;

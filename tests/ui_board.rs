@@ -9,7 +9,7 @@ mod bench;
 use egui::vec2;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use virtual_sculpture::app::Workbench;
+use virtual_sculpture::app::Workspace;
 use virtual_sculpture::input::Bindings;
 use virtual_sculpture::session::Session;
 
@@ -19,11 +19,11 @@ use bench::{Bench, config};
 fn board() -> Bench {
     let config = config(32);
     let session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
-    let bench = Workbench::new(session, &config, Bindings::presets().unwrap());
+    let bench = Workspace::new(session, &config, Bindings::presets().unwrap());
     Harness::builder()
         .with_size(vec2(1250.0, 800.0))
         .with_pixels_per_point(1.0)
-        .build_ui_state(|ui, bench: &mut Workbench| bench.show_on_board(ui), bench)
+        .build_ui_state(|ui, bench: &mut Workspace| bench.show_on_board(ui), bench)
 }
 
 fn click(harness: &mut Bench, label: &str) {

@@ -12,7 +12,7 @@ use std::path::Path;
 use egui::{Event, Key, Modifiers, PointerButton, vec2};
 use egui_kittest::kittest::Queryable;
 use glam::UVec3;
-use virtual_sculpture::app::Workbench;
+use virtual_sculpture::app::Workspace;
 use virtual_sculpture::document::Limits;
 use virtual_sculpture::format;
 use virtual_sculpture::input::Bindings;
@@ -109,7 +109,7 @@ fn forgetful() -> Bench {
     let config = config(64);
     let limits = Limits { history_bytes: 150, ..config.limits() };
     let session = Session::new(&config.new_sculpture(), limits).unwrap();
-    let bench = Workbench::new(session, &config, Bindings::presets().unwrap());
+    let bench = Workspace::new(session, &config, Bindings::presets().unwrap());
     bench_around(bench, vec2(1280.0, 800.0))
 }
 
@@ -232,6 +232,6 @@ fn bench_of_recorded(path: &Path) -> Bench {
     let mut session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
     session.record_to(path).unwrap();
     assert_eq!(session.document().grid().dims(), UVec3::splat(64));
-    let bench = Workbench::new(session, &config, Bindings::presets().unwrap());
+    let bench = Workspace::new(session, &config, Bindings::presets().unwrap());
     bench_around(bench, vec2(1280.0, 800.0))
 }

@@ -1,4 +1,4 @@
-//! What is remembered from one start to the next, without a window: the workbench is started,
+//! What is remembered from one start to the next, without a window: the workspace is started,
 //! used, left and started again with the same file.
 
 // A test that cannot go on has failed.
@@ -70,7 +70,7 @@ fn looks_tool_and_panels_are_found_again_after_a_start() {
     assert_eq!((ui.theme, ui.scale.factor()), (Theme::Light, scale));
     assert_eq!((ui.hand.tool, ui.hand.solid), (Tool::Solid, Solid::Cuboid));
     assert_eq!((ui.hand.mode, ui.hand.colour), (ToolMode::Add, Rgb::new(9, 8, 7)));
-    assert!(ui.torn.contains(&Panel::Options));
+    assert!(ui.detached.contains(&Panel::Options));
     assert_eq!(undone(&harness), 0, "what is remembered is no step");
     quit(harness);
     let left: Vec<_> = std::fs::read_dir(file.parent().unwrap()).unwrap().collect();

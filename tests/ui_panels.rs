@@ -1,4 +1,4 @@
-//! The interface and the workbench without a window: buttons, keys and mouse lead to commands,
+//! The interface and the workspace without a window: buttons, keys and mouse lead to commands,
 //! and commands change the sculpture. The picture's voxels come from the exact ray caster.
 
 // A test that cannot go on has failed.
@@ -11,7 +11,7 @@ use egui::{Event, Key, Modifiers, PointerButton, Pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use glam::UVec3;
-use virtual_sculpture::app::Workbench;
+use virtual_sculpture::app::Workspace;
 use virtual_sculpture::command::Command;
 use virtual_sculpture::config::{RenderMode, Theme};
 use virtual_sculpture::input::{Bindings, Panel, ToolMode};
@@ -432,14 +432,14 @@ fn a_torn_off_panel_does_the_same_in_a_window_of_its_own() {
     {
         let presets = Bindings::presets().unwrap();
         let config = config(32);
-        let mut bench = Workbench::new(
+        let mut bench = Workspace::new(
             Session::new(&config.new_sculpture(), config.limits()).unwrap(),
             &config,
             presets,
         );
-        bench.ui.torn.insert(panel);
+        bench.ui.detached.insert(panel);
         let mut window = Harness::builder().with_size(vec2(260.0, 640.0)).build_ui_state(
-            move |ui, bench: &mut Workbench| {
+            move |ui, bench: &mut Workspace| {
                 bench.show_panel(panel, ui);
             },
             bench,
@@ -464,6 +464,6 @@ fn a_torn_off_panel_does_the_same_in_a_window_of_its_own() {
         window.run();
         window.get_by_label(&format!("Dock: {}", panel.title())).click();
         window.run();
-        assert!(window.state().ui.torn.is_empty());
+        assert!(window.state().ui.detached.is_empty());
     }
 }

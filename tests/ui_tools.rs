@@ -19,7 +19,7 @@ use virtual_sculpture::ui::Tool;
 
 use bench::{Bench, key, look, middle, send, voxels};
 
-/// A workbench with a solid block of 64^3 voxels, seen from the front.
+/// A workspace with a solid block of 64^3 voxels, seen from the front.
 fn front() -> Bench {
     let mut harness = bench::bench();
     harness.run();

@@ -2,7 +2,7 @@
 //! camera's eye while the sculpture stands on it.
 //!
 //! Frames come in as values, the newest wins. The eye belongs to one frame, the last that was looked
-//! through ([`Workbench::ar_frame`]): that one is to be shown behind the sculpture. A marker that is
+//! through ([`Workspace::ar_frame`]): that one is to be shown behind the sculpture. A marker that is
 //! lost is held for a moment, then the sculpture goes to a place before the camera.
 
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -13,11 +13,11 @@ use glam::{Affine3A, DQuat, DVec3, UVec2, Vec3};
 use tracking::Placement;
 use tracking::fade::{Fade, FadeOptions};
 
-use super::workbench::Workbench;
+use super::workspace::Workspace;
 use crate::config::ArSettings;
 use crate::fiducial::{Grey, MarkerPose, detect, poses};
 use crate::input::Side;
-use crate::ui::ar::ArFacts;
+use crate::ui::ar::ArStatus;
 use crate::video::{Fit, Frame, Framing, Intrinsics, Stand};
 use crate::view::Eye;
 
@@ -51,7 +51,7 @@ struct Searched {
     found: Vec<MarkerPose>,
 }
 
-/// What the thread of the finder shares with the workbench.
+/// What the thread of the finder shares with the workspace.
 #[derive(Default)]
 struct Desk {
     next: Option<(Arc<Frame>, Intrinsics)>,
@@ -233,8 +233,8 @@ impl Ar {
         self.settings.voxel_mm = (self.settings.voxel_mm * factor).clamp(0.001, 1000.0);
     }
 
-    pub fn facts(&self) -> ArFacts {
-        ArFacts {
+    pub fn status(&self) -> ArStatus {
+        ArStatus {
             on: self.is_on(),
             video: self.shown.is_some(),
             seen: self.live,
@@ -262,7 +262,7 @@ impl Ar {
     }
 }
 
-impl Workbench {
+impl Workspace {
     /// Hears of the newest frame of the camera and how it lies on the screen.
     pub fn see(&mut self, frame: &Arc<Frame>, look: Look) {
         self.ar.look = look;
@@ -311,7 +311,7 @@ impl Workbench {
     /// The eye of the camera, while the sculpture stands on the marker.
     pub(super) fn camera_eye(&self) -> Option<Eye> {
         let grid = self.session().document().grid();
-        let size = self.stage.eye().size;
+        let size = self.turntable.eye().size;
         self.ar.eye(&self.world_from_grid(), grid.dims().as_vec3(), size)
     }
 }

@@ -14,11 +14,11 @@ const FOCAL_PX: f64 = 600.0;
 /// Pixels of a cell of the drawn marker: at 80 mm and this focal length 0.4 m away.
 const CELL_PX: f64 = 15.0;
 
-fn bench() -> Workbench {
+fn workspace() -> Workspace {
     let toml = "[new]\ndims = [20, 40, 20]\n[ar]\nmarker = 4\nvoxel_mm = 1.0";
     let config = Config::parse(toml, std::path::Path::new("test.toml")).unwrap();
     let session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
-    Workbench::new(session, &config, Bindings::presets().unwrap())
+    Workspace::new(session, &config, Bindings::presets().unwrap())
 }
 
 fn lens() -> Intrinsics {
@@ -43,21 +43,21 @@ fn frame(sequence: u64, middle: Option<(f64, f64)>) -> Arc<Frame> {
 }
 
 /// Gives a frame and waits until it was looked through.
-fn see(bench: &mut Workbench, frame: &Arc<Frame>, now_s: f64) {
+fn see(workspace: &mut Workspace, frame: &Arc<Frame>, now_s: f64) {
     let look = Look { lens: Some(lens()), fit: Fit::Fill, mirror: false };
-    bench.see(frame, look);
+    workspace.see(frame, look);
     let started = Instant::now();
-    while bench.ar_frame().is_none_or(|shown| shown.sequence != frame.sequence) {
+    while workspace.ar_frame().is_none_or(|shown| shown.sequence != frame.sequence) {
         assert!(started.elapsed() < Duration::from_secs(60), "the frame was not looked through");
         std::thread::sleep(Duration::from_millis(1));
-        bench.track_at(now_s);
+        workspace.track_at(now_s);
     }
 }
 
 /// Where a point of the grid is in the picture of the camera, in pixels.
-fn pixel(bench: &Workbench, voxel: Vec3) -> Vec2 {
-    let eye = bench.eye();
-    let clip = eye.clip_from_grid(&bench.world_from_grid()) * voxel.extend(1.0);
+fn pixel(workspace: &Workspace, voxel: Vec3) -> Vec2 {
+    let eye = workspace.eye();
+    let clip = eye.clip_from_grid(&workspace.world_from_grid()) * voxel.extend(1.0);
     let screen = Vec2::new(clip.x, clip.y) / clip.w * 0.5 + 0.5;
     let framing = Framing::new(UVec2::new(640, 480), eye.size, Fit::Fill, false);
     framing.picture_from_screen(screen) * Vec2::new(640.0, 480.0) - 0.5
@@ -65,70 +65,70 @@ fn pixel(bench: &Workbench, voxel: Vec3) -> Vec2 {
 
 #[test]
 fn the_sculpture_stands_on_the_marker_and_goes_with_it() {
-    let mut bench = bench();
-    bench.track_at(0.0);
-    bench.act(Action::ToggleAr);
-    assert_eq!(bench.eye(), bench.stage.eye(), "no frames yet");
+    let mut workspace = workspace();
+    workspace.track_at(0.0);
+    workspace.act(Action::ToggleAr);
+    assert_eq!(workspace.eye(), workspace.turntable.eye(), "no frames yet");
     let (mut now_s, mut sequence) = (0.0, 0);
     for middle in [(320.0, 240.0), (200.0, 300.0), (400.0, 200.0)] {
         // The first time it comes from its place of rest.
         for _ in 0..6 {
             (now_s, sequence) = (now_s + 0.1, sequence + 1);
-            see(&mut bench, &frame(sequence, Some(middle)), now_s);
+            see(&mut workspace, &frame(sequence, Some(middle)), now_s);
         }
         // Its edges lie between pixels, half a pixel before the numbers.
         let middle = Vec2::new(middle.0 as f32, middle.1 as f32) - 0.5;
         // Upright on the marker: the grid's lower side on the paper, in its middle.
-        let foot = pixel(&bench, Vec3::new(10.0, 0.0, 10.0));
+        let foot = pixel(&workspace, Vec3::new(10.0, 0.0, 10.0));
         assert!(foot.distance(middle) < 1.0, "{foot} {middle}");
         // 10 voxels of 1 mm to the right are 10 mm, 0.4 m away.
-        let right = pixel(&bench, Vec3::new(20.0, 0.0, 10.0));
+        let right = pixel(&workspace, Vec3::new(20.0, 0.0, 10.0));
         assert!((right - foot).distance(Vec2::new(15.0, 0.0)) < 0.3, "{}", right - foot);
         // Its front looks to the lower edge of the marker.
-        let front = pixel(&bench, Vec3::new(10.0, 0.0, 20.0));
+        let front = pixel(&workspace, Vec3::new(10.0, 0.0, 20.0));
         assert!((front - foot).distance(Vec2::new(0.0, 15.0)) < 0.3, "{}", front - foot);
         // The top is 40 mm nearer.
         let side = Vec3::new(20.0, 40.0, 10.0) - Vec3::new(10.0, 40.0, 10.0);
-        let top = pixel(&bench, Vec3::new(10.0, 40.0, 10.0));
-        let across = pixel(&bench, Vec3::new(10.0, 40.0, 10.0) + side) - top;
+        let top = pixel(&workspace, Vec3::new(10.0, 40.0, 10.0));
+        let across = pixel(&workspace, Vec3::new(10.0, 40.0, 10.0) + side) - top;
         assert!((across.x - 600.0 * 10.0 / 360.0).abs() < 0.3, "{across}");
     }
-    bench.wheel(Action::Zoom, 1.0, Vec2::ZERO);
-    assert!((bench.ar.facts().voxel_mm - 1.1).abs() < 1e-5);
-    bench.act(Action::ToggleAr);
-    assert_eq!(bench.eye(), bench.stage.eye());
+    workspace.wheel(Action::Zoom, 1.0, Vec2::ZERO);
+    assert!((workspace.ar.status().voxel_mm - 1.1).abs() < 1e-5);
+    workspace.act(Action::ToggleAr);
+    assert_eq!(workspace.eye(), workspace.turntable.eye());
 }
 
 #[test]
 fn a_lost_marker_is_held_then_left_without_a_jump() {
-    let mut bench = bench();
-    bench.track_at(0.0);
-    bench.act(Action::ToggleAr);
-    see(&mut bench, &frame(1, Some((320.0, 240.0))), 0.1);
+    let mut workspace = workspace();
+    workspace.track_at(0.0);
+    workspace.act(Action::ToggleAr);
+    see(&mut workspace, &frame(1, Some((320.0, 240.0))), 0.1);
     let mut now_s = 0.1;
-    let mut last = bench.ar.placement().position_m;
-    let mut step_to = |bench: &mut Workbench, to_s: f64, now_s: &mut f64| {
+    let mut last = workspace.ar.placement().position_m;
+    let mut step_to = |workspace: &mut Workspace, to_s: f64, now_s: &mut f64| {
         while *now_s < to_s {
             *now_s += 0.016;
-            bench.track_at(*now_s);
-            let place = bench.ar.placement().position_m;
+            workspace.track_at(*now_s);
+            let place = workspace.ar.placement().position_m;
             assert!(place.distance(last) < 0.02, "a jump at {now_s}");
             last = place;
         }
     };
-    see(&mut bench, &frame(2, None), now_s);
-    step_to(&mut bench, 0.9, &mut now_s);
-    assert!(!bench.ar.facts().seen);
-    step_to(&mut bench, 4.0, &mut now_s);
-    assert!(bench.ar.placement().position_m.distance(rest().position_m) < 1e-6);
-    see(&mut bench, &frame(3, Some((320.0, 240.0))), now_s);
+    see(&mut workspace, &frame(2, None), now_s);
+    step_to(&mut workspace, 0.9, &mut now_s);
+    assert!(!workspace.ar.status().seen);
+    step_to(&mut workspace, 4.0, &mut now_s);
+    assert!(workspace.ar.placement().position_m.distance(rest().position_m) < 1e-6);
+    see(&mut workspace, &frame(3, Some((320.0, 240.0))), now_s);
     let mut sequence = 3;
     for _ in 0..30 {
         sequence += 1;
         now_s += 0.016;
-        see(&mut bench, &frame(sequence, Some((320.0, 240.0))), now_s);
-        step_to(&mut bench, now_s, &mut now_s);
+        see(&mut workspace, &frame(sequence, Some((320.0, 240.0))), now_s);
+        step_to(&mut workspace, now_s, &mut now_s);
     }
-    assert!(bench.ar.facts().seen);
-    assert!((bench.ar.placement().position_m.z + 0.4).abs() < 2e-3);
+    assert!(workspace.ar.status().seen);
+    assert!((workspace.ar.placement().position_m.z + 0.4).abs() < 2e-3);
 }

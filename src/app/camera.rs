@@ -8,9 +8,9 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::ar::Look;
-use super::workbench::Workbench;
+use super::workspace::Workspace;
 use crate::config::VideoSettings;
-use crate::ui::video::{VideoFacts, VideoState};
+use crate::ui::video::{VideoState, VideoStatus};
 use crate::video::{Address, Frame, Intrinsics, State, VideoError, VideoSource};
 
 /// Between two looks for a new frame.
@@ -28,10 +28,10 @@ pub struct Camera {
 }
 
 impl Camera {
-    pub(super) fn facts(&self) -> VideoFacts {
+    pub(super) fn status(&self) -> VideoStatus {
         let size = self.frame.as_ref().map(|frame| [frame.width, frame.height]);
         let stats = self.source.as_ref().map(|source| source.stats()).unwrap_or_default();
-        VideoFacts { state: self.state.clone(), size, stats }
+        VideoStatus { state: self.state.clone(), size, stats }
     }
 
     /// How soon to look for another frame.
@@ -114,7 +114,7 @@ fn first_camera() -> Result<Address, String> {
     Err("enter a video file, a folder of PNGs or a phone's http:// address".to_string())
 }
 
-impl Workbench {
+impl Workspace {
     /// Opens and closes the camera as is wished, and takes its newest frame.
     pub(super) fn follow_camera(&mut self) {
         // The marker is looked for in the video.

@@ -8,12 +8,12 @@ use crate::input::{Action, Bindings};
 use crate::session::Session;
 use crate::ui::toasts::Tone;
 
-fn bench(source: &str) -> Workbench {
+fn workspace(source: &str) -> Workspace {
     let mut config = Config::default();
     config.video.source = source.to_string();
     config.new.dims = [16; 3];
     let session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
-    Workbench::new(session, &config, Bindings::presets().unwrap())
+    Workspace::new(session, &config, Bindings::presets().unwrap())
 }
 
 /// A folder of `count` pictures of one colour each.
@@ -26,59 +26,59 @@ fn film(count: u8) -> tempfile::TempDir {
     folder
 }
 
-fn wait(bench: &mut Workbench, done: impl Fn(&Workbench) -> bool) {
+fn wait(workspace: &mut Workspace, done: impl Fn(&Workspace) -> bool) {
     let start = Instant::now();
-    while !done(bench) {
-        assert!(start.elapsed() < Duration::from_secs(20), "{:?}", bench.camera.state);
+    while !done(workspace) {
+        assert!(start.elapsed() < Duration::from_secs(20), "{:?}", workspace.camera.state);
         std::thread::sleep(Duration::from_millis(5));
-        bench.follow_camera();
+        workspace.follow_camera();
     }
 }
 
 #[test]
 fn frames_come_while_the_video_is_on_and_the_camera_is_let_go_when_it_is_off() {
     let folder = film(3);
-    let mut bench = bench(&format!("{}/?fps=50", folder.path().display()));
-    bench.follow_camera();
-    assert!(bench.video().is_none() && bench.camera.source.is_none(), "off at first");
-    bench.act(Action::ToggleVideo);
-    wait(&mut bench, |bench| bench.video().is_some());
-    let (frame, lens) = bench.video().unwrap();
+    let mut workspace = workspace(&format!("{}/?fps=50", folder.path().display()));
+    workspace.follow_camera();
+    assert!(workspace.video().is_none() && workspace.camera.source.is_none(), "off at first");
+    workspace.act(Action::ToggleVideo);
+    wait(&mut workspace, |workspace| workspace.video().is_some());
+    let (frame, lens) = workspace.video().unwrap();
     assert_eq!((frame.width, frame.height, lens), (8, 6, None));
     let first = frame.sequence;
-    wait(&mut bench, |bench| bench.video().unwrap().0.sequence > first + 3);
-    assert!(bench.camera.repaint_after().is_some(), "pictures go on by themselves");
-    bench.act(Action::ToggleVideo);
-    bench.follow_camera();
-    assert!(bench.video().is_none() && bench.camera.source.is_none());
+    wait(&mut workspace, |workspace| workspace.video().unwrap().0.sequence > first + 3);
+    assert!(workspace.camera.repaint_after().is_some(), "pictures go on by themselves");
+    workspace.act(Action::ToggleVideo);
+    workspace.follow_camera();
+    assert!(workspace.video().is_none() && workspace.camera.source.is_none());
 }
 
 #[test]
 fn a_camera_that_is_not_there_is_said_once_and_another_address_is_opened() {
-    let mut bench = bench("v4l2:/dev/video-that-is-not-there");
-    bench.act(Action::ToggleVideo);
-    wait(&mut bench, |bench| matches!(bench.camera.state, VideoState::Lost(_)));
+    let mut workspace = workspace("v4l2:/dev/video-that-is-not-there");
+    workspace.act(Action::ToggleVideo);
+    wait(&mut workspace, |workspace| matches!(workspace.camera.state, VideoState::Lost(_)));
     for _ in 0..20 {
-        bench.follow_camera();
+        workspace.follow_camera();
     }
-    let errors = bench.ui.toasts.texts().filter(|(tone, _)| *tone == Tone::Error).count();
+    let errors = workspace.ui.toasts.texts().filter(|(tone, _)| *tone == Tone::Error).count();
     assert_eq!(errors, 1);
     let folder = film(2);
-    bench.ui.view.video.source = folder.path().display().to_string();
-    wait(&mut bench, |bench| bench.video().is_some());
-    assert_eq!(bench.camera.state, VideoState::Live);
+    workspace.ui.view.video.source = folder.path().display().to_string();
+    wait(&mut workspace, |workspace| workspace.video().is_some());
+    assert_eq!(workspace.camera.state, VideoState::Live);
 }
 
 #[test]
 fn a_lens_that_cannot_be_used_is_an_error_with_its_name() {
     let folder = film(1);
-    let mut bench = bench(&folder.path().display().to_string());
+    let mut workspace = workspace(&folder.path().display().to_string());
     let lens = folder.path().join("lens.toml");
     std::fs::write(&lens, "width = 8\nheight = 6\nfx = -1.0\nfy = 8.0\ncx = 4.0\ncy = 3.0")
         .unwrap();
-    bench.ui.view.video.lens = lens;
-    bench.act(Action::ToggleVideo);
-    bench.follow_camera();
-    let said = bench.ui.toasts.texts().any(|(_, text)| text.contains("lens.toml"));
-    assert!(said && bench.video().is_none());
+    workspace.ui.view.video.lens = lens;
+    workspace.act(Action::ToggleVideo);
+    workspace.follow_camera();
+    let said = workspace.ui.toasts.texts().any(|(_, text)| text.contains("lens.toml"));
+    assert!(said && workspace.video().is_none());
 }

@@ -1,8 +1,8 @@
-//! Owns how the workbench has commands carried out: at once or on a thread, with the questions
+//! Owns how the workspace has commands carried out: at once or on a thread, with the questions
 //! before work is lost, and with what is said when one fails.
 
 use super::job::Then;
-use super::workbench::Workbench;
+use super::workspace::Workspace;
 use crate::command::Command;
 use crate::document::{Applied, CommandError};
 use crate::format;
@@ -11,7 +11,7 @@ use crate::session::SessionError;
 use crate::ui::files::FileTask;
 use crate::ui::state::{Next, Unkept};
 
-impl Workbench {
+impl Workspace {
     /// Writes the sculpture to its file; asks for a name if it has none of the program's own.
     pub(super) fn save(&mut self, next: Option<Next>) {
         match self.session.path().map(|p| p.to_path_buf()) {

@@ -4,7 +4,7 @@
 use glam::{Vec2, Vec3};
 
 use super::aim::SurfacePoint;
-use super::workbench::Workbench;
+use super::workspace::Workspace;
 use crate::input::Action;
 use crate::tools::construct::Solid;
 use crate::ui::{Hand, Tool};
@@ -43,7 +43,7 @@ impl Choices {
     }
 }
 
-impl Workbench {
+impl Workspace {
     /// The pointer moves with nothing held.
     pub(super) fn hover(&mut self, at: Vec2) {
         if let Tool::Spray(_) = self.ui.hand.tool {

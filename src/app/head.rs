@@ -17,13 +17,13 @@ use tracking::{
     BodyId, Event, HostClock, Placement, Predicted, Presence, Source, SourceState, Tracker,
 };
 
-use super::workbench::Workbench;
+use super::workspace::Workspace;
 use crate::config::{Config, ScreenSettings, SourceAddress, TrackingSettings};
 use crate::input::action::Kind;
-use crate::input::{Action, Signal};
+use crate::input::{Action, ActionEvent};
 use crate::screen::headset::WornHead;
 use crate::track::source;
-use crate::ui::head::{CalibrationFacts, CalibrationStep, HeadFacts};
+use crate::ui::head::{CalibrationStatus, CalibrationStep, HeadStatus};
 use crate::view::Eye;
 use crate::view::off_axis::{Head as HeadPlace, ScreenInWorld, ScreenPlane};
 use calibrate::Calibrating;
@@ -217,14 +217,14 @@ impl Head {
         whole.part(share(picture.min), share(picture.max))
     }
 
-    pub fn facts(&self) -> HeadFacts {
+    pub fn status(&self) -> HeadStatus {
         let (screen, guessed) = self.whole_screen();
         let counters = self.sources().map(|source| source.counters());
         let state = self.sources().find_map(|source| match source.state() {
             SourceState::Running => None,
             SourceState::Seeking(why) | SourceState::Ended(why) => Some(why),
         });
-        HeadFacts {
+        HeadStatus {
             on: self.is_on(),
             source: self.settings.source.label(),
             state,
@@ -235,7 +235,7 @@ impl Head {
             dropped: counters.map(|counters| counters.rejected() + counters.unread).sum(),
             screen_m: [screen.width_m, screen.height_m],
             guessed,
-            calibration: self.calibrating.as_ref().map(|calibrating| CalibrationFacts {
+            calibration: self.calibrating.as_ref().map(|calibrating| CalibrationStatus {
                 taken: calibrating.taken(),
                 rms_mm: calibrating.fit.as_ref().map(|fit| fit.rms_m * 1e3),
                 problem: calibrating.problem.clone(),
@@ -261,7 +261,7 @@ fn rest(screen: &ScreenSettings) -> Placement {
     Placement { position_m: DVec3::from(screen.rest_m), orientation: DQuat::IDENTITY }
 }
 
-impl Workbench {
+impl Workspace {
     /// Hears the tracker and the finder of markers, and does what buttons of the tracker ask for.
     /// Once a picture, before the interface.
     pub fn track(&mut self) {
@@ -276,11 +276,11 @@ impl Workbench {
             match control {
                 Control::Pressed(_) if self.ui.is_modal() || self.head.calibrating.is_some() => {}
                 Control::Pressed(action) if action.help().kind == Kind::Hold => {
-                    self.answer(&Signal::Begin { action, at: None });
+                    self.answer(&ActionEvent::Begin { action, at: None });
                 }
                 Control::Pressed(action) => self.act(action),
                 Control::Released(action) if action.help().kind == Kind::Hold => {
-                    self.answer(&Signal::End(action));
+                    self.answer(&ActionEvent::End(action));
                 }
                 Control::Released(_) => {}
                 Control::Axis(action, value) => {
@@ -402,10 +402,10 @@ impl Workbench {
         let world = ScreenInWorld {
             centre: Vec3::ZERO,
             rotation: Quat::IDENTITY,
-            units_per_m: self.stage.window_height() / plane.height_m.max(1e-3),
+            units_per_m: self.turntable.window_height() / plane.height_m.max(1e-3),
         };
-        let camera = self.stage.camera();
-        Some(plane.eyes(&head, &world, self.stage.eye().size, camera.near))
+        let camera = self.turntable.camera();
+        Some(plane.eyes(&head, &world, self.turntable.eye().size, camera.near))
     }
 }
 

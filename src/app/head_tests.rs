@@ -1,4 +1,4 @@
-//! The head on the workbench, with a script for a tracker and times as values.
+//! The head on the workspace, with a script for a tracker and times as values.
 
 use std::path::Path;
 
@@ -9,11 +9,11 @@ use super::*;
 use crate::input::Bindings;
 use crate::session::Session;
 
-/// A workbench whose head is played from a script, drawn at a rate, without a screen.
+/// A workspace whose head is played from a script, drawn at a rate, without a screen.
 struct Desk {
-    bench: Workbench,
+    workspace: Workspace,
     ctx: Context,
-    /// For the script and what the workbench keeps.
+    /// For the script and what the workspace keeps.
     folder: tempfile::TempDir,
 }
 
@@ -29,9 +29,9 @@ impl Desk {
         );
         let config = Config::parse(&toml, Path::new("test.toml")).unwrap();
         let session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
-        let bench = Workbench::new(session, &config, Bindings::presets().unwrap());
-        let mut desk = Desk { bench, ctx: Context::default(), folder };
-        desk.bench.on_screen(Some(Monitor {
+        let workspace = Workspace::new(session, &config, Bindings::presets().unwrap());
+        let mut desk = Desk { workspace, ctx: Context::default(), folder };
+        desk.workspace.on_screen(Some(Monitor {
             size_px: UVec2::new(2000, 1200),
             window_px: Some(IVec2::new(300, 100)),
             window_size_px: UVec2::new(1000, 700),
@@ -42,10 +42,10 @@ impl Desk {
 
     /// A picture at `now_s`; gives when the next one is wanted.
     fn picture(&mut self, now_s: f64) -> Duration {
-        self.bench.track_at(now_s);
+        self.workspace.track_at(now_s);
         let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, egui::vec2(1000.0, 700.0)));
         let input = RawInput { screen_rect, time: Some(now_s), ..RawInput::default() };
-        let mut output = self.ctx.run_ui(input, |root| self.bench.show(root));
+        let mut output = self.ctx.run_ui(input, |root| self.workspace.show(root));
         output.textures_delta.clear();
         output.viewport_output[&egui::ViewportId::ROOT].repaint_delay
     }
@@ -59,10 +59,10 @@ impl Desk {
 
     /// Where on the screen, in metres from its centre, a point of the world is seen.
     fn seen_m(&self, world: Vec3) -> Vec2 {
-        let eye = self.bench.eye();
+        let eye = self.workspace.eye();
         let clip = eye.projection * eye.eye_from_world.transform_point3(world).extend(1.0);
         let share = Vec2::new(clip.x, clip.y) / clip.w * 0.5 + 0.5;
-        let picture = self.bench.picture();
+        let picture = self.workspace.picture();
         let px = Vec2::new(picture.min.x, picture.min.y)
             + share * Vec2::new(picture.width(), picture.height())
             + Vec2::new(300.0, 100.0);
@@ -70,7 +70,7 @@ impl Desk {
     }
 
     fn head_m(&self) -> Vec3 {
-        self.bench.head.shown.placement.position_m.as_vec3()
+        self.workspace.head.shown.placement.position_m.as_vec3()
     }
 }
 
@@ -79,8 +79,8 @@ fn a_moving_head_sees_through_the_screen_as_through_a_window() {
     let script = "rate 60\n0 0 0 0.6 0 0 0 1\n1 0.2 0.1 0.5 0 0 0 1\n4 0.2 0.1 0.5 0 0 0 1";
     let mut desk = Desk::new(script, "");
     desk.play(0.0, 0.05);
-    let plane = desk.bench.head.plane(desk.bench.picture_px());
-    let units_per_m = desk.bench.stage.window_height() / plane.height_m;
+    let plane = desk.workspace.head.plane(desk.workspace.picture_px());
+    let units_per_m = desk.workspace.turntable.window_height() / plane.height_m;
     let middle = plane.centre_m;
     let radius = 0.3 * plane.height_m;
     let mut places = Vec::new();
@@ -108,11 +108,11 @@ fn pictures_are_wanted_while_the_head_is_tracked_and_no_longer() {
     let mut desk = Desk::new("rate 60\nloop\n0 0 0 0.6 0 0 0 1\n2 0.1 0 0.6 0 0 0 1", "");
     desk.play(0.0, 1.0);
     assert_eq!(desk.picture(1.01), Duration::ZERO);
-    desk.bench.act(Action::ToggleHead);
+    desk.workspace.act(Action::ToggleHead);
     desk.play(1.02, 2.0);
     assert!(desk.picture(2.01) > Duration::from_millis(500));
-    assert_eq!(desk.bench.eye(), desk.bench.stage.eye());
-    assert!(desk.bench.tracked_eyes(0.06).is_none());
+    assert_eq!(desk.workspace.eye(), desk.workspace.turntable.eye());
+    assert!(desk.workspace.tracked_eyes(0.06).is_none());
 }
 
 #[test]
@@ -131,9 +131,9 @@ fn a_lost_head_fades_to_its_place_of_rest_and_back() {
             assert!(step_m < 0.03, "{step_m} m in a picture at {now_s} s");
         }
         last = Some(head);
-        let facts = desk.bench.head.facts();
-        if states.last() != Some(&facts.label()) {
-            states.push(facts.label());
+        let context = desk.workspace.head.status();
+        if states.last() != Some(&context.label()) {
+            states.push(context.label());
         }
         if i == 285 {
             assert!(head.distance(Vec3::new(0.0, 0.0, 0.6)) < 1e-3, "at rest: {head}");
@@ -144,7 +144,7 @@ fn a_lost_head_fades_to_its_place_of_rest_and_back() {
         ["Head found", "Head tracked", "Head lost", "No head", "Head found", "Head tracked"]
     );
     assert!(last.unwrap().distance(Vec3::new(-0.2, 0.0, 0.7)) < 1e-3);
-    assert_eq!(desk.bench.head.facts().losses, 1);
+    assert_eq!(desk.workspace.head.status().losses, 1);
 }
 
 #[test]
@@ -153,15 +153,15 @@ fn buttons_of_the_tracker_are_actions() {
                   1.8 button 0 up\n2.5 button 1 down";
     let bound = "buttons = { 0 = \"apply\", 1 = \"undo\", 2 = \"clear\" }";
     let mut desk = Desk::new(script, bound);
-    let voxels = |desk: &Desk| desk.bench.session().document().grid().opaque_count();
+    let voxels = |desk: &Desk| desk.workspace.session().document().grid().opaque_count();
     let full = voxels(&desk);
     desk.play(0.0, 1.0);
     assert_eq!(voxels(&desk), 0, "cleared");
-    desk.bench.ui.hand.mode = crate::input::ToolMode::Add;
+    desk.workspace.ui.hand.mode = crate::input::ToolMode::Add;
     desk.play(1.0, 1.6);
-    assert!(desk.bench.stroke_in_hand(), "held");
+    assert!(desk.workspace.stroke_in_hand(), "held");
     desk.play(1.6, 2.0);
-    assert!(!desk.bench.stroke_in_hand());
+    assert!(!desk.workspace.stroke_in_hand());
     assert!(voxels(&desk) > 0 && voxels(&desk) < full);
     desk.play(2.0, 3.0);
     assert_eq!(voxels(&desk), 0, "undone");
@@ -174,12 +174,12 @@ fn both_eyes_lie_along_the_head() {
     let script = format!("rate 60\n0 0 0 0.6 0 0 {s} {c}\n3 0 0 0.6 0 0 {s} {c}");
     let mut desk = Desk::new(&script, "");
     desk.play(0.0, 2.0);
-    let [left, right] = desk.bench.tracked_eyes(0.06).unwrap();
+    let [left, right] = desk.workspace.tracked_eyes(0.06).unwrap();
     let apart = right.position() - left.position();
-    let plane = desk.bench.head.plane(desk.bench.picture_px());
-    let units_per_m = desk.bench.stage.window_height() / plane.height_m;
+    let plane = desk.workspace.head.plane(desk.workspace.picture_px());
+    let units_per_m = desk.workspace.turntable.window_height() / plane.height_m;
     assert!((apart / units_per_m).abs_diff_eq(Vec3::new(0.0, 0.06, 0.0), 1e-4), "{apart}");
-    assert!(desk.bench.eye().position().abs_diff_eq(left.position() + apart * 0.5, 1e-3));
+    assert!(desk.workspace.eye().position().abs_diff_eq(left.position() + apart * 0.5, 1e-3));
 }
 
 #[test]
@@ -207,34 +207,34 @@ fn four_touches_calibrate_the_tracker_and_are_kept() {
     );
     let mut desk = Desk::new(&script, "");
     let file = desk.folder.path().join("calibration.toml");
-    desk.bench.keep_calibration_in(file.clone());
-    desk.bench.act(Action::CalibrateHead);
-    assert!(desk.bench.ui.is_modal());
+    desk.workspace.keep_calibration_in(file.clone());
+    desk.workspace.act(Action::CalibrateHead);
+    assert!(desk.workspace.ui.is_modal());
     // On the way between two corners nothing is taken.
     desk.play(0.0, 0.98);
-    desk.bench.calibrate(CalibrationStep::Take);
-    assert_eq!(desk.bench.head.facts().calibration.unwrap().taken, 0);
-    assert!(desk.bench.head.facts().calibration.unwrap().problem.is_some());
-    desk.bench.act(Action::ToggleHead);
-    desk.bench.act(Action::CalibrateHead);
+    desk.workspace.calibrate(CalibrationStep::Take);
+    assert_eq!(desk.workspace.head.status().calibration.unwrap().taken, 0);
+    assert!(desk.workspace.head.status().calibration.unwrap().problem.is_some());
+    desk.workspace.act(Action::ToggleHead);
+    desk.workspace.act(Action::CalibrateHead);
     // The script begins again with a new source.
     let zero_s = 1.0;
     for corner in 0..4 {
         let from_s = zero_s + f64::from(corner);
         desk.play(from_s, from_s + 0.8);
-        desk.bench.calibrate(CalibrationStep::Take);
+        desk.workspace.calibrate(CalibrationStep::Take);
         desk.play(from_s + 0.8, from_s + 1.0);
     }
-    let facts = desk.bench.head.facts().calibration.unwrap();
-    assert_eq!(facts.taken, 4);
-    assert!(facts.rms_mm.unwrap() < 0.5, "{facts:?}");
-    desk.bench.calibrate(CalibrationStep::Keep);
-    assert!(!desk.bench.ui.is_modal());
+    let context = desk.workspace.head.status().calibration.unwrap();
+    assert_eq!(context.taken, 4);
+    assert!(context.rms_mm.unwrap() < 0.5, "{context:?}");
+    desk.workspace.calibrate(CalibrationStep::Keep);
+    assert!(!desk.workspace.ui.is_modal());
     desk.play(zero_s + 4.0, zero_s + 6.0);
     assert!(desk.head_m().distance(head_m.as_vec3()) < 2e-3, "{}", desk.head_m());
     // The next start takes it from the file.
     let mut next = Desk::new(&script, "");
-    next.bench.keep_calibration_in(file);
+    next.workspace.keep_calibration_in(file);
     next.play(0.0, 8.0);
     assert!(next.head_m().distance(head_m.as_vec3()) < 2e-3, "{}", next.head_m());
 }
@@ -242,9 +242,9 @@ fn four_touches_calibrate_the_tracker_and_are_kept() {
 #[test]
 fn what_cannot_be_opened_is_said_and_the_work_goes_on() {
     let mut desk = Desk::new("nonsense", "");
-    assert!(!desk.bench.head.is_on());
-    let texts: Vec<String> = desk.bench.ui.toasts.texts().map(|(_, t)| t.to_owned()).collect();
+    assert!(!desk.workspace.head.is_on());
+    let texts: Vec<String> = desk.workspace.ui.toasts.texts().map(|(_, t)| t.to_owned()).collect();
     assert!(texts.iter().any(|text| text.contains("line 1")), "{texts:?}");
     desk.picture(1.0);
-    assert_eq!(desk.bench.eye(), desk.bench.stage.eye());
+    assert_eq!(desk.workspace.eye(), desk.workspace.turntable.eye());
 }

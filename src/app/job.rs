@@ -2,18 +2,18 @@
 //! own, while the window stays alive, shows how far it is and can cancel it.
 //!
 //! The sculpture stays where it is. What is saved is shared with the thread, what is opened or
-//! made is made apart and put in place at the end; until then the workbench refuses to change
+//! made is made apart and put in place at the end; until then the workspace refuses to change
 //! anything.
 
 use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use super::workbench::Workbench;
+use super::workspace::Workspace;
 use crate::command::Command;
 use crate::progress::Report;
 use crate::session::{Done, SessionError, Work};
-use crate::ui::Intent;
+use crate::ui::UiRequest;
 use crate::ui::state::{Busy, Next};
 
 /// Work shorter than this goes without a sign, which would only flicker.
@@ -74,7 +74,7 @@ impl Job {
     }
 }
 
-impl Workbench {
+impl Workspace {
     /// Starts long work; the last is over.
     pub(super) fn start_job(&mut self, work: Work, command: &Command, then: Then) {
         let job = Job::start(move |report| work.run(report), command, then);
@@ -119,7 +119,7 @@ impl Workbench {
         }
         match job.then {
             Then::Go(Next::Leave) | Then::LeaveAnyway if done => self.ask_to_leave(),
-            Then::Go(Next::Run(command)) if done => self.carry_out(Intent::Run(command)),
+            Then::Go(Next::Run(command)) if done => self.carry_out(UiRequest::Run(command)),
             _ => {}
         }
     }
@@ -177,17 +177,17 @@ mod tests {
     use crate::session::Session;
     use crate::ui::toasts::Tone;
 
-    fn bench() -> Workbench {
+    fn workspace() -> Workspace {
         let mut config = Config::default();
         config.new.dims = [24, 16, 8];
         let session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
-        Workbench::new(session, &config, Bindings::presets().unwrap())
+        Workspace::new(session, &config, Bindings::presets().unwrap())
     }
 
     /// Starts a command whose work waits for a word before it begins.
-    fn start_slowly(bench: &mut Workbench, command: &str) -> Sender<()> {
+    fn start_slowly(workspace: &mut Workspace, command: &str) -> Sender<()> {
         let command: Command = command.parse().unwrap();
-        let work = bench.session.prepare(&command).unwrap().unwrap();
+        let work = workspace.session.prepare(&command).unwrap().unwrap();
         let (go, wait) = channel();
         let slow = move |report: &Report| {
             report.begin("thinking");
@@ -195,99 +195,99 @@ mod tests {
             wait.recv().unwrap();
             work.run(report)
         };
-        bench.job = Some(Job::start(slow, &command, Then::Stay));
-        while bench.job.as_ref().unwrap().report.stage().done.is_none() {
+        workspace.job = Some(Job::start(slow, &command, Then::Stay));
+        while workspace.job.as_ref().unwrap().report.stage().done.is_none() {
             std::thread::yield_now();
         }
-        bench.follow_job();
+        workspace.follow_job();
         go
     }
 
-    fn tones(bench: &Workbench) -> Vec<Tone> {
-        bench.ui.toasts.texts().map(|(tone, _)| tone).collect()
+    fn tones(workspace: &Workspace) -> Vec<Tone> {
+        workspace.ui.toasts.texts().map(|(tone, _)| tone).collect()
     }
 
     #[test]
     fn while_it_runs_it_is_shown_and_nothing_changes() {
-        let mut bench = bench();
+        let mut workspace = workspace();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.vsc");
-        bench.execute(&"subtract cuboid at=4,4,4 half=2".parse().unwrap());
-        let before = bench.session.document().contents().clone();
-        let go = start_slowly(&mut bench, &format!("save {path:?}"));
-        let busy = bench.ui.busy.clone().unwrap();
+        workspace.execute(&"subtract cuboid at=4,4,4 half=2".parse().unwrap());
+        let before = workspace.session.document().contents().clone();
+        let go = start_slowly(&mut workspace, &format!("save {path:?}"));
+        let busy = workspace.ui.busy.clone().unwrap();
         assert_eq!((busy.what, busy.stage.done), ("Saving", Some(0.25)));
         assert_eq!(busy.stage.what, "thinking");
-        assert!(bench.ui.is_modal());
+        assert!(workspace.ui.is_modal());
         for refused in ["clear", "undo", "subtract cuboid at=9,9,4 half=3", "begin"] {
-            assert!(!bench.execute(&refused.parse().unwrap()), "{refused}");
+            assert!(!workspace.execute(&refused.parse().unwrap()), "{refused}");
         }
-        bench.run("new dims=8,8,8".parse().unwrap());
-        assert!(bench.execute(&"place scale=2".parse().unwrap()), "the view may move");
-        assert_eq!(*bench.session.document().contents(), before);
-        assert!(bench.session.modified());
+        workspace.run("new dims=8,8,8".parse().unwrap());
+        assert!(workspace.execute(&"place scale=2".parse().unwrap()), "the view may move");
+        assert_eq!(*workspace.session.document().contents(), before);
+        assert!(workspace.session.modified());
         go.send(()).unwrap();
-        bench.finish_job();
-        assert!(bench.ui.busy.is_none() && !bench.session.modified());
+        workspace.finish_job();
+        assert!(workspace.ui.busy.is_none() && !workspace.session.modified());
         let saved = crate::format::load(&path, &Default::default(), &Default::default(), &());
         assert_eq!(saved.unwrap().contents.grid, before.grid);
-        assert!(bench.execute(&"clear".parse().unwrap()), "work goes on");
+        assert!(workspace.execute(&"clear".parse().unwrap()), "work goes on");
     }
 
     #[test]
     fn what_is_cancelled_leaves_file_and_sculpture_as_they_were() {
-        let mut bench = bench();
+        let mut workspace = workspace();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.pvm");
         for line in [format!("save {path:?}"), format!("open {path:?}")] {
             if line.starts_with("open") {
-                bench.session.execute(&format!("save {path:?}").parse().unwrap(), &()).unwrap();
+                workspace.session.execute(&format!("save {path:?}").parse().unwrap(), &()).unwrap();
             }
-            bench.execute(&"subtract cuboid at=4,4,4 half=2".parse().unwrap());
-            let (before, there) = (bench.session.document().revision(), path.exists());
-            let go = start_slowly(&mut bench, &line);
-            bench.cancel_job();
+            workspace.execute(&"subtract cuboid at=4,4,4 half=2".parse().unwrap());
+            let (before, there) = (workspace.session.document().revision(), path.exists());
+            let go = start_slowly(&mut workspace, &line);
+            workspace.cancel_job();
             go.send(()).unwrap();
-            bench.finish_job();
-            assert_eq!(bench.session.document().revision(), before, "{line}");
+            workspace.finish_job();
+            assert_eq!(workspace.session.document().revision(), before, "{line}");
             assert_eq!(path.exists(), there, "{line}");
-            assert_eq!(tones(&bench).last(), Some(&Tone::Note));
+            assert_eq!(tones(&workspace).last(), Some(&Tone::Note));
             assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), usize::from(there));
         }
     }
 
     #[test]
     fn leaving_waits_for_a_save_and_gives_up_an_opening() {
-        let mut bench = bench();
+        let mut workspace = workspace();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.vsc");
-        bench.execute(&"clear".parse().unwrap());
-        let go = start_slowly(&mut bench, &format!("save {path:?}"));
-        bench.ask_to_leave();
-        bench.follow_job();
-        assert!(!bench.is_leaving() && bench.job.is_some());
+        workspace.execute(&"clear".parse().unwrap());
+        let go = start_slowly(&mut workspace, &format!("save {path:?}"));
+        workspace.ask_to_leave();
+        workspace.follow_job();
+        assert!(!workspace.is_leaving() && workspace.job.is_some());
         go.send(()).unwrap();
-        bench.finish_job();
-        assert!(bench.is_leaving() && path.exists());
+        workspace.finish_job();
+        assert!(workspace.is_leaving() && path.exists());
 
-        let mut bench = self::bench();
-        let go = start_slowly(&mut bench, &format!("open {path:?}"));
-        bench.ask_to_leave();
+        let mut workspace = self::workspace();
+        let go = start_slowly(&mut workspace, &format!("open {path:?}"));
+        workspace.ask_to_leave();
         go.send(()).unwrap();
-        bench.finish_job();
-        assert!(bench.is_leaving());
-        assert!(bench.session.document().grid().opaque_count() > 0, "it was not opened");
+        workspace.finish_job();
+        assert!(workspace.is_leaving());
+        assert!(workspace.session.document().grid().opaque_count() > 0, "it was not opened");
     }
 
     #[test]
     fn a_failure_is_an_error_on_screen_and_keeps_the_program() {
-        let mut bench = bench();
-        bench.execute(&"clear".parse().unwrap());
-        let go = start_slowly(&mut bench, "save \"/nonexistent/a.pvm\"");
-        bench.ask_to_leave();
+        let mut workspace = workspace();
+        workspace.execute(&"clear".parse().unwrap());
+        let go = start_slowly(&mut workspace, "save \"/nonexistent/a.pvm\"");
+        workspace.ask_to_leave();
         go.send(()).unwrap();
-        bench.finish_job();
-        assert!(!bench.is_leaving() && bench.session.modified());
-        assert_eq!(tones(&bench), [Tone::Error]);
+        workspace.finish_job();
+        assert!(!workspace.is_leaving() && workspace.session.modified());
+        assert_eq!(tones(&workspace), [Tone::Error]);
     }
 }

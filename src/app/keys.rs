@@ -3,7 +3,7 @@
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use super::workbench::Workbench;
+use super::workspace::Workspace;
 use crate::format::store::write_atomically;
 use crate::input::Personal;
 use crate::input::remap::KeyChange;
@@ -15,7 +15,7 @@ pub(super) struct KeyFile {
     unusable: bool,
 }
 
-impl Workbench {
+impl Workspace {
     /// Uses the tables that a file holds, if there is one, and from now on writes every change
     /// to it. A file that cannot be used is said to be so, and the presets are used as they are.
     pub fn keep_keys_in(&mut self, path: PathBuf) {

@@ -4,7 +4,7 @@
 use glam::{IVec3, Vec2, Vec3};
 
 use super::aim::entered_face;
-use super::workbench::Workbench;
+use super::workspace::Workspace;
 use crate::command::{Area, Command, SelectOp};
 use crate::input::{Action, Step};
 use crate::sculpture::orientation::Orientation;
@@ -23,7 +23,7 @@ pub enum MarkerDrag {
     Span { from: IVec3 },
 }
 
-impl Workbench {
+impl Workspace {
     /// A press with the marker in hand; false if it was beside everything.
     pub(super) fn begin_marker(&mut self, at: Vec2, pull: bool) -> bool {
         let start = self.session.document().selection().marker();

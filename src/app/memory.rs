@@ -1,13 +1,13 @@
 //! Owns the file in which the program remembers what a person finds again at the next start.
 //!
 //! It is written when it has changed: when a file was opened or saved, now and then at rest, and at
-//! the end. Without [`Workbench::remember_in`] nothing is read or written, as in tests.
+//! the end. Without [`Workspace::remember_in`] nothing is read or written, as in tests.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use super::workbench::Workbench;
+use super::workspace::Workspace;
 use crate::command::Command;
 use crate::config::Config;
 use crate::format::store::write_atomically;
@@ -29,7 +29,7 @@ pub(super) struct MemoryFile {
     complained: bool,
 }
 
-impl Workbench {
+impl Workspace {
     /// Remembers what the file holds, if there is one, and from now on writes what is to be
     /// remembered to it.
     pub fn remember_in(&mut self, path: PathBuf, config: &Config) {

@@ -7,14 +7,14 @@
 use egui::{Color32, Context, Event, Id, LayerId, Order, PointerButton, Pos2, Stroke};
 use glam::{Quat, Vec2, Vec3};
 
-use super::workbench::Workbench;
+use super::workspace::Workspace;
 use crate::config::GamepadSettings;
 use crate::input::pad::device::{Motor, PadChange, PadNews};
 use crate::input::pad::rumble::Rumble;
-use crate::input::pad::{Ask, Glide, PadId, PadMapper, PadMode};
-use crate::input::{Action, Signal, Trigger};
+use crate::input::pad::{Glide, PadEvent, PadId, PadMapper, PadMode};
+use crate::input::{Action, ActionEvent, Trigger};
 use crate::sculpture::Placement;
-use crate::ui::PadFacts;
+use crate::ui::PadStatus;
 
 /// The pointer was moved by something else if it is farther than this from where the pad put it.
 const POINTER_SLACK: f32 = 2.0;
@@ -54,10 +54,10 @@ impl Pads {
     }
 
     /// What the interface says of the pad that leads.
-    pub(super) fn facts(&self) -> Option<PadFacts<'_>> {
+    pub(super) fn status(&self) -> Option<PadStatus<'_>> {
         let (id, name) = self.mapper.leader()?;
         let rumbles = self.motors.iter().any(|(motor, _)| *motor == id);
-        Some(PadFacts { name, mode: self.mapper.mode(), rumbles })
+        Some(PadStatus { name, mode: self.mapper.mode(), rumbles })
     }
 
     fn shake(&mut self, strength: f32) {
@@ -68,7 +68,7 @@ impl Pads {
     }
 }
 
-impl Workbench {
+impl Workspace {
     /// Hears of a pad at `now_s` seconds.
     pub fn hear_pad(&mut self, news: PadNews, now_s: f64) {
         match news.change {
@@ -124,30 +124,31 @@ impl Workbench {
         let mut events = Vec::new();
         let Some(bindings) = self.presets.get(self.ui.preset) else { return events };
         let catching = self.ui.keys.is_catching();
-        for ask in self.pads.mapper.take(now_s, bindings) {
+        for event in self.pads.mapper.take(now_s, bindings) {
             // What is pressed is heard as a trigger and does nothing else.
-            if catching && !matches!(ask, Ask::Signal(Signal::End(_))) {
+            if catching && !matches!(event, PadEvent::Action(ActionEvent::End(_))) {
                 continue;
             }
-            match ask {
-                Ask::Glide(glide) if glide.mode == PadMode::OnlyMouse => {
+            match event {
+                PadEvent::Glide(glide) if glide.mode == PadMode::OnlyMouse => {
                     events.push(Event::PointerMoved(self.move_pointer(&glide, ctx)));
                 }
-                Ask::Glide(glide) if !self.ui.is_modal() => {
+                PadEvent::Glide(glide) if !self.ui.is_modal() => {
                     for part in glide.parts(STEP_S) {
                         self.glide(&part);
                     }
                 }
-                Ask::Glide(_) => {}
-                Ask::Signal(signal) => {
+                PadEvent::Glide(_) => {}
+                PadEvent::Action(event) => {
                     // A window that asks for an answer is closed or answered with the pointer.
-                    let meant = matches!(signal, Signal::Tap(Action::Cancel) | Signal::End(_));
+                    let meant =
+                        matches!(event, ActionEvent::Tap(Action::Cancel) | ActionEvent::End(_));
                     if meant || !self.ui.is_modal() {
-                        self.answer(&signal);
+                        self.answer(&event);
                     }
                 }
-                Ask::Press(down) => self.click(&[down], ctx, &mut events),
-                Ask::DoubleClick => self.click(&[true, false, true, false], ctx, &mut events),
+                PadEvent::Press(down) => self.click(&[down], ctx, &mut events),
+                PadEvent::DoubleClick => self.click(&[true, false, true, false], ctx, &mut events),
             }
         }
         events
@@ -225,7 +226,7 @@ impl Workbench {
     /// Moves and turns the tool or the sculpture.
     fn glide(&mut self, glide: &Glide) {
         let settings = &self.pads.settings;
-        let pixels = glide.shift * settings.move_speed * self.stage.eye().size.y as f32;
+        let pixels = glide.shift * settings.move_speed * self.turntable.eye().size.y as f32;
         // About axes of the screen, which are those of the world.
         let turn = glide.turn * settings.turn_speed_deg.to_radians();
         let placement = *self.session.document().placement();
@@ -243,10 +244,10 @@ impl Workbench {
             }
             return;
         }
-        let stage = &self.stage;
-        let mut to = stage.shifted(&placement, Vec2::new(pixels.x, -pixels.y));
-        to = stage.brought_nearer(&to, pixels.z);
-        to = stage.turned_by(&to, Vec2::new(turn.y, turn.x), self.ui.view.up);
+        let turntable = &self.turntable;
+        let mut to = turntable.shifted(&placement, Vec2::new(pixels.x, -pixels.y));
+        to = turntable.brought_nearer(&to, pixels.z);
+        to = turntable.turned_by(&to, Vec2::new(turn.y, turn.x), self.ui.view.up);
         let rotation = (Quat::from_rotation_z(turn.z) * to.rotation).normalize();
         self.place(Placement { rotation, ..to });
     }

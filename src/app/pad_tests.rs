@@ -1,4 +1,4 @@
-//! The pad on the workbench, with a device that writes down how it is shaken.
+//! The pad on the workspace, with a device that writes down how it is shaken.
 
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
@@ -24,9 +24,9 @@ impl Motor for Felt {
     }
 }
 
-/// A workbench with a pad, drawn at a rate, without a screen.
+/// A workspace with a pad, drawn at a rate, without a screen.
 struct Desk {
-    bench: Workbench,
+    workspace: Workspace,
     ctx: Context,
     felt: Felt,
     now_s: f64,
@@ -38,10 +38,11 @@ impl Desk {
         let toml = format!("[new]\ndims = [32, 32, 32]\n{settings}");
         let config = Config::parse(&toml, std::path::Path::new("test.toml")).unwrap();
         let session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
-        let bench = Workbench::new(session, &config, crate::input::Bindings::presets().unwrap());
+        let workspace =
+            Workspace::new(session, &config, crate::input::Bindings::presets().unwrap());
         let (ctx, felt) = (Context::default(), Felt::default());
         let picture_s = 1.0 / pictures_per_s;
-        let mut desk = Desk { bench, ctx, felt, now_s: 1.0, picture_s };
+        let mut desk = Desk { workspace, ctx, felt, now_s: 1.0, picture_s };
         let motor: Box<dyn Motor> = Box::new(desk.felt.clone());
         desk.news(PadChange::Came { name: "test pad".to_string(), motor: Some(motor) });
         desk.picture(Vec::new());
@@ -50,15 +51,15 @@ impl Desk {
     }
 
     fn news(&mut self, change: PadChange) {
-        self.bench.hear_pad(PadNews { pad: PAD, at: Instant::now(), change }, self.now_s);
+        self.workspace.hear_pad(PadNews { pad: PAD, at: Instant::now(), change }, self.now_s);
     }
 
     fn picture(&mut self, mut events: Vec<Event>) {
-        events.extend(self.bench.play_pad(self.now_s, &self.ctx));
+        events.extend(self.workspace.play_pad(self.now_s, &self.ctx));
         let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, egui::vec2(1000.0, 700.0)));
         let input = RawInput { screen_rect, time: Some(self.now_s), events, ..Default::default() };
-        self.ctx.run_ui(input, |root| self.bench.show(root)).textures_delta.clear();
-        self.bench.shake_pad(self.now_s);
+        self.ctx.run_ui(input, |root| self.workspace.show(root)).textures_delta.clear();
+        self.workspace.shake_pad(self.now_s);
     }
 
     /// Keeps sticks and buttons so for some time.
@@ -78,7 +79,7 @@ impl Desk {
     }
 
     fn voxels(&self) -> u64 {
-        self.bench.session().document().grid().opaque_count()
+        self.workspace.session().document().grid().opaque_count()
     }
 
     fn felt(&self) -> Vec<f32> {
@@ -97,27 +98,27 @@ fn left(x: f32, y: f32) -> PadState {
 #[test]
 fn the_tool_bites_on_its_way_and_is_felt() {
     let mut desk = Desk::new("[gamepad]\nrumble_limit = 0.5\nrumble_voxels = 40", 60.0);
-    let (full, start) = (desk.voxels(), desk.bench.ui.hand.centre_vx);
-    let history = desk.bench.session().document().history().undo_count();
+    let (full, start) = (desk.voxels(), desk.workspace.ui.hand.centre_vx);
+    let history = desk.workspace.session().document().history().undo_count();
     desk.keep(PadState { held: holding(PadButton::South).held, ..left(1.0, 0.0) }, 0.4);
-    assert!(desk.bench.pad_is_active());
+    assert!(desk.workspace.pad_is_active());
     desk.keep(PadState::default(), 0.1);
-    let ball = 4.0 / 3.0 * std::f32::consts::PI * desk.bench.ui.hand.half().x.powi(3);
+    let ball = 4.0 / 3.0 * std::f32::consts::PI * desk.workspace.ui.hand.half().x.powi(3);
     assert!(full - desk.voxels() > 2 * ball as u64, "a groove, not a hole");
-    let way = desk.bench.ui.hand.centre_vx - start;
-    let right = desk.bench.sight().screen_axes().right;
+    let way = desk.workspace.ui.hand.centre_vx - start;
+    let right = desk.workspace.sight().screen_axes().right;
     assert!(way.dot(right) > 2.0 && way.reject_from(right).length() < 1e-3, "{way} {right}");
-    assert_eq!(desk.bench.session().document().history().undo_count(), history + 1, "one step");
+    assert_eq!(desk.workspace.session().document().history().undo_count(), history + 1, "one step");
     let felt = desk.felt();
     assert!(felt.iter().any(|strength| *strength > 0.2), "{felt:?}");
     assert!(felt.iter().all(|strength| *strength <= 0.5));
     assert_eq!(felt.last(), Some(&0.0), "it stops with the stroke");
-    assert!(!desk.bench.pad_is_active());
+    assert!(!desk.workspace.pad_is_active());
 
     desk.press(PadButton::DpadLeft);
     assert_eq!(desk.voxels(), full, "undone");
     assert_eq!(desk.felt(), [0.0; 0], "undo is not felt");
-    desk.bench.toggle_rumble();
+    desk.workspace.toggle_rumble();
     desk.press(PadButton::South);
     assert!(desk.voxels() < full);
     assert_eq!(desk.felt(), [0.0; 0], "rumble is off");
@@ -132,7 +133,7 @@ fn the_way_is_the_same_at_every_rate_of_pictures() {
         pull.right = Vec2::new(0.5, 0.2);
         desk.keep(pull, 0.8);
         desk.keep(PadState::default(), 0.3);
-        (desk.bench.ui.hand.centre_vx, desk.bench.ui.hand.rotation())
+        (desk.workspace.ui.hand.centre_vx, desk.workspace.ui.hand.rotation())
     };
     let (at, turned) = end(120.0);
     for rate in [7.0, 30.0, 61.0] {
@@ -145,22 +146,22 @@ fn the_way_is_the_same_at_every_rate_of_pictures() {
 #[test]
 fn in_grid_mode_the_sculpture_moves_and_turns_before_the_viewer() {
     let mut desk = Desk::new("[gamepad]\nmode = \"grid\"", 60.0);
-    let placement = |desk: &Desk| *desk.bench.session().document().placement();
-    let (before, tool) = (placement(&desk), desk.bench.ui.hand.clone());
+    let placement = |desk: &Desk| *desk.workspace.session().document().placement();
+    let (before, tool) = (placement(&desk), desk.workspace.ui.hand.clone());
     desk.keep(left(1.0, 1.0), 0.3);
     let moved = placement(&desk).translation - before.translation;
     assert!(moved.x > 0.0 && (moved.x - moved.y).abs() < 1e-3 && moved.z == 0.0, "{moved}");
     desk.keep(PadState { triggers: Vec2::X, ..PadState::default() }, 0.3);
     assert!(placement(&desk).translation.z > 0.0, "nearer");
     desk.keep(PadState { triggers: Vec2::X, ..PadState::default() }, 30.0);
-    let depth = desk.bench.stage.camera().eye.z - placement(&desk).translation.z;
+    let depth = desk.workspace.turntable.camera().eye.z - placement(&desk).translation.z;
     assert!(depth > 0.0, "never behind the viewer");
     desk.keep(PadState { right: Vec2::X, ..PadState::default() }, 0.5);
     desk.keep(PadState::default(), 0.1);
     let front = |placement: Placement| placement.rotation * Vec3::new(0.8, 0.6, 1.0);
     assert!(front(placement(&desk)).x > front(before).x + 0.1, "the front goes right");
     assert_eq!(
-        (desk.bench.ui.hand.centre_vx, desk.bench.ui.hand.rotation()),
+        (desk.workspace.ui.hand.centre_vx, desk.workspace.ui.hand.rotation()),
         (tool.centre_vx, tool.rotation())
     );
 }
@@ -168,9 +169,9 @@ fn in_grid_mode_the_sculpture_moves_and_turns_before_the_viewer() {
 #[test]
 fn in_mouse_mode_the_stick_leads_the_pointer_and_clicks() {
     let mut desk = Desk::new("[gamepad]\nmode = \"mouse\"", 60.0);
-    desk.bench.act(Action::Clear);
-    desk.bench.act(Action::Mode(crate::input::ToolMode::Add));
-    let middle = desk.bench.picture().center();
+    desk.workspace.act(Action::Clear);
+    desk.workspace.act(Action::Mode(crate::input::ToolMode::Add));
+    let middle = desk.workspace.picture().center();
     desk.keep(left(1.0, 0.0), 0.05);
     desk.keep(left(-1.0, 0.0), 0.05);
     desk.keep(PadState::default(), 0.1);
@@ -178,9 +179,9 @@ fn in_mouse_mode_the_stick_leads_the_pointer_and_clicks() {
     assert!(at.distance(middle) < 3.0, "{at} {middle}");
     desk.press(PadButton::North);
     assert!(desk.voxels() > 0, "a click on the picture is a stroke");
-    let steps = desk.bench.session().document().history().undo_count();
+    let steps = desk.workspace.session().document().history().undo_count();
     desk.press(PadButton::South);
-    let now = desk.bench.session().document().history().undo_count();
+    let now = desk.workspace.session().document().history().undo_count();
     assert!(now >= steps, "a double click is two");
     desk.keep(left(0.0, 1.0), 3.0);
     let at = desk.ctx.input(|input| input.pointer.latest_pos()).unwrap();
@@ -197,7 +198,7 @@ fn shift_alone_switches_the_mode_while_a_pad_is_there() {
         modifiers: egui::Modifiers::SHIFT,
     };
     let mut desk = Desk::new("", 60.0);
-    let mode = |desk: &Desk| desk.bench.pads.facts().map(|facts| facts.mode);
+    let mode = |desk: &Desk| desk.workspace.pads.status().map(|context| context.mode);
     assert_eq!(mode(&desk), Some(PadMode::UseTool));
     desk.picture(vec![shift(true), shift(false)]);
     assert_eq!(mode(&desk), Some(PadMode::MoveGrid));
@@ -206,7 +207,7 @@ fn shift_alone_switches_the_mode_while_a_pad_is_there() {
     desk.picture(vec![shift(true), shift(false)]);
     desk.news(PadChange::Came { name: "again".to_string(), motor: None });
     assert_eq!(mode(&desk), Some(PadMode::MoveGrid), "without a pad nothing was switched");
-    let texts: Vec<&str> = desk.bench.ui.toasts.texts().map(|(_, text)| text).collect();
+    let texts: Vec<&str> = desk.workspace.ui.toasts.texts().map(|(_, text)| text).collect();
     assert!(texts.contains(&"Gamepad connected: again"), "{texts:?}");
     assert!(texts.contains(&"Gamepad disconnected: test pad"), "{texts:?}");
 }
@@ -215,18 +216,18 @@ fn shift_alone_switches_the_mode_while_a_pad_is_there() {
 fn a_stroke_ends_when_its_pad_is_pulled_out_or_a_question_is_open() {
     let mut desk = Desk::new("", 60.0);
     desk.keep(holding(PadButton::South), 0.1);
-    assert!(desk.bench.stroke_in_hand());
+    assert!(desk.workspace.stroke_in_hand());
     desk.news(PadChange::Went);
     desk.picture(Vec::new());
-    assert!(!desk.bench.stroke_in_hand());
+    assert!(!desk.workspace.stroke_in_hand());
 
     let mut asked = Desk::new("", 60.0);
-    let (full, at) = (asked.voxels(), asked.bench.ui.hand.centre_vx);
-    asked.bench.ui.unsaved = Some(Next::Leave);
+    let (full, at) = (asked.voxels(), asked.workspace.ui.hand.centre_vx);
+    asked.workspace.ui.unsaved = Some(Next::Leave);
     asked.keep(PadState { held: holding(PadButton::South).held, ..left(1.0, 0.0) }, 0.3);
-    assert_eq!((asked.voxels(), asked.bench.ui.hand.centre_vx), (full, at));
+    assert_eq!((asked.voxels(), asked.workspace.ui.hand.centre_vx), (full, at));
     asked.press(PadButton::Select);
-    assert!(asked.bench.ui.unsaved.is_none(), "the question can be put aside");
+    assert!(asked.workspace.ui.unsaved.is_none(), "the question can be put aside");
 }
 
 #[test]
@@ -235,24 +236,24 @@ fn a_button_is_caught_in_the_table_of_keys() {
     let full = desk.voxels();
     let stick = Trigger::Pad { button: PadButton::LeftStick };
     let has = |desk: &Desk, action, trigger| {
-        desk.bench.presets[desk.bench.ui.preset].triggers(action).any(|t| t == trigger)
+        desk.workspace.presets[desk.workspace.ui.preset].triggers(action).any(|t| t == trigger)
     };
     desk.press(PadButton::South);
     let cut = desk.voxels();
     assert!(cut < full);
     assert!(!has(&desk, Action::Undo, stick));
-    desk.bench.ui.keys.listen_for(Action::Undo);
+    desk.workspace.ui.keys.listen_for(Action::Undo);
     desk.press(PadButton::LeftStick);
-    assert!(!desk.bench.ui.keys.is_catching() && has(&desk, Action::Undo, stick));
+    assert!(!desk.workspace.ui.keys.is_catching() && has(&desk, Action::Undo, stick));
     assert_eq!(desk.voxels(), cut, "what is caught does nothing else");
     desk.press(PadButton::LeftStick);
     assert_eq!(desk.voxels(), full, "from then on it is a key as any other");
 
     // What another action has is asked about, and stays with it until the answer.
     let right = Trigger::Pad { button: PadButton::DpadRight };
-    desk.bench.ui.keys.listen_for(Action::Fill);
+    desk.workspace.ui.keys.listen_for(Action::Fill);
     desk.press(PadButton::DpadRight);
-    assert!(desk.bench.ui.keys.is_catching());
+    assert!(desk.workspace.ui.keys.is_catching());
     assert!(has(&desk, Action::Redo, right) && !has(&desk, Action::Fill, right));
     assert_eq!(desk.voxels(), full, "nothing was redone");
 }

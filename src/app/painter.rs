@@ -1,16 +1,16 @@
-//! Owns the way from the workbench to the renderer: what the picture in the window shows, and what
-//! the workbench hears of it.
+//! Owns the way from the workspace to the renderer: what the picture in the window shows, and what
+//! the workspace hears of it.
 
 use std::sync::Arc;
 
 use ash::vk;
 use glam::Vec3;
 
-use super::guides;
-use super::workbench::Workbench;
+use super::overlay;
+use super::workspace::Workspace;
 use crate::config::Theme;
 use crate::gpu::{Device, GpuError, Recorder, Result};
-use crate::render::renderer::{Pictures, Shot};
+use crate::render::renderer::{FrameDesc, Pictures};
 use crate::render::{Background, Renderer, Video, VideoView};
 use crate::shade::Pixels;
 
@@ -25,35 +25,35 @@ impl Painter {
         Ok(Painter { renderer: Renderer::new(device, format)? })
     }
 
-    /// Records what the workbench's next picture needs; then it is in [`Painter::pictures`].
+    /// Records what the workspace's next picture needs; then it is in [`Painter::pictures`].
     /// `slot`: [`crate::gpu::Frames::slot`].
     pub fn paint(
         &mut self,
         recorder: &mut Recorder,
         slot: usize,
-        bench: &mut Workbench,
+        workspace: &mut Workspace,
     ) -> Result<()> {
-        let aid = bench.aid();
+        let scene = workspace.scene();
         // A picture to be saved shows the sculpture alone.
-        let (ghost, lines) = match bench.ui.screenshot {
+        let (preview, lines) = match workspace.ui.screenshot {
             true => (None, Vec::new()),
-            false => (guides::ghost(&aid), guides::lines(&aid)),
+            false => (overlay::preview(&scene), overlay::lines(&scene)),
         };
-        let eyes = bench.eyes();
-        let mut shot = Shot {
+        let eyes = workspace.eyes();
+        let mut desc = FrameDesc {
             eyes: &eyes,
-            world_from_grid: bench.world_from_grid(),
-            mode: bench.ui.view.mode,
-            lighting: bench.ui.view.lighting(),
-            background: background(bench.ui.theme),
+            world_from_grid: workspace.world_from_grid(),
+            mode: workspace.ui.view.mode,
+            lighting: workspace.ui.view.lighting(),
+            background: background(workspace.ui.theme),
             video: None,
-            ghosts: ghost.as_slice(),
+            previews: preview.as_slice(),
             lines: &lines,
         };
-        // Kept for as long as the shot looks at it, whatever the workbench does.
-        let frame = bench.video().map(|(frame, lens)| (frame.clone(), lens));
-        shot.video = frame.as_ref().map(|(frame, lens)| {
-            let settings = &bench.ui.view.video;
+        // Kept for as long as the desc looks at it, whatever the workspace does.
+        let frame = workspace.video().map(|(frame, lens)| (frame.clone(), lens));
+        desc.video = frame.as_ref().map(|(frame, lens)| {
+            let settings = &workspace.ui.view.video;
             let view = VideoView {
                 fit: settings.fit,
                 mirror: settings.mirror,
@@ -63,16 +63,16 @@ impl Painter {
             Video { frame, view }
         });
         // The renderer writes to the maps that nobody else holds.
-        bench.forget_seen();
+        workspace.forget_seen();
         let renderer = &mut self.renderer;
-        paint_what_fits(renderer, recorder, slot, bench, &mut shot)?;
+        paint_what_fits(renderer, recorder, slot, workspace, &mut desc)?;
         let maps = renderer.maps();
-        if let Some(map) = maps.get(bench.pointing_eye).or(maps.first()) {
-            bench.saw(map.clone());
+        if let Some(map) = maps.get(workspace.pointing_eye).or(maps.first()) {
+            workspace.saw(map.clone());
         }
         let times = renderer.times();
-        bench.times.sample_ms = times.sample_ms;
-        bench.times.shade_ms = times.shade_ms;
+        workspace.times.sample_ms = times.sample_ms;
+        workspace.times.shade_ms = times.shade_ms;
         Ok(())
     }
 
@@ -89,23 +89,23 @@ impl Painter {
     }
 }
 
-/// Paints a shot, in the window or in a headset. A sculpture that is too large for the device in
-/// its mode is drawn in the next best, which is the workbench's from then on.
+/// Paints a desc, in the window or in a headset. A sculpture that is too large for the device in
+/// its mode is drawn in the next best, which is the workspace's from then on.
 pub(super) fn paint_what_fits(
     renderer: &mut Renderer,
     recorder: &mut Recorder,
     slot: usize,
-    bench: &mut Workbench,
-    shot: &mut Shot,
+    workspace: &mut Workspace,
+    desc: &mut FrameDesc,
 ) -> Result<()> {
     loop {
-        let document = bench.session_mut().document_mut();
-        let Err(error) = renderer.paint(recorder, slot, document, shot) else { return Ok(()) };
+        let document = workspace.session_mut().document_mut();
+        let Err(error) = renderer.paint(recorder, slot, document, desc) else { return Ok(()) };
         let too_large = matches!(error, GpuError::Limit { .. } | GpuError::OutOfMemory(_));
-        let Some(mode) = shot.mode.fallback().filter(|_| too_large) else { return Err(error) };
-        bench.ui.toasts.error(format!("{error}; switched to {}", mode.label()));
-        bench.ui.view.mode = mode;
-        shot.mode = mode;
+        let Some(mode) = desc.mode.fallback().filter(|_| too_large) else { return Err(error) };
+        workspace.ui.toasts.error(format!("{error}; switched to {}", mode.label()));
+        workspace.ui.view.mode = mode;
+        desc.mode = mode;
     }
 }
 

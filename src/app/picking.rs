@@ -1,15 +1,15 @@
 //! What the pointer points at: the point of the grid below a pixel of the picture and the way out of
 //! the surface there, from the voxels of the last picture.
 //!
-//! The geometry is `aim`'s; which picture was seen last and which tool is in hand are the workbench's.
+//! The geometry is `aim`'s; which picture was seen last and which tool is in hand are the workspace's.
 
 use glam::{Vec2, Vec3};
 
 use super::aim::{self, Sight};
-use super::workbench::Workbench;
+use super::workspace::Workspace;
 use crate::shade::normal;
 
-impl Workbench {
+impl Workspace {
     /// The view of the grid that the next picture will have.
     pub(super) fn sight(&self) -> Sight {
         Sight::new(&self.eye(), &self.world_from_grid())

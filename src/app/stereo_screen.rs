@@ -1,7 +1,7 @@
 //! Owns what a window needs to show two eyes: the interface in an image of its own, and the pass
 //! that puts pictures and interface together.
 //!
-//! Made when stereo is first switched on. Knows no workbench.
+//! Made when stereo is first switched on. Knows no workspace.
 
 use std::sync::Arc;
 

@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3};
 
 use super::aim::surface_point;
 use super::path::Path;
-use super::workbench::Workbench;
+use super::workspace::Workspace;
 use crate::command::{Area, Command};
 use crate::input::{Action, ToolMode};
 use crate::surface::IndexMap;
@@ -76,7 +76,7 @@ impl StrokeInHand {
     }
 }
 
-impl Workbench {
+impl Workspace {
     /// Opens a stroke of a spray at a point of the picture and uses it there.
     pub(super) fn begin_spray(&mut self, kind: SprayKind, options: SprayOptions, at: Vec2) {
         if self.stroke.is_some() || !self.execute(&Command::Begin { label: kind.name().into() }) {

@@ -16,7 +16,7 @@ use crate::document::Document;
 use crate::gpu::{Device, Frames, Result};
 use crate::picture::BACKGROUND;
 use crate::render::renderer::DeviceTimes;
-use crate::render::{Background, Renderer, Shot};
+use crate::render::{Background, FrameDesc, Renderer};
 use crate::screen::offscreen::FORMAT;
 use crate::shade::Lighting;
 use crate::view::{Eye, PixelRays};
@@ -178,19 +178,19 @@ impl Rendered {
     /// Draws a picture and waits for it.
     fn draw(&mut self, document: &mut Document) -> Result<StageTimes> {
         let [top, bottom] = BACKGROUND.map(|c| Vec3::from(c.map(f32::from)) / 255.0);
-        let shot = Shot {
+        let desc = FrameDesc {
             eyes: if self.is_beside { &self.beside } else { &self.eyes },
             world_from_grid: document.world_from_grid(),
             mode: self.mode,
             lighting: self.lighting,
             background: Background::Gradient { top, bottom },
             video: None,
-            ghosts: &[],
+            previews: &[],
             lines: &[],
         };
         let start = Instant::now();
         let mut recorder = self.frames.begin()?;
-        self.renderer.paint(&mut recorder, self.frames.slot(), document, &shot)?;
+        self.renderer.paint(&mut recorder, self.frames.slot(), document, &desc)?;
         let serial = self.frames.submit(recorder, &[], &[])?;
         self.device.wait(serial)?;
         let whole = start.elapsed();

@@ -196,7 +196,7 @@ pub enum Action {
     /// Writes what the view shows to a file.
     Screenshot,
     /// Tears a panel off into a window of its own, or puts it back.
-    TearOff(Panel),
+    Detach(Panel),
     ScaleUp,
     ScaleDown,
     ScaleReset,
@@ -338,9 +338,9 @@ impl Action {
         Action::ToggleAr,
         Action::Fullscreen,
         Action::ToggleTheme,
-        Action::TearOff(Panel::Toolbox),
-        Action::TearOff(Panel::Options),
-        Action::TearOff(Panel::History),
+        Action::Detach(Panel::Toolbox),
+        Action::Detach(Panel::Options),
+        Action::Detach(Panel::History),
         Action::ScaleUp,
         Action::ScaleDown,
         Action::ScaleReset,

@@ -176,13 +176,13 @@ impl Action {
                 ("toggle-ar", Tap, "Stand the sculpture on the printed marker in the video, or not")
             }
             Action::Lights => ("lights", Tap, "Show or hide the lights"),
-            Action::TearOff(Panel::Toolbox) => {
+            Action::Detach(Panel::Toolbox) => {
                 ("tear-toolbox", Tap, "Detach the toolbox into its own window, or dock it")
             }
-            Action::TearOff(Panel::Options) => {
+            Action::Detach(Panel::Options) => {
                 ("tear-options", Tap, "Detach the options into their own window, or dock them")
             }
-            Action::TearOff(Panel::History) => {
+            Action::Detach(Panel::History) => {
                 ("tear-history", Tap, "Detach the history into its own window, or dock it")
             }
             Action::ScaleUp => ("scale-up", Tap, "Enlarge the interface"),

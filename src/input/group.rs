@@ -57,7 +57,7 @@ impl Group {
             ResetView | LookFrom(_) | ZoomIn | ZoomOut | ToggleBounds | NextRenderMode
             | NextStereo | SwapEyes | ToggleVideo | ToggleHead | CalibrateHead | ToggleAr
             | Lights | Fullscreen => Group::View,
-            ScaleUp | ScaleDown | ScaleReset | ToggleTheme | TearOff(_) | ToggleRumble | New
+            ScaleUp | ScaleDown | ScaleReset | ToggleTheme | Detach(_) | ToggleRumble | New
             | Open | Save | SaveAs | Export | Screenshot | Palette | Help | Guide | Quit => {
                 Group::Program
             }

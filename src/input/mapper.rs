@@ -1,4 +1,4 @@
-//! Owns what is held at the moment: turns device events into [`Signal`]s by a table of bindings.
+//! Owns what is held at the moment: turns device events into [`ActionEvent`]s by a table of bindings.
 //!
 //! A drag is the action of the buttons that are down. A second button pressed during a drag may
 //! stand for an action of both together, held on top of the drag, which goes on: so the tool
@@ -14,7 +14,7 @@ use super::trigger::{Buttons, Trigger};
 
 /// What the person asks for, with where and how much. Positions are in pixels of the picture.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub enum Signal {
+pub enum ActionEvent {
     /// Ask once.
     Tap(Action),
     /// A drag or a hold begins, at the pointer where there is one.
@@ -72,40 +72,45 @@ impl Mapper {
         self.drag.is_some() || self.chord.is_some() || !self.keys.is_empty()
     }
 
-    /// Adds to `signals` what `event` means.
-    pub fn feed(&mut self, event: &DeviceEvent, bindings: &Bindings, signals: &mut Vec<Signal>) {
+    /// Adds to `actions` what `event` means.
+    pub fn feed(
+        &mut self,
+        event: &DeviceEvent,
+        bindings: &Bindings,
+        actions: &mut Vec<ActionEvent>,
+    ) {
         match *event {
-            DeviceEvent::Moved { at, modifiers } => self.moved(at, modifiers, bindings, signals),
+            DeviceEvent::Moved { at, modifiers } => self.moved(at, modifiers, bindings, actions),
             DeviceEvent::Left => {
                 if self.at.take().is_some() && !self.captures_pointer() {
-                    signals.push(Signal::Left);
+                    actions.push(ActionEvent::Left);
                 }
             }
             DeviceEvent::Pressed { button, at, modifiers } => {
                 self.at = Some(at);
                 self.buttons = self.buttons.with(button);
-                self.buttons_changed(at, modifiers, bindings, signals);
+                self.buttons_changed(at, modifiers, bindings, actions);
             }
             DeviceEvent::Released { button } => {
                 self.buttons = self.buttons.without(button);
-                self.end_released(signals);
+                self.end_released(actions);
             }
             DeviceEvent::Wheel { notches, at, modifiers } => {
                 let action = bindings.action(Trigger::Wheel { modifiers });
-                signals.extend(action.map(|action| Signal::Wheel { action, notches, at }));
+                actions.extend(action.map(|action| ActionEvent::Wheel { action, notches, at }));
             }
             DeviceEvent::KeyPressed { key, modifiers, repeat } => {
-                self.key_pressed(key, modifiers, repeat, bindings, signals);
+                self.key_pressed(key, modifiers, repeat, bindings, actions);
             }
             DeviceEvent::KeyReleased { key } => {
                 if let Some(held) = self.keys.iter().position(|(k, _)| *k == key) {
-                    signals.push(Signal::End(self.keys.remove(held).1));
+                    actions.push(ActionEvent::End(self.keys.remove(held).1));
                 }
             }
             DeviceEvent::FocusLost => {
                 self.buttons = Buttons::NONE;
-                self.end_released(signals);
-                signals.extend(self.keys.drain(..).map(|(_, action)| Signal::End(action)));
+                self.end_released(actions);
+                actions.extend(self.keys.drain(..).map(|(_, action)| ActionEvent::End(action)));
             }
         }
     }
@@ -115,12 +120,12 @@ impl Mapper {
         at: Vec2,
         modifiers: Modifiers,
         bindings: &Bindings,
-        signals: &mut Vec<Signal>,
+        actions: &mut Vec<ActionEvent>,
     ) {
         self.at = Some(at);
         let Some(mut drag) = self.drag else {
             if !self.captures_pointer() {
-                signals.push(Signal::Hover(at));
+                actions.push(ActionEvent::Hover(at));
             }
             return;
         };
@@ -130,13 +135,13 @@ impl Mapper {
             drag.modifiers = modifiers;
             let trigger = Trigger::Mouse { buttons: drag.buttons, modifiers };
             if let Some(other) = bindings.action(trigger).filter(|a| is_glide(*a, drag.action)) {
-                signals.push(Signal::End(drag.action));
-                signals.push(Signal::Begin { action: other, at: Some(at) });
+                actions.push(ActionEvent::End(drag.action));
+                actions.push(ActionEvent::Begin { action: other, at: Some(at) });
                 drag.action = other;
             }
         }
         self.drag = Some(drag);
-        signals.push(Signal::Drag { action: drag.action, at, by });
+        actions.push(ActionEvent::Drag { action: drag.action, at, by });
     }
 
     fn buttons_changed(
@@ -144,30 +149,30 @@ impl Mapper {
         at: Vec2,
         modifiers: Modifiers,
         bindings: &Bindings,
-        signals: &mut Vec<Signal>,
+        actions: &mut Vec<ActionEvent>,
     ) {
         let trigger = Trigger::Mouse { buttons: self.buttons, modifiers };
         let Some(action) = bindings.action(trigger) else { return };
         match action.help().kind {
             Kind::Drag if self.drag.is_none() => {
                 self.drag = Some(Drag { buttons: self.buttons, modifiers, action, at });
-                signals.push(Signal::Begin { action, at: Some(at) });
+                actions.push(ActionEvent::Begin { action, at: Some(at) });
             }
             Kind::Hold if self.chord.is_none() => {
                 self.chord = Some((self.buttons, action));
-                signals.push(Signal::Begin { action, at: Some(at) });
+                actions.push(ActionEvent::Begin { action, at: Some(at) });
             }
             _ => {}
         }
     }
 
     /// Ends what needs a button that is up now.
-    fn end_released(&mut self, signals: &mut Vec<Signal>) {
+    fn end_released(&mut self, actions: &mut Vec<ActionEvent>) {
         if let Some((_, action)) = self.chord.take_if(|(needs, _)| !self.buttons.contains(*needs)) {
-            signals.push(Signal::End(action));
+            actions.push(ActionEvent::End(action));
         }
         if let Some(drag) = self.drag.take_if(|drag| !self.buttons.contains(drag.buttons)) {
-            signals.push(Signal::End(drag.action));
+            actions.push(ActionEvent::End(drag.action));
         }
     }
 
@@ -177,17 +182,17 @@ impl Mapper {
         modifiers: Modifiers,
         repeat: bool,
         bindings: &Bindings,
-        signals: &mut Vec<Signal>,
+        actions: &mut Vec<ActionEvent>,
     ) {
         let Some(action) = bindings.action(Trigger::Key { key, modifiers }) else { return };
         let held = self.keys.iter().any(|(k, _)| *k == key);
         if action.help().kind == Kind::Hold {
             if !held && !repeat {
                 self.keys.push((key, action));
-                signals.push(Signal::Begin { action, at: self.at });
+                actions.push(ActionEvent::Begin { action, at: self.at });
             }
         } else if !repeat || action.repeats() {
-            signals.push(Signal::Tap(action));
+            actions.push(ActionEvent::Tap(action));
         }
     }
 }
@@ -209,10 +214,10 @@ mod tests {
         Bindings::presets().unwrap().into_iter().find(|b| b.name == name).unwrap()
     }
 
-    fn run(bindings: &Bindings, events: &[DeviceEvent]) -> Vec<Signal> {
-        let (mut mapper, mut signals) = (Mapper::default(), Vec::new());
-        events.iter().for_each(|event| mapper.feed(event, bindings, &mut signals));
-        signals
+    fn run(bindings: &Bindings, events: &[DeviceEvent]) -> Vec<ActionEvent> {
+        let (mut mapper, mut actions) = (Mapper::default(), Vec::new());
+        events.iter().for_each(|event| mapper.feed(event, bindings, &mut actions));
+        actions
     }
 
     fn moved(x: f32, modifiers: Modifiers) -> DeviceEvent {
@@ -230,7 +235,7 @@ mod tests {
     #[test]
     fn a_drag_runs_from_press_to_release() {
         let at = |x| Vec2::new(x, 0.0);
-        let signals = run(
+        let actions = run(
             &preset("direct"),
             &[
                 moved(1.0, NONE),
@@ -242,20 +247,20 @@ mod tests {
         );
         let action = Action::Sculpt;
         assert_eq!(
-            signals,
+            actions,
             [
-                Signal::Hover(at(1.0)),
-                Signal::Begin { action, at: Some(at(2.0)) },
-                Signal::Drag { action, at: at(5.0), by: at(3.0) },
-                Signal::End(action),
-                Signal::Hover(at(6.0)),
+                ActionEvent::Hover(at(1.0)),
+                ActionEvent::Begin { action, at: Some(at(2.0)) },
+                ActionEvent::Drag { action, at: at(5.0), by: at(3.0) },
+                ActionEvent::End(action),
+                ActionEvent::Hover(at(6.0)),
             ]
         );
     }
 
     #[test]
     fn both_buttons_use_the_tool_while_it_is_moved() {
-        let signals = run(
+        let actions = run(
             &preset("thesis"),
             &[
                 pressed(Primary, 0.0, NONE),
@@ -266,13 +271,13 @@ mod tests {
                 DeviceEvent::Released { button: Primary },
             ],
         );
-        let kinds: Vec<_> = signals
+        let kinds: Vec<_> = actions
             .iter()
-            .map(|signal| match *signal {
-                Signal::Begin { action, .. } => ("begin", action),
-                Signal::Drag { action, .. } => ("drag", action),
-                Signal::End(action) => ("end", action),
-                _ => panic!("{signal:?}"),
+            .map(|event| match *event {
+                ActionEvent::Begin { action, .. } => ("begin", action),
+                ActionEvent::Drag { action, .. } => ("drag", action),
+                ActionEvent::End(action) => ("end", action),
+                _ => panic!("{event:?}"),
             })
             .collect();
         assert_eq!(
@@ -294,13 +299,13 @@ mod tests {
     #[test]
     fn a_modifier_does_not_break_a_stroke() {
         let alt = Modifiers { alt: true, ..NONE };
-        let signals = run(&preset("direct"), &[pressed(Primary, 0.0, NONE), moved(1.0, alt)]);
-        assert!(matches!(signals[1], Signal::Drag { action: Action::Sculpt, .. }));
+        let actions = run(&preset("direct"), &[pressed(Primary, 0.0, NONE), moved(1.0, alt)]);
+        assert!(matches!(actions[1], ActionEvent::Drag { action: Action::Sculpt, .. }));
     }
 
     #[test]
     fn keys_tap_hold_and_repeat() {
-        let signals = run(
+        let actions = run(
             &preset("direct"),
             &[
                 key(Key::Z, CTRL, false),
@@ -312,12 +317,12 @@ mod tests {
             ],
         );
         assert_eq!(
-            signals,
+            actions,
             [
-                Signal::Tap(Action::Undo),
-                Signal::Tap(Action::Undo),
-                Signal::Begin { action: Action::Apply, at: None },
-                Signal::End(Action::Apply),
+                ActionEvent::Tap(Action::Undo),
+                ActionEvent::Tap(Action::Undo),
+                ActionEvent::Begin { action: Action::Apply, at: None },
+                ActionEvent::End(Action::Apply),
             ]
         );
     }
@@ -325,14 +330,14 @@ mod tests {
     #[test]
     fn losing_the_focus_releases_everything() {
         let bindings = preset("direct");
-        let (mut mapper, mut signals) = (Mapper::default(), Vec::new());
+        let (mut mapper, mut actions) = (Mapper::default(), Vec::new());
         for event in
             [key(Key::Space, NONE, false), pressed(Primary, 0.0, NONE), DeviceEvent::FocusLost]
         {
-            mapper.feed(&event, &bindings, &mut signals);
+            mapper.feed(&event, &bindings, &mut actions);
         }
         assert!(!mapper.is_holding() && !mapper.captures_pointer());
-        assert!(signals.contains(&Signal::End(Action::Apply)));
-        assert!(signals.contains(&Signal::End(Action::Sculpt)));
+        assert!(actions.contains(&ActionEvent::End(Action::Apply)));
+        assert!(actions.contains(&ActionEvent::End(Action::Sculpt)));
     }
 }

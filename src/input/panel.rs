@@ -1,4 +1,4 @@
-//! Owns the names of the panels that can be torn off into windows of their own.
+//! Owns the names of the panels that can be detached off into windows of their own.
 
 /// A panel.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]

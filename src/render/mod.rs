@@ -37,7 +37,7 @@ pub use gpu_only::GpuOnly;
 pub use pixel_pass::PixelStage;
 pub use points::Points;
 pub use ray_march::RayMarch;
-pub use renderer::{Renderer, Shot};
+pub use renderer::{FrameDesc, Renderer};
 pub use shading::Surface;
 pub use slicing::Slicing;
 pub use stereo::{Stereo, StereoSources};

@@ -36,7 +36,7 @@ pub struct Line {
 
 /// The tool as it is shown.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Ghost {
+pub struct ToolPreview {
     pub primitive: Primitive,
     /// Edge lengths of the grid's voxels.
     pub voxel_size: Vec3,
@@ -53,7 +53,7 @@ pub struct Scene<'a> {
     /// Pixels.
     pub size: [u32; 2],
     /// The tools.
-    pub ghosts: &'a [Ghost],
+    pub previews: &'a [ToolPreview],
     pub lines: &'a [Line],
 }
 
@@ -177,19 +177,25 @@ impl Overlay {
         // What is behind comes first, as it is farther.
         for side in [1, 0] {
             self.draw_lines(recorder, scene, side)?;
-            for ghost in scene.ghosts {
-                self.draw_ghost(recorder, scene, ghost, side);
+            for preview in scene.previews {
+                self.draw_ghost(recorder, scene, preview, side);
             }
         }
         Ok(())
     }
 
-    fn draw_ghost(&self, recorder: &mut Recorder, scene: &Scene, ghost: &Ghost, side: usize) {
-        if ghost.opacity[side] <= 0.0 {
+    fn draw_ghost(
+        &self,
+        recorder: &mut Recorder,
+        scene: &Scene,
+        preview: &ToolPreview,
+        side: usize,
+    ) {
+        if preview.opacity[side] <= 0.0 {
             return;
         }
         let eye_from_tool =
-            scene.eye_from_grid * grid_from_tool(&ghost.primitive, ghost.voxel_size);
+            scene.eye_from_grid * grid_from_tool(&preview.primitive, preview.voxel_size);
         let normals = Mat3::from(eye_from_tool.matrix3).inverse().transpose();
         let rows = normals.transpose();
         let row = |axis: Vec3| axis.extend(0.0).to_array();
@@ -198,9 +204,9 @@ impl Overlay {
         let constants = SolidConstants {
             clip_from_tool: (nearer * scene.projection * Mat4::from(eye_from_tool)).to_cols_array(),
             eye_from_normal: [row(rows.x_axis), row(rows.y_axis), row(rows.z_axis)],
-            colour: with_opacity(ghost.colour, ghost.opacity[side]),
+            colour: with_opacity(preview.colour, preview.opacity[side]),
         };
-        let (offset, vertices) = self.ranges[index_of(ghost.primitive.solid)];
+        let (offset, vertices) = self.ranges[index_of(preview.primitive.solid)];
         let pipeline = &self.solids[side];
         recorder.bind_pipeline(pipeline);
         recorder.push(pipeline.layout(), &constants);

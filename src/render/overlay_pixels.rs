@@ -7,7 +7,7 @@ use std::iter;
 
 use glam::{Mat4, UVec2, Vec2, Vec3, Vec4};
 
-use super::overlay::{Ghost, Line, grid_from_tool};
+use super::overlay::{Line, ToolPreview, grid_from_tool};
 use crate::surface::{PixelRect, PixelRects};
 
 /// Pixels by which a shape may reach beyond the box about its corners: their rounding.
@@ -28,23 +28,23 @@ impl PictureOfGrid {
     /// has its place in its list, those at one place are compared.
     pub fn add_changes(
         &self,
-        before: (&[Ghost], &[Line]),
-        now: (&[Ghost], &[Line]),
+        before: (&[ToolPreview], &[Line]),
+        now: (&[ToolPreview], &[Line]),
         rects: &mut PixelRects,
     ) {
-        for ghost in differing(before.0, now.0) {
-            rects.add(self.pixels_of_ghost(ghost));
+        for preview in differing(before.0, now.0) {
+            rects.add(self.pixels_of_ghost(preview));
         }
         for line in differing(before.1, now.1) {
             rects.add(self.pixels_of_line(line));
         }
     }
 
-    fn pixels_of_ghost(&self, ghost: &Ghost) -> PixelRect {
-        if ghost.opacity.iter().all(|&opacity| opacity <= 0.0) {
+    fn pixels_of_ghost(&self, preview: &ToolPreview) -> PixelRect {
+        if preview.opacity.iter().all(|&opacity| opacity <= 0.0) {
             return PixelRect::EMPTY;
         }
-        let grid_from_tool = grid_from_tool(&ghost.primitive, ghost.voxel_size);
+        let grid_from_tool = grid_from_tool(&preview.primitive, preview.voxel_size);
         let corners: [Vec3; 8] = std::array::from_fn(|corner| {
             let side = |bit: usize| if corner >> bit & 1 == 0 { -1.0 } else { 1.0 };
             grid_from_tool.transform_point3(Vec3::new(side(0), side(1), side(2)))
@@ -123,7 +123,7 @@ mod tests {
         Line { from, to, colour, width_px: 4.0, opacity: [1.0, 0.0] }
     }
 
-    fn ghost(centre_vx: Vec3) -> Ghost {
+    fn preview(centre_vx: Vec3) -> ToolPreview {
         let primitive = Primitive {
             solid: Solid::Cuboid,
             centre_vx,
@@ -131,10 +131,10 @@ mod tests {
             rotation: Quat::from_rotation_z(0.3),
         };
         let colour = Rgb::new(9, 9, 9);
-        Ghost { primitive, voxel_size: Vec3::ONE, colour, opacity: [0.4, 0.1] }
+        ToolPreview { primitive, voxel_size: Vec3::ONE, colour, opacity: [0.4, 0.1] }
     }
 
-    fn changes(before: (&[Ghost], &[Line]), now: (&[Ghost], &[Line])) -> PixelRects {
+    fn changes(before: (&[ToolPreview], &[Line]), now: (&[ToolPreview], &[Line])) -> PixelRects {
         let mut rects = PixelRects::NONE;
         picture().add_changes(before, now, &mut rects);
         rects
@@ -142,7 +142,7 @@ mod tests {
 
     #[test]
     fn what_stays_touches_nothing_and_what_moves_both_places() {
-        let (here, there) = (ghost(Vec3::ZERO), ghost(Vec3::new(30.0, 0.0, 0.0)));
+        let (here, there) = (preview(Vec3::ZERO), preview(Vec3::new(30.0, 0.0, 0.0)));
         let frame = line(Vec3::splat(-30.0), Vec3::splat(30.0));
         assert!(changes((&[here], &[frame]), (&[here], &[frame])).is_empty());
         let moved = changes((&[here], &[frame]), (&[there], &[frame]));
@@ -152,7 +152,7 @@ mod tests {
         // The middle of the picture is the middle of the first.
         let PixelRect { min, max } = moved.as_slice()[0];
         assert_eq!(min + max, SIZE);
-        let hidden = Ghost { opacity: [0.0; 2], ..there };
+        let hidden = ToolPreview { opacity: [0.0; 2], ..there };
         assert_eq!(changes((&[here], &[]), (&[hidden], &[])).as_slice().len(), 1);
     }
 

@@ -2,8 +2,8 @@
 //! overlay. One renderer serves a window, a file or a headset; they differ in what they do with
 //! the images.
 //!
-//! Takes a document and a [`Shot`]; leaves the pictures, one layer an eye, in images of its own,
-//! and does again only what the shot changes. So an interface that changes over a resting sculpture
+//! Takes a document and a [`FrameDesc`]; leaves the pictures, one layer an eye, in images of its own,
+//! and does again only what the desc changes. So an interface that changes over a resting sculpture
 //! costs a copy only. Knows no window, no camera and no tools: what to draw comes in as values.
 
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use std::time::Instant;
 use ash::vk;
 use glam::{Affine3A, UVec2};
 
-use super::overlay::{Ghost, Line, Overlay, Scene};
+use super::overlay::{Line, Overlay, Scene, ToolPreview};
 use super::pictures::pictures;
 pub use super::pictures::{DEPTH_FORMAT, Pictures};
 use super::pixel_pass::PixelStage;
@@ -34,7 +34,7 @@ use crate::view::{Eye, PixelRays};
 
 /// From where and how a sculpture is to be seen.
 #[derive(Clone, Copy, Debug)]
-pub struct Shot<'a> {
+pub struct FrameDesc<'a> {
     /// One, or two of the same size in pixels.
     pub eyes: &'a [Eye],
     pub world_from_grid: Affine3A,
@@ -44,7 +44,7 @@ pub struct Shot<'a> {
     /// Instead of the background.
     pub video: Option<Video<'a>>,
     /// The tools.
-    pub ghosts: &'a [Ghost],
+    pub previews: &'a [ToolPreview],
     pub lines: &'a [Line],
 }
 
@@ -102,7 +102,7 @@ impl Renderer {
         })
     }
 
-    /// Records what the pictures of `shot` need; afterwards they are in [`Renderer::pictures`].
+    /// Records what the pictures of `desc` need; afterwards they are in [`Renderer::pictures`].
     /// `slot`: [`crate::gpu::Frames::slot`]; once a frame.
     ///
     /// A sculpture that is too large for the device is an error of [`crate::gpu::GpuError::Limit`]:
@@ -112,9 +112,9 @@ impl Renderer {
         recorder: &mut Recorder,
         slot: usize,
         document: &mut Document,
-        shot: &Shot,
+        desc: &FrameDesc,
     ) -> Result<()> {
-        let painted = self.try_paint(recorder, slot, document, shot);
+        let painted = self.try_paint(recorder, slot, document, desc);
         if painted.is_err() {
             // Whoever asks again records after what has failed, maybe in the middle of a pass.
             recorder.end_rendering_if_begun();
@@ -127,28 +127,28 @@ impl Renderer {
         recorder: &mut Recorder,
         slot: usize,
         document: &mut Document,
-        shot: &Shot,
+        desc: &FrameDesc,
     ) -> Result<()> {
         // Only what is complete counts as shown.
         let before = self.shown.take();
         let heard = self.hear_changes(document);
-        let steps = Steps::new(before.as_ref(), document, shot, heard);
+        let steps = Steps::new(before.as_ref(), document, desc, heard);
         if let Some(part) = steps.sample {
-            self.sample(document, shot, part)?;
+            self.sample(document, desc, part)?;
         }
         self.composite.begin(slot);
         if steps.compose.is_some() {
-            self.timer.begin(recorder, slot, shot.mode, &mut self.times.device)?;
+            self.timer.begin(recorder, slot, desc.mode, &mut self.times.device)?;
         }
         if let Some(part) = steps.shade {
-            self.shade(recorder, slot, document, shot, part)?;
+            self.shade(recorder, slot, document, desc, part)?;
         }
         if let Some(part) = steps.compose {
             let before = before.as_ref().filter(|_| part == Part::Changed);
-            self.compose(recorder, slot, document, shot, before)?;
+            self.compose(recorder, slot, document, desc, before)?;
         }
-        self.shown = Some(Shown::new(before, document, shot));
-        let pictures = pictures(&self.device, &mut self.pictures, self.format, shot.eyes)?;
+        self.shown = Some(Shown::new(before, document, desc));
+        let pictures = pictures(&self.device, &mut self.pictures, self.format, desc.eyes)?;
         for eye in 0..pictures.colour.eyes() {
             pictures.colour.make(recorder, eye, Use::COPY_SOURCE);
         }
@@ -201,19 +201,19 @@ impl Renderer {
         })
     }
 
-    fn sample(&mut self, document: &mut Document, shot: &Shot, part: Part) -> Result<()> {
+    fn sample(&mut self, document: &mut Document, desc: &FrameDesc, part: Part) -> Result<()> {
         let start = Instant::now();
         let mut rays = [None; MAX_EYES];
-        for (rays, eye) in rays.iter_mut().zip(shot.eyes) {
-            *rays = Some(eye.pixel_rays(&shot.world_from_grid));
+        for (rays, eye) in rays.iter_mut().zip(desc.eyes) {
+            *rays = Some(eye.pixel_rays(&desc.world_from_grid));
         }
-        let count = shot.eyes.len().min(MAX_EYES);
+        let count = desc.eyes.len().min(MAX_EYES);
         let nothing = eye_rays_of_nothing();
         let rays = rays.map(|rays| rays.unwrap_or(nothing));
         self.maps.resize_with(count, || Arc::new(IndexMap::new(nothing)));
         let result = {
             let changed = (part == Part::Changed).then_some(self.changed.as_slice());
-            self.sampler.sample(document, &rays[..count], shot.mode, changed, &mut self.maps)
+            self.sampler.sample(document, &rays[..count], desc.mode, changed, &mut self.maps)
         };
         if result.is_err() {
             self.sampler.forget_copy();
@@ -229,19 +229,19 @@ impl Renderer {
         recorder: &mut Recorder,
         slot: usize,
         document: &Document,
-        shot: &Shot,
+        desc: &FrameDesc,
         part: Part,
     ) -> Result<()> {
         let start = Instant::now();
-        match shot.mode.shading() {
-            Shading::Software => self.shade_in_software(recorder, document, shot, part)?,
+        match desc.mode.shading() {
+            Shading::Software => self.shade_in_software(recorder, document, desc, part)?,
             Shading::Points => {
                 let (grid, material) = (document.grid(), document.material());
                 for (map, cloud) in self.maps.iter().zip(&mut self.clouds) {
-                    cloud.take(map, grid, material, shot.lighting.occlusion);
+                    cloud.take(map, grid, material, desc.lighting.occlusion);
                 }
             }
-            Shading::Device => self.shade_on_device(recorder, slot, document, shot, part)?,
+            Shading::Device => self.shade_on_device(recorder, slot, document, desc, part)?,
             Shading::Within => {}
         }
         self.times.shade_ms = ms_since(start);
@@ -252,15 +252,15 @@ impl Renderer {
         &mut self,
         recorder: &mut Recorder,
         document: &Document,
-        shot: &Shot,
+        desc: &FrameDesc,
         part: Part,
     ) -> Result<()> {
         self.pixels.resize_with(self.maps.len(), Pixels::default);
         let (grid, material) = (document.grid(), document.material());
-        let lighting = &shot.lighting;
+        let lighting = &desc.lighting;
         let seen = self.sampler.parts();
         for (i, (map, pixels)) in self.maps.iter().zip(&mut self.pixels).enumerate() {
-            let pose = shot.pose(&shot.eyes[i]);
+            let pose = desc.pose(&desc.eyes[i]);
             let shaded = match part {
                 Part::All => {
                     self.software.shade(map, grid, material, &pose, lighting, pixels);
@@ -284,7 +284,7 @@ impl Renderer {
         recorder: &mut Recorder,
         slot: usize,
         document: &Document,
-        shot: &Shot,
+        desc: &FrameDesc,
         part: Part,
     ) -> Result<()> {
         let seen = self.sampler.parts();
@@ -299,14 +299,14 @@ impl Renderer {
         pass.begin(slot);
         let pictures = self.composite.pictures(maps.size())?;
         self.timer.start(recorder, PictureTimer::SHADE);
-        for ((i, eye), map) in (0..).zip(shot.eyes).zip(&self.maps) {
+        for ((i, eye), map) in (0..).zip(desc.eyes).zip(&self.maps) {
             let mut task = EyeTask { part: seen[i as usize], ..EyeTask::whole(i, map.rays) };
             if part == Part::Changed {
                 let (grid, rays) = (document.grid(), &map.rays);
                 task.area = changed_pixels(grid, &self.changed, rays, NORMAL_REACH_VX).bounds();
             }
             if !task.area.is_empty() {
-                let surface = Surface { colours, ..shot.surface(document, eye) };
+                let surface = Surface { colours, ..desc.surface(document, eye) };
                 pass.record(recorder, volume, &surface, maps, pictures, &task)?;
             }
         }
@@ -321,12 +321,12 @@ impl Renderer {
         recorder: &mut Recorder,
         slot: usize,
         document: &Document,
-        shot: &Shot,
+        desc: &FrameDesc,
         before: Option<&Shown>,
     ) -> Result<()> {
-        let pictures = pictures(&self.device, &mut self.pictures, self.format, shot.eyes)?;
+        let pictures = pictures(&self.device, &mut self.pictures, self.format, desc.eyes)?;
         let parts = self.sampler.parts();
-        let mut sculpture = match shot.mode.shading() {
+        let mut sculpture = match desc.mode.shading() {
             Shading::Software | Shading::Device => {
                 let maps = self.sampler.maps(recorder, slot, &self.maps)?;
                 Sculpture::Composite(&mut self.composite, maps)
@@ -352,7 +352,7 @@ impl Renderer {
                 Sculpture::Within(pass, volume, colours)
             }
         };
-        if let Some(video) = &shot.video {
+        if let Some(video) = &desc.video {
             let pass = match &mut self.backdrop {
                 Some(pass) => pass,
                 none => none.insert(Backdrop::new(&self.device, self.format)?),
@@ -362,24 +362,24 @@ impl Renderer {
         }
         self.overlay.begin(slot);
         self.timer.start(recorder, PictureTimer::COMPOSE);
-        for ((i, eye), map) in (0..).zip(shot.eyes).zip(&self.maps) {
-            let background = if shot.video.is_some() { Background::Keep } else { shot.background };
+        for ((i, eye), map) in (0..).zip(desc.eyes).zip(&self.maps) {
+            let background = if desc.video.is_some() { Background::Keep } else { desc.background };
             let rects = match before {
                 Some(before) => {
-                    pixels_to_compose(before, document, &self.changed, shot, eye, &map.rays)
+                    pixels_to_compose(before, document, &self.changed, desc, eye, &map.rays)
                 }
                 None => PixelRects::of(PixelRect::of_picture(eye.size)),
             };
             if let Sculpture::Within(pass, volume, _) = &mut sculpture {
                 pass.prepare(recorder, volume, &map.rays, i)?;
             }
-            let surface = shot.surface(document, eye);
+            let surface = desc.surface(document, eye);
             let scene = Scene {
-                eye_from_grid: eye.eye_from_world * shot.world_from_grid,
+                eye_from_grid: eye.eye_from_world * desc.world_from_grid,
                 projection: eye.projection,
                 size: eye.size.to_array(),
-                ghosts: shot.ghosts,
-                lines: shot.lines,
+                previews: desc.previews,
+                lines: desc.lines,
             };
             for area in sculpture.areas(&rects).as_slice() {
                 let view = CompositeEye {
@@ -393,7 +393,7 @@ impl Renderer {
                     part: parts[i as usize],
                 };
                 pictures.begin(recorder, i, background, *area);
-                if let (Some(video), Some(pass)) = (&shot.video, &mut self.backdrop) {
+                if let (Some(video), Some(pass)) = (&desc.video, &mut self.backdrop) {
                     pass.draw(recorder, eye.size, &video.view);
                 }
                 match &mut sculpture {
@@ -432,7 +432,7 @@ impl Sculpture<'_> {
     }
 }
 
-impl Shot<'_> {
+impl FrameDesc<'_> {
     fn pose(&self, eye: &Eye) -> ShadePose {
         ShadePose { eye_from_world: eye.eye_from_world, world_from_grid: self.world_from_grid }
     }

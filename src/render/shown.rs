@@ -1,4 +1,4 @@
-//! Owns what the pictures at hand were made of, and with it what of them a new shot changes.
+//! Owns what the pictures at hand were made of, and with it what of them a new desc changes.
 //!
 //! Pure values: knows no device and no pass.
 
@@ -6,9 +6,9 @@ use std::time::Instant;
 
 use glam::Affine3A;
 
-use super::overlay::{Ghost, Line};
+use super::overlay::{Line, ToolPreview};
 use super::overlay_pixels::PictureOfGrid;
-use super::renderer::Shot;
+use super::renderer::FrameDesc;
 use super::{Background, MAX_EYES, VideoView};
 use crate::config::{RenderMode, Shading};
 use crate::document::Document;
@@ -39,21 +39,22 @@ pub(super) struct Shown {
     lighting: Lighting,
     background: Background,
     video: Option<(Instant, VideoView)>,
-    ghosts: Vec<Ghost>,
+    previews: Vec<ToolPreview>,
     lines: Vec<Line>,
 }
 
 impl Shown {
-    /// What a shot of `document` shows, in the memory of a former one.
-    pub fn new(former: Option<Shown>, document: &Document, shot: &Shot) -> Shown {
-        let (mut ghosts, mut lines) = former.map_or_else(Default::default, |f| (f.ghosts, f.lines));
-        ghosts.clear();
-        ghosts.extend_from_slice(shot.ghosts);
+    /// What a desc of `document` shows, in the memory of a former one.
+    pub fn new(former: Option<Shown>, document: &Document, desc: &FrameDesc) -> Shown {
+        let (mut previews, mut lines) =
+            former.map_or_else(Default::default, |f| (f.previews, f.lines));
+        previews.clear();
+        previews.extend_from_slice(desc.previews);
         lines.clear();
-        lines.extend_from_slice(shot.lines);
-        let Shot { lighting, background, .. } = *shot;
-        let video = shot.video.map(|video| video.key());
-        Shown { sample: sample_key(document, shot), lighting, background, video, ghosts, lines }
+        lines.extend_from_slice(desc.lines);
+        let FrameDesc { lighting, background, .. } = *desc;
+        let video = desc.video.map(|video| video.key());
+        Shown { sample: sample_key(document, desc), lighting, background, video, previews, lines }
     }
 
     pub fn mode(&self) -> RenderMode {
@@ -69,7 +70,7 @@ pub(super) enum Part {
     Changed,
 }
 
-/// What a shot does again.
+/// What a desc does again.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Steps {
     pub sample: Option<Part>,
@@ -78,16 +79,21 @@ pub(super) struct Steps {
 }
 
 impl Steps {
-    /// From the pictures shown `before` to those of `shot`. `heard`: it is known which bricks have
+    /// From the pictures shown `before` to those of `desc`. `heard`: it is known which bricks have
     /// changed since.
-    pub fn new(before: Option<&Shown>, document: &Document, shot: &Shot, heard: bool) -> Steps {
+    pub fn new(
+        before: Option<&Shown>,
+        document: &Document,
+        desc: &FrameDesc,
+        heard: bool,
+    ) -> Steps {
         let all = Some(Part::All);
         let Some(before) = before else { return Steps { sample: all, shade: all, compose: all } };
-        let sample = sample_key(document, shot);
-        let same_light = before.lighting == shot.lighting;
-        let same_back = before.background == shot.background
-            && before.video == shot.video.map(|video| video.key());
-        let same_tools = before.ghosts == shot.ghosts && before.lines == shot.lines;
+        let sample = sample_key(document, desc);
+        let same_light = before.lighting == desc.lighting;
+        let same_back = before.background == desc.background
+            && before.video == desc.video.map(|video| video.key());
+        let same_tools = before.previews == desc.previews && before.lines == desc.lines;
         // While nothing moves, an edit changes but a part of the picture.
         let part_if = |partial: bool| if partial { Part::Changed } else { Part::All };
         let still = heard && before.sample.sees_as(&sample);
@@ -95,9 +101,9 @@ impl Steps {
         let reshade = resample || !same_light;
         let recompose = reshade || !(same_back && same_tools);
         // Filters look at the pixels around, occlusion far around the voxel.
-        let shade_part = part_if(still && same_light && shot.lighting.is_local());
+        let shade_part = part_if(still && same_light && desc.lighting.is_local());
         // Points stand out of their pixels.
-        let within_pixels = shot.mode.shading() != Shading::Points;
+        let within_pixels = desc.mode.shading() != Shading::Points;
         let compose_part = match reshade {
             true => shade_part,
             false => part_if(still),
@@ -120,28 +126,28 @@ pub(super) fn pixels_to_compose(
     before: &Shown,
     document: &Document,
     changed: &[u32],
-    shot: &Shot,
+    desc: &FrameDesc,
     eye: &Eye,
     rays: &PixelRays,
 ) -> PixelRects {
     let mut rects = changed_pixels(document.grid(), changed, rays, NORMAL_REACH_VX);
-    let clip_from_grid = eye.clip_from_grid(&shot.world_from_grid);
+    let clip_from_grid = eye.clip_from_grid(&desc.world_from_grid);
     let picture = PictureOfGrid { clip_from_grid, size: eye.size };
-    let former = (before.ghosts.as_slice(), before.lines.as_slice());
-    picture.add_changes(former, (shot.ghosts, shot.lines), &mut rects);
+    let former = (before.previews.as_slice(), before.lines.as_slice());
+    picture.add_changes(former, (desc.previews, desc.lines), &mut rects);
     rects.without_overlap()
 }
 
-fn sample_key(document: &Document, shot: &Shot) -> SampleKey {
+fn sample_key(document: &Document, desc: &FrameDesc) -> SampleKey {
     let mut eyes = [None; MAX_EYES];
-    for (key, eye) in eyes.iter_mut().zip(shot.eyes) {
+    for (key, eye) in eyes.iter_mut().zip(desc.eyes) {
         *key = Some(*eye);
     }
     SampleKey {
         revision: document.revision(),
         eyes,
-        world_from_grid: shot.world_from_grid,
-        mode: shot.mode,
+        world_from_grid: desc.world_from_grid,
+        mode: desc.mode,
     }
 }
 
@@ -168,46 +174,47 @@ mod tests {
             width_px: 1.0,
             opacity: [1.0; 2],
         };
-        let shot = Shot {
+        let desc = FrameDesc {
             eyes: &eyes,
             world_from_grid: Affine3A::IDENTITY,
             mode: RenderMode::Ray,
             lighting: Lighting::default(),
             background: Background::Keep,
             video: None,
-            ghosts: &[],
+            previews: &[],
             lines: &[],
         };
         let steps = |sample, shade, compose| Steps { sample, shade, compose };
         let (all, some) = (Some(Part::All), Some(Part::Changed));
-        assert_eq!(Steps::new(None, &document, &shot, true), steps(all, all, all));
+        assert_eq!(Steps::new(None, &document, &desc, true), steps(all, all, all));
 
-        let shown = Shown::new(None, &document, &shot);
-        let to = |document: &Document, shot: &Shot| Steps::new(Some(&shown), document, shot, true);
-        assert_eq!(to(&document, &shot), steps(None, None, None));
-        let with_line = Shot { lines: &[line], ..shot };
+        let shown = Shown::new(None, &document, &desc);
+        let to =
+            |document: &Document, desc: &FrameDesc| Steps::new(Some(&shown), document, desc, true);
+        assert_eq!(to(&document, &desc), steps(None, None, None));
+        let with_line = FrameDesc { lines: &[line], ..desc };
         assert_eq!(to(&document, &with_line), steps(None, None, some));
         let before_black = Background::Gradient { top: Vec3::ZERO, bottom: Vec3::ZERO };
-        let shot_before_black = Shot { background: before_black, lines: &[line], ..shot };
+        let shot_before_black = FrameDesc { background: before_black, lines: &[line], ..desc };
         assert_eq!(to(&document, &shot_before_black), steps(None, None, all));
-        let mut dark = shot;
+        let mut dark = desc;
         dark.lighting.ambient = Rgb::default();
         assert_eq!(to(&document, &dark), steps(None, all, all));
-        let moved = Shot { world_from_grid: Affine3A::from_translation(Vec3::X), ..shot };
+        let moved = FrameDesc { world_from_grid: Affine3A::from_translation(Vec3::X), ..desc };
         assert_eq!(to(&document, &moved), steps(all, all, all));
 
         document.apply(&"add cuboid at=8,8,8 half=2,2,2 colour=#ffffff".parse().unwrap()).unwrap();
-        assert_eq!(to(&document, &shot), steps(some, some, some));
-        assert_eq!(Steps::new(Some(&shown), &document, &shot, false), steps(all, all, all));
+        assert_eq!(to(&document, &desc), steps(some, some, some));
+        assert_eq!(Steps::new(Some(&shown), &document, &desc, false), steps(all, all, all));
         assert_eq!(to(&document, &dark), steps(some, all, all));
         // Points stand out of their pixels.
-        let points = Shot { mode: RenderMode::RayPoints, ..shot };
+        let points = FrameDesc { mode: RenderMode::RayPoints, ..desc };
         let of_points = Shown::new(None, &document, &points);
-        let points = Shot { lines: &[line], ..points };
+        let points = FrameDesc { lines: &[line], ..points };
         let to_points = Steps::new(Some(&of_points), &document, &points, true);
         assert_eq!(to_points, steps(None, None, all));
         // What is about a voxel darkens it from afar.
-        let mut occluded = shot;
+        let mut occluded = desc;
         occluded.lighting.occlusion = true;
         let shown = Shown::new(Some(shown), &document, &occluded);
         document.apply(&"undo 1".parse().unwrap()).unwrap();

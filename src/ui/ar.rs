@@ -3,12 +3,12 @@
 use egui::Ui;
 
 use super::buttons::explain;
-use super::{Facts, Intent, UiState};
+use super::{UiContext, UiRequest, UiState};
 use crate::input::Action;
 
 /// What the interface reads of the marker.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
-pub struct ArFacts {
+pub struct ArStatus {
     /// The sculpture stands on it.
     pub on: bool,
     /// Frames come from a camera.
@@ -21,7 +21,7 @@ pub struct ArFacts {
     pub voxel_mm: f32,
 }
 
-impl ArFacts {
+impl ArStatus {
     fn state(&self) -> String {
         match (self.video, self.seen) {
             (false, _) => "No video to find the printed marker in".to_owned(),
@@ -34,22 +34,22 @@ impl ArFacts {
 }
 
 /// Its part of the options.
-pub fn options(ui: &mut Ui, state: &UiState, facts: &Facts, intents: &mut Vec<Intent>) {
-    let mut on = facts.ar.on;
+pub fn options(ui: &mut Ui, state: &UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
+    let mut on = context.ar.on;
     let stand = ui.checkbox(&mut on, "Stand on the printed marker");
-    if explain(stand, state, facts, Action::ToggleAr).changed() {
-        intents.push(Intent::Do(Action::ToggleAr));
+    if explain(stand, state, context, Action::ToggleAr).changed() {
+        requests.push(UiRequest::Do(Action::ToggleAr));
     }
-    if facts.ar.on {
-        ui.label(facts.ar.state());
+    if context.ar.on {
+        ui.label(context.ar.state());
     }
 }
 
 /// Its part of the status line.
-pub fn status(ui: &mut Ui, facts: &Facts) {
-    if facts.ar.on {
+pub fn status(ui: &mut Ui, context: &UiContext) {
+    if context.ar.on {
         ui.separator();
-        let word = if facts.ar.seen { "Marker found" } else { "Marker not found" };
-        ui.strong(word).on_hover_text(facts.ar.state());
+        let word = if context.ar.seen { "Marker found" } else { "Marker not found" };
+        ui.strong(word).on_hover_text(context.ar.state());
     }
 }

@@ -4,8 +4,8 @@
 use egui::{CentralPanel, Frame, Margin, Panel as Side, RichText, ScrollArea, Ui};
 
 use super::{
-    Facts, Intent, UiState, busy, files, guide, history, light, new_dialog, options, palette,
-    theme, toolbox, top_bar, unkept, unsaved,
+    UiContext, UiRequest, UiState, busy, files, guide, history, light, new_dialog, options,
+    palette, theme, toolbox, top_bar, unkept, unsaved,
 };
 use crate::input::hands::HandSide;
 
@@ -26,10 +26,15 @@ const HINTS: [(&str, &str); 8] = [
     ("Hold menu", "bring the sculpture in front of you"),
 ];
 
-/// Shows everything in `root` and adds to `intents` what was asked for.
-pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+/// Shows everything in `root` and adds to `requests` what was asked for.
+pub fn show(
+    root: &mut Ui,
+    state: &mut UiState,
+    context: &UiContext,
+    requests: &mut Vec<UiRequest>,
+) {
     theme::apply(root.ctx(), state.theme, state.scale);
-    top_bar::show(root, state, facts, intents);
+    top_bar::show(root, state, context, requests);
     let enabled = !state.is_modal();
     let frame = Frame::central_panel(root.style()).inner_margin(Margin::same(8));
     Side::left("board tools").exact_size(TOOLBOX_WIDTH).resizable(false).frame(frame).show(
@@ -38,7 +43,7 @@ pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec
             ui.add_enabled_ui(enabled, |ui| {
                 ScrollArea::vertical()
                     .auto_shrink(false)
-                    .show(ui, |ui| toolbox::content(ui, state, facts, intents));
+                    .show(ui, |ui| toolbox::content(ui, state, context, requests));
             });
         },
     );
@@ -46,7 +51,7 @@ pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec
         root,
         |ui| {
             ui.add_enabled_ui(enabled, |ui| {
-                history::show(ui, facts, HISTORY_HEIGHT, intents);
+                history::show(ui, context, HISTORY_HEIGHT, requests);
                 ui.separator();
                 ui.horizontal(|ui| {
                     ui.label("Tool in");
@@ -76,16 +81,16 @@ pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec
         ui.add_enabled_ui(enabled, |ui| {
             ScrollArea::vertical()
                 .auto_shrink(false)
-                .show(ui, |ui| options::content(ui, state, facts, intents));
+                .show(ui, |ui| options::content(ui, state, context, requests));
         });
     });
-    guide::show(root, state, facts, intents);
+    guide::show(root, state, context, requests);
     light::show(root, state);
-    palette::show(root, state, facts, intents);
-    new_dialog::show(root, state, facts, intents);
-    unsaved::show(root, state, intents);
-    unkept::show(root, state, intents);
-    files::show(root, state, intents);
+    palette::show(root, state, context, requests);
+    new_dialog::show(root, state, context, requests);
+    unsaved::show(root, state, requests);
+    unkept::show(root, state, requests);
+    files::show(root, state, requests);
     state.toasts.show(root, middle.response.rect);
-    busy::show(root, state, intents);
+    busy::show(root, state, requests);
 }

@@ -4,11 +4,11 @@
 use egui::{Color32, Id, Key, Modal, ProgressBar, Ui};
 
 use super::top_bar::capital;
-use super::{Intent, UiState};
+use super::{UiRequest, UiState};
 
 const WIDTH: f32 = 320.0;
 
-pub fn show(root: &Ui, state: &UiState, intents: &mut Vec<Intent>) {
+pub fn show(root: &Ui, state: &UiState, requests: &mut Vec<UiRequest>) {
     let Some(busy) = state.busy.as_ref().filter(|busy| busy.shown) else { return };
     let stop = Modal::new(Id::new("busy")).show(root.ctx(), |ui| {
         ui.set_width(WIDTH);
@@ -23,6 +23,6 @@ pub fn show(root: &Ui, state: &UiState, intents: &mut Vec<Intent>) {
         ui.button("Cancel").on_hover_text("Stop and leave everything as it was").clicked()
     });
     if stop.inner || root.input(|input| input.key_pressed(Key::Escape)) {
-        intents.push(Intent::StopWork);
+        requests.push(UiRequest::StopWork);
     }
 }

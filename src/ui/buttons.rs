@@ -3,32 +3,37 @@
 
 use egui::{Response, RichText, Ui, WidgetText};
 
-use super::{Facts, Intent, UiState};
+use super::{UiContext, UiRequest, UiState};
 use crate::input::Action;
 
-/// A button for `action`. Adds the action to `intents` when clicked.
+/// A button for `action`. Adds the action to `requests` when clicked.
 pub fn action_button(
     ui: &mut Ui,
     state: &UiState,
-    facts: &Facts,
+    context: &UiContext,
     label: impl Into<WidgetText>,
     action: Action,
     enabled: bool,
-    intents: &mut Vec<Intent>,
+    requests: &mut Vec<UiRequest>,
 ) -> Response {
     let button = egui::Button::new(label.into());
-    let response = explain(ui.add_enabled(enabled, button), state, facts, action);
+    let response = explain(ui.add_enabled(enabled, button), state, context, action);
     if response.clicked() {
-        intents.push(Intent::Do(action));
+        requests.push(UiRequest::Do(action));
     }
     response
 }
 
 /// Gives a widget the tooltip of an action.
-pub fn explain(response: Response, state: &UiState, facts: &Facts, action: Action) -> Response {
+pub fn explain(
+    response: Response,
+    state: &UiState,
+    context: &UiContext,
+    action: Action,
+) -> Response {
     let tip = |ui: &mut Ui| {
         ui.label(action.help().text);
-        if let Some(keys) = facts.shortcut(state, action) {
+        if let Some(keys) = context.shortcut(state, action) {
             ui.label(RichText::new(keys).weak());
         }
     };

@@ -8,7 +8,7 @@ use egui_file_dialog::{DialogState, FileDialog};
 
 use super::state::{Next, folder_of};
 use super::top_bar::capital;
-use super::{Intent, UiState, theme};
+use super::{UiRequest, UiState, theme};
 use crate::command::Command;
 use crate::format::options::{Colouring, Existence, ExportForm, ImportOptions, RawLayout};
 
@@ -121,7 +121,7 @@ impl Default for Files {
     }
 }
 
-pub fn show(root: &Ui, state: &mut UiState, intents: &mut Vec<Intent>) {
+pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
     let Files { dialog, task, choice, .. } = &mut state.files;
     // The library draws its search field black on any ground: dark text could not be read there.
     dialog.config_mut().show_search = root.visuals().dark_mode;
@@ -144,19 +144,19 @@ pub fn show(root: &Ui, state: &mut UiState, intents: &mut Vec<Intent>) {
     match task {
         FileTask::Picture => state.hand.picture = Some(path),
         FileTask::Open => {
-            intents.push(Intent::Run(Command::Open { path, import: choice.import }));
+            requests.push(UiRequest::Run(Command::Open { path, import: choice.import }));
         }
         FileTask::SaveAs(next) => {
             let path = with_ending(path, ENDING);
             let save = Command::Save { path, form: ExportForm::Auto };
-            intents.push(match next.take() {
-                Some(next) => Intent::SaveThen(save, next),
-                None => Intent::Run(save),
+            requests.push(match next.take() {
+                Some(next) => UiRequest::SaveThen(save, next),
+                None => UiRequest::Run(save),
             });
         }
         FileTask::Export => {
             let path = with_ending(path, EXPORT_ENDING);
-            intents.push(Intent::Run(Command::Save { path, form: choice.form }));
+            requests.push(UiRequest::Run(Command::Save { path, form: choice.form }));
         }
     }
 }

@@ -2,15 +2,15 @@
 
 use egui::Ui;
 
-use super::{Intent, PadFacts, UiState};
+use super::{PadStatus, UiRequest, UiState};
 use crate::input::Action;
 use crate::input::pad::PadMode;
 
-pub fn show(ui: &mut Ui, state: &mut UiState, pad: PadFacts, intents: &mut Vec<Intent>) {
+pub fn show(ui: &mut Ui, state: &mut UiState, pad: PadStatus, requests: &mut Vec<UiRequest>) {
     ui.label(pad.name);
     ui.horizontal(|ui| {
         if ui.button(pad.mode.label()).on_hover_text(Action::NextPadMode.help().text).clicked() {
-            intents.push(Intent::Do(Action::NextPadMode));
+            requests.push(UiRequest::Do(Action::NextPadMode));
         }
     });
     ui.label(egui::RichText::new(mode_hint(pad.mode)).weak());

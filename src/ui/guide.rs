@@ -6,7 +6,7 @@
 use egui::{RichText, Ui, Window, pos2};
 use glam::IVec3;
 
-use super::{Facts, Intent, UiState, theme};
+use super::{UiContext, UiRequest, UiState, theme};
 use crate::command::{Area, Command, SelectOp};
 use crate::document::Document;
 use crate::input::Action;
@@ -190,11 +190,11 @@ impl Guide {
     }
 }
 
-pub fn show(root: &Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
     if !state.guide.open {
         return;
     }
-    state.guide.follow(facts.document);
+    state.guide.follow(context.document);
     let mut open = true;
     Window::new("First steps")
         .open(&mut open)
@@ -205,7 +205,7 @@ pub fn show(root: &Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Int
             ui.set_width(WIDTH);
             overview(ui, &state.guide);
             match state.guide.step() {
-                Some(at) => current(ui, state, facts, intents, at),
+                Some(at) => current(ui, state, context, requests, at),
                 None => {
                     ui.label("You know the tools now. Build a house, a tree, a lake and a hill!");
                     ui.horizontal(|ui| {
@@ -247,16 +247,22 @@ fn again(ui: &mut Ui, guide: &mut Guide) {
 }
 
 /// What to do in the step at hand.
-fn current(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>, at: usize) {
+fn current(
+    ui: &mut Ui,
+    state: &mut UiState,
+    context: &UiContext,
+    requests: &mut Vec<UiRequest>,
+    at: usize,
+) {
     let step = &STEPS[at];
     ui.label(RichText::new(format!("{}. {}", at + 1, step.title)).strong());
-    ui.label(if facts.in_headset {
+    ui.label(if context.in_headset {
         step.by_hand.to_string()
     } else {
-        with_keys(step, facts, state)
+        with_keys(step, context, state)
     });
     if let Some(marker) = step.marker {
-        let marker = marker(facts.document);
+        let marker = marker(context.document);
         let (from, size) = (marker.min, marker.size());
         ui.weak(format!(
             "In numbers: from {}, {}, {}; size {}, {}, {}.",
@@ -267,7 +273,7 @@ fn current(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<In
         if let Some(commands) = step.commands
             && ui.button("Do it for me").clicked()
         {
-            intents.extend(commands(facts.document).into_iter().map(Intent::Run));
+            requests.extend(commands(context.document).into_iter().map(UiRequest::Run));
         }
         if ui.button("Skip").on_hover_text("Continue with the next step").clicked() {
             state.guide.finish(at);
@@ -277,13 +283,13 @@ fn current(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<In
 }
 
 /// The text of a step with the keys of the table in use.
-fn with_keys(step: &Step, facts: &Facts, state: &UiState) -> String {
+fn with_keys(step: &Step, context: &UiContext, state: &UiState) -> String {
     let mut text = String::new();
     let mut actions = step.actions.iter();
     for (i, part) in step.text.split("{}").enumerate() {
         if i > 0 {
             let keys = actions.next().and_then(|action| {
-                facts.bindings(state).and_then(|bindings| bindings.shortcut(*action))
+                context.bindings(state).and_then(|bindings| bindings.shortcut(*action))
             });
             text.push_str(keys.as_deref().unwrap_or("no key"));
         }

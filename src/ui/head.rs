@@ -5,12 +5,12 @@ use egui::{Align2, Key, RichText, Ui, Window, vec2};
 use tracking::Presence;
 
 use super::buttons::{action_button, explain};
-use super::{Facts, Intent, UiState};
+use super::{UiContext, UiRequest, UiState};
 use crate::input::Action;
 
 /// What the interface reads of the head.
 #[derive(Clone, PartialEq, Debug)]
-pub struct HeadFacts {
+pub struct HeadStatus {
     /// The view follows it.
     pub on: bool,
     pub source: String,
@@ -27,12 +27,12 @@ pub struct HeadFacts {
     pub screen_m: [f32; 2],
     pub guessed: bool,
     /// While the tracker is being calibrated.
-    pub calibration: Option<CalibrationFacts>,
+    pub calibration: Option<CalibrationStatus>,
 }
 
 /// How far the calibration has come.
 #[derive(Clone, PartialEq, Debug)]
-pub struct CalibrationFacts {
+pub struct CalibrationStatus {
     /// Corners touched.
     pub taken: usize,
     /// How well the touches fit, once all were taken.
@@ -50,7 +50,7 @@ pub enum CalibrationStep {
     Cancel,
 }
 
-impl HeadFacts {
+impl HeadStatus {
     /// In a word.
     pub fn label(&self) -> &'static str {
         match self.presence {
@@ -76,32 +76,32 @@ impl HeadFacts {
 }
 
 /// Its part of the options.
-pub fn options(ui: &mut Ui, state: &UiState, facts: &Facts, intents: &mut Vec<Intent>) {
-    let mut on = facts.head.on;
+pub fn options(ui: &mut Ui, state: &UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
+    let mut on = context.head.on;
     let follow = ui.checkbox(&mut on, "Head tracking");
-    if explain(follow, state, facts, Action::ToggleHead).changed() {
-        intents.push(Intent::Do(Action::ToggleHead));
+    if explain(follow, state, context, Action::ToggleHead).changed() {
+        requests.push(UiRequest::Do(Action::ToggleHead));
     }
-    if facts.head.on {
-        ui.label(facts.head.details());
+    if context.head.on {
+        ui.label(context.head.details());
     }
-    action_button(ui, state, facts, "Calibrate …", Action::CalibrateHead, true, intents);
+    action_button(ui, state, context, "Calibrate …", Action::CalibrateHead, true, requests);
 }
 
 /// Its part of the status line.
-pub fn status(ui: &mut Ui, facts: &Facts) {
-    if facts.head.on {
+pub fn status(ui: &mut Ui, context: &UiContext) {
+    if context.head.on {
         ui.separator();
-        ui.strong(facts.head.label()).on_hover_text(facts.head.details());
+        ui.strong(context.head.label()).on_hover_text(context.head.details());
     }
 }
 
 const CORNERS: [&str; 4] = ["top left", "top right", "bottom right", "bottom left"];
 
 /// The window of the calibration.
-pub fn calibration(root: &Ui, facts: &Facts, intents: &mut Vec<Intent>) {
-    let Some(calibration) = &facts.head.calibration else { return };
-    let mut ask = |step| intents.push(Intent::Calibrate(step));
+pub fn calibration(root: &Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
+    let Some(calibration) = &context.head.calibration else { return };
+    let mut ask = |step| requests.push(UiRequest::Calibrate(step));
     let frame = Window::new("Calibrate the head tracker").collapsible(false).resizable(false);
     frame.anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0)).show(root.ctx(), |ui| {
         ui.set_width(360.0);

@@ -4,12 +4,12 @@
 use egui::{Button, RichText, ScrollArea, Ui};
 
 use super::top_bar::capital;
-use super::{Facts, Intent};
+use super::{UiContext, UiRequest};
 use crate::command::Command;
 
 /// `height`: of the list at most, in points.
-pub fn show(ui: &mut Ui, facts: &Facts, height: f32, intents: &mut Vec<Intent>) {
-    let history = facts.document.history();
+pub fn show(ui: &mut Ui, context: &UiContext, height: f32, requests: &mut Vec<UiRequest>) {
+    let history = context.document.history();
     let undos = history.undo_count();
     let start = if history.dropped() > 0 {
         format!("({} older steps discarded)", history.dropped())
@@ -25,20 +25,20 @@ pub fn show(ui: &mut Ui, facts: &Facts, height: f32, intents: &mut Vec<Intent>) 
                 let back = undos - done;
                 let button = Button::selectable(back == 0, label).frame_when_inactive(false);
                 if row(ui, button) && back > 0 {
-                    intents.push(Intent::Run(Command::Undo { steps: Some(back as u32) }));
+                    requests.push(UiRequest::Run(Command::Undo { steps: Some(back as u32) }));
                 }
             }
             for (i, label) in history.redo_labels().enumerate() {
                 let text = RichText::new(words(label)).weak().italics();
                 let button = Button::selectable(false, text).frame_when_inactive(false);
                 if row(ui, button) {
-                    intents.push(Intent::Run(Command::Redo { steps: Some(i as u32 + 1) }));
+                    requests.push(UiRequest::Run(Command::Redo { steps: Some(i as u32 + 1) }));
                 }
             }
         },
     );
     let mib = history.bytes() as f64 / f64::from(1 << 20);
-    let budget = facts.document.limits().history_bytes >> 20;
+    let budget = context.document.limits().history_bytes >> 20;
     ui.weak(format!("{mib:.1} of {budget} MiB"));
 }
 

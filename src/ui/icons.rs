@@ -8,7 +8,7 @@ use crate::tools::construct::Solid;
 use crate::tools::spray::SprayKind;
 
 /// Draws a window with an arrow out of it, or into it for one that can be put back.
-pub fn tear(painter: &Painter, rect: Rect, back: bool, colour: Color32) {
+pub fn detach(painter: &Painter, rect: Rect, back: bool, colour: Color32) {
     let line = Stroke::new(1.2, colour);
     let at = |x: f32, y: f32| at(rect, x, y);
     let frame = vec![at(0.45, 0.1), at(0.0, 0.1), at(0.0, 1.0), at(0.9, 1.0), at(0.9, 0.55)];

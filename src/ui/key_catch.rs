@@ -5,7 +5,7 @@ use egui::{Id, Modal, Ui};
 
 use super::theme;
 use super::top_bar::capital;
-use super::{Facts, Intent, UiState};
+use super::{UiContext, UiRequest, UiState};
 use crate::input::action::Kind;
 use crate::input::listener::{Heard, Listener};
 use crate::input::remap::KeyChange;
@@ -51,8 +51,8 @@ impl Catch {
 
 /// Hears what is pressed, if a trigger is awaited, and keeps it from all widgets. To be called
 /// before any of them is shown.
-pub fn listen(root: &Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
-    let Some(bindings) = facts.bindings(state) else { return };
+pub fn listen(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
+    let Some(bindings) = context.bindings(state) else { return };
     let pressed = state.keys.pressed.take().map(Heard::Trigger);
     let Some(catch) = &mut state.keys.catch else { return };
     if !matches!(catch.step, Step::Listen(..)) {
@@ -73,7 +73,7 @@ pub fn listen(root: &Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<I
             return;
         };
         let (change, over) = catch.take(heard, bindings);
-        intents.extend(change.map(Intent::Keys));
+        requests.extend(change.map(UiRequest::Keys));
         if over {
             state.keys.catch = None;
             return;
@@ -82,7 +82,7 @@ pub fn listen(root: &Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<I
 }
 
 /// Shows what is awaited, or the question whom a trigger shall belong to.
-pub fn show(root: &Ui, state: &mut UiState, intents: &mut Vec<Intent>) {
+pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
     let Some(catch) = &state.keys.catch else { return };
     let mut over = false;
     let response = Modal::new(Id::new("key catch")).show(root.ctx(), |ui| {
@@ -104,7 +104,7 @@ pub fn show(root: &Ui, state: &mut UiState, intents: &mut Vec<Intent>) {
                 ui.horizontal(|ui| {
                     if ui.add(theme::primary(ui.visuals(), "Reassign")).clicked() {
                         let change = KeyChange::Bind(*trigger, catch.action);
-                        intents.push(Intent::Keys(change));
+                        requests.push(UiRequest::Keys(change));
                         over = true;
                     }
                     over |= ui.button("Cancel").clicked();

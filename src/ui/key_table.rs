@@ -1,7 +1,7 @@
 //! The window of keys and mouse: every action with what triggers it in the preset in use, to be
 //! changed on the spot.
 //!
-//! Gives changes as intents; what waits for a key is [`super::key_catch`].
+//! Gives changes as requests; what waits for a key is [`super::key_catch`].
 
 use egui::{Button, ComboBox, Grid, RichText, ScrollArea, TextEdit, Ui, WidgetInfo, WidgetType};
 use egui::{Response, Window};
@@ -9,7 +9,7 @@ use egui::{Response, Window};
 use super::filter::Filter;
 use super::key_catch::Catch;
 use super::top_bar::capital;
-use super::{Facts, Intent, UiState};
+use super::{UiContext, UiRequest, UiState};
 use crate::input::group::Group;
 use crate::input::remap::KeyChange;
 use crate::input::{Action, Bindings, Trigger};
@@ -48,9 +48,10 @@ impl KeyTable {
     }
 }
 
-pub fn show(root: &Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let preset = state.preset;
-    let (Some(bindings), Some(pristine)) = (facts.presets.get(preset), facts.pristine.get(preset))
+    let (Some(bindings), Some(pristine)) =
+        (context.presets.get(preset), context.pristine.get(preset))
     else {
         return;
     };
@@ -64,22 +65,28 @@ pub fn show(root: &Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Int
         .default_size([WIDTH, height + HEAD])
         .default_pos(room.center() - 0.5 * egui::vec2(WIDTH, height + HEAD))
         .show(root.ctx(), |ui| {
-            head(ui, state, facts, bindings != pristine, intents);
+            head(ui, state, context, bindings != pristine, requests);
             ui.weak(format!("{}.", bindings.text));
             ui.separator();
             ScrollArea::vertical().max_height(height).auto_shrink(false).show(ui, |ui| {
-                rows(ui, &mut state.keys, bindings, pristine, intents);
+                rows(ui, &mut state.keys, bindings, pristine, requests);
             });
         });
     state.help_open = open;
 }
 
 /// Which preset, the filter, and the way back.
-fn head(ui: &mut Ui, state: &mut UiState, facts: &Facts, changed: bool, intents: &mut Vec<Intent>) {
+fn head(
+    ui: &mut Ui,
+    state: &mut UiState,
+    context: &UiContext,
+    changed: bool,
+    requests: &mut Vec<UiRequest>,
+) {
     ui.horizontal(|ui| {
-        let name = |i: usize| facts.presets.get(i).map_or(String::new(), |p| capital(&p.name));
+        let name = |i: usize| context.presets.get(i).map_or(String::new(), |p| capital(&p.name));
         ComboBox::from_id_salt("preset").selected_text(name(state.preset)).show_ui(ui, |ui| {
-            for (i, preset) in facts.presets.iter().enumerate() {
+            for (i, preset) in context.presets.iter().enumerate() {
                 ui.selectable_value(&mut state.preset, i, name(i)).on_hover_text(&preset.text);
             }
         });
@@ -92,7 +99,7 @@ fn head(ui: &mut Ui, state: &mut UiState, facts: &Facts, changed: bool, intents:
             ui.menu_button("Reset all", |ui| {
                 let text = format!("Discard all changes to {}", name(state.preset));
                 if ui.button(text).clicked() {
-                    intents.push(Intent::Keys(KeyChange::ResetAll));
+                    requests.push(UiRequest::Keys(KeyChange::ResetAll));
                 }
             });
         });
@@ -104,7 +111,7 @@ fn rows(
     state: &mut KeyTable,
     bindings: &Bindings,
     pristine: &Bindings,
-    intents: &mut Vec<Intent>,
+    requests: &mut Vec<UiRequest>,
 ) {
     let filter = Filter::new(&state.filter);
     let mut any = false;
@@ -122,7 +129,7 @@ fn rows(
         ui.label(RichText::new(group.title()).strong());
         Grid::new(group.title()).num_columns(3).striped(true).spacing([8.0, 3.0]).show(ui, |ui| {
             for action in taken {
-                row(ui, state, action, bindings, pristine, intents);
+                row(ui, state, action, bindings, pristine, requests);
                 ui.end_row();
             }
         });
@@ -150,7 +157,7 @@ fn row(
     action: Action,
     bindings: &Bindings,
     pristine: &Bindings,
-    intents: &mut Vec<Intent>,
+    requests: &mut Vec<UiRequest>,
 ) {
     let help = action.help();
     ui.scope(|ui| {
@@ -172,7 +179,7 @@ fn row(
                 let chip = ui.add(Button::new(format!("{text}  ✖")).small());
                 let chip = named(chip, format!("Remove {text} from: {}", help.text));
                 if chip.on_hover_text("Remove").clicked() {
-                    intents.push(Intent::Keys(KeyChange::Unbind(trigger)));
+                    requests.push(UiRequest::Keys(KeyChange::Unbind(trigger)));
                 }
             }
         });
@@ -180,7 +187,7 @@ fn row(
     if bindings.differs(action, pristine) {
         let reset = named(ui.add(Button::new("⟲").small()), format!("Reset: {}", help.text));
         if reset.on_hover_text("Reset to the preset").clicked() {
-            intents.push(Intent::Keys(KeyChange::Reset(action)));
+            requests.push(UiRequest::Keys(KeyChange::Reset(action)));
         }
     } else {
         ui.label("");

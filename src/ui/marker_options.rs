@@ -5,7 +5,7 @@ use glam::IVec3;
 
 use super::buttons::{action_button, explain};
 use super::status::grouped;
-use super::{Facts, Intent, UiState};
+use super::{UiContext, UiRequest, UiState};
 use crate::command::Command;
 use crate::input::{Action, Axis};
 use crate::sculpture::orientation::Orientation;
@@ -13,13 +13,13 @@ use crate::sculpture::region::VoxelBox;
 
 const AXES: [&str; 3] = ["X", "Y", "Z"];
 
-pub fn show(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
-    bounds(ui, facts, intents);
+pub fn show(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
+    bounds(ui, context, requests);
     buttons(
         ui,
         state,
-        facts,
-        intents,
+        context,
+        requests,
         &[
             ("Fill", Action::FillMarker),
             ("Recolour", Action::DyeMarker),
@@ -28,10 +28,10 @@ pub fn show(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<I
         ],
     );
     heading(ui, "Selection");
-    selection(ui, state, facts, intents);
+    selection(ui, state, context, requests);
     heading(ui, "Contents");
-    contents(ui, state, facts, intents);
-    copy(ui, state, facts, intents);
+    contents(ui, state, context, requests);
+    copy(ui, state, context, requests);
 }
 
 fn heading(ui: &mut Ui, text: &str) {
@@ -42,20 +42,20 @@ fn heading(ui: &mut Ui, text: &str) {
 fn buttons(
     ui: &mut Ui,
     state: &UiState,
-    facts: &Facts,
-    intents: &mut Vec<Intent>,
+    context: &UiContext,
+    requests: &mut Vec<UiRequest>,
     entries: &[(&str, Action)],
 ) {
     ui.horizontal_wrapped(|ui| {
         for (label, action) in entries {
-            action_button(ui, state, facts, *label, *action, true, intents);
+            action_button(ui, state, context, *label, *action, true, requests);
         }
     });
 }
 
 /// Lower corner and lengths as numbers.
-fn bounds(ui: &mut Ui, facts: &Facts, intents: &mut Vec<Intent>) {
-    let marker = facts.document.selection().marker();
+fn bounds(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
+    let marker = context.document.selection().marker();
     let (mut at, mut size) = (marker.min, marker.size().as_ivec3());
     let mut changed = false;
     for (title, hint, values, least) in [
@@ -77,18 +77,18 @@ fn bounds(ui: &mut Ui, facts: &Facts, intents: &mut Vec<Intent>) {
     if changed {
         let far = IVec3::splat(1 << 19);
         let min = at.clamp(-far, far);
-        intents.push(Intent::Run(Command::Mark(VoxelBox { min, max: min + size })));
+        requests.push(UiRequest::Run(Command::Mark(VoxelBox { min, max: min + size })));
     }
 }
 
-fn selection(ui: &mut Ui, state: &UiState, facts: &Facts, intents: &mut Vec<Intent>) {
-    let selection = facts.document.selection();
+fn selection(ui: &mut Ui, state: &UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
+    let selection = context.document.selection();
     let boxes = selection.boxes();
     buttons(
         ui,
         state,
-        facts,
-        intents,
+        context,
+        requests,
         &[("Add", Action::SelectMarker), ("Subtract", Action::DeselectMarker)],
     );
     for (i, selected) in boxes.iter().enumerate().rev().take(6) {
@@ -98,7 +98,7 @@ fn selection(ui: &mut Ui, state: &UiState, facts: &Facts, intents: &mut Vec<Inte
             ui.monospace(format!("{sign} {}×{}×{}", size.x, size.y, size.z))
                 .on_hover_text(format!("from {} {} {}", at.x, at.y, at.z));
             if i + 1 == boxes.len() {
-                action_button(ui, state, facts, "Remove", Action::DropBox, true, intents);
+                action_button(ui, state, context, "Remove", Action::DropBox, true, requests);
             }
         });
     }
@@ -108,18 +108,18 @@ fn selection(ui: &mut Ui, state: &UiState, facts: &Facts, intents: &mut Vec<Inte
     if boxes.is_empty() {
         ui.weak("Nothing selected");
     } else {
-        buttons(ui, state, facts, intents, &[("Deselect all", Action::ClearSelection)]);
+        buttons(ui, state, context, requests, &[("Deselect all", Action::ClearSelection)]);
     }
     let mut limits = selection.limits();
     let limit = ui.checkbox(&mut limits, "Limit tools to selection");
-    if explain(limit, state, facts, Action::ToggleLimit).changed() {
-        intents.push(Intent::Do(Action::ToggleLimit));
+    if explain(limit, state, context, Action::ToggleLimit).changed() {
+        requests.push(UiRequest::Do(Action::ToggleLimit));
     }
 }
 
 /// What is done to the voxels in the marker where they are.
-fn contents(ui: &mut Ui, state: &UiState, facts: &Facts, intents: &mut Vec<Intent>) {
-    buttons(ui, state, facts, intents, &[("Copy", Action::Copy), ("Cut", Action::Cut)]);
+fn contents(ui: &mut Ui, state: &UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
+    buttons(ui, state, context, requests, &[("Copy", Action::Copy), ("Cut", Action::Cut)]);
     type Make = fn(usize) -> Orientation;
     let rows: [(&str, &str, Make); 2] = [
         ("Rotate", "Rotate the marker's contents 90° about", Orientation::quarter_turn),
@@ -131,32 +131,32 @@ fn contents(ui: &mut Ui, state: &UiState, facts: &Facts, intents: &mut Vec<Inten
             for (axis, name) in AXES.into_iter().enumerate() {
                 if ui.button(name).on_hover_text(format!("{hint} {name}")).clicked() {
                     let command = Command::Move { by: IVec3::ZERO, orientation: make(axis) };
-                    intents.push(Intent::Run(command));
+                    requests.push(UiRequest::Run(command));
                 }
             }
         });
     }
-    let keys = facts.shortcut(state, Action::MoveContents(crate::input::Step::Left));
+    let keys = context.shortcut(state, Action::MoveContents(crate::input::Step::Left));
     if let Some(keys) = keys {
         ui.weak(format!("{keys} etc. to move"));
     }
 }
 
 /// What has been copied, and how it will be put down.
-fn copy(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
-    let Some(clip) = facts.document.clip() else { return };
+fn copy(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
+    let Some(clip) = context.document.clip() else { return };
     heading(ui, "Clipboard");
     let size = state.orientation.size(clip.size());
     ui.label(format!("{} × {} × {}", size.x, size.y, size.z))
         .on_hover_text(format!("{} voxels", grouped(clip.voxel_count())));
-    buttons(ui, state, facts, intents, &[("Paste", Action::Paste)]);
+    buttons(ui, state, context, requests, &[("Paste", Action::Paste)]);
     type Make = fn(Axis) -> Action;
     let rows: [(&str, Make); 2] = [("Rotate", Action::TurnClip), ("Mirror", Action::MirrorClip)];
     for (title, action) in rows {
         ui.horizontal(|ui| {
             ui.label(title);
             for (axis, name) in Axis::ALL.into_iter().zip(AXES) {
-                action_button(ui, state, facts, name, action(axis), true, intents);
+                action_button(ui, state, context, name, action(axis), true, requests);
             }
         });
     }

@@ -42,7 +42,8 @@ struct Kept {
     maximised: Option<bool>,
     /// Panels that are windows of their own.
     #[serde(deserialize_with = "lenient")]
-    torn: Option<Vec<String>>,
+    #[serde(rename = "torn")]
+    detached: Option<Vec<String>>,
     #[serde(deserialize_with = "lenient")]
     folder: Option<String>,
     #[serde(deserialize_with = "lenient")]
@@ -129,7 +130,7 @@ pub fn to_text(state: &UiState, config: &Config) -> String {
         scale: Some(neat(state.scale.factor())),
         window: state.windows.main,
         maximised: Some(state.windows.maximised),
-        torn: Some(names(&mut state.torn.iter())),
+        detached: Some(names(&mut state.detached.iter())),
         folder: state.files.folder().and_then(|folder| folder.to_str()).map(String::from),
         recent: Some(state.recent.lines().map(toml::Value::String).collect()),
         settings: Some(Looks::of(config)),
@@ -175,7 +176,7 @@ pub fn recall(text: &str, state: &mut UiState, config: &Config) {
         state.windows.maximised = kept.maximised.unwrap_or(false);
     }
     let panel = |name: &String| Panel::ALL.into_iter().find(|panel| panel.title() == name);
-    state.torn.extend(kept.torn.iter().flatten().filter_map(panel));
+    state.detached.extend(kept.detached.iter().flatten().filter_map(panel));
     let places = kept.panels.into_iter().flatten();
     state.windows.panels.extend(
         places

@@ -15,7 +15,7 @@ fn changed() -> UiState {
     state.scale.set(1.3);
     state.windows.main = Some([1111, 777]);
     state.windows.maximised = true;
-    state.torn.insert(Panel::History);
+    state.detached.insert(Panel::History);
     let place = PanelPlace { corner_px: Some([-40, 20]), size_px: [300, 500] };
     state.windows.panels.insert(Panel::History, place);
     state.sections.insert("Light".to_string(), true);
@@ -43,7 +43,7 @@ fn what_was_chosen_is_found_again() {
     assert_eq!(after.theme, Theme::Light);
     assert_eq!(after.scale.factor(), 1.3);
     assert_eq!(after.windows, before.windows);
-    assert_eq!((&after.torn, &after.sections), (&before.torn, &before.sections));
+    assert_eq!((&after.detached, &after.sections), (&before.detached, &before.sections));
     assert_eq!(after.files.folder(), before.files.folder());
     assert_eq!(after.recent, before.recent);
     assert_eq!(after.hand, before.hand);
@@ -85,7 +85,7 @@ fn what_is_damaged_is_left_out_and_the_rest_is_used() {
     recall(text, &mut after, &config);
     assert_eq!((after.theme, after.scale.factor()), (Theme::Dark, 1.0));
     assert_eq!(after.windows, state().windows);
-    assert_eq!(after.torn.iter().collect::<Vec<_>>(), [&Panel::Options]);
+    assert_eq!(after.detached.iter().collect::<Vec<_>>(), [&Panel::Options]);
     assert_eq!(after.recent.paths().count(), 1);
     assert_eq!((after.hand.tool, after.hand.solid), (Tool::Solid, Solid::Cuboid));
     assert_eq!(after.hand.recent(), [Rgb::new(1, 2, 3)]);

@@ -1,7 +1,7 @@
 //! The interface: panels, windows and messages over the sculpture, in egui.
 //!
-//! Reads the document through [`Facts`], remembers its own choices in [`UiState`], and says what
-//! the person wants as [`Intent`]s. It changes no sculpture and knows no Vulkan.
+//! Reads the document through [`UiContext`], remembers its own choices in [`UiState`], and says what
+//! the person wants as [`UiRequest`]s. It changes no sculpture and knows no Vulkan.
 
 pub mod ar;
 pub mod board;
@@ -50,7 +50,7 @@ use crate::input::pad::PadMode;
 use crate::input::{Action, Bindings};
 
 pub use hand::{Hand, Tool};
-pub use state::{Intent, UiState, ViewState};
+pub use state::{UiRequest, UiState, ViewState};
 
 /// How long the last picture took, in milliseconds.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
@@ -63,7 +63,7 @@ pub struct FrameTimes {
 }
 
 /// What the interface reads.
-pub struct Facts<'a> {
+pub struct UiContext<'a> {
     pub document: &'a Document,
     pub path: Option<&'a Path>,
     /// Something would be lost by leaving now.
@@ -82,22 +82,22 @@ pub struct Facts<'a> {
     /// The voxel that the pointer points at.
     pub pointed_vx: Option<glam::UVec3>,
     /// The gamepad that leads, if there is one.
-    pub pad: Option<PadFacts<'a>>,
-    pub head: head::HeadFacts,
-    pub ar: ar::ArFacts,
-    pub video: video::VideoFacts,
+    pub pad: Option<PadStatus<'a>>,
+    pub head: head::HeadStatus,
+    pub ar: ar::ArStatus,
+    pub video: video::VideoStatus,
 }
 
 /// What the interface reads of a gamepad.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct PadFacts<'a> {
+pub struct PadStatus<'a> {
     pub name: &'a str,
     pub mode: PadMode,
     /// Whether it has motors.
     pub rumbles: bool,
 }
 
-impl Facts<'_> {
+impl UiContext<'_> {
     /// The bindings in use.
     fn bindings(&self, state: &UiState) -> Option<&Bindings> {
         self.presets.get(state.preset)
@@ -109,20 +109,20 @@ impl Facts<'_> {
     }
 }
 
-/// Shows everything in `root` and adds to `intents` what was asked for. Gives the area that is
+/// Shows everything in `root` and adds to `requests` what was asked for. Gives the area that is
 /// left for the picture of the sculpture.
 pub fn show(
     root: &mut Ui,
     state: &mut UiState,
-    facts: &Facts,
-    intents: &mut Vec<Intent>,
+    context: &UiContext,
+    requests: &mut Vec<UiRequest>,
 ) -> Response {
     theme::apply(root.ctx(), state.theme, state.scale);
-    key_catch::listen(root, state, facts, intents);
-    top_bar::show(root, state, facts, intents);
-    status::show(root, state, facts);
-    toolbox::show(root, state, facts, intents);
-    options::show(root, state, facts, intents);
+    key_catch::listen(root, state, context, requests);
+    top_bar::show(root, state, context, requests);
+    status::show(root, state, context);
+    toolbox::show(root, state, context, requests);
+    options::show(root, state, context, requests);
     let picture = CentralPanel::default()
         .frame(Frame::NONE)
         .show(root, |ui| {
@@ -130,17 +130,17 @@ pub fn show(
             ui.allocate_rect(rect, Sense::hover())
         })
         .inner;
-    guide::show(root, state, facts, intents);
+    guide::show(root, state, context, requests);
     light::show(root, state);
-    key_table::show(root, state, facts, intents);
-    key_catch::show(root, state, intents);
-    palette::show(root, state, facts, intents);
-    new_dialog::show(root, state, facts, intents);
-    head::calibration(root, facts, intents);
-    unsaved::show(root, state, intents);
-    unkept::show(root, state, intents);
-    files::show(root, state, intents);
+    key_table::show(root, state, context, requests);
+    key_catch::show(root, state, requests);
+    palette::show(root, state, context, requests);
+    new_dialog::show(root, state, context, requests);
+    head::calibration(root, context, requests);
+    unsaved::show(root, state, requests);
+    unkept::show(root, state, requests);
+    files::show(root, state, requests);
     state.toasts.show(root, picture.rect);
-    busy::show(root, state, intents);
+    busy::show(root, state, requests);
     picture
 }

@@ -4,7 +4,7 @@
 use egui::{ComboBox, DragValue, Grid, Id, Key, Modal, Ui};
 use glam::{UVec3, Vec3};
 
-use super::{Facts, Intent, UiState, theme};
+use super::{UiContext, UiRequest, UiState, theme};
 use crate::command::{Command, NewSculpture};
 use crate::config::Config;
 use crate::sculpture::grid::MAX_AXIS_VX;
@@ -42,7 +42,7 @@ impl NewDialog {
     }
 }
 
-pub fn show(root: &Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
     if !state.new_dialog.open {
         return;
     }
@@ -56,7 +56,7 @@ pub fn show(root: &Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Int
         let enter = free && ui.input(|input| input.key_pressed(Key::Enter));
         fields(ui, dialog);
         ui.add_space(4.0);
-        let limits = facts.document.limits();
+        let limits = context.document.limits();
         let refusal = VoxelGrid::check(dialog.dims, Vec3::ONE, limits.grid_bytes).err();
         match &refusal {
             None => memory(ui, dialog),
@@ -70,7 +70,7 @@ pub fn show(root: &Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Int
             let create = theme::primary(ui.visuals(), "Create");
             let clicked = ui.add_enabled(refusal.is_none(), create).clicked();
             if clicked || enter && refusal.is_none() {
-                intents.push(Intent::Run(Command::New(dialog.wanted())));
+                requests.push(UiRequest::Run(Command::New(dialog.wanted())));
                 dialog.open = false;
             }
             if ui.button("Cancel").clicked() {

@@ -5,16 +5,21 @@ use glam::Vec3;
 
 use super::buttons::{action_button, explain};
 use super::{
-    Facts, Intent, UiState, ar, gamepad, head, history, light, panels, stereo_options, theme,
-    tool_options, video,
+    UiContext, UiRequest, UiState, ar, gamepad, head, history, light, panels, stereo_options,
+    theme, tool_options, video,
 };
 use crate::command::Command;
 use crate::document::MAX_ARRAY;
 use crate::input::{Action, Axis, Panel};
 use crate::tools::symmetry::Parity;
 
-pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
-    let docked = [Panel::Options, Panel::History].map(|panel| !state.torn.contains(&panel));
+pub fn show(
+    root: &mut Ui,
+    state: &mut UiState,
+    context: &UiContext,
+    requests: &mut Vec<UiRequest>,
+) {
+    let docked = [Panel::Options, Panel::History].map(|panel| !state.detached.contains(&panel));
     if docked == [false, false] {
         return;
     }
@@ -26,20 +31,26 @@ pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec
         .exact_size(theme::OPTIONS_WIDTH)
         .show(root, |ui| {
             if docked[1] {
-                past(ui, docked[0], state, facts, intents);
+                past(ui, docked[0], state, context, requests);
             }
             if docked[0] {
                 ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                     ui.set_width(theme::OPTIONS_WIDTH - 24.0);
-                    panels::head(ui, Panel::Options, state, facts, intents);
-                    content(ui, state, facts, intents);
+                    panels::head(ui, Panel::Options, state, context, requests);
+                    content(ui, state, context, requests);
                 });
             }
         });
 }
 
 /// The history at the foot of the column: seen at all times, however long the options are.
-fn past(ui: &mut Ui, shared: bool, state: &UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+fn past(
+    ui: &mut Ui,
+    shared: bool,
+    state: &UiState,
+    context: &UiContext,
+    requests: &mut Vec<UiRequest>,
+) {
     let rows = ui.text_style_height(&egui::TextStyle::Body) * 9.0;
     let height = if shared { rows.min(0.25 * ui.available_height()) } else { f32::INFINITY };
     egui::Panel::bottom("history foot")
@@ -47,31 +58,36 @@ fn past(ui: &mut Ui, shared: bool, state: &UiState, facts: &Facts, intents: &mut
         .resizable(false)
         .show_separator_line(shared)
         .show(ui, |ui| {
-            panels::head(ui, Panel::History, state, facts, intents);
-            history::show(ui, facts, height, intents);
+            panels::head(ui, Panel::History, state, context, requests);
+            history::show(ui, context, height, requests);
         });
 }
 
 /// The options themselves.
-pub fn content(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
-    section(ui, "Tool", true, state, |ui, state| tool_options::show(ui, state, facts, intents));
+pub fn content(
+    ui: &mut Ui,
+    state: &mut UiState,
+    context: &UiContext,
+    requests: &mut Vec<UiRequest>,
+) {
+    section(ui, "Tool", true, state, |ui, state| tool_options::show(ui, state, context, requests));
     section(ui, "Symmetry and array", false, state, |ui, state| {
-        symmetry(ui, state, facts, intents);
-        repeat(ui, state, facts, intents);
+        symmetry(ui, state, context, requests);
+        repeat(ui, state, context, requests);
     });
-    section(ui, "View", false, state, |ui, state| view(ui, state, facts, intents));
-    if !facts.in_headset {
+    section(ui, "View", false, state, |ui, state| view(ui, state, context, requests));
+    if !context.in_headset {
         section(ui, "Head tracking and AR", false, state, |ui, state| {
-            head::options(ui, state, facts, intents);
-            video::options(ui, state, facts, intents);
-            ar::options(ui, state, facts, intents);
+            head::options(ui, state, context, requests);
+            video::options(ui, state, context, requests);
+            ar::options(ui, state, context, requests);
         });
     }
-    if let Some(pad) = facts.pad.filter(|_| !facts.in_headset) {
-        section(ui, "Gamepad", true, state, |ui, state| gamepad::show(ui, state, pad, intents));
+    if let Some(pad) = context.pad.filter(|_| !context.in_headset) {
+        section(ui, "Gamepad", true, state, |ui, state| gamepad::show(ui, state, pad, requests));
     }
     section(ui, "Light", false, state, |ui, state| {
-        action_button(ui, state, facts, "Lights …", Action::Lights, true, intents);
+        action_button(ui, state, context, "Lights …", Action::Lights, true, requests);
         light::surface(ui, state);
     });
 }
@@ -96,14 +112,14 @@ fn section(
 }
 
 /// A mirror plane across each axis: none, between two voxels, or through one.
-fn symmetry(ui: &mut Ui, state: &UiState, facts: &Facts, intents: &mut Vec<Intent>) {
-    let mut symmetry = facts.document.symmetry();
+fn symmetry(ui: &mut Ui, state: &UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
+    let mut symmetry = context.document.symmetry();
     for (axis, name) in Axis::ALL.into_iter().zip(["X", "Y", "Z"]) {
         ui.horizontal(|ui| {
             let parity = &mut symmetry.axes[axis.index()];
             let mut on = parity.is_some();
             let mirror = ui.checkbox(&mut on, format!("Mirror {name}"));
-            if explain(mirror, state, facts, Action::Mirror(axis)).changed() {
+            if explain(mirror, state, context, Action::Mirror(axis)).changed() {
                 *parity = on.then_some(Parity::Even);
             }
             if let Some(parity) = parity {
@@ -114,19 +130,19 @@ fn symmetry(ui: &mut Ui, state: &UiState, facts: &Facts, intents: &mut Vec<Inten
             }
         });
     }
-    if symmetry != facts.document.symmetry() {
-        intents.push(Intent::Run(Command::Symmetry(symmetry)));
+    if symmetry != context.document.symmetry() {
+        requests.push(UiRequest::Run(Command::Symmetry(symmetry)));
     }
 }
 
 /// The last operation again and again.
-fn repeat(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+fn repeat(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
     ui.horizontal(|ui| {
         ui.label("Repeat");
         ui.add(DragValue::new(&mut state.repeat.count).range(1..=MAX_ARRAY).suffix(" times"))
             .on_hover_text("How many times to repeat the last operation");
-        let can = facts.document.can_repeat();
-        action_button(ui, state, facts, "Apply", Action::Repeat, can, intents);
+        let can = context.document.can_repeat();
+        action_button(ui, state, context, "Apply", Action::Repeat, can, requests);
     });
     ui.horizontal(|ui| {
         ui.label("Offset");
@@ -138,17 +154,17 @@ fn repeat(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Int
     });
 }
 
-fn view(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+fn view(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
     ui.horizontal(|ui| {
-        action_button(ui, state, facts, "Frame all", Action::ResetView, true, intents);
+        action_button(ui, state, context, "Frame all", Action::ResetView, true, requests);
         ui.label("Up axis");
-        up_axis(ui, &mut state.view.up, intents);
+        up_axis(ui, &mut state.view.up, requests);
     });
-    if !facts.in_headset {
-        stereo_options::show(ui, state, facts);
+    if !context.in_headset {
+        stereo_options::show(ui, state, context);
     }
     let bounds = ui.checkbox(&mut state.view.bounds, "Grid outline");
-    explain(bounds, state, facts, Action::ToggleBounds);
+    explain(bounds, state, context, Action::ToggleBounds);
     ui.checkbox(&mut state.view.tool, "Tool");
     ui.checkbox(&mut state.view.line, "Line from centre to tool");
 }
@@ -162,12 +178,12 @@ const AXES: [(&str, Vec3); 6] = [
     ("-z", Vec3::NEG_Z),
 ];
 
-fn up_axis(ui: &mut Ui, up: &mut Vec3, intents: &mut Vec<Intent>) {
+fn up_axis(ui: &mut Ui, up: &mut Vec3, requests: &mut Vec<UiRequest>) {
     let name = AXES.iter().find(|(_, axis)| axis == up).map_or("", |(name, _)| name);
     ComboBox::from_id_salt("up").width(48.0).selected_text(name).show_ui(ui, |ui| {
         for (name, axis) in AXES {
             if ui.selectable_value(up, axis, name).clicked() {
-                intents.push(Intent::Do(Action::ResetView));
+                requests.push(UiRequest::Do(Action::ResetView));
             }
         }
     });

@@ -6,7 +6,7 @@ use egui::{Align2, Button, Id, Key, Modal, Modifiers, RichText, ScrollArea, Text
 use egui::{WidgetInfo, WidgetType, vec2};
 
 use super::filter::Filter;
-use super::{Facts, Intent, UiState, theme};
+use super::{UiContext, UiRequest, UiState, theme};
 use crate::command::{COMMANDS, Command, CommandHelp};
 use crate::input::action::Kind;
 use crate::input::{Action, Bindings};
@@ -101,11 +101,11 @@ fn triggers_of(action: Action, bindings: Option<&Bindings>) -> String {
     triggers.map(|trigger| trigger.to_string()).collect::<Vec<_>>().join(", ")
 }
 
-pub fn show(root: &Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
     if !state.palette.open {
         return;
     }
-    let bindings = facts.bindings(state);
+    let bindings = context.bindings(state);
     let room = root.ctx().content_rect();
     let area = Modal::default_area(Id::new("palette")).anchor(Align2::CENTER_TOP, vec2(0.0, TOP));
     let palette = &mut state.palette;
@@ -136,7 +136,7 @@ pub fn show(root: &Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Int
             }
         });
         if let Some(entry) = chosen.filter(|entry| entry.can_be_chosen()) {
-            palette.choose(entry, intents);
+            palette.choose(entry, requests);
         }
     });
     if response.should_close() {
@@ -175,10 +175,10 @@ impl Palette {
         self.chosen != before
     }
 
-    fn choose(&mut self, entry: &Entry, intents: &mut Vec<Intent>) {
+    fn choose(&mut self, entry: &Entry, requests: &mut Vec<UiRequest>) {
         match entry {
-            Entry::Run(command) => intents.push(Intent::Run((**command).clone())),
-            Entry::Do(action) => intents.push(Intent::Do(*action)),
+            Entry::Run(command) => requests.push(UiRequest::Run((**command).clone())),
+            Entry::Do(action) => requests.push(UiRequest::Do(*action)),
             Entry::Complete(command) => {
                 // What is typed behind the verb already stays.
                 if self.text.split_whitespace().next() != Some(command.verb) {

@@ -99,7 +99,7 @@ fn what_people_type_finds_the_action() {
         ("dark mode", Action::ToggleTheme),
         ("theme", Action::ToggleTheme),
         ("font", Action::ScaleUp),
-        ("panel", Action::TearOff(Panel::Toolbox)),
+        ("panel", Action::Detach(Panel::Toolbox)),
         ("lighting", Action::Lights),
         ("shadow", Action::Lights),
         ("3d", Action::NextStereo),

@@ -1,24 +1,24 @@
-//! Owns how a panel is torn off: the button in its head, and how it fills a window of its own.
+//! Owns how a panel is detached off: the button in its head, and how it fills a window of its own.
 //!
-//! Knows no window: whoever owns windows makes one for each panel in [`UiState::torn`] and has it
+//! Knows no window: whoever owns windows makes one for each panel in [`UiState::detached`] and has it
 //! filled by [`show`].
 
 use egui::{CentralPanel, Frame, Margin, Rect, Response, ScrollArea, Sense, Ui, pos2, vec2};
 use egui::{WidgetInfo, WidgetType};
 
 use super::buttons::explain;
-use super::{Facts, Intent, UiState, history, icons, options, theme, toolbox};
+use super::{UiContext, UiRequest, UiState, history, icons, options, theme, toolbox};
 use crate::input::{Action, Panel};
 
 const BUTTON: f32 = 18.0;
 
-/// Fills a window with a torn-off panel.
+/// Fills a window with a detached panel.
 pub fn show(
     root: &mut Ui,
     panel: Panel,
     state: &mut UiState,
-    facts: &Facts,
-    intents: &mut Vec<Intent>,
+    context: &UiContext,
+    requests: &mut Vec<UiRequest>,
 ) {
     theme::apply(root.ctx(), state.theme, state.scale);
     // What lies over the sculpture has the person's attention.
@@ -26,19 +26,19 @@ pub fn show(
     let frame = Frame::central_panel(root.style()).inner_margin(Margin::same(8));
     CentralPanel::default().frame(frame).show(root, |ui| {
         ui.add_enabled_ui(enabled, |ui| {
-            head(ui, panel, state, facts, intents);
+            head(ui, panel, state, context, requests);
             let scroll = ScrollArea::vertical().auto_shrink(false);
             match panel {
                 Panel::Toolbox => {
-                    scroll.show(ui, |ui| toolbox::content(ui, state, facts, intents));
+                    scroll.show(ui, |ui| toolbox::content(ui, state, context, requests));
                 }
                 Panel::Options => {
-                    scroll.show(ui, |ui| options::content(ui, state, facts, intents));
+                    scroll.show(ui, |ui| options::content(ui, state, context, requests));
                 }
                 // The list scrolls by itself.
                 Panel::History => {
                     let height = ui.available_height() - 24.0;
-                    history::show(ui, facts, height, intents);
+                    history::show(ui, context, height, requests);
                 }
             }
         });
@@ -46,7 +46,13 @@ pub fn show(
 }
 
 /// The line at the top of a panel, with the button that tears it off or puts it back.
-pub fn head(ui: &mut Ui, panel: Panel, state: &UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+pub fn head(
+    ui: &mut Ui,
+    panel: Panel,
+    state: &UiState,
+    context: &UiContext,
+    requests: &mut Vec<UiRequest>,
+) {
     let size = vec2(ui.available_width(), BUTTON);
     let (row, _) = ui.allocate_exact_size(size, Sense::hover());
     let font = egui::TextStyle::Small.resolve(ui.style());
@@ -54,33 +60,33 @@ pub fn head(ui: &mut Ui, panel: Panel, state: &UiState, facts: &Facts, intents: 
     let left = pos2(row.left() + 2.0, row.center().y);
     ui.painter().text(left, egui::Align2::LEFT_CENTER, panel.title(), font, colour);
     let place = Rect::from_min_max(pos2(row.right() - BUTTON, row.top()), row.max);
-    tear_button(ui, place, panel, state, facts, intents);
+    detach_button(ui, place, panel, state, context, requests);
 }
 
 /// The button that tears a panel off or puts it back, at `place`.
-pub fn tear_button(
+pub fn detach_button(
     ui: &mut Ui,
     place: Rect,
     panel: Panel,
     state: &UiState,
-    facts: &Facts,
-    intents: &mut Vec<Intent>,
+    context: &UiContext,
+    requests: &mut Vec<UiRequest>,
 ) -> Response {
-    let torn = state.torn.contains(&panel);
+    let detached = state.detached.contains(&panel);
     let response = ui.interact(place, ui.id().with(("tear off", panel)), Sense::click());
     response.widget_info(|| {
         let name = panel.title();
-        let text = if torn { format!("Dock: {name}") } else { format!("Detach: {name}") };
+        let text = if detached { format!("Dock: {name}") } else { format!("Detach: {name}") };
         WidgetInfo::labeled(WidgetType::Button, ui.is_enabled(), text)
     });
     let visuals = ui.style().interact(&response);
     if response.hovered() || response.has_focus() {
         ui.painter().rect_filled(place, visuals.corner_radius, visuals.weak_bg_fill);
     }
-    icons::tear(ui.painter(), place.shrink(4.0), torn, visuals.text_color());
-    let response = explain(response, state, facts, Action::TearOff(panel));
+    icons::detach(ui.painter(), place.shrink(4.0), detached, visuals.text_color());
+    let response = explain(response, state, context, Action::Detach(panel));
     if response.clicked() {
-        intents.push(Intent::Do(Action::TearOff(panel)));
+        requests.push(UiRequest::Do(Action::Detach(panel)));
     }
     response
 }

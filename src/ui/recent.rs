@@ -5,7 +5,7 @@ use std::path::Path;
 
 use egui::{RichText, Ui};
 
-use super::{Intent, UiState};
+use super::{UiRequest, UiState};
 use crate::command::Command;
 use crate::format::options::ImportOptions;
 
@@ -87,7 +87,7 @@ fn path_of(command: &Command) -> Option<&Path> {
 }
 
 /// The entries of the menu. A file that is gone is said to be so and leaves the list.
-pub fn menu(ui: &mut Ui, state: &mut UiState, intents: &mut Vec<Intent>) {
+pub fn menu(ui: &mut Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
     ui.menu_button("Open recent", |ui| {
         if state.recent.list.is_empty() {
             ui.weak("No recent files");
@@ -114,7 +114,7 @@ pub fn menu(ui: &mut Ui, state: &mut UiState, intents: &mut Vec<Intent>) {
             state.toasts.error(format!("{name} no longer exists; removed from the recent files"));
             state.recent.forget(path);
         } else {
-            intents.push(Intent::Run(command));
+            requests.push(UiRequest::Run(command));
         }
     });
 }

@@ -28,7 +28,7 @@ use crate::shade::Lighting;
 
 /// What a person asked for in the interface.
 #[derive(Clone, PartialEq, Debug)]
-pub enum Intent {
+pub enum UiRequest {
     /// The same as by key or mouse.
     Do(Action),
     /// A command whose arguments were chosen in a window.
@@ -185,7 +185,7 @@ pub struct UiState {
     pub repeat: Repeat,
     pub scale: Scale,
     /// The panels that are windows of their own.
-    pub torn: BTreeSet<Panel>,
+    pub detached: BTreeSet<Panel>,
     /// The main window is to fill its screen, or no longer.
     pub switch_fullscreen: bool,
     /// The next picture of the view is to be saved to a file.
@@ -248,7 +248,7 @@ impl UiState {
             orientation: Orientation::UPRIGHT,
             repeat: Repeat { count: 3, step: IVec3::new(16, 0, 0) },
             scale: Scale::new(config.window.scale),
-            torn: BTreeSet::new(),
+            detached: BTreeSet::new(),
             switch_fullscreen: false,
             screenshot: false,
             windows: Windows::default(),
@@ -288,9 +288,9 @@ impl UiState {
     }
 
     /// Tears a panel off, or puts it back.
-    pub fn tear_off(&mut self, panel: Panel) {
-        if !self.torn.remove(&panel) {
-            self.torn.insert(panel);
+    pub fn toggle_detached(&mut self, panel: Panel) {
+        if !self.detached.remove(&panel) {
+            self.detached.insert(panel);
         }
     }
 

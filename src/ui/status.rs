@@ -4,47 +4,47 @@
 use egui::{Align, Frame, Layout, Margin, Panel, Ui};
 
 use super::buttons::explain;
-use super::{Facts, Tool, UiState, ar, gamepad, head};
+use super::{Tool, UiContext, UiState, ar, gamepad, head};
 use crate::input::Action;
 
-pub fn show(root: &mut Ui, state: &UiState, facts: &Facts) {
+pub fn show(root: &mut Ui, state: &UiState, context: &UiContext) {
     let frame = Frame::side_top_panel(root.style()).inner_margin(Margin::symmetric(8, 3));
     Panel::bottom("status").frame(frame).show(root, |ui| {
         ui.horizontal(|ui| {
-            let name = facts.path.and_then(|p| p.file_name()).map(|n| n.to_string_lossy());
+            let name = context.path.and_then(|p| p.file_name()).map(|n| n.to_string_lossy());
             let name = name.as_deref().unwrap_or("untitled");
-            let star = if facts.modified { " *" } else { "" };
-            ui.label(format!("{name}{star}")).on_hover_text(if facts.modified {
+            let star = if context.modified { " *" } else { "" };
+            ui.label(format!("{name}{star}")).on_hover_text(if context.modified {
                 "Unsaved changes"
             } else {
                 "Saved"
             });
             ui.separator();
-            place(ui, state, facts);
-            limit(ui, state, facts);
-            if let Some(pad) = facts.pad {
+            place(ui, state, context);
+            limit(ui, state, context);
+            if let Some(pad) = context.pad {
                 ui.separator();
                 ui.strong(pad.mode.label()).on_hover_text(gamepad::mode_hint(pad.mode));
             }
-            head::status(ui, facts);
-            ar::status(ui, facts);
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| right(ui, facts));
+            head::status(ui, context);
+            ar::status(ui, context);
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| right(ui, context));
         });
     });
 }
 
 /// Where the tool is; of a spray, what it points at.
-fn place(ui: &mut Ui, state: &UiState, facts: &Facts) {
+fn place(ui: &mut Ui, state: &UiState, context: &UiContext) {
     let text = |what: &str, at: glam::Vec3| format!("{what} {:.0} {:.0} {:.0}", at.x, at.y, at.z);
     let (shown, tip) = match state.hand.tool {
         Tool::Solid => {
             (text("Tool", state.hand.centre_vx), "Centre of the tool in voxels: x, y, z")
         }
         Tool::Marker => {
-            let marker = facts.document.selection().marker();
+            let marker = context.document.selection().marker();
             (text("Marker", marker.min.as_vec3()), "Lower corner of the marker in voxels: x, y, z")
         }
-        Tool::Spray(_) => match facts.pointed_vx {
+        Tool::Spray(_) => match context.pointed_vx {
             Some(at) => (text("Brush", at.as_vec3()), "Voxel under the pointer: x, y, z"),
             None => ("Brush".to_string(), "The pointer is not over the sculpture"),
         },
@@ -53,24 +53,24 @@ fn place(ui: &mut Ui, state: &UiState, facts: &Facts) {
 }
 
 /// A sign while tools cannot go everywhere.
-fn limit(ui: &mut Ui, state: &UiState, facts: &Facts) {
-    if facts.document.selection().limit().is_some() {
+fn limit(ui: &mut Ui, state: &UiState, context: &UiContext) {
+    if context.document.selection().limit().is_some() {
         ui.separator();
         let sign = ui.colored_label(ui.visuals().warn_fg_color, "Limited");
-        explain(sign, state, facts, Action::ToggleLimit);
+        explain(sign, state, context, Action::ToggleLimit);
     }
 }
 
-fn right(ui: &mut Ui, facts: &Facts) {
-    let times = facts.times;
+fn right(ui: &mut Ui, context: &UiContext) {
+    let times = context.times;
     ui.monospace(format!("{:>6.1} ms", times.total_ms)).on_hover_text(format!(
         "Time for the last frame, including {:.1} ms sampling and {:.1} ms shading\n{}",
-        times.sample_ms, times.shade_ms, facts.device
+        times.sample_ms, times.shade_ms, context.device
     ));
     ui.separator();
-    let grid = facts.document.grid();
+    let grid = context.document.grid();
     let dims = grid.dims();
-    let bits = facts.document.material().depth().bits();
+    let bits = context.document.material().depth().bits();
     ui.label(format!("{} × {} × {}", dims.x, dims.y, dims.z))
         .on_hover_text(format!("Size of the grid in voxels, {bits} bits of colour per voxel"));
     ui.separator();

@@ -3,15 +3,15 @@
 use egui::{ComboBox, Slider, Ui};
 
 use super::buttons::explain;
-use super::{Facts, UiState};
+use super::{UiContext, UiState};
 use crate::config::stereo::{CONVERGENCE_PERCENT, EYE_DISTANCE_MM};
 use crate::input::Action;
 use crate::view::StereoLayout;
 
-pub fn show(ui: &mut Ui, state: &mut UiState, facts: &Facts) {
+pub fn show(ui: &mut Ui, state: &mut UiState, context: &UiContext) {
     ui.horizontal(|ui| {
         ui.label("Stereo");
-        layouts(ui, state, facts);
+        layouts(ui, state, context);
     });
     let stereo = &mut state.view.stereo;
     if stereo.layout == StereoLayout::Mono {
@@ -41,27 +41,27 @@ pub fn show(ui: &mut Ui, state: &mut UiState, facts: &Facts) {
         );
     });
     let response = ui.checkbox(&mut state.view.stereo.swap_eyes, "Swap eyes");
-    explain(response, state, facts, Action::SwapEyes);
+    explain(response, state, context, Action::SwapEyes);
 }
 
 /// The choice of the layout.
-pub fn layouts(ui: &mut Ui, state: &mut UiState, facts: &Facts) {
+pub fn layouts(ui: &mut Ui, state: &mut UiState, context: &UiContext) {
     let chosen = state.view.stereo.layout;
     let response = ComboBox::from_id_salt("stereo layout")
         .width(112.0)
         .selected_text(chosen.label())
         .show_ui(ui, |ui| {
             for layout in StereoLayout::ALL {
-                self::layout(ui, state, facts, layout);
+                self::layout(ui, state, context, layout);
             }
         })
         .response;
-    explain(response, state, facts, Action::NextStereo);
+    explain(response, state, context, Action::NextStereo);
 }
 
 /// One of the choices.
-pub fn layout(ui: &mut Ui, state: &mut UiState, facts: &Facts, layout: StereoLayout) {
-    let can = layout != StereoLayout::Layers || facts.quad_buffered;
+pub fn layout(ui: &mut Ui, state: &mut UiState, context: &UiContext, layout: StereoLayout) {
+    let can = layout != StereoLayout::Layers || context.quad_buffered;
     ui.add_enabled_ui(can, |ui| {
         ui.selectable_value(&mut state.view.stereo.layout, layout, layout.label())
             .on_disabled_hover_text("This display does not support quad-buffered stereo");

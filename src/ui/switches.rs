@@ -4,7 +4,7 @@
 use egui::{Button, Ui};
 
 use super::buttons::explain;
-use super::{Facts, Intent, UiState, stereo_options};
+use super::{UiContext, UiRequest, UiState, stereo_options};
 use crate::input::Action;
 use crate::view::StereoLayout;
 
@@ -15,57 +15,57 @@ const LIGHTS_WIDTH: f32 = 66.0;
 const HELP_AND_MENU: f32 = 104.0;
 
 /// Whether what is left of the bar has room for them.
-pub fn fit(ui: &Ui, facts: &Facts) -> bool {
-    if facts.in_headset {
+pub fn fit(ui: &Ui, context: &UiContext) -> bool {
+    if context.in_headset {
         return ui.available_width() >= LIGHTS_WIDTH + HELP_AND_MENU;
     }
-    let rumble = if facts.pad.is_some() { RUMBLE_WIDTH } else { 0.0 };
+    let rumble = if context.pad.is_some() { RUMBLE_WIDTH } else { 0.0 };
     ui.available_width() >= WIDTH + rumble + HELP_AND_MENU
 }
 
 /// A switch: its name, whether it is on, what it does.
 type Switch = (&'static str, bool, Action);
 
-fn switches(state: &UiState, facts: &Facts) -> Vec<Switch> {
-    if facts.in_headset {
+fn switches(state: &UiState, context: &UiContext) -> Vec<Switch> {
+    if context.in_headset {
         return vec![("Lights", state.light_open, Action::Lights)];
     }
     let mut all = vec![
         ("Video", state.view.video.on, Action::ToggleVideo),
         ("Lights", state.light_open, Action::Lights),
     ];
-    if facts.pad.is_some_and(|pad| pad.rumbles) {
+    if context.pad.is_some_and(|pad| pad.rumbles) {
         all.push(("Rumble", state.rumble, Action::ToggleRumble));
     }
     all
 }
 
-pub fn bar(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+pub fn bar(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
     ui.separator();
-    if !facts.in_headset {
+    if !context.in_headset {
         ui.label("Stereo");
-        stereo_options::layouts(ui, state, facts);
+        stereo_options::layouts(ui, state, context);
     }
-    for (name, on, action) in switches(state, facts) {
+    for (name, on, action) in switches(state, context) {
         let response = ui.add(Button::selectable(on, name));
-        if explain(response, state, facts, action).clicked() {
-            intents.push(Intent::Do(action));
+        if explain(response, state, context, action).clicked() {
+            requests.push(UiRequest::Do(action));
         }
     }
 }
 
-pub fn menu(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
-    if !facts.in_headset {
+pub fn menu(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
+    if !context.in_headset {
         ui.menu_button("Stereo", |ui| {
             for layout in StereoLayout::ALL {
-                stereo_options::layout(ui, state, facts, layout);
+                stereo_options::layout(ui, state, context, layout);
             }
         });
     }
-    for (name, mut on, action) in switches(state, facts) {
+    for (name, mut on, action) in switches(state, context) {
         let response = ui.checkbox(&mut on, name);
-        if explain(response, state, facts, action).changed() {
-            intents.push(Intent::Do(action));
+        if explain(response, state, context, action).changed() {
+            requests.push(UiRequest::Do(action));
         }
     }
     ui.separator();

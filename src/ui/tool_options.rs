@@ -9,7 +9,7 @@ use super::files::FileTask;
 use super::hand::HALF_RANGE;
 use super::toolbox::mode_name;
 use super::top_bar::capital;
-use super::{Facts, Hand, Intent, Tool, UiState, history, marker_options, spray_options};
+use super::{Hand, Tool, UiContext, UiRequest, UiState, history, marker_options, spray_options};
 use crate::input::{Action, ToolMode};
 use crate::sculpture::{ColourDepth, Rgb};
 use crate::tools::spray::SprayKind;
@@ -33,19 +33,19 @@ const PALETTE: [Rgb; 14] = [
     Rgb::new(0x7a, 0x4c, 0x9c),
 ];
 
-pub fn show(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+pub fn show(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
     match state.hand.tool {
         Tool::Solid => {
             let hand = &state.hand;
             let mode = mode_name(hand.mode).to_lowercase();
             ui.label(format!("{} — {mode}", capital(hand.solid.name())));
             size(ui, state);
-            rotation(ui, state, facts, intents);
-            colour(ui, state, facts);
+            rotation(ui, state, context, requests);
+            colour(ui, state, context);
             if state.hand.mode == ToolMode::Recolour {
                 picture(ui, state);
             }
-            place(ui, state, facts, intents);
+            place(ui, state, context, requests);
         }
         Tool::Spray(kind) => {
             ui.label(match kind {
@@ -54,31 +54,31 @@ pub fn show(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<I
             });
             spray_options::show(ui, state.hand.sprays.of_mut(kind), kind);
             if kind.gives_colour() {
-                colour(ui, state, facts);
+                colour(ui, state, context);
             }
         }
         Tool::Marker => {
             ui.label("Marker");
-            marker_options::show(ui, state, facts, intents);
-            colour(ui, state, facts);
+            marker_options::show(ui, state, context, requests);
+            colour(ui, state, context);
         }
     }
 }
 
 /// Where the tool goes.
-fn place(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
-    if !facts.in_headset {
-        follow(ui, state, facts);
+fn place(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
+    if !context.in_headset {
+        follow(ui, state, context);
     }
     let snap = ui.checkbox(&mut state.hand.snap, "Snap to voxels");
-    explain(snap, state, facts, Action::ToggleSnap);
-    action_button(ui, state, facts, "Reset tool", Action::ResetTool, true, intents);
+    explain(snap, state, context, Action::ToggleSnap);
+    action_button(ui, state, context, "Reset tool", Action::ResetTool, true, requests);
 }
 
 /// How the tool follows a pointer; in a headset it is where the hand is.
-fn follow(ui: &mut Ui, state: &mut UiState, facts: &Facts) {
+fn follow(ui: &mut Ui, state: &mut UiState, context: &UiContext) {
     let follow = ui.checkbox(&mut state.hand.follow, "Follow the pointer");
-    explain(follow, state, facts, Action::ToggleFollow);
+    explain(follow, state, context, Action::ToggleFollow);
     ui.add_enabled_ui(state.hand.follow, |ui| {
         ui.checkbox(&mut state.hand.stand, "Rest on the surface")
             .on_hover_text("The tool rests on the surface instead of being half sunk into it");
@@ -155,11 +155,11 @@ fn size(ui: &mut Ui, state: &mut UiState) {
     hand.uniform = uniform;
 }
 
-fn rotation(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+fn rotation(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
     ui.horizontal(|ui| {
         ui.label("Rotation");
         let turned = state.hand.turn_deg() != Vec3::ZERO;
-        action_button(ui, state, facts, "Reset", Action::AlignTool, turned, intents);
+        action_button(ui, state, context, "Reset", Action::AlignTool, turned, requests);
     });
     ui.horizontal(|ui| {
         let mut turn_deg = state.hand.turn_deg();
@@ -181,8 +181,8 @@ fn rotation(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<I
     });
 }
 
-fn colour(ui: &mut Ui, state: &mut UiState, facts: &Facts) {
-    if facts.document.material().depth() == ColourDepth::None {
+fn colour(ui: &mut Ui, state: &mut UiState, context: &UiContext) {
+    if context.document.material().depth() == ColourDepth::None {
         ui.weak("This sculpture has only one colour");
         return;
     }
@@ -190,7 +190,7 @@ fn colour(ui: &mut Ui, state: &mut UiState, facts: &Facts) {
         let label = ui.label("Colour");
         ui.color_edit_button_srgb(&mut state.hand.colour.0).labelled_by(label.id);
         ui.monospace(state.hand.colour.to_string());
-        let keys = facts.shortcut(state, Action::PickColour);
+        let keys = context.shortcut(state, Action::PickColour);
         let keys = keys.map_or(String::new(), |keys| format!(" ({keys})"));
         let does = format!("The next press picks the colour of the surface{keys}");
         ui.toggle_value(&mut state.hand.eyedropper, "🖊 Pick").on_hover_text(does);

@@ -4,15 +4,20 @@ use egui::{Frame, Margin, Rect, RichText, ScrollArea, Sense, Ui, WidgetInfo, Wid
 
 use super::buttons::explain;
 use super::top_bar::capital;
-use super::{Facts, Intent, Tool, UiState, icons, panels, theme};
+use super::{Tool, UiContext, UiRequest, UiState, icons, panels, theme};
 use crate::input::{Action, Panel, ToolMode};
 use crate::tools::construct::Solid;
 use crate::tools::spray::SprayKind;
 
 const ICON: f32 = 24.0;
 
-pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
-    if state.torn.contains(&Panel::Toolbox) {
+pub fn show(
+    root: &mut Ui,
+    state: &mut UiState,
+    context: &UiContext,
+    requests: &mut Vec<UiRequest>,
+) {
+    if state.detached.contains(&Panel::Toolbox) {
         return;
     }
     let frame = Frame::side_top_panel(root.style()).inner_margin(Margin::symmetric(6, 8));
@@ -21,40 +26,45 @@ pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec
         .resizable(false)
         .exact_size(theme::toolbox_width(root.ctx().content_rect().width()))
         .show(root, |ui| {
-            panels::head(ui, Panel::Toolbox, state, facts, intents);
+            panels::head(ui, Panel::Toolbox, state, context, requests);
             ScrollArea::vertical()
                 .auto_shrink(false)
-                .show(ui, |ui| content(ui, state, facts, intents));
+                .show(ui, |ui| content(ui, state, context, requests));
         });
 }
 
 /// The tools themselves.
-pub fn content(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+pub fn content(
+    ui: &mut Ui,
+    state: &mut UiState,
+    context: &UiContext,
+    requests: &mut Vec<UiRequest>,
+) {
     ui.spacing_mut().item_spacing = vec2(4.0, 4.0);
     let solids = Solid::ALL.map(|solid| Entry {
         name: capital(solid.name()),
         chosen: state.hand.tool == Tool::Solid && state.hand.solid == solid,
         action: Action::Solid(solid),
     });
-    group(ui, state, facts, "Solids", &solids, intents);
+    group(ui, state, context, "Solids", &solids, requests);
     let modes = ToolMode::ALL.map(|mode| Entry {
         name: mode_name(mode).to_string(),
         chosen: state.hand.tool == Tool::Solid && state.hand.mode == mode,
         action: Action::Mode(mode),
     });
-    group(ui, state, facts, "", &modes, intents);
+    group(ui, state, context, "", &modes, requests);
     let sprays = SprayKind::ALL.map(|kind| Entry {
         name: capital(spray_name(kind)),
         chosen: state.hand.tool == Tool::Spray(kind),
         action: Action::Spray(kind),
     });
-    group(ui, state, facts, "Brushes", &sprays, intents);
+    group(ui, state, context, "Brushes", &sprays, requests);
     let marker = Entry {
         name: "Marker".to_string(),
         chosen: state.hand.tool == Tool::Marker,
         action: Action::Marker,
     };
-    group(ui, state, facts, "Selection", &[marker], intents);
+    group(ui, state, context, "Selection", &[marker], requests);
 }
 
 /// A tool to choose.
@@ -68,10 +78,10 @@ struct Entry {
 fn group(
     ui: &mut Ui,
     state: &UiState,
-    facts: &Facts,
+    context: &UiContext,
     title: &str,
     entries: &[Entry],
-    intents: &mut Vec<Intent>,
+    requests: &mut Vec<UiRequest>,
 ) {
     if title.is_empty() {
         ui.add_space(2.0);
@@ -83,7 +93,7 @@ fn group(
     let width = (ui.available_width() - gaps) / columns as f32;
     for row in entries.chunks(columns) {
         ui.horizontal(|ui| {
-            row.iter().for_each(|entry| tool(ui, state, facts, width, entry, intents));
+            row.iter().for_each(|entry| tool(ui, state, context, width, entry, requests));
         });
     }
     ui.add_space(4.0);
@@ -110,10 +120,10 @@ pub fn mode_name(mode: ToolMode) -> &'static str {
 fn tool(
     ui: &mut Ui,
     state: &UiState,
-    facts: &Facts,
+    context: &UiContext,
     width: f32,
     entry: &Entry,
-    intents: &mut Vec<Intent>,
+    requests: &mut Vec<UiRequest>,
 ) {
     let Entry { name, chosen, action } = entry;
     let (chosen, action) = (*chosen, *action);
@@ -153,7 +163,7 @@ fn tool(
     let below = rect.center_bottom() - vec2(0.0, 4.0);
     let font = egui::TextStyle::Small.resolve(ui.style());
     ui.painter().text(below, egui::Align2::CENTER_BOTTOM, name, font, colour);
-    if explain(response, state, facts, action).clicked() {
-        intents.push(Intent::Do(action));
+    if explain(response, state, context, action).clicked() {
+        requests.push(UiRequest::Do(action));
     }
 }

@@ -4,11 +4,16 @@
 use egui::{Align, ComboBox, Frame, Layout, Margin, MenuBar, Ui};
 
 use super::buttons::{action_button, explain};
-use super::{Facts, Intent, UiState, recent, switches};
+use super::{UiContext, UiRequest, UiState, recent, switches};
 use crate::config::{RenderMode, Theme};
 use crate::input::{Action, Panel, Side};
 
-pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+pub fn show(
+    root: &mut Ui,
+    state: &mut UiState,
+    context: &UiContext,
+    requests: &mut Vec<UiRequest>,
+) {
     let frame = Frame::side_top_panel(root.style()).inner_margin(Margin::symmetric(8, 5));
     egui::Panel::top("top_bar").frame(frame).show(root, |ui| {
         MenuBar::new().ui(ui, |ui| {
@@ -19,32 +24,32 @@ pub fn show(root: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec
                 ("Save as", Action::SaveAs),
                 ("Export", Action::Export),
             ] {
-                action_button(ui, state, facts, label, action, true, intents);
+                action_button(ui, state, context, label, action, true, requests);
             }
             ui.separator();
-            let history = facts.document.history();
+            let history = context.document.history();
             let (undos, redos) = (history.undo_count(), history.redo_count());
             let undo = format!("⟲ Undo {undos}");
-            action_button(ui, state, facts, undo, Action::Undo, undos > 0, intents);
+            action_button(ui, state, context, undo, Action::Undo, undos > 0, requests);
             let redo = format!("⟳ Redo {redos}");
-            action_button(ui, state, facts, redo, Action::Redo, redos > 0, intents);
+            action_button(ui, state, context, redo, Action::Redo, redos > 0, requests);
             ui.separator();
-            render_mode(ui, state, facts);
-            let wide = switches::fit(ui, facts);
+            render_mode(ui, state, context);
+            let wide = switches::fit(ui, context);
             if wide {
-                switches::bar(ui, state, facts, intents);
+                switches::bar(ui, state, context, requests);
             }
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                menu(ui, !wide, state, facts, intents);
-                if !facts.in_headset {
-                    action_button(ui, state, facts, "Help", Action::Help, true, intents);
+                menu(ui, !wide, state, context, requests);
+                if !context.in_headset {
+                    action_button(ui, state, context, "Help", Action::Help, true, requests);
                 }
             });
         });
     });
 }
 
-fn render_mode(ui: &mut Ui, state: &mut UiState, facts: &Facts) {
+fn render_mode(ui: &mut Ui, state: &mut UiState, context: &UiContext) {
     let short = |mode: RenderMode| mode.label().trim_end_matches(" + software shader");
     let chosen = state.view.mode;
     let response = ComboBox::from_id_salt("render mode")
@@ -58,37 +63,43 @@ fn render_mode(ui: &mut Ui, state: &mut UiState, facts: &Facts) {
             }
         })
         .response;
-    explain(response, state, facts, Action::NextRenderMode);
+    explain(response, state, context, Action::NextRenderMode);
 }
 
 /// `narrow`: the bar has no room for the switches.
-fn menu(ui: &mut Ui, narrow: bool, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+fn menu(
+    ui: &mut Ui,
+    narrow: bool,
+    state: &mut UiState,
+    context: &UiContext,
+    requests: &mut Vec<UiRequest>,
+) {
     ui.menu_button("Menu", |ui| {
         if narrow {
-            switches::menu(ui, state, facts, intents);
+            switches::menu(ui, state, context, requests);
         }
-        recent::menu(ui, state, intents);
+        recent::menu(ui, state, requests);
         ui.separator();
         for (label, action) in [("Fill the grid", Action::Fill), ("Clear the grid", Action::Clear)]
         {
-            action_button(ui, state, facts, label, action, true, intents);
+            action_button(ui, state, context, label, action, true, requests);
         }
         ui.separator();
         ui.menu_button("View", |ui| {
             for side in Side::ALL {
                 let action = Action::LookFrom(side);
-                action_button(ui, state, facts, capital(side.name()), action, true, intents);
+                action_button(ui, state, context, capital(side.name()), action, true, requests);
             }
             ui.separator();
-            action_button(ui, state, facts, "Frame all", Action::ResetView, true, intents);
-            if !facts.in_headset {
-                action_button(ui, state, facts, "Zoom in", Action::ZoomIn, true, intents);
-                action_button(ui, state, facts, "Zoom out", Action::ZoomOut, true, intents);
+            action_button(ui, state, context, "Frame all", Action::ResetView, true, requests);
+            if !context.in_headset {
+                action_button(ui, state, context, "Zoom in", Action::ZoomIn, true, requests);
+                action_button(ui, state, context, "Zoom out", Action::ZoomOut, true, requests);
             }
         });
-        action_button(ui, state, facts, "Search actions …", Action::Palette, true, intents);
-        if !facts.in_headset {
-            at_the_desk(ui, state, facts, intents);
+        action_button(ui, state, context, "Search actions …", Action::Palette, true, requests);
+        if !context.in_headset {
+            at_the_desk(ui, state, context, requests);
         }
         ui.menu_button("Theme", |ui| {
             ui.radio_value(&mut state.theme, Theme::Dark, "Dark");
@@ -100,35 +111,40 @@ fn menu(ui: &mut Ui, narrow: bool, state: &mut UiState, facts: &Facts, intents: 
                 ("Smaller", Action::ScaleDown),
                 ("Reset", Action::ScaleReset),
             ] {
-                action_button(ui, state, facts, label, action, true, intents);
+                action_button(ui, state, context, label, action, true, requests);
             }
         });
-        action_button(ui, state, facts, "First steps", Action::Guide, true, intents);
+        action_button(ui, state, context, "First steps", Action::Guide, true, requests);
         ui.separator();
-        action_button(ui, state, facts, "Quit", Action::Quit, true, intents);
+        action_button(ui, state, context, "Quit", Action::Quit, true, requests);
     });
 }
 
 /// What makes sense before a screen alone: keys, windows and pictures of the view.
-fn at_the_desk(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+fn at_the_desk(
+    ui: &mut Ui,
+    state: &mut UiState,
+    context: &UiContext,
+    requests: &mut Vec<UiRequest>,
+) {
     ui.menu_button("Controls", |ui| {
-        for (i, preset) in facts.presets.iter().enumerate() {
+        for (i, preset) in context.presets.iter().enumerate() {
             ui.radio_value(&mut state.preset, i, capital(&preset.name)).on_hover_text(&preset.text);
         }
         ui.separator();
-        action_button(ui, state, facts, "Edit controls …", Action::Help, true, intents);
+        action_button(ui, state, context, "Edit controls …", Action::Help, true, requests);
     });
     for (label, action) in
         [("Full screen", Action::Fullscreen), ("Save picture", Action::Screenshot)]
     {
-        action_button(ui, state, facts, label, action, true, intents);
+        action_button(ui, state, context, label, action, true, requests);
     }
     ui.menu_button("Panels", |ui| {
         for panel in Panel::ALL {
-            let mut torn = state.torn.contains(&panel);
-            let response = ui.checkbox(&mut torn, format!("Detach {}", panel.title()));
-            if explain(response, state, facts, Action::TearOff(panel)).clicked() {
-                intents.push(Intent::Do(Action::TearOff(panel)));
+            let mut detached = state.detached.contains(&panel);
+            let response = ui.checkbox(&mut detached, format!("Detach {}", panel.title()));
+            if explain(response, state, context, Action::Detach(panel)).clicked() {
+                requests.push(UiRequest::Do(Action::Detach(panel)));
             }
         }
     });

@@ -4,10 +4,10 @@
 use egui::{Id, Modal, Ui};
 
 use super::state::Unkept;
-use super::{Intent, UiState, theme};
+use super::{UiRequest, UiState, theme};
 use crate::command::Command;
 
-pub fn show(root: &Ui, state: &mut UiState, intents: &mut Vec<Intent>) {
+pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
     let Some(Unkept { command, why }) = &state.unkept else { return };
     // Of a stroke the end is refused; what it did is there to be seen.
     let [question, go_on, stop] = match command {
@@ -26,7 +26,7 @@ pub fn show(root: &Ui, state: &mut UiState, intents: &mut Vec<Intent>) {
         ui.add_space(8.0);
         ui.horizontal(|ui| {
             if ui.button(go_on).clicked() {
-                answer = Some(Some(Intent::Irreversibly(command.clone())));
+                answer = Some(Some(UiRequest::Irreversibly(command.clone())));
             }
             if ui.add(theme::primary(ui.visuals(), stop)).clicked() {
                 answer = Some(None);
@@ -38,6 +38,6 @@ pub fn show(root: &Ui, state: &mut UiState, intents: &mut Vec<Intent>) {
     }
     if let Some(answer) = answer {
         state.unkept = None;
-        intents.extend(answer);
+        requests.extend(answer);
     }
 }

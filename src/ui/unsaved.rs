@@ -3,9 +3,9 @@
 use egui::{Id, Modal, Ui};
 
 use super::state::Next;
-use super::{Intent, UiState, theme};
+use super::{UiRequest, UiState, theme};
 
-pub fn show(root: &Ui, state: &mut UiState, intents: &mut Vec<Intent>) {
+pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
     let Some(next) = &state.unsaved else { return };
     let mut answer = None;
     let response = Modal::new(Id::new("unsaved")).show(root.ctx(), |ui| {
@@ -19,10 +19,10 @@ pub fn show(root: &Ui, state: &mut UiState, intents: &mut Vec<Intent>) {
         ui.add_space(8.0);
         ui.horizontal(|ui| {
             if ui.add(theme::primary(ui.visuals(), "Save")).clicked() {
-                answer = Some(Some(Intent::SaveFirst(next.clone())));
+                answer = Some(Some(UiRequest::SaveFirst(next.clone())));
             }
             if ui.button("Don't save").clicked() {
-                answer = Some(Some(Intent::Go(next.clone())));
+                answer = Some(Some(UiRequest::Go(next.clone())));
             }
             if ui.button("Cancel").clicked() {
                 answer = Some(None);
@@ -34,6 +34,6 @@ pub fn show(root: &Ui, state: &mut UiState, intents: &mut Vec<Intent>) {
     }
     if let Some(answer) = answer {
         state.unsaved = None;
-        intents.extend(answer);
+        requests.extend(answer);
     }
 }

@@ -4,7 +4,7 @@
 use egui::{ComboBox, TextEdit, Ui};
 
 use super::buttons::explain;
-use super::{Facts, Intent, UiState};
+use super::{UiContext, UiRequest, UiState};
 use crate::input::Action;
 use crate::video::{Address, Fit, Stats};
 
@@ -24,14 +24,14 @@ pub enum VideoState {
 
 /// What the interface reads of it.
 #[derive(Clone, PartialEq, Debug, Default)]
-pub struct VideoFacts {
+pub struct VideoStatus {
     pub state: VideoState,
     /// Pixels of the last frame.
     pub size: Option<[u32; 2]>,
     pub stats: Stats,
 }
 
-impl VideoFacts {
+impl VideoStatus {
     fn words(&self) -> String {
         let size = self.size.map_or(String::new(), |[w, h]| format!(", {w} × {h}"));
         match &self.state {
@@ -46,13 +46,18 @@ impl VideoFacts {
 }
 
 /// Its part of the options.
-pub fn options(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Vec<Intent>) {
+pub fn options(
+    ui: &mut Ui,
+    state: &mut UiState,
+    context: &UiContext,
+    requests: &mut Vec<UiRequest>,
+) {
     let mut on = state.view.video.on;
     let response = ui.checkbox(&mut on, "Video background");
-    if explain(response, state, facts, Action::ToggleVideo).changed() {
-        intents.push(Intent::Do(Action::ToggleVideo));
+    if explain(response, state, context, Action::ToggleVideo).changed() {
+        requests.push(UiRequest::Do(Action::ToggleVideo));
     }
-    if !on && !facts.ar.on {
+    if !on && !context.ar.on {
         return;
     }
     source(ui, state);
@@ -74,8 +79,8 @@ pub fn options(ui: &mut Ui, state: &mut UiState, facts: &Facts, intents: &mut Ve
         ui.checkbox(&mut video.mirror, "Mirrored")
             .on_hover_text("Flip left and right, as in a mirror");
     });
-    let stats = facts.video.stats;
-    ui.label(facts.video.words()).on_hover_text(format!(
+    let stats = context.video.stats;
+    ui.label(context.video.words()).on_hover_text(format!(
         "{} frames: {} skipped in favour of newer ones, {} damaged",
         stats.decoded, stats.unseen, stats.broken
     ));

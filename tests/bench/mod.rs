@@ -1,4 +1,4 @@
-//! The workbench without a window, driven by events as a hand would send them.
+//! The workspace without a window, driven by events as a hand would send them.
 
 // Not every test uses all of it.
 #![allow(dead_code)]
@@ -7,13 +7,13 @@ use std::sync::Arc;
 
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Vec2, vec2};
 use egui_kittest::Harness;
-use virtual_sculpture::app::Workbench;
+use virtual_sculpture::app::Workspace;
 use virtual_sculpture::config::Config;
 use virtual_sculpture::input::Bindings;
 use virtual_sculpture::session::Session;
 use virtual_sculpture::surface::{IndexMap, raycast};
 
-pub type Bench = Harness<'static, Workbench>;
+pub type Bench = Harness<'static, Workspace>;
 
 pub fn config(edge: u32) -> Config {
     let mut config = Config::default();
@@ -23,7 +23,7 @@ pub fn config(edge: u32) -> Config {
 
 pub fn bench_of(config: &Config, size: Vec2) -> Bench {
     let presets = Bindings::presets().unwrap();
-    let bench = Workbench::new(
+    let bench = Workspace::new(
         Session::new(&config.new_sculpture(), config.limits()).unwrap(),
         config,
         presets,
@@ -31,11 +31,11 @@ pub fn bench_of(config: &Config, size: Vec2) -> Bench {
     bench_around(bench, size)
 }
 
-pub fn bench_around(bench: Workbench, size: Vec2) -> Bench {
+pub fn bench_around(bench: Workspace, size: Vec2) -> Bench {
     let mut harness = Harness::builder()
         .with_size(size)
         .with_pixels_per_point(1.0)
-        .build_ui_state(|ui, bench: &mut Workbench| bench.show(ui), bench);
+        .build_ui_state(|ui, bench: &mut Workspace| bench.show(ui), bench);
     look(&mut harness);
     harness
 }
@@ -44,7 +44,7 @@ pub fn bench() -> Bench {
     bench_of(&config(64), vec2(1280.0, 800.0))
 }
 
-/// Does what the renderer does after a picture: tells the workbench which voxels are seen.
+/// Does what the renderer does after a picture: tells the workspace which voxels are seen.
 pub fn look(harness: &mut Bench) {
     let bench = harness.state_mut();
     let rays = bench.eye().pixel_rays(&bench.world_from_grid());

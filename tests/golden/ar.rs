@@ -78,7 +78,7 @@ fn paint(
         world_from_grid: on_marker(),
         mode,
         video: Some(Video { frame, view }),
-        ghosts: &[],
+        previews: &[],
     };
     painter.paint(document, &scene).remove(0)
 }

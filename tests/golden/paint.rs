@@ -8,8 +8,8 @@ use virtual_sculpture::command_text::parse_script;
 use virtual_sculpture::config::RenderMode;
 use virtual_sculpture::document::{Document, Limits};
 use virtual_sculpture::gpu::{Device, Frames};
-use virtual_sculpture::render::overlay::Ghost;
-use virtual_sculpture::render::{Background, Renderer, Shot, Video};
+use virtual_sculpture::render::overlay::ToolPreview;
+use virtual_sculpture::render::{Background, FrameDesc, Renderer, Video};
 use virtual_sculpture::screen::offscreen::FORMAT;
 use virtual_sculpture::shade::{Lighting, Pixels};
 use virtual_sculpture::view::Eye;
@@ -31,19 +31,19 @@ impl Painter {
 
     /// What the eyes see of a document.
     pub fn paint(&mut self, document: &mut Document, scene: &Scene) -> Vec<Pixels> {
-        let shot = Shot {
+        let desc = FrameDesc {
             eyes: scene.eyes,
             world_from_grid: scene.world_from_grid,
             mode: scene.mode,
             lighting: Lighting::default(),
             background: BACKGROUND,
             video: scene.video,
-            ghosts: scene.ghosts,
+            previews: scene.previews,
             lines: &[],
         };
         let mut recorder = self.frames.begin().unwrap();
         let slot = self.frames.slot();
-        self.renderer.paint(&mut recorder, slot, document, &shot).unwrap();
+        self.renderer.paint(&mut recorder, slot, document, &desc).unwrap();
         self.frames.submit(recorder, &[], &[]).unwrap();
         self.renderer.read_back().unwrap()
     }
@@ -55,7 +55,7 @@ pub struct Scene<'a> {
     pub world_from_grid: Affine3A,
     pub mode: RenderMode,
     pub video: Option<Video<'a>>,
-    pub ghosts: &'a [Ghost],
+    pub previews: &'a [ToolPreview],
 }
 
 /// A sculpture that commands make.

@@ -4,7 +4,7 @@ use ash::vk;
 use glam::{Affine3A, IVec2, Quat, UVec2, Vec2, Vec3};
 use virtual_sculpture::config::RenderMode;
 use virtual_sculpture::gpu::{Attachment, Load, Use, read_image_once};
-use virtual_sculpture::render::overlay::Ghost;
+use virtual_sculpture::render::overlay::ToolPreview;
 use virtual_sculpture::render::target::EyeImage;
 use virtual_sculpture::render::{Stereo, StereoSources};
 use virtual_sculpture::screen::offscreen::FORMAT;
@@ -38,7 +38,7 @@ fn two_eyes_side_by_side_and_in_red_and_cyan() {
             half: Vec3::splat(6.0),
             rotation: Quat::IDENTITY,
         };
-        let ghost = Ghost {
+        let preview = ToolPreview {
             primitive: tool,
             voxel_size: Vec3::ONE,
             colour: Rgb::new(230, 120, 60),
@@ -49,7 +49,7 @@ fn two_eyes_side_by_side_and_in_red_and_cyan() {
             world_from_grid: Affine3A::from_translation(Vec3::splat(-24.0)),
             mode: RenderMode::Ray,
             video: None,
-            ghosts: &[ghost],
+            previews: &[preview],
         };
         let mut painter = Painter::new(device);
         painter.paint(&mut document, &scene);
@@ -123,7 +123,7 @@ fn the_screen_is_a_window_for_a_head_on_the_left_and_on_the_right() {
                 world_from_grid: Affine3A::from_translation(Vec3::new(-48.0, -32.0, -64.0)),
                 mode: RenderMode::Ray,
                 video: None,
-                ghosts: &[],
+                previews: &[],
             };
             let picture = painter.paint(&mut document, &scene).remove(0);
             // The pixel where the line from the head to a point of the grid goes through the screen.

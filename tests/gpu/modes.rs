@@ -9,7 +9,7 @@ use virtual_sculpture::command::Command;
 use virtual_sculpture::config::{RenderMode, Shading};
 use virtual_sculpture::document::{Document, Limits};
 use virtual_sculpture::gpu::{Device, Frames};
-use virtual_sculpture::render::{Background, Renderer, Shot};
+use virtual_sculpture::render::{Background, FrameDesc, Renderer};
 use virtual_sculpture::scenes;
 use virtual_sculpture::screen::offscreen::FORMAT;
 use virtual_sculpture::sculpture::history::Contents;
@@ -103,10 +103,10 @@ pub(crate) fn painted(
     frames: &mut Frames,
     renderer: &mut Renderer,
     document: &mut Document,
-    shot: &Shot,
+    desc: &FrameDesc,
 ) -> Vec<Pixels> {
     let mut recorder = frames.begin().unwrap();
-    renderer.paint(&mut recorder, frames.slot(), document, shot).unwrap();
+    renderer.paint(&mut recorder, frames.slot(), document, desc).unwrap();
     frames.submit(recorder, &[], &[]).unwrap();
     renderer.read_back().unwrap()
 }
@@ -145,21 +145,21 @@ fn compare_all(device: &Arc<Device>, document: &mut Document, lighting: Lighting
     let modes = RenderMode::ALL.into_iter().filter(on_device);
     let pairs = eyes(document, &world);
     for (mode, eyes) in modes.flat_map(|mode| pairs.map(|eyes| (mode, eyes))) {
-        let shot = Shot {
+        let desc = FrameDesc {
             eyes: &eyes,
             world_from_grid: world,
             mode,
             lighting,
             background: Background::Gradient { top: RED, bottom: RED },
             video: None,
-            ghosts: &[],
+            previews: &[],
             lines: &[],
         };
         let one_colour = Document::from_contents(
             Contents { grid: document.grid().clone(), material: plain(document) },
             Limits::default(),
         );
-        let pictures = painted(&mut frames, &mut renderer, document, &shot);
+        let pictures = painted(&mut frames, &mut renderer, document, &desc);
         for (i, (picture, eye)) in pictures.iter().zip(&eyes).enumerate() {
             let twin = if mode == RenderMode::Gpu { &one_colour } else { &*document };
             let expected = expected(twin, eye, &world, &lighting);
@@ -217,18 +217,18 @@ fn bits_and_colours_follow_edits_undo_and_other_sculptures_in_every_mode() {
                 let modes =
                     [RenderMode::MarchGpu, RenderMode::GpuColour, RenderMode::SlicingPoints];
                 let mode = modes[(i / 2 + step) % modes.len()];
-                let shot = Shot {
+                let desc = FrameDesc {
                     eyes: &[eye],
                     world_from_grid: world,
                     mode,
                     lighting: lighting(false),
                     background: Background::Gradient { top: RED, bottom: RED },
                     video: None,
-                    ghosts: &[],
+                    previews: &[],
                     lines: &[],
                 };
-                let picture = painted(&mut frames, &mut renderer, &mut document, &shot);
-                let expected = expected(&document, &eye, &world, &shot.lighting);
+                let picture = painted(&mut frames, &mut renderer, &mut document, &desc);
+                let expected = expected(&document, &eye, &world, &desc.lighting);
                 let share =
                     share_off(&format!("{mode:?} after {command}"), &picture[0], &expected, 1);
                 assert!(share <= 1e-3, "{mode:?} after {command}: {share}");
@@ -250,20 +250,20 @@ fn a_window_of_10_bits_a_colour_shows_the_same_picture() {
             RenderMode::GpuColour,
         ];
         for mode in modes {
-            let shot = Shot {
+            let desc = FrameDesc {
                 eyes: &[eye],
                 world_from_grid: world,
                 mode,
                 lighting: lighting(false),
                 background: Background::Gradient { top: RED, bottom: RED },
                 video: None,
-                ghosts: &[],
+                previews: &[],
                 lines: &[],
             };
             let mut seen = |format| {
                 let mut frames = Frames::new(device).unwrap();
                 let mut renderer = Renderer::new(device, format).unwrap();
-                painted(&mut frames, &mut renderer, &mut document, &shot).remove(0)
+                painted(&mut frames, &mut renderer, &mut document, &desc).remove(0)
             };
             let plain = seen(FORMAT);
             let ten = seen(vk::Format::A2B10G10R10_UNORM_PACK32);

@@ -8,8 +8,8 @@ use virtual_sculpture::command::Command;
 use virtual_sculpture::config::RenderMode;
 use virtual_sculpture::document::{Document, Limits};
 use virtual_sculpture::gpu::{Device, Frames};
-use virtual_sculpture::render::overlay::{Ghost, Line};
-use virtual_sculpture::render::{Background, Renderer, Shot};
+use virtual_sculpture::render::overlay::{Line, ToolPreview};
+use virtual_sculpture::render::{Background, FrameDesc, Renderer};
 use virtual_sculpture::scenes;
 use virtual_sculpture::screen::offscreen::FORMAT;
 use virtual_sculpture::sculpture::history::Contents;
@@ -37,30 +37,30 @@ impl Painter {
         &mut self,
         eyes: &[Eye],
         mode: RenderMode,
-        (ghosts, lines): (&[Ghost], &[Line]),
+        (previews, lines): (&[ToolPreview], &[Line]),
         document: &mut Document,
     ) -> Vec<Pixels> {
         let lighting = Lighting::default();
         let grey = Vec3::splat(0.2);
-        let shot = Shot {
+        let desc = FrameDesc {
             eyes,
             world_from_grid: Affine3A::from_translation(Vec3::splat(-40.0)),
             mode,
             lighting,
             background: Background::Gradient { top: grey, bottom: grey },
             video: None,
-            ghosts,
+            previews,
             lines,
         };
         let mut recorder = self.frames.begin().unwrap();
-        self.renderer.paint(&mut recorder, self.frames.slot(), document, &shot).unwrap();
+        self.renderer.paint(&mut recorder, self.frames.slot(), document, &desc).unwrap();
         self.frames.submit(recorder, &[], &[]).unwrap();
         self.renderer.read_back().unwrap()
     }
 }
 
 /// A tool about a place, as a person has it in the hand.
-fn ghost(at: Vec3) -> Ghost {
+fn preview(at: Vec3) -> ToolPreview {
     let primitive = Primitive {
         solid: Solid::Ellipsoid,
         centre_vx: at,
@@ -68,7 +68,7 @@ fn ghost(at: Vec3) -> Ghost {
         rotation: Quat::from_rotation_z(0.4),
     };
     let colour = Rgb::new(250, 200, 40);
-    Ghost { primitive, voxel_size: Vec3::ONE, colour, opacity: [0.5, 0.2] }
+    ToolPreview { primitive, voxel_size: Vec3::ONE, colour, opacity: [0.5, 0.2] }
 }
 
 fn line(from: Vec3, to: Vec3) -> Line {
@@ -111,9 +111,9 @@ fn a_picture_followed_through_edits_is_the_picture_of_the_result() {
                 let command: Command = text.parse().unwrap();
                 document.apply(&command).unwrap();
                 let place = Vec3::new(10.0 + 9.0 * i as f32, 40.0, 70.0);
-                let ghosts = &[ghost(place)][..usize::from(i % 3 != 1)];
+                let previews = &[preview(place)][..usize::from(i % 3 != 1)];
                 let lines = [frame, line(place, place + Vec3::Y * 20.0)];
-                let tools = (ghosts, lines.as_slice());
+                let tools = (previews, lines.as_slice());
                 let followed = follower.paint(&eyes, mode, tools, &mut document);
                 assert!(followed != before, "{mode:?}: {text} is seen");
                 let anew = Painter::new(device).paint(&eyes, mode, tools, &mut document);
@@ -123,7 +123,7 @@ fn a_picture_followed_through_edits_is_the_picture_of_the_result() {
             // Nothing is left over of the edits when the eye moves, either.
             let turn = Affine3A::from_quat(Quat::from_rotation_y(0.4));
             let moved = eyes.map(|eye| Eye { eye_from_world: eye.eye_from_world * turn, ..eye });
-            let tools: (&[Ghost], &[Line]) = (&[], &[frame]);
+            let tools: (&[ToolPreview], &[Line]) = (&[], &[frame]);
             let followed = follower.paint(&moved, mode, tools, &mut document);
             assert!(followed == Painter::new(device).paint(&moved, mode, tools, &mut document));
         }
@@ -140,7 +140,7 @@ fn a_tool_that_moves_over_a_resting_sculpture_leaves_nothing_behind() {
             let bare = follower.paint(&eyes, mode, (&[], &[]), &mut document);
             for i in 0..6 {
                 let place = Vec3::new(15.0 * i as f32, 75.0 - 10.0 * i as f32, 66.0);
-                let tools = (&[ghost(place)][..], &[line(place, Vec3::splat(40.0))][..]);
+                let tools = (&[preview(place)][..], &[line(place, Vec3::splat(40.0))][..]);
                 let followed = follower.paint(&eyes, mode, tools, &mut document);
                 let anew = Painter::new(device).paint(&eyes, mode, tools, &mut document);
                 assert!(followed == anew && followed != bare, "{mode:?}: {place}");

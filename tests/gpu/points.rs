@@ -8,7 +8,7 @@ use glam::{Affine3A, Quat, UVec2, Vec3};
 use virtual_sculpture::config::RenderMode;
 use virtual_sculpture::document::{Document, Limits};
 use virtual_sculpture::gpu::{Device, Frames};
-use virtual_sculpture::render::{Background, Renderer, Shot};
+use virtual_sculpture::render::{Background, FrameDesc, Renderer};
 use virtual_sculpture::scenes;
 use virtual_sculpture::screen::offscreen::FORMAT;
 use virtual_sculpture::sculpture::history::Contents;
@@ -51,17 +51,17 @@ impl Screen {
         world_from_grid: &Affine3A,
         mode: RenderMode,
     ) -> (Pixels, Arc<IndexMap>) {
-        let shot = Shot {
+        let desc = FrameDesc {
             eyes: &[eye],
             world_from_grid: *world_from_grid,
             mode,
             lighting: Lighting::default(),
             background: Background::Gradient { top: BEHIND, bottom: BEHIND },
             video: None,
-            ghosts: &[],
+            previews: &[],
             lines: &[],
         };
-        let mut pictures = painted(&mut self.frames, &mut self.renderer, document, &shot);
+        let mut pictures = painted(&mut self.frames, &mut self.renderer, document, &desc);
         (pictures.remove(0), self.renderer.maps()[0].clone())
     }
 }

@@ -6,7 +6,7 @@ use virtual_sculpture::config::RenderMode;
 use virtual_sculpture::document::{Document, Limits};
 use virtual_sculpture::gpu::{Attachment, Frames, Load, Staging, Use, read_image_once, run_once};
 use virtual_sculpture::render::target::EyeImage;
-use virtual_sculpture::render::{Background, Renderer, Shot, Stereo, StereoSources};
+use virtual_sculpture::render::{Background, FrameDesc, Renderer, Stereo, StereoSources};
 use virtual_sculpture::scenes;
 use virtual_sculpture::screen::offscreen::FORMAT;
 use virtual_sculpture::sculpture::history::Contents;
@@ -126,18 +126,18 @@ fn both_eyes_of_the_renderer_are_what_each_eye_sees() {
         let mut renderer = Renderer::new(device, FORMAT).unwrap();
         let mut frames = Frames::new(device).unwrap();
         let mut paint = |eyes: &[Eye], mode, document: &mut Document| {
-            let shot = Shot {
+            let desc = FrameDesc {
                 eyes,
                 world_from_grid,
                 mode,
                 lighting,
                 background: Background::Gradient { top: background, bottom: background },
                 video: None,
-                ghosts: &[],
+                previews: &[],
                 lines: &[],
             };
             let mut recorder = frames.begin().unwrap();
-            renderer.paint(&mut recorder, frames.slot(), document, &shot).unwrap();
+            renderer.paint(&mut recorder, frames.slot(), document, &desc).unwrap();
             frames.submit(recorder, &[], &[]).unwrap();
             renderer.read_back().unwrap()
         };

@@ -8,7 +8,7 @@ use virtual_sculpture::config::{RenderMode, Sampling, Shading};
 use virtual_sculpture::document::{Document, Limits};
 use virtual_sculpture::gpu::{FRAMES_IN_FLIGHT, Frames, Timer, run_once};
 use virtual_sculpture::render::renderer::DeviceTimes;
-use virtual_sculpture::render::{Background, Renderer, Shot};
+use virtual_sculpture::render::{Background, FrameDesc, Renderer};
 use virtual_sculpture::scenes;
 use virtual_sculpture::screen::offscreen::FORMAT;
 use virtual_sculpture::sculpture::history::Contents;
@@ -30,15 +30,15 @@ fn eye(step: usize) -> Eye {
     Camera::framing(55.0, from, Vec3::Y).eye(UVec2::new(320, 240))
 }
 
-fn shot<'a>(document: &Document, eyes: &'a [Eye], mode: RenderMode) -> Shot<'a> {
-    Shot {
+fn desc<'a>(document: &Document, eyes: &'a [Eye], mode: RenderMode) -> FrameDesc<'a> {
+    FrameDesc {
         eyes,
         world_from_grid: document.world_from_grid(),
         mode,
         lighting: Lighting::default(),
         background: Background::Gradient { top: Vec3::ONE, bottom: Vec3::ZERO },
         video: None,
-        ghosts: &[],
+        previews: &[],
         lines: &[],
     }
 }
@@ -95,10 +95,10 @@ fn every_mode_says_what_the_device_took_for_it() {
         for mode in RenderMode::ALL {
             for step in 0..3 {
                 let eyes = [eye(step)];
-                let shot = shot(&document, &eyes, mode);
+                let desc = desc(&document, &eyes, mode);
                 let start = Instant::now();
                 let mut recorder = frames.begin().unwrap();
-                renderer.paint(&mut recorder, frames.slot(), &mut document, &shot).unwrap();
+                renderer.paint(&mut recorder, frames.slot(), &mut document, &desc).unwrap();
                 let serial = frames.submit(recorder, &[], &[]).unwrap();
                 device.wait(serial).unwrap();
                 let wall_ms = start.elapsed().as_secs_f32() * 1e3;
@@ -137,8 +137,8 @@ fn who_does_not_wait_hears_of_the_pictures_before() {
             assert_eq!(known, DeviceTimes::default(), "nothing is known before step {step}");
             let eyes = [eye(step)];
             let mut recorder = frames.begin().unwrap();
-            let shot = shot(&document, &eyes, mode);
-            renderer.paint(&mut recorder, frames.slot(), &mut document, &shot).unwrap();
+            let desc = desc(&document, &eyes, mode);
+            renderer.paint(&mut recorder, frames.slot(), &mut document, &desc).unwrap();
             frames.submit(recorder, &[], &[]).unwrap();
         }
         let DeviceTimes { sample_ms, shade_ms, compose_ms } = renderer.times().device;
@@ -147,8 +147,8 @@ fn who_does_not_wait_hears_of_the_pictures_before() {
         // Nothing new is painted: what is known stays known.
         let eyes = [eye(FRAMES_IN_FLIGHT)];
         let mut recorder = frames.begin().unwrap();
-        let shot = shot(&document, &eyes, mode);
-        renderer.paint(&mut recorder, frames.slot(), &mut document, &shot).unwrap();
+        let desc = desc(&document, &eyes, mode);
+        renderer.paint(&mut recorder, frames.slot(), &mut document, &desc).unwrap();
         frames.submit(recorder, &[], &[]).unwrap();
         assert!(renderer.times().device.compose_ms.is_some() == known[2]);
         device.wait_idle().unwrap();

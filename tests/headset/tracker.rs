@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use glam::{Quat, Vec3};
 use tracking::{Event, HeadPose, HostClock, Source, SourceState};
-use virtual_sculpture::app::Workbench;
+use virtual_sculpture::app::Workspace;
 use virtual_sculpture::app::headset::Headset;
 use virtual_sculpture::config::Config;
 use virtual_sculpture::input::Bindings;
@@ -164,9 +164,9 @@ fn wear() {
     config.headset.enabled = true;
     config.tracking.source = "openxr".parse().unwrap();
     let session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
-    let mut bench = Workbench::new(session, &config, Bindings::presets().unwrap());
+    let mut bench = Workspace::new(session, &config, Bindings::presets().unwrap());
     bench.start_head();
-    let follow = |bench: &mut Workbench, remote: &mut Remote| {
+    let follow = |bench: &mut Workspace, remote: &mut Remote| {
         let (tell, heard) = channel();
         let tell = move |connection, news| tell.send((connection, news)).is_ok();
         let mut headset = Headset::new(&config, None, tell);
@@ -221,7 +221,7 @@ fn go_on_without() {
     config.headset.enabled = true;
     config.tracking.source = "openxr".parse().unwrap();
     let session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
-    let mut bench = Workbench::new(session, &config, Bindings::presets().unwrap());
+    let mut bench = Workspace::new(session, &config, Bindings::presets().unwrap());
     bench.start_head();
     let (tell, heard) = channel();
     let tell = move |connection, news| tell.send((connection, news)).is_ok();
@@ -258,7 +258,7 @@ fn go_on_without() {
 }
 
 /// Whether the window's eye is where `head` is before the screen.
-fn sees_from(bench: &Workbench, head: Vec3) -> bool {
+fn sees_from(bench: &Workspace, head: Vec3) -> bool {
     let Some([eye, _]) = bench.tracked_eyes(0.0) else { return false };
     eye.position().normalize().abs_diff_eq(head.normalize(), 1e-3)
 }

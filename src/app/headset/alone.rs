@@ -6,7 +6,7 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 use super::Headset;
-use crate::app::Workbench;
+use crate::app::Workspace;
 use crate::app::{AppError, recovery};
 use crate::config::Config;
 use crate::input::Bindings;
@@ -15,23 +15,23 @@ use crate::session::Session;
 /// Waits for a headset and works on `session` in it until the person leaves.
 pub fn run(session: Session, config: &Config, shots: Option<PathBuf>) -> Result<(), AppError> {
     let (tell, heard) = channel();
-    let mut bench = Workbench::new(session, config, Bindings::presets()?);
+    let mut workspace = Workspace::new(session, config, Bindings::presets()?);
     let mut headset =
         Headset::new(config, shots, move |connection, news| tell.send((connection, news)).is_ok());
     loop {
-        let again = headset.poll(&mut bench);
-        let (Some(again), false) = (again, bench.is_leaving()) else { break };
+        let again = headset.poll(&mut workspace);
+        let (Some(again), false) = (again, workspace.is_leaving()) else { break };
         let patience = again.saturating_duration_since(Instant::now());
         match heard.recv_timeout(patience.max(Duration::from_millis(1))) {
-            Ok((connection, news)) => headset.hear(&mut bench, connection, news),
+            Ok((connection, news)) => headset.hear(&mut workspace, connection, news),
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => break,
         }
     }
-    bench.finish_job();
-    if headset.is_left() && bench.session().modified() {
+    workspace.finish_job();
+    if headset.is_left() && workspace.session().modified() {
         // The runtime has ended the program: nobody could be asked.
-        match recovery::save(bench.session_mut()) {
+        match recovery::save(workspace.session_mut()) {
             Ok(path) => tracing::warn!("the sculpture was saved to {}", path.display()),
             Err(error) => tracing::error!("the sculpture could not be saved: {error}"),
         }

@@ -11,7 +11,7 @@ use egui::{
 use egui::{Modifiers, MouseWheelUnit, Rect, Stroke, TouchPhase, Ui, ViewportId};
 use glam::{UVec2, Vec2};
 
-use crate::input::hands::HandAsk;
+use crate::input::hands::HandEvent;
 use crate::ui::keyboard::Keyboard;
 
 /// The board is drawn anew this often even if nothing calls for it: what the window does shows
@@ -80,10 +80,10 @@ impl BoardFace {
     }
 
     /// Hears what the hands do with the board.
-    pub fn hear(&mut self, ask: &HandAsk) {
+    pub fn hear(&mut self, event: &HandEvent) {
         let modifiers = Modifiers::NONE;
-        match *ask {
-            HandAsk::Point(at) => {
+        match *event {
+            HandEvent::Point(at) => {
                 let size = self.size_points();
                 let at = Pos2::new(at.x * size.x, at.y * size.y);
                 if self.pointer.replace(at) != Some(at) {
@@ -91,11 +91,11 @@ impl BoardFace {
                     self.stale = true;
                 }
             }
-            HandAsk::PointAway => {
+            HandEvent::PointAway => {
                 self.pointer = None;
                 self.lead();
             }
-            HandAsk::Click(true) => {
+            HandEvent::Click(true) => {
                 self.meant = Some(if self.is_on_keys() { Meant::Keys } else { Meant::Widgets });
                 if self.meant == Some(Meant::Keys) {
                     self.keyboard.press(&self.context, &mut self.events);
@@ -107,7 +107,7 @@ impl BoardFace {
                 }
                 tracing::debug!("board pressed");
             }
-            HandAsk::Click(false) => {
+            HandEvent::Click(false) => {
                 if self.meant.take() == Some(Meant::Keys) {
                     self.keyboard.release();
                     tracing::debug!("key of the board released");
@@ -125,7 +125,7 @@ impl BoardFace {
                 self.lead();
                 tracing::debug!("board released");
             }
-            HandAsk::Scroll(by) => self.events.push(Event::MouseWheel {
+            HandEvent::Scroll(by) => self.events.push(Event::MouseWheel {
                 unit: MouseWheelUnit::Point,
                 delta: egui::vec2(by.x, by.y),
                 phase: TouchPhase::Move,

@@ -4,7 +4,7 @@ use egui::{Align, Button, DragValue, Layout, Response, Slider, TextEdit, vec2};
 use glam::{Quat, Vec3};
 
 use super::*;
-use crate::app::Workbench;
+use crate::app::Workspace;
 use crate::config::Config;
 use crate::input::Bindings;
 use crate::input::hands::{Board, HandMapper, HandSettings, HandSide, HandsState};
@@ -45,12 +45,12 @@ impl<S> Hand<S> {
 
     fn point(&mut self, at: Pos2) {
         let size = self.face.size_points();
-        self.face.hear(&HandAsk::Point(Vec2::new(at.x / size.x, at.y / size.y)));
+        self.face.hear(&HandEvent::Point(Vec2::new(at.x / size.x, at.y / size.y)));
         self.look();
     }
 
     fn press(&mut self, down: bool) {
-        self.face.hear(&HandAsk::Click(down));
+        self.face.hear(&HandEvent::Click(down));
         self.look();
     }
 
@@ -240,8 +240,8 @@ fn a_hand_that_goes_away_while_a_key_is_down_stops_it() {
     (0..8).for_each(|_| hand.look());
     let left = hand.state.text.len();
     assert!(left < 10, "held, it goes on: {:?}", hand.state.text);
-    hand.face.hear(&HandAsk::Click(false));
-    hand.face.hear(&HandAsk::PointAway);
+    hand.face.hear(&HandEvent::Click(false));
+    hand.face.hear(&HandEvent::PointAway);
     (0..8).for_each(|_| hand.look());
     assert_eq!(hand.state.text.len(), left);
 }
@@ -321,8 +321,8 @@ impl Ray {
         let main = &mut self.state.hands[HandSide::Right.index()];
         (main.aim, main.trigger) = (aim, trigger);
         self.state.time_s += 1.0 / 20.0;
-        for ask in self.mapper.hear(&self.state, Some(&self.board)) {
-            hand.face.hear(&ask);
+        for event in self.mapper.hear(&self.state, Some(&self.board)) {
+            hand.face.hear(&event);
         }
         hand.now_s = self.state.time_s;
         let (state, show) = (&mut hand.state, hand.show);
@@ -382,14 +382,14 @@ fn what_can_be_dragged_is_dragged_beyond_a_small_way() {
 }
 
 /// The whole board with a sculpture in a folder of its own.
-fn desk(folder: &std::path::Path) -> Hand<Workbench> {
+fn desk(folder: &std::path::Path) -> Hand<Workspace> {
     let mut config = Config::default();
     config.new.dims = [16; 3];
     let mut session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
     let save = format!("save {}", folder.join("first.vsc").display());
     session.execute(&save.parse().unwrap(), &()).unwrap();
-    let bench = Workbench::new(session, &config, Bindings::presets().unwrap());
-    Hand::new(bench, |root, bench| bench.show_on_board(root))
+    let workspace = Workspace::new(session, &config, Bindings::presets().unwrap());
+    Hand::new(workspace, |root, workspace| workspace.show_on_board(root))
 }
 
 #[test]

@@ -1,16 +1,16 @@
 //! Owns what hands in a room do to the work: the tool goes where the hand is and is used there,
 //! the sculpture is carried along.
 //!
-//! Takes [`HandAsk`]s in the coordinates of the room; every change is a command, as with the mouse.
+//! Takes [`HandEvent`]s in the coordinates of the room; every change is a command, as with the mouse.
 
 use glam::{Affine3A, Quat, Vec3};
 
-use crate::app::deeds::GROWTH_PER_NOTCH;
+use crate::app::actions::GROWTH_PER_NOTCH;
 use crate::app::stroke::Guide;
-use crate::app::workbench::Workbench;
+use crate::app::workspace::Workspace;
 use crate::command::Command;
 use crate::input::Action;
-use crate::input::hands::HandAsk;
+use crate::input::hands::HandEvent;
 use crate::sculpture::Placement;
 use crate::surface::raycast;
 use crate::tools::spray::{Footprint, MAX_FOOTPRINT};
@@ -44,29 +44,29 @@ impl Held {
     }
 }
 
-impl Workbench {
+impl Workspace {
     /// Does what a hand asks for. What concerns the board and the room itself is not done here.
-    pub(super) fn do_by_hand(&mut self, ask: &HandAsk, room: &Room, held: &mut Held) {
-        match *ask {
-            HandAsk::Carry(by) => {
+    pub(super) fn do_by_hand(&mut self, event: &HandEvent, room: &Room, held: &mut Held) {
+        match *event {
+            HandEvent::Carry(by) => {
                 let to = room.carried(self.session().document().placement(), &by);
                 if SCALES.contains(&to.scale) && to.translation.is_finite() {
                     self.place(to);
                 }
             }
-            HandAsk::Tool(pose) => self.lead_by_hand(&pose, room, held),
-            HandAsk::Press => self.press_by_hand(room, held),
-            HandAsk::Release => self.release_by_hand(held),
-            HandAsk::Resize(notches) => self.resize(notches, GROWTH_PER_NOTCH),
-            HandAsk::Pick => self.pick_by_hand(room),
-            HandAsk::Undo => self.act(Action::Undo),
-            HandAsk::Redo => self.act(Action::Redo),
-            HandAsk::ToggleBoard
-            | HandAsk::Recentre
-            | HandAsk::Point(_)
-            | HandAsk::PointAway
-            | HandAsk::Click(_)
-            | HandAsk::Scroll(_) => {}
+            HandEvent::Tool(pose) => self.lead_by_hand(&pose, room, held),
+            HandEvent::Press => self.press_by_hand(room, held),
+            HandEvent::Release => self.release_by_hand(held),
+            HandEvent::Resize(notches) => self.resize(notches, GROWTH_PER_NOTCH),
+            HandEvent::Pick => self.pick_by_hand(room),
+            HandEvent::Undo => self.act(Action::Undo),
+            HandEvent::Redo => self.act(Action::Redo),
+            HandEvent::ToggleBoard
+            | HandEvent::Recentre
+            | HandEvent::Point(_)
+            | HandEvent::PointAway
+            | HandEvent::Click(_)
+            | HandEvent::Scroll(_) => {}
         }
     }
 
@@ -196,7 +196,7 @@ impl Workbench {
         let up = self.ui.view.up;
         let placement = Placement::default();
         let front = crate::input::Side::Front;
-        let upright = self.stage.looking_from(front, up, &placement);
+        let upright = self.turntable.looking_from(front, up, &placement);
         self.place(upright);
     }
 

@@ -22,7 +22,7 @@ const DIMS: u32 = 64;
 
 /// A person in a room with a cube of stone before them.
 struct Person {
-    bench: Workbench,
+    workspace: Workspace,
     mapper: HandMapper,
     room: Room,
     held: Held,
@@ -34,13 +34,13 @@ impl Person {
         let mut config = Config::default();
         config.new.dims = [dims; 3];
         let session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
-        let mut bench = Workbench::new(session, &config, Bindings::presets().unwrap());
-        bench.stand_upright();
+        let mut workspace = Workspace::new(session, &config, Bindings::presets().unwrap());
+        workspace.stand_upright();
         let response = Response { dead_zone: 0.2, curve: 2.0 };
         let settings = HandSettings { main: HandSide::Right, response, reach_m: REACH_M };
         let head = Pose { position: Vec3::Y * 1.6, rotation: Quat::IDENTITY };
         Person {
-            bench,
+            workspace,
             mapper: HandMapper::new(settings),
             room: Room::before(&head, 0.7, 0.3, 0.5 / dims as f32),
             held: Held::default(),
@@ -59,18 +59,18 @@ impl Person {
 
     fn look(&mut self) {
         self.state.time_s += LOOK_S;
-        for ask in self.mapper.hear(&self.state, None) {
-            self.bench.do_by_hand(&ask, &self.room, &mut self.held);
+        for event in self.mapper.hear(&self.state, None) {
+            self.workspace.do_by_hand(&event, &self.room, &mut self.held);
         }
     }
 
     fn gone(&self) -> u64 {
-        let grid = self.bench.session().document().grid();
+        let grid = self.workspace.session().document().grid();
         u64::from(grid.dims().element_product()) - grid.opaque_count()
     }
 
     fn is_opaque(&self, share: Vec3) -> bool {
-        let grid = self.bench.session().document().grid();
+        let grid = self.workspace.session().document().grid();
         grid.get((share * grid.dims().as_vec3()).as_ivec3())
     }
 }
@@ -82,25 +82,25 @@ const MIDDLE: Vec3 = Vec3::new(0.0, 1.3, -0.7);
 fn a_leap_of_tracking_cuts_no_tunnel() {
     for tool in [Tool::Solid, Tool::Spray(SprayKind::Devourer)] {
         let mut person = Person::new(DIMS);
-        person.bench.ui.hand.tool = tool;
+        person.workspace.ui.hand.tool = tool;
         let left = MIDDLE - Vec3::X * 0.3;
         person.hold(left, 0.0, 5);
         person.hold(left, 1.0, 2);
-        assert!(person.bench.stroke_in_hand());
+        assert!(person.workspace.stroke_in_hand());
         // From one side of the cube to the other between two looks, and back.
         person.hold(MIDDLE + Vec3::X * 0.3, 1.0, 1);
-        assert!(!person.bench.stroke_in_hand(), "the tool is lifted");
+        assert!(!person.workspace.stroke_in_hand(), "the tool is lifted");
         person.hold(left, 1.0, 5);
         assert_eq!(person.gone(), 0, "{tool:?}");
-        assert!(!person.bench.stroke_in_hand());
+        assert!(!person.workspace.stroke_in_hand());
         // The hand is calm again.
         person.hold(left, 1.0, 10);
-        assert!(person.bench.stroke_in_hand(), "a new stroke");
+        assert!(person.workspace.stroke_in_hand(), "a new stroke");
         for i in 1..=40 {
             person.hold(left + Vec3::X * (0.0075 * i as f32), 1.0, 1);
         }
         person.hold(MIDDLE, 0.0, 2);
-        assert!(!person.bench.stroke_in_hand());
+        assert!(!person.workspace.stroke_in_hand());
         if tool == Tool::Solid {
             assert!(person.gone() > 100 && !person.is_opaque(Vec3::new(0.25, 0.5, 0.5)));
             assert!(person.is_opaque(Vec3::new(0.75, 0.5, 0.5)), "not beyond where the hand went");
@@ -111,9 +111,9 @@ fn a_leap_of_tracking_cuts_no_tunnel() {
 #[test]
 fn a_marker_does_not_go_along_with_a_leap() {
     let mut person = Person::new(DIMS);
-    person.bench.ui.hand.tool = Tool::Marker;
+    person.workspace.ui.hand.tool = Tool::Marker;
     person.hold(MIDDLE, 0.0, 5);
-    let marker = |person: &Person| person.bench.session().document().selection().marker();
+    let marker = |person: &Person| person.workspace.session().document().selection().marker();
     let before = marker(&person);
     person.hold(MIDDLE, 1.0, 2);
     person.hold(MIDDLE + Vec3::X * 0.4, 1.0, 20);
@@ -141,12 +141,12 @@ fn poses_that_are_none_end_the_stroke() {
         let mut person = Person::new(DIMS);
         person.hold(MIDDLE, 0.0, 5);
         person.hold(MIDDLE, 1.0, 2);
-        let (gone, tool) = (person.gone(), person.bench.ui.hand.centre_vx);
-        assert!(person.bench.stroke_in_hand() && gone > 0);
+        let (gone, tool) = (person.gone(), person.workspace.ui.hand.centre_vx);
+        assert!(person.workspace.stroke_in_hand() && gone > 0);
         person.state.hands[HandSide::Right.index()].aim = Some(pose);
         person.look();
-        assert!(!person.bench.stroke_in_hand(), "{pose:?}");
-        assert_eq!((person.gone(), person.bench.ui.hand.centre_vx), (gone, tool));
+        assert!(!person.workspace.stroke_in_hand(), "{pose:?}");
+        assert_eq!((person.gone(), person.workspace.ui.hand.centre_vx), (gone, tool));
     }
 }
 
@@ -157,14 +157,14 @@ fn the_eyedropper_takes_the_colour_that_the_tool_touches_or_points_at() {
     let dye = format!("dye colour={red}");
     let mark = "mark at=0,0,32 size=64,64,32".to_string();
     for command in [dye, mark, format!("dye marker colour={blue}")] {
-        assert!(person.bench.execute(&command.parse().unwrap()), "{command}");
+        assert!(person.workspace.execute(&command.parse().unwrap()), "{command}");
     }
-    let own = person.bench.ui.hand.colour;
+    let own = person.workspace.ui.hand.colour;
     let pick = |person: &mut Person, at: Vec3| {
         person.hold(at, 0.0, 2);
         person.state.hands[HandSide::Right.index()].pick = true;
         person.look();
-        person.bench.ui.hand.colour
+        person.workspace.ui.hand.colour
     };
     // Beside all, pointing past it.
     assert_eq!(pick(&mut person, MIDDLE + Vec3::X), own);
@@ -173,10 +173,10 @@ fn the_eyedropper_takes_the_colour_that_the_tool_touches_or_points_at() {
     assert_eq!(pick(&mut person, MIDDLE - Vec3::Z * 0.1), red);
     assert_eq!(pick(&mut person, MIDDLE + Vec3::Z * 0.1), blue);
     // Chosen on the board, the next pull takes a colour and uses no tool.
-    person.bench.ui.hand.eyedropper = true;
+    person.workspace.ui.hand.eyedropper = true;
     person.hold(MIDDLE - Vec3::Z * 0.1, 0.0, 20);
     person.hold(MIDDLE - Vec3::Z * 0.1, 1.0, 2);
-    assert_eq!((person.bench.ui.hand.colour, person.gone()), (red, 0));
+    assert_eq!((person.workspace.ui.hand.colour, person.gone()), (red, 0));
     person.hold(MIDDLE - Vec3::Z * 0.1, 0.0, 1);
     person.hold(MIDDLE - Vec3::Z * 0.1, 1.0, 2);
     assert!(person.gone() > 0, "the one after that uses the tool");
@@ -243,7 +243,7 @@ fn a_million_mad_poses_do_no_harm() {
     };
     for look in 0..LOOKS {
         if look % 997 == 0 {
-            person.bench.ui.hand.tool = match next() % 6 {
+            person.workspace.ui.hand.tool = match next() % 6 {
                 0..3 => Tool::Solid,
                 3 => Tool::Marker,
                 _ => Tool::Spray(SprayKind::ALL[next() % SprayKind::ALL.len()]),
@@ -267,16 +267,16 @@ fn a_million_mad_poses_do_no_harm() {
         if !person.state.time_s.is_finite() {
             person.state.time_s = f64::from(look);
         }
-        let asks = person.mapper.hear(&person.state, None);
-        assert!(asks.len() <= 12, "{asks:?}");
-        for ask in &asks {
-            person.bench.do_by_hand(ask, &person.room, &mut person.held);
+        let events = person.mapper.hear(&person.state, None);
+        assert!(events.len() <= 12, "{events:?}");
+        for event in &events {
+            person.workspace.do_by_hand(event, &person.room, &mut person.held);
         }
-        let now = person.bench.stroke_in_hand();
+        let now = person.workspace.stroke_in_hand();
         strokes += u32::from(now && !std::mem::replace(&mut at_work, now));
         at_work = now;
         let (hand, placement) =
-            (&person.bench.ui.hand, person.bench.session().document().placement());
+            (&person.workspace.ui.hand, person.workspace.session().document().placement());
         assert!(
             hand.centre_vx.is_finite() && hand.rotation().is_finite() && hand.half().is_finite()
         );

@@ -1,13 +1,13 @@
 //! Owns the program in a headset: connecting and trying again, and one frame read aloud.
 //!
 //! The headset has a device and a renderer of its own beside the window's; both show the one
-//! sculpture of the one workbench. Whatever happens to the runtime, the workbench and the window go
+//! sculpture of the one workspace. Whatever happens to the runtime, the workspace and the window go
 //! on.
 
 pub mod alone;
 mod face;
-mod guides;
 mod hands;
+mod overlay;
 mod pane;
 mod presence;
 mod search;
@@ -17,7 +17,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::workbench::Workbench;
+use super::workspace::Workspace;
 use crate::config::{Config, HeadsetSettings};
 use crate::gpu::ValidationLog;
 use crate::screen::headset::{HeadsetError, LinkNews, LinkOptions};
@@ -97,20 +97,20 @@ impl Headset {
 
     /// Looks for a headset if it is time, and sees to it that its runtime answers. Gives when to be
     /// called again at the latest; never, once the person has left.
-    pub fn poll(&mut self, bench: &mut Workbench) -> Option<Instant> {
+    pub fn poll(&mut self, workspace: &mut Workspace) -> Option<Instant> {
         let now = Instant::now();
         if let State::Away(again) = self.state
             && now >= again
         {
-            self.seek(bench);
+            self.seek(workspace);
         }
-        self.take_found(bench);
+        self.take_found(workspace);
         if let State::Here(presence) = &mut self.state
-            && presence.falls_silent(bench)
+            && presence.falls_silent(workspace)
         {
             let text = "The headset's runtime does not respond";
             tracing::warn!("{text}");
-            bench.ui.toasts.error(text);
+            workspace.ui.toasts.error(text);
         }
         match &self.state {
             State::Away(again) => Some(*again),
@@ -120,7 +120,7 @@ impl Headset {
     }
 
     /// Hears what was told of a connection; makes the frame that is to be made.
-    pub fn hear(&mut self, bench: &mut Workbench, connection: Connection, news: LinkNews) {
+    pub fn hear(&mut self, workspace: &mut Workspace, connection: Connection, news: LinkNews) {
         if connection != self.connection {
             return;
         }
@@ -128,21 +128,21 @@ impl Headset {
         let State::Here(presence) = &mut self.state else { return };
         match news {
             LinkNews::Frame(frame) => {
-                if let Err(error) = presence.frame(bench, &frame, &mut self.shots, now_s) {
-                    self.lose(bench, &error);
+                if let Err(error) = presence.frame(workspace, &frame, &mut self.shots, now_s) {
+                    self.lose(workspace, &error);
                 }
             }
             LinkNews::Recentred => presence.recentre(),
             LinkNews::Over { again: true } => {
-                self.lose(bench, &HeadsetError::Lost("the runtime ends"));
+                self.lose(workspace, &HeadsetError::Lost("the runtime ends"));
             }
             LinkNews::Over { again: false } => {
-                self.part(bench);
+                self.part(workspace);
                 let text = "The headset session has ended; start the program with --headset to return to it";
                 tracing::info!("{text}");
-                bench.ui.toasts.note(text);
+                workspace.ui.toasts.note(text);
             }
-            LinkNews::Failed(error) => self.lose(bench, &error),
+            LinkNews::Failed(error) => self.lose(workspace, &error),
             // It is taken by `poll`.
             LinkNews::Tried => {}
         }
@@ -168,20 +168,20 @@ impl Headset {
     }
 
     /// Has the headset looked for, on another thread.
-    fn seek(&mut self, bench: &mut Workbench) {
+    fn seek(&mut self, workspace: &mut Workspace) {
         self.connection += 1;
-        self.options.blend = bench.ui.blend;
+        self.options.blend = workspace.ui.blend;
         let wanted = Wanted {
             connection: self.connection,
             settings: self.settings.clone(),
             options: self.options.clone(),
             stood: self.stood,
-            worn: bench.worn_head().cloned(),
+            worn: workspace.worn_head().cloned(),
         };
         if self.search.is_none() {
             match Search::start(self.tell.clone()) {
                 Ok(search) => self.search = Some(search),
-                Err(error) => return self.lose(bench, &HeadsetError::Thread(error)),
+                Err(error) => return self.lose(workspace, &HeadsetError::Thread(error)),
             }
         }
         if let Some(search) = &self.search {
@@ -191,7 +191,7 @@ impl Headset {
     }
 
     /// Takes the headset that was found, or hears why there is none.
-    fn take_found(&mut self, bench: &mut Workbench) {
+    fn take_found(&mut self, workspace: &mut Workspace) {
         if !matches!(self.state, State::Sought) {
             return;
         }
@@ -204,20 +204,20 @@ impl Headset {
             Ok(presence) => {
                 let text = format!("Headset connected: {}", presence.name());
                 tracing::info!("{text}");
-                bench.ui.toasts.note(text);
+                workspace.ui.toasts.note(text);
                 self.said.clear();
-                bench.ui.blends = presence.blends();
-                bench.ui.view.suit_device(presence.is_software());
+                workspace.ui.blends = presence.blends();
+                workspace.ui.view.suit_device(presence.is_software());
                 self.state = State::Here(presence);
             }
-            Err(error) => self.lose(bench, &error),
+            Err(error) => self.lose(workspace, &error),
         }
     }
 
     /// There is no headset, or no longer: says why, once, and looks for it again later. A device
     /// that lacks memory will still lack it in a moment.
-    fn lose(&mut self, bench: &mut Workbench, error: &HeadsetError) {
-        self.part(bench);
+    fn lose(&mut self, workspace: &mut Workspace, error: &HeadsetError) {
+        self.part(workspace);
         self.pause = match error {
             HeadsetError::Gpu(_) => (self.pause * 2).min(LONGEST_AGAIN),
             _ => AGAIN,
@@ -225,17 +225,17 @@ impl Headset {
         let (reason, pause) = (error.to_string(), self.pause);
         if self.said != reason {
             tracing::warn!("no headset: {reason}; trying again every {pause:?}");
-            bench.ui.toasts.error(format!("No headset: {reason}. Still looking for one."));
+            workspace.ui.toasts.error(format!("No headset: {reason}. Still looking for one."));
             self.said = reason;
         }
         self.state = State::Away(Instant::now() + pause);
     }
 
     /// Lets go of what hands hold, and of the connection.
-    fn part(&mut self, bench: &mut Workbench) {
+    fn part(&mut self, workspace: &mut Workspace) {
         if let State::Here(mut presence) = std::mem::replace(&mut self.state, State::Left) {
-            presence.let_go(bench);
-            bench.ui.blends.clear();
+            presence.let_go(workspace);
+            workspace.ui.blends.clear();
             self.stood |= presence.has_stood();
             let log = presence.validation_log();
             drop(presence);

@@ -9,9 +9,9 @@ use egui::epaint::ClippedShape;
 use glam::UVec2;
 
 use super::face::BoardFace;
-use crate::app::Workbench;
+use crate::app::Workspace;
 use crate::gpu::{Attachment, Device, GpuError, ImagePart, Load, Recorder, Use};
-use crate::input::hands::HandAsk;
+use crate::input::hands::HandEvent;
 use crate::render::gui::Gui;
 use crate::render::target::EyeImage;
 use crate::shade::Pixels;
@@ -51,8 +51,8 @@ impl BoardPane {
     }
 
     /// Hears what the hands do with the board.
-    pub fn hear(&mut self, ask: &HandAsk) {
-        self.face.hear(ask);
+    pub fn hear(&mut self, event: &HandEvent) {
+        self.face.hear(event);
     }
 
     /// Whether something calls for another pass at `now_s`.
@@ -60,9 +60,9 @@ impl BoardPane {
         self.face.is_due(now_s)
     }
 
-    /// Runs a pass of the interface, in which the workbench does what the person wants.
-    pub fn pass(&mut self, bench: &mut Workbench, now_s: f64) -> Pass {
-        let output = self.face.pass(now_s, |root| bench.show_on_board(root));
+    /// Runs a pass of the interface, in which the workspace does what the person wants.
+    pub fn pass(&mut self, workspace: &mut Workspace, now_s: f64) -> Pass {
+        let output = self.face.pass(now_s, |root| workspace.show_on_board(root));
         Pass { shapes: output.shapes, textures: output.textures_delta }
     }
 

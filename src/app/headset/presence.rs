@@ -7,17 +7,17 @@ use std::time::Duration;
 use ash::vk;
 use glam::{UVec3, Vec3};
 
-use super::guides::guides;
 use super::hands::Held;
+use super::overlay::overlay;
 use super::pane::BoardPane;
 use super::shots::Shots;
 use crate::app::painter::{background, paint_what_fits};
-use crate::app::workbench::Workbench;
+use crate::app::workspace::Workspace;
 use crate::config::HeadsetSettings;
 use crate::gpu::ValidationLog;
-use crate::input::hands::{Board, HandAsk, HandMapper, HandsState};
+use crate::input::hands::{Board, HandEvent, HandMapper, HandsState};
 use crate::input::pad::rumble::Rumble;
-use crate::render::renderer::Shot;
+use crate::render::renderer::FrameDesc;
 use crate::render::{Background, Renderer};
 use crate::screen::headset::{
     Blend, Connector, Frame, HeadsetError, Layers, Link, LinkNews, LinkOptions, WornHead,
@@ -63,8 +63,8 @@ struct Extent {
 }
 
 impl Extent {
-    fn of(bench: &Workbench) -> Extent {
-        let grid = bench.session().document().grid();
+    fn of(workspace: &Workspace) -> Extent {
+        let grid = workspace.session().document().grid();
         Extent { dims: grid.dims(), voxel_size: grid.voxel_size() }
     }
 
@@ -133,12 +133,12 @@ impl Presence {
     }
 
     /// Notes if the runtime has ceased to answer: true once each time.
-    pub fn falls_silent(&mut self, bench: &mut Workbench) -> bool {
+    pub fn falls_silent(&mut self, workspace: &mut Workspace) -> bool {
         let silent = self.showing && self.link.silence() >= SILENCE;
         if silent {
             self.showing = false;
             self.silent = true;
-            self.let_go(bench);
+            self.let_go(workspace);
         }
         silent
     }
@@ -154,18 +154,18 @@ impl Presence {
     }
 
     /// What hands hold is let go.
-    pub fn let_go(&mut self, bench: &mut Workbench) {
-        let mut asks = Vec::new();
-        self.mapper.let_go(&mut asks);
-        self.obey(bench, &asks);
-        bench.hand_pose = None;
+    pub fn let_go(&mut self, workspace: &mut Workspace) {
+        let mut events = Vec::new();
+        self.mapper.let_go(&mut events);
+        self.obey(workspace, &events);
+        workspace.hand_pose = None;
     }
 
     /// One frame: hear the hands and do what they ask for, let them feel it, bring the board up to
     /// date, and at last look where the eyes are and draw what they see.
     pub fn frame(
         &mut self,
-        bench: &mut Workbench,
+        workspace: &mut Workspace,
         frame: &Frame,
         shots: &mut Option<Shots>,
         now_s: f64,
@@ -175,7 +175,7 @@ impl Presence {
             tracing::info!("the headset answers again");
         }
         self.showing = frame.shown;
-        if !self.make(bench, frame, shots, now_s)? {
+        if !self.make(workspace, frame, shots, now_s)? {
             self.link.end_empty();
         }
         Ok(())
@@ -184,42 +184,42 @@ impl Presence {
     /// False if there is nothing to be seen.
     fn make(
         &mut self,
-        bench: &mut Workbench,
+        workspace: &mut Workspace,
         frame: &Frame,
         shots: &mut Option<Shots>,
         now_s: f64,
     ) -> Result<bool> {
         if !frame.shown {
-            self.let_go(bench);
+            self.let_go(workspace);
             return Ok(false);
         }
-        self.link.set_blend(bench.ui.blend);
+        self.link.set_blend(workspace.ui.blend);
         let Some(views) = frame.views else { return Ok(false) };
-        self.stand(bench, &head(&views));
-        self.swap_hands(bench);
+        self.stand(workspace, &head(&views));
+        self.swap_hands(workspace);
         let hands = frame.hands.as_ref();
         match hands {
-            Some(hands) => self.hear(bench, hands),
-            None => self.let_go(bench),
+            Some(hands) => self.hear(workspace, hands),
+            None => self.let_go(workspace),
         }
-        self.feel(bench, frame);
-        let board = self.board(bench, hands);
+        self.feel(workspace, frame);
+        let board = self.board(workspace, hands);
         let due = board.is_some() && self.pane.is_due(now_s);
         let ray = self.ray(hands, board.as_ref());
 
         // As late as can be: the eyes have moved meanwhile.
         let Some(aimed) = self.link.aim(due) else { return Ok(false) };
         let (views, Some((room, _))) = (aimed.views, self.room) else { return Ok(false) };
-        let mut pass = due.then(|| self.pane.pass(bench, now_s));
+        let mut pass = due.then(|| self.pane.pass(workspace, now_s));
         let (mut recorder, slot) = self.link.record()?;
-        self.draw(bench, &mut recorder, slot, &room, &views, ray)?;
+        self.draw(workspace, &mut recorder, slot, &room, &views, ray)?;
         if let Some(pictures) = self.renderer.pictures() {
             self.link.show(&mut recorder, &aimed, pictures)?;
         }
         if let Some(pass) = &mut pass {
             let picture = self.pane.draw(&mut recorder, slot, pass)?;
             if let Some(lack) = self.pane.take_lack() {
-                bench.ui.toasts.error(lack.to_string());
+                workspace.ui.toasts.error(lack.to_string());
             }
             self.link.show_board(&mut recorder, &aimed, picture)?;
         }
@@ -238,8 +238,8 @@ impl Presence {
 
     /// Puts the sculpture before the head, if it does not stand in the room yet, is another, or is
     /// called for.
-    fn stand(&mut self, bench: &mut Workbench, head: &Pose) {
-        let extent = Extent::of(bench);
+    fn stand(&mut self, workspace: &mut Workspace, head: &Pose) {
+        let extent = Extent::of(workspace);
         let another = self.room.is_some_and(|(_, former)| former != extent);
         if self.room.is_some() && !another && !self.recentring {
             return;
@@ -248,48 +248,48 @@ impl Presence {
         let room = Room::before(head, distance_m, drop_m, size_m / extent.longest());
         self.room = Some((room, extent));
         if another || !std::mem::replace(&mut self.stood, true) {
-            bench.stand_upright();
+            workspace.stand_upright();
         } else if self.recentring {
-            bench.bring_back();
+            workspace.bring_back();
         }
         self.recentring = false;
     }
 
-    fn hear(&mut self, bench: &mut Workbench, hands: &HandsState) {
-        let board = self.board(bench, Some(hands));
-        let asks = self.mapper.hear(hands, board.as_ref());
-        self.obey(bench, &asks);
+    fn hear(&mut self, workspace: &mut Workspace, hands: &HandsState) {
+        let board = self.board(workspace, Some(hands));
+        let events = self.mapper.hear(hands, board.as_ref());
+        self.obey(workspace, &events);
     }
 
     /// The tool goes to the hand that the person has chosen.
-    fn swap_hands(&mut self, bench: &mut Workbench) {
-        let mut asks = Vec::new();
-        self.mapper.set_main(bench.ui.hand_side, &mut asks);
-        self.obey(bench, &asks);
+    fn swap_hands(&mut self, workspace: &mut Workspace) {
+        let mut events = Vec::new();
+        self.mapper.set_main(workspace.ui.hand_side, &mut events);
+        self.obey(workspace, &events);
     }
 
-    fn obey(&mut self, bench: &mut Workbench, asks: &[HandAsk]) {
-        for ask in asks {
-            match ask {
-                HandAsk::ToggleBoard => {
+    fn obey(&mut self, workspace: &mut Workspace, events: &[HandEvent]) {
+        for event in events {
+            match event {
+                HandEvent::ToggleBoard => {
                     self.board_open = !self.board_open;
                     tracing::debug!("board {}", if self.board_open { "open" } else { "closed" });
                 }
-                HandAsk::Recentre => self.recentre(),
+                HandEvent::Recentre => self.recentre(),
                 _ => {}
             }
-            self.pane.hear(ask);
+            self.pane.hear(event);
             if let Some((room, _)) = &self.room {
-                bench.do_by_hand(ask, room, &mut self.held);
+                workspace.do_by_hand(event, room, &mut self.held);
             }
         }
     }
 
     /// Lets the main hand feel what the tool has bitten off.
-    fn feel(&mut self, bench: &mut Workbench, frame: &Frame) {
+    fn feel(&mut self, workspace: &mut Workspace, frame: &Frame) {
         let now_s = frame.seconds();
         let dt_s = self.felt_s.replace(now_s).map_or(0.0, |felt| (now_s - felt).clamp(0.0, 1.0));
-        let bitten = std::mem::take(&mut bench.bitten_by_hand);
+        let bitten = std::mem::take(&mut workspace.bitten_by_hand);
         let felt = self.settings.haptics && self.held.is_working();
         let before = self.rumble.is_shaking();
         let curve = self.settings.haptics_curve();
@@ -300,9 +300,9 @@ impl Presence {
     }
 
     /// The board on the off hand, while it is open; what asks for an answer opens it.
-    fn board(&self, bench: &Workbench, hands: Option<&HandsState>) -> Option<Board> {
+    fn board(&self, workspace: &Workspace, hands: Option<&HandsState>) -> Option<Board> {
         let hand = hands?.hand(self.mapper.settings().main.other());
-        let grip = hand.grip.filter(|_| self.board_open || bench.ui.is_modal())?;
+        let grip = hand.grip.filter(|_| self.board_open || workspace.ui.is_modal())?;
         // Grips are tilted differently on every controller; rays are not.
         let rotation = hand.aim.map_or(grip.rotation, |aim| aim.rotation);
         let pose = Pose { rotation, ..grip };
@@ -318,7 +318,7 @@ impl Presence {
 
     fn draw(
         &mut self,
-        bench: &mut Workbench,
+        workspace: &mut Workspace,
         recorder: &mut crate::gpu::Recorder,
         slot: usize,
         room: &Room,
@@ -328,18 +328,18 @@ impl Presence {
         let size = self.link.eye_size();
         let eyes = views.map(|view| room.eye(&view, size));
         let through = self.link.sees_through();
-        let (ghost, lines) = guides(bench, room, ray, !through);
-        let mut shot = Shot {
+        let (preview, lines) = overlay(workspace, room, ray, !through);
+        let mut desc = FrameDesc {
             eyes: &eyes,
-            world_from_grid: bench.world_from_grid(),
-            mode: bench.ui.view.mode,
-            lighting: bench.ui.view.lighting(),
-            background: if through { Background::Keep } else { background(bench.ui.theme) },
+            world_from_grid: workspace.world_from_grid(),
+            mode: workspace.ui.view.mode,
+            lighting: workspace.ui.view.lighting(),
+            background: if through { Background::Keep } else { background(workspace.ui.theme) },
             video: None,
-            ghosts: ghost.as_slice(),
+            previews: preview.as_slice(),
             lines: &lines,
         };
-        Ok(paint_what_fits(&mut self.renderer, recorder, slot, bench, &mut shot)?)
+        Ok(paint_what_fits(&mut self.renderer, recorder, slot, workspace, &mut desc)?)
     }
 
     fn shoot(

@@ -45,7 +45,7 @@ pub struct HandSettings {
 
 /// Something that hands ask for, in the order in which it is to be done.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub enum HandAsk {
+pub enum HandEvent {
     /// The sculpture is carried along.
     Carry(Similarity),
     /// The tool is here, in the room.
@@ -168,22 +168,22 @@ impl HandMapper {
     }
 
     /// Gives the tool to a hand; what is held is let go.
-    pub fn set_main(&mut self, main: HandSide, asks: &mut Vec<HandAsk>) {
+    pub fn set_main(&mut self, main: HandSide, events: &mut Vec<HandEvent>) {
         if self.settings.main != main {
-            self.let_go(asks);
+            self.let_go(events);
             *self = HandMapper::new(HandSettings { main, ..self.settings });
         }
     }
 
     /// The hands are heard no more: what is held is let go.
-    pub fn let_go(&mut self, asks: &mut Vec<HandAsk>) {
+    pub fn let_go(&mut self, events: &mut Vec<HandEvent>) {
         match self.meant.take() {
-            Some(Meant::Tool) => asks.push(HandAsk::Release),
-            Some(Meant::Board) => asks.push(HandAsk::Click(false)),
+            Some(Meant::Tool) => events.push(HandEvent::Release),
+            Some(Meant::Board) => events.push(HandEvent::Click(false)),
             Some(Meant::Lifted) | None => {}
         }
         if std::mem::take(&mut self.pointing) {
-            asks.push(HandAsk::PointAway);
+            events.push(HandEvent::PointAway);
         }
         *self = HandMapper::new(self.settings);
     }
@@ -194,16 +194,16 @@ impl HandMapper {
     }
 
     /// What the hands ask for now. `board`: where the board is, while it is open.
-    pub fn hear(&mut self, state: &HandsState, board: Option<&Board>) -> Vec<HandAsk> {
-        let mut asks = Vec::new();
+    pub fn hear(&mut self, state: &HandsState, board: Option<&Board>) -> Vec<HandEvent> {
+        let mut events = Vec::new();
         let state = &state.plausible();
         let now_s = state.time_s;
         let dt_s = self.heard_s.map_or(0.0, |heard| (now_s - heard).clamp(0.0, LONGEST_STEP_S));
         self.heard_s = Some(now_s);
         let (main, off) = (self.settings.main, self.settings.main.other());
 
-        self.hear_menus(state, &mut asks);
-        let off_holds = self.hear_off_trigger(state.hand(off).trigger, now_s, &mut asks);
+        self.hear_menus(state, &mut events);
+        let off_holds = self.hear_off_trigger(state.hand(off).trigger, now_s, &mut events);
         let mut gripping = HandSide::ALL.map(|side| {
             let switch = &mut self.grips[side.index()];
             switch.feed(state.hand(side).squeeze);
@@ -211,10 +211,10 @@ impl HandMapper {
         });
         gripping[off.index()] |= off_holds;
         let carried = self.grab.step(gripping, state, dt_s);
-        asks.extend(carried.map(HandAsk::Carry));
+        events.extend(carried.map(HandEvent::Carry));
 
         let aim = state.hand(main).aim;
-        self.follow_pace(aim, now_s, dt_s, &mut asks);
+        self.follow_pace(aim, now_s, dt_s, &mut events);
         // A stroke that has begun goes on in front of the board, too.
         let open = board.filter(|_| !matches!(self.meant, Some(Meant::Tool | Meant::Lifted)));
         // A hand that is lost lets go.
@@ -230,59 +230,59 @@ impl HandMapper {
             }
         };
         match hit {
-            Some(hit) => asks.push(HandAsk::Point(hit.at)),
-            None if self.pointing => asks.push(HandAsk::PointAway),
+            Some(hit) => events.push(HandEvent::Point(hit.at)),
+            None if self.pointing => events.push(HandEvent::PointAway),
             None => {}
         }
         self.pointing = hit.is_some();
         if !self.pointing {
-            self.lead_tool(aim, carried.is_some(), &mut asks);
+            self.lead_tool(aim, carried.is_some(), &mut events);
         }
-        self.hear_main_trigger(change, aim, now_s, &mut asks);
+        self.hear_main_trigger(change, aim, now_s, &mut events);
         if state.hand(main).pick && !self.pointing && self.meant != Some(Meant::Tool) {
-            asks.push(HandAsk::Pick);
+            events.push(HandEvent::Pick);
         }
 
         let stick = self.settings.response.speed(state.hand(main).stick) * dt_s as f32;
         if self.pointing && stick != Vec2::ZERO {
-            asks.push(HandAsk::Scroll(Vec2::new(-stick.x, stick.y) * SCROLL_PER_S));
+            events.push(HandEvent::Scroll(Vec2::new(-stick.x, stick.y) * SCROLL_PER_S));
         } else if !self.pointing && stick.y != 0.0 {
-            asks.push(HandAsk::Resize(stick.y * RESIZE_PER_S));
+            events.push(HandEvent::Resize(stick.y * RESIZE_PER_S));
         }
         match self.undo.feed(state.hand(off).stick.x, now_s) {
-            Some(side) if side < 0.0 => asks.push(HandAsk::Undo),
-            Some(_) => asks.push(HandAsk::Redo),
+            Some(side) if side < 0.0 => events.push(HandEvent::Undo),
+            Some(_) => events.push(HandEvent::Redo),
             None => {}
         }
-        asks
+        events
     }
 
-    fn hear_menus(&mut self, state: &HandsState, asks: &mut Vec<HandAsk>) {
+    fn hear_menus(&mut self, state: &HandsState, events: &mut Vec<HandEvent>) {
         for side in HandSide::ALL {
             let hold = &mut self.menu[side.index()];
             match hold.switch.feed(f32::from(u8::from(state.hand(side).menu))) {
                 Some(Change::Pressed) => hold.since_s = Some(state.time_s),
                 Some(Change::Released) if hold.since_s.take().is_some() => {
-                    asks.push(HandAsk::ToggleBoard);
+                    events.push(HandEvent::ToggleBoard);
                 }
                 _ => {}
             }
             if hold.since_s.is_some_and(|since| state.time_s - since >= LONG_S) {
                 hold.since_s = None;
-                asks.push(HandAsk::Recentre);
+                events.push(HandEvent::Recentre);
             }
         }
     }
 
     /// True while the trigger of the off hand is held long enough to carry the sculpture.
-    fn hear_off_trigger(&mut self, way: f32, now_s: f64, asks: &mut Vec<HandAsk>) -> bool {
+    fn hear_off_trigger(&mut self, way: f32, now_s: f64, events: &mut Vec<HandEvent>) -> bool {
         let hold = &mut self.off_trigger;
         match hold.switch.feed(way) {
             Some(Change::Pressed) => hold.since_s = Some(now_s),
             Some(Change::Released) => {
                 let tapped = hold.since_s.take().is_some_and(|since| now_s - since < TAP_S);
                 if tapped {
-                    asks.push(HandAsk::ToggleBoard);
+                    events.push(HandEvent::ToggleBoard);
                 }
             }
             None => {}
@@ -297,16 +297,22 @@ impl HandMapper {
     }
 
     /// Lifts the tool from its stroke where tracking leaps, rather than to cut all the way.
-    fn follow_pace(&mut self, aim: Option<Pose>, now_s: f64, dt_s: f64, asks: &mut Vec<HandAsk>) {
+    fn follow_pace(
+        &mut self,
+        aim: Option<Pose>,
+        now_s: f64,
+        dt_s: f64,
+        events: &mut Vec<HandEvent>,
+    ) {
         let at = aim.map(|aim| self.tool_of(&aim).position);
         if self.pace.step(at, now_s, dt_s) && self.meant == Some(Meant::Tool) {
             self.meant = Some(Meant::Lifted);
-            asks.push(HandAsk::Release);
+            events.push(HandEvent::Release);
         }
     }
 
     /// Leads the tool to the main hand, unless that rests.
-    fn lead_tool(&mut self, aim: Option<Pose>, carried: bool, asks: &mut Vec<HandAsk>) {
+    fn lead_tool(&mut self, aim: Option<Pose>, carried: bool, events: &mut Vec<HandEvent>) {
         let Some(aim) = aim else { return };
         let tool = self.tool_of(&aim);
         let rests = self.led.is_some_and(|led| {
@@ -315,7 +321,7 @@ impl HandMapper {
         });
         if !rests || carried || self.meant == Some(Meant::Tool) {
             self.led = Some(tool);
-            asks.push(HandAsk::Tool(tool));
+            events.push(HandEvent::Tool(tool));
         }
     }
 
@@ -324,17 +330,17 @@ impl HandMapper {
         change: Option<Change>,
         aim: Option<Pose>,
         now_s: f64,
-        asks: &mut Vec<HandAsk>,
+        events: &mut Vec<HandEvent>,
     ) {
         match change {
             Some(Change::Pressed) if self.pointing => {
                 self.meant = Some(Meant::Board);
-                asks.push(HandAsk::Click(true));
+                events.push(HandEvent::Click(true));
             }
             Some(Change::Pressed) => self.meant = Some(Meant::Lifted),
             Some(Change::Released) => match self.meant.take() {
-                Some(Meant::Tool) => asks.push(HandAsk::Release),
-                Some(Meant::Board) => asks.push(HandAsk::Click(false)),
+                Some(Meant::Tool) => events.push(HandEvent::Release),
+                Some(Meant::Board) => events.push(HandEvent::Click(false)),
                 Some(Meant::Lifted) | None => {}
             },
             None => {}
@@ -343,8 +349,8 @@ impl HandMapper {
             self.meant = Some(Meant::Tool);
             // The tool begins where the hand is, however long it has rested.
             self.led = None;
-            self.lead_tool(aim, false, asks);
-            asks.push(HandAsk::Press);
+            self.lead_tool(aim, false, events);
+            events.push(HandEvent::Press);
         }
     }
 }

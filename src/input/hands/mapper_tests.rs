@@ -23,7 +23,7 @@ impl Person {
             (hand.grip, hand.aim) = (Some(pose), Some(pose));
         }
         let mut person = Person { state, mapper: mapper(main), board: None };
-        assert!(matches!(person.look()[..], [HandAsk::Tool(_)]), "the tool comes to the hand");
+        assert!(matches!(person.look()[..], [HandEvent::Tool(_)]), "the tool comes to the hand");
         person
     }
 
@@ -38,11 +38,11 @@ impl Person {
         }
     }
 
-    fn look(&mut self) -> Vec<HandAsk> {
+    fn look(&mut self) -> Vec<HandEvent> {
         self.look_after(1.0 / 64.0)
     }
 
-    fn look_after(&mut self, dt_s: f64) -> Vec<HandAsk> {
+    fn look_after(&mut self, dt_s: f64) -> Vec<HandEvent> {
         self.state.time_s += dt_s;
         self.mapper.hear(&self.state, self.board.as_ref())
     }
@@ -57,16 +57,16 @@ fn the_trigger_uses_the_tool_where_the_hand_is() {
         assert_eq!(person.look(), [], "a hand that rests asks for nothing");
         person.shift(main, Vec3::new(0.0, 0.0, -0.05));
         let there = person.hand(main).aim.unwrap().at(Vec3::NEG_Z * REACH_M);
-        let asks = person.look();
-        let [HandAsk::Tool(tool)] = asks[..] else { panic!("{asks:?}") };
+        let events = person.look();
+        let [HandEvent::Tool(tool)] = events[..] else { panic!("{events:?}") };
         assert!(tool.position.abs_diff_eq(there, 1e-6));
         person.hand(main).trigger = 1.0;
-        let asks = person.look();
-        let [HandAsk::Tool(tool), HandAsk::Press] = asks[..] else { panic!("{asks:?}") };
+        let events = person.look();
+        let [HandEvent::Tool(tool), HandEvent::Press] = events[..] else { panic!("{events:?}") };
         assert!(tool.position.abs_diff_eq(there, 1e-6));
-        assert!(matches!(person.look()[..], [HandAsk::Tool(_)]), "a stroke is led all the time");
+        assert!(matches!(person.look()[..], [HandEvent::Tool(_)]), "a stroke is led all the time");
         person.hand(main).trigger = 0.0;
-        assert!(matches!(person.look()[..], [HandAsk::Tool(_), HandAsk::Release]));
+        assert!(matches!(person.look()[..], [HandEvent::Tool(_), HandEvent::Release]));
     }
 }
 
@@ -76,7 +76,7 @@ fn a_hand_that_is_lost_lets_go() {
     person.hand(Right).trigger = 1.0;
     person.look();
     person.hand(Right).aim = None;
-    assert_eq!(person.look(), [HandAsk::Release]);
+    assert_eq!(person.look(), [HandEvent::Release]);
     person.hand(Right).aim = Some(Pose { position: Vec3::NAN, rotation: Quat::IDENTITY });
     assert_eq!(person.look(), []);
 }
@@ -87,23 +87,23 @@ fn a_leap_lifts_the_tool_until_the_hand_is_calm() {
     person.hand(Right).trigger = 1.0;
     person.look();
     person.shift(Right, Vec3::X * 0.5);
-    assert!(matches!(person.look()[..], [HandAsk::Release, HandAsk::Tool(_)]));
+    assert!(matches!(person.look()[..], [HandEvent::Release, HandEvent::Tool(_)]));
     assert_eq!(person.look(), [], "it rests, lifted");
     person.shift(Right, Vec3::X * 0.05);
-    assert!(matches!(person.look()[..], [HandAsk::Tool(_)]), "it goes with the hand");
-    let asks = person.look_after(0.1);
-    let [HandAsk::Tool(tool), HandAsk::Press] = asks[..] else { panic!("{asks:?}") };
+    assert!(matches!(person.look()[..], [HandEvent::Tool(_)]), "it goes with the hand");
+    let events = person.look_after(0.1);
+    let [HandEvent::Tool(tool), HandEvent::Press] = events[..] else { panic!("{events:?}") };
     assert!((tool.position.x - 0.75).abs() < 1e-5);
     // Pulled while it is not calm, and let go before it is.
     person.shift(Right, Vec3::X * -0.5);
-    assert!(matches!(person.look()[..], [HandAsk::Release, HandAsk::Tool(_)]));
+    assert!(matches!(person.look()[..], [HandEvent::Release, HandEvent::Tool(_)]));
     person.hand(Right).trigger = 0.0;
     assert_eq!(person.look_after(0.2), []);
     // A pause is no leave to go anywhere: only so much of it counts.
     person.hand(Right).trigger = 1.0;
     person.look();
     person.shift(Right, Vec3::X * 0.7);
-    assert!(matches!(person.look_after(2.0)[..], [HandAsk::Release, HandAsk::Tool(_)]));
+    assert!(matches!(person.look_after(2.0)[..], [HandEvent::Release, HandEvent::Tool(_)]));
 }
 
 #[test]
@@ -114,7 +114,7 @@ fn what_is_carried_does_not_go_along_with_a_leap() {
     person.shift(Left, Vec3::X * 0.3);
     assert_eq!(person.look(), [], "0.3 m in a 64th of a second");
     person.shift(Left, Vec3::X * 0.05);
-    assert!(matches!(person.look()[..], [HandAsk::Carry(_), HandAsk::Tool(_)]));
+    assert!(matches!(person.look()[..], [HandEvent::Carry(_), HandEvent::Tool(_)]));
 }
 
 #[test]
@@ -124,15 +124,15 @@ fn grips_carry_and_both_scale() {
     assert_eq!(person.look(), []);
     assert!(person.mapper.is_carrying());
     person.shift(Left, Vec3::X * 0.1);
-    let asks = person.look();
-    let [HandAsk::Carry(by), HandAsk::Tool(_)] = asks[..] else { panic!("{asks:?}") };
+    let events = person.look();
+    let [HandEvent::Carry(by), HandEvent::Tool(_)] = events[..] else { panic!("{events:?}") };
     assert!(by.translation.abs_diff_eq(Vec3::X * 0.1, 1e-6) && by.scale == 1.0);
     person.hand(Right).squeeze = 1.0;
     person.look();
     // From 0.3 m to 0.6 m apart.
     person.shift(Right, Vec3::X * 0.3);
-    let asks = person.look_after(0.1);
-    let [HandAsk::Carry(by), HandAsk::Tool(_)] = asks[..] else { panic!("{asks:?}") };
+    let events = person.look_after(0.1);
+    let [HandEvent::Carry(by), HandEvent::Tool(_)] = events[..] else { panic!("{events:?}") };
     assert!((by.scale - 2.0).abs() < 1e-4);
     person.hand(Left).squeeze = 0.0;
     person.hand(Right).squeeze = 0.0;
@@ -146,12 +146,12 @@ fn without_a_grip_the_off_trigger_carries_and_a_tap_opens_the_board() {
     person.hand(Left).trigger = 1.0;
     person.look();
     person.hand(Left).trigger = 0.0;
-    assert_eq!(person.look(), [HandAsk::ToggleBoard]);
+    assert_eq!(person.look(), [HandEvent::ToggleBoard]);
     person.hand(Left).trigger = 1.0;
     person.look();
     person.look_after(TAP_S);
     person.shift(Left, Vec3::Y * 0.1);
-    assert!(matches!(person.look()[..], [HandAsk::Carry(_), HandAsk::Tool(_)]));
+    assert!(matches!(person.look()[..], [HandEvent::Carry(_), HandEvent::Tool(_)]));
     person.hand(Left).trigger = 0.0;
     assert_eq!(person.look(), [], "a hold is no tap");
 }
@@ -160,21 +160,21 @@ fn without_a_grip_the_off_trigger_carries_and_a_tap_opens_the_board() {
 fn sticks_size_the_tool_and_go_through_the_history() {
     let mut person = Person::new(Left);
     person.hand(Left).stick = Vec2::new(0.0, 1.0);
-    let asks = person.look_after(0.0625);
-    let [HandAsk::Resize(notches)] = asks[..] else { panic!("{asks:?}") };
+    let events = person.look_after(0.0625);
+    let [HandEvent::Resize(notches)] = events[..] else { panic!("{events:?}") };
     assert!((notches - 0.0625 * RESIZE_PER_S).abs() < 1e-4);
-    let asks = person.look_after(10.0);
-    let [HandAsk::Resize(notches)] = asks[..] else { panic!("{asks:?}") };
+    let events = person.look_after(10.0);
+    let [HandEvent::Resize(notches)] = events[..] else { panic!("{events:?}") };
     assert!(notches <= LONGEST_STEP_S as f32 * RESIZE_PER_S + 1e-4, "no leap after a pause");
     person.hand(Left).stick = Vec2::ZERO;
 
     person.hand(Right).stick.x = -0.9;
-    assert_eq!(person.look(), [HandAsk::Undo]);
+    assert_eq!(person.look(), [HandEvent::Undo]);
     assert_eq!(person.look(), [], "once a push");
-    assert_eq!(person.look_after(REPEAT_AFTER_S), [HandAsk::Undo], "again while it is held");
+    assert_eq!(person.look_after(REPEAT_AFTER_S), [HandEvent::Undo], "again while it is held");
     person.hand(Right).stick.x = 0.9;
     assert_eq!(person.look(), [], "on its way through the middle");
-    assert_eq!(person.look(), [HandAsk::Redo]);
+    assert_eq!(person.look(), [HandEvent::Redo]);
     person.hand(Right).stick.x = f32::NAN;
     assert_eq!(person.look(), []);
 }
@@ -186,10 +186,10 @@ fn a_menu_button_opens_the_board_and_held_long_brings_everything_back() {
         person.hand(side).menu = true;
         assert_eq!(person.look(), []);
         person.hand(side).menu = false;
-        assert_eq!(person.look(), [HandAsk::ToggleBoard]);
+        assert_eq!(person.look(), [HandEvent::ToggleBoard]);
         person.hand(side).menu = true;
         person.look();
-        assert_eq!(person.look_after(LONG_S), [HandAsk::Recentre]);
+        assert_eq!(person.look_after(LONG_S), [HandEvent::Recentre]);
         assert_eq!(person.look_after(LONG_S), [], "once");
         person.hand(side).menu = false;
         assert_eq!(person.look(), [], "and no tap");
@@ -203,19 +203,19 @@ fn over_the_board_the_trigger_clicks_and_the_stick_scrolls() {
     let pose = Pose { position: Vec3::new(0.2, 1.3, -0.8), rotation: Quat::IDENTITY };
     person.board = Some(Board { pose, size_m: Vec2::new(0.4, 0.2) });
     person.hand(Right).trigger = 1.0;
-    let asks = person.look();
-    let [HandAsk::Point(at), HandAsk::Click(true)] = asks[..] else { panic!("{asks:?}") };
+    let events = person.look();
+    let [HandEvent::Point(at), HandEvent::Click(true)] = events[..] else { panic!("{events:?}") };
     assert!(at.abs_diff_eq(Vec2::splat(0.5), 1e-5));
     // Dragged off the board: the button is still the board's.
     person.shift(Right, Vec3::X);
-    assert!(matches!(person.look()[..], [HandAsk::PointAway, HandAsk::Tool(_)]));
+    assert!(matches!(person.look()[..], [HandEvent::PointAway, HandEvent::Tool(_)]));
     person.hand(Right).trigger = 0.0;
-    assert_eq!(person.look(), [HandAsk::Click(false)]);
+    assert_eq!(person.look(), [HandEvent::Click(false)]);
 
     person.shift(Right, Vec3::NEG_X);
     person.hand(Right).stick = Vec2::new(0.0, -1.0);
-    let asks = person.look();
-    let [HandAsk::Point(_), HandAsk::Scroll(by)] = asks[..] else { panic!("{asks:?}") };
+    let events = person.look();
+    let [HandEvent::Point(_), HandEvent::Scroll(by)] = events[..] else { panic!("{events:?}") };
     assert!(by.y < 0.0 && by.x == 0.0, "down shows what is below");
 }
 
@@ -228,40 +228,40 @@ fn a_pull_that_turns_the_hand_points_where_it_began() {
         let rotation = Quat::from_rotation_y(degrees.to_radians());
         person.hand(Right).aim.as_mut().unwrap().rotation = rotation;
     };
-    let middle = HandAsk::Point(Vec2::splat(0.5));
-    assert!(matches!(person.look()[..], [HandAsk::Point(_)]));
+    let middle = HandEvent::Point(Vec2::splat(0.5));
+    assert!(matches!(person.look()[..], [HandEvent::Point(_)]));
     // A second's pull, in which the hand turns by half a degree, and back.
-    let mut asks = Vec::new();
+    let mut events = Vec::new();
     for i in 0..=64 {
         let way = (i as f32 / 32.0).min(2.0 - i as f32 / 32.0);
         person.hand(Right).trigger = way;
         turn(&mut person, -0.5 * way);
-        asks.extend(person.look());
+        events.extend(person.look());
     }
-    asks.dedup();
-    let around = |ask: &HandAsk| match (ask, middle) {
+    events.dedup();
+    let around = |event: &HandEvent| match (event, middle) {
         // Half a degree is 0.009.
-        (HandAsk::Point(a), HandAsk::Point(b)) => a.abs_diff_eq(b, 1e-3),
+        (HandEvent::Point(a), HandEvent::Point(b)) => a.abs_diff_eq(b, 1e-3),
         _ => false,
     };
-    let begun = asks.iter().position(|ask| *ask == HandAsk::Click(true)).unwrap();
-    let ended = asks.iter().position(|ask| *ask == HandAsk::Click(false)).unwrap();
-    assert!(begun < ended, "{asks:?}");
-    let mut points = asks[..=ended].iter().filter(|ask| matches!(ask, HandAsk::Point(_)));
-    assert!(points.all(around), "{asks:?}");
+    let begun = events.iter().position(|event| *event == HandEvent::Click(true)).unwrap();
+    let ended = events.iter().position(|event| *event == HandEvent::Click(false)).unwrap();
+    assert!(begun < ended, "{events:?}");
+    let mut points = events[..=ended].iter().filter(|event| matches!(event, HandEvent::Point(_)));
+    assert!(points.all(around), "{events:?}");
     // On and off at once, as a button is.
     turn(&mut person, 0.0);
     person.look();
     person.hand(Right).trigger = 1.0;
     turn(&mut person, 0.7);
-    let asks = person.look();
-    assert!(around(&asks[0]) && asks[1] == HandAsk::Click(true), "{asks:?}");
+    let events = person.look();
+    assert!(around(&events[0]) && events[1] == HandEvent::Click(true), "{events:?}");
     // Farther than a finger turns the hand it drags, and goes on to.
     turn(&mut person, 3.0);
     assert!(!around(&person.look()[0]));
     turn(&mut person, 0.5);
-    let asks = person.look();
-    let [HandAsk::Point(at)] = asks[..] else { panic!("{asks:?}") };
+    let events = person.look();
+    let [HandEvent::Point(at)] = events[..] else { panic!("{events:?}") };
     assert!((at.x - 0.5).abs() > 0.005, "a drag is not held still: {at}");
     person.hand(Right).trigger = 0.0;
     person.look();
@@ -269,23 +269,23 @@ fn a_pull_that_turns_the_hand_points_where_it_began() {
     person.hand(Right).trigger = 0.3;
     person.look();
     turn(&mut person, 6.0);
-    let asks = person.look();
-    let [HandAsk::Point(at)] = asks[..] else { panic!("{asks:?}") };
+    let events = person.look();
+    let [HandEvent::Point(at)] = events[..] else { panic!("{events:?}") };
     turn(&mut person, 5.5);
-    assert!(person.look() != [HandAsk::Point(at)]);
+    assert!(person.look() != [HandEvent::Point(at)]);
 }
 
 #[test]
 fn a_button_of_the_main_hand_takes_a_colour() {
     let mut person = Person::new(Right);
     person.hand(Right).pick = true;
-    assert_eq!(person.look(), [HandAsk::Pick]);
+    assert_eq!(person.look(), [HandEvent::Pick]);
     person.hand(Right).trigger = 1.0;
-    assert!(!person.look().contains(&HandAsk::Pick), "not in a stroke");
+    assert!(!person.look().contains(&HandEvent::Pick), "not in a stroke");
     person.hand(Right).trigger = 0.0;
     person.hand(Right).pick = false;
     person.hand(Left).pick = true;
-    assert!(!person.look().contains(&HandAsk::Pick), "the other hand has no tool");
+    assert!(!person.look().contains(&HandEvent::Pick), "the other hand has no tool");
 }
 
 #[test]
@@ -295,11 +295,11 @@ fn a_stroke_that_has_begun_goes_on_in_front_of_the_board() {
     person.look();
     let pose = Pose { position: Vec3::new(0.2, 1.3, -0.8), rotation: Quat::IDENTITY };
     person.board = Some(Board { pose, size_m: Vec2::new(0.4, 0.2) });
-    assert!(matches!(person.look()[..], [HandAsk::Tool(_)]));
+    assert!(matches!(person.look()[..], [HandEvent::Tool(_)]));
     person.hand(Right).trigger = 0.0;
     // It points at the board once the stroke is over.
-    assert!(matches!(person.look()[..], [HandAsk::Tool(_), HandAsk::Release]));
-    assert!(matches!(person.look()[..], [HandAsk::Point(_)]));
+    assert!(matches!(person.look()[..], [HandEvent::Tool(_), HandEvent::Release]));
+    assert!(matches!(person.look()[..], [HandEvent::Point(_)]));
 }
 
 #[test]
@@ -307,16 +307,16 @@ fn what_is_held_is_let_go_when_the_hands_change_roles() {
     let mut person = Person::new(Right);
     person.hand(Right).trigger = 1.0;
     person.look();
-    let mut asks = Vec::new();
-    person.mapper.set_main(Right, &mut asks);
-    assert_eq!(asks, [], "nothing changes");
-    person.mapper.set_main(Left, &mut asks);
-    assert_eq!(asks, [HandAsk::Release]);
+    let mut events = Vec::new();
+    person.mapper.set_main(Right, &mut events);
+    assert_eq!(events, [], "nothing changes");
+    person.mapper.set_main(Left, &mut events);
+    assert_eq!(events, [HandEvent::Release]);
     person.hand(Right).trigger = 0.0;
     person.hand(Left).trigger = 1.0;
-    let asks = person.look();
-    let [HandAsk::Tool(tool), HandAsk::Tool(_), HandAsk::Press] = asks[..] else {
-        panic!("{asks:?}")
+    let events = person.look();
+    let [HandEvent::Tool(tool), HandEvent::Tool(_), HandEvent::Press] = events[..] else {
+        panic!("{events:?}")
     };
     assert!(tool.position.x < 0.0, "the left hand has the tool");
 }

@@ -14,7 +14,7 @@ use glam::Vec2;
 use serde::Deserialize;
 
 pub use board::Board;
-pub use mapper::{HandAsk, HandMapper, HandSettings};
+pub use mapper::{HandEvent, HandMapper, HandSettings};
 
 use crate::view::Pose;
 

@@ -1,7 +1,7 @@
 //! Owns what gamepads ask for: which pad leads, in which mode, what is held, how far sticks have
 //! moved something since the last picture.
 //!
-//! Takes states of pads, each with its time, and a table of bindings; gives [`Ask`]s in the order
+//! Takes states of pads, each with its time, and a table of bindings; gives [`PadEvent`]s in the order
 //! in which they were meant. What a stick does is speed times time, counted from state to state
 //! and not from picture to picture, so that no way depends on the rate of pictures.
 
@@ -11,7 +11,7 @@ use super::stick::Response;
 use super::{PadButton, PadButtons, PadId, PadMode, PadState};
 use crate::input::action::{Action, Kind};
 use crate::input::bindings::Bindings;
-use crate::input::mapper::Signal;
+use crate::input::mapper::ActionEvent;
 use crate::input::trigger::Trigger;
 
 /// Of a longer pause between two pictures only so many seconds count, so that nothing leaps away.
@@ -43,10 +43,10 @@ impl Glide {
 
 /// Something that a pad asks for.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub enum Ask {
+pub enum PadEvent {
     Glide(Glide),
     /// What a button is bound to.
-    Signal(Signal),
+    Action(ActionEvent),
     /// The pointer's first button goes down or up.
     Press(bool),
     DoubleClick,
@@ -88,7 +88,7 @@ pub struct PadMapper {
     counted_s: f64,
     /// Sticks are counted up to so long after this.
     since_s: f64,
-    asks: Vec<Ask>,
+    events: Vec<PadEvent>,
 }
 
 impl PadMapper {
@@ -105,7 +105,7 @@ impl PadMapper {
             presses: false,
             counted_s: 0.0,
             since_s: 0.0,
-            asks: Vec::new(),
+            events: Vec::new(),
         }
     }
 
@@ -121,7 +121,7 @@ impl PadMapper {
 
     /// Whether something changes with time alone, so that pictures are needed.
     pub fn is_active(&self) -> bool {
-        !self.asks.is_empty()
+        !self.events.is_empty()
             || self.repeat.is_some()
             || self.leading().is_some_and(|s| {
                 let (shift, turn) = self.speeds(&s);
@@ -200,10 +200,10 @@ impl PadMapper {
     pub fn release(&mut self) {
         self.repeat = None;
         if std::mem::take(&mut self.presses) {
-            self.asks.push(Ask::Press(false));
+            self.events.push(PadEvent::Press(false));
         }
         for (_, action) in std::mem::take(&mut self.holds) {
-            self.asks.push(Ask::Signal(Signal::End(action)));
+            self.events.push(PadEvent::Action(ActionEvent::End(action)));
         }
     }
 
@@ -222,10 +222,10 @@ impl PadMapper {
     }
 
     /// What was asked for up to `now_s` seconds, in order.
-    pub fn take(&mut self, now_s: f64, bindings: &Bindings) -> Vec<Ask> {
+    pub fn take(&mut self, now_s: f64, bindings: &Bindings) -> Vec<PadEvent> {
         self.count(now_s, bindings);
         self.since_s = now_s;
-        std::mem::take(&mut self.asks)
+        std::mem::take(&mut self.events)
     }
 
     fn leading(&self) -> Option<PadState> {
@@ -236,10 +236,10 @@ impl PadMapper {
     fn pressed(&mut self, button: PadButton, now_s: f64, bindings: &Bindings) {
         if self.mode == PadMode::OnlyMouse {
             match button {
-                PadButton::South => return self.asks.push(Ask::DoubleClick),
+                PadButton::South => return self.events.push(PadEvent::DoubleClick),
                 PadButton::North => {
                     self.presses = true;
-                    return self.asks.push(Ask::Press(true));
+                    return self.events.push(PadEvent::Press(true));
                 }
                 _ => {}
             }
@@ -249,10 +249,10 @@ impl PadMapper {
             Action::NextPadMode => self.next_mode(),
             _ if action.help().kind == Kind::Hold => {
                 self.holds.push((button, action));
-                self.asks.push(Ask::Signal(Signal::Begin { action, at: None }));
+                self.events.push(PadEvent::Action(ActionEvent::Begin { action, at: None }));
             }
             _ => {
-                self.asks.push(Ask::Signal(Signal::Tap(action)));
+                self.events.push(PadEvent::Action(ActionEvent::Tap(action)));
                 let next_s = now_s + REPEAT_AFTER_S;
                 self.repeat = action.repeats().then_some(Repeat { button, action, next_s });
             }
@@ -262,10 +262,10 @@ impl PadMapper {
     fn released(&mut self, button: PadButton) {
         self.repeat = self.repeat.filter(|repeat| repeat.button != button);
         if button == PadButton::North && std::mem::take(&mut self.presses) {
-            self.asks.push(Ask::Press(false));
+            self.events.push(PadEvent::Press(false));
         }
         if let Some(at) = self.holds.iter().position(|(held, _)| *held == button) {
-            self.asks.push(Ask::Signal(Signal::End(self.holds.remove(at).1)));
+            self.events.push(PadEvent::Action(ActionEvent::End(self.holds.remove(at).1)));
         }
     }
 
@@ -290,19 +290,19 @@ impl PadMapper {
             self.glide(Glide { mode: self.mode, shift: shift * dt_s, turn: turn * dt_s });
         }
         if let Some(repeat) = self.repeat.as_mut().filter(|repeat| repeat.next_s <= now_s) {
-            self.asks.push(Ask::Signal(Signal::Tap(repeat.action)));
+            self.events.push(PadEvent::Action(ActionEvent::Tap(repeat.action)));
             repeat.next_s = (repeat.next_s + REPEAT_EVERY_S).max(now_s);
         }
     }
 
     /// Adds a movement to the one before it, if nothing lies between.
     fn glide(&mut self, more: Glide) {
-        match self.asks.last_mut() {
-            Some(Ask::Glide(glide)) if glide.mode == more.mode => {
+        match self.events.last_mut() {
+            Some(PadEvent::Glide(glide)) if glide.mode == more.mode => {
                 glide.shift += more.shift;
                 glide.turn += more.turn;
             }
-            _ => self.asks.push(Ask::Glide(more)),
+            _ => self.events.push(PadEvent::Glide(more)),
         }
     }
 

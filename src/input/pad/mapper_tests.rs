@@ -27,9 +27,9 @@ fn pushing(x: f32, y: f32) -> PadState {
 }
 
 /// Seconds that the glides among `asks` move for at full speed.
-fn shift(asks: &[Ask]) -> Vec3 {
-    let each = asks.iter().map(|ask| match ask {
-        Ask::Glide(glide) => glide.shift,
+fn shift(events: &[PadEvent]) -> Vec3 {
+    let each = events.iter().map(|event| match event {
+        PadEvent::Glide(glide) => glide.shift,
         _ => Vec3::ZERO,
     });
     each.sum()
@@ -89,17 +89,17 @@ fn the_tool_moves_before_between_and_after_press_and_release() {
     mapper.hear(PAD, pressing, 1.1, &bindings);
     assert!(mapper.is_holding() && mapper.is_active());
     mapper.hear(PAD, pushing(1.0, 0.0), 1.2, &bindings);
-    let asks = mapper.take(1.4, &bindings);
+    let events = mapper.take(1.4, &bindings);
     assert!(!mapper.is_holding());
     let [
-        Ask::Glide(before),
-        Ask::Signal(Signal::Begin { action: APPLY, at: None }),
-        Ask::Glide(during),
-        Ask::Signal(Signal::End(APPLY)),
-        Ask::Glide(after),
-    ] = asks[..]
+        PadEvent::Glide(before),
+        PadEvent::Action(ActionEvent::Begin { action: APPLY, at: None }),
+        PadEvent::Glide(during),
+        PadEvent::Action(ActionEvent::End(APPLY)),
+        PadEvent::Glide(after),
+    ] = events[..]
     else {
-        panic!("{asks:?}")
+        panic!("{events:?}")
     };
     let ways = [before, during, after].map(|glide| glide.shift.x);
     assert!(std::iter::zip(ways, [0.1, 0.1, 0.2]).all(|(a, b): (f32, f32)| (a - b).abs() < 1e-4));
@@ -115,7 +115,7 @@ fn sticks_and_shoulders_have_their_axes() {
         let mut mapper = mapper(PadMode::MoveGrid);
         mapper.hear(PAD, state, 1.0, &bindings);
         match mapper.take(1.25, &bindings)[..] {
-            [Ask::Glide(glide)] => (glide.shift * 4.0, glide.turn * 4.0),
+            [PadEvent::Glide(glide)] => (glide.shift * 4.0, glide.turn * 4.0),
             ref other => panic!("{other:?}"),
         }
     };
@@ -139,8 +139,8 @@ fn a_bound_shoulder_moves_nothing() {
     let bindings = Bindings::parse(bound).unwrap();
     let mut mapper = mapper(PadMode::UseTool);
     mapper.hear(PAD, holding(&[PadButton::LeftShoulder]), 1.0, &bindings);
-    let asks = mapper.take(1.2, &bindings);
-    assert_eq!(asks, [Ask::Signal(Signal::Tap(Action::Save))]);
+    let events = mapper.take(1.2, &bindings);
+    assert_eq!(events, [PadEvent::Action(ActionEvent::Tap(Action::Save))]);
     assert!(!mapper.is_active());
 }
 
@@ -153,9 +153,12 @@ fn in_mouse_mode_two_buttons_click() {
     assert!(mapper.is_holding());
     mapper.hear(PAD, holding(&[PadButton::DpadLeft]), 1.2, &bindings);
     mapper.hear(PAD, holding(&[]), 1.3, &bindings);
-    let undo = Ask::Signal(Signal::Tap(Action::Undo));
-    let asks = mapper.take(1.3, &bindings);
-    assert_eq!(asks, [Ask::DoubleClick, Ask::Press(true), Ask::Press(false), undo]);
+    let undo = PadEvent::Action(ActionEvent::Tap(Action::Undo));
+    let events = mapper.take(1.3, &bindings);
+    assert_eq!(
+        events,
+        [PadEvent::DoubleClick, PadEvent::Press(true), PadEvent::Press(false), undo]
+    );
 }
 
 #[test]
@@ -175,7 +178,7 @@ fn held_buttons_ask_again_where_that_makes_sense() {
 #[test]
 fn switching_going_and_losing_the_keyboard_release_what_is_held() {
     let bindings = bindings();
-    let end = Ask::Signal(Signal::End(APPLY));
+    let end = PadEvent::Action(ActionEvent::End(APPLY));
     let held = || {
         let mut mapper = mapper(PadMode::UseTool);
         mapper.hear(PAD, holding(&[PadButton::South]), 1.0, &bindings);
@@ -216,9 +219,9 @@ fn the_pad_used_last_leads() {
     assert_eq!(mapper.leader(), Some((PAD, "one")), "a stick that is not quite at rest");
     mapper.hear(OTHER, pushing(1.0, 0.0), 1.2, &bindings);
     assert_eq!(mapper.leader(), Some((OTHER, "two")));
-    let asks = mapper.take(1.3, &bindings);
-    assert!(asks.contains(&Ask::Signal(Signal::End(APPLY))));
-    assert!((shift(&asks).x - 0.1).abs() < 1e-4);
+    let events = mapper.take(1.3, &bindings);
+    assert!(events.contains(&PadEvent::Action(ActionEvent::End(APPLY))));
+    assert!((shift(&events).x - 0.1).abs() < 1e-4);
 }
 
 #[test]

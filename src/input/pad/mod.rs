@@ -14,7 +14,7 @@ use glam::Vec2;
 use serde::Deserialize;
 
 pub use button::{PadButton, PadButtons};
-pub use mapper::{Ask, Glide, PadMapper};
+pub use mapper::{Glide, PadEvent, PadMapper};
 
 /// Tells pads apart while the program runs.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]

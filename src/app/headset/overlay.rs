@@ -5,9 +5,9 @@ use std::f32::consts::TAU;
 
 use glam::Vec3;
 
-use crate::app::guides::{self, Aid};
-use crate::app::workbench::Workbench;
-use crate::render::overlay::{Ghost, Line};
+use crate::app::overlay::{self, OverlayScene};
+use crate::app::workspace::Workspace;
+use crate::render::overlay::{Line, ToolPreview};
 use crate::sculpture::Rgb;
 use crate::view::Room;
 
@@ -20,27 +20,27 @@ const SEGMENTS: usize = 32;
 
 /// What is drawn besides the sculpture. `ray`: from a hand to the board; `floor`: the room has
 /// one that is not seen.
-pub fn guides(
-    bench: &Workbench,
+pub fn overlay(
+    workspace: &Workspace,
     room: &Room,
     ray: Option<[Vec3; 2]>,
     floor: bool,
-) -> (Option<Ghost>, Vec<Line>) {
+) -> (Option<ToolPreview>, Vec<Line>) {
     // The pointer and what it sees belong to the window.
-    let aid = Aid { seen: None, pointer: None, ..bench.aid() };
-    let (ghost, mut lines) = (guides::ghost(&aid), guides::lines(&aid));
+    let scene = OverlayScene { seen: None, pointer: None, ..workspace.scene() };
+    let (preview, mut lines) = (overlay::preview(&scene), overlay::lines(&scene));
     let line = |from, to, colour, width_px, opacity| Line { from, to, colour, width_px, opacity };
-    if let Some(can) = bench.can(room).filter(|_| bench.ui.view.tool) {
+    if let Some(can) = workspace.can(room).filter(|_| workspace.ui.view.tool) {
         let tip = can.eye_vx + can.aim;
         let rim = |i: usize| {
             let (sin, cos) = (TAU * i as f32 / SEGMENTS as f32).sin_cos();
             tip + (can.across * cos + can.down * sin) * can.radius
         };
-        let colour = bench.ui.hand.colour;
+        let colour = workspace.ui.hand.colour;
         lines.extend((0..SEGMENTS).map(|i| line(rim(i), rim(i + 1), colour, 1.4, [0.9, 0.3])));
         lines.push(line(can.eye_vx, tip, colour, 1.2, [0.6, 0.2]));
     }
-    let at = |point| bench.grid_point(point, room);
+    let at = |point| workspace.grid_point(point, room);
     if let Some([from, to]) = ray {
         lines.push(line(at(from), at(to), RAY, 1.8, [0.8, 0.8]));
     }
@@ -56,5 +56,5 @@ pub fn guides(
             }
         }
     }
-    (ghost, lines)
+    (preview, lines)
 }

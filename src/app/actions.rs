@@ -1,4 +1,4 @@
-//! Owns what each action and intent leads to: commands for the session, another view, another
+//! Owns what each action and request leads to: commands for the session, another view, another
 //! tool, a window that opens.
 
 use glam::{UVec3, Vec2, Vec3};
@@ -6,7 +6,7 @@ use glam::{UVec3, Vec2, Vec3};
 use super::aim::{lasting, voxel_at};
 use super::job::Then;
 use super::stroke::Guide;
-use super::workbench::Workbench;
+use super::workspace::Workspace;
 use crate::command::{Area, Command};
 use crate::config::RenderMode;
 use crate::input::{Action, Side};
@@ -15,7 +15,7 @@ use crate::tools::spray::SprayKind;
 use crate::tools::symmetry::Parity;
 use crate::ui::files::FileTask;
 use crate::ui::state::{Next, Repeat};
-use crate::ui::{Intent, Tool, sprays};
+use crate::ui::{Tool, UiRequest, sprays};
 use crate::view::StereoLayout;
 
 /// Factor on the tool's size for one press of a key.
@@ -26,21 +26,21 @@ pub(super) const GROWTH_PER_NOTCH: f32 = 1.1;
 /// Notches of the wheel for one press of a key that zooms.
 const ZOOM_NOTCHES: f32 = 2.0;
 
-impl Workbench {
-    pub(super) fn carry_out(&mut self, intent: Intent) {
-        match intent {
-            Intent::Do(action) => self.act(action),
-            Intent::Run(command) => self.run_unless_work_is_lost(command),
-            Intent::Keys(change) => self.change_keys(change),
-            Intent::Calibrate(step) => self.calibrate(step),
-            Intent::StopWork => self.cancel_job(),
+impl Workspace {
+    pub(super) fn carry_out(&mut self, request: UiRequest) {
+        match request {
+            UiRequest::Do(action) => self.act(action),
+            UiRequest::Run(command) => self.run_unless_work_is_lost(command),
+            UiRequest::Keys(change) => self.change_keys(change),
+            UiRequest::Calibrate(step) => self.calibrate(step),
+            UiRequest::StopWork => self.cancel_job(),
             // If something is being written, leaving waits for its success.
-            Intent::Go(Next::Leave) if self.job.is_some() => self.leave_after_job(),
-            Intent::Go(Next::Leave) => self.leave(),
-            Intent::Go(Next::Run(command)) => self.run(command),
-            Intent::SaveFirst(next) => self.save(Some(next)),
-            Intent::SaveThen(command, next) => self.run_then(command, Then::Go(next)),
-            Intent::Irreversibly(command) => self.run_irreversibly(command),
+            UiRequest::Go(Next::Leave) if self.job.is_some() => self.leave_after_job(),
+            UiRequest::Go(Next::Leave) => self.leave(),
+            UiRequest::Go(Next::Run(command)) => self.run(command),
+            UiRequest::SaveFirst(next) => self.save(Some(next)),
+            UiRequest::SaveThen(command, next) => self.run_then(command, Then::Go(next)),
+            UiRequest::Irreversibly(command) => self.run_irreversibly(command),
         }
     }
 
@@ -134,7 +134,7 @@ impl Workbench {
             Action::LookFrom(side) => self.look_from(side),
             Action::ZoomIn | Action::ZoomOut => {
                 let notches = if action == Action::ZoomIn { ZOOM_NOTCHES } else { -ZOOM_NOTCHES };
-                self.wheel(Action::Zoom, notches, self.stage.middle());
+                self.wheel(Action::Zoom, notches, self.turntable.middle());
             }
             Action::ToggleBounds => self.ui.view.bounds ^= true,
             Action::NextToolMode => self.ui.hand.mode = self.ui.hand.mode.next(),
@@ -151,7 +151,7 @@ impl Workbench {
             Action::ToggleTheme => self.ui.theme = self.ui.theme.other(),
             Action::Fullscreen => self.ui.switch_fullscreen = true,
             Action::Screenshot => self.ui.screenshot = true,
-            Action::TearOff(panel) => self.ui.tear_off(panel),
+            Action::Detach(panel) => self.ui.toggle_detached(panel),
             Action::ScaleUp => self.ui.scale.change_by(1.0),
             Action::ScaleDown => self.ui.scale.change_by(-1.0),
             Action::ScaleReset => self.ui.scale.reset(),
@@ -236,7 +236,7 @@ impl Workbench {
         let placement = *self.session.document().placement();
         match action {
             Action::Sculpt | Action::SculptInverse | Action::SculptSmooth if self.turns_instead => {
-                self.place(self.stage.turned(&placement, by, self.ui.view.up));
+                self.place(self.turntable.turned(&placement, by, self.ui.view.up));
             }
             Action::Sculpt | Action::SculptInverse | Action::SculptSmooth => match &self.stroke {
                 _ if self.marker_drag.is_some() => self.drag_marker(at),
@@ -246,16 +246,16 @@ impl Workbench {
             },
             Action::PickColour => self.pick_colour(),
             Action::TurnSculpture => {
-                self.place(self.stage.turned(&placement, by, self.ui.view.up));
+                self.place(self.turntable.turned(&placement, by, self.ui.view.up));
             }
-            Action::PanSculpture => self.place(self.stage.shifted(&placement, by)),
+            Action::PanSculpture => self.place(self.turntable.shifted(&placement, by)),
             Action::MoveTool | Action::MoveToolDeep if self.ui.hand.spray().is_some() => {
                 self.lead_spray(at);
             }
             Action::MoveTool => self.drag_tool(by, false),
             Action::MoveToolDeep => self.drag_tool(by, true),
             Action::TurnTool => {
-                let world_turn = self.stage.turn_of(by);
+                let world_turn = self.turntable.turn_of(by);
                 let grid_turn = placement.rotation.inverse() * world_turn * placement.rotation;
                 self.ui.hand.turn_by(grid_turn);
             }
@@ -311,7 +311,7 @@ impl Workbench {
             Action::Zoom if self.ar.is_on() => self.ar.zoom(notches),
             Action::Zoom => {
                 let placement = *self.session.document().placement();
-                let placement = self.stage.zoomed(&placement, notches, at);
+                let placement = self.turntable.zoomed(&placement, notches, at);
                 self.place(placement);
             }
             Action::ResizeTool => self.resize(notches, GROWTH_PER_NOTCH),
@@ -322,8 +322,8 @@ impl Workbench {
     /// Shows all of the grid from a side.
     pub(super) fn look_from(&mut self, side: Side) {
         let document = self.session.document();
-        let placement = self.stage.looking_from(side, self.ui.view.up, document.placement());
-        self.stage.show_all(document.grid(), &placement);
+        let placement = self.turntable.looking_from(side, self.ui.view.up, document.placement());
+        self.turntable.show_all(document.grid(), &placement);
         self.place(placement);
     }
 
@@ -378,7 +378,7 @@ fn spray_for(action: Action, tool: Tool) -> Option<SprayKind> {
     }
 }
 
-impl Workbench {
+impl Workspace {
     /// The next way to show two eyes that this window has.
     fn next_stereo(&mut self) {
         let layout = &mut self.ui.view.stereo.layout;

@@ -1,4 +1,4 @@
-//! Owns the windows of panels that are torn off: one for each in the workbench's list, with the
+//! Owns the windows of panels that are detached off: one for each in the workspace's list, with the
 //! place where it was last.
 //!
 //! A panel's pass is run whenever something happened in any window, for it costs little. If it gives
@@ -16,7 +16,7 @@ use winit::window::{Window, WindowId};
 
 use super::AppError;
 use super::pane::{Interface, Pane};
-use super::workbench::Workbench;
+use super::workspace::Workspace;
 use crate::gpu::{Device, GpuError};
 use crate::input::Panel;
 use crate::ui::state::PanelPlace;
@@ -32,7 +32,7 @@ const SMALLEST: LogicalSize<f32> = LogicalSize::new(theme::TOOLBOX_WIDTH, 120.0)
 
 /// The windows of panels.
 #[derive(Default)]
-pub struct Torn {
+pub struct DetachedPanels {
     windows: Vec<PanelWindow>,
 }
 
@@ -49,35 +49,35 @@ pub struct PanelWindow {
     retry: Duration,
 }
 
-impl Torn {
-    /// Opens and closes windows as the workbench wants them. Without a window a panel goes back
+impl DetachedPanels {
+    /// Opens and closes windows as the workspace wants them. Without a window a panel goes back
     /// to its place.
     pub fn follow(
         &mut self,
         event_loop: &ActiveEventLoop,
         main: &Window,
         device: &Arc<Device>,
-        bench: &mut Workbench,
+        workspace: &mut Workspace,
     ) {
         let (kept, gone) = std::mem::take(&mut self.windows)
             .into_iter()
-            .partition(|window| bench.ui.torn.contains(&window.panel));
+            .partition(|window| workspace.ui.detached.contains(&window.panel));
         self.windows = kept;
         for window in gone {
-            bench.ui.windows.panels.insert(window.panel, place_of(window.pane.window()));
-            bench.put_back(window.panel);
+            workspace.ui.windows.panels.insert(window.panel, place_of(window.pane.window()));
+            workspace.put_back(window.panel);
         }
-        for panel in bench.ui.torn.clone() {
+        for panel in workspace.ui.detached.clone() {
             if self.windows.iter().any(|window| window.panel == panel) {
                 continue;
             }
-            let place = bench.ui.windows.panels.get(&panel).copied();
-            let scale = bench.ui.scale.factor();
+            let place = workspace.ui.windows.panels.get(&panel).copied();
+            let scale = workspace.ui.scale.factor();
             match PanelWindow::open(event_loop, main, device, panel, place, scale) {
                 Ok(window) => self.windows.push(window),
                 Err(error) => {
-                    bench.put_back(panel);
-                    bench.ui.toasts.error(error.to_string());
+                    workspace.put_back(panel);
+                    workspace.ui.toasts.error(error.to_string());
                 }
             }
         }
@@ -94,7 +94,7 @@ impl Torn {
 
     /// Brings up to date the windows whose time has come. True if something was done in one that
     /// the main window may show.
-    pub fn refresh(&mut self, bench: &mut Workbench) -> Result<bool, GpuError> {
+    pub fn refresh(&mut self, workspace: &mut Workspace) -> Result<bool, GpuError> {
         let now = Instant::now();
         let mut touched = false;
         for window in &mut self.windows {
@@ -103,7 +103,7 @@ impl Torn {
                 window.pane.await_none();
             }
             if window.stale || window.pane.wake().is_some_and(|wake| wake <= now) {
-                touched |= window.frame(bench);
+                touched |= window.frame(workspace);
             }
             // The window system waits for a picture that it did not get.
             if window.pane.has_missed() {
@@ -129,7 +129,7 @@ impl Torn {
         self.windows.iter().any(|window| window.pane.is_pending())
     }
 
-    /// Closes all windows; [`Torn::follow`] opens them again, with another device if need be,
+    /// Closes all windows; [`DetachedPanels::follow`] opens them again, with another device if need be,
     /// where they were noted to be.
     pub fn close(&mut self) {
         self.windows.clear();
@@ -215,12 +215,12 @@ impl PanelWindow {
 
     /// Runs the panel's pass, and asks for a picture if it looks other than the last. True if
     /// something was done in it that other windows may show.
-    fn frame(&mut self, bench: &mut Workbench) -> bool {
+    fn frame(&mut self, workspace: &mut Workspace) -> bool {
         let started = Instant::now();
         self.stale = false;
         let panel = self.panel;
         let mut touched = false;
-        let interface = self.pane.interface(|root| touched |= bench.show_panel(panel, root));
+        let interface = self.pane.interface(|root| touched |= workspace.show_panel(panel, root));
         self.pane.wake_at(started.checked_add(interface.repaint_after));
         let same = self.latest.as_ref().is_some_and(|latest| {
             latest.pixels_per_point == interface.pixels_per_point
@@ -233,7 +233,7 @@ impl PanelWindow {
             self.pane.redraw();
         }
         if let Some(lack) = self.pane.take_lack() {
-            bench.ui.toasts.error(lack.to_string());
+            workspace.ui.toasts.error(lack.to_string());
         }
         touched
     }

@@ -8,7 +8,7 @@ use glam::{Mat3, Quat, UVec3, Vec2, Vec3};
 use crate::config::Theme;
 use crate::document::Document;
 use crate::input::ToolMode;
-use crate::render::overlay::{Ghost, Line};
+use crate::render::overlay::{Line, ToolPreview};
 use crate::sculpture::orientation::Orientation;
 use crate::sculpture::region::VoxelBox;
 use crate::sculpture::{Grid, Rgb};
@@ -26,8 +26,8 @@ const RED: Rgb = Rgb::new(0xf0, 0x30, 0x28);
 /// Segments of a circle around the ellipsoid.
 const SEGMENTS: usize = 40;
 
-/// What the guides are drawn from.
-pub struct Aid<'a> {
+/// What the overlay are drawn from.
+pub struct OverlayScene<'a> {
     pub hand: &'a Hand,
     pub document: &'a Document,
     pub view: &'a ViewState,
@@ -42,19 +42,19 @@ pub struct Aid<'a> {
 }
 
 /// The tool as a shell of the colour that it gives, or red where it cuts; the marker as a box.
-pub fn ghost(aid: &Aid) -> Option<Ghost> {
-    let voxel_size = aid.document.grid().voxel_size();
-    match aid.hand.tool {
-        _ if !aid.view.tool => None,
+pub fn preview(scene: &OverlayScene) -> Option<ToolPreview> {
+    let voxel_size = scene.document.grid().voxel_size();
+    match scene.hand.tool {
+        _ if !scene.view.tool => None,
         Tool::Spray(_) => None,
-        Tool::Solid => Some(Ghost {
-            primitive: aid.hand.primitive(),
+        Tool::Solid => Some(ToolPreview {
+            primitive: scene.hand.primitive(),
             voxel_size,
-            colour: colour_of(aid.hand),
+            colour: colour_of(scene.hand),
             opacity: [0.38, 0.12],
         }),
         Tool::Marker => {
-            let VoxelBox { min, max } = aid.document.selection().marker();
+            let VoxelBox { min, max } = scene.document.selection().marker();
             let stretch = voxel_size / voxel_size.min_element();
             let (min, max) = (min.as_vec3(), max.as_vec3());
             let primitive = Primitive {
@@ -63,14 +63,14 @@ pub fn ghost(aid: &Aid) -> Option<Ghost> {
                 half: (max - min) * 0.5 * stretch,
                 rotation: Quat::IDENTITY,
             };
-            Some(Ghost { primitive, voxel_size, colour: MARKER, opacity: [0.16, 0.06] })
+            Some(ToolPreview { primitive, voxel_size, colour: MARKER, opacity: [0.16, 0.06] })
         }
     }
 }
 
 /// The lines of a picture, as far as the person wants to see them.
-pub fn lines(aid: &Aid) -> Vec<Line> {
-    let Aid { hand, document, view, .. } = *aid;
+pub fn lines(scene: &OverlayScene) -> Vec<Line> {
+    let OverlayScene { hand, document, view, .. } = *scene;
     let (grid, selection) = (document.grid(), document.selection());
     let mut lines = Vec::new();
     let frame = |lines: &mut Vec<Line>, bounds: VoxelBox, colour, opacity: [f32; 2]| {
@@ -78,7 +78,7 @@ pub fn lines(aid: &Aid) -> Vec<Line> {
         lines.extend(box_edges(bounds.min.as_vec3(), bounds.max.as_vec3()).map(edge));
     };
     if view.bounds {
-        let colour = match aid.theme {
+        let colour = match scene.theme {
             Theme::Dark => Rgb::new(0x9a, 0xa4, 0xb0),
             Theme::Light => Rgb::new(0x60, 0x68, 0x70),
         };
@@ -128,13 +128,13 @@ pub fn lines(aid: &Aid) -> Vec<Line> {
                 SprayKind::Smooth => MIRROR,
                 _ => hand.colour,
             };
-            lines.extend(footprint_edges(aid, kind).into_iter().map(outline(colour)));
+            lines.extend(footprint_edges(scene, kind).into_iter().map(outline(colour)));
         }
         Tool::Marker => {
             let marker = selection.marker();
             frame(&mut lines, marker, MARKER, [1.0, 0.5]);
             if let Some(clip) = document.clip() {
-                frame(&mut lines, clip.bounds(marker.min, aid.orientation), PASTE, [0.9, 0.4]);
+                frame(&mut lines, clip.bounds(marker.min, scene.orientation), PASTE, [0.9, 0.4]);
             }
         }
     }
@@ -142,12 +142,12 @@ pub fn lines(aid: &Aid) -> Vec<Line> {
 }
 
 /// The rim of a spray's footprint, laid into the picture at the depth of what it points at.
-fn footprint_edges(aid: &Aid, kind: SprayKind) -> Vec<(Vec3, Vec3)> {
-    let (Some(map), Some(at)) = (aid.seen, aid.pointer) else { return Vec::new() };
-    let options = aid.hand.sprays.of(kind);
+fn footprint_edges(scene: &OverlayScene, kind: SprayKind) -> Vec<(Vec3, Vec3)> {
+    let (Some(map), Some(at)) = (scene.seen, scene.pointer) else { return Vec::new() };
+    let options = scene.hand.sprays.of(kind);
     let point = |offset: Vec2| {
         let at = at + offset * options.radius_px;
-        map.rays.origin + map.rays.direction_at(at.x, at.y) * aid.depth
+        map.rays.origin + map.rays.direction_at(at.x, at.y) * scene.depth
     };
     let corners: Vec<Vec3> = match options.outline {
         Outline::Round => (0..SEGMENTS)
@@ -256,7 +256,7 @@ mod tests {
     fn what_the_sculpture_hides_of_grid_and_line_is_not_drawn() {
         let document = document();
         let state = UiState::new(&Config::default(), document.grid().dims());
-        let aid = Aid {
+        let scene = OverlayScene {
             hand: &state.hand,
             document: &document,
             view: &state.view,
@@ -266,7 +266,7 @@ mod tests {
             pointer: None,
             depth: 1.0,
         };
-        let lines = lines(&aid);
+        let lines = lines(&scene);
         let hidden = lines.iter().filter(|line| line.opacity[1] == 0.0).count();
         assert_eq!(hidden, 12 + 1, "the edges of the grid and the red line");
         assert!(lines.iter().all(|line| line.opacity[0] > 0.5));
@@ -288,7 +288,7 @@ mod tests {
         let mut document = document();
         let mut state = UiState::new(&Config::default(), document.grid().dims());
         let count = |state: &UiState, document: &Document| {
-            let aid = Aid {
+            let scene = OverlayScene {
                 hand: &state.hand,
                 document,
                 view: &state.view,
@@ -298,7 +298,7 @@ mod tests {
                 pointer: None,
                 depth: 1.0,
             };
-            (lines(&aid).len(), ghost(&aid).is_some())
+            (lines(&scene).len(), preview(&scene).is_some())
         };
         assert_eq!(count(&state, &document), (12 + 1 + 3 * SEGMENTS, true));
         state.view.bounds = false;

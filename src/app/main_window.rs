@@ -1,7 +1,7 @@
 //! Owns the main window: the device made for it, and the picture of the sculpture below its
 //! interface.
 //!
-//! What is drawn is decided by the workbench.
+//! What is drawn is decided by the workspace.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -12,13 +12,13 @@ use winit::window::{Fullscreen, Window};
 use super::painter::Painter;
 use super::pane::{Frame, Interface, Pane};
 use super::screenshot;
-use super::workbench::Workbench;
+use super::workspace::Workspace;
 use crate::config::Config;
 use crate::gpu::{Device, GpuError, ValidationLog, WindowHost};
 use crate::view::StereoLayout;
 
 /// The main window with all that draws to it. Fields are dropped in this order.
-pub struct View {
+pub struct MainWindow {
     painter: Painter,
     pub pane: Pane,
     /// Where the picture lies in the window, in pixels.
@@ -27,13 +27,13 @@ pub struct View {
     shown: u64,
 }
 
-impl View {
-    pub fn new(window: Arc<Window>, config: &Config) -> Result<View, GpuError> {
+impl MainWindow {
+    pub fn new(window: Arc<Window>, config: &Config) -> Result<MainWindow, GpuError> {
         let mut host = WindowHost::new(window.clone());
         let device = Device::new(&mut host, &config.device_options())?;
         let pane = Pane::new(window, host.into_surface()?, &device)?;
         let painter = Painter::new(&device, pane.screen().format())?;
-        Ok(View { painter, pane, corner: UVec2::ZERO, shown: 0 })
+        Ok(MainWindow { painter, pane, corner: UVec2::ZERO, shown: 0 })
     }
 
     /// Gives everything back but the window.
@@ -49,8 +49,8 @@ impl View {
         self.device().validation_log().clone()
     }
 
-    pub fn set_title(&self, bench: &Workbench) {
-        let session = bench.session();
+    pub fn set_title(&self, workspace: &Workspace) {
+        let session = workspace.session();
         let name = session.path().and_then(|p| p.file_name()).map(|n| n.to_string_lossy());
         let star = if session.modified() { "*" } else { "" };
         let name = name.as_deref().unwrap_or("untitled");
@@ -61,52 +61,52 @@ impl View {
     /// to.
     pub fn begin(
         &mut self,
-        bench: &mut Workbench,
+        workspace: &mut Workspace,
         patience: Duration,
     ) -> Result<Option<Frame>, GpuError> {
-        bench.quad_buffered = self.pane.screen().can_layer();
-        let layout = &mut bench.ui.view.stereo.layout;
-        if *layout == StereoLayout::Layers && !bench.quad_buffered {
+        workspace.quad_buffered = self.pane.screen().can_layer();
+        let layout = &mut workspace.ui.view.stereo.layout;
+        if *layout == StereoLayout::Layers && !workspace.quad_buffered {
             *layout = StereoLayout::SideBySide;
             let text = "this display does not support quad-buffered stereo";
-            bench.ui.toasts.error(format!("{text}; showing the eyes side by side"));
+            workspace.ui.toasts.error(format!("{text}; showing the eyes side by side"));
         }
-        self.pane.arrange(bench.ui.view.stereo.layout);
+        self.pane.arrange(workspace.ui.view.stereo.layout);
         self.pane.begin(patience)
     }
 
     /// Lets the gamepad do its part. What it does with the pointer the next pass of the interface
     /// hears as if it came from the mouse.
-    pub fn play_pad(&mut self, bench: &mut Workbench, now_s: f64) {
-        let events = bench.play_pad(now_s, self.pane.context());
+    pub fn play_pad(&mut self, workspace: &mut Workspace, now_s: f64) {
+        let events = workspace.play_pad(now_s, self.pane.context());
         let moved = events.iter().rev().find_map(|event| match event {
             egui::Event::PointerMoved(at) => Some(*at),
             _ => None,
         });
         if let Some(at) = moved {
-            bench.pointer_follows(self.pane.move_pointer(at));
+            workspace.pointer_follows(self.pane.move_pointer(at));
         }
         self.pane.inject(events);
     }
 
-    /// Runs a pass of the interface, in which the workbench does what the person wants.
-    pub fn interface(&mut self, bench: &mut Workbench) -> Interface {
-        if bench.device.is_empty() {
-            bench.device = self.device().device_name();
+    /// Runs a pass of the interface, in which the workspace does what the person wants.
+    pub fn interface(&mut self, workspace: &mut Workspace) -> Interface {
+        if workspace.device.is_empty() {
+            workspace.device = self.device().device_name();
         }
-        bench.pointing_eye = self.pane.pointing_eye();
-        self.pane.interface(|root| bench.show(root))
+        workspace.pointing_eye = self.pane.pointing_eye();
+        self.pane.interface(|root| workspace.show(root))
     }
 
     /// Puts the picture of the sculpture into its place in the window.
     pub fn draw_sculpture(
         &mut self,
         frame: &mut Frame,
-        bench: &mut Workbench,
+        workspace: &mut Workspace,
     ) -> Result<(), GpuError> {
         let slot = self.pane.slot();
-        self.painter.paint(&mut frame.recorder, slot, bench)?;
-        let corner = (bench.picture().min.to_vec2() * self.pane.pixels_per_point()).round();
+        self.painter.paint(&mut frame.recorder, slot, workspace)?;
+        let corner = (workspace.picture().min.to_vec2() * self.pane.pixels_per_point()).round();
         self.corner = UVec2::new(corner.x.max(0.0) as u32, corner.y.max(0.0) as u32);
         if let Some(pictures) = self.painter.pictures()
             // Those of two eyes are put together with the interface.
@@ -135,18 +135,18 @@ impl View {
     }
 
     /// Saves the picture that was just shown, if that was asked for.
-    pub fn save_screenshot(&mut self, bench: &mut Workbench) -> Result<(), GpuError> {
-        if !std::mem::take(&mut bench.ui.screenshot) {
+    pub fn save_screenshot(&mut self, workspace: &mut Workspace) -> Result<(), GpuError> {
+        if !std::mem::take(&mut workspace.ui.screenshot) {
             return Ok(());
         }
         if let Some((format, eyes)) = self.painter.read_back()? {
-            match screenshot::save(bench.session().path(), format, &eyes) {
+            match screenshot::save(workspace.session().path(), format, &eyes) {
                 Ok(paths) => {
                     let names: Vec<String> =
                         paths.iter().map(|path| path.display().to_string()).collect();
-                    bench.ui.toasts.note(format!("Saved {}", names.join(" and ")));
+                    workspace.ui.toasts.note(format!("Saved {}", names.join(" and ")));
                 }
-                Err(error) => bench.ui.toasts.error(error.to_string()),
+                Err(error) => workspace.ui.toasts.error(error.to_string()),
             }
         }
         // Tool and lines come back.
@@ -156,8 +156,8 @@ impl View {
 
     /// Lets the window fill its screen, or no longer, if that was asked for. The system may have
     /// changed it meanwhile, so the window itself is asked what it does now.
-    pub fn switch_fullscreen(&self, bench: &mut Workbench) {
-        if std::mem::take(&mut bench.ui.switch_fullscreen) {
+    pub fn switch_fullscreen(&self, workspace: &mut Workspace) {
+        if std::mem::take(&mut workspace.ui.switch_fullscreen) {
             let window = self.pane.window();
             let whole = window.fullscreen().is_none().then_some(Fullscreen::Borderless(None));
             window.set_fullscreen(whole);

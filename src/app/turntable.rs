@@ -22,7 +22,7 @@ const MARGIN: f32 = 1.02;
 
 /// The camera before the sculpture.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Stage {
+pub struct Turntable {
     /// From the camera to the origin, in world units.
     distance: f32,
     /// Of the ball around the grid, in world units.
@@ -32,12 +32,13 @@ pub struct Stage {
     size: UVec2,
 }
 
-impl Stage {
+impl Turntable {
     /// A camera that shows the whole of `grid`.
-    pub fn new(grid: &Grid, fov_deg: f32, size: UVec2) -> Stage {
-        let mut stage = Stage { distance: 1.0, radius: 1.0, fov_y_rad: fov_deg.to_radians(), size };
-        stage.show_all(grid, &Placement::default());
-        stage
+    pub fn new(grid: &Grid, fov_deg: f32, size: UVec2) -> Turntable {
+        let mut turntable =
+            Turntable { distance: 1.0, radius: 1.0, fov_y_rad: fov_deg.to_radians(), size };
+        turntable.show_all(grid, &Placement::default());
+        turntable
     }
 
     pub fn set_size(&mut self, size: UVec2) {
@@ -165,18 +166,18 @@ mod tests {
     use super::*;
     use glam::UVec3;
 
-    fn stage() -> (Grid, Stage) {
+    fn turntable() -> (Grid, Turntable) {
         let grid = Grid::new(UVec3::new(20, 10, 30), Vec3::ONE, 1 << 30).unwrap();
-        let stage = Stage::new(&grid, 45.0, UVec2::new(640, 480));
-        (grid, stage)
+        let turntable = Turntable::new(&grid, 45.0, UVec2::new(640, 480));
+        (grid, turntable)
     }
 
     #[test]
     fn every_side_comes_to_the_front() {
-        let (_, stage) = stage();
+        let (_, turntable) = turntable();
         let placement = Placement::default();
         let faces = |side, up, axis: Vec3| {
-            let rotation = stage.looking_from(side, up, &placement).rotation;
+            let rotation = turntable.looking_from(side, up, &placement).rotation;
             assert!((rotation * axis).abs_diff_eq(Vec3::Z, 1e-5), "{side:?} {up}");
             if !matches!(side, Side::Top | Side::Bottom) {
                 assert!((rotation * up).abs_diff_eq(Vec3::Y, 1e-5), "{side:?} {up}");
@@ -192,21 +193,21 @@ mod tests {
             faces(Side::Top, up, up);
         }
         faces(Side::Front, Vec3::Z, Vec3::NEG_Y);
-        let corner = stage.looking_from(Side::Corner, Vec3::Y, &placement).rotation;
+        let corner = turntable.looking_from(Side::Corner, Vec3::Y, &placement).rotation;
         let seen = corner * Vec3::new(0.8, 0.6, 1.0).normalize();
         assert!(seen.abs_diff_eq(Vec3::Z, 1e-5));
     }
 
     #[test]
     fn all_corners_are_in_the_picture_however_the_grid_is_turned() {
-        let (grid, mut stage) = stage();
+        let (grid, mut turntable) = turntable();
         for size in [UVec2::new(640, 480), UVec2::new(300, 900)] {
-            stage.set_size(size);
-            stage.show_all(&grid, &Placement::default());
+            turntable.set_size(size);
+            turntable.show_all(&grid, &Placement::default());
             for side in Side::ALL {
-                let placement = stage.looking_from(side, Vec3::Y, &Placement::default());
+                let placement = turntable.looking_from(side, Vec3::Y, &Placement::default());
                 let world_from_grid = placement.world_from_grid(grid.dims(), grid.voxel_size());
-                let clip_from_grid = stage.eye().clip_from_grid(&world_from_grid);
+                let clip_from_grid = turntable.eye().clip_from_grid(&world_from_grid);
                 for i in 0..8 {
                     let corner = Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
                     let clip = clip_from_grid * (corner * grid.dims().as_vec3()).extend(1.0);
@@ -218,8 +219,8 @@ mod tests {
 
     #[test]
     fn the_front_follows_the_hand() {
-        let (_, stage) = stage();
-        let by = |by, placement: &Placement| stage.turned(placement, by, Vec3::Y).rotation;
+        let (_, turntable) = turntable();
+        let by = |by, placement: &Placement| turntable.turned(placement, by, Vec3::Y).rotation;
         let rest = Placement::default();
         assert!((by(Vec2::new(10.0, 0.0), &rest) * Vec3::Z).x > 0.0, "right is right");
         assert!((by(Vec2::new(0.0, 10.0), &rest) * Vec3::Z).y < 0.0, "down is down");
@@ -228,25 +229,25 @@ mod tests {
         let mut placement = rest;
         for i in 0..100 {
             let wobble = Vec2::new((i % 7) as f32 * 9.0, (i % 5) as f32 - 2.0);
-            placement = stage.turned(&placement, wobble, Vec3::Y);
+            placement = turntable.turned(&placement, wobble, Vec3::Y);
             assert!((placement.rotation * Vec3::Y).x.abs() < 1e-3, "never rolls");
         }
     }
 
     #[test]
     fn zooming_and_shifting_keep_what_is_under_the_pointer() {
-        let (grid, mut stage) = stage();
+        let (grid, mut turntable) = turntable();
         let placement = Placement { translation: Vec3::new(1.0, 2.0, 0.0), ..Default::default() };
         let centre = grid.dims().as_vec3() * 0.5;
-        let pixel = |stage: &Stage, placement: &Placement| {
+        let pixel = |turntable: &Turntable, placement: &Placement| {
             let world_from_grid = placement.world_from_grid(grid.dims(), grid.voxel_size());
-            let clip = stage.eye().clip_from_grid(&world_from_grid) * centre.extend(1.0);
-            (Vec2::new(clip.x, clip.y) / clip.w * 0.5 + 0.5) * stage.size.as_vec2()
+            let clip = turntable.eye().clip_from_grid(&world_from_grid) * centre.extend(1.0);
+            (Vec2::new(clip.x, clip.y) / clip.w * 0.5 + 0.5) * turntable.size.as_vec2()
         };
-        let at = pixel(&stage, &placement);
-        let zoomed = stage.zoomed(&placement, 5.0, at);
-        assert!(pixel(&stage, &zoomed).abs_diff_eq(at, 0.1));
-        let shifted = stage.shifted(&zoomed, Vec2::new(30.0, -12.0));
-        assert!(pixel(&stage, &shifted).abs_diff_eq(at + Vec2::new(30.0, -12.0), 0.1));
+        let at = pixel(&turntable, &placement);
+        let zoomed = turntable.zoomed(&placement, 5.0, at);
+        assert!(pixel(&turntable, &zoomed).abs_diff_eq(at, 0.1));
+        let shifted = turntable.shifted(&zoomed, Vec2::new(30.0, -12.0));
+        assert!(pixel(&turntable, &shifted).abs_diff_eq(at + Vec2::new(30.0, -12.0), 0.1));
     }
 }

@@ -13,29 +13,29 @@ use glam::{Affine3A, UVec2, Vec2, Vec3};
 use super::ar::Ar;
 use super::camera::Camera;
 use super::footing::Footing;
-use super::guides::Aid;
 use super::head::Head;
 use super::job::{self, Job};
 use super::keys::KeyFile;
 use super::marker::MarkerDrag;
 use super::memory::MemoryFile;
+use super::overlay::OverlayScene;
 use super::pad::Pads;
-use super::stage::Stage;
 use super::stroke::StrokeInHand;
+use super::turntable::Turntable;
 use crate::config::Config;
 use crate::input::events::{Viewport, device_events};
 use crate::input::pad::shift_tap::ShiftTap;
 use crate::input::trigger::Trigger;
-use crate::input::{Action, Bindings, DeviceEvent, Mapper, Panel, Side, Signal};
+use crate::input::{Action, ActionEvent, Bindings, DeviceEvent, Mapper, Panel, Side};
 use crate::sculpture::region::VoxelBox;
 use crate::session::Session;
 
 use crate::surface::IndexMap;
-use crate::ui::{self, Facts, FrameTimes, Intent, UiState};
+use crate::ui::{self, FrameTimes, UiContext, UiRequest, UiState};
 use crate::view::{Eye, Pose, StereoLayout};
 
 /// Everything but the screen.
-pub struct Workbench {
+pub struct Workspace {
     pub(super) session: Session,
     pub ui: UiState,
     /// The tables of keys as the person has changed them.
@@ -56,7 +56,7 @@ pub struct Workbench {
     pub(super) bitten_by_hand: u64,
     /// Where a hand in the room has led the tool last.
     pub(super) hand_pose: Option<Pose>,
-    pub(super) stage: Stage,
+    pub(super) turntable: Turntable,
     pub(super) head: Head,
     pub(super) ar: Ar,
     pub(super) camera: Camera,
@@ -92,11 +92,11 @@ pub struct Workbench {
     pub pointing_eye: usize,
 }
 
-impl Workbench {
-    pub fn new(session: Session, config: &Config, presets: Vec<Bindings>) -> Workbench {
+impl Workspace {
+    pub fn new(session: Session, config: &Config, presets: Vec<Bindings>) -> Workspace {
         let grid = session.document().grid();
-        let stage = Stage::new(grid, config.render.fov_deg, UVec2::new(640, 480));
-        let mut bench = Workbench {
+        let turntable = Turntable::new(grid, config.render.fov_deg, UVec2::new(640, 480));
+        let mut workspace = Workspace {
             ui: UiState::new(config, grid.dims()),
             session,
             pristine: presets.clone(),
@@ -109,7 +109,7 @@ impl Workbench {
             pads: Pads::new(&config.gamepad),
             bitten_by_hand: 0,
             hand_pose: None,
-            stage,
+            turntable,
             head: Head::new(config),
             ar: Ar::new(&config.ar),
             camera: Camera::default(),
@@ -132,14 +132,14 @@ impl Workbench {
             quad_buffered: false,
             pointing_eye: 0,
         };
-        bench.look_from(Side::Corner);
-        if bench.head.wanted() {
-            bench.start_head();
+        workspace.look_from(Side::Corner);
+        if workspace.head.wanted() {
+            workspace.start_head();
         }
-        if bench.ar.wanted() {
-            bench.start_ar();
+        if workspace.ar.wanted() {
+            workspace.start_ar();
         }
-        bench
+        workspace
     }
 
     pub fn session(&self) -> &Session {
@@ -171,14 +171,14 @@ impl Workbench {
             return vec![eye; if is_mono { 1 } else { 2 }];
         }
         if is_mono {
-            return vec![self.head_eye().unwrap_or_else(|| self.stage.eye())];
+            return vec![self.head_eye().unwrap_or_else(|| self.turntable.eye())];
         }
         if let Some([left, right]) = self.tracked_eyes(stereo.eye_distance_mm * 1e-3) {
             return if stereo.swap_eyes { vec![right, left] } else { vec![left, right] };
         }
-        let mono = self.stage.eye();
+        let mono = self.turntable.eye();
         let centre = mono.eye_from_world.transform_point3(self.placed_centre());
-        stereo.rig((-centre.z).max(self.stage.camera().near)).eyes(&mono).to_vec()
+        stereo.rig((-centre.z).max(self.turntable.camera().near)).eyes(&mono).to_vec()
     }
 
     /// The eye whose picture the pointer is in.
@@ -232,19 +232,19 @@ impl Workbench {
         self.follow_job();
         self.follow_camera();
         self.listen(root);
-        let mut intents = Vec::new();
+        let mut requests = Vec::new();
         let picture =
-            self.with_facts(false, |ui, facts| ui::show(root, ui, facts, &mut intents).rect);
+            self.with_context(false, |ui, context| ui::show(root, ui, context, &mut requests).rect);
         self.draw_pad_pointer(root.ctx());
         let response = root.interact(picture, picture_id(), Sense::hover());
         self.set_picture(picture, root.pixels_per_point());
         if response.contains_pointer() && !self.ui.is_modal() {
             root.set_cursor_icon(self.cursor(root));
         }
-        if !intents.is_empty() {
+        if !requests.is_empty() {
             root.request_repaint();
         }
-        self.answer_questions(intents);
+        self.answer_questions(requests);
         self.keep_footing();
         if self.job.is_some() {
             root.request_repaint_after(job::LOOK_EVERY);
@@ -271,12 +271,14 @@ impl Workbench {
         let (events, touched) =
             ctx.input(|input| (device_events(input, &viewport), is_touched(input)));
         self.hear(Some(panel), &events);
-        let mut intents = Vec::new();
-        self.with_facts(false, |ui, facts| ui::panels::show(root, panel, ui, facts, &mut intents));
-        if !intents.is_empty() {
+        let mut requests = Vec::new();
+        self.with_context(false, |ui, context| {
+            ui::panels::show(root, panel, ui, context, &mut requests)
+        });
+        if !requests.is_empty() {
             root.request_repaint();
         }
-        self.answer_questions(intents);
+        self.answer_questions(requests);
         self.keep_footing();
         touched
     }
@@ -284,7 +286,7 @@ impl Workbench {
     /// A panel's window was closed: the panel is back in its place, and what was held in its
     /// window is let go.
     pub fn put_back(&mut self, panel: Panel) {
-        self.ui.torn.remove(&panel);
+        self.ui.detached.remove(&panel);
         self.hear(Some(panel), &[DeviceEvent::FocusLost]);
         self.panel_mappers.remove(&panel);
     }
@@ -292,28 +294,28 @@ impl Workbench {
     /// One pass of the board in a headset: everything that the window has beside its picture.
     pub fn show_on_board(&mut self, root: &mut Ui) {
         self.follow_job();
-        let mut intents = Vec::new();
-        self.with_facts(true, |ui, facts| ui::board::show(root, ui, facts, &mut intents));
-        if !intents.is_empty() {
+        let mut requests = Vec::new();
+        self.with_context(true, |ui, context| ui::board::show(root, ui, context, &mut requests));
+        if !requests.is_empty() {
             root.request_repaint();
         }
-        self.answer_questions(intents);
+        self.answer_questions(requests);
     }
 
     /// Does what was asked for. A stroke that nobody wants to keep any more is taken back.
-    fn answer_questions(&mut self, intents: Vec<Intent>) {
-        for intent in intents {
-            self.carry_out(intent);
+    fn answer_questions(&mut self, requests: Vec<UiRequest>) {
+        for request in requests {
+            self.carry_out(request);
         }
         self.settle_stroke_in_question();
     }
 
-    fn with_facts<T>(
+    fn with_context<T>(
         &mut self,
         in_headset: bool,
-        show: impl FnOnce(&mut UiState, &Facts) -> T,
+        show: impl FnOnce(&mut UiState, &UiContext) -> T,
     ) -> T {
-        let facts = Facts {
+        let context = UiContext {
             document: self.session.document(),
             path: self.session.path(),
             modified: self.session.modified(),
@@ -324,13 +326,13 @@ impl Workbench {
             quad_buffered: self.quad_buffered,
             device: &self.device,
             pointed_vx: self.pointed(),
-            pad: self.pads.facts(),
-            head: self.head.facts(),
-            ar: self.ar.facts(),
-            video: self.camera.facts(),
+            pad: self.pads.status(),
+            head: self.head.status(),
+            ar: self.ar.status(),
+            video: self.camera.status(),
         };
         let preset = self.ui.preset;
-        let shown = show(&mut self.ui, &facts);
+        let shown = show(&mut self.ui, &context);
         if self.ui.preset != preset {
             self.save_keys();
         }
@@ -341,7 +343,7 @@ impl Workbench {
         self.picture = rect;
         self.pixels_per_point = pixels_per_point;
         let size = (rect.size() * pixels_per_point).round().max(egui::Vec2::splat(1.0));
-        self.stage.set_size(UVec2::new(size.x as u32, size.y as u32));
+        self.turntable.set_size(UVec2::new(size.x as u32, size.y as u32));
     }
 
     /// Does what the devices say about the picture as it was last shown.
@@ -384,48 +386,48 @@ impl Workbench {
             Some(panel) => self.panel_mappers.entry(panel).or_default(),
             None => &mut self.mapper,
         };
-        let mut signals = Vec::new();
+        let mut actions = Vec::new();
         for event in events {
-            mapper.feed(event, bindings, &mut signals);
+            mapper.feed(event, bindings, &mut actions);
         }
-        for (i, signal) in signals.iter().enumerate() {
+        for (i, event) in actions.iter().enumerate() {
             // Of several moves without a button only the last is worth a look.
-            let overtaken = matches!(signal, Signal::Hover(_))
-                && matches!(signals.get(i + 1), Some(Signal::Hover(_)));
+            let overtaken = matches!(event, ActionEvent::Hover(_))
+                && matches!(actions.get(i + 1), Some(ActionEvent::Hover(_)));
             if !overtaken {
-                self.answer(signal);
+                self.answer(event);
             }
         }
     }
 
-    pub(super) fn answer(&mut self, signal: &Signal) {
-        match *signal {
-            Signal::Tap(action) => self.act(action),
-            Signal::Begin { action, at } => {
+    pub(super) fn answer(&mut self, event: &ActionEvent) {
+        match *event {
+            ActionEvent::Tap(action) => self.act(action),
+            ActionEvent::Begin { action, at } => {
                 self.pointer = at.or(self.pointer);
                 self.begin(action, at);
             }
-            Signal::Drag { action, at, by } => {
+            ActionEvent::Drag { action, at, by } => {
                 self.pointer = Some(at);
                 self.drag(action, at, by);
             }
-            Signal::End(action) => self.end(action),
-            Signal::Hover(at) => {
+            ActionEvent::End(action) => self.end(action),
+            ActionEvent::Hover(at) => {
                 self.pointer = Some(at);
                 self.hover(at);
             }
-            Signal::Wheel { action, notches, at } => self.wheel(action, notches, at),
-            Signal::Left => self.pointer = None,
+            ActionEvent::Wheel { action, notches, at } => self.wheel(action, notches, at),
+            ActionEvent::Left => self.pointer = None,
         }
     }
 
     /// What the overlay is drawn from.
-    pub(super) fn aid(&self) -> Aid<'_> {
+    pub(super) fn scene(&self) -> OverlayScene<'_> {
         let sight = self.sight();
         let document = self.session.document();
         let target = self.pointer.and_then(|at| self.target(at));
         let middle = document.grid().dims().as_vec3() * 0.5;
-        Aid {
+        OverlayScene {
             hand: &self.ui.hand,
             document,
             view: &self.ui.view,
