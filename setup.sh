@@ -39,6 +39,11 @@ if ! command -v cargo >/dev/null; then
     echo "setup: cargo was not found; install Rust 1.95 or later from https://rustup.rs" >&2
     exit 1
 fi
+# rustup answers for the version in rust-toolchain.toml, and fails where it can neither find nor fetch it.
+if ! cargo --version >/dev/null; then
+    echo "setup: cargo does not run; with rustup: rustup toolchain install" >&2
+    exit 1
+fi
 
 if [ ${#missing[@]} -gt 0 ]; then
     if ! command -v apt-get >/dev/null; then

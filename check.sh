@@ -1,0 +1,44 @@
+#!/usr/bin/env bash
+# Checks the house rules that need no test run: formatting, lints, the length of files, where `unsafe` may
+# stand, and the licences, sources, duplicates and advisories of the dependencies.
+# Usage: check.sh [--no-lints]   (--no-lints leaves out clippy, which compiles the workspace)
+set -euo pipefail
+cd "$(dirname "$0")"
+PATH="$PATH:$HOME/.cargo/bin"
+max_lines=500
+failed=()
+
+lints=true
+case "${1:-}" in
+"") ;;
+--no-lints) lints= ;;
+*) sed -n '2,4p' "$0" >&2; exit 2 ;;
+esac
+
+cargo fmt --all --check || failed+=(formatting)
+
+long=$(git ls-files '*.rs' '*.wgsl' | xargs wc -l |
+    awk -v max=$max_lines '$2 != "total" && $1 > max { print "  " $2 ": " $1 }')
+[ -z "$long" ] || { printf 'check: files of more than %d lines:\n%s\n' "$max_lines" "$long" >&2; failed+=(length); }
+
+stray=$(git ls-files 'src/*.rs' 'core/src/*.rs' 'tracking/src/*.rs' | grep -vE '^src/(gpu|screen)/' |
+    xargs grep -nE '\bunsafe (\{|fn|impl|extern|trait)' || true)
+[ -z "$stray" ] || { printf 'check: unsafe outside src/gpu and src/screen:\n%s\n' "$stray" >&2; failed+=(unsafe); }
+
+if cargo deny --version >/dev/null 2>&1; then
+    cargo deny --locked check licenses bans sources || failed+=(dependencies)
+    # The list of advisories is fetched from the network.
+    if cargo deny --locked fetch db >/dev/null 2>&1; then
+        cargo deny --locked --offline check advisories || failed+=(advisories)
+    else
+        echo "check: NOT RUN: advisories; the advisory database could not be fetched" >&2
+    fi
+else
+    echo "check: NOT RUN: licences, duplicates, sources, advisories; install cargo-deny" >&2
+fi
+
+if [ -n "$lints" ]; then
+    cargo clippy --workspace --all-targets --locked -- -D warnings || failed+=(lints)
+fi
+
+[ ${#failed[@]} -eq 0 ] || { echo "check: FAILED: ${failed[*]}" >&2; exit 1; }
