@@ -1,7 +1,8 @@
-//! Draws what helps the hand over the sculpture: the semi-transparent tool and lines, each tested
-//! against the sculpture's depth, fainter where they lie behind it.
+//! Draws the overlay: the semi-transparent tool preview and lines, each tested against the
+//! sculpture's depth and fainter where it lies behind the sculpture.
 //!
-//! What to draw comes in as values; the depth attachment is read and left as it is.
+//! What to draw comes in as values; the depth attachment is read only. Faces and lines that lie in
+//! the surface win the depth test by a margin, so that they do not flicker.
 
 use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
@@ -9,6 +10,7 @@ use std::sync::Arc;
 use ash::vk;
 use glam::{Affine3A, Mat3, Mat4, Vec3};
 
+use super::slicing::corner_margin_px;
 use crate::gpu::{
     Attribute, Blend, Buffer, Depth, Device, Graphics, MemoryLocation, Pipeline, PipelineLayout,
     Recorder, Result, Staging, Vertices, shaders,
@@ -18,10 +20,15 @@ use crate::tools::construct::{Primitive, Solid};
 
 /// Segments around the equator of the ellipsoid; half as many from pole to pole.
 const SEGMENTS: usize = 48;
-/// Factor on the depth of lines: brings them in front of a surface that they lie in.
+/// Factor on the depth of lines, so that they lie before a surface that they coincide with.
 const LINE_DEPTH: f32 = 1.002;
-/// The same for the faces of tools, below their lines.
+/// The same for the faces of tools, below their lines: more than depths of the surface and of the
+/// rasterizer differ by rounding.
 const FACE_DEPTH: f32 = 1.0004;
+/// Pixels, in units of the rasterizer's sub-pixel precision, by which a face may be displaced on the
+/// screen: a vertex is rounded by up to one unit in x and in y. Seen at a flat angle, a fraction of
+/// a pixel makes more difference in depth than [`FACE_DEPTH`].
+const FACE_SHIFT: f32 = 2.0;
 
 /// A line in grid coordinates.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -110,6 +117,8 @@ impl Overlay {
         let solid_layout = PipelineLayout::new(device, "tool", None, solid_push)?;
         let line_push = Some((vk::ShaderStageFlags::VERTEX, size_of::<LineConstants>()));
         let line_layout = PipelineLayout::new(device, "lines", None, line_push)?;
+        let slope_bias = FACE_SHIFT * corner_margin_px(device);
+        let face_depth = |compare| Depth { format: depth, compare, write: false, slope_bias };
         let solid = |compare| {
             Pipeline::graphics(
                 device,
@@ -126,7 +135,7 @@ impl Overlay {
                     topology: vk::PrimitiveTopology::TRIANGLE_LIST,
                     cull: vk::CullModeFlags::BACK,
                     colour: Some((colour, Blend::Alpha)),
-                    depth: Some(Depth { format: depth, compare, write: false }),
+                    depth: Some(face_depth(compare)),
                     constants: &[],
                 },
             )
@@ -147,7 +156,7 @@ impl Overlay {
                     topology: vk::PrimitiveTopology::TRIANGLE_LIST,
                     cull: vk::CullModeFlags::NONE,
                     colour: Some((colour, Blend::Alpha)),
-                    depth: Some(Depth { format: depth, compare, write: false }),
+                    depth: Some(Depth { format: depth, compare, ..Depth::TEST_ONLY }),
                     constants: &[],
                 },
             )

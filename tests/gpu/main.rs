@@ -8,6 +8,7 @@ mod agreement;
 mod backdrop;
 mod colours;
 mod composite;
+mod coplanar;
 mod device;
 mod fixture;
 mod gui;
