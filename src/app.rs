@@ -28,6 +28,7 @@ mod screenshot;
 mod stereo_screen;
 mod stroke;
 mod turntable;
+mod view_pace;
 pub mod workspace;
 
 use std::path::PathBuf;

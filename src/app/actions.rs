@@ -235,6 +235,8 @@ impl Workspace {
     pub(super) fn drag(&mut self, action: Action, at: Vec2, by: Vec2) {
         let placement = *self.session.document().placement();
         match action {
+            Action::Sculpt | Action::SculptInverse | Action::SculptSmooth
+                if self.view_watch.is_lifted() => {}
             Action::Sculpt | Action::SculptInverse | Action::SculptSmooth if self.turns_instead => {
                 self.place(self.turntable.turned(&placement, by, self.ui.view.up));
             }
@@ -268,6 +270,7 @@ impl Workspace {
         match action {
             Action::Sculpt | Action::SculptInverse | Action::SculptSmooth | Action::Apply => {
                 self.turns_instead = false;
+                self.view_watch.release();
                 self.marker_drag = None;
                 self.end_stroke();
             }

@@ -188,6 +188,13 @@ impl Ar {
         self.fade.place(self.guide(), self.now_s)
     }
 
+    /// Where the camera is relative to the marker, in metres, while the marker is tracked.
+    pub(super) fn camera_position_m(&self) -> Option<Vec3> {
+        let tracked = self.is_on() && self.live && self.shown.is_some();
+        let Placement { position_m, orientation } = self.placement();
+        tracked.then(|| (orientation.inverse() * -position_m).as_vec3())
+    }
+
     /// Hears what was found, and decides whether the marker is there.
     pub(super) fn update(&mut self, now_s: f64) {
         let before = self.placement();
@@ -213,11 +220,14 @@ impl Ar {
 
     /// Of two readings that are as good the one nearer to what was seen last.
     fn likely(&self, found: &[MarkerPose]) -> Option<MarkerPose> {
-        let best = *found.first()?;
+        let sound =
+            |pose: &&MarkerPose| pose.translation_m.is_finite() && pose.rotation.is_finite();
+        let best = *found.iter().find(sound)?;
         let Some((last, _)) = self.seen.filter(|_| self.live) else { return Some(best) };
         let angle = |pose: &MarkerPose| pose.rotation.angle_between(last.orientation);
         found
             .iter()
+            .filter(sound)
             .filter(|pose| pose.error_px <= best.error_px + AMBIGUOUS_PX)
             .min_by(|a, b| angle(a).total_cmp(&angle(b)))
             .copied()

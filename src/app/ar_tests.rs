@@ -9,6 +9,9 @@ use crate::config::Config;
 use crate::fiducial::family;
 use crate::input::{Action, Bindings};
 use crate::session::Session;
+use crate::surface::{IndexMap, raycast};
+use crate::tools::spray::SprayKind;
+use crate::ui::Tool;
 
 const FOCAL_PX: f64 = 600.0;
 /// Pixels of a cell of the drawn marker: at 80 mm and this focal length 0.4 m away.
@@ -131,4 +134,61 @@ fn a_lost_marker_is_held_then_left_without_a_jump() {
     }
     assert!(workspace.ar.status().seen);
     assert!((workspace.ar.placement().position_m.z + 0.4).abs() < 2e-3);
+}
+
+/// Presses on the middle of the sculpture, as it is seen now.
+fn press(workspace: &mut Workspace) -> Vec2 {
+    let sight = workspace.sight();
+    let mut map = IndexMap::new(sight.rays);
+    let grid = workspace.session().document().grid();
+    raycast::sample(grid, &sight.rays, &mut map);
+    let at = sight.pixel_of(grid.dims().as_vec3() * 0.5).unwrap();
+    workspace.saw(Arc::new(map));
+    workspace.begin(Action::Sculpt, Some(at));
+    assert!(workspace.stroke_in_hand());
+    at
+}
+
+#[test]
+fn a_leap_of_the_marker_ends_the_stroke_of_the_pointer() {
+    for tool in [Tool::Solid, Tool::Spray(SprayKind::Devourer)] {
+        let mut workspace = workspace();
+        workspace.ui.hand.tool = tool;
+        workspace.track_at(0.0);
+        workspace.act(Action::ToggleAr);
+        let (mut now_s, mut sequence) = (0.0, 0);
+        let mut show = |workspace: &mut Workspace, middle: Option<f64>| {
+            (now_s, sequence) = (now_s + 0.033, sequence + 1);
+            see(workspace, &frame(sequence, middle.map(|x| (x, 240.0))), now_s);
+        };
+        (0..15).for_each(|_| show(&mut workspace, Some(120.0)));
+        assert!(workspace.ar.status().seen);
+
+        // 13 mm in 33 ms are a movement, 270 mm are none.
+        let at = press(&mut workspace);
+        show(&mut workspace, Some(140.0));
+        workspace.drag(Action::Sculpt, at + 1.0, Vec2::ONE);
+        assert!(workspace.stroke_in_hand(), "{tool:?}");
+        show(&mut workspace, Some(540.0));
+        assert!(!workspace.stroke_in_hand(), "{tool:?}: a tunnel would be cut");
+        // Until the button is released nothing more is done.
+        let state =
+            (workspace.session().document().grid().opaque_count(), workspace.ui.hand.centre_vx);
+        workspace.drag(Action::Sculpt, at + 40.0, Vec2::splat(39.0));
+        assert!(!workspace.stroke_in_hand());
+        assert_eq!(
+            (workspace.session().document().grid().opaque_count(), workspace.ui.hand.centre_vx),
+            state
+        );
+        workspace.end(Action::Sculpt);
+
+        // So it is where the marker is lost, and where it comes back.
+        for lost in [true, false] {
+            press(&mut workspace);
+            (0..12).for_each(|_| show(&mut workspace, (!lost).then_some(540.0)));
+            assert_eq!(workspace.ar.status().seen, !lost);
+            assert!(!workspace.stroke_in_hand(), "{tool:?}, lost: {lost}");
+            workspace.end(Action::Sculpt);
+        }
+    }
 }

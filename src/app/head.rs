@@ -194,6 +194,12 @@ impl Head {
         Some(if here { Duration::ZERO } else { SEEK_EVERY })
     }
 
+    /// Where the head is before the screen, in metres, while it is tracked.
+    pub(super) fn position_m(&self) -> Option<Vec3> {
+        let tracked = matches!(self.shown.presence, Presence::Tracked | Presence::Returning);
+        (self.is_on() && tracked).then(|| self.shown.placement.position_m.as_vec3())
+    }
+
     /// The whole screen, and whether its size is a guess.
     fn whole_screen(&self) -> (ScreenPlane, bool) {
         let [width_m, height_m] = self.screen.size_m;
@@ -291,6 +297,7 @@ impl Workspace {
         }
         self.ui.calibrating = self.head.calibrating.is_some();
         self.ar.update(now_s);
+        self.follow_view(now_s);
         let middle = self.eye().size.as_vec2() * 0.5;
         for (action, value) in self.head.axes.clone() {
             if value != 0.0 && !self.ui.is_modal() {

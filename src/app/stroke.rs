@@ -74,6 +74,11 @@ impl StrokeInHand {
     pub fn is_spray(&self) -> bool {
         matches!(self.work, Work::Spray { .. })
     }
+
+    /// Whether where it goes depends on what the picture shows under the pointer.
+    pub fn is_led_over_picture(&self) -> bool {
+        self.follows_surface() || self.is_spray()
+    }
 }
 
 impl Workspace {

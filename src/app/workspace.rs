@@ -22,6 +22,7 @@ use super::overlay::OverlayScene;
 use super::pad::Pads;
 use super::stroke::StrokeInHand;
 use super::turntable::Turntable;
+use super::view_pace::ViewWatch;
 use crate::config::Config;
 use crate::input::events::{Viewport, device_events};
 use crate::input::pad::shift_tap::ShiftTap;
@@ -61,6 +62,7 @@ pub struct Workspace {
     pub(super) ar: Ar,
     pub(super) camera: Camera,
     pub(super) stroke: Option<StrokeInHand>,
+    pub(super) view_watch: ViewWatch,
     /// Where the tool stands on the surface.
     pub(super) footing: Footing,
     /// What a drag does to the marker.
@@ -114,6 +116,7 @@ impl Workspace {
             ar: Ar::new(&config.ar),
             camera: Camera::default(),
             stroke: None,
+            view_watch: ViewWatch::default(),
             footing: Footing::default(),
             marker_drag: None,
             lent_to_limit: None,

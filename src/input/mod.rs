@@ -11,6 +11,7 @@ pub mod group;
 pub mod hands;
 pub mod listener;
 pub mod mapper;
+pub(crate) mod pace;
 pub mod pad;
 pub mod panel;
 pub mod personal;

@@ -6,8 +6,8 @@
 
 use glam::Quat;
 
-use super::pace::is_way;
 use super::{HandSide, HandsState};
+use crate::input::pace::is_way;
 use crate::view::{Pose, Similarity};
 
 /// Hands nearer than this give no direction, in metres.

@@ -11,8 +11,8 @@ use glam::Vec2;
 
 use super::board::Pointing;
 use super::grab::Grab;
-use super::pace::Pace;
 use super::{Board, Change, HandSide, HandsState, Switch};
+use crate::input::pace::{LONGEST_STEP_S, Pace};
 use crate::input::pad::stick::Response;
 use crate::view::{Pose, Similarity};
 
@@ -24,8 +24,6 @@ const LONG_S: f64 = 1.0;
 const RESIZE_PER_S: f32 = 8.0;
 /// Points of scrolling a second with the stick at its end.
 const SCROLL_PER_S: f32 = 900.0;
-/// Of a longer pause between two looks only so many seconds count.
-const LONGEST_STEP_S: f64 = 0.1;
 /// Seconds after which a stick that stays to the side asks again, and between asking again.
 const REPEAT_AFTER_S: f64 = 0.5;
 const REPEAT_EVERY_S: f64 = 0.2;

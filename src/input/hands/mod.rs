@@ -8,7 +8,6 @@
 pub mod board;
 pub mod grab;
 pub mod mapper;
-mod pace;
 
 use glam::Vec2;
 use serde::Deserialize;

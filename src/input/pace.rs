@@ -1,0 +1,121 @@
+//! Tells a movement from a leap of tracking: nothing that a person holds or wears goes faster than
+//! [`LIMIT_M_S`].
+//!
+//! [`Pace`] follows a hand, which is trusted again once it has been calm for [`CALM_S`]; [`ViewPace`]
+//! follows the tracked viewpoint of a window. Takes positions and times, in metres and seconds; knows
+//! no tools.
+
+use glam::Vec3;
+
+/// Faster than any hand that works, in metres a second.
+const LIMIT_M_S: f32 = 6.0;
+/// What a pose may be off by besides, in metres.
+const SLACK_M: f32 = 0.03;
+/// How long a hand must go no faster than the limit until it is trusted again, in seconds.
+const CALM_S: f64 = 0.1;
+/// Of a longer pause between two poses only so many seconds count.
+pub const LONGEST_STEP_S: f64 = 0.1;
+
+/// Whether a hand or a head gets from one position to the other within `dt_s`. Not to or from one
+/// that is not finite.
+pub fn is_way(from: Vec3, to: Vec3, dt_s: f64) -> bool {
+    from.distance(to) <= LIMIT_M_S * dt_s as f32 + SLACK_M
+}
+
+/// Follows one hand.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Pace {
+    at: Option<Vec3>,
+    /// Until when it is not believed, on the clock of the hands.
+    doubted_until_s: f64,
+}
+
+impl Pace {
+    /// Follows the hand, if it is known, to where it is now. True if it has leapt.
+    pub fn step(&mut self, to: Option<Vec3>, now_s: f64, dt_s: f64) -> bool {
+        let from = std::mem::replace(&mut self.at, to);
+        let leapt = from.zip(to).is_some_and(|(from, to)| !is_way(from, to, dt_s));
+        if leapt {
+            self.doubted_until_s = now_s + CALM_S;
+        }
+        leapt
+    }
+
+    /// Whether its places are to be believed.
+    pub fn is_calm(&self, now_s: f64) -> bool {
+        now_s >= self.doubted_until_s
+    }
+}
+
+/// Which tracking a viewpoint comes from.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Viewpoint {
+    /// The camera, relative to the printed marker before it.
+    Camera,
+    /// The head, relative to the screen.
+    Head,
+}
+
+/// Follows the tracked viewpoint of a window.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct ViewPace {
+    /// The last position that differed from the one before, and when it came: poses come less often
+    /// than updates.
+    last: Option<(Viewpoint, Vec3, f64)>,
+}
+
+impl ViewPace {
+    /// Follows the viewpoint to where it is now, if it is tracked. True if that was no movement: it
+    /// has leapt, was lost or found, or another one has taken its place.
+    pub fn step(&mut self, to: Option<(Viewpoint, Vec3)>, now_s: f64) -> bool {
+        let Some((kind, to)) = to else { return self.last.take().is_some() };
+        let Some((former, from, since_s)) = self.last else {
+            self.last = Some((kind, to, now_s));
+            return true;
+        };
+        if (former, from) == (kind, to) {
+            return false;
+        }
+        self.last = Some((kind, to, now_s));
+        let dt_s = (now_s - since_s).clamp(0.0, LONGEST_STEP_S);
+        former != kind || !is_way(from, to, dt_s)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_leap_is_doubted_until_the_hand_is_calm() {
+        let mut pace = Pace::default();
+        let dt_s = 1.0 / 64.0;
+        assert!(!pace.step(Some(Vec3::X), 1.0, dt_s), "it has only just been found");
+        assert!(!pace.step(Some(Vec3::X * 1.09), 1.0 + dt_s, dt_s), "5.8 m/s");
+        assert!(pace.is_calm(1.0 + dt_s));
+        assert!(pace.step(Some(Vec3::X * 2.0), 1.1, dt_s));
+        assert!(!pace.step(Some(Vec3::X * 2.0), 1.15, dt_s) && !pace.is_calm(1.15));
+        // There and back.
+        assert!(pace.step(Some(Vec3::X), 1.18, dt_s));
+        assert!(!pace.is_calm(1.25));
+        assert!(pace.is_calm(1.18 + CALM_S));
+        assert!(!pace.step(None, 1.3, dt_s) && !pace.step(Some(Vec3::ZERO), 1.4, dt_s), "lost");
+    }
+
+    #[test]
+    fn a_viewpoint_that_leaps_or_is_lost_does_not_move() {
+        let mut pace = ViewPace::default();
+        let camera = |x: f32| Some((Viewpoint::Camera, Vec3::X * x));
+        assert!(!pace.step(None, 0.0), "never tracked");
+        assert!(pace.step(camera(0.0), 1.0), "found");
+        assert!(!pace.step(camera(0.1), 1.033), "3 m/s");
+        // Updates without a new pose do not shorten the time that it had.
+        assert!((1..8).all(|i| !pace.step(camera(0.1), 1.033 + 0.008 * f64::from(i))));
+        assert!(!pace.step(camera(0.4), 1.1));
+        assert!(pace.step(camera(0.9), 1.133), "15 m/s");
+        assert!(pace.step(camera(3.0), 9.0), "a pause excuses no leap");
+        assert!(pace.step(camera(f32::NAN), 9.033) && pace.step(camera(3.0), 9.067));
+        assert!(pace.step(Some((Viewpoint::Head, Vec3::X * 3.0)), 9.1), "another one");
+        assert!(pace.step(None, 9.2) && !pace.step(None, 9.3), "lost");
+    }
+}
