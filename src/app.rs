@@ -43,11 +43,13 @@ use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
 use winit::window::{Window, WindowId};
 
-use crate::config::{self, Config};
-use crate::gpu::GpuError;
+use crate::config::Config;
+use crate::folders;
+use crate::gpu::{DeviceOptions, GpuError};
 use crate::input::Bindings;
 use crate::input::bindings::BindingsError;
-use crate::input::pad::device::{self, PadNews};
+use crate::input::pad::device as pad_device;
+use crate::input::pad::device::PadNews;
 use crate::screen::headset::LinkNews;
 use crate::session::Session;
 
@@ -87,22 +89,27 @@ pub enum AppError {
     Validation(usize),
 }
 
-/// Opens the window and works on `session` until the person leaves. `shots`: a folder for pictures
-/// of what the eyes in a headset see.
-pub fn run(session: Session, config: Config, shots: Option<PathBuf>) -> Result<(), AppError> {
+/// Opens the window, on a device made with `device`, and works on `session` until the user leaves.
+/// `shots`: a folder for pictures of what the eyes in a headset see.
+pub fn run(
+    session: Session,
+    config: Config,
+    device: DeviceOptions,
+    shots: Option<PathBuf>,
+) -> Result<(), AppError> {
     let event_loop = EventLoop::with_user_event().build()?;
     let proxy = event_loop.create_proxy();
-    device::listen(move |news| proxy.send_event(Wake::Pad(news)).is_ok());
+    pad_device::listen(move |news| proxy.send_event(Wake::Pad(news)).is_ok());
     let mut workspace = Workspace::new(session, &config, Bindings::presets()?);
     workspace.ui.guide.open = config.window.guide && first_run::is_first_run();
-    if let Some(folder) = config::personal_folder() {
+    if let Some(folder) = folders::personal_folder() {
         workspace.keep_keys_in(folder.join("bindings.toml"));
         workspace.keep_calibration_in(folder.join("calibration.toml"));
     }
-    workspace.remember_in(config::state_folder().join("state.toml"), &config);
+    workspace.remember_in(folders::state_folder().join("state.toml"), &config.window);
     let proxy = event_loop.create_proxy();
     let headset = config.headset.enabled.then(|| {
-        Headset::new(&config, shots, move |connection, news| {
+        Headset::new(&config.headset, device.clone(), shots, move |connection, news| {
             proxy.send_event(Wake::Headset(connection, news)).is_ok()
         })
     });
@@ -111,6 +118,7 @@ pub fn run(session: Session, config: Config, shots: Option<PathBuf>) -> Result<(
         headset,
         mirrored: None,
         config,
+        device,
         started: Instant::now(),
         focused: None,
         view: None,
@@ -137,6 +145,7 @@ struct App {
     /// When the window last showed what is done in the headset.
     mirrored: Option<Instant>,
     config: Config,
+    device: DeviceOptions,
     /// Windows of panels, on the device of the main one.
     detached: DetachedPanels,
     started: Instant,
@@ -255,7 +264,7 @@ impl App {
             .with_maximized(windows.maximised)
             .with_min_inner_size(SMALLEST);
         let window = Arc::new(event_loop.create_window(attributes)?);
-        let view = MainWindow::new(window, &self.config)?;
+        let view = MainWindow::new(window, &self.device)?;
         self.workspace.ui.view.suit_device(view.device().is_software());
         self.view = Some(view);
         Ok(())
@@ -276,7 +285,7 @@ impl App {
             self.detached.note_places(&mut self.workspace.ui.windows.panels);
             self.detached.close();
             let window = view.into_window();
-            match MainWindow::new(window, &self.config) {
+            match MainWindow::new(window, &self.device) {
                 Ok(mut view) => {
                     view.pane.redraw();
                     self.view = Some(view);

@@ -23,14 +23,14 @@ use clap::ValueEnum;
 use glam::UVec2;
 use thiserror::Error;
 
-use crate::config::{Config, RenderMode};
+use crate::config::Config;
 use crate::document::{CommandError, Document};
 use crate::format::options::ImportOptions;
 use crate::format::{FormatError, store};
-use crate::gpu::{Device, GpuError, Headless};
+use crate::gpu::{Device, DeviceOptions, GpuError, Headless};
 use crate::progress::Progress;
-use crate::render::Volume;
 use crate::render::renderer::DeviceTimes;
+use crate::render::{RenderMode, Volume};
 use crate::say::{self, Unsaid};
 pub use kernel::Kernel;
 use machine::Machine;
@@ -140,11 +140,16 @@ pub enum BenchError {
 
 /// Measures, writes JSON and a plot where asked, and prints tables: what cannot be had of these three
 /// costs none of the others.
-pub fn run(job: &BenchJob, config: &Config, progress: &dyn Progress) -> Result<(), BenchError> {
+pub fn run(
+    job: &BenchJob,
+    config: &Config,
+    device: &DeviceOptions,
+    progress: &dyn Progress,
+) -> Result<(), BenchError> {
     if let Some(kernel) = job.kernel {
         return run_kernel(kernel, job, config, progress);
     }
-    let device = Device::new(&mut Headless, &config.device_options());
+    let device = Device::new(&mut Headless, device);
     let machine = Machine::survey(device.as_ref().map_err(|error| error.to_string()));
     let device = device.ok();
     let mut subjects: Vec<Subject> = job.scenes.iter().map(|name| Subject::of_name(name)).collect();

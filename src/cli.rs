@@ -14,21 +14,27 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::app;
 use crate::bench::{self, BenchJob, Kernel, Suite};
-use crate::config::{self, Config, Profile, RenderMode};
+use crate::config::{Config, Profile};
 use crate::doctor;
+use crate::folders;
 use crate::format;
 use crate::format::options::ExportForm;
-use crate::headless::{self, DemoScene, JobError, RunJob};
+use crate::gpu::DeviceOptions;
+use crate::headless::{self, Context, DemoScene, PictureRequest, RunJob};
 use crate::picture;
 use crate::progress_bar::Bar;
+use crate::render::RenderMode;
 use crate::say;
 use crate::screen::console;
 use crate::session::Session;
 use crate::track::{self, TrackArgs};
 
 mod arguments;
+mod error;
 
 pub use arguments::{ImportArgs, PictureArgs};
+pub use error::ProgramError;
+
 use arguments::{named, parse_marker_mm, parse_size};
 
 /// Shape a block of voxels as a sculptor shapes stone.
@@ -240,7 +246,12 @@ fn refuse(words: &clap::Error) -> ExitCode {
 
 /// Without a job: the window where there is a display; elsewhere, unless a file was named, the
 /// demo, so that the program shows what it does on any machine.
-fn window_or_demo(cli: Cli, config: Config, progress: &Bar) -> Result<(), JobError> {
+fn window_or_demo(
+    cli: Cli,
+    config: Config,
+    device: DeviceOptions,
+    progress: &Bar,
+) -> Result<(), ProgramError> {
     let set = |name| std::env::var_os(name).is_some_and(|v| !v.is_empty());
     let display =
         cfg!(not(unix)) || cfg!(target_os = "macos") || set("DISPLAY") || set("WAYLAND_DISPLAY");
@@ -255,48 +266,44 @@ fn window_or_demo(cli: Cli, config: Config, progress: &Bar) -> Result<(), JobErr
             session.record_to(record)?;
         }
         match display {
-            true => app::run(session, config, cli.headset_shots)?,
-            false => app::headset::alone::run(session, &config, cli.headset_shots)?,
+            true => app::run(session, config, device, cli.headset_shots)?,
+            false => app::headset::alone::run(session, &config, device, cli.headset_shots)?,
         }
         return Ok(());
     }
     if cli.file.is_some() || cli.record.is_some() {
-        return Err(JobError::NoDisplay);
+        return Err(ProgramError::NoDisplay);
     }
     say::aside("no display: making the demo instead; see `virtual-sculpture --help` for more");
-    headless::demo(
-        DemoScene::default(),
-        Path::new("out"),
-        &PictureArgs::default(),
-        &config,
-        progress,
-    )
+    let context = Context { config: &config, device: &device, progress };
+    let (scene, picture) = (DemoScene::default(), PictureRequest::default());
+    Ok(headless::demo(scene, Path::new("out"), &picture, &context)?)
 }
 
-fn dispatch(cli: Cli) -> Result<(), JobError> {
-    let mut config = Config::load_over(cli.profile, cli.config.as_deref())?;
-    config.gpu.pipeline_cache = config::cache_folder();
+fn dispatch(cli: Cli) -> Result<(), ProgramError> {
+    let config = Config::load_over(cli.profile, cli.config.as_deref())?;
+    let device = config.device_options(folders::cache_folder());
     let progress = Bar::new(cli.quiet);
+    let context = Context { config: &config, device: &device, progress: &progress };
     match cli.job {
         Some(Job::Render { file, out, picture, import }) => {
-            headless::render(&file, &out, &picture, &import.options(), &config, &progress)
+            let (picture, import) = (picture.request(), import.options());
+            Ok(headless::render(&file, &out, &picture, &import, &context)?)
         }
         Some(Job::Run { script, input, output, render, picture, import }) => {
-            let import = import.options();
+            let (picture, import) = (picture.request(), import.options());
             let job = RunJob { script, input, output, render, picture, import };
-            headless::run(&job, &config, &progress)
+            Ok(headless::run(&job, &context)?)
         }
         Some(Job::Convert { input, output, form, import }) => {
-            headless::convert(&input, &output, form, &import.options(), &config, &progress)
+            Ok(headless::convert(&input, &output, form, &import.options(), &context)?)
         }
-        Some(Job::Info { file, import }) => {
-            headless::info(&file, &import.options(), &config, &progress)
-        }
+        Some(Job::Info { file, import }) => Ok(headless::info(&file, &import.options(), &context)?),
         Some(Job::Demo { scene, out, picture }) => {
-            headless::demo(scene, &out, &picture, &config, &progress)
+            Ok(headless::demo(scene, &out, &picture.request(), &context)?)
         }
         Some(Job::Track(args)) => Ok(track::run(&args, &config)?),
-        Some(Job::Marker { out, id, size_mm }) => headless::marker(id, size_mm, &out),
+        Some(Job::Marker { out, id, size_mm }) => Ok(headless::marker(id, size_mm, &out)?),
         Some(Job::Bench {
             json,
             plot,
@@ -312,10 +319,10 @@ fn dispatch(cli: Cli) -> Result<(), JobError> {
             let import = import.options();
             let job =
                 BenchJob { json, plot, suite, modes, kernel, repeat, size, eyes, scenes, import };
-            Ok(bench::run(&job, &config, &progress)?)
+            Ok(bench::run(&job, &config, &device, &progress)?)
         }
-        Some(Job::Commands) => headless::commands(),
+        Some(Job::Commands) => Ok(headless::commands()?),
         Some(Job::Doctor) => Ok(say::result(doctor::report())?),
-        None => window_or_demo(cli, config, &progress),
+        None => window_or_demo(cli, config, device, &progress),
     }
 }

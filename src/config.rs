@@ -1,44 +1,39 @@
-//! Owns the settings: TOML text in, a checked [`Config`] out. Errors name the file and the key.
+//! The settings: reads TOML text into the options types of all rooms, checks them, and names the file
+//! and the key in errors.
 //!
-//! `config/default.toml` is the documentation of every key and equals [`Config::default`].
+//! The rooms own their options with defaults and checks; this room only adds the names of the
+//! sections. It stands on top: only the program, its command line and its jobs import it.
+//! `config/default.toml` documents every key and equals [`Config::default`].
 
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Deserializer, Serialize, de};
+use serde::Deserialize;
 use thiserror::Error;
 
 use crate::command::NewSculpture;
 use crate::document::Limits;
+use crate::fiducial::ArOptions;
+use crate::folders;
 use crate::format::store;
-use crate::gpu::{DeviceChoice, DeviceOptions, Validation};
-use crate::sculpture::{ColourDepth, Rgb};
+use crate::gpu::{DeviceOptions, GpuOptions};
+use crate::head_tracking::{ScreenOptions, TrackingOptions};
+use crate::input::pad::GamepadOptions;
+use crate::options::InvalidOption;
+use crate::picture::PictureOptions;
+use crate::render::{LightOptions, RenderOptions, StereoOptions};
+use crate::screen::headset::HeadsetOptions;
 use crate::shade::Lighting;
+use crate::ui::{UiOptions, WindowOptions};
+use crate::video::VideoOptions;
 
-mod folders;
-mod gamepad;
-mod headset;
-pub mod light;
+mod model;
 mod profile;
-pub mod render;
-pub mod stereo;
-mod tracking;
-mod video;
 
-pub use self::tracking::{ArSettings, ScreenSettings, SourceAddress, TrackingSettings};
-pub use folders::{cache_folder, personal_file, personal_folder, state_folder};
-pub use gamepad::GamepadSettings;
-pub use headset::HeadsetSettings;
-pub use light::LightSettings;
+pub use model::{MemoryOptions, NewOptions};
 pub use profile::Profile;
-pub use render::{Finish, Render, RenderMode, Sampling, Shading};
-pub use stereo::StereoSettings;
-pub use video::VideoSettings;
 
 /// The commented file of all defaults.
 pub const DEFAULT_TOML: &str = include_str!("../config/default.toml");
-
-/// Scales of text and buttons.
-pub const SCALE_RANGE: std::ops::RangeInclusive<f32> = 0.5..=4.0;
 
 /// Why the settings cannot be used.
 #[derive(Debug, Error)]
@@ -48,114 +43,37 @@ pub enum ConfigError {
     #[error("the settings {path} cannot be used: {error}")]
     Parse { path: PathBuf, error: Box<toml::de::Error> },
     #[error("the settings {path}: {key} = {value}: {rule}")]
-    Value { path: PathBuf, key: &'static str, value: String, rule: &'static str },
+    Value { path: PathBuf, key: String, value: String, rule: &'static str },
 }
 
-/// All settings.
+/// All settings, a field a section.
 #[derive(Clone, PartialEq, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Config {
-    pub memory: Memory,
-    pub new: New,
-    pub render: Render,
-    pub light: LightSettings,
-    pub gpu: Gpu,
-    pub window: Window,
-    pub stereo: StereoSettings,
-    pub video: VideoSettings,
-    pub gamepad: GamepadSettings,
-    pub tracking: TrackingSettings,
-    pub screen: ScreenSettings,
-    pub ar: ArSettings,
-    pub headset: HeadsetSettings,
-}
-
-#[derive(Clone, PartialEq, Debug, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Memory {
-    pub grid_mib: u64,
-    pub colour_mib: u64,
-    pub history_mib: u64,
-}
-
-#[derive(Clone, PartialEq, Debug, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct New {
-    pub dims: [u32; 3],
-    #[serde(deserialize_with = "colour_bits")]
-    pub colour_bits: ColourDepth,
-    #[serde(deserialize_with = "rgb")]
-    pub base: Rgb,
-}
-
-#[derive(Clone, PartialEq, Debug, Default, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Gpu {
-    pub device: String,
-    pub validation: bool,
-    /// The folder of compiled pipelines; no setting, but given by whoever runs the program.
-    #[serde(skip)]
-    pub pipeline_cache: Option<PathBuf>,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Theme {
-    #[default]
-    Dark,
-    Light,
-}
-
-impl Theme {
-    pub fn other(self) -> Theme {
-        match self {
-            Theme::Dark => Theme::Light,
-            Theme::Light => Theme::Dark,
-        }
-    }
-}
-
-#[derive(Clone, PartialEq, Debug, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Window {
-    pub size: [u32; 2],
-    pub theme: Theme,
-    pub guide: bool,
-    pub scale: f32,
-}
-
-impl Default for Memory {
-    fn default() -> Self {
-        Memory { grid_mib: 1024, colour_mib: 4096, history_mib: 1024 }
-    }
-}
-
-impl Default for New {
-    fn default() -> Self {
-        New {
-            dims: [256; 3],
-            colour_bits: ColourDepth::Bits24,
-            base: crate::command_text::DEFAULT_BASE,
-        }
-    }
-}
-
-impl Default for Window {
-    fn default() -> Self {
-        Window { size: [1280, 800], theme: Theme::Dark, guide: true, scale: 1.0 }
-    }
+    pub memory: MemoryOptions,
+    pub new: NewOptions,
+    pub render: RenderOptions,
+    pub light: LightOptions,
+    pub gpu: GpuOptions,
+    pub window: WindowOptions,
+    pub stereo: StereoOptions,
+    pub video: VideoOptions,
+    pub gamepad: GamepadOptions,
+    pub tracking: TrackingOptions,
+    pub screen: ScreenOptions,
+    pub ar: ArOptions,
+    pub headset: HeadsetOptions,
 }
 
 impl Config {
-    /// Reads the named file; without a name the person's own file if there is one, else the
-    /// defaults.
+    /// Reads the named file; without a name the user's own file if it exists, else the defaults.
     pub fn load(path: Option<&Path>) -> Result<Config, ConfigError> {
         Config::load_over(None, path)
     }
 
     /// The same over the settings of a profile.
     pub fn load_over(profile: Option<Profile>, path: Option<&Path>) -> Result<Config, ConfigError> {
-        let own = personal_file();
+        let own = folders::personal_file();
         let path = match (path, &own) {
             (Some(path), _) => Some(path),
             (None, Some(own)) if own.exists() => Some(own.as_path()),
@@ -181,105 +99,69 @@ impl Config {
     }
 
     fn check(&self, path: &Path) -> Result<(), ConfigError> {
-        let demand = |ok: bool, key, value: String, rule| match ok {
-            true => Ok(()),
-            false => Err(ConfigError::Value { path: path.into(), key, value, rule }),
-        };
-        let Config { memory, new, render, light, window, stereo, gamepad, .. } = self;
-        let (tracking, screen, ar) = (&self.tracking, &self.screen, &self.ar);
-        let mib = |value: u64| (1..=1 << 24).contains(&value);
-        let rule = "must be 1 to 16777216 MiB";
-        demand(mib(memory.grid_mib), "memory.grid_mib", memory.grid_mib.to_string(), rule)?;
-        demand(mib(memory.colour_mib), "memory.colour_mib", memory.colour_mib.to_string(), rule)?;
-        demand(
-            mib(memory.history_mib),
-            "memory.history_mib",
-            memory.history_mib.to_string(),
-            rule,
-        )?;
-        let grid = crate::sculpture::Grid::check(
-            new.dims.into(),
-            glam::Vec3::ONE,
-            self.limits().grid_bytes,
-        );
-        demand(
-            grid.is_ok(),
-            "new.dims",
-            format!("{:?}", new.dims),
-            "must be 1 to 4096 voxels per axis within memory.grid_mib",
-        )?;
-        demand(
-            (1.0..=170.0).contains(&render.fov_deg),
-            "render.fov_deg",
-            render.fov_deg.to_string(),
-            "must be 1 to 170 degrees",
-        )?;
-        demand(
-            window.size.iter().all(|s| (320..=16384).contains(s)),
-            "window.size",
-            format!("{:?}", window.size),
-            "must be 320 to 16384 points each",
-        )?;
-        demand(
-            SCALE_RANGE.contains(&window.scale),
-            "window.scale",
-            window.scale.to_string(),
-            "must be 0.5 to 4",
-        )?;
-        let ranges = gamepad.ranges().into_iter().chain(stereo.ranges()).chain(light.ranges());
-        let ranges = ranges.chain(self.headset.ranges());
-        for (key, value, range, rule) in ranges {
-            demand(range.contains(&value), key, value.to_string(), rule)?;
+        let sections = [
+            ("memory", self.memory.check()),
+            ("new", self.new.check(&self.limits())),
+            ("render", self.render.check()),
+            ("window", self.window.check()),
+            ("gamepad", self.gamepad.check()),
+            ("stereo", self.stereo.check()),
+            ("light", self.light.check()),
+            ("headset", self.headset.check()),
+            ("tracking", self.tracking.check()),
+            ("screen", self.screen.check()),
+            ("ar", self.ar.check()),
+        ];
+        for (section, checked) in sections {
+            checked.map_err(|InvalidOption { key, value, rule }| ConfigError::Value {
+                path: path.into(),
+                key: format!("{section}.{key}"),
+                value,
+                rule,
+            })?;
         }
-        match tracking.fault().or_else(|| screen.fault()).or_else(|| ar.fault()) {
-            Some((key, value, rule)) => demand(false, key, value, rule),
-            None => Ok(()),
-        }
+        Ok(())
     }
 
-    /// The light of a picture.
+    /// The lighting of a picture.
     pub fn lighting(&self) -> Lighting {
         self.render.finish().of(self.light.lighting())
     }
 
-    /// The device to draw with.
-    pub fn device_options(&self) -> DeviceOptions {
-        let choice = DeviceChoice::parse(&self.gpu.device);
-        let validation =
-            if self.gpu.validation { Validation::Required } else { Validation::default() };
-        let pipeline_cache = self.gpu.pipeline_cache.clone();
-        DeviceOptions { choice, validation, pipeline_cache }.with_environment()
+    /// The device to render with. `pipeline_cache`: the folder of compiled pipelines.
+    pub fn device_options(&self, pipeline_cache: Option<PathBuf>) -> DeviceOptions {
+        self.gpu.device_options(pipeline_cache)
     }
 
-    /// The block of stone that a session begins with.
-    pub fn new_sculpture(&self) -> NewSculpture {
-        NewSculpture {
-            dims: self.new.dims.into(),
-            voxel_size: glam::Vec3::ONE,
-            colour_depth: self.new.colour_bits,
-            base: self.new.base,
-            solid: true,
+    /// What pictures without a screen depend on, made on `device`.
+    pub fn picture_options(&self, device: &DeviceOptions) -> PictureOptions {
+        let (lighting, device) = (self.lighting(), device.clone());
+        PictureOptions { stereo: self.stereo, lighting, device }
+    }
+
+    /// What the interface starts with.
+    pub fn ui_options(&self) -> UiOptions<'_> {
+        UiOptions {
+            window: &self.window,
+            new: self.new_sculpture(),
+            render: &self.render,
+            light: &self.light,
+            stereo: &self.stereo,
+            video: &self.video,
+            gamepad: &self.gamepad,
+            headset: &self.headset,
         }
+    }
+
+    /// The block that a session begins with.
+    pub fn new_sculpture(&self) -> NewSculpture {
+        self.new.sculpture()
     }
 
     /// The memory limits of a document.
     pub fn limits(&self) -> Limits {
-        Limits {
-            grid_bytes: self.memory.grid_mib << 20,
-            colour_bytes: self.memory.colour_mib << 20,
-            history_bytes: (self.memory.history_mib << 20) as usize,
-        }
+        self.memory.limits()
     }
-}
-
-fn colour_bits<'de, D: Deserializer<'de>>(from: D) -> Result<ColourDepth, D::Error> {
-    let bits = u32::deserialize(from)?;
-    ColourDepth::from_bits(bits)
-        .ok_or_else(|| de::Error::custom(format!("{bits} must be 0, 8, 16 or 24")))
-}
-
-fn rgb<'de, D: Deserializer<'de>>(from: D) -> Result<Rgb, D::Error> {
-    String::deserialize(from)?.parse().map_err(de::Error::custom)
 }
 
 #[cfg(test)]
@@ -303,8 +185,7 @@ mod tests {
             }
         }
         let table: toml::Table = DEFAULT_TOML.parse().unwrap();
-        // Which folder the compiled pipelines are in is no setting.
-        let debug = format!("{:?}", Config::default()).replace("pipeline_cache: None", "");
+        let debug = format!("{:?}", Config::default());
         let fields = debug.matches(": ").count();
         assert_eq!(keys(&table.into()), fields, "a key lacks in default.toml: {debug}");
     }
@@ -319,7 +200,7 @@ mod tests {
     fn a_partial_file_keeps_the_other_defaults() {
         let config = parse("[memory]\nhistory_mib = 7").unwrap();
         assert_eq!(config.limits().history_bytes, 7 << 20);
-        assert_eq!(config.window, Window::default());
+        assert_eq!(config.window, WindowOptions::default());
     }
 
     #[test]
@@ -352,6 +233,28 @@ mod tests {
         for (text, needle) in cases {
             let error = parse(text).unwrap_err().to_string();
             assert!(error.contains(needle) && error.contains("my.toml"), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn errors_of_tracking_and_ar_name_file_and_key() {
+        for (toml, key) in [
+            ("[tracking]\nsource = \"Head0\"", "Head0"),
+            ("[tracking]\nprediction_ms = nan", "tracking.prediction_ms"),
+            ("[tracking]\nscale = 0.0", "tracking.scale"),
+            ("[tracking]\ninvert = [\"w\"]", "tracking.invert"),
+            ("[tracking]\nbuttons = { 0 = \"fly\" }", "tracking.buttons = { 0 = \"fly\" }"),
+            ("[tracking]\nbuttons = { 0 = \"zoom\" }", "tracking.buttons"),
+            ("[tracking]\nbuttons = { a = \"undo\" }", "tracking.buttons"),
+            ("[tracking]\nanalogs = { 0 = \"move-tool\" }", "tracking.analogs"),
+            ("[tracking]\ncontrols = \"Button0\"", "tracking.controls"),
+            ("[screen]\nsize_m = [0.5, 0.0]", "screen.size_m"),
+            ("[screen]\nrest_m = [0.0, 0.0, 0.0]", "screen.rest_m"),
+            ("[ar]\nmarker = 30", "ar.marker"),
+            ("[ar]\nvoxel_mm = nan", "ar.voxel_mm"),
+        ] {
+            let error = parse(toml).unwrap_err().to_string();
+            assert!(error.contains(key) && error.contains("my.toml"), "{toml}: {error}");
         }
     }
 

@@ -1,7 +1,7 @@
 //! Owns `doctor`: what this machine offers to the program, and what to install where something
 //! lacks. It only looks; it changes nothing and never fails.
 
-use crate::config::personal_file;
+use crate::folders::personal_file;
 use crate::gpu;
 use crate::screen::headset;
 

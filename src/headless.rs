@@ -5,25 +5,23 @@
 
 use std::path::{Path, PathBuf};
 
-use glam::{UVec2, UVec3};
+use glam::{UVec2, UVec3, Vec3};
 use thiserror::Error;
 
-use crate::app::AppError;
-use crate::bench::BenchError;
-use crate::cli::PictureArgs;
 use crate::command::{COMMANDS, Command};
 use crate::command_text::{ScriptError, parse_script};
-use crate::config::{Config, ConfigError};
+use crate::config::Config;
 use crate::document::Document;
 use crate::fiducial::{family, sheet};
 use crate::format::options::{ExportForm, ImportOptions};
 use crate::format::{self, FormatError, store};
+use crate::gpu::DeviceOptions;
 use crate::picture::{self, PictureError};
 use crate::progress::Progress;
+use crate::render::RenderMode;
 use crate::say::{self, Unsaid};
 use crate::session::{Session, SessionError};
-use crate::track::TrackError;
-use crate::track::source::SourceError;
+use crate::view::StereoLayout;
 
 /// A scene that the program builds from a script.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, clap::ValueEnum)]
@@ -61,11 +59,66 @@ impl DemoScene {
     }
 }
 
+/// What every job works with.
+#[derive(Clone, Copy)]
+pub struct Context<'a> {
+    pub config: &'a Config,
+    /// The device to make for render modes that need one.
+    pub device: &'a DeviceOptions,
+    pub progress: &'a dyn Progress,
+}
+
+impl Context<'_> {
+    fn new_session(&self) -> Result<Session, SessionError> {
+        Session::new(&self.config.new_sculpture(), self.config.limits())
+    }
+
+    fn open_session(&self, file: &Path, import: &ImportOptions) -> Result<Session, SessionError> {
+        Session::open(file, import, self.config.limits(), self.progress)
+    }
+}
+
+/// A picture of the sculpture to render.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct PictureRequest {
+    /// Pixels.
+    pub size: UVec2,
+    /// None: the mode of the settings.
+    pub mode: Option<RenderMode>,
+    /// From the centre to the eye.
+    pub camera: Vec3,
+    /// The axis of the grid that points up in the picture.
+    pub up: Vec3,
+    /// The angle by which the sculpture is turned about `up`.
+    pub turn_deg: f32,
+    /// 1 fits the whole sculpture.
+    pub zoom: f32,
+    /// None: the layout of the settings.
+    pub stereo: Option<StereoLayout>,
+}
+
+impl PictureRequest {
+    /// From the upper right in front: the view in which most shapes are easiest to read.
+    pub const THREE_QUARTER: Vec3 = Vec3::new(0.8, 0.6, 1.0);
+}
+
+impl Default for PictureRequest {
+    fn default() -> Self {
+        PictureRequest {
+            size: UVec2::new(640, 480),
+            mode: None,
+            camera: PictureRequest::THREE_QUARTER,
+            up: Vec3::Y,
+            turn_deg: 0.0,
+            zoom: 1.0,
+            stereo: None,
+        }
+    }
+}
+
 /// Why a job failed.
 #[derive(Debug, Error)]
 pub enum JobError {
-    #[error(transparent)]
-    Config(#[from] ConfigError),
     #[error(transparent)]
     Session(#[from] SessionError),
     #[error("cannot read {path}: {error}")]
@@ -80,76 +133,24 @@ pub enum JobError {
     Folder { path: PathBuf, error: std::io::Error },
     #[error(transparent)]
     Picture(#[from] PictureError),
-    #[error(transparent)]
-    App(#[from] AppError),
-    #[error(transparent)]
-    Track(#[from] TrackError),
     #[error("there is no marker {0}; use 0 to {last}", last = family::COUNT - 1)]
     NoMarker(u32),
     #[error("cannot write {path}: {error}")]
     WriteMarker { path: PathBuf, error: std::io::Error },
     #[error(transparent)]
-    Bench(#[from] BenchError),
-    #[error(transparent)]
     Unsaid(#[from] Unsaid),
-    #[error(
-        "there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); `render`, `run`, `convert`, `info`, `demo` and `bench` need none"
-    )]
-    NoDisplay,
-}
-
-impl JobError {
-    /// The exit code that [`crate::cli`] promises for this error.
-    pub fn exit_code(&self) -> u8 {
-        match self {
-            JobError::Config(_)
-            | JobError::Session(SessionError::Open { .. })
-            | JobError::Info { .. }
-            | JobError::ReadScript { .. }
-            | JobError::Script { .. }
-            | JobError::Command { .. }
-            | JobError::Bench(BenchError::Subject { .. })
-            | JobError::Track(TrackError::Source(
-                SourceError::ReadScript(..) | SourceError::Script(..),
-            )) => 3,
-            JobError::Track(TrackError::NoSource) | JobError::NoMarker(_) => 2,
-            JobError::Picture(PictureError::Gpu(_))
-            | JobError::App(AppError::EventLoop(_) | AppError::Window(_) | AppError::Gpu(_))
-            | JobError::NoDisplay => 4,
-            JobError::Session(_)
-            | JobError::Folder { .. }
-            | JobError::WriteMarker { .. }
-            | JobError::Track(_)
-            | JobError::Picture(_)
-            | JobError::Bench(_)
-            | JobError::Unsaid(_)
-            | JobError::App(_) => 1,
-        }
-    }
-
-    /// Whether nothing went wrong, but nobody reads the results any more.
-    pub fn is_reader_gone(&self) -> bool {
-        use JobError::{Bench, Track, Unsaid as Own};
-        matches!(
-            self,
-            Own(Unsaid::ReaderGone)
-                | Bench(BenchError::Unsaid(Unsaid::ReaderGone))
-                | Track(TrackError::Unsaid(Unsaid::ReaderGone))
-        )
-    }
 }
 
 /// Renders a file to a picture.
 pub fn render(
     file: &Path,
     out: &Path,
-    picture: &PictureArgs,
+    picture: &PictureRequest,
     import: &ImportOptions,
-    config: &Config,
-    progress: &dyn Progress,
+    context: &Context,
 ) -> Result<(), JobError> {
-    let session = Session::open(file, import, config.limits(), progress)?;
-    render_session(session, out, picture, config)
+    let session = context.open_session(file, import)?;
+    render_session(session, out, picture, context)
 }
 
 /// Draws a marker whose black square is `size_mm` wide: an SVG where the name says so, else a PNG.
@@ -169,32 +170,32 @@ pub fn marker(id: u32, size_mm: f64, out: &Path) -> Result<(), JobError> {
 }
 
 /// Carries out a script; saves and renders the result where asked.
-pub fn run(job: &RunJob, config: &Config, progress: &dyn Progress) -> Result<(), JobError> {
+pub fn run(job: &RunJob, context: &Context) -> Result<(), JobError> {
     let text = store::read_text(&job.script)
         .map_err(|error| JobError::ReadScript { path: job.script.clone(), error })?;
     let mut session = match &job.input {
-        Some(input) => Session::open(input, &job.import, config.limits(), progress)?,
-        None => Session::new(&config.new_sculpture(), config.limits())?,
+        Some(input) => context.open_session(input, &job.import)?,
+        None => context.new_session()?,
     };
-    execute_script(&mut session, &text, &job.script, progress)?;
+    execute_script(&mut session, &text, &job.script, context.progress)?;
     if let Some(output) = &job.output {
-        save(&mut session, output, ExportForm::Auto, progress)?;
+        save(&mut session, output, ExportForm::Auto, context.progress)?;
     }
     describe(session.document());
     match &job.render {
-        Some(picture) => render_session(session, picture, &job.picture, config),
+        Some(picture) => render_session(session, picture, &job.picture, context),
         None => Ok(()),
     }
 }
 
-/// What `run` is asked to do.
+/// The arguments of [`run`].
 #[derive(Debug)]
 pub struct RunJob {
     pub script: PathBuf,
     pub input: Option<PathBuf>,
     pub output: Option<PathBuf>,
     pub render: Option<PathBuf>,
-    pub picture: PictureArgs,
+    pub picture: PictureRequest,
     pub import: ImportOptions,
 }
 
@@ -204,24 +205,19 @@ pub fn convert(
     output: &Path,
     form: ExportForm,
     import: &ImportOptions,
-    config: &Config,
-    progress: &dyn Progress,
+    context: &Context,
 ) -> Result<(), JobError> {
-    let mut session = Session::open(input, import, config.limits(), progress)?;
-    save(&mut session, output, form, progress)?;
+    let mut session = context.open_session(input, import)?;
+    save(&mut session, output, form, context.progress)?;
     describe(session.document());
     Ok(())
 }
 
 /// Says what a file holds.
-pub fn info(
-    file: &Path,
-    import: &ImportOptions,
-    config: &Config,
-    progress: &dyn Progress,
-) -> Result<(), JobError> {
+pub fn info(file: &Path, import: &ImportOptions, context: &Context) -> Result<(), JobError> {
     let failed = |error| JobError::Info { path: file.to_path_buf(), error };
-    let info = format::info_with(file, import, &config.limits(), progress).map_err(failed)?;
+    let info = format::info_with(file, import, &context.config.limits(), context.progress)
+        .map_err(failed)?;
     Ok(say::result(info)?)
 }
 
@@ -229,18 +225,17 @@ pub fn info(
 pub fn demo(
     scene: DemoScene,
     folder: &Path,
-    picture: &PictureArgs,
-    config: &Config,
-    progress: &dyn Progress,
+    picture: &PictureRequest,
+    context: &Context,
 ) -> Result<(), JobError> {
     std::fs::create_dir_all(folder)
         .map_err(|error| JobError::Folder { path: folder.to_path_buf(), error })?;
-    let mut session = Session::new(&config.new_sculpture(), config.limits())?;
+    let mut session = context.new_session()?;
     let file = |ending: &str| format!("{}.{ending}", scene.name());
-    execute_script(&mut session, scene.script(), Path::new(&file("sculpt")), progress)?;
-    save(&mut session, &folder.join(file("vsc")), ExportForm::Auto, progress)?;
+    execute_script(&mut session, scene.script(), Path::new(&file("sculpt")), context.progress)?;
+    save(&mut session, &folder.join(file("vsc")), ExportForm::Auto, context.progress)?;
     describe(session.document());
-    render_session(session, &folder.join(file("png")), picture, config)
+    render_session(session, &folder.join(file("png")), picture, context)
 }
 
 /// Prints the commands that scripts know.
@@ -289,20 +284,22 @@ fn save(
 fn render_session(
     mut session: Session,
     out: &Path,
-    arguments: &PictureArgs,
-    config: &Config,
+    request: &PictureRequest,
+    context: &Context,
 ) -> Result<(), JobError> {
+    let config = context.config;
     let view = picture::View {
-        size: arguments.size,
-        mode: arguments.mode.or(config.render.mode).unwrap_or_default(),
-        direction: arguments.camera,
-        up: arguments.up,
-        turn_rad: arguments.turn.to_radians(),
-        zoom: arguments.zoom,
+        size: request.size,
+        mode: request.mode.or(config.render.mode).unwrap_or_default(),
+        direction: request.camera,
+        up: request.up,
+        turn_rad: request.turn_deg.to_radians(),
+        zoom: request.zoom,
         fov_y_rad: config.render.fov_deg.to_radians(),
-        stereo: arguments.stereo.unwrap_or(config.stereo.layout),
+        stereo: request.stereo.unwrap_or(config.stereo.layout),
     };
-    for name in picture::render_to_file(session.document_mut(), &view, config, out)? {
+    let options = config.picture_options(context.device);
+    for name in picture::render_to_file(session.document_mut(), &view, &options, out)? {
         let UVec2 { x, y } = view.size;
         say::done(format_args!("wrote {} ({x}x{y})", name.display()));
     }

@@ -10,15 +10,14 @@ use image::codecs::jpeg::JpegEncoder;
 use image::{ImageError, Rgb, RgbImage};
 use thiserror::Error;
 
-use crate::config::{Config, RenderMode};
 use crate::document::Document;
 use crate::format::store;
-use crate::gpu::{Device, Frames, GpuError, Headless};
-use crate::render::{Background, FrameDesc, Renderer};
+use crate::gpu::{Device, DeviceOptions, Frames, GpuError, Headless};
+use crate::render::{Background, FrameDesc, RenderMode, Renderer, StereoOptions};
 use crate::screen::offscreen;
 use crate::sculpture::Grid;
 use crate::sculpture::brick::BRICK_EDGE_VX;
-use crate::shade::{Pixels, ShadePose, SoftwareShader};
+use crate::shade::{Lighting, Pixels, ShadePose, SoftwareShader};
 use crate::surface::{IndexMap, quickstep, raycast};
 use crate::view::{Camera, Eye, StereoLayout};
 
@@ -44,6 +43,15 @@ pub enum PictureError {
     Encode(#[from] ImageError),
 }
 
+/// What pictures depend on besides document and view.
+#[derive(Clone, Debug)]
+pub struct PictureOptions {
+    pub stereo: StereoOptions,
+    pub lighting: Lighting,
+    /// The device to make for a mode that needs one.
+    pub device: DeviceOptions,
+}
+
 /// From where and how to look.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct View {
@@ -58,7 +66,7 @@ pub struct View {
     /// 1 shows all that exists, more shows less of it, larger.
     pub zoom: f32,
     pub fov_y_rad: f32,
-    /// How two eyes share the picture; their distances are of the configuration.
+    /// How two eyes share the picture; the eyes are those of [`PictureOptions::stereo`].
     pub stereo: StereoLayout,
 }
 
@@ -108,7 +116,7 @@ fn outline(grid: &Grid) -> Vec<Vec3> {
 pub fn render(
     document: &mut Document,
     view: &View,
-    config: &Config,
+    options: &PictureOptions,
 ) -> Result<Vec<RgbImage>, PictureError> {
     let (mono, world_from_grid) = view.frame(document);
     let eyes = match view.stereo {
@@ -116,12 +124,12 @@ pub fn render(
         _ => {
             let centre = world_from_grid.transform_point3(outline_middle(document.grid()));
             let distance = -mono.eye_from_world.transform_point3(centre).z;
-            config.stereo.rig(distance.max(f32::MIN_POSITIVE)).eyes(&mono).to_vec()
+            options.stereo.rig(distance.max(f32::MIN_POSITIVE)).eyes(&mono).to_vec()
         }
     };
     let pictures = match view.mode.needs_device() {
-        true => render_on_device(document, view, &eyes, world_from_grid, config)?,
-        false => render_by_casting(document, view.mode, &eyes, world_from_grid, config),
+        true => render_on_device(document, view, &eyes, world_from_grid, options)?,
+        false => render_by_casting(document, view.mode, &eyes, world_from_grid, &options.lighting),
     };
     Ok(match (view.stereo, pictures.as_slice()) {
         (StereoLayout::Mono | StereoLayout::Layers, _) => pictures,
@@ -139,10 +147,10 @@ pub fn render(
 pub fn render_to_file(
     document: &mut Document,
     view: &View,
-    config: &Config,
+    options: &PictureOptions,
     path: &Path,
 ) -> Result<Vec<PathBuf>, PictureError> {
-    let pictures = render(document, view, config)?;
+    let pictures = render(document, view, options)?;
     let ending = path.extension().unwrap_or("png".as_ref()).to_string_lossy().into_owned();
     let of_eye = |eye: &str| path.with_extension(format!("{eye}.{ending}"));
     let names = match pictures.len() {
@@ -173,9 +181,9 @@ fn render_by_casting(
     mode: RenderMode,
     eyes: &[Eye],
     world_from_grid: Affine3A,
-    config: &Config,
+    lighting: &Lighting,
 ) -> Vec<RgbImage> {
-    let cast = |eye| cast_eye(document, mode, eye, world_from_grid, config);
+    let cast = |eye| cast_eye(document, mode, eye, world_from_grid, lighting);
     eyes.iter().map(cast).collect()
 }
 
@@ -184,7 +192,7 @@ fn cast_eye(
     mode: RenderMode,
     eye: &Eye,
     world_from_grid: Affine3A,
-    config: &Config,
+    lighting: &Lighting,
 ) -> RgbImage {
     let rays = eye.pixel_rays(&world_from_grid);
     let mut map = IndexMap::new(rays);
@@ -194,9 +202,8 @@ fn cast_eye(
     }
     let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
     let mut pixels = Pixels::new(eye.size);
-    let lighting = config.lighting();
     let (grid, material) = (document.grid(), document.material());
-    SoftwareShader::default().shade(&map, grid, material, &pose, &lighting, &mut pixels);
+    SoftwareShader::default().shade(&map, grid, material, &pose, lighting, &mut pixels);
     over_background(&pixels)
 }
 
@@ -207,9 +214,9 @@ fn render_on_device(
     view: &View,
     eyes: &[Eye],
     world_from_grid: Affine3A,
-    config: &Config,
+    options: &PictureOptions,
 ) -> Result<Vec<RgbImage>, PictureError> {
-    let device = Device::new(&mut Headless, &config.device_options())?;
+    let device = Device::new(&mut Headless, &options.device)?;
     let mut renderer = Renderer::new(&device, offscreen::FORMAT)?;
     let mut frames = Frames::new(&device)?;
     let [top, bottom] = BACKGROUND.map(|rgb| Vec3::from(rgb.map(f32::from)) / 255.0);
@@ -217,7 +224,7 @@ fn render_on_device(
         eyes,
         world_from_grid,
         mode: view.mode,
-        lighting: config.lighting(),
+        lighting: options.lighting,
         background: Background::Gradient { top, bottom },
         video: None,
         previews: &[],
@@ -231,7 +238,7 @@ fn render_on_device(
         };
         tracing::warn!("{error}; rendering by {}", mode.label());
         if !mode.needs_device() {
-            return Ok(render_by_casting(document, mode, eyes, world_from_grid, config));
+            return Ok(render_by_casting(document, mode, eyes, world_from_grid, &options.lighting));
         }
         desc.mode = mode;
     }

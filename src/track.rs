@@ -1,8 +1,6 @@
 //! Owns the job `track`: what a person needs to set head tracking up. It shows the poses of a source,
 //! or serves them to others by VRPN.
 
-pub mod source;
-
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::time::{Duration, Instant, SystemTime};
 
@@ -16,9 +14,9 @@ use tracking::vrpn::{
 };
 use tracking::{Event, HeadPose, HostClock, Source, SourceState};
 
-use crate::config::{Config, SourceAddress};
+use crate::config::Config;
+use crate::head_tracking::{SourceAddress, SourceError, source};
 use crate::say::{self, Unsaid};
-use source::SourceError;
 
 /// Between two looks at the sources.
 const LOOK_EVERY: Duration = Duration::from_millis(2);

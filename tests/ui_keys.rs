@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use egui::{Event, Key, Modifiers, PointerButton, vec2};
 use egui_kittest::kittest::Queryable;
-use virtual_sculpture::config::Theme;
+use virtual_sculpture::ui::Theme;
 
 use bench::{
     Bench, bench, bench_of, config, corner, drag, key, middle, send, undo_count, voxels, wheel,

@@ -7,7 +7,7 @@ mod bench;
 
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
-use virtual_sculpture::config::{RenderMode, Shading};
+use virtual_sculpture::render::{RenderMode, Shading};
 use virtual_sculpture::shade::{LightFrame, LightSource, Lighting, Smoothing};
 
 use bench::{Bench, bench, key};

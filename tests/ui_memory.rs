@@ -11,10 +11,11 @@ use std::path::{Path, PathBuf};
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use virtual_sculpture::command::Command;
-use virtual_sculpture::config::{Config, Theme};
+use virtual_sculpture::config::Config;
 use virtual_sculpture::input::{Panel, ToolMode};
 use virtual_sculpture::sculpture::Rgb;
 use virtual_sculpture::tools::construct::Solid;
+use virtual_sculpture::ui::Theme;
 use virtual_sculpture::ui::Tool;
 use virtual_sculpture::ui::toasts::Tone;
 
@@ -22,7 +23,7 @@ use bench::{Bench, config, key};
 
 fn start(file: &Path, config: &Config) -> Bench {
     let mut harness = bench::bench_of(config, egui::vec2(1280.0, 800.0));
-    harness.state_mut().remember_in(file.to_path_buf(), config);
+    harness.state_mut().remember_in(file.to_path_buf(), &config.window);
     harness.run();
     harness
 }

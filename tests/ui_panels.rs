@@ -13,10 +13,11 @@ use egui_kittest::kittest::Queryable;
 use glam::UVec3;
 use virtual_sculpture::app::Workspace;
 use virtual_sculpture::command::Command;
-use virtual_sculpture::config::{RenderMode, Theme};
 use virtual_sculpture::input::{Bindings, Panel, ToolMode};
+use virtual_sculpture::render::RenderMode;
 use virtual_sculpture::session::Session;
 use virtual_sculpture::tools::construct::Solid;
+use virtual_sculpture::ui::Theme;
 
 use bench::{
     Bench, bench, bench_of, config, corner, drag, key, key_in, look, middle, send, undo_count,

@@ -9,7 +9,7 @@ mod bench;
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
-use virtual_sculpture::config::Theme;
+use virtual_sculpture::ui::Theme;
 use virtual_sculpture::ui::toasts::Tone;
 use virtual_sculpture::view::StereoLayout;
 

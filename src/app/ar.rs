@@ -14,8 +14,7 @@ use tracking::Placement;
 use tracking::fade::{Fade, FadeOptions};
 
 use super::workspace::Workspace;
-use crate::config::ArSettings;
-use crate::fiducial::{Grey, MarkerPose, detect, poses};
+use crate::fiducial::{ArOptions, Grey, MarkerPose, detect, poses};
 use crate::input::Side;
 use crate::ui::ar::ArStatus;
 use crate::video::{Fit, Frame, Framing, Intrinsics, Stand};
@@ -120,7 +119,7 @@ impl Drop for Finder {
 
 /// The marker and the camera before it.
 pub struct Ar {
-    settings: ArSettings,
+    settings: ArOptions,
     /// While the sculpture stands on the marker.
     finder: Option<Finder>,
     /// The last frame that was given, by its number.
@@ -143,7 +142,7 @@ fn rest() -> Placement {
 }
 
 impl Ar {
-    pub fn new(settings: &ArSettings) -> Ar {
+    pub fn new(settings: &ArOptions) -> Ar {
         Ar {
             settings: settings.clone(),
             finder: None,
@@ -167,7 +166,7 @@ impl Ar {
     }
 
     fn start(&mut self) -> std::io::Result<()> {
-        let ArSettings { marker, marker_mm, .. } = self.settings;
+        let ArOptions { marker, marker_mm, .. } = self.settings;
         self.finder = Some(Finder::start(marker, marker_mm * 1e-3)?);
         Ok(())
     }

@@ -9,9 +9,8 @@ use std::time::Duration;
 
 use super::ar::Look;
 use super::workspace::Workspace;
-use crate::config::VideoSettings;
 use crate::ui::video::{VideoState, VideoStatus};
-use crate::video::{Address, Frame, Intrinsics, State, VideoError, VideoSource};
+use crate::video::{Address, Frame, Intrinsics, State, VideoError, VideoOptions, VideoSource};
 
 /// Between two looks for a new frame.
 const LOOK_EVERY: Duration = Duration::from_millis(8);
@@ -21,7 +20,7 @@ const LOOK_EVERY: Duration = Duration::from_millis(8);
 pub struct Camera {
     source: Option<VideoSource>,
     /// What was asked for when it was opened: another wish opens it anew.
-    opened: VideoSettings,
+    opened: VideoOptions,
     lens: Option<Intrinsics>,
     frame: Option<Arc<Frame>>,
     state: VideoState,
@@ -41,7 +40,7 @@ impl Camera {
         moving.then_some(LOOK_EVERY)
     }
 
-    fn open(&mut self, settings: &VideoSettings) -> Result<(), String> {
+    fn open(&mut self, settings: &VideoOptions) -> Result<(), String> {
         // The old camera is free before the new one is opened: it may be the same.
         *self = Camera { opened: settings.clone(), ..Camera::default() };
         if !settings.lens.as_os_str().is_empty() {
@@ -125,8 +124,8 @@ impl Workspace {
             }
             return;
         }
-        let settings = VideoSettings { on: true, ..self.ui.view.video.clone() };
-        let same = |a: &VideoSettings, b: &VideoSettings| {
+        let settings = VideoOptions { on: true, ..self.ui.view.video.clone() };
+        let same = |a: &VideoOptions, b: &VideoOptions| {
             (&a.source, &a.lens, a.on) == (&b.source, &b.lens, b.on)
         };
         if !same(&self.camera.opened, &settings)

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::config::state_folder;
+use crate::folders::state_folder;
 
 /// Whether this is the first start; from now on it is not.
 pub fn is_first_run() -> bool {

@@ -18,11 +18,11 @@ use tracking::{
 };
 
 use super::workspace::Workspace;
-use crate::config::{Config, ScreenSettings, SourceAddress, TrackingSettings};
+use crate::config::Config;
+use crate::head_tracking::{ScreenOptions, SourceAddress, TrackingOptions, source};
 use crate::input::action::Kind;
 use crate::input::{Action, ActionEvent};
 use crate::screen::headset::WornHead;
-use crate::track::source;
 use crate::ui::head::{CalibrationStatus, CalibrationStep, HeadStatus};
 use crate::view::Eye;
 use crate::view::off_axis::{Head as HeadPlace, ScreenInWorld, ScreenPlane};
@@ -49,8 +49,8 @@ pub struct Monitor {
 
 /// The head and who tracks it.
 pub struct Head {
-    settings: TrackingSettings,
-    screen: ScreenSettings,
+    settings: TrackingOptions,
+    screen: ScreenOptions,
     clock: HostClock,
     /// The head of the headset that the program is shown in, where that is to be followed.
     worn: Option<WornHead>,
@@ -104,8 +104,8 @@ impl Head {
         };
         Head {
             controls: ControlMap::new(
-                TrackingSettings::bound(&settings.buttons).map(button).collect(),
-                TrackingSettings::bound(&settings.analogs).map(analog).collect(),
+                TrackingOptions::bound(&settings.buttons).map(button).collect(),
+                TrackingOptions::bound(&settings.analogs).map(analog).collect(),
             ),
             worn: match settings.source {
                 SourceAddress::Openxr(origin) if config.headset.enabled => {
@@ -143,7 +143,7 @@ impl Head {
     }
 
     fn start(&mut self) -> Result<(), source::SourceError> {
-        let TrackingSettings { source: address, .. } = &self.settings;
+        let TrackingOptions { source: address, .. } = &self.settings;
         let controls = self.settings.controls();
         let worn = self.worn.as_ref();
         let signs = self.settings.signs();
@@ -263,7 +263,7 @@ impl Head {
     }
 }
 
-fn rest(screen: &ScreenSettings) -> Placement {
+fn rest(screen: &ScreenOptions) -> Placement {
     Placement { position_m: DVec3::from(screen.rest_m), orientation: DQuat::IDENTITY }
 }
 

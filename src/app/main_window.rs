@@ -13,8 +13,7 @@ use super::painter::Painter;
 use super::pane::{Frame, Interface, Pane};
 use super::screenshot;
 use super::workspace::Workspace;
-use crate::config::Config;
-use crate::gpu::{Device, GpuError, ValidationLog, WindowHost};
+use crate::gpu::{Device, DeviceOptions, GpuError, ValidationLog, WindowHost};
 use crate::view::StereoLayout;
 
 /// The main window with all that draws to it. Fields are dropped in this order.
@@ -28,9 +27,9 @@ pub struct MainWindow {
 }
 
 impl MainWindow {
-    pub fn new(window: Arc<Window>, config: &Config) -> Result<MainWindow, GpuError> {
+    pub fn new(window: Arc<Window>, options: &DeviceOptions) -> Result<MainWindow, GpuError> {
         let mut host = WindowHost::new(window.clone());
-        let device = Device::new(&mut host, &config.device_options())?;
+        let device = Device::new(&mut host, options)?;
         let pane = Pane::new(window, host.into_surface()?, &device)?;
         let painter = Painter::new(&device, pane.screen().format())?;
         Ok(MainWindow { painter, pane, corner: UVec2::ZERO, shown: 0 })

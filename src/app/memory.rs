@@ -9,10 +9,9 @@ use std::time::{Duration, Instant};
 
 use super::workspace::Workspace;
 use crate::command::Command;
-use crate::config::Config;
 use crate::format::store::write_atomically;
-use crate::ui::memory;
 use crate::ui::state::folder_of;
+use crate::ui::{WindowOptions, memory};
 
 /// A longer file is none of this program's.
 const LONGEST_BYTES: u64 = 1 << 20;
@@ -22,7 +21,7 @@ const EVERY: Duration = Duration::from_secs(30);
 /// The file and what it holds.
 pub(super) struct MemoryFile {
     path: PathBuf,
-    config: Config,
+    window: WindowOptions,
     written: String,
     at: Instant,
     /// That it cannot be written has been said.
@@ -32,10 +31,10 @@ pub(super) struct MemoryFile {
 impl Workspace {
     /// Remembers what the file holds, if there is one, and from now on writes what is to be
     /// remembered to it.
-    pub fn remember_in(&mut self, path: PathBuf, config: &Config) {
+    pub fn remember_in(&mut self, path: PathBuf, window: &WindowOptions) {
         let read = read(&path);
         match &read {
-            Ok(Some(text)) => memory::recall(text, &mut self.ui, config),
+            Ok(Some(text)) => memory::recall(text, &mut self.ui, window),
             Ok(None) => {}
             Err(error) => tracing::warn!("cannot read {}: {error}", path.display()),
         }
@@ -44,9 +43,9 @@ impl Workspace {
             self.ui.recent.note_open(path);
         }
         let written = read.ok().flatten().unwrap_or_default();
-        let config = config.clone();
+        let window = window.clone();
         self.memory =
-            Some(MemoryFile { path, config, written, at: Instant::now(), complained: false });
+            Some(MemoryFile { path, window, written, at: Instant::now(), complained: false });
     }
 
     /// A file was opened or saved by a command.
@@ -70,7 +69,7 @@ impl Workspace {
     /// Writes what is to be remembered, if it has changed.
     pub fn remember(&mut self) {
         let Some(file) = &mut self.memory else { return };
-        let text = memory::to_text(&self.ui, &file.config);
+        let text = memory::to_text(&self.ui, &file.window);
         file.at = Instant::now();
         if text == file.written {
             return;

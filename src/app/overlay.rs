@@ -5,7 +5,6 @@ use std::f32::consts::TAU;
 
 use glam::{Mat3, Quat, UVec3, Vec2, Vec3};
 
-use crate::config::Theme;
 use crate::document::Document;
 use crate::input::ToolMode;
 use crate::render::overlay::{Line, ToolPreview};
@@ -15,7 +14,7 @@ use crate::sculpture::{Grid, Rgb};
 use crate::surface::IndexMap;
 use crate::tools::construct::{Primitive, Solid};
 use crate::tools::spray::{Outline, SprayKind};
-use crate::ui::{Hand, Tool, ViewState};
+use crate::ui::{Hand, Theme, Tool, ViewState};
 
 const CUT: Rgb = Rgb::new(0xff, 0x6b, 0x57);
 const MARKER: Rgb = Rgb::new(0x4a, 0xc8, 0xf0);
@@ -255,7 +254,7 @@ mod tests {
     #[test]
     fn what_the_sculpture_hides_of_grid_and_line_is_not_drawn() {
         let document = document();
-        let state = UiState::new(&Config::default(), document.grid().dims());
+        let state = UiState::new(&Config::default().ui_options(), document.grid().dims());
         let scene = OverlayScene {
             hand: &state.hand,
             document: &document,
@@ -286,7 +285,7 @@ mod tests {
     #[test]
     fn what_is_switched_off_is_not_shown() {
         let mut document = document();
-        let mut state = UiState::new(&Config::default(), document.grid().dims());
+        let mut state = UiState::new(&Config::default().ui_options(), document.grid().dims());
         let count = |state: &UiState, document: &Document| {
             let scene = OverlayScene {
                 hand: &state.hand,

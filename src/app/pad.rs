@@ -8,10 +8,9 @@ use egui::{Color32, Context, Event, Id, LayerId, Order, PointerButton, Pos2, Str
 use glam::{Quat, Vec2, Vec3};
 
 use super::workspace::Workspace;
-use crate::config::GamepadSettings;
 use crate::input::pad::device::{Motor, PadChange, PadNews};
 use crate::input::pad::rumble::Rumble;
-use crate::input::pad::{Glide, PadEvent, PadId, PadMapper, PadMode};
+use crate::input::pad::{GamepadOptions, Glide, PadEvent, PadId, PadMapper, PadMode};
 use crate::input::{Action, ActionEvent, Trigger};
 use crate::sculpture::Placement;
 use crate::ui::PadStatus;
@@ -25,7 +24,7 @@ const STEP_S: f32 = 1.0 / 60.0;
 
 /// The gamepads and what they need to know between pictures.
 pub(super) struct Pads {
-    settings: GamepadSettings,
+    settings: GamepadOptions,
     pub(super) mapper: PadMapper,
     motors: Vec<(PadId, Box<dyn Motor>)>,
     rumble: Rumble,
@@ -40,7 +39,7 @@ pub(super) struct Pads {
 }
 
 impl Pads {
-    pub(super) fn new(settings: &GamepadSettings) -> Pads {
+    pub(super) fn new(settings: &GamepadOptions) -> Pads {
         Pads {
             settings: settings.clone(),
             mapper: PadMapper::new(settings.response(), settings.mode),

@@ -8,11 +8,11 @@ use glam::Vec3;
 
 use super::overlay;
 use super::workspace::Workspace;
-use crate::config::Theme;
 use crate::gpu::{Device, GpuError, Recorder, Result};
 use crate::render::renderer::{FrameDesc, Pictures};
 use crate::render::{Background, Renderer, Video, VideoView};
 use crate::shade::Pixels;
+use crate::ui::Theme;
 
 /// The pictures of the sculpture in the window.
 pub struct Painter {

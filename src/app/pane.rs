@@ -15,9 +15,10 @@ use winit::keyboard::{Key, KeyCode, PhysicalKey};
 use winit::window::{Window, WindowId};
 
 use super::head::Monitor;
-use crate::gpu::{Attachment, Device, Frames, GpuError, ImagePart, Load, Recorder, Surface, Use};
+use crate::gpu::{
+    Attachment, Device, EyeImage, Frames, GpuError, ImagePart, Load, Recorder, Surface, Use,
+};
 use crate::render::gui::Gui;
-use crate::render::target::EyeImage;
 use crate::screen::window::{Target, WindowScreen};
 use crate::view::StereoLayout;
 

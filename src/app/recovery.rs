@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::command::Command;
-use crate::config::state_folder;
+use crate::folders::state_folder;
 use crate::format::options::ExportForm;
 use crate::session::{Session, SessionError};
 

@@ -8,8 +8,7 @@ use std::sync::Arc;
 use ash::vk;
 use glam::{IVec2, UVec2};
 
-use crate::gpu::{Attachment, Device, Load, Recorder, Result, Use};
-use crate::render::target::EyeImage;
+use crate::gpu::{Attachment, Device, EyeImage, Load, Recorder, Result, Use};
 use crate::render::{Stereo, StereoSources};
 use crate::screen::window::Target;
 use crate::view::StereoLayout;

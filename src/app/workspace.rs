@@ -99,7 +99,7 @@ impl Workspace {
         let grid = session.document().grid();
         let turntable = Turntable::new(grid, config.render.fov_deg, UVec2::new(640, 480));
         let mut workspace = Workspace {
-            ui: UiState::new(config, grid.dims()),
+            ui: UiState::new(&config.ui_options(), grid.dims()),
             session,
             pristine: presets.clone(),
             presets,

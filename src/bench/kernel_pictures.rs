@@ -6,8 +6,8 @@ use std::time::Instant;
 use glam::Affine3A;
 
 use super::pictures::{AfterEdit, Scene, StageTimes};
-use crate::config::RenderMode;
 use crate::document::Document;
+use crate::render::RenderMode;
 use crate::sculpture::Grid;
 use crate::sculpture::history::Contents;
 use crate::shade::{self, Lighting, NORMAL_REACH_VX, Pixels, ShadePose};

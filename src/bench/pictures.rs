@@ -11,12 +11,11 @@ use std::time::{Duration, Instant};
 use glam::{Affine3A, Vec3};
 
 use super::kernel_pictures::KernelPictures;
-use crate::config::{RenderMode, Shading};
 use crate::document::Document;
 use crate::gpu::{Device, Frames, Result};
 use crate::picture::BACKGROUND;
 use crate::render::renderer::DeviceTimes;
-use crate::render::{Background, FrameDesc, Renderer};
+use crate::render::{Background, FrameDesc, RenderMode, Renderer, Shading};
 use crate::screen::offscreen::FORMAT;
 use crate::shade::Lighting;
 use crate::view::{Eye, PixelRays};

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use glam::{UVec2, Vec3};
 
-use crate::config::StereoSettings;
 use crate::document::Document;
 use crate::format::{self, FormatError, options::ImportOptions};
 use crate::progress::Progress;
+use crate::render::StereoOptions;
 use crate::scenes;
 use crate::sculpture::history::Contents;
 use crate::sculpture::{ColourDepth, Grid, GridError, Limits, Material, Rgb};
@@ -93,7 +93,7 @@ pub fn eye_of(document: &Document, size: UVec2) -> Eye {
 
 /// That eye, or with `count` 2 the left and the right one of a person who is there, as `stereo` has
 /// them.
-pub fn eyes_of(document: &Document, size: UVec2, count: u32, stereo: &StereoSettings) -> Vec<Eye> {
+pub fn eyes_of(document: &Document, size: UVec2, count: u32, stereo: &StereoOptions) -> Vec<Eye> {
     let mono = eye_of(document, size);
     if count < 2 {
         return vec![mono];

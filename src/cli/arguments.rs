@@ -1,5 +1,5 @@
-//! Owns the arguments that several jobs share, and the reading of single values: texts in, checked
-//! values out, with words for what is wrong. Knows no job.
+//! Groups of arguments that several jobs share, and the parsers of single values with their error
+//! messages.
 
 use std::path::PathBuf;
 
@@ -7,8 +7,9 @@ use clap::Args;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use glam::Vec3;
 
-use crate::config::RenderMode;
 use crate::format::options::{Colouring, Existence, ImportOptions, RawLayout};
+use crate::headless::PictureRequest;
+use crate::render::RenderMode;
 use crate::sculpture::ColourDepth;
 use crate::view::StereoLayout;
 
@@ -83,23 +84,19 @@ pub struct PictureArgs {
     pub stereo: Option<StereoLayout>,
 }
 
-impl Default for PictureArgs {
-    /// What the command line takes where nothing is said.
-    fn default() -> Self {
-        PictureArgs {
-            size: glam::UVec2::new(640, 480),
-            mode: None,
-            camera: THREE_QUARTER,
-            up: Vec3::Y,
-            turn: 0.0,
-            zoom: 1.0,
-            stereo: None,
+impl PictureArgs {
+    pub fn request(&self) -> PictureRequest {
+        PictureRequest {
+            size: self.size,
+            mode: self.mode,
+            camera: self.camera,
+            up: self.up,
+            turn_deg: self.turn,
+            zoom: self.zoom,
+            stereo: self.stereo,
         }
     }
 }
-
-/// From the upper right in front: the view in which most shapes are read best.
-const THREE_QUARTER: Vec3 = Vec3::new(0.8, 0.6, 1.0);
 
 pub(super) fn parse_size(text: &str) -> Result<glam::UVec2, String> {
     let size = text
@@ -113,7 +110,7 @@ pub(super) fn parse_size(text: &str) -> Result<glam::UVec2, String> {
 
 fn parse_direction(text: &str) -> Result<Vec3, String> {
     Ok(match text {
-        "3/4" => THREE_QUARTER,
+        "3/4" => PictureRequest::THREE_QUARTER,
         "front" => Vec3::Z,
         "back" => Vec3::NEG_Z,
         "left" => Vec3::NEG_X,
@@ -157,5 +154,24 @@ pub(super) fn parse_marker_mm(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(size) if (5.0..=5000.0).contains(&size) => Ok(size),
         _ => Err("must be 5 to 5000".to_string()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Parser)]
+    struct Arguments {
+        #[command(flatten)]
+        picture: PictureArgs,
+    }
+
+    #[test]
+    fn the_default_arguments_are_the_default_request() {
+        let arguments = Arguments::parse_from(["program"]);
+        assert_eq!(arguments.picture.request(), PictureRequest::default());
     }
 }

@@ -1,5 +1,5 @@
-//! Owns the profiles: sets of settings for a way of working, that lie over the defaults and under a
-//! person's own settings.
+//! Profiles: sets of settings for a way of working, applied over the defaults and below the user's
+//! settings.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use toml::Table;
 
 use super::{Config, ConfigError};
 
-/// A set of settings that the program brings along.
+/// A set of settings that comes with the program.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum)]
 pub enum Profile {
     /// A window whose view follows the head
@@ -21,7 +21,7 @@ pub enum Profile {
 impl Profile {
     pub const ALL: [Profile; 3] = [Profile::Desktop, Profile::Hmd, Profile::Ar];
 
-    /// The name of its file.
+    /// The name of its file, for messages.
     pub const fn file(self) -> &'static str {
         match self {
             Profile::Desktop => "desktop.toml",
@@ -39,13 +39,13 @@ impl Profile {
     }
 }
 
-/// The settings of a profile with a person's own (text and the path of its file) over them. Errors
-/// name the file that has the fault.
+/// The settings of a profile, overridden by the user's (text and path of the file). Errors name the
+/// file at fault.
 pub(super) fn layered(profile: Profile, own: Option<(&str, &Path)>) -> Result<Config, ConfigError> {
     let below = Path::new(profile.file());
     let base = Config::parse(profile.text(), below)?;
     let Some((text, path)) = own else { return Ok(base) };
-    // Alone first, so that messages point into the person's file.
+    // Alone first, so that messages point into the user's file.
     Config::parse(text, path)?;
     let parse_error =
         |error: toml::de::Error| ConfigError::Parse { path: path.into(), error: Box::new(error) };
@@ -56,7 +56,7 @@ pub(super) fn layered(profile: Profile, own: Option<(&str, &Path)>) -> Result<Co
     Ok(config)
 }
 
-/// Sections are merged, keys replaced: bindings of buttons, for one, come from one file alone.
+/// Merges sections and replaces keys, so that a table of bindings comes from one file alone.
 fn merge(below: &mut Table, above: Table) {
     for (section, value) in above {
         match (below.get_mut(&section), value) {
@@ -73,7 +73,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn profiles_are_sound_and_differ_from_the_defaults() {
+    fn profiles_are_valid_and_differ_from_the_defaults() {
         for profile in Profile::ALL {
             let config = layered(profile, None).unwrap();
             assert_ne!(config, Config::default(), "{profile:?}");
@@ -83,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn a_persons_own_settings_lie_over_the_profile() {
+    fn the_users_settings_override_the_profile() {
         let path = Path::new("my.toml");
         let own = |text| layered(Profile::Ar, Some((text, path)));
         let config = own("[ar]\nmarker = 7\n[window]\nscale = 2.0").unwrap();

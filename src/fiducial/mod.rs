@@ -18,6 +18,7 @@ mod detect;
 pub mod family;
 mod grey;
 mod homography;
+mod options;
 mod pose;
 mod quad;
 pub mod sheet;
@@ -27,4 +28,5 @@ mod tests;
 
 pub use detect::{Sighting, detect};
 pub use grey::Grey;
+pub use options::ArOptions;
 pub use pose::{MarkerPose, poses};

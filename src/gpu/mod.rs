@@ -41,10 +41,12 @@ mod commands;
 mod descriptors;
 mod device;
 mod error;
+mod eye_image;
 mod host;
 mod instance;
 pub mod layout;
 mod memory;
+mod options;
 mod pipeline;
 mod pipeline_cache;
 mod readback;
@@ -59,9 +61,11 @@ pub use commands::{Attachment, FRAMES_IN_FLIGHT, Frames, Load, Pool, Recorder, U
 pub use descriptors::{Binding, DescriptorSets, Sampler, SetLayout};
 pub use device::{Device, DeviceOptions, MAX_SEMAPHORES, Serial};
 pub use error::{During, GpuError, Result};
+pub use eye_image::{CornerAndSize, EyeImage};
 pub use host::{Headless, Host, Surface, WindowHost};
 pub use instance::{Instance, Validation};
 pub use memory::{Buffer, Image, ImageInfo, ImagePart, MemoryLocation};
+pub use options::GpuOptions;
 pub use pipeline::{
     Attribute, Blend, Depth, Graphics, MAX_PUSH_BYTES, Pipeline, PipelineLayout, Vertices,
 };

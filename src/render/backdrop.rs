@@ -10,11 +10,10 @@ use ash::vk;
 use glam::{UVec2, Vec3};
 
 use super::composite::is_srgb;
-use super::target::EyeImage;
 use crate::gpu::layout::BackdropView;
 use crate::gpu::{
-    Depth, DescriptorSets, Device, FRAMES_IN_FLIGHT, Graphics, Pipeline, PipelineLayout, Recorder,
-    Result, SetLayout, Staging, shaders,
+    Depth, DescriptorSets, Device, EyeImage, FRAMES_IN_FLIGHT, Graphics, Pipeline, PipelineLayout,
+    Recorder, Result, SetLayout, Staging, shaders,
 };
 use crate::video::{Fit, Frame, Framing, Intrinsics};
 

@@ -8,12 +8,12 @@ use std::sync::Arc;
 
 use ash::vk;
 
+use super::Volume;
 use super::pixel_pass::{PixelArea, PixelPass, PixelShaders, PixelStage};
-use super::{EyeImage, Volume};
 use crate::gpu::layout::MarchView;
 use crate::gpu::{
-    DescriptorSets, Device, FRAMES_IN_FLIGHT, Image, Load, PipelineLayout, Recorder, Result,
-    SetLayout, Use, shaders,
+    DescriptorSets, Device, EyeImage, FRAMES_IN_FLIGHT, Image, Load, PipelineLayout, Recorder,
+    Result, SetLayout, Use, shaders,
 };
 use crate::surface::PixelRect;
 use crate::view::PixelRays;

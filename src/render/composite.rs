@@ -12,11 +12,11 @@ use glam::{Mat4, U64Vec2, UVec2, UVec3, Vec3};
 
 use super::background::{Background, BackgroundPass};
 use super::beam::TILE_LOG2;
-use super::target::{EyeImage, IndexTarget};
+use super::target::IndexTarget;
 use crate::gpu::layout::CompositeView;
 use crate::gpu::{
-    Depth, DescriptorSets, Device, FRAMES_IN_FLIGHT, Graphics, Pipeline, PipelineLayout, Recorder,
-    Result, SetLayout, Staging, shaders,
+    Depth, DescriptorSets, Device, EyeImage, FRAMES_IN_FLIGHT, Graphics, Pipeline, PipelineLayout,
+    Recorder, Result, SetLayout, Staging, shaders,
 };
 use crate::shade::Pixels;
 use crate::surface::PixelRect;

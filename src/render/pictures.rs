@@ -6,8 +6,7 @@ use ash::vk;
 use glam::UVec2;
 
 use super::Background;
-use super::target::EyeImage;
-use crate::gpu::{Attachment, Device, Load, Recorder, Result, Use};
+use crate::gpu::{Attachment, Device, EyeImage, Load, Recorder, Result, Use};
 use crate::surface::PixelRect;
 use crate::view::Eye;
 
@@ -43,8 +42,9 @@ impl Pictures {
         area: PixelRect,
     ) {
         let size = self.colour.size();
-        self.colour.renew_area(recorder, eye, area, Use::COLOUR_TARGET);
-        self.depth.renew_area(recorder, eye, area, Use::DEPTH_TARGET);
+        let place = area.corner_and_size();
+        self.colour.renew_area(recorder, eye, place, Use::COLOUR_TARGET);
+        self.depth.renew_area(recorder, eye, place, Use::DEPTH_TARGET);
         let colours = match background {
             Background::Keep => Load::Colour([0.0; 4]),
             // Drawn over every pixel.

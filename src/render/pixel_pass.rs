@@ -12,9 +12,9 @@ use std::sync::Arc;
 use ash::vk;
 use bytemuck::Pod;
 
-use super::EyeImage;
 use crate::gpu::{
-    Attachment, Binding, Device, Graphics, Load, Pipeline, PipelineLayout, Recorder, Result, Use,
+    Attachment, Binding, Device, EyeImage, Graphics, Load, Pipeline, PipelineLayout, Recorder,
+    Result, Use,
 };
 use crate::surface::PixelRect;
 
@@ -130,7 +130,7 @@ impl PixelPass {
         match self.stage {
             PixelStage::Compute => target.renew(recorder, eye, Use::SHADER_WRITE),
             PixelStage::Fragment => {
-                target.renew_area(recorder, eye, area.area, Use::COLOUR_TARGET);
+                target.renew_area(recorder, eye, area.area.corner_and_size(), Use::COLOUR_TARGET);
                 let view = target.image().layer_view(eye);
                 let colour = Some(Attachment { view, load: area.rest, store: true });
                 let place = area.area.corner_and_size();

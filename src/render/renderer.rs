@@ -24,7 +24,7 @@ use super::{
     Backdrop, Background, Colours, Composite, CompositeEye, EyeTask, GpuOnly, IndexTarget,
     MAX_EYES, Points, Surface, SurfaceShade, Video, Volume,
 };
-use crate::config::{RenderMode, Shading};
+use super::{RenderMode, Shading};
 use crate::document::{Document, Follower};
 use crate::gpu::{Device, Recorder, Result, Use, read_image_once};
 use crate::shade::points::PointCloud;

@@ -11,7 +11,7 @@ use ash::vk;
 
 use super::pixel_pass::PixelStage;
 use super::{Colours, EyeTask, IndexReadback, IndexTarget, MAX_EYES, RayMarch, Slicing, Volume};
-use crate::config::{RenderMode, Sampling, Shading};
+use super::{RenderMode, Sampling, Shading};
 use crate::document::{Document, Follower};
 use crate::gpu::{Device, Frames, Recorder, Result, Staging, Timer};
 use crate::sculpture::Grid;

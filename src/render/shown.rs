@@ -10,7 +10,7 @@ use super::overlay::{Line, ToolPreview};
 use super::overlay_pixels::PictureOfGrid;
 use super::renderer::FrameDesc;
 use super::{Background, MAX_EYES, VideoView};
-use crate::config::{RenderMode, Shading};
+use super::{RenderMode, Shading};
 use crate::document::Document;
 use crate::shade::{Lighting, NORMAL_REACH_VX};
 use crate::surface::{PixelRects, changed_pixels};

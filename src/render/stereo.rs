@@ -9,11 +9,10 @@ use ash::vk;
 use glam::{IVec2, UVec2};
 
 use super::specialised::Specialised;
-use super::target::EyeImage;
 use crate::gpu::layout::StereoView;
 use crate::gpu::{
-    DescriptorSets, Device, FRAMES_IN_FLIGHT, Graphics, Pipeline, PipelineLayout, Recorder, Result,
-    SetLayout, shaders,
+    DescriptorSets, Device, EyeImage, FRAMES_IN_FLIGHT, Graphics, Pipeline, PipelineLayout,
+    Recorder, Result, SetLayout, shaders,
 };
 use crate::view::StereoLayout;
 

@@ -13,10 +13,10 @@ use super::composite::PICTURE_FORMAT;
 use super::pixel_pass::{PixelArea, PixelPass, PixelShaders, PixelStage};
 use super::shading::{COLOURS, KIND_CONSTANTS, Surface, UNIFORMS, Uniforms, VOLUME};
 use super::specialised::Specialised;
-use super::target::{EyeImage, EyeTask, IndexTarget};
+use super::target::{EyeTask, IndexTarget};
 use crate::gpu::{
-    DescriptorSets, Device, FRAMES_IN_FLIGHT, Load, PipelineLayout, Recorder, Result, SetLayout,
-    Use, shaders,
+    DescriptorSets, Device, EyeImage, FRAMES_IN_FLIGHT, Load, PipelineLayout, Recorder, Result,
+    SetLayout, Use, shaders,
 };
 
 const INDEX_MAP: u32 = 2;

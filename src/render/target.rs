@@ -1,6 +1,4 @@
-//! Owns the images of eyes, one layer an eye: index maps, drawn or uploaded, and pictures.
-//!
-//! They know how each layer was used last, so that a change of use is one call.
+//! Index maps on the device: drawn or uploaded, and read back to the CPU.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -9,115 +7,11 @@ use ash::vk;
 use glam::UVec2;
 
 use crate::gpu::{
-    Attachment, Device, Image, ImageInfo, Load, Piece, Readback, Recorder, Result, Serial, Use,
+    Attachment, Device, EyeImage, Load, Piece, Readback, Recorder, Result, Serial, Use,
 };
 use crate::sculpture::NO_VOXEL;
 use crate::surface::{IndexMap, PixelRect};
 use crate::view::PixelRays;
-
-/// An image with a layer an eye.
-pub struct EyeImage {
-    image: Image,
-    uses: Vec<Use>,
-}
-
-impl EyeImage {
-    pub fn new(
-        device: &Arc<Device>,
-        name: &str,
-        size: UVec2,
-        eyes: u32,
-        format: vk::Format,
-        usage: vk::ImageUsageFlags,
-    ) -> Result<EyeImage> {
-        let plane = ImageInfo::plane(name, size.to_array(), format, usage);
-        let image = Image::new(device, &ImageInfo { layers: eyes, ..plane })?;
-        Ok(EyeImage { image, uses: vec![Use::NOTHING; eyes as usize] })
-    }
-
-    pub fn image(&self) -> &Image {
-        &self.image
-    }
-
-    /// Pixels.
-    pub fn size(&self) -> UVec2 {
-        let [x, y, _] = self.image.size();
-        UVec2::new(x, y)
-    }
-
-    pub fn eyes(&self) -> u32 {
-        self.image.layers()
-    }
-
-    /// Makes the layer of `eye` ready for another use that keeps what it holds.
-    pub fn make(&mut self, recorder: &mut Recorder, eye: u32, to: Use) {
-        let from = std::mem::replace(&mut self.uses[eye as usize], to);
-        if from != to {
-            recorder.image_barrier(self.image.layer(eye), from, to);
-        }
-    }
-
-    /// Makes the layer of `eye` ready to be written all anew.
-    pub fn renew(&mut self, recorder: &mut Recorder, eye: u32, to: Use) {
-        let from = std::mem::replace(&mut self.uses[eye as usize], to);
-        recorder.image_barrier(self.image.layer(eye), from.discarded(), to);
-    }
-
-    /// Makes the layer of `eye` ready for `area` of it to be written anew. The rest stays as it is.
-    pub fn renew_area(&mut self, recorder: &mut Recorder, eye: u32, area: PixelRect, to: Use) {
-        if area == PixelRect::of_picture(self.size()) {
-            return self.renew(recorder, eye, to);
-        }
-        // A barrier even where the use stays: what was written before must be there.
-        let from = std::mem::replace(&mut self.uses[eye as usize], to);
-        recorder.image_barrier(self.image.layer(eye), from, to);
-    }
-
-    /// Writes `rows` of the layer of `eye` from `piece` and makes it ready for shaders. The other rows
-    /// are lost.
-    pub fn upload_rows(
-        &mut self,
-        recorder: &mut Recorder,
-        eye: u32,
-        piece: Piece,
-        rows: Range<u32>,
-    ) {
-        self.renew(recorder, eye, Use::COPY_TARGET);
-        self.copy_rows(recorder, eye, piece, rows);
-    }
-
-    /// The same, but the other rows stay as they are.
-    pub fn update_rows(
-        &mut self,
-        recorder: &mut Recorder,
-        eye: u32,
-        piece: Piece,
-        rows: Range<u32>,
-    ) {
-        let [width, ..] = self.image.size();
-        let area = PixelRect { min: UVec2::new(0, rows.start), max: UVec2::new(width, rows.end) };
-        self.renew_area(recorder, eye, area, Use::COPY_TARGET);
-        self.copy_rows(recorder, eye, piece, rows);
-    }
-
-    fn copy_rows(&mut self, recorder: &mut Recorder, eye: u32, piece: Piece, rows: Range<u32>) {
-        let [width, ..] = self.image.size();
-        let copy = vk::BufferImageCopy::default()
-            .buffer_offset(piece.offset)
-            .image_subresource(vk::ImageSubresourceLayers {
-                aspect_mask: vk::ImageAspectFlags::COLOR,
-                mip_level: 0,
-                base_array_layer: eye,
-                layer_count: 1,
-            })
-            .image_offset(vk::Offset3D { x: 0, y: rows.start as i32, z: 0 })
-            .image_extent(vk::Extent3D { width, height: rows.len() as u32, depth: 1 });
-        if !rows.is_empty() {
-            recorder.copy_to_image(piece.buffer, self.image.layer(eye), &[copy]);
-        }
-        self.make(recorder, eye, Use::SHADER_READ);
-    }
-}
 
 /// What a pass makes of the index map, or the picture, of an eye.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -179,7 +73,7 @@ impl IndexTarget {
     /// Starts drawing what `task` says of an index map: nothing seen there yet.
     pub fn begin(&mut self, recorder: &mut Recorder, task: &EyeTask) {
         let (eye, area) = (task.eye, task.area);
-        self.index.renew_area(recorder, eye, area, Use::COLOUR_TARGET);
+        self.index.renew_area(recorder, eye, area.corner_and_size(), Use::COLOUR_TARGET);
         self.depth.renew(recorder, eye, Use::DEPTH_TARGET);
         recorder.begin_rendering_in(
             self.size().to_array(),

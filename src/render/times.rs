@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::config::{RenderMode, Shading};
+use super::{RenderMode, Shading};
 use crate::gpu::{Device, Recorder, Result, Timer};
 
 /// How long the parts of the last picture took, in milliseconds. What was not done anew keeps its

@@ -6,8 +6,7 @@ use std::sync::Arc;
 use ash::vk;
 use glam::UVec2;
 
-use crate::gpu::{Attachment, Device, Load, Recorder, Result, Use, read_image_once};
-use crate::render::target::EyeImage;
+use crate::gpu::{Attachment, Device, EyeImage, Load, Recorder, Result, Use, read_image_once};
 use crate::shade::Pixels;
 
 /// The colour format: sRGB values as they are, no encoding by the device.

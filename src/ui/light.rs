@@ -4,8 +4,8 @@ use egui::{Button, ComboBox, DragValue, Grid, RichText, Slider, Ui, Window, pos2
 use glam::Vec3;
 
 use super::{UiState, theme};
-use crate::config::LightSettings;
-use crate::config::light::{Lamp, LampFrame, LampKind, MAX_INTENSITY};
+use crate::render::LightOptions;
+use crate::render::light::{Lamp, LampFrame, LampKind, MAX_INTENSITY};
 use crate::shade::{MAX_LIGHTS, Smoothing};
 
 const WIDTH: f32 = 270.0;
@@ -37,7 +37,7 @@ pub fn show(root: &Ui, state: &mut UiState) {
 pub fn surface(ui: &mut Ui, state: &mut UiState) {
     let light = &mut state.view.light;
     let finish = &mut state.view.finish;
-    let software = state.view.mode.shading() == crate::config::Shading::Software;
+    let software = state.view.mode.shading() == crate::render::Shading::Software;
     Grid::new("surface").num_columns(2).show(ui, |ui| {
         percent(ui, "Ambient", &mut light.ambient, 1.0);
         percent(ui, "Specular", &mut light.specular, 1.0);
@@ -114,7 +114,7 @@ fn lamps(ui: &mut Ui, state: &mut UiState) {
     }
     if reset {
         state.lamp = 0;
-        state.view.light = LightSettings::default();
+        state.view.light = LightOptions::default();
         state.view.finish = Default::default();
     }
 }

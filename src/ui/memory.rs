@@ -13,9 +13,8 @@ use serde::{Deserialize, Deserializer, Serialize};
 use super::recent::Recent;
 use super::sprays::SprayOptions;
 use super::state::PanelPlace;
-use super::{Hand, Tool, UiState};
+use super::{Hand, SCALE_RANGE, Theme, Tool, UiState, WindowOptions};
 use crate::command::SpraySurface;
-use crate::config::{Config, SCALE_RANGE, Theme};
 use crate::input::{Panel, ToolMode};
 use crate::sculpture::Rgb;
 use crate::tools::construct::Solid;
@@ -69,8 +68,7 @@ struct Looks {
 }
 
 impl Looks {
-    fn of(config: &Config) -> Looks {
-        let window = &config.window;
+    fn of(window: &WindowOptions) -> Looks {
         Looks { theme: window.theme, scale: neat(window.scale), window: window.size }
     }
 }
@@ -120,7 +118,7 @@ struct KeptSpray {
 }
 
 /// What is to be remembered.
-pub fn to_text(state: &UiState, config: &Config) -> String {
+pub fn to_text(state: &UiState, window: &WindowOptions) -> String {
     let names = |panels: &mut dyn Iterator<Item = &Panel>| {
         panels.map(|panel| panel.title().to_string()).collect()
     };
@@ -133,7 +131,7 @@ pub fn to_text(state: &UiState, config: &Config) -> String {
         detached: Some(names(&mut state.detached.iter())),
         folder: state.files.folder().and_then(|folder| folder.to_str()).map(String::from),
         recent: Some(state.recent.lines().map(toml::Value::String).collect()),
-        settings: Some(Looks::of(config)),
+        settings: Some(Looks::of(window)),
         sections: Some(state.sections.clone()),
         panels: Some(places.map(|(panel, place)| (panel.title().to_string(), *place)).collect()),
         tool: Some(kept_tool(&state.hand)),
@@ -154,7 +152,7 @@ pub fn to_text(state: &UiState, config: &Config) -> String {
 }
 
 /// Gives the interface what a text remembers.
-pub fn recall(text: &str, state: &mut UiState, config: &Config) {
+pub fn recall(text: &str, state: &mut UiState, window: &WindowOptions) {
     let kept: Kept = match toml::from_str(text) {
         Ok(kept) => kept,
         Err(error) => {
@@ -162,7 +160,7 @@ pub fn recall(text: &str, state: &mut UiState, config: &Config) {
             return;
         }
     };
-    let now = Looks::of(config);
+    let now = Looks::of(window);
     let then = kept.settings.unwrap_or(now);
     if let Some(theme) = kept.theme.filter(|_| then.theme == now.theme) {
         state.theme = theme;

@@ -4,9 +4,10 @@ use glam::UVec3;
 use proptest::prelude::*;
 
 use super::*;
+use crate::config::Config;
 
 fn state() -> UiState {
-    UiState::new(&Config::default(), UVec3::splat(64))
+    UiState::new(&Config::default().ui_options(), UVec3::splat(64))
 }
 
 fn changed() -> UiState {
@@ -37,9 +38,9 @@ fn changed() -> UiState {
 fn what_was_chosen_is_found_again() {
     let config = Config::default();
     let before = changed();
-    let text = to_text(&before, &config);
+    let text = to_text(&before, &config.window);
     let mut after = state();
-    recall(&text, &mut after, &config);
+    recall(&text, &mut after, &config.window);
     assert_eq!(after.theme, Theme::Light);
     assert_eq!(after.scale.factor(), 1.3);
     assert_eq!(after.windows, before.windows);
@@ -47,7 +48,7 @@ fn what_was_chosen_is_found_again() {
     assert_eq!(after.files.folder(), before.files.folder());
     assert_eq!(after.recent, before.recent);
     assert_eq!(after.hand, before.hand);
-    assert_eq!(to_text(&after, &config), text);
+    assert_eq!(to_text(&after, &config.window), text);
     // The scale of the settings is still what "as in the settings" means.
     after.scale.reset();
     assert_eq!(after.scale.factor(), 1.0);
@@ -55,16 +56,16 @@ fn what_was_chosen_is_found_again() {
 
 #[test]
 fn a_setting_that_was_changed_since_wins() {
-    let text = to_text(&changed(), &Config::default());
+    let text = to_text(&changed(), &WindowOptions::default());
     let mut config = Config::default();
     config.window.scale = 2.0;
-    let mut after = UiState::new(&config, UVec3::splat(64));
-    recall(&text, &mut after, &config);
+    let mut after = UiState::new(&config.ui_options(), UVec3::splat(64));
+    recall(&text, &mut after, &config.window);
     assert_eq!((after.theme, after.scale.factor()), (Theme::Light, 2.0));
     assert_eq!(after.windows.main, Some([1111, 777]));
     config.window.size = [800, 600];
-    let mut after = UiState::new(&config, UVec3::splat(64));
-    recall(&text, &mut after, &config);
+    let mut after = UiState::new(&config.ui_options(), UVec3::splat(64));
+    recall(&text, &mut after, &config.window);
     assert_eq!((after.windows.main, after.windows.maximised), (None, false));
 }
 
@@ -73,8 +74,8 @@ fn what_is_damaged_is_left_out_and_the_rest_is_used() {
     let config = Config::default();
     for text in ["", "theme", "= = =", "\u{0}", "[[recent]]\n", "[tool]\nkind = [1]\n"] {
         let mut after = state();
-        recall(text, &mut after, &config);
-        assert_eq!(to_text(&after, &config), to_text(&state(), &config), "{text}");
+        recall(text, &mut after, &config.window);
+        assert_eq!(to_text(&after, &config.window), to_text(&state(), &config.window), "{text}");
     }
     let text = "theme = 7\nscale = nan\nwindow = [0, 99999999]\ntorn = [\"Options\", \"Stove\"]\n\
                 recent = [1, \"clear\", \"open \\\"/x\\\"\"]\nolder = true\n\
@@ -82,7 +83,7 @@ fn what_is_damaged_is_left_out_and_the_rest_is_used() {
                 used_colours = [\"#010203\", \"x\"]\n[sprays.clay]\nradius_px = -inf\n\
                 reach_vx = 5\nthreshold = -1\n[panels.Options]\nsize_px = [1, 1]\n";
     let mut after = state();
-    recall(text, &mut after, &config);
+    recall(text, &mut after, &config.window);
     assert_eq!((after.theme, after.scale.factor()), (Theme::Dark, 1.0));
     assert_eq!(after.windows, state().windows);
     assert_eq!(after.detached.iter().collect::<Vec<_>>(), [&Panel::Options]);
@@ -100,12 +101,12 @@ proptest! {
     #[test]
     fn any_damage_is_survived(at in 0usize..2000, with in "\\PC{0,6}", gone in 0usize..400) {
         let config = Config::default();
-        let mut text = to_text(&changed(), &config);
+        let mut text = to_text(&changed(), &config.window);
         let floor = |at: usize, text: &str| (0..=at.min(text.len())).rev().find(|at| text.is_char_boundary(*at)).unwrap_or(0);
         let (from, to) = (floor(at, &text), floor(at + gone, &text));
         text.replace_range(from..to, &with);
         let mut after = state();
-        recall(&text, &mut after, &config);
+        recall(&text, &mut after, &config.window);
         prop_assert!(SCALE_RANGE.contains(&after.scale.factor()));
         prop_assert!(after.windows.main.is_none_or(|size| is_side(&size)));
         for kind in SprayKind::ALL {

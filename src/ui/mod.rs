@@ -40,6 +40,7 @@ pub mod top_bar;
 pub mod unkept;
 pub mod unsaved;
 pub mod video;
+pub mod window_options;
 
 use std::path::Path;
 
@@ -50,7 +51,8 @@ use crate::input::pad::PadMode;
 use crate::input::{Action, Bindings};
 
 pub use hand::{Hand, Tool};
-pub use state::{UiRequest, UiState, ViewState};
+pub use state::{UiOptions, UiRequest, UiState, ViewState};
+pub use window_options::{SCALE_RANGE, Theme, WindowOptions};
 
 /// How long the last picture took, in milliseconds.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]

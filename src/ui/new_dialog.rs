@@ -6,7 +6,6 @@ use glam::{UVec3, Vec3};
 
 use super::{UiContext, UiRequest, UiState, theme};
 use crate::command::{Command, NewSculpture};
-use crate::config::Config;
 use crate::sculpture::grid::MAX_AXIS_VX;
 use crate::sculpture::{ColourDepth, Grid as VoxelGrid, Rgb};
 
@@ -21,12 +20,12 @@ pub struct NewDialog {
 }
 
 impl NewDialog {
-    pub fn new(config: &Config) -> NewDialog {
+    pub fn new(sculpture: &NewSculpture) -> NewDialog {
         NewDialog {
             open: false,
-            dims: config.new.dims.into(),
-            depth: config.new.colour_bits,
-            base: config.new.base,
+            dims: sculpture.dims,
+            depth: sculpture.colour_depth,
+            base: sculpture.base,
             solid: true,
         }
     }

@@ -14,17 +14,18 @@ use super::new_dialog::NewDialog;
 use super::palette::Palette;
 use super::recent::Recent;
 use super::toasts::Toasts;
-use crate::command::Command;
-use crate::config::{
-    Config, Finish, LightSettings, RenderMode, SCALE_RANGE, StereoSettings, Theme, VideoSettings,
-};
+use super::{SCALE_RANGE, Theme, WindowOptions};
+use crate::command::{Command, NewSculpture};
 use crate::input::hands::HandSide;
+use crate::input::pad::GamepadOptions;
 use crate::input::remap::KeyChange;
 use crate::input::{Action, Panel};
 use crate::progress::Stage;
-use crate::screen::headset::Blend;
+use crate::render::{Finish, LightOptions, RenderMode, RenderOptions, StereoOptions};
+use crate::screen::headset::{Blend, HeadsetOptions};
 use crate::sculpture::orientation::Orientation;
 use crate::shade::Lighting;
+use crate::video::VideoOptions;
 
 /// What a person asked for in the interface.
 #[derive(Clone, PartialEq, Debug)]
@@ -80,10 +81,10 @@ pub struct ViewState {
     pub mode: RenderMode,
     /// The person has not chosen the mode.
     pub mode_is_automatic: bool,
-    pub light: LightSettings,
+    pub light: LightOptions,
     pub finish: Finish,
-    pub stereo: StereoSettings,
-    pub video: VideoSettings,
+    pub stereo: StereoOptions,
+    pub video: VideoOptions,
     /// The axis of the grid that is up when the view is reset.
     pub up: Vec3,
     /// The edges of the grid.
@@ -227,36 +228,50 @@ pub struct UiState {
     pub busy: Option<Busy>,
 }
 
+/// The options that the interface starts with.
+#[derive(Clone, Debug)]
+pub struct UiOptions<'a> {
+    pub window: &'a WindowOptions,
+    /// The default of the dialog for a new sculpture.
+    pub new: NewSculpture,
+    pub render: &'a RenderOptions,
+    pub light: &'a LightOptions,
+    pub stereo: &'a StereoOptions,
+    pub video: &'a VideoOptions,
+    pub gamepad: &'a GamepadOptions,
+    pub headset: &'a HeadsetOptions,
+}
+
 impl UiState {
     /// The state at the start, for a grid of `dims` voxels.
-    pub fn new(config: &Config, dims: UVec3) -> UiState {
+    pub fn new(options: &UiOptions, dims: UVec3) -> UiState {
         UiState {
             hand: Hand::new(dims),
             view: ViewState {
-                mode: config.render.mode.unwrap_or_default(),
-                mode_is_automatic: config.render.mode.is_none(),
-                light: config.light.clone(),
-                finish: config.render.finish(),
-                stereo: config.stereo,
-                video: config.video.clone(),
+                mode: options.render.mode.unwrap_or_default(),
+                mode_is_automatic: options.render.mode.is_none(),
+                light: options.light.clone(),
+                finish: options.render.finish(),
+                stereo: *options.stereo,
+                video: options.video.clone(),
                 up: Vec3::Y,
                 bounds: true,
                 line: true,
                 tool: true,
             },
-            theme: config.window.theme,
+            theme: options.window.theme,
             orientation: Orientation::UPRIGHT,
             repeat: Repeat { count: 3, step: IVec3::new(16, 0, 0) },
-            scale: Scale::new(config.window.scale),
+            scale: Scale::new(options.window.scale),
             detached: BTreeSet::new(),
             switch_fullscreen: false,
             screenshot: false,
             windows: Windows::default(),
             sections: BTreeMap::new(),
             recent: Recent::default(),
-            rumble: config.gamepad.rumble,
-            hand_side: config.headset.hand,
-            blend: config.headset.blend,
+            rumble: options.gamepad.rumble,
+            hand_side: options.headset.hand,
+            blend: options.headset.blend,
             blends: Vec::new(),
             preset: 0,
             guide: Default::default(),
@@ -268,7 +283,7 @@ impl UiState {
             calibrating: false,
             unsaved: None,
             unkept: None,
-            new_dialog: NewDialog::new(config),
+            new_dialog: NewDialog::new(&options.new),
             files: super::files::Files::new(),
             toasts: Toasts::default(),
             busy: None,

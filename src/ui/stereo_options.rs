@@ -4,8 +4,8 @@ use egui::{ComboBox, Slider, Ui};
 
 use super::buttons::explain;
 use super::{UiContext, UiState};
-use crate::config::stereo::{CONVERGENCE_PERCENT, EYE_DISTANCE_MM};
 use crate::input::Action;
+use crate::render::stereo_options::{CONVERGENCE_PERCENT, EYE_DISTANCE_MM};
 use crate::view::StereoLayout;
 
 pub fn show(ui: &mut Ui, state: &mut UiState, context: &UiContext) {

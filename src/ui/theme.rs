@@ -3,8 +3,8 @@
 
 use egui::{Color32, CornerRadius, FontFamily, FontId, Stroke, Style, TextStyle, Visuals, vec2};
 
+use super::Theme;
 use super::state::Scale;
-use crate::config::Theme;
 
 /// Width of a column of tools in points.
 const TOOLBOX_COLUMN: f32 = 50.0;

@@ -3,10 +3,11 @@
 
 use egui::{Align, ComboBox, Frame, Layout, Margin, MenuBar, Ui};
 
+use super::Theme;
 use super::buttons::{action_button, explain};
 use super::{UiContext, UiRequest, UiState, recent, switches};
-use crate::config::{RenderMode, Theme};
 use crate::input::{Action, Panel, Side};
+use crate::render::RenderMode;
 
 pub fn show(
     root: &mut Ui,

@@ -3,10 +3,10 @@
 //! drawn; nothing that is compared with it knows it.
 
 use glam::{Affine3A, DQuat, DVec2, DVec3, UVec2, Vec2, Vec3};
-use virtual_sculpture::config::RenderMode;
 use virtual_sculpture::document::Document;
 use virtual_sculpture::fiducial::MarkerPose;
 use virtual_sculpture::fiducial::{Grey, detect, poses};
+use virtual_sculpture::render::RenderMode;
 use virtual_sculpture::render::{Video, VideoView};
 use virtual_sculpture::shade::Pixels;
 use virtual_sculpture::video::{Fit, Frame, Framing, Intrinsics, Stand};

@@ -2,10 +2,9 @@
 
 use ash::vk;
 use glam::{Affine3A, IVec2, Quat, UVec2, Vec2, Vec3};
-use virtual_sculpture::config::RenderMode;
-use virtual_sculpture::gpu::{Attachment, Load, Use, read_image_once};
+use virtual_sculpture::gpu::{Attachment, EyeImage, Load, Use, read_image_once};
+use virtual_sculpture::render::RenderMode;
 use virtual_sculpture::render::overlay::ToolPreview;
-use virtual_sculpture::render::target::EyeImage;
 use virtual_sculpture::render::{Stereo, StereoSources};
 use virtual_sculpture::screen::offscreen::FORMAT;
 use virtual_sculpture::sculpture::Rgb;

@@ -5,9 +5,9 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use glam::{Affine3A, Quat, UVec2, Vec3};
-use virtual_sculpture::config::RenderMode;
 use virtual_sculpture::document::{Document, Limits};
 use virtual_sculpture::gpu::{Device, Frames};
+use virtual_sculpture::render::RenderMode;
 use virtual_sculpture::render::{Background, FrameDesc, Renderer};
 use virtual_sculpture::scenes;
 use virtual_sculpture::screen::offscreen::FORMAT;

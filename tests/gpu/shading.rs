@@ -3,10 +3,8 @@
 
 use ash::vk;
 use glam::{Affine3A, UVec2, Vec3};
-use virtual_sculpture::gpu::{Staging, Use, read_image_once, run_once};
-use virtual_sculpture::render::{
-    EyeImage, EyeTask, IndexTarget, PixelStage, Surface, SurfaceShade, Volume,
-};
+use virtual_sculpture::gpu::{EyeImage, Staging, Use, read_image_once, run_once};
+use virtual_sculpture::render::{EyeTask, IndexTarget, PixelStage, Surface, SurfaceShade, Volume};
 use virtual_sculpture::scenes;
 use virtual_sculpture::sculpture::{ColourDepth, Grid, Material, Rgb};
 use virtual_sculpture::shade::{

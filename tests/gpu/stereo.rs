@@ -2,10 +2,11 @@
 
 use ash::vk;
 use glam::{Affine3A, IVec2, UVec2, Vec3};
-use virtual_sculpture::config::RenderMode;
 use virtual_sculpture::document::{Document, Limits};
-use virtual_sculpture::gpu::{Attachment, Frames, Load, Staging, Use, read_image_once, run_once};
-use virtual_sculpture::render::target::EyeImage;
+use virtual_sculpture::gpu::{
+    Attachment, EyeImage, Frames, Load, Staging, Use, read_image_once, run_once,
+};
+use virtual_sculpture::render::RenderMode;
 use virtual_sculpture::render::{Background, FrameDesc, Renderer, Stereo, StereoSources};
 use virtual_sculpture::scenes;
 use virtual_sculpture::screen::offscreen::FORMAT;

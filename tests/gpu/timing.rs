@@ -4,11 +4,11 @@
 use std::time::Instant;
 
 use glam::{UVec2, Vec3};
-use virtual_sculpture::config::{RenderMode, Sampling, Shading};
 use virtual_sculpture::document::{Document, Limits};
 use virtual_sculpture::gpu::{FRAMES_IN_FLIGHT, Frames, Timer, run_once};
 use virtual_sculpture::render::renderer::DeviceTimes;
 use virtual_sculpture::render::{Background, FrameDesc, Renderer};
+use virtual_sculpture::render::{RenderMode, Sampling, Shading};
 use virtual_sculpture::scenes;
 use virtual_sculpture::screen::offscreen::FORMAT;
 use virtual_sculpture::sculpture::history::Contents;

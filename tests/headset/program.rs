@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 
 use glam::{Quat, Vec2, Vec3};
 use image::RgbaImage;
-use virtual_sculpture::config::HeadsetSettings;
 use virtual_sculpture::input::hands::Board;
+use virtual_sculpture::screen::headset::HeadsetOptions;
 use virtual_sculpture::view::Pose;
 
 use super::remote::EYES;
@@ -184,7 +184,7 @@ impl Program {
     /// board on an upright hand.
     pub fn board_point(&self, share: [f32; 2], hand: Vec3) -> Vec3 {
         let grip = Pose { position: hand, rotation: Quat::IDENTITY };
-        let board = Board::on_hand(&grip, HeadsetSettings::default().board_size_m());
+        let board = Board::on_hand(&grip, HeadsetOptions::default().board_size_m());
         let from_middle = Vec2::new(share[0] - 0.5, 0.5 - share[1]) * board.size_m;
         board.pose.at(from_middle.extend(0.0))
     }

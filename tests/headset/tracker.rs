@@ -169,7 +169,7 @@ fn wear() {
     let follow = |bench: &mut Workspace, remote: &mut Remote| {
         let (tell, heard) = channel();
         let tell = move |connection, news| tell.send((connection, news)).is_ok();
-        let mut headset = Headset::new(&config, None, tell);
+        let mut headset = Headset::new(&config.headset, config.device_options(None), None, tell);
         // The room's origin is the middle of the screen.
         for head in [Vec3::new(0.1, 0.2, 0.7), Vec3::new(-0.3, 0.0, 0.5)] {
             remote.head = (head, Quat::IDENTITY);
@@ -225,7 +225,7 @@ fn go_on_without() {
     bench.start_head();
     let (tell, heard) = channel();
     let tell = move |connection, news| tell.send((connection, news)).is_ok();
-    let mut headset = Headset::new(&config, None, tell);
+    let mut headset = Headset::new(&config.headset, config.device_options(None), None, tell);
     // Turns of the main loop until something is so; gives how long the longest took.
     let mut turns = |done: &dyn Fn(&Headset, Duration) -> bool| {
         let (start, mut longest) = (Instant::now(), Duration::ZERO);

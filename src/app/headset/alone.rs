@@ -9,15 +9,21 @@ use super::Headset;
 use crate::app::Workspace;
 use crate::app::{AppError, recovery};
 use crate::config::Config;
+use crate::gpu::DeviceOptions;
 use crate::input::Bindings;
 use crate::session::Session;
 
 /// Waits for a headset and works on `session` in it until the person leaves.
-pub fn run(session: Session, config: &Config, shots: Option<PathBuf>) -> Result<(), AppError> {
+pub fn run(
+    session: Session,
+    config: &Config,
+    device: DeviceOptions,
+    shots: Option<PathBuf>,
+) -> Result<(), AppError> {
     let (tell, heard) = channel();
     let mut workspace = Workspace::new(session, config, Bindings::presets()?);
-    let mut headset =
-        Headset::new(config, shots, move |connection, news| tell.send((connection, news)).is_ok());
+    let tell = move |connection, news| tell.send((connection, news)).is_ok();
+    let mut headset = Headset::new(&config.headset, device, shots, tell);
     loop {
         let again = headset.poll(&mut workspace);
         let (Some(again), false) = (again, workspace.is_leaving()) else { break };

@@ -18,9 +18,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::workspace::Workspace;
-use crate::config::{Config, HeadsetSettings};
-use crate::gpu::ValidationLog;
-use crate::screen::headset::{HeadsetError, LinkNews, LinkOptions};
+use crate::gpu::{DeviceOptions, ValidationLog};
+use crate::screen::headset::{HeadsetError, HeadsetOptions, LinkNews, LinkOptions};
 
 use presence::Presence;
 use search::{Search, Wanted};
@@ -43,7 +42,7 @@ type Tell = Arc<dyn Fn(Connection, LinkNews) -> bool + Send + Sync>;
 pub struct Headset {
     state: State,
     connection: Connection,
-    settings: HeadsetSettings,
+    settings: HeadsetOptions,
     options: LinkOptions,
     shots: Option<Shots>,
     /// What was last said of why there is no headset, so that it is said once.
@@ -74,7 +73,8 @@ impl Headset {
     /// whether anybody still listens. `shots`: a folder for pictures
     /// of what the eyes see.
     pub fn new(
-        config: &Config,
+        options: &HeadsetOptions,
+        device: DeviceOptions,
         shots: Option<PathBuf>,
         tell: impl Fn(Connection, LinkNews) -> bool + Send + Sync + 'static,
     ) -> Headset {
@@ -82,8 +82,8 @@ impl Headset {
         Headset {
             state: State::Away(started),
             connection: 0,
-            settings: config.headset.clone(),
-            options: config.headset.link(config.device_options()),
+            settings: options.clone(),
+            options: options.link(device),
             shots: shots.map(Shots::new),
             said: String::new(),
             pause: AGAIN,

@@ -10,10 +10,9 @@ use glam::UVec2;
 
 use super::face::BoardFace;
 use crate::app::Workspace;
-use crate::gpu::{Attachment, Device, GpuError, ImagePart, Load, Recorder, Use};
+use crate::gpu::{Attachment, Device, EyeImage, GpuError, ImagePart, Load, Recorder, Use};
 use crate::input::hands::HandEvent;
 use crate::render::gui::Gui;
-use crate::render::target::EyeImage;
 use crate::shade::Pixels;
 
 const FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;

@@ -13,14 +13,14 @@ use super::pane::BoardPane;
 use super::shots::Shots;
 use crate::app::painter::{background, paint_what_fits};
 use crate::app::workspace::Workspace;
-use crate::config::HeadsetSettings;
 use crate::gpu::ValidationLog;
 use crate::input::hands::{Board, HandEvent, HandMapper, HandsState};
 use crate::input::pad::rumble::Rumble;
 use crate::render::renderer::FrameDesc;
 use crate::render::{Background, Renderer};
 use crate::screen::headset::{
-    Blend, Connector, Frame, HeadsetError, Layers, Link, LinkNews, LinkOptions, WornHead,
+    Blend, Connector, Frame, HeadsetError, HeadsetOptions, Layers, Link, LinkNews, LinkOptions,
+    WornHead,
 };
 use crate::view::{Pose, Room, RoomView};
 
@@ -37,7 +37,7 @@ pub struct Presence {
     renderer: Renderer,
     pane: BoardPane,
     link: Link,
-    settings: HeadsetSettings,
+    settings: HeadsetOptions,
     mapper: HandMapper,
     held: Held,
     rumble: Rumble,
@@ -79,7 +79,7 @@ impl Presence {
     /// `worn`: who is to hear of the head.
     pub fn new(
         connector: &mut Connector,
-        settings: &HeadsetSettings,
+        settings: &HeadsetOptions,
         options: &LinkOptions,
         stood: bool,
         worn: Option<&WornHead>,
@@ -214,7 +214,7 @@ impl Presence {
         let (mut recorder, slot) = self.link.record()?;
         self.draw(workspace, &mut recorder, slot, &room, &views, ray)?;
         if let Some(pictures) = self.renderer.pictures() {
-            self.link.show(&mut recorder, &aimed, pictures)?;
+            self.link.show(&mut recorder, &aimed, &pictures.colour, &mut pictures.depth)?;
         }
         if let Some(pass) = &mut pass {
             let picture = self.pane.draw(&mut recorder, slot, pass)?;
@@ -244,7 +244,7 @@ impl Presence {
         if self.room.is_some() && !another && !self.recentring {
             return;
         }
-        let HeadsetSettings { size_m, distance_m, drop_m, .. } = self.settings;
+        let HeadsetOptions { size_m, distance_m, drop_m, .. } = self.settings;
         let room = Room::before(head, distance_m, drop_m, size_m / extent.longest());
         self.room = Some((room, extent));
         if another || !std::mem::replace(&mut self.stood, true) {

@@ -6,15 +6,16 @@ use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 
 use super::presence::Presence;
 use super::{Connection, Tell};
-use crate::config::HeadsetSettings;
-use crate::screen::headset::{Connector, HeadsetError, Helper, LinkNews, LinkOptions, WornHead};
+use crate::screen::headset::{
+    Connector, HeadsetError, HeadsetOptions, Helper, LinkNews, LinkOptions, WornHead,
+};
 
 type Found = Result<Box<Presence>, HeadsetError>;
 
 /// What is looked for.
 pub(super) struct Wanted {
     pub connection: Connection,
-    pub settings: HeadsetSettings,
+    pub settings: HeadsetOptions,
     pub options: LinkOptions,
     pub stood: bool,
     pub worn: Option<WornHead>,

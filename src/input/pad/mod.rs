@@ -6,6 +6,7 @@
 pub mod button;
 pub mod device;
 pub mod mapper;
+pub mod options;
 pub mod rumble;
 pub mod shift_tap;
 pub mod stick;
@@ -15,6 +16,7 @@ use serde::Deserialize;
 
 pub use button::{PadButton, PadButtons};
 pub use mapper::{Glide, PadEvent, PadMapper};
+pub use options::GamepadOptions;
 
 /// Tells pads apart while the program runs.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]

@@ -21,9 +21,8 @@ use super::parting::Helper;
 use super::runtime::{Blend, Connector};
 use super::session::{Aimed, End, Layers, LinkNews, Order, Session};
 use super::worn::{Lending, WornHead};
-use crate::gpu::{Device, DeviceOptions, Frames, ImagePart, Recorder, Serial, Use};
+use crate::gpu::{Device, DeviceOptions, EyeImage, Frames, ImagePart, Recorder, Serial, Use};
 use crate::input::hands::HandSide;
-use crate::render::renderer::Pictures;
 
 /// Longest wait for a runtime within a frame: it answers at once, or hangs.
 const PATIENCE: Duration = Duration::from_millis(250);
@@ -235,17 +234,18 @@ impl Link {
         &self,
         recorder: &mut Recorder,
         aimed: &Aimed,
-        pictures: &mut Pictures,
+        colour: &EyeImage,
+        depth: &mut EyeImage,
     ) -> Result<()> {
         let size = self.colour.size;
-        let from = pictures.colour.image().whole();
+        let from = colour.image().whole();
         self.colour.fill(recorder, aimed.colour, |recorder, to| copy(recorder, from, to, size))?;
-        if let (Some(depth), Some(index)) = (&self.depth, aimed.depth) {
-            for eye in 0..pictures.depth.eyes() {
-                pictures.depth.make(recorder, eye, Use::COPY_SOURCE);
+        if let (Some(target), Some(index)) = (&self.depth, aimed.depth) {
+            for eye in 0..depth.eyes() {
+                depth.make(recorder, eye, Use::COPY_SOURCE);
             }
-            let from = pictures.depth.image().whole();
-            depth.fill(recorder, index, |recorder, to| copy(recorder, from, to, size))?;
+            let from = depth.image().whole();
+            target.fill(recorder, index, |recorder, to| copy(recorder, from, to, size))?;
         }
         Ok(())
     }

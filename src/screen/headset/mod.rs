@@ -15,6 +15,7 @@ mod host;
 mod lifecycle;
 pub mod link;
 mod locator;
+pub mod options;
 mod parting;
 mod probe;
 mod runtime;
@@ -24,6 +25,7 @@ mod worn;
 
 pub use error::HeadsetError;
 pub use link::{Link, LinkOptions, RoomOrigin};
+pub use options::HeadsetOptions;
 pub(crate) use parting::Helper;
 pub use probe::probe;
 pub use runtime::{Blend, Connector};

@@ -1,22 +1,22 @@
-//! The settings of the video picture behind the sculpture.
+//! Options of the video behind the sculpture: its source, how its frames are fitted, and the lens.
 
 use std::path::PathBuf;
 
 use serde::{Deserialize, Deserializer, de};
 
-use crate::video::{Address, Fit};
+use super::{Address, Fit};
 
 #[derive(Clone, PartialEq, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct VideoSettings {
-    /// Whether it is shown from the start.
+pub struct VideoOptions {
+    /// Whether the video is shown from the start.
     pub on: bool,
-    /// As [`Address`] takes it; empty is the first camera of this machine.
+    /// Text of an [`Address`]; empty for the first camera of this machine.
     #[serde(deserialize_with = "address")]
     pub source: String,
     pub fit: Fit,
     pub mirror: bool,
-    /// The file of the lens's intrinsics; empty if it has not been measured.
+    /// File with the intrinsics of the lens; empty if they are unknown.
     pub lens: PathBuf,
 }
 

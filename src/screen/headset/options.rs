@@ -1,24 +1,23 @@
-//! The settings of a headset.
-
-use std::ops::RangeInclusive;
+//! Options of the headset: hands, placement of the sculpture, board, resolution and haptics.
 
 use glam::{UVec2, Vec2};
 use serde::Deserialize;
 
+use super::{Blend, LinkOptions, RoomOrigin};
 use crate::gpu::DeviceOptions;
 use crate::input::hands::{HandSettings, HandSide};
 use crate::input::pad::rumble::RumbleCurve;
 use crate::input::pad::stick::Response;
-use crate::screen::headset::{Blend, LinkOptions, RoomOrigin};
+use crate::options::{InvalidOption, require_in};
 
-/// Points across the board's picture.
+/// Width of the board's interface in egui points.
 const BOARD_POINTS: f32 = 1000.0;
-/// Height of the board by its width.
+/// Height of the board as a share of its width.
 const BOARD_SHAPE: f32 = 0.64;
 
 #[derive(Clone, PartialEq, Debug, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct HeadsetSettings {
+pub struct HeadsetOptions {
     /// Connect to a headset when the program starts.
     pub enabled: bool,
     pub hand: HandSide,
@@ -38,9 +37,9 @@ pub struct HeadsetSettings {
     pub haptics_longest_s: f32,
 }
 
-impl Default for HeadsetSettings {
+impl Default for HeadsetOptions {
     fn default() -> Self {
-        HeadsetSettings {
+        HeadsetOptions {
             enabled: false,
             hand: HandSide::Right,
             blend: Blend::Auto,
@@ -61,7 +60,7 @@ impl Default for HeadsetSettings {
     }
 }
 
-impl HeadsetSettings {
+impl HeadsetOptions {
     pub fn hands(&self) -> HandSettings {
         HandSettings {
             main: self.hand,
@@ -101,26 +100,19 @@ impl HeadsetSettings {
         }
     }
 
-    /// Key, value, what it may be, and that in words.
-    pub(super) fn ranges(&self) -> [(&'static str, f32, RangeInclusive<f32>, &'static str); 11] {
+    pub fn check(&self) -> Result<(), InvalidOption> {
         let metres = "must be 0.05 to 5 m";
-        [
-            ("headset.size_m", self.size_m, 0.01..=100.0, "must be 0.01 to 100 m"),
-            ("headset.distance_m", self.distance_m, 0.05..=5.0, metres),
-            ("headset.drop_m", self.drop_m, -2.0..=2.0, "must be -2 to 2 m"),
-            ("headset.reach_m", self.reach_m, 0.0..=1.0, "must be 0 to 1 m"),
-            ("headset.dead_zone", self.dead_zone, 0.0..=0.9, "must be 0 to 0.9"),
-            ("headset.board_width_m", self.board_width_m, 0.05..=5.0, metres),
-            ("headset.board_px", self.board_px as f32, 500.0..=4000.0, "must be 500 to 4000"),
-            ("headset.resolution", self.resolution, 0.1..=2.0, "must be 0.1 to 2"),
-            ("headset.haptics_limit", self.haptics_limit, 0.0..=1.0, "must be 0 to 1"),
-            ("headset.haptics_voxels", self.haptics_voxels as f32, 1.0..=1e9, "must be 1 to 1e9"),
-            (
-                "headset.haptics_longest_s",
-                self.haptics_longest_s,
-                0.1..=60.0,
-                "must be 0.1 to 60 s",
-            ),
-        ]
+        require_in(0.01..=100.0, "size_m", self.size_m, "must be 0.01 to 100 m")?;
+        require_in(0.05..=5.0, "distance_m", self.distance_m, metres)?;
+        require_in(-2.0..=2.0, "drop_m", self.drop_m, "must be -2 to 2 m")?;
+        require_in(0.0..=1.0, "reach_m", self.reach_m, "must be 0 to 1 m")?;
+        require_in(0.0..=0.9, "dead_zone", self.dead_zone, "must be 0 to 0.9")?;
+        require_in(0.05..=5.0, "board_width_m", self.board_width_m, metres)?;
+        require_in(500..=4000, "board_px", self.board_px, "must be 500 to 4000")?;
+        require_in(0.1..=2.0, "resolution", self.resolution, "must be 0.1 to 2")?;
+        require_in(0.0..=1.0, "haptics_limit", self.haptics_limit, "must be 0 to 1")?;
+        let voxels = self.haptics_voxels;
+        require_in(1..=1_000_000_000, "haptics_voxels", voxels, "must be 1 to 1e9")?;
+        require_in(0.1..=60.0, "haptics_longest_s", self.haptics_longest_s, "must be 0.1 to 60 s")
     }
 }

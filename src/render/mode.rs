@@ -1,9 +1,7 @@
-//! The settings of rendering: by which passes, and how finely.
+//! Render modes: each is a sampling (who finds the voxel of a pixel) and a shading (who computes its
+//! colour).
 
-use serde::de::IntoDeserializer;
-use serde::{Deserialize, Deserializer};
-
-use crate::shade::{Lighting, Smoothing};
+use serde::Deserialize;
 
 /// How the surface is sampled and shaded.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Deserialize, clap::ValueEnum)]
@@ -30,7 +28,7 @@ pub enum RenderMode {
     Quickstep,
 }
 
-/// Who finds the voxel of each pixel.
+/// How the voxel of each pixel is found.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Sampling {
     /// The exact ray caster.
@@ -39,19 +37,19 @@ pub enum Sampling {
     Quickstep,
     Slicing,
     March,
-    /// The shader that lights it, too; there is no index map.
+    /// In the shader that also lights it; there is no index map.
     Within,
 }
 
-/// Who gives each pixel its colour.
+/// How the colour of each pixel is computed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Shading {
     Software,
-    /// Points, lit by the pipeline.
+    /// Lit points.
     Points,
-    /// A shader that reads the index map.
+    /// By a shader that reads the index map.
     Device,
-    /// The shader that samples.
+    /// In the shader that also samples.
     Within,
 }
 
@@ -68,10 +66,9 @@ impl RenderMode {
         RenderMode::Quickstep,
     ];
 
-    /// The mode for a device where the person has chosen none. A GPU finds and lights the surface by
-    /// itself: what goes to the CPU and back is too slow for a headset, whose two pictures the
-    /// software shader takes 0.3 s for. A software device shares the CPU, where the software shader
-    /// is the fastest.
+    /// The default mode of a device. On a GPU nothing goes through the CPU, which is too slow for a
+    /// headset: the software shader takes 0.3 s for its two pictures. A software device shares the
+    /// CPU, where the software shader is the fastest.
     pub fn usual(software: bool) -> RenderMode {
         if software { RenderMode::Slicing } else { RenderMode::MarchGpu }
     }
@@ -97,17 +94,17 @@ impl RenderMode {
         }
     }
 
-    /// Whether the device needs the voxels' colours.
+    /// Whether the mode reads the voxels' colours on the device.
     pub fn needs_colours(self) -> bool {
         matches!(self, RenderMode::GpuColour | RenderMode::MarchGpu)
     }
 
-    /// Whether it draws with Vulkan even where nothing is shown.
+    /// Whether a picture without a screen needs Vulkan.
     pub fn needs_device(self) -> bool {
         !matches!(self, RenderMode::Ray | RenderMode::Quickstep)
     }
 
-    /// The next best for a sculpture that is too large for the device in this mode.
+    /// The mode to use when a sculpture is too large for the device in this one.
     pub fn fallback(self) -> Option<RenderMode> {
         match self {
             RenderMode::GpuColour => Some(RenderMode::Gpu),
@@ -120,7 +117,7 @@ impl RenderMode {
         }
     }
 
-    /// What the interface calls it.
+    /// The name in the interface.
     pub fn label(self) -> &'static str {
         match self {
             RenderMode::Gpu => "GPU only, one colour",
@@ -136,78 +133,9 @@ impl RenderMode {
     }
 }
 
-#[derive(Clone, PartialEq, Debug, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Render {
-    /// None: as suits the device.
-    #[serde(deserialize_with = "mode_or_auto")]
-    pub mode: Option<RenderMode>,
-    pub fov_deg: f32,
-    pub smooth_normals: Smoothing,
-    pub smooth_colours: Smoothing,
-    pub occlusion: bool,
-}
-
-impl Default for Render {
-    fn default() -> Self {
-        Render {
-            mode: None,
-            fov_deg: 45.0,
-            smooth_normals: Smoothing::Off,
-            smooth_colours: Smoothing::Off,
-            occlusion: false,
-        }
-    }
-}
-
-fn mode_or_auto<'de, D: Deserializer<'de>>(from: D) -> Result<Option<RenderMode>, D::Error> {
-    let text = String::deserialize(from)?;
-    match text.as_str() {
-        "auto" => Ok(None),
-        _ => RenderMode::deserialize(text.into_deserializer()).map(Some),
-    }
-}
-
-impl Render {
-    /// How fine the shading is.
-    pub fn finish(&self) -> Finish {
-        Finish {
-            smooth_normals: self.smooth_normals,
-            smooth_colours: self.smooth_colours,
-            occlusion: self.occlusion,
-        }
-    }
-}
-
-/// What can be done for the look of a surface, besides lighting it.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub struct Finish {
-    pub smooth_normals: Smoothing,
-    pub smooth_colours: Smoothing,
-    pub occlusion: bool,
-}
-
-impl Finish {
-    /// `lighting` with this finish.
-    pub fn of(self, lighting: Lighting) -> Lighting {
-        let Finish { smooth_normals, smooth_colours, occlusion } = self;
-        Lighting { smooth_normals, smooth_colours, occlusion, ..lighting }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_mode_is_one_of_the_names_or_left_to_the_device() {
-        let mode = |text: &str| toml::from_str::<Render>(text).map(|render| render.mode);
-        assert_eq!(mode("").unwrap(), None);
-        assert_eq!(mode("mode = \"auto\"").unwrap(), None);
-        assert_eq!(mode("mode = \"gpu-colour\"").unwrap(), Some(RenderMode::GpuColour));
-        let error = mode("mode = \"automatic\"").unwrap_err().to_string();
-        assert!(error.contains("automatic") && error.contains("slicing-points"), "{error}");
-    }
 
     #[test]
     fn on_a_gpu_the_usual_mode_never_leaves_it() {

@@ -1,22 +1,21 @@
-//! The settings of light: up to four lamps, the light from everywhere, and how stone shines.
-
-use std::ops::RangeInclusive;
+//! Options of lighting: up to four lamps, ambient light, and the specular highlight of the surface.
+//! Converts them to the [`Lighting`] of the shaders.
 
 use glam::Vec3;
 use serde::Deserialize;
 
-use super::rgb;
+use crate::options::{self, InvalidOption, require_in};
 use crate::sculpture::Rgb;
 use crate::shade::{Light, LightFrame, LightSource, Lighting, MAX_LIGHTS};
 
-/// Largest brightness of a lamp.
+/// Largest intensity of a lamp.
 pub const MAX_INTENSITY: f32 = 4.0;
 
-/// All light.
+/// The light on a sculpture.
 #[derive(Clone, PartialEq, Debug, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct LightSettings {
-    /// Share of linear light.
+pub struct LightOptions {
+    /// Share of the linear light.
     pub ambient: f32,
     pub specular: f32,
     pub shininess: u32,
@@ -24,18 +23,18 @@ pub struct LightSettings {
     pub lamps: Vec<Lamp>,
 }
 
-/// What a lamp's place is.
+/// What the place of a lamp means.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum LampKind {
-    /// Far away.
+    /// The direction towards a lamp that is infinitely far away.
     #[default]
     Direction,
-    /// A point.
+    /// The position of a point light.
     Position,
 }
 
-/// What a lamp stays with.
+/// The space in which a lamp is fixed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum LampFrame {
@@ -52,7 +51,7 @@ pub struct Lamp {
     pub frame: LampFrame,
     /// The direction towards the lamp, or its position in voxels of the sculpture's shortest edge.
     pub place: [f32; 3],
-    #[serde(deserialize_with = "rgb")]
+    #[serde(deserialize_with = "options::from_text")]
     pub colour: Rgb,
     /// Factor on the linear colour.
     pub intensity: f32,
@@ -71,16 +70,16 @@ impl Default for Lamp {
     }
 }
 
-impl Default for LightSettings {
+impl Default for LightOptions {
     fn default() -> Self {
-        LightSettings { ambient: 0.25, specular: 0.25, shininess: 32, lamps: vec![Lamp::default()] }
+        LightOptions { ambient: 0.25, specular: 0.25, shininess: 32, lamps: vec![Lamp::default()] }
     }
 }
 
-impl LightSettings {
-    /// What the shaders take.
+impl LightOptions {
+    /// The input of the shaders.
     pub fn lighting(&self) -> Lighting {
-        // The share is of linear light, which the shader takes as the square of a colour.
+        // The shader squares colours to get linear light.
         let grey = (self.ambient.sqrt() * 255.0).round() as u8;
         let mut lights = [None; MAX_LIGHTS];
         for (light, lamp) in lights.iter_mut().zip(&self.lamps) {
@@ -95,35 +94,30 @@ impl LightSettings {
         }
     }
 
-    /// Key, value, what it may be, and that in words.
-    pub(super) fn ranges(&self) -> Vec<(&'static str, f32, RangeInclusive<f32>, &'static str)> {
+    /// Checks the values of all lamps and of the surface.
+    pub fn check(&self) -> Result<(), InvalidOption> {
         let share = "must be 0 to 1";
-        let mut ranges = vec![
-            ("light.ambient", self.ambient, 0.0..=1.0, share),
-            ("light.specular", self.specular, 0.0..=1.0, share),
-            ("light.shininess", self.shininess as f32, 1.0..=1024.0, "must be 1 to 1024"),
-            ("light.lamps", self.lamps.len() as f32, 0.0..=4.0, "must be at most 4 lamps"),
-        ];
-        for lamp in &self.lamps {
-            ranges.push((
-                "light.lamps.intensity",
-                lamp.intensity,
-                0.0..=MAX_INTENSITY,
-                "must be 0 to 4",
-            ));
-            let place = Vec3::from(lamp.place);
-            let length = place.length();
-            let (range, rule) = match lamp.kind {
-                LampKind::Direction => (1e-6..=1e6, "must be three finite numbers, not all zero"),
-                LampKind::Position => (0.0..=1e6, "must be three finite numbers"),
-            };
-            ranges.push(("light.lamps.place, its length,", length, range, rule));
-        }
-        ranges
+        require_in(0.0..=1.0, "ambient", self.ambient, share)?;
+        require_in(0.0..=1.0, "specular", self.specular, share)?;
+        require_in(1..=1024, "shininess", self.shininess, "must be 1 to 1024")?;
+        let count = self.lamps.len();
+        require_in(0..=MAX_LIGHTS, "lamps", count, "must be at most 4 lamps")?;
+        self.lamps.iter().try_for_each(Lamp::check)
     }
 }
 
 impl Lamp {
+    fn check(&self) -> Result<(), InvalidOption> {
+        let rule = "must be 0 to 4";
+        require_in(0.0..=MAX_INTENSITY, "lamps.intensity", self.intensity, rule)?;
+        let length = Vec3::from(self.place).length();
+        let (range, rule) = match self.kind {
+            LampKind::Direction => (1e-6..=1e6, "must be three finite numbers, not all zero"),
+            LampKind::Position => (0.0..=1e6, "must be three finite numbers"),
+        };
+        require_in(range, "lamps.place, its length,", length, rule)
+    }
+
     fn light(&self) -> Light {
         let place = Vec3::from(self.place);
         Light {

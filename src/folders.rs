@@ -1,4 +1,5 @@
-//! Owns the places where a person's files of this program lie on each system. Knows no file's form.
+//! The folders and files in which the program keeps settings, state and caches on each system. Knows
+//! nothing of their contents.
 
 use std::path::PathBuf;
 
@@ -8,13 +9,13 @@ fn project() -> Option<ProjectDirs> {
     ProjectDirs::from("", "", "virtual-sculpture")
 }
 
-/// Where a person's own settings are kept: on Linux as the XDG base directory specification says.
+/// The folder of the user's settings; on Linux as in the XDG base directory specification.
 pub fn personal_folder() -> Option<PathBuf> {
     project().map(|project| project.config_dir().to_path_buf())
 }
 
-/// Where the program keeps what is no setting, such as rescued work: the folder for state, or on
-/// systems without one that for data of this machine; the temporary folder where nobody has a home.
+/// The folder for state that is no setting, such as recovered work: on systems without such a folder
+/// the one for local data, and without a home folder the temporary one.
 pub fn state_folder() -> PathBuf {
     let of = |project: ProjectDirs| {
         project.state_dir().unwrap_or(project.data_local_dir()).to_path_buf()
@@ -22,12 +23,12 @@ pub fn state_folder() -> PathBuf {
     project().map_or_else(std::env::temp_dir, of)
 }
 
-/// Where the program keeps what it can make again.
+/// The folder for what can be made again. None without a home folder.
 pub fn cache_folder() -> Option<PathBuf> {
     project().map(|project| project.cache_dir().to_path_buf())
 }
 
-/// The file of a person's own settings.
+/// The user's settings file.
 pub fn personal_file() -> Option<PathBuf> {
     personal_folder().map(|folder| folder.join("config.toml"))
 }
@@ -37,8 +38,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn linux_keeps_to_the_folders_of_xdg() {
-        // What this process was started with is what it must use: tests share one environment.
+    fn linux_uses_the_xdg_folders() {
+        // The environment is read as it is: tests share one process and must not change it.
         let home = std::env::var_os("HOME").map(PathBuf::from).expect("a home");
         let base = |name: &str, usual: &str| {
             let named = std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());

@@ -1,4 +1,4 @@
-//! Owns the opening of sources of poses from their addresses.
+//! Opens the sources of poses behind an address.
 
 use std::io;
 use std::net::SocketAddr;
@@ -10,11 +10,11 @@ use tracking::scripted::{Script, ScriptError, Scripted};
 use tracking::vrpn::{Client, ClientTiming, DeviceAddress};
 use tracking::{HostClock, Source};
 
-use crate::config::SourceAddress;
+use super::SourceAddress;
 use crate::format::store;
 use crate::screen::headset::{HeadsetTracker, WornHead};
 
-/// Why there are no poses.
+/// Why a source of poses cannot be opened.
 #[derive(Debug, Error)]
 pub enum SourceError {
     #[error("cannot listen for opentrack at {0}: {1}")]
@@ -27,9 +27,9 @@ pub enum SourceError {
     Script(PathBuf, ScriptError),
 }
 
-/// Opens a source, with a second VRPN device for buttons and analogs where one is named. A server
-/// or sender that is not there yet is waited for; none gives nothing. `worn`: the headset that the
-/// program is shown in, which is asked itself where it is.
+/// Opens a source, and a second VRPN device for buttons and analogs if `controls` names one. Servers and
+/// senders may start later: their sources wait for them. `worn`: the headset in use by the program,
+/// which is then asked for its own pose.
 pub fn open(
     address: &SourceAddress,
     controls: Option<&DeviceAddress>,

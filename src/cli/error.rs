@@ -1,0 +1,86 @@
+//! Why the program failed, and the exit code of each failure.
+
+use thiserror::Error;
+
+use crate::app::AppError;
+use crate::bench::BenchError;
+use crate::config::ConfigError;
+use crate::head_tracking::SourceError;
+use crate::headless::JobError;
+use crate::picture::PictureError;
+use crate::say::Unsaid;
+use crate::session::SessionError;
+use crate::track::TrackError;
+
+/// Why the program failed.
+#[derive(Debug, Error)]
+pub enum ProgramError {
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    #[error(transparent)]
+    Session(#[from] SessionError),
+    #[error(transparent)]
+    Job(#[from] JobError),
+    #[error(transparent)]
+    App(#[from] AppError),
+    #[error(transparent)]
+    Track(#[from] TrackError),
+    #[error(transparent)]
+    Bench(#[from] BenchError),
+    #[error(transparent)]
+    Unsaid(#[from] Unsaid),
+    #[error(
+        "there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); `render`, `run`, `convert`, `info`, `demo` and `bench` need none"
+    )]
+    NoDisplay,
+}
+
+impl ProgramError {
+    /// The exit code that the header of [`crate::cli`] documents.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            ProgramError::Config(_)
+            | ProgramError::Session(SessionError::Open { .. })
+            | ProgramError::Job(
+                JobError::Session(SessionError::Open { .. })
+                | JobError::Info { .. }
+                | JobError::ReadScript { .. }
+                | JobError::Script { .. }
+                | JobError::Command { .. },
+            )
+            | ProgramError::Bench(BenchError::Subject { .. })
+            | ProgramError::Track(TrackError::Source(
+                SourceError::ReadScript(..) | SourceError::Script(..),
+            )) => 3,
+            ProgramError::Track(TrackError::NoSource)
+            | ProgramError::Job(JobError::NoMarker(_)) => 2,
+            ProgramError::Job(JobError::Picture(PictureError::Gpu(_)))
+            | ProgramError::App(AppError::EventLoop(_) | AppError::Window(_) | AppError::Gpu(_))
+            | ProgramError::NoDisplay => 4,
+            ProgramError::Session(_)
+            | ProgramError::Job(
+                JobError::Session(_)
+                | JobError::Folder { .. }
+                | JobError::WriteMarker { .. }
+                | JobError::Picture(_)
+                | JobError::Unsaid(_),
+            )
+            | ProgramError::Track(_)
+            | ProgramError::Bench(_)
+            | ProgramError::Unsaid(_)
+            | ProgramError::App(_) => 1,
+        }
+    }
+
+    /// Whether nothing failed, but the reader of standard output has closed it.
+    pub fn is_reader_gone(&self) -> bool {
+        let unsaid = match self {
+            ProgramError::Unsaid(unsaid)
+            | ProgramError::Job(JobError::Unsaid(unsaid))
+            | ProgramError::Bench(BenchError::Unsaid(unsaid))
+            | ProgramError::Track(TrackError::Unsaid(unsaid)) => unsaid,
+            _ => return false,
+        };
+        matches!(unsaid, Unsaid::ReaderGone)
+    }
+}

@@ -1,0 +1,90 @@
+//! The sections of the model: memory limits in MiB and the sculpture that a session begins with.
+//!
+//! The model has types of its own for both ([`Limits`], [`NewSculpture`]); these are their text form.
+
+use glam::Vec3;
+use serde::{Deserialize, Deserializer, de};
+
+use crate::command::NewSculpture;
+use crate::document::Limits;
+use crate::options::{self, InvalidOption, require, require_in};
+use crate::sculpture::{ColourDepth, Grid, Rgb};
+
+#[derive(Clone, PartialEq, Debug, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MemoryOptions {
+    pub grid_mib: u64,
+    pub colour_mib: u64,
+    pub history_mib: u64,
+}
+
+impl Default for MemoryOptions {
+    fn default() -> Self {
+        MemoryOptions { grid_mib: 1024, colour_mib: 4096, history_mib: 1024 }
+    }
+}
+
+impl MemoryOptions {
+    pub(super) fn check(&self) -> Result<(), InvalidOption> {
+        let mib = |key, value| require_in(1..=1 << 24, key, value, "must be 1 to 16777216 MiB");
+        mib("grid_mib", self.grid_mib)?;
+        mib("colour_mib", self.colour_mib)?;
+        mib("history_mib", self.history_mib)
+    }
+
+    pub(super) fn limits(&self) -> Limits {
+        Limits {
+            grid_bytes: self.grid_mib << 20,
+            colour_bytes: self.colour_mib << 20,
+            history_bytes: (self.history_mib << 20) as usize,
+        }
+    }
+}
+
+#[derive(Clone, PartialEq, Debug, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct NewOptions {
+    pub dims: [u32; 3],
+    #[serde(deserialize_with = "colour_bits")]
+    pub colour_bits: ColourDepth,
+    #[serde(deserialize_with = "options::from_text")]
+    pub base: Rgb,
+}
+
+impl Default for NewOptions {
+    fn default() -> Self {
+        NewOptions {
+            dims: [256; 3],
+            colour_bits: ColourDepth::Bits24,
+            base: crate::command_text::DEFAULT_BASE,
+        }
+    }
+}
+
+impl NewOptions {
+    pub(super) fn check(&self, limits: &Limits) -> Result<(), InvalidOption> {
+        require(
+            Grid::check(self.dims.into(), Vec3::ONE, limits.grid_bytes).is_ok(),
+            "dims",
+            format_args!("{:?}", self.dims),
+            "must be 1 to 4096 voxels per axis within memory.grid_mib",
+        )
+    }
+
+    /// A solid block.
+    pub(super) fn sculpture(&self) -> NewSculpture {
+        NewSculpture {
+            dims: self.dims.into(),
+            voxel_size: Vec3::ONE,
+            colour_depth: self.colour_bits,
+            base: self.base,
+            solid: true,
+        }
+    }
+}
+
+fn colour_bits<'de, D: Deserializer<'de>>(from: D) -> Result<ColourDepth, D::Error> {
+    let bits = u32::deserialize(from)?;
+    ColourDepth::from_bits(bits)
+        .ok_or_else(|| de::Error::custom(format!("{bits} must be 0, 8, 16 or 24")))
+}

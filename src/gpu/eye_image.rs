@@ -1,0 +1,118 @@
+//! Images with one layer per eye. They track how each layer was used last, so that a change of use is
+//! one call.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use ash::vk;
+use glam::UVec2;
+
+use super::{Device, Image, ImageInfo, Piece, Recorder, Result, Use};
+
+/// Upper left corner and size of a rectangle, in pixels.
+pub type CornerAndSize = ([u32; 2], [u32; 2]);
+
+/// An image with one layer per eye.
+pub struct EyeImage {
+    image: Image,
+    uses: Vec<Use>,
+}
+
+impl EyeImage {
+    pub fn new(
+        device: &Arc<Device>,
+        name: &str,
+        size: UVec2,
+        eyes: u32,
+        format: vk::Format,
+        usage: vk::ImageUsageFlags,
+    ) -> Result<EyeImage> {
+        let plane = ImageInfo::plane(name, size.to_array(), format, usage);
+        let image = Image::new(device, &ImageInfo { layers: eyes, ..plane })?;
+        Ok(EyeImage { image, uses: vec![Use::NOTHING; eyes as usize] })
+    }
+
+    pub fn image(&self) -> &Image {
+        &self.image
+    }
+
+    /// Pixels.
+    pub fn size(&self) -> UVec2 {
+        let [x, y, _] = self.image.size();
+        UVec2::new(x, y)
+    }
+
+    pub fn eyes(&self) -> u32 {
+        self.image.layers()
+    }
+
+    /// Transitions the layer of `eye` to another use. It keeps its contents.
+    pub fn make(&mut self, recorder: &mut Recorder, eye: u32, to: Use) {
+        let from = std::mem::replace(&mut self.uses[eye as usize], to);
+        if from != to {
+            recorder.image_barrier(self.image.layer(eye), from, to);
+        }
+    }
+
+    /// Transitions the layer of `eye` to a use that overwrites it. Its contents are discarded.
+    pub fn renew(&mut self, recorder: &mut Recorder, eye: u32, to: Use) {
+        let from = std::mem::replace(&mut self.uses[eye as usize], to);
+        recorder.image_barrier(self.image.layer(eye), from.discarded(), to);
+    }
+
+    /// Transitions the layer of `eye` to a use that overwrites `area`. The other pixels keep their contents.
+    pub fn renew_area(&mut self, recorder: &mut Recorder, eye: u32, area: CornerAndSize, to: Use) {
+        let [width, height, _] = self.image.size();
+        if area == ([0, 0], [width, height]) {
+            return self.renew(recorder, eye, to);
+        }
+        // A barrier even where the use stays the same: earlier writes must be visible.
+        let from = std::mem::replace(&mut self.uses[eye as usize], to);
+        recorder.image_barrier(self.image.layer(eye), from, to);
+    }
+
+    /// Copies `piece` to `rows` of the layer of `eye`, for shaders to read. The other rows are
+    /// discarded.
+    pub fn upload_rows(
+        &mut self,
+        recorder: &mut Recorder,
+        eye: u32,
+        piece: Piece,
+        rows: Range<u32>,
+    ) {
+        self.renew(recorder, eye, Use::COPY_TARGET);
+        self.copy_rows(recorder, eye, piece, rows);
+    }
+
+    /// The same, but the other rows keep their contents.
+    pub fn update_rows(
+        &mut self,
+        recorder: &mut Recorder,
+        eye: u32,
+        piece: Piece,
+        rows: Range<u32>,
+    ) {
+        let [width, ..] = self.image.size();
+        let area = ([0, rows.start], [width, rows.len() as u32]);
+        self.renew_area(recorder, eye, area, Use::COPY_TARGET);
+        self.copy_rows(recorder, eye, piece, rows);
+    }
+
+    fn copy_rows(&mut self, recorder: &mut Recorder, eye: u32, piece: Piece, rows: Range<u32>) {
+        let [width, ..] = self.image.size();
+        let copy = vk::BufferImageCopy::default()
+            .buffer_offset(piece.offset)
+            .image_subresource(vk::ImageSubresourceLayers {
+                aspect_mask: vk::ImageAspectFlags::COLOR,
+                mip_level: 0,
+                base_array_layer: eye,
+                layer_count: 1,
+            })
+            .image_offset(vk::Offset3D { x: 0, y: rows.start as i32, z: 0 })
+            .image_extent(vk::Extent3D { width, height: rows.len() as u32, depth: 1 });
+        if !rows.is_empty() {
+            recorder.copy_to_image(piece.buffer, self.image.layer(eye), &[copy]);
+        }
+        self.make(recorder, eye, Use::SHADER_READ);
+    }
+}
