@@ -1,5 +1,5 @@
-//! Owns which of the computer's devices is taken, and why the others are not. A device whose driver
-//! is broken is one of those.
+//! Chooses the physical device, and says why the others cannot be used. A device with a broken
+//! driver is one of those.
 
 use std::ffi::CStr;
 
@@ -17,7 +17,7 @@ pub enum DeviceChoice {
     Preferred,
     /// The n-th that the loader lists, from 0.
     Index(usize),
-    /// The first that works whose name contains this, letter case aside.
+    /// The first usable device whose name contains this, ignoring case.
     Name(String),
 }
 
@@ -39,9 +39,9 @@ pub(super) struct Candidate {
     pub physical: vk::PhysicalDevice,
     pub properties: vk::PhysicalDeviceProperties,
     pub queue_family: u32,
-    /// Those to be enabled.
+    /// Device extensions to enable.
     pub extensions: Vec<&'static CStr>,
-    /// Bits of the queue's time stamps that count; 0 where it has none.
+    /// Number of valid bits of the queue's time stamps; 0 if it has none.
     pub time_stamp_bits: u32,
 }
 
@@ -51,7 +51,7 @@ impl Candidate {
     }
 }
 
-/// The devices that can be used, the best first, and for each other one in words why not.
+/// The usable devices, best first, and for every other device the reason why it is not.
 pub(super) fn candidates(
     instance: &Instance,
     host: &mut dyn Host,
@@ -96,8 +96,8 @@ pub(super) fn candidates(
     Ok((usable, refused))
 }
 
-/// What `make` makes of the first candidate that it succeeds with, or an error that says of every
-/// one, and of those `refused` before, why it cannot be used.
+/// The result of `make` for the first candidate that it succeeds with, or an error that gives the
+/// reason for every candidate and for those in `refused`.
 pub(super) fn first_that_works<C, D>(
     usable: Vec<C>,
     mut refused: Vec<String>,
@@ -109,7 +109,7 @@ pub(super) fn first_that_works<C, D>(
         let name = name(&candidate);
         match make(candidate) {
             Ok(made) => return Ok(made),
-            // There is nothing to choose from, and this says best what is wrong.
+            // A single candidate's own error is the best message.
             Err(error) if only => return Err(error),
             Err(error) => refused.push(broken(&name, &error)),
         }
@@ -117,7 +117,7 @@ pub(super) fn first_that_works<C, D>(
     Err(GpuError::NoneSuitable(refused.join("; ")))
 }
 
-/// Why a device cannot be used whose driver fails.
+/// Why a device with a failing driver cannot be used.
 fn broken(name: &str, error: &GpuError) -> String {
     let reason = format!("the driver of {name} is broken ({error})");
     tracing::warn!("{reason}; passing it over");
@@ -128,7 +128,7 @@ fn broken(name: &str, error: &GpuError) -> String {
 fn all_devices(instance: &Instance) -> Result<(Vec<vk::PhysicalDevice>, Vec<String>)> {
     // SAFETY: plain query.
     let all = match unsafe { instance.raw().enumerate_physical_devices() } {
-        // What loaders say where no driver is installed.
+        // The result of loaders without any installed driver.
         Err(vk::Result::ERROR_INITIALIZATION_FAILED) => Vec::new(),
         result => result.during("list the Vulkan devices")?,
     };
@@ -144,8 +144,8 @@ fn name_of(instance: &Instance, physical: vk::PhysicalDevice) -> String {
     device_name(&unsafe { instance.raw().get_physical_device_properties(physical) })
 }
 
-/// Says of every device of the computer, in the order of [`DeviceChoice::Index`], its name and,
-/// where it cannot be used, why.
+/// The name of every device of the computer, in the order of [`DeviceChoice::Index`], with the
+/// reason if it cannot be used.
 pub fn survey() -> Result<Vec<(String, Option<String>)>> {
     let mut host = super::host::Headless;
     let instance = Instance::new(&mut host, super::instance::Validation::Off)?;
@@ -171,7 +171,7 @@ fn rank(kind: vk::PhysicalDeviceType) -> u32 {
     }
 }
 
-/// The device with the queue family to use, or in words what it lacks.
+/// The device with the queue family to use, or what it lacks, in words.
 fn candidate(
     instance: &Instance,
     host: &dyn Host,
@@ -221,8 +221,9 @@ fn candidate(
     Ok(Err(format!("{name} has no queue that draws, computes and serves {}", host.name())))
 }
 
-/// What is to be enabled of what a device offers: what is `wanted`, or that which is lacking; and
-/// where a device lacks a part of Vulkan the extension that says so, which must be.
+/// The extensions to enable: all that are `wanted`, or an error naming those that the device lacks;
+/// and on a device with an incomplete Vulkan the portability extension, which must be enabled
+/// there.
 fn device_extensions<'a>(
     wanted: &[&'static CStr],
     offered: impl Iterator<Item = &'a CStr>,
@@ -290,7 +291,7 @@ mod tests {
         assert!(["old has Vulkan 1.1", "bad", "worse"].iter().all(|n| said.contains(n)), "{said}");
         assert_eq!(tried, ["bad", "good", "bad", "worse"]);
 
-        // The only one's fault is said as it is, so that who asks can tell faults apart.
+        // A single fault is returned unchanged, so that the caller can match on it.
         let lost = |_| Err::<(), _>(GpuError::DeviceLost("create the device"));
         let error = first_that_works(vec!["one"], Vec::new(), name, lost).unwrap_err();
         assert!(matches!(error, GpuError::DeviceLost(_)));

@@ -1,8 +1,7 @@
-//! Owns command buffers: recording, the ring of frames in flight, and work that is waited for.
+//! Command buffers: recording, the ring of frames in flight, and blocking submissions.
 //!
-//! [`Recorder`]'s methods are Vulkan's commands with plain arguments. They are safe to call in
-//! the sense of Rust's memory; that barriers and layouts are right is shown by the validation
-//! layers, which every GPU test runs under.
+//! The methods of [`Recorder`] are Vulkan commands with plain arguments. They are memory safe in
+//! Rust's sense; the validation layers, under which all GPU tests run, check barriers and layouts.
 
 use std::sync::Arc;
 
@@ -15,7 +14,7 @@ use super::memory::ImagePart;
 use super::pipeline::{Pipeline, PipelineLayout};
 use super::retire::Retired;
 
-/// Frames that the CPU may be ahead of the device.
+/// Number of frames that the CPU may be ahead of the device.
 pub const FRAMES_IN_FLIGHT: usize = 2;
 
 /// How an image or a buffer is used on one side of a barrier.
@@ -35,7 +34,7 @@ impl Use {
         Use { stage, access, layout }
     }
 
-    /// Not used before, or its contents may be lost.
+    /// Not used before, or its contents may be discarded.
     pub const NOTHING: Use =
         Use::new(vk::PipelineStageFlags2::NONE, vk::AccessFlags2::NONE, vk::ImageLayout::UNDEFINED);
     pub const COPY_SOURCE: Use = Use::new(
@@ -82,7 +81,7 @@ impl Use {
         ),
         vk::ImageLayout::DEPTH_ATTACHMENT_OPTIMAL,
     );
-    /// Given to the window system. The semaphore does the rest.
+    /// Presented. A semaphore orders it.
     pub const PRESENT: Use = Use::new(
         vk::PipelineStageFlags2::NONE,
         vk::AccessFlags2::NONE,
@@ -95,14 +94,14 @@ impl Use {
         vk::ImageLayout::GENERAL,
     );
 
-    /// The same use where the former contents may be lost: no layout to keep, but still after
-    /// the former use, whose writes must be done before others to the same memory.
+    /// The same use with its contents discarded: no layout to keep, but still ordered after the
+    /// former use, whose writes must finish before others to the same memory.
     pub const fn discarded(self) -> Use {
         Use::new(self.stage, self.access, vk::ImageLayout::UNDEFINED)
     }
 }
 
-/// What an attachment holds at first.
+/// The initial contents of an attachment.
 #[derive(Clone, Copy, Debug)]
 pub enum Load {
     Keep,
@@ -113,7 +112,7 @@ pub enum Load {
     Depth(f32),
 }
 
-/// A target to draw to, in the layout of [`Use::COLOUR_TARGET`] or [`Use::DEPTH_TARGET`].
+/// A render target, in the layout of [`Use::COLOUR_TARGET`] or [`Use::DEPTH_TARGET`].
 #[derive(Clone, Copy, Debug)]
 pub struct Attachment {
     pub view: vk::ImageView,
@@ -121,7 +120,7 @@ pub struct Attachment {
     pub store: bool,
 }
 
-/// Commands being recorded. Hand it back with [`Frames::submit`].
+/// Commands being recorded. Submit them with [`Frames::submit`].
 pub struct Recorder {
     device: Arc<Device>,
     buffer: vk::CommandBuffer,
@@ -153,12 +152,12 @@ impl Recorder {
         &self.device
     }
 
-    /// For libraries that record themselves.
+    /// For libraries that record commands themselves.
     pub fn raw(&self) -> vk::CommandBuffer {
         self.buffer
     }
 
-    /// Makes what `to` does with the image wait for what `from` did.
+    /// Makes the use `to` of the image wait for the use `from`.
     pub fn image_barrier(&mut self, part: ImagePart, from: Use, to: Use) {
         let barrier = [vk::ImageMemoryBarrier2::default()
             .src_stage_mask(from.stage)
@@ -176,7 +175,7 @@ impl Recorder {
         unsafe { self.device.raw().cmd_pipeline_barrier2(self.buffer, &info) };
     }
 
-    /// Makes what `to` does with any buffer wait for what `from` did.
+    /// Makes the use `to` of any buffer wait for the use `from`.
     pub fn buffer_barrier(&mut self, from: Use, to: Use) {
         let barrier = [vk::MemoryBarrier2::default()
             .src_stage_mask(from.stage)
@@ -188,7 +187,7 @@ impl Recorder {
         unsafe { self.device.raw().cmd_pipeline_barrier2(self.buffer, &info) };
     }
 
-    /// Starts drawing to a picture of `size` pixels; viewport and scissor are set to all of it.
+    /// Starts rendering to a picture of `size` pixels; viewport and scissor cover all of it.
     pub fn begin_rendering(
         &mut self,
         size: [u32; 2],
@@ -198,9 +197,9 @@ impl Recorder {
         self.begin_rendering_in(size, ([0, 0], size), colour, depth);
     }
 
-    /// Starts drawing to a part of a picture of `size` pixels, given by its corner and size: what is
-    /// forgotten or cleared is only that, and so is the scissor. No scissor set later may reach
-    /// beyond it. The viewport is the whole picture.
+    /// Starts rendering to a rectangle, given by corner and size, of a picture of `size` pixels.
+    /// Only the rectangle is cleared or discarded, and it is the scissor; no scissor set later may
+    /// reach beyond it. The viewport is the whole picture.
     pub fn begin_rendering_in(
         &mut self,
         size: [u32; 2],
@@ -247,15 +246,15 @@ impl Recorder {
         self.rendering = false;
     }
 
-    /// Ends rendering if it has begun: for who goes on recording after a failure, which may have come
-    /// at any place.
+    /// Ends rendering if it has begun: for callers that go on recording after a failure at an
+    /// unknown point.
     pub fn end_rendering_if_begun(&mut self) {
         if self.rendering {
             self.end_rendering();
         }
     }
 
-    /// Draws to a part of the picture only: x, y, width, height in pixels.
+    /// Sets the scissor: x, y, width, height in pixels.
     pub fn set_scissor(&mut self, rect: [u32; 4]) {
         let area = vk::Rect2D {
             offset: vk::Offset2D { x: rect[0] as i32, y: rect[1] as i32 },
@@ -317,7 +316,7 @@ impl Recorder {
         unsafe { raw.cmd_dispatch(self.buffer, groups[0], groups[1], groups[2]) };
     }
 
-    /// Copies from a buffer to another.
+    /// Copies from one buffer to another.
     pub fn copy_buffer(&mut self, from: vk::Buffer, to: vk::Buffer, copies: &[vk::BufferCopy]) {
         if copies.is_empty() {
             return;
@@ -387,7 +386,7 @@ fn attachment(a: Attachment, layout: vk::ImageLayout) -> vk::RenderingAttachment
         .clear_value(clear)
 }
 
-/// A command pool with one buffer; libraries that record themselves allocate further ones.
+/// A command pool with one buffer; libraries that record commands themselves allocate further ones.
 pub struct Pool {
     pool: vk::CommandPool,
     buffer: vk::CommandBuffer,
@@ -426,8 +425,8 @@ impl Drop for Pool {
     }
 }
 
-/// The ring of frames: each has its commands, which are recorded anew once the device is done
-/// with what they said [`FRAMES_IN_FLIGHT`] frames ago.
+/// The ring of frames. The commands of a frame are recorded anew once the device has finished those
+/// of [`FRAMES_IN_FLIGHT`] frames ago.
 pub struct Frames {
     slots: Vec<(Pool, Serial)>,
     current: usize,
@@ -442,7 +441,7 @@ impl Frames {
         Ok(Frames { slots, current: 0, device: device.clone() })
     }
 
-    /// Waits until the slot of the next frame is free, frees what has retired, starts recording.
+    /// Waits until the slot of the next frame is free, destroys retired objects, starts recording.
     pub fn begin(&mut self) -> Result<Recorder> {
         self.current = (self.current + 1) % FRAMES_IN_FLIGHT;
         let (pool, serial) = &self.slots[self.current];
@@ -455,13 +454,13 @@ impl Frames {
         Recorder::begin(&self.device, pool.buffer)
     }
 
-    /// Which slot the frame begun last uses, 0..[`FRAMES_IN_FLIGHT`]: whatever else there is
-    /// once a slot is free to be written now.
+    /// The slot of the current frame, 0..[`FRAMES_IN_FLIGHT`]. Other resources with one copy per
+    /// slot are free to be written, too.
     pub fn slot(&self) -> usize {
         self.current
     }
 
-    /// Ends the frame begun last.
+    /// Submits the current frame.
     pub fn submit(
         &mut self,
         recorder: Recorder,

@@ -1,4 +1,4 @@
-//! Owns descriptor set layouts and the sets that name images and buffers to shaders.
+//! Descriptor set layouts, descriptor sets and samplers.
 
 use std::sync::Arc;
 
@@ -8,10 +8,10 @@ use super::device::Device;
 use super::error::{During, Result};
 use super::retire::Retired;
 
-/// One binding of set 0: number, kind, the stages that see it.
+/// One binding of set 0: number, kind, and the stages that access it.
 pub type Binding = (u32, vk::DescriptorType, vk::ShaderStageFlags);
 
-/// The shape of a descriptor set.
+/// A descriptor set layout.
 pub struct SetLayout {
     handle: vk::DescriptorSetLayout,
     bindings: Vec<Binding>,
@@ -50,8 +50,7 @@ impl Drop for SetLayout {
     }
 }
 
-/// How shaders look between the texels of an image: as a mean of those around, and beyond the edge as
-/// at the edge.
+/// A sampler with linear filtering, clamped to the edge.
 pub struct Sampler {
     handle: vk::Sampler,
     device: Arc<Device>,
@@ -76,17 +75,17 @@ impl Sampler {
 impl Drop for Sampler {
     fn drop(&mut self) {
         let handle = self.handle;
-        // SAFETY: called once the device is done with all that may use it.
+        // Called once the device has finished all work that may use it.
         self.device.retire_with(move |device| unsafe { device.destroy_sampler(handle, None) });
     }
 }
 
-/// Sets of one layout. A set may only be written while no submission in flight uses it: keep
-/// one a frame slot, or make new ones.
+/// Sets of one layout. A set may only be written while no submission in flight uses it: keep one
+/// per frame slot, or make new ones.
 pub struct DescriptorSets {
     pool: vk::DescriptorPool,
     sets: Vec<vk::DescriptorSet>,
-    /// Writing a set needs its layout to live.
+    /// Keeps the layout alive, which writing a set needs.
     _layout: Arc<SetLayout>,
     device: Arc<Device>,
 }
@@ -133,15 +132,14 @@ impl DescriptorSets {
         self.sets[index]
     }
 
-    /// Names an image that shaders fetch from, in the layout of
-    /// [`crate::gpu::Use::SHADER_READ`].
+    /// Binds a sampled image without a sampler, in the layout of [`crate::gpu::Use::SHADER_READ`].
     pub fn write_sampled(&self, index: usize, binding: u32, view: vk::ImageView) {
         let layout = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
         self.write_image(index, binding, vk::DescriptorType::SAMPLED_IMAGE, view, layout);
     }
 
-    /// Names an image that shaders sample, in the layout of [`crate::gpu::Use::SHADER_READ`]. Image
-    /// and sampler must live as long as the set.
+    /// Binds a sampled image with its sampler, in the layout of [`crate::gpu::Use::SHADER_READ`].
+    /// Image and sampler must live as long as the set.
     pub fn write_texture(
         &self,
         index: usize,
@@ -162,7 +160,7 @@ impl DescriptorSets {
         unsafe { self.device.raw().update_descriptor_sets(&[write], &[]) };
     }
 
-    /// Names an image that compute shaders write, in the layout of
+    /// Binds a storage image that compute shaders write, in the layout of
     /// [`crate::gpu::Use::SHADER_WRITE`].
     pub fn write_storage(&self, index: usize, binding: u32, view: vk::ImageView) {
         let layout = vk::ImageLayout::GENERAL;
@@ -187,7 +185,7 @@ impl DescriptorSets {
         unsafe { self.device.raw().update_descriptor_sets(&[write], &[]) };
     }
 
-    /// Names a buffer, or a part of it.
+    /// Binds a buffer, or a range of it.
     pub fn write_buffer(
         &self,
         index: usize,

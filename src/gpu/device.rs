@@ -1,5 +1,5 @@
-//! Owns the Vulkan device, its one queue, its memory allocator, and the order in which things
-//! made from it go.
+//! The Vulkan device, its one queue, its memory allocator, and the order in which objects made from
+//! it are destroyed.
 //!
 //! There is one constructor for headless work, a window and a headset; they differ in their
 //! [`Host`]. Every owner made from a device keeps an `Arc` of it, so it outlives them all.
@@ -21,25 +21,25 @@ use super::pipeline_cache::PipelineCache;
 use super::retire::{RetireQueue, Retired};
 use super::validation::ValidationLog;
 
-/// How long to wait for the device before saying that it hangs.
+/// How long to wait for the device before reporting that it hangs.
 const PATIENCE: Duration = Duration::from_secs(30);
 
 /// Most semaphores that one submission waits for or signals, besides the timeline.
 pub const MAX_SEMAPHORES: usize = 3;
 
-/// What the person asks for.
+/// How to make a device.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct DeviceOptions {
     pub choice: DeviceChoice,
     pub validation: Validation,
-    /// The folder in which compiled pipelines are kept for the next start; without one they are not.
+    /// The folder for compiled pipelines, which speed up the next start. None: they are not kept.
     pub pipeline_cache: Option<PathBuf>,
 }
 
 impl DeviceOptions {
-    /// These options, with validation required where the environment says `VS_VALIDATION=1`, and
-    /// on where the layer is installed with `VS_VALIDATION=if-available`. What is validated is made
-    /// anew each time.
+    /// These options with the environment's: `VS_VALIDATION=1` requires validation, and
+    /// `VS_VALIDATION=if-available` enables it where the layer is installed. With validation there
+    /// is no pipeline cache.
     pub fn with_environment(mut self) -> DeviceOptions {
         match std::env::var("VS_VALIDATION").as_deref() {
             Ok("1") => self.validation = Validation::Required,
@@ -65,7 +65,7 @@ struct Queue {
 
 /// A Vulkan 1.3 device.
 pub struct Device {
-    // Dropped by hand in `Drop`, before the device itself.
+    // Dropped manually in `Drop`, before the device itself.
     allocator: Option<Arc<Mutex<Allocator>>>,
     retired: Mutex<RetireQueue>,
     queue: Mutex<Queue>,
@@ -79,7 +79,7 @@ pub struct Device {
 }
 
 impl Device {
-    /// Makes instance and device for `host`: the best device that can be made.
+    /// Makes instance and device for `host`: the best device that works.
     pub fn new(host: &mut dyn Host, options: &DeviceOptions) -> Result<Arc<Device>> {
         let instance = Instance::new(host, options.validation)?;
         host.attach(&instance)?;
@@ -102,8 +102,8 @@ impl Device {
         let queues = [vk::DeviceQueueCreateInfo::default()
             .queue_family_index(candidate.queue_family)
             .queue_priorities(&[1.0])];
-        // Not as part of Vulkan12Features: the runtime of a headset may add its own features of
-        // that version, which must not come beside it.
+        // Not as part of Vulkan12Features: the runtime of a headset may add its own feature
+        // structures, which may not occur beside that one.
         let mut timeline =
             vk::PhysicalDeviceTimelineSemaphoreFeatures::default().timeline_semaphore(true);
         let mut v13 = vk::PhysicalDeviceVulkan13Features::default()
@@ -152,7 +152,7 @@ impl Device {
             physical_device: self.candidate.physical,
             debug_settings: Default::default(),
             buffer_device_address: false,
-            // Start small: a frame buffer and a grid of 16 MiB should not take a block of 256.
+            // Small blocks at first: a frame buffer and a grid of 16 MiB need no block of 256.
             allocation_sizes: AllocationSizes::new(16 * MIB, 16 * MIB)
                 .with_max_device_memblock_size(256 * MIB)
                 .with_max_host_memblock_size(64 * MIB),
@@ -163,7 +163,7 @@ impl Device {
         })
     }
 
-    /// The surface of a further window; the first one's came with the device.
+    /// The surface of a further window; that of the first one was made with the device.
     pub fn surface<W>(&self, window: Arc<W>) -> Result<Surface>
     where
         W: HasDisplayHandle + HasWindowHandle + 'static,
@@ -191,7 +191,7 @@ impl Device {
         self.candidate.queue_family
     }
 
-    /// Bits of the queue's time stamps that count; 0 where it has none.
+    /// Number of valid bits of the queue's time stamps; 0 if it has none.
     pub fn time_stamp_bits(&self) -> u32 {
         self.candidate.time_stamp_bits
     }
@@ -204,18 +204,18 @@ impl Device {
         self.candidate.name()
     }
 
-    /// Whether this is a software renderer, on which copies cost no bus.
+    /// Whether this is a software renderer, whose copies cross no bus.
     pub fn is_software(&self) -> bool {
         self.candidate.properties.device_type == vk::PhysicalDeviceType::CPU
     }
 
-    /// What pipelines are made with.
+    /// The pipeline cache for new pipelines.
     pub(super) fn pipeline_cache(&self) -> vk::PipelineCache {
         self.pipelines.as_ref().map_or(vk::PipelineCache::null(), PipelineCache::handle)
     }
 
-    /// The allocator, for libraries that allocate themselves; whoever keeps the `Arc` must be
-    /// dropped before the device.
+    /// The allocator, for libraries that allocate themselves. The `Arc` must be dropped before the
+    /// device.
     pub fn allocator(&self) -> Result<Arc<Mutex<Allocator>>> {
         self.allocator
             .clone()
@@ -227,7 +227,7 @@ impl Device {
         self.instance.validation_log().messages()
     }
 
-    /// The log itself, readable after the device is gone.
+    /// The log itself, which outlives the device.
     pub fn validation_log(&self) -> &Arc<ValidationLog> {
         self.instance.validation_log()
     }
@@ -249,7 +249,7 @@ impl Device {
         f(self.lock_queue().raw)
     }
 
-    /// Hands command buffers to the queue. At most [`MAX_SEMAPHORES`] of each kind.
+    /// Submits command buffers. At most [`MAX_SEMAPHORES`] of each kind.
     pub fn submit(
         &self,
         buffers: &[vk::CommandBuffer],
@@ -284,7 +284,7 @@ impl Device {
         Ok(Serial(serial))
     }
 
-    /// Waits until a submission is done.
+    /// Waits until a submission has finished.
     pub fn wait(&self, serial: Serial) -> Result<()> {
         let semaphores = [self.timeline];
         let values = [serial.0];
@@ -296,7 +296,7 @@ impl Device {
         }
     }
 
-    /// Whether a submission is done.
+    /// Whether a submission has finished.
     pub fn is_done(&self, serial: Serial) -> Result<bool> {
         Ok(self.reached()? >= serial.0)
     }
@@ -307,7 +307,7 @@ impl Device {
             .during("ask how far the device is")
     }
 
-    /// Waits until nothing is in flight, and frees what has retired.
+    /// Waits until nothing is in flight, and destroys retired objects.
     pub fn wait_idle(&self) -> Result<()> {
         {
             let _queue = self.lock_queue();
@@ -317,7 +317,7 @@ impl Device {
         self.collect()
     }
 
-    /// Destroys what has retired and is no longer in use. Called at each frame's beginning.
+    /// Destroys retired objects that are no longer in use. Called at the beginning of each frame.
     pub fn collect(&self) -> Result<()> {
         let reached = self.reached()?;
         let mut retired = self.lock_retired();
@@ -332,7 +332,7 @@ impl Device {
         Ok(())
     }
 
-    /// Has `destroy` called once all that is submitted or being recorded now is done.
+    /// Calls `destroy` once all work that is submitted or being recorded now has finished.
     pub fn retire_with(&self, destroy: impl FnOnce(&ash::Device) + Send + 'static) {
         self.retire(Retired::Call(Box::new(destroy)));
     }
@@ -362,7 +362,7 @@ impl Device {
 
 impl Drop for Device {
     fn drop(&mut self) {
-        // A lost device reports an error here and may be destroyed all the same.
+        // A lost device returns an error here and may be destroyed all the same.
         // SAFETY: nobody else has the device any more.
         if let Err(error) = unsafe { self.raw.device_wait_idle() } {
             tracing::warn!("the device did not come to rest: {error}");

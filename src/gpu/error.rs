@@ -1,5 +1,5 @@
-//! Owns what can go wrong with Vulkan, said so that the person knows what is missing and what
-//! to do about it. Nothing here panics: a lost device and exhausted memory are values.
+//! Vulkan errors, with messages that say what is missing and how to get it. Nothing here panics: a
+//! lost device and exhausted memory are values.
 
 use ash::vk;
 use thiserror::Error;

@@ -1,6 +1,6 @@
-//! Owns the differences between the places that a device is made for: headless, a window, and
-//! a headset, whose runtime makes instance and device itself (XR_KHR_vulkan_enable2) through
-//! the hooks of [`Host`].
+//! What differs between the hosts that a device is made for: headless, a window, and a headset,
+//! whose runtime makes instance and device itself (XR_KHR_vulkan_enable2) through the hooks of
+//! [`Host`].
 
 use std::ffi::{CStr, CString};
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use winit::raw_window_handle::{HasDisplayHandle, HasWindowHandle};
 use super::error::{During, GpuError, Result};
 use super::instance::Instance;
 
-/// What [`crate::gpu::Device::new`] asks of the place that it makes a device for, in this order.
+/// The hooks that [`crate::gpu::Device::new`] calls on its host, in this order.
 pub trait Host {
     /// For messages: "a window".
     fn name(&self) -> &'static str;
@@ -20,7 +20,7 @@ pub trait Host {
         Ok(Vec::new())
     }
 
-    /// Makes the instance. A headset's runtime does it in our place.
+    /// Makes the instance. The runtime of a headset does this itself.
     fn create_instance(
         &mut self,
         entry: &ash::Entry,
@@ -28,23 +28,23 @@ pub trait Host {
     ) -> Result<ash::Instance> {
         // SAFETY: `info` and all that it points to are alive.
         match unsafe { entry.create_instance(info, None) } {
-            // What loaders say where no driver is installed.
+            // The result of loaders without any installed driver.
             Err(vk::Result::ERROR_INCOMPATIBLE_DRIVER) => Err(GpuError::NoDevice),
             result => result.during("create the instance"),
         }
     }
 
-    /// Called once the instance is there; a window makes its surface.
+    /// Called once the instance exists; a window makes its surface.
     fn attach(&mut self, _instance: &Arc<Instance>) -> Result<()> {
         Ok(())
     }
 
-    /// The one device that will do, where the host prescribes it.
+    /// The device that the host prescribes, if it does.
     fn prescribed_device(&mut self, _instance: &Instance) -> Result<Option<vk::PhysicalDevice>> {
         Ok(None)
     }
 
-    /// Whether the host can show what this queue family draws.
+    /// Whether the host can present images of this queue family.
     fn can_show(&self, _device: vk::PhysicalDevice, _queue_family: u32) -> Result<bool> {
         Ok(true)
     }
@@ -53,7 +53,7 @@ pub trait Host {
         Vec::new()
     }
 
-    /// Makes the device. A headset's runtime does it in our place.
+    /// Makes the device. The runtime of a headset does this itself.
     fn create_device(
         &mut self,
         instance: &Instance,
@@ -165,7 +165,7 @@ impl Surface {
         Ok(())
     }
 
-    /// Whether a queue family of a device of the same instance can draw to it.
+    /// Whether a queue family of a device of the same instance can present to it.
     pub(super) fn can_show(&self, device: vk::PhysicalDevice, queue_family: u32) -> Result<bool> {
         // SAFETY: device and surface are of the same instance.
         unsafe {

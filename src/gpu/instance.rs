@@ -1,6 +1,6 @@
-//! Owns the Vulkan loader and instance, and the messenger of the validation layers.
+//! The Vulkan loader, the instance, and the messenger of the validation layers.
 //!
-//! Surfaces and the device keep an `Arc` of it, so it dies last.
+//! Surfaces and the device keep an `Arc` of it, so it is destroyed last.
 
 use std::ffi::{CStr, CString};
 use std::sync::Arc;
@@ -11,12 +11,12 @@ use super::error::{During, GpuError, Result};
 use super::host::Host;
 use super::validation::{LAYER, ValidationLog, messenger_info};
 
-/// Whether the validation layers watch our calls.
+/// Whether the validation layers check our calls.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Validation {
     #[default]
     Off,
-    /// On where the layer is installed: for tests, which say so where it is not.
+    /// On where the layer is installed: for tests, which report where it is not.
     IfAvailable,
     /// On, or an error that says how to install the layer.
     Required,
@@ -57,7 +57,7 @@ impl Instance {
         if debug_names {
             extensions.push(CString::from(ext::debug_utils::NAME));
         }
-        // Else loaders hide devices that lack a part of Vulkan, as all those of Apple's do.
+        // Otherwise loaders hide devices with an incomplete Vulkan, such as all of Apple's.
         let mut flags = vk::InstanceCreateFlags::empty();
         if has(khr::portability_enumeration::NAME) {
             extensions.push(CString::from(khr::portability_enumeration::NAME));
@@ -100,7 +100,7 @@ impl Instance {
         &self.entry
     }
 
-    /// What the validation layers have said; stays readable after the instance is gone.
+    /// The messages of the validation layers; outlives the instance.
     pub fn validation_log(&self) -> &Arc<ValidationLog> {
         &self.log
     }

@@ -1,9 +1,9 @@
-//! Owns the layouts of what CPU and shaders share: the twin of `shaders/layout.wgsl`. A test
+//! The layouts of the data that CPU and shaders share: the twin of `shaders/layout.wgsl`. A test
 //! compares the two member by member.
 
 use bytemuck::{Pod, Zeroable};
 
-/// Makes a `repr(C)` struct that can name its members with their offsets and sizes.
+/// Makes a `repr(C)` struct that lists its members with their offsets and sizes.
 macro_rules! shared {
     ($(#[$meta:meta])* $name:ident { $($(#[$field_meta:meta])* $field:ident: $type:ty,)* }) => {
         $(#[$meta])*
@@ -33,11 +33,11 @@ shared! {
         axis: u32,
         /// Direction through the picture's upper left corner.
         corner: [f32; 3],
-        /// Difference in depth between layers.
+        /// Distance between layers in depth.
         depth_step: f32,
         /// Change of direction per pixel to the right.
         step_x: [f32; 3],
-        /// So far the device may draw a corner beside its place, in pixels.
+        /// How far the device may draw a corner off its position, in pixels.
         margin_px: f32,
         /// Change of direction per pixel downwards.
         step_y: [f32; 3],
@@ -56,7 +56,7 @@ shared! {
 }
 
 shared! {
-    /// Push constants of the composite pass: one eye's index map and how to see it.
+    /// Push constants of the composite pass: one eye's index map and its place in the target.
     CompositeView {
         /// The eye, in grid coordinates.
         origin: [f32; 3],
@@ -75,19 +75,19 @@ shared! {
         scale_y: f32,
         /// Size of the grid in voxels.
         dims: [u32; 3],
-        /// The logarithm of the edge of a beam's tile in pixels of the map.
+        /// Binary logarithm of the edge of a beam's tile in pixels of the map.
         tile_log2: u32,
         /// Colour of the background at the top, as the target stores it.
         top: [f32; 3],
-        /// Left edge of the eye's part of the target, in pixels.
+        /// Left edge of the eye's viewport in the target, in pixels.
         left: f32,
         /// Colour of the background at the bottom.
         bottom: [f32; 3],
-        /// Upper edge of the eye's part of the target, in pixels.
+        /// Upper edge of the eye's viewport in the target, in pixels.
         upper: f32,
         /// Size of the map in pixels.
         size: [u32; 2],
-        /// 1 where the target is given linear values and encodes them itself.
+        /// 1 where the target takes linear values and encodes them itself.
         linear: u32,
         pad_0: u32,
     }
@@ -106,7 +106,7 @@ shared! {
         height: u32,
         /// Change of direction per pixel to the right.
         step_x: [f32; 3],
-        /// The logarithm of the edge of a beam's tile in pixels.
+        /// Binary logarithm of the edge of a beam's tile in pixels.
         tile_log2: u32,
         /// Change of direction per pixel downwards.
         step_y: [f32; 3],
@@ -118,14 +118,14 @@ shared! {
 }
 
 shared! {
-    /// The uniforms of all that lights surfaces on the device.
+    /// The uniforms of every shader that lights surfaces.
     Shading {
         /// Rows of the map from grid coordinates to eye space.
         eye_from_grid: [[f32; 4]; 3],
-        /// Rows of the map that takes covectors of grid coordinates to eye space; the last of each
-        /// is 0.
+        /// Rows of the map that takes covectors of grid coordinates to eye space; the last member
+        /// of each is 0.
         normal_from_gradient: [[f32; 4]; 3],
-        /// Lights in eye space: a direction, or a position with 1 after it.
+        /// Lights in eye space: a direction, or a position with w = 1.
         sources: [[f32; 4]; 4],
         /// Their linear colours times intensity.
         radiances: [[f32; 4]; 4],
@@ -145,7 +145,7 @@ shared! {
 }
 
 shared! {
-    /// Push constants of the stereo pass: where the pictures lie in the window.
+    /// Push constants of the stereo pass: where the pictures are in the window.
     StereoView {
         /// Size of the window in pixels.
         window: [u32; 2],
@@ -160,26 +160,26 @@ shared! {
 }
 
 shared! {
-    /// Push constants of the backdrop pass: a video picture and its lens.
+    /// Push constants of the backdrop pass: a video frame and its lens.
     BackdropView {
-        /// Position in the picture (0 to 1) is this times that on the screen, plus `offset`.
+        /// Position in the frame (0 to 1) is this times that on the screen, plus `offset`.
         scale: [f32; 2],
         offset: [f32; 2],
-        /// Focal lengths and centre of the lens in pixels of the picture.
+        /// Focal lengths and centre of the lens in pixels of the frame.
         focal: [f32; 2],
         centre: [f32; 2],
         /// Radial distortion.
         radial: [f32; 3],
-        /// 1 to straighten the picture.
+        /// 1 to undistort the frame.
         lens: u32,
-        /// Colour where there is no picture, as the target stores it.
+        /// Colour beyond the frame, as the target stores it.
         beyond: [f32; 3],
         pad_0: u32,
         /// Tangential distortion.
         tangential: [f32; 2],
         /// Size of the screen in pixels.
         screen: [f32; 2],
-        /// Size of the picture in pixels.
+        /// Size of the frame in pixels.
         size: [u32; 2],
         pad_1: [u32; 2],
     }
@@ -197,19 +197,19 @@ shared! {
         depth_at_0: f32,
         /// Change of direction per pixel to the right.
         step_x: [f32; 3],
-        /// Left edge of the eye's part of the target, in pixels.
+        /// Left edge of the eye's viewport in the target, in pixels.
         left: f32,
         /// Change of direction per pixel downwards.
         step_y: [f32; 3],
-        /// Upper edge of the eye's part of the target, in pixels.
+        /// Upper edge of the eye's viewport in the target, in pixels.
         upper: f32,
         /// Clip coordinates of a point p are these times `p - origin`.
         clip_x: [f32; 3],
-        /// 1 where the target is given linear values and encodes them itself.
+        /// 1 where the target takes linear values and encodes them itself.
         linear: u32,
         clip_y: [f32; 3],
-        /// So far the device may draw a corner beside its place, in clip coordinates, and a little
-        /// for rounding.
+        /// How far the device may draw a corner off its position, in clip coordinates, with a
+        /// margin for rounding.
         margin_x: f32,
         clip_w: [f32; 3],
         margin_y: f32,
@@ -230,7 +230,7 @@ pub struct SliceInstance {
 mod tests {
     use super::*;
 
-    /// The members of a struct in a stage's text, as (name, offset, size); paddings left out.
+    /// The members of a struct in the source of a stage, as (name, offset, size), without padding.
     fn wgsl_members(text: &str, name: &str) -> (Vec<(String, usize, usize)>, usize) {
         let module = naga::front::wgsl::parse_str(text).unwrap();
         let context = module.to_ctx();

@@ -1,5 +1,5 @@
-//! Owns buffers and images together with their memory. Dropping one retires it: it goes when
-//! the device no longer uses it.
+//! Buffers and images with their memory. Dropping one retires it: it is destroyed when the device
+//! no longer uses it.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, PoisonError};
@@ -25,7 +25,7 @@ pub struct Buffer {
 
 impl Buffer {
     /// `location`: `GpuOnly`, `CpuToGpu` (written by the CPU) or `GpuToCpu` (read by it); the
-    /// latter two are mapped for good, and coherent.
+    /// latter two are persistently mapped and coherent.
     pub fn new(
         device: &Arc<Device>,
         name: &str,
@@ -62,13 +62,13 @@ impl Buffer {
         self.bytes
     }
 
-    /// The mapped bytes; empty for a buffer that the CPU cannot see.
+    /// The mapped bytes; empty for a buffer that the CPU cannot access.
     pub fn mapped(&self) -> &[u8] {
         let bytes = self.memory.as_ref().and_then(Allocation::mapped_slice);
         bytes.map_or(&[], |bytes| &bytes[..self.bytes as usize])
     }
 
-    /// The mapped bytes; empty for a buffer that the CPU cannot see.
+    /// The mapped bytes; empty for a buffer that the CPU cannot access.
     pub fn mapped_mut(&mut self) -> &mut [u8] {
         let bytes = self.memory.as_mut().and_then(Allocation::mapped_slice_mut);
         match bytes {
@@ -77,7 +77,7 @@ impl Buffer {
         }
     }
 
-    /// Copies `data` to `offset` bytes.
+    /// Copies `data` to the offset of `offset` bytes.
     pub fn write<T: Pod>(&mut self, offset: u64, data: &[T]) -> Result<()> {
         let bytes: &[u8] = bytemuck::cast_slice(data);
         let start = offset as usize;
@@ -97,7 +97,7 @@ impl Drop for Buffer {
     }
 }
 
-/// What to make an [`Image`] of.
+/// The parameters of a new [`Image`].
 #[derive(Clone, Copy, Debug)]
 pub struct ImageInfo<'a> {
     pub name: &'a str,
@@ -122,12 +122,12 @@ impl<'a> ImageInfo<'a> {
     }
 }
 
-/// An image with its memory and views, in the device's own memory.
+/// An image in device memory, with its views.
 pub struct Image {
     handle: vk::Image,
     /// Taken out on drop.
     memory: Option<Allocation>,
-    /// The whole image, then each layer where there are several.
+    /// The view of the whole image, then one per layer if there are several.
     views: Vec<vk::ImageView>,
     size: [u32; 3],
     layers: u32,
@@ -203,8 +203,8 @@ impl Image {
         self.handle
     }
 
-    /// Another number for every image ever made, so that who names images to shaders knows when
-    /// to do so anew (Vulkan's handles come back).
+    /// A number that no other image has had, to detect that a descriptor names a former image:
+    /// Vulkan reuses its handles.
     pub fn id(&self) -> u64 {
         self.id
     }
@@ -257,7 +257,7 @@ impl Drop for Image {
     }
 }
 
-/// Layers of an image, perhaps one that a swapchain or a headset owns.
+/// Layers of an image, which may belong to a swapchain or a headset.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct ImagePart {
     pub image: vk::Image,
@@ -267,7 +267,7 @@ pub struct ImagePart {
 }
 
 impl ImagePart {
-    /// One layer of colour of an image that is not ours.
+    /// One colour layer of an image that this room does not own.
     pub fn colour(image: vk::Image, layer: u32) -> ImagePart {
         ImagePart { image, aspect: vk::ImageAspectFlags::COLOR, layer, layers: 1 }
     }
@@ -328,8 +328,8 @@ fn memory_of(memory: &Allocation) -> vk::DeviceMemory {
     unsafe { memory.memory() }
 }
 
-/// A place in a block of memory that many share, or where no further block can be had, memory of
-/// just this size by the scheme `alone`.
+/// An allocation in a shared block, or if no further block can be had, one of its own made by
+/// `alone`.
 fn allocate(
     device: &Device,
     name: &str,

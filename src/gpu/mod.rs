@@ -1,7 +1,7 @@
-//! Vulkan objects and their lifetimes: device, memory, commands, pipelines, the way up and down.
+//! Vulkan objects and their lifetimes: device, memory, commands, pipelines, upload and readback.
 //!
-//! Knows Vulkan 1.3 and nothing of sculptures. Owns no policy: `render` says what to draw,
-//! `screen` where it goes.
+//! Knows Vulkan 1.3 and nothing of sculptures. It has no policy: `render` decides what to draw,
+//! `screen` where it is shown.
 //!
 //! # How to use it
 //!
@@ -19,11 +19,10 @@
 //! # }
 //! ```
 //!
-//! For a window, `WindowHost::new(Arc<Window>)` is the host; after `Device::new(&mut host, ..)`
-//! the surface is `host.into_surface()`. A swapchain is made by `screen` from the surface and
-//! `Device::raw`; its semaphores go to [`Frames::submit`], presenting happens in
-//! [`Device::with_queue`]. A headset implements [`Host`], whose hooks hand over the making of
-//! instance and device.
+//! For a window, `WindowHost::new(Arc<Window>)` is the host; after `Device::new(&mut host, ..)` the
+//! surface is `host.into_surface()`. `screen` makes a swapchain from the surface and `Device::raw`;
+//! its semaphores go to [`Frames::submit`], and it presents in [`Device::with_queue`]. A headset
+//! implements [`Host`], whose hooks let its runtime make instance and device.
 //!
 //! Rules:
 //! - Owners ([`Buffer`], [`Image`], [`Pipeline`], ...) keep the device alive and may be dropped

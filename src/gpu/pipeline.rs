@@ -1,4 +1,4 @@
-//! Owns pipelines and their layouts, made from plain structs.
+//! Pipelines and their layouts, made from plain structs.
 
 use std::sync::Arc;
 
@@ -9,10 +9,10 @@ use super::device::Device;
 use super::error::{During, GpuError, Result};
 use super::retire::Retired;
 
-/// Push constants that every Vulkan device has room for, in bytes.
+/// Size of push constants that every Vulkan device supports, in bytes.
 pub const MAX_PUSH_BYTES: u32 = 128;
 
-/// What a pipeline is bound with: at most one descriptor set and one block of push constants.
+/// A pipeline layout: at most one descriptor set and one block of push constants.
 pub struct PipelineLayout {
     handle: vk::PipelineLayout,
     push_stages: vk::ShaderStageFlags,
@@ -20,7 +20,7 @@ pub struct PipelineLayout {
 }
 
 impl PipelineLayout {
-    /// `push`: the stages that see the push constants, and their size.
+    /// `push`: the stages that read the push constants, and their size.
     pub fn new(
         device: &Arc<Device>,
         name: &str,
@@ -64,15 +64,15 @@ impl Drop for PipelineLayout {
     }
 }
 
-/// How drawn colours meet what is there.
+/// How drawn colours are blended with the target's.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Blend {
     /// They replace it.
     #[default]
     Replace,
-    /// By their alpha; colours are not premultiplied.
+    /// By alpha, without premultiplication.
     Alpha,
-    /// They only touch the depth.
+    /// No colour is written, only depth.
     DepthOnly,
 }
 
@@ -88,13 +88,13 @@ pub struct Depth {
 }
 
 impl Depth {
-    /// Nearer fragments win and leave their depth. Clear to 0.
+    /// Nearer fragments win and write their depth. Clear to 0.
     pub const NEARER: Depth = Depth::of(vk::CompareOp::GREATER, true);
-    /// Nearer fragments show and leave the depth as it was: for what is transparent.
+    /// Nearer fragments win, and depth is not written: for transparent surfaces.
     pub const TEST_ONLY: Depth = Depth::of(vk::CompareOp::GREATER_OR_EQUAL, false);
-    /// Every fragment shows, and the depth stays as it was: for what is behind everything.
+    /// All fragments pass, and depth is not written: for backgrounds.
     pub const KEEP: Depth = Depth::of(vk::CompareOp::ALWAYS, false);
-    /// Every fragment wins and leaves its depth.
+    /// All fragments pass and write their depth.
     pub const OVERWRITE: Depth = Depth::of(vk::CompareOp::ALWAYS, true);
 
     const fn of(compare: vk::CompareOp, write: bool) -> Depth {
@@ -107,11 +107,11 @@ impl Depth {
 pub struct Attribute {
     pub location: u32,
     pub format: vk::Format,
-    /// Bytes from the beginning of a vertex.
+    /// Offset in the vertex, in bytes.
     pub offset: usize,
 }
 
-/// The vertex buffer: bytes from one vertex or instance to the next, and what they hold.
+/// The vertex buffer: the stride in bytes, and its attributes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Vertices<'a> {
     pub stride: usize,
@@ -119,7 +119,7 @@ pub struct Vertices<'a> {
     pub attributes: &'a [Attribute],
 }
 
-/// Everything about a graphics pipeline. Viewport and scissor are set when drawing.
+/// The state of a graphics pipeline. Viewport and scissor are dynamic.
 #[derive(Clone, Copy)]
 pub struct Graphics<'a> {
     pub name: &'a str,
@@ -137,7 +137,7 @@ pub struct Graphics<'a> {
 }
 
 impl<'a> Graphics<'a> {
-    /// A pass over all pixels of a target of `format`, whose colours it replaces; draw 3 vertices.
+    /// A pass that overwrites all pixels of a target of `format`; draw 3 vertices.
     pub fn screen(
         name: &'a str,
         fragment: &'a [u32],
@@ -282,7 +282,7 @@ impl Drop for Pipeline {
     }
 }
 
-/// Where the specialization constants from number 0 on lie among others.
+/// The map entries of specialization constants from number 0 on.
 fn constant_entries(constants: &[u32]) -> Vec<vk::SpecializationMapEntry> {
     let size = size_of::<u32>();
     let entry = |number: usize| vk::SpecializationMapEntry {

@@ -1,7 +1,7 @@
-//! Owns what a driver remembers of compiled pipelines from one start of the program to the next: a
-//! file in a folder for such things, one for each device and driver.
+//! The driver's pipeline cache, kept from one start of the program to the next: a file in a cache
+//! folder for each device and driver.
 //!
-//! Takes a folder; gives a `VkPipelineCache`. Whatever is wrong with the file, the program starts
+//! Takes a folder; returns a `VkPipelineCache`. Whatever is wrong with the file, the program starts
 //! without it: it only saves time.
 
 use std::hash::Hasher;
@@ -14,7 +14,7 @@ use super::error::{During, Result};
 
 /// The largest file that is read or written.
 const MOST_BYTES: u64 = 64 << 20;
-/// Drivers that remember nothing give only the header that Vulkan prescribes.
+/// Drivers without any data return only the header that Vulkan prescribes.
 const VULKAN_HEADER_BYTES: usize = 32;
 const MAGIC: &[u8; 8] = b"VSpipes1";
 /// Magic, length and checksum, little-endian.
@@ -23,14 +23,14 @@ const HEADER_BYTES: usize = 24;
 /// The cache of a device.
 pub(super) struct PipelineCache {
     handle: vk::PipelineCache,
-    /// Where it is kept, where it is.
+    /// The file, if it is kept in one.
     path: Option<PathBuf>,
-    /// Checksum of what was read.
+    /// Checksum of the data read from it.
     read: Option<u64>,
 }
 
 impl PipelineCache {
-    /// Reads what `folder` holds for the device of these properties. Without a folder nothing is
+    /// Reads the file in `folder` for the device with these properties. Without a folder nothing is
     /// read or written.
     pub fn new(
         device: &ash::Device,
@@ -41,8 +41,8 @@ impl PipelineCache {
         let kept = path.as_deref().and_then(read);
         let make = |data: &[u8]| {
             let info = vk::PipelineCacheCreateInfo::default().initial_data(data);
-            // SAFETY: the info is complete; the data are as a driver of this name and version has
-            // given them, by their checksum, and drivers check the header that they have put there.
+            // SAFETY: the info is complete; the checksum shows that the data are those of a driver
+            // of this name and version, and drivers check their own header.
             unsafe { device.create_pipeline_cache(&info, None) }
         };
         let data = kept.as_deref().unwrap_or_default();
@@ -58,7 +58,7 @@ impl PipelineCache {
         self.handle
     }
 
-    /// Keeps what the driver remembers, if that is another than before, and ends.
+    /// Writes the driver's data if they have changed, and destroys the cache.
     pub fn end(self, device: &ash::Device) {
         if let Some(path) = &self.path {
             // SAFETY: the cache is of this device and lives.
@@ -72,12 +72,12 @@ impl PipelineCache {
                 Err(error) => tracing::debug!("the driver gives no pipelines to keep: {error}"),
             }
         }
-        // SAFETY: no pipeline is being made any more.
+        // SAFETY: no pipeline is being created any more.
         unsafe { device.destroy_pipeline_cache(self.handle, None) };
     }
 }
 
-/// Another for each driver, version of it, and device.
+/// The file's name: different for each driver, driver version and device.
 fn file_name(of: &vk::PhysicalDeviceProperties) -> String {
     let uuid: String = of.pipeline_cache_uuid.iter().map(|byte| format!("{byte:02x}")).collect();
     let (vendor, device, driver) = (of.vendor_id, of.device_id, of.driver_version);
@@ -90,7 +90,7 @@ fn checksum(data: &[u8]) -> u64 {
     hasher.finish()
 }
 
-/// The whole and undamaged contents of a file.
+/// The contents of an undamaged file.
 fn read(path: &Path) -> Option<Vec<u8>> {
     let mut file = match std::fs::File::open(path) {
         Ok(file) => file.take(MOST_BYTES + HEADER_BYTES as u64),
@@ -105,7 +105,7 @@ fn read(path: &Path) -> Option<Vec<u8>> {
     undamaged
 }
 
-/// What lies behind an undamaged header.
+/// The data behind an undamaged header.
 fn unwrap(bytes: &[u8]) -> Option<&[u8]> {
     let (header, data) = bytes.split_at_checked(HEADER_BYTES)?;
     header_of(data).eq(header).then_some(data)
@@ -119,7 +119,7 @@ fn header_of(data: &[u8]) -> [u8; HEADER_BYTES] {
     header
 }
 
-/// Writes under a temporary name and renames, so that another start never reads half of it.
+/// Writes to a temporary name and renames, so that no other start reads a partial file.
 fn write(path: &Path, data: &[u8]) -> std::io::Result<()> {
     let Some(folder) = path.parent().filter(|_| data.len() as u64 <= MOST_BYTES) else {
         return Ok(());

@@ -1,5 +1,5 @@
-//! Owns the way from the device to the CPU: one mapped buffer per frame in flight, so that a
-//! picture may be fetched at once or a frame later.
+//! Readback: one mapped buffer per frame in flight, so that a picture can be read at once or a
+//! frame later.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use super::device::{Device, Serial};
 use super::error::{GpuError, Result};
 use super::memory::{Buffer, ImagePart, MemoryLocation};
 
-/// Pictures on their way to the CPU, one a slot.
+/// Pictures being copied to the CPU, one per slot.
 pub struct Readback {
     name: String,
     slots: Vec<Slot>,
@@ -21,13 +21,13 @@ pub struct Readback {
 #[derive(Default)]
 struct Slot {
     buffer: Option<Buffer>,
-    /// Of the picture recorded last.
+    /// Size of the picture recorded last.
     bytes: u64,
     serial: Serial,
 }
 
 impl Readback {
-    /// Buffers are made when first needed.
+    /// Buffers are allocated when first needed.
     pub fn new(device: &Arc<Device>, name: &str) -> Readback {
         let slots = (0..FRAMES_IN_FLIGHT).map(|_| Slot::default()).collect();
         Readback { name: name.to_string(), slots, device: device.clone() }
@@ -46,7 +46,7 @@ impl Readback {
         self.record_box(recorder, slot, part, ([0; 3], size), texel_bytes)
     }
 
-    /// Records the copy of the `rows` of a flat layer that is `width` texels wide.
+    /// Records the copy of the `rows` of a 2D layer that is `width` texels wide.
     pub fn record_rows(
         &mut self,
         recorder: &mut Recorder,
@@ -92,13 +92,13 @@ impl Readback {
         Ok(())
     }
 
-    /// Says which submission carries the copy to `slot`.
+    /// Notes the submission that contains the copy to `slot`.
     pub fn submitted(&mut self, slot: usize, serial: Serial) {
         let count = self.slots.len();
         self.slots[slot % count].serial = serial;
     }
 
-    /// Waits for the copy to `slot` and gives its bytes, row by row.
+    /// Waits for the copy to `slot` and returns its bytes, row by row.
     pub fn wait(&self, slot: usize) -> Result<&[u8]> {
         let slot = &self.slots[slot % self.slots.len()];
         self.device.wait(slot.serial)?;
@@ -109,7 +109,7 @@ impl Readback {
     }
 }
 
-/// Reads one layer of an image back and waits. `from` is its present use, which it returns to.
+/// Reads one layer of an image and waits. `from` is its present use, which is restored.
 pub fn read_image_once(
     device: &Arc<Device>,
     part: ImagePart,

@@ -1,15 +1,15 @@
-//! Owns what has been dropped while the device may still use it, until it does so no more.
+//! Dropped objects that the device may still use, until it no longer does.
 //!
-//! Every submission has a serial, which the queue's timeline semaphore reaches when it is done.
-//! What is dropped while commands are being recorded may be in them, so it waits for the
-//! submission that ends the recording.
+//! Every submission has a serial, which the queue's timeline semaphore reaches when the submission
+//! has finished. An object that is dropped during a recording may be used by it, so it waits for
+//! the submission that ends the recording.
 
 use std::collections::VecDeque;
 
 use ash::vk;
 use gpu_allocator::vulkan::{Allocation, Allocator};
 
-/// An object on its way out.
+/// An object to be destroyed.
 pub(super) enum Retired {
     Buffer(vk::Buffer, Allocation),
     Image(vk::Image, Allocation, Vec<vk::ImageView>),
@@ -25,11 +25,11 @@ pub(super) enum Retired {
 
 #[derive(Default)]
 pub(super) struct RetireQueue {
-    /// Waiting for the submission that ends the present recording.
+    /// Objects that wait for the submission that ends the present recording.
     recording: Vec<Retired>,
-    /// With the serial that must be reached, rising.
+    /// Objects with the serial that must be reached, in rising order.
     waiting: VecDeque<(u64, Retired)>,
-    /// Recordings begun and not yet submitted or given up.
+    /// Recordings that have begun and are neither submitted nor abandoned.
     open: u32,
 }
 
@@ -47,7 +47,7 @@ impl RetireQueue {
         self.open += 1;
     }
 
-    /// The last recording went into submission `submitted`, or was given up.
+    /// The last recording was submitted as `submitted`, or abandoned.
     pub fn recording_ended(&mut self, submitted: u64) {
         self.open = self.open.saturating_sub(1);
         if self.open == 0 {
@@ -55,7 +55,7 @@ impl RetireQueue {
         }
     }
 
-    /// Takes out one object that is done with once the device has reached `serial`.
+    /// Removes one object that is unused once the device has reached `serial`.
     pub fn take(&mut self, serial: u64) -> Option<Retired> {
         let (needed, _) = self.waiting.front()?;
         if *needed > serial {
@@ -64,12 +64,12 @@ impl RetireQueue {
         self.waiting.pop_front().map(|(_, object)| object)
     }
 
-    /// Takes out any object: the device is idle and about to go.
+    /// Removes any object: the device is idle and about to be destroyed.
     pub fn take_any(&mut self) -> Option<Retired> {
         self.recording.pop().or_else(|| self.waiting.pop_front().map(|(_, object)| object))
     }
 
-    /// Objects that wait.
+    /// Number of objects that wait.
     pub fn len(&self) -> usize {
         self.recording.len() + self.waiting.len()
     }

@@ -1,5 +1,5 @@
-//! Owns the compiled shaders: one `NAME_STAGE: &[u32]` of SPIR-V for each file in `shaders/`
-//! (see build.rs).
+//! The compiled shaders: one `NAME_STAGE: &[u32]` of SPIR-V for each file in `shaders/` (see
+//! build.rs).
 
 include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
 
@@ -10,7 +10,7 @@ mod tests {
 
     use naga::{AddressSpace, Block, Expression, Function, Handle, Module, Statement};
 
-    /// Of what a value is made, the later the more.
+    /// What a value depends on, in rising order.
     #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
     enum Made {
         Constant,
@@ -22,7 +22,7 @@ mod tests {
     struct Walk<'a> {
         module: &'a Module,
         function: &'a Function,
-        /// By local variable.
+        /// The dependencies of local variables.
         locals: Vec<Made>,
     }
 
@@ -64,7 +64,7 @@ mod tests {
             }
         }
 
-        /// Notes what is stored to local variables.
+        /// Records stores to local variables.
         fn note_stores(&mut self, block: &Block) {
             for_each_statement(block, &mut |statement| {
                 if let Statement::Store { pointer, value } = statement {
@@ -126,7 +126,7 @@ mod tests {
         let count = |function: &Function| {
             let locals = vec![Made::Constant; function.local_variables.len()];
             let mut walk = Walk { module: &module, function, locals };
-            // What is stored may be made of what is stored later in a loop.
+            // A stored value may depend on a store later in a loop.
             for _ in 0..3 {
                 walk.note_stores(&function.body);
             }
@@ -140,7 +140,7 @@ mod tests {
         for_each_text(|name, text| assert_eq!(branches_by_uniforms(text), 0, "{name}"));
     }
 
-    /// Every stage's name and expanded text.
+    /// The name and expanded source of every stage.
     fn for_each_text(f: impl Fn(&str, &str)) {
         let mut shaders = 0;
         for entry in fs::read_dir(Path::new(env!("OUT_DIR"))).unwrap() {
@@ -153,7 +153,7 @@ mod tests {
         assert!(shaders > 10);
     }
 
-    /// From SPIR-V 1.5 on no variable of a function may be of a structure with offsets, as all of
+    /// From SPIR-V 1.5 on, function variables may not have structure types with offsets, as all of
     /// naga's are.
     #[test]
     fn shaders_are_of_a_version_in_which_structures_of_variables_may_have_offsets() {
@@ -164,7 +164,7 @@ mod tests {
         }
     }
 
-    /// Numbers below 1.2e-38 are 0 on devices without denormal ones, and so are results with them.
+    /// Numbers below 1.2e-38 are 0 on devices that flush denormals, and so are results with them.
     #[test]
     fn no_number_of_a_shader_is_so_small_that_a_device_may_take_it_for_zero() {
         let smallest = |text: &str| {

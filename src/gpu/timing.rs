@@ -1,7 +1,7 @@
-//! Owns how long the device takes for parts of its frames: time stamps before and after each part.
+//! GPU times of parts of frames: time stamps before and after each part.
 //!
-//! Nobody waits for them. A slot's stamps are read when its next frame begins, as it is done with
-//! the last one then, or by whoever has waited for a frame anyway.
+//! Nothing waits for them. The stamps of a slot are read when its next frame begins, since its last
+//! one has finished then, or by a caller that has waited for a frame anyway.
 
 use std::sync::Arc;
 
@@ -12,28 +12,28 @@ use super::device::Device;
 use super::error::{During, Result};
 use super::retire::Retired;
 
-/// Most parts of a frame: a bit each of a word.
+/// Largest number of parts: each has a bit of a word.
 const MAX_PARTS: usize = 32;
 
-/// Times `PARTS` parts of the frames that are recorded, each at most once a frame.
+/// Measures `PARTS` parts of the recorded frames, each at most once a frame.
 pub struct Timer<const PARTS: usize> {
     slots: Vec<Slot>,
-    /// Of the frame begun last.
+    /// The slot of the current frame.
     slot: usize,
     ms_per_tick: f64,
-    /// The bits of a stamp that count.
+    /// Mask of the valid bits of a time stamp.
     mask: u64,
     device: Arc<Device>,
 }
 
 struct Slot {
     pool: QueryPool,
-    /// A bit for each part of the slot's last frame that was recorded from start to stop.
+    /// A bit for each part of the slot's last frame that was recorded completely.
     recorded: u32,
 }
 
 impl<const PARTS: usize> Timer<PARTS> {
-    /// None where the device's queue has no time stamps.
+    /// None if the device's queue has no time stamps.
     pub fn new(device: &Arc<Device>, name: &str) -> Result<Option<Timer<PARTS>>> {
         const { assert!(0 < PARTS && PARTS <= MAX_PARTS) };
         let bits = device.time_stamp_bits();
@@ -43,7 +43,7 @@ impl<const PARTS: usize> Timer<PARTS> {
         let slots = (0..FRAMES_IN_FLIGHT)
             .map(|_| Ok(Slot { pool: QueryPool::new(device, name, PARTS)?, recorded: 0 }))
             .collect::<Result<Vec<_>>>()?;
-        // A frame that is given up leaves its queries as they were: never without a value.
+        // An abandoned frame leaves its queries as they were, so they must have a value.
         run_once(device, |recorder| {
             slots.iter().for_each(|slot| slot.pool.reset(recorder));
             Ok(())
@@ -57,8 +57,8 @@ impl<const PARTS: usize> Timer<PARTS> {
         }))
     }
 
-    /// Starts a frame that uses `slot`, outside of rendering. Gives what the parts of the slot's
-    /// last frame took, in milliseconds.
+    /// Starts a frame that uses `slot`, outside of rendering. Returns the times of the parts of the
+    /// slot's last frame, in milliseconds.
     pub fn begin(&mut self, recorder: &mut Recorder, slot: usize) -> Result<[Option<f32>; PARTS]> {
         self.slot = slot % FRAMES_IN_FLIGHT;
         let former = self.latest()?;
@@ -68,26 +68,26 @@ impl<const PARTS: usize> Timer<PARTS> {
         Ok(former)
     }
 
-    /// Has `part` begin where all that was recorded so far is done.
+    /// Starts `part` when all commands recorded so far have finished.
     pub fn start(&mut self, recorder: &mut Recorder, part: usize) {
         self.slots[self.slot].pool.stamp(recorder, 2 * part);
     }
 
-    /// Has `part` end where all that was recorded so far is done.
+    /// Ends `part` when all commands recorded so far have finished.
     pub fn stop(&mut self, recorder: &mut Recorder, part: usize) {
         let slot = &mut self.slots[self.slot];
         slot.pool.stamp(recorder, 2 * part + 1);
         slot.recorded |= 1 << part;
     }
 
-    /// What the parts of the frame begun last took, in milliseconds, for one who has waited for
-    /// it. None for what was not recorded or is not done.
+    /// The times of the parts of the current frame in milliseconds, for a caller that has waited
+    /// for it. None for parts that were not recorded or have not finished.
     pub fn latest(&self) -> Result<[Option<f32>; PARTS]> {
         let slot = &self.slots[self.slot];
         if slot.recorded == 0 {
             return Ok([None; PARTS]);
         }
-        // Start and stop, each with a word that is not 0 once it is there.
+        // Start and stop, each followed by a word that is not 0 once it is available.
         let mut stamps = [[[0u64; 2]; 2]; PARTS];
         let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WITH_AVAILABILITY;
         let (pool, found) = (slot.pool.handle, stamps.as_flattened_mut());
@@ -107,7 +107,7 @@ impl<const PARTS: usize> Timer<PARTS> {
     }
 }
 
-/// Queries for the stamps of one frame.
+/// The queries of one frame.
 struct QueryPool {
     handle: vk::QueryPool,
     count: u32,

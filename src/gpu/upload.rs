@@ -1,5 +1,5 @@
-//! Owns the way from the CPU to the device: a persistently mapped block per frame in flight,
-//! filled from its beginning each frame. In the steady frame nothing is allocated.
+//! Upload: a persistently mapped block per frame in flight, filled from its beginning each frame. A
+//! steady frame allocates nothing.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use super::device::Device;
 use super::error::{GpuError, Result};
 use super::memory::{Buffer, MemoryLocation};
 
-/// A piece of a frame's block.
+/// A range of a frame's block.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Piece {
     pub buffer: vk::Buffer,
@@ -19,7 +19,7 @@ pub struct Piece {
     pub bytes: u64,
 }
 
-/// Blocks that the CPU writes and the device reads, one a frame slot.
+/// Blocks that the CPU writes and the device reads, one per frame slot.
 pub struct Staging {
     name: String,
     usage: vk::BufferUsageFlags,
@@ -30,7 +30,7 @@ pub struct Staging {
 }
 
 impl Staging {
-    /// `bytes` in each slot's block at first; it grows when a frame needs more.
+    /// `bytes`: initial size of each slot's block; it grows when a frame needs more.
     pub fn new(
         device: &Arc<Device>,
         name: &str,
@@ -56,11 +56,11 @@ impl Staging {
         self.fill(bytes.len() as u64, align, |target| target.copy_from_slice(bytes))
     }
 
-    /// Has `write` fill `bytes` of the block, at a multiple of `align` bytes (a power of two).
+    /// Lets `write` fill `bytes` of the block, at a multiple of `align` bytes (a power of two).
     pub fn fill(&mut self, bytes: u64, align: u64, write: impl FnOnce(&mut [u8])) -> Result<Piece> {
         let mut offset = self.used.next_multiple_of(align);
         if offset + bytes > self.blocks[self.slot].bytes() {
-            // What was pushed before stays in the old block, which retires after this frame.
+            // Data pushed before stay in the old block, which retires after this frame.
             let size = (2 * self.blocks[self.slot].bytes()).max(bytes.next_power_of_two());
             let location = MemoryLocation::CpuToGpu;
             self.blocks[self.slot] =

@@ -1,15 +1,15 @@
-//! Owns what the validation layers have said: every warning and error is kept and counted, so
-//! that a test can assert that there was none.
+//! The messages of the validation layers: every warning and error is kept and counted, so that a
+//! test can assert that there was none.
 
 use std::ffi::{CStr, c_void};
 use std::sync::{Mutex, PoisonError};
 
 use ash::vk;
 
-/// The name of the layer that checks our use of Vulkan.
+/// The name of the validation layer.
 pub const LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
-/// How many messages are kept; more are counted only.
+/// How many messages are kept; further ones are only counted.
 const KEPT: usize = 64;
 
 /// Warnings and errors since the instance was made.
@@ -30,7 +30,7 @@ impl ValidationLog {
         self.inner.lock().unwrap_or_else(PoisonError::into_inner).count
     }
 
-    /// The first of them, oldest first.
+    /// The messages kept, oldest first.
     pub fn messages(&self) -> Vec<String> {
         self.inner.lock().unwrap_or_else(PoisonError::into_inner).kept.clone()
     }
@@ -73,7 +73,7 @@ unsafe extern "system" fn on_message(
             None => String::new(),
         }
     };
-    // What the loader says about other people's layers and drivers is not about our calls.
+    // Messages of the loader about other layers and drivers are not about our calls.
     if kind == vk::DebugUtilsMessageTypeFlagsEXT::GENERAL {
         tracing::debug!("Vulkan: {text}");
         return vk::FALSE;
