@@ -5,9 +5,9 @@
 //! pixels must show the face is worked out here, from the rays in double precision.
 
 use glam::{Affine3A, DVec3, IVec3, Quat, UVec2, UVec3, Vec3};
-use virtual_sculpture::config::RenderMode;
 use virtual_sculpture::document::{Document, Limits};
 use virtual_sculpture::gpu::{Device, Frames};
+use virtual_sculpture::render::RenderMode;
 use virtual_sculpture::render::overlay::ToolPreview;
 use virtual_sculpture::render::{Background, FrameDesc, Renderer};
 use virtual_sculpture::scenes::Random;
