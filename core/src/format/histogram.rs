@@ -1,18 +1,54 @@
 //! Owns the histogram of a volume's densities, and the threshold that is read off it.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 /// Bins where densities are not whole numbers.
 const FINE_BINS: usize = 1 << 16;
 /// Voxels counted by one worker at a time.
 const CHUNK_VOXELS: usize = 1 << 22;
+/// The range of no values.
+const NO_RANGE: (f32, f32) = (f32::INFINITY, f32::NEG_INFINITY);
 
-/// How often each of `count` bins occurs. Those beyond are not counted.
+/// Calls `of_chunk` for the chunks of `len` voxels on all threads and sums up the counts that it
+/// returns. Through a pointer: the parallel loop is compiled once, not per type of voxels.
+fn sum_of_chunks(
+    len: usize,
+    count: usize,
+    of_chunk: &(dyn Fn(Range<usize>) -> Vec<u64> + Sync),
+) -> Vec<u64> {
+    chunks(len).map(of_chunk).reduce(
+        || vec![0; count],
+        |mut sum, counts| {
+            sum.iter_mut().zip(counts).for_each(|(a, b)| *a += b);
+            sum
+        },
+    )
+}
+
+/// The least and the greatest of the values that `of_chunk` returns for each chunk.
+fn range_of_chunks(
+    len: usize,
+    of_chunk: &(dyn Fn(Range<usize>) -> (f32, f32) + Sync),
+) -> (f32, f32) {
+    chunks(len).map(of_chunk).reduce(|| NO_RANGE, |a, b| (a.0.min(b.0), a.1.max(b.1)))
+}
+
+/// `0..len` in pieces of `CHUNK_VOXELS`.
+fn chunks(len: usize) -> impl ParallelIterator<Item = Range<usize>> {
+    (0..len.div_ceil(CHUNK_VOXELS)).into_par_iter().map(move |chunk| {
+        let start = chunk * CHUNK_VOXELS;
+        start..(start + CHUNK_VOXELS).min(len)
+    })
+}
+
+/// Counts how often each of `count` bins occurs. Bins beyond are not counted.
 fn count_all<T: Sync>(voxels: &[T], count: usize, bin: impl Fn(&T) -> usize + Sync) -> Vec<u64> {
-    let count_chunk = |chunk: &[T]| {
+    sum_of_chunks(voxels.len(), count, &|chunk| {
         // Four tables in turn: equal neighbours need not wait for one another.
         let mut tables: [Vec<u32>; 4] = std::array::from_fn(|_| vec![0; count]);
-        let (fours, rest) = chunk.as_chunks::<4>();
+        let (fours, rest) = voxels[chunk].as_chunks::<4>();
         let mut add = |table: usize, voxel: &T| {
             if let Some(n) = tables[table].get_mut(bin(voxel)) {
                 *n += 1;
@@ -23,15 +59,8 @@ fn count_all<T: Sync>(voxels: &[T], count: usize, bin: impl Fn(&T) -> usize + Sy
         }
         rest.iter().for_each(|voxel| add(0, voxel));
         let sum = |bin: usize| tables.iter().map(|t| u64::from(t[bin])).sum();
-        (0..count).map(sum).collect::<Vec<u64>>()
-    };
-    voxels.par_chunks(CHUNK_VOXELS).map(count_chunk).reduce(
-        || vec![0; count],
-        |mut sum, counts| {
-            sum.iter_mut().zip(counts).for_each(|(a, b)| *a += b);
-            sum
-        },
-    )
+        (0..count).map(sum).collect()
+    })
 }
 
 /// How often densities occur.
@@ -87,12 +116,10 @@ impl Histogram {
         voxels: &[[u8; B]],
         value: impl Fn(&[u8; B]) -> f32 + Sync,
     ) -> Histogram {
-        let nothing = (f32::INFINITY, f32::NEG_INFINITY);
         let widen = |(min, max): (f32, f32), v: f32| (min.min(v), max.max(v));
-        let (min, max) = voxels
-            .par_chunks(CHUNK_VOXELS)
-            .map(|chunk| chunk.iter().map(&value).filter(|v| v.is_finite()).fold(nothing, widen))
-            .reduce(|| nothing, |a, b| (a.0.min(b.0), a.1.max(b.1)));
+        let (min, max) = range_of_chunks(voxels.len(), &|chunk| {
+            voxels[chunk].iter().map(&value).filter(|v| v.is_finite()).fold(NO_RANGE, widen)
+        });
         if min > max {
             return Histogram::EMPTY;
         }

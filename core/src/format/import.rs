@@ -248,17 +248,24 @@ impl Job<'_> {
         });
         self.progress.end();
         go_on(self.progress)?;
-        let material = self.paint(&grid, depth, base, |v| colour(&voxels[index(v)]))?;
+        let material = self.paint(&grid, depth, base, &|corner, brick, page| {
+            brick.for_each(|local| {
+                let rgb = colour(&voxels[index(corner + UVec3::from(local_coords(local)))]);
+                depth.write(rgb, &mut page[local as usize * depth.bytes()..]);
+            });
+        })?;
         Ok(Contents { grid, material })
     }
 
-    /// Gives every existing voxel the colour that `colour` names for its place.
+    /// Colours all existing voxels: `fill` writes the colours of a brick's voxels, whose lowest
+    /// corner is named, to its page. Called through a pointer once per brick, so that the parallel
+    /// loops are compiled once and not per type of voxels.
     fn paint(
         &self,
         grid: &Grid,
         depth: ColourDepth,
         base: Rgb,
-        colour: impl Fn(UVec3) -> Rgb + Sync,
+        fill: &(dyn Fn(UVec3, &Brick, &mut Page) + Sync),
     ) -> Result<Material, FormatError> {
         let mut material = Material::new(depth, base, grid.bricks().len());
         if depth == ColourDepth::None {
@@ -268,10 +275,7 @@ impl Job<'_> {
         let page_of = |brick: u32| -> Option<Page> {
             let corner = grid.brick_coords(brick as usize) * BRICK_EDGE_VX;
             let mut page = blank.clone();
-            grid.bricks()[brick as usize].for_each(|local| {
-                let rgb = colour(corner + UVec3::from(local_coords(local)));
-                depth.write(rgb, &mut page[local as usize * depth.bytes()..]);
-            });
+            fill(corner, &grid.bricks()[brick as usize], &mut page);
             (page != blank).then_some(page)
         };
         let filled: Vec<u32> =

@@ -81,7 +81,7 @@ pub fn edit(
     let Recording { bands, bits_kept, pages_kept } = recorder.recording();
     let slabs = bricks.min.z..bricks.max.z;
     let level = Level::new();
-    contents.grid.edit_bands(slabs.clone(), parallel, bands, |grid, record| {
+    contents.grid.edit_bands(slabs.clone(), parallel, bands, &|grid, record| {
         dispatch!(level, simd => {
             edit_band(simd, region, op, paint, &bricks, bits_kept, grid, record);
         });
@@ -91,9 +91,13 @@ pub fn edit(
         let recolour = matches!(op, EditOp::Recolour(_));
         let per_band = contents.grid.bricks_per_band();
         let touched = contents.grid.bands_of(slabs);
-        contents.material.edit_bands(per_band, touched, parallel, bands, |first, pages, record| {
-            paint_band(brush, first, pages, record, pages_kept, recolour)
-        });
+        contents.material.edit_bands(
+            per_band,
+            touched,
+            parallel,
+            bands,
+            &|first, pages, record| paint_band(brush, first, pages, record, pages_kept, recolour),
+        );
     }
     recorder.close_edit(dirty)
 }

@@ -261,6 +261,11 @@ impl Grid {
     /// Sets every brick to what `f` gives for its coordinates (cut to the valid bits),
     /// in parallel. For loaders and generators.
     pub fn fill_bricks(&mut self, f: impl Fn(UVec3) -> Brick + Sync) {
+        // One call per brick through a pointer: the parallel loop is compiled once, not per `f`.
+        self.fill_bricks_by(&f);
+    }
+
+    fn fill_bricks_by(&mut self, f: &(dyn Fn(UVec3) -> Brick + Sync)) {
         use rayon::prelude::*;
         let brick_dims = self.brick_dims;
         let dims = self.dims;

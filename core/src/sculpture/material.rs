@@ -112,7 +112,7 @@ impl Material {
         bands: Range<usize>,
         parallel: bool,
         states: &mut [S],
-        f: impl Fn(u32, &mut [Option<Page>], &mut S) -> usize + Sync,
+        f: &(dyn Fn(u32, &mut [Option<Page>], &mut S) -> usize + Sync),
     ) {
         self.make_room();
         let end = (bands.end * bricks_per_band).min(self.pages.len());

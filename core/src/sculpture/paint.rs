@@ -40,7 +40,7 @@ pub fn paint_each(
     let touched = grid.bands_of(bricks.min.z..bricks.max.z);
     let per_slab = grid.brick_dims().x * grid.brick_dims().y;
     let level = Level::new();
-    material.edit_bands(per_band, touched, parallel, bands, |first, pages, record| {
+    material.edit_bands(per_band, touched, parallel, bands, &|first, pages, record| {
         let first_slab = first / per_slab;
         let slabs = first_slab.max(bricks.min.z)
             ..(first_slab + (per_band as u32).div_ceil(per_slab)).min(bricks.max.z);

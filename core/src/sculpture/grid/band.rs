@@ -165,7 +165,7 @@ impl Grid {
         slabs: Range<u32>,
         parallel: bool,
         states: &mut [S],
-        f: impl Fn(&mut GridBand, &mut S) + Sync,
+        f: &(dyn Fn(&mut GridBand, &mut S) + Sync),
     ) {
         let Range { start, end } = self.bands_of(slabs);
         let (dims, brick_dims) = (self.dims, self.brick_dims);
