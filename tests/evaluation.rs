@@ -1,9 +1,6 @@
 //! The tasks of the evaluation of 2005 as scripts: what a person does in the window, replayed, and
 //! what must be true of the result.
 
-// A test that cannot go on has failed.
-#![allow(clippy::unwrap_used)]
-
 use glam::{IVec3, UVec3};
 use virtual_sculpture::command::Command;
 use virtual_sculpture::command_text::parse_script;

@@ -1,9 +1,6 @@
 //! `track` from outside: the program serves, our client reads in both modes; the program shows what
 //! it is told.
 
-// A test that cannot go on has failed.
-#![allow(clippy::unwrap_used)]
-
 use std::io::{BufRead, BufReader};
 use std::net::UdpSocket;
 use std::process::{Child, ChildStdout, Command, Stdio};

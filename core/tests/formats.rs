@@ -1,12 +1,6 @@
 //! Files from outside in: real volumes decode to known bytes and become sensible sculptures, and
 //! what is written reads back.
 
-// A test that cannot go on has failed.
-#![allow(clippy::unwrap_used)]
-
-#[path = "../../tests/shared_data/mod.rs"]
-mod shared_data;
-
 use std::path::{Path, PathBuf};
 
 use glam::{IVec3, UVec3, Vec3};
@@ -17,7 +11,7 @@ use sculpture_core::sculpture::brick::local_index;
 use sculpture_core::sculpture::history::Contents;
 use sculpture_core::sculpture::{Brick, ColourDepth, Grid, Limits, Material, Rgb};
 use sha2::{Digest, Sha256};
-use shared_data::shared_file;
+use trials::shared_file;
 
 const ROOM: u64 = 1 << 30;
 
@@ -29,19 +23,19 @@ fn load_plainly(path: &Path) -> Contents {
     load(path, &ImportOptions::default()).unwrap().contents
 }
 
-fn shared_volume(name: &str) -> Option<PathBuf> {
+fn shared_volume(name: &str) -> PathBuf {
     shared_file(&format!("data/{name}"))
 }
 
 #[test]
 fn every_volume_decodes_to_the_bytes_that_the_original_program_gives() {
-    let Some(list) = shared_volume("expected.json") else { return };
+    let list = shared_volume("expected.json");
     let expected: serde_json::Value =
         serde_json::from_slice(&std::fs::read(list).unwrap()).unwrap();
     let expected = expected.as_object().unwrap();
     assert!(expected.len() >= 26, "the list is short: {}", expected.len());
     for (name, facts) in expected {
-        let path = shared_volume(name).unwrap();
+        let path = shared_volume(name);
         let (options, limits) = (ImportOptions::default(), Limits::default());
         let volume = format::load_volume(&path, &options, &limits, &()).unwrap();
         let sha: String = Sha256::digest(&volume.data).iter().map(|b| format!("{b:02x}")).collect();
@@ -128,7 +122,7 @@ fn the_automatic_threshold_finds_the_body() {
         ("pvm/DTI-B0.pvm", 0.18..0.24, 0.95),
         ("derived/teapot128_u8.pvm", 0.035..0.045, 0.99),
     ] {
-        let Some(path) = shared_volume(name) else { return };
+        let path = shared_volume(name);
         let contents = load_plainly(&path);
         let (existing, largest, corners) = body(&contents);
         assert!(share.contains(&existing), "{name}: {existing} exists");
@@ -139,7 +133,7 @@ fn the_automatic_threshold_finds_the_body() {
 
 #[test]
 fn the_options_choose_threshold_and_colours() {
-    let Some(path) = shared_volume("derived/CraniumCT_128x128x108_u16.pvm") else { return };
+    let path = shared_volume("derived/CraniumCT_128x128x108_u16.pvm");
     let bone = ImportOptions {
         existence: Existence::Threshold(1300.0),
         colouring: Colouring::Tissue,
@@ -168,7 +162,7 @@ fn colour_volumes_keep_their_colours() {
     for name in
         ["derived/frog_rgba_125x118x68.pvm", "derived/spot96_rgba.pvm", "derived/spot96_rgb.pvm"]
     {
-        let Some(path) = shared_volume(name) else { return };
+        let path = shared_volume(name);
         let volume =
             format::load_volume(&path, &ImportOptions::default(), &Limits::default(), &()).unwrap();
         let Contents { grid, material } = load_plainly(&path);
@@ -198,7 +192,7 @@ fn colour_at(grid: &Grid, material: &Material, v: UVec3) -> Rgb {
 
 #[test]
 fn memory_is_bounded_before_it_is_taken() {
-    let Some(path) = shared_volume("derived/VisMale_128x256x256_u8.pvm") else { return };
+    let path = shared_volume("derived/VisMale_128x256x256_u8.pvm");
     let small_grid = Limits { grid_bytes: 1 << 20, ..Limits::default() };
     let error = format::load(&path, &ImportOptions::default(), &small_grid, &()).unwrap_err();
     assert!(matches!(error, FormatError::Grid(_)), "{error}");
@@ -215,7 +209,7 @@ fn memory_is_bounded_before_it_is_taken() {
 #[test]
 fn densities_have_the_base_colour_unless_another_is_asked_for_and_can_be_painted() {
     for name in ["derived/VisMale_128x256x256_u8.pvm", "derived/CraniumCT_128x128x108_u16.pvm"] {
-        let Some(path) = shared_volume(name) else { return };
+        let path = shared_volume(name);
         let Contents { grid, material } = load_plainly(&path);
         assert_eq!((material.page_count(), material.depth()), (0, ColourDepth::Bits24), "{name}");
         let grey = ImportOptions { colouring: Colouring::Grey, ..ImportOptions::default() };
@@ -439,7 +433,7 @@ fn endings_choose_the_format_or_are_explained() {
 
 #[test]
 fn texts_travel_with_the_sculpture() {
-    let Some(path) = shared_volume("pvm/Neghip.pvm") else { return };
+    let path = shared_volume("pvm/Neghip.pvm");
     let loaded = load(&path, &ImportOptions::default()).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let copy = folder.path().join("copy.pvm");
@@ -458,7 +452,7 @@ fn texts_travel_with_the_sculpture() {
 
 #[test]
 fn a_line_that_does_not_fit_is_not_trusted() {
-    let Some(path) = shared_volume("pvm/Bucky.pvm") else { return };
+    let path = shared_volume("pvm/Bucky.pvm");
     let foreign = load(&path, &ImportOptions::default()).unwrap();
     // The densities of another program, with a line that claims packed colours of 16 bits.
     let volume =

@@ -1,9 +1,6 @@
 //! Spray tools through the door of commands: exact undo, strokes on the surface at their
 //! beginning, and what each tool may and may not do to random sculptures.
 
-// A test that cannot go on has failed.
-#![allow(clippy::unwrap_used)]
-
 use glam::{UVec3, Vec3};
 use proptest::prelude::*;
 use sculpture_core::command::{Command, NewSculpture, SpraySurface};

@@ -12,11 +12,11 @@ use virtual_sculpture::shade::Pixels;
 use virtual_sculpture::video::{Fit, Frame, Framing, Intrinsics, Stand};
 use virtual_sculpture::view::Eye;
 
-use crate::fixture::with_device;
-use crate::paint::{Painter, Scene, document};
-use crate::printed::{self, ID, SIZE_M};
-use crate::record::assert_recorded;
-use crate::silhouette::{Mask, hull};
+use super::paint::{Painter, Scene, document};
+use super::printed::{self, ID, SIZE_M};
+use super::record::assert_recorded;
+use super::silhouette::{Mask, hull};
+use crate::gpu::fixture::with_device;
 
 const CAMERA: UVec2 = UVec2::new(640, 480);
 /// Edge of the block in voxels, and of a voxel in metres: 4 cm on a marker of 8 cm.

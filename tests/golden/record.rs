@@ -32,7 +32,7 @@ pub fn assert_recorded(name: &str, picture: &Pixels) {
         is.save(&new).unwrap();
         panic!(
             "{strays} pixels of {name} have changed: compare {} with {}; if that is as it should \
-             be, VS_RENEW_GOLDEN=1 cargo test --test golden",
+             be, VS_RENEW_GOLDEN=1 cargo test --test program_tests golden::",
             new.display(),
             path.display()
         );

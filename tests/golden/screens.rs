@@ -13,9 +13,9 @@ use virtual_sculpture::tools::construct::{Primitive, Solid};
 use virtual_sculpture::view::off_axis::{ScreenInWorld, ScreenPlane};
 use virtual_sculpture::view::{Camera, StereoLayout, StereoRig};
 
-use crate::fixture::with_device;
-use crate::paint::{Painter, Scene, document};
-use crate::record::assert_recorded;
+use super::paint::{Painter, Scene, document};
+use super::record::assert_recorded;
+use crate::gpu::fixture::with_device;
 
 const SIZE: UVec2 = UVec2::new(160, 120);
 

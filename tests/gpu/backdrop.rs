@@ -8,7 +8,7 @@ use virtual_sculpture::render::{Backdrop, VideoView};
 use virtual_sculpture::screen::offscreen::{FORMAT, Offscreen};
 use virtual_sculpture::video::{Fit, Frame, Framing, Intrinsics};
 
-use crate::fixture::with_device;
+use super::fixture::with_device;
 
 const PICTURE: UVec2 = UVec2::new(64, 48);
 const SCREEN: UVec2 = UVec2::new(90, 50);

@@ -10,7 +10,7 @@ use virtual_sculpture::gpu::{Buffer, Device, Frames, MemoryLocation, Use, run_on
 use virtual_sculpture::render::Colours;
 use virtual_sculpture::sculpture::{Brick, ColourDepth, Material, Rgb};
 
-use crate::fixture::with_device;
+use super::fixture::with_device;
 
 /// What the device has of each brick's page; none where the brick is not painted.
 fn read_back(device: &Arc<Device>, colours: &Colours, bricks: usize) -> Vec<Option<Vec<u8>>> {

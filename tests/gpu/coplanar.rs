@@ -18,7 +18,7 @@ use virtual_sculpture::shade::{Lighting, Pixels};
 use virtual_sculpture::tools::construct::{Primitive, Solid};
 use virtual_sculpture::view::{Camera, Eye, PixelRays};
 
-use crate::fixture::with_device;
+use super::fixture::with_device;
 
 const SIZE: UVec2 = UVec2::new(320, 240);
 const STONE: Rgb = Rgb::new(150, 150, 150);

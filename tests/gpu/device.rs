@@ -12,7 +12,7 @@ use virtual_sculpture::gpu::{
 
 use virtual_sculpture::render::Renderer;
 
-use crate::fixture::with_device;
+use super::fixture::with_device;
 
 const COLOUR: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
     vk::ImageUsageFlags::COLOR_ATTACHMENT.as_raw()

@@ -8,7 +8,7 @@ use virtual_sculpture::gpu::{
 };
 use virtual_sculpture::render::gui::Gui;
 
-use crate::fixture::with_device;
+use super::fixture::with_device;
 
 const SIZE: [u32; 2] = [8, 8];
 const RED: Color32 = Color32::from_rgb(255, 0, 0);

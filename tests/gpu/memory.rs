@@ -12,10 +12,7 @@ use virtual_sculpture::gpu::{
 };
 use virtual_sculpture::render::gui::Gui;
 
-use crate::fixture::with_device;
-
-const INSIDE: &str = "VS_MEMORY_TEST_LIMITED";
-const NAME: &str = "memory::where_no_block_fits_there_is_room_for_one_thing_and_a_texture_waits";
+use super::fixture::with_device;
 
 /// Limits the address space of this process to so much more than it has, in MiB.
 fn limit(more_mib: Option<u64>) {
@@ -45,31 +42,15 @@ fn texture(side: usize) -> TexturesDelta {
 
 #[test]
 fn where_no_block_fits_there_is_room_for_one_thing_and_a_texture_waits() {
-    if std::env::var_os(INSIDE).is_none() {
-        let own = std::env::current_exe().unwrap();
-        let named = std::env::args_os().next().map(std::path::PathBuf::from).unwrap();
-        if own.file_name() != named.file_name() {
-            eprintln!(
-                "skipped: {} has loaded the tests and cannot start them again",
-                own.display()
-            );
-            return;
-        }
-        let status = Command::new(own)
-            .args(["--exact", NAME, "--nocapture", "--test-threads=1"])
-            .env(INSIDE, "1")
-            .status()
-            .unwrap();
-        assert!(status.success(), "{status}");
+    if !trials::alone() {
         return;
     }
     with_device(|device| {
-        if device.device_name().contains("llvmpipe") {
-            room_for_one(device);
-            a_texture_waits(device);
-        } else {
-            eprintln!("skipped: {} has memory of its own", device.device_name());
+        if !device.device_name().contains("llvmpipe") {
+            trials::skip(&format!("{} has memory of its own", device.device_name()));
         }
+        room_for_one(device);
+        a_texture_waits(device);
     });
 }
 

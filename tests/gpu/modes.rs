@@ -20,7 +20,7 @@ use virtual_sculpture::shade::{
 use virtual_sculpture::surface::{IndexMap, raycast};
 use virtual_sculpture::view::{Camera, Eye};
 
-use crate::fixture::with_device;
+use super::fixture::with_device;
 
 const SIZE: UVec2 = UVec2::new(203, 150);
 const RED: Vec3 = Vec3::new(1.0, 0.0, 0.0);
@@ -119,7 +119,7 @@ fn share_off(what: &str, found: &Pixels, expected: &Pixels, allowed: u8) -> f32 
     };
     let offs: Vec<u8> = found.rgba.iter().zip(&expected.rgba).map(off).collect();
     let wrong = offs.iter().filter(|&&off| off > allowed).count();
-    println!("{what}: largest difference {:?}, {wrong} pixels off", offs.iter().max());
+    trials::note!("{what}: largest difference {:?}, {wrong} pixels off", offs.iter().max());
     wrong as f32 / offs.len() as f32
 }
 
@@ -179,7 +179,7 @@ fn what_the_device_shades_is_the_software_shaders_picture() {
             (ColourDepth::Bits8, false, Vec3::ONE, 1.0),
             (ColourDepth::None, true, Vec3::ONE, 30.0),
         ] {
-            println!("{depth:?}");
+            trials::note!("{depth:?}");
             let mut document = document(depth, voxel_size);
             compare_all(device, &mut document, lighting(occlusion), scale);
         }

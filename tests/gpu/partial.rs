@@ -18,7 +18,7 @@ use virtual_sculpture::shade::{Lighting, Pixels};
 use virtual_sculpture::tools::construct::{Primitive, Solid};
 use virtual_sculpture::view::{Camera, Eye};
 
-use crate::fixture::with_device;
+use super::fixture::with_device;
 
 const SIZE: UVec2 = UVec2::new(120, 90);
 

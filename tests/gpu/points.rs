@@ -17,8 +17,8 @@ use virtual_sculpture::shade::{Lighting, Pixels, ShadePose, SoftwareShader};
 use virtual_sculpture::surface::{IndexMap, raycast};
 use virtual_sculpture::view::{Camera, Eye};
 
-use crate::fixture::with_device;
-use crate::modes::painted;
+use super::fixture::with_device;
+use super::modes::painted;
 
 const MODES: [RenderMode; 2] = [RenderMode::RayPoints, RenderMode::SlicingPoints];
 
@@ -197,7 +197,7 @@ fn far_away_points_are_all_drawn_and_do_not_shimmer() {
             }
             let what = format!("{mode:?}, {size} pixels, voxels of {voxel_px}");
             let [points, caster] = [&counts[0], &counts[1]].map(|counts| largest_change(counts));
-            println!("{what}: pixels change by {points}, by the caster's {caster}");
+            trials::note!("{what}: pixels change by {points}, by the caster's {caster}");
             // Slices find another voxel than the caster at a pixel in a thousand.
             let rounding = counts[1][0] * 1e-3;
             assert!(points <= caster + rounding, "{what}: {points} pixels, caster {caster}");

@@ -10,9 +10,9 @@ use virtual_sculpture::sculpture::Grid;
 use virtual_sculpture::surface::{IndexMap, pixels_of_grid, raycast};
 use virtual_sculpture::view::PixelRays;
 
-use crate::agreement::compare;
-use crate::fixture::with_device;
-use crate::subjects::{self, SIZE};
+use super::agreement::compare;
+use super::fixture::with_device;
+use super::subjects::{self, SIZE};
 
 /// Index maps of one grid, two eyes a frame.
 fn march(
@@ -66,7 +66,7 @@ fn the_ray_march_equals_the_caster() {
                     different += compare(subject.name, &subject.grid, &cast, marched, 0.005);
                     pixels += cast.voxels.len();
                 }
-                println!("{} {stage:?}: {different} of {pixels} pixels differ", subject.name);
+                trials::note!("{} {stage:?}: {different} of {pixels} pixels differ", subject.name);
                 let most = 1e-4 * pixels as f32;
                 assert!(different as f32 <= most, "{} {stage:?}: {different}", subject.name);
             }

@@ -13,7 +13,7 @@ use virtual_sculpture::shade::{
 use virtual_sculpture::surface::{IndexMap, pixels_of_grid, raycast};
 use virtual_sculpture::view::{Camera, Eye};
 
-use crate::fixture::with_device;
+use super::fixture::with_device;
 
 /// Neither a multiple of the squares of invocations.
 const SIZE: UVec2 = UVec2::new(131, 93);

@@ -9,9 +9,9 @@ use virtual_sculpture::surface::slices::SliceAreas;
 use virtual_sculpture::surface::{IndexMap, raycast};
 use virtual_sculpture::view::PixelRays;
 
-use crate::agreement::compare;
-use crate::fixture::with_device;
-use crate::subjects::{self, SIZE};
+use super::agreement::compare;
+use super::fixture::with_device;
+use super::subjects::{self, SIZE};
 
 /// Index maps of one grid from several eyes.
 fn slice(
@@ -63,7 +63,7 @@ fn all_subjects(slab_bricks: u32, thickness_vx: Option<u32>) {
                 covered += cast.covered();
             }
             assert!(covered > 0, "{} is not in the picture", subject.name);
-            println!("{}: {different} of {covered} pixels differ", subject.name);
+            trials::note!("{}: {different} of {covered} pixels differ", subject.name);
         }
     });
 }

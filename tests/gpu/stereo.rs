@@ -16,7 +16,7 @@ use virtual_sculpture::shade::{Lighting, Pixels, ShadePose, shade};
 use virtual_sculpture::surface::{IndexMap, raycast};
 use virtual_sculpture::view::{Camera, Eye, StereoLayout, StereoRig};
 
-use crate::fixture::with_device;
+use super::fixture::with_device;
 
 const WINDOW: UVec2 = UVec2::new(61, 43);
 const PICTURE: UVec2 = UVec2::new(40, 30);

@@ -16,7 +16,7 @@ use virtual_sculpture::sculpture::{ColourDepth, Material, Rgb};
 use virtual_sculpture::shade::Lighting;
 use virtual_sculpture::view::{Camera, Eye};
 
-use crate::fixture::with_device;
+use super::fixture::with_device;
 
 fn document() -> Document {
     let grid = scenes::cheese(64, 30, 3).unwrap();
@@ -103,7 +103,7 @@ fn every_mode_says_what_the_device_took_for_it() {
                 device.wait(serial).unwrap();
                 let wall_ms = start.elapsed().as_secs_f32() * 1e3;
                 let times = renderer.times_when_done().unwrap();
-                println!("{mode:?}: {:?} of {wall_ms} ms", times.device);
+                trials::note!("{mode:?}: {:?} of {wall_ms} ms", times.device);
                 let DeviceTimes { sample_ms, shade_ms, compose_ms } = times.device;
                 let samples = matches!(mode.sampling(), Sampling::Slicing | Sampling::March);
                 let shades = mode.shading() == Shading::Device;

@@ -11,7 +11,7 @@ use virtual_sculpture::gpu::{Device, Frames, GpuError, Use, read_image_once};
 use virtual_sculpture::render::Volume;
 use virtual_sculpture::sculpture::{Brick, ColourDepth, Grid, Rgb};
 
-use crate::fixture::with_device;
+use super::fixture::with_device;
 
 fn read_back(device: &Arc<Device>, volume: &Volume) -> Vec<Brick> {
     let image = volume.image();

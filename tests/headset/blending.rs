@@ -27,10 +27,9 @@ fn corners(picture: &RgbaImage) -> impl Iterator<Item = Rgba<u8>> {
         .map(|(x, y)| *picture.get_pixel(x, y))
 }
 
-pub fn what_the_headset_offers_and_the_person_wishes_decides_how_pictures_blend() {
-    if !alone_in_network(
-        "blending::what_the_headset_offers_and_the_person_wishes_decides_how_pictures_blend",
-    ) {
+#[test]
+fn what_the_headset_offers_and_the_person_wishes_decides_how_pictures_blend() {
+    if !alone_in_network() {
         return;
     }
     let mut runtime = Runtime::start();
@@ -70,10 +69,9 @@ pub fn what_the_headset_offers_and_the_person_wishes_decides_how_pictures_blend(
     }
 }
 
-pub fn the_surroundings_are_hidden_and_seen_again_while_the_program_runs() {
-    if !alone_in_network(
-        "blending::the_surroundings_are_hidden_and_seen_again_while_the_program_runs",
-    ) {
+#[test]
+fn the_surroundings_are_hidden_and_seen_again_while_the_program_runs() {
+    if !alone_in_network() {
         return;
     }
     let mut runtime = Runtime::start();

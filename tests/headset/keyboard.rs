@@ -30,8 +30,9 @@ fn press_key(remote: &mut Remote, program: &Program, cap: Cap, before: usize) {
     program.wait_for_log("key of the board released", before + 1);
 }
 
-pub fn a_file_is_saved_under_a_name_typed_with_a_ray() {
-    if !alone_in_network("keyboard::a_file_is_saved_under_a_name_typed_with_a_ray") {
+#[test]
+fn a_file_is_saved_under_a_name_typed_with_a_ray() {
+    if !alone_in_network() {
         return;
     }
     let (_runtime, mut remote, program) = begin();

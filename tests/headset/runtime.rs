@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use super::shared_data::shared_file;
+use trials::shared_file;
 
 const INSIDE: &str = "VS_HEADSET_TEST_NETWORK";
 const LAYER: &str = "XR_APILAYER_TEST_blend";
@@ -32,27 +32,21 @@ fn set_stopped(process: &str, stopped: bool) {
     assert!(done.success(), "kill {signal} {process}: {done}");
 }
 
-/// What lacks for these tests, if anything.
-pub fn lack() -> Option<String> {
-    let inside = std::env::var_os(INSIDE).is_some();
-    (!inside && shared_file(SCRIPT).is_none()).then(|| format!("no {SCRIPT} in ../shared"))
-}
-
-/// Runs the test `name` of this binary in a network of its own; true in there, where the test goes
-/// on. False outside, when it is over or skipped.
-pub fn alone_in_network(name: &str) -> bool {
+/// Runs the test that calls it in a process and a network of its own; true in there, where the test goes
+/// on. False outside, when it is over.
+pub fn alone_in_network() -> bool {
     if std::env::var_os(INSIDE).is_some() {
         return true;
     }
-    let Some(_prefix) = prefix() else { return false };
-    let status = Command::new("unshare")
+    // Unpacked before the network is gone.
+    prefix();
+    let mut command = Command::new("unshare");
+    command
         .args(["-rn", "sh", "-c", "ip link set lo up && exec \"$0\" \"$@\""])
-        .arg(std::env::current_exe().unwrap())
-        .args(["--exact", name, "--nocapture", "--test-threads=1"])
-        .env(INSIDE, "1")
-        .status()
-        .unwrap();
-    assert!(status.success(), "{name}: {status}");
+        .arg(trials::executable())
+        .args(trials::arguments())
+        .env(INSIDE, "1");
+    trials::conclude(&mut command);
     false
 }
 
@@ -60,9 +54,9 @@ fn target() -> PathBuf {
     PathBuf::from(env!("CARGO_TARGET_TMPDIR")).parent().unwrap().to_path_buf()
 }
 
-/// Where the runtime is unpacked; none (announced) where its script is not.
-fn prefix() -> Option<PathBuf> {
-    let script = shared_file(SCRIPT)?;
+/// Where the runtime is unpacked. Skips the test where there is no script that does it.
+fn prefix() -> PathBuf {
+    let script = shared_file(SCRIPT);
     let prefix = target().join("openxr-runtime");
     // Tests run at the same time: one unpacks, the others wait.
     let lock = std::fs::File::create(target().join("openxr-runtime.lock")).unwrap();
@@ -90,7 +84,7 @@ fn prefix() -> Option<PathBuf> {
         std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o755)).unwrap();
         std::fs::write(ready, "").unwrap();
     }
-    Some(prefix)
+    prefix
 }
 
 /// A runtime with a headset that follows a script.
@@ -128,7 +122,7 @@ impl Runtime {
     }
 
     pub fn not_started() -> Runtime {
-        let prefix = prefix().unwrap();
+        let prefix = prefix();
         let folder = tempfile::tempdir().unwrap();
         let private = std::fs::Permissions::from_mode(0o700);
         std::fs::set_permissions(folder.path(), private).unwrap();
@@ -152,7 +146,7 @@ impl Runtime {
     /// Puts a layer (`tests/headset/layer`) between the runtime and programs that start from now
     /// on. It says that there are these blend modes, which the runtime does not have.
     pub fn pretend(&mut self, modes: &str) {
-        let tests = std::env::current_exe().unwrap();
+        let tests = trials::executable();
         let library = tests.with_file_name("libopenxr_blend_layer.so");
         assert!(library.exists(), "{}", library.display());
         let manifest = serde_json::json!({
@@ -199,17 +193,15 @@ impl Runtime {
         command
     }
 
-    /// Runs the test `name` of this binary once more with the runtime's libraries, so that it can
-    /// use the runtime itself.
-    pub fn run_client(&self, name: &str) {
-        let status = self
-            .command(&std::env::current_exe().unwrap())
-            .args(["--exact", name, "--nocapture", "--test-threads=1"])
+    /// Runs the test that calls it once more with the runtime's libraries, so that it can use the
+    /// runtime itself.
+    pub fn run_client(&self) {
+        let mut command = self.command(&trials::executable());
+        command
+            .args(trials::arguments())
             .env(CLIENT, "1")
-            .env(SERVICE, self.service.as_ref().map_or(String::new(), |s| s.id().to_string()))
-            .status()
-            .unwrap();
-        assert!(status.success(), "{name}: {status}");
+            .env(SERVICE, self.service.as_ref().map_or(String::new(), |s| s.id().to_string()));
+        trials::conclude(&mut command);
     }
 
     pub fn restart(&mut self) {

@@ -65,8 +65,9 @@ impl Drop for Track {
     }
 }
 
-pub fn a_headset_is_a_tracker_that_may_come_late_and_go() {
-    if !alone_in_network("tracker::a_headset_is_a_tracker_that_may_come_late_and_go") {
+#[test]
+fn a_headset_is_a_tracker_that_may_come_late_and_go() {
+    if !alone_in_network() {
         return;
     }
     let mut runtime = Runtime::not_started();
@@ -102,13 +103,13 @@ pub fn a_headset_is_a_tracker_that_may_come_late_and_go() {
     track.says("x +0.000 y +1.600 z +0.000 m");
 }
 
-pub fn a_runtime_foresees_where_the_head_will_be() {
-    const NAME: &str = "tracker::a_runtime_foresees_where_the_head_will_be";
+#[test]
+fn a_runtime_foresees_where_the_head_will_be() {
     if is_client() {
         return look_ahead();
     }
-    if alone_in_network(NAME) {
-        Runtime::simulated().run_client(NAME);
+    if alone_in_network() {
+        Runtime::simulated().run_client();
     }
 }
 
@@ -145,14 +146,13 @@ fn look_ahead() {
     assert!(events.iter().any(|event| matches!(event, Event::Pose(_))));
 }
 
-pub fn the_view_of_the_window_follows_the_head_in_the_headset_that_is_worn() {
-    const NAME: &str =
-        "tracker::the_view_of_the_window_follows_the_head_in_the_headset_that_is_worn";
+#[test]
+fn the_view_of_the_window_follows_the_head_in_the_headset_that_is_worn() {
     if is_client() {
         return wear();
     }
-    if alone_in_network(NAME) {
-        Runtime::start().run_client(NAME);
+    if alone_in_network() {
+        Runtime::start().run_client();
     }
 }
 
@@ -199,13 +199,13 @@ fn wear() {
     follow(&mut bench, &mut remote);
 }
 
-pub fn a_runtime_that_stops_holds_up_no_window() {
-    const NAME: &str = "tracker::a_runtime_that_stops_holds_up_no_window";
+#[test]
+fn a_runtime_that_stops_holds_up_no_window() {
     if is_client() {
         return go_on_without();
     }
-    if alone_in_network(NAME) {
-        Runtime::start().run_client(NAME);
+    if alone_in_network() {
+        Runtime::start().run_client();
     }
 }
 

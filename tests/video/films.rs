@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use proptest::prelude::*;
 use virtual_sculpture::video::{Frame, State, VideoSource};
 
-use crate::{colour, jpeg, near, open, single_colour, until};
+use super::{colour, jpeg, near, open, single_colour, until};
 
 /// What was seen of a film, and what was wrong.
 type Seen = (Vec<Frame>, Option<String>);

@@ -7,7 +7,7 @@ use std::thread::JoinHandle;
 
 use virtual_sculpture::video::State;
 
-use crate::{colour, jpeg, near, open, single_colour, until};
+use super::{colour, jpeg, near, open, single_colour, until};
 
 /// What the server sends next over its present connection.
 enum Send {

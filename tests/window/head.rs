@@ -8,7 +8,8 @@ use super::program::Program;
 /// The sculpture, less the panels.
 const PICTURE: [u32; 4] = [150, 50, 800, 680];
 
-pub fn the_picture_goes_with_the_head_and_rests_without() {
+#[test]
+fn the_picture_goes_with_the_head_and_rests_without() {
     let display = display_of([1280, 800]);
     let folder = tempfile::tempdir().unwrap();
     let script = folder.path().join("head.txt");

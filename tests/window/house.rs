@@ -15,7 +15,8 @@ const DARK: [i16; 2] = [1145, 311];
 const RED: [i16; 2] = [1055, 341];
 const GREEN: [i16; 2] = [1145, 341];
 
-pub fn a_house_is_built_with_mouse_and_keys() {
+#[test]
+fn a_house_is_built_with_mouse_and_keys() {
     let display = display();
     let folder = tempfile::tempdir().unwrap();
     let journal = folder.path().join("house.sculpt");

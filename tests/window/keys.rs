@@ -25,7 +25,8 @@ fn write(program: &Program, text: &str) {
     program.settle();
 }
 
-pub fn a_key_is_changed_used_and_remembered_and_the_palette_runs_a_command() {
+#[test]
+fn a_key_is_changed_used_and_remembered_and_the_palette_runs_a_command() {
     let display = display();
     let program = start(&display, "dark");
     tool_home(&program);
@@ -75,7 +76,8 @@ pub fn a_key_is_changed_used_and_remembered_and_the_palette_runs_a_command() {
     program.leave_without_saving();
 }
 
-pub fn copies_are_pasted_by_key_with_nothing_on_the_clipboard() {
+#[test]
+fn copies_are_pasted_by_key_with_nothing_on_the_clipboard() {
     let display = display();
     let program = start(&display, "light");
     program.key(&["F1"]);
@@ -103,7 +105,8 @@ pub fn copies_are_pasted_by_key_with_nothing_on_the_clipboard() {
 const FILTER: [i16; 2] = [600, 160];
 const ADD: [i16; 2] = [639, 250];
 
-pub fn a_picture_of_the_view_is_saved_by_key_without_tool_and_lines() {
+#[test]
+fn a_picture_of_the_view_is_saved_by_key_without_tool_and_lines() {
     let display = display();
     let program = start(&display, "dark");
     tool_home(&program);

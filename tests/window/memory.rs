@@ -10,7 +10,8 @@ const HISTORY: [u32; 4] = [1300, 20, 250, 500];
 const NOWHERE: [i16; 2] = [1690, 790];
 const SETTINGS: &str = "[new]\ndims = [96, 96, 96]\n[window]\nguide = false\n";
 
-pub fn the_program_comes_back_as_it_was_left() {
+#[test]
+fn the_program_comes_back_as_it_was_left() {
     let display = display_of(SCREEN);
     let program = Program::start_with(&display, &[], SETTINGS);
     program.leave_picture();

@@ -26,7 +26,8 @@ fn start<'a>(display: &'a super::Display, theme: &str) -> Program<'a> {
     program
 }
 
-pub fn a_torn_off_toolbox_works_with_the_main_window_and_goes_back() {
+#[test]
+fn a_torn_off_toolbox_works_with_the_main_window_and_goes_back() {
     let display = display_of(SCREEN);
     let program = start(&display, "dark");
     tool_home(&program);
@@ -98,7 +99,8 @@ pub fn a_torn_off_toolbox_works_with_the_main_window_and_goes_back() {
     program.leave_without_saving();
 }
 
-pub fn the_window_stays_alive_while_a_large_sculpture_is_saved() {
+#[test]
+fn the_window_stays_alive_while_a_large_sculpture_is_saved() {
     let display = display_of([1280, 800]);
     let settings = "[new]\ndims = [448, 448, 448]\ncolour_bits = 0\n\
                     [window]\ntheme = \"light\"\n";
@@ -125,7 +127,8 @@ pub fn the_window_stays_alive_while_a_large_sculpture_is_saved() {
     assert_eq!(info.dims.to_array(), [448; 3]);
 }
 
-pub fn all_panels_are_torn_off_in_the_light_theme_and_scaled_together() {
+#[test]
+fn all_panels_are_torn_off_in_the_light_theme_and_scaled_together() {
     let display = display_of(SCREEN);
     let program = start(&display, "light");
     program.click(TEAR_TOOLBOX);

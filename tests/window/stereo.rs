@@ -7,7 +7,8 @@ const SCREEN: [u32; 2] = [1280, 800];
 /// The sculpture in a mono window.
 const PICTURE: [u32; 4] = [150, 50, 800, 680];
 
-pub fn a_stroke_in_the_right_eye_s_half_is_where_it_is_seen() {
+#[test]
+fn a_stroke_in_the_right_eye_s_half_is_where_it_is_seen() {
     let display = display_of(SCREEN);
     let settings = "[new]\ndims = [96, 96, 96]\n[window]\nguide = false\n";
     let program = Program::start_with(&display, &[], settings);

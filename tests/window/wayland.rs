@@ -1,7 +1,7 @@
 //! The program in a Wayland compositor without a screen: Weston, whose kiosk shell shows no window
 //! while there is no seat, and whose desktop shell shows all of them.
 //!
-//! Needs `weston` (Debian, Ubuntu: weston). Without it the tests are ignored, or fail
+//! Needs `weston` (Debian, Ubuntu: weston). Without it the tests are skipped, or fail
 //! with `VS_REQUIRE_WAYLAND=1`.
 
 use std::path::Path;
@@ -19,8 +19,8 @@ struct Weston {
 }
 
 impl Weston {
-    /// Starts one with a shell, or says why there is none.
-    fn start(shell: &str) -> Result<Weston, String> {
+    /// Starts one with a shell. Skips the test where it is not installed.
+    fn start(shell: &str) -> Weston {
         let folder = tempfile::tempdir().unwrap();
         let settings = folder.path().join("weston.ini");
         std::fs::write(&settings, "[core]\nidle-time=0\n[shell]\npanel-position=none\n").unwrap();
@@ -31,15 +31,14 @@ impl Weston {
             .env("XDG_RUNTIME_DIR", folder.path())
             .stdout(Stdio::null())
             .stderr(Stdio::null())
-            .spawn();
-        match server {
-            Ok(server) => {
-                let mut weston = Weston { server, folder };
-                weston.listen();
-                Ok(weston)
-            }
-            Err(error) => Err(format!("Weston cannot be started ({error}); install weston")),
-        }
+            .spawn()
+            .unwrap_or_else(|error| {
+                let lack = format!("Weston cannot be started ({error}); install weston");
+                trials::lacks("VS_REQUIRE_WAYLAND", &lack)
+            });
+        let mut weston = Weston { server, folder };
+        weston.listen();
+        weston
     }
 
     /// Waits until programs can connect.
@@ -80,14 +79,6 @@ impl Drop for Weston {
     }
 }
 
-/// What the tests here need and the machine lacks.
-pub fn lack() -> Option<String> {
-    let reason = Weston::start("kiosk-shell.so").err()?;
-    let required = std::env::var_os("VS_REQUIRE_WAYLAND").is_some_and(|v| v == "1");
-    assert!(!required, "VS_REQUIRE_WAYLAND=1, but {reason}");
-    Some(reason)
-}
-
 fn film_of_greys(folder: &Path) {
     for i in 0..8_u8 {
         let picture = image::RgbImage::from_pixel(64, 48, image::Rgb([30 * i; 3]));
@@ -95,8 +86,9 @@ fn film_of_greys(folder: &Path) {
     }
 }
 
-pub fn a_window_that_is_never_shown_does_not_stop_the_program() {
-    let weston = Weston::start("kiosk-shell.so").unwrap();
+#[test]
+fn a_window_that_is_never_shown_does_not_stop_the_program() {
+    let weston = Weston::start("kiosk-shell.so");
     let program = weston.program();
     // Presenting by turns would wait for ever with the first or second picture.
     let left_out = || program.count("a picture is left out");
@@ -107,8 +99,9 @@ pub fn a_window_that_is_never_shown_does_not_stop_the_program() {
     program.expect_no_complaint();
 }
 
-pub fn a_window_that_is_shown_is_drawn_as_often_as_the_screen_shows_it_and_not_more() {
-    let weston = Weston::start("desktop-shell.so").unwrap();
+#[test]
+fn a_window_that_is_shown_is_drawn_as_often_as_the_screen_shows_it_and_not_more() {
+    let weston = Weston::start("desktop-shell.so");
     let program = weston.program();
     program.until("pictures come", || program.pictures() >= 20);
     let (pictures, start) = (program.pictures(), Instant::now());

@@ -1,10 +1,6 @@
 //! Owns the proof that every value of the captured sessions is decoded to what it must be.
 
-#![allow(clippy::unwrap_used)] // A test that fails says where.
-
-mod captured;
-
-use captured::*;
+use super::captured::*;
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
 use tracking::vrpn::Message;

@@ -1,12 +1,8 @@
 //! Owns the proof that our client and our server understand each other, in both modes, over real
 //! sockets on loopback.
 
-#![allow(clippy::unwrap_used)] // A test that fails says where.
-
-mod captured;
-mod waiting;
-
-use captured::*;
+use super::captured::*;
+use super::waiting::{Heard, buttons, lost, poses, until};
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,7 +10,6 @@ use tracking::vrpn::{DeviceSpec, Message, Mode, Server, ServerOptions, Stamp, po
 use tracking::{
     BodyOptions, ChannelOptions, Event, HeadPose, Placement, Source, SourceState, Tracker, Velocity,
 };
-use waiting::{Heard, buttons, lost, poses, until};
 
 /// Port 0: any. Another one may be in use for a moment, by a socket of another test.
 fn serve(port: u16) -> Server {

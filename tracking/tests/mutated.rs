@@ -1,10 +1,6 @@
 //! Owns the proof that hostile bytes do no harm: a million mutated packets, the same every time,
 //! through every decoder. None may panic, make poses that are not finite, or fill memory.
 
-#![allow(clippy::unwrap_used)] // A test that fails says where.
-
-mod captured;
-
 use std::sync::Arc;
 
 use tracking::vrpn::Message;
@@ -106,7 +102,7 @@ fn session() -> Session {
 /// Feeds a captured stream, so that ids have a meaning.
 fn introduce(session: &mut Session, name: &str) {
     let mut reader = StreamReader::default();
-    reader.push(&captured::bytes(name)[24..]);
+    reader.push(&super::captured::bytes(name)[24..]);
     while let Some(frame) = reader.next_frame().unwrap() {
         session.receive(&frame, 0.0, &mut Vec::new());
     }
@@ -116,9 +112,9 @@ fn introduce(session: &mut Session, name: &str) {
 fn a_million_mutated_packets() {
     let before_kib = peak_kib();
     let mut random = Random(0x5eed_0000_0000_0001);
-    let mut originals = captured::datagrams();
+    let mut originals = super::captured::datagrams();
     for name in ["det_tcp.s2c.bin", "min_tcp.s2c.bin", "stock_tcp.s2c.bin", "det_udp.c2s.bin"] {
-        let all = captured::bytes(name);
+        let all = super::captured::bytes(name);
         let mut rest = &all[24..];
         while let Ok(Some((_, taken))) = tracking::vrpn::wire::split_frame(rest) {
             originals.push(rest[..taken].to_vec());

@@ -1,13 +1,9 @@
 //! Owns the proof that opentrack's datagrams arrive over a real socket and bad ones are counted.
 
-#![allow(clippy::unwrap_used)] // A test that fails says where.
-
-mod waiting;
-
+use super::waiting::until;
 use std::net::{SocketAddr, UdpSocket};
 use tracking::opentrack::{Opentrack, OpentrackOptions};
 use tracking::{Event, HostClock, Source, SourceState};
-use waiting::until;
 
 #[test]
 fn datagrams_become_poses_and_bad_ones_are_counted() {

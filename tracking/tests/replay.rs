@@ -1,19 +1,14 @@
 //! Owns the proof that our client understands the reference implementation: captured streams played
 //! by a pretended server, connections that break, and servers that break the rules.
 
-#![allow(clippy::unwrap_used)] // A test that fails says where.
-
-mod captured;
-mod waiting;
-
-use captured::*;
+use super::captured::*;
+use super::waiting::{Heard, lost, poses, until};
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream, UdpSocket};
 use std::time::Duration;
 use tracking::vrpn::Mode;
 use tracking::vrpn::wire::{COOKIE, StreamReader, UDP_DESCRIPTION};
 use tracking::{Event, Source, SourceState};
-use waiting::{Heard, lost, poses, until};
 
 /// Checks the events of one captured session of the deterministic server.
 fn check_session(events: &[Event]) {
@@ -35,7 +30,7 @@ fn check_session(events: &[Event]) {
         }
     }
     assert_eq!((count, analogs), (80, 120));
-    assert_eq!(waiting::buttons(events), BUTTON_CHANGES);
+    assert_eq!(super::waiting::buttons(events), BUTTON_CHANGES);
     assert_eq!(lost(events), 2);
 }
 

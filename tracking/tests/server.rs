@@ -1,11 +1,7 @@
 //! Owns the proof that our server serves stock clients in both modes and survives bad ones.
 
-#![allow(clippy::unwrap_used)] // A test that fails says where.
-
-mod captured;
-mod waiting;
-
-use captured::*;
+use super::captured::*;
+use super::waiting::until;
 use std::io::{ErrorKind, Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
 use std::time::Duration;
@@ -13,7 +9,6 @@ use tracking::vrpn::messages::Kind;
 use tracking::vrpn::server::{PublishError, ServerError};
 use tracking::vrpn::wire::{COOKIE, StreamReader, UDP_DESCRIPTION, datagram_frames, write_frame};
 use tracking::vrpn::{DeviceSpec, Message, Server, ServerOptions, Stamp};
-use waiting::until;
 
 fn device(name: &str, buttons: usize) -> DeviceSpec {
     DeviceSpec { name: name.to_owned(), buttons }

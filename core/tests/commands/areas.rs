@@ -10,7 +10,7 @@ use sculpture_core::sculpture::{ColourDepth, Rgb};
 use sculpture_core::tools::symmetry::{Parity, Symmetry};
 use sculpture_core::tools::texture::Texture;
 
-use crate::strategies::{area_work, marker, new_sculpture, op, orientation, primitive, work};
+use super::strategies::{area_work, marker, new_sculpture, op, orientation, primitive, work};
 
 const RED: Rgb = Rgb::new(255, 0, 0);
 

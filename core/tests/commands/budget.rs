@@ -10,8 +10,8 @@ use sculpture_core::sculpture::edit::EditOp;
 use sculpture_core::sculpture::history::Contents;
 use sculpture_core::sculpture::selection::Selection;
 
-use crate::document::{RED, ball, painted};
-use crate::strategies::{new_sculpture, work};
+use super::document::{RED, ball, painted};
+use super::strategies::{new_sculpture, work};
 
 /// Everything that a refused command must leave as it was.
 fn all_of(document: &Document) -> (Contents, [usize; 3], bool, Option<Clip>, Selection) {

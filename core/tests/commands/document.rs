@@ -12,8 +12,8 @@ use sculpture_core::sculpture::history::Contents;
 use sculpture_core::sculpture::{ColourDepth, Grid, GridError, Material, Placement, Rgb};
 use sculpture_core::tools::construct::{Primitive, Solid};
 
-use crate::model::{Done, Model, Voxels};
-use crate::strategies::{new_sculpture, work};
+use super::model::{Done, Model, Voxels};
+use super::strategies::{new_sculpture, work};
 
 /// Compares every voxel and its colour.
 fn agree(contents: &Contents, model: &Voxels) -> Result<(), TestCaseError> {

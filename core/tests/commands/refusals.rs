@@ -14,7 +14,7 @@ use sculpture_core::tools::construct::{Primitive, Solid};
 use sculpture_core::tools::spray::{Effect, Footprint, Outline, Spray};
 use sculpture_core::tools::symmetry::Symmetry;
 
-use crate::strategies::{any_command, area_work, new_sculpture, op, orientation, work};
+use super::strategies::{any_command, area_work, new_sculpture, op, orientation, work};
 
 /// All that a command can change.
 #[derive(PartialEq, Debug)]

@@ -12,7 +12,7 @@ use sculpture_core::sculpture::edit::EditOp;
 use sculpture_core::sculpture::history::Contents;
 use sculpture_core::sculpture::{Brick, ColourDepth, Grid, Material, Rgb};
 
-use crate::strategies;
+use super::strategies;
 
 /// A volume with all kinds of bricks, partly painted.
 fn synthetic_volume() -> Contents {

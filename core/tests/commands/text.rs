@@ -10,7 +10,7 @@ use sculpture_core::command_text::parse_script;
 use sculpture_core::document::{Document, Limits};
 use sculpture_core::sculpture::{ColourDepth, Rgb};
 
-use crate::strategies::{any_command, hostile_text};
+use super::strategies::{any_command, hostile_text};
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::solid::Placed;
+use super::solid::Placed;
 
 pub type Colour = [u8; 3];
 

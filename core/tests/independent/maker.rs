@@ -1,9 +1,9 @@
 //! Random lines, such as make sense for a sculpture as it is; now and then one that does not.
 
-use crate::chance::Chance;
-use crate::deed::{Area, Axes, Colour, Deed, Mirror, Op, Ray};
-use crate::model::Model;
-use crate::solid::{Placed, Shape, Turn};
+use super::chance::Chance;
+use super::deed::{Area, Axes, Colour, Deed, Mirror, Op, Ray};
+use super::model::Model;
+use super::solid::{Placed, Shape, Turn};
 
 /// What must come up in a hundred scripts.
 pub const VERBS: [&str; 22] = [

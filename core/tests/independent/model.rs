@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use crate::deed::{Axes, Colour, Deed, Mirror, Op, Ray};
+use super::deed::{Axes, Colour, Deed, Mirror, Op, Ray};
 
 #[derive(Clone, PartialEq, Debug)]
 pub struct Sculpture {

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::deed::list;
+use super::deed::list;
 
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Shape {

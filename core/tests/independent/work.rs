@@ -2,8 +2,8 @@
 
 use std::rc::Rc;
 
-use crate::deed::{Area, Axes, Deed, Op};
-use crate::model::{Box3, Model, Sculpture};
+use super::deed::{Area, Axes, Deed, Op};
+use super::model::{Box3, Model, Sculpture};
 
 impl Model {
     /// Does what a line says; false if it must be refused.

@@ -1,0 +1,12 @@
+//! Commands from the outside: their text form, scripts of them, and what documents make of them.
+
+mod areas;
+mod budget;
+mod document;
+mod files;
+mod model;
+mod orientations;
+mod refusals;
+mod script;
+mod strategies;
+mod text;

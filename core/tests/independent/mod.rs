@@ -1,0 +1,103 @@
+//! Random scripts, carried out by the program and by a model that was written apart from it: from
+//! what the manual says alone, with an array of voxels, `f64` and no code of the program's. After
+//! each command every voxel and its colour are compared, and whether the command was refused.
+//!
+//! `SCULPTURE_SCRIPTS` says how many scripts (200 unless it is set), `SCULPTURE_SCRIPTS_FROM` which
+//! is the first.
+
+mod chance;
+mod deed;
+mod maker;
+mod model;
+mod solid;
+mod work;
+
+use glam::{IVec3, UVec3, Vec3};
+use sculpture_core::command::{Command, NewSculpture};
+use sculpture_core::command_text::parse_script;
+use sculpture_core::document::{Document, Limits};
+use sculpture_core::sculpture::{ColourDepth, Rgb};
+
+use chance::Chance;
+use maker::Maker;
+use model::Model;
+
+fn number(name: &str, default: u64) -> u64 {
+    match std::env::var(name) {
+        Ok(text) => text.parse().unwrap_or_else(|_| panic!("{name}={text} is no number")),
+        Err(_) => default,
+    }
+}
+
+/// The first voxel in which the two differ, in words.
+fn difference(document: &Document, model: &Model) -> Option<String> {
+    let sculpture = model.now();
+    let [x, y, z] = sculpture.dims;
+    if document.grid().dims() != UVec3::new(x as u32, y as u32, z as u32) {
+        return Some(format!(
+            "{:?} voxels, the model {:?}",
+            document.grid().dims(),
+            sculpture.dims
+        ));
+    }
+    for (i, colour) in sculpture.voxels.iter().enumerate() {
+        let v = IVec3::new((i % x) as i32, (i / x % y) as i32, (i / x / y) as i32);
+        let here = document.contents().colour(v).map(|colour| colour.0);
+        if here != *colour {
+            return Some(format!("voxel {v}: {here:?}, the model {colour:?}"));
+        }
+    }
+    None
+}
+
+/// Runs one script in both. Gives how many of its commands were carried out.
+fn agree(seed: u64, used: &mut std::collections::BTreeMap<&'static str, u64>) -> u64 {
+    let anything = NewSculpture {
+        dims: UVec3::ONE,
+        voxel_size: Vec3::ONE,
+        colour_depth: ColourDepth::None,
+        base: Rgb::STONE,
+        solid: true,
+    };
+    let mut document = Document::new(&anything, Limits::default()).unwrap();
+    let mut chance = Chance::new(seed);
+    let mut model = Model::new();
+    let mut script = String::new();
+    let mut done = 0;
+    let length = 10 + chance.below(40);
+    for line in 0..length {
+        let deed = Maker { chance: &mut chance, model: &model }.deed(line == 0);
+        let text = deed.to_string();
+        script += &format!("{text}\n");
+        let (_, command): (usize, Command) = match parse_script(&text) {
+            Ok(mut read) => read.remove(0),
+            Err(error) => panic!("script {seed}: {text}: {error}"),
+        };
+        let expected = model.carry_out(&deed);
+        let result = document.apply(&command);
+        if result.is_ok() != expected {
+            panic!("script {seed}: {text}\n{result:?}, the model: {expected}\n\n{script}");
+        }
+        if let Some(difference) = difference(&document, &model) {
+            panic!("script {seed}, after {text}\n{difference}\n\n{script}");
+        }
+        if expected {
+            done += 1;
+            *used.entry(command.verb()).or_default() += 1;
+        }
+    }
+    done
+}
+
+#[test]
+fn random_scripts_equal_the_independent_model() {
+    let (count, first) = (number("SCULPTURE_SCRIPTS", 200), number("SCULPTURE_SCRIPTS_FROM", 0));
+    let mut used = std::collections::BTreeMap::new();
+    let commands: u64 = (first..first + count).map(|seed| agree(seed, &mut used)).sum();
+    trials::note!("{count} scripts, {commands} commands without a difference: {used:?}");
+    if count >= 100 {
+        for verb in maker::VERBS {
+            assert!(used.contains_key(verb), "`{verb}` was never carried out");
+        }
+    }
+}

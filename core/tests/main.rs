@@ -1,0 +1,17 @@
+//! The integration tests of the model, in one binary: its harness (`tests/trials` of the program) counts a
+//! test that needs something which the machine lacks as ignored.
+
+// A test that cannot go on has failed.
+#![allow(clippy::unwrap_used)]
+
+// `#[test]` is that of the harness.
+#[macro_use]
+extern crate trials;
+
+mod bad_files;
+mod commands;
+mod formats;
+mod independent;
+mod sprays;
+
+trials::main!();

@@ -1,0 +1,25 @@
+//! The integration tests of the program, in one binary: its harness (`tests/trials`) counts a test that needs
+//! something which the machine lacks as ignored.
+
+// A test that cannot go on has failed.
+#![allow(clippy::unwrap_used)]
+
+// `#[test]` is that of the harness.
+#[macro_use]
+extern crate trials;
+
+mod allocations;
+mod evaluation;
+mod golden;
+mod gpu;
+#[cfg(target_os = "linux")]
+mod headset;
+mod program;
+mod rooms;
+mod track;
+mod ui;
+mod video;
+#[cfg(target_os = "linux")]
+mod window;
+
+trials::main!();

@@ -1,0 +1,110 @@
+//! The workspace without a window, driven by events as a hand would send them.
+
+use std::sync::Arc;
+
+use egui::{Event, Key, Modifiers, PointerButton, Pos2, Vec2, vec2};
+use egui_kittest::Harness;
+use virtual_sculpture::app::Workspace;
+use virtual_sculpture::config::Config;
+use virtual_sculpture::input::Bindings;
+use virtual_sculpture::session::Session;
+use virtual_sculpture::surface::{IndexMap, raycast};
+
+pub type Bench = Harness<'static, Workspace>;
+
+pub fn config(edge: u32) -> Config {
+    let mut config = Config::default();
+    config.new.dims = [edge; 3];
+    config
+}
+
+pub fn bench_of(config: &Config, size: Vec2) -> Bench {
+    let presets = Bindings::presets().unwrap();
+    let bench = Workspace::new(
+        Session::new(&config.new_sculpture(), config.limits()).unwrap(),
+        config,
+        presets,
+    );
+    bench_around(bench, size)
+}
+
+pub fn bench_around(bench: Workspace, size: Vec2) -> Bench {
+    let mut harness = Harness::builder()
+        .with_size(size)
+        .with_pixels_per_point(1.0)
+        .build_ui_state(|ui, bench: &mut Workspace| bench.show(ui), bench);
+    look(&mut harness);
+    harness
+}
+
+pub fn bench() -> Bench {
+    bench_of(&config(64), vec2(1280.0, 800.0))
+}
+
+/// Does what the renderer does after a picture: tells the workspace which voxels are seen.
+pub fn look(harness: &mut Bench) {
+    let bench = harness.state_mut();
+    let rays = bench.eye().pixel_rays(&bench.world_from_grid());
+    let mut map = IndexMap::new(rays);
+    raycast::sample(bench.session().document().grid(), &rays, &mut map);
+    bench.saw(Arc::new(map));
+}
+
+pub fn voxels(harness: &Bench) -> u64 {
+    harness.state().session().document().grid().opaque_count()
+}
+
+pub fn undo_count(harness: &Bench) -> usize {
+    harness.state().session().document().history().undo_count()
+}
+
+pub fn middle(harness: &Bench) -> Pos2 {
+    harness.state().picture().center()
+}
+
+pub fn corner(harness: &Bench) -> Pos2 {
+    harness.state().picture().min + vec2(10.0, 10.0)
+}
+
+/// One event a pass, as a slow hand would send them.
+pub fn send(harness: &mut Bench, event: Event) {
+    harness.event(event);
+    harness.step();
+}
+
+pub fn drag(harness: &mut Bench, button: PointerButton, modifiers: Modifiers, way: &[Pos2]) {
+    let press = |pos, pressed| Event::PointerButton { pos, button, pressed, modifiers };
+    send(harness, Event::PointerMoved(way[0]));
+    send(harness, press(way[0], true));
+    for &pos in way {
+        send(harness, Event::PointerMoved(pos));
+    }
+    send(harness, press(way[way.len() - 1], false));
+    look(harness);
+}
+
+pub fn key(harness: &mut Bench, modifiers: Modifiers, key: Key) {
+    key_in(harness, modifiers, key);
+    look(harness);
+}
+
+/// The same in any window.
+pub fn key_in(harness: &mut Bench, modifiers: Modifiers, key: Key) {
+    for pressed in [true, false] {
+        send(harness, Event::Key { key, physical_key: None, pressed, repeat: false, modifiers });
+    }
+}
+
+pub fn wheel(harness: &mut Bench, modifiers: Modifiers, at: Pos2, notches: f32) {
+    send(harness, Event::PointerMoved(at));
+    send(
+        harness,
+        Event::MouseWheel {
+            unit: egui::MouseWheelUnit::Line,
+            delta: vec2(0.0, notches),
+            modifiers,
+            phase: egui::TouchPhase::Move,
+        },
+    );
+    look(harness);
+}

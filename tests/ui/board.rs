@@ -1,0 +1,83 @@
+//! The panels on a hand in a headset: what speaks of mouse, keys and screens is not there, and the
+//! first steps speak of triggers and sticks.
+
+use egui::vec2;
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use virtual_sculpture::app::Workspace;
+use virtual_sculpture::input::Bindings;
+use virtual_sculpture::session::Session;
+
+use super::bench::{Bench, config};
+
+/// The board in the size that it has in a headset.
+fn board() -> Bench {
+    let config = config(32);
+    let session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
+    let bench = Workspace::new(session, &config, Bindings::presets().unwrap());
+    Harness::builder()
+        .with_size(vec2(1250.0, 800.0))
+        .with_pixels_per_point(1.0)
+        .build_ui_state(|ui, bench: &mut Workspace| bench.show_on_board(ui), bench)
+}
+
+fn click(harness: &mut Bench, label: &str) {
+    harness.get_by_label(label).click();
+    harness.run_steps(6);
+    harness.run();
+}
+
+fn has(harness: &Bench, label: &str) -> bool {
+    harness.query_by_label(label).is_some()
+}
+
+#[test]
+fn what_needs_a_desk_is_not_on_the_board() {
+    let mut harness = board();
+    harness.run();
+    assert!(has(&harness, "Snap to voxels") && has(&harness, "Lights"));
+    for label in ["Help", "Stereo", "Video", "Follow the pointer", "Rest on the surface"] {
+        assert!(!has(&harness, label), "{label}");
+    }
+    assert!(!has(&harness, "Head tracking and AR"));
+    click(&mut harness, "Menu");
+    assert!(has(&harness, "First steps") && has(&harness, "Fill the grid"));
+    for label in ["Controls ⏵", "Full screen", "Save picture", "Panels ⏵"] {
+        assert!(!has(&harness, label), "{label}");
+    }
+    click(&mut harness, "Lights");
+    assert!(has(&harness, "Add light"), "the lamps can be reached by hand");
+}
+
+#[test]
+fn tooltips_on_the_board_name_no_keys() {
+    let mut harness = board();
+    harness.run();
+    harness.get_by_label("Cuboid").hover();
+    harness.run_steps(60);
+    assert!(has(&harness, "Cuboid tool"));
+    assert!(!has(&harness, "C"), "the key of the cuboid");
+}
+
+#[test]
+fn the_first_steps_are_those_of_hands_and_come_true() {
+    let mut harness = board();
+    harness.state_mut().ui.guide.open = true;
+    harness.run();
+    for title in ["1. Clear half of the grid", "2. Limit the tools to it"] {
+        harness.get_by_label(title);
+        harness.get_by_label("Do it for me").click();
+        harness.run_steps(3);
+        harness.run();
+    }
+    harness.get_by_label("3. Add a cuboid");
+    harness.get_by_label_contains("pull the trigger");
+    assert!(harness.query_by_label_contains("left button").is_none());
+    for title in ["4. Roughen it", "5. Smooth it", "6. Paint it", "7. Recolour the ground"] {
+        click(&mut harness, "Skip");
+        harness.get_by_label(title);
+        let told =
+            harness.query_by_label_contains("Ctrl").or(harness.query_by_label_contains("mouse"));
+        assert!(told.is_none(), "{title}");
+    }
+}

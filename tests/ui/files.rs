@@ -1,0 +1,234 @@
+//! Files and what would lose work, without a window: the questions before another sculpture takes
+//! the place of this one, before what cannot be undone, and what Save, Save as and Export write.
+
+use std::io::BufRead;
+use std::path::Path;
+
+use egui::{Event, Key, Modifiers, PointerButton, vec2};
+use egui_kittest::kittest::Queryable;
+use glam::UVec3;
+use virtual_sculpture::app::Workspace;
+use virtual_sculpture::document::Limits;
+use virtual_sculpture::format;
+use virtual_sculpture::input::Bindings;
+use virtual_sculpture::session::Session;
+use virtual_sculpture::ui::toasts::Tone;
+
+use super::bench::{
+    Bench, bench, bench_around, config, drag, key, middle, send, undo_count, voxels,
+};
+
+const ALL: u64 = 64 * 64 * 64;
+
+fn execute(harness: &mut Bench, line: &str) {
+    let session = harness.state_mut().session_mut();
+    session.execute(&line.parse().unwrap(), &()).unwrap_or_else(|e| panic!("{line}: {e}"));
+}
+
+/// Types a command into the palette.
+fn ask_for(harness: &mut Bench, line: &str) {
+    key(harness, Modifiers::COMMAND, Key::P);
+    harness.run();
+    send(harness, Event::Text(line.to_string()));
+    key(harness, Modifiers::NONE, Key::Enter);
+    settle(harness);
+}
+
+fn answer(harness: &mut Bench, label: &str) {
+    // The bar along the top has a button of that name, too; the question lies over it.
+    harness.get_all_by_label(label).last().unwrap().click();
+    settle(harness);
+}
+
+fn settle(harness: &mut Bench) {
+    for _ in 0..3 {
+        harness.run_steps(2);
+        harness.state_mut().finish_job();
+    }
+    harness.run();
+}
+
+fn is_asked(harness: &Bench) -> bool {
+    harness.query_by_label("You have unsaved changes").is_some()
+}
+
+fn edge(harness: &Bench) -> u32 {
+    harness.state().session().document().grid().dims().x
+}
+
+fn saved_voxels(path: &Path) -> u64 {
+    let loaded = format::load(path, &Default::default(), &Limits::default(), &()).unwrap();
+    loaded.contents.grid.opaque_count()
+}
+
+#[test]
+fn new_and_open_ask_where_there_is_unsaved_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let [own, other] = ["own.vsc", "other.vsc"].map(|name| folder.path().join(name));
+    let mut harness = bench();
+    execute(&mut harness, &format!("save {other:?}"));
+    for replace in ["new dims=24,24,24".to_string(), format!("open {other:?}")] {
+        let mut harness = bench();
+        ask_for(&mut harness, "new dims=40,40,40");
+        assert_eq!((is_asked(&harness), edge(&harness)), (false, 40), "nothing to lose yet");
+
+        ask_for(&mut harness, "clear");
+        ask_for(&mut harness, &replace);
+        assert!(is_asked(&harness), "{replace}");
+        answer(&mut harness, "Cancel");
+        assert_eq!((is_asked(&harness), edge(&harness)), (false, 40), "{replace}");
+        ask_for(&mut harness, &replace);
+        key(&mut harness, Modifiers::NONE, Key::Escape);
+        assert_eq!((is_asked(&harness), edge(&harness)), (false, 40), "{replace}");
+
+        // Saved first: to the file that it has.
+        execute(&mut harness, &format!("save {own:?}"));
+        execute(&mut harness, "add cuboid at=4,4,4 half=1 colour=#ff0000");
+        ask_for(&mut harness, &replace);
+        answer(&mut harness, "Save");
+        assert_ne!(edge(&harness), 40, "{replace}");
+        assert_eq!(saved_voxels(&own), 8);
+
+        // Or not saved, and still there in the history.
+        ask_for(&mut harness, "undo");
+        ask_for(&mut harness, "clear");
+        ask_for(&mut harness, &replace);
+        answer(&mut harness, "Don't save");
+        assert_ne!(edge(&harness), 40, "{replace}");
+        assert_eq!(saved_voxels(&own), 8);
+        ask_for(&mut harness, "undo");
+        assert_eq!(edge(&harness), 40);
+    }
+}
+
+/// A harness whose history has room for next to nothing.
+fn forgetful() -> Bench {
+    let config = config(64);
+    let limits = Limits { history_bytes: 150, ..config.limits() };
+    let session = Session::new(&config.new_sculpture(), limits).unwrap();
+    let bench = Workspace::new(session, &config, Bindings::presets().unwrap());
+    bench_around(bench, vec2(1280.0, 800.0))
+}
+
+#[test]
+fn what_cannot_be_undone_is_asked_about_and_done_or_not() {
+    for line in ["clear", "new dims=24,24,24"] {
+        let mut harness = forgetful();
+        let before = harness.state().session().document().contents().clone();
+        ask_for(&mut harness, line);
+        harness.get_by_label("Do what cannot be undone?").rect();
+        answer(&mut harness, "Cancel");
+        assert!(harness.query_by_label("Do what cannot be undone?").is_none());
+        assert_eq!(*harness.state().session().document().contents(), before);
+        ask_for(&mut harness, line);
+        answer(&mut harness, "Do it");
+        assert_ne!(*harness.state().session().document().contents(), before);
+        assert_eq!(undo_count(&harness), 0);
+        // It holds for that once.
+        let other = if line == "clear" { "add" } else { "subtract" };
+        ask_for(&mut harness, &format!("{other} cuboid at=4,4,4 half=2"));
+        harness.get_by_label("Do what cannot be undone?").rect();
+    }
+}
+
+#[test]
+fn a_stroke_that_cannot_be_undone_is_kept_or_taken_back() {
+    let mut harness = forgetful();
+    let at = middle(&harness);
+    for (label, kept) in [("Take it back", false), ("Keep it", true)] {
+        drag(&mut harness, PointerButton::Primary, Modifiers::NONE, &[at]);
+        harness.run();
+        assert!(voxels(&harness) < ALL, "it can be seen what it did");
+        answer(&mut harness, label);
+        assert_eq!(voxels(&harness) < ALL, kept);
+        assert!(!harness.state().session().document().stroke_open());
+        assert_eq!(undo_count(&harness), 0);
+    }
+    // Put aside it is taken back, too.
+    let now = voxels(&harness);
+    drag(&mut harness, PointerButton::Primary, Modifiers::NONE, &[at + vec2(60.0, 0.0)]);
+    harness.run();
+    assert_ne!(voxels(&harness), now);
+    key(&mut harness, Modifiers::NONE, Key::Escape);
+    harness.run();
+    assert_eq!(voxels(&harness), now);
+    assert!(!harness.state().session().document().stroke_open());
+}
+
+#[test]
+fn save_as_proposes_a_sculpture_and_export_a_volume() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("statue.vsc");
+    let mut harness = bench();
+    execute(&mut harness, &format!("save {path:?}"));
+    key(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    settle(&mut harness);
+    assert!(harness.query_all_by_value("statue.vsc").next().is_some());
+    key(&mut harness, Modifiers::NONE, Key::Escape);
+    key(&mut harness, Modifiers::NONE, Key::Escape);
+    settle(&mut harness);
+    key(&mut harness, Modifiers::COMMAND, Key::E);
+    settle(&mut harness);
+    assert!(harness.query_all_by_value("statue.pvm").next().is_some());
+}
+
+#[test]
+fn an_opened_sculpture_is_saved_to_its_file_and_an_opened_volume_is_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let [sculpture, volume] = ["a.vsc", "a.pvm"].map(|name| folder.path().join(name));
+    let mut harness = bench();
+    for path in [&sculpture, &volume] {
+        execute(&mut harness, &format!("save {path:?}"));
+    }
+    execute(&mut harness, &format!("open {sculpture:?}"));
+    execute(&mut harness, "clear");
+    key(&mut harness, Modifiers::COMMAND, Key::S);
+    settle(&mut harness);
+    assert_eq!(saved_voxels(&sculpture), 0);
+    assert!(!harness.state().session().modified());
+
+    execute(&mut harness, &format!("open {volume:?}"));
+    execute(&mut harness, "clear");
+    // An export is no save: what a volume cannot hold would be lost.
+    execute(&mut harness, &format!("save {:?}", folder.path().join("other.pvm")));
+    assert!(harness.state().session().modified());
+    key(&mut harness, Modifiers::COMMAND, Key::S);
+    settle(&mut harness);
+    assert!(harness.query_all_by_value("a.vsc").next().is_some());
+    assert_eq!(saved_voxels(&volume), ALL);
+}
+
+/// A pipe whose reader goes takes no more, as a full disk does.
+#[cfg(unix)]
+#[test]
+fn a_recording_that_ends_is_said_once_and_no_stroke_stays_open() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("pipe");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let reading = pipe.clone();
+    let reader = std::thread::spawn(move || {
+        // Until the beginning has come.
+        let mut lines = std::io::BufReader::new(std::fs::File::open(&reading)?).lines();
+        lines.by_ref().take(2).collect::<Result<Vec<String>, _>>()
+    });
+    let mut harness = bench_of_recorded(&pipe);
+    reader.join().unwrap().unwrap();
+    let at = middle(&harness);
+    for x in [0.0, 60.0] {
+        drag(&mut harness, PointerButton::Primary, Modifiers::NONE, &[at + vec2(x, 0.0)]);
+    }
+    assert_eq!(undo_count(&harness), 2);
+    let errors = harness.state().ui.toasts.texts().filter(|(tone, _)| *tone == Tone::Error);
+    let errors: Vec<&str> = errors.map(|(_, text)| text).collect();
+    assert!(errors.len() == 1 && errors[0].contains("the recording ends here"), "{errors:?}");
+}
+
+#[cfg(unix)]
+fn bench_of_recorded(path: &Path) -> Bench {
+    let config = config(64);
+    let mut session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
+    session.record_to(path).unwrap();
+    assert_eq!(session.document().grid().dims(), UVec3::splat(64));
+    let bench = Workspace::new(session, &config, Bindings::presets().unwrap());
+    bench_around(bench, vec2(1280.0, 800.0))
+}

@@ -1,0 +1,85 @@
+//! The window of lights: lamps are added, placed and taken away, and the renderer hears of it.
+
+use egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable;
+use virtual_sculpture::render::{RenderMode, Shading};
+use virtual_sculpture::shade::{LightFrame, LightSource, Lighting, Smoothing};
+
+use super::bench::{Bench, bench, key};
+
+fn lighting(harness: &Bench) -> Lighting {
+    harness.state().ui.view.lighting()
+}
+
+fn click(harness: &mut Bench, label: &str) {
+    harness.get_by_label(label).click();
+    // A window that has grown takes some frames to its new size, and then rests.
+    harness.run_steps(6);
+    harness.run();
+}
+
+#[test]
+fn lamps_are_added_placed_and_taken_away() {
+    let mut harness = bench();
+    assert!(harness.query_by_label("Add light").is_none());
+    key(&mut harness, Modifiers::NONE, Key::F4);
+    let lamp = lighting(&harness).lights[0].unwrap();
+    assert!(matches!(lamp.source, LightSource::Direction(_)) && lamp.frame == LightFrame::Eye);
+    click(&mut harness, "world");
+    click(&mut harness, "Point");
+    let lamp = lighting(&harness).lights[0].unwrap();
+    assert!(matches!(lamp.source, LightSource::Position(_)) && lamp.frame == LightFrame::World);
+
+    for _ in 0..3 {
+        click(&mut harness, "Add light");
+    }
+    assert_eq!(lighting(&harness).lights.iter().flatten().count(), 4);
+    click(&mut harness, "Add light");
+    assert_eq!(harness.state().ui.view.light.lamps.len(), 4, "there is room for four");
+    let places = harness.state().ui.view.light.lamps.clone();
+    harness.run_steps(10);
+    assert_eq!(harness.state().ui.view.light.lamps, places, "no lamp moves by being looked at");
+    click(&mut harness, "Light 2");
+    assert!(lighting(&harness).lights[1].is_none(), "off is not away");
+    assert_eq!(harness.state().ui.view.light.lamps.len(), 4);
+    harness.get_all_by_label("Remove").next().unwrap().click();
+    harness.run_steps(6);
+    harness.run();
+    assert_eq!(harness.state().ui.view.light.lamps.len(), 3);
+    assert!(lighting(&harness).lights[0].is_none(), "the second is the first now");
+
+    click(&mut harness, "Reset lights");
+    assert_eq!(harness.state().ui.view.light, Default::default());
+    key(&mut harness, Modifiers::NONE, Key::Escape);
+    assert!(harness.query_by_label("Add light").is_none(), "Escape closes the window");
+}
+
+#[test]
+fn the_finish_is_chosen_where_it_can_be_had() {
+    let mut harness = bench();
+    key(&mut harness, Modifiers::NONE, Key::F4);
+    click(&mut harness, "Ambient occlusion");
+    assert!(lighting(&harness).occlusion);
+    click(&mut harness, "Smooth normals");
+    click(&mut harness, "5 × 5");
+    assert_eq!(lighting(&harness).smooth_normals, Smoothing::Wide);
+    assert_eq!(lighting(&harness).smooth_colours, Smoothing::Off);
+    // Only the software shader has filters.
+    harness.state_mut().ui.view.mode = RenderMode::MarchGpu;
+    harness.run();
+    click(&mut harness, "Smooth normals");
+    assert!(harness.query_by_label("3 × 3").is_none());
+}
+
+#[test]
+fn every_mode_is_reached_by_its_key() {
+    let mut harness = bench();
+    let mut met = Vec::new();
+    for _ in RenderMode::ALL {
+        met.push(harness.state().ui.view.mode);
+        key(&mut harness, Modifiers::NONE, Key::M);
+    }
+    assert_eq!(met, RenderMode::ALL);
+    assert_eq!(harness.state().ui.view.mode, met[0]);
+    assert!(met.iter().any(|mode| mode.shading() == Shading::Points));
+}

@@ -1,0 +1,251 @@
+//! Tools on the surface, without a window: a tool that stands touches the face under the pointer
+//! wherever that is, and goes at once with whatever is chosen about it.
+
+use egui::{Event, Key, Modifiers, PointerButton, Pos2, vec2};
+use glam::{EulerRot, Quat, Vec2, Vec3, Vec4Swizzles};
+use virtual_sculpture::command::Command;
+use virtual_sculpture::input::ToolMode;
+use virtual_sculpture::surface::raycast;
+use virtual_sculpture::tools::construct::Solid;
+use virtual_sculpture::ui::Tool;
+
+use super::bench::{self, Bench, corner, drag, key, look, middle, send, voxels};
+
+fn run(harness: &mut Bench, line: &str) {
+    let command: Command = line.parse().unwrap();
+    harness.state_mut().session_mut().execute(&command, &()).unwrap();
+    look(harness);
+}
+
+fn hover(harness: &mut Bench, at: Pos2) {
+    send(harness, Event::PointerMoved(at));
+}
+
+/// Where a point of the grid is seen.
+fn screen(harness: &Bench, point: Vec3) -> Pos2 {
+    let bench = harness.state();
+    let clip = bench.eye().clip_from_grid(&bench.world_from_grid()) * point.extend(1.0);
+    let at = (clip.xy() / clip.w * 0.5 + 0.5) * bench.eye().size.as_vec2();
+    bench.picture().min + vec2(at.x, at.y)
+}
+
+/// The face that the pixel under `at` shows, by the exact ray caster: its normal and its plane.
+fn face_at(harness: &Bench, at: Pos2) -> Option<(Vec3, f32)> {
+    let bench = harness.state();
+    let at = at - bench.picture().min;
+    let rays = bench.eye().pixel_rays(&bench.world_from_grid());
+    let direction = rays.direction_at(at.x.floor() + 0.5, at.y.floor() + 0.5);
+    let hit = raycast::cast(bench.session().document().grid(), rays.origin, direction)?;
+    let face = hit.face.as_vec3();
+    let axis = face.abs().max_position();
+    let plane = hit.voxel.as_vec3()[axis] + if face[axis] > 0.0 { 1.0 } else { 0.0 };
+    Some((face, plane))
+}
+
+/// How far the tool reaches beyond the face under the pointer: below 0, it is sunk in.
+fn gap(harness: &Bench, at: Pos2) -> Option<f32> {
+    let (face, plane) = face_at(harness, at)?;
+    let hand = &harness.state().ui.hand;
+    let primitive = hand.primitive();
+    let corners = (0..8).map(|i| {
+        let sign = |bit: u32| if i >> bit & 1 == 0 { -1.0 } else { 1.0 };
+        Vec3::new(sign(0), sign(1), sign(2))
+    });
+    let reach = |n: Vec3| match hand.solid {
+        Solid::Ellipsoid => (n * primitive.half).length(),
+        Solid::Cuboid => {
+            corners.map(|c| -n.dot(c * primitive.half)).fold(f32::NEG_INFINITY, f32::max)
+        }
+        Solid::Pyramid => corners
+            .map(|c| if c.y > 0.0 { Vec3::Y } else { c })
+            .map(|c| -n.dot(c * primitive.half))
+            .fold(f32::NEG_INFINITY, f32::max),
+    };
+    let reach = reach(primitive.rotation.inverse() * face);
+    let axis = face.abs().max_position();
+    Some((primitive.centre_vx[axis] - plane) * face[axis] - reach)
+}
+
+/// Steps, a hill, holes and single voxels; it touches the grid's border on all sides.
+fn rough(harness: &mut Bench) {
+    for line in [
+        "subtract cuboid at=48,48,48 half=16",
+        "subtract ellipsoid at=10,56,60 half=14",
+        "subtract cuboid at=40,60,20 half=9,5,12 turn=0,30,15",
+        "add ellipsoid at=50,30,50 half=9,5,7 colour=#808080",
+        "add cuboid at=40.5,40.5,32.5 half=0.5 colour=#ffffff",
+        "add cuboid at=52.5,44.5,33.5 half=1.5 colour=#ffffff",
+    ] {
+        run(harness, line);
+    }
+}
+
+/// Places of the pointer over the picture: at the middle of pixels, between them and elsewhere.
+fn places(harness: &Bench) -> Vec<Pos2> {
+    let rect = harness.state().picture();
+    let mut at = Vec2::ZERO;
+    (0..120)
+        .map(|i| {
+            // A sequence that spreads evenly.
+            at = (at + Vec2::new(0.754_877_7, 0.569_840_3)).fract();
+            let at = rect.min + vec2(0.15 + 0.7 * at.x, 0.1 + 0.8 * at.y) * rect.size();
+            match i % 4 {
+                0 => at.floor(),
+                1 => at.floor() + vec2(0.5, 0.5),
+                2 => at.floor() + vec2(0.999, 0.001),
+                _ => at,
+            }
+        })
+        .collect()
+}
+
+#[test]
+fn a_tool_that_stands_touches_the_face_under_the_pointer_everywhere() {
+    let mut harness = bench::bench();
+    harness.run();
+    rough(&mut harness);
+    harness.state_mut().ui.hand.stand = true;
+    let (mut seen, mut faces) = (0, [0; 6]);
+    for (yaw, pitch, roll) in
+        [(0.0, 0.0, 0.0), (35.0, -25.0, 0.0), (-130.0, 40.0, 10.0), (90.0, 0.0, 0.0)]
+    {
+        let [yaw, pitch, roll] = [yaw, pitch, roll].map(f32::to_radians);
+        let q = Quat::from_euler(EulerRot::YXZ, yaw, pitch, roll);
+        run(&mut harness, &format!("place turn={},{},{},{}", q.x, q.y, q.z, q.w));
+        for (solid, turn_deg) in [
+            (Solid::Cuboid, Vec3::ZERO),
+            (Solid::Cuboid, Vec3::new(20.0, -70.0, 45.0)),
+            (Solid::Ellipsoid, Vec3::new(90.0, 0.0, 0.0)),
+            (Solid::Pyramid, Vec3::ZERO),
+            (Solid::Pyramid, Vec3::new(180.0, 0.0, 30.0)),
+        ] {
+            let hand = &mut harness.state_mut().ui.hand;
+            (hand.tool, hand.solid) = (Tool::Solid, solid);
+            hand.set_turn_deg(turn_deg);
+            for at in places(&harness) {
+                hover(&mut harness, at);
+                let Some(gap) = gap(&harness, at) else { continue };
+                assert!(gap.abs() < 2e-3, "{solid:?} turned by {turn_deg} at {at}: {gap}");
+                let (face, _) = face_at(&harness, at).unwrap();
+                let axis = face.abs().max_position();
+                faces[2 * axis + usize::from(face[axis] > 0.0)] += 1;
+                seen += 1;
+            }
+        }
+    }
+    assert!(seen > 600, "{seen}");
+    assert!(faces.iter().filter(|count| **count > 20).count() >= 5, "{faces:?}");
+}
+
+#[test]
+fn a_cuboid_that_stands_is_added_whole_and_so_are_its_mirror_images() {
+    // From far away a voxel is less than a pixel wide.
+    for (symmetry, copies) in [("x=off", 1), ("x=even", 2)] {
+        for notches in [0.0, -12.0] {
+            let mut harness = bench::bench();
+            harness.run();
+            run(&mut harness, "place");
+            run(&mut harness, "subtract cuboid at=32,32,56 half=32,32,8");
+            run(&mut harness, &format!("symmetry {symmetry}"));
+            let at = middle(&harness);
+            bench::wheel(&mut harness, Modifiers::NONE, at, notches);
+            let at = screen(&harness, Vec3::new(44.3, 40.2, 48.0));
+            let hand = &mut harness.state_mut().ui.hand;
+            (hand.solid, hand.mode, hand.stand, hand.snap) =
+                (Solid::Cuboid, ToolMode::Add, true, true);
+            hand.uniform = true;
+            hand.set_half(0, 2.5);
+            let before = voxels(&harness);
+            drag(&mut harness, PointerButton::Primary, Modifiers::NONE, &[at]);
+            assert_eq!(voxels(&harness) - before, copies * 125, "{symmetry} {notches}");
+        }
+    }
+}
+
+#[test]
+fn a_snapping_tool_stands_on_the_surface_and_never_in_it() {
+    let mut harness = bench::bench();
+    harness.run();
+    rough(&mut harness);
+    let hand = &mut harness.state_mut().ui.hand;
+    (hand.solid, hand.stand, hand.snap) = (Solid::Cuboid, true, true);
+    for at in places(&harness) {
+        hover(&mut harness, at);
+        let Some(gap) = gap(&harness, at) else { continue };
+        assert!((-2e-3..1.0).contains(&gap), "{gap} at {at}");
+    }
+}
+
+#[test]
+fn the_tool_follows_keys_at_once() {
+    let mut harness = bench::bench();
+    harness.run();
+    run(&mut harness, "place");
+    harness.state_mut().ui.hand.stand = true;
+    let (here, there) = (middle(&harness), middle(&harness) + vec2(90.0, 50.0));
+    let centre = |harness: &Bench| harness.state().ui.hand.centre_vx;
+    for (spray, solid, wanted) in [
+        (Key::B, Key::C, Solid::Cuboid),
+        (Key::D, Key::E, Solid::Ellipsoid),
+        (Key::S, Key::P, Solid::Pyramid),
+        (Key::Q, Key::C, Solid::Cuboid),
+    ] {
+        hover(&mut harness, here);
+        key(&mut harness, Modifiers::NONE, spray);
+        hover(&mut harness, there);
+        key(&mut harness, Modifiers::NONE, solid);
+        assert_eq!(harness.state().ui.hand.solid, wanted);
+        let now = centre(&harness);
+        assert!(gap(&harness, there).unwrap().abs() < 2e-3, "{solid:?}");
+        hover(&mut harness, there + vec2(0.0, 0.01));
+        assert!(centre(&harness).abs_diff_eq(now, 0.05), "{solid:?}: it had not moved");
+    }
+    // Sizes, by key, by wheel and by number, with the pointer over the picture or gone from it.
+    key(&mut harness, Modifiers::NONE, Key::C);
+    for grow in [Key::CloseBracket, Key::CloseBracket, Key::OpenBracket] {
+        key(&mut harness, Modifiers::NONE, grow);
+        assert!(gap(&harness, there).unwrap().abs() < 2e-3);
+    }
+    bench::wheel(&mut harness, Modifiers::COMMAND, there, 2.0);
+    assert!(gap(&harness, there).unwrap().abs() < 2e-3);
+    send(&mut harness, Event::PointerGone);
+    harness.state_mut().ui.hand.scale_by(1.7);
+    harness.step();
+    assert!(gap(&harness, there).unwrap().abs() < 2e-3);
+    harness.state_mut().ui.hand.set_turn_deg(Vec3::new(0.0, 0.0, 30.0));
+    harness.step();
+    assert!(gap(&harness, there).unwrap().abs() < 2e-3);
+    harness.state_mut().ui.hand.stand = false;
+    harness.step();
+    let (face, plane) = face_at(&harness, there).unwrap();
+    assert!((centre(&harness).dot(face) - plane).abs() < 2e-3, "half in the surface again");
+}
+
+#[test]
+fn a_tool_moved_by_keys_stays_where_it_was_put() {
+    let mut harness = bench::bench();
+    harness.run();
+    let at = middle(&harness);
+    hover(&mut harness, at);
+    key(&mut harness, Modifiers::NONE, Key::ArrowRight);
+    let put = harness.state().ui.hand.centre_vx;
+    for k in [Key::CloseBracket, Key::T, Key::R, Key::G] {
+        key(&mut harness, Modifiers::NONE, k);
+        assert_eq!(harness.state().ui.hand.centre_vx, put, "{k:?}");
+    }
+    key(&mut harness, Modifiers::SHIFT, Key::Home);
+    assert_eq!(harness.state().ui.hand.centre_vx, Vec3::splat(32.0));
+    // It stays where it is while it does not follow, and comes when it does.
+    key(&mut harness, Modifiers::NONE, Key::F);
+    key(&mut harness, Modifiers::NONE, Key::C);
+    assert_eq!(harness.state().ui.hand.centre_vx, Vec3::splat(32.0));
+    key(&mut harness, Modifiers::NONE, Key::F);
+    assert!(gap(&harness, at).is_some());
+    assert_ne!(harness.state().ui.hand.centre_vx, Vec3::splat(32.0));
+    // Beside the sculpture there is nothing to follow.
+    let beside = corner(&harness);
+    hover(&mut harness, beside);
+    let left = harness.state().ui.hand.centre_vx;
+    key(&mut harness, Modifiers::NONE, Key::E);
+    assert_eq!(harness.state().ui.hand.centre_vx, left);
+}

@@ -1,0 +1,151 @@
+//! The switches of the picture: in the bar where it is wide enough, else in the menu; the choice of
+//! the stereo layout; where the video comes from.
+
+use egui::accesskit::Role;
+use egui::{Event, Key, Modifiers, vec2};
+use egui_kittest::kittest::{NodeT, Queryable};
+use virtual_sculpture::ui::Theme;
+use virtual_sculpture::ui::toasts::Tone;
+use virtual_sculpture::view::StereoLayout;
+
+use super::bench::{Bench, bench, bench_of, config, key, send};
+
+fn click(harness: &mut Bench, label: &str) {
+    harness.get_by_label(label).click();
+    // Menus and windows take some frames to their size, and then rest.
+    harness.run_steps(6);
+    harness.run();
+}
+
+fn has(harness: &Bench, label: &str) -> bool {
+    harness.query_by_label(label).is_some()
+}
+
+fn layout(harness: &Bench) -> StereoLayout {
+    harness.state().ui.view.stereo.layout
+}
+
+/// Opens the choice of the layout in the bar.
+fn open_layouts(harness: &mut Bench) {
+    let text = layout(harness).label();
+    let combos = harness.get_all_by_role(Role::ComboBox);
+    let named = |value: Option<String>| value.as_deref() == Some(text);
+    combos.into_iter().find(|node| named(node.value())).unwrap().click();
+    harness.run_steps(6);
+    harness.run();
+}
+
+#[test]
+fn a_wide_bar_has_the_switches() {
+    let mut harness = bench();
+    click(&mut harness, "Lights");
+    assert!(harness.state().ui.light_open && has(&harness, "Add light"));
+    key(&mut harness, Modifiers::NONE, Key::F4);
+    assert!(!harness.state().ui.light_open, "the key and the switch are one");
+    assert!(!has(&harness, "Rumble"), "there is no gamepad");
+    open_layouts(&mut harness);
+    click(&mut harness, "Anaglyph");
+    assert_eq!(layout(&harness), StereoLayout::Anaglyph);
+}
+
+#[test]
+fn a_narrow_bar_leaves_them_to_the_menu() {
+    let mut harness = bench_of(&config(64), vec2(800.0, 600.0));
+    harness.run();
+    assert!(!has(&harness, "Lights") && !has(&harness, "Video"));
+    click(&mut harness, "Menu");
+    click(&mut harness, "Lights");
+    assert!(harness.state().ui.light_open);
+    click(&mut harness, "Menu");
+    click(&mut harness, "Stereo ⏵");
+    click(&mut harness, "Side by side");
+    assert_eq!(layout(&harness), StereoLayout::SideBySide);
+}
+
+#[test]
+fn quad_buffers_are_offered_only_where_the_window_has_layers() {
+    let mut harness = bench();
+    open_layouts(&mut harness);
+    assert!(harness.get_by_label("Quad-buffered").accesskit_node().is_disabled());
+    click(&mut harness, "Quad-buffered");
+    assert_eq!(layout(&harness), StereoLayout::Mono);
+
+    let mut harness = bench();
+    harness.state_mut().quad_buffered = true;
+    open_layouts(&mut harness);
+    click(&mut harness, "Quad-buffered");
+    assert_eq!(layout(&harness), StereoLayout::Layers);
+}
+
+#[test]
+fn the_address_of_a_video_is_taken_when_it_is_whole_and_good() {
+    let mut config = config(64);
+    config.video.source = "/there/is/no.y4m".to_string();
+    let mut harness = bench_of(&config, vec2(1280.0, 1000.0));
+    click(&mut harness, "Head tracking and AR");
+    assert!(harness.query_by_role(Role::TextInput).is_none(), "it is off");
+    // Pictures follow one another while a video is looked for, so the passes have no end.
+    harness.get_by_label("Video").click();
+    harness.run_steps(3);
+    assert!(harness.state().ui.view.video.on);
+    let source = |harness: &Bench| harness.state().ui.view.video.source.clone();
+    let write = |harness: &mut Bench, text: &str| {
+        harness.get_by_role(Role::TextInput).focus();
+        harness.run_steps(3);
+        key(harness, Modifiers::COMMAND, Key::A);
+        send(harness, Event::Text(text.to_string()));
+        harness.run_steps(3);
+    };
+    write(&mut harness, "/nor/is/this.y4m");
+    assert_eq!(source(&harness), "/there/is/no.y4m", "not before Enter");
+    key(&mut harness, Modifiers::NONE, Key::Enter);
+    assert_eq!(source(&harness), "/nor/is/this.y4m");
+
+    write(&mut harness, "table.avi");
+    key(&mut harness, Modifiers::NONE, Key::Enter);
+    harness.run_steps(3);
+    assert_eq!(source(&harness), "/nor/is/this.y4m", "what cannot be is not taken");
+    let toasts: Vec<_> = harness.state().ui.toasts.texts().collect();
+    let told = |(tone, text): &(Tone, &str)| *tone == Tone::Error && text.contains("table.avi");
+    assert!(toasts.iter().any(told), "{toasts:?}");
+}
+
+#[test]
+fn the_view_is_zoomed_framed_and_saved_by_key_and_by_the_menu() {
+    let mut harness = bench();
+    let distance = |harness: &Bench| harness.state().eye().position().z;
+    let far = distance(&harness);
+    key(&mut harness, Modifiers::COMMAND, Key::ArrowUp);
+    let near = distance(&harness);
+    assert!(near < far);
+    key(&mut harness, Modifiers::COMMAND, Key::ArrowDown);
+    assert!((distance(&harness) - far).abs() < 1e-3 * far, "as far out as in");
+
+    assert!(harness.state().ui.view.bounds);
+    key(&mut harness, Modifiers::ALT, Key::G);
+    assert!(!harness.state().ui.view.bounds);
+    assert_eq!(harness.state().ui.theme, Theme::Dark);
+    key(&mut harness, Modifiers::ALT, Key::T);
+    assert_eq!(harness.state().ui.theme, Theme::Light);
+    let asked = |harness: &mut Bench| {
+        let ui = &mut harness.state_mut().ui;
+        let asked = (ui.switch_fullscreen, ui.screenshot);
+        (ui.switch_fullscreen, ui.screenshot) = (false, false);
+        asked
+    };
+    key(&mut harness, Modifiers::NONE, Key::F11);
+    assert_eq!(asked(&mut harness), (true, false));
+    key(&mut harness, Modifiers::NONE, Key::F12);
+    assert_eq!(asked(&mut harness), (false, true));
+
+    click(&mut harness, "Menu");
+    click(&mut harness, "Full screen");
+    assert_eq!(asked(&mut harness), (true, false));
+    click(&mut harness, "Menu");
+    click(&mut harness, "Save picture");
+    assert_eq!(asked(&mut harness), (false, true));
+    click(&mut harness, "Menu");
+    click(&mut harness, "View ⏵");
+    click(&mut harness, "Zoom in");
+    assert!((distance(&harness) - near).abs() < 1e-3 * near);
+}
