@@ -96,12 +96,11 @@ fn outline(grid: &Grid) -> Vec<Vec3> {
         })
     };
     let mut points = Vec::new();
-    let row_bricks = grid.brick_dims().x as usize;
-    for (row, counts) in grid.counts().chunks(row_bricks).enumerate() {
-        let first = counts.iter().position(|&count| count > 0);
-        let last = counts.iter().rposition(|&count| count > 0);
-        for x in first.into_iter().chain(last) {
-            let low = grid.brick_coords(row * row_bricks + x) * BRICK_EDGE_VX;
+    let UVec3 { y: height, z: depth, .. } = grid.brick_dims();
+    for (y, z) in (0..depth).flat_map(|z| (0..height).map(move |y| (y, z))) {
+        let mut row = grid.nonempty_in_row(y, z).map(|(x, _)| x);
+        for x in row.next().into_iter().chain(row.last()) {
+            let low = UVec3::new(x, y, z) * BRICK_EDGE_VX;
             points.extend(corners(low.max(min), (low + BRICK_EDGE_VX).min(max)));
         }
     }

@@ -79,7 +79,7 @@ fn a_steady_frame_on_the_cpu_allocates_nothing() {
         return;
     }
     let grid = scenes::cheese(128, 60, 1).unwrap();
-    let material = Material::new(ColourDepth::None, Rgb::new(9, 9, 9), grid.bricks().len());
+    let material = Material::for_grid(&grid, ColourDepth::None, Rgb::new(9, 9, 9));
     let (eye, world_from_grid) = view(&grid);
     let rays = eye.pixel_rays(&world_from_grid);
     let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };

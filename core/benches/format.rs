@@ -20,7 +20,7 @@ fn files(c: &mut Criterion) {
     for (name, grid) in scenes {
         let grid = grid.expect("the scenes are small");
         let base = Rgb::new(200, 190, 170);
-        let material = Material::new(ColourDepth::None, base, grid.bricks().len());
+        let material = Material::for_grid(&grid, ColourDepth::None, base);
         let contents = Contents { grid, material };
         for ending in ["vsc", "pvm"] {
             let path = folder.path().join(format!("{name}.{ending}"));

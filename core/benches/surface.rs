@@ -33,7 +33,7 @@ fn pictures(c: &mut Criterion) {
         let eye = camera.eye(UVec2::new(640, 480));
         let rays = eye.pixel_rays(&world_from_grid);
         let base = Rgb::new(200, 190, 170);
-        let material = Material::new(ColourDepth::None, base, grid.bricks().len());
+        let material = Material::for_grid(&grid, ColourDepth::None, base);
         let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
         let lighting = Lighting::default();
         let mut map = IndexMap::new(rays);
@@ -51,7 +51,7 @@ fn pictures(c: &mut Criterion) {
         });
         // The bricks of a ball of radius 32 at the side of the grid that faces the eye.
         let middle = grid.brick_dims().as_vec3() * Vec3::new(0.5, 0.5, 1.0);
-        let changed: Vec<u32> = (0..grid.bricks().len())
+        let changed: Vec<u32> = (0..grid.brick_count())
             .filter(|&index| grid.brick_coords(index).as_vec3().distance(middle) < 4.5)
             .map(|index| index as u32)
             .collect();

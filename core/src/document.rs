@@ -37,6 +37,7 @@ pub use tools::MAX_ARRAY;
 /// What a command did.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Applied {
+    /// Voxels and bricks changed.
     pub stats: EditStats,
     /// Steps undone or redone.
     pub steps: u32,
@@ -91,7 +92,7 @@ impl Document {
     pub fn from_contents(contents: Contents, limits: Limits) -> Document {
         Document {
             recorder: StrokeRecorder::new(&contents.grid),
-            dirty: BrickSet::new(contents.grid.bricks().len()),
+            dirty: BrickSet::new(contents.grid.brick_count()),
             followers: Followers::default(),
             somebody: Follower::default(),
             selection: Selection::new(contents.grid.dims()),
@@ -115,14 +116,17 @@ impl Document {
         }
     }
 
+    /// The existence bits.
     pub fn grid(&self) -> &Grid {
         &self.contents.grid
     }
 
+    /// The colours.
     pub fn material(&self) -> &Material {
         &self.contents.material
     }
 
+    /// Bits and colours.
     pub fn contents(&self) -> &Contents {
         &self.contents
     }
@@ -132,22 +136,27 @@ impl Document {
         self.contents.clone()
     }
 
+    /// Where the sculpture stands in the world.
     pub fn placement(&self) -> &Placement {
         &self.placement
     }
 
+    /// The steps that can be undone and redone.
     pub fn history(&self) -> &History {
         &self.history
     }
 
+    /// The memory limits the document was made with.
     pub fn limits(&self) -> &Limits {
         &self.limits
     }
 
+    /// Marker and selected boxes.
     pub fn selection(&self) -> &Selection {
         &self.selection
     }
 
+    /// The mirror planes in use.
     pub fn symmetry(&self) -> Symmetry {
         self.symmetry
     }
@@ -185,6 +194,7 @@ impl Document {
         self.pictures.insert(name.to_path_buf(), Arc::new(picture));
     }
 
+    /// Whether a stroke has begun and not ended.
     pub fn stroke_open(&self) -> bool {
         self.stroke.is_some()
     }
@@ -199,6 +209,7 @@ impl Document {
         self.state
     }
 
+    /// The map from grid coordinates (voxels) to world units.
     pub fn world_from_grid(&self) -> Affine3A {
         self.placement.world_from_grid(self.grid().dims(), self.grid().voxel_size())
     }
@@ -216,7 +227,7 @@ impl Document {
         follower: &Follower,
         f: impl FnOnce(&Contents, Option<&[u32]>) -> T,
     ) -> T {
-        let bricks = self.contents.grid.bricks().len();
+        let bricks = self.contents.grid.brick_count();
         self.followers.tell(&mut self.dirty, std::mem::take(&mut self.all_dirty), bricks);
         f(&self.contents, self.followers.hear(follower, bricks))
     }
@@ -365,7 +376,7 @@ impl Document {
         }
         self.last_uses.clear();
         self.recorder = StrokeRecorder::new(&self.contents.grid);
-        self.dirty = BrickSet::new(self.contents.grid.bricks().len());
+        self.dirty = BrickSet::new(self.contents.grid.brick_count());
         self.all_dirty = true;
         self.revision += 1;
         Arc::unwrap_or_clone(old)
@@ -383,6 +394,6 @@ pub fn make_contents(new: &NewSculpture, limits: &Limits) -> Result<Contents, Co
     if new.solid {
         grid.fill_bricks(|_| Brick::FULL);
     }
-    let material = Material::new(new.colour_depth, new.base, grid.bricks().len());
+    let material = Material::for_grid(&grid, new.colour_depth, new.base);
     Ok(Contents { grid, material })
 }

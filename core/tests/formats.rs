@@ -148,7 +148,7 @@ fn the_options_choose_threshold_and_colours() {
     assert_eq!(grid.opaque_count(), dense.count() as u64);
     assert_eq!(material.depth(), ColourDepth::Bits16);
     assert_eq!(grid.voxel_size(), Vec3::new(1.91406, 1.91406, 1.5));
-    assert_eq!(material.page_count(), grid.counts().iter().filter(|c| **c > 0).count());
+    assert_eq!(material.page_count(), grid.nonempty_bricks().count());
 
     let plain = ImportOptions { colouring: Colouring::None, ..bone };
     let contents = load(&path, &plain).unwrap().contents;
@@ -236,7 +236,7 @@ prop_compose! {
     ) -> Contents {
         let dims = UVec3::from(dims);
         let mut grid = Grid::new(dims, size, ROOM).unwrap();
-        let mut material = Material::new(depth, Rgb(base), grid.bricks().len());
+        let mut material = Material::for_grid(&grid, depth, Rgb(base));
         for (corner, extent, colour, kind) in boxes {
             let end = (UVec3::from(corner) + UVec3::from(extent)).min(dims);
             for z in corner[2]..end.z { for y in corner[1]..end.y { for x in corner[0]..end.x {
@@ -257,8 +257,9 @@ prop_compose! {
 /// The same sculpture with nothing but what can be seen.
 fn canonical(contents: &Contents) -> Contents {
     let Contents { grid, material } = contents;
-    let mut visible = Material::new(material.depth(), material.base(), grid.bricks().len());
-    for (index, brick) in grid.bricks().iter().enumerate() {
+    let mut visible = Material::for_grid(grid, material.depth(), material.base());
+    for (b, brick) in grid.nonempty_bricks() {
+        let index = grid.brick_index(b);
         let differs = |local| material.rgb(index, local) != material.base();
         let mut any = false;
         brick.for_each(|local| any |= differs(local));
@@ -295,7 +296,8 @@ proptest! {
             ColourDepth::Bits16 => Rgb::new(0, 2, 0),
             _ => Rgb::new(0, 0, 1),
         };
-        for (index, brick) in contents.grid.bricks().iter().enumerate() {
+        for (b, brick) in contents.grid.nonempty_bricks() {
+            let index = contents.grid.brick_index(b);
             brick.for_each(|local| {
                 let was = contents.material.rgb(index, local);
                 let is = back.material.rgb(index, local);
@@ -335,7 +337,8 @@ proptest! {
         let options = ImportOptions { raw: Some(layout), ..ImportOptions::default() };
         let back = load(&path, &options).unwrap().contents;
         prop_assert_eq!(&back.grid, &contents.grid);
-        for (index, brick) in contents.grid.bricks().iter().enumerate() {
+        for (b, brick) in contents.grid.nonempty_bricks() {
+            let index = contents.grid.brick_index(b);
             brick.for_each(|local| assert_eq!(
                 back.material.rgb(index, local),
                 contents.material.rgb(index, local)
@@ -405,10 +408,9 @@ fn all_raw_types_are_read() {
 
 #[test]
 fn endings_choose_the_format_or_are_explained() {
-    let contents = Contents {
-        grid: Grid::new(UVec3::ONE, Vec3::ONE, ROOM).unwrap(),
-        material: Material::new(ColourDepth::None, Rgb::STONE, 1),
-    };
+    let grid = Grid::new(UVec3::ONE, Vec3::ONE, ROOM).unwrap();
+    let material = Material::for_grid(&grid, ColourDepth::None, Rgb::STONE);
+    let contents = Contents { grid, material };
     let folder = tempfile::tempdir().unwrap();
     for (name, part) in [("a.vox", "`.vox`"), ("a", "no extension")] {
         let path = folder.path().join(name);

@@ -77,7 +77,7 @@ impl Subject {
 fn without_colour(grid: Result<Grid, GridError>) -> Result<Contents, FormatError> {
     let grid = grid?;
     let base = Rgb::new(200, 190, 170);
-    let material = Material::new(ColourDepth::None, base, grid.bricks().len());
+    let material = Material::for_grid(&grid, ColourDepth::None, base);
     Ok(Contents { grid, material })
 }
 

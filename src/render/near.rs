@@ -2,8 +2,8 @@
 //! edge or a corner, one that does. Where none is near, a bundle of rays as wide as a brick to
 //! either side passes through nothing (shaders/beam.comp.wgsl).
 //!
-//! Takes the occupancy of a grid; gives words of 4^3 bricks, a bit each, as [`Grid::occupancy`] has
-//! them, with a block of bricks more at each side of the grid, for what is near it from without.
+//! Takes the occupancy of a grid; gives words of 4^3 bricks, a bit each, as
+//! [`Grid::occupancy_word`] has them, with a block of bricks more at each side of the grid, for what is near it from without.
 //! Knows no device.
 
 use std::ops::Range;
@@ -61,22 +61,19 @@ impl Near {
 
     fn make_slab(&mut self, grid: &Grid, z: u32) {
         let blocks = grid.occupancy_dims();
-        let occupancy = grid.occupancy();
         let width = self.dims.x as usize;
-        // Rows of the grid's blocks; none beyond it.
-        let row = |y: u32, z: Option<u32>| -> &[u64] {
-            let Some(z) = z.filter(|&z| z < blocks.z) else { return &[] };
-            let first = (blocks.x * (y + blocks.y * z)) as usize;
-            &occupancy[first..first + blocks.x as usize]
+        // Words of the grid's blocks; nothing beyond it.
+        let word_at = |x: u32, y: u32, z: Option<u32>| match z {
+            Some(z) if z < blocks.z => grid.occupancy_word(UVec3::new(x, y, z)),
+            _ => 0,
         };
         self.slab.fill(0);
         for y in 0..blocks.y {
-            let [below, here, above] =
-                [z.checked_sub(2), z.checked_sub(1), Some(z)].map(|z| row(y, z));
             let first = (y as usize + 1) * width + 1;
-            let of = |row: &[u64], x: usize| row.get(x).copied().unwrap_or(0);
-            for (x, word) in self.slab[first..first + blocks.x as usize].iter_mut().enumerate() {
-                *word = spread(2, of(below, x), of(here, x), of(above, x));
+            for (x, word) in (0..).zip(&mut self.slab[first..first + blocks.x as usize]) {
+                let [below, here, above] =
+                    [z.checked_sub(2), z.checked_sub(1), Some(z)].map(|z| word_at(x, y, z));
+                *word = spread(2, below, here, above);
             }
         }
         let size = self.slab.len();
@@ -133,14 +130,14 @@ mod tests {
         ) {
             let bricks = UVec3::from(bricks);
             let mut grid = Grid::new(bricks * 8, glam::Vec3::ONE, 1 << 30).unwrap();
-            let count = grid.bricks().len();
+            let count = grid.brick_count();
             for index in &used {
                 grid.set_brick(index.index(count), Brick::FULL);
             }
             let mut near = Near::new(&grid);
             for index in &later {
                 let index = index.index(count);
-                let brick = if grid.bricks()[index].is_empty() { Brick::FULL } else { Brick::EMPTY };
+                let brick = if grid.brick_at(index).is_empty() { Brick::FULL } else { Brick::EMPTY };
                 grid.set_brick(index, brick);
                 let slab = grid.brick_coords(index).z / 4;
                 near.update(&grid, slab..slab + 1);
@@ -156,8 +153,7 @@ mod tests {
                             let inside = beside.cmpge(IVec3::ZERO).all()
                                 && beside.cmplt(bricks.as_ivec3()).all();
                             expected |= inside && {
-                                let index = grid.brick_index(beside.as_uvec3());
-                                !grid.bricks()[index].is_empty()
+                                !grid.brick(beside.as_uvec3()).is_empty()
                             };
                         }
                         let found = bit(near.words(), near.dims(), UVec3::new(x, y, z));

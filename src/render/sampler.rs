@@ -349,7 +349,7 @@ impl DeviceCopy {
                 Some(areas) => areas.update(grid, changed),
                 none => none.insert(SliceAreas::default()).update(grid, None),
             }
-            let bricks = grid.bricks().len();
+            let bricks = grid.brick_count();
             match &mut self.colours {
                 _ if !mode.needs_colours() => self.colours = None,
                 Some(colours) => colours.update(recorder, slot, material, bricks, changed)?,

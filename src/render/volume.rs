@@ -86,7 +86,7 @@ impl Volume {
             changed => self.near.update(recorder, slot, grid, changed)?,
         }
         match changed {
-            Some(bricks) if bricks.len() * WHOLE_FROM_SHARE <= grid.bricks().len() => {
+            Some(bricks) if bricks.len() * WHOLE_FROM_SHARE <= grid.brick_count() => {
                 self.changed.clear();
                 self.changed.extend(bricks.iter().map(|&b| grid.brick_coords(b as usize)));
                 self.boxes.clear();
@@ -195,11 +195,10 @@ fn pack(grid: &Grid, boxes: &[BrickBox], target: &mut [u8], copies: &mut Vec<vk:
         copies.push(copy(offset, of.min, of.size));
         for z in 0..of.size.z {
             for y in 0..of.size.y {
-                let first = grid.brick_index(of.min + UVec3::new(0, y, z));
-                let row = &grid.bricks()[first..first + of.size.x as usize];
-                let source: &[u8] = bytemuck::cast_slice(row);
-                target[offset..offset + source.len()].copy_from_slice(source);
-                offset += source.len();
+                let bytes = of.size.x as usize * BRICK_BYTES;
+                let first = of.min + UVec3::new(0, y, z);
+                grid.copy_row(first, &mut target[offset..offset + bytes]);
+                offset += bytes;
             }
         }
     }

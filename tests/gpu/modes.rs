@@ -29,9 +29,9 @@ const RED: Vec3 = Vec3::new(1.0, 0.0, 0.0);
 fn document(depth: ColourDepth, voxel_size: Vec3) -> Document {
     let cheese = scenes::cheese(96, 60, 8).unwrap();
     let mut grid = Grid::new(UVec3::new(96, 91, 85), voxel_size, 1 << 30).unwrap();
-    grid.fill_bricks(|b| cheese.bricks()[cheese.brick_index(b)]);
-    let mut material = Material::new(depth, Rgb::new(180, 170, 150), grid.bricks().len());
-    for brick in (0..grid.bricks().len()).step_by(3) {
+    grid.fill_bricks(|b| *cheese.brick(b));
+    let mut material = Material::for_grid(&grid, depth, Rgb::new(180, 170, 150));
+    for brick in (0..grid.brick_count()).step_by(3) {
         material.paint_each(brick, &Brick::FULL, |i| {
             let hash = (brick as u32 * 512 + i).wrapping_mul(0x9E37_79B1);
             let [r, g, b, _] = hash.to_le_bytes();
@@ -126,7 +126,7 @@ fn share_off(what: &str, found: &Pixels, expected: &Pixels, allowed: u8) -> f32 
 /// No voxel painted.
 fn plain(document: &Document) -> Material {
     let base = document.material().base();
-    Material::new(ColourDepth::Bits24, base, document.grid().bricks().len())
+    Material::for_grid(document.grid(), ColourDepth::Bits24, base)
 }
 
 fn on_device(mode: &RenderMode) -> bool {

@@ -80,7 +80,7 @@ fn line(from: Vec3, to: Vec3) -> Line {
 fn sculpture() -> Document {
     let grid = scenes::cheese(80, 14, 5).unwrap();
     let base = Rgb::new(200, 180, 160);
-    let material = Material::new(ColourDepth::Bits24, base, grid.bricks().len());
+    let material = Material::for_grid(&grid, ColourDepth::Bits24, base);
     let mut document = Document::from_contents(Contents { grid, material }, Limits::default());
     document.apply(&"subtract cuboid at=40,40,74 half=40,40,6".parse().unwrap()).unwrap();
     document

@@ -59,7 +59,7 @@ fn cheese() -> Grid {
 fn assert_shaders_agree(eye: &Eye, world_from_grid: Affine3A, lighting: &Lighting) -> IndexMap {
     let grid = cheese();
     let base = Rgb::new(190, 180, 160);
-    let material = Material::new(ColourDepth::None, base, grid.bricks().len());
+    let material = Material::for_grid(&grid, ColourDepth::None, base);
     let rays = eye.pixel_rays(&world_from_grid);
     let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
     let mut map = IndexMap::new(rays);

@@ -119,7 +119,7 @@ fn both_eyes_of_the_renderer_are_what_each_eye_sees() {
         let rig = StereoRig { eye_distance: 12.0, convergence: 140.0, swap: false };
         let eyes = rig.eyes(&mono);
         let base = Rgb::new(200, 180, 160);
-        let material = Material::new(ColourDepth::Bits24, base, grid.bricks().len());
+        let material = Material::for_grid(&grid, ColourDepth::Bits24, base);
         let contents = Contents { grid, material };
         let mut document = Document::from_contents(contents, Limits::default());
         let lighting = Lighting::default();

@@ -245,10 +245,7 @@ impl Document {
     fn parted(&self, voxels: &ListedBricks) -> (ListedBricks, ListedBricks) {
         let grid = self.grid();
         let part = |keep: fn(&Brick, &Brick) -> Brick| {
-            let bricks = voxels
-                .bricks()
-                .iter()
-                .map(|(b, mask)| (*b, keep(mask, &grid.bricks()[grid.brick_index(*b)])));
+            let bricks = voxels.bricks().iter().map(|(b, mask)| (*b, keep(mask, grid.brick(*b))));
             ListedBricks::new(bricks.collect())
         };
         (part(|mask, bits| mask.and(bits)), part(|mask, bits| mask.and_not(bits)))

@@ -142,13 +142,9 @@ fn voxels_by_brick<const B: usize>(
     slabs.enumerate().for_each(|(bz, voxels)| {
         let mut slab = Slab { voxels, dims };
         for by in 0..grid.brick_dims().y {
-            for bx in 0..grid.brick_dims().x {
+            for (bx, brick) in grid.nonempty_in_row(by, bz as u32) {
                 let at = UVec3::new(bx, by, bz as u32);
-                let index = grid.brick_index(at);
-                let brick = &grid.bricks()[index];
-                if !brick.is_empty() {
-                    write(&mut slab, at * BRICK_EDGE_VX, brick, index);
-                }
+                write(&mut slab, at * BRICK_EDGE_VX, brick, grid.brick_index(at));
             }
         }
     });

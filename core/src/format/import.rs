@@ -267,7 +267,7 @@ impl Job<'_> {
         base: Rgb,
         fill: &(dyn Fn(UVec3, &Brick, &mut Page) + Sync),
     ) -> Result<Material, FormatError> {
-        let mut material = Material::new(depth, base, grid.bricks().len());
+        let mut material = Material::for_grid(grid, depth, base);
         if depth == ColourDepth::None {
             return Ok(material);
         }
@@ -275,12 +275,12 @@ impl Job<'_> {
         let page_of = |brick: u32| -> Option<Page> {
             let corner = grid.brick_coords(brick as usize) * BRICK_EDGE_VX;
             let mut page = blank.clone();
-            fill(corner, &grid.bricks()[brick as usize], &mut page);
+            fill(corner, grid.brick_at(brick as usize), &mut page);
             (page != blank).then_some(page)
         };
         let filled: Vec<u32> =
-            (0..grid.bricks().len() as u32).filter(|&b| grid.counts()[b as usize] > 0).collect();
-        let table_bytes = (grid.bricks().len() * size_of::<Option<Page>>()) as u64;
+            grid.nonempty_bricks().map(|(b, _)| grid.brick_index(b) as u32).collect();
+        let table_bytes = (grid.brick_count() * size_of::<Option<Page>>()) as u64;
         let bytes_of = |pages: usize| table_bytes + (pages * material.page_bytes()) as u64;
         let budget = self.limits.colour_bytes;
         if bytes_of(filled.len()) > budget {

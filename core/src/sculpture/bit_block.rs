@@ -6,7 +6,7 @@
 
 use glam::{IVec3, UVec3};
 
-use super::brick::{BRICK_EDGE_VX, Brick};
+use super::brick::{BRICK_EDGE_VX, Brick, BrickKind};
 use super::grid::Grid;
 
 /// Existence bits of a box whose lower x is a multiple of eight.
@@ -38,9 +38,8 @@ impl BitBlock {
     pub fn of_grid(grid: &Grid, min: IVec3, max: IVec3) -> BitBlock {
         let mut block = BitBlock::empty(min, max);
         block.for_each_brick(grid.brick_dims(), |block, b| {
-            let index = grid.brick_index(b);
-            if grid.counts()[index] != 0 {
-                block.put_brick(b, &grid.bricks()[index]);
+            if grid.brick_kind(grid.brick_index(b)) != BrickKind::Empty {
+                block.put_brick(b, grid.brick(b));
             }
         });
         block
@@ -57,10 +56,12 @@ impl BitBlock {
         out
     }
 
+    /// Voxel coordinates of the block's lower corner, multiples of 8.
     pub fn origin(&self) -> IVec3 {
         self.origin
     }
 
+    /// Size in voxels, multiples of 8.
     pub fn size(&self) -> UVec3 {
         self.size
     }
@@ -232,7 +233,7 @@ mod tests {
                 if inside { prop_assert_eq!(block.get(v), grid.get(v)); }
             }
             for (b, mask) in block.bricks(grid.brick_dims()) {
-                prop_assert_eq!(mask, grid.bricks()[grid.brick_index(b)]);
+                prop_assert_eq!(mask, *grid.brick(b));
             }
         }
 

@@ -24,7 +24,31 @@ pub const BRICK_WORDS: usize = 8;
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct Brick {
+    /// Words of 4^3 voxels, x fastest, then y, then z.
     pub words: [u64; BRICK_WORDS],
+}
+
+/// What a brick holds, as far as a voxel count tells.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum BrickKind {
+    /// No voxel.
+    Empty,
+    /// Some voxels, but not all 512.
+    Mixed,
+    /// All 512 voxels.
+    Full,
+}
+
+impl BrickKind {
+    /// The kind of a brick of `count` voxels (0..=512).
+    #[inline(always)]
+    pub fn of_count(count: u16) -> BrickKind {
+        match u32::from(count) {
+            0 => BrickKind::Empty,
+            BRICK_VOXELS => BrickKind::Full,
+            _ => BrickKind::Mixed,
+        }
+    }
 }
 
 /// Index in 0..512 of a voxel in its brick, from brick-local coordinates 0..8:
@@ -48,7 +72,9 @@ pub const fn local_coords(index: u32) -> [u32; 3] {
 }
 
 impl Brick {
+    /// No voxel exists.
     pub const EMPTY: Brick = Brick { words: [0; BRICK_WORDS] };
+    /// All 512 voxels exist.
     pub const FULL: Brick = Brick { words: [u64::MAX; BRICK_WORDS] };
 
     /// Whether the voxel at brick-local coordinates (each 0..8) exists.
@@ -80,11 +106,13 @@ impl Brick {
         count as u16
     }
 
+    /// Whether no voxel exists.
     #[inline]
     pub fn is_empty(&self) -> bool {
         *self == Self::EMPTY
     }
 
+    /// Whether all 512 voxels exist.
     #[inline]
     pub fn is_full(&self) -> bool {
         *self == Self::FULL
@@ -100,6 +128,7 @@ impl Brick {
         Brick { words }
     }
 
+    /// The voxels that are in both.
     #[inline(always)]
     pub fn and(&self, other: &Brick) -> Brick {
         self.zip(
@@ -109,6 +138,7 @@ impl Brick {
         )
     }
 
+    /// The voxels that are in either.
     #[inline(always)]
     pub fn or(&self, other: &Brick) -> Brick {
         self.zip(

@@ -44,12 +44,11 @@ impl Clip {
                 from.grid.get(v) && bounds.contains(v) && wanted(v)
             })
         });
-        let mut material =
-            Material::new(from.material.depth(), from.material.base(), grid.bricks().len());
-        for index in 0..grid.bricks().len() {
+        let mut material = Material::for_grid(&grid, from.material.depth(), from.material.base());
+        for index in 0..grid.brick_count() {
             let origin = bounds.min.as_uvec3() + grid.brick_coords(index) * BRICK_EDGE_VX;
             let colour = |local: u32| from.rgb(origin + UVec3::from(local_coords(local)));
-            let painted = painted(&grid.bricks()[index], from.material.base(), colour);
+            let painted = painted(grid.brick_at(index), from.material.base(), colour);
             material.paint_each(index, &painted, colour);
         }
         Ok(Some(Clip { contents: Contents { grid, material } }))
@@ -60,6 +59,7 @@ impl Clip {
         self.contents.grid.dims()
     }
 
+    /// Number of existing voxels.
     pub fn voxel_count(&self) -> u64 {
         self.contents.grid.opaque_count()
     }

@@ -34,14 +34,18 @@ pub enum EditOp {
 /// What an edit did.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct EditStats {
+    /// Voxels that exist now and did not before.
     pub voxels_added: u64,
+    /// Voxels that existed before and do not now.
     pub voxels_removed: u64,
     /// Voxels that existed before and have another colour now.
     pub voxels_recoloured: u64,
+    /// Bricks whose bits or colours changed.
     pub bricks_changed: u64,
 }
 
 impl EditStats {
+    /// Voxels added, removed or recoloured.
     pub fn voxels_changed(&self) -> u64 {
         self.voxels_added + self.voxels_removed + self.voxels_recoloured
     }
@@ -164,7 +168,7 @@ pub fn max_new_pages(contents: &Contents, region: &impl Region, op: EditOp) -> O
     let Contents { grid, material } = contents;
     let new = brush_for(contents, colour).is_some_and(|brush| !brush.is_base());
     let bricks = BrickBox::around(region, grid).filter(|_| new)?;
-    Some(bricks.brick_count().min((grid.bricks().len() - material.page_count()) as u64))
+    Some(bricks.brick_count().min((grid.brick_count() - material.page_count()) as u64))
 }
 
 /// The number of colour pages that `op` would make.
@@ -201,7 +205,7 @@ fn new_pages_of(piece: Piece<impl Simd, impl Region>, contents: &Contents, op: E
             if material.page(index).is_some() {
                 return;
             }
-            let (mask, old) = (piece.mask(b), &grid.bricks()[index]);
+            let (mask, old) = (piece.mask(b), grid.brick_at(index));
             let painted = match op {
                 EditOp::Add(_) => mask.and(&grid.valid_mask(b)).and_not(old),
                 EditOp::Recolour(_) => mask.and(old),
@@ -342,11 +346,11 @@ mod tests {
             let dims = UVec3::from(dims);
             let mut grid = Grid::new(dims, Vec3::ONE, 1 << 30).unwrap();
             grid.fill_bricks(|b| Scattered { bounds: VoxelBox { min: IVec3::MIN, max: IVec3::MAX }, seed: 5 }.brick(b));
-            let material = Material::new(ColourDepth::Bits8, Rgb::new(9, 9, 9), grid.bricks().len());
+            let material = Material::for_grid(&grid, ColourDepth::Bits8, Rgb::new(9, 9, 9));
             let mut contents = Contents { grid, material };
             let start = contents.clone();
             let (mut recorder, mut dirty) =
-                (StrokeRecorder::new(&contents.grid), BrickSet::new(contents.grid.bricks().len()));
+                (StrokeRecorder::new(&contents.grid), BrickSet::new(contents.grid.brick_count()));
             let (a, b) = (IVec3::from(corners[0]), IVec3::from(corners[1]));
             let red = Rgb::new(255, 0, 0);
             for (i, seed) in seeds.into_iter().enumerate() {
@@ -358,10 +362,10 @@ mod tests {
                 edit(&mut contents, &region, op, &mut recorder, &mut dirty);
                 let made = contents.material.page_count() - before.material.page_count();
                 prop_assert_eq!(made as u64, if op == EditOp::Subtract { 0 } else { pages });
-                for index in 0..before.grid.bricks().len() {
+                for index in 0..before.grid.brick_count() {
                     let b = before.grid.brick_coords(index);
                     let mask = region.brick(b).and(&before.grid.valid_mask(b));
-                    let (old, new) = (before.grid.bricks()[index], contents.grid.bricks()[index]);
+                    let (old, new) = (*before.grid.brick_at(index), *contents.grid.brick_at(index));
                     let (expected, painted) = match op {
                         EditOp::Add(_) => (old.or(&mask), mask.and_not(&old)),
                         EditOp::Subtract => (old.and_not(&mask), Brick::EMPTY),

@@ -1,19 +1,27 @@
-//! Owns the existence bits of one sculpture: bricks, their opaque counts, and a bit
-//! per brick that says whether it holds anything.
+//! The existence bits of one sculpture, in bricks of 8^3 voxels.
 //!
-//! Takes and gives whole bricks and single voxels. Invariants: bits beyond `dims` are 0;
-//! counts and occupancy always match the bits. Knows no colour, no history, no tool.
+//! How bricks are stored is private to [`crate::sculpture`]. Everybody else asks for a brick by its
+//! coordinates or index, visits the non-empty ones, copies rows of bricks along x, or looks up words
+//! of 4^3 voxels (`read.rs`, `word_reader.rs`); writers replace whole bricks. A table of chunks can
+//! serve all of these as well as the dense array that is here now.
+//!
+//! Invariants: bits beyond `dims` are 0; voxel counts and occupancy always match the bits. Knows no
+//! colour, no history, no tool.
 
 use glam::{IVec3, UVec3, Vec3};
 use thiserror::Error;
 
-use super::brick::{BRICK_EDGE_VX, Brick, local_coords};
+use super::brick::{BRICK_EDGE_VX, Brick};
 
 mod band;
+mod read;
+mod word_reader;
 mod words;
 
-pub use band::GridBand;
-pub use words::WordKinds;
+pub(in crate::sculpture) use band::GridBand;
+pub(in crate::sculpture) use words::WordKinds;
+
+pub use word_reader::WordReader;
 
 /// Longest axis of a grid. Its product over three axes must still leave a `u32` index.
 pub const MAX_AXIS_VX: u32 = 4096;
@@ -23,8 +31,11 @@ pub const NO_VOXEL: u32 = u32::MAX;
 /// Why a grid cannot be made.
 #[derive(Debug, Error, PartialEq)]
 pub enum GridError {
+    /// An axis (the size is given) has no voxel or more than [`MAX_AXIS_VX`].
     #[error("grid of {0}x{1}x{2} voxels: every axis must be 1 to {MAX_AXIS_VX} voxels")]
     Axis(u32, u32, u32),
+    /// The size, and its number of voxels, which a `u32` index cannot address.
+    /// The grid needs more bytes than allowed.
     #[error(
         "grid of {0}x{1}x{2} voxels: {3} voxels are more than the 2^32-2 that a voxel index can name"
     )]
@@ -34,6 +45,7 @@ pub enum GridError {
          choose a smaller grid or raise memory.grid_mib in the settings"
     )]
     Memory { dims: UVec3, needed_mib: u64, budget_mib: u64 },
+    /// An edge length that is not finite or not positive.
     #[error("the voxel size {0} is not valid: it must be a positive, finite length on every axis")]
     VoxelSize(Vec3),
 }
@@ -120,52 +132,6 @@ impl Grid {
         self.voxel_size
     }
 
-    /// All bricks, x fastest, then y, then z.
-    #[inline]
-    pub fn bricks(&self) -> &[Brick] {
-        &self.bricks
-    }
-
-    /// Opaque count of every brick, in the order of [`Grid::bricks`].
-    #[inline]
-    pub fn counts(&self) -> &[u16] {
-        &self.counts
-    }
-
-    /// One bit a brick, set where it is not empty: words of 4^3 bricks in linear order over
-    /// [`Grid::occupancy_dims`], bits ordered as the voxels of a brick word.
-    #[inline]
-    pub fn occupancy(&self) -> &[u64] {
-        &self.occupancy
-    }
-
-    /// Size of [`Grid::occupancy`] in words.
-    #[inline]
-    pub fn occupancy_dims(&self) -> UVec3 {
-        self.occupancy_dims
-    }
-
-    /// The box of whole bricks about all voxels: its lowest voxel and one past its highest. None if the
-    /// grid is empty.
-    pub fn bounds_vx(&self) -> Option<(UVec3, UVec3)> {
-        let (mut low, mut high) = (UVec3::MAX, UVec3::ZERO);
-        let UVec3 { x: width, y: height, .. } = self.occupancy_dims;
-        for (row, words) in (0..).zip(self.occupancy.chunks_exact(width as usize)) {
-            let mut first = UVec3::new(0, row % height, row / height) * 4;
-            for &word in words {
-                // Most lie within what is known already.
-                if word != 0 && !(first.cmpge(low).all() && (first + 4).cmple(high).all()) {
-                    let (word_low, word_high) = bounds_of_word(word);
-                    low = low.min(first + word_low);
-                    high = high.max(first + word_high);
-                }
-                first.x += 4;
-            }
-        }
-        let edge = BRICK_EDGE_VX;
-        (low.x != u32::MAX).then(|| (low * edge, (high * edge).min(self.dims)))
-    }
-
     /// Number of existing voxels.
     #[inline]
     pub fn opaque_count(&self) -> u64 {
@@ -242,13 +208,6 @@ impl Grid {
     #[inline(always)]
     pub fn set_brick(&mut self, index: usize, brick: Brick) {
         let count = brick.count();
-        self.set_counted_brick(index, brick, count);
-    }
-
-    /// [`Grid::set_brick`] for callers that have counted the bits already.
-    #[inline(always)]
-    pub fn set_counted_brick(&mut self, index: usize, brick: Brick, count: u16) {
-        debug_assert_eq!(count, brick.count());
         let before = std::mem::replace(&mut self.counts[index], count);
         self.opaque = self.opaque + u64::from(count) - u64::from(before);
         self.bricks[index] = brick;
@@ -302,31 +261,9 @@ impl Grid {
         }
     }
 
-    /// The smallest box that holds every existing voxel, `min` inclusive and `max` exclusive; none
-    /// where there is no voxel.
-    pub fn opaque_bounds(&self) -> Option<(UVec3, UVec3)> {
-        let (mut min, mut max) = (UVec3::MAX, UVec3::ZERO);
-        for (index, brick) in self.bricks.iter().enumerate() {
-            if self.counts[index] == 0 {
-                continue;
-            }
-            let low = self.brick_coords(index) * BRICK_EDGE_VX;
-            // Only a brick that reaches beyond what is known needs a closer look.
-            if low.cmpge(min).all() && (low + BRICK_EDGE_VX).cmple(max).all() {
-                continue;
-            }
-            brick.for_each(|local| {
-                let v = low + UVec3::from(local_coords(local));
-                min = min.min(v);
-                max = max.max(v + 1);
-            });
-        }
-        (self.opaque > 0).then_some((min, max))
-    }
-
-    /// Word and bit of the brick at `b` in [`Grid::occupancy`].
+    /// Index of the occupancy word of the brick at `b`, and its bit in that word.
     #[inline(always)]
-    pub fn occupancy_place(&self, b: UVec3) -> (usize, u32) {
+    fn occupancy_place(&self, b: UVec3) -> (usize, u32) {
         let block: UVec3 = b / 4;
         let word = block.x + self.occupancy_dims.x * (block.y + self.occupancy_dims.y * block.z);
         (word as usize, (b.x & 3) | (b.y & 3) << 2 | (b.z & 3) << 4)
@@ -341,18 +278,6 @@ fn valid_mask(dims: UVec3, b: UVec3) -> Brick {
 
 fn brick_dims(dims: UVec3) -> UVec3 {
     (dims + (BRICK_EDGE_VX - 1)) / BRICK_EDGE_VX
-}
-
-/// The lowest place of a word of 4^3 bits that is set, and one past the highest, on each axis.
-fn bounds_of_word(word: u64) -> (UVec3, UVec3) {
-    // Folded to the four bits of each axis.
-    let z = (0..4).fold(0, |z, i| z | u32::from(word >> (16 * i) & 0xFFFF != 0) << i);
-    let layer = word | word >> 16 | word >> 32 | word >> 48;
-    let y = (0..4).fold(0, |y, i| y | u32::from(layer >> (4 * i) & 0xF != 0) << i);
-    let x = ((layer | layer >> 4 | layer >> 8 | layer >> 12) & 0xF) as u32;
-    let axes = [x, y, z];
-    let low = axes.map(u32::trailing_zeros);
-    (UVec3::from(low), UVec3::from(axes.map(|bits| 32 - bits.leading_zeros())))
 }
 
 fn occupancy_dims(brick_dims: UVec3) -> UVec3 {
@@ -441,10 +366,10 @@ mod tests {
                 if grid.contains(v) { if on { naive.insert(v); } else { naive.remove(&v); } }
             }
             prop_assert_eq!(grid.opaque_count(), naive.len() as u64);
-            for (index, brick) in grid.bricks().iter().enumerate() {
-                prop_assert_eq!(grid.counts()[index], brick.count());
+            for (index, brick) in grid.bricks.iter().enumerate() {
+                prop_assert_eq!(grid.counts[index], brick.count());
                 let (word, bit) = grid.occupancy_place(grid.brick_coords(index));
-                prop_assert_eq!(grid.occupancy()[word] >> bit & 1 != 0, !brick.is_empty());
+                prop_assert_eq!(grid.occupancy[word] >> bit & 1 != 0, !brick.is_empty());
                 prop_assert_eq!(brick.and_not(&grid.valid_mask(grid.brick_coords(index))), Brick::EMPTY);
             }
             let low = naive.iter().copied().reduce(IVec3::min);
@@ -453,7 +378,7 @@ mod tests {
             prop_assert_eq!(grid.opaque_bounds(), bounds);
             for v in naive { prop_assert!(grid.get(v)); }
             let mut copy = small_grid(grid.dims());
-            copy.fill_bricks(|b| grid.bricks()[grid.brick_index(b)]);
+            copy.fill_bricks(|b| *grid.brick(b));
             prop_assert_eq!(copy, grid);
         }
     }

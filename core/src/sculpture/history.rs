@@ -17,7 +17,9 @@ use super::record::BrickRecord;
 /// All that undo restores: existence bits and colours.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Contents {
+    /// Which voxels exist.
     pub grid: Grid,
+    /// Their colours.
     pub material: Material,
 }
 
@@ -74,12 +76,14 @@ pub struct State {
 pub struct Step {
     /// What the person did, as shown in the history list.
     pub label: String,
+    /// The values to swap with the sculpture's.
     pub change: Change,
     /// The state that reversing it leads to.
     pub state: State,
 }
 
 impl Step {
+    /// Bytes that the step takes of the history's budget.
     pub fn heap_bytes(&self) -> usize {
         size_of::<Step>() + self.label.len() + self.change.heap_bytes()
     }
@@ -105,6 +109,7 @@ pub struct History {
 }
 
 impl History {
+    /// An empty history that keeps at most `budget_bytes`.
     pub fn new(budget_bytes: usize) -> History {
         History { undo: VecDeque::new(), redo: VecDeque::new(), bytes: 0, budget_bytes, dropped: 0 }
     }
@@ -136,18 +141,22 @@ impl History {
         Some(step)
     }
 
+    /// Puts the reverse of an undone step on the redo stack.
     pub fn undone(&mut self, reverse: Step) {
         self.put(reverse, Stack::Redo);
     }
 
+    /// Puts the reverse of a redone step on the undo stack.
     pub fn redone(&mut self, reverse: Step) {
         self.put(reverse, Stack::Undo);
     }
 
+    /// Number of steps that can be undone.
     pub fn undo_count(&self) -> usize {
         self.undo.len()
     }
 
+    /// Number of steps that can be redone.
     pub fn redo_count(&self) -> usize {
         self.redo.len()
     }
@@ -172,6 +181,7 @@ impl History {
         self.bytes
     }
 
+    /// Most bytes that the steps may take.
     pub fn budget_bytes(&self) -> usize {
         self.budget_bytes
     }
@@ -223,7 +233,7 @@ mod tests {
         let label = format!("step {name}");
         if bricks.is_multiple_of(16) {
             let grid = Grid::new(UVec3::splat(8 + u32::from(bricks)), Vec3::ONE, 1 << 30).unwrap();
-            let material = Material::new(ColourDepth::None, Rgb::default(), grid.bricks().len());
+            let material = Material::for_grid(&grid, ColourDepth::None, Rgb::default());
             let change = Change::Whole(Box::new(Contents { grid, material }));
             return Step { label, change, state: State::default() };
         }

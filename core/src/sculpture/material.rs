@@ -10,6 +10,7 @@ use rayon::prelude::*;
 
 use super::brick::{BRICK_VOXELS, Brick};
 use super::colour::{ColourDepth, Rgb};
+use super::grid::Grid;
 
 /// The packed colours of one brick, in the order of [`super::brick::local_index`].
 pub type Page = Box<[u8]>;
@@ -26,7 +27,7 @@ pub struct Material {
 }
 
 impl Material {
-    /// No voxel painted yet: all have `base`, quantised to `depth`.
+    /// No voxel painted yet, of a grid of `brick_count` bricks: all have `base`, quantised to `depth`.
     pub fn new(depth: ColourDepth, base: Rgb, brick_count: usize) -> Material {
         Material {
             depth,
@@ -37,6 +38,12 @@ impl Material {
         }
     }
 
+    /// No voxel of `grid` painted yet: all have `base`, quantised to `depth`.
+    pub fn for_grid(grid: &Grid, depth: ColourDepth, base: Rgb) -> Material {
+        Material::new(depth, base, grid.brick_count())
+    }
+
+    /// Bits of colour per voxel.
     pub fn depth(&self) -> ColourDepth {
         self.depth
     }

@@ -7,7 +7,7 @@
 use fearless_simd::{Level, dispatch};
 use glam::UVec3;
 
-use super::brick::{BRICK_EDGE_VX, BRICK_VOXELS, Brick, local_coords};
+use super::brick::{BRICK_EDGE_VX, BRICK_VOXELS, Brick, BrickKind, local_coords};
 use super::brick_set::{BrickMask, BrickSet};
 use super::colour::{ColourDepth, Rgb};
 use super::edit::{BrickRow, EditStats};
@@ -48,7 +48,7 @@ pub fn paint_each(
         let mut made = 0;
         let mut paint = |b: UVec3, mask: &Brick| {
             let index = grid.brick_index(b);
-            let mask = grid.bricks()[index].and(mask);
+            let mask = grid.brick_at(index).and(mask);
             let page = &mut pages[index - first as usize];
             let origin = b * BRICK_EDGE_VX;
             let one = |local: u32, now: Rgb| colour(origin + UVec3::from(local_coords(local)), now);
@@ -67,7 +67,7 @@ pub fn paint_each(
                     |piece| piece.each(
                         #[inline(always)]
                         |b| {
-                            if grid.counts()[grid.brick_index(b)] != 0 {
+                            if grid.brick_kind(grid.brick_index(b)) != BrickKind::Empty {
                                 paint(b, &piece.mask(b));
                             }
                         },
@@ -161,11 +161,11 @@ mod tests {
             } else {
                 Brick::EMPTY
             });
-            let material = Material::new(depth, Rgb::STONE, grid.bricks().len());
+            let material = Material::for_grid(&grid, depth, Rgb::STONE);
             let mut contents = Contents { grid, material };
             let start = contents.clone();
             let mut recorder = StrokeRecorder::new(&contents.grid);
-            let mut dirty = BrickSet::new(contents.grid.bricks().len());
+            let mut dirty = BrickSet::new(contents.grid.brick_count());
             let min = IVec3::from(from);
             let region = VoxelBox { min, max: min + IVec3::from(size) };
             // Twice, so that the second time meets pages.
@@ -174,7 +174,7 @@ mod tests {
                 let stats =
                     paint_each(&mut contents, &region, colour_at, &mut recorder, &mut dirty);
                 let mut painted = 0;
-                for index in 0..before.grid.bricks().len() {
+                for index in 0..before.grid.brick_count() {
                     for local in 0..BRICK_VOXELS {
                         let [x, y, z] = local_coords(local);
                         let v = before.grid.brick_coords(index) * BRICK_EDGE_VX

@@ -29,6 +29,7 @@ pub struct BandRecord {
     pub pages_changed: Vec<BrickMask>,
     /// Voxels of bricks that the present edit is to paint.
     pub to_paint: Vec<(u32, Brick)>,
+    /// What the present edit has changed.
     pub stats: EditStats,
 }
 
@@ -46,11 +47,12 @@ pub struct Recording<'a> {
 }
 
 impl StrokeRecorder {
+    /// A recorder for sculptures of the size of `grid`.
     pub fn new(grid: &Grid) -> StrokeRecorder {
         StrokeRecorder {
             bands: std::iter::repeat_with(BandRecord::default).take(grid.band_count()).collect(),
-            bits_kept: BrickSet::new(grid.bricks().len()),
-            pages_kept: BrickSet::new(grid.bricks().len()),
+            bits_kept: BrickSet::new(grid.brick_count()),
+            pages_kept: BrickSet::new(grid.brick_count()),
         }
     }
 

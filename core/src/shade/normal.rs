@@ -1,6 +1,7 @@
-//! Owns surface normals: the gradient of existence in the neighbourhood of a voxel.
+//! Surface normals: the gradient of existence in the neighbourhood of a voxel.
 //!
-//! Takes a grid and a voxel, gives a vector that points out of the solid, in grid coordinates.
+//! From a grid and a voxel to a vector that points out of the solid, in grid coordinates; for one
+//! voxel, or for sixteen with vectors.
 //!
 //! The gradient is the first moment of existence over the 81 voxels whose centre is at most
 //! `sqrt(6)` voxels away. Other neighbourhoods, by their mean error against the radial direction
@@ -13,7 +14,7 @@ use glam::{IVec3, UVec3, Vec3};
 
 use super::moments::{FoldedLanes, fold, moments, moments_of_many};
 use crate::sculpture::Grid;
-use crate::sculpture::brick::BRICK_WORDS;
+use crate::sculpture::grid::WordReader;
 
 /// Voxels, on each axis, between a voxel and those that its normal depends on.
 pub const NORMAL_REACH_VX: u32 = 2;
@@ -23,100 +24,53 @@ pub const NORMAL_REACH_VX: u32 = 2;
 pub fn gradient(grid: &Grid, voxel: UVec3) -> Vec3 {
     let low = voxel.as_ivec3() - 2;
     let inside = low & 3;
-    let bits = Words::of(grid).cube(low >> 2);
+    let bits = grid.words().cube(low >> 2);
     let at = (inside.x | inside.y << 2 | inside.z << 4) as usize;
     let (upper, lower) = fold(at, &bits);
     moments(at, upper, lower).as_vec3()
 }
 
-/// The words of a grid by their place.
-#[derive(Clone, Copy)]
-pub(super) struct Words<'a> {
-    words: &'a [u64],
-    /// Words an axis.
-    dims: IVec3,
-    /// From a brick to the next of each axis, in words.
-    stride: IVec3,
-}
-
-/// From a word of a brick to the next of each axis, in words.
-const STEP: IVec3 = IVec3::new(1, 2, 4);
-
-/// Added to the place of a word that lies outside of the grid: beyond any word that exists.
-const OUTSIDE: i32 = 1 << 29;
-
-impl<'a> Words<'a> {
-    pub fn of(grid: &'a Grid) -> Words<'a> {
-        let bricks = grid.brick_dims().as_ivec3();
-        let stride = BRICK_WORDS as i32 * IVec3::new(1, bricks.x, bricks.x * bricks.y);
-        Words { words: bytemuck::cast_slice(grid.bricks()), dims: bricks * 2, stride }
-    }
-
-    /// [`gradient`] of sixteen voxels. Only the lanes of the bits of `wanted` are computed.
-    #[inline(always)]
-    pub fn gradients<S: Simd>(
-        &self,
-        simd: S,
-        voxels: [i32x16<S>; 3],
-        wanted: u32,
-    ) -> [f32x16<S>; 3] {
-        let mut at = i32x16::splat(simd, 0);
-        let (mut near, mut far) = ([at; 3], [at; 3]);
-        for axis in 0..3 {
-            let low = voxels[axis] - 2;
-            let corner = low >> 2;
-            at |= (low & 3) << (2 * axis as u32);
-            let outside = i32x16::splat(simd, OUTSIDE);
-            let (stride, step) = (self.stride[axis], STEP[axis]);
-            let next = corner + 1;
-            near[axis] = corner.simd_lt(0).select(outside, place(corner, stride, step));
-            far[axis] = next.simd_ge(self.dims[axis]).select(outside, place(next, stride, step));
-        }
-        let at_lanes = at.to_array();
-        let near = [near[0].to_array(), near[1].to_array(), near[2].to_array()];
-        let far = [far[0].to_array(), far[1].to_array(), far[2].to_array()];
-        let mut folded = FoldedLanes::default();
-        let mut rest = wanted;
-        while rest != 0 {
-            let lane = rest.trailing_zeros() as usize & 15;
-            rest &= rest - 1;
-            let of = |axis: usize| (near[axis][lane] as usize, far[axis][lane] as usize);
-            let ((x0, x1), (y0, y1), (z0, z1)) = (of(0), of(1), of(2));
-            let word = |place: usize| self.words.get(place).copied().unwrap_or(0);
-            let bits = [
-                word(x0 + y0 + z0),
-                word(x1 + y0 + z0),
-                word(x0 + y1 + z0),
-                word(x1 + y1 + z0),
-                word(x0 + y0 + z1),
-                word(x1 + y0 + z1),
-                word(x0 + y1 + z1),
-                word(x1 + y1 + z1),
-            ];
-            let (upper, lower) = fold(at_lanes[lane] as usize, &bits);
-            folded.upper[lane / 8][lane % 8] = upper;
-            folded.lower[lane / 8][lane % 8] = lower;
-        }
-        let [x, y, z] = moments_of_many(simd, at.bitcast(), &folded);
-        [x.to_float(), y.to_float(), z.to_float()]
-    }
-
-    /// The eight words of the cube whose lower corner is word `corner`; outside of the grid 0.
-    fn cube(&self, corner: IVec3) -> [u64; 8] {
-        std::array::from_fn(|i| {
-            let w = corner + (IVec3::splat(i as i32) >> IVec3::new(0, 1, 2) & 1);
-            let exists = w.cmpge(IVec3::ZERO).all() && w.cmplt(self.dims).all();
-            let place: IVec3 = (w >> 1) * self.stride + (w & 1) * STEP;
-            if exists { self.words[place.element_sum() as usize] } else { 0 }
-        })
-    }
-}
-
-/// What words add to the place along an axis. A function and not a closure: what is not inlined loses
-/// the instructions that the dispatch chose.
+/// [`gradient`] of sixteen voxels. Only the lanes of the bits of `wanted` are computed.
 #[inline(always)]
-fn place<S: Simd>(word: i32x16<S>, stride: i32, step: i32) -> i32x16<S> {
-    (word >> 1) * stride + (word & 1) * step
+pub(super) fn gradients<S: Simd>(
+    simd: S,
+    words: &WordReader,
+    voxels: [i32x16<S>; 3],
+    wanted: u32,
+) -> [f32x16<S>; 3] {
+    let mut at = i32x16::splat(simd, 0);
+    let (mut near, mut far) = ([at; 3], [at; 3]);
+    for axis in 0..3 {
+        let low = voxels[axis] - 2;
+        at |= (low & 3) << (2 * axis as u32);
+        (near[axis], far[axis]) = words.parts(simd, axis, low >> 2);
+    }
+    let at_lanes = at.to_array();
+    let near = [near[0].to_array(), near[1].to_array(), near[2].to_array()];
+    let far = [far[0].to_array(), far[1].to_array(), far[2].to_array()];
+    let mut folded = FoldedLanes::default();
+    let mut rest = wanted;
+    while rest != 0 {
+        let lane = rest.trailing_zeros() as usize & 15;
+        rest &= rest - 1;
+        let of = |axis: usize| (near[axis][lane] as usize, far[axis][lane] as usize);
+        let ((x0, x1), (y0, y1), (z0, z1)) = (of(0), of(1), of(2));
+        let bits = [
+            words.word(x0 + y0 + z0),
+            words.word(x1 + y0 + z0),
+            words.word(x0 + y1 + z0),
+            words.word(x1 + y1 + z0),
+            words.word(x0 + y0 + z1),
+            words.word(x1 + y0 + z1),
+            words.word(x0 + y1 + z1),
+            words.word(x1 + y1 + z1),
+        ];
+        let (upper, lower) = fold(at_lanes[lane] as usize, &bits);
+        folded.upper[lane / 8][lane % 8] = upper;
+        folded.lower[lane / 8][lane % 8] = lower;
+    }
+    let [x, y, z] = moments_of_many(simd, at.bitcast(), &folded);
+    [x.to_float(), y.to_float(), z.to_float()]
 }
 
 #[cfg(test)]

@@ -47,7 +47,7 @@ fn word_count(grid: &Grid, at: IVec3) -> u32 {
     }
     let at = at.as_uvec3();
     let word = at >> UVec3::splat(2) & 1;
-    let brick = &grid.bricks()[grid.brick_index(at >> UVec3::splat(3))];
+    let brick = grid.brick(at >> UVec3::splat(3));
     brick.words[(word.x | word.y << 1 | word.z << 2) as usize].count_ones()
 }
 

@@ -68,6 +68,7 @@ impl PointCloud {
         self.indices.par_iter().with_min_len(256).map(point).collect_into_vec(&mut self.points);
     }
 
+    /// The points of the last call.
     pub fn points(&self) -> &[SurfacePoint] {
         &self.points
     }
@@ -94,8 +95,8 @@ mod tests {
     #[test]
     fn every_voxel_that_is_seen_is_one_point_with_normal_and_colour() {
         let grid = scenes::cheese(64, 30, 2).unwrap();
-        let mut material = Material::new(ColourDepth::Bits24, Rgb::STONE, grid.bricks().len());
-        for brick in (0..grid.bricks().len()).step_by(2) {
+        let mut material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::STONE);
+        for brick in (0..grid.brick_count()).step_by(2) {
             material.paint(brick, &Brick::FULL, Rgb([brick as u8, 7, 9]));
         }
         let camera = Camera::framing(40.0, Vec3::new(1.0, 0.5, 0.7), Vec3::Y);

@@ -11,9 +11,10 @@ use rayon::prelude::*;
 
 use super::illumination::{Illumination, LANES, SurfacePoints};
 use super::light::Lighting;
-use super::normal::Words;
+use super::normal::gradients;
 use super::pixels::Pixels;
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
+use crate::sculpture::grid::WordReader;
 use crate::sculpture::{Grid, Material, NO_VOXEL, Rgb};
 use crate::surface::{IndexMap, PixelRect};
 
@@ -25,7 +26,9 @@ const STRIP_PX: usize = 64;
 /// Where the sculpture and the eye are.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ShadePose {
+    /// The map from world to eye coordinates.
     pub eye_from_world: Affine3A,
+    /// The map from grid coordinates (voxels) to world units.
     pub world_from_grid: Affine3A,
 }
 
@@ -79,7 +82,7 @@ fn shade_at(
         grid,
         material,
         painted: material.page_count() > 0,
-        words: Words::of(grid),
+        words: grid.words(),
         places: Places::of(grid.dims()),
         illumination: Illumination::new(lighting, &pose.eye_from_world, &pose.world_from_grid),
     };
@@ -101,7 +104,7 @@ struct Shader<'a> {
     material: &'a Material,
     /// Whether colours differ from the base colour anywhere.
     painted: bool,
-    words: Words<'a>,
+    words: WordReader<'a>,
     places: Places,
     illumination: Illumination,
 }
@@ -157,7 +160,7 @@ impl Shader<'_> {
         for (place, position) in places.iter().zip(&mut points.position) {
             (place.to_float::<f32x16<S>>() + 0.5).store_array(position);
         }
-        let gradients = self.words.gradients(simd, places, seen_lanes);
+        let gradients = gradients(simd, &self.words, places, seen_lanes);
         for (gradient, out) in gradients.iter().zip(&mut points.gradient) {
             gradient.store_array(out);
         }

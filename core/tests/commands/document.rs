@@ -34,7 +34,7 @@ fn agree(contents: &Contents, model: &Voxels) -> Result<(), TestCaseError> {
 /// Checks what a grid promises of itself: counts, occupancy, nothing beyond its border.
 fn sound(grid: &Grid) -> Result<(), TestCaseError> {
     let mut copy = Grid::new(grid.dims(), grid.voxel_size(), u64::MAX).unwrap();
-    copy.fill_bricks(|b| grid.bricks()[grid.brick_index(b)]);
+    copy.fill_bricks(|b| *grid.brick(b));
     prop_assert_eq!(&copy, grid);
     Ok(())
 }
@@ -43,10 +43,10 @@ fn sound(grid: &Grid) -> Result<(), TestCaseError> {
 fn changed_bricks(before: &Contents, after: &Contents) -> HashSet<u32> {
     let differs = |&brick: &u32| {
         let i = brick as usize;
-        before.grid.bricks()[i] != after.grid.bricks()[i]
+        before.grid.brick_at(i) != after.grid.brick_at(i)
             || before.material.page(i) != after.material.page(i)
     };
-    (0..before.grid.bricks().len() as u32).filter(differs).collect()
+    (0..before.grid.brick_count() as u32).filter(differs).collect()
 }
 
 proptest! {
@@ -341,10 +341,8 @@ fn replacing_is_one_step_and_marks_all_dirty() {
     document.apply(&ball(EditOp::Recolour(RED), Vec3::splat(8.0), 4.0)).unwrap();
     document.take_dirty(|_, _| ());
     let before = document.contents().clone();
-    let other = Contents {
-        grid: Grid::new(UVec3::new(9, 30, 4), Vec3::ONE, 1 << 20).unwrap(),
-        material: Material::new(ColourDepth::None, RED, 8),
-    };
+    let grid = Grid::new(UVec3::new(9, 30, 4), Vec3::ONE, 1 << 20).unwrap();
+    let other = Contents { material: Material::for_grid(&grid, ColourDepth::None, RED), grid };
     document.replace(other.clone(), "open").unwrap();
     assert!(document.take_dirty(|_, dirty| dirty.is_none()));
     document.apply(&ball(EditOp::Add(Some(RED)), Vec3::new(4.0, 20.0, 2.0), 3.0)).unwrap();

@@ -28,22 +28,20 @@ fn synthetic_volume() -> Contents {
         }
         brick
     });
-    let mut material =
-        Material::new(ColourDepth::Bits16, Rgb::new(200, 190, 170), grid.bricks().len());
-    for brick in (0..grid.bricks().len()).step_by(7) {
+    let mut material = Material::for_grid(&grid, ColourDepth::Bits16, Rgb::new(200, 190, 170));
+    for brick in (0..grid.brick_count()).step_by(7) {
         let shade = (brick % 251) as u8;
-        material
-            .paint_each(brick, &grid.bricks()[brick], |i| Rgb::new(shade, i as u8, 255 - shade));
+        material.paint_each(brick, grid.brick_at(brick), |i| Rgb::new(shade, i as u8, 255 - shade));
     }
     Contents { grid, material }
 }
 
 /// All that undo must bring back, as bytes.
 fn bytes(contents: &Contents) -> (Vec<u8>, Vec<Option<Vec<u8>>>) {
-    let bits = bytemuck::cast_slice::<Brick, u8>(contents.grid.bricks()).to_vec();
-    let pages = (0..contents.grid.bricks().len())
-        .map(|brick| contents.material.page(brick).map(<[u8]>::to_vec))
-        .collect();
+    let bricks = 0..contents.grid.brick_count();
+    let bits = bricks.clone().flat_map(|brick| bytemuck::bytes_of(contents.grid.brick_at(brick)));
+    let bits = bits.copied().collect();
+    let pages = bricks.map(|brick| contents.material.page(brick).map(<[u8]>::to_vec)).collect();
     (bits, pages)
 }
 

@@ -67,7 +67,7 @@ impl Entry {
 /// Packs bricks; `valid` names the voxels that a brick may have, `page` its colours, both by the
 /// place in the chunk.
 pub fn pack<'a>(
-    bricks: &[Brick],
+    bricks: impl ExactSizeIterator<Item = &'a Brick>,
     valid: impl Fn(usize) -> Brick,
     page: impl Fn(usize) -> Option<&'a [u8]>,
     depth: ColourDepth,
@@ -75,7 +75,7 @@ pub fn pack<'a>(
     let mut classes = Vec::with_capacity(bricks.len() * 16);
     let (mut shapes, mut words, mut pages) = (Vec::new(), Vec::new(), Vec::new());
     let mut page_count = 0;
-    for (i, brick) in bricks.iter().enumerate() {
+    for (i, brick) in bricks.enumerate() {
         let class = if brick.is_empty() {
             EMPTY
         } else if brick.is_full() || *brick == valid(i) {

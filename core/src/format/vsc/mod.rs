@@ -52,10 +52,15 @@ const CHUNK_RANGE: std::ops::RangeInclusive<u32> = 64..=1 << 16;
 /// What a file says before its chunks.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Header {
+    /// Size in voxels.
     pub dims: UVec3,
+    /// Edge lengths of a voxel in world units.
     pub voxel_size: Vec3,
+    /// Bits of colour per voxel.
     pub colour_depth: ColourDepth,
+    /// Colour of unpainted voxels.
     pub base: Rgb,
+    /// The texts stored with it.
     pub texts: Texts,
     chunk_bricks: usize,
     entries: Vec<Entry>,
@@ -73,15 +78,15 @@ pub fn write(
     let texts = packed_texts(texts)?;
     let depth = material.depth();
     progress.begin("packing");
-    let chunks: Vec<(Entry, Vec<u8>)> = grid
-        .bricks()
-        .par_chunks(CHUNK_BRICKS as usize)
-        .enumerate()
-        .map(|(i, bricks)| {
+    let chunks: Vec<(Entry, Vec<u8>)> = (0..grid.brick_count())
+        .into_par_iter()
+        .step_by(CHUNK_BRICKS as usize)
+        .map(|first| {
             if progress.is_cancelled() {
                 return (Entry::default(), Vec::new());
             }
-            let first = i * CHUNK_BRICKS as usize;
+            let end = grid.brick_count().min(first + CHUNK_BRICKS as usize);
+            let bricks = (first..end).map(|index| grid.brick_at(index));
             let valid = |at: usize| grid.valid_mask(grid.brick_coords(first + at));
             chunk::pack(bricks, valid, |at| material.page(first + at), depth)
         })
@@ -212,7 +217,7 @@ pub fn read(
         .collect();
     progress.begin("unpacking");
     let pages: Result<Vec<Vec<(usize, Page)>>, FormatError> =
-        grid.try_fill_chunks(chunk_bricks, |first, bricks, place| {
+        grid.try_fill_runs(chunk_bricks, |first, bricks, place| {
             go_on(progress)?;
             let (entry, packed) = &chunks[first / chunk_bricks];
             let valid = |at: usize| place.valid_mask(first + at);
@@ -221,7 +226,7 @@ pub fn read(
             Ok(pages)
         });
     progress.end();
-    let mut material = Material::new(depth, base, grid.bricks().len());
+    let mut material = Material::for_grid(&grid, depth, base);
     for (brick, page) in pages?.into_iter().flatten() {
         material.swap_page(brick, Some(page));
     }

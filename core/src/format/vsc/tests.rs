@@ -1,6 +1,6 @@
 use super::*;
 use crate::scenes::{self, Random};
-use crate::sculpture::Brick;
+use crate::sculpture::brick::{Brick, BrickKind};
 use proptest::prelude::*;
 
 /// A sculpture of empty, full and mixed bricks, with pages of one, some and many colours, some of
@@ -14,12 +14,12 @@ fn sculpture(dims: [u32; 3], depth: ColourDepth, seed: u64) -> Contents {
             0 => Brick::EMPTY,
             1 => Brick { words: std::array::from_fn(|_| random.next_u64()) },
             2 => Brick::FULL,
-            _ => cheese.bricks()[cheese.brick_index(b % 12)],
+            _ => *cheese.brick(b % 12),
         }
     });
-    let mut material = Material::new(depth, Rgb::new(10, 200, 30), grid.bricks().len());
+    let mut material = Material::for_grid(&grid, depth, Rgb::new(10, 200, 30));
     let mut random = Random(seed);
-    for brick in 0..grid.bricks().len() {
+    for brick in 0..grid.brick_count() {
         let colours = match random.next_u64() % 6 {
             0 => 1,
             1 => 2 + random.next_u64() % 15,
@@ -60,7 +60,7 @@ fn what_is_written_is_read_back_to_the_byte() {
 #[test]
 fn a_block_takes_next_to_nothing() {
     for grid in [scenes::solid_cube(260).unwrap(), scenes::cheese(260, 0, 1).unwrap()] {
-        let material = Material::new(ColourDepth::Bits24, Rgb::default(), grid.bricks().len());
+        let material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::default());
         let contents = Contents { grid, material };
         let file = write(&contents, &Texts::default(), &()).unwrap();
         assert!(file.len() < 300, "{} bytes", file.len());
@@ -138,8 +138,9 @@ proptest! {
             Err(error) => prop_assert!(error.to_string().len() < 300),
             Ok((Contents { grid, material }, _)) => {
                 prop_assert!(signed || file == original);
-                for (index, brick) in grid.bricks().iter().enumerate() {
-                    prop_assert_eq!(grid.counts()[index], brick.count());
+                for index in 0..grid.brick_count() {
+                    let brick = grid.brick_at(index);
+                    prop_assert_eq!(grid.brick_kind(index), BrickKind::of_count(brick.count()));
                     let valid = grid.valid_mask(grid.brick_coords(index));
                     prop_assert_eq!(brick.and_not(&valid), Brick::EMPTY);
                     let page = material.page(index);

@@ -1,6 +1,6 @@
-//! Owns the parallel door to a grid: bands of four slabs of bricks along z, each lent to one
-//! task, because four slabs are what one occupancy word spans and so share nothing; and, for
-//! loaders, runs of bricks in linear order.
+//! Parallel write access to a grid: bands of four slabs of bricks along z, each lent to one task.
+//! Four slabs are what one occupancy word spans, so that bands share nothing. For loaders, runs of
+//! bricks in linear order.
 
 use std::ops::Range;
 
@@ -14,7 +14,7 @@ use crate::sculpture::brick::{BRICK_VOXELS, Brick};
 pub const BAND_SLABS: u32 = 4;
 
 /// The bricks of one band, with what must stay true to them.
-pub struct GridBand<'a> {
+pub(in crate::sculpture) struct GridBand<'a> {
     /// Linear index of the band's first brick.
     first: u32,
     dims: UVec3,
@@ -103,7 +103,7 @@ impl GridBand<'_> {
 
 /// What a brick may hold, by its linear index.
 #[derive(Clone, Copy, Debug)]
-pub struct BrickPlaces {
+pub(crate) struct BrickPlaces {
     dims: UVec3,
     brick_dims: UVec3,
 }
@@ -117,10 +117,10 @@ impl BrickPlaces {
 }
 
 impl Grid {
-    /// Hands all bricks to `f`, in runs of `run` in linear order, each with the linear index of
-    /// its first brick, on all threads. `f` must leave only valid bits. Gives what `f` gives, in
-    /// order, or one of its errors.
-    pub fn try_fill_chunks<T: Send, E: Send>(
+    /// Lets `f` write all bricks, in runs of `run` in linear order, on all threads. `f` gets the
+    /// linear index of a run's first brick and the run, and must leave only valid bits. Returns
+    /// what `f` returns, in order, or one of its errors.
+    pub(crate) fn try_fill_runs<T: Send, E: Send>(
         &mut self,
         run: usize,
         f: impl Fn(usize, &mut [Brick], &BrickPlaces) -> Result<T, E> + Sync,
@@ -144,23 +144,23 @@ impl Grid {
     }
 
     /// Number of bands.
-    pub fn band_count(&self) -> usize {
+    pub(in crate::sculpture) fn band_count(&self) -> usize {
         self.brick_dims.z.div_ceil(BAND_SLABS) as usize
     }
 
     /// Linear index of a band's first brick, and so the distance between bands in bricks.
-    pub fn bricks_per_band(&self) -> usize {
+    pub(in crate::sculpture) fn bricks_per_band(&self) -> usize {
         (self.brick_dims.x * self.brick_dims.y * BAND_SLABS) as usize
     }
 
     /// The bands that hold the bricks of `slabs`.
-    pub fn bands_of(&self, slabs: Range<u32>) -> Range<usize> {
+    pub(in crate::sculpture) fn bands_of(&self, slabs: Range<u32>) -> Range<usize> {
         (slabs.start / BAND_SLABS) as usize..slabs.end.div_ceil(BAND_SLABS) as usize
     }
 
     /// Hands the bands that hold the bricks of `slabs` to `f`, each with one of `states`
     /// (one a band of the grid), on as many threads as there are if `parallel`.
-    pub fn edit_bands<S: Send>(
+    pub(in crate::sculpture) fn edit_bands<S: Send>(
         &mut self,
         slabs: Range<u32>,
         parallel: bool,

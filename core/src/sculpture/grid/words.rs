@@ -1,8 +1,10 @@
-//! Owns changes of up to 64 bricks at once, those of one word of a set of bricks: undo puts back
-//! whole words.
+//! Replaces up to 64 bricks at once, those of one word of a brick set. Undo restores whole words.
+//!
+//! Takes a [`BrickMask`] and the new bricks, returns what kinds the old ones were. Keeps counts and
+//! occupancy consistent.
 
 use super::{Grid, unflatten};
-use crate::sculpture::brick::{BRICK_VOXELS, Brick};
+use crate::sculpture::brick::{Brick, BrickKind};
 use crate::sculpture::brick_set::BrickMask;
 
 /// Bricks of one word, by what they hold.
@@ -17,10 +19,11 @@ pub struct WordKinds {
 impl Grid {
     /// How many of some bricks are neither empty nor full.
     #[inline(always)]
-    pub fn count_mixed(&self, bricks: BrickMask) -> usize {
+    pub(in crate::sculpture) fn count_mixed(&self, bricks: BrickMask) -> usize {
         let mut mixed = 0;
         for index in bricks.indices() {
-            mixed += usize::from(Kind::of(self.counts[index as usize]) == Kind::Mixed);
+            mixed +=
+                usize::from(BrickKind::of_count(self.counts[index as usize]) == BrickKind::Mixed);
         }
         mixed
     }
@@ -28,7 +31,7 @@ impl Grid {
     /// Sets bricks to what `bits` gives for them in turn, with their counts. What they were is
     /// returned, and given to `keep_mixed` where it is neither empty nor full.
     #[inline(always)]
-    pub fn swap_word(
+    pub(in crate::sculpture) fn swap_word(
         &mut self,
         bricks: BrickMask,
         mut bits: impl FnMut() -> (Brick, u16),
@@ -39,10 +42,10 @@ impl Grid {
         for index in bricks.indices() {
             let (at, bit) = (index as usize, 1 << (index % 64));
             let (brick, before) = (&mut self.bricks[at], &mut self.counts[at]);
-            match Kind::of(*before) {
-                Kind::Empty => kept.empty |= bit,
-                Kind::Full => kept.full |= bit,
-                Kind::Mixed => {
+            match BrickKind::of_count(*before) {
+                BrickKind::Empty => kept.empty |= bit,
+                BrickKind::Full => kept.full |= bit,
+                BrickKind::Mixed => {
                     kept.mixed |= bit;
                     keep_mixed(brick);
                 }
@@ -77,25 +80,6 @@ impl Grid {
                 (word, bits) = (word + 1, bits >> 4);
             }
             (index, mask) = (index + run, mask >> run);
-        }
-    }
-}
-
-/// What a count says of a brick.
-#[derive(PartialEq, Eq)]
-enum Kind {
-    Empty,
-    Mixed,
-    Full,
-}
-
-impl Kind {
-    #[inline(always)]
-    fn of(count: u16) -> Kind {
-        match u32::from(count) {
-            0 => Kind::Empty,
-            BRICK_VOXELS => Kind::Full,
-            _ => Kind::Mixed,
         }
     }
 }

@@ -12,7 +12,7 @@ use glam::{Mat3, Quat, UVec2, Vec3};
 fn a_lit_face_is_brighter_than_its_ambient_light_and_nothing_is_transparent() {
     let mut grid = Grid::new(UVec3::splat(16), Vec3::ONE, 1 << 20).unwrap();
     grid.fill_bricks(|_| Brick::FULL);
-    let material = Material::new(ColourDepth::Bits24, Rgb::new(200, 100, 50), 8);
+    let material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::new(200, 100, 50));
     let eye = Camera::framing(16.0, Vec3::Z, Vec3::Y).eye(UVec2::new(64, 48));
     let world_from_grid = Placement::default().world_from_grid(grid.dims(), grid.voxel_size());
     let rays = eye.pixel_rays(&world_from_grid);
@@ -37,7 +37,7 @@ fn a_lit_face_is_brighter_than_its_ambient_light_and_nothing_is_transparent() {
 #[test]
 fn a_pixel_is_shaded_the_same_whatever_is_beside_it() {
     let grid = scenes::cheese(64, 30, 7).unwrap();
-    let material = Material::new(ColourDepth::Bits24, Rgb::new(200, 180, 160), grid.bricks().len());
+    let material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::new(200, 180, 160));
     let world_from_grid = Placement::default().world_from_grid(grid.dims(), grid.voxel_size());
     for direction in [Vec3::new(0.8, 0.6, 1.0), Vec3::new(-1.0, 0.1, 0.2)] {
         let eye = Camera::framing(50.0, direction, Vec3::Y).eye(UVec2::new(160, 120));
@@ -123,10 +123,9 @@ fn pictures_are_as_defined_for_all_lights_colours_and_voxel_shapes() {
     let mut random = Random(3);
     let mut grid = Grid::new(UVec3::new(61, 47, 90), Vec3::new(1.0, 2.5, 0.4), 1 << 30).unwrap();
     let cheese = scenes::cheese(96, 60, 8).unwrap();
-    grid.fill_bricks(|b| cheese.bricks()[cheese.brick_index(b)]);
-    let mut material =
-        Material::new(ColourDepth::Bits24, Rgb::new(180, 170, 150), grid.bricks().len());
-    for brick in (0..grid.bricks().len()).step_by(3) {
+    grid.fill_bricks(|b| *cheese.brick(b));
+    let mut material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::new(180, 170, 150));
+    for brick in (0..grid.brick_count()).step_by(3) {
         let colour = Rgb(std::array::from_fn(|_| random.next_u64() as u8));
         material.paint(brick, &Brick::FULL, colour);
     }

@@ -136,7 +136,7 @@ impl Sweep<'_> {
         let mut wanted = 0;
         for child in 0..8 {
             if children >> child & 1 != 0 && canvas.any_open(rects[child]) {
-                bricks[child] = grid.bricks()[grid.brick_index(corners[child] / 8)];
+                bricks[child] = *grid.brick(corners[child] / 8);
                 wanted |= 1 << child;
             }
         }
@@ -197,13 +197,12 @@ impl Sweep<'_> {
                 let occupied = inside
                     && (level - 1 > BLOCK || {
                         let brick = IVec3::from(at).as_uvec3() / 8;
-                        grid.occupancy()[grid.occupancy_place(brick).0] != 0
+                        grid.occupancy_around(brick).0 != 0
                     });
                 mask | u32::from(occupied) << child
             });
         }
-        let (block, bit) = grid.occupancy_place(IVec3::from(low).as_uvec3() / 8);
-        let bricks = grid.occupancy()[block];
+        let (bricks, bit) = grid.occupancy_around(IVec3::from(low).as_uvec3() / 8);
         if level == BLOCK {
             // Eighths of 2^3 bricks.
             const EIGHTH: u64 = 0x0033_0033;

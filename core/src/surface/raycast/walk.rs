@@ -105,15 +105,14 @@ impl<'a> Walk<'a> {
 
     #[inline(always)]
     pub fn brick(&self) -> &'a Brick {
-        &self.grid.bricks()[self.grid.brick_index(self.cell.as_uvec3() / BRICK_EDGE_VX)]
+        self.grid.brick(self.cell.as_uvec3() / BRICK_EDGE_VX)
     }
 
     /// The level of the largest empty block, brick or larger, around the present voxel.
     #[inline(always)]
     fn empty_level(&self) -> Option<u32> {
         let brick = self.cell.as_uvec3() / BRICK_EDGE_VX;
-        let (block, bit) = self.grid.occupancy_place(brick);
-        let occupied = self.grid.occupancy()[block];
+        let (occupied, bit) = self.grid.occupancy_around(brick);
         if occupied == 0 { Some(BLOCK) } else { (occupied >> bit & 1 == 0).then_some(BRICK) }
     }
 

@@ -3,10 +3,10 @@
 use glam::{IVec3, UVec3};
 use rayon::prelude::*;
 
-use crate::sculpture::brick::BRICK_VOXELS;
+use crate::sculpture::brick::BrickKind;
 use crate::sculpture::{Brick, Grid};
 
-/// One flag a brick, in the order of [`Grid::bricks`].
+/// One flag a brick, by its linear index.
 #[derive(Debug, Default)]
 pub(super) struct Exposure {
     flags: Vec<bool>,
@@ -18,7 +18,7 @@ impl Exposure {
     pub fn of(grid: &Grid) -> Exposure {
         let brick_dims = grid.brick_dims();
         let per_slab = (brick_dims.x * brick_dims.y) as usize;
-        let mut flags = vec![false; grid.bricks().len()];
+        let mut flags = vec![false; grid.brick_count()];
         flags.par_chunks_mut(per_slab).enumerate().for_each(|(slab, flags)| {
             for (i, flag) in flags.iter_mut().enumerate() {
                 *flag = exposed(grid, slab * per_slab + i);
@@ -84,10 +84,10 @@ const NEIGHBOURS: [([i32; 3], Face); 6] = [
 /// A brick with an empty voxel and one that exists has two of them side by side, so it can be
 /// seen; a full one can be seen unless every voxel that touches it exists.
 fn exposed(grid: &Grid, index: usize) -> bool {
-    match grid.counts()[index] {
-        0 => return false,
-        count if u32::from(count) < BRICK_VOXELS => return true,
-        _ => (),
+    match grid.brick_kind(index) {
+        BrickKind::Empty => return false,
+        BrickKind::Mixed => return true,
+        BrickKind::Full => (),
     }
     let b = grid.brick_coords(index).as_ivec3();
     let dims = grid.brick_dims().as_ivec3();
@@ -97,7 +97,7 @@ fn exposed(grid: &Grid, index: usize) -> bool {
             return true;
         }
         let near = grid.brick_index(near.as_uvec3());
-        u32::from(grid.counts()[near]) < BRICK_VOXELS && !covers(&grid.bricks()[near], face)
+        grid.brick_kind(near) != BrickKind::Full && !covers(grid.brick_at(near), face)
     })
 }
 

@@ -26,7 +26,7 @@ type BoxEdit = ([i32; 3], [i32; 3], bool);
 
 /// Sets a box of voxels; gives the bricks that changed.
 fn set_box(grid: &mut Grid, (low, size, exists): BoxEdit) -> Vec<u32> {
-    let before = grid.bricks().to_vec();
+    let before = grid.clone();
     for z in 0..size[2] {
         for y in 0..size[1] {
             for x in 0..size[0] {
@@ -34,7 +34,8 @@ fn set_box(grid: &mut Grid, (low, size, exists): BoxEdit) -> Vec<u32> {
             }
         }
     }
-    (0..before.len() as u32).filter(|&i| before[i as usize] != grid.bricks()[i as usize]).collect()
+    let differs = |&i: &u32| before.brick_at(i as usize) != grid.brick_at(i as usize);
+    (0..grid.brick_count() as u32).filter(differs).collect()
 }
 
 const AROUND: [IVec3; 6] = [IVec3::X, IVec3::NEG_X, IVec3::Y, IVec3::NEG_Y, IVec3::Z, IVec3::NEG_Z];
@@ -52,7 +53,7 @@ fn check_areas(areas: &mut SliceAreas, grid: &Grid) -> Result<(), TestCaseError>
     let brick_dims = grid.brick_dims();
     let slab_bricks = areas.slab_vx() / 8;
     for axis in 0..3 {
-        let mut times_drawn = vec![0; grid.bricks().len()];
+        let mut times_drawn = vec![0; grid.brick_count()];
         for (slab, areas) in areas.along(axis).iter().enumerate() {
             let first = slab as u32 * slab_bricks;
             for layer in first..(first + slab_bricks).min(brick_dims[axis]) {
