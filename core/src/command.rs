@@ -6,7 +6,7 @@
 //!
 //! Grammar, one command a line: a verb, then words, quoted strings and `key=value` pairs in any
 //! order; `#` opens a comment at the start of a line. A quoted string is what stands between the
-//! quotes. See [`crate::command_text`].
+//! quotes. The room `command_text` implements it.
 
 use std::path::PathBuf;
 
@@ -28,6 +28,7 @@ pub struct NewSculpture {
     pub dims: UVec3,
     /// Edge lengths of a voxel in world units.
     pub voxel_size: Vec3,
+    /// Bits of colour per voxel.
     pub colour_depth: ColourDepth,
     /// Colour of all voxels until they are painted.
     pub base: Rgb,
@@ -48,6 +49,7 @@ pub enum SpraySurface {
 /// What a command about many voxels at once works on. All of them obey the limit.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub enum Area {
+    /// All voxels of the grid.
     #[default]
     Grid,
     /// The boxes on the stack.
@@ -57,6 +59,7 @@ pub enum Area {
 }
 
 impl Area {
+    /// All areas, in the order in which interfaces offer them.
     pub const ALL: [Area; 3] = [Area::Grid, Area::Selection, Area::Marker];
 
     /// The word for it in the text form.
@@ -83,6 +86,7 @@ pub enum SelectOp {
 }
 
 impl SelectOp {
+    /// All operations, in the order in which interfaces offer them.
     pub const ALL: [SelectOp; 4] =
         [SelectOp::Add, SelectOp::Subtract, SelectOp::Drop, SelectOp::Clear];
 
@@ -103,27 +107,68 @@ pub enum Command {
     /// Replace the sculpture by a new one.
     New(NewSculpture),
     /// Replace the sculpture with the contents of a file.
-    Open { path: PathBuf, import: ImportOptions },
+    Open {
+        /// The file to read.
+        path: PathBuf,
+        /// How to read it.
+        import: ImportOptions,
+    },
     /// Write the sculpture to a file, in the format its name's ending says.
-    Save { path: PathBuf, form: ExportForm },
+    Save {
+        /// The file to write.
+        path: PathBuf,
+        /// What to store of the sculpture.
+        form: ExportForm,
+    },
     /// Open a stroke: the commands up to `End` are one undo step.
-    Begin { label: String },
+    Begin {
+        /// Name of the undo step.
+        label: String,
+    },
     /// End the open stroke.
     End,
     /// End the open stroke and take back what it did.
     Cancel,
     /// Add, subtract or recolour the voxels inside a solid.
-    Construct { op: EditOp, primitive: Primitive },
+    Construct {
+        /// What happens to the voxels.
+        op: EditOp,
+        /// The solid.
+        primitive: Primitive,
+    },
     /// Use a spray tool once, where its rays meet the surface.
-    Spray { spray: Spray, surface: SpraySurface },
+    Spray {
+        /// The brush and its rays.
+        spray: Spray,
+        /// What the rays are cast on.
+        surface: SpraySurface,
+    },
     /// Recolour the voxels inside a solids of a picture.
-    Texture { primitive: Primitive, picture: PathBuf },
+    Texture {
+        /// The solid.
+        primitive: Primitive,
+        /// The PNG or JPEG file.
+        picture: PathBuf,
+    },
     /// Make every voxel of the area exist; new ones get the colour, or the base colour.
-    Fill { area: Area, colour: Option<Rgb> },
+    Fill {
+        /// Which voxels.
+        area: Area,
+        /// Colour of new voxels; none for the base colour.
+        colour: Option<Rgb>,
+    },
     /// Remove every voxel of the area.
-    Clear { area: Area },
+    Clear {
+        /// Which voxels.
+        area: Area,
+    },
     /// Give every voxel of the area the colour.
-    Dye { area: Area, colour: Rgb },
+    Dye {
+        /// Which voxels.
+        area: Area,
+        /// Their colour afterwards.
+        colour: Rgb,
+    },
     /// Move and size the marker. Like all commands about the selection no undo step: it changes
     /// no voxel.
     Mark(VoxelBox),
@@ -140,15 +185,36 @@ pub enum Command {
     /// Keep a copy of what the marker holds and remove it.
     Cut,
     /// Put the copy with its lower corner at a voxel.
-    Paste { at: IVec3, orientation: Orientation },
+    Paste {
+        /// The clip's lower corner.
+        at: IVec3,
+        /// How the clip is turned or mirrored.
+        orientation: Orientation,
+    },
     /// Turn what the marker holds about its middle, and move it; the marker goes along.
-    Move { by: IVec3, orientation: Orientation },
+    Move {
+        /// Distance in voxels.
+        by: IVec3,
+        /// How the contents are turned or mirrored.
+        orientation: Orientation,
+    },
     /// Do the last operation again `count` times, each time further by `step` voxels.
-    Array { count: u32, step: IVec3 },
+    Array {
+        /// Number of copies.
+        count: u32,
+        /// Distance from each copy to the next, in voxels.
+        step: IVec3,
+    },
     /// Take back the last `steps` steps, or all of them.
-    Undo { steps: Option<u32> },
+    Undo {
+        /// How many; none for all.
+        steps: Option<u32>,
+    },
     /// Do again the last `steps` undone steps, or all of them.
-    Redo { steps: Option<u32> },
+    Redo {
+        /// How many; none for all.
+        steps: Option<u32>,
+    },
     /// Move the sculpture in the world. Not an undo step: it changes no voxel.
     Place(Placement),
 }
@@ -156,9 +222,11 @@ pub enum Command {
 /// Name and explanation of a command, for menus, the palette and help.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct CommandHelp {
+    /// The command's first word in the text form.
     pub verb: &'static str,
     /// Arguments in the text form.
     pub usage: &'static str,
+    /// What the command does, in one sentence.
     pub tooltip: &'static str,
 }
 

@@ -36,6 +36,7 @@ pub struct ParseError(String);
 pub struct ScriptError {
     /// Counted from 1.
     pub line: usize,
+    /// What is wrong with it.
     pub error: ParseError,
 }
 

@@ -1,8 +1,5 @@
-//! The model of a voxel sculpture and everything pure around it: grids of existence bits, colours,
-//! commands and history, tools, file formats, samplers and shading on the CPU, and views.
-//!
-//! Knows no Vulkan, no window, no interface and no clock. Every change of a sculpture is a
-//! [`command::Command`] through [`document::Document::apply`] or [`session::Session::execute`].
+#![doc = include_str!("../README.md")]
+#![warn(missing_docs)]
 
 pub mod command;
 pub mod command_text;

@@ -44,6 +44,7 @@ pub struct Stage {
 }
 
 impl Report {
+    /// The piece of work under way.
     pub fn stage(&self) -> Stage {
         self.lock().clone()
     }

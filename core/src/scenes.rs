@@ -164,6 +164,7 @@ fn brick_of(inside: impl Fn(Vec3) -> bool) -> Brick {
 pub struct Random(pub u64);
 
 impl Random {
+    /// The next number, all 64 bits of it random.
     pub fn next_u64(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         hash(self.0)

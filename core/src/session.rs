@@ -25,20 +25,52 @@ use work::{Outcome, Task, load};
 /// Why a command could not be carried out. The sculpture is as it was before.
 #[derive(Debug, Error)]
 pub enum SessionError {
+    /// The document has refused the command.
     #[error(transparent)]
     Command(#[from] CommandError),
+    /// A file cannot be read.
     #[error("cannot open {path}: {error}")]
-    Open { path: PathBuf, error: FormatError },
+    Open {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        error: FormatError,
+    },
+    /// A file cannot be written.
     #[error("cannot save {path}: {error}")]
-    Save { path: PathBuf, error: FormatError },
+    Save {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        error: FormatError,
+    },
+    /// The image for a texture cannot be read.
     #[error("cannot read the image {path}: {error}")]
-    Picture { path: PathBuf, error: FormatError },
+    Picture {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        error: FormatError,
+    },
+    /// The journal's file cannot be created or written.
     #[error("cannot record to {path}: {error}")]
-    Journal { path: PathBuf, error: std::io::Error },
+    Journal {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        error: std::io::Error,
+    },
+    /// The journal's file already holds something.
     #[error(
         "cannot record to {path}: that file {holds}; choose another name, or move the file away"
     )]
-    JournalTaken { path: PathBuf, holds: &'static str },
+    JournalTaken {
+        /// The file.
+        path: PathBuf,
+        /// What the file holds.
+        holds: &'static str,
+    },
+    /// The sculpture has already been changed.
     #[error("a recording must begin before the sculpture is changed")]
     JournalLate,
 }
@@ -91,11 +123,12 @@ impl Session {
         Session { document, files, beginning, journal: None, journal_error: None }
     }
 
+    /// The document.
     pub fn document(&self) -> &Document {
         &self.document
     }
 
-    /// For the renderer, which takes the dirty bricks.
+    /// The document, for a renderer that drains its changes.
     pub fn document_mut(&mut self) -> &mut Document {
         &mut self.document
     }

@@ -15,6 +15,7 @@ use super::ParseError;
 
 /// A line taken apart.
 pub struct Arguments {
+    /// The first word of the line.
     pub verb: String,
     words: VecDeque<Word>,
     pairs: Vec<(String, String)>,
@@ -24,6 +25,7 @@ pub struct Arguments {
 type Word = Vec<u8>;
 
 impl Arguments {
+    /// Splits a line into its verb and its arguments.
     pub fn parse(line: &str) -> Result<Arguments, ParseError> {
         let mut words = VecDeque::new();
         let mut pairs: Vec<(String, String)> = Vec::new();
@@ -64,6 +66,7 @@ impl Arguments {
         self.optional_word()?.ok_or_else(|| self.lacks(what))
     }
 
+    /// Takes the next word without a key, if there is one.
     pub fn optional_word(&mut self) -> Result<Option<String>, ParseError> {
         self.words.pop_front().map(text).transpose()
     }
@@ -78,6 +81,7 @@ impl Arguments {
         ParseError(format!("`{}` needs {what}", self.verb))
     }
 
+    /// Takes the value of `key` and parses it; an error if it is missing.
     pub fn required<T>(
         &mut self,
         key: &str,
@@ -86,6 +90,7 @@ impl Arguments {
         self.optional(key, parse)?.ok_or_else(|| self.lacks(&format!("`{key}=`")))
     }
 
+    /// Takes the value of `key`, if there is one, and parses it.
     pub fn optional<T>(
         &mut self,
         key: &str,

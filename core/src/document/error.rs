@@ -11,51 +11,82 @@ use crate::sculpture::selection::MAX_BOXES;
 /// Why a command was refused. The sculpture is as it was before.
 #[derive(Debug, Error)]
 pub enum CommandError {
+    /// The new grid is not possible.
     #[error(transparent)]
     Grid(#[from] GridError),
+    /// A command about colours, but the sculpture stores none.
     #[error("this sculpture has no colours; create or open one with 8, 16 or 24 bits of colour")]
     NoColour,
+    /// The colours would not fit into [`crate::sculpture::Limits::colour_bytes`].
     #[error(
         "painting here may need {needed_mib} MiB for colours, more than the {budget_mib} MiB \
          allowed; raise memory.colour_mib in the settings"
     )]
-    ColourMemory { needed_mib: u64, budget_mib: u64 },
+    ColourMemory {
+        /// MiB needed.
+        needed_mib: u64,
+        /// MiB allowed.
+        budget_mib: u64,
+    },
+    /// The step cannot be undone, and that was not allowed.
     #[error(
         "the history cannot keep `{step}`: it takes {needed_mib} MiB of the {budget_mib} MiB \
          allowed; raise memory.history_mib in the configuration, or say `irreversible on` to do it \
          without a way back"
     )]
-    Irreversible { step: String, needed_mib: usize, budget_mib: usize },
+    Irreversible {
+        /// Label of the step.
+        step: String,
+        /// MiB needed.
+        needed_mib: usize,
+        /// MiB allowed.
+        budget_mib: usize,
+    },
+    /// The command (its verb) is not possible within a stroke.
     #[error("a stroke is open; end or cancel it before `{0}`")]
     StrokeOpen(&'static str),
+    /// The command (its verb) needs an open stroke.
     #[error("`{0}` without an open stroke; `begin` one first")]
     NoStroke(&'static str),
+    /// The command (its verb) concerns files: a session executes it.
     #[error("`{0}` works on files and cannot be applied to a document")]
     NotHere(&'static str),
+    /// A part of the placement is not finite, or the scale not positive.
     #[error("the {0} of the placement is not valid: it must be finite, and the scale above zero")]
     Placement(&'static str),
+    /// A parameter of the brush is out of range.
     #[error("the brush is not valid: {0} is out of range")]
     Spray(&'static str),
+    /// A number of the solid is not finite or not positive.
     #[error("{0} of the solid must be finite and its half extent above zero")]
     Primitive(&'static str),
+    /// The image to paint with is not known to the document.
     #[error("the image {0} has not been loaded")]
     NoPicture(PathBuf),
+    /// The box cannot be a marker; the text says why.
     #[error("{0}")]
     Marker(&'static str),
+    /// The selection has the largest possible number of boxes.
     #[error("the selection already holds {MAX_BOXES} boxes; remove some first")]
     StackFull,
+    /// The command needs a selection.
     #[error("nothing is selected; add the marker's box to the selection first")]
     NothingSelected,
+    /// The marker's box has no voxels to work on.
     #[error("the marker contains no voxels{0}; move or resize it first")]
     NothingMarked(&'static str),
+    /// The clipboard is empty.
     #[error("there is nothing to paste; copy or cut something first")]
     NothingToPaste,
+    /// No operation has been done yet.
     #[error("there is no operation to repeat; use a solid, a brush or paste first")]
     NothingToRepeat,
+    /// The last operation used a tool more often than an array may repeat.
     #[error(
         "the last stroke is too long to repeat: it has more than {MAX_REPEATED} uses of a tool"
     )]
     TooLongToRepeat,
+    /// The number of copies is out of range.
     #[error(
         "an array must have 1 to {MAX_ARRAY} copies and at most {MAX_REPEATED} uses of a tool in all"
     )]

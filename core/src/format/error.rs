@@ -10,104 +10,175 @@ use crate::sculpture::GridError;
 /// Why a file cannot be read or written.
 #[derive(Debug, Error)]
 pub enum FormatError {
+    /// The operating system's error.
     #[error("{0}")]
     Io(#[from] std::io::Error),
+    /// [`crate::progress::Progress::is_cancelled`] returned true.
     #[error("the work was cancelled")]
     Cancelled,
+    /// The path names something that is not a regular file.
     #[error("this is a folder, a pipe or a device, not a file; choose a file")]
     NotAFile,
+    /// No format has this file extension.
     #[error("the file extension `{0}` is unknown; use .vsc, .pvm or .raw")]
     UnknownEnding(String),
+    /// The path has no file extension to choose the format by.
     #[error("the file name has no extension; add .vsc, .pvm or .raw")]
     NoEnding,
+    /// Reading needs more memory than the limits allow.
     #[error(
         "reading this file needs {needed_mib} MiB, more than the {budget_mib} MiB allowed; \
          raise memory.grid_mib or memory.colour_mib in the settings"
     )]
-    Memory { needed_mib: u64, budget_mib: u64 },
+    Memory {
+        /// MiB needed.
+        needed_mib: u64,
+        /// MiB allowed.
+        budget_mib: u64,
+    },
+    /// The file's grid is not possible.
     #[error(transparent)]
     Grid(#[from] GridError),
 
+    /// The image cannot be decoded.
     #[error("this image cannot be used: {0}; choose a PNG or JPEG file")]
     Picture(String),
+    /// The file has no bytes.
     #[error("the file is empty")]
     Empty,
+    /// The file does not start as a PVM volume does.
     #[error("this is not a PVM volume: it begins with `{0}`, not with PVM, PVM2, PVM3 or a DDS id")]
     NotPvm(String),
+    /// An unknown version of DDS compression.
     #[error("the DDS stream is of type `{}`; only v3d and v3e are supported", .0.escape_default())]
     DdsVersion(String),
+    /// DDS compression of nothing.
     #[error("the DDS stream is empty; the file is damaged")]
     DdsEmpty,
+    /// DDS compression of something that is not a PVM volume.
     #[error("the DDS stream does not contain a PVM volume: it unpacks to `{0}`")]
     NotPvmInside(String),
+    /// The PVM header ends before the named line.
     #[error("the header ends before its {0} line; the file is truncated")]
     HeaderCut(&'static str),
+    /// The PVM header is longer than any valid one.
     #[error("the header is longer than {} KiB; the file is damaged", super::pvm::HEADER_LIMIT >> 10)]
     HeaderTooLong,
+    /// A line of the PVM header is not valid.
     #[error("the header's {what} line is `{line}`, but must be {rule}")]
-    Header { what: &'static str, line: String, rule: &'static str },
+    Header {
+        /// Name of the line.
+        what: &'static str,
+        /// Its text.
+        line: String,
+        /// What it must be.
+        rule: &'static str,
+    },
+    /// The line ends of the PVM header were converted.
     #[error(
         "the header's lines end with CR LF: the file was copied as text; copy it as binary data"
     )]
     TextCopy,
+    /// The size in the PVM header is out of range.
     #[error("the header asks for 2^32 bytes of voxels or more, which a PVM volume cannot have")]
     HeaderTooLarge,
+    /// The file has fewer bytes of voxels than its header says.
     #[error(
         "the header asks for {expected} bytes of voxels, but {found} follow; the file is truncated"
     )]
-    VoxelsCut { expected: u64, found: u64 },
+    VoxelsCut {
+        /// Bytes expected.
+        expected: u64,
+        /// Bytes found.
+        found: u64,
+    },
+    /// The file has bytes after its end.
     #[error("there are {0} unexpected bytes after the volume; the file is damaged")]
     Trailing(u64),
+    /// The texts after the voxels end too early.
     #[error("the four texts after the voxels are incomplete; the file is truncated")]
     TextsCut,
+    /// The texts after the voxels are longer than allowed.
     #[error("the texts after the voxels are longer than {} MiB", super::pvm::TEXTS_LIMIT >> 20)]
     TextsTooLong,
 
+    /// The file does not start as a .vsc file does.
     #[error("this is not a .vsc sculpture: it begins with `{0}`")]
     NotVsc(String),
+    /// A .vsc file of an unknown version.
     #[error(
         "the file has format version {0}, but this program reads only version 1; update the program"
     )]
     VscVersion(u32),
+    /// A .vsc file whose parts contradict each other or their checksums.
     #[error("the file is damaged: {0}")]
     Damaged(&'static str),
+    /// An export form was given for .vsc, which has only one.
     #[error(
         "a .vsc file always stores the whole sculpture; leave out `{0}`, or save as .pvm or .raw"
     )]
     FormOfVsc(ExportForm),
 
+    /// A .raw file without a layout.
     #[error(
         "a .raw file does not describe its contents; give its size and type, such as 128x128x64:u16le"
     )]
     NoRawLayout,
+    /// The length of a .raw file does not match its layout.
     #[error("{expected} bytes were expected for {layout}, but the file has {found}")]
-    RawLength { layout: String, expected: u64, found: u64 },
+    RawLength {
+        /// The layout that was given.
+        layout: String,
+        /// Bytes expected.
+        expected: u64,
+        /// Bytes found.
+        found: u64,
+    },
 
+    /// Unsupported number of bytes per voxel.
     #[error("voxels of {0} bytes are not supported; voxels must have 1 to 4 bytes")]
     Components(u32),
+    /// A colouring that needs densities, of a volume that has none.
     #[error("{colouring} colours are made from densities, but this volume holds {samples}")]
-    NotDensities { colouring: Colouring, samples: Samples },
+    NotDensities {
+        /// The colouring asked for.
+        colouring: Colouring,
+        /// The volume's sample type.
+        samples: Samples,
+    },
+    /// Packed colours were asked for, of a volume of another sample type.
     #[error("packed colours have 8, 16 or 24 bits, but this volume holds {0}")]
     NotPacked(Samples),
+    /// A threshold was given for packed colours.
     #[error(
         "a threshold cannot be used with packed colours, where 0 means empty and everything else filled"
     )]
     ThresholdOfPacked,
+    /// The colours would not fit into [`crate::sculpture::Limits::colour_bytes`].
     #[error(
         "the colours need {needed_mib} MiB, more than the {budget_mib} MiB allowed; \
          read it with fewer bits of colour, or raise memory.colour_mib in the settings"
     )]
-    ColourMemory { needed_mib: u64, budget_mib: u64 },
+    ColourMemory {
+        /// MiB needed.
+        needed_mib: u64,
+        /// MiB allowed.
+        budget_mib: u64,
+    },
 
+    /// PVM cannot store so many bytes.
     #[error(
         "the sculpture takes {0} bytes in this form, but a PVM volume must stay below 2^32; \
          save it as packed colours of 8 or 16 bits, or as densities"
     )]
     TooLargeForPvm(u64),
+    /// PVM cannot store this sample type.
     #[error("a PVM volume cannot hold {0}")]
     NotInPvm(Samples),
+    /// A text cannot be stored since PVM ends texts with NUL.
     #[error("the {0} text contains a NUL, which ends a text in PVM; remove it")]
     NulInText(&'static str),
+    /// An export form of colours, but the sculpture stores none.
     #[error("the sculpture has no colours; save it as densities")]
     NoColours,
 }

@@ -68,6 +68,7 @@ fn count_all<T: Sync>(voxels: &[T], count: usize, bin: impl Fn(&T) -> usize + Sy
 pub struct Histogram {
     /// Least and greatest finite density; both 0, and no bins, where there is none.
     pub min: f32,
+    /// The greatest finite density.
     pub max: f32,
     /// Voxels in each of the equal bins that `min` is the start of.
     pub bins: Vec<u64>,
@@ -80,9 +81,12 @@ pub struct Histogram {
 pub enum Values {
     /// Whole numbers, this many from the first on.
     Whole {
+        /// The least value.
         first: i32,
+        /// Number of values, which is the number of bins.
         count: usize,
     },
+    /// Any number: bins divide the range that occurs.
     Any,
 }
 

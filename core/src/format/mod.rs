@@ -68,6 +68,7 @@ pub fn is_sculpture(path: &Path) -> bool {
 /// A sculpture from a file.
 #[derive(Debug)]
 pub struct Loaded {
+    /// Bits and colours.
     pub contents: Contents,
     /// What a voxel of the file holds; none of a file that is no volume but a sculpture.
     pub samples: Option<Samples>,
@@ -152,6 +153,7 @@ fn go_on(progress: &dyn Progress) -> Result<(), FormatError> {
 pub struct Info {
     /// Format and packing, such as `PVM3, packed as DDS v3d`.
     pub kind: String,
+    /// Length of the file.
     pub file_bytes: u64,
     /// Size in voxels.
     pub dims: UVec3,
@@ -159,6 +161,7 @@ pub struct Info {
     pub voxel_size: Vec3,
     /// None of a file that is no volume but a sculpture.
     pub samples: Option<Samples>,
+    /// The texts stored with the volume.
     pub texts: Texts,
     /// Of densities.
     pub densities: Option<Densities>,
@@ -169,6 +172,7 @@ pub struct Info {
 /// How dense a volume is.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Densities {
+    /// How often each density occurs.
     pub histogram: Histogram,
     /// Density from which on voxels exist if no one says otherwise.
     pub threshold: f64,

@@ -42,6 +42,7 @@ pub enum Colouring {
 }
 
 impl Colouring {
+    /// All values with their names in the text form.
     pub const NAMED: [(Colouring, &'static str); 5] = [
         (Colouring::Auto, "auto"),
         (Colouring::None, "none"),
@@ -56,6 +57,7 @@ impl Colouring {
 pub struct RawLayout {
     /// Size in voxels.
     pub dims: UVec3,
+    /// Type of a voxel's value.
     pub samples: Samples,
     /// Bytes before the first voxel.
     pub skip_bytes: u64,
@@ -66,7 +68,9 @@ pub struct RawLayout {
 /// How a file becomes a sculpture.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct ImportOptions {
+    /// Which voxels exist.
     pub existence: Existence,
+    /// What colours they get.
     pub colouring: Colouring,
     /// Bits of colour of the sculpture; `None`: as the file was written by this program, as the
     /// packed colours have, or 24.
@@ -91,6 +95,7 @@ pub enum ExportForm {
 }
 
 impl ExportForm {
+    /// All values with their names in the text form.
     pub const NAMED: [(ExportForm, &'static str); 4] = [
         (ExportForm::Auto, "auto"),
         (ExportForm::Densities, "densities"),

@@ -15,7 +15,9 @@ const VERSION: &str = "1";
 pub struct Signature {
     /// How the voxels are to be read. Not [`ExportForm::Auto`].
     pub form: ExportForm,
+    /// Bits of colour per voxel.
     pub colour_depth: ColourDepth,
+    /// Colour of unpainted voxels.
     pub base: Rgb,
 }
 

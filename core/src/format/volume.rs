@@ -9,12 +9,19 @@ use glam::{UVec3, Vec3};
 /// What a voxel of a volume holds.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Samples {
+    /// One unsigned byte.
     U8,
+    /// Two bytes, unsigned, little-endian.
     U16Le,
+    /// Two bytes, unsigned, big-endian.
     U16Be,
+    /// Two bytes, signed, little-endian.
     I16Le,
+    /// Two bytes, signed, big-endian.
     I16Be,
+    /// IEEE 754 single precision, little-endian.
     F32Le,
+    /// IEEE 754 single precision, big-endian.
     F32Be,
     /// Red, green, blue, a byte each.
     Rgb8,
@@ -91,9 +98,13 @@ impl FromStr for Samples {
 /// The four texts of a PVM3 file. Their encoding is not declared; old files are Latin-1.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Texts {
+    /// What the volume shows.
     pub description: Vec<u8>,
+    /// Where it comes from.
     pub courtesy: Vec<u8>,
+    /// How it was acquired.
     pub parameter: Vec<u8>,
+    /// Anything else.
     pub comment: Vec<u8>,
 }
 
@@ -108,6 +119,7 @@ impl Texts {
         ]
     }
 
+    /// Whether no text was stored.
     pub fn is_empty(&self) -> bool {
         self.named().iter().all(|(_, text)| text.is_empty())
     }
@@ -134,9 +146,11 @@ pub struct Volume {
     pub dims: UVec3,
     /// Edge lengths of a voxel.
     pub voxel_size: Vec3,
+    /// Type of a voxel's value.
     pub samples: Samples,
     /// `dims` times [`Samples::bytes`] bytes.
     pub data: Vec<u8>,
+    /// The texts stored with it.
     pub texts: Texts,
 }
 

@@ -6,7 +6,9 @@
 /// Bricks among the 64 whose linear indices begin at `64 * word`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct BrickMask {
+    /// A 64th of the lowest linear index.
     pub word: u32,
+    /// A bit per brick, the lowest for the lowest index.
     pub mask: u64,
 }
 
@@ -50,10 +52,12 @@ impl BrickSet {
         BrickSet { words: vec![0; brick_count.div_ceil(64)], used: Vec::new() }
     }
 
+    /// Whether no brick is in the set.
     pub fn is_empty(&self) -> bool {
         self.used.is_empty()
     }
 
+    /// Whether the brick of linear index `index` is in the set.
     #[inline]
     pub fn contains(&self, index: u32) -> bool {
         self.words[index as usize / 64] >> (index % 64) & 1 != 0
@@ -65,11 +69,13 @@ impl BrickSet {
         self.words[word as usize]
     }
 
+    /// Adds the brick of linear index `index`.
     #[inline]
     pub fn insert(&mut self, index: u32) {
         self.insert_mask(BrickMask { word: index / 64, mask: 1 << (index % 64) });
     }
 
+    /// Adds all bricks of `bricks`.
     #[inline]
     pub fn insert_mask(&mut self, bricks: BrickMask) {
         if bricks.mask == 0 {

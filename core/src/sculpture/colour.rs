@@ -13,6 +13,7 @@ impl Rgb {
     /// Colour of the stone until someone chooses another.
     pub const STONE: Rgb = Rgb::new(0xc8, 0xbe, 0xaa);
 
+    /// A colour from its channels.
     pub const fn new(r: u8, g: u8, b: u8) -> Rgb {
         Rgb([r, g, b])
     }
@@ -57,9 +58,11 @@ pub enum ColourDepth {
 }
 
 impl ColourDepth {
+    /// All depths, rising.
     pub const ALL: [ColourDepth; 4] =
         [ColourDepth::None, ColourDepth::Bits8, ColourDepth::Bits16, ColourDepth::Bits24];
 
+    /// Bits per voxel.
     pub const fn bits(self) -> u32 {
         match self {
             ColourDepth::None => 0,
@@ -69,10 +72,12 @@ impl ColourDepth {
         }
     }
 
+    /// Bytes per voxel.
     pub const fn bytes(self) -> usize {
         self.bits() as usize / 8
     }
 
+    /// The depth of so many bits, if there is one.
     pub fn from_bits(bits: u32) -> Option<ColourDepth> {
         Self::ALL.into_iter().find(|d| d.bits() == bits)
     }

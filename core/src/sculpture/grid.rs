@@ -35,16 +35,23 @@ pub enum GridError {
     #[error("grid of {0}x{1}x{2} voxels: every axis must be 1 to {MAX_AXIS_VX} voxels")]
     Axis(u32, u32, u32),
     /// The size, and its number of voxels, which a `u32` index cannot address.
-    /// The grid needs more bytes than allowed.
     #[error(
         "grid of {0}x{1}x{2} voxels: {3} voxels are more than the 2^32-2 that a voxel index can name"
     )]
     Index(u32, u32, u32, u64),
+    /// The grid needs more bytes than allowed.
     #[error(
         "grid of {dims} voxels needs {needed_mib} MiB, more than the {budget_mib} MiB allowed; \
          choose a smaller grid or raise memory.grid_mib in the settings"
     )]
-    Memory { dims: UVec3, needed_mib: u64, budget_mib: u64 },
+    Memory {
+        /// Size in voxels.
+        dims: UVec3,
+        /// MiB needed.
+        needed_mib: u64,
+        /// MiB allowed.
+        budget_mib: u64,
+    },
     /// An edge length that is not finite or not positive.
     #[error("the voxel size {0} is not valid: it must be a positive, finite length on every axis")]
     VoxelSize(Vec3),

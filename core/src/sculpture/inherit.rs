@@ -70,10 +70,12 @@ impl Inherited {
         Inherited(colours)
     }
 
+    /// Whether no voxel inherits a colour.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
+    /// The colour that the voxel `v` inherits, if it does.
     pub fn colour(&self, v: UVec3) -> Option<Rgb> {
         self.0.get(&v).copied()
     }

@@ -3,8 +3,11 @@
 /// Memory that a document may take, in bytes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Limits {
+    /// For the existence bits of a grid.
     pub grid_bytes: u64,
+    /// For the colours of a sculpture.
     pub colour_bytes: u64,
+    /// For all steps that can be undone or redone.
     pub history_bytes: usize,
 }
 

@@ -1,6 +1,8 @@
-//! The model of a sculpture: bits, colours, placement, earlier states, and the edit that changes it. Its door is [`crate::document::Document::apply`].
+//! The data of a sculpture: existence bits, colours, placement, selection, and the edit that changes
+//! voxels and records their earlier state for undo.
 //!
-//! Knows no Vulkan, no window, no clock and no files.
+//! The lowest room: imports no other. Knows no tool, no file, no clock. Programs change a sculpture by
+//! commands to a document, two rooms further up, not by calling this directly.
 
 pub mod bit_block;
 pub mod brick;

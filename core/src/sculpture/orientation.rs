@@ -15,6 +15,7 @@ pub struct Orientation {
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 impl Orientation {
+    /// As it was copied: no axis exchanged or reversed.
     pub const UPRIGHT: Orientation = Orientation { to: [0, 1, 2], reversed: [false; 3] };
 
     /// A quarter turn about an axis (0 to 2), anticlockwise as seen against the axis.

@@ -5,6 +5,7 @@ use glam::{Affine3A, Quat, UVec3, Vec3};
 /// Rotation about the grid's centre, scale, then translation of that centre.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Placement {
+    /// Rotation about the grid's centre.
     pub rotation: Quat,
     /// World position of the grid's centre.
     pub translation: Vec3,

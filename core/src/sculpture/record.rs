@@ -48,6 +48,7 @@ impl BrickRecord {
         self.pages.push((index, page));
     }
 
+    /// Whether no earlier value is kept.
     pub fn is_empty(&self) -> bool {
         self.empty.is_empty()
             && self.full.is_empty()

@@ -16,19 +16,24 @@ use super::grid::Grid;
 /// A half-open box of voxels, `min` inclusive and `max` exclusive.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct VoxelBox {
+    /// Lowest voxel.
     pub min: IVec3,
+    /// One past the highest voxel.
     pub max: IVec3,
 }
 
 impl VoxelBox {
+    /// All voxels of `grid`.
     pub fn of_grid(grid: &Grid) -> VoxelBox {
         VoxelBox { min: IVec3::ZERO, max: grid.dims().as_ivec3() }
     }
 
+    /// The voxels in both; empty if there are none.
     pub fn intersect(self, other: VoxelBox) -> VoxelBox {
         VoxelBox { min: self.min.max(other.min), max: self.max.min(other.max) }
     }
 
+    /// Whether the box holds no voxel.
     pub fn is_empty(self) -> bool {
         !self.min.cmplt(self.max).all()
     }
@@ -38,6 +43,7 @@ impl VoxelBox {
         self.max.saturating_sub(self.min).max(IVec3::ZERO).as_uvec3()
     }
 
+    /// Whether the voxel `v` is in the box.
     pub fn contains(self, v: IVec3) -> bool {
         v.cmpge(self.min).all() && v.cmplt(self.max).all()
     }
@@ -89,7 +95,9 @@ impl Region for VoxelBox {
 /// A half-open box of bricks of one grid.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct BrickBox {
+    /// Lowest brick coordinates.
     pub min: UVec3,
+    /// One past the highest brick coordinates.
     pub max: UVec3,
 }
 
@@ -103,6 +111,7 @@ impl BrickBox {
         })
     }
 
+    /// Number of bricks in the box.
     pub fn brick_count(self) -> u64 {
         (self.max - self.min).as_u64vec3().element_product()
     }
@@ -119,6 +128,7 @@ pub struct RowReach {
 }
 
 impl RowReach {
+    /// No brick of the row is covered.
     pub const NONE: RowReach = RowReach { touched: 0..0, whole: 0..0 };
 }
 
@@ -173,6 +183,7 @@ impl ListedBricks {
         ListedBricks { bricks }
     }
 
+    /// Brick coordinates and masks, x fastest, then y, then z.
     pub fn bricks(&self) -> &[(UVec3, Brick)] {
         &self.bricks
     }

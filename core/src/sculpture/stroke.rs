@@ -1,8 +1,8 @@
-//! Owns what is gathered between the start and the end of an undo step: for each brick that an
-//! edit changes for the first time, what it held before.
+//! Collects the undo record of a stroke while it is in progress: for each brick that an edit changes
+//! for the first time, its earlier bits and colours.
 //!
-//! One recorder serves all strokes of a sculpture, so that a stroke allocates nothing but the
-//! record it leaves. Knows no history.
+//! One recorder serves all strokes of a sculpture, so that a stroke allocates only the record that it
+//! results in. Knows no history.
 
 use super::brick::Brick;
 use super::brick_set::{BrickMask, BrickSet};
@@ -23,13 +23,13 @@ pub struct StrokeRecorder {
 pub struct BandRecord {
     /// Earlier values, from the whole stroke.
     pub earlier: BrickRecord,
-    /// Bricks whose bits the present edit has changed.
+    /// Bricks whose bits the current edit has changed.
     pub bits_changed: Vec<BrickMask>,
-    /// Bricks whose page the present edit has changed.
+    /// Bricks whose page the current edit has changed.
     pub pages_changed: Vec<BrickMask>,
-    /// Voxels of bricks that the present edit is to paint.
+    /// Voxels that the current edit has yet to paint, by brick.
     pub to_paint: Vec<(u32, Brick)>,
-    /// What the present edit has changed.
+    /// What the current edit has changed.
     pub stats: EditStats,
 }
 
@@ -39,10 +39,13 @@ impl AsMut<BrickRecord> for BandRecord {
     }
 }
 
-/// The bands to record into, with the bricks that the stroke has kept already.
+/// The bands to record into, with the bricks whose earlier state the stroke already has.
 pub struct Recording<'a> {
+    /// A record per band of the grid.
     pub bands: &'a mut [BandRecord],
+    /// Bricks whose earlier bits the stroke has kept.
     pub bits_kept: &'a BrickSet,
+    /// Bricks whose earlier page the stroke has kept.
     pub pages_kept: &'a BrickSet,
 }
 
@@ -56,6 +59,7 @@ impl StrokeRecorder {
         }
     }
 
+    /// Lends the bands out for one edit.
     pub fn recording(&mut self) -> Recording<'_> {
         Recording {
             bands: &mut self.bands,
@@ -64,7 +68,7 @@ impl StrokeRecorder {
         }
     }
 
-    /// Closes an edit: notes what has been kept, adds the bricks changed to `dirty`, and
+    /// Ends an edit: marks the recorded bricks as kept, adds the changed bricks to `dirty`, and
     /// returns the sum of the bands' counts.
     pub fn close_edit(&mut self, dirty: &mut BrickSet) -> EditStats {
         let mut stats = EditStats::default();
@@ -84,12 +88,12 @@ impl StrokeRecorder {
         stats
     }
 
-    /// What the record of the stroke takes so far.
+    /// Bytes that the stroke's record takes so far.
     pub fn bytes(&self) -> usize {
         self.bands.iter().map(|band| band.earlier.gathered_bytes()).sum()
     }
 
-    /// Ends the stroke: returns its record and is ready for the next one.
+    /// Ends the stroke and returns its record.
     pub fn finish(&mut self) -> BrickRecord {
         self.bits_kept.clear();
         self.pages_kept.clear();

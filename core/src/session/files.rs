@@ -33,6 +33,7 @@ impl Files {
         self.of_sculpture.insert(state.sculpture, file);
     }
 
+    /// The sculpture of `state` was read from `path`, with `texts`.
     pub fn opened(&mut self, state: State, path: PathBuf, texts: Texts) {
         let file = File { path: Some(path), texts, saved: Some(state.number) };
         self.of_sculpture.insert(state.sculpture, file);
@@ -58,14 +59,17 @@ impl Files {
         self.of_sculpture.retain(|sculpture, _| reachable.contains(sculpture));
     }
 
+    /// The file of the sculpture of `state`.
     pub fn path(&self, state: State) -> Option<&Path> {
         self.of_sculpture.get(&state.sculpture)?.path.as_deref()
     }
 
+    /// The texts of the file of `state`.
     pub fn texts(&self, state: State) -> Texts {
         self.of_sculpture.get(&state.sculpture).map(|f| f.texts.clone()).unwrap_or_default()
     }
 
+    /// Whether the sculpture of `state` is what its file holds.
     pub fn is_saved(&self, state: State) -> bool {
         self.of_sculpture.get(&state.sculpture).and_then(|f| f.saved) == Some(state.number)
     }

@@ -47,24 +47,31 @@ impl Default for SurfacePoints {
 /// A light in eye space, with its linear colour times intensity.
 #[derive(Clone, Copy, Debug)]
 pub struct EyeLight {
+    /// Direction or position, in eye space.
     pub source: LightSource,
+    /// Linear colour times intensity.
     pub radiance: Vec3,
 }
 
 /// [`Lighting`] prepared for one picture.
 #[derive(Clone, Debug)]
 pub struct Illumination {
+    /// The map from grid to eye coordinates.
     pub eye_from_grid: Affine3A,
     /// Takes covectors to eye space.
     pub normal_from_gradient: Mat3,
+    /// The lights; `None` is an unused slot.
     pub lights: [Option<EyeLight>; MAX_LIGHTS],
     /// Linear.
     pub ambient: Vec3,
+    /// Share of light in the highlight, 0 to 1.
     pub specular: f32,
+    /// Exponent of highlights.
     pub shininess: u32,
 }
 
 impl Illumination {
+    /// Prepares `lighting` for an eye and a grid at these poses.
     pub fn new(
         lighting: &Lighting,
         eye_from_world: &Affine3A,

@@ -28,8 +28,11 @@ pub enum LightSource {
 /// One light.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Light {
+    /// The coordinates that `source` is in.
     pub frame: LightFrame,
+    /// Its direction or position.
     pub source: LightSource,
+    /// Its colour, in sRGB.
     pub colour: Rgb,
     /// Factor on the linear colour.
     pub intensity: f32,
@@ -38,6 +41,7 @@ pub struct Light {
 /// All that lights a sculpture, and how it shines.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Lighting {
+    /// The lights; `None` is an unused slot.
     pub lights: [Option<Light>; MAX_LIGHTS],
     /// Light from everywhere.
     pub ambient: Rgb,
@@ -50,6 +54,7 @@ pub struct Lighting {
     pub occlusion: bool,
     /// The filters of the software shader ([`super::smooth`]).
     pub smooth_normals: Smoothing,
+    /// How far colours are averaged over neighbours.
     pub smooth_colours: Smoothing,
 }
 
@@ -61,6 +66,7 @@ pub const MAX_SHININESS: u32 = 1024;
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Smoothing {
+    /// No filter.
     #[default]
     Off,
     /// 3x3.
@@ -70,6 +76,7 @@ pub enum Smoothing {
 }
 
 impl Smoothing {
+    /// All values, from none to widest.
     pub const ALL: [Smoothing; 3] = [Smoothing::Off, Smoothing::Near, Smoothing::Wide];
 
     /// Neighbours to each side.

@@ -11,6 +11,8 @@ pub mod light;
 mod moments;
 pub mod normal;
 pub mod occlusion;
+#[cfg(test)]
+mod partial_tests;
 pub mod pixels;
 pub mod points;
 pub mod refined;

@@ -10,7 +10,7 @@
 //! gain nothing. How the moment is counted: [`super::moments`].
 
 use fearless_simd::{Simd, f32x16, i32x16, prelude::*};
-use glam::{IVec3, UVec3, Vec3};
+use glam::{UVec3, Vec3};
 
 use super::moments::{FoldedLanes, fold, moments, moments_of_many};
 use crate::sculpture::Grid;
@@ -78,6 +78,7 @@ mod tests {
     use super::*;
     use crate::scenes::{self, Random};
     use crate::sculpture::Brick;
+    use glam::IVec3;
 
     /// The definition, voxel by voxel.
     fn naive(grid: &Grid, voxel: UVec3) -> Vec3 {

@@ -5,6 +5,7 @@ use glam::UVec2;
 /// Pixels of 8-bit sRGB and linear alpha, row by row from the top.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Pixels {
+    /// Width and height in pixels.
     pub size: UVec2,
     /// `size.x * size.y` values.
     pub rgba: Vec<[u8; 4]>,

@@ -12,6 +12,7 @@ use crate::view::PixelRays;
 /// the top, [`NO_VOXEL`] where the ray meets nothing; with the rays that it was made with.
 #[derive(Clone, PartialEq, Debug)]
 pub struct IndexMap {
+    /// The view that the map was made of.
     pub rays: PixelRays,
     /// `rays.size.x * rays.size.y` values, or none ([`IndexMap::forget`]).
     pub voxels: Vec<u32>,
@@ -57,7 +58,9 @@ impl IndexMap {
 /// A rectangle of pixels, `min` inclusive and `max` exclusive; empty where `min` is not below.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct PixelRect {
+    /// Upper left pixel.
     pub min: UVec2,
+    /// One past the lower right pixel.
     pub max: UVec2,
 }
 
@@ -67,8 +70,10 @@ impl PixelRect {
         PixelRect { min: UVec2::ZERO, max: size }
     }
 
+    /// A rectangle of no pixels.
     pub const EMPTY: PixelRect = PixelRect { min: UVec2::ZERO, max: UVec2::ZERO };
 
+    /// Whether the rectangle holds no pixel.
     pub fn is_empty(self) -> bool {
         !self.min.cmplt(self.max).all()
     }
@@ -100,6 +105,7 @@ impl PixelRect {
         (self.min.to_array(), self.max.saturating_sub(self.min).to_array())
     }
 
+    /// The pixels in both.
     pub fn intersect(self, other: PixelRect) -> PixelRect {
         PixelRect { min: self.min.max(other.min), max: self.max.min(other.max) }
     }

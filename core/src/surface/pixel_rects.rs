@@ -16,6 +16,7 @@ pub struct PixelRects {
 }
 
 impl PixelRects {
+    /// No rectangle.
     pub const NONE: PixelRects = PixelRects { rects: [PixelRect::EMPTY; MAX_RECTS], count: 0 };
 
     /// One rectangle, or none if it is empty.
@@ -25,10 +26,12 @@ impl PixelRects {
         rects
     }
 
+    /// The rectangles.
     pub fn as_slice(&self) -> &[PixelRect] {
         &self.rects[..self.count]
     }
 
+    /// Whether there is no rectangle.
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }

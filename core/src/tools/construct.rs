@@ -30,6 +30,7 @@ pub enum Solid {
 }
 
 impl Solid {
+    /// All solids, in the order in which interfaces offer them.
     pub const ALL: [Solid; 3] = [Solid::Ellipsoid, Solid::Cuboid, Solid::Pyramid];
 
     /// The word for it in the text form and the interface.
@@ -103,6 +104,7 @@ impl Solid {
 /// world even where voxels are not cubes; with cubic voxels that is voxels.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Primitive {
+    /// Its kind.
     pub solid: Solid,
     /// Centre in voxel coordinates (the centre of voxel 0 is 0.5).
     pub centre_vx: Vec3,
@@ -308,6 +310,7 @@ pub struct SolidRow {
 }
 
 impl SolidRow {
+    /// Whether the voxels of some row are tested one by one.
     #[cfg(test)]
     pub fn is_torn(&self) -> bool {
         self.torn.is_some()

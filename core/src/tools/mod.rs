@@ -9,6 +9,8 @@ mod construct_spans;
 #[cfg(test)]
 mod construct_tests;
 pub mod filter;
+#[cfg(test)]
+mod limit_tests;
 pub mod spray;
 #[cfg(test)]
 mod spray_tests;

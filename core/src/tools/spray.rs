@@ -26,14 +26,18 @@ const GROWTH_ROUNDS: u32 = 64;
 /// The outline of a footprint, and of what is cut or added around a hit.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub enum Outline {
+    /// A disc, or a ball.
     #[default]
     Round,
+    /// A square, or a cube.
     Square,
 }
 
 impl Outline {
+    /// Both outlines.
     pub const ALL: [Outline; 2] = [Outline::Round, Outline::Square];
 
+    /// The word for it in the text form.
     pub const fn name(self) -> &'static str {
         match self {
             Outline::Round => "round",
@@ -47,37 +51,72 @@ impl Outline {
 pub enum Effect {
     /// Mixes the share `cover` (0 to 1) of the colour into the voxels that are seen, so that it
     /// thickens with every pass.
-    Paintbrush { colour: Rgb, cover: f32 },
+    Paintbrush {
+        /// The colour.
+        colour: Rgb,
+        /// Share of the colour in the mixture, 0 to 1.
+        cover: f32,
+    },
     /// Removes a ball or a cube around each hit.
-    Devourer { outline: Outline },
+    Devourer {
+        /// Ball or cube.
+        outline: Outline,
+    },
     /// Removes voxels near the hits that have fewer than `threshold` of 26 neighbours.
-    Erosion { threshold: u32 },
+    Erosion {
+        /// Neighbours from which on a voxel stays.
+        threshold: u32,
+    },
     /// Adds voxels near the hits that have at least `threshold` of 26 neighbours. Without a colour
     /// they take their neighbours'.
-    Dilation { threshold: u32, colour: Option<Rgb> },
+    Dilation {
+        /// Neighbours from which on a voxel is added.
+        threshold: u32,
+        /// Colour of new voxels.
+        colour: Option<Rgb>,
+    },
     /// Adds voxels near the hits into concave corners until the surface is closed. Without a
     /// colour they take their neighbours'.
-    Growth { threshold: u32, colour: Option<Rgb> },
+    Growth {
+        /// Neighbours from which on a voxel is added.
+        threshold: u32,
+        /// Colour of new voxels.
+        colour: Option<Rgb>,
+    },
     /// Gives voxels near the hits the value of the majority around them; new ones take their
     /// neighbours' colours.
-    Smooth { radius_vx: u32 },
+    Smooth {
+        /// Reach of the neighbourhood on each axis.
+        radius_vx: u32,
+    },
     /// Adds a soft mound on the surface, highest in the middle of the footprint.
-    Clay { colour: Rgb },
+    Clay {
+        /// Colour of new voxels.
+        colour: Rgb,
+    },
 }
 
 /// The spray tools, without their options.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum SprayKind {
+    /// Colours the surface.
     Paintbrush,
+    /// Removes balls or cubes of voxels.
     Devourer,
+    /// Removes voxels with few neighbours.
     Erosion,
+    /// Adds voxels with many neighbours.
     Dilation,
+    /// Adds voxels in balls or cubes.
     Growth,
+    /// Removes and adds by the majority of the neighbourhood.
     Smooth,
+    /// Adds a layer.
     Clay,
 }
 
 impl SprayKind {
+    /// All kinds, in the order in which interfaces offer them.
     pub const ALL: [SprayKind; 7] = [
         SprayKind::Paintbrush,
         SprayKind::Devourer,
@@ -108,6 +147,7 @@ impl SprayKind {
 }
 
 impl Effect {
+    /// The kind, without its parameters.
     pub const fn kind(self) -> SprayKind {
         match self {
             Effect::Paintbrush { .. } => SprayKind::Paintbrush,
@@ -139,13 +179,16 @@ pub struct Footprint {
     pub down: Vec3,
     /// In rays, 0 to [`MAX_FOOTPRINT`].
     pub radius: f32,
+    /// Shape of the footprint in the picture.
     pub outline: Outline,
 }
 
 /// A spray tool used once.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Spray {
+    /// What happens at the surface.
     pub effect: Effect,
+    /// The rays.
     pub footprint: Footprint,
     /// How far around a hit voxels may change, 0 to [`MAX_REACH_VX`].
     pub reach_vx: f32,
@@ -154,8 +197,11 @@ pub struct Spray {
 /// The voxels that a spray changes.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Stamp {
+    /// Voxels to remove.
     pub remove: ListedBricks,
+    /// Voxels to add.
     pub add: ListedBricks,
+    /// Voxels to recolour.
     pub paint: ListedBricks,
 }
 

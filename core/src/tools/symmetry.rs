@@ -18,6 +18,7 @@ pub enum Parity {
 }
 
 impl Parity {
+    /// Both parities.
     pub const ALL: [Parity; 2] = [Parity::Even, Parity::Odd];
 
     /// The word for it in the text form and the interface.
@@ -32,6 +33,7 @@ impl Parity {
 /// The mirror planes in use, by the axis that they stand across.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub struct Symmetry {
+    /// For each axis the parity of its mirror plane, if it has one.
     pub axes: [Option<Parity>; 3],
 }
 
@@ -74,6 +76,7 @@ pub struct Image {
 }
 
 impl Image {
+    /// The mirror image of a point in grid coordinates.
     pub fn point(&self, mut p: Vec3) -> Vec3 {
         for (axis, plane) in self.planes.into_iter().enumerate() {
             if let Some(plane) = plane {
@@ -83,6 +86,7 @@ impl Image {
         p
     }
 
+    /// The mirror image of a direction in grid coordinates.
     pub fn vector(&self, mut v: Vec3) -> Vec3 {
         for (axis, plane) in self.planes.into_iter().enumerate() {
             if plane.is_some() {
@@ -120,6 +124,7 @@ impl Image {
         Primitive { centre_vx: self.point(primitive.centre_vx), rotation, ..*primitive }
     }
 
+    /// The mirror image of a footprint.
     pub fn footprint(&self, footprint: &Footprint) -> Footprint {
         Footprint {
             eye_vx: self.point(footprint.eye_vx),

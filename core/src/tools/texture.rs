@@ -29,6 +29,7 @@ impl Texture {
         whole.then_some(Texture { width, pixels })
     }
 
+    /// Width and height in pixels.
     pub fn size(&self) -> [u32; 2] {
         [self.width, (self.pixels.len() / self.width as usize) as u32]
     }

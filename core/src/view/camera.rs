@@ -8,9 +8,13 @@ use super::eye::{Eye, Frustum};
 /// A perspective camera in world coordinates.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Camera {
+    /// Position, in world units.
     pub eye: Vec3,
+    /// The point looked at, in world units.
     pub target: Vec3,
+    /// The direction that is up in the picture; need not be normalised.
     pub up: Vec3,
+    /// Vertical angle of view.
     pub fov_y_rad: f32,
     /// Distance of the near plane.
     pub near: f32,

@@ -9,6 +9,7 @@ use glam::{Affine3A, Mat4, UVec2, Vec3, Vec4};
 /// A view: where it is, how it projects, how many pixels it has.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Eye {
+    /// The rigid map from world to eye coordinates.
     pub eye_from_world: Affine3A,
     /// Clip from eye, reversed depth, y down.
     pub projection: Mat4,
@@ -19,9 +20,13 @@ pub struct Eye {
 /// The tangents of the half angles of a view frustum. Left and down are usually negative.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Frustum {
+    /// Left edge.
     pub left: f32,
+    /// Right edge.
     pub right: f32,
+    /// Lower edge.
     pub down: f32,
+    /// Upper edge.
     pub up: f32,
 }
 
@@ -57,6 +62,7 @@ pub struct PixelRays {
     pub step_x: Vec3,
     /// Change of direction from a pixel to the one below.
     pub step_y: Vec3,
+    /// Width and height of the picture in pixels.
     pub size: UVec2,
 }
 

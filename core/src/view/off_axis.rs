@@ -19,7 +19,9 @@ pub const NEAREST_EYE_M: f32 = 0.05;
 pub struct ScreenPlane {
     /// Its middle, from the screen's centre.
     pub centre_m: Vec2,
+    /// Width of the picture on the screen.
     pub width_m: f32,
+    /// Height of the picture on the screen.
     pub height_m: f32,
 }
 
@@ -39,6 +41,7 @@ pub struct ScreenInWorld {
 pub struct Head {
     /// Between the eyes, on the screen's axes.
     pub position_m: Vec3,
+    /// Rotation from the head's axes to the screen's.
     pub orientation: Quat,
     /// From eye to eye along the head's x axis.
     pub eye_distance_m: f32,

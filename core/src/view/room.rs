@@ -20,6 +20,7 @@ pub const FARTHEST_M: f32 = 1000.0;
 pub struct Pose {
     /// Metres.
     pub position: Vec3,
+    /// Rotation from the pose's axes to the room's.
     pub rotation: Quat,
 }
 
@@ -60,12 +61,16 @@ impl Pose {
 /// A map that keeps shapes: scales, then turns, then moves.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Similarity {
+    /// Rotation, applied after scaling.
     pub rotation: Quat,
+    /// Uniform scale, applied first.
     pub scale: f32,
+    /// Translation, applied last.
     pub translation: Vec3,
 }
 
 impl Similarity {
+    /// The similarity that changes nothing.
     pub const IDENTITY: Similarity =
         Similarity { rotation: Quat::IDENTITY, scale: 1.0, translation: Vec3::ZERO };
 
@@ -80,10 +85,12 @@ impl Similarity {
         Similarity { rotation, scale, translation: to - rotation * centre * scale }
     }
 
+    /// Maps a point.
     pub fn apply(&self, point: Vec3) -> Vec3 {
         self.rotation * point * self.scale + self.translation
     }
 
+    /// The similarity that undoes this one.
     pub fn inverse(&self) -> Similarity {
         let (rotation, scale) = (self.rotation.inverse(), 1.0 / self.scale);
         Similarity { rotation, scale, translation: rotation * -self.translation * scale }
@@ -98,6 +105,7 @@ impl Similarity {
         }
     }
 
+    /// Whether all numbers are finite and the scale is positive.
     pub fn is_finite(&self) -> bool {
         self.rotation.is_finite()
             && self.translation.is_finite()
@@ -109,7 +117,9 @@ impl Similarity {
 /// What one eye of a headset sees of the room.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct RoomView {
+    /// Where it is in the room.
     pub pose: Pose,
+    /// What it sees.
     pub frustum: Frustum,
 }
 

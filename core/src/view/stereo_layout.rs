@@ -29,6 +29,7 @@ pub enum StereoLayout {
 }
 
 impl StereoLayout {
+    /// All layouts, in the order in which interfaces offer them.
     pub const ALL: [StereoLayout; 7] = [
         StereoLayout::Mono,
         StereoLayout::Layers,

@@ -12,7 +12,9 @@ const AREA_COST_BRICKS: u32 = 32;
 /// slab's axis in the circle x, y, z.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Area {
+    /// Lowest brick.
     pub min: UVec2,
+    /// One past the highest brick.
     pub max: UVec2,
 }
 

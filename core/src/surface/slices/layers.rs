@@ -33,7 +33,9 @@ pub fn facing_axis(rays: &PixelRays, dims: UVec3) -> usize {
 /// Voxels between two planes across the axis, `first..end`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Layer {
+    /// First voxel along the axis.
     pub first: u32,
+    /// One past the last voxel along the axis.
     pub end: u32,
     /// The layer is nearer to the eye than all layers with a higher rank on its side of the eye.
     pub rank: u32,
@@ -43,7 +45,9 @@ pub struct Layer {
 /// the eye is in the layer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct LayerRect {
+    /// Where the layer lies.
     pub layer: Layer,
+    /// What to draw of it, in voxels across the axis.
     pub rect: Option<Area>,
 }
 
