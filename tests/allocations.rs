@@ -133,7 +133,7 @@ fn an_edit_allocates_for_its_command_and_nothing_for_its_voxels() {
             document.apply(&command).unwrap();
             fewest = fewest.min(ALLOCATIONS.load(Ordering::Relaxed) - before);
             document.apply(&Command::Cancel).unwrap();
-            document.take_dirty(|_, _| ());
+            document.drain_changes(|_, _| ());
         }
         fewest
     };

@@ -33,7 +33,7 @@ fn apply(document: &mut Document, command: &Command) -> u64 {
 }
 
 fn forget_dirty(document: &mut Document) {
-    document.take_dirty(|_, bricks| {
+    document.drain_changes(|_, bricks| {
         black_box(bricks);
     });
 }

@@ -24,14 +24,14 @@ use crate::tools::symmetry::Symmetry;
 use crate::tools::texture::Texture;
 
 mod areas;
+mod changes;
 mod error;
-mod followers;
 mod steps;
 mod tools;
 
+pub use changes::ChangeSubscriber;
+use changes::Changes;
 pub use error::CommandError;
-pub use followers::Follower;
-use followers::Followers;
 pub use tools::MAX_ARRAY;
 
 /// What a command did.
@@ -65,9 +65,9 @@ pub struct Document {
     uses: Vec<Command>,
     last_uses: Vec<Command>,
     dirty: BrickSet,
-    followers: Followers,
-    /// Whoever asks without a name.
-    somebody: Follower,
+    changes: Changes,
+    /// The subscriber of [`Document::drain_changes`].
+    unnamed: ChangeSubscriber,
     /// The whole sculpture was replaced since the renderer last asked.
     all_dirty: bool,
     /// Rises with every change of voxels; a cheap "is my copy current?".
@@ -93,8 +93,8 @@ impl Document {
         Document {
             recorder: StrokeRecorder::new(&contents.grid),
             dirty: BrickSet::new(contents.grid.brick_count()),
-            followers: Followers::default(),
-            somebody: Follower::default(),
+            changes: Changes::default(),
+            unnamed: ChangeSubscriber::default(),
             selection: Selection::new(contents.grid.dims()),
             symmetry: Symmetry::default(),
             clip: None,
@@ -214,22 +214,22 @@ impl Document {
         self.placement.world_from_grid(self.grid().dims(), self.grid().voxel_size())
     }
 
-    /// Hands the bricks that changed since the last call to `f`, as rising linear indices: `None`
-    /// means all of them (the sculpture, and with it perhaps the size of the grid, is another).
-    pub fn take_dirty<T>(&mut self, f: impl FnOnce(&Contents, Option<&[u32]>) -> T) -> T {
-        let somebody = self.somebody.clone();
-        self.take_dirty_for(&somebody, f)
+    /// Calls `f` with the contents and the bricks that changed since the last call, as rising linear
+    /// indices. `None` means all bricks: the sculpture was replaced, perhaps by one of another size.
+    pub fn drain_changes<T>(&mut self, f: impl FnOnce(&Contents, Option<&[u32]>) -> T) -> T {
+        let unnamed = self.unnamed.clone();
+        self.drain_changes_for(&unnamed, f)
     }
 
-    /// The same for one of several who follow the changes, each at its own time.
-    pub fn take_dirty_for<T>(
+    /// [`Document::drain_changes`] for one of several subscribers, each with its own last call.
+    pub fn drain_changes_for<T>(
         &mut self,
-        follower: &Follower,
+        subscriber: &ChangeSubscriber,
         f: impl FnOnce(&Contents, Option<&[u32]>) -> T,
     ) -> T {
         let bricks = self.contents.grid.brick_count();
-        self.followers.tell(&mut self.dirty, std::mem::take(&mut self.all_dirty), bricks);
-        f(&self.contents, self.followers.hear(follower, bricks))
+        self.changes.publish(&mut self.dirty, std::mem::take(&mut self.all_dirty), bricks);
+        f(&self.contents, self.changes.drain(subscriber, bricks))
     }
 
     /// Puts a loaded sculpture in place of the present one, as one undo step.

@@ -116,7 +116,7 @@ fn subtract(solid: Solid, centre_vx: Vec3, half: Vec3, rotation: Quat) -> Comman
 
 fn take_back(document: &mut Document) -> Result<(), CommandError> {
     document.apply(&Command::Undo { steps: Some(1) })?;
-    document.take_dirty(|_, _| ());
+    document.drain_changes(|_, _| ());
     Ok(())
 }
 

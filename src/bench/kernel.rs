@@ -55,7 +55,7 @@ pub fn run(kernel: Kernel, document: &mut Document, size: UVec2, repeat: usize) 
         let undo = Command::Undo { steps: Some(1) };
         // Neither can fail outside of a stroke.
         if document.apply(command).is_ok() && document.apply(&undo).is_ok() {
-            document.take_dirty(|_, _| ());
+            document.drain_changes(|_, _| ());
         }
     };
     let mut times = Vec::with_capacity(repeat);

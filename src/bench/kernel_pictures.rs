@@ -64,7 +64,7 @@ impl KernelPictures {
 
     /// Whole pictures.
     pub fn whole(&mut self, document: &mut Document) -> StageTimes {
-        document.take_dirty(|_, _| ());
+        document.drain_changes(|_, _| ());
         let start = Instant::now();
         for View { map, .. } in &mut self.views {
             let rays = map.rays;
@@ -85,7 +85,7 @@ impl KernelPictures {
         let start = Instant::now();
         let world_from_grid = document.world_from_grid();
         let (views, caster, lighting) = (&mut self.views, self.caster, &self.lighting);
-        document.take_dirty(|contents, changed| {
+        document.drain_changes(|contents, changed| {
             for view in views {
                 let rays = view.map.rays;
                 let rects = changed

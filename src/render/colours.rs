@@ -67,7 +67,7 @@ impl Colours {
     }
 
     /// Brings the copy up to date with `changed` bricks (as from
-    /// [`crate::document::Document::take_dirty`]; `None` means all, perhaps of another sculpture
+    /// [`crate::document::Document::drain_changes`]; `None` means all, perhaps of another sculpture
     /// of `bricks` bricks). Recorded in `recorder`, for frame `slot`, once a frame. On an error
     /// the copy is not current.
     pub fn update(

@@ -25,7 +25,7 @@ use super::{
     MAX_EYES, Points, Surface, SurfaceShade, Video, Volume,
 };
 use super::{RenderMode, Shading};
-use crate::document::{Document, Follower};
+use crate::document::{ChangeSubscriber, Document};
 use crate::gpu::{Device, Recorder, Result, Use, read_image_once};
 use crate::shade::points::PointCloud;
 use crate::shade::{Lighting, NORMAL_REACH_VX, Pixels, ShadePose, SoftwareShader, shade_rect};
@@ -65,8 +65,8 @@ pub struct Renderer {
     surface_shade: Option<SurfaceShade>,
     gpu_only: Option<GpuOnly>,
     backdrop: Option<Backdrop>,
-    /// Hears of the bricks that change between two pictures.
-    follower: Follower,
+    /// Drains the bricks that change between two pictures.
+    subscriber: ChangeSubscriber,
     /// Those that changed since the last one.
     changed: Vec<u32>,
     /// What the pictures were made of; none while they are not complete.
@@ -93,7 +93,7 @@ impl Renderer {
             surface_shade: None,
             gpu_only: None,
             backdrop: None,
-            follower: Follower::default(),
+            subscriber: ChangeSubscriber::default(),
             changed: Vec::new(),
             shown: None,
             times: RenderTimes::default(),
@@ -131,8 +131,8 @@ impl Renderer {
     ) -> Result<()> {
         // Only what is complete counts as shown.
         let before = self.shown.take();
-        let heard = self.hear_changes(document);
-        let steps = Steps::new(before.as_ref(), document, desc, heard);
+        let changes_known = self.drain_changes(document);
+        let steps = Steps::new(before.as_ref(), document, desc, changes_known);
         if let Some(part) = steps.sample {
             self.sample(document, desc, part)?;
         }
@@ -192,9 +192,9 @@ impl Renderer {
     }
 
     /// Notes which bricks have changed since the last picture; false if all may have.
-    fn hear_changes(&mut self, document: &mut Document) -> bool {
+    fn drain_changes(&mut self, document: &mut Document) -> bool {
         let changed = &mut self.changed;
-        document.take_dirty_for(&self.follower, |_, bricks| {
+        document.drain_changes_for(&self.subscriber, |_, bricks| {
             changed.clear();
             changed.extend_from_slice(bricks.unwrap_or_default());
             bricks.is_some()

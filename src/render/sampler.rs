@@ -12,7 +12,7 @@ use ash::vk;
 use super::pixel_pass::PixelStage;
 use super::{Colours, EyeTask, IndexReadback, IndexTarget, MAX_EYES, RayMarch, Slicing, Volume};
 use super::{RenderMode, Sampling, Shading};
-use crate::document::{Document, Follower};
+use crate::document::{ChangeSubscriber, Document};
 use crate::gpu::{Device, Frames, Recorder, Result, Staging, Timer};
 use crate::sculpture::Grid;
 use crate::surface::partial::changed_pixels;
@@ -75,7 +75,7 @@ struct DeviceCopy {
     /// Of the sampling.
     timer: Option<Timer<1>>,
     /// Hears of the bricks that change.
-    follower: Follower,
+    subscriber: ChangeSubscriber,
 }
 
 impl Sampler {
@@ -224,11 +224,12 @@ impl Sampler {
             Some(copy) => copy,
             // All bricks are new to a new copy, whatever the document says has changed.
             none => none.insert({
-                let follower = Follower::default();
-                let volume = document
-                    .take_dirty_for(&follower, |contents, _| Volume::new(device, &contents.grid))?;
+                let subscriber = ChangeSubscriber::default();
+                let volume = document.drain_changes_for(&subscriber, |contents, _| {
+                    Volume::new(device, &contents.grid)
+                })?;
                 DeviceCopy {
-                    follower,
+                    subscriber,
                     volume,
                     colours: None,
                     areas: None,
@@ -341,7 +342,7 @@ impl DeviceCopy {
         document: &mut Document,
         mode: RenderMode,
     ) -> Result<()> {
-        document.take_dirty_for(&self.follower, |contents, changed| {
+        document.drain_changes_for(&self.subscriber, |contents, changed| {
             let (grid, material) = (&contents.grid, &contents.material);
             self.volume.update(recorder, slot, grid, changed)?;
             match &mut self.areas {

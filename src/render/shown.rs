@@ -79,13 +79,13 @@ pub(super) struct Steps {
 }
 
 impl Steps {
-    /// From the pictures shown `before` to those of `desc`. `heard`: it is known which bricks have
-    /// changed since.
+    /// From the pictures shown `before` to those of `desc`. `changes_known`: the bricks changed since
+    /// are known, so that a part of the picture may do.
     pub fn new(
         before: Option<&Shown>,
         document: &Document,
         desc: &FrameDesc,
-        heard: bool,
+        changes_known: bool,
     ) -> Steps {
         let all = Some(Part::All);
         let Some(before) = before else { return Steps { sample: all, shade: all, compose: all } };
@@ -96,7 +96,7 @@ impl Steps {
         let same_tools = before.previews == desc.previews && before.lines == desc.lines;
         // While nothing moves, an edit changes but a part of the picture.
         let part_if = |partial: bool| if partial { Part::Changed } else { Part::All };
-        let still = heard && before.sample.sees_as(&sample);
+        let still = changes_known && before.sample.sees_as(&sample);
         let resample = before.sample != sample;
         let reshade = resample || !same_light;
         let recompose = reshade || !(same_back && same_tools);

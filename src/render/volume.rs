@@ -65,7 +65,7 @@ impl Volume {
     }
 
     /// Brings the copy up to date with `changed` bricks (as from
-    /// [`crate::document::Document::take_dirty`]; `None` means all, perhaps of another size).
+    /// [`crate::document::Document::drain_changes`]; `None` means all, perhaps of another size).
     /// The copies are recorded in `recorder`, for frame `slot`; what is too much for a frame is
     /// uploaded at once. On an error the copy is not current.
     pub fn update(

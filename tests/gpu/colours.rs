@@ -58,7 +58,7 @@ fn the_copy_follows_paint_and_undo_in_frames_and_at_once() {
             let mut document = Document::new(&new, Limits::default()).unwrap();
             let mut frames = Frames::new(device).unwrap();
             let mut colours = Colours::new(device, document.material(), BRICKS).unwrap();
-            document.take_dirty(|_, _| ());
+            document.drain_changes(|_, _| ());
             for text in [
                 "recolour ellipsoid at=30,40,50 half=20,10,30 colour=#ff0000",
                 "recolour ellipsoid at=80,80,80 half=70,60,70 colour=#00ff00",
@@ -72,7 +72,7 @@ fn the_copy_follows_paint_and_undo_in_frames_and_at_once() {
                 let command: Command = text.parse().unwrap();
                 document.apply(&command).unwrap();
                 let changed =
-                    document.take_dirty(|_, changed| changed.unwrap_or_default().to_vec());
+                    document.drain_changes(|_, changed| changed.unwrap_or_default().to_vec());
                 assert!(!changed.is_empty(), "{text}");
                 update(&mut frames, &mut colours, document.material(), &changed);
                 let copy = read_back(device, &colours, BRICKS);

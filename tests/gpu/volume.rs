@@ -66,7 +66,7 @@ fn the_copy_follows_random_edits_and_undo() {
                 document.apply(&command).unwrap();
                 let recorder = frames.begin().unwrap();
                 let slot = frames.slot();
-                let recorder = document.take_dirty(|contents, changed| {
+                let recorder = document.drain_changes(|contents, changed| {
                     let mut recorder = recorder;
                     match &mut volume {
                         None => volume = Some(Volume::new(device, &contents.grid).unwrap()),

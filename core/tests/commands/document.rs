@@ -60,7 +60,7 @@ proptest! {
     ) {
         let mut document = Document::new(&new, Limits::default()).unwrap();
         let mut model = Model::new(&new);
-        let mut seen = document.take_dirty(|contents, dirty| {
+        let mut seen = document.drain_changes(|contents, dirty| {
             assert!(dirty.is_none());
             contents.clone()
         });
@@ -102,7 +102,7 @@ proptest! {
                 prop_assert!(document.revision() > revision);
             }
             if i % look_every == 0 {
-                seen = document.take_dirty(|contents, dirty| {
+                seen = document.drain_changes(|contents, dirty| {
                     match dirty {
                         None => {}
                         Some(_) if seen.grid.dims() != contents.grid.dims() => {
@@ -227,7 +227,7 @@ fn large_edits_equal_the_definition() {
         document.apply(&Command::End).unwrap();
         agree(document.contents(), &model).unwrap();
         sound(document.grid()).unwrap();
-        let dirty = document.take_dirty(|contents, dirty| {
+        let dirty = document.drain_changes(|contents, dirty| {
             assert!(dirty.is_none());
             contents.clone()
         });
@@ -339,19 +339,19 @@ fn replacing_is_one_step_and_marks_all_dirty() {
     let new = painted(UVec3::splat(16), ColourDepth::Bits8, true);
     let mut document = Document::new(&new, Limits::default()).unwrap();
     document.apply(&ball(EditOp::Recolour(RED), Vec3::splat(8.0), 4.0)).unwrap();
-    document.take_dirty(|_, _| ());
+    document.drain_changes(|_, _| ());
     let before = document.contents().clone();
     let grid = Grid::new(UVec3::new(9, 30, 4), Vec3::ONE, 1 << 20).unwrap();
     let other = Contents { material: Material::for_grid(&grid, ColourDepth::None, RED), grid };
     document.replace(other.clone(), "open").unwrap();
-    assert!(document.take_dirty(|_, dirty| dirty.is_none()));
+    assert!(document.drain_changes(|_, dirty| dirty.is_none()));
     document.apply(&ball(EditOp::Add(Some(RED)), Vec3::new(4.0, 20.0, 2.0), 3.0)).unwrap();
-    assert!(document.take_dirty(|_, dirty| dirty.is_some_and(|d| !d.is_empty())));
+    assert!(document.drain_changes(|_, dirty| dirty.is_some_and(|d| !d.is_empty())));
     assert!(document.grid().get(IVec3::new(4, 20, 2)));
     document.apply(&Command::Undo { steps: Some(2) }).unwrap();
     assert_eq!(document.contents(), &before);
-    assert!(document.take_dirty(|_, dirty| dirty.is_none()));
-    assert!(document.take_dirty(|_, dirty| dirty.is_some_and(<[u32]>::is_empty)));
+    assert!(document.drain_changes(|_, dirty| dirty.is_none()));
+    assert!(document.drain_changes(|_, dirty| dirty.is_some_and(<[u32]>::is_empty)));
     document.apply(&Command::Redo { steps: Some(1) }).unwrap();
     assert_eq!(document.contents(), &other);
 }
