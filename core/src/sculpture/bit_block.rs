@@ -1,8 +1,8 @@
-//! Owns a dense block of existence bits cut out of a grid: rows of 64-bit words along x, made for
-//! neighbourhood filters that look at 64 voxels at once.
+//! A dense block of existence bits cut out of a grid: rows of 64-bit words along x, for neighbourhood
+//! filters that process 64 voxels at once.
 //!
-//! Takes a box of voxel coordinates (which may reach beyond the grid: nothing exists there) and
-//! gives it back as brick masks. Knows no tool.
+//! Input is a box of voxel coordinates, which may reach beyond the grid (nothing exists there); output
+//! are brick masks. Knows no tool.
 
 use glam::{IVec3, UVec3};
 
@@ -22,8 +22,8 @@ pub struct BitBlock {
 }
 
 impl BitBlock {
-    /// An empty block that covers the voxels from `min` (inclusive) to `max` (exclusive), and
-    /// more: its faces lie on brick borders.
+    /// An empty block of the voxels from `min` (inclusive) to `max` (exclusive), rounded outwards to
+    /// brick borders.
     pub fn empty(min: IVec3, max: IVec3) -> BitBlock {
         let edge = IVec3::splat(BRICK_EDGE_VX as i32);
         let origin = min.div_euclid(edge) * edge;
@@ -34,7 +34,8 @@ impl BitBlock {
         BitBlock { origin, size, words_per_row, words }
     }
 
-    /// The voxels of `grid` between `min` and `max` (and up to the brick borders around).
+    /// The voxels of `grid` from `min` (inclusive) to `max` (exclusive), rounded outwards to brick
+    /// borders.
     pub fn of_grid(grid: &Grid, min: IVec3, max: IVec3) -> BitBlock {
         let mut block = BitBlock::empty(min, max);
         block.for_each_brick(grid.brick_dims(), |block, b| {
@@ -45,8 +46,8 @@ impl BitBlock {
         block
     }
 
-    /// A block of the same place and size with `words` computed from this one's rows: `f` is
-    /// called for each row with its y and z counted from the block's origin.
+    /// A block of the same place and size whose rows `f` computes: it is called with the y and z of
+    /// each row, counted from the block's origin, and the row to fill.
     pub fn map_rows(&self, mut f: impl FnMut(i32, i32, &mut [u64])) -> BitBlock {
         let mut out = BitBlock { words: vec![0; self.words.len()], ..*self };
         let (rows_y, width) = (self.size.y as usize, self.words_per_row.max(1));
@@ -66,7 +67,7 @@ impl BitBlock {
         self.size
     }
 
-    /// The row at (y, z) counted from the origin; none outside of the block.
+    /// The row at (y, z), counted from the origin. None outside the block.
     #[inline]
     pub fn row(&self, y: i32, z: i32) -> Option<&[u64]> {
         let inside = y >= 0 && z >= 0 && (y as u32) < self.size.y && (z as u32) < self.size.z;
@@ -76,7 +77,7 @@ impl BitBlock {
         })
     }
 
-    /// Whether the voxel `v` (grid coordinates) is set; false outside of the block.
+    /// Whether the voxel `v` (grid coordinates) is set; false outside the block.
     pub fn get(&self, v: IVec3) -> bool {
         let local = v - self.origin;
         local.x >= 0
@@ -86,8 +87,8 @@ impl BitBlock {
                 .is_some_and(|row| row[local.x as usize / 64] >> (local.x % 64) & 1 != 0)
     }
 
-    /// Sets the voxels of one row from `x0` to `x1` (inclusive, grid coordinates); what lies
-    /// outside of the block is ignored.
+    /// Sets the voxels of one row from `x0` to `x1` (inclusive, grid coordinates); voxels
+    /// outside the block are ignored.
     pub fn set_span(&mut self, x0: i32, x1: i32, y: i32, z: i32) {
         let (y, z) = (y - self.origin.y, z - self.origin.z);
         if y < 0 || z < 0 || y as u32 >= self.size.y || z as u32 >= self.size.z {

@@ -1,8 +1,8 @@
-//! Owns the brick: 8x8x8 existence bits in one 64-byte cache line.
+//! The brick: 8x8x8 existence bits in one 64-byte cache line.
 //!
-//! A brick is eight 64-bit words, each a cube of 4x4x4 voxels. A word is therefore
-//! a second level of the hierarchy: a ray or an edit that finds it 0 or all ones is
-//! done with 64 voxels at once, and it is one `R32G32_UINT` texel of the bit image.
+//! A brick is eight 64-bit words, each a cube of 4x4x4 voxels. A word is the next level of the
+//! hierarchy: a ray or an edit that finds it 0 or all ones skips 64 voxels at once. It is also one
+//! `R32G32_UINT` texel of the bit image.
 //!
 //! - word of local voxel (x, y, z): `x/4 + 2*(y/4) + 4*(z/4)`
 //! - bit in the word: `x%4 + 4*(y%4) + 16*(z%4)`

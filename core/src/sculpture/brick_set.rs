@@ -1,14 +1,14 @@
-//! Owns sets of bricks: a bit a brick, with a list of the words in use, so that a set over a
-//! large grid costs only what is in it, to fill, to walk and to empty.
+//! Sets of bricks by linear index: a bit per brick, and a list of the words in use, so that filling,
+//! iterating and clearing take time proportional to the set, not to the grid.
 //!
-//! Takes and gives linear brick indices. Knows no grid beyond its number of bricks.
+//! Knows no grid beyond its number of bricks.
 
 /// Bricks among the 64 whose linear indices begin at `64 * word`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct BrickMask {
-    /// A 64th of the lowest linear index.
+    /// The lowest of the 64 linear indices, divided by 64.
     pub word: u32,
-    /// A bit per brick, the lowest for the lowest index.
+    /// A bit per brick, the lowest bit for the lowest index.
     pub mask: u64,
 }
 
@@ -42,7 +42,7 @@ impl Iterator for Indices {
 #[derive(Debug, Default)]
 pub struct BrickSet {
     words: Vec<u64>,
-    /// The words that are not 0, each once, in the order of their first brick's arrival.
+    /// The words that are not 0, each once, in the order of first insertion.
     used: Vec<u32>,
 }
 
@@ -88,7 +88,7 @@ impl BrickSet {
         *word |= bricks.mask;
     }
 
-    /// The words in use, in the order of their first brick's arrival.
+    /// The words in use, in the order of first insertion.
     pub fn masks(&self) -> impl Iterator<Item = BrickMask> {
         self.used.iter().map(|&word| BrickMask { word, mask: self.words[word as usize] })
     }
@@ -101,7 +101,7 @@ impl BrickSet {
         }
     }
 
-    /// Takes out everything and keeps the memory.
+    /// Removes all bricks; keeps the memory.
     pub fn clear(&mut self) {
         for &word in &self.used {
             self.words[word as usize] = 0;

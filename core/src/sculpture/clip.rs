@@ -1,7 +1,7 @@
-//! Owns a piece cut out of a sculpture: the voxels of a box with their colours, to be put
-//! elsewhere in any [`Orientation`].
+//! A clip: the voxels of a box with their colours, copied from a sculpture to be pasted elsewhere in
+//! any [`Orientation`].
 //!
-//! Takes and gives voxels of [`Contents`]; changes nothing itself and knows no document.
+//! Reads [`Contents`] and changes nothing. Knows no document.
 
 use glam::{IVec3, UVec3};
 
@@ -13,15 +13,15 @@ use super::material::Material;
 use super::orientation::Orientation;
 use super::region::{ListedBricks, VoxelBox};
 
-/// Voxels of a box, upright.
+/// The voxels of a box, as they were copied.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Clip {
     contents: Contents,
 }
 
 impl Clip {
-    /// The existing voxels of `from` within `bounds` that `wanted` lets through. `bounds` is cut
-    /// to the grid; the clip is as large as what is left of it, and none if that is nothing.
+    /// Copies the existing voxels of `from` within `bounds` for which `wanted` is true. The clip has
+    /// the size of `bounds` cut to the grid. None if that is empty.
     ///
     /// # Errors
     /// If the copy needs more than `budget_bytes`.
@@ -54,7 +54,7 @@ impl Clip {
         Ok(Some(Clip { contents: Contents { grid, material } }))
     }
 
-    /// Size in voxels, upright.
+    /// Size in voxels, before any orientation.
     pub fn size(&self) -> UVec3 {
         self.contents.grid.dims()
     }

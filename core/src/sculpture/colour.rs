@@ -1,5 +1,5 @@
-//! Owns colour values: 24-bit RGB as spoken everywhere, and its packing into the 8 or
-//! 16 bits a sculpture may store per voxel (green favoured, as the eye favours it).
+//! Colour values: 24-bit sRGB, and its packing into the 8 or 16 bits that a sculpture may store per
+//! voxel (green gets most bits, as the eye resolves it best).
 
 use std::fmt;
 use std::str::FromStr;
@@ -10,7 +10,7 @@ use std::str::FromStr;
 pub struct Rgb(pub [u8; 3]);
 
 impl Rgb {
-    /// Colour of the stone until someone chooses another.
+    /// The default base colour.
     pub const STONE: Rgb = Rgb::new(0xc8, 0xbe, 0xaa);
 
     /// A colour from its channels.

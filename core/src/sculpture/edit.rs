@@ -1,9 +1,9 @@
-//! Owns the one place where existence bits and colours change: a [`Region`] of voxels meets
-//! an [`EditOp`], row of bricks by row of bricks, in parallel where that pays.
+//! Applies an [`EditOp`] to a [`Region`] of voxels, row of bricks by row of bricks, in parallel where
+//! that pays. The only place where existence bits change after loading.
 //!
-//! Takes the contents and the recorder of the open stroke; gives counts of what changed, leaves
-//! the earlier values in the recorder, and marks bricks dirty. Knows no tool: a tool is whatever
-//! can say which voxels of a brick it covers.
+//! Takes the contents and the recorder of the open stroke; returns counts of what changed, stores the
+//! earlier values in the recorder, and marks bricks dirty. Knows no tool: a tool is anything that
+//! implements [`Region`].
 
 use std::ops::Range;
 
@@ -20,14 +20,14 @@ use super::region::{BrickBox, Region};
 use super::row_edit::{Piece, RowEdit};
 use super::stroke::{BandRecord, Recording, StrokeRecorder};
 
-/// What happens to the voxels of a region.
+/// What to do with the voxels of a region.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum EditOp {
-    /// They exist afterwards; those that did not before get the colour, or the base colour.
+    /// Make them exist. New ones get the colour, or the base colour.
     Add(Option<Rgb>),
-    /// They are gone afterwards.
+    /// Remove them.
     Subtract,
-    /// Those that exist get the colour.
+    /// Give existing ones the colour.
     Recolour(Rgb),
 }
 
@@ -60,10 +60,10 @@ impl std::ops::AddAssign for EditStats {
     }
 }
 
-/// Edits of boxes of fewer bricks than this stay on one thread: waking others costs more.
+/// Edits of boxes of fewer bricks than this stay on one thread: waking others would cost more.
 const PARALLEL_BRICKS: u64 = 2048;
 
-/// Does `op` to the voxels of `region` that lie within the grid.
+/// Applies `op` to the voxels of `region` that lie within the grid.
 pub fn edit(
     contents: &mut Contents,
     region: &impl Region,
@@ -106,8 +106,8 @@ pub fn edit(
     recorder.close_edit(dirty)
 }
 
-/// Does `op` to the voxels of `region` that lie in `bricks` and a band of the grid; colours are
-/// only put down to be painted, if `paint`.
+/// Applies `op` to the voxels of `region` that lie in `bricks` and a band of the grid. With `paint`,
+/// voxels to paint are only listed in the record.
 #[inline(always)]
 #[expect(clippy::too_many_arguments, reason = "internal entry point")]
 fn edit_band<S: Simd, R: Region>(
@@ -217,7 +217,7 @@ fn new_pages_of(piece: Piece<impl Simd, impl Region>, contents: &Contents, op: E
     pages
 }
 
-/// Paints the voxels that a band has put down for it. Returns the number of pages made.
+/// Paints the voxels listed for a band. Returns the number of new pages.
 fn paint_band(
     brush: &Brush,
     first: u32,
@@ -254,7 +254,7 @@ pub(super) struct BrickRow {
 }
 
 impl BrickRow {
-    /// Cuts the region by this row, and calls `f` with what it covers of it, in rising order.
+    /// Intersects the region with this row and calls `f` with the covered pieces, in rising order.
     #[inline(always)]
     pub fn walk<S: Simd, R: Region>(
         self,

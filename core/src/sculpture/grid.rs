@@ -23,9 +23,9 @@ pub(in crate::sculpture) use words::WordKinds;
 
 pub use word_reader::WordReader;
 
-/// Longest axis of a grid. Its product over three axes must still leave a `u32` index.
+/// Longest axis of a grid, in voxels. The product of all axes must also fit into a `u32` index.
 pub const MAX_AXIS_VX: u32 = 4096;
-/// The index that stands for "no voxel" in an index map.
+/// Marks "no voxel" in an index map.
 pub const NO_VOXEL: u32 = u32::MAX;
 
 /// Why a grid cannot be made.
@@ -79,7 +79,7 @@ impl Grid {
         product(bricks) * (size_of::<Brick>() + size_of::<u16>()) as u64 + product(blocks) * 8
     }
 
-    /// Checks what [`Grid::new`] would refuse, without allocating.
+    /// Performs the checks of [`Grid::new`] without allocating.
     pub fn check(dims: UVec3, voxel_size: Vec3, budget_bytes: u64) -> Result<(), GridError> {
         let UVec3 { x, y, z } = dims;
         if dims.min_element() == 0 || dims.max_element() > MAX_AXIS_VX {
@@ -210,7 +210,7 @@ impl Grid {
         valid_mask(self.dims, b)
     }
 
-    /// Replaces a brick and keeps count and occupancy true. The bits must lie within
+    /// Replaces a brick and updates count and occupancy. The bits must lie within
     /// [`Grid::valid_mask`].
     #[inline(always)]
     pub fn set_brick(&mut self, index: usize, brick: Brick) {
@@ -224,8 +224,8 @@ impl Grid {
         }
     }
 
-    /// Sets every brick to what `f` gives for its coordinates (cut to the valid bits),
-    /// in parallel. For loaders and generators.
+    /// Sets every brick to what `f` returns for its coordinates (cut to the valid bits), in parallel.
+    /// For loaders and generators.
     pub fn fill_bricks(&mut self, f: impl Fn(UVec3) -> Brick + Sync) {
         // One call per brick through a pointer: the parallel loop is compiled once, not per `f`.
         self.fill_bricks_by(&f);

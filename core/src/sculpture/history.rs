@@ -1,8 +1,8 @@
-//! Owns undo and redo: for each step, what the changed bricks held before, within a budget
-//! of bytes that drops the oldest steps.
+//! Undo and redo: for each step the earlier values of the changed bricks, within a budget of bytes;
+//! the oldest steps are dropped to stay within it.
 //!
-//! A step is reversed by swapping its values with the sculpture's, so that undo and redo are
-//! one operation and both are exact to the byte. Knows no command and no document.
+//! A step is reversed by swapping its values with the sculpture's, so that undo and redo are the same
+//! operation and both are exact to the byte. Knows no command and no document.
 
 use std::collections::VecDeque;
 
@@ -41,12 +41,12 @@ impl Contents {
 pub enum Change {
     /// Some bricks of the sculpture.
     Bricks(BrickRecord),
-    /// The whole sculpture (a new or opened one took its place).
+    /// The whole sculpture, replaced by a new or opened one.
     Whole(Box<Contents>),
 }
 
 impl Contents {
-    /// What a step takes that keeps all of it.
+    /// Bytes of a step that keeps all of it.
     pub fn kept_bytes(&self) -> usize {
         size_of::<Contents>() + (self.grid.heap_bytes() + self.material.heap_bytes()) as usize
     }
@@ -61,20 +61,20 @@ impl Change {
     }
 }
 
-/// Names a state that a document is or was in. Undo and redo bring back the name with the state;
-/// whatever belongs to a state, such as its file, is kept under it.
+/// Identifies a state of a document. Undo and redo restore the identifier with the state, so that
+/// whatever belongs to a state, such as its file, can be looked up by it.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub struct State {
-    /// Another for each sculpture that was made or opened.
+    /// Differs for each sculpture that was created or opened.
     pub sculpture: u64,
-    /// Another after each change.
+    /// Differs after each change.
     pub number: u64,
 }
 
 /// A named, reversible change.
 #[derive(Debug)]
 pub struct Step {
-    /// What the person did, as shown in the history list.
+    /// What was done, as the history list shows it.
     pub label: String,
     /// The values to swap with the sculpture's.
     pub change: Change,
@@ -89,7 +89,7 @@ impl Step {
     }
 }
 
-/// Where a step goes.
+/// The two lists of steps.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Stack {
     Undo,
@@ -101,7 +101,7 @@ enum Stack {
 pub struct History {
     /// Oldest first.
     undo: VecDeque<Step>,
-    /// The one to redo last comes first.
+    /// Last to be redone first.
     redo: VecDeque<Step>,
     bytes: usize,
     budget_bytes: usize,
@@ -114,13 +114,13 @@ impl History {
         History { undo: VecDeque::new(), redo: VecDeque::new(), bytes: 0, budget_bytes, dropped: 0 }
     }
 
-    /// Adds a finished step; what was undone before can no longer be redone.
+    /// Adds a finished step and clears the redo list.
     pub fn push(&mut self, step: Step) {
         self.bytes -= self.redo.drain(..).map(|s| s.heap_bytes()).sum::<usize>();
         self.put(step, Stack::Undo);
     }
 
-    /// Whether a step can be kept whose label and change take so many bytes.
+    /// Whether a step fits into the budget whose label and change take `bytes`.
     pub fn can_keep(&self, bytes: usize) -> bool {
         bytes.saturating_add(size_of::<Step>()) <= self.budget_bytes
     }
@@ -191,8 +191,8 @@ impl History {
         self.dropped
     }
 
-    /// Adds a step to the top of a stack and drops what the budget has no room for. A step larger
-    /// than the whole budget is not kept, nor what lies behind it: ask the person before.
+    /// Adds a step to the top of a stack and drops what exceeds the budget. A step larger than the
+    /// whole budget is dropped with all below it: callers ask [`History::can_keep`] first.
     fn put(&mut self, step: Step, to: Stack) {
         let (stack, other) = match to {
             Stack::Undo => (&mut self.undo, &mut self.redo),
@@ -208,8 +208,7 @@ impl History {
         self.bytes += bytes;
         stack.push_back(step);
         while self.bytes > self.budget_bytes {
-            // What is furthest back on the way just taken goes first; the step just added fits
-            // alone and stays.
+            // The steps furthest from the current state go first; the one just added fits alone.
             let furthest = if stack.len() > 1 { stack.pop_front() } else { other.pop_front() };
             let Some(furthest) = furthest else { break };
             self.bytes -= furthest.heap_bytes();

@@ -1,8 +1,8 @@
-//! Owns the colours of voxels that fill gaps: each takes the mean of its neighbours', so that what
-//! a filter adds to a painted surface is painted like it.
+//! Colours for voxels that a filter adds: each takes the mean of its neighbours' colours, so that the
+//! result matches the painted surface around it.
 //!
-//! Takes the contents before the change and the voxels to be added; gives their colours. The order
-//! of the voxels does not matter, so what is mirrored gets mirrored colours. Changes nothing.
+//! Takes the contents before the change and the voxels to be added; returns their colours and changes
+//! nothing. The order of the voxels does not matter, so that mirrored voxels get mirrored colours.
 
 use std::collections::{HashMap, HashSet};
 
@@ -21,8 +21,8 @@ const FAR_VX: i32 = 8;
 pub struct Inherited(HashMap<UVec3, Rgb>);
 
 impl Inherited {
-    /// The colours of those voxels of `add` that do not exist yet and `may_change`. None where all
-    /// is of one colour.
+    /// Colours for those voxels of `add` that do not exist yet and for which `may_change` is true. Empty
+    /// if no brick has been painted.
     pub fn colours(
         contents: &Contents,
         add: &ListedBricks,
@@ -43,7 +43,7 @@ impl Inherited {
                 }
             });
         }
-        // From the surface outwards, a layer of voxels at a time.
+        // From the surface outwards, one layer of voxels at a time.
         while !pending.is_empty() {
             let before = pending.len();
             let mut layer = Vec::new();
@@ -80,7 +80,7 @@ impl Inherited {
         self.0.get(&v).copied()
     }
 
-    /// The number of colour pages that painting them makes.
+    /// The number of new colour pages that painting them takes.
     pub fn new_pages(&self, contents: &Contents) -> u64 {
         let Contents { grid, material } = contents;
         let painted = self

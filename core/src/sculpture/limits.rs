@@ -1,4 +1,4 @@
-//! Owns how much memory a sculpture and its history may take. Those who allocate ask it first.
+//! Memory limits of a sculpture and its history, checked before anything is allocated.
 
 /// Memory that a document may take, in bytes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

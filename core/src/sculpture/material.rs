@@ -1,8 +1,9 @@
-//! Owns the colours of one sculpture: a page of 512 packed colours for each brick that has
-//! been painted, and one base colour for all other voxels.
+//! The colours of one sculpture: a page of 512 packed colours for each painted brick, and one base
+//! colour for all other voxels.
 //!
-//! Takes brick and local voxel indices as [`super::grid`] and [`super::brick`] give them.
-//! Knows nothing of existence: a page may hold a colour for a voxel that is not there.
+//! Addressed by linear brick index ([`Grid::brick_index`]) and voxel index in the brick
+//! ([`super::brick::local_index`]). Independent of existence: a page may hold a colour for a voxel that
+//! does not exist.
 
 use std::ops::Range;
 
@@ -104,15 +105,14 @@ impl Material {
         }
     }
 
-    /// A colour made ready for painting many bricks of this sculpture.
+    /// A colour prepared for painting many bricks of this sculpture.
     pub fn brush(&self, colour: Rgb) -> Brush {
         Brush::new(self.depth, self.base, colour)
     }
 
-    /// Hands the pages of each of the bands `bands` of `bricks_per_band` bricks to `f`, with
-    /// the linear index of the band's first brick and one of `states` (one a band of the
-    /// grid), on as many threads as there are if `parallel`. `f` returns the number of pages
-    /// it has made.
+    /// Calls `f` for each of the bands `bands` of `bricks_per_band` bricks, with the linear index of
+    /// the band's first brick, its pages, and its entry of `states` (one per band of the grid); on
+    /// all threads if `parallel`. `f` returns the number of pages it has added.
     pub fn edit_bands<S: Send>(
         &mut self,
         bricks_per_band: usize,
@@ -138,8 +138,8 @@ impl Material {
         self.drop_empty_table();
     }
 
-    /// Gives each voxel of `mask` in brick `brick` the colour that `colour` names for its
-    /// local index.
+    /// Gives each voxel of `mask` in brick `brick` the colour that `colour` returns for its local
+    /// index.
     pub fn paint_each(&mut self, brick: usize, mask: &Brick, colour: impl Fn(u32) -> Rgb) {
         let (depth, bytes) = (self.depth, self.depth.bytes());
         if bytes == 0 || mask.is_empty() {
@@ -149,7 +149,7 @@ impl Material {
         mask.for_each(|i| depth.write(colour(i), &mut page[i as usize * bytes..]));
     }
 
-    /// Puts back a page (or the absence of one) and returns what was there.
+    /// Replaces the page of a brick, or its absence, and returns the old one.
     pub fn swap_page(&mut self, brick: usize, page: Option<Page>) -> Option<Page> {
         if page.is_none() && self.pages.is_empty() {
             return None;
@@ -163,7 +163,7 @@ impl Material {
         before
     }
 
-    /// Without a page left all is as before the first one: equal to it, and as small.
+    /// Frees the table when no page is left, so that the material equals one never painted.
     fn drop_empty_table(&mut self) {
         if self.page_count == 0 {
             self.pages = Vec::new();
@@ -192,12 +192,12 @@ impl Material {
 /// Bytes of the largest page.
 const MAX_PAGE_BYTES: usize = BRICK_VOXELS as usize * 3;
 
-/// A colour made ready for painting: packed, with the pages it needs to copy from.
+/// A colour prepared for painting: packed, with pages to copy from.
 #[derive(Clone, Debug)]
 pub struct Brush {
     packed: [u8; 3],
     bytes: usize,
-    /// The colour is what unpainted voxels have.
+    /// Whether it is the base colour.
     is_base: bool,
     base_page: [u8; MAX_PAGE_BYTES],
     full_page: [u8; MAX_PAGE_BYTES],
@@ -219,7 +219,7 @@ impl Brush {
         brush
     }
 
-    /// Whether the colour is what unpainted voxels have.
+    /// Whether the colour is the base colour.
     pub fn is_base(&self) -> bool {
         self.is_base
     }
@@ -239,8 +239,8 @@ impl Brush {
         differing
     }
 
-    /// Gives the voxels of `mask` the colour, on a new page if there is none. Returns whether
-    /// there was none. Only for a sculpture with colour depth.
+    /// Gives the voxels of `mask` the colour; adds a page if there is none, and returns whether it
+    /// did. Only for a sculpture with colour depth.
     pub fn paint(&self, page: &mut Option<Page>, mask: &Brick) -> bool {
         let len = BRICK_VOXELS as usize * self.bytes;
         let made = page.is_none();

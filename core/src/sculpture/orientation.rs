@@ -1,4 +1,4 @@
-//! Owns the 48 ways of laying a box of voxels along the axes: quarter turns and mirrorings.
+//! The 48 orientations of a box along the axes: quarter turns and mirrorings.
 
 use std::fmt;
 use std::str::FromStr;
@@ -43,14 +43,14 @@ impl Orientation {
         }
     }
 
-    /// The size that a box of `size` has afterwards.
+    /// The size of a box of `size` in this orientation.
     pub fn size(self, size: UVec3) -> UVec3 {
         let mut out = UVec3::ZERO;
         (0..3).for_each(|i| out[self.to[i]] = size[i]);
         out
     }
 
-    /// The voxel of a box of `size` that is at `v` afterwards, both counted from the lower corner.
+    /// The voxel of a box of `size` that comes to lie at `v`, both counted from the lower corner.
     #[inline]
     pub fn source(self, v: IVec3, size: UVec3) -> IVec3 {
         let mut out = IVec3::ZERO;

@@ -1,8 +1,8 @@
-//! Owns painting with a colour for each voxel: what pictures, brushes that cover partly and
-//! copies need, where [`edit`](super::edit::edit) gives one colour to all.
+//! Paints each voxel with a colour of its own, for images, translucent brushes and clips, where
+//! [`edit`](super::edit::edit) gives all voxels one colour.
 //!
-//! Takes the contents, a [`Region`] and a function of voxel and present colour; leaves the
-//! earlier colours in the recorder and marks bricks dirty. Makes no voxel exist.
+//! Takes the contents, a [`Region`] and a function of voxel and present colour; stores the earlier
+//! colours in the recorder and marks bricks dirty. Changes no existence bits.
 
 use fearless_simd::{Level, dispatch};
 use glam::UVec3;
@@ -16,11 +16,11 @@ use super::material::{Brush, Page};
 use super::region::{BrickBox, Region};
 use super::stroke::{BandRecord, Recording, StrokeRecorder};
 
-/// Regions of fewer bricks than this stay on one thread: waking others costs more.
+/// Regions of fewer bricks than this stay on one thread: waking others would cost more.
 const PARALLEL_BRICKS: u64 = 256;
 
-/// Gives every existing voxel of `region` the colour that `colour` says for its coordinates and
-/// its present colour. Does nothing without colour depth.
+/// Gives every existing voxel of `region` the colour that `colour` returns for its coordinates and its
+/// present colour. Does nothing without colour depth.
 pub fn paint_each(
     contents: &mut Contents,
     region: &impl Region,
@@ -58,7 +58,7 @@ pub fn paint_each(
         for z in slabs {
             for y in bricks.min.y..bricks.max.y {
                 let row = BrickRow { x: bricks.min.x..bricks.max.x, y, z };
-                // The masks are made with vectors, the rest is not gained by.
+                // Only making the masks gains by vector instructions.
                 dispatch!(level, simd => row.walk(
                     simd,
                     region,
@@ -80,7 +80,7 @@ pub fn paint_each(
     recorder.close_edit(dirty)
 }
 
-/// What a page's bytes mean.
+/// How colours are stored on a page.
 struct Palette {
     depth: ColourDepth,
     base: Rgb,
@@ -89,8 +89,8 @@ struct Palette {
 }
 
 impl Palette {
-    /// Paints the voxels of `mask`; gives 1 if a page was made. `kept`: the stroke has the page's
-    /// earlier state already.
+    /// Paints the voxels of `mask` and returns the number of new pages, 0 or 1. `kept`: the stroke
+    /// already has the earlier state of the page.
     fn paint(
         &self,
         index: u32,

@@ -1,4 +1,4 @@
-//! Owns where a sculpture stands in the world. The grid itself never moves.
+//! The placement of a sculpture in the world. The grid itself never moves.
 
 use glam::{Affine3A, Quat, UVec3, Vec3};
 

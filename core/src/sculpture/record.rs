@@ -1,7 +1,7 @@
-//! Owns what an undo step keeps: for some bricks the bits and colours that they had.
+//! The record of an undo step: the earlier bits and colours of some bricks.
 //!
-//! Empty and full bricks are kept as one bit each, in words of 64 bricks: clearing a full 512^3
-//! grid leaves a record of 64 KiB. Knows no document and no budget.
+//! Empty and full bricks take one bit each, in words of 64 bricks: clearing a full 512^3 grid leaves a
+//! record of 64 KiB. Knows no document and no budget.
 
 use super::brick::{BRICK_VOXELS, Brick};
 use super::brick_set::{BrickMask, BrickSet};
@@ -65,7 +65,7 @@ impl BrickRecord {
             + self.page_bytes
     }
 
-    /// Heap bytes that it takes once gathered.
+    /// Heap bytes that it takes after [`BrickRecord::gather`].
     pub fn gathered_bytes(&self) -> usize {
         let masks = self.empty.len() + self.full.len() + self.mixed.len();
         masks * size_of::<BrickMask>()
@@ -74,7 +74,7 @@ impl BrickRecord {
             + self.page_bytes
     }
 
-    /// Heap bytes that the reverse of this takes at most, see [`BrickRecord::swap`].
+    /// Upper bound for the heap bytes of the reverse record ([`BrickRecord::swap`]).
     pub fn reverse_bytes(&self, contents: &Contents) -> usize {
         let lists = [&self.empty, &self.full, &self.mixed];
         let masks: usize = lists.iter().map(|list| list.len()).sum();
@@ -83,15 +83,15 @@ impl BrickRecord {
         let page = |(index, _): &(u32, Option<Page>)| {
             contents.material.page(*index as usize).map_or(0, |page| page.len())
         };
-        // Bricks of one kind may be of all three on the way back.
+        // Bricks of one kind may be of all three kinds in the reverse.
         lists.len() * masks * size_of::<BrickMask>()
             + mixed * size_of::<Brick>()
             + self.pages.len() * size_of::<(u32, Option<Page>)>()
             + self.pages.iter().map(page).sum::<usize>()
     }
 
-    /// Moves what `parts` have kept into one record that takes no more memory than it needs.
-    /// The parts are left empty, and with their memory unless it is large.
+    /// Moves the values of `parts` into one record without spare capacity. The parts are left empty
+    /// and keep their memory unless it is large.
     pub fn gather<P: AsMut<BrickRecord>>(parts: &mut [P]) -> BrickRecord {
         BrickRecord {
             empty: gather(parts, |part| &mut part.empty),
@@ -115,7 +115,7 @@ impl BrickRecord {
     #[inline(always)]
     fn swap_all(self, contents: &mut Contents, touched: &mut BrickSet) -> BrickRecord {
         let mut reverse = BrickRecord::default();
-        // As much room as there will be bricks: they are too many to be moved.
+        // Exactly the room needed: growing would copy too much.
         let mut mixed = 0;
         for list in [&self.empty, &self.full, &self.mixed] {
             for bricks in list {
@@ -160,8 +160,8 @@ impl BrickRecord {
         reverse
     }
 
-    /// Sets bricks of one word to what `bits` gives for them in turn, with their counts, and keeps
-    /// what they were.
+    /// Sets the bricks of one word to what `bits` returns for them in turn, with their counts, and
+    /// keeps the old ones.
     #[inline(always)]
     fn swap_word(
         &mut self,

@@ -1,9 +1,9 @@
-//! Owns what an edit may ask of a set of voxels: a box around it and, for each row of bricks
-//! along x, which bricks it touches, which it covers wholly, and the voxels of the others.
+//! Regions: sets of voxels as edits query them. A region has a bounding box and says, for each row of
+//! bricks along x, which bricks it touches, which it covers entirely, and which voxels of the others.
 //!
-//! A row is the unit because solids are convex: what decides the 64 rows of voxels in a row of
-//! bricks is worked out once, and the bricks in the middle are then known without a look at
-//! them. Knows no tool.
+//! The unit is a row because solids are convex: what decides the 64 rows of voxels in a row of bricks
+//! is computed once, and the bricks in the middle are then known without looking at them. Knows no
+//! tool.
 
 use std::ops::Range;
 
@@ -123,7 +123,7 @@ impl BrickBox {
 pub struct RowReach {
     /// Bricks outside of this range are not covered at all.
     pub touched: Range<u32>,
-    /// Bricks in this range are covered wholly. Empty, or within `touched`.
+    /// Bricks in this range are covered entirely. Empty, or within `touched`.
     pub whole: Range<u32>,
 }
 
@@ -132,21 +132,20 @@ impl RowReach {
     pub const NONE: RowReach = RowReach { touched: 0..0, whole: 0..0 };
 }
 
-/// A set of voxels that can be asked row of bricks by row of bricks, with the vector instructions
-/// that the whole of an edit is made with.
+/// A set of voxels that is queried by rows of bricks, with the vector instructions of the whole edit.
 pub trait Region: Sync {
-    /// What is worked out once for a row of bricks along x, and reused for the next row.
+    /// What is computed once for a row of bricks along x; its memory is reused for the next row.
     type Row: Default;
 
     /// A box outside of which the region covers nothing (it may reach beyond the grid).
     fn bounds_vx(&self) -> VoxelBox;
 
-    /// Cuts the region by the row of bricks whose lower edge runs along x at voxel coordinates
+    /// Intersects the region with the row of bricks whose lower edge runs along x at voxel coordinates
     /// `y_vx`, `z_vx`.
     fn cut_row<S: Simd>(&self, simd: S, y_vx: u32, z_vx: u32, row: &mut Self::Row) -> RowReach;
 
-    /// The voxels covered of a touched brick of the row just cut. Voxels beyond the grid's
-    /// border may be among them.
+    /// The covered voxels of a touched brick of the row passed to [`Region::cut_row`] last. May
+    /// include voxels beyond the grid's border.
     fn mask<S: Simd>(&self, simd: S, row: &Self::Row, reach: &RowReach, brick_x: u32) -> Brick;
 }
 

@@ -1,8 +1,8 @@
-//! Owns what each edit does to the bricks of one row: new bits, count, what is kept of the old
-//! bits, and what is reported as changed.
+//! Edits the bricks of one row: sets their bits and counts, keeps the old bits for undo, and reports
+//! which bricks changed.
 //!
-//! Bricks come in rising order, so that what concerns 64 of them is gathered in registers and
-//! written once. Knows no tool and no colour.
+//! Bricks come in rising order, so that the masks of 64 of them are gathered in registers and written
+//! once. Knows no tool and no colour.
 
 use fearless_simd::Simd;
 use glam::UVec3;
@@ -46,12 +46,12 @@ impl<S: Simd, R: Region> Piece<'_, S, R> {
     }
 }
 
-/// An edit on its way along one row of bricks.
+/// An edit in progress along one row of bricks.
 pub struct RowEdit<'a, 'g> {
     grid: &'a mut GridBand<'g>,
     record: &'a mut BandRecord,
     kept_before: &'a BrickSet,
-    /// The word of 64 bricks at hand, and which of them the stroke has kept already.
+    /// The current word of 64 bricks, and which of them the stroke has already kept.
     word: u32,
     kept_of_word: u64,
     kept: WordKinds,
@@ -110,8 +110,7 @@ impl<'a, 'g> RowEdit<'a, 'g> {
         }
     }
 
-    /// Makes the covered voxels exist. If `paint`, those that did not are handed on to be
-    /// painted.
+    /// Makes the covered voxels exist. With `paint`, new ones are listed to be painted.
     #[inline(always)]
     pub fn add(&mut self, piece: Piece<impl Simd, impl Region>, paint: bool) {
         match piece {
@@ -151,7 +150,7 @@ impl<'a, 'g> RowEdit<'a, 'g> {
         }
     }
 
-    /// Hands the covered voxels that exist on to be painted.
+    /// Lists the covered voxels that exist to be painted.
     #[inline(always)]
     pub fn paint(&mut self, piece: Piece<impl Simd, impl Region>) {
         piece.each(
@@ -205,7 +204,7 @@ impl<'a, 'g> RowEdit<'a, 'g> {
         }
     }
 
-    /// Makes the word of a brick the one at hand.
+    /// Makes the word of a brick the current one.
     #[inline(always)]
     fn enter_word(&mut self, index: u32) {
         if index / 64 != self.word {
@@ -215,7 +214,7 @@ impl<'a, 'g> RowEdit<'a, 'g> {
         }
     }
 
-    /// Sets a brick to other bits and keeps what it was, if this is the first time.
+    /// Sets a brick to new bits, and keeps the old ones if the stroke has none of it yet.
     #[inline(always)]
     fn replace(&mut self, b: UVec3, index: u32, before: u16, bits: &Brick, count: u16) {
         self.enter_word(index);
@@ -237,7 +236,7 @@ impl<'a, 'g> RowEdit<'a, 'g> {
         self.grid.set(b, index, bits, count);
     }
 
-    /// Writes what has been gathered. Must be called after the row's last brick.
+    /// Writes the masks gathered for the current word. Must be called after the row's last brick.
     #[inline(always)]
     pub fn close_word(&mut self) {
         if self.changed != 0 {

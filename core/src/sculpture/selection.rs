@@ -1,8 +1,8 @@
-//! Owns the selection: a marker box, and a stack of boxes added and taken away one after the
-//! other, to which every tool can be limited.
+//! The selection: a marker box, and a stack of boxes added and subtracted in order, to which all tools
+//! can be limited.
 //!
-//! Boxes are in voxels and may reach beyond the grid. Changes no voxel; [`Limited`] is what cuts
-//! a tool's region down to the selection, at the one place where edits happen.
+//! Boxes are in voxels and may reach beyond the grid. Changes no voxel; [`Limited`] intersects a tool's
+//! region with the selection where edits are applied.
 
 use fearless_simd::Simd;
 use glam::{IVec3, UVec3};
@@ -10,7 +10,7 @@ use glam::{IVec3, UVec3};
 use super::brick::Brick;
 use super::region::{BoxRow, Region, RowReach, VoxelBox};
 
-/// Furthest that a marker may lie from the grid's corner, and longest that it may be, in voxels.
+/// Largest coordinate of a marker, in voxels from the grid's corner.
 pub const MARKER_LIMIT_VX: i32 = 1 << 20;
 /// Most boxes on the stack.
 pub const MAX_BOXES: usize = 256;
@@ -20,7 +20,7 @@ pub const MAX_BOXES: usize = 256;
 pub struct SelectedBox {
     /// The voxels of the box; it may reach beyond the grid.
     pub bounds: VoxelBox,
-    /// The box adds its voxels to those of the boxes below it, or else takes them away.
+    /// Whether the box adds its voxels to those of the boxes below it, or subtracts them.
     pub adds: bool,
 }
 
@@ -33,7 +33,7 @@ pub struct BoxStack(Vec<SelectedBox>);
 pub struct Selection {
     marker: VoxelBox,
     stack: BoxStack,
-    /// Tools change what is selected only, if anything is.
+    /// Whether tools are limited to the selection, if anything is selected.
     limits: bool,
 }
 
@@ -54,7 +54,7 @@ impl Selection {
         self.marker
     }
 
-    /// Names what is wrong with `marker`, if anything.
+    /// An error that says why `marker` is not a valid marker, if it is not.
     pub fn check_marker(marker: VoxelBox) -> Result<(), &'static str> {
         let far = IVec3::splat(MARKER_LIMIT_VX);
         if marker.min.cmplt(-far).any() || marker.max.cmpgt(far).any() {
@@ -66,7 +66,7 @@ impl Selection {
         Ok(())
     }
 
-    /// Moves and sizes the marker. Names what is wrong with `marker`, if anything.
+    /// Replaces the marker; an error if `marker` is not a valid one.
     pub fn set_marker(&mut self, marker: VoxelBox) -> Result<(), &'static str> {
         Self::check_marker(marker)?;
         self.marker = marker;
@@ -92,7 +92,7 @@ impl Selection {
         room
     }
 
-    /// Takes the uppermost box off; false if there is none.
+    /// Removes the uppermost box; false if there is none.
     pub fn drop_last(&mut self) -> bool {
         self.stack.0.pop().is_some()
     }
@@ -112,7 +112,7 @@ impl Selection {
         self.limits = limits;
     }
 
-    /// What tools are limited to; none while they may work everywhere.
+    /// What tools are limited to. None while they work everywhere.
     pub fn limit(&self) -> Option<&BoxStack> {
         (self.limits && !self.stack.0.is_empty()).then_some(&self.stack)
     }
@@ -131,7 +131,7 @@ impl BoxStack {
 }
 
 impl Region for BoxStack {
-    /// The cuts of the boxes, in their order.
+    /// For each box what it covers of the row.
     type Row = Vec<(RowReach, BoxRow)>;
 
     fn bounds_vx(&self) -> VoxelBox {
@@ -169,7 +169,7 @@ impl Region for BoxStack {
     }
 }
 
-/// What two boxes cover together; of the bricks covered wholly perhaps only some.
+/// The union of two rows' coverage; `whole` may leave out some bricks.
 fn joined(a: &RowReach, b: &RowReach) -> RowReach {
     let hull = |a: &std::ops::Range<u32>, b: &std::ops::Range<u32>| {
         if a.is_empty() { b.clone() } else { a.start.min(b.start)..a.end.max(b.end) }
@@ -209,7 +209,7 @@ pub struct Limited<'a, R> {
     pub stack: &'a BoxStack,
 }
 
-/// The cuts of both sides.
+/// The rows of the region and of the stack.
 pub struct LimitedRow<R: Region> {
     region: R::Row,
     reach: RowReach,

@@ -1,8 +1,8 @@
-//! Owns the choice of instructions for plain loops: counts of bits and wide vectors are not in the
-//! least processor that the program is compiled for, and are used where they are found.
+//! Chooses vector instructions for plain loops at run time: the baseline that the program is compiled
+//! for has neither wide vectors nor bit counts.
 
-/// Runs `f`, compiled a second time for AVX2 with its counts of bits where the processor has them.
-/// Only what is inlined into `f` gains by it: mark closure and callees `#[inline(always)]`.
+/// Runs `f`, in a version compiled for AVX2 and POPCNT where the processor has them. Only code inlined
+/// into `f` benefits: mark the closure and its callees `#[inline(always)]`.
 #[inline(always)]
 pub fn vectorised<T>(f: impl FnOnce() -> T) -> T {
     #[cfg(target_arch = "x86_64")]

@@ -13,7 +13,7 @@ use crate::sculpture::brick::{BRICK_VOXELS, Brick};
 /// Slabs of bricks in a band.
 pub const BAND_SLABS: u32 = 4;
 
-/// The bricks of one band, with what must stay true to them.
+/// The bricks of one band with their counts and occupancy.
 pub(in crate::sculpture) struct GridBand<'a> {
     /// Linear index of the band's first brick.
     first: u32,
@@ -79,8 +79,7 @@ impl GridBand<'_> {
         }
     }
 
-    /// Makes `len` bricks along x from the one at `b` on full, which were all empty, or empty,
-    /// which were all full.
+    /// Fills `len` empty bricks along x from the one at `b` on, or empties as many full ones.
     #[inline(always)]
     pub fn flip_run(&mut self, b: UVec3, index: u32, len: u32, full: bool) {
         let at = (index - self.first) as usize;
@@ -101,7 +100,7 @@ impl GridBand<'_> {
     }
 }
 
-/// What a brick may hold, by its linear index.
+/// The valid bits of bricks by linear index.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BrickPlaces {
     dims: UVec3,
@@ -158,8 +157,8 @@ impl Grid {
         (slabs.start / BAND_SLABS) as usize..slabs.end.div_ceil(BAND_SLABS) as usize
     }
 
-    /// Hands the bands that hold the bricks of `slabs` to `f`, each with one of `states`
-    /// (one a band of the grid), on as many threads as there are if `parallel`.
+    /// Calls `f` for each band that holds bricks of `slabs`, with its entry of `states` (one per band of
+    /// the grid); on all threads if `parallel`.
     pub(in crate::sculpture) fn edit_bands<S: Send>(
         &mut self,
         slabs: Range<u32>,

@@ -7,17 +7,19 @@ use super::{Grid, unflatten};
 use crate::sculpture::brick::{Brick, BrickKind};
 use crate::sculpture::brick_set::BrickMask;
 
-/// Bricks of one word, by what they hold.
+/// The bricks of one word by kind: a bit per brick.
 #[derive(Clone, Copy, Default, Debug)]
 pub struct WordKinds {
+    /// Empty bricks.
     pub empty: u64,
+    /// Full bricks.
     pub full: u64,
-    /// Neither.
+    /// Bricks that are neither.
     pub mixed: u64,
 }
 
 impl Grid {
-    /// How many of some bricks are neither empty nor full.
+    /// Number of bricks that are neither empty nor full.
     #[inline(always)]
     pub(in crate::sculpture) fn count_mixed(&self, bricks: BrickMask) -> usize {
         let mut mixed = 0;
@@ -28,8 +30,8 @@ impl Grid {
         mixed
     }
 
-    /// Sets bricks to what `bits` gives for them in turn, with their counts. What they were is
-    /// returned, and given to `keep_mixed` where it is neither empty nor full.
+    /// Sets bricks to what `bits` returns for them in turn, with their counts. Returns the kinds of the
+    /// old bricks and passes those that are neither empty nor full to `keep_mixed`.
     #[inline(always)]
     pub(in crate::sculpture) fn swap_word(
         &mut self,
