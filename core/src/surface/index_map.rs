@@ -1,5 +1,5 @@
-//! Owns the index map: for one eye, the voxel seen through each pixel. Samplers on CPU and GPU
-//! make it; shaders read it.
+//! The index map of an eye: the voxel seen through each pixel. Written by samplers on CPU and GPU, read
+//! by shaders; and the pixel rectangle.
 
 use std::ops::Range;
 
@@ -31,25 +31,25 @@ impl IndexMap {
         self.voxels.resize(rays.size.x as usize * rays.size.y as usize, NO_VOXEL);
     }
 
-    /// Gives the map another view of which only the rays are known in memory: what is seen is
-    /// known to the device alone.
+    /// Gives the map another view of which only the rays are kept in memory: the voxels are on the
+    /// device alone.
     pub fn forget(&mut self, rays: PixelRays) {
         self.rays = rays;
         self.voxels.clear();
     }
 
-    /// Whether what is seen is known in memory.
+    /// Whether the voxels are in memory.
     pub fn is_known(&self) -> bool {
         !self.voxels.is_empty()
     }
 
-    /// The voxel seen through pixel (x, y), if any, and if it is known.
+    /// The voxel seen through pixel (x, y), if there is one and it is in memory.
     pub fn get(&self, x: u32, y: u32) -> Option<u32> {
         let voxel = *self.voxels.get((x + y * self.rays.size.x) as usize)?;
         (voxel != NO_VOXEL).then_some(voxel)
     }
 
-    /// Pixels through which a voxel is seen.
+    /// Number of pixels through which a voxel is seen.
     pub fn covered(&self) -> usize {
         self.voxels.iter().filter(|&&v| v != NO_VOXEL).count()
     }
@@ -78,7 +78,7 @@ impl PixelRect {
         !self.min.cmplt(self.max).all()
     }
 
-    /// Pixels in the rectangle.
+    /// Number of pixels in the rectangle.
     pub fn pixel_count(self) -> u64 {
         self.max.saturating_sub(self.min).as_u64vec2().element_product()
     }
@@ -88,19 +88,19 @@ impl PixelRect {
         if self.is_empty() { 0..0 } else { self.min.y..self.max.y }
     }
 
-    /// Its rows of a picture of `width` pixels a row, whole.
+    /// The rows of a picture, `width` pixels wide, that it touches, in full width.
     pub fn rows_of<T>(self, pixels: &[T], width: u32) -> &[T] {
         let Range { start, end } = self.rows();
         &pixels[(start * width) as usize..(end * width) as usize]
     }
 
-    /// The same, to be written.
+    /// [`PixelRect::rows_of`], mutable.
     pub fn rows_of_mut<T>(self, pixels: &mut [T], width: u32) -> &mut [T] {
         let Range { start, end } = self.rows();
         &mut pixels[(start * width) as usize..(end * width) as usize]
     }
 
-    /// The upper left corner, and how far it reaches from there.
+    /// The upper left corner and the size.
     pub fn corner_and_size(self) -> ([u32; 2], [u32; 2]) {
         (self.min.to_array(), self.max.saturating_sub(self.min).to_array())
     }

@@ -1,10 +1,8 @@
-//! Owns which pixels an edit may change while nothing moves: the places in the picture of the
-//! bricks that changed.
+//! The pixels that an edit may change while nothing moves: the projections of the changed bricks.
 //!
-//! Takes changed bricks and the rays of a picture, gives few rectangles that together are never
-//! too small. A pixel's voxel can only become another if its ray crosses a changed brick; its
-//! shade also depends on the voxels about the one seen, and so on bricks that reach it within
-//! some voxels. Knows no voxels: a brick that changed at all counts as a whole.
+//! From changed bricks and the rays of a picture to a few rectangles that cover all affected pixels. A
+//! pixel's voxel changes only if its ray crosses a changed brick; its shade also depends on the voxels
+//! around the one seen, and so on bricks within some voxels of it. Works by whole bricks, not voxels.
 
 use glam::{UVec3, Vec3};
 
@@ -15,7 +13,7 @@ use crate::sculpture::Grid;
 use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::view::PixelRays;
 
-/// With more runs of bricks than this, one box about all of them is projected instead.
+/// With more runs of bricks than this, one box around all of them is projected instead.
 const MAX_RUNS: usize = 4096;
 
 /// Pixels by which rectangles are wider than exact rays need: samplers on the GPU round otherwise.

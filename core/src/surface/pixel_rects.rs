@@ -1,14 +1,12 @@
-//! Owns few rectangles of pixels that together cover all that was put into them.
-//!
-//! Takes rectangles one by one; those that are near each other become one, so that what is done for
-//! each costs little more than for its pixels.
+//! A small set of pixel rectangles that cover all rectangles added to it. Rectangles close to each other
+//! are merged, so that the overhead per rectangle stays small.
 
 use super::index_map::PixelRect;
 
-/// Most rectangles that changed pixels are described by: a tool and its mirror images.
+/// Most rectangles in a set: enough for a tool and its mirror images.
 pub const MAX_RECTS: usize = 8;
 
-/// Rectangles of pixels; without overlap once [`PixelRects::without_overlap`] has made them so.
+/// Rectangles of pixels, which may overlap; see [`PixelRects::without_overlap`].
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct PixelRects {
     rects: [PixelRect; MAX_RECTS],
@@ -46,7 +44,7 @@ impl PixelRects {
         self.as_slice().iter().copied().reduce(PixelRect::union).unwrap_or(PixelRect::EMPTY)
     }
 
-    /// Adds a rectangle to the one that grows least by it, or on its own.
+    /// Merges a rectangle into the one that grows least, or adds it on its own.
     pub fn add(&mut self, rect: PixelRect) {
         if rect.is_empty() {
             return;
@@ -67,7 +65,7 @@ impl PixelRects {
         }
     }
 
-    /// Unites rectangles until none overlap.
+    /// Merges rectangles until none overlap.
     pub fn without_overlap(mut self) -> PixelRects {
         let mut i = 0;
         while i < self.count {
@@ -88,7 +86,7 @@ impl PixelRects {
     }
 }
 
-/// Whether sampling the box about two rectangles costs no more than sampling both by themselves.
+/// Whether sampling the bounds of two rectangles costs no more than sampling both on their own.
 fn near(a: &PixelRect, b: &PixelRect) -> bool {
     const FIXED_COST_PX: u64 = 1024;
     a.union(*b).pixel_count() <= a.pixel_count() + b.pixel_count() + FIXED_COST_PX

@@ -1,14 +1,14 @@
-//! Owns Quickstep, the approximate ray caster of the 2005 system (Mueller, "Volume Modelling and
+//! Quickstep, the approximate ray caster of the 2005 system (Mueller, "Volume Modelling and
 //! Rendering Based on 3D Voxel Grids").
 //!
 //! It walks bricks exactly while they are empty. In one that is not, it takes the first and the
 //! last voxel of the ray and draws a digital line between them: the axis with most steps is the
-//! basis and advances with each step, the others when their share of steps has come round; each
-//! advance tests one voxel. No crossing is computed in between, and so the line can pass a voxel
-//! that the ray touches, or test one that it does not: what it reports exists and lies within a
-//! voxel of the ray, but may not be the first. [`super::raycast`] is the exact caster.
+//! basis and advances with each step, the others in proportion; each advance tests one voxel. No
+//! crossing is computed in between, so that the line can miss a voxel that the ray touches, or test
+//! one that it does not: the reported voxel exists and lies within a voxel of the ray, but may not be
+//! the first. [`super::raycast`] is the exact caster.
 //!
-//! Takes and gives what the exact caster does.
+//! Its functions have the inputs and outputs of the exact caster's.
 
 use glam::{IVec3, UVec3, Vec3};
 
@@ -43,7 +43,7 @@ pub fn sample(grid: &Grid, rays: &PixelRays, map: &mut IndexMap) {
     sample_rect(grid, map, PixelRect::of_picture(rays.size));
 }
 
-/// Samples anew the pixels of `rect` (cut to the picture) with the rays that `map` was made with.
+/// Samples again the pixels of `rect` (cut to the picture) with the rays that `map` was made with.
 pub fn sample_rect(grid: &Grid, map: &mut IndexMap, rect: PixelRect) {
     sample_each(
         grid,

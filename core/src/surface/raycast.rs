@@ -1,14 +1,14 @@
-//! Owns the exact ray caster: the first existing voxel along a ray, and the index map of a view.
+//! The exact ray caster: the first existing voxel along a ray, and the index map of a view.
 //!
-//! Takes a grid and rays in grid coordinates. What is exact is laid down in [`ray`]: a ray meets
-//! voxels in the order of its crossings of voxel boundaries, and the caster returns the first
-//! existing one of those, the very voxel that a walk voxel by voxel from the eye returns.
+//! Input are a grid and rays in grid coordinates. [`ray`] defines what exact means: a ray visits voxels
+//! in the order of its crossings of voxel boundaries, and the caster returns the first existing one,
+//! the same that a traversal voxel by voxel from the eye finds.
 //!
-//! There are two ways to it. [`walk`] takes one ray and skips what is empty: blocks of 4^3 bricks,
-//! bricks, words of 4^3 voxels. [`sweep`] takes a tile of a picture and goes the other way round:
-//! it visits the cubes of the grid front to back, each once for all pixels of the tile that may
-//! see it, and walks sixteen rays at once through a brick ([`packet`]). At usual distances a
-//! brick covers some thirty pixels, so that nearly all decisions are shared.
+//! There are two implementations. [`walk`] traces one ray and skips empty space: blocks of 4^3 bricks,
+//! bricks, words of 4^3 voxels. [`sweep`] samples a tile of a picture the other way round: it visits
+//! the cubes of the grid front to back, each once for all pixels of the tile that may see it, and
+//! traces sixteen rays at once through a brick ([`packet`]). At usual distances a brick covers some
+//! thirty pixels, so that nearly all decisions are shared.
 //!
 //! Knows no colours, no light and no cameras beyond the rays of their pixels.
 
@@ -31,7 +31,7 @@ use crate::sculpture::vectors::vectorised;
 use crate::sculpture::{Grid, NO_VOXEL};
 use crate::view::PixelRays;
 
-/// What a ray met first.
+/// The first voxel on a ray.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Hit {
     /// The voxel.
@@ -42,9 +42,9 @@ pub struct Hit {
     pub t: f32,
 }
 
-/// The first existing voxel along `origin + t * direction`, `t >= 0`, in grid coordinates.
-/// The voxel around the origin counts as met at `t = 0`. Nothing is met where the numbers are not
-/// finite or the direction is zero.
+/// The first existing voxel along `origin + t * direction`, `t >= 0`, in grid coordinates. The voxel
+/// around the origin is hit at `t = 0`. None if there is no voxel, a number is not finite, or the
+/// direction is zero.
 pub fn cast(grid: &Grid, origin: Vec3, direction: Vec3) -> Option<Hit> {
     let ray = Ray::new(origin, direction)?;
     let (voxel, event) = Walk::enter(grid, ray)?.first_voxel()?;
@@ -55,13 +55,13 @@ pub fn cast(grid: &Grid, origin: Vec3, direction: Vec3) -> Option<Hit> {
     Some(Hit { voxel, face, t: event.t })
 }
 
-/// Fills `map` with the voxels that `rays` meet first. Keeps the map's memory.
+/// Fills `map` with the first voxels on `rays`. Keeps the map's memory.
 pub fn sample(grid: &Grid, rays: &PixelRays, map: &mut IndexMap) {
     map.reset(*rays);
     sample_rect(grid, map, PixelRect::of_picture(rays.size));
 }
 
-/// Samples anew the pixels of `rect` (cut to the picture) with the rays that `map` was made with.
+/// Samples again the pixels of `rect` (cut to the picture) with the rays that `map` was made with.
 pub fn sample_rect(grid: &Grid, map: &mut IndexMap, rect: PixelRect) {
     sample_rect_at(Level::new(), grid, map, rect);
 }
@@ -72,14 +72,15 @@ fn sample_rect_at(level: Level, grid: &Grid, map: &mut IndexMap, rect: PixelRect
             let sweep = Sweep { grid, rays: map.rays, projection, level };
             for_each_tile(map, rect, |tile| sweep.run(tile));
         }
-        // Pixels in a line or a point: no picture that anybody looks at.
+        // Degenerate: all pixels in a line or a point.
         None => sample_each(grid, map, rect, |origin, direction| {
             Some(cast(grid, origin, direction)?.voxel)
         }),
     }
 }
 
-/// Fills the pixels of `rect` with what `first_voxel` finds from an origin in a direction.
+/// Fills the pixels of `rect` with the voxels that `first_voxel` finds for their origins and
+/// directions.
 pub(super) fn sample_each(
     grid: &Grid,
     map: &mut IndexMap,

@@ -1,9 +1,9 @@
-//! Owns what the slicing renderer draws: rectangles of bricks ("areas") in the slabs of a grid,
-//! and the layers in which an eye meets them, front to back.
+//! The geometry that the slicing renderer draws: rectangles of bricks ("areas") in the slabs of a
+//! grid, and the layers of a view, front to back.
 //!
 //! A slab is one or several layers of bricks across an axis. Empty bricks are left out, and so are buried
-//! ones: full, with the touching layers of all six neighbours full, so that every ray that
-//! comes to them from outside has met a voxel before. The others are joined to areas by dividing
+//! ones: full, with the touching layers of all six neighbours full, so that every ray
+//! from outside hits another voxel first. The others are joined to areas by dividing
 //! a slab's rectangle in two until it is dense enough. An area may thus hold bricks that need
 //! not be drawn; every brick that needs to be is in exactly one.
 //!
@@ -31,8 +31,8 @@ pub struct SliceAreas {
     slab_bricks: u32,
 }
 
-/// Layers of bricks in a slab. The seed had one; with more there are fewer fragments to start
-/// a ray for and more empty bricks to walk through.
+/// Layers of bricks in a slab. With more there are fewer fragments that start a ray, and more empty
+/// bricks to traverse.
 const SLAB_BRICKS: u32 = 2;
 
 impl Default for SliceAreas {
@@ -59,8 +59,8 @@ impl SliceAreas {
         self.slab_bricks * BRICK_EDGE_VX
     }
 
-    /// Takes note of changed bricks (linear indices); `None` means that all of the grid, perhaps
-    /// with other dimensions, is new.
+    /// Marks changed bricks (linear indices); `None` means that the whole grid is new, perhaps with
+    /// another size.
     pub fn update(&mut self, grid: &Grid, changed: Option<&[u32]>) {
         match changed {
             Some(bricks) if self.exposure.fits(grid) => {

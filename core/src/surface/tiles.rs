@@ -1,6 +1,4 @@
-//! Owns the cut of an index map into tiles that are sampled in parallel.
-//!
-//! Takes a map, a rectangle and what to do with a tile. Allocates nothing.
+//! Divides an index map into tiles that are sampled in parallel, without allocating.
 
 use glam::UVec2;
 use rayon::prelude::*;

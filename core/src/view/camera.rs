@@ -1,4 +1,4 @@
-//! Owns the camera of a screen without tracking: an eye point that looks at a target.
+//! The camera of a screen without head tracking: an eye point that looks at a target.
 
 use glam::camera::rh;
 use glam::{UVec2, Vec3};
@@ -33,8 +33,8 @@ impl Default for Camera {
 }
 
 impl Camera {
-    /// Looks at the world's origin from `direction`, far enough for a ball of `radius` about it to
-    /// fill most of the picture's height.
+    /// A camera that looks at the world's origin from `direction`, at the distance from which a ball
+    /// of `radius` about it fills most of the picture's height.
     pub fn framing(radius: f32, direction: Vec3, up: Vec3) -> Camera {
         let fov_y_rad = 45f32.to_radians();
         let distance = 1.05 * radius / (0.5 * fov_y_rad).sin();
@@ -54,8 +54,8 @@ impl Camera {
         }
     }
 
-    /// Looks at the middle of `points` from `direction`, as near as lets all of them be seen in a
-    /// picture of `aspect` (width / height), at `zoom` 1 with a little room around.
+    /// A camera that looks at the middle of `points` from `direction`, as near as possible with all of
+    /// them in a picture of `aspect` (width / height). At `zoom` 1 a small margin remains.
     pub fn framing_points(
         points: &[Vec3],
         direction: Vec3,

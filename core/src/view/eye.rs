@@ -1,12 +1,12 @@
-//! Owns the eye: one view of the world, mono or one of a stereo pair, and the rays through
-//! its pixels in grid coordinates.
+//! An eye: one view of the world, mono or one of a stereo pair, and the rays through its pixels in
+//! grid coordinates.
 //!
 //! Eye space is right-handed, x right, y up, looking along -z. Clip space is Vulkan's: x right,
 //! y down, depth reversed (1 at the near plane, 0 at infinity).
 
 use glam::{Affine3A, Mat4, UVec2, Vec3, Vec4};
 
-/// A view: where it is, how it projects, how many pixels it has.
+/// A view: pose, projection and size in pixels.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Eye {
     /// The rigid map from world to eye coordinates.

@@ -1,8 +1,8 @@
-//! Owns the off-axis view: a rectangle on a screen as a window into the world, seen by an eye that
-//! may be anywhere before it.
+//! Off-axis views: a rectangle on a screen as a window into the world, seen by an eye anywhere in
+//! front of it.
 //!
-//! Takes places in metres on the screen's axes: origin at the screen's centre, x right, y up, z
-//! towards the viewer. Gives [`Eye`]s. Must not know who says where the eye is. The projection is
+//! Input are positions in metres on the screen's axes: origin at the screen's centre, x right, y up, z
+//! towards the viewer. Output are [`Eye`]s. Does not know where positions come from. The projection is
 //! that of R. Kooima: "Generalized Perspective Projection", 2009, for a screen that is a plane of
 //! constant z.
 
@@ -10,14 +10,14 @@ use glam::{Affine3A, Mat3, Quat, UVec2, Vec2, Vec3};
 
 use super::eye::{Eye, Frustum};
 
-/// Eyes nearer to the plane of the screen than this, or behind it, are taken to be so far before
-/// it, in metres: there is no picture for them.
+/// Eyes nearer to the plane of the screen than this, in metres, or behind it, are moved to this
+/// distance: there would be no picture for them.
 pub const NEAREST_EYE_M: f32 = 0.05;
 
 /// A rectangle in the plane of the screen. Metres.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ScreenPlane {
-    /// Its middle, from the screen's centre.
+    /// Its centre, relative to the screen's.
     pub centre_m: Vec2,
     /// Width of the picture on the screen.
     pub width_m: f32,
@@ -25,21 +25,21 @@ pub struct ScreenPlane {
     pub height_m: f32,
 }
 
-/// Where the screen stands in the world, and how large the world is.
+/// Pose of the screen in the world, and the scale between them.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ScreenInWorld {
     /// The point of the world, in world units, at the middle of the rectangle.
     pub centre: Vec3,
     /// World axes from screen axes.
     pub rotation: Quat,
-    /// World units that a metre before the screen is, above 0.
+    /// World units per metre in front of the screen, above 0.
     pub units_per_m: f32,
 }
 
 /// Where two eyes are.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Head {
-    /// Between the eyes, on the screen's axes.
+    /// The point between the eyes, on the screen's axes.
     pub position_m: Vec3,
     /// Rotation from the head's axes to the screen's.
     pub orientation: Quat,
@@ -61,8 +61,7 @@ impl ScreenPlane {
         ScreenPlane { centre_m: Vec2::ZERO, width_m, height_m }
     }
 
-    /// A part of it: from `low` to `high`, both as shares of width and height from its upper left
-    /// corner.
+    /// The part from `low` to `high`, both as fractions of width and height from the upper left corner.
     pub fn part(&self, low: Vec2, high: Vec2) -> ScreenPlane {
         let size = Vec2::new(self.width_m, self.height_m);
         let middle = 0.5 * (low + high) - 0.5;
@@ -89,8 +88,8 @@ impl ScreenPlane {
         ) * Affine3A::from_translation(-self.centre_m.extend(0.0))
     }
 
-    /// What an eye at `eye_m` on the screen's axes sees through the rectangle, in a picture of
-    /// `size` pixels. `near` in world units.
+    /// The view of an eye at `eye_m` on the screen's axes through the rectangle, `size` pixels large.
+    /// `near` is in world units.
     pub fn eye(&self, eye_m: Vec3, world: &ScreenInWorld, size: UVec2, near: f32) -> Eye {
         let from_eye = self.centre_m - eye_m.truncate();
         let depth = eye_m.z.max(NEAREST_EYE_M);
@@ -106,7 +105,7 @@ impl ScreenPlane {
         Eye { eye_from_world, projection: frustum.projection(near), size }
     }
 
-    /// What the left and the right eye of a head see.
+    /// The views of the left and the right eye of a head.
     pub fn eyes(&self, head: &Head, world: &ScreenInWorld, size: UVec2, near: f32) -> [Eye; 2] {
         head.eyes_m().map(|eye_m| self.eye(eye_m, world, size, near))
     }

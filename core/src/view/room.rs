@@ -1,9 +1,9 @@
-//! Owns the room that a person stands in: rigid poses in metres, similarities, and how the
-//! sculpture's world lies in the room.
+//! The physical room: rigid poses in metres, similarities, and the placement of the sculpture's world
+//! in the room.
 //!
-//! The room is right-handed, x right, y up, in metres, as OpenXR has it. The world has the units
-//! of the sculpture (a voxel edge). Between them lies one similarity, so that an eye in the room
-//! is an eye of the world: rigid in world units, with the near plane scaled along.
+//! The room is right-handed, x right, y up, in metres, as in OpenXR. World units are those of the
+//! sculpture (a voxel edge). One similarity maps between them, so that an eye in the room becomes an
+//! eye of the world: rigid in world units, with the near plane scaled accordingly.
 
 use glam::{Affine3A, Quat, UVec2, Vec3};
 
@@ -12,10 +12,10 @@ use crate::sculpture::Placement;
 
 /// Nearest distance that is drawn, in metres.
 pub const NEAR_M: f32 = 0.02;
-/// Nothing that is tracked is farther from the room's origin, in metres: it is a mistake.
+/// Largest plausible distance of a tracked pose from the room's origin, in metres.
 pub const FARTHEST_M: f32 = 1000.0;
 
-/// Where something is in the room and how it is turned; it looks along its own -z.
+/// Position and rotation of something in the room; it looks along its own -z.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Pose {
     /// Metres.
@@ -48,17 +48,17 @@ impl Pose {
         }
     }
 
-    /// Whether something in a room can be there: all numbers are finite, the place is within
-    /// [`FARTHEST_M`], and the rotation is one.
+    /// Whether the pose is plausible: all numbers are finite, the position is within [`FARTHEST_M`],
+    /// and the rotation is normalised.
     pub fn is_plausible(&self) -> bool {
-        // What is no number is not within anything.
+        // Comparisons with NaN are false.
         self.position.abs().max_element() <= FARTHEST_M
             && self.position.is_finite()
             && (self.rotation.length_squared() - 1.0).abs() < 1e-2
     }
 }
 
-/// A map that keeps shapes: scales, then turns, then moves.
+/// A similarity transform: scales, then rotates, then translates.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Similarity {
     /// Rotation, applied after scaling.
@@ -80,7 +80,7 @@ impl Similarity {
         Similarity { rotation, scale: 1.0, translation: to.position - rotation * from.position }
     }
 
-    /// Turns and scales about `centre`, which goes to `to`.
+    /// Rotates and scales about `centre`, which moves to `to`.
     pub fn about(centre: Vec3, rotation: Quat, scale: f32, to: Vec3) -> Similarity {
         Similarity { rotation, scale, translation: to - rotation * centre * scale }
     }
@@ -114,7 +114,7 @@ impl Similarity {
     }
 }
 
-/// What one eye of a headset sees of the room.
+/// The view of one eye of a headset, in the room.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct RoomView {
     /// Where it is in the room.
@@ -123,7 +123,7 @@ pub struct RoomView {
     pub frustum: Frustum,
 }
 
-/// How the world lies in the room.
+/// The placement of the world in the room.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Room {
     /// Its scale is in metres per world unit.

@@ -1,24 +1,22 @@
-//! Owns the two eyes of a stereo picture without tracking: parallel cameras whose frusta are
-//! shifted so that both see the same window at the distance of convergence.
+//! The two eyes of a stereo picture without head tracking: parallel cameras whose frusta are shifted
+//! so that both see the same window at the distance of convergence.
 //!
-//! Takes the eye between them; gives the left and the right one. Must not know how the two pictures
-//! are shown. The cameras are not turned towards each other: that would give points beside the
-//! middle a vertical parallax (A. Woods, T. Docherty, R. Koch: "Image Distortions in Stereoscopic
+//! From the eye between them to the left and the right one. Does not know how the two pictures are
+//! shown. The cameras are not toed in: that would give points off the centre a vertical parallax (A. Woods, T. Docherty, R. Koch: "Image Distortions in Stereoscopic
 //! Video Systems", SPIE 1915, 1993).
 
 use glam::{Affine3A, Vec3};
 
 use super::eye::Eye;
 
-/// How far the eyes are apart and where their pictures coincide. Lengths in world units.
+/// Distance between the eyes, and where their pictures coincide. Lengths in world units.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct StereoRig {
     /// From eye to eye, 0 or more.
     pub eye_distance: f32,
     /// From the eyes' plane to the plane that is seen in the plane of the screen, above 0.
     pub convergence: f32,
-    /// Gives the right eye's picture to the left eye and the other way round, for screens that
-    /// have them exchanged.
+    /// Exchanges the pictures of the two eyes, for screens that have them the other way round.
     pub swap: bool,
 }
 

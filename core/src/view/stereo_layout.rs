@@ -1,8 +1,8 @@
-//! Owns how the pictures of two eyes share one screen, pixel by pixel: the CPU twin of
-//! `shaders/stereo.frag.wgsl`, and the way back from a place on the screen to what is shown there.
+//! How the pictures of two eyes share one screen, pixel by pixel: the CPU twin of
+//! `shaders/stereo.frag.wgsl`, and the inverse, from a pixel of the screen to the picture shown there.
 //!
-//! Every layout shows the whole of both pictures, which have the size of the screen. Knows no
-//! Vulkan and no cameras.
+//! Every layout shows both pictures entirely; each has the size of the screen. Knows no Vulkan and no
+//! cameras.
 
 use glam::{UVec2, Vec2};
 use serde::Deserialize;
@@ -40,7 +40,7 @@ impl StereoLayout {
         StereoLayout::Anaglyph,
     ];
 
-    /// What the interface calls it.
+    /// Its name in the interface.
     pub fn label(self) -> &'static str {
         match self {
             StereoLayout::Mono => "Mono",
@@ -53,7 +53,7 @@ impl StereoLayout {
         }
     }
 
-    /// Pictures that it shows.
+    /// Number of pictures that it shows.
     pub fn eyes(self) -> usize {
         if self == StereoLayout::Mono { 1 } else { 2 }
     }

@@ -1,7 +1,7 @@
-//! Owns the walk of sixteen rays at once through one brick.
+//! Traces sixteen rays at once through one brick.
 //!
-//! Takes rays by their pixels and a brick that holds something, gives the first existing voxel
-//! that each ray meets in it. Decides as [`super::ray`] lays down, by the same arithmetic.
+//! From the pixels of the rays and a non-empty brick to the first existing voxel on each ray. Orders
+//! crossings as [`super::ray`] defines, by the same arithmetic.
 
 use fearless_simd::{Level, Simd, f32x16, mask32x16, prelude::*, u8x16, u8x64, u32x16};
 use glam::{IVec3, Vec3};
@@ -38,7 +38,7 @@ impl PacketBrick {
         let corner = corner.as_vec3();
         let full = brick.is_full();
         PacketBrick {
-            // Of a full brick they are not looked at.
+            // Not read for a full brick.
             rows: if full { [0; 64] } else { bytemuck::cast(brick.to_rows()) },
             full,
             low: corner - eye,
@@ -48,7 +48,7 @@ impl PacketBrick {
     }
 }
 
-/// What sixteen rays met: which of them met something, and the voxels in the brick.
+/// The hits of sixteen rays: a mask of the rays that hit, and the voxels in the brick.
 pub(super) struct PacketHit<S: Simd> {
     pub lanes: u32,
     pub voxels: [u32x16<S>; 3],
@@ -161,7 +161,7 @@ pub(super) fn cast_packet<S: Simd>(
         let exists = active & (bits & 1).simd_ne(0);
         found = exists.select(voxel, found);
         hit |= exists;
-        // Rays that are done move on as well: nothing has to wait for who they are.
+        // Finished rays advance, too: that needs no select.
         let y_first = t[1].simd_le(t[2]);
         let x_first = t[0].simd_le(t[1].min(t[2]));
         voxel += x_first.select(units[0], y_first.select(units[1], units[2]));
@@ -177,8 +177,8 @@ pub(super) fn cast_packet<S: Simd>(
     PacketHit { lanes: hit.to_bitmask() as u32, voxels }
 }
 
-/// `f` of the three axes, always inlined: what is not loses the instructions that the dispatch
-/// chose.
+/// `f` of the three axes, always inlined: other functions would not be compiled for the instructions
+/// that the dispatch chose.
 #[inline(always)]
 fn for_axes<T>(mut f: impl FnMut(usize) -> T) -> [T; 3] {
     [f(0), f(1), f(2)]

@@ -1,6 +1,6 @@
-//! Owns the way back from the grid to the picture: in which pixels a cube of voxels can be seen.
+//! Projects cubes of voxels to the picture: the pixels in which they can be seen.
 //!
-//! Takes the rays of a picture and aligned cubes, gives rectangles that are never too small.
+//! From the rays of a picture and aligned cubes to conservative rectangles of pixels.
 
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 use glam::{DMat3, DVec2, DVec3, UVec2, Vec3};

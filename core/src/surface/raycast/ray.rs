@@ -1,5 +1,5 @@
-//! Owns the arithmetic of a ray on the grid: when it crosses which voxel boundary, and in
-//! which order. Every caster decides by it, so that all agree to the voxel.
+//! The arithmetic of a ray on the grid: when it crosses which voxel boundary, and in which order. All
+//! casters use it, so that they agree to the voxel.
 //!
 //! - The ray crosses the plane `k` (an integer) of an axis at `t = (k - origin) * (1 / direction)`,
 //!   computed in `f32` from the integer each time and never accumulated.
@@ -17,7 +17,7 @@ use glam::{IVec3, Vec3};
 /// Components of a direction below this magnitude are replaced by it.
 pub const STANDSTILL: f32 = 1e-20;
 
-/// A crossing of a voxel boundary: when, and on which axis (0..3). What orders them.
+/// A crossing of a voxel boundary: when, and on which axis (0..3); and the order of crossings.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct Crossing {
     pub t: f32,

@@ -1,9 +1,9 @@
-//! Owns the sweep of a tile: the cubes of the grid that can be seen in it, front to back, until
-//! every pixel has its voxel.
+//! Samples a tile: visits the cubes of the grid that are visible in it, front to back, until every pixel
+//! has its voxel.
 //!
-//! Along any ray the eight children of a cube come in the order of an octree's front-to-back walk
-//! from the eye, and so do bricks. A brick is therefore cast for all pixels at once that may see
-//! it and have no voxel yet; each pixel's first voxel is its own ray's first.
+//! Every ray visits the eight children of a cube in an order consistent with an octree's front-to-back
+//! traversal from the eye. A brick is therefore cast at once for all pixels that may see it and have no
+//! voxel yet, and the first voxel found for a pixel is the first on its ray.
 
 use fearless_simd::{Level, Simd, dispatch, mask32x16, prelude::*, u32x16};
 use glam::{IVec3, UVec3};
@@ -21,7 +21,7 @@ const TILE_PIXELS: usize = (TILE_EDGE_PX * TILE_EDGE_PX) as usize;
 const BRICK: usize = 3;
 const BLOCK: usize = 5;
 
-/// Cubes that can wait: up to seven siblings a level, and the eight of the last.
+/// Size of the stack: up to seven siblings a level, and the eight of the last.
 const STACK: usize = 8 * (MAX_LEVEL - BRICK);
 
 /// What all tiles of a picture share.
@@ -33,7 +33,7 @@ pub(super) struct Sweep<'a> {
     pub level: Level,
 }
 
-/// A cube that waits for its turn, with the pixels in which it can be seen.
+/// A cube on the stack, with the pixels in which it can be seen.
 #[derive(Clone, Copy, Default)]
 struct Cube {
     low: [i32; 3],
@@ -46,7 +46,7 @@ struct Canvas {
     /// A bit for each pixel that has no voxel yet, a word a row.
     open: [u64; TILE_EDGE_PX as usize],
     voxels: [u32; TILE_PIXELS],
-    /// Room for the open pixels of a rectangle and an incomplete packet.
+    /// The open pixels of a rectangle, padded to whole packets.
     queue: [u32; TILE_PIXELS + LANES],
 }
 
@@ -131,7 +131,7 @@ impl Sweep<'_> {
             let at = IVec3::new(child & 1, child >> 1 & 1, child >> 2) * 8;
             (IVec3::from(cube.low) + at).as_uvec3()
         });
-        // All are fetched before the first is used, so that their cache misses overlap.
+        // Fetched before the first is used, so that their cache misses overlap.
         let mut bricks = [Brick::EMPTY; 8];
         let mut wanted = 0;
         for child in 0..8 {
@@ -181,7 +181,8 @@ impl Sweep<'_> {
         }
     }
 
-    /// The children of a cube that hold something (or may, where none of them is known as a bit).
+    /// The non-empty children of a cube; all children inside the grid where they are larger than an
+    /// occupancy word.
     #[inline(always)]
     fn occupied_children(&self, cube: &Cube) -> u32 {
         let grid = self.grid;

@@ -1,8 +1,8 @@
-//! Owns the walk of one ray through a grid by the largest empty blocks that it meets.
+//! Traces one ray through a grid, skipping the largest empty blocks on its way.
 //!
-//! Takes a grid and a [`Ray`], gives the first existing voxel. It visits a subset of the voxels
-//! of the plain traversal (Amanatides and Woo, "A Fast Voxel Traversal Algorithm for Ray
-//! Tracing", 1987) and skips only empty ones, since both order crossings alike.
+//! From a grid and a [`Ray`] to the first existing voxel. Visits a subset of the voxels of the plain
+//! traversal (Amanatides and Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing", 1987) and skips
+//! only empty ones, since both order crossings alike.
 
 use super::ray::{Crossing, Ray};
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
@@ -15,7 +15,7 @@ const BRICK: u32 = 3;
 const WORD: u32 = 2;
 const VOXEL: u32 = 0;
 
-/// Where a ray is: in which voxel, and by which crossing it came there.
+/// The position of a ray: its current voxel, and the crossing by which it entered.
 pub(in crate::surface) struct Walk<'a> {
     grid: &'a Grid,
     ray: Ray,
@@ -25,7 +25,7 @@ pub(in crate::surface) struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    /// Brings the ray to the first voxel of the grid that it meets.
+    /// Starts in the first voxel of the grid on the ray. None if the ray misses the grid.
     #[inline(always)]
     pub fn enter(grid: &'a Grid, ray: Ray) -> Option<Walk<'a>> {
         let dims = grid.dims().as_ivec3();
@@ -48,7 +48,7 @@ impl<'a> Walk<'a> {
         Some(Walk { grid, ray, dims, cell, event })
     }
 
-    /// Walks to the first existing voxel, if there is one.
+    /// Continues to the first existing voxel, if there is one.
     pub fn first_voxel(mut self) -> Option<(UVec3, Crossing)> {
         loop {
             let level = match self.empty_level() {
@@ -72,8 +72,8 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Stays where it is if that is in a brick that is not empty, else moves to the first voxel
-    /// of the next one. False if there is none.
+    /// Continues to the first voxel in a non-empty brick, possibly the current one. False if there is
+    /// none.
     #[inline(always)]
     pub fn find_brick(&mut self) -> bool {
         while let Some(level) = self.empty_level() {
@@ -84,13 +84,13 @@ impl<'a> Walk<'a> {
         true
     }
 
-    /// Moves to the first voxel after the present brick. False if that is outside of the grid.
+    /// Moves to the first voxel after the current brick. False if that is outside the grid.
     #[inline(always)]
     pub fn leave_brick(&mut self) -> bool {
         self.leave(BRICK)
     }
 
-    /// The last voxel of the present brick on the ray (which may lie beyond the grid's border).
+    /// The last voxel of the current brick on the ray (which may lie beyond the grid's border).
     #[inline(always)]
     pub fn last_in_brick(&self) -> IVec3 {
         let (event, mut cell) = self.after(BRICK);
@@ -108,7 +108,7 @@ impl<'a> Walk<'a> {
         self.grid.brick(self.cell.as_uvec3() / BRICK_EDGE_VX)
     }
 
-    /// The level of the largest empty block, brick or larger, around the present voxel.
+    /// The level of the largest empty block, brick or larger, around the current voxel.
     #[inline(always)]
     fn empty_level(&self) -> Option<u32> {
         let brick = self.cell.as_uvec3() / BRICK_EDGE_VX;
@@ -117,7 +117,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Moves to the first voxel after the aligned block of `1 << level` voxels an edge that
-    /// holds the present one. False if that is outside of the grid.
+    /// holds the current one. False if that is outside the grid.
     #[inline(always)]
     fn leave(&mut self, level: u32) -> bool {
         (self.event, self.cell) = self.after(level);

@@ -1,15 +1,15 @@
-//! Owns the areas of a slab: how its bricks are joined to rectangles.
+//! The areas of a slab: groups bricks that need drawing into rectangles.
 
 use glam::{UVec2, UVec3};
 use rayon::prelude::*;
 
 use super::exposure::Exposure;
 
-/// What drawing an area costs besides its bricks, in bricks.
+/// Fixed cost of drawing an area, in bricks.
 const AREA_COST_BRICKS: u32 = 32;
 
-/// A rectangle of bricks, as thick as the slab, `max` exclusive. `u` and `v` are the axes that follow the
-/// slab's axis in the circle x, y, z.
+/// A rectangle of bricks, as thick as the slab, `max` exclusive. Its axes are the two that follow the
+/// slab's axis in cyclic order x, y, z.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Area {
     /// Lowest brick.
@@ -21,7 +21,7 @@ pub struct Area {
 /// The areas of one slab.
 pub type SlabAreas = Vec<Area>;
 
-/// Brick coordinates from the number of a layer of bricks and coordinates in it.
+/// Brick coordinates from the index of a layer of bricks and coordinates in it.
 pub(super) fn brick_of(axis: usize, layer: u32, uv: UVec2) -> UVec3 {
     let mut b = UVec3::ZERO;
     b[axis] = layer;
@@ -58,8 +58,8 @@ pub(super) fn rebuild(
     );
 }
 
-/// How many bricks need drawing in the rectangle from the corner to each point (a summed-area
-/// table, Crow 1984), so that any rectangle is counted in four steps.
+/// A summed-area table (Crow 1984) of the bricks that need drawing, so that any rectangle is counted
+/// with four lookups.
 struct Sums {
     size: UVec2,
     counts: Vec<u32>,
@@ -113,7 +113,7 @@ impl Sums {
     }
 }
 
-/// Appends the cheapest areas found for what is in `area`; gives their cost in bricks.
+/// Appends the cheapest areas found for the bricks in `area` and returns their cost in bricks.
 fn divide(sums: &Sums, area: Area, areas: &mut SlabAreas) -> u32 {
     let count = sums.count(area);
     if count == 0 {

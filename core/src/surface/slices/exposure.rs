@@ -1,4 +1,4 @@
-//! Owns which bricks can be seen from outside themselves: neither empty nor buried.
+//! The bricks that can be seen from outside: those neither empty nor buried.
 
 use glam::{IVec3, UVec3};
 use rayon::prelude::*;
@@ -44,8 +44,8 @@ impl Exposure {
         (b.x + self.brick_dims.x * (b.y + self.brick_dims.y * b.z)) as usize
     }
 
-    /// Looks again at the changed bricks and their neighbours; calls `flipped` with the
-    /// coordinates of each whose flag is another now.
+    /// Updates the changed bricks and their neighbours; calls `flipped` with the coordinates of each
+    /// whose flag has changed.
     pub fn update(&mut self, grid: &Grid, changed: &[u32], mut flipped: impl FnMut(UVec3)) {
         for &brick in changed {
             let b = grid.brick_coords(brick as usize).as_ivec3();

@@ -1,4 +1,4 @@
-//! Owns the order in which an eye meets a grid's layers, and which areas it can see.
+//! The layers of a grid in front-to-back order for an eye, and the areas of them in view.
 
 use glam::{Vec2, Vec3};
 
@@ -69,8 +69,8 @@ impl Layers {
         Layers { axis, thickness, slab, dims, frustum, eye: rays.origin[axis] }
     }
 
-    /// Calls `draw` with what may be seen, such that of two layers that a ray meets, it meets
-    /// the one with the lower rank first, and that comes first. `slabs` are the areas along
+    /// Calls `draw` with everything that may be visible, front to back: of two layers on a ray, the one
+    /// that the ray enters first has the lower rank and is drawn first. `slabs` are the areas along
     /// the axis.
     pub fn for_each(&self, slabs: &[SlabAreas], mut draw: impl FnMut(LayerRect)) {
         let count = self.dims[self.axis].div_ceil(self.thickness);
@@ -141,7 +141,7 @@ impl FrustumPlanes {
         FrustumPlanes { origin: rays.origin, normals: [side(0), side(1), side(2), side(3), across] }
     }
 
-    /// False only if the box lies outside of one plane.
+    /// False only if the box lies outside one plane.
     fn touches(&self, low: Vec3, high: Vec3) -> bool {
         let (low, high) = (low - self.origin, high - self.origin);
         self.normals.iter().all(|&n| {
