@@ -1,7 +1,7 @@
-//! Owns the scenes of tests and benchmarks: sculptures made by formulas, the same on every
-//! machine and in every run.
+//! Scenes for tests and benchmarks: sculptures from formulas, the same on every machine and in every
+//! run.
 //!
-//! Takes sizes and seeds, gives grids. A voxel exists if its centre lies in the solid.
+//! From sizes and seeds to grids. A voxel exists if its centre lies in the solid.
 
 use glam::{IVec3, UVec3, Vec3};
 
@@ -25,7 +25,7 @@ pub fn cheese(edge_vx: u32, spheres: u32, seed: u64) -> Result<Grid, GridError> 
             (centre * edge_vx as f32, 4.0 + 24.0 * random.unit())
         })
         .collect();
-    // The spheres that reach into a column of bricks along z: few of all.
+    // The spheres that reach into each column of bricks along z.
     let columns = grid.brick_dims().x;
     let reach = |centre: Vec3, radius: f32, corner: Vec3, edge: Vec3| {
         let gap = centre - centre.clamp(corner, corner + edge);
@@ -83,7 +83,7 @@ pub fn gyroid(edge_vx: u32, seed: u64) -> Result<Grid, GridError> {
     Ok(grid)
 }
 
-/// A machine of cylinders, bores, fins, pipes and bolts, as a scanned engine part has them.
+/// A machine of cylinders, bores, fins, pipes and bolts, like a scanned engine part.
 pub fn engine_like(edge_vx: u32) -> Result<Grid, GridError> {
     let mut grid = cube(edge_vx)?;
     let scale = 1.0 / edge_vx as f32;
@@ -159,7 +159,7 @@ fn brick_of(inside: impl Fn(Vec3) -> bool) -> Brick {
     brick
 }
 
-/// Numbers that look random and are the same everywhere (Steele, Lea and Flood, "Fast splittable
+/// A pseudorandom number generator with the same sequence everywhere (Steele, Lea and Flood, "Fast splittable
 /// pseudorandom number generators", 2014).
 pub struct Random(pub u64);
 
@@ -170,12 +170,12 @@ impl Random {
         hash(self.0)
     }
 
-    /// At least 0, less than 1.
+    /// The next number in [0, 1).
     pub fn unit(&mut self) -> f32 {
         (self.next_u64() >> 40) as f32 / (1 << 24) as f32
     }
 
-    /// A voxel of a grid of `dims`.
+    /// A random voxel of a grid of `dims` voxels.
     pub fn voxel(&mut self, dims: UVec3) -> IVec3 {
         let unit = Vec3::new(self.unit(), self.unit(), self.unit());
         (unit * dims.as_vec3()).as_ivec3()

@@ -1,4 +1,4 @@
-//! Owns the lighting formula: Blinn-Phong with ambient light (Blinn, "Models of light reflection
+//! The lighting formula: Blinn-Phong with ambient light (Blinn, "Models of light reflection
 //! for computer synthesized pictures", 1977), for sixteen surface points at once.
 //!
 //! Colours are sRGB; light is added in linear space. Gamma 2.0 stands for the sRGB curve (square
@@ -13,23 +13,23 @@ use glam::{Affine3A, Mat3, Vec3};
 use super::light::{Light, LightFrame, LightSource, Lighting, MAX_LIGHTS, MAX_SHININESS};
 use crate::sculpture::Rgb;
 
-/// Points that are lit at once.
+/// Number of points lit at once.
 pub(super) const LANES: usize = 16;
 
-/// Instead of the square of no length. A device may take much smaller numbers for 0, and the shaders
-/// do the same.
+/// Lower bound for squared lengths, to divide by. A device may flush much smaller numbers to 0; the
+/// shaders use the same bound.
 const LEAST_SQUARE: f32 = 1e-30;
 
-/// Sixteen points of a surface, before they are taken to eye space.
+/// Sixteen points of a surface, in grid coordinates.
 #[derive(Clone)]
 pub struct SurfacePoints {
     /// In grid coordinates.
     pub position: [[f32; LANES]; 3],
-    /// Points out of the solid; any length. A covector of grid coordinates.
+    /// Points out of the solid, of any length. A covector of grid coordinates.
     pub gradient: [[f32; LANES]; 3],
     /// sRGB: red in the lowest byte.
     pub colour: [u32; LANES],
-    /// How much of the ambient light arrives, 0 to 1.
+    /// Share of the ambient light that arrives, 0 to 1.
     pub open: [f32; LANES],
 }
 
@@ -58,7 +58,7 @@ pub struct EyeLight {
 pub struct Illumination {
     /// The map from grid to eye coordinates.
     pub eye_from_grid: Affine3A,
-    /// Takes covectors to eye space.
+    /// Maps covectors of grid coordinates to eye space.
     pub normal_from_gradient: Mat3,
     /// The lights; `None` is an unused slot.
     pub lights: [Option<EyeLight>; MAX_LIGHTS],
@@ -175,8 +175,8 @@ fn srgb<S: Simd>(linear: f32x16<S>) -> u32x16<S> {
     (linear.max(0.0).min(1.0).sqrt() * 255.0 + 0.5).to_int()
 }
 
-/// The unit normal from one of any length: what is seen cannot look away, so the part of the
-/// normal that does is taken off, and a voxel without a normal faces the eye.
+/// The unit normal from one of any length. A visible surface cannot face away from the eye: the
+/// component that does is removed, and a voxel without a normal faces the eye.
 #[inline(always)]
 fn facing<S: Simd>(simd: S, normal: [f32x16<S>; 3], to_eye: [f32x16<S>; 3]) -> [f32x16<S>; 3] {
     let normal = unit_or(simd, normal, to_eye);
@@ -188,7 +188,7 @@ fn facing<S: Simd>(simd: S, normal: [f32x16<S>; 3], to_eye: [f32x16<S>; 3]) -> [
     let turned =
         [normal[0] - to_eye[0] * away, normal[1] - to_eye[1] * away, normal[2] - to_eye[2] * away];
     let turned = unit_or(simd, turned, to_eye);
-    // The others keep theirs to the bit: a pixel's shade does not depend on the pixels beside it.
+    // The others are kept to the bit: a pixel's shade does not depend on the pixels beside it.
     [
         turns.select(turned[0], normal[0]),
         turns.select(turned[1], normal[1]),

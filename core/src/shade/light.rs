@@ -1,18 +1,18 @@
-//! Owns what can be said of lights. [`super::illumination`] has the formula.
+//! The description of lights and materials. [`super::illumination`] has the formula.
 
 use glam::Vec3;
 
 use crate::sculpture::Rgb;
 
-/// Lights that a picture can have.
+/// Most lights of a picture.
 pub const MAX_LIGHTS: usize = 4;
 
-/// What a light keeps its place in.
+/// The coordinates in which a light is fixed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum LightFrame {
-    /// It stays where it is while the eye moves.
+    /// The world's: it stays where it is while the eye moves.
     World,
-    /// It moves with the eye, as a lamp on the head.
+    /// The eye's: it moves along, as a headlamp.
     Eye,
 }
 
@@ -21,7 +21,7 @@ pub enum LightFrame {
 pub enum LightSource {
     /// From far away; the vector points towards the light.
     Direction(Vec3),
-    /// From a point, as bright near as far.
+    /// From a point, without attenuation.
     Position(Vec3),
 }
 
@@ -38,31 +38,30 @@ pub struct Light {
     pub intensity: f32,
 }
 
-/// All that lights a sculpture, and how it shines.
+/// All lights of a picture, and how the surface reflects them.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Lighting {
     /// The lights; `None` is an unused slot.
     pub lights: [Option<Light>; MAX_LIGHTS],
-    /// Light from everywhere.
+    /// Ambient light.
     pub ambient: Rgb,
     /// Share of light in the highlight, 0 to 1.
     pub specular: f32,
-    /// Exponent of the highlight: larger is smaller and sharper.
-    /// At most [`MAX_SHININESS`].
+    /// Exponent of the highlight: the larger, the smaller and sharper. At most [`MAX_SHININESS`].
     pub shininess: u32,
-    /// Whether the voxels around one dim its ambient light ([`super::occlusion`]).
+    /// Whether ambient light is occluded by voxels nearby ([`super::occlusion`]).
     pub occlusion: bool,
-    /// The filters of the software shader ([`super::smooth`]).
+    /// How far normals are averaged over neighbours, by the software shader ([`super::smooth`]).
     pub smooth_normals: Smoothing,
-    /// How far colours are averaged over neighbours.
+    /// How far colours are averaged over neighbours, likewise.
     pub smooth_colours: Smoothing,
 }
 
-/// The largest exponent of a highlight; larger ones count as this one. The shaders of the device work
-/// with as many bits.
+/// The largest exponent of a highlight; larger ones count as this one. The device's shaders use the
+/// same number of bits.
 pub const MAX_SHININESS: u32 = 1024;
 
-/// Over which neighbours an interpolation filter of the software shader takes its means.
+/// The neighbourhood of an interpolation filter of the software shader.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Smoothing {
@@ -79,7 +78,7 @@ impl Smoothing {
     /// All values, from none to widest.
     pub const ALL: [Smoothing; 3] = [Smoothing::Off, Smoothing::Near, Smoothing::Wide];
 
-    /// Neighbours to each side.
+    /// Number of neighbours to each side.
     pub fn reach(self) -> i32 {
         match self {
             Smoothing::Off => 0,

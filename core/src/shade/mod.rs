@@ -1,10 +1,9 @@
 //! Shading: from an index map to a picture. Pure CPU code.
 //!
-//! A pixel goes through two steps that know nothing of each other: what surface is there (its
-//! normal from [`normal`], its colour from the material), and what light it sends to the eye
-//! ([`illumination`]). Filters of normals and colours ([`smooth`]) and ambient occlusion
-//! ([`occlusion`]) belong between the two, and cost time only where they are asked for
-//! ([`refined`]).
+//! A pixel is shaded in two independent steps: what surface is there (its normal from [`normal`], its
+//! colour from the material), and what light it sends to the eye ([`illumination`]). Filters of normals
+//! and colours ([`smooth`]) and ambient occlusion ([`occlusion`]) come between the two, and cost time
+//! only where they are switched on ([`refined`]).
 
 mod illumination;
 pub mod light;

@@ -1,11 +1,11 @@
-//! Owns the first moments of existence about voxels: what their gradients are.
+//! The first moments of existence around voxels, which are their gradients.
 //!
-//! Five voxels an axis always lie in two words of 4^3, so that eight words hold all neighbours. Folded
-//! to one word, each bit standing for its residue modulo 4, neighbours two voxels to either side
-//! would meet; nothing else does. Two folded words therefore hold all neighbours, and counts of
-//! their planes give the moments exactly.
+//! Five voxels along an axis always lie in two words of 4^3, so that eight words hold all neighbours.
+//! Folded to one word, with a bit for each residue modulo 4, only neighbours two voxels to either side
+//! would collide. Two folded words therefore hold all neighbours, and counts of their planes give the
+//! moments exactly.
 //!
-//! Takes the eight words about a voxel; gives whole numbers. Knows no grid.
+//! From the eight words around a voxel to whole numbers. Knows no grid.
 
 use fearless_simd::{Level, Simd, i16x32, i32x16, prelude::*, u8x64, u32x16, u64x8};
 use glam::IVec3;
@@ -13,10 +13,10 @@ use glam::IVec3;
 /// Squared distance within which a voxel counts as a neighbour.
 const REACH_SQUARED: i32 = 6;
 
-/// The neighbours of a voxel in the eight words about it.
+/// The neighbours of a voxel in the eight words around it.
 #[derive(Clone, Copy)]
 struct Masks {
-    /// Those that are two voxels further up on some axis.
+    /// Those two voxels up on some axis.
     upper: [u64; 8],
     /// The others.
     lower: [u64; 8],
@@ -107,7 +107,7 @@ pub(super) fn moments_of_many<S: Simd>(
             |axis: usize| (first[axis].narrow(second[axis]).bitcast::<i32x16<S>>() << 16) >> 16;
         return [both(0), both(1), both(2)];
     }
-    // Without tables in vectors one at a time is faster.
+    // Without vector table lookups, one at a time is faster.
     let at = at.to_array();
     let mut moments_of = [[0; 16]; 3];
     for lane in 0..16 {
@@ -169,7 +169,8 @@ fn moments_of_eight<S: Simd>(
     [sum_of_four(x - BIAS_OF_PAIR), sum_of_four(y), sum_of_four(z)]
 }
 
-// Functions and not closures: what is not inlined loses the instructions that the dispatch chose.
+// Functions, not closures: code that is not inlined is not compiled for the instructions that the
+// dispatch chose.
 
 #[inline(always)]
 fn low_nibbles<S: Simd>(simd: S, v: u64x8<S>) -> u8x64<S> {
@@ -200,7 +201,7 @@ fn sum_of_four<S: Simd>(v: i16x32<S>) -> u64x8<S> {
     (halves + (halves.bitcast::<u64x8<S>>() >> 16).bitcast::<i16x32<S>>()).bitcast()
 }
 
-/// Folded words with each bit moved down by the residue of `at` along each axis, round and round.
+/// Folded words rotated down by the residue of `at` along each axis.
 #[inline(always)]
 fn turned<S: Simd>(simd: S, at: u64x8<S>, words: &[u64; 8]) -> u64x8<S> {
     let word = u64x8::load_array_ref(simd, words);
@@ -211,7 +212,7 @@ fn turned<S: Simd>(simd: S, at: u64x8<S>, words: &[u64; 8]) -> u64x8<S> {
     word >> by | word << back
 }
 
-/// Bits moved down by `by`, round and round among `span` of them from each that `firsts` names.
+/// Bits rotated down by `by`, within groups of `span` bits that start at the bits of `firsts`.
 #[inline(always)]
 fn turned_in<S: Simd>(simd: S, word: u64x8<S>, by: u64x8<S>, span: u64, firsts: u64) -> u64x8<S> {
     let back = u64x8::splat(simd, span) - by;

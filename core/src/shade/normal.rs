@@ -16,11 +16,11 @@ use super::moments::{FoldedLanes, fold, moments, moments_of_many};
 use crate::sculpture::Grid;
 use crate::sculpture::grid::WordReader;
 
-/// Voxels, on each axis, between a voxel and those that its normal depends on.
+/// Reach, on each axis, of the neighbourhood that a voxel's normal depends on.
 pub const NORMAL_REACH_VX: u32 = 2;
 
-/// Minus the gradient of existence about a voxel, not normalised: it points towards emptiness.
-/// Whole numbers; zero where the neighbourhood is full, empty or symmetric.
+/// Minus the gradient of existence around a voxel, not normalised: it points out of the solid. Whole
+/// numbers; zero where the neighbourhood is full, empty or symmetric.
 pub fn gradient(grid: &Grid, voxel: UVec3) -> Vec3 {
     let low = voxel.as_ivec3() - 2;
     let inside = low & 3;

@@ -1,5 +1,5 @@
-//! Owns ambient occlusion: how much of the light from everywhere reaches a voxel, judged by the bits
-//! around it.
+//! Ambient occlusion: the share of ambient light that reaches a voxel, estimated from the bits around
+//! it.
 //!
 //! In front of a plane half of the surroundings is empty, and all of the light arrives; in a corner
 //! or a crevice less is. The surroundings are the cube of 8^3 voxels about the voxel's middle. It
@@ -15,7 +15,7 @@ use crate::sculpture::brick::WORD_EDGE_VX;
 /// Half the edge of the cube, in voxels: the edge of a word.
 const REACH_VX: i32 = WORD_EDGE_VX as i32;
 
-/// 0 (buried) to 1 (open), in front of a plane 1.
+/// The share of ambient light that reaches a voxel: 0 if it is buried, 1 on a plane or an edge.
 pub fn openness(grid: &Grid, voxel: UVec3) -> f32 {
     let low = voxel.as_ivec3() - REACH_VX;
     let corner = low & -REACH_VX;
@@ -40,7 +40,7 @@ pub fn openness(grid: &Grid, voxel: UVec3) -> f32 {
     (2.0 - filled * (2.0 / (64.0 * 512.0))).clamp(0.0, 1.0)
 }
 
-/// Existing voxels of the word whose lower corner is `at`; none outside of the grid.
+/// Existing voxels of the word whose lower corner is `at`; 0 outside the grid.
 fn word_count(grid: &Grid, at: IVec3) -> u32 {
     if !grid.contains(at) {
         return 0;

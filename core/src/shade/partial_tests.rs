@@ -17,7 +17,7 @@ const SAMPLERS: [(Sample, SampleRect); 2] =
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(60))]
 
-    /// What is sampled and shaded anew in the rectangles alone equals the whole picture anew.
+    /// Sampling and shading only the rectangles again gives the same as the whole picture.
     #[test]
     fn outside_of_the_rectangles_nothing_changes(
         seed: u64,

@@ -1,4 +1,4 @@
-//! Owns a picture in memory.
+//! A picture in memory.
 
 use glam::UVec2;
 

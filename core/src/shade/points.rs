@@ -1,8 +1,8 @@
-//! Owns the cloud of surface points: each voxel that an index map shows, once, with its normal and
-//! colour, for a renderer that draws and lights points.
+//! Point clouds: each voxel that an index map shows, once, with its normal and colour, for a renderer
+//! that draws and lights points.
 //!
-//! Takes an index map and the sculpture; the order of the points is that of the voxels, whatever
-//! made the map.
+//! From an index map and the sculpture; points are in the order of voxel indices, whichever sampler made
+//! the map.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -13,14 +13,14 @@ use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
 use crate::sculpture::{Grid, Material, NO_VOXEL};
 use crate::surface::IndexMap;
 
-/// A voxel that is seen. Sixteen bytes, which shaders/points.vert.wgsl takes apart.
+/// A visible voxel, in the sixteen bytes that shaders/points.vert.wgsl reads.
 #[repr(C)]
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct SurfacePoint {
     /// Coordinates in the grid, and 0.
     pub voxel: [u16; 4],
-    /// Out of the solid, any length, a covector of grid coordinates; then how much of the ambient
-    /// light arrives, of 127.
+    /// Vector out of the solid, of any length, a covector of grid coordinates; then the share of the
+    /// ambient light that arrives, 0 to 127.
     pub outwards: [i8; 4],
     /// sRGB, and 255.
     pub colour: [u8; 4],
@@ -34,7 +34,7 @@ pub struct PointCloud {
 }
 
 impl PointCloud {
-    /// Takes the points of `map`. `occlusion`: whether voxels around dim the ambient light.
+    /// Replaces the points by those of `map`. `occlusion`: whether to compute ambient occlusion.
     pub fn take(&mut self, map: &IndexMap, grid: &Grid, material: &Material, occlusion: bool) {
         let width = map.rays.size.x as usize;
         self.indices.clear();
@@ -42,7 +42,7 @@ impl PointCloud {
         for row in map.voxels.chunks(width.max(1)) {
             let mut last = NO_VOXEL;
             for (x, &voxel) in row.iter().enumerate() {
-                // Most pixels show what one beside them shows; the rest is found by sorting.
+                // Most pixels show the voxel of one beside them; other duplicates go by sorting.
                 if voxel != NO_VOXEL && voxel != last && above.get(x) != Some(&voxel) {
                     self.indices.push(voxel);
                 }

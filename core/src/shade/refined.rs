@@ -1,8 +1,7 @@
-//! Owns the software shader with its options: ambient occlusion, and filters of normals and colours.
-//! Without any it is [`super::shade`], which needs neither memory nor a second look at a pixel.
+//! The software shader with its options: ambient occlusion, and filters of normals and colours. Without
+//! any it is [`super::shade`], which needs neither memory nor a second pass.
 //!
-//! Takes and gives what that takes and gives. Keeps what each pixel shows in memory from picture to
-//! picture.
+//! Has the inputs and outputs of [`super::shade`]. Keeps its memory from picture to picture.
 
 use fearless_simd::{Level, Simd, dispatch, prelude::*};
 use glam::{Mat3, UVec3, Vec3};
@@ -19,7 +18,7 @@ use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
 use crate::sculpture::{Grid, Material, NO_VOXEL};
 use crate::surface::IndexMap;
 
-/// A software shader and its memory.
+/// The software shader with its buffers.
 #[derive(Debug, Default)]
 pub struct SoftwareShader {
     shown: Vec<Shown>,
@@ -197,7 +196,7 @@ mod tests {
         pairs.map(|(a, b)| u32::from(a.abs_diff(*b))).sum()
     }
 
-    /// The long way with nothing to do gives the short way's picture.
+    /// The passes for filters and occlusion, with nothing to do, give the plain shader's picture.
     #[test]
     fn open_surroundings_and_equal_neighbours_change_nothing() {
         let mut grid = Grid::new(UVec3::splat(64), Vec3::ONE, 1 << 20).unwrap();

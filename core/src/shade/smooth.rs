@@ -1,16 +1,16 @@
-//! Owns the interpolation filters of the software shader: normals and colours of a pixel become
-//! weighted means over the pixels around it that show the same surface.
+//! The interpolation filters of the software shader: normals and colours of a pixel become weighted
+//! means over the pixels around it that show the same surface.
 //!
-//! A neighbour counts the more, the nearer it is in the picture, the nearer its voxel lies to the
-//! plane through the pixel's own voxel, and the more alike the normals are (a cross bilateral filter:
+//! The weight of a neighbour falls with its distance in the picture, the distance of its voxel from the
+//! plane through the pixel's own voxel, and the angle between the normals (a cross bilateral filter:
 //! Tomasi and Manduchi, "Bilateral filtering for gray and color images", 1998). So edges stay sharp:
 //! what lies behind another surface, or round a corner, has no weight.
 //!
-//! The neighbours are 3x3 or 5x5 places, as far apart that they reach to the next voxels: far away
-//! they are the next pixels, near by they lie a part of a voxel from each other. That is what
-//! makes of steps from voxel to voxel a gradual change.
+//! The neighbours are 3x3 or 5x5 samples, spaced such that the outermost is about one voxel away:
+//! for a distant surface they are adjacent pixels, for a near one they are fractions of a voxel apart.
+//! That turns steps from voxel to voxel into a gradual change.
 //!
-//! Takes what each pixel shows, gives the means. Knows no grid and no light.
+//! From what each pixel shows to the means. Knows no grid and no light.
 
 use glam::{UVec2, Vec3};
 use rayon::prelude::*;
@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use super::light::Smoothing;
 use crate::sculpture::NO_VOXEL;
 
-/// Distance from the plane at which a neighbour counts no more, in voxels.
+/// Distance from the plane at which a neighbour's weight becomes 0, in voxels.
 const PLANE_REACH_VX: f32 = 2.0;
 
 /// What a pixel shows. Vectors are in eye space.
@@ -103,11 +103,11 @@ impl Surfaces<'_> {
         Shown { normal, colour: colour / sum, ..centre }
     }
 
-    /// How much `other` counts beside `centre`, 0 to 1, by what they show.
+    /// The weight of `other` beside `centre`, 0 to 1, by what they show.
     fn weight(&self, centre: &Shown, other: &Shown) -> f32 {
         let off_vx = (other.position - centre.position).dot(centre.normal) / self.voxel_edge;
         let plane = (1.0 - (off_vx / PLANE_REACH_VX).powi(2)).max(0.0);
-        // What has no normal is like anything.
+        // A missing normal matches all others.
         let alike = match centre.normal == Vec3::ZERO || other.normal == Vec3::ZERO {
             true => 1.0,
             false => centre.normal.dot(other.normal).max(0.0),

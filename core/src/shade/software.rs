@@ -1,7 +1,6 @@
-//! Owns the software shader: from an index map, the grid and its colours to a picture.
+//! The software shader: from an index map, the grid, its colours and lights to a picture.
 //!
-//! Takes what is seen and how it is lit; gives RGBA with alpha 0 where nothing is seen. Works on
-//! all cores, without allocating.
+//! The result is RGBA with alpha 0 where no voxel is seen. Runs on all cores, without allocating.
 
 use std::ops::Range;
 
@@ -20,10 +19,10 @@ use crate::surface::{IndexMap, PixelRect};
 
 /// Rows of pixels that one parallel task shades.
 const BAND_ROWS: usize = 32;
-/// Width of the strips of a band: the bricks of a strip stay in the nearest cache.
+/// Width of the strips of a band: the bricks of a strip stay in the first-level cache.
 const STRIP_PX: usize = 64;
 
-/// Where the sculpture and the eye are.
+/// Poses of the sculpture and the eye.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ShadePose {
     /// The map from world to eye coordinates.
@@ -46,7 +45,7 @@ pub fn shade(
     shade_rect(map, grid, material, pose, lighting, rect, out);
 }
 
-/// Shades anew the pixels of `rect` (cut to the picture). `out` must have the size of the map; a
+/// Shades again the pixels of `rect` (cut to the picture). `out` must have the size of the map; a
 /// picture of another size is shaded as a whole.
 pub fn shade_rect(
     map: &IndexMap,
@@ -102,7 +101,7 @@ fn shade_at(
 struct Shader<'a> {
     grid: &'a Grid,
     material: &'a Material,
-    /// Whether colours differ from the base colour anywhere.
+    /// Whether any brick is painted.
     painted: bool,
     words: WordReader<'a>,
     places: Places,
