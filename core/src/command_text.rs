@@ -1,8 +1,8 @@
-//! Owns the text form of commands: one a line, and scripts of them.
+//! The text form of commands, one per line, and scripts of them.
 //!
-//! A line is a verb, then words, quoted strings and `key=value` pairs in any order. A line that
-//! is empty or begins with `#` says nothing. Quotes and escapes: [`arguments`]. Numbers are written so that they read back to the
-//! same bits. Takes and gives text only; reads no file.
+//! A line is a verb, then words, quoted strings and `key=value` pairs in any order. A line that is
+//! empty or begins with `#` is ignored. Quotes and escapes: [`arguments`]. Numbers are written such that
+//! they read back to the same bits. Works on text; reads no file.
 
 use std::fmt;
 use std::str::FromStr;
@@ -22,7 +22,7 @@ mod arguments;
 mod selection;
 mod spray;
 
-/// Colour of the stone until someone chooses another.
+/// The base colour of new sculptures by default.
 pub const DEFAULT_BASE: Rgb = Rgb::STONE;
 
 /// What is wrong with a line.

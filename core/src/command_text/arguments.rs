@@ -1,5 +1,4 @@
-//! Owns a line of the text form taken apart: a verb, words and `key=value` pairs, handed out as
-//! a command asks for them.
+//! A parsed line of the text form: a verb, words and `key=value` pairs, which commands take one by one.
 //!
 //! A word in double quotes is what stands between them, backslashes too, so that `"C:\dir\new.vsc"`
 //! names that file. A word that holds double quotes, line ends or bytes that are no text is written
@@ -13,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 use super::ParseError;
 
-/// A line taken apart.
+/// A parsed line.
 pub struct Arguments {
     /// The first word of the line.
     pub verb: String,

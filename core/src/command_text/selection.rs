@@ -1,4 +1,4 @@
-//! Owns the text form of commands about areas: marker, selection, symmetry, copies;
+//! The text form of commands about areas: marker, selection, symmetry, copies;
 //! and the switches.
 
 use std::fmt;

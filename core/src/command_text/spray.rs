@@ -1,4 +1,4 @@
-//! Owns the text form of spray commands.
+//! The text form of spray commands.
 
 use std::fmt;
 

@@ -1,5 +1,5 @@
-//! Owns what can be wrong with a file, in words for the person: what it is and what to do.
-//! The caller names the file.
+//! Errors of reading and writing files. Messages are for users: they say what is wrong and what to do.
+//! Callers add the name of the file.
 
 use thiserror::Error;
 
@@ -183,7 +183,7 @@ pub enum FormatError {
     NoColours,
 }
 
-/// Shows the first bytes of something unexpected, with all that is not plain text escaped.
+/// The first bytes of unexpected data, with everything but plain text escaped.
 pub(super) fn excerpt(bytes: &[u8]) -> String {
     const MOST: usize = 24;
     match bytes.get(..MOST) {

@@ -1,7 +1,6 @@
-//! Owns how a sculpture becomes a volume: existence as densities, RGBA, or packed colours.
+//! Converts a sculpture to a volume: existence as densities, RGBA, or packed colours.
 //!
-//! Works slab by slab in parallel. Colours of voxels that do not exist are not kept.
-//! Knows no files.
+//! Works by slabs in parallel. Colours of voxels that do not exist are lost. Knows no files.
 
 use glam::UVec3;
 use rayon::prelude::*;
@@ -15,11 +14,10 @@ use crate::sculpture::colour::{pack8, pack16};
 use crate::sculpture::history::Contents;
 use crate::sculpture::{Brick, ColourDepth, Rgb};
 
-/// What the volume has of an existing voxel; 0 where there is none, so that any threshold of any
-/// program tells them apart.
+/// Density or opacity of an existing voxel; others have 0, so that any threshold separates them.
 const FULL: u8 = 255;
 
-/// Makes a volume of a sculpture. `texts` go along, with the program's own line added.
+/// Converts a sculpture to a volume with `texts`, to which the program's signature is added.
 pub fn to_volume(
     contents: &Contents,
     form: ExportForm,
@@ -54,8 +52,8 @@ pub fn to_volume(
     Ok(Volume { dims: grid.dims(), voxel_size: grid.voxel_size(), samples, data, texts })
 }
 
-/// Packed colours of voxels that exist, none of them 0: black becomes the darkest other colour,
-/// which is a green at 8 and 16 bits, where green has the finest steps.
+/// Packed colours of existing voxels, none of them 0: black becomes the darkest other colour, which is
+/// a green at 8 and 16 bits, where green has the finest steps.
 fn packed8(colour: Rgb) -> u8 {
     match pack8(colour) {
         0 => 0x10,
@@ -128,8 +126,8 @@ impl<const B: usize> Slab<'_, B> {
     }
 }
 
-/// Lets `write` write every brick that is not empty: it gets the slab, the brick's lowest corner,
-/// its bits and its index.
+/// Calls `write` for every non-empty brick, with the slab to write to, the brick's lower corner, its
+/// bits and its linear index.
 fn voxels_by_brick<const B: usize>(
     contents: &Contents,
     write: impl Fn(&mut Slab<B>, UVec3, &Brick, usize) + Sync,

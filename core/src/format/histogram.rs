@@ -1,4 +1,4 @@
-//! Owns the histogram of a volume's densities, and the threshold that is read off it.
+//! The histogram of a volume's densities.
 
 use std::ops::Range;
 
@@ -63,7 +63,7 @@ fn count_all<T: Sync>(voxels: &[T], count: usize, bin: impl Fn(&T) -> usize + Sy
     })
 }
 
-/// How often densities occur.
+/// Frequencies of densities.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Histogram {
     /// Least and greatest finite density; both 0, and no bins, where there is none.
@@ -79,7 +79,7 @@ pub struct Histogram {
 /// The values that a type of samples can have.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Values {
-    /// Whole numbers, this many from the first on.
+    /// A range of whole numbers.
     Whole {
         /// The least value.
         first: i32,

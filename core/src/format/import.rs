@@ -1,7 +1,7 @@
-//! Owns how a volume becomes a sculpture: which voxels exist and what colours they get.
+//! Converts a volume to a sculpture: which voxels exist, and their colours.
 //!
-//! Works brick by brick in parallel. Memory for colours is counted before it is taken, and taken
-//! only for bricks in which an existing voxel differs from the base colour. Knows no files.
+//! Works by bricks in parallel. Memory for colours is checked before it is allocated, and allocated only
+//! for bricks in which an existing voxel differs from the base colour. Knows no files.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -24,7 +24,7 @@ use crate::sculpture::history::Contents;
 use crate::sculpture::material::Page;
 use crate::sculpture::{Brick, ColourDepth, Grid, Limits, Material, Rgb};
 
-/// Bricks painted between two reports.
+/// Bricks painted between two reports of progress.
 const PAINT_BATCH: usize = 1 << 13;
 /// RGBA voxels of this opacity or more exist.
 const OPAQUE: f64 = 128.0;
@@ -60,7 +60,7 @@ macro_rules! with_density {
     };
 }
 
-/// Makes a sculpture of a volume.
+/// Converts a volume to a sculpture.
 pub fn to_contents(
     volume: &Volume,
     options: &ImportOptions,
@@ -94,7 +94,7 @@ pub fn histogram(volume: &Volume) -> Option<Histogram> {
     })
 }
 
-/// What this program noted when it wrote the volume.
+/// The signature that this program stored with the volume, if it wrote it.
 pub fn trusted_signature(volume: &Volume) -> Option<Signature> {
     match Signature::find(&volume.texts, volume.samples)? {
         Ok(signature) => Some(signature),
@@ -228,7 +228,7 @@ impl Job<'_> {
             if self.progress.is_cancelled() {
                 return Brick::EMPTY;
             }
-            // Once a layer, as it is begun: layers are filled side by side.
+            // Reported once per layer of bricks; layers are filled in parallel.
             if brick.x == 0 && brick.y == 0 {
                 let before = begun.fetch_add(1, Ordering::Relaxed);
                 self.progress.advance(before as f32 / layers as f32);
@@ -284,7 +284,7 @@ impl Job<'_> {
         let bytes_of = |pages: usize| table_bytes + (pages * material.page_bytes()) as u64;
         let budget = self.limits.colour_bytes;
         if bytes_of(filled.len()) > budget {
-            // It may still fit, where bricks have the base colour all over.
+            // It may still fit if some bricks have the base colour throughout.
             let pages = filled.par_iter().filter(|b| page_of(**b).is_some()).count();
             if bytes_of(pages) > budget {
                 return Err(FormatError::ColourMemory {
@@ -309,12 +309,12 @@ impl Job<'_> {
     }
 }
 
-/// Whether a density is `threshold` or more; not where it is no number.
+/// Whether a density is `threshold` or more; false for NaN.
 fn from_on<const B: usize>(
     threshold: f64,
     value: impl Fn(&[u8; B]) -> f32 + Sync,
 ) -> impl Fn(&[u8; B]) -> bool + Sync {
-    // The least f32 that is no less, so that nothing need be widened.
+    // The least f32 not below the threshold, so that values need not be widened.
     let nearest = threshold as f32;
     let least = if f64::from(nearest) < threshold { nearest.next_up() } else { nearest };
     move |v| value(v) >= least
@@ -332,7 +332,7 @@ fn row_bits<const B: usize>(row: &[[u8; B]], exists: &impl Fn(&[u8; B]) -> bool)
     u64::from_le_bytes(bytes).wrapping_mul(0x0102_0408_1020_4080) >> 56
 }
 
-/// A page of nothing but the base colour.
+/// A page filled with the base colour.
 fn blank_page(material: &Material) -> Page {
     let mut page = vec![0; material.page_bytes()].into_boxed_slice();
     for colour in page.chunks_exact_mut(material.depth().bytes()) {

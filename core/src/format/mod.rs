@@ -1,10 +1,10 @@
-//! Owns the file formats: bytes <-> volumes <-> the contents of a sculpture. No policy: what is
-//! read and written how comes in as options, how much memory it may take as limits.
+//! File formats: bytes <-> volumes <-> the contents of a sculpture. Contains no policy: callers pass
+//! options for what to read and write, and limits for memory.
 //!
-//! The doors are [`load`], [`save`] and [`info`]. Behind them: `store` (disk), `vsc` (sculptures
-//! as they are), `pvm` and `dds`, `raw` (volumes), `import` and `export` (volume <-> sculpture), `threshold`, `ramp` and
-//! `signature` (what voxels mean). Errors say what is wrong and what to do; the caller adds the
-//! name of the file.
+//! The entry points are [`load`], [`save`] and [`info`]. Below them: `store` (disk), `vsc` (sculptures
+//! without loss), `pvm` and `dds`, `raw` (volumes), `import` and `export` (volume <-> sculpture),
+//! `threshold`, `ramp` and `signature` (the meaning of voxels). Errors say what is wrong and what to do;
+//! callers add the name of the file.
 
 mod dds;
 mod error;
@@ -37,7 +37,7 @@ use crate::progress::Progress;
 use crate::sculpture::history::Contents;
 use crate::sculpture::{Grid, Limits};
 
-/// Endings of the names of files that can be read and written.
+/// Extensions of the files that can be read and written.
 pub const ENDINGS: [&str; 3] = ["vsc", "pvm", "raw"];
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -59,8 +59,7 @@ impl Format {
     }
 }
 
-/// Whether a file of that name holds a sculpture with all that it has: not a volume, which is for
-/// other programs.
+/// Whether a file of that name stores a sculpture without loss, unlike a volume for other programs.
 pub fn is_sculpture(path: &Path) -> bool {
     matches!(Format::of(path), Ok(Format::Vsc))
 }
@@ -70,14 +69,14 @@ pub fn is_sculpture(path: &Path) -> bool {
 pub struct Loaded {
     /// Bits and colours.
     pub contents: Contents,
-    /// What a voxel of the file holds; none of a file that is no volume but a sculpture.
+    /// Sample type of a volume. None for a .vsc file.
     pub samples: Option<Samples>,
     /// Texts of the file, for [`save_with_texts`].
     pub texts: Texts,
 }
 
-/// Reads a sculpture. While it is read, the file and its volume may together take as much memory
-/// as the grid and the colours of the sculpture may.
+/// Reads a sculpture. Meanwhile the file and its volume together may take as much memory as the limits
+/// for the grid and the colours allow.
 pub fn load(
     path: &Path,
     options: &ImportOptions,
@@ -94,7 +93,7 @@ pub fn load(
     Ok(Loaded { contents, samples: Some(volume.samples), texts: volume.texts })
 }
 
-/// Reads the voxels of a file as they are, within the same limits as [`load`].
+/// Reads the voxels of a file unconverted, within the same limits as [`load`].
 pub fn load_volume(
     path: &Path,
     options: &ImportOptions,
@@ -104,7 +103,7 @@ pub fn load_volume(
     read_volume(path, options, limits, progress).map(|(volume, _)| volume)
 }
 
-/// Writes a sculpture. The file that was there before stays whole until the new one is.
+/// Writes a sculpture, atomically: an existing file is replaced when the new one is complete.
 pub fn save(
     path: &Path,
     contents: &Contents,
@@ -114,7 +113,7 @@ pub fn save(
     save_with_texts(path, contents, form, Texts::default(), progress)
 }
 
-/// [`save`], with texts to go along in formats that have them.
+/// [`save`], with texts in formats that store them.
 pub fn save_with_texts(
     path: &Path,
     contents: &Contents,
@@ -135,7 +134,7 @@ pub fn save_with_texts(
         Format::Pvm => pvm::write(volume(texts)?, progress)?,
         Format::Raw => volume(texts)?.data,
     };
-    // The last moment: what is written is written.
+    // The last moment to cancel.
     go_on(progress)?;
     progress.begin("writing");
     let written = store::write_with(path, &bytes, progress);
@@ -143,12 +142,12 @@ pub fn save_with_texts(
     Ok(written?)
 }
 
-/// An error once the work is wanted no more.
+/// An error if the work has been cancelled.
 fn go_on(progress: &dyn Progress) -> Result<(), FormatError> {
     if progress.is_cancelled() { Err(FormatError::Cancelled) } else { Ok(()) }
 }
 
-/// What a file holds, found without making a sculpture of it.
+/// A description of a file, found without converting it to a sculpture.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Info {
     /// Format and packing, such as `PVM3, packed as DDS v3d`.
@@ -159,7 +158,7 @@ pub struct Info {
     pub dims: UVec3,
     /// Edge lengths of a voxel.
     pub voxel_size: Vec3,
-    /// None of a file that is no volume but a sculpture.
+    /// Sample type of a volume. None for a .vsc file.
     pub samples: Option<Samples>,
     /// The texts stored with the volume.
     pub texts: Texts,
@@ -169,21 +168,21 @@ pub struct Info {
     pub signature: Option<Signature>,
 }
 
-/// How dense a volume is.
+/// Statistics of a volume of densities.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Densities {
     /// How often each density occurs.
     pub histogram: Histogram,
-    /// Density from which on voxels exist if no one says otherwise.
+    /// The automatic threshold: densities from this on exist by default.
     pub threshold: f64,
 }
 
-/// Says what a file holds, within the default limits. For raw files see [`info_with`].
+/// Describes a file, within the default limits. For raw files see [`info_with`].
 pub fn info(path: &Path) -> Result<Info, FormatError> {
     info_with(path, &ImportOptions::default(), &Limits::default(), &())
 }
 
-/// Says what a file holds.
+/// Describes a file, with options for raw files.
 pub fn info_with(
     path: &Path,
     options: &ImportOptions,
@@ -223,7 +222,7 @@ pub fn info_with(
     })
 }
 
-/// One fact a line; the lines of a text are indented.
+/// One item per line; the lines of texts are indented.
 impl fmt::Display for Info {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (UVec3 { x, y, z }, size) = (self.dims, self.voxel_size);
@@ -256,7 +255,7 @@ impl fmt::Display for Info {
     }
 }
 
-/// Bytes that a file and what is made of it may take.
+/// Bytes that a file and its volume together may take.
 fn budget_bytes(limits: &Limits) -> u64 {
     limits.grid_bytes.saturating_add(limits.colour_bytes)
 }

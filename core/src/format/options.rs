@@ -1,5 +1,4 @@
-//! Owns what a person may ask for when a file is read or written. Each choice has a text form,
-//! for the command line and for scripts.
+//! Options for reading and writing files. Each has a text form, for the command line and for scripts.
 //!
 //! Knows no file and no grid.
 
@@ -14,8 +13,8 @@ use crate::sculpture::ColourDepth;
 /// Which voxels of a volume exist in the sculpture.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub enum Existence {
-    /// Densities: those from a threshold on that is found in their histogram. RGB: those that
-    /// are not black. RGBA: those with an opacity of 128 or more.
+    /// Densities: those from the automatic threshold on. RGB: those that are not black. RGBA: those
+    /// with an opacity of 128 or more.
     #[default]
     Auto,
     /// Densities of this or more, in the units of the file. In colours it is compared with the
@@ -52,7 +51,7 @@ impl Colouring {
     ];
 }
 
-/// What a raw file holds, since it does not say so itself.
+/// The layout of a raw file, which has no header.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct RawLayout {
     /// Size in voxels.
@@ -65,7 +64,7 @@ pub struct RawLayout {
     pub voxel_size: Vec3,
 }
 
-/// How a file becomes a sculpture.
+/// How a file is converted to a sculpture.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct ImportOptions {
     /// Which voxels exist.
@@ -75,11 +74,11 @@ pub struct ImportOptions {
     /// Bits of colour of the sculpture; `None`: as the file was written by this program, as the
     /// packed colours have, or 24.
     pub colour_depth: Option<ColourDepth>,
-    /// What a raw file holds; not looked at for other files.
+    /// Layout of a raw file; ignored for other files.
     pub raw: Option<RawLayout>,
 }
 
-/// What is written of a sculpture.
+/// What to store of a sculpture.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum ExportForm {
     /// [`ExportForm::Densities`] without colours, else [`ExportForm::Rgba`].
@@ -104,7 +103,7 @@ impl ExportForm {
     ];
 }
 
-/// Writes the words of a choice, and reads them back.
+/// Implements the text form of an option: `Display` and `FromStr`.
 macro_rules! named_text_form {
     ($kind:ty, $what:literal) => {
         impl fmt::Display for $kind {

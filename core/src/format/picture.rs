@@ -1,4 +1,4 @@
-//! Owns reading pictures that solids are coloured with: PNG and JPEG files to a [`Texture`].
+//! Reads images to colour solids with: PNG and JPEG files to a [`Texture`].
 
 use std::io::BufReader;
 use std::path::Path;
@@ -10,7 +10,7 @@ use super::store;
 use crate::sculpture::Rgb;
 use crate::tools::texture::{MAX_SIDE, Texture};
 
-/// Reads a picture. What it is, its first bytes say, not its name. Transparency is ignored.
+/// Reads an image. Its format is detected from its first bytes, not its name. Transparency is ignored.
 ///
 /// # Errors
 /// If it cannot be read, is neither PNG nor JPEG, or is longer than [`MAX_SIDE`] on a side.

@@ -1,9 +1,8 @@
-//! Owns the PVM volume format, versions 1 to 3, plain or packed as a DDS stream: bytes <->
-//! [`Volume`].
+//! The PVM volume format, versions 1 to 3, plain or packed as a DDS stream: bytes <-> [`Volume`].
 //!
 //! A header of text lines, the voxels, and in version 3 four NUL-ended texts; the file must end
-//! there. What a header claims is compared with what the file or the stream really holds, and
-//! shown to the caller, before memory is taken for it.
+//! there. What a header claims is compared with the actual contents of the file or stream, and
+//! passed to the caller, before memory is allocated for it.
 
 use glam::{UVec3, Vec3};
 
@@ -171,8 +170,8 @@ pub struct Origin {
     pub packing: Option<&'static str>,
 }
 
-/// Reads a .pvm file. `admit` sees the header before the voxels take memory and may refuse it;
-/// unpacking takes at most `budget_bytes`.
+/// Reads a .pvm file. `admit` gets the header before memory is allocated for the voxels and may refuse
+/// it; unpacking takes at most `budget_bytes`.
 pub fn read(
     file: Vec<u8>,
     admit: &dyn Fn(&Header) -> Result<(), FormatError>,
@@ -212,7 +211,7 @@ pub fn read(
     Ok((split_plain(plain, &header)?, Origin { header, packing }))
 }
 
-/// Refuses what would take more memory than allowed.
+/// An error if more memory would be needed than allowed.
 pub(super) fn check_budget(needed: u64, budget: u64) -> Result<(), FormatError> {
     if needed <= budget {
         return Ok(());
@@ -293,7 +292,7 @@ pub fn to_plain(volume: Volume) -> Result<Vec<u8>, FormatError> {
     Ok(plain)
 }
 
-/// Refuses what would be too large for a PVM volume, before it is made.
+/// An error if a volume is too large for PVM.
 pub fn check_size(dims: UVec3, samples: Samples) -> Result<(), FormatError> {
     let [x, y, z] = dims.to_array().map(u64::from);
     let bytes = x.saturating_mul(y).saturating_mul(z).saturating_mul(u64::from(samples.bytes()));

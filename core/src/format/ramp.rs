@@ -1,4 +1,4 @@
-//! Owns the colours that densities are given: grey, or those of a body.
+//! Colour ramps for densities: grey, or the tissues of a body.
 
 use crate::sculpture::Rgb;
 

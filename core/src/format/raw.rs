@@ -1,4 +1,4 @@
-//! Owns raw volumes: voxels and nothing else. Bytes + a layout that the person gives <-> [`Volume`].
+//! Raw volumes: voxels without a header. Bytes and a layout given by the user <-> [`Volume`].
 
 use glam::UVec3;
 

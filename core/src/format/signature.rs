@@ -1,7 +1,7 @@
-//! Owns the line by which a file that this program wrote says what the sculpture was: it stands
-//! in the parameter text of a PVM3 volume, where other programs keep such things.
+//! The signature of files written by this program: a line in the parameter text of a PVM3 volume that
+//! describes the sculpture.
 //!
-//! The line is trusted only as far as the volume bears it out; anyone can write a text.
+//! It is trusted only as far as the volume agrees with it; anyone can write a text.
 
 use super::options::ExportForm;
 use super::volume::{Samples, Texts};
@@ -10,7 +10,7 @@ use crate::sculpture::{ColourDepth, Rgb};
 const WORD: &str = "virtual-sculpture";
 const VERSION: &str = "1";
 
-/// What the voxels do not say.
+/// Properties of a sculpture that the voxels of a volume do not tell.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Signature {
     /// How the voxels are to be read. Not [`ExportForm::Auto`].
@@ -22,7 +22,7 @@ pub struct Signature {
 }
 
 impl Signature {
-    /// Puts the line into the texts, in place of any other such line.
+    /// Puts the line into the texts and removes any other such line.
     pub fn put(&self, texts: &mut Texts) {
         let line = format!(
             "{WORD} {VERSION} form={} colour_bits={} base={}",

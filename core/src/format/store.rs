@@ -1,5 +1,5 @@
-//! Owns the way to and from the disk: reading within a bound, and writing such that a crash or a
-//! full disk leaves the old file as it was.
+//! Disk access: bounded reading, and atomic writing, such that a crash or a full disk leaves the old
+//! file intact.
 //!
 //! Knows no format.
 
@@ -14,16 +14,16 @@ use super::pvm::check_budget;
 use super::{FormatError, go_on};
 use crate::progress::Progress;
 
-/// So much is read or written between two words about how far it is.
+/// Bytes read or written between two reports of progress.
 const PORTION_BYTES: u64 = 4 << 20;
-/// A text to be read, at most.
+/// Longest text that is read, in bytes.
 const TEXT_LIMIT_BYTES: u64 = 512 << 20;
-/// What unfinished files are called, with something random in between.
+/// Prefix and suffix of temporary files.
 const UNFINISHED: [&str; 2] = [".virtual-sculpture-", ".part"];
-/// Links of a chain that are followed, as many as Linux does.
+/// Longest chain of symbolic links that is followed, as on Linux.
 const LINKS: usize = 40;
 
-/// Opens a file to read it. What is no file, such as a pipe that nobody may ever write to, is refused
+/// Opens a file for reading. Anything but a regular file, such as a pipe without a writer, is refused
 /// before it is opened.
 pub(super) fn open(path: &Path) -> std::result::Result<File, FormatError> {
     if !fs::metadata(path)?.is_file() {
@@ -32,7 +32,7 @@ pub(super) fn open(path: &Path) -> std::result::Result<File, FormatError> {
     Ok(File::open(path)?)
 }
 
-/// Reads a whole file of at most `budget_bytes`. `admit` sees its length before memory is taken.
+/// Reads a whole file of at most `budget_bytes`. `admit` gets its length before memory is allocated.
 pub(super) fn read(
     path: &Path,
     budget_bytes: u64,
@@ -83,7 +83,7 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
     write_with(path, bytes, &())
 }
 
-/// [`write_atomically`], saying how far it is. It cannot be stopped.
+/// [`write_atomically`] with progress. Cannot be cancelled.
 pub(super) fn write_with(path: &Path, bytes: &[u8], progress: &dyn Progress) -> Result<()> {
     let target = followed(path)?;
     let old = replaceable(&target)?;
@@ -115,7 +115,7 @@ pub(super) fn write_with(path: &Path, bytes: &[u8], progress: &dyn Progress) -> 
     Ok(())
 }
 
-/// The file that `path` leads to, which need not be there yet.
+/// The file that `path` resolves to, which need not exist.
 fn followed(path: &Path) -> Result<PathBuf> {
     let mut path = path.to_path_buf();
     for _ in 0..LINKS {
@@ -131,8 +131,7 @@ fn followed(path: &Path) -> Result<PathBuf> {
     Err(Error::other("the link leads to itself"))
 }
 
-/// What is known of the file at `target`, none where there is none; an error if it must not be
-/// replaced.
+/// Metadata of the file at `target`, if it exists; an error if it must not be replaced.
 fn replaceable(target: &Path) -> Result<Option<fs::Metadata>> {
     let Ok(old) = fs::metadata(target) else { return Ok(None) };
     if !old.is_file() {

@@ -1,5 +1,5 @@
-//! Owns the automatic threshold: from a histogram of densities to the density from which on a
-//! voxel belongs to the body rather than to what surrounds it.
+//! The automatic threshold: from a histogram of densities to the density from which on a voxel belongs
+//! to the body rather than to its surroundings.
 //!
 //! Otsu's threshold (1979) splits the densities into the two classes whose means lie furthest
 //! apart for their sizes. On head scans that is the skin. But it lies about half-way between the
@@ -18,8 +18,8 @@ const PROMINENCE: f64 = 1.5;
 /// Gaps between values that occur count as empty if fewer than this many fit the whole range.
 const GAPS: f64 = 16.0;
 
-/// The density from which on voxels exist. Where all are equal: from there on, if they are above
-/// 0; else above what there is.
+/// The density from which on voxels exist. If all are equal, this density if it is above 0; else a
+/// density above it.
 pub fn automatic(histogram: &Histogram) -> f64 {
     let Histogram { min, max, .. } = *histogram;
     if min == max {

@@ -1,12 +1,11 @@
-//! Owns the volume: voxel samples in memory as files hold them, before they become a sculpture
-//! or after they were made from one.
+//! A volume: voxel samples in memory in the layout of files, on the way to or from a sculpture.
 
 use std::fmt;
 use std::str::FromStr;
 
 use glam::{UVec3, Vec3};
 
-/// What a voxel of a volume holds.
+/// Sample type of a volume.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Samples {
     /// One unsigned byte.
@@ -32,7 +31,7 @@ pub enum Samples {
 }
 
 impl Samples {
-    /// The kinds that have a name, in the order of the manual.
+    /// The types with a name, in the order of the manual.
     pub const NAMED: [(Samples, &'static str); 9] = [
         (Samples::U8, "u8"),
         (Samples::U16Le, "u16le"),
@@ -45,7 +44,7 @@ impl Samples {
         (Samples::Rgba8, "rgba8"),
     ];
 
-    /// What a PVM volume of that many components (bytes a voxel) holds by custom.
+    /// The usual sample type of a PVM volume with that many components (bytes per voxel).
     pub fn of_components(components: u32) -> Samples {
         match components {
             1 => Samples::U8,
@@ -56,7 +55,7 @@ impl Samples {
         }
     }
 
-    /// Bytes a voxel.
+    /// Bytes per voxel.
     pub fn bytes(self) -> u32 {
         match self {
             Samples::U8 => 1,
@@ -124,8 +123,8 @@ impl Texts {
         self.named().iter().all(|(_, text)| text.is_empty())
     }
 
-    /// A text for showing: read as UTF-8, else as Latin-1, with control characters other than
-    /// line ends replaced, since a file must not command a terminal.
+    /// A text for display: decoded as UTF-8, else as Latin-1, with control characters other than line
+    /// ends replaced, since a file must not control a terminal.
     pub fn legible(text: &[u8]) -> String {
         let clean = |c: char| match c {
             '\n' => c,
@@ -139,7 +138,7 @@ impl Texts {
     }
 }
 
-/// Voxels as a file holds them: x fastest, then y, then z.
+/// Voxels as stored in a file: x fastest, then y, then z.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Volume {
     /// Size in voxels.

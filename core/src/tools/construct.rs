@@ -1,8 +1,8 @@
-//! Owns the construction solids: ellipsoid, cuboid and pyramid at any pose.
+//! The construction solids: ellipsoid, cuboid and pyramid at any pose.
 //!
-//! Takes a pose in voxel coordinates; gives a [`Region`] that names, row of bricks by row of
-//! bricks, the voxels whose centres lie inside. [`PlacedSolid::contains_voxel`] is the
-//! definition; the rows equal it on every voxel. Knows no document.
+//! From a pose in voxel coordinates to a [`Region`] of the voxels whose centres lie inside.
+//! [`PlacedSolid::contains_voxel`] is the definition; the rows of the region equal it on every voxel.
+//! Knows no document.
 
 use std::ops::Range;
 
@@ -33,7 +33,7 @@ impl Solid {
     /// All solids, in the order in which interfaces offer them.
     pub const ALL: [Solid; 3] = [Solid::Ellipsoid, Solid::Cuboid, Solid::Pyramid];
 
-    /// The word for it in the text form and the interface.
+    /// Its name in the text form and the interface.
     pub const fn name(self) -> &'static str {
         match self {
             Solid::Ellipsoid => "ellipsoid",
@@ -100,8 +100,8 @@ impl Solid {
 
 /// A solid at a pose.
 ///
-/// Lengths are in edges of the sculpture's smallest voxel edge, so that a ball is a ball in the
-/// world even where voxels are not cubes; with cubic voxels that is voxels.
+/// Lengths are in units of the smallest edge of a voxel, so that a ball is a ball in the world even
+/// where voxels are not cubes; with cubic voxels the unit is a voxel.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Primitive {
     /// Its kind.
@@ -115,7 +115,7 @@ pub struct Primitive {
 }
 
 impl Primitive {
-    /// Names the first field that cannot be used, if any.
+    /// An error that names the first invalid field, if there is one.
     pub fn check(&self) -> Result<(), &'static str> {
         if !self.centre_vx.is_finite() {
             return Err("the centre");
@@ -129,13 +129,13 @@ impl Primitive {
         Ok(())
     }
 
-    /// The region this solid covers in a grid whose voxels have edges of `voxel_size`.
+    /// The region that this solid covers in a grid whose voxels have edges of `voxel_size`.
     pub fn in_grid(&self, voxel_size: Vec3) -> PlacedSolid {
         PlacedSolid::new(self, voxel_size, [None; 3])
     }
 
-    /// The same, mirrored at the planes (voxel coordinates) across each axis that has one. It
-    /// covers the mirrored voxels to the bit where a plane stands between or through voxels.
+    /// [`Primitive::in_grid`], mirrored at the planes (voxel coordinates) of the axes that have one.
+    /// Covers exactly the mirrored voxels where a plane lies between voxels or through their centres.
     pub fn mirrored_in_grid(&self, voxel_size: Vec3, planes: [Option<f32>; 3]) -> PlacedSolid {
         PlacedSolid::new(self, voxel_size, planes)
     }
@@ -154,7 +154,7 @@ pub struct PlacedSolid {
     cut: Cut,
 }
 
-/// How rows are cut.
+/// How rows are computed.
 #[derive(Clone, Copy, Debug)]
 enum Cut {
     Quadric(Quadric),
@@ -232,7 +232,7 @@ impl PlacedSolid {
                 max: IVec3::new(x.end, y.end, z.end),
             });
         }
-        // Rows are asked for in whole bricks, so up to 7 voxels beyond the box.
+        // Queries are by whole bricks, so up to 7 voxels beyond the box.
         let edge = f64::from(BRICK_EDGE_VX);
         let distance_vx = (min.as_dvec3() - edge - self.centre_vx)
             .abs()
@@ -261,7 +261,7 @@ impl PlacedSolid {
         self.solid.contains(self.tool_from_vx * (v.as_dvec3() + 0.5 - self.centre_vx))
     }
 
-    /// A point in voxel coordinates as the tool sees it: the solid fills [-1, 1].
+    /// A point in voxel coordinates, mapped to tool space, where the solid fills [-1, 1].
     pub fn tool_point(&self, p: Vec3) -> Vec3 {
         (self.tool_from_vx * (p.as_dvec3() - self.centre_vx)).as_vec3()
     }
@@ -288,7 +288,7 @@ fn first_where(range: Range<i32>, p: impl Fn(i32) -> bool) -> i32 {
     start
 }
 
-/// Cuts a box of voxels by a row of bricks.
+/// The coverage of a row of bricks by a box of voxels.
 fn cut_box(inside: &VoxelBox, y_vx: u32, z_vx: u32, spans: &mut RowSpans) {
     let VoxelBox { min, max } = inside;
     for z in 0..8 {
@@ -300,11 +300,11 @@ fn cut_box(inside: &VoxelBox, y_vx: u32, z_vx: u32, spans: &mut RowSpans) {
     }
 }
 
-/// A solid cut by a row of bricks.
+/// The part of a solid in a row of bricks.
 #[derive(Clone, Debug, Default)]
 pub struct SolidRow {
     spans: RowSpans,
-    /// The voxels of some row are not next to each other, and so are not in the spans: bricks of
+    /// Set where the voxels of some row are not contiguous and so do not fit into a span: bricks of
     /// the row at this y, z are tested voxel by voxel.
     torn: Option<[u32; 2]>,
 }

@@ -1,11 +1,10 @@
-//! Owns the step from a convex solid's formula to the voxels of a row of bricks: real-valued
-//! ends for eight rows of voxels at a time, rounded to voxels where errors cannot matter, and
-//! settled voxel by voxel with the exact test where they can.
+//! From a convex solid's formula to the voxels of a row of bricks: real-valued ends for eight rows of
+//! voxels at a time, rounded to voxels where errors cannot matter, and decided voxel by voxel with the
+//! exact test where they can.
 //!
-//! The ends are worked out in `f32`, of which eight at a time are one vector; about one row in a
-//! hundred is too close to call and is looked at again in `f64`, and of those about one in a
-//! million is decided by the exact test itself. Takes a [`RowSolver`] and the exact test; gives
-//! spans that equal the test on every voxel.
+//! Ends are computed in `f32`, eight at a time in a vector; about one row in a hundred is too close to
+//! call and is computed again in `f64`, and of those about one in a million is decided by the exact
+//! test itself. From a [`RowSolver`] and the exact test to spans that equal the test on every voxel.
 
 use std::ops::Range;
 
@@ -30,7 +29,7 @@ pub struct Ends<S: Simd> {
     pub doubtful: mask32x8<S>,
 }
 
-/// What is sure about one row: voxels outside of `outer` are out, those in `inner` are in.
+/// What is certain about one row: voxels outside `outer` are out, those in `inner` are in.
 #[derive(Clone, Copy, Debug)]
 pub struct Bracket {
     /// Lowest and highest voxel index, as real numbers.
@@ -44,12 +43,12 @@ impl Bracket {
     pub const NONE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
     /// Every voxel is out.
     pub const OUTSIDE: Bracket = Bracket { outer: Self::NONE, inner: Self::NONE };
-    /// Nothing is sure.
+    /// Nothing is certain.
     pub const UNKNOWN: Bracket =
         Bracket { outer: [f64::NEG_INFINITY, f64::INFINITY], inner: Self::NONE };
 }
 
-/// A convex solid cut by rows along x. Rows are named by their voxel coordinates.
+/// A convex solid intersected with rows along x. Rows are given by their voxel coordinates.
 pub trait RowSolver {
     /// What holds for one row of bricks.
     type Local;
@@ -62,7 +61,7 @@ pub trait RowSolver {
     /// The ends of the eight rows `step_z` voxels on along z.
     fn ends<S: Simd>(&self, simd: S, local: &Self::Local, step_z: usize) -> Ends<S>;
 
-    /// What is sure of the row at `y`, `z`, whatever the rounding errors.
+    /// What is certain about the row at `y`, `z`, whatever the rounding errors.
     fn bracket(&self, y: f64, z: f64) -> Bracket;
 }
 
@@ -70,8 +69,8 @@ pub trait RowSolver {
 const INTEGER_IN_LOW_BITS: f32 = 1.5 * (1u32 << 23) as f32;
 
 /// Fills `spans` with the voxels in `x` of the 8x8 rows from `y`, `z` on that are in the solid.
-/// False if those of some row are not next to each other, which rounding errors of the exact
-/// test can bring about where a surface runs along the row.
+/// False if those of some row are not contiguous, which can happen by rounding errors of the exact
+/// test where a surface runs along the row.
 #[inline(always)]
 pub fn solve<S: Simd>(
     simd: S,
@@ -110,7 +109,7 @@ struct Rounding<S: Simd> {
     high: f32x8<S>,
     /// [`INTEGER_IN_LOW_BITS`] and the origin of the ends.
     magic: f32x8<S>,
-    /// Ends that are rounded by less are sure.
+    /// Ends that are rounded by less are certain.
     sure: f32x8<S>,
 }
 
@@ -145,7 +144,7 @@ impl<S: Simd> Rounding<S> {
     }
 }
 
-/// Settles the rows of the bits in `rows` among 64, y the faster. False if one is torn.
+/// Decides the rows of the bits in `rows` among 64, y fastest. False if one is not contiguous.
 #[cold]
 #[inline(never)]
 fn settle_rows(

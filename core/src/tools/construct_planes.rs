@@ -1,5 +1,5 @@
-//! Owns rows cut by a solid with flat faces at any pose: each face that a row can cross gives
-//! one end of it, linear in the row's coordinates; a face along the row leaves it whole or empty.
+//! Intersects rows with a solid of flat faces at any pose: each face that a row can cross determines
+//! one end, linear in the row's coordinates; a face along the row leaves it whole or empty.
 
 use std::ops::Range;
 
@@ -38,7 +38,7 @@ impl Linear {
     }
 }
 
-/// What a face does to the rows it meets.
+/// The effect of a face on the rows that it meets.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     /// Ends them from below: the number is the voxel index from which on they are inside.

@@ -1,4 +1,4 @@
-//! Owns rows cut by an ellipsoid at any pose.
+//! Intersects rows with an ellipsoid at any pose.
 //!
 //! With `m0`, `m1`, `m2` the columns of the map to tool space, a row's points are
 //! `q + m0 * dx` with `q = m1 * dy + m2 * dz`. The square of the part of `q` across `m0` is a
@@ -11,8 +11,8 @@ use glam::{DMat3, DVec3};
 
 use super::construct_ends::{Bracket, Ends, Magnitudes, ROUNDING, ROUNDING_32, RowSolver, STEPS};
 
-/// Rows with less of a rest are settled one by one: there the ends move fast. As many rows are
-/// in doubt for this as for ends near a voxel's border.
+/// Rows with a smaller rest are decided one by one: there the ends move fast. About as many rows are
+/// in doubt for this reason as for ends near a voxel's border.
 const SHORT_ROW: f64 = 1e-3;
 
 /// An ellipsoid prepared for its rows.

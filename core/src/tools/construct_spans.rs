@@ -1,10 +1,8 @@
-//! Owns the 64 rows of voxels in a row of bricks, each cut to one span along x, and turns them
-//! into brick masks.
+//! The 64 rows of voxels in a row of bricks as spans along x, and their conversion to brick masks.
 //!
-//! A solid that is convex meets a row in one span, so this is all that a solid has to work out.
-//! A mask is made without a look at single voxels: a table has the eight bits of a row for each
-//! place at which it may begin, and 32 rows at a time are looked up and brought to the order of
-//! the bricks' words.
+//! A convex solid meets a row in one span, so spans are all that a solid has to compute. A mask is made
+//! without looking at single voxels: a table has the eight bits of a row for each start, and 32 rows at
+//! a time are looked up and permuted to the order of the brick's words.
 
 use std::ops::Range;
 
@@ -45,7 +43,7 @@ impl RowSpans {
         (self.from[pair][row], self.to[pair][row]) = (span.start as i16, span.end as i16);
     }
 
-    /// Bricks along x that the spans touch and fill.
+    /// The bricks along x that the spans touch and fill.
     #[inline(always)]
     pub fn reach<S: Simd>(&self, simd: S) -> RowReach {
         let (zero, most) = (i16x16::splat(simd, 0), i16x16::splat(simd, i16::MAX));

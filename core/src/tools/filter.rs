@@ -1,13 +1,12 @@
-//! Owns the neighbourhood filters on blocks of bits: counting the 26 neighbours, erosion,
-//! dilation, growth into concave corners, and smoothing by majority.
+//! Neighbourhood filters on blocks of bits: counts of the 26 neighbours, erosion, dilation, growth into
+//! concave corners, and smoothing by majority.
 //!
-//! Takes the block of existing voxels and the block of voxels that may change (same place and
-//! size); gives the voxels to add or to remove. Voxels near the block's border miss neighbours,
-//! so the block must reach further than the voxels that may change (by one voxel, or by the
-//! radius of the majority).
+//! From the block of existing voxels and the block of voxels that may change (same place and size) to
+//! the voxels to add or remove. Voxels near the block's border lack neighbours, so the block must
+//! reach further than the voxels that may change (by one voxel, or by the radius of the majority).
 //! Knows no tool and no document.
 //!
-//! Counting is done for 64 voxels at once in bit planes: 26 shifted rows are summed by ripple
+//! Counts are computed for 64 voxels at once in bit planes: 26 shifted rows are summed by ripple
 //! carry adders of single-bit planes (Knuth, The Art of Computer Programming 4A, 7.1.3).
 
 use crate::sculpture::bit_block::BitBlock;
@@ -95,8 +94,8 @@ fn word_with_neighbours(block: &BitBlock, y: i32, z: i32, word: usize, least: u3
     count.at_least(least)
 }
 
-/// Calls `f` for each row of a block like `may`, with the words of it that have voxels in `may`:
-/// what may not change is not worked out.
+/// Calls `f` for each row of a block like `may`, with the range of words that have voxels in `may`, so
+/// that nothing is computed for the others.
 fn map_words(may: &BitBlock, mut f: impl FnMut(i32, i32, usize, u64) -> u64) -> BitBlock {
     may.map_rows(|y, z, out| {
         let Some(row) = may.row(y, z) else { return };
@@ -134,8 +133,8 @@ pub fn dilation(solid: &BitBlock, may: &BitBlock, threshold: u32) -> BitBlock {
     })
 }
 
-/// Dilation again and again, until nothing is added any more: fills concave corners up to a
-/// closed surface. At most `rounds` times.
+/// Repeats dilation, at most `rounds` times, until it adds nothing: fills concave corners up to a closed
+/// surface.
 pub fn growth(solid: &BitBlock, may: &BitBlock, threshold: u32, rounds: u32) -> BitBlock {
     let rows_y = solid.size().y as usize;
     let row_count = rows_y * solid.size().z as usize;

@@ -1,5 +1,5 @@
-//! Tools: which voxels a solid or a spray covers, as [`crate::sculpture::region::Region`]s.
-//! They compute masks and change nothing.
+//! Tools: the voxels that a solid or a spray covers, as [`crate::sculpture::region::Region`]s, and
+//! mirror planes. They compute masks and change nothing.
 
 pub mod construct;
 mod construct_ends;

@@ -1,7 +1,7 @@
-//! Owns the spray tools: what a footprint of rays, cast onto the surface, adds, removes or paints.
+//! Spray tools: the voxels that a footprint of rays, cast onto the surface, adds, removes or paints.
 //!
-//! Takes the grid as it is seen (or as it was when the stroke began) and a [`Spray`]; gives the
-//! voxels to change as a [`Stamp`]. Changes nothing itself and knows no document.
+//! From the visible grid (or the grid when the stroke began) and a [`Spray`] to the voxels to change, as
+//! a [`Stamp`]. Changes nothing itself and knows no document.
 //!
 //! The rays are the rays of the picture's pixels under the footprint, so that the tool works on
 //! exactly what is on the screen (J. Mueller 2005: "congruent with the picture").
@@ -16,14 +16,14 @@ use crate::sculpture::region::ListedBricks;
 use crate::sculpture::{ColourDepth, Grid, Rgb};
 use crate::surface::raycast;
 
-/// Widest footprint: radius in rays.
+/// Largest radius of a footprint, in rays.
 pub const MAX_FOOTPRINT: f32 = 256.0;
-/// Furthest reach of a spray around a hit, in voxels.
+/// Largest reach of a spray around a hit, in voxels.
 pub const MAX_REACH_VX: f32 = 64.0;
-/// Rounds after which growth stops at the latest.
+/// Most rounds of growth.
 const GROWTH_ROUNDS: u32 = 64;
 
-/// The outline of a footprint, and of what is cut or added around a hit.
+/// The outline of a footprint, and the shape that is cut or added around a hit.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub enum Outline {
     /// A disc, or a ball.
@@ -37,7 +37,7 @@ impl Outline {
     /// Both outlines.
     pub const ALL: [Outline; 2] = [Outline::Round, Outline::Square];
 
-    /// The word for it in the text form.
+    /// Its name in the text form.
     pub const fn name(self) -> &'static str {
         match self {
             Outline::Round => "round",
@@ -49,8 +49,7 @@ impl Outline {
 /// What a spray does where its rays meet the surface.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Effect {
-    /// Mixes the share `cover` (0 to 1) of the colour into the voxels that are seen, so that it
-    /// thickens with every pass.
+    /// Mixes the colour into the visible voxels, so that it builds up with every pass.
     Paintbrush {
         /// The colour.
         colour: Rgb,
@@ -64,7 +63,7 @@ pub enum Effect {
     },
     /// Removes voxels near the hits that have fewer than `threshold` of 26 neighbours.
     Erosion {
-        /// Neighbours from which on a voxel stays.
+        /// Least number of neighbours with which a voxel stays.
         threshold: u32,
     },
     /// Adds voxels near the hits that have at least `threshold` of 26 neighbours. Without a colour
@@ -127,7 +126,7 @@ impl SprayKind {
         SprayKind::Smooth,
     ];
 
-    /// The word for it in the text form and the interface.
+    /// Its name in the text form and the interface.
     pub const fn name(self) -> &'static str {
         match self {
             SprayKind::Paintbrush => "paintbrush",
@@ -140,7 +139,7 @@ impl SprayKind {
         }
     }
 
-    /// Whether the tool leaves voxels of a colour that is chosen.
+    /// Whether the tool needs a colour.
     pub const fn gives_colour(self) -> bool {
         matches!(self, SprayKind::Paintbrush | SprayKind::Clay)
     }
@@ -160,7 +159,7 @@ impl Effect {
         }
     }
 
-    /// The word for it in the text form and the interface.
+    /// Its name in the text form and the interface.
     pub const fn name(self) -> &'static str {
         self.kind().name()
     }
@@ -223,7 +222,7 @@ impl Stamp {
     }
 }
 
-/// A voxel that a ray met, and how far the ray is from the footprint's middle (0) to its rim (1).
+/// A voxel hit by a ray, and the distance of the ray from the footprint's centre (0) to its rim (1).
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct SprayHit {
     voxel: IVec3,
@@ -231,7 +230,7 @@ struct SprayHit {
 }
 
 impl Spray {
-    /// Names the first field that cannot be used, if any.
+    /// An error that names the first invalid field, if there is one.
     pub fn check(&self) -> Result<(), &'static str> {
         let f = &self.footprint;
         let finite =
@@ -259,8 +258,8 @@ impl Spray {
         }
     }
 
-    /// What this spray changes in `grid`, its rays being cast on `surface` (the same grid, or the
-    /// grid as it was when the stroke began; both of one size).
+    /// The voxels that this spray changes in `grid`. Its rays are cast on `surface`: the same grid, or
+    /// the grid when the stroke began, of the same size.
     pub fn stamp(&self, grid: &Grid, surface: &Grid) -> Stamp {
         let hits = self.footprint.hits(surface);
         if hits.is_empty() {
@@ -307,7 +306,7 @@ impl Spray {
         }
     }
 
-    /// The colour that this spray gives; none if what it adds takes the neighbours' colours.
+    /// The colour of this spray. None if new voxels take their neighbours' colours.
     pub fn colour(&self) -> Option<Rgb> {
         match self.effect {
             Effect::Paintbrush { colour, .. } | Effect::Clay { colour } => Some(colour),
@@ -316,9 +315,9 @@ impl Spray {
         }
     }
 
-    /// How this spray colours a voxel of the stamp's `paint`, from what it is now. With few bits
-    /// of colour a mixture lies between two that can be kept; which one a voxel gets is scattered
-    /// so that the mean over an area is right.
+    /// The new colour of a voxel of the stamp's `paint`, from its present one. With few bits of colour
+    /// a mixture lies between two storable colours: it is dithered so that the mean over an area is
+    /// right.
     pub fn paint(&self, depth: ColourDepth) -> Option<impl Fn(UVec3, Rgb) -> Rgb + Sync + use<>> {
         let Effect::Paintbrush { colour, cover } = self.effect else { return None };
         let pass = self.pass();
@@ -337,14 +336,14 @@ impl Spray {
         })
     }
 
-    /// A number that differs from pass to pass and is the same when the pass is replayed.
+    /// A number that differs from pass to pass and is reproduced when a pass is replayed.
     fn pass(&self) -> u32 {
         let Footprint { aim, eye_vx, .. } = self.footprint;
         let numbers = [aim.x, aim.y, aim.z, eye_vx.x, eye_vx.y, eye_vx.z];
         numbers.iter().fold(0, |pass, number| mixed(pass ^ number.to_bits()))
     }
 
-    /// A box that holds whatever may change, and the neighbours that a filter looks at.
+    /// A box of all voxels that may change and the neighbours that filters read.
     fn bounds(&self, hits: &[SprayHit]) -> (IVec3, IVec3) {
         let margin = self.reach_vx.ceil() as i32
             + match self.effect {
@@ -356,7 +355,7 @@ impl Spray {
         (min - margin, max + margin + 1)
     }
 
-    /// The voxels around each hit, as far as `reach` says for its offset from the middle.
+    /// The voxels around each hit, up to the `reach` for its offset from the centre.
     fn around(
         &self,
         hits: &[SprayHit],
@@ -375,7 +374,7 @@ impl Spray {
         block
     }
 
-    /// What exists near the hits, and what of it may change.
+    /// The existing voxels near the hits, and those that may change.
     fn neighbourhood(
         &self,
         grid: &Grid,
@@ -388,7 +387,7 @@ impl Spray {
     }
 }
 
-/// A number in [0, 1) for a voxel and a pass, without a pattern that the eye would see.
+/// A number in [0, 1) for a voxel and a pass, without a visible pattern.
 fn scatter(voxel: IVec3, pass: u32) -> f32 {
     let hash = voxel.to_array().iter().fold(pass, |hash, &v| mixed(hash ^ v as u32));
     (hash >> 8) as f32 / (1u32 << 24) as f32
@@ -402,12 +401,12 @@ fn mixed(v: u32) -> u32 {
 }
 
 impl Footprint {
-    /// The voxels that the rays meet, each once, with the offset of the ray that came first.
+    /// The voxels that the rays hit, each once, with its smallest offset.
     fn hits(&self, surface: &Grid) -> Vec<SprayHit> {
         let reach = self.radius as i32;
         let mut seen = HashSet::new();
         let mut hits = Vec::new();
-        // From the middle outwards, so that a voxel keeps its smallest offset.
+        // From the centre outwards, so that a voxel keeps its smallest offset.
         let mut rays: Vec<(f32, i32, i32)> = Vec::new();
         for j in -reach..=reach {
             for i in -reach..=reach {

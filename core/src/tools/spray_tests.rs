@@ -1,4 +1,4 @@
-//! Tests of what sprays add, remove and paint.
+//! Tests of the voxels that sprays add, remove and paint.
 
 use super::spray::{Effect, Footprint, Outline, Spray, Stamp};
 use crate::sculpture::brick::local_coords;

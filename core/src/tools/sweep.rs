@@ -1,5 +1,5 @@
-//! Owns how far apart a solid may be used along a path so that what it leaves looks swept: between
-//! two uses, what a continuous sweep would cover lies within [`SCALLOP_VX`] of what is covered.
+//! The spacing of a solid's uses along a path so that the result looks swept: between two uses, all
+//! that a continuous sweep would cover lies within [`SCALLOP_VX`] of what is covered.
 //!
 //! Pure geometry of one solid and one direction; knows no path.
 
@@ -7,17 +7,17 @@ use glam::{DMat3, DVec3, Vec3};
 
 use super::construct::{Primitive, Solid};
 
-/// Deepest scallop between two uses, in edges of the smallest voxel edge.
+/// Deepest scallop between two uses, in units of the smallest edge of a voxel.
 pub const SCALLOP_VX: f64 = 0.3;
 /// Uses closer than this leave no deeper scallop whatever the solid: every point that a sweep
 /// covers is within half of it of one of two uses.
 pub const NEAREST_VX: f64 = 2.0 * SCALLOP_VX;
-/// Furthest apart, as a share of the smallest half extent: the tool must not lag behind the hand.
+/// Largest spacing, as a fraction of the smallest half extent: the tool must not lag behind the hand.
 const FURTHEST: f64 = 0.35;
 
 impl Primitive {
-    /// How far apart to use the solid along `direction` (of any length, like the result in edges
-    /// of the smallest voxel edge).
+    /// The spacing along `direction`, which may have any length; in units of the smallest edge of a
+    /// voxel, as is the result.
     pub fn spacing_along(&self, direction: Vec3) -> f32 {
         let furthest = FURTHEST * f64::from(self.half.min_element());
         let rotation = DMat3::from_quat(self.rotation.as_dquat());
@@ -31,7 +31,7 @@ impl Primitive {
         smooth.min(furthest).max(NEAREST_VX) as f32
     }
 
-    /// How far apart to use the solid whatever the direction.
+    /// The spacing that suffices in all directions.
     pub fn spacing_anywhere(&self) -> f32 {
         match self.solid {
             Solid::Ellipsoid => {

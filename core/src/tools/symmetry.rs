@@ -1,17 +1,17 @@
-//! Owns mirror planes: which images of a tool are used together with it.
+//! Mirror planes: the mirror images of a tool that are used together with it.
 //!
-//! Planes stand across the axes of the grid at its centre: between two voxels (even) or through
-//! the middle of one (odd). Gives mirrored tools; changes nothing itself.
+//! Planes are perpendicular to the axes of the grid at its centre: between two voxels (even) or through
+//! the middle of one (odd). Computes mirrored tools; changes nothing itself.
 
 use glam::{Quat, UVec3, Vec3};
 
 use super::construct::{PlacedSolid, Primitive};
 use super::spray::Footprint;
 
-/// Where a mirror plane stands against the voxels.
+/// The position of a mirror plane relative to the voxels.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Parity {
-    /// Between two voxels: what is mirrored has an even number of voxels across.
+    /// Between two voxels: mirrored shapes have an even number of voxels across.
     Even,
     /// Through the middle of a voxel, which is its own image.
     Odd,
@@ -21,7 +21,7 @@ impl Parity {
     /// Both parities.
     pub const ALL: [Parity; 2] = [Parity::Even, Parity::Odd];
 
-    /// The word for it in the text form and the interface.
+    /// Its name in the text form and the interface.
     pub const fn name(self) -> &'static str {
         match self {
             Parity::Even => "even",
@@ -30,7 +30,7 @@ impl Parity {
     }
 }
 
-/// The mirror planes in use, by the axis that they stand across.
+/// The mirror planes in use, by the axis that they are perpendicular to.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub struct Symmetry {
     /// For each axis the parity of its mirror plane, if it has one.
@@ -38,7 +38,7 @@ pub struct Symmetry {
 }
 
 impl Symmetry {
-    /// Where the planes stand in a grid of `dims` voxels, in voxel coordinates.
+    /// Positions of the planes in a grid of `dims` voxels, in voxel coordinates.
     pub fn planes(&self, dims: UVec3) -> [Option<f32>; 3] {
         std::array::from_fn(|axis| {
             let middle = (dims[axis] / 2) as f32;
@@ -49,7 +49,7 @@ impl Symmetry {
         })
     }
 
-    /// Every image, the thing itself first: 1, 2, 4 or 8.
+    /// All images, starting with the identity: 1, 2, 4 or 8.
     pub fn images(&self, dims: UVec3) -> Vec<Image> {
         let mut images = vec![Image { planes: [None; 3] }];
         for (axis, plane) in self.planes(dims).into_iter().enumerate() {
@@ -69,7 +69,7 @@ impl Symmetry {
     }
 }
 
-/// One image: mirrored at a plane across each axis that has one.
+/// One mirror image: reflected at the plane of each axis that has one.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Image {
     planes: [Option<f32>; 3],
@@ -101,8 +101,8 @@ impl Image {
         primitive.mirrored_in_grid(voxel_size, self.planes)
     }
 
-    /// The mirrored solid as one to be drawn. A mirroring is no rotation; but every solid is its own image at its
-    /// own x plane, so that a mirroring before it makes one of the two.
+    /// The mirrored solid as a primitive, for drawing. A reflection is no rotation; but every solid is
+    /// symmetric about its own x plane, so that a further reflection there makes it one.
     pub fn primitive(&self, primitive: &Primitive) -> Primitive {
         let mirrored = self.planes.iter().filter(|plane| plane.is_some()).count();
         let mut rotation = primitive.rotation;

@@ -1,7 +1,6 @@
-//! Owns pictures as colours of solids: how a picture lies on each solid, and its colour at a
-//! voxel.
+//! Images on solids: the mapping of an image to each solid, and its colour at a voxel.
 //!
-//! Takes decoded pixels; knows no files. The picture stands upright along the tool's y axis:
+//! Takes decoded pixels; knows no files. The image is upright along the tool's y axis:
 //! wrapped once around an ellipsoid (longitude and latitude), on each of the four sides of a
 //! pyramid, on each face of a cuboid.
 
@@ -12,10 +11,10 @@ use glam::{Vec2, Vec3, vec2};
 use super::construct::Solid;
 use crate::sculpture::Rgb;
 
-/// Longest side of a picture, in pixels.
+/// Longest side of an image, in pixels.
 pub const MAX_SIDE: u32 = 8192;
 
-/// A picture, its upper row first.
+/// An image, upper row first.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Texture {
     width: u32,
@@ -23,7 +22,7 @@ pub struct Texture {
 }
 
 impl Texture {
-    /// None unless there are `width` pixels, at least one, in each of one or more rows.
+    /// From rows of `width` pixels. None if there is no pixel or the last row is incomplete.
     pub fn new(width: u32, pixels: Vec<Rgb>) -> Option<Texture> {
         let whole = width > 0 && !pixels.is_empty() && pixels.len().is_multiple_of(width as usize);
         whole.then_some(Texture { width, pixels })
@@ -34,8 +33,8 @@ impl Texture {
         [self.width, (self.pixels.len() / self.width as usize) as u32]
     }
 
-    /// The colour at `at`: (0, 0) is the lower left corner, (1, 1) the upper right one. Between
-    /// pixels it is mixed of the nearest four; beyond an edge it is the edge's.
+    /// The colour at `at`: (0, 0) is the lower left corner, (1, 1) the upper right one. Interpolated
+    /// bilinearly, and clamped at the edges.
     pub fn sample(&self, at: Vec2) -> Rgb {
         let [width, height] = self.size();
         let x = at.x * width as f32 - 0.5;
@@ -54,7 +53,7 @@ impl Texture {
     }
 }
 
-/// Where a point of tool space (the solid fills [-1, 1]) lies on the picture.
+/// The position on the image of a point of tool space (the solid fills [-1, 1]).
 pub fn picture_point(solid: Solid, p: Vec3) -> Vec2 {
     // Sides are seen from outside, so that writing is not mirrored.
     let side = |p: Vec3| match p.x.abs() > p.z.abs() {

@@ -1,5 +1,5 @@
-//! Owns bit fields at any position in a byte string, most significant bit first: the reader
-//! that decoding jumps about with, and the writer that encoding appends to.
+//! Bit fields at any position in a byte string, most significant bit first: a random-access reader for
+//! decoding, and an appending writer for encoding.
 //!
 //! Positions count bits from the start. Knows nothing of what the fields mean.
 

@@ -1,15 +1,15 @@
-//! Owns the DDS stream, the lossless packing of .pvm files (of Stefan Roettger's V^3; nothing to
-//! do with DirectDraw textures): bytes -> bytes.
+//! The DDS stream, the lossless compression of .pvm files (from Stefan Roettger's V^3; unrelated to
+//! DirectDraw textures): bytes -> bytes.
 //!
-//! A stream is an id, two parameters and runs of residuals, with no length, no index and no
-//! checksum. What can be done side by side, and how:
-//! - Finding the runs must go from head to head, so [`Stream::open`] does just that once. It
-//!   tells the exact decoded length before anything is allocated, and where segments begin.
-//! - Segments decode side by side, and the predictor is undone in each as if nothing came
-//!   before it; then [`predict::Shift`] puts them right. Planes are merged in pieces.
-//! - Encoding knows all samples, so its chunks have nothing to wait for; the bits are joined.
+//! A stream is an id, two parameters and runs of residuals, with no length, index or checksum. It is
+//! processed in parallel as follows:
+//! - Runs must be found sequentially, from head to head; [`Stream::open`] does only that, once. It
+//!   yields the exact decoded length before anything is allocated, and the starts of segments.
+//! - Segments are decoded in parallel, and the predictor is undone in each as if nothing came before;
+//!   [`predict::Shift`] then corrects them. Planes are merged in pieces.
+//! - Encoding knows all samples, so that its chunks are independent; their bits are concatenated.
 //!
-//! Takes and gives whole byte strings. Knows nothing of what they hold.
+//! Works on whole byte strings, whatever they contain.
 
 mod bits;
 mod planes;

@@ -1,8 +1,8 @@
-//! Owns the order of bytes in a DDS stream: the bytes of a block whose index is 0 modulo `skip`
-//! come first, then those of 1 modulo `skip`, and so on, so that like stands beside like.
+//! The order of bytes in a DDS stream: the bytes of a block with index 0 modulo `skip` come first, then
+//! those with 1 modulo `skip`, and so on, so that similar bytes are adjacent.
 //!
-//! Where the length of a block is no multiple of `skip` its first planes are one longer.
-//! Takes and gives bytes; knows nothing of what they hold.
+//! Where the length of a block is no multiple of `skip`, its first planes are one byte longer. Works on
+//! bytes, whatever they contain.
 
 use std::ops::Range;
 

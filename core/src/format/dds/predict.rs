@@ -1,11 +1,11 @@
-//! Owns the predictor of DDS streams: sample i is guessed as left + above - above left, where
-//! "above" lies `strip` samples back; all arithmetic is modulo 256.
+//! The predictor of DDS streams: sample i is predicted as left + above - above left, where "above" is
+//! `strip` samples back; all arithmetic is modulo 256.
 //!
 //! In other words: with d the difference of a sample to the one before it, rows of `strip`
 //! samples starting at sample 1 hold residuals whose column sums are d, and a running sum of d
-//! gives the samples. Both sums are linear, so stretches of a stream can be undone side by side
-//! from zero and put right afterwards: a [`Shift`] adds what the stretches before contribute.
-//! Takes and gives bytes; knows no bit stream.
+//! gives the samples. Both sums are linear, so that parts of a stream can be undone in parallel from
+//! zero and corrected afterwards: a [`Shift`] adds the contribution of the parts before. Works on
+//! bytes; knows no bit stream.
 
 /// Undoes the predictor for consecutive stretches of one stream.
 #[derive(Clone, Debug)]

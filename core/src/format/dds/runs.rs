@@ -1,4 +1,4 @@
-//! Owns the runs of a DDS stream: where they lie, what residuals they hold, how they are written.
+//! The runs of a DDS stream: finding, decoding and writing them.
 //!
 //! A run is a head (7 bits count, 3 bits width code) and `count` residuals of equal width, each
 //! stored as residual + 2^(width-1). A count of 0 ends the stream. Knows no predictor.

@@ -1,15 +1,15 @@
-//! Owns the choice of runs: how a sequence of residuals is cut so that it takes the fewest bits.
+//! The choice of runs: divides a sequence of residuals so that it takes the fewest bits.
 //!
-//! A run costs 10 bits and then its width for each sample. The best cut is a shortest path: going
+//! A run costs 10 bits and then its width for each sample. The best division is a shortest path: going
 //! backwards, for each of the eight widths, the cost from here on if this sample lies in a run of
 //! that width is the width plus the lesser of "the run goes on" and "a new run, of the width that
 //! is best there, begins". Only whether a run goes on and which width is best need be kept. (The
-//! limit of 127 samples is left out of the search; longer runs are cut afterwards.)
+//! limit of 127 samples is left out of the search; longer runs are split afterwards.)
 //!
-//! Equal stretches are searched side by side, one in each byte of the vector registers: as costs
+//! Parts of equal length are searched in parallel, one in each byte of the vector registers: as costs
 //! only matter in relation to the best, and none is more than 18 bits above it, cost and
-//! width code fit one byte. At the ends of the stretches what follows is unknown and taken as
-//! free for every width.
+//! width code fit one byte. At the ends of the parts what follows is unknown and assumed
+//! to cost nothing for every width.
 //!
 //! Takes residuals as [`super::predict`] gives them and writes runs as [`super::runs`] defines.
 

@@ -1,4 +1,4 @@
-//! What goes in comes out: round trips, and a decoder that follows the description literally.
+//! Round trips, and a decoder that follows the description literally.
 
 use proptest::prelude::*;
 

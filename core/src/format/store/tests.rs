@@ -1,4 +1,4 @@
-//! Reading and writing: what is refused, what is replaced, what is left behind.
+//! Tests of reading and writing: refused paths, replaced files, left-over files.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! Owns how some thousand bricks, with their colours, become bytes, and back.
+//! Packs some thousand bricks with their colours to bytes, and back.
 //!
 //! A chunk is packed by LZ4 (Collet, "LZ4 Block Format Description") from these parts:
 //!
@@ -32,7 +32,7 @@ const VOXELS: usize = BRICK_VOXELS as usize;
 /// LZ4 cannot unpack a byte to more than so many.
 const MOST_PER_BYTE: u64 = 255;
 
-/// What a chunk packs to, as the table of the file has it.
+/// An entry of the file's table of chunks.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Entry {
     /// Bytes in the file; 0 for a chunk of one kind.
@@ -46,7 +46,7 @@ pub struct Entry {
 }
 
 impl Entry {
-    /// Checks the entry of a chunk of `bricks` before memory is taken for it.
+    /// Checks the entry of a chunk of `bricks` before memory is allocated for it.
     pub fn check(&self, bricks: usize, depth: ColourDepth) -> Result<(), FormatError> {
         let page = 1 + (VOXELS.max(PALETTE + VOXELS / 2)) * depth.bytes().max(1);
         let most = (bricks * 67) as u64 + u64::from(self.pages) * page as u64;
@@ -64,8 +64,8 @@ impl Entry {
     }
 }
 
-/// Packs bricks; `valid` names the voxels that a brick may have, `page` its colours, both by the
-/// place in the chunk.
+/// Packs bricks; `valid` returns the bits that a brick may have, `page` its colours, both by the index
+/// in the chunk.
 pub fn pack<'a>(
     bricks: impl ExactSizeIterator<Item = &'a Brick>,
     valid: impl Fn(usize) -> Brick,
@@ -120,8 +120,8 @@ pub fn pack<'a>(
     (entry, packed)
 }
 
-/// Unpacks a chunk to `bricks`, which must be empty, and gives its pages by their place. The entry
-/// must have been checked.
+/// Unpacks a chunk to `bricks`, which must be empty, and returns its pages with their indices in the
+/// chunk. The entry must have been checked.
 pub fn unpack(
     entry: &Entry,
     packed: &[u8],

@@ -1,5 +1,5 @@
-//! Owns the program's own format: a sculpture as it is in memory, packed brick by brick. It is
-//! quick and small because it says what is there and not how dense it is.
+//! The .vsc format: a sculpture without loss, packed by bricks. It is fast and small because it stores
+//! existence instead of densities.
 //!
 //! All numbers are little-endian.
 //!
@@ -19,8 +19,8 @@
 //! | | the texts: none at all, or four times a length and so many bytes: description, courtesy, parameter, comment |
 //! | | the chunks, one after the other; see [`chunk`] |
 //!
-//! Bricks are counted x fastest, then y, then z. Chunks know nothing of each other, so that all
-//! cores pack and unpack.
+//! Bricks are counted x fastest, then y, then z. Chunks are independent, so that all cores pack and
+//! unpack.
 
 mod chunk;
 
@@ -49,7 +49,7 @@ const ENTRY_BYTES: usize = 16;
 const CHUNK_BRICKS: u32 = 4096;
 const CHUNK_RANGE: std::ops::RangeInclusive<u32> = 64..=1 << 16;
 
-/// What a file says before its chunks.
+/// The part of a file before its chunks.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Header {
     /// Size in voxels.
@@ -121,8 +121,8 @@ pub fn write(
     Ok(file)
 }
 
-/// Reads what stands before the chunks, and checks that the file is as long as it says and that
-/// the sculpture is within `limits`.
+/// Reads the header, and checks that the file has the length that it states and that the sculpture is
+/// within `limits`.
 pub fn read_header(file: &[u8], limits: &Limits) -> Result<Header, FormatError> {
     if !file.starts_with(&MAGIC) {
         return Err(FormatError::NotVsc(excerpt(&file[..file.len().min(8)])));
