@@ -1,12 +1,11 @@
-//! Owns the vocabulary of change: every way in which a sculpture can be altered is a
-//! [`Command`], with a stable text form so that a script is a list of them.
+//! Commands: every change of a sculpture is a value of [`Command`], with a stable text form, so that
+//! scripts and recordings are lists of commands.
 //!
-//! Knows what can be said, not how it is done: `document` carries out what concerns the
-//! sculpture, `session` what concerns files.
+//! Defines commands, not their execution: `document` executes those that concern the sculpture,
+//! `session` those that concern files.
 //!
-//! Grammar, one command a line: a verb, then words, quoted strings and `key=value` pairs in any
-//! order; `#` opens a comment at the start of a line. A quoted string is what stands between the
-//! quotes. The room `command_text` implements it.
+//! Grammar, one command per line: a verb, then words, quoted strings and `key=value` pairs in any order;
+//! `#` at the start of a line opens a comment. The room `command_text` implements it.
 
 use std::path::PathBuf;
 
@@ -21,7 +20,7 @@ use crate::tools::construct::Primitive;
 use crate::tools::spray::Spray;
 use crate::tools::symmetry::Symmetry;
 
-/// What a new sculpture is made of.
+/// Parameters of a new sculpture.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct NewSculpture {
     /// Size in voxels.
@@ -32,21 +31,21 @@ pub struct NewSculpture {
     pub colour_depth: ColourDepth,
     /// Colour of all voxels until they are painted.
     pub base: Rgb,
-    /// Begin with a solid block rather than with nothing.
+    /// Start with a solid block instead of an empty grid.
     pub solid: bool,
 }
 
 /// The surface that the rays of a spray tool are cast on.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum SpraySurface {
-    /// As it is now, so that strokes bite deeper where they overlap.
+    /// The current one, so that strokes go deeper where they overlap.
     #[default]
     Now,
-    /// As it was before the first spray of the stroke that asked for this.
+    /// The surface before the first spray with this setting in the stroke.
     Stroke,
 }
 
-/// What a command about many voxels at once works on. All of them obey the limit.
+/// The voxels that a command about an area works on. The limit to the selection applies to all.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub enum Area {
     /// All voxels of the grid.
@@ -62,7 +61,7 @@ impl Area {
     /// All areas, in the order in which interfaces offer them.
     pub const ALL: [Area; 3] = [Area::Grid, Area::Selection, Area::Marker];
 
-    /// The word for it in the text form.
+    /// Its name in the text form.
     pub const fn name(self) -> &'static str {
         match self {
             Area::Grid => "grid",
@@ -72,16 +71,16 @@ impl Area {
     }
 }
 
-/// What happens to the stack of selected boxes.
+/// An operation on the stack of selected boxes.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum SelectOp {
-    /// The marker's box is selected, too.
+    /// Add the marker's box.
     Add,
-    /// The marker's box is selected no longer.
+    /// Subtract the marker's box.
     Subtract,
-    /// The uppermost box goes.
+    /// Remove the uppermost box.
     Drop,
-    /// All boxes go.
+    /// Remove all boxes.
     Clear,
 }
 
@@ -90,7 +89,7 @@ impl SelectOp {
     pub const ALL: [SelectOp; 4] =
         [SelectOp::Add, SelectOp::Subtract, SelectOp::Drop, SelectOp::Clear];
 
-    /// The word for it in the text form.
+    /// Its name in the text form.
     pub const fn name(self) -> &'static str {
         match self {
             SelectOp::Add => "add",
@@ -113,7 +112,7 @@ pub enum Command {
         /// How to read it.
         import: ImportOptions,
     },
-    /// Write the sculpture to a file, in the format its name's ending says.
+    /// Write the sculpture to a file, in the format of its extension.
     Save {
         /// The file to write.
         path: PathBuf,
@@ -127,7 +126,7 @@ pub enum Command {
     },
     /// End the open stroke.
     End,
-    /// End the open stroke and take back what it did.
+    /// End the open stroke and revert its changes.
     Cancel,
     /// Add, subtract or recolour the voxels inside a solid.
     Construct {
@@ -143,7 +142,7 @@ pub enum Command {
         /// What the rays are cast on.
         surface: SpraySurface,
     },
-    /// Recolour the voxels inside a solids of a picture.
+    /// Recolour the voxels inside a solid by an image.
     Texture {
         /// The solid.
         primitive: Primitive,
@@ -169,53 +168,53 @@ pub enum Command {
         /// Their colour afterwards.
         colour: Rgb,
     },
-    /// Move and size the marker. Like all commands about the selection no undo step: it changes
-    /// no voxel.
+    /// Move and resize the marker. Like all commands about the selection it is no undo step, since it
+    /// changes no voxel.
     Mark(VoxelBox),
     /// Change the stack of selected boxes.
     Select(SelectOp),
     /// Limit all tools to the selection, or not.
     Limit(bool),
-    /// Do steps that the history has no room for, which cannot be undone, or refuse them.
+    /// Allow or refuse steps that exceed the history's budget and so cannot be undone.
     Irreversible(bool),
-    /// Use solids and sprays on both sides of mirror planes.
+    /// Set the mirror planes of solids and sprays.
     Symmetry(Symmetry),
-    /// Keep a copy of what the marker holds.
+    /// Copy the marker's contents to the clipboard.
     Copy,
-    /// Keep a copy of what the marker holds and remove it.
+    /// Cut the marker's contents to the clipboard.
     Cut,
-    /// Put the copy with its lower corner at a voxel.
+    /// Paste the clipboard.
     Paste {
         /// The clip's lower corner.
         at: IVec3,
         /// How the clip is turned or mirrored.
         orientation: Orientation,
     },
-    /// Turn what the marker holds about its middle, and move it; the marker goes along.
+    /// Turn the marker's contents about their centre and move them, with the marker.
     Move {
         /// Distance in voxels.
         by: IVec3,
         /// How the contents are turned or mirrored.
         orientation: Orientation,
     },
-    /// Do the last operation again `count` times, each time further by `step` voxels.
+    /// Repeat the last operation `count` times, each time further by `step` voxels.
     Array {
         /// Number of copies.
         count: u32,
         /// Distance from each copy to the next, in voxels.
         step: IVec3,
     },
-    /// Take back the last `steps` steps, or all of them.
+    /// Undo the last `steps` steps, or all.
     Undo {
         /// How many; none for all.
         steps: Option<u32>,
     },
-    /// Do again the last `steps` undone steps, or all of them.
+    /// Redo the last `steps` undone steps, or all.
     Redo {
         /// How many; none for all.
         steps: Option<u32>,
     },
-    /// Move the sculpture in the world. Not an undo step: it changes no voxel.
+    /// Place the sculpture in the world. No undo step, since it changes no voxel.
     Place(Placement),
 }
 
@@ -383,7 +382,7 @@ impl Command {
         }
     }
 
-    /// What the history list calls a step made by this command alone.
+    /// Label of a step made by this command alone, for the history list.
     pub fn label(&self) -> String {
         match self {
             Command::Construct { primitive, .. } | Command::Texture { primitive, .. } => {

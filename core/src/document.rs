@@ -1,6 +1,6 @@
-//! Owns a sculpture as a person edits it: its contents, its placement, its history and the
-//! set of bricks that the renderer has not seen yet. [`Document::apply`] is the only door
-//! through which any of them changes.
+//! A document: a sculpture being edited, with its contents, placement, selection, clipboard, history
+//! and the changed bricks that subscribers have not drained yet. All of it changes only through
+//! [`Document::apply`].
 //!
 //! Knows no files (`session` does), no Vulkan, no window, no clock.
 
@@ -34,7 +34,7 @@ use changes::Changes;
 pub use error::CommandError;
 pub use tools::MAX_ARRAY;
 
-/// What a command did.
+/// The effect of a command.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Applied {
     /// Voxels and bricks changed.
@@ -46,7 +46,7 @@ pub struct Applied {
 /// A sculpture with its history.
 #[derive(Debug)]
 pub struct Document {
-    /// Shared with whoever saves it; an edit meanwhile would be done on a copy.
+    /// Shared with a save in progress; an edit meanwhile would be made on a copy.
     contents: Arc<Contents>,
     placement: Placement,
     history: History,
@@ -57,7 +57,7 @@ pub struct Document {
     recorder: StrokeRecorder,
     selection: Selection,
     symmetry: Symmetry,
-    /// What was copied last; it outlives the sculpture it was cut from.
+    /// The clipboard; it outlives the sculpture it was copied from.
     clip: Option<Clip>,
     /// Pictures for solids, by the name that commands give them.
     pictures: HashMap<PathBuf, Arc<Texture>>,
@@ -68,16 +68,16 @@ pub struct Document {
     changes: Changes,
     /// The subscriber of [`Document::drain_changes`].
     unnamed: ChangeSubscriber,
-    /// The whole sculpture was replaced since the renderer last asked.
+    /// Whether the whole sculpture has been replaced since changes were last published.
     all_dirty: bool,
     /// Rises with every change of voxels; a cheap "is my copy current?".
     revision: u64,
-    /// The state it is in, and the one that the last step led to: within a stroke they differ.
+    /// The current state, and the one after the last step: within a stroke they differ.
     state: State,
     settled: State,
-    /// Numbers of states given so far.
+    /// Number of states identified so far.
     states: u64,
-    /// Steps that the history cannot keep are done all the same.
+    /// Whether steps that the history cannot keep are allowed.
     irreversible: bool,
     limits: Limits,
 }
@@ -88,7 +88,7 @@ impl Document {
         Ok(Document::from_contents(make_contents(new, &limits)?, limits))
     }
 
-    /// A document around contents that a loader has made.
+    /// A document with existing contents and an empty history.
     pub fn from_contents(contents: Contents, limits: Limits) -> Document {
         Document {
             recorder: StrokeRecorder::new(&contents.grid),
@@ -131,7 +131,7 @@ impl Document {
         &self.contents
     }
 
-    /// The contents as they are now, for work on another thread.
+    /// A snapshot of the contents, for work on another thread.
     pub fn share_contents(&self) -> Arc<Contents> {
         self.contents.clone()
     }
@@ -161,7 +161,7 @@ impl Document {
         self.symmetry
     }
 
-    /// What `paste` would put down.
+    /// The clipboard.
     pub fn clip(&self) -> Option<&Clip> {
         self.clip.as_ref()
     }
@@ -171,7 +171,7 @@ impl Document {
         !self.last_uses.is_empty()
     }
 
-    /// The pictures that `array` needs.
+    /// The images that `array` needs.
     pub fn pictures_to_repeat(&self) -> impl Iterator<Item = &Path> {
         self.last_uses.iter().filter_map(|used| match used {
             Command::Texture { picture, .. } => Some(picture.as_path()),
@@ -179,17 +179,17 @@ impl Document {
         })
     }
 
-    /// Whether a picture is known by the name.
+    /// Whether an image of this name is loaded.
     pub fn has_picture(&self, name: &Path) -> bool {
         self.pictures.contains_key(name)
     }
 
-    /// Forgets all pictures, so that they are read again when they are next used.
+    /// Drops all images, so that they are read again when they are next used.
     pub fn forget_pictures(&mut self) {
         self.pictures.clear();
     }
 
-    /// Makes a picture known under the name that commands call it by.
+    /// Adds an image under the name that commands use for it.
     pub fn learn_picture(&mut self, name: &Path, picture: Texture) {
         self.pictures.insert(name.to_path_buf(), Arc::new(picture));
     }
@@ -204,7 +204,7 @@ impl Document {
         self.revision
     }
 
-    /// Names the state it is in: undo and redo bring back earlier names with earlier states.
+    /// Identifies the current state; undo and redo restore the identifier, too.
     pub fn state(&self) -> State {
         self.state
     }
@@ -232,7 +232,7 @@ impl Document {
         f(&self.contents, self.changes.drain(subscriber, bricks))
     }
 
-    /// Puts a loaded sculpture in place of the present one, as one undo step.
+    /// Replaces the sculpture by a loaded one, as one undo step.
     pub fn replace(&mut self, contents: Contents, label: &str) -> Result<(), CommandError> {
         self.require_no_stroke("open")?;
         self.require_room_for_whole(label)?;
@@ -244,7 +244,7 @@ impl Document {
         Ok(())
     }
 
-    /// Carries out a command. On an error nothing has changed.
+    /// Executes a command. On an error nothing has changed.
     pub fn apply(&mut self, command: &Command) -> Result<Applied, CommandError> {
         match command {
             Command::New(new) => {
@@ -344,8 +344,8 @@ impl Document {
         self.material().depth() != ColourDepth::None
     }
 
-    /// After edits: they are a step of their own unless a stroke is open. They are taken back if
-    /// the history cannot keep that.
+    /// Finishes edits: unless a stroke is open, they become a step. They are reverted if the history
+    /// cannot keep it.
     fn applied(&mut self, stats: EditStats, command: &Command) -> Result<Applied, CommandError> {
         let revision = self.revision;
         if stats.bricks_changed > 0 {
@@ -382,13 +382,13 @@ impl Document {
         Arc::unwrap_or_clone(old)
     }
 
-    /// Refuses what cannot be done within a stroke.
+    /// An error if a stroke is open. `verb` is the refused command's.
     pub fn require_no_stroke(&self, verb: &'static str) -> Result<(), CommandError> {
         if self.stroke_open() { Err(CommandError::StrokeOpen(verb)) } else { Ok(()) }
     }
 }
 
-/// Makes what [`Command::New`] asks for; [`Document::replace`] puts it in place.
+/// The contents that [`Command::New`] asks for, for [`Document::replace`].
 pub fn make_contents(new: &NewSculpture, limits: &Limits) -> Result<Contents, CommandError> {
     let mut grid = Grid::new(new.dims, new.voxel_size, limits.grid_bytes)?;
     if new.solid {

@@ -4,8 +4,8 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Someone who wants to know how far a piece of work is. Calls must be cheap and rare enough
-/// (some hundred a job); pieces of work follow one another and do not nest.
+/// Receives the progress of work. Calls must be cheap and are rare (some hundred per job); pieces of
+/// work follow one another and do not nest.
 pub trait Progress: Sync {
     /// A piece of work begins.
     fn begin(&self, what: &str);
@@ -13,28 +13,28 @@ pub trait Progress: Sync {
     fn advance(&self, done: f32);
     /// The piece of work has ended.
     fn end(&self);
-    /// Whether the work is wanted no more. Once true it stays so; whoever works looks now and
-    /// then, gives up, and leaves everything as it was.
+    /// Whether the work is cancelled. Once true it stays so; work polls it, stops, and leaves everything
+    /// as it was.
     fn is_cancelled(&self) -> bool {
         false
     }
 }
 
-/// Nobody listens.
+/// Ignores progress.
 impl Progress for () {
     fn begin(&self, _: &str) {}
     fn advance(&self, _: f32) {}
     fn end(&self) {}
 }
 
-/// How far work on another thread is, for a window to show, and the way to stop it.
+/// The progress of work on another thread, for display, and its cancellation.
 #[derive(Debug, Default)]
 pub struct Report {
     stage: Mutex<Stage>,
     cancelled: AtomicBool,
 }
 
-/// A piece of work under way.
+/// A piece of work in progress.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Stage {
     /// Such as "unpacking"; empty between two pieces.
@@ -44,7 +44,7 @@ pub struct Stage {
 }
 
 impl Report {
-    /// The piece of work under way.
+    /// The piece of work in progress.
     pub fn stage(&self) -> Stage {
         self.lock().clone()
     }

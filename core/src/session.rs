@@ -1,8 +1,8 @@
-//! Owns a working session: the document, the file it belongs to, and the journal. It carries out
-//! every [`Command`]: those that concern files itself, the rest through [`Document::apply`].
+//! A session: a document, its file and the journal. Executes every [`Command`]: those that concern files
+//! itself, the others through [`Document::apply`].
 //!
-//! Windows, headless jobs and scripts all work through [`Session::execute`], so that whatever a
-//! person can do can be recorded and replayed. Knows no screen.
+//! Windows, headless jobs and scripts all use [`Session::execute`], so that everything a user does can be
+//! recorded and replayed. Knows no screen.
 
 mod files;
 mod journal;
@@ -22,7 +22,7 @@ use journal::Journal;
 pub use work::{Done, Work};
 use work::{Outcome, Task, load};
 
-/// Why a command could not be carried out. The sculpture is as it was before.
+/// Why a command failed. The sculpture is as it was before.
 #[derive(Debug, Error)]
 pub enum SessionError {
     /// The document has refused the command.
@@ -76,7 +76,7 @@ pub enum SessionError {
 }
 
 impl SessionError {
-    /// Whether nothing went wrong, but the work was cancelled.
+    /// Whether the work was cancelled.
     pub fn is_cancelled(&self) -> bool {
         use SessionError::{Open, Save};
         matches!(self, Open { error, .. } | Save { error, .. } if matches!(error, FormatError::Cancelled))
@@ -89,7 +89,7 @@ pub struct Session {
     document: Document,
     /// The files of the sculptures that undo and redo can lead to.
     files: Files,
-    /// The command that leads to what the session began with.
+    /// The command that reproduces the sculpture at the session's start.
     beginning: Command,
     journal: Option<Journal>,
     /// Why the journal has ended.
@@ -97,12 +97,12 @@ pub struct Session {
 }
 
 impl Session {
-    /// Begins with a new sculpture.
+    /// A session with a new sculpture.
     pub fn new(new: &NewSculpture, limits: Limits) -> Result<Session, SessionError> {
         Ok(Session::with_document(Document::new(new, limits)?, Command::New(*new)))
     }
 
-    /// Begins with the contents of a file.
+    /// A session with the contents of a file.
     pub fn open(
         path: &Path,
         import: &ImportOptions,
@@ -133,19 +133,19 @@ impl Session {
         &mut self.document
     }
 
-    /// The file that the sculpture was opened from or last saved to. It goes with the sculpture:
-    /// undo and redo past `new` and `open` bring back that of the other.
+    /// The file that the sculpture was opened from or last saved to. It belongs to the sculpture: undo
+    /// and redo past `new` and `open` restore the other's.
     pub fn path(&self) -> Option<&Path> {
         self.files.path(self.document.state())
     }
 
-    /// Whether something would be lost if the session ended now.
+    /// Whether the sculpture has unsaved changes.
     pub fn modified(&self) -> bool {
         !self.files.is_saved(self.document.state())
     }
 
-    /// From now on writes every command that was carried out to a script at `path`, after the one
-    /// that leads to what the session began with. A file that holds anything is refused.
+    /// Starts to record: writes every executed command to a script at `path`, after the one that
+    /// reproduces the session's start. A file that is not empty is refused.
     pub fn record_to(&mut self, path: &Path) -> Result<(), SessionError> {
         if self.document.revision() > 0 {
             return Err(SessionError::JournalLate);
@@ -154,12 +154,12 @@ impl Session {
         Ok(())
     }
 
-    /// Why the recording has ended before the session, once. The sculpture is not concerned.
+    /// Why the recording has ended early, returned once. The sculpture is not affected.
     pub fn take_journal_error(&mut self) -> Option<SessionError> {
         self.journal_error.take()
     }
 
-    /// Carries out a command.
+    /// Executes a command.
     pub fn execute(
         &mut self,
         command: &Command,
@@ -178,7 +178,7 @@ impl Session {
         Ok(applied)
     }
 
-    /// Reads the pictures that a command needs, unless they are known.
+    /// Reads the images that a command needs, unless they are loaded.
     fn learn_pictures(&mut self, command: &Command) -> Result<(), SessionError> {
         let needed: Vec<PathBuf> = match command {
             Command::Texture { picture, .. } => vec![picture.clone()],
@@ -197,8 +197,8 @@ impl Session {
         Ok(())
     }
 
-    /// The long part of a command, to be done on its own; none for commands that take no time,
-    /// which [`Session::execute`] carries out.
+    /// The long part of a command, to run separately. None for commands without one, which
+    /// [`Session::execute`] executes at once.
     pub fn prepare(&self, command: &Command) -> Result<Option<Work>, SessionError> {
         let limits = *self.document.limits();
         if matches!(command, Command::New(_) | Command::Open { .. }) {
@@ -220,7 +220,7 @@ impl Session {
         Ok(Some(Work { command: command.clone(), task }))
     }
 
-    /// Puts in place what came of the long part of a command.
+    /// Completes a command with the result of its long part.
     pub fn complete(&mut self, done: Done) -> Result<Applied, SessionError> {
         let Done { command, outcome } = done;
         match outcome {
@@ -244,8 +244,8 @@ impl Session {
         Ok(Applied::default())
     }
 
-    /// Writes what was carried out to the journal. That it cannot be written is no failure of the
-    /// command; the journal ends there, since with a gap it would replay something else.
+    /// Writes an executed command to the journal. If that fails, the command still succeeds, and the
+    /// journal ends: with a gap it would replay something else.
     fn note(&mut self, command: &Command, applied: Applied) {
         let Some(journal) = &mut self.journal else { return };
         if let Err(error) = journal.write(command, applied) {

@@ -1,5 +1,4 @@
-//! Owns what a document does to areas: filling, clearing and dyeing them, copying, cutting and
-//! moving what the marker holds.
+//! Commands about areas: fill, clear and dye them; copy, cut and move the marker's contents.
 
 use glam::IVec3;
 
@@ -12,7 +11,7 @@ use crate::sculpture::region::{Everywhere, Region};
 use crate::sculpture::selection::Selection;
 
 impl Document {
-    /// One edit of all voxels of an area.
+    /// Edits all voxels of an area.
     pub(super) fn edit_area(
         &mut self,
         area: Area,
@@ -43,13 +42,13 @@ impl Document {
         self.applied(stats, command)
     }
 
-    /// Keeps a copy of what the marker holds.
+    /// Copies the marker's contents to the clipboard.
     pub(super) fn copy(&mut self) -> Result<(), CommandError> {
         self.clip = Some(self.marked()?);
         Ok(())
     }
 
-    /// Keeps a copy of what the marker holds and removes it.
+    /// Cuts the marker's contents to the clipboard.
     pub(super) fn cut(&mut self, command: &Command) -> Result<Applied, CommandError> {
         let kept = self.clip.replace(self.marked()?);
         let stats = self.edit(&self.selection.marker(), EditOp::Subtract);
@@ -60,7 +59,7 @@ impl Document {
         applied
     }
 
-    /// Turns what the marker holds about its middle and moves it, with the marker.
+    /// Turns the marker's contents about their centre and moves them, with the marker.
     pub(super) fn move_marked(
         &mut self,
         by: IVec3,
@@ -90,7 +89,7 @@ impl Document {
         applied
     }
 
-    /// What the marker holds, as far as the selection lets it be taken.
+    /// The marker's contents within the limit to the selection.
     fn marked(&self) -> Result<Clip, CommandError> {
         let limit = self.selection.limit();
         let clip = Clip::cut(

@@ -1,4 +1,4 @@
-//! Owns why a command is refused, in words for the person.
+//! Errors of commands. Messages are for users.
 
 use std::path::PathBuf;
 
@@ -31,8 +31,8 @@ pub enum CommandError {
     /// The step cannot be undone, and that was not allowed.
     #[error(
         "the history cannot keep `{step}`: it takes {needed_mib} MiB of the {budget_mib} MiB \
-         allowed; raise memory.history_mib in the configuration, or say `irreversible on` to do it \
-         without a way back"
+         allowed; raise memory.history_mib in the settings, or use `irreversible on` to do it \
+         without undo"
     )]
     Irreversible {
         /// Label of the step.

@@ -1,12 +1,12 @@
-//! Owns the steps of a document: making them, whether the history can keep them, and going back
-//! and forth through them.
+//! The undo steps of a document: creating them, checking them against the history's budget, undo and
+//! redo.
 
 use super::{Applied, CommandError, Document};
 use crate::sculpture::edit::EditStats;
 use crate::sculpture::history::{Change, Step};
 
 impl Document {
-    /// Makes an undo step of what has been recorded, unless that is nothing.
+    /// Makes an undo step of the recorded changes, if there are any.
     pub(super) fn finish_stroke(&mut self, label: String) {
         let record = self.recorder.finish();
         if !record.is_empty() {
@@ -20,14 +20,14 @@ impl Document {
         self.states
     }
 
-    /// Takes back what has been recorded.
+    /// Reverts the recorded changes.
     pub(super) fn take_back(&mut self) {
         let record = self.recorder.finish();
         self.swap_bricks(record);
         self.state = self.settled;
     }
 
-    /// Refuses a step that the history cannot keep, unless that is wanted.
+    /// An error if the history cannot keep a step and that is not allowed.
     pub(super) fn require_room(&self, label: &str, bytes: usize) -> Result<(), CommandError> {
         let bytes = bytes.saturating_add(label.len());
         if self.irreversible || self.history.can_keep(bytes) {
@@ -40,8 +40,7 @@ impl Document {
         })
     }
 
-    /// Refuses to put another sculpture in place of this one if the history cannot keep it, unless
-    /// that is wanted.
+    /// An error if the history cannot keep the whole sculpture, to replace it, and that is not allowed.
     pub fn require_room_for_whole(&self, label: &str) -> Result<(), CommandError> {
         self.require_room(label, self.contents.kept_bytes())
     }
@@ -59,7 +58,7 @@ impl Document {
                 Ok(true) => done += 1,
                 Ok(false) => break,
                 Err(error) if done == 0 => return Err(error),
-                // What is done is done; whoever asks for the rest is told.
+                // Earlier steps stay undone; the caller learns of the rest.
                 Err(_) => break,
             }
         }
@@ -93,8 +92,8 @@ impl Document {
         Ok(true)
     }
 
-    /// Swaps a step's values with the sculpture's and gives its reverse. If the history cannot keep
-    /// that, nothing has changed and the step itself comes back.
+    /// Swaps a step's values with the sculpture's and returns the reverse step. If the history cannot
+    /// keep that, nothing has changed and the step itself is returned.
     fn reverse_if_kept(&mut self, step: Step, verb: &str) -> (Step, Option<CommandError>) {
         let bytes = match &step.change {
             Change::Bricks(record) => record.reverse_bytes(&self.contents),

@@ -1,8 +1,8 @@
-//! Owns the tools in a document: solids, pictures on them, sprays and copies, each with its
-//! mirror images, limited to the selection, and repeated in arrays.
+//! Applies tools to a document: solids, images on them, sprays and pastes, each with its mirror images,
+//! limited to the selection, and repeated in arrays.
 //!
-//! Whatever a tool does goes through [`Document::edit`] and [`Document::paint`], which are where
-//! the selection limits it. Before the first change it is known that memory suffices.
+//! All changes go through [`Document::edit`] and [`Document::paint`], which apply the limit to the
+//! selection. Memory is checked before the first change.
 
 use std::sync::Arc;
 
@@ -49,7 +49,7 @@ impl Document {
         Ok(applied)
     }
 
-    /// The stroke that has just ended is the last operation now, if a tool was used in it.
+    /// Makes the stroke that has just ended the last operation, if a tool was used in it.
     pub(super) fn remember_stroke(&mut self) {
         if !self.uses.is_empty() {
             std::mem::swap(&mut self.uses, &mut self.last_uses);
@@ -57,7 +57,7 @@ impl Document {
         }
     }
 
-    /// Repeats the last operation, further each time; all of it is the last operation then.
+    /// Repeats the last operation, each time further; all copies together become the last operation.
     pub(super) fn array(
         &mut self,
         count: u32,
@@ -86,7 +86,7 @@ impl Document {
                     Ok(applied) => stats += applied.stats,
                     Err(error) => {
                         self.apply(&Command::Cancel)?;
-                        // What it is now it was before: whoever has a copy need not look.
+                        // Reverted to the state before: copies elsewhere stay current.
                         self.revision = revision;
                         self.last_uses = uses;
                         return Err(error);
@@ -115,7 +115,7 @@ impl Document {
         Ok(stats)
     }
 
-    /// Colours what exists inside a solid by a picture. Mirror images show the picture mirrored.
+    /// Colours the voxels inside a solid by an image. Mirror images show the image mirrored.
     fn texture(
         &mut self,
         primitive: &Primitive,
@@ -138,7 +138,8 @@ impl Document {
         Ok(stats)
     }
 
-    /// A solid with its mirror images, each in the grid, if there is memory for what `op` paints.
+    /// A solid and its mirror images, placed in the grid; an error if memory does not suffice for what
+    /// `op` paints.
     fn images_of(
         &self,
         primitive: &Primitive,
@@ -154,8 +155,7 @@ impl Document {
         Ok(solids)
     }
 
-    /// Works out what a spray and its images change, then does it: removing first, then adding,
-    /// then painting.
+    /// Computes the changes of a spray and its mirror images, then applies them: removes, adds, paints.
     fn spray(&mut self, spray: &Spray, surface: SpraySurface) -> Result<EditStats, CommandError> {
         spray.check().map_err(CommandError::Spray)?;
         if matches!(spray.effect, Effect::Paintbrush { .. }) && !self.has_colour() {
@@ -201,7 +201,7 @@ impl Document {
         Ok(stats)
     }
 
-    /// Puts the copy down: its voxels exist afterwards, in its colours.
+    /// Pastes the clipboard: its voxels exist afterwards, in its colours.
     pub(super) fn paste(
         &mut self,
         at: IVec3,
@@ -221,7 +221,7 @@ impl Document {
         done
     }
 
-    /// The voxels that a copy would fill, if there is memory for their colours.
+    /// The voxels that a clip would fill; an error if memory does not suffice for their colours.
     pub(super) fn pasted(
         &self,
         clip: &Clip,
@@ -241,7 +241,7 @@ impl Document {
         Ok(voxels)
     }
 
-    /// Those of the voxels that exist, and those that do not.
+    /// Splits voxels into those that exist and those that do not.
     fn parted(&self, voxels: &ListedBricks) -> (ListedBricks, ListedBricks) {
         let grid = self.grid();
         let part = |keep: fn(&Brick, &Brick) -> Brick| {
@@ -251,7 +251,7 @@ impl Document {
         (part(|mask, bits| mask.and(bits)), part(|mask, bits| mask.and_not(bits)))
     }
 
-    /// One edit, within the selection if that limits tools.
+    /// One edit, within the selection if tools are limited to it.
     pub(super) fn edit(&mut self, region: &impl Region, op: EditOp) -> EditStats {
         let (contents, recorder, dirty) =
             (Arc::make_mut(&mut self.contents), &mut self.recorder, &mut self.dirty);
@@ -261,7 +261,7 @@ impl Document {
         }
     }
 
-    /// Paints voxel by voxel, within the selection if that limits tools.
+    /// Paints voxel by voxel, within the selection if tools are limited to it.
     pub(super) fn paint(
         &mut self,
         region: &impl Region,
@@ -277,7 +277,7 @@ impl Document {
         }
     }
 
-    /// The colour pages that an edit would make: a quick upper bound, or exactly.
+    /// The number of new colour pages of an edit: a quick upper bound, or exact.
     pub(super) fn new_pages(&self, region: &impl Region, op: EditOp, exact: bool) -> u64 {
         let contents = &self.contents;
         match self.selection.limit() {
@@ -321,7 +321,7 @@ fn pages_of(contents: &Contents, region: &impl Region, op: EditOp, exact: bool) 
 }
 
 impl Command {
-    /// The same use of a tool, further by `step` voxels; none for what is no use of a tool.
+    /// The same use of a tool, moved by `step` voxels. None if the command does not use a tool.
     fn shifted(&self, step: IVec3) -> Option<Command> {
         let by = step.as_vec3();
         let solid =

@@ -1,7 +1,7 @@
-//! Owns which file belongs to which sculpture of a session, and in what state it was last written
-//! or read, so that undo past `new` and `open` leads back to the right file.
+//! The file of each sculpture of a session, and the state in which it was last written or read, so that
+//! undo past `new` and `open` leads back to the right file.
 //!
-//! Takes the names that the document gives to its states. Reads and writes no file.
+//! Keyed by the document's states. Reads and writes no file.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -33,13 +33,13 @@ impl Files {
         self.of_sculpture.insert(state.sculpture, file);
     }
 
-    /// The sculpture of `state` was read from `path`, with `texts`.
+    /// Notes that the sculpture of `state` was read from `path`, with `texts`.
     pub fn opened(&mut self, state: State, path: PathBuf, texts: Texts) {
         let file = File { path: Some(path), texts, saved: Some(state.number) };
         self.of_sculpture.insert(state.sculpture, file);
     }
 
-    /// A sculpture was written in a state. Any other that had this file has it no longer.
+    /// Notes that the sculpture of `state` was written to a file. Any other sculpture loses this file.
     pub fn saved(&mut self, state: State, path: PathBuf) {
         for (sculpture, file) in &mut self.of_sculpture {
             let is_same = |own: &PathBuf| is_same_file(own, &path);
@@ -53,7 +53,7 @@ impl Files {
         file.saved = Some(state.number);
     }
 
-    /// Forgets the sculptures that no state leads to any more.
+    /// Drops the sculptures that no state belongs to any more.
     pub fn keep_only(&mut self, states: impl Iterator<Item = State>) {
         let reachable: std::collections::HashSet<u64> = states.map(|s| s.sculpture).collect();
         self.of_sculpture.retain(|sculpture, _| reachable.contains(sculpture));
@@ -69,13 +69,13 @@ impl Files {
         self.of_sculpture.get(&state.sculpture).map(|f| f.texts.clone()).unwrap_or_default()
     }
 
-    /// Whether the sculpture of `state` is what its file holds.
+    /// Whether the file holds the sculpture in `state`.
     pub fn is_saved(&self, state: State) -> bool {
         self.of_sculpture.get(&state.sculpture).and_then(|f| f.saved) == Some(state.number)
     }
 }
 
-/// Whether two paths lead to one file, by whatever links.
+/// Whether two paths resolve to the same file.
 fn is_same_file(a: &Path, b: &Path) -> bool {
     a == b || matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }

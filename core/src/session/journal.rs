@@ -1,7 +1,7 @@
-//! Owns the recording of a session: a script that grows by a line with every command, so that a
-//! crash loses nothing and `run` does the same again, from whatever folder.
+//! The recording of a session: a script that grows by a line with every command, so that a crash loses
+//! nothing and `run` reproduces the session, from any folder.
 //!
-//! Files that hold something are never opened for writing. Knows no document.
+//! Non-empty files are never opened for writing. Knows no document.
 
 use std::fs::{File, OpenOptions, metadata};
 use std::io::{Error, ErrorKind, Read, Write};
@@ -13,7 +13,7 @@ use crate::document::Applied;
 
 const TITLE: &str = "# Recorded by Virtual Sculpture";
 
-/// A recording under way.
+/// A recording in progress.
 #[derive(Debug)]
 pub(super) struct Journal {
     path: PathBuf,
@@ -23,7 +23,7 @@ pub(super) struct Journal {
 }
 
 impl Journal {
-    /// Begins a recording with the command that leads to what the session began with.
+    /// Starts a recording with the command that reproduces the session's start.
     pub fn begin(path: &Path, beginning: &Command) -> Result<Journal, SessionError> {
         let failed = |error| SessionError::Journal { path: path.to_path_buf(), error };
         let mut options = OpenOptions::new();
@@ -48,7 +48,7 @@ impl Journal {
         Ok(journal)
     }
 
-    /// Adds what was carried out, and how.
+    /// Adds an executed command with its effect.
     pub fn write(&mut self, command: &Command, applied: Applied) -> Result<(), SessionError> {
         let Some(line) = line_of(command, applied) else { return Ok(()) };
         self.write_line(line)
@@ -67,7 +67,7 @@ impl Journal {
     }
 }
 
-/// The line that does again what was done; none for what did nothing.
+/// The line that repeats a command. None if it had no effect.
 fn line_of(command: &Command, applied: Applied) -> Option<String> {
     let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     Some(match command {

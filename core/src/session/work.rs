@@ -1,8 +1,8 @@
-//! Owns the long part of commands: reading, writing and making a sculpture. It needs no session,
-//! so that it can be done on another thread while a window shows the sculpture as it is.
+//! The long part of commands: reading, writing and creating a sculpture. It needs no session, so that it
+//! can run on another thread while a window shows the present sculpture.
 //!
-//! [`Session::prepare`](super::Session::prepare) gives a [`Work`], [`Work::run`] does it,
-//! [`Session::complete`](super::Session::complete) puts what came of it in place.
+//! [`Session::prepare`](super::Session::prepare) returns a [`Work`], [`Work::run`] runs it, and
+//! [`Session::complete`](super::Session::complete) applies the result.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use crate::format::{self, Loaded, Texts};
 use crate::progress::Progress;
 use crate::sculpture::history::{Contents, State};
 
-/// Work to be done.
+/// Work to run.
 #[derive(Debug)]
 pub struct Work {
     pub(super) command: Command,
@@ -29,7 +29,7 @@ pub(super) enum Task {
     Save { path: PathBuf, form: ExportForm, contents: Arc<Contents>, texts: Texts, state: State },
 }
 
-/// Work that was done.
+/// The result of work.
 #[derive(Debug)]
 pub struct Done {
     pub(super) command: Command,
@@ -44,7 +44,7 @@ pub(super) enum Outcome {
 }
 
 impl Work {
-    /// Does it. A failure, or `progress` cancelled, leaves everything as it was.
+    /// Runs the work. On failure or cancellation nothing has changed.
     pub fn run(self, progress: &dyn Progress) -> Result<Done, SessionError> {
         let outcome = match self.task {
             Task::New { new, limits } => {
