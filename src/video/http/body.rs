@@ -1,14 +1,18 @@
-//! Owns what lies between the bytes of a connection and those of an HTTP answer: the head, and the
-//! chunks that a server may cut the body into (RFC 9112). No input or output here.
+//! Decodes an HTTP/1 response: its head, and the chunks that a server may cut the body into (RFC 9112).
+//!
+//! Takes bytes as they arrive, gives the headers that matter and says which bytes are body. Does no input or
+//! output.
 
 use super::super::error::VideoError;
 
-/// Longest head of an answer, bytes.
+/// Longest head of a response, bytes.
 pub const MAX_HEAD: usize = 16 << 10;
+/// Room for as many headers as a head can have; the shortest is `a:` with its line end.
+const MAX_HEADERS: usize = MAX_HEAD / 4;
 /// Longest line about a chunk, bytes.
 const MAX_CHUNK_LINE: usize = 256;
 
-/// The head of an answer, as far as it matters here.
+/// The headers of a response that matter here.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Head {
     pub status: u16,
@@ -17,39 +21,36 @@ pub struct Head {
     pub location: String,
 }
 
-/// Where the head ends and the body begins. None if more must be read.
-pub fn head_end(bytes: &[u8]) -> Option<usize> {
-    bytes.windows(4).position(|end| end == b"\r\n\r\n").map(|at| at + 4)
-}
-
 impl Head {
-    /// Parses status line and headers, up to [`head_end`].
-    pub fn parse(bytes: &[u8], subject: &str) -> Result<Head, VideoError> {
-        let text = String::from_utf8_lossy(bytes);
-        let mut lines = text.split("\r\n");
-        let status_line = lines.next().unwrap_or_default();
-        let mut words = status_line.split_ascii_whitespace();
-        let version = words.next().is_some_and(|word| word.starts_with("HTTP/1."));
-        let status = words.next().and_then(|code| code.parse().ok());
-        let (true, Some(status)) = (version, status) else {
-            return Err(VideoError::malformed(subject, "the answer is not HTTP/1"));
-        };
-        let mut head = Head { status, ..Head::default() };
-        for (name, value) in lines.filter_map(|line| line.split_once(':')) {
-            let value = value.trim();
-            match name.trim().to_ascii_lowercase().as_str() {
-                "content-type" => head.content_type = value.into(),
-                "location" => head.location = value.into(),
+    /// Parses status line and headers. Returns the head with the number of its bytes, behind which the body
+    /// begins; `None` where more must be read.
+    pub fn parse(bytes: &[u8], subject: &str) -> Result<Option<(Head, usize)>, VideoError> {
+        let mut headers = vec![httparse::EMPTY_HEADER; MAX_HEADERS];
+        let mut response = httparse::Response::new(&mut headers);
+        // Phones are careless about headers; those that matter here are read all the same.
+        let parsed = httparse::ParserConfig::default()
+            .allow_spaces_after_header_name_in_responses(true)
+            .allow_obsolete_multiline_headers_in_responses(true)
+            .ignore_invalid_headers_in_responses(true)
+            .parse_response(&mut response, bytes)
+            .map_err(|_| VideoError::malformed(subject, "the answer is not HTTP/1"))?;
+        let httparse::Status::Complete(end) = parsed else { return Ok(None) };
+        let mut head = Head { status: response.code.unwrap_or_default(), ..Head::default() };
+        for header in response.headers.iter() {
+            let value = String::from_utf8_lossy(header.value).trim().to_owned();
+            match header.name.to_ascii_lowercase().as_str() {
+                "content-type" => head.content_type = value,
+                "location" => head.location = value,
                 "transfer-encoding" => {
                     head.chunked = value.to_ascii_lowercase().contains("chunked");
                 }
                 _ => {}
             }
         }
-        Ok(head)
+        Ok(Some((head, end)))
     }
 
-    /// Refuses what is no stream of JPEG pictures.
+    /// Refuses a response that is not a stream of JPEG pictures.
     pub fn check(&self, subject: &str) -> Result<(), VideoError> {
         let refuse = |problem| Err(VideoError::unsupported(subject, problem));
         match self.status {
@@ -71,37 +72,37 @@ impl Head {
     }
 }
 
-/// A stranger's text, short enough for a message.
+/// Text from the network, shortened for a message.
 fn clip(text: &str) -> String {
     text.chars().take(100).collect()
 }
 
-/// Tells the bytes of a body from those of its chunks.
+/// Separates the bytes of a body from the framing of its chunks.
 #[derive(Clone, Debug)]
 pub struct Body(Place);
 
 #[derive(Clone, PartialEq, Eq, Debug)]
 enum Place {
-    /// Not in chunks: all is body.
+    /// Not chunked: every byte is body.
     Plain,
     /// In the line before a chunk.
     Size { line: Vec<u8> },
     /// In a chunk.
     Chunk { left: u64 },
-    /// Before the line's end behind a chunk.
+    /// Before the line end that follows a chunk.
     ChunkEnd,
-    /// Behind the last chunk.
+    /// After the last chunk.
     Over,
 }
 
 /// What the next bytes are.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Span {
-    /// So many bytes belong to the body. How many of them were used, [`Body::took`] must hear.
+    /// This many bytes belong to the body. [`Body::took`] must be told how many of them were used.
     Body(usize),
-    /// So many do not, and are done with.
+    /// This many are framing, and are done with.
     Frame(usize),
-    /// The body is over.
+    /// The body has ended.
     End,
 }
 
@@ -120,7 +121,7 @@ impl Body {
         }
     }
 
-    /// What `bytes`, which must not be empty, begin with.
+    /// Says what `bytes`, which must not be empty, begin with.
     pub fn next(&mut self, bytes: &[u8], subject: &str) -> Result<Span, VideoError> {
         let malformed = |problem| Err(VideoError::malformed(subject, problem));
         match &mut self.0 {
@@ -188,10 +189,17 @@ mod tests {
     fn heads_are_judged() {
         let text = b"HTTP/1.0 200 OK\r\nContent-TYPE: multipart/x-mixed-replace;boundary=x\r\n\
                      Transfer-Encoding: Chunked\r\n\r\nbody";
-        let end = head_end(text).unwrap();
+        let (head, end) = Head::parse(text, "x").unwrap().unwrap();
         assert_eq!(&text[end..], b"body");
-        let head = Head::parse(&text[..end], "x").unwrap();
         assert!(head.chunked && head.check("x").is_ok());
+        for unfinished in 0..end {
+            assert_eq!(Head::parse(&text[..unfinished], "x").unwrap(), None, "{unfinished} bytes");
+        }
+        // As careless servers write them.
+        let text =
+            b"HTTP/1.1 200\r\nbad header\r\nContent-Type : multipart/x\r\n\xff: \xfe\r\n\r\n";
+        let (head, _) = Head::parse(text, "x").unwrap().unwrap();
+        assert_eq!((head.status, head.content_type.as_str()), (200, "multipart/x"));
         for (answer, why) in [
             ("HTTP/1.1 404 Not Found\r\n\r\n", "404"),
             ("HTTP/1.1 401 No\r\n\r\n", "login"),
@@ -199,11 +207,11 @@ mod tests {
             ("HTTP/1.1 200 OK\r\nContent-Type: text/html\r\n\r\n", "text/html"),
             ("HTTP/1.1 200 OK\r\n\r\n", "multipart"),
         ] {
-            let error = Head::parse(answer.as_bytes(), "x").unwrap().check("x").unwrap_err();
+            let (head, _) = Head::parse(answer.as_bytes(), "x").unwrap().unwrap();
+            let error = head.check("x").unwrap_err();
             assert!(error.to_string().contains(why), "{error}");
         }
-        for bad in
-            ["", "ICY 200 OK\r\n\r\n", "HTTP/1.1\r\n\r\n", "HTTP/1.1 abc\r\n\r\n", "\0\r\n\r\n"]
+        for bad in ["ICY 200 OK\r\n\r\n", "HTTP/1.1\r\n\r\n", "HTTP/1.1 abc\r\n\r\n", "\0\r\n\r\n"]
         {
             assert!(Head::parse(bad.as_bytes(), "x").is_err(), "{bad:?}");
         }
@@ -236,7 +244,9 @@ mod tests {
         #[test]
         fn no_bytes_make_it_panic(bytes in prop::collection::vec(any::<u8>(), 0..300), step in 1usize..50) {
             let _ = body_of(&bytes, step);
-            let _ = Head::parse(&bytes, "x").map(|head| head.check("x"));
+            if let Ok(Some((head, _))) = Head::parse(&bytes, "x") {
+                let _ = head.check("x");
+            }
         }
     }
 }

@@ -1,10 +1,10 @@
-//! Owns cameras on the network: a phone or a server that sends one JPEG after the other in an
-//! HTTP answer without an end (`multipart/x-mixed-replace`, or MJPEG straight).
+//! Network cameras: a phone or server that sends one JPEG after another in an endless HTTP response
+//! (`multipart/x-mixed-replace`, or plain MJPEG).
 //!
-//! A client of its own over plain TCP, since it needs two things that libraries for requests do
-//! not give: a limit on the silence between two pictures, and leave to throw away pictures that
-//! are already old. Boundaries and lengths between the pictures are not used: a JPEG delimits
-//! itself, its end is known before the next boundary comes, and phones get the lengths wrong.
+//! Takes a [`Url`], gives decoded frames. The request is written over plain TCP, because HTTP client libraries
+//! offer neither a time limit on the silence between two pictures nor a way to skip pictures that are already
+//! old. Boundaries and lengths between the pictures are ignored: a JPEG delimits itself, its end is known before
+//! the next boundary arrives, and phones get the lengths wrong.
 
 mod body;
 mod url;
@@ -17,15 +17,15 @@ use super::error::VideoError;
 use super::frame::{Frame, MAX_COMPRESSED_BYTES};
 use super::jpeg::{self, Splitter};
 use super::reader::{Decoded, FETCH_WAIT, Fetched, Reader, Stop};
-use body::{Body, Head, MAX_HEAD, Span, head_end};
+use body::{Body, Head, MAX_HEAD, Span};
 
 pub use url::Url;
 
-/// How long each address of the host is tried.
+/// Time limit for connecting to each address of the host.
 const CONNECT_WAIT: Duration = Duration::from_secs(2);
-/// How long the head of the answer may take.
+/// Time limit for the head of the response.
 const HEAD_WAIT: Duration = Duration::from_secs(5);
-/// Most bytes read in one fetch for the sake of a newer picture.
+/// Most bytes read in one fetch to reach a newer picture.
 const MAX_CATCH_UP: usize = 16 << 20;
 
 pub struct HttpCamera {
@@ -42,7 +42,7 @@ pub struct HttpCamera {
 }
 
 impl HttpCamera {
-    /// Connects, asks, and reads the head of the answer.
+    /// Connects, sends the request, and reads the head of the response.
     pub fn open(url: &Url, stop: &Stop) -> Result<HttpCamera, VideoError> {
         let subject = url.to_string();
         let io = |error: io::Error| VideoError::io(&*subject, error);
@@ -53,7 +53,7 @@ impl HttpCamera {
         let mut request = format!(
             "GET {} HTTP/1.1\r\nHost: {}\r\nAccept: multipart/x-mixed-replace, */*\r\n\
              User-Agent: virtual-sculpture\r\nConnection: close\r\n",
-            url.path,
+            url.path(),
             url.authority()
         );
         if let Some(authorization) = url.authorization() {
@@ -64,15 +64,15 @@ impl HttpCamera {
 
         let mut buffer = vec![0; 1 << 16];
         let (mut filled, deadline) = (0, Instant::now() + HEAD_WAIT);
-        let used = loop {
+        let (head, used) = loop {
             match stream.read(&mut buffer[filled..MAX_HEAD]) {
                 Ok(0) => return Err(closed(&subject)),
                 Ok(n) => filled += n,
                 Err(error) if is_wait(&error) => {}
                 Err(error) => return Err(io(error)),
             }
-            if let Some(end) = head_end(&buffer[..filled]) {
-                break end;
+            if let Some(head) = Head::parse(&buffer[..filled], &subject)? {
+                break head;
             }
             if filled == MAX_HEAD {
                 let problem = format!("the answer's head is longer than {MAX_HEAD} bytes");
@@ -83,7 +83,6 @@ impl HttpCamera {
                 return Err(VideoError::Silent { subject, seconds });
             }
         };
-        let head = Head::parse(&buffer[..used], &subject)?;
         head.check(&subject)?;
         Ok(HttpCamera {
             stream,
@@ -98,7 +97,7 @@ impl HttpCamera {
         })
     }
 
-    /// Cuts the bytes at hand. True as soon as a picture is whole.
+    /// Splits the bytes read so far. Returns true as soon as a picture is complete.
     fn cut(&mut self) -> Result<bool, VideoError> {
         while self.used < self.filled {
             let bytes = &self.buffer[self.used..self.filled];
@@ -122,7 +121,7 @@ impl HttpCamera {
         Ok(false)
     }
 
-    /// Reads what there is, or waits [`FETCH_WAIT`] for it. False where nothing came.
+    /// Reads what has arrived, or waits [`FETCH_WAIT`] for it. Returns false where nothing came.
     fn read(&mut self, wait: bool) -> Result<bool, VideoError> {
         // Only called when all bytes are used.
         self.used = 0;
@@ -190,7 +189,7 @@ impl Reader for HttpCamera {
 }
 
 fn connect(url: &Url, stop: &Stop) -> io::Result<TcpStream> {
-    let addresses: Vec<SocketAddr> = (url.host.as_str(), url.port).to_socket_addrs()?.collect();
+    let addresses: Vec<SocketAddr> = (url.host(), url.port()).to_socket_addrs()?.collect();
     let mut failure = io::Error::new(ErrorKind::NotFound, "the host has no address");
     for address in addresses {
         if stop.asked() {
@@ -209,7 +208,7 @@ fn closed(subject: &str) -> VideoError {
     VideoError::io(subject, error)
 }
 
-/// True where there is nothing to read for now.
+/// Whether there is nothing to read for now.
 fn is_wait(error: &io::Error) -> bool {
     matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
 }

@@ -1,99 +1,95 @@
-//! Owns the address of a camera on the network.
+//! The address of a network camera: an `http://` URL with an optional name and password.
+//!
+//! Parsing is that of the WHATWG URL standard (crate `url`), narrowed to what a camera can be asked for: ASCII
+//! without spaces, and a host that is named. Knows no connection.
 
 use std::fmt;
 
-/// What follows `http://`: host, port, path and, if the camera wants it, name and password.
+use percent_encoding::percent_decode_str;
+
+/// Where a camera is, what to ask it for and, if it wants them, name and password.
 #[derive(Clone, PartialEq, Eq)]
-pub struct Url {
-    /// A name, an IPv4 address, or an IPv6 address without its brackets.
-    pub host: String,
-    pub port: u16,
-    /// With its query, from the first slash.
-    pub path: String,
-    /// Name and password, `name:password`.
-    pub login: Option<String>,
-}
+pub struct Url(url::Url);
 
 impl fmt::Debug for Url {
-    /// Leaves the password out, for it may end in a log.
+    /// Leaves the login out: this may be logged.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Url({self})")
     }
 }
 
 impl fmt::Display for Url {
+    /// Leaves the login out: this is shown.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "http://{}{}", self.authority(), self.path)
+        write!(f, "http://{}{}", self.authority(), self.path())
     }
 }
 
 impl Url {
-    /// Parses `[name:password@]host[:port][/path]`.
+    /// Parses what follows `http://`: `[name:password@]host[:port][/path]`.
     pub fn parse(text: &str) -> Result<Url, String> {
-        // Anything else could end the request line and start another.
+        // The standard drops line ends and escapes spaces; a person who typed them meant something else.
         if let Some(odd) = text.chars().find(|c| !c.is_ascii_graphic()) {
             return Err(format!("it contains {odd:?}; write it as %XX"));
         }
-        let text = text.split('#').next().unwrap_or_default();
-        let end = text.find(['/', '?']).unwrap_or(text.len());
-        let (authority, path) = text.split_at(end);
-        let path = if path.starts_with('/') { path.to_owned() } else { format!("/{path}") };
-        let (login, place) = match authority.rsplit_once('@') {
-            Some((login, place)) => (Some(percent_decoded(login)?), place),
-            None => (None, authority),
-        };
-        let (host, port) = if let Some(rest) = place.strip_prefix('[') {
-            let (host, port) = rest.split_once(']').ok_or("its [ has no ]")?;
-            (host, port)
-        } else {
-            place.split_at(place.find(':').unwrap_or(place.len()))
-        };
-        let port = match port.strip_prefix(':') {
-            Some(digits) => digits.parse().map_err(|_| format!("{digits:?} is not a port"))?,
-            None if port.is_empty() => 80,
-            None => return Err(format!("{port:?} after the host is not a port")),
-        };
-        if host.is_empty() {
+        // The standard takes the host from behind any number of slashes.
+        if text.starts_with(['/', '\\']) {
             return Err("it names no host".into());
         }
-        Ok(Url { host: host.into(), port, path, login })
+        let mut url = url::Url::parse(&format!("http://{text}")).map_err(|error| match error {
+            url::ParseError::EmptyHost => "it names no host".to_owned(),
+            error => error.to_string(),
+        })?;
+        url.set_fragment(None);
+        let url = Url(url);
+        url.login()?;
+        Ok(url)
     }
 
-    /// Host and port as a request names them.
-    pub fn authority(&self) -> String {
-        let host = &self.host;
-        match (host.contains(':'), self.port) {
-            (true, port) => format!("[{host}]:{port}"),
-            (false, 80) => host.clone(),
-            (false, port) => format!("{host}:{port}"),
-        }
+    /// A name, an IPv4 address, or an IPv6 address without its brackets.
+    pub fn host(&self) -> &str {
+        self.0.host_str().unwrap_or_default().trim_matches(['[', ']'])
     }
 
-    /// The header that carries the login, RFC 7617.
+    pub fn port(&self) -> u16 {
+        self.0.port_or_known_default().unwrap_or(80)
+    }
+
+    /// Path and query, as a request names them.
+    pub fn path(&self) -> &str {
+        &self.0[url::Position::BeforePath..]
+    }
+
+    /// Host and port, as a request names them.
+    pub fn authority(&self) -> &str {
+        &self.0[url::Position::BeforeHost..url::Position::AfterPort]
+    }
+
+    /// The header that carries name and password (RFC 7617).
     pub fn authorization(&self) -> Option<String> {
-        self.login.as_ref().map(|login| format!("Basic {}", base64(login.as_bytes())))
+        let login = self.login().ok().flatten()?;
+        Some(format!("Basic {}", base64(login.as_bytes())))
     }
-}
 
-fn percent_decoded(text: &str) -> Result<String, String> {
-    let mut bytes = Vec::with_capacity(text.len());
-    let mut rest = text.as_bytes();
-    while let [first, tail @ ..] = rest {
-        let hex = |byte: u8| char::from(byte).to_digit(16);
-        match (first, tail) {
-            (b'%', [high, low, tail @ ..]) => {
-                let code = hex(*high).zip(hex(*low)).map(|(h, l)| (h * 16 + l) as u8);
-                bytes.push(code.ok_or("its login has a % without two digits")?);
-                rest = tail;
+    /// `name:password`, or the name alone where the address has no password.
+    fn login(&self) -> Result<Option<String>, String> {
+        let decoded = |text: &str| {
+            // The standard leaves a lone % as it is; in a password it is more likely a mistake.
+            let escaped =
+                |rest: &str| rest.bytes().take(2).filter(u8::is_ascii_hexdigit).count() == 2;
+            if !text.split('%').skip(1).all(escaped) {
+                return Err("its login has a % without two digits".to_owned());
             }
-            (b'%', _) => return Err("its login has a % without two digits".into()),
-            _ => {
-                bytes.push(*first);
-                rest = tail;
-            }
+            let text = percent_decode_str(text).decode_utf8();
+            text.map(String::from).map_err(|_| "its login is not UTF-8".to_owned())
+        };
+        let name = decoded(self.0.username())?;
+        match self.0.password() {
+            Some(password) => Ok(Some(format!("{name}:{}", decoded(password)?))),
+            None if name.is_empty() => Ok(None),
+            None => Ok(Some(name)),
         }
     }
-    String::from_utf8(bytes).map_err(|_| "its login is not UTF-8".into())
 }
 
 /// RFC 4648, section 4.
@@ -123,19 +119,26 @@ mod tests {
     #[test]
     fn parts_are_found() {
         let plain = url("10.0.0.2:8080/video?x=1#part");
-        assert_eq!((plain.host.as_str(), plain.port), ("10.0.0.2", 8080));
-        assert_eq!(plain.path, "/video?x=1");
+        assert_eq!((plain.host(), plain.port()), ("10.0.0.2", 8080));
+        assert_eq!(plain.path(), "/video?x=1");
         assert_eq!(plain.authority(), "10.0.0.2:8080");
-        assert_eq!((url("cam").port, url("cam").path.as_str()), (80, "/"));
-        assert_eq!(url("cam?action=stream").path, "/?action=stream");
-        assert_eq!(url("[::1]:81/a").authority(), "[::1]:81");
+        assert_eq!(plain.to_string(), "http://10.0.0.2:8080/video?x=1");
+        assert_eq!((url("cam").port(), url("cam").path()), (80, "/"));
+        assert_eq!((url("cam:80/a").authority(), url("cam:").port()), ("cam", 80));
+        assert_eq!(url("cam?action=stream").path(), "/?action=stream");
+        let v6 = url("[::1]:81/a");
+        assert_eq!((v6.host(), v6.authority()), ("::1", "[::1]:81"));
         let login = url("me:p%40ss@cam/");
-        assert_eq!(login.login.as_deref(), Some("me:p@ss"));
+        assert_eq!(login.login().unwrap().as_deref(), Some("me:p@ss"));
+        assert_eq!(login.authority(), "cam");
         assert!(!format!("{login:?}{login}").contains("ss"));
+        assert_eq!(url("cam").authorization(), None);
         // The example of RFC 7617.
         let aladdin = url("Aladdin:open%20sesame@cam").authorization().unwrap();
         assert_eq!(aladdin, "Basic QWxhZGRpbjpvcGVuIHNlc2FtZQ==");
-        for bad in ["", ":80", "/x", "cam:", "cam:99999", "[::1", "[::1]x", "a b", "a\r\nb", "é"] {
+        for bad in
+            ["", ":80", "/x", "\\x", "cam:x", "cam:99999", "[::1", "[::1]x", "a b", "a\r\nb", "é"]
+        {
             assert!(Url::parse(bad).is_err(), "{bad:?}");
         }
         assert!(Url::parse("a%4@cam").is_err() && Url::parse("%ff@cam").is_err());
