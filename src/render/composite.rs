@@ -1,8 +1,8 @@
-//! Owns the composite pass: the shaded picture of a sculpture goes over the background, with the
-//! depth of its surface, so that tools drawn later stand before or behind it.
+//! The composite pass: draws the shaded picture of a sculpture over the background, with the depth of its
+//! surface, so that tools drawn later stand before or behind it.
 //!
-//! Takes index maps (drawn by the device or made by the CPU), the pictures shaded from them,
-//! and a colour target of any format with a D32 depth buffer. Owns the pictures on the device.
+//! Takes index maps (from the device or the CPU), the pictures shaded from them, and a colour target of any
+//! format with a D32 depth buffer. Keeps the pictures on the device.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -10,14 +10,12 @@ use std::sync::Arc;
 use ash::vk;
 use glam::{Mat4, U64Vec2, UVec2, UVec3, Vec3};
 
-use super::background::{Background, BackgroundPass};
+use super::background::Background;
 use super::beam::TILE_LOG2;
+use super::screen_pass::{Input, ScreenPass};
 use super::target::IndexTarget;
 use crate::gpu::layout::CompositeView;
-use crate::gpu::{
-    Depth, DescriptorSets, Device, EyeImage, FRAMES_IN_FLIGHT, Graphics, Pipeline, PipelineLayout,
-    Recorder, Result, SetLayout, Staging, shaders,
-};
+use crate::gpu::{Depth, Device, EyeImage, Pipeline, Recorder, Result, Staging, shaders};
 use crate::shade::Pixels;
 use crate::surface::PixelRect;
 use crate::view::PixelRays;
@@ -62,22 +60,18 @@ impl CompositeEye {
     }
 }
 
-/// Draws sculptures to a screen.
+/// The bindings of the index image and of the picture.
+const INDEX: u32 = 0;
+const PICTURE: u32 = 1;
+
+/// Draws sculptures to a target.
 pub struct Composite {
+    screen: ScreenPass,
     pipeline: Pipeline,
-    background: BackgroundPass,
-    sets: DescriptorSets,
-    /// The index image and the picture that each set names.
-    named: Vec<(u64, u64)>,
     pictures: Option<EyeImage>,
     /// The rows that the picture uploaded last for each eye has on the device.
     uploaded: Vec<Range<u32>>,
     staging: Staging,
-    slot: usize,
-    eyes: u32,
-    /// The target stores linear values, encoded by the device.
-    linear: bool,
-    device: Arc<Device>,
 }
 
 impl Composite {
@@ -85,23 +79,18 @@ impl Composite {
     pub fn new(device: &Arc<Device>, format: vk::Format, eyes: u32) -> Result<Composite> {
         let fragment = vk::ShaderStageFlags::FRAGMENT;
         let image = vk::DescriptorType::SAMPLED_IMAGE;
-        let bindings = [(0, image, fragment), (1, image, fragment)];
-        let set_layout = SetLayout::new(device, "composite", &bindings)?;
-        let push = Some((fragment, size_of::<CompositeView>()));
-        let layout = PipelineLayout::new(device, "composite", Some(&set_layout), push)?;
-        let fragment = match is_srgb(format) {
+        let bindings = [(INDEX, image, fragment), (PICTURE, image, fragment)];
+        let name = "composite";
+        let screen =
+            ScreenPass::new::<CompositeView>(device, name, format, eyes, &bindings, fragment)?;
+        let shader = match screen.is_linear() {
             true => shaders::COMPOSITE_LINEAR_FRAG,
             false => shaders::COMPOSITE_FRAG,
         };
-        let depth = Some(Depth::OVERWRITE);
-        let pass = Graphics::screen("composite", fragment, &layout, format, depth);
-        let pipeline = Pipeline::graphics(device, &pass)?;
-        let count = FRAMES_IN_FLIGHT * eyes as usize;
+        let pipeline = Pipeline::graphics(device, &screen.graphics(shader, Depth::OVERWRITE))?;
         Ok(Composite {
+            screen,
             pipeline,
-            background: BackgroundPass::new(device, format)?,
-            sets: DescriptorSets::new(device, "composite", &set_layout, count)?,
-            named: vec![(0, 0); count],
             pictures: None,
             uploaded: vec![0..0; eyes as usize],
             staging: Staging::new(
@@ -110,16 +99,12 @@ impl Composite {
                 vk::BufferUsageFlags::TRANSFER_SRC,
                 1 << 20,
             )?,
-            slot: 0,
-            eyes,
-            linear: is_srgb(format),
-            device: device.clone(),
         })
     }
 
     /// Starts a frame that uses `slot`.
     pub fn begin(&mut self, slot: usize) {
-        self.slot = slot % FRAMES_IN_FLIGHT;
+        self.screen.begin(slot);
         self.staging.begin(slot);
     }
 
@@ -132,10 +117,10 @@ impl Composite {
         Ok(match &mut self.pictures {
             Some(pictures) => pictures,
             none => none.insert(EyeImage::new(
-                &self.device,
+                self.screen.device(),
                 "shaded picture",
                 size,
-                self.eyes,
+                self.screen.eyes(),
                 PICTURE_FORMAT,
                 vk::ImageUsageFlags::SAMPLED
                     | vk::ImageUsageFlags::STORAGE
@@ -168,8 +153,8 @@ impl Composite {
         Ok(())
     }
 
-    /// Draws the background and the picture uploaded or shaded last for `eye`, within rendering. The map of `eye` in `maps`
-    /// must be the one it was shaded from, and ready for shaders
+    /// Draws the background and the picture uploaded or shaded last for `eye`, within rendering. The map of
+    /// `eye` in `maps` must be the one it was shaded from, and ready for shaders
     /// ([`IndexTarget::make_readable`]).
     pub fn draw(
         &mut self,
@@ -178,20 +163,16 @@ impl Composite {
         eye: u32,
         view: &CompositeEye,
     ) {
-        self.background.draw(recorder, view);
+        self.screen.draw_background(recorder, view);
         let Some(pictures) = &self.pictures else { return };
         let (index, picture) = (maps.index().image(), pictures.image());
-        let set = self.slot * self.eyes as usize + eye as usize;
-        if self.named[set] != (index.id(), picture.id()) {
-            self.named[set] = (index.id(), picture.id());
-            self.sets.write_sampled(set, 0, index.layer_view(eye));
-            self.sets.write_sampled(set, 1, picture.layer_view(eye));
-        }
-        recorder.bind_pipeline(&self.pipeline);
-        recorder.bind_set(&self.pipeline, self.sets.set(set));
-        recorder.push(self.pipeline.layout(), &constants(view, self.linear));
-        recorder.set_scissor(view.scissor());
-        recorder.draw(3, 1);
+        let inputs = [
+            Input { binding: INDEX, image: index, view: index.layer_view(eye) },
+            Input { binding: PICTURE, image: picture, view: picture.layer_view(eye) },
+        ];
+        self.screen.write_inputs(eye, inputs);
+        let push = constants(view, self.screen.is_linear());
+        self.screen.draw(recorder, &self.pipeline, eye, view, &push, 3);
     }
 }
 

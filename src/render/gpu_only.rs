@@ -1,47 +1,34 @@
-//! Owns the GPU-only pass: one fragment shader walks each pixel's ray to its voxel, lights it and
-//! writes colour and depth, over the background. Nothing is read back, and there is no index map.
+//! The GPU-only pass: one fragment shader follows each pixel's ray to its voxel, lights it and writes colour and
+//! depth, over the background. Nothing is read back, and there is no index map.
 //!
-//! The seed's GPU-only renderer did so while slicing, with the six neighbours two voxels away for
-//! a normal and one colour; this one has the software shader's normals, and the voxels' colours
-//! where they are on the device ([`super::Colours`]).
+//! Takes the bits on the device ([`Volume`]), the rays of an eye and what lights the surface. The normals are
+//! those of the software shader; colours are the voxels' where they are on the device ([`super::Colours`]), else
+//! one for all.
 
 use std::sync::Arc;
 
 use ash::vk;
 
 use super::Volume;
-use super::background::BackgroundPass;
 use super::beam::Beams;
-use super::composite::{CompositeEye, constants, is_srgb};
+use super::composite::{CompositeEye, constants};
 use super::pixel_pass::PixelStage;
+use super::screen_pass::{Input, ScreenPass};
 use super::shading::{COLOURS, KIND_CONSTANTS, Surface, UNIFORMS, Uniforms, VOLUME};
 use super::specialised::Specialised;
 use crate::gpu::layout::CompositeView;
-use crate::gpu::{
-    Depth, DescriptorSets, Device, FRAMES_IN_FLIGHT, Graphics, Pipeline, PipelineLayout, Recorder,
-    Result, SetLayout, shaders,
-};
+use crate::gpu::{Depth, Device, Graphics, Pipeline, Recorder, Result, shaders};
 use crate::view::PixelRays;
 
 /// Where rays start: the binding of the beams' image.
 const STARTS: u32 = 6;
 
-/// Draws sculptures straight to a screen.
+/// Draws sculptures straight to a target.
 pub struct GpuOnly {
+    screen: ScreenPass,
     pipelines: Specialised<KIND_CONSTANTS, Pipeline>,
-    layout: Arc<PipelineLayout>,
-    format: vk::Format,
-    sets: DescriptorSets,
-    /// The images that each set names: volume, starts of rays.
-    named: Vec<(u64, u64)>,
     beams: Beams,
-    background: BackgroundPass,
     uniforms: Uniforms,
-    slot: usize,
-    eyes: u32,
-    /// The target stores linear values, encoded by the device.
-    linear: bool,
-    device: Arc<Device>,
 }
 
 impl GpuOnly {
@@ -54,29 +41,20 @@ impl GpuOnly {
             (UNIFORMS, vk::DescriptorType::UNIFORM_BUFFER, fragment),
             (STARTS, vk::DescriptorType::SAMPLED_IMAGE, fragment),
         ];
-        let set_layout = SetLayout::new(device, "GPU only", &bindings)?;
-        let push = Some((fragment, size_of::<CompositeView>()));
-        let layout = PipelineLayout::new(device, "GPU only", Some(&set_layout), push)?;
-        let count = FRAMES_IN_FLIGHT * eyes as usize;
+        let name = "GPU only";
         Ok(GpuOnly {
+            screen: ScreenPass::new::<CompositeView>(
+                device, name, format, eyes, &bindings, fragment,
+            )?,
             pipelines: Specialised::new(),
-            layout,
-            format,
-            sets: DescriptorSets::new(device, "GPU only", &set_layout, count)?,
-            named: vec![(0, 0); count],
             beams: Beams::new(device, PixelStage::of(device), eyes)?,
-            background: BackgroundPass::new(device, format)?,
             uniforms: Uniforms::new(device)?,
-            slot: 0,
-            eyes,
-            linear: is_srgb(format),
-            device: device.clone(),
         })
     }
 
     /// Starts a frame that uses `slot`.
     pub fn begin(&mut self, slot: usize) {
-        self.slot = slot % FRAMES_IN_FLIGHT;
+        self.screen.begin(slot);
         self.uniforms.begin(slot);
         self.beams.begin(slot);
     }
@@ -104,28 +82,23 @@ impl GpuOnly {
         eye: u32,
         view: &CompositeEye,
     ) -> Result<()> {
-        let set = self.slot * self.eyes as usize + eye as usize;
-        self.background.draw(recorder, view);
-        let bits = volume.image();
+        self.screen.draw_background(recorder, view);
         let Some(starts) = self.beams.starts() else { return Ok(()) };
-        let names = (bits.id(), starts.id());
-        if self.named[set] != names {
-            self.named[set] = names;
-            self.sets.write_sampled(set, STARTS, starts.layer_view(eye));
-            self.sets.write_sampled(set, VOLUME, bits.view());
-        }
-        self.uniforms.write(&self.sets, set, surface)?;
-        self.uniforms.write_colours(&self.sets, set, surface);
+        let bits = volume.image();
+        let inputs = [
+            Input { binding: STARTS, image: starts, view: starts.layer_view(eye) },
+            Input { binding: VOLUME, image: bits, view: bits.view() },
+        ];
+        self.screen.write_inputs(eye, inputs);
+        let set = self.screen.set(eye);
+        self.uniforms.write(self.screen.sets(), set, surface)?;
+        self.uniforms.write_colours(self.screen.sets(), set, surface);
         let pipeline = self.pipelines.get(surface.kind(), |constants| {
-            let (fragment, depth) = (shaders::GPU_ONLY_FRAG, Some(Depth::OVERWRITE));
-            let pass = Graphics::screen("GPU only", fragment, &self.layout, self.format, depth);
-            Pipeline::graphics(&self.device, &Graphics { constants, ..pass })
+            let pass = self.screen.graphics(shaders::GPU_ONLY_FRAG, Depth::OVERWRITE);
+            Pipeline::graphics(self.screen.device(), &Graphics { constants, ..pass })
         })?;
-        recorder.bind_pipeline(pipeline);
-        recorder.bind_set(pipeline, self.sets.set(set));
-        recorder.push(pipeline.layout(), &constants(view, self.linear));
-        recorder.set_scissor(view.scissor());
-        recorder.draw(3, 1);
+        let push = constants(view, self.screen.is_linear());
+        self.screen.draw(recorder, pipeline, eye, view, &push, 3);
         Ok(())
     }
 }

@@ -21,6 +21,7 @@ pub mod points;
 pub mod ray_march;
 pub mod renderer;
 pub mod sampler;
+mod screen_pass;
 pub mod shading;
 mod shown;
 pub mod slicing;

@@ -8,7 +8,7 @@ use super::super::error::VideoError;
 /// Longest head of a response, bytes.
 pub const MAX_HEAD: usize = 16 << 10;
 /// Room for as many headers as a head can have; the shortest is `a:` with its line end.
-const MAX_HEADERS: usize = MAX_HEAD / 4;
+const MAX_HEADERS: usize = MAX_HEAD / 3;
 /// Longest line about a chunk, bytes.
 const MAX_CHUNK_LINE: usize = 256;
 
