@@ -1,6 +1,6 @@
-//! Owns the way from a tracker's axes to those of the screen: rotation, translation, scale, and
-//! where on the tracked thing the eyes are. Comes from config values or is fitted to touches.
-//! Must not know which tracker it is for.
+//! Calibration: the transform from a tracker's axes to those of the screen (rotation, translation, scale) and the
+//! offset from the sensor to the eyes. Comes from settings or is fitted to touches of the screen's corners; knows
+//! nothing of particular trackers.
 //!
 //! Screen axes: origin at the centre of the screen, x right, y up, z towards the viewer, metres.
 
@@ -25,8 +25,8 @@ pub enum CalibrationError {
     Scale(f64),
 }
 
-/// Touches whose points spread less than this across their longest direction (root mean square,
-/// metres) leave the turn about that direction to noise.
+/// If the touched points spread less than this across their longest direction (root mean square, metres), the
+/// rotation about that direction is determined by noise.
 pub const MIN_BREADTH_M: f64 = 0.01;
 
 /// Screen from tracker, and eyes from sensor.
@@ -34,9 +34,9 @@ pub const MIN_BREADTH_M: f64 = 0.01;
 pub struct Calibration {
     /// Screen axes from tracker axes.
     pub rotation: DQuat,
-    /// Where the tracker's origin is on the screen's axes, metres.
+    /// The tracker's origin in screen axes, metres.
     pub translation_m: DVec3,
-    /// Screen metres per tracker metre; 1 for a tracker that is right about its unit.
+    /// Screen metres per tracker metre; 1 if the tracker reports true metres.
     pub scale: f64,
     /// The point between the eyes, and the head's axes, in the axes of the sensor, metres.
     pub sensor_from_eyes: Placement,
@@ -77,12 +77,12 @@ impl Calibration {
         })
     }
 
-    /// A point of the tracker's axes on the screen's.
+    /// Transforms a point from tracker axes to screen axes.
     pub fn point(&self, tracker_m: DVec3) -> DVec3 {
         self.rotation * (tracker_m * self.scale) + self.translation_m
     }
 
-    /// The eyes on the screen's axes, from the sensor on the tracker's.
+    /// The eyes in screen axes, from the sensor in tracker axes.
     pub fn apply(&self, sensor: Placement) -> Placement {
         let turned = (self.rotation * sensor.orientation).normalize();
         Placement {
@@ -107,7 +107,7 @@ fn checked_scale(scale: f64) -> Result<f64, CalibrationError> {
     if (0.01..=100.0).contains(&scale) { Ok(scale) } else { Err(CalibrationError::Scale(scale)) }
 }
 
-/// One touch: a point of the screen, and where the tracker saw the pointing thing then, metres.
+/// One touch: a point of the screen, and the tracked position of the pointing tip at that time, metres.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Touch {
     pub tracker_m: DVec3,
@@ -115,7 +115,7 @@ pub struct Touch {
 }
 
 impl Touch {
-    /// A touch with a tip that is at `tip_m` in the axes of the sensor.
+    /// A touch with a tip at `tip_m` in sensor axes.
     pub fn with_tip(sensor: Placement, tip_m: DVec3, screen_m: DVec3) -> Self {
         Self { tracker_m: sensor.position_m + sensor.orientation * tip_m, screen_m }
     }
@@ -127,11 +127,11 @@ pub fn screen_corners_m(width_m: f64, height_m: f64) -> [DVec3; 4] {
     [DVec3::new(-x, y, 0.0), DVec3::new(x, y, 0.0), DVec3::new(x, -y, 0.0), DVec3::new(-x, -y, 0.0)]
 }
 
-/// A fitted calibration and how well the touches agree with it.
+/// A fitted calibration and its residuals.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Fit {
     pub calibration: Calibration,
-    /// Distance on the screen's axes between each touch and where the fit puts it, metres.
+    /// Distance in screen axes between each touched point and its fitted position, metres.
     pub residuals_m: Vec<f64>,
     /// Root mean square of the residuals.
     pub rms_m: f64,
@@ -144,9 +144,9 @@ impl Fit {
     }
 }
 
-/// The rigid motion, with scale if `with_scale`, that brings the touches' tracker points nearest to
-/// their screen points in the sense of least squares. Three or more touches not on a line; corners
-/// of a screen, all in one plane, are enough.
+/// The rigid transform, with scale if `with_scale`, that fits the touches' tracker points to their screen points
+/// by least squares. Needs three or more touches that are not collinear; the corners of a screen, which are
+/// coplanar, are enough.
 ///
 /// B. K. P. Horn: "Closed-form solution of absolute orientation using unit quaternions", 1987.
 pub fn fit_touches(touches: &[Touch], with_scale: bool) -> Result<Fit, CalibrationError> {

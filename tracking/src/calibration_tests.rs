@@ -1,4 +1,4 @@
-//! Owns the properties of the calibration: truth found again, noise averaged, nonsense refused.
+//! Properties of the calibration: the true transform is recovered, noise is averaged, degenerate input is refused.
 
 use super::*;
 use crate::predict::{PredictionOptions, predict};
@@ -35,7 +35,7 @@ proptest! {
         prop_assert!(fit.rms_m < 1e-9 && fit.max_m() < 1e-9);
         prop_assert!((fit.calibration.scale - scale).abs() < 1e-9 * scale);
         prop_assert!(fit.calibration.rotation.dot(truth.rotation).abs() > 1.0 - 1e-12);
-        // Off the plane too: a mirrored solution would fit the corners and miss this.
+        // Also off the plane: a mirrored solution would fit the corners and miss this point.
         let p = DVec3::new(0.1, -0.3, 0.7);
         prop_assert!(fit.calibration.point(p).distance(truth.point(p)) < 1e-8);
     }

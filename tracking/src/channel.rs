@@ -1,6 +1,5 @@
-//! Owns the way of one sensor's reports to a smooth placement on the screen's axes: calibration,
-//! filter, prediction, and whether the sensor still reports. Takes events; gives placements.
-//! Must not know of other sensors.
+//! The processing chain of one sensor: its reports are calibrated to screen axes, filtered and predicted, and its
+//! loss is detected. Takes events, gives placements; knows no other sensor.
 
 use crate::calibration::Calibration;
 use crate::event::Event;
@@ -15,12 +14,12 @@ pub struct ChannelOptions {
     pub source: String,
     pub sensor: u32,
     pub calibration: Calibration,
-    /// None: positions and orientations as they come.
+    /// None: positions and orientations are not filtered.
     pub smoothing: Option<Smoothing>,
     pub prediction: PredictionOptions,
-    /// Without a report for so long the sensor is lost, seconds.
+    /// Time without a report after which the sensor counts as lost, seconds.
     pub lost_after_s: f64,
-    /// Reports below this confidence are as good as none.
+    /// Reports below this confidence are ignored.
     pub min_confidence: f64,
 }
 
@@ -51,23 +50,23 @@ impl ChannelOptions {
     }
 }
 
-/// A velocity reported apart from a pose serves the poses of the next so many seconds.
+/// How long a velocity that was reported apart from a pose is used for poses, seconds.
 const VELOCITY_LIVES_S: f64 = 0.25;
 
-/// One sensor on its way.
+/// The state of one sensor.
 #[derive(Debug)]
 pub(crate) struct Channel {
     options: ChannelOptions,
     filter: PlacementFilter,
-    /// The last report, on the tracker's axes, untouched.
+    /// The last report as received, in tracker axes.
     raw: Option<HeadPose>,
-    /// The same after calibration and filter, on the screen's axes.
+    /// The same after calibration and filter, in screen axes.
     smooth: Option<HeadPose>,
-    /// Of the smooth placement.
+    /// Velocity of the filtered placement.
     velocity: Velocity,
-    /// What the tracker said of the velocity last, on its axes, and when.
+    /// The velocity last reported by the tracker, in its axes, and when.
     measured: Option<(Velocity, f64)>,
-    /// The source said that it lost the device, and no report has come since.
+    /// The source has reported the loss of the device, and no report has come since.
     gone: bool,
     /// Which of the tracker's sources last reported.
     pub(crate) source_index: Option<usize>,
@@ -100,7 +99,7 @@ impl Channel {
         self.smooth.as_ref()
     }
 
-    /// The last report is placed anew; the filter starts afresh.
+    /// The last report is calibrated again; the filter restarts.
     pub(crate) fn set_calibration(&mut self, calibration: Calibration) {
         self.options.calibration = calibration;
         self.filter.reset();
@@ -110,7 +109,7 @@ impl Channel {
         }
     }
 
-    /// Takes what concerns this sensor; leaves the rest.
+    /// Handles events of this sensor; ignores the others.
     pub(crate) fn take(&mut self, event: &Event, source_index: usize) {
         match event {
             Event::Pose(pose) if self.is_mine(&pose.source, pose.sensor) => {
@@ -141,7 +140,7 @@ impl Channel {
         sensor == self.options.sensor && source == self.options.source
     }
 
-    /// A pose older than the last one has been overtaken on the way and is dropped.
+    /// A pose older than the last one arrived out of order and is dropped.
     fn take_pose(&mut self, pose: &HeadPose) {
         if self.smooth.as_ref().is_some_and(|last| pose.time_s < last.time_s)
             || pose.confidence < self.options.min_confidence
@@ -171,7 +170,7 @@ impl Channel {
                 .is_some_and(|pose| now_s - pose.time_s <= self.options.lost_after_s)
     }
 
-    /// The placement foreseen for `time_s`; None before the first report.
+    /// The placement predicted for `time_s`; None before the first report.
     pub(crate) fn at(&self, time_s: f64) -> Option<Placement> {
         let pose = self.smooth.as_ref()?;
         let ahead_s = time_s - pose.time_s;

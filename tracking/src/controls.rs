@@ -1,19 +1,19 @@
-//! Owns the way from raw buttons and analog channels to typed actions of the program: which
-//! button is which action, which channel is an axis (with dead zone and sign) or a button (with
-//! hysteresis). Takes events; gives actions. Must not know what the actions do.
+//! Bindings from raw buttons and analog channels to the program's actions: a button is an action, a channel is an
+//! axis (with dead zone and sign) or a button (with hysteresis). Takes events, gives actions; does not know what
+//! the actions do.
 
 use crate::event::Event;
 
 /// What an analog channel is for.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum AnalogUse {
-    /// -1 to 1. Values nearer to 0 than `dead_zone` are 0; the rest is stretched to start at 0.
+    /// -1 to 1. Values within `dead_zone` of 0 are 0; the rest is rescaled to start at 0.
     Axis { scale: f64, dead_zone: f64 },
     /// Pressed at `press` or above, released at `release` or below (which is less than `press`).
     Press { press: f64, release: f64 },
 }
 
-/// A button of a device that means an action.
+/// The action of a device's button.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ButtonBinding<A> {
     pub source: String,
@@ -21,7 +21,7 @@ pub struct ButtonBinding<A> {
     pub action: A,
 }
 
-/// A channel of a device that means an action.
+/// The action of a device's channel.
 #[derive(Clone, PartialEq, Debug)]
 pub struct AnalogBinding<A> {
     pub source: String,
@@ -39,7 +39,7 @@ pub enum Control<A> {
     Axis(A, f64),
 }
 
-/// All bindings and the state that they are in.
+/// All bindings and their state.
 #[derive(Clone, Debug)]
 pub struct ControlMap<A> {
     buttons: Vec<(ButtonBinding<A>, bool)>,
@@ -54,8 +54,8 @@ impl<A: Clone> ControlMap<A> {
         }
     }
 
-    /// Appends what `event` means. Only changes are told; the loss of a device releases what it
-    /// held and lets its axes go.
+    /// Appends the actions of `event`. Only changes are reported; the loss of a device releases its buttons and
+    /// resets its axes.
     pub fn take(&mut self, event: &Event, controls: &mut Vec<Control<A>>) {
         match event {
             Event::Button { source, button, pressed, .. } => {

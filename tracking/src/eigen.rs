@@ -1,9 +1,8 @@
-//! Owns the eigenvalues of small symmetric matrices, by Jacobi's rotations: what fitting a
-//! calibration needs, and too little to take in a linear algebra library for.
+//! Eigenvalues of small symmetric matrices by Jacobi rotations: all the linear algebra that fitting a calibration
+//! needs.
 
-/// Eigenvalues in falling order, each with its unit eigenvector, of a symmetric matrix with finite
-/// entries. Only the upper triangle is read. Cyclic Jacobi method (Golub and Van Loan, "Matrix
-/// Computations", 8.5).
+/// Eigenvalues in descending order, each with its unit eigenvector, of a symmetric matrix with finite entries.
+/// Only the upper triangle is read. Cyclic Jacobi method (Golub and Van Loan, "Matrix Computations", 8.5).
 pub fn symmetric_eigen<const N: usize>(matrix: [[f64; N]; N]) -> [(f64, [f64; N]); N] {
     let mut a: [[f64; N]; N] =
         std::array::from_fn(|i| std::array::from_fn(|j| matrix[i.min(j)][i.max(j)]));

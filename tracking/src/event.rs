@@ -1,6 +1,5 @@
-//! Owns what a source says: poses, motion, buttons, analog channels, dials, texts, and whether it
-//! is there at all; and the bounded queue in which a source's thread leaves them for the program.
-//! Must not know what the program makes of them.
+//! Events of a source (poses, motion, buttons, analog channels, dials, texts, found and lost) and the bounded queue
+//! in which a source's thread leaves them for the program.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -9,7 +8,7 @@ use glam::DVec3;
 
 use crate::pose::{HeadPose, Velocity};
 
-/// How grave a [`Event::Text`] is.
+/// Severity of an [`Event::Text`].
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Severity {
     Normal,
@@ -34,7 +33,7 @@ pub enum Event {
         linear_m_s2: DVec3,
         time_s: f64,
     },
-    /// A change: a button is never reported twice in the same state.
+    /// A change: a button is never reported twice in a row in the same state.
     Button {
         source: Arc<str>,
         button: u32,
@@ -61,7 +60,7 @@ pub enum Event {
         text: String,
         time_s: f64,
     },
-    /// The device answers from now on.
+    /// The device has started to answer.
     Found {
         source: Arc<str>,
         time_s: f64,
@@ -74,7 +73,7 @@ pub enum Event {
 }
 
 impl Event {
-    /// Whether a later event of the same kind makes this one worthless.
+    /// Whether a later event of the same kind supersedes this one.
     fn is_stream(&self) -> bool {
         matches!(
             self,
@@ -83,11 +82,11 @@ impl Event {
     }
 }
 
-/// Events that may wait in an [`Inbox`].
+/// Capacity of an [`Inbox`].
 pub const INBOX_CAPACITY: usize = 4096;
 
-/// From a source's thread to the program. When the program does not fetch, old stream events
-/// go first, so that button changes survive a pause.
+/// Queue from a source's thread to the program. If the program does not fetch, old stream events are dropped
+/// first, so that button changes survive a pause.
 #[derive(Default, Debug)]
 pub struct Inbox {
     inner: Mutex<Queue>,
@@ -108,7 +107,7 @@ impl Inbox {
             return;
         }
         let before = queue.events.len();
-        // Keep the newer half of everything and, of the older half, what cannot be said again.
+        // Keep the newer half and, of the older half, the events that later ones do not supersede.
         let newer = before - INBOX_CAPACITY / 2;
         let mut place = 0;
         queue.events.retain(|event| {
@@ -127,7 +126,7 @@ impl Inbox {
         events.extend(queue.events.drain(..));
     }
 
-    /// Events dropped so far because nobody fetched them.
+    /// Number of events dropped so far because they were not fetched.
     pub fn dropped(&self) -> u64 {
         self.inner.lock().unwrap_or_else(PoisonError::into_inner).dropped
     }

@@ -1,23 +1,22 @@
-//! Owns the passage from one guide to another (a live tracker, another tracker, the place of rest
-//! when there is none) without a jump. Takes times and placements; gives placements.
-//! Must not know why the guide changed.
+//! Blends from one guide to another (a tracker, another tracker, the rest position if there is none) without a
+//! jump. Takes times and placements, gives placements; does not know why the guide changed.
 //!
-//! At a change the difference between what was shown and what the new guide says is kept and
-//! shrunk to nothing; the new guide's own motion passes undelayed (inertialisation: D. Bollo, "High
-//! Performance Animation in Gears of War 4", 2018, with a smoothstep for the quintic).
+//! At a change the difference between what was shown and the new guide's placement is kept and decays to zero, while
+//! the new guide's motion passes undelayed (inertialisation: D. Bollo, "High Performance Animation in Gears of
+//! War 4", 2018, with a smoothstep in place of the quintic).
 
 use glam::{DQuat, DVec3};
 
 use crate::pose::{Placement, rotation_vector};
 
-/// How long passages take.
+/// Durations of fades.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct FadeOptions {
-    /// After a loss the last placement stays for so long, seconds.
+    /// How long the last placement is held after a loss, seconds.
     pub hold_s: f64,
-    /// Then it moves to the place of rest in so long, seconds.
+    /// Duration of the move to the rest position after that, seconds.
     pub leave_s: f64,
-    /// From wherever it is to a live tracker in so long, seconds.
+    /// Duration of the move to a live tracker, seconds.
     pub return_s: f64,
 }
 
@@ -27,7 +26,7 @@ impl Default for FadeOptions {
     }
 }
 
-/// The difference to the present guide and how it shrinks.
+/// The remaining difference to the current guide.
 #[derive(Clone, Copy, Debug)]
 pub struct Fade {
     offset_m: DVec3,
@@ -37,11 +36,11 @@ pub struct Fade {
 }
 
 impl Fade {
-    /// Nothing to fade: the guide is followed as it is.
+    /// No difference: the guide is followed exactly.
     pub const DONE: Self =
         Self { offset_m: DVec3::ZERO, offset_turn: DVec3::ZERO, start_s: 0.0, length_s: 0.0 };
 
-    /// From `shown` at or before `start_s` to a guide that then says `guide`, in `length_s`.
+    /// A fade from `shown`, at or before `start_s`, to a guide that is at `guide` then, over `length_s`.
     pub fn start(shown: Placement, guide: Placement, start_s: f64, length_s: f64) -> Self {
         Self {
             offset_m: shown.position_m - guide.position_m,
@@ -51,7 +50,7 @@ impl Fade {
         }
     }
 
-    /// How much of the passage is done at `time_s`: 0 to 1, with no speed at either end.
+    /// Progress at `time_s`: 0 to 1, with zero slope at both ends.
     pub fn share(&self, time_s: f64) -> f64 {
         if self.length_s <= 0.0 {
             return 1.0;
@@ -60,7 +59,7 @@ impl Fade {
         x * x * (3.0 - 2.0 * x)
     }
 
-    /// What to show at `time_s` when the guide then says `guide`.
+    /// The placement to show at `time_s`, when the guide is at `guide`.
     pub fn place(&self, guide: Placement, time_s: f64) -> Placement {
         let left = 1.0 - self.share(time_s);
         if left == 0.0 {
@@ -112,7 +111,7 @@ mod tests {
 
         #[test]
         fn opposite_orientations_do_not_flip(yaw in -0.1..0.1f64) {
-            // A guide that wavers about half a turn away: a slerp would change sides.
+            // A guide that oscillates around half a turn: a slerp would switch sides.
             let shown = Placement::IDENTITY;
             let guide = |t: f64| Placement {
                 position_m: DVec3::ZERO,

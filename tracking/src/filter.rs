@@ -1,13 +1,11 @@
-//! Owns the one-euro filter for positions and orientations: strong smoothing when slow, little lag
-//! when fast. Takes time-stamped samples; gives smoothed ones and the filtered velocity.
-//! Must not know where samples come from.
+//! The one-euro filter for positions and orientations: strong smoothing at low speed, little lag at high speed.
+//! Takes samples with their times, gives smoothed ones and the filtered velocity.
 //!
-//! G. Casiez, N. Roussel, D. Vogel: "1 Euro Filter: A Simple Speed-based Low-pass Filter for Noisy
-//! Input in Interactive Systems", CHI 2012. Vectors use one cutoff from the length of the
-//! velocity, so that the result does not depend on the choice of axes; orientations are smoothed
-//! on the sphere of quaternions, the lerp becoming a slerp. Speed is the difference of raw samples,
-//! not (as in the paper's listing) of the raw one and the last smoothed one: prediction uses it too,
-//! and the latter overstates it by the lag.
+//! G. Casiez, N. Roussel, D. Vogel: "1 Euro Filter: A Simple Speed-based Low-pass Filter for Noisy Input in
+//! Interactive Systems", CHI 2012. Vectors use one cutoff from the length of the velocity, so that the result does
+//! not depend on the choice of axes; orientations are interpolated by slerp instead of lerp. The speed is the
+//! difference of raw samples and not, as in the paper's listing, of the raw and the last smoothed sample:
+//! prediction uses it too, and the latter overestimates it by the lag.
 
 use std::f64::consts::TAU;
 
@@ -32,16 +30,16 @@ impl OneEuroOptions {
         Self { min_cutoff_hz: 2.0, beta: 10.0, derivative_cutoff_hz: 4.0 };
 }
 
-/// Weight of a new sample after `dt_s` for an exponential filter of that cutoff (equation 4 and 5).
+/// Weight of a new sample after `dt_s` for an exponential filter with that cutoff (equations 4 and 5).
 fn weight(cutoff_hz: f64, dt_s: f64) -> f64 {
     let tau_s = 1.0 / (TAU * cutoff_hz.max(1.0e-6));
     1.0 / (1.0 + tau_s / dt_s)
 }
 
-/// A sample that comes longer than this after its predecessor starts the filter afresh, seconds.
+/// A sample that comes later than this after its predecessor restarts the filter, seconds.
 pub const RESTART_AFTER_S: f64 = 0.5;
 
-/// One-euro filter over a placement, position and orientation each with settings of its own.
+/// One-euro filter for a placement, with separate settings for position and orientation.
 #[derive(Clone, Debug)]
 pub struct PlacementFilter {
     position: OneEuroOptions,
@@ -66,9 +64,9 @@ impl PlacementFilter {
         self.last = None;
     }
 
-    /// Takes the sample of `time_s` and gives its smoothed form with the filtered velocity. A
-    /// sample no newer than the last changes nothing. `measured` is the velocity that the tracker
-    /// itself reports, taken instead of the difference of samples.
+    /// Filters the sample of `time_s`; returns the smoothed placement and velocity. A sample that is not newer
+    /// than the last changes nothing. `measured` is the velocity that the tracker itself reports, used instead of
+    /// the difference of samples.
     pub fn step(
         &mut self,
         raw: Placement,
@@ -135,7 +133,7 @@ mod tests {
         Placement { position_m: DVec3::new(x, 0.0, 0.0), orientation: DQuat::from_rotation_y(x) }
     }
 
-    /// The filter written out for one number, as the reference.
+    /// The filter for a single number, as the reference.
     fn scalar_reference(samples: &[(f64, f64)], o: OneEuroOptions) -> Vec<f64> {
         let alpha = |fc: f64, te: f64| 1.0 / (1.0 + 1.0 / (2.0 * std::f64::consts::PI * fc) / te);
         let (mut x_hat, mut dx_hat, mut previous, mut out) = (0.0, 0.0, (0.0, 0.0), Vec::new());
@@ -168,7 +166,7 @@ mod tests {
             for (i, &(t, x)) in samples.iter().enumerate() {
                 let (smooth, _) = f.step(at(x), None, t);
                 prop_assert!((smooth.position_m.x - positions[i]).abs() < 1e-9);
-                // Turning about one axis, the quaternion filter is the scalar one on the angle.
+                // For rotation about one axis, the quaternion filter equals the scalar one on the angle.
                 let angle = rotation_vector(smooth.orientation).y;
                 prop_assert!((angle - angles[i]).abs() < 1e-6, "{angle} {}", angles[i]);
             }

@@ -1,13 +1,13 @@
-//! Head poses from trackers, for a picture that follows the eye.
+//! Head tracking: poses from trackers, for a picture that follows the eye.
 //!
 //! Sources ([`vrpn::Client`], [`opentrack::Opentrack`], [`scripted::Scripted`], or any other
-//! [`Source`]) report poses and controls; a [`Tracker`] owns them, brings each report from the
-//! tracker's axes to the screen's ([`calibration`]), smooths it ([`filter`]), foresees where the
-//! head will be when the picture is seen ([`predict`]), and fades loss and recovery ([`fade`]).
-//! [`vrpn::server`] gives poses to others.
+//! [`Source`]) report poses and controls. A [`Tracker`] owns them; it transforms each report from the
+//! tracker's axes to the screen's ([`calibration`]), smooths it ([`filter`]), predicts where the
+//! head will be when the frame is seen ([`predict`]), and fades at loss and recovery ([`fade`]).
+//! [`vrpn::server`] serves poses to others.
 //!
-//! Knows no Vulkan and no window. Everything but the threads of the sources is free of clocks:
-//! time comes in as seconds on the host's monotonic clock ([`HostClock`]).
+//! Knows no Vulkan and no window. Only the threads of the sources read a clock: elsewhere time is a value,
+//! seconds on the host's monotonic clock ([`HostClock`]).
 
 pub mod calibration;
 mod channel;

@@ -1,12 +1,12 @@
-//! Owns the source for opentrack's "UDP over network" output, as spoken by opentrack itself and by
-//! many phone apps. Takes datagrams; gives poses. Waits on a thread of its own.
+//! The source for opentrack's "UDP over network" output, which opentrack itself and many phone apps send. Takes
+//! datagrams, gives poses; waits on a thread of its own.
 //!
 //! A datagram is six little-endian doubles: x, y, z in centimetres, then yaw, pitch, roll in
-//! degrees. What we make of them, before calibration: x right, y up, z towards the viewer, turned by
-//! yaw about +y, then pitch about the turned x, then roll about the turned z, each positive
-//! counter-clockwise seen against its axis. Senders differ in their signs (opentrack's own depend on
+//! degrees. They are interpreted, before calibration, as: x right, y up, z towards the viewer, rotated by
+//! yaw about +y, then pitch about the rotated x, then roll about the rotated z, each positive
+//! counter-clockwise seen against its axis. Senders differ in their signs (opentrack's depend on
 //! its mapping settings), so each of the six can be inverted. The position is that of the head
-//! relative to where it was centred: the calibration's translation says where that is.
+//! relative to where it was centred; the calibration's translation says where that is.
 
 use std::io::{self, ErrorKind};
 use std::net::{Ipv4Addr, SocketAddr, SocketAddrV4, UdpSocket};
@@ -25,14 +25,14 @@ use crate::source::{ANY_DATAGRAM_BYTES, Counters, HostClock, Source, SourceState
 /// Bytes of a datagram.
 pub const DATAGRAM_BYTES: usize = 48;
 
-/// What the six numbers mean to us.
+/// How the six numbers are interpreted.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Signs {
-    /// x, y, z, yaw, pitch, roll: true turns the sign.
+    /// x, y, z, yaw, pitch, roll: true inverts the sign.
     pub inverted: [bool; 6],
 }
 
-/// Where to listen and under what name to report.
+/// Where to listen, and the name for the poses.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct OpentrackOptions {
     pub listen: SocketAddr,
@@ -42,7 +42,7 @@ pub struct OpentrackOptions {
 }
 
 impl Default for OpentrackOptions {
-    /// Loopback, the port of opentrack. A phone needs an address that it can reach.
+    /// Loopback, opentrack's port. A phone needs an address that it can reach.
     fn default() -> Self {
         Self {
             listen: SocketAddr::V4(SocketAddrV4::new(Ipv4Addr::LOCALHOST, 4242)),
@@ -52,7 +52,7 @@ impl Default for OpentrackOptions {
     }
 }
 
-/// Why a datagram is no pose.
+/// Why a datagram is refused.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum DatagramError {
     #[error("a datagram does not have 48 bytes")]
@@ -61,7 +61,7 @@ pub enum DatagramError {
     NotFinite,
 }
 
-/// The placement that a datagram stands for.
+/// Decodes the placement in a datagram.
 pub fn decode(datagram: &[u8], signs: Signs) -> Result<Placement, DatagramError> {
     if datagram.len() != DATAGRAM_BYTES {
         return Err(DatagramError::Length);
@@ -94,7 +94,7 @@ struct Shared {
     failure: Mutex<Option<String>>,
 }
 
-/// Hears opentrack on a UDP port. Dropping it closes the port.
+/// Receives from opentrack on a UDP port. Dropping it closes the port.
 pub struct Opentrack {
     name: String,
     address: SocketAddr,
@@ -103,7 +103,8 @@ pub struct Opentrack {
 }
 
 impl Opentrack {
-    /// Fails if the port cannot be had.
+    /// # Errors
+    /// If the port cannot be opened.
     pub fn start(options: OpentrackOptions, clock: HostClock) -> io::Result<Self> {
         let socket = UdpSocket::bind(options.listen)?;
         socket.set_read_timeout(Some(Duration::from_millis(50)))?;
@@ -117,7 +118,7 @@ impl Opentrack {
         Ok(Self { name, address, shared, thread: Some(thread) })
     }
 
-    /// Where it listens.
+    /// The address that it listens at.
     pub fn address(&self) -> SocketAddr {
         self.address
     }

@@ -1,6 +1,5 @@
-//! Owns the pose: where a tracked thing is and how it is turned, when that was, and who says so.
-//! Takes numbers from anywhere; gives poses whose numbers are finite, bounded and normalised.
-//! Must not know where poses come from, nor any clock: time is a value in seconds on the host's
+//! Poses: position and orientation of a tracked object, with time and source. Takes arbitrary numbers, gives poses
+//! whose numbers are finite, bounded and normalised. Reads no clock: time is a value in seconds on the host's
 //! monotonic clock, whose zero the program chooses (see [`crate::HostClock`]).
 
 use std::sync::Arc;
@@ -8,15 +7,15 @@ use std::time::Duration;
 
 use glam::{DQuat, DVec3};
 
-/// Positions further out than this, in metres, are taken for garbage.
+/// Positions further away than this, in metres, are rejected.
 pub const MAX_POSITION_M: f64 = 1.0e5;
-/// Speeds above this, in metres a second, are taken for garbage.
+/// Speeds above this, in metres per second, are rejected.
 pub const MAX_SPEED_M_S: f64 = 1.0e3;
-/// Angular speeds above this, in radians a second, are taken for garbage.
+/// Angular speeds above this, in radians per second, are rejected.
 pub const MAX_ANGULAR_SPEED_RAD_S: f64 = 1.0e3;
 
-/// A rigid placement: position in metres and unit orientation, both in the axes of whoever
-/// speaks (tracker or screen). Axes are right-handed: x right, y up, z towards the viewer.
+/// A rigid placement: position in metres and unit orientation, both in the axes of the tracker or of the screen.
+/// Axes are right-handed: x right, y up, z towards the viewer.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Placement {
     pub position_m: DVec3,
@@ -26,8 +25,8 @@ pub struct Placement {
 impl Placement {
     pub const IDENTITY: Self = Self { position_m: DVec3::ZERO, orientation: DQuat::IDENTITY };
 
-    /// Checks and normalises. None if a number is not finite, the position is further out than
-    /// [`MAX_POSITION_M`], or the quaternion has no direction.
+    /// Checks and normalises. None if a number is not finite, the position is further away than
+    /// [`MAX_POSITION_M`], or the quaternion is (nearly) zero.
     pub fn checked(position_m: DVec3, orientation: DQuat) -> Option<Self> {
         let length = orientation.length();
         let sound = position_m.is_finite()
@@ -37,7 +36,7 @@ impl Placement {
         sound.then(|| Self { position_m, orientation: (orientation / length).normalize() })
     }
 
-    /// The placement at `share` (0 gives `self`, 1 gives `other`) of the way, by the shorter turn.
+    /// Interpolates: `share` 0 gives `self`, 1 gives `other`; rotates the shorter way.
     pub fn blend(self, other: Self, share: f64) -> Self {
         Self {
             position_m: self.position_m.lerp(other.position_m, share),
@@ -51,7 +50,7 @@ impl Placement {
     }
 }
 
-/// The rotation as axis times angle in radians, the angle at most pi.
+/// The rotation vector: axis times angle in radians, the angle at most pi.
 pub fn rotation_vector(rotation: DQuat) -> DVec3 {
     let sign = if rotation.w < 0.0 { -1.0 } else { 1.0 };
     let axis = DVec3::new(rotation.x, rotation.y, rotation.z) * sign;
@@ -62,16 +61,16 @@ pub fn rotation_vector(rotation: DQuat) -> DVec3 {
     axis / sine * (2.0 * sine.atan2(rotation.w * sign))
 }
 
-/// How a tracked thing moves, in the axes of its placement.
+/// The velocity of a tracked object, in the axes of its placement.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Velocity {
     pub linear_m_s: DVec3,
-    /// Axis times radians a second, in the fixed axes (not those of the moving thing).
+    /// Axis times radians per second, in the fixed axes (not those of the moving object).
     pub angular_rad_s: DVec3,
 }
 
 impl Velocity {
-    /// None if a number is not finite or faster than the limits of this module.
+    /// None if a number is not finite or exceeds the limits of this module.
     pub fn checked(linear_m_s: DVec3, angular_rad_s: DVec3) -> Option<Self> {
         let sound = linear_m_s.is_finite()
             && angular_rad_s.is_finite()
@@ -81,20 +80,20 @@ impl Velocity {
     }
 }
 
-/// One report about one tracked thing.
+/// One report about one tracked object.
 #[derive(Clone, PartialEq, Debug)]
 pub struct HeadPose {
     pub placement: Placement,
-    /// When the thing was there: seconds on the host's clock.
+    /// Time of the pose: seconds on the host's clock.
     pub time_s: f64,
     /// The sender's own wall clock since 1970, where it sends one.
     pub sender_time: Option<Duration>,
-    /// Who reports, as the source names it: a device name of VRPN, `opentrack`, a script's name.
+    /// The source's name for the reporting device: a VRPN device, `opentrack`, a script's name.
     pub source: Arc<str>,
     pub sensor: u32,
     /// 0 (a guess) to 1 (measured).
     pub confidence: f64,
-    /// Measured by the tracker itself, where it does so.
+    /// The velocity, if the tracker measures it.
     pub velocity: Option<Velocity>,
 }
 

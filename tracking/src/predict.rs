@@ -1,19 +1,18 @@
-//! Owns the step from the last report to the time at which a picture will be seen: constant
-//! velocity, clamped. Takes a placement, its velocity and a time difference; gives a placement.
-//! Must not know what now is.
+//! Prediction from the last report to the time at which a frame will be seen: constant velocity, clamped. Takes a
+//! placement, its velocity and a time difference; gives a placement.
 
 use glam::DQuat;
 
 use crate::pose::{Placement, Velocity};
 
-/// How far prediction may go.
+/// Limits of prediction.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct PredictionOptions {
-    /// Longest time, seconds; beyond it the placement stands still.
+    /// Longest time, seconds; beyond it the placement does not move on.
     pub max_ahead_s: f64,
-    /// Longest way, metres.
+    /// Longest distance, metres.
     pub max_distance_m: f64,
-    /// Largest turn, radians.
+    /// Largest rotation, radians.
     pub max_turn_rad: f64,
 }
 
@@ -24,7 +23,7 @@ impl Default for PredictionOptions {
 }
 
 /// The placement `ahead_s` later (or earlier, if negative) at constant velocity. Time, distance and
-/// turn are each clamped to the options, keeping their direction.
+/// rotation are each clamped to the options, keeping their direction.
 pub fn predict(
     placement: Placement,
     velocity: Velocity,

@@ -1,10 +1,10 @@
-//! Owns the scripted source: poses and buttons played from a text, for tests, demonstrations and
-//! machines without a tracker. Takes text and the time as a value; gives events. Has no thread.
+//! The scripted source: plays poses and buttons from a text, for tests, demonstrations and machines without a
+//! tracker. Takes text and the time as a value, gives events. Has no thread.
 //!
-//! One entry a line, times in seconds from the start and never falling; `#` begins a comment:
+//! One entry per line, times in seconds from the start, in ascending order; `#` begins a comment:
 //! ```text
-//! rate 60                      # optional: interpolate and report so often, Hz; else as written
-//! loop                         # optional: at the last entry begin again (first and last coincide)
+//! rate 60                      # optional: interpolate and report at this rate, Hz; else as written
+//! loop                         # optional: restart at the last entry (first and last coincide)
 //! sensor 0                     # optional: of the poses that follow
 //! 0.0  0 0 0.6  0 0 0 1        # time, position in metres, quaternion x y z w
 //! 2.0  0.2 0 0.6  0 0 0 1  0.5 # with a confidence from 0 to 1
@@ -22,12 +22,12 @@ use crate::pose::{HeadPose, Placement};
 use crate::source::{Counters, Source, SourceState};
 use crate::vrpn::messages::{MAX_BUTTONS, MAX_SENSORS};
 
-/// Entries of a script, at most.
+/// Most entries of a script.
 pub const MAX_ENTRIES: usize = 1_000_000;
-/// Poses of one poll, at most: after a pause the older ones are left out.
+/// Most poses of one poll: after a pause the older ones are left out.
 const MAX_AT_ONCE: usize = 1024;
 
-/// What is wrong with a script, and in which line (from 1).
+/// What is wrong with a script, and in which line (counted from 1).
 #[derive(Clone, PartialEq, Eq, Debug, Error)]
 #[error("line {line}: {what}")]
 pub struct ScriptError {
@@ -42,7 +42,7 @@ enum Entry {
     Lost,
 }
 
-/// A script, read and checked.
+/// A parsed and checked script.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Script {
     entries: Vec<(f64, Entry)>,
@@ -92,13 +92,13 @@ impl Script {
         Ok(script)
     }
 
-    /// Time from start to the last entry, seconds.
+    /// Time from the start to the last entry, seconds.
     pub fn length_s(&self) -> f64 {
         self.entries.last().map_or(0.0, |(time_s, _)| *time_s)
     }
 
-    /// Where a sensor is at a time from the start, between the poses before and after; None before
-    /// its first pose and while it is lost. After the last pose it stays.
+    /// The placement of a sensor at a time from the start, interpolated; None before its first pose and while it
+    /// is lost. After the last pose it stays.
     pub fn at(&self, sensor: u32, time_s: f64) -> Option<(Placement, f64)> {
         let next = self.entries.partition_point(|(entry_s, _)| *entry_s <= time_s);
         let mine = |(entry_s, entry): &(f64, Entry)| match *entry {
@@ -163,7 +163,7 @@ pub struct Scripted {
     script: Script,
     sensors: Vec<u32>,
     start_s: Option<f64>,
-    /// What has been played: up to this time, from the start of the script's first round.
+    /// Played up to this time, from the start of the script's first round.
     played_s: f64,
     held: [bool; MAX_BUTTONS],
     accepted: u64,
@@ -171,7 +171,7 @@ pub struct Scripted {
 }
 
 impl Scripted {
-    /// `label` is [`HeadPose::source`] of the poses.
+    /// `label` becomes [`HeadPose::source`] of the poses.
     pub fn new(label: &str, script: Script) -> Self {
         let mut sensors: Vec<u32> = script
             .entries
@@ -195,8 +195,8 @@ impl Scripted {
         }
     }
 
-    /// Plays one round of the script from after `from_s` to `to_s`, both on the script's time;
-    /// `zero_s` is its start on the host's clock.
+    /// Plays one round of the script, after `from_s` up to `to_s`, both in script time; `zero_s` is its start on
+    /// the host's clock.
     fn play(&mut self, zero_s: f64, from_s: f64, to_s: f64, events: &mut Vec<Event>) {
         let first = self.script.entries.partition_point(|(time_s, _)| *time_s <= from_s);
         let last = self.script.entries.partition_point(|(time_s, _)| *time_s <= to_s);
@@ -216,7 +216,7 @@ impl Scripted {
             }
         }
         let Some(rate_hz) = self.script.rate_hz else { return };
-        // Ticks in (from, to]; the first of a round is at its start.
+        // Ticks in (from, to]; the first one of a round is at its start.
         let end_s = to_s.min(self.script.length_s());
         let mut tick = (from_s.max(0.0) * rate_hz).floor();
         tick = tick.max((end_s * rate_hz).floor() - MAX_AT_ONCE as f64);
@@ -265,7 +265,7 @@ impl Source for Scripted {
         if self.script.looped {
             let round = (to_s / length_s).floor();
             let zero_s = round * length_s;
-            // After a long pause only the round before the present one is finished.
+            // After a long pause only the round before the current one is completed.
             if from_s < zero_s {
                 let from_s = (from_s - (zero_s - length_s)).max(-1.0);
                 if round > 0.0 {
@@ -307,7 +307,7 @@ impl Source for Scripted {
     }
 }
 
-/// When one of the events that a script makes takes place.
+/// The time of an event of a script.
 fn time_of(event: &Event) -> f64 {
     match event {
         Event::Pose(pose) => pose.time_s,

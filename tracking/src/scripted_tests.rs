@@ -1,4 +1,4 @@
-//! Owns the properties of the scripted source.
+//! Properties of the scripted source.
 
 use super::*;
 

@@ -1,27 +1,26 @@
-//! Owns what it means to be a source of poses, so that sockets, files and headsets look alike to
-//! the [`crate::Tracker`]; and the host's clock, which only the threads of sources and the program
-//! read.
+//! The interface of a source of poses, by which sockets, files and headsets look alike to the [`crate::Tracker`];
+//! and the host's clock, which only the program and the sources' threads read.
 
 use std::time::Instant;
 
 use crate::event::Event;
 use crate::pose::HeadPose;
 
-/// Room for any datagram there is. Windows makes an error of one that is longer than its buffer; here
-/// it is received, and refused by its length.
+/// Room for any datagram. Windows reports an error for one that is longer than the buffer; with this buffer it is
+/// received, and refused by its length.
 pub(crate) const ANY_DATAGRAM_BYTES: usize = 65536;
 
-/// Where a source stands.
+/// State of a source.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum SourceState {
-    /// Not there yet, or gone and being sought again; the text says why, for people.
+    /// Not found yet, or lost and being sought; the text tells people why.
     Seeking(String),
     Running,
-    /// Will never report again; the text says why, for people.
+    /// Will never report again; the text tells people why.
     Ended(String),
 }
 
-/// What came in and was not used. All count from the start of the source.
+/// Counts of what was received and dropped since the start of the source.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Counters {
     /// Messages or datagrams understood and used.
@@ -34,44 +33,43 @@ pub struct Counters {
     pub not_finite: u64,
     /// Of a type or sender that has not been described yet.
     pub undescribed: u64,
-    /// Sound, but of no interest here: another device, an unknown type.
+    /// Valid but irrelevant: another device, an unknown type.
     pub ignored: u64,
-    /// From an address that has no business here.
+    /// From an unexpected address.
     pub strangers: u64,
-    /// Events dropped because the program did not fetch them in time.
+    /// Events dropped because they were not fetched in time.
     pub unread: u64,
     /// Connections made.
     pub connections: u64,
 }
 
 impl Counters {
-    /// Everything that was dropped as broken or hostile.
+    /// Total that was dropped as broken or hostile.
     pub fn rejected(&self) -> u64 {
         self.malformed + self.oversized + self.not_finite + self.strangers
     }
 }
 
-/// Something that reports poses. Whatever waits does so on a thread of the source's own: none of
-/// these calls blocks.
+/// A source of poses. None of these calls blocks: a source waits on a thread of its own.
 pub trait Source: Send {
-    /// For people: what and where.
+    /// A description for people: what it is and where.
     fn name(&self) -> &str;
 
-    /// Appends what has happened since the last call, oldest first. `now_s` is the host's clock.
+    /// Appends the events since the last call, oldest first. `now_s` is the host's clock.
     fn poll(&mut self, now_s: f64, events: &mut Vec<Event>);
 
     fn state(&self) -> SourceState;
 
     fn counters(&self) -> Counters;
 
-    /// The pose that the source itself foresees for `display_time_s`, which is used in place of
-    /// our own filter and prediction. For runtimes (OpenXR) that predict better than we can.
+    /// The pose that the source itself predicts for `display_time_s`; it replaces filter and prediction. For
+    /// runtimes (OpenXR) that predict better than this crate can.
     fn located(&mut self, _sensor: u32, _display_time_s: f64) -> Option<HeadPose> {
         None
     }
 }
 
-/// Seconds since an instant that the program chose, the same for all sources.
+/// Seconds since an instant chosen by the program, the same for all sources.
 #[derive(Clone, Copy, Debug)]
 pub struct HostClock(Instant);
 

@@ -1,9 +1,8 @@
-//! Owns the front of the crate: the sources, the bodies that they track (a head, a hand), and the
-//! question where a body will be when the picture is seen. Takes time as values and blocks nowhere.
-//! Must not know what a source speaks or what is drawn.
+//! The front of the crate: owns the sources and the bodies that they track (a head, a hand), and predicts where a
+//! body will be when a frame is seen. Takes time as a value and never blocks.
 //!
-//! A body follows the first of its channels that is live, so that a second tracker can stand in
-//! for the first; with none it goes to its place of rest. All changes are faded.
+//! A body follows the first of its channels that is live, so that a second tracker can replace the first; with
+//! none it moves to its rest position. All changes are faded.
 
 use crate::calibration::Calibration;
 use crate::channel::{Channel, ChannelOptions};
@@ -12,13 +11,13 @@ use crate::fade::{Fade, FadeOptions};
 use crate::pose::{HeadPose, Placement};
 use crate::source::Source;
 
-/// A tracked body and what stands in for it.
+/// A tracked body and its fallbacks.
 #[derive(Clone, PartialEq, Debug)]
 pub struct BodyOptions {
-    /// Where the body is while nothing tracks it, on the screen's axes.
+    /// The rest position, in screen axes, while nothing tracks the body.
     pub rest: Placement,
     pub fade: FadeOptions,
-    /// The best first.
+    /// In order of preference.
     pub channels: Vec<ChannelOptions>,
 }
 
@@ -27,27 +26,27 @@ pub struct BodyOptions {
 pub struct BodyId(usize);
 
 impl BodyId {
-    /// The body with which every tracker is made.
+    /// The body that every tracker has.
     pub const HEAD: Self = Self(0);
 }
 
-/// How well a placement is founded.
+/// Whether a placement is tracked.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Presence {
     Tracked,
-    /// A tracker is live; the way to it is under way.
+    /// A tracker is live; the fade to it is under way.
     Returning,
-    /// No tracker is live; the way to the place of rest is under way.
+    /// No tracker is live; the fade to the rest position is under way.
     Leaving,
     Absent,
 }
 
-/// Where a body will be.
+/// Predicted placement of a body.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Predicted {
-    /// On the screen's axes.
+    /// In screen axes.
     pub placement: Placement,
-    /// 0 at the place of rest, else that of the report, less while fading.
+    /// 0 at the rest position, else that of the report, reduced while fading.
     pub confidence: f64,
     pub presence: Presence,
 }
@@ -57,10 +56,10 @@ struct Body {
     rest: Placement,
     fade_options: FadeOptions,
     channels: Vec<Channel>,
-    /// The channel that is followed; None: the place of rest.
+    /// The channel that is followed; None: the rest position.
     guide: Option<usize>,
     fade: Fade,
-    /// The latest time for which a placement was given out: fades start no earlier.
+    /// The latest time for which a placement was requested: fades start no earlier.
     shown_s: f64,
 }
 
@@ -99,8 +98,8 @@ impl Tracker {
         self.sources.iter().map(|source| &**source)
     }
 
-    /// Fetches what the sources have for us and decides whom each body follows. Poses and motion
-    /// are consumed; buttons, analogs, dials, texts, losses and finds are appended to `events`.
+    /// Polls the sources and decides which channel each body follows. Poses and motion are consumed; buttons,
+    /// analogs, dials, texts, losses and finds are appended to `events`.
     pub fn update(&mut self, now_s: f64, events: &mut Vec<Event>) {
         for (index, source) in self.sources.iter_mut().enumerate() {
             source.poll(now_s, &mut self.scratch);
@@ -124,7 +123,7 @@ impl Tracker {
         }
     }
 
-    /// The head's last report after calibration and filter, on the screen's axes.
+    /// The head's last report after calibration and filter, in screen axes.
     pub fn latest(&self) -> Option<&HeadPose> {
         self.latest_of(BodyId::HEAD)
     }
@@ -135,12 +134,12 @@ impl Tracker {
         body.channels[body.guide?].smooth()
     }
 
-    /// The last report of each channel as the tracker sent it: what a calibration is made from.
+    /// The last report of each channel as the tracker sent it, for calibrating.
     pub fn raw_of(&self, body: BodyId) -> impl Iterator<Item = Option<&HeadPose>> {
         self.bodies.get(body.0).into_iter().flat_map(|body| body.channels.iter().map(Channel::raw))
     }
 
-    /// Where the head will be when the picture is seen.
+    /// Where the head will be when the frame is seen.
     pub fn predicted(&mut self, display_time_s: f64) -> Predicted {
         self.bodies[0].predicted(display_time_s, &mut self.sources)
     }
@@ -151,7 +150,7 @@ impl Tracker {
         Some(body.predicted(display_time_s, &mut self.sources))
     }
 
-    /// Changes the calibration of a body's channel, fading from where the body is shown. False if
+    /// Changes the calibration of a body's channel, with a fade from where the body is shown. Returns false if
     /// there is no such channel.
     pub fn set_calibration(
         &mut self,
@@ -173,7 +172,7 @@ impl Tracker {
 }
 
 impl Body {
-    /// What the guide says for `time_s`.
+    /// The guide's placement for `time_s`.
     fn guide_at(&self, time_s: f64, sources: &mut [Box<dyn Source>]) -> Placement {
         let Some(channel) = self.guide.map(|index| &self.channels[index]) else {
             return self.rest;

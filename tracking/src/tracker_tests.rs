@@ -1,4 +1,4 @@
-//! Owns the properties of the front: what it shows never jumps, whatever the sources do.
+//! Properties of the tracker: predicted placements never jump, whatever the sources do.
 
 use super::*;
 use crate::pose::Velocity;
@@ -6,7 +6,7 @@ use crate::source::{Counters, SourceState};
 use glam::{DQuat, DVec3};
 use std::sync::{Arc, Mutex};
 
-/// A source that hands on what the test put in.
+/// A source that passes on the test's events.
 struct Fed {
     queue: Arc<Mutex<Vec<Event>>>,
     foreseen: Option<Placement>,
@@ -60,8 +60,8 @@ fn tracker(channels: &[&str]) -> (Tracker, Queue) {
     (tracker, queue)
 }
 
-/// Runs frames at 90 Hz, asking 20 ms ahead; `feed` says which poses come at which time. Gives all
-/// that was shown, after checking that no frame moves faster than `limit_m_s` and as many rad/s.
+/// Runs frames at 90 Hz with a prediction of 20 ms; `feed` gives the poses for each time. Returns all placements
+/// shown, after checking that no frame moves faster than `limit_m_s` and as many rad/s.
 fn run(
     tracker: &mut Tracker,
     queue: &Queue,
@@ -95,9 +95,9 @@ fn swinging(t: f64) -> DVec3 {
 #[test]
 fn loss_and_recovery_fade() {
     let (mut tracker, queue) = tracker(&["A"]);
-    // Live from 1 s to 3 s and from 3.9 s on: the second loss is met in the middle of leaving.
+    // Live from 1 s to 3 s and from 3.9 s on: it is found again in the middle of the fade to rest.
     let live = |t: f64| (1.0..3.0).contains(&t) || t >= 3.9;
-    // The way to rest is below 0.4 m in 0.5 s at slope 1.5, and the swing itself 0.6 m/s.
+    // The fade to rest covers less than 0.4 m in 0.5 s at slope 1.5, and the swing itself reaches 0.6 m/s.
     let shown = run(&mut tracker, &queue, 8.0, 1.9, |t| {
         if live(t) { vec![Event::Pose(pose("A", 0, swinging(t), t))] } else { Vec::new() }
     });

@@ -1,5 +1,5 @@
-//! Owns the captured sessions of the reference implementation: their bytes, cut into messages, and
-//! the formulas that their values obey (see data/README.md).
+//! The captured sessions of the reference implementation: their bytes, split into messages, and the formulas that
+//! their values obey (see data/README.md).
 
 use glam::{DQuat, DVec3};
 use std::collections::HashMap;
@@ -28,7 +28,7 @@ pub fn datagrams() -> Vec<Vec<u8>> {
     found
 }
 
-/// A message with the names that its ids stand for.
+/// A message with the names of its ids.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Said {
     pub stamp: Stamp,
@@ -36,7 +36,7 @@ pub struct Said {
     pub message: Message,
 }
 
-/// What a peer says, by the names that it describes. Panics on anything that is not as it should be.
+/// The messages of a peer, by the names that it describes. Panics on anything invalid.
 #[derive(Default)]
 pub struct Listener {
     senders: HashMap<i32, String>,

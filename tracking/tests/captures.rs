@@ -1,4 +1,4 @@
-//! Owns the proof that every value of the captured sessions is decoded to what it must be.
+//! Every value of the captured sessions is decoded correctly.
 
 use super::captured::*;
 use glam::{DQuat, DVec3};
@@ -44,7 +44,7 @@ fn check_reports(listener: &Listener) {
     }
 }
 
-/// Checks what the deterministic server says by TCP in both modes.
+/// Checks what the deterministic server sends by TCP in both modes.
 fn check_reliable(listener: &Listener) {
     let changes = listener.of(Kind::ButtonChange);
     assert_eq!(changes.len(), 8);
@@ -52,7 +52,7 @@ fn check_reliable(listener: &Listener) {
         assert_eq!((said.device.as_str(), said.stamp), ("Wand0", Stamp::default()));
         assert_eq!(said.message, Message::ButtonChange { button, pressed });
     }
-    // States tell what the changes before them have made of the buttons.
+    // States reflect the button changes before them.
     let mut held = vec![false; 4];
     for said in &listener.said {
         match &said.message {
@@ -145,7 +145,7 @@ fn stock_server() {
     }
     assert_eq!((nulls, spins.len()), (48, 49));
     for (i, pair) in spins.windows(2).enumerate() {
-        // 36 degrees a second about +Y by the stamps.
+        // 36 degrees per second about +Y by the timestamps.
         let turned = DQuat::from_rotation_y(36f64.to_radians() * (pair[1].0 - pair[0].0));
         assert!((pair[1].1 - turned * pair[0].1).length() < 1e-6, "report {i}");
     }
@@ -190,7 +190,7 @@ fn what_stock_clients_say() {
     }
 }
 
-/// The same session packet by packet as it lay on the wire.
+/// The same session packet by packet, as captured on the wire.
 #[test]
 fn packet_capture_holds_the_same_datagrams() {
     let all = bytes("det_udp.pcap");

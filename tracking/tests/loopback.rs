@@ -1,5 +1,4 @@
-//! Owns the proof that our client and our server understand each other, in both modes, over real
-//! sockets on loopback.
+//! This crate's client and server understand each other, in both modes, over real sockets on loopback.
 
 use super::captured::*;
 use super::waiting::{Heard, buttons, lost, poses, until};
@@ -11,7 +10,7 @@ use tracking::{
     BodyOptions, ChannelOptions, Event, HeadPose, Placement, Source, SourceState, Tracker, Velocity,
 };
 
-/// Port 0: any. Another one may be in use for a moment, by a socket of another test.
+/// Port 0 chooses a free one. A fixed one may be in use by a socket of another test.
 fn serve(port: u16) -> Server {
     let listen = SocketAddr::from(([127, 0, 0, 1], port));
     let device = |name: &str, buttons| DeviceSpec { name: name.to_owned(), buttons };
@@ -53,7 +52,7 @@ fn publish_tick(server: &Server, k: u32) {
     server.publish("Other", &[Message::Analog(vec![9.0])], stamp).unwrap();
 }
 
-/// The tick that an event was made at, from its values, which are checked against one another.
+/// The tick of an event, from its values, which are checked against each other.
 fn check_stream_event(event: &Event) {
     match event {
         Event::Pose(pose) => {
@@ -136,7 +135,7 @@ fn finds_again(mode: Mode) {
     let press = Message::ButtonChange { button: 2, pressed: true };
     server.publish("Wand0", &[press], Stamp::default()).unwrap();
     heard.until("the button", |events| buttons(events) == [(2, true)]);
-    // A client that comes later hears how the buttons stand.
+    // A client that connects later receives the button states.
     let mut late = Heard::start(mode, port);
     late.until("the button's state", |events| buttons(events) == [(2, true)]);
     drop(late);
@@ -180,7 +179,7 @@ fn a_client_may_come_before_the_server() {
     }
 }
 
-/// The whole way: server, network, client, tracker with its filter and fade.
+/// The whole chain: server, network, client, tracker with its filter and fade.
 #[test]
 fn a_tracker_follows_a_served_head() {
     let server = serve(0);

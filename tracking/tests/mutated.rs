@@ -1,5 +1,5 @@
-//! Owns the proof that hostile bytes do no harm: a million mutated packets, the same every time,
-//! through every decoder. None may panic, make poses that are not finite, or fill memory.
+//! Hostile bytes do no harm: a million mutated packets, the same in every run, through every decoder. None may
+//! cause a panic, a pose that is not finite, or unbounded memory.
 
 use std::sync::Arc;
 
@@ -26,7 +26,7 @@ impl Random {
     }
 }
 
-/// Words that break programs: huge, negative, not a number, just over a limit.
+/// Values that break decoders: huge, negative, not a number, just over a limit.
 const NASTY: [u64; 12] = [
     0,
     u64::MAX,
@@ -42,7 +42,7 @@ const NASTY: [u64; 12] = [
     0x0000_07d0_0000_07cf,
 ];
 
-/// One to four changes: a flipped bit, a nasty word, a cut, a growth, a copy from elsewhere.
+/// One to four mutations: a flipped bit, a bad word, truncation, growth, a copy from elsewhere.
 fn mutate(packet: &mut Vec<u8>, random: &mut Random) {
     for _ in 0..=random.below(3) {
         let at = random.below(packet.len());
@@ -67,7 +67,7 @@ fn mutate(packet: &mut Vec<u8>, random: &mut Random) {
     }
 }
 
-/// The largest memory that this process ever held, in KiB, where the system tells.
+/// The peak memory of this process in KiB, if the system reports it.
 fn peak_kib() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
@@ -99,7 +99,7 @@ fn session() -> Session {
     Session::new(["Head0", "Wand0", "Spin0", "Button0", "Dial0"].map(label))
 }
 
-/// Feeds a captured stream, so that ids have a meaning.
+/// Feeds a captured stream, so that ids are known.
 fn introduce(session: &mut Session, name: &str) {
     let mut reader = StreamReader::default();
     reader.push(&super::captured::bytes(name)[24..]);
@@ -131,7 +131,7 @@ fn a_million_mutated_packets() {
     let mut packet = Vec::new();
     let mut largest_buffer = 0;
     for round in 0..1_000_000u32 {
-        // Mutated descriptions may have given ids other meanings: begin again now and then.
+        // Mutated descriptions may have redefined ids: restart now and then.
         if round % 5000 == 0 {
             session.forget(f64::from(round), &mut events);
             check_events(&mut events);
@@ -156,7 +156,7 @@ fn a_million_mutated_packets() {
         }
         check_events(&mut events);
 
-        // The same on a stream, which ends at its first error.
+        // The same as a stream, which ends at its first error.
         reader.push(&packet);
         loop {
             match reader.next_frame() {

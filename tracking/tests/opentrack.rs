@@ -1,4 +1,4 @@
-//! Owns the proof that opentrack's datagrams arrive over a real socket and bad ones are counted.
+//! opentrack's datagrams arrive over a real socket, and bad ones are counted.
 
 use super::waiting::until;
 use std::net::{SocketAddr, UdpSocket};
@@ -21,7 +21,7 @@ fn datagrams_become_poses_and_bad_ones_are_counted() {
     send(&[f64::NAN, 0.0, 0.0, 0.0, 0.0, 0.0]);
     send(&[0.0; 5]);
     send(&[0.0; 200]);
-    // The longest there is: a buffer that it does not fit into is an error on Windows.
+    // The longest possible one: on Windows it is an error if it does not fit into the buffer.
     send(&[0.0; 65_507 / 8]);
     for i in 0..10 {
         send(&[f64::from(i), 2.0, 60.0, 0.0, 0.0, 0.0]);
@@ -41,7 +41,7 @@ fn datagrams_become_poses_and_bad_ones_are_counted() {
     assert_eq!((counters.not_finite, counters.malformed, counters.oversized), (1, 1, 2));
     assert_eq!((counters.accepted, source.state()), (10, SourceState::Running));
 
-    // Closing frees the port.
+    // Dropping the source frees the port.
     let listen = source.address();
     drop(source);
     let options = OpentrackOptions { listen, ..Default::default() };

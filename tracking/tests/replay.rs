@@ -1,5 +1,5 @@
-//! Owns the proof that our client understands the reference implementation: captured streams played
-//! by a pretended server, connections that break, and servers that break the rules.
+//! The client understands the reference implementation: captured streams replayed by a fake server, connections
+//! that break, and servers that violate the protocol.
 
 use super::captured::*;
 use super::waiting::{Heard, lost, poses, until};
@@ -49,7 +49,7 @@ fn captured_tcp_session_twice() {
     let session = bytes("det_tcp.s2c.bin");
     for round in 1..=2 {
         let (mut stream, _) = listener.accept().unwrap();
-        // In odd pieces, so that messages are cut anywhere.
+        // In odd pieces, so that messages are split anywhere.
         for piece in session.chunks(777) {
             stream.write_all(piece).unwrap();
         }
@@ -75,7 +75,7 @@ fn captured_udp_session_twice() {
         let (mut stream, mut reader) = connect_back(&requests);
         stream.write_all(&session).unwrap();
         let port = udp_port(&mut stream, &mut reader);
-        // The stream's 59 messages but the UDP description have been taken.
+        // All of the stream's 59 messages but the UDP description have been handled.
         until("the stream's end", || {
             let counters = heard.client.counters();
             counters.accepted + counters.ignored >= if round == 1 { 59 } else { 59 + 280 + 59 }
@@ -94,7 +94,7 @@ fn captured_udp_session_twice() {
     assert_eq!((counters.rejected(), counters.connections), (0, 2));
 }
 
-/// Waits for a request that can be met (older ones are of listeners that are gone), and meets it.
+/// Waits for a request that can be answered (older ones come from closed listeners), and connects.
 fn connect_back(requests: &UdpSocket) -> (TcpStream, StreamReader) {
     loop {
         let mut bytes = [0; 100];
@@ -110,7 +110,7 @@ fn connect_back(requests: &UdpSocket) -> (TcpStream, StreamReader) {
     }
 }
 
-/// The client's first message says where it hears UDP.
+/// The client's first message announces its UDP port.
 fn udp_port(stream: &mut TcpStream, reader: &mut StreamReader) -> u16 {
     let mut bytes = [0; 4096];
     loop {
@@ -166,10 +166,10 @@ fn servers_that_break_the_rules_are_left_and_sought_again() {
     stream.write_all(b"HTTP/1.1 400 Bad Request\r\n\r\n").unwrap();
     until("the cookie to be refused", || heard.client.counters().malformed == 1);
 
-    // Goes at once.
+    // Disconnects at once.
     drop(listener.accept().unwrap());
 
-    // A message that claims to be of 4 GB, behind good ones.
+    // A message that claims to have 4 GB, after good ones.
     let (mut stream, _) = listener.accept().unwrap();
     let session = bytes("det_tcp.s2c.bin");
     stream.write_all(&session).unwrap();
@@ -179,14 +179,14 @@ fn servers_that_break_the_rules_are_left_and_sought_again() {
     check_session(&heard.events);
     heard.events.clear();
 
-    // And a good one.
+    // And a good server.
     let (mut stream, _) = listener.accept().unwrap();
     stream.write_all(&session).unwrap();
     heard.until("all poses", |events| poses(events) == 80);
     assert_eq!(heard.client.counters().connections, 2);
 }
 
-/// A server whose cable was pulled: it has answered, then nothing comes, and TCP does not tell.
+/// A server whose cable is pulled: it has answered, then nothing arrives, and TCP does not notice.
 #[test]
 fn a_silent_server_is_taken_for_lost() {
     use tracking::HostClock;

@@ -1,4 +1,4 @@
-//! Owns the proof that our server serves stock clients in both modes and survives bad ones.
+//! The server serves stock clients in both modes and survives bad ones.
 
 use super::captured::*;
 use super::waiting::until;
@@ -33,7 +33,7 @@ fn greeted(stream: &mut TcpStream) {
     assert_eq!(cookie, COOKIE);
 }
 
-/// Hears the stream until `is_so`.
+/// Reads the stream until `is_so` holds.
 fn hear(
     stream: &mut TcpStream,
     reader: &mut StreamReader,
@@ -93,7 +93,7 @@ fn questions_of_the_minimal_client_are_answered() {
     });
 }
 
-/// The default mode as the stock client plays it: poses by UDP, buttons by TCP.
+/// The default mode as the stock client uses it: poses by UDP, buttons by TCP.
 #[test]
 fn a_stock_udp_client_is_connected_to_and_served_by_udp() {
     let server = serve(8);
@@ -106,7 +106,7 @@ fn a_stock_udp_client_is_connected_to_and_served_by_udp() {
     let (mut stream, _) = listening.accept().unwrap();
     stream.set_read_timeout(Some(Duration::from_secs(30))).unwrap();
     greeted(&mut stream);
-    // The captured stream, with its UDP description (the first message) replaced by ours.
+    // The captured stream, with its UDP description (the first message) replaced by the test's own.
     let hears = UdpSocket::bind("127.0.0.1:0").unwrap();
     hears.set_read_timeout(Some(Duration::from_secs(30))).unwrap();
     let captured = bytes("det_udp.c2s.bin");
@@ -186,7 +186,7 @@ fn a_client_that_does_not_read_is_cut_off_without_delay_to_others() {
     let mut lazy = connect(&server);
     lazy.write_all(&bytes("min_tcp.c2s.bin")).unwrap();
     until("the lazy client", || server.clients() == 1);
-    // Poses are dropped for it; it is the texts, which must arrive, that it cannot leave lying.
+    // Poses are dropped for it; texts must arrive, so it is disconnected for those that pile up.
     let text = Message::Text { severity: 0, level: 0, text: "x".repeat(1000) };
     let mut sent = 0;
     until("the cut", || {

@@ -1,5 +1,4 @@
-//! Owns how tests wait for other threads: on conditions, with deadlines generous enough for a
-//! loaded machine.
+//! How tests wait for other threads: for conditions, with deadlines generous enough for a loaded machine.
 
 use std::time::{Duration, Instant};
 use tracking::vrpn::{Client, ClientTiming, Mode, ServerAddress};
@@ -7,7 +6,7 @@ use tracking::{Event, HostClock, Source};
 
 const DEADLINE: Duration = Duration::from_secs(30);
 
-/// Calls `is_so` until it is.
+/// Calls `is_so` until it holds.
 pub fn until(what: &str, mut is_so: impl FnMut() -> bool) {
     let begun = Instant::now();
     while !is_so() {

@@ -1,5 +1,5 @@
-//! Owns how a VRPN device is called: `Head0@host`, `Head0@host:port`, `Head0@tcp://host:port`.
-//! Takes text; gives device, mode, host and port. Opens no sockets.
+//! Addresses of VRPN devices: `Head0@host`, `Head0@host:port`, `Head0@tcp://host:port`. Takes text, gives device,
+//! mode, host and port; opens no sockets.
 
 use std::fmt;
 use std::str::FromStr;
@@ -8,19 +8,19 @@ use thiserror::Error;
 
 use crate::vrpn::wire::MAX_NAME_BYTES;
 
-/// Where VRPN servers listen unless told otherwise.
+/// The default port of VRPN servers.
 pub const DEFAULT_PORT: u16 = 3883;
 
-/// How client and server find each other.
+/// How client and server connect.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Mode {
-    /// The client connects by TCP, and everything goes that way.
+    /// The client connects by TCP, and all messages use it.
     Tcp,
-    /// The client asks by UDP, the server connects back by TCP, and poses go by UDP.
+    /// The client sends a request by UDP, the server connects back by TCP, and poses are sent by UDP.
     Udp,
 }
 
-/// A server and how to speak to it.
+/// A server and how to connect to it.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 pub struct ServerAddress {
     pub mode: Mode,
@@ -35,7 +35,7 @@ pub struct DeviceAddress {
     pub server: ServerAddress,
 }
 
-/// Why a text names no VRPN device.
+/// Why a text is not the address of a VRPN device.
 #[derive(Clone, PartialEq, Eq, Debug, Error)]
 #[error(
     "\"{0}\" names no VRPN device: expected device@host, device@host:port or device@tcp://host:port"

@@ -1,6 +1,6 @@
-//! Owns the connection to a VRPN server: finding it, in either mode, keeping it, and finding it
-//! again. Takes an address and device names; gives a [`Source`]. All waiting is on its own threads.
-//! Must not know what messages mean; that is the session's.
+//! The connection to a VRPN server: connects in either mode, keeps the connection and reconnects. Takes an address
+//! and device names, gives a [`Source`]. All waiting is on its own threads. The meaning of messages belongs to
+//! the session.
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, TcpStream, ToSocketAddrs, UdpSocket};
@@ -15,21 +15,21 @@ use crate::vrpn::address::{DeviceAddress, Mode, ServerAddress};
 use crate::vrpn::session::Session;
 use crate::vrpn::wire::{COOKIE, MAX_DATAGRAM_BYTES, StreamReader, check_cookie, datagram_frames};
 
-/// How patient a client is.
+/// Timing of a client.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ClientTiming {
-    /// First and longest pause between attempts; it doubles in between.
+    /// First and longest pause between attempts; it doubles each time.
     pub retry_first: Duration,
     pub retry_longest: Duration,
     /// Between two requests to a server to connect back (UDP mode).
     pub request_every: Duration,
-    /// For a TCP connection and for the exchange of cookies.
+    /// Time limit for a TCP connection and for the exchange of cookies.
     pub greeting_timeout: Duration,
     /// Between two pings to a device that has not answered.
     pub ping_every: Duration,
-    /// A server that is silent for so long is pinged anew.
+    /// A server that is silent for this long is pinged again.
     pub silence_ping: Duration,
-    /// A server that has answered before and is silent for so long is taken for lost.
+    /// A server that has answered before and is silent for this long counts as lost.
     pub silence_lost: Duration,
 }
 
@@ -47,7 +47,7 @@ impl Default for ClientTiming {
     }
 }
 
-/// How long a read may wait before the thread looks whether it is still wanted.
+/// How long a read may wait before the thread checks whether it should stop.
 const TICK: Duration = Duration::from_millis(50);
 
 struct Shared {
@@ -69,8 +69,8 @@ pub struct Client {
 }
 
 impl Client {
-    /// Starts seeking the server. Only a thread that cannot be made is an error; a server that is
-    /// not there is sought until the client is dropped.
+    /// Starts to look for the server, until the client is dropped. Fails only if no thread can be started; a
+    /// server that is not there is no error.
     pub fn start(
         server: ServerAddress,
         devices: &[String],
@@ -138,22 +138,22 @@ impl Source for Client {
 }
 
 impl Drop for Client {
-    /// Does not wait for the thread, which may be resolving a name: it ends by itself.
+    /// Does not wait for the thread, which may be resolving a name; it ends by itself.
     fn drop(&mut self) {
         self.shared.stop.store(true, Ordering::Relaxed);
         self.thread.thread().unpark();
     }
 }
 
-/// The data behind our locks is whole at every moment, so a panic elsewhere does not spoil it.
+/// The data behind these locks is consistent at all times, so a poisoned lock is usable.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// An open way to the server.
+/// An open connection to the server.
 struct Link {
     tcp: TcpStream,
-    /// Our end of the low-latency way, in UDP mode.
+    /// The local end of the low-latency channel, in UDP mode.
     udp: Option<UdpSocket>,
 }
 
@@ -185,7 +185,7 @@ impl Shared {
                     pause = self.timing.retry_first;
                 }
             }
-            // Before the events, so that whoever learns of the loss finds the state changed.
+            // Before the events, so that a reader of the loss finds the state changed.
             self.set_state(SourceState::Seeking(reason));
             let mut events = Vec::new();
             lock(&self.session).forget(self.clock.now_s(), &mut events);
@@ -196,7 +196,7 @@ impl Shared {
         self.set_state(SourceState::Ended("closed".to_owned()));
     }
 
-    /// Sleeps, unless the client is dropped meanwhile.
+    /// Sleeps, but ends early if the client is dropped.
     fn wait(&self, pause: Duration) {
         let until = Instant::now() + pause;
         while !self.stopped() && Instant::now() < until {
@@ -214,7 +214,7 @@ impl Shared {
         let mut failure = io::Error::from(ErrorKind::AddrNotAvailable);
         for address in self.resolve()? {
             match TcpStream::connect_timeout(&address, self.timing.greeting_timeout) {
-                // With no server at a port of the system's own range, TCP can meet itself.
+                // If no server listens at an ephemeral port, TCP can connect to itself.
                 Ok(tcp) if tcp.local_addr()? == tcp.peer_addr()? => {}
                 Ok(tcp) => return Ok(Link { tcp, udp: None }),
                 Err(error) => failure = error,
@@ -223,7 +223,7 @@ impl Shared {
         Err(failure)
     }
 
-    /// Asks the server to connect to us, again and again until it does.
+    /// Asks the server to connect back, repeatedly until it does.
     fn open_udp(&self) -> io::Result<Link> {
         let server = self.resolve()?.into_iter().find(SocketAddr::is_ipv4).ok_or_else(|| {
             io::Error::new(ErrorKind::AddrNotAvailable, "the UDP mode of VRPN needs IPv4")
@@ -237,7 +237,7 @@ impl Shared {
         let mut asked: Option<Instant> = None;
         while !self.stopped() {
             if asked.is_none_or(|at| at.elapsed() >= self.timing.request_every) {
-                // Refused while there is no server: asking goes on.
+                // Refused while there is no server: keep asking.
                 if let Err(error) = asking.send(request.as_bytes()) {
                     self.set_state(SourceState::Seeking(error.to_string()));
                 }
@@ -257,7 +257,7 @@ impl Shared {
         Err(ErrorKind::Interrupted.into())
     }
 
-    /// Speaks with the server until it goes, breaks the rules, or the client is dropped.
+    /// Runs the conversation until the server leaves or violates the protocol, or the client is dropped.
     fn converse(&self, link: &Link) -> io::Result<()> {
         link.tcp.set_nodelay(true)?;
         link.tcp.set_read_timeout(Some(TICK))?;
@@ -351,8 +351,8 @@ impl Shared {
         Ok(())
     }
 
-    /// Pings for devices that have not answered, and for all if the server has fallen silent. An
-    /// answering server that stays silent is taken for lost: TCP alone may not notice for hours.
+    /// Pings devices that have not answered, and all if the server has fallen silent. A server that has answered
+    /// before and stays silent counts as lost: TCP alone may not notice for hours.
     fn pings_due(&self) -> io::Result<Vec<u8>> {
         let mut session = lock(&self.session);
         let silence_s = self.clock.now_s() - session.heard_s();
@@ -369,7 +369,7 @@ impl Shared {
             let (count, from) = match udp.recv_from(&mut bytes) {
                 Ok(received) => received,
                 Err(error) if is_pause(&error) => continue,
-                // Such as a port that was closed: the stream decides whether the server is there.
+                // Such as a closed port: the stream decides whether the server is there.
                 Err(_) => {
                     thread::park_timeout(TICK);
                     continue;
@@ -394,7 +394,7 @@ impl Shared {
     }
 }
 
-/// Whether nothing is wrong but that there is nothing yet.
+/// Whether there is merely nothing to read yet.
 fn is_pause(error: &io::Error) -> bool {
     matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
 }

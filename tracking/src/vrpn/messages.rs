@@ -1,21 +1,20 @@
-//! Owns the payloads of the VRPN messages that trackers, buttons, analogs and dials use: bytes to
-//! values and back. Numbers that are not finite, indices and counts beyond the limits, and payloads
-//! of a wrong length are errors. Must not know who sends or why.
+//! Payloads of the VRPN messages of trackers, buttons, analogs and dials: bytes to values and back. Numbers that
+//! are not finite, indices and counts beyond the limits, and payloads of a wrong length are errors.
 
 use glam::{DQuat, DVec3};
 use thiserror::Error;
 
-/// Sensors of a tracker are below this.
+/// Sensor numbers of a tracker are below this.
 pub const MAX_SENSORS: u32 = 65_536;
-/// Buttons of a device, at most.
+/// Most buttons of a device.
 pub const MAX_BUTTONS: usize = 256;
-/// Analog channels of a device, at most.
+/// Most analog channels of a device.
 pub const MAX_CHANNELS: usize = 128;
-/// Dials of a device, at most.
+/// Most dials of a device.
 pub const MAX_DIALS: u32 = 256;
 /// Longest text, bytes.
 pub const MAX_TEXT_BYTES: usize = 1023;
-/// A text message of the reference implementation always has room for so many bytes of text.
+/// Bytes that the reference implementation always reserves for the text of a text message.
 const TEXT_ROOM_BYTES: usize = 1024;
 
 /// Why a payload is refused.
@@ -31,7 +30,7 @@ pub enum MessageError {
 
 macro_rules! kinds {
     ($($kind:ident = $name:literal,)*) => {
-        /// The message types that we speak.
+        /// The supported message types.
         #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
         pub enum Kind {
             $(#[doc = concat!("`", $name, "`")] $kind,)*
@@ -40,7 +39,7 @@ macro_rules! kinds {
         impl Kind {
             pub const ALL: &[Self] = &[$(Self::$kind,)*];
 
-            /// By which peers tell each other which id a type has.
+            /// The name by which peers agree on the id of a type.
             pub fn name(self) -> &'static str {
                 match self {
                     $(Self::$kind => $name,)*
@@ -76,8 +75,7 @@ impl Kind {
         Self::ALL.iter().copied().find(|kind| kind.name() == name)
     }
 
-    /// Whether a lost message of this kind is worthless a moment later: these go by UDP where
-    /// there is one.
+    /// Whether messages of this kind are superseded a moment later: these use UDP if available.
     pub fn is_low_latency(self) -> bool {
         matches!(self, Self::Pose | Self::Velocity | Self::Acceleration | Self::Analog | Self::Dial)
     }
@@ -91,14 +89,14 @@ pub enum Message {
         position_m: DVec3,
         quat: DQuat,
     },
-    /// Linear m/s; `quat` is the turn in `dt_s` seconds.
+    /// Linear m/s; `quat` is the rotation in `dt_s` seconds.
     Velocity {
         sensor: u32,
         linear: DVec3,
         quat: DQuat,
         dt_s: f64,
     },
-    /// Linear m/s2; `quat` is the change of turn in `dt_s` seconds.
+    /// Linear m/s2; `quat` is the change of rotation in `dt_s` seconds.
     Acceleration {
         sensor: u32,
         linear: DVec3,
@@ -169,7 +167,7 @@ impl Message {
         }
     }
 
-    /// The value that a payload of `kind` stands for.
+    /// Decodes a payload of `kind`.
     pub fn decode(kind: Kind, payload: &[u8]) -> Result<Self, MessageError> {
         let mut r = Reader { kind, rest: payload, length: payload.len() };
         let message = match kind {
@@ -227,8 +225,8 @@ impl Message {
         if r.rest.is_empty() { Ok(message) } else { Err(r.bad_length()) }
     }
 
-    /// The payload. Texts are cut to [`MAX_TEXT_BYTES`]; what [`Self::decode`] would refuse for its
-    /// numbers is for the caller to avoid (see [`Self::is_sendable`]).
+    /// Encodes the payload. Texts are truncated to [`MAX_TEXT_BYTES`]; the caller must avoid numbers that
+    /// [`Self::decode`] would refuse (see [`Self::is_sendable`]).
     pub fn encode(&self) -> Vec<u8> {
         let mut out = Vec::with_capacity(72);
         match self {
@@ -284,7 +282,7 @@ impl Message {
         out
     }
 
-    /// Whether a peer with our limits would take it.
+    /// Whether a peer with the same limits would accept it.
     pub fn is_sendable(&self) -> bool {
         Self::decode(self.kind(), &self.encode()).is_ok()
     }
@@ -325,13 +323,13 @@ impl Reader<'_> {
         Ok(u32::from_be_bytes(self.take()?))
     }
 
-    /// Of the wire's i32, so that negative ones are beyond every limit.
+    /// From the wire's i32, so that negative values exceed every limit.
     fn index(&mut self, limit: u32) -> Result<u32, MessageError> {
         let index = self.u32()?;
         if index < limit { Ok(index) } else { Err(MessageError::Index(self.kind)) }
     }
 
-    /// A sensor and the word after it, which means nothing.
+    /// A sensor number and the unused word after it.
     fn sensor(&mut self) -> Result<u32, MessageError> {
         let sensor = self.index(MAX_SENSORS)?;
         self.u32()?;
@@ -351,7 +349,7 @@ impl Reader<'_> {
         Ok(DQuat::from_xyzw(self.f64()?, self.f64()?, self.f64()?, self.f64()?))
     }
 
-    /// A C string that takes the rest; what follows its NUL means nothing.
+    /// A C string in the remaining bytes; what follows its NUL is ignored.
     fn text(&mut self) -> Result<String, MessageError> {
         let bytes = std::mem::take(&mut self.rest);
         let end = bytes.iter().position(|byte| *byte == 0).ok_or(self.bad_length())?;

@@ -1,9 +1,8 @@
-//! VRPN (Virtual-Reality Peripheral Network, version 07.xx): a client that brings a server's
+//! VRPN (Virtual-Reality Peripheral Network, version 07.xx): a client that provides a server's
 //! trackers, buttons, analogs and dials as a [`crate::Source`], and a small server.
 //!
-//! `wire` frames bytes, `messages` gives payloads their meaning, `session` and `peer` are the
-//! client's and the server's half of a conversation without any socket, `client` and `server` run
-//! them on sockets and threads.
+//! `wire` frames bytes, `messages` decodes payloads, `session` and `peer` are the client's and the server's half of
+//! a conversation without sockets, `client` and `server` run them on sockets and threads.
 
 mod address;
 pub mod client;

@@ -1,6 +1,5 @@
-//! Owns the server's half of one VRPN conversation: what the client's ids stand for, where it hears
-//! UDP, and what its questions are answered with. Takes frames; gives answers.
-//! Must not know sockets, clocks, or what the devices do.
+//! The server's half of one VRPN conversation: the client's ids, its UDP port and the answers to its requests.
+//! Takes frames, gives answers; knows no sockets and no clocks.
 
 use glam::{DQuat, DVec3};
 
@@ -10,10 +9,10 @@ use crate::vrpn::wire::{
     described_name, write_frame,
 };
 
-/// Sensors of a device that we remember in order to answer for them.
+/// Most sensors of a device that are remembered for answers.
 pub const MAX_KNOWN_SENSORS: usize = 64;
 
-/// A device as a client may ask for it.
+/// The state of a device that clients may ask for.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct DeviceState {
     pub name: String,
@@ -23,7 +22,7 @@ pub struct DeviceState {
     pub sensors: Vec<u32>,
 }
 
-/// Messages of one direction of one transport, numbered as they are written.
+/// Messages of one direction of one transport, with sequence numbers.
 #[derive(Default, Debug)]
 pub struct Writer {
     sequence: u32,
@@ -43,14 +42,14 @@ impl Writer {
     }
 
     pub fn message(&mut self, out: &mut Vec<u8>, stamp: Stamp, device: usize, message: &Message) {
-        // Our ids are the places in the lists that the greeting describes.
+        // Local ids are the positions in the lists that the greeting describes.
         let kind = message.kind();
         let id = Kind::ALL.iter().position(|k| *k == kind).map_or(-1, |index| index as i32);
         self.frame(out, stamp, device as i32, id, &message.encode());
     }
 
-    /// What a server says after the cookies: where it hears UDP, if it does (address and port), the
-    /// names of its devices, the types that it speaks, and the buttons as they are.
+    /// What a server sends after the cookies: its UDP address and port, if it has one, the names of its devices,
+    /// the supported types, and the states of the buttons.
     pub fn greeting(
         &mut self,
         out: &mut Vec<u8>,
@@ -76,7 +75,7 @@ impl Writer {
     }
 }
 
-/// What a server knows of one client.
+/// The server's state for one client.
 #[derive(Default, Debug)]
 pub struct Peer {
     senders: IdTable<Option<usize>>,
@@ -87,12 +86,12 @@ pub struct Peer {
 }
 
 impl Peer {
-    /// The port at which the client hears UDP, once it has said so.
+    /// The client's UDP port, once it has announced it.
     pub fn udp_port(&self) -> Option<u16> {
         self.udp_port
     }
 
-    /// Takes one message and gives the answers to it, each with the index of its device.
+    /// Handles one message; returns the answers, each with the index of its device.
     pub fn receive(&mut self, frame: &Frame<'_>, devices: &[DeviceState]) -> Vec<(usize, Message)> {
         match frame.kind {
             SENDER_DESCRIPTION => self.describe(frame, |peer, name| {
@@ -102,7 +101,7 @@ impl Peer {
             TYPE_DESCRIPTION => self.describe(frame, |peer, name| {
                 peer.kinds.describe(frame.sender, Kind::of_name(name))
             }),
-            // The host in the payload is not believed: datagrams go to where the stream goes.
+            // The host in the payload is not trusted: datagrams go to the peer of the stream.
             UDP_DESCRIPTION => match u16::try_from(frame.sender) {
                 Ok(port) if port >= 1024 => self.udp_port = Some(port),
                 _ => self.rejected += 1,
@@ -134,7 +133,7 @@ impl Peer {
                     answers.push((index, Message::ButtonStates(device.held.clone())));
                 }
             }
-            // What we serve is in room axes already, and of the tracked thing itself.
+            // Served poses are in room axes already, and of the tracked object itself.
             Message::RequestToRoom => answers
                 .push((index, Message::ToRoom { position_m: DVec3::ZERO, quat: DQuat::IDENTITY })),
             Message::RequestUnitToSensor => answers.extend(device.sensors.iter().map(|&sensor| {

@@ -1,16 +1,16 @@
-//! Owns how our poses are said in VRPN. Takes a pose; gives messages.
+//! Encodes poses as VRPN messages.
 
 use glam::DQuat;
 
 use crate::pose::HeadPose;
 use crate::vrpn::messages::Message;
 
-/// The time over which a turn is told, seconds; less for turns so fast that they would exceed half
-/// a revolution, which a quaternion cannot say.
+/// The interval for which a rotation is reported, seconds; shorter for rotations so fast that they would exceed
+/// half a revolution, which a quaternion cannot represent.
 const TURN_OVER_S: f64 = 0.1;
 const LONGEST_TURN_RAD: f64 = 1.5;
 
-/// The pose, and its velocity if it has one, for the same sensor.
+/// The messages for the pose and, if it has one, its velocity.
 pub fn pose_reports(pose: &HeadPose) -> Vec<Message> {
     let sensor = pose.sensor;
     let mut reports = vec![Message::Pose {

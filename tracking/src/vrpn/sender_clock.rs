@@ -1,26 +1,25 @@
-//! Owns the guess at when, on the host's clock, a sender made a report. Networks and schedulers
-//! delay reports by varying times; the sender's own stamps do not vary, but its clock is not ours.
-//! Takes stamps and arrival times; gives times on the host's clock.
+//! Estimates when, on the host's clock, a sender made a report. Networks and schedulers delay reports by varying
+//! times; the sender's timestamps do not vary, but its clock differs from the host's. Takes timestamps and arrival
+//! times, gives times on the host's clock.
 
 use std::time::Duration;
 
-/// No report is taken to be older than this on arrival, seconds. A larger difference means that one
-/// of the clocks jumped or runs wrong.
+/// Upper limit for the age of a report on arrival, seconds. A larger difference means that one of the clocks
+/// jumped or runs at a wrong rate.
 const MAX_DELAY_S: f64 = 0.05;
-/// The offset may grow by so many seconds a second: more than clocks drift, less than queues fill.
+/// The offset may grow by this many seconds per second: more than clock drift, less than queueing delay.
 const DRIFT: f64 = 1.0e-3;
 
-/// The offset between a sender's clock and the host's: that of the least delayed report, forgotten
-/// slowly.
+/// The offset between a sender's clock and the host's: that of the least delayed report, with slow decay.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SenderClock {
-    /// Host minus sender, seconds, and the arrival at which it held.
+    /// Host minus sender, seconds, and the arrival time for which it was found.
     offset: Option<(f64, f64)>,
 }
 
 impl SenderClock {
-    /// When the report was made: at `arrival_s` or up to [`MAX_DELAY_S`] before. Reports without
-    /// a stamp are as old as their arrival.
+    /// When the report was made: at `arrival_s` or up to [`MAX_DELAY_S`] before. For reports without a timestamp
+    /// it is the arrival.
     pub fn host_time_s(&mut self, sent: Option<Duration>, arrival_s: f64) -> f64 {
         let Some(sent) = sent else { return arrival_s };
         let sent_s = sent.as_secs_f64();

@@ -1,9 +1,8 @@
-//! Owns a small VRPN server: its devices, who listens to them, and the sending of reports. Takes
-//! messages with the stamps of their making; sends them to every client, in the mode that each
-//! asked for. Listens on loopback unless told otherwise. Must not know where reports come from.
+//! A small VRPN server: its devices, its clients, and the sending of reports. Takes messages with their timestamps;
+//! sends them to every client, in the mode that each asked for. Listens on loopback by default.
 //!
-//! Publishing never waits: what a slow client does not fetch is dropped if a later report makes it
-//! worthless, and a client that does not even fetch the rest is cut off.
+//! Publishing never waits: reports that a slow client has not received are dropped if a later one supersedes
+//! them, and a client that falls behind with the rest is disconnected.
 
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, SocketAddrV4, TcpListener, UdpSocket};
@@ -20,16 +19,16 @@ use crate::vrpn::peer::{DeviceState, MAX_KNOWN_SENSORS};
 use crate::vrpn::server_link::{Link, accept_streams, answer_requests};
 use crate::vrpn::wire::{MAX_NAME_BYTES, Stamp};
 
-/// Where and for how many.
+/// Address and limits.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct ServerOptions {
-    /// TCP and UDP both. Port 0: one that is free.
+    /// For both TCP and UDP. Port 0 chooses a free one.
     pub listen: SocketAddr,
     pub max_clients: usize,
 }
 
 impl Default for ServerOptions {
-    /// Loopback, the port of VRPN.
+    /// Loopback, VRPN's port.
     fn default() -> Self {
         let listen = SocketAddr::V4(SocketAddrV4::new(Ipv4Addr::LOCALHOST, DEFAULT_PORT));
         Self { listen, max_clients: 32 }
@@ -65,7 +64,7 @@ pub enum PublishError {
     Unsendable(String),
 }
 
-/// What happened at a server since its start.
+/// Counters of a server since its start.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct ServerCounters {
     pub clients_accepted: u64,
@@ -84,7 +83,7 @@ pub(crate) struct Tally {
     pub(crate) missed: AtomicU64,
 }
 
-/// What all threads of a server share.
+/// State shared by all threads of a server.
 pub(crate) struct Shared {
     pub(crate) stop: AtomicBool,
     pub(crate) max_clients: usize,
@@ -104,7 +103,7 @@ impl Shared {
     }
 
     pub(crate) fn state(&self) -> MutexGuard<'_, State> {
-        // Whole at every moment, so a panic elsewhere does not spoil it.
+        // The data is consistent at all times, so a poisoned lock is usable.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -166,12 +165,12 @@ impl Server {
         Ok(())
     }
 
-    /// Where it listens, by TCP and UDP.
+    /// The address that it listens at, by TCP and UDP.
     pub fn address(&self) -> SocketAddr {
         self.address
     }
 
-    /// Clients that have been greeted and are still there.
+    /// Number of connected clients that have completed the handshake.
     pub fn clients(&self) -> usize {
         self.shared.state().links.iter().filter(|link| !link.is_closed()).count()
     }
@@ -187,8 +186,8 @@ impl Server {
         }
     }
 
-    /// Sends reports of one device, made at `stamp`, to every client. All or nothing: an error
-    /// means that none was sent. Only reports go out ([`Message`]s that a server says unasked).
+    /// Sends reports of one device, made at `stamp`, to every client. All or nothing: after an error none was
+    /// sent. Accepts only reports ([`Message`]s that a server sends without a request).
     pub fn publish(
         &self,
         device: &str,
@@ -225,7 +224,7 @@ impl Server {
     }
 }
 
-/// Keeps what later clients will ask for.
+/// Keeps the state that later clients will ask for.
 fn remember(device: &mut DeviceState, report: &Message) {
     match report {
         Message::ButtonChange { button, pressed } => device.held[*button as usize] = *pressed,
@@ -239,7 +238,7 @@ fn remember(device: &mut DeviceState, report: &Message) {
     }
 }
 
-/// TCP and UDP at the same port. Where any port will do, one is sought that is free for both.
+/// Opens TCP and UDP at the same port. For port 0, looks for one that is free for both.
 fn bind_both(listen: SocketAddr) -> io::Result<(TcpListener, UdpSocket)> {
     let attempts = if listen.port() == 0 { 32 } else { 1 };
     let mut failure = io::Error::from(io::ErrorKind::AddrInUse);

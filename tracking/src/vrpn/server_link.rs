@@ -1,5 +1,5 @@
-//! Owns the server's sockets: taking in clients of both modes, and for each client a thread that
-//! hears it and one that writes to it. Must not know what is reported.
+//! The server's sockets: accepts clients of both modes and runs, for each client, a thread that reads and one that
+//! writes. Does not know what is reported.
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{IpAddr, Shutdown, SocketAddr, TcpListener, TcpStream, UdpSocket};
@@ -17,9 +17,9 @@ use crate::vrpn::wire::{
     datagram_frames,
 };
 
-/// With more than this waiting for a client, it misses reports that a later one makes worthless.
+/// With more bytes than this queued for a client, reports that later ones supersede are dropped.
 const LATE_BYTES: usize = 64 * 1024;
-/// With more than this waiting, it is cut off.
+/// With more bytes than this queued, the client is disconnected.
 const LOST_BYTES: usize = 1024 * 1024;
 
 const TICK: Duration = Duration::from_millis(50);
@@ -30,11 +30,11 @@ const CONNECT_BACK_TIMEOUT: Duration = Duration::from_secs(1);
 /// One client.
 pub(crate) struct Link {
     tcp: TcpStream,
-    /// Where the client listened when it asked to be connected to.
+    /// The address at which the client waited for the connection, if it asked for one.
     asked_from: Option<SocketAddr>,
     peer_ip: IpAddr,
     udp: Option<UdpSocket>,
-    /// 0 until the client says where it hears UDP.
+    /// 0 until the client announces its UDP port.
     udp_port: AtomicU16,
     udp_writer: Mutex<Writer>,
     outbox: Mutex<Outbox>,
@@ -65,7 +65,7 @@ impl Link {
         self.outbox.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Sends what belongs on the fast way by UDP, if the client has one, and the rest by TCP.
+    /// Sends low-latency messages by UDP, if the client has announced a port, and the rest by TCP.
     pub(crate) fn send(&self, device: usize, reports: &[Message], stamp: Stamp, tally: &Tally) {
         let udp = self.udp.as_ref().zip(match self.udp_port.load(Ordering::Relaxed) {
             0 => None,
@@ -129,7 +129,7 @@ impl Link {
         }
     }
 
-    /// Writes what is put into the outbox until the link is closed.
+    /// Writes the contents of the outbox until the link is closed.
     fn write_out(&self) {
         loop {
             let mut outbox = self.outbox();
@@ -148,7 +148,7 @@ impl Link {
     }
 }
 
-/// Sends and empties. A datagram that does not go out is one that the network lost.
+/// Sends and clears. A datagram that cannot be sent counts as lost by the network.
 fn send_datagram(datagram: &mut Vec<u8>, (socket, to): (&UdpSocket, SocketAddr)) {
     if !datagram.is_empty() {
         let _ = socket.send_to(datagram, to);
@@ -156,25 +156,25 @@ fn send_datagram(datagram: &mut Vec<u8>, (socket, to): (&UdpSocket, SocketAddr))
     }
 }
 
-/// Takes clients that connect by themselves: TCP is all they want.
+/// Accepts clients that connect by TCP.
 pub(crate) fn accept_streams(shared: &Arc<Shared>, listener: &TcpListener) {
     while !shared.stopped() {
         match listener.accept() {
             Ok(_) if shared.stopped() => return,
             Ok((tcp, _)) => take_client(shared, tcp, None),
-            // None there, or one that went again at once.
+            // None is waiting, or it disconnected at once.
             Err(_) => thread::sleep(ACCEPT_EVERY),
         }
     }
 }
 
-/// Connects back to clients that ask for it by UDP. Only to the address that the request came
-/// from, so that nobody can point us at others.
+/// Connects back to clients that ask for it by UDP. Only to the address that the request came from, so that no
+/// client can direct the server at others.
 pub(crate) fn answer_requests(shared: &Arc<Shared>, requests: &UdpSocket) {
     let mut bytes = vec![0; ANY_DATAGRAM_BYTES];
     while !shared.stopped() {
         let Ok((count, from)) = requests.recv_from(&mut bytes) else { continue };
-        // A client that a closing server has just left asks again at once.
+        // A client of a server that is just closing asks again at once.
         if shared.stopped() {
             return;
         }
@@ -183,7 +183,7 @@ pub(crate) fn answer_requests(shared: &Arc<Shared>, requests: &UdpSocket) {
             continue;
         };
         let asked_from = SocketAddr::new(from.ip(), port);
-        // A client repeats its request until it is heard.
+        // A client repeats its request until it is answered.
         let is_known = shared
             .state()
             .links
@@ -215,7 +215,7 @@ fn take_client(shared: &Arc<Shared>, tcp: TcpStream, asked_from: Option<SocketAd
     let mut state = shared.state();
     state.threads.retain(|thread| !thread.is_finished());
     state.links.retain(|link| !link.is_closed());
-    // Two threads a client once it is greeted, one before.
+    // Two threads per client after the handshake, one before.
     if state.threads.len() >= 2 * shared.max_clients || state.links.len() >= shared.max_clients {
         shared.tally.refused.fetch_add(1, Ordering::Relaxed);
         return;
@@ -232,7 +232,7 @@ fn take_client(shared: &Arc<Shared>, tcp: TcpStream, asked_from: Option<SocketAd
     }
 }
 
-/// Greets a client and hears it until it goes.
+/// Does the handshake with a client and reads from it until it disconnects.
 fn serve_client(
     shared: &Arc<Shared>,
     tcp: TcpStream,
@@ -270,7 +270,7 @@ fn serve_client(
     result
 }
 
-/// Puts the greeting out and the link among those that reports go to, with nothing in between.
+/// Queues the greeting and adds the link to those that receive reports, atomically.
 fn greet(shared: &Shared, link: &Arc<Link>) -> io::Result<()> {
     let way = match &link.udp {
         Some(udp) => {
@@ -340,7 +340,7 @@ fn hear(shared: &Shared, link: &Link) -> io::Result<()> {
     Ok(())
 }
 
-/// Takes what has come by UDP: a client may send what it thinks urgent that way.
+/// Handles datagrams: a client may send urgent messages by UDP.
 fn hear_datagrams(
     shared: &Shared,
     link: &Link,
@@ -366,7 +366,7 @@ fn hear_datagrams(
 
 fn answer(shared: &Shared, link: &Link, peer: &mut Peer, frame: &Frame<'_>) {
     let before = peer.rejected;
-    // Held until the answers are out, so that button states are not overtaken by changes.
+    // Held until the answers are queued, so that changes cannot overtake button states.
     let state = shared.state();
     for (device, message) in peer.receive(frame, &state.devices) {
         link.add_to_stream(device, &message, wall_clock(), false, &shared.tally);
@@ -374,7 +374,7 @@ fn answer(shared: &Shared, link: &Link, peer: &mut Peer, frame: &Frame<'_>) {
     shared.tally.rejected.fetch_add(peer.rejected - before, Ordering::Relaxed);
 }
 
-/// Whether nothing is wrong but that there is nothing yet.
+/// Whether there is merely nothing to read yet.
 fn is_pause(error: &io::Error) -> bool {
     matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
 }

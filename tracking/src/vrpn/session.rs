@@ -1,6 +1,5 @@
-//! Owns the client's half of one VRPN conversation: what the server's ids stand for, which buttons
-//! are held, who has answered. Takes frames and times; gives events and bytes to send.
-//! Must not know sockets or clocks.
+//! The client's half of one VRPN conversation: the server's ids, which buttons are held, which devices have
+//! answered. Takes frames and times, gives events and bytes to send; knows no sockets and no clocks.
 
 use std::sync::Arc;
 
@@ -16,7 +15,7 @@ use crate::vrpn::wire::{
     describe_name, described_name, write_frame,
 };
 
-/// A device that we want to hear of.
+/// A device to receive reports of.
 #[derive(Debug)]
 struct Device {
     name: String,
@@ -26,7 +25,7 @@ struct Device {
     answered: bool,
 }
 
-/// The client's half of a conversation; lives through reconnections.
+/// The client's half of a conversation; persists through reconnections.
 #[derive(Debug)]
 pub struct Session {
     devices: Vec<Device>,
@@ -35,12 +34,12 @@ pub struct Session {
     clock: SenderClock,
     heard_s: f64,
     sequence: u32,
-    /// What came in, over all connections.
+    /// Counters over all connections.
     pub counters: Counters,
 }
 
 impl Session {
-    /// For devices by the names that the server knows, each with the label that events carry.
+    /// `devices` are names on the server, each with the label for its events.
     pub fn new(devices: impl IntoIterator<Item = (String, Arc<str>)>) -> Self {
         let devices = devices
             .into_iter()
@@ -63,8 +62,8 @@ impl Session {
         }
     }
 
-    /// What to send after the cookies: where we hear UDP, if we do (address and port), the names of
-    /// the devices, and the types that we speak.
+    /// What to send after the cookies: the local UDP address and port, if any, the names of the devices, and the
+    /// supported types.
     pub fn greeting(&mut self, udp: Option<(&str, u16)>, now_s: f64) -> Vec<u8> {
         self.heard_s = now_s;
         self.sequence = 0;
@@ -83,7 +82,7 @@ impl Session {
         out
     }
 
-    /// Pings to every device, or to those only that have not answered yet. Empty if there are none.
+    /// Pings for every device, or only for those that have not answered yet. Empty if there are none.
     pub fn pings(&mut self, all: bool) -> Vec<u8> {
         let mut out = Vec::new();
         for index in 0..self.devices.len() {
@@ -99,7 +98,7 @@ impl Session {
         self.sequence = self.sequence.wrapping_add(1);
     }
 
-    /// When the last message came, on the host's clock.
+    /// Arrival of the last message, on the host's clock.
     pub fn heard_s(&self) -> f64 {
         self.heard_s
     }
@@ -109,7 +108,7 @@ impl Session {
         self.devices.iter().any(|device| device.answered)
     }
 
-    /// The connection is gone: held buttons are released, found devices lost, ids forgotten.
+    /// Handles the end of a connection: releases held buttons, reports found devices as lost, forgets ids.
     pub fn forget(&mut self, time_s: f64, events: &mut Vec<Event>) {
         for device in &mut self.devices {
             for button in 0..MAX_BUTTONS {
@@ -136,7 +135,7 @@ impl Session {
         }
     }
 
-    /// Takes one message that arrived at `arrival_s` and appends what it says.
+    /// Handles one message that arrived at `arrival_s` and appends its events.
     pub fn receive(&mut self, frame: &Frame<'_>, arrival_s: f64, events: &mut Vec<Event>) {
         self.heard_s = arrival_s;
         if frame.kind < 0 {
@@ -156,7 +155,7 @@ impl Session {
         match Message::decode(kind, frame.payload) {
             Ok(message) => {
                 self.counters.accepted += 1;
-                // The rest may be stamped with the last change of what they tell.
+                // The others may carry the time of the last change.
                 let time_s = if kind.is_low_latency() {
                     self.clock.host_time_s(frame.stamp.since_1970(), arrival_s)
                 } else {
@@ -185,8 +184,8 @@ impl Session {
             }),
             TYPE_DESCRIPTION => described_name(frame.payload)
                 .is_some_and(|name| self.kinds.describe(frame.sender, Kind::of_name(name))),
-            // A client has nothing to say by UDP, log requests are refused by silence, and the rest
-            // is of later versions.
+            // A client sends nothing by UDP, requests for logging are ignored, and the rest belongs to later
+            // versions.
             _ => {
                 self.counters.ignored += 1;
                 return;
@@ -200,7 +199,7 @@ impl Session {
     }
 }
 
-/// The id under which we describe a type.
+/// The local id of a type.
 fn id_of(kind: Kind) -> i32 {
     Kind::ALL.iter().position(|k| *k == kind).map_or(-1, |index| index as i32)
 }
@@ -216,7 +215,7 @@ impl Device {
         }
     }
 
-    /// Appends what the message says; false if its numbers are finite but impossible.
+    /// Appends the events of the message; returns false if its numbers are finite but impossible.
     fn say(
         &mut self,
         message: Message,
@@ -272,7 +271,7 @@ impl Device {
                 events.push(Event::Text { source, severity, level, text, time_s });
             }
             Message::Pong => self.answered = true,
-            // Replies to questions that we do not ask, and questions that a server does not ask.
+            // Replies to requests that are never sent, and requests that a server does not send.
             Message::ToRoom { .. }
             | Message::UnitToSensor { .. }
             | Message::Workspace { .. }
@@ -287,7 +286,7 @@ impl Device {
     }
 }
 
-/// Axis times radians a second from a turn in `dt_s`; None if there is no turn or no time.
+/// Axis times radians per second from a rotation in `dt_s`; None if either is zero.
 fn angular_velocity(turn: DQuat, dt_s: f64) -> Option<glam::DVec3> {
     let turn = Placement::checked(glam::DVec3::ZERO, turn)?.orientation;
     (dt_s > 0.0).then(|| rotation_vector(turn) / dt_s)

@@ -1,6 +1,5 @@
-//! Owns the outer form of VRPN traffic (version 07.xx): the cookie, message framing on streams and
-//! in datagrams, and descriptions of names. Takes and gives bytes; opens no sockets.
-//! Must not know what a message means.
+//! The framing of VRPN traffic (version 07.xx): the cookie, messages on streams and in datagrams, and descriptions
+//! of names. Takes and gives bytes; opens no sockets and does not interpret messages.
 //!
 //! A message is a header of six big-endian 32-bit words (length of header and payload, seconds,
 //! microseconds, sender, type, sequence), the payload, and zeros up to a multiple of 8.
@@ -18,17 +17,17 @@ pub const HEADER_BYTES: usize = 24;
 pub const MAX_PAYLOAD_BYTES: usize = 64_000;
 /// Longest datagram.
 pub const MAX_DATAGRAM_BYTES: usize = 1472;
-/// Ids of senders and types are below this.
+/// Upper bound for the ids of senders and types.
 pub const MAX_IDS: usize = 2000;
 /// Longest name of a sender or type.
 pub const MAX_NAME_BYTES: usize = 95;
 
-/// Message types with a meaning of their own; all others are as described.
+/// Message types with a fixed meaning; all others are described by the peer.
 pub const SENDER_DESCRIPTION: i32 = -1;
 pub const TYPE_DESCRIPTION: i32 = -2;
 pub const UDP_DESCRIPTION: i32 = -3;
 
-/// Why bytes are not VRPN.
+/// Why bytes are not valid VRPN.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Error)]
 pub enum WireError {
     #[error("the peer is not VRPN 07.xx")]
@@ -41,14 +40,14 @@ pub enum WireError {
     Truncated,
 }
 
-/// Whether the first 24 bytes of a peer are those of a VRPN that we understand. Any mode of remote
-/// logging that exists (0 to 3) will do.
+/// Checks whether the first 24 bytes of a peer are those of a supported version. Any existing mode of remote
+/// logging (0 to 3) is accepted.
 pub fn check_cookie(cookie: &[u8; 24]) -> Result<(), WireError> {
     let sound = cookie.starts_with(COOKIE_FAMILY) && (b'0'..=b'3').contains(&cookie[18]);
     if sound { Ok(()) } else { Err(WireError::Cookie) }
 }
 
-/// The sender's wall clock. All zero where the sender sets none.
+/// The sender's wall clock. All zero if the sender sets none.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Stamp {
     pub sec: u32,
@@ -56,7 +55,7 @@ pub struct Stamp {
 }
 
 impl Stamp {
-    /// Since 1970; None where the sender set none or the microseconds are no microseconds.
+    /// Time since 1970; None if the sender set none or the microseconds are out of range.
     pub fn since_1970(self) -> Option<Duration> {
         (self != Self::default() && self.usec < 1_000_000)
             .then(|| Duration::new(u64::from(self.sec), self.usec * 1000))
@@ -70,7 +69,7 @@ impl From<Duration> for Stamp {
     }
 }
 
-/// One message, still in the bytes that it came in.
+/// One message, borrowed from the received bytes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Frame<'a> {
     pub stamp: Stamp,
@@ -79,8 +78,7 @@ pub struct Frame<'a> {
     pub payload: &'a [u8],
 }
 
-/// The first message of `bytes` and the bytes it takes, padding included. Ok(None) if more bytes
-/// are needed.
+/// The first message of `bytes` and its length, padding included. Ok(None) if more bytes are needed.
 pub fn split_frame(bytes: &[u8]) -> Result<Option<(Frame<'_>, usize)>, WireError> {
     let Some((header, rest)) = bytes.split_first_chunk::<HEADER_BYTES>() else {
         return Ok(None);
@@ -131,7 +129,7 @@ pub fn datagram_frames(datagram: &[u8]) -> impl Iterator<Item = Result<Frame<'_>
     })
 }
 
-/// Cuts a stream into messages. Holds at most one unfinished message beyond what was pushed last.
+/// Splits a stream into messages. Holds at most one unfinished message beyond what was pushed last.
 #[derive(Default, Debug)]
 pub struct StreamReader {
     buffer: Vec<u8>,
@@ -145,7 +143,7 @@ impl StreamReader {
         self.buffer.extend_from_slice(bytes);
     }
 
-    /// The next whole message. After an error the stream has no more meaning.
+    /// The next complete message. After an error the stream is unusable.
     pub fn next_frame(&mut self) -> Result<Option<Frame<'_>>, WireError> {
         let Some((frame, taken)) = split_frame(&self.buffer[self.start..])? else {
             return Ok(None);
@@ -154,7 +152,7 @@ impl StreamReader {
         Ok(Some(frame))
     }
 
-    /// Bytes set aside for the stream.
+    /// Bytes allocated for the stream.
     pub fn capacity(&self) -> usize {
         self.buffer.capacity()
     }
@@ -199,7 +197,7 @@ pub fn described_name(payload: &[u8]) -> Option<&str> {
     std::str::from_utf8(name).ok()
 }
 
-/// What the ids of a peer stand for. Ids out of range are refused, so that the table is bounded.
+/// The names of a peer's ids. Ids out of range are refused, so that the table is bounded.
 #[derive(Clone, Debug)]
 pub struct IdTable<T> {
     entries: Vec<Option<T>>,
@@ -212,7 +210,7 @@ impl<T> Default for IdTable<T> {
 }
 
 impl<T> IdTable<T> {
-    /// False if there can be no such id.
+    /// Returns false if the id is out of range.
     pub fn describe(&mut self, id: i32, entry: T) -> bool {
         let Some(index) = usize::try_from(id).ok().filter(|index| *index < MAX_IDS) else {
             return false;
