@@ -1,4 +1,4 @@
-// A video picture behind the sculpture, infinitely far, straightened where its lens is known: the
+// The video frame behind the sculpture, infinitely far away, undistorted where its lens is known: the
 // twin of src/video/framing.rs and src/video/intrinsics.rs.
 
 //!include "layout.wgsl"
@@ -11,7 +11,7 @@ struct Pixel {
     @builtin(frag_depth) depth: f32,
 }
 
-// Where a lens shows a direction: radial and tangential distortion of Brown and Conrady.
+// Projects a direction through a lens: Brown-Conrady model with radial and tangential distortion.
 fn distort(ray: vec2<f32>) -> vec2<f32> {
     let r2 = dot(ray, ray);
     let k = view.radial;
@@ -33,10 +33,10 @@ fn texel(at: vec2<i32>) -> vec3<f32> {
 @fragment
 fn main(@builtin(position) position: vec4<f32>) -> Pixel {
     let size = vec2<f32>(view.size);
-    // In pixels of the picture, the middle of the first at 0.
+    // In pixels of the frame; the centre of the first is at 0.
     var at = (position.xy / view.screen * view.scale + view.offset) * size - 0.5;
     let straight = distort((at - view.centre) / view.focal) * view.focal + view.centre;
-    // Not a branch, which a uniform must not decide (render/specialised.rs).
+    // A select and not a branch: no uniform may decide a branch (render/specialised.rs).
     at = select(at, straight, view.lens != 0u);
     if any(at < vec2<f32>(-0.5)) || any(at > size - 0.5) {
         return Pixel(vec4<f32>(view.beyond, 1.0), 0.0);

@@ -1,4 +1,4 @@
-// What is behind everything: colours from the upper to the lower edge.
+// The background: a vertical gradient.
 
 //!include "layout.wgsl"
 

@@ -1,4 +1,4 @@
-// How far the rays of each tile may go at least, by a compute shader.
+// Compute shader for beam.wgsl: how far the rays of each tile can be advanced safely.
 
 //!include "beam.wgsl"
 //!include "square.wgsl"

@@ -1,7 +1,7 @@
-// For each tile of a picture how far its rays may go before any of them can meet a brick in use.
-// The ray through a tile's middle walks by bricks that neither hold anything nor touch one that
-// does: as long as the tile is not wider than a brick to either side of that ray, all of its rays
-// are in empty bricks there. After Laine and Karras, Efficient Sparse Voxel Octrees (2010), 4.3.
+// Beam optimisation: how far the rays of each tile can be advanced before any of them can hit a non-empty brick.
+// The tile's centre ray steps through bricks that are empty and have only empty neighbours. As long as the
+// tile extends no further than a brick to either side of that ray, all of its rays are in empty bricks there.
+// After Laine and Karras, Efficient Sparse Voxel Octrees (2010), 4.3.
 
 //!include "layout.wgsl"
 //!include "ray.wgsl"
@@ -9,14 +9,14 @@
 //!include "tile.wgsl"
 
 var<immediate> view: MarchView;
-// A texel for each block of 4^3 bricks, a bit for each brick (render/near_image.rs). It begins a
-// block before the grid and ends one behind it.
+// Dilated occupancy: one texel per block of 4^3 bricks, one bit per brick (render/near_image.rs). It is padded
+// by one block on all sides of the grid.
 @group(0) @binding(0) var near: texture_3d<u32>;
 
-// Voxels that a ray may be beside the middle one: a brick, less what rounding can do.
+// Distance in voxels that a ray may be from the centre ray: a brick, less a margin for rounding.
 const REACH_VX: f32 = 7.5;
 
-// In lengths of the rays' directions.
+// In units of the rays' direction vectors.
 fn start_of(tile: vec2<u32>) -> f32 {
     let pixels = tile << vec2<u32>(view.tile_log2);
     let half = 0.5 * f32(1u << view.tile_log2);
@@ -24,18 +24,18 @@ fn start_of(tile: vec2<u32>) -> f32 {
     let direction = view.corner + view.step_x * at.x + view.step_y * at.y;
     let aside = half * (abs(view.step_x) + abs(view.step_y));
     let limit = REACH_VX / max(max(aside.x, aside.y), aside.z);
-    // In coordinates that begin where the texture does.
+    // In coordinates with the texture's origin.
     let ray = make_ray(view.origin + vec3<f32>(32.0), direction);
     let size = ((vec3<i32>(view.dims) + vec3<i32>(31)) & vec3<i32>(-32)) + vec3<i32>(64);
     let zero = vec3<i32>(0);
     let enter = crossings(ray, select(size, zero, ray.forward));
     let border = select(zero, size, ray.forward);
     let exit = smallest(crossings(ray, border));
-    // No ray of the tile is in there for longer: each is at least that fast, if it goes ahead.
+    // No ray of the tile stays inside for longer: each advances at least this fast, if it points forward.
     let speed = abs(direction) - aside;
     let times = abs(vec3<f32>(border) - ray.origin) / speed;
     let last_exit = smallest(select(vec3<f32>(FAR_AWAY), times, speed > vec3<f32>(0.0)));
-    // A thousandth of a voxel is passed over at least, so that the walk ends.
+    // Each step advances by at least a thousandth of a voxel, so that the loop terminates.
     let least = 1e-3 / max(max(abs(direction.x), abs(direction.y)), abs(direction.z));
     var t = max(max(enter.x, enter.y), max(enter.z, 0.0));
     loop {
@@ -53,7 +53,7 @@ fn start_of(tile: vec2<u32>) -> f32 {
         let far = crossings(ray, select(low, low + vec3<i32>(edge), ray.forward));
         t = max(smallest(far) * 1.000002, t + least);
     }
-    // If none was in reach as long as a ray can be in the grid, there is nothing to see.
+    // If no brick was in reach along the whole way through the grid, the tile shows nothing.
     return select(min(t, limit), FAR_AWAY, t >= exit & last_exit <= limit);
 }
 

@@ -1,11 +1,11 @@
-// The bits of a grid as a 3D image: one texel is a word of 4^3 voxels, low and high 32 bits; the
-// eight words of a brick follow each other along x (render/volume.rs).
+// The bits of a grid as a 3D image: a texel is a word of 4^3 voxels (low and high 32 bits); the eight words of
+// a brick are consecutive along x (render/volume.rs).
 
 //!include "word.wgsl"
 
 @group(0) @binding(0) var volume: texture_3d<u32>;
 
-// The word that holds the voxel.
+// The word that contains the voxel.
 fn word_at(voxel: vec3<i32>) -> vec2<u32> {
     let half = (voxel >> vec3<u32>(2u)) & vec3<i32>(1);
     let word = half.x | (half.y << 1u) | (half.z << 2u);

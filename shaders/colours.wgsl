@@ -1,11 +1,11 @@
-// The colour of a voxel: a table with a number for each brick (0: not painted), then pages of 512
-// packed colours, as src/render/colours.rs lays them out and src/sculpture/colour.rs packs them.
+// The colour of a voxel: a table with a page number per brick (0: not painted), then pages of 512 packed
+// colours, laid out as in src/render/colours.rs and packed as in core/src/sculpture/colour.rs.
 
 //!include "kind.wgsl"
 
 @group(0) @binding(4) var<storage, read> colours: array<u32>;
 
-// A level of `steps` + 1 as 0 to 1, through the nearest of 256.
+// Level out of `steps` + 1 as 0 to 1, rounded to the nearest of 256 levels.
 fn expand(level: u32, steps: f32) -> f32 {
     return floor((f32(level) * 255.0 + floor(0.5 * steps) + 0.5) / steps) / 255.0;
 }
@@ -26,7 +26,7 @@ fn colour_of(voxel: vec3<i32>, base: vec3<f32>, bricks: vec3<u32>) -> vec3<f32> 
     let in_word = v & vec3<u32>(3u);
     let local = (half.x << 6u) | (half.y << 7u) | (half.z << 8u)
         | in_word.x | (in_word.y << 2u) | (in_word.z << 4u);
-    // Pages are counted from 1, in lengths of a page of words.
+    // Pages are numbered from 1; offsets are in words.
     let table = bricks.x * bricks.y * bricks.z;
     let start = table + (page - 1u) * 128u * bytes;
     let at = local * bytes;
@@ -48,7 +48,7 @@ fn colour_of(voxel: vec3<i32>, base: vec3<f32>, bricks: vec3<u32>) -> vec3<f32> 
             expand((c >> 4u) & 31u, 31.0),
         );
     }
-    // Three bytes may lie in two words.
+    // Three bytes may straddle two words.
     let second = colours[start + ((at + 2u) >> 2u)];
     let c = (first >> shift) | select(second << (32u - shift), 0u, shift == 0u);
     let rgb = vec3<u32>(c, c >> 8u, c >> 16u) & vec3<u32>(255u);

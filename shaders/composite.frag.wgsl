@@ -1,4 +1,4 @@
-// The composite for a target that keeps the colours it is given.
+// The composite for a target that stores colours as given.
 
 //!include "composite.wgsl"
 

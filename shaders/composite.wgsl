@@ -1,5 +1,5 @@
-// The shaded sculpture over what is there, with the depth of the surface, so that what is drawn
-// later is hidden by it: where the pixel's ray enters the box of the voxel that it sees.
+// Draws the shaded sculpture over the target, with the depth of its surface, so that it occludes what is drawn
+// later. The depth is where the pixel's ray enters the box of the voxel that it sees.
 
 //!include "layout.wgsl"
 //!include "ray.wgsl"
@@ -28,7 +28,7 @@ fn main(@builtin(position) position: vec4<f32>) -> Pixel {
     let ray = make_ray(view.origin, view.corner + view.step_x * centre.x + view.step_y * centre.y);
     let enter = crossings(ray, select(low + vec3<i32>(1), low, ray.forward));
     let t = max(max(enter.x, enter.y), enter.z);
-    // An eye within the voxel sees it at the near plane.
+    // An eye inside the voxel sees it at the near plane.
     let depth = select(1.0, (view.depth_slope * t + view.depth_at_0) / t, t > 0.0);
     let colour = stored(textureLoad(picture, texel, 0).xyz);
     return Pixel(vec4<f32>(colour, 1.0), clamp(depth, 0.0, 1.0));

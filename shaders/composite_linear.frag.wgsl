@@ -1,5 +1,5 @@
-// The composite for a target that encodes sRGB itself. A shader of its own, since vectors of pixels
-// would work out both colours to choose one.
+// The composite for a target that encodes sRGB itself. A separate shader, because SIMD lanes would compute both
+// colours to select one.
 
 //!include "composite.wgsl"
 //!include "encoding.wgsl"

@@ -1,4 +1,4 @@
-// What a target that encodes sRGB itself is to be given for the colour: linear values.
+// The linear values to write to a target that encodes sRGB itself.
 
 fn decoded(colour: vec3<f32>, linear: bool) -> vec3<f32> {
     let low = colour / 12.92;

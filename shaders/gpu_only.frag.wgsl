@@ -1,5 +1,5 @@
-// Samples and lights in one go: each pixel's ray walks to the first voxel, which is lit at once.
-// Depth is the composite's.
+// Samples and shades in one pass: each pixel's ray is traversed to the first voxel, which is lit at once. Depth
+// is computed as in the composite.
 
 //!include "layout.wgsl"
 //!include "march.wgsl"
@@ -29,7 +29,7 @@ fn main(@builtin(position) position: vec4<f32>) -> Pixel {
     let low = seen.voxel;
     let enter = crossings(ray, select(low + vec3<i32>(1), low, ray.forward));
     let t = max(max(enter.x, enter.y), enter.z);
-    // An eye within the voxel sees it at the near plane.
+    // An eye inside the voxel sees it at the near plane.
     let depth = select(1.0, (view.depth_slope * t + view.depth_at_0) / t, t > 0.0);
     let colour = decoded(shaded(low), view.linear != 0u);
     return Pixel(vec4<f32>(colour, 1.0), clamp(depth, 0.0, 1.0));

@@ -1,8 +1,7 @@
-// What a pipeline that lights surfaces is made for: specialization constants (render/specialised.rs).
-// build.rs makes one of number N of each literal 0x5bec0000 + N; WGSL has no other way to declare it
-// to naga.
+// Specialization constants of pipelines that light surfaces (render/specialised.rs). build.rs turns each literal
+// 0x5bec0000 + N into the constant with id N, since naga does not write them from WGSL.
 
 var<private> kind_lights: u32 = 0x5bec0000u;
 var<private> kind_occlusion: u32 = 0x5bec0001u;
-// Bytes of a voxel's colour; 0 where all have the base colour.
+// Bytes of a voxel's colour; 0 if all voxels have the base colour.
 var<private> kind_colour_bytes: u32 = 0x5bec0002u;

@@ -1,4 +1,4 @@
-// What CPU and shaders share: the twin of src/gpu/layout.rs, which describes the members. A test
+// Structures shared by CPU and shaders: the twin of src/gpu/layout.rs, which documents the members. A test
 // compares the two.
 
 struct SliceView {

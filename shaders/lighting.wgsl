@@ -1,15 +1,15 @@
-// Blinn-Phong with ambient light: the twin of src/shade/illumination.rs. Light is added in linear
-// space; gamma 2.0 stands for the sRGB curve.
+// Blinn-Phong with ambient light: the twin of core/src/shade/illumination.rs. Light is added in linear space;
+// gamma 2.0 approximates the sRGB curve.
 
 //!include "kind.wgsl"
 
 @group(0) @binding(5) var<uniform> shading: Shading;
 
-// Of the largest exponent, 1024 (src/shade/light.rs).
+// Squarings for the largest exponent, 1024 (core/src/shade/light.rs).
 const EXPONENT_BITS: u32 = 11u;
 
-// Instead of the square of no length. Much smaller numbers are 0 on devices that know no denormal
-// ones, and what is divided by their root is then no number.
+// Lower bound for a squared length. Much smaller numbers are flushed to 0 on devices without denormals, and a
+// division by their root is then not a number.
 const LEAST_SQUARE: f32 = 1e-30;
 
 fn unit_or(v: vec3<f32>, other: vec3<f32>) -> vec3<f32> {
@@ -31,14 +31,13 @@ fn rows_times(rows: array<vec4<f32>, 3>, v: vec4<f32>) -> vec3<f32> {
     return vec3<f32>(dot(rows[0], v), dot(rows[1], v), dot(rows[2], v));
 }
 
-// The light, as sRGB, that the surface at `point` (grid coordinates) sends to the eye. `outwards`: a
-// covector of grid coordinates, of any length. `colour` is sRGB; `open` a factor on the ambient
-// light.
+// The light, as sRGB, that the surface at `point` (grid coordinates) sends to the eye. `outwards` is a covector
+// in grid coordinates, of any length; `colour` is sRGB; `open` is a factor on the ambient light.
 fn lit(point: vec3<f32>, outwards: vec3<f32>, colour: vec3<f32>, open: f32) -> vec3<f32> {
     let position = rows_times(shading.eye_from_grid, vec4<f32>(point, 1.0));
     let to_eye = -position / sqrt(max(dot(position, position), LEAST_SQUARE));
     let turned = rows_times(shading.normal_from_gradient, vec4<f32>(outwards, 0.0));
-    // What is seen cannot look away: the part of the normal that does is taken off.
+    // A visible surface cannot face away from the eye: that component of the normal is removed.
     var normal = unit_or(turned, to_eye);
     normal = unit_or(normal - to_eye * min(dot(normal, to_eye), 0.0), to_eye);
     let cos_eye = dot(normal, to_eye);

@@ -1,5 +1,5 @@
-// The walk of a ray through the grid, from where its beam ends (beam.wgsl): what is empty by bricks
-// has been passed by then, what is empty by words of 4^3 voxels is passed here.
+// Traversal of a ray from where its beam ends (beam.wgsl). The beam has skipped empty bricks; this skips empty
+// words of 4^3 voxels.
 
 //!include "walk.wgsl"
 //!include "tile.wgsl"
@@ -9,8 +9,7 @@ struct Seen {
     found: bool,
 }
 
-// The first existing voxel along the ray in a grid of `dims` voxels. It is known that there is none
-// before `start`.
+// The first existing voxel along the ray in a grid of `dims` voxels; there is none before `start`.
 fn first_voxel(ray: Ray, dims: vec3<i32>, start: f32) -> Seen {
     let zero = vec3<i32>(0);
     var enter = last_of(crossings(ray, select(dims, zero, ray.forward)));

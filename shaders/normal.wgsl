@@ -1,16 +1,16 @@
-// The gradient of existence about a voxel and how open its surroundings are: the twins of
-// src/shade/normal.rs and src/shade/occlusion.rs.
+// The gradient of occupancy around a voxel and its ambient occlusion: the twins of core/src/shade/normal.rs and
+// core/src/shade/occlusion.rs.
 
 //!include "bits.wgsl"
 
-// The word whose lower corner is at `cell`; nothing outside of the grid.
+// The word whose lower corner is at `cell`; empty outside the grid.
 fn word_or_nothing(cell: vec3<i32>, dims: vec3<i32>) -> vec2<u32> {
     let inside = all(vec3<u32>(cell) < vec3<u32>(dims));
     let word = word_at(select(vec3<i32>(0), cell, inside));
     return select(vec2<u32>(0u), word, inside);
 }
 
-// The four nibbles of 16 bits, a byte each: four rows of voxels.
+// Spreads the four nibbles of 16 bits to a byte each: four rows of voxels.
 fn spread(bits: u32) -> u32 {
     let pairs = (bits | (bits << 8u)) & 0x00ff00ffu;
     return (pairs | (pairs << 4u)) & 0x0f0f0f0fu;
@@ -20,13 +20,13 @@ fn count(bits: u32) -> i32 {
     return i32(countOneBits(bits));
 }
 
-// By how much more voxels are to the right than to the left in rows of five.
+// First moments along x of rows of five voxels.
 fn x_moment(rows: u32) -> i32 {
     return 2 * (count(rows & 0x10101010u) - count(rows & 0x01010101u))
         + count(rows & 0x08080808u) - count(rows & 0x02020202u);
 }
 
-// Five slices of a column of two words, from slice `first` (0 to 3) on: 16 bits each, two to a number.
+// Five slices of a column of two words, starting with slice `first` (0 to 3): 16 bits each, two per number.
 fn slices(below: vec2<u32>, above: vec2<u32>, first: u32) -> vec3<u32> {
     let later = first >= 2u;
     let a = select(below.x, below.y, later);
@@ -40,13 +40,13 @@ fn slices(below: vec2<u32>, above: vec2<u32>, first: u32) -> vec3<u32> {
     );
 }
 
-// Moments of one of five slices from its four pieces of 4x4 voxels, `z` (-2 to 2) being its place.
+// Moments of one of five slices from its four pieces of 4x4 voxels; `z` (-2 to 2) is its position.
 fn slice_moment(pieces: vec4<u32>, inner: vec2<u32>, z: i32) -> vec3<i32> {
     // Four rows of eight voxels each.
     let below = ((spread(pieces.x) | (spread(pieces.y) << 4u)) >> inner.x) & 0x1f1f1f1fu;
     let above = ((spread(pieces.z) | (spread(pieces.w) << 4u)) >> inner.x) & 0x1f1f1f1fu;
     let shift = 8u * inner.y;
-    // The five rows about the voxel: four of them, and the fifth.
+    // The five rows around the voxel: four of them, and the fifth.
     let four = (below >> shift) | select(above << ((32u - shift) & 31u), 0u, shift == 0u);
     let outer = abs(z) == 2;
     let rows = four & select(0x1f1f1f0eu, 0x0e0e0e00u, outer);
@@ -58,8 +58,8 @@ fn slice_moment(pieces: vec4<u32>, inner: vec2<u32>, z: i32) -> vec3<i32> {
     );
 }
 
-// Minus the gradient of existence, the first moment over the 81 voxels at most sqrt(6) away: the
-// 5^3 about the voxel without those that are two away on two axes.
+// The negative gradient of occupancy: the first moment over the 81 voxels at most sqrt(6) away, which are the
+// 5^3 around the voxel without those two away on two axes.
 fn gradient(voxel: vec3<i32>, dims: vec3<i32>) -> vec3<f32> {
     let low = voxel - vec3<i32>(2);
     let at = low & vec3<i32>(-4);
@@ -85,12 +85,12 @@ fn gradient(voxel: vec3<i32>, dims: vec3<i32>) -> vec3<f32> {
     return vec3<f32>(-moment);
 }
 
-// How much of the light from everywhere reaches the voxel, 0 to 1: twice the empty share of the
-// cube of 8^3 voxels about its middle, in which a word counts by its part within.
+// Ambient openness of the voxel, 0 to 1: twice the empty share of the cube of 8^3 voxels around its centre, in
+// which each word counts by its part inside.
 fn openness(voxel: vec3<i32>, dims: vec3<i32>) -> f32 {
     let low = voxel - vec3<i32>(4);
     let corner = low & vec3<i32>(-4);
-    // The cube begins half a voxel behind the lower corner of `low`.
+    // The cube begins half a voxel after the lower corner of `low`.
     let cut = vec3<f32>(low - corner) + 0.5;
     var filled = 0.0;
     for (var z = 0; z < 3; z++) {

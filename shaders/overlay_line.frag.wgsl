@@ -1,4 +1,4 @@
-// Colours a line, soft at its edges.
+// Colours a line with antialiased edges.
 
 @fragment
 fn main(

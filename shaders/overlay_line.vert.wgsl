@@ -1,4 +1,4 @@
-// Draws a line of constant width in pixels as two triangles; six vertices an instance.
+// Draws a line of constant width in pixels as two triangles; six vertices per instance.
 
 struct Lines {
     clip_from_grid: mat4x4<f32>,
@@ -11,7 +11,7 @@ var<immediate> lines: Lines;
 struct Corner {
     @builtin(position) position: vec4<f32>,
     @location(0) colour: vec4<f32>,
-    // Distance from the middle of the line and half its width, in pixels.
+    // Distance from the centre line and half the width, in pixels.
     @location(1) @interpolate(linear) across: vec2<f32>,
 }
 
@@ -25,8 +25,8 @@ fn main(
 ) -> Corner {
     var a = lines.clip_from_grid * vec4<f32>(first.xyz, 1.0);
     var b = lines.clip_from_grid * vec4<f32>(second.xyz, 1.0);
-    // Clip z is the near distance everywhere (reversed depth without a far plane); what lies
-    // before the near plane is cut off, so that the division below is sound.
+    // Clip z is the near distance everywhere (reversed infinite depth). The part in front of the near plane is
+    // clipped here, so that the division below is safe.
     let near = a.z;
     if (a.w < near && b.w < near) {
         return Corner(vec4<f32>(2.0, 2.0, 2.0, 1.0), colour, vec2<f32>(0.0, 1.0));
@@ -43,7 +43,7 @@ fn main(
     if (long > 1e-4) {
         along = way / long;
     }
-    // One pixel more than the width, for soft edges.
+    // One pixel wider, for antialiasing.
     let half_width = 0.5 * first.w;
     let reach = half_width + 1.0;
     let at_b = vertex == 1u || vertex == 3u || vertex == 4u;

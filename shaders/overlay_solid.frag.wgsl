@@ -1,4 +1,4 @@
-// Shades the tool's faces by how far they look towards the viewer, as a thin shell would be.
+// Shades the faces of the tool preview by their angle to the viewer, like a thin shell.
 //!include "overlay_solid.wgsl"
 
 @fragment

@@ -1,4 +1,4 @@
-// Places the tool's faces.
+// Transforms the faces of the tool preview.
 //!include "overlay_solid.wgsl"
 
 @vertex

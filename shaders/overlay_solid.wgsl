@@ -1,8 +1,8 @@
-// The tool's semi-transparent faces. Shared by both stages.
+// The semi-transparent faces of the tool preview. Shared by both stages.
 
 struct Solid {
     clip_from_tool: mat4x4<f32>,
-    // Rows of the map of normals to eye space, unnormalised.
+    // Rows of the matrix that takes normals to eye space, not normalised.
     eye_from_normal: array<vec4<f32>, 3>,
     // sRGB and opacity.
     colour: vec4<f32>,

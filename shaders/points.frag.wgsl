@@ -1,5 +1,5 @@
-// The pixels of a point's triangle whose rays meet the voxel's box, by the order of crossings that
-// the ray caster goes by: so neighbouring points meet without gap or overlap, at any distance.
+// Keeps the pixels of a point's triangle whose rays meet the voxel's box, by the same order of crossings as the
+// ray caster, so that neighbouring points meet without gap or overlap at any distance.
 
 //!include "layout.wgsl"
 //!include "ray.wgsl"
@@ -25,7 +25,7 @@ fn main(
     if any(before(crossings(ray, select(voxel, high, ray.forward)), enter)) {
         discard;
     }
-    // An eye within the voxel sees it at the near plane.
+    // An eye inside the voxel sees it at the near plane.
     let depth = select(1.0, (view.depth_slope * enter.t + view.depth_at_0) / enter.t, enter.t > 0.0);
     return Pixel(vec4<f32>(decoded(colour, view.linear != 0u), 1.0), clamp(depth, 0.0, 1.0));
 }

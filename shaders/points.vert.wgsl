@@ -1,17 +1,17 @@
-// A voxel becomes a triangle in the picture that holds all of its box, lit as one point. Draw 3
-// vertices a point: as an instance each, points would be shaded one by one. (Two triangles would
-// cover less, but cost twice where points are small, and there are many then.)
+// A voxel becomes a triangle in the picture that contains its box, lit as one point. Draw 3 vertices per point
+// and no instances: instances would be shaded one by one. (Two triangles would cover less, but cost twice as
+// much where points are small, and then there are many.)
 
 //!include "layout.wgsl"
 //!include "lighting.wgsl"
 
 var<immediate> view: PointView;
 
-// src/shade/points.rs: x and y, z of the voxel in 16 bits each; outwards and openness in signed
+// As core/src/shade/points.rs packs them: x and y, z of the voxel in 16 bits each; normal and openness in signed
 // bytes; colour in bytes.
 @group(0) @binding(6) var<storage, read> points: array<vec4<u32>>;
 
-// Beyond the box, in voxels, for what rounding may lose. What it adds is looked at in vain.
+// Enlargement of the box in voxels, to allow for rounding. The pixels that it adds are discarded.
 const MARGIN_VX: f32 = 0.01;
 
 struct Corner {
@@ -27,7 +27,7 @@ fn main(
     let point = points[vertex / 3u];
     let corner = vertex % 3u;
     let voxel = vec3<u32>(point.x & 0xffffu, point.x >> 16u, point.y & 0xffffu);
-    // By hand: unpack4xI8 needs a feature that not every device has.
+    // unpack4xI8 would need a feature that not every device has.
     let bytes = vec4<i32>(vec4<u32>(point.z) << vec4<u32>(24u, 16u, 8u, 0u));
     let outwards = bytes >> vec4<u32>(24u);
     let colour = unpack4x8unorm(point.w);
@@ -36,17 +36,17 @@ fn main(
     let w = dot(view.clip_w, from_eye);
     let reach = 0.5 + MARGIN_VX;
     let nearest = w - reach * dot(abs(view.clip_w), vec3<f32>(1.0));
-    // Corners of a triangle around the square from -1 to 1.
+    // Corners of a triangle that contains the square from -1 to 1.
     let side = select(vec2<f32>(-1.0), vec2<f32>(3.0), vec2<bool>(corner == 1u, corner == 2u));
     let seen = lit(middle, vec3<f32>(outwards.xyz), colour.xyz, f32(outwards.w) / 127.0);
-    // Around the eye's plane it may be anywhere.
+    // A box that reaches the plane of the eye may be anywhere.
     var position = side;
     if nearest > 0.0 {
         let centre = vec2<f32>(dot(view.clip_x, from_eye), dot(view.clip_y, from_eye)) / w;
-        // How far a corner can be from the centre: what the centre's own place leaves of each edge.
+        // How far a corner of the box can be from its projected centre.
         let x = dot(abs(view.clip_x - centre.x * view.clip_w), vec3<f32>(1.0));
         let y = dot(abs(view.clip_y - centre.y * view.clip_w), vec3<f32>(1.0));
-        // Corners are drawn at multiples of a part of a pixel.
+        // The rasteriser snaps corners to fractions of a pixel.
         let margin = vec2<f32>(view.margin_x, view.margin_y);
         position = centre + side * (vec2<f32>(x, y) * (reach / nearest) + margin);
     }

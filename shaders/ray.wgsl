@@ -1,5 +1,5 @@
-// The arithmetic of a ray on the grid: the twin of src/surface/raycast/ray.rs. The same numbers
-// in the same order, so that a GPU whose division rounds correctly meets the same voxels.
+// The arithmetic of a ray on the grid: the twin of core/src/surface/raycast/ray.rs. The same operations in the
+// same order, so that a GPU with correctly rounded division finds the same voxels.
 
 const STANDSTILL: f32 = 1e-20;
 
@@ -10,9 +10,9 @@ struct Ray {
     forward: vec3<bool>,
 }
 
-// When a ray came where it is, by a plane of which axis, and which axes are lower than that one
-// (all of them for the start, which comes after every crossing that is behind the ray). Masks
-// instead of a number, and selects instead of branches: that is what vectors of pixels like.
+// A crossing: its ray parameter, the axis of the plane, and which axes are lower than that one (all of them for
+// the start, which comes after every crossing behind the ray). Masks instead of a number, and selects instead of
+// branches, because they vectorise.
 struct Event {
     t: f32,
     axis: vec3<bool>,
@@ -25,24 +25,24 @@ fn make_ray(origin: vec3<f32>, direction: vec3<f32>) -> Ray {
     return Ray(origin, moving, vec3<f32>(1.0) / moving, moving > vec3<f32>(0.0));
 }
 
-// When the ray crosses the plane of each axis.
+// The ray parameters at which the ray crosses the plane of each axis.
 fn crossings(ray: Ray, planes: vec3<i32>) -> vec3<f32> {
     return (vec3<f32>(planes) - ray.origin) * ray.inverse;
 }
 
-// Which of the crossings come before the event.
+// Which crossings come before the event.
 fn before(t: vec3<f32>, event: Event) -> vec3<bool> {
     return (t < vec3<f32>(event.t)) | ((t == vec3<f32>(event.t)) & event.lower);
 }
 
-// The first of three crossings; of equal ones that of the lowest axis.
+// The first of three crossings; if equal, that of the lowest axis.
 fn first_of(t: vec3<f32>) -> Event {
     let x = (t.x <= t.y) & (t.x <= t.z);
     let y = !x & (t.y <= t.z);
     return Event(min(t.x, min(t.y, t.z)), vec3<bool>(x, y, !x & !y), vec3<bool>(!x, !x & !y, false));
 }
 
-// The last of the start and three crossings; of equal ones that of the highest axis.
+// The last of the start and three crossings; if equal, that of the highest axis.
 fn last_of(t: vec3<f32>) -> Event {
     let last = max(max(t.x, t.y), max(t.z, 0.0));
     let started = last == 0.0;
@@ -52,8 +52,8 @@ fn last_of(t: vec3<f32>) -> Event {
     return Event(last, vec3<bool>(x, y, z), vec3<bool>(!x, started | z, started));
 }
 
-// The cell in which the ray is just after `event`, known to lie in the box `low..high`. Guessed
-// from the position, then corrected by the crossings themselves.
+// The cell that contains the ray just after `event`, known to lie in the box `low..high`: an estimate from the
+// position, then corrected by the crossings themselves.
 fn cell_after(ray: Ray, event: Event, low: vec3<i32>, high: vec3<i32>) -> vec3<i32> {
     let first = select(high - vec3<i32>(1), low, ray.forward);
     let last = select(low, high - vec3<i32>(1), ray.forward);

@@ -1,4 +1,4 @@
-// The index map of one eye by a compute shader.
+// Compute shader for ray_march.wgsl: the index map of one eye.
 
 //!include "ray_march.wgsl"
 //!include "square.wgsl"

@@ -1,4 +1,4 @@
-// Covers the whole picture, for passes that work per pixel.
+// Covers the whole target, for passes that work per pixel.
 //!include "screen.wgsl"
 
 @vertex

@@ -1,4 +1,4 @@
-// One triangle that covers the whole picture; draw 3 vertices.
+// One triangle that covers the whole target; draw 3 vertices.
 
 // Clip position of vertex 0, 1 or 2, at depth 0 (infinitely far).
 fn screen_triangle(vertex: u32) -> vec4<f32> {

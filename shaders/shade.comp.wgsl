@@ -1,4 +1,4 @@
-// The picture of one eye from its index map by a compute shader.
+// Compute shader for shade.wgsl: the picture of one eye from its index map.
 
 //!include "shade.wgsl"
 //!include "square.wgsl"

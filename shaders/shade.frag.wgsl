@@ -1,4 +1,4 @@
-// The picture of one eye from its index map by a fragment shader.
+// Fragment shader for shade.wgsl: the picture of one eye from its index map.
 
 //!include "shade.wgsl"
 

@@ -1,4 +1,4 @@
-// The colour of a pixel from the index map; transparent where nothing is seen.
+// The colour of a pixel from the index map; transparent where no voxel is seen.
 
 //!include "layout.wgsl"
 //!include "places.wgsl"

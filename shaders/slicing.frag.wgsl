@@ -1,6 +1,6 @@
-// The first existing voxel that the pixel's ray meets in one layer of the grid, by the exact
-// traversal of the ray caster cut to the layer. Nothing there: the fragment is discarded, and
-// a layer behind may have something.
+// The first existing voxel that the pixel's ray meets in one layer of the grid, by the exact traversal of the
+// ray caster restricted to the layer. If there is none, the fragment is discarded, and a layer behind may show
+// a voxel.
 
 //!include "layout.wgsl"
 //!include "walk.wgsl"

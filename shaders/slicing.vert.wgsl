@@ -1,12 +1,12 @@
-// A rectangle of voxels in one layer becomes the rectangle on the layer's middle plane that every
-// ray passes which meets the layer within that rectangle: seen from the eye, its outlines on the
-// nearer and the farther plane are scaled about the eye's foot, so the larger of each is taken.
+// A rectangle of voxels in one layer becomes the rectangle on the layer's centre plane through which every ray
+// passes that meets the layer within that rectangle. Seen from the eye, its outlines on the nearer and farther
+// plane are scaled about the eye's foot point, so the larger of each is used.
 
 //!include "layout.wgsl"
 
 var<immediate> view: SliceView;
 
-// Beyond the outline, in voxels, for what rounding may lose. What it adds is looked at in vain.
+// Enlargement of the outline in voxels, to allow for rounding. The pixels that it adds are discarded.
 const MARGIN_VX: f32 = 0.02;
 
 struct Corner {
@@ -14,18 +14,18 @@ struct Corner {
     @location(0) @interpolate(flat) planes: vec2<u32>,
 }
 
-// How far an edge `along` an axis of the layer that passes the point `from_eye` has to move across
-// itself within the layer's plane to move by a pixel in the picture. This is proportional to the
-// distance w along the edge, so that corners give it to all of the edge; behind the eye any will do.
+// How far an edge `along` an axis of the layer, through the point `from_eye`, has to move perpendicular to itself
+// within the layer's plane to move by one pixel in the picture. This is proportional to the depth w along the
+// edge, so the values at the corners interpolate correctly; behind the eye any value will do.
 fn voxels_per_pixel(from_eye: vec3<f32>, along: vec3<f32>, across_layer: u32) -> f32 {
-    // Of the plane through the eye and the edge.
+    // The normal of the plane through the eye and the edge.
     let normal = cross(along, from_eye);
     let pixel = vec2<f32>(dot(view.step_x, normal), dot(view.step_y, normal));
     return length(pixel) * abs(dot(view.clip_w, from_eye) / from_eye[across_layer]);
 }
 
-// rect: lower and upper u, lower and upper v. layer: lower and upper plane, rank, and whether it
-// covers the picture. In voxels; u and v are the axes that follow the layer's in x, y, z.
+// rect: lower and upper u, lower and upper v. layer: lower and upper plane, rank, and whether it covers the
+// picture. In voxels; u and v are the axes after the layer's axis in the cycle x, y, z.
 @vertex
 fn main(
     @builtin(vertex_index) vertex: u32,
@@ -33,7 +33,7 @@ fn main(
     @location(1) layer: vec4<u32>,
 ) -> Corner {
     let upper = vec2<bool>((vertex & 1u) != 0u, (vertex & 2u) != 0u);
-    // Ranks are depths: exact, and the same all over a layer.
+    // Ranks serve as depths: exact, and constant within a layer.
     let depth = 1.0 - f32(layer.z + 1u) * view.depth_step;
     if layer.w != 0u {
         let corner = select(vec2<f32>(-1.0), vec2<f32>(1.0), upper);
@@ -54,8 +54,8 @@ fn main(
     from_eye[d] = middle - view.origin[d];
     from_eye[u] = seen.x - eye.x;
     from_eye[v] = seen.y - eye.y;
-    // Corners are drawn at multiples of a part of a pixel. So the edges along v move outwards by that
-    // part, and those along u.
+    // The rasteriser snaps corners to fractions of a pixel, so the edges along u and v move outwards by that
+    // fraction.
     let along_u = vec3<f32>(vec3<u32>(0u, 1u, 2u) == vec3<u32>(u));
     let along_v = vec3<f32>(vec3<u32>(0u, 1u, 2u) == vec3<u32>(v));
     let margin = view.margin_px * vec2<f32>(

@@ -1,5 +1,5 @@
 // The pictures of two eyes on one screen, with the interface over both: the twin of
-// src/view/stereo_layout.rs.
+// core/src/view/stereo_layout.rs.
 
 //!include "layout.wgsl"
 
@@ -18,20 +18,20 @@ const ROWS: u32 = 4u;
 const COLUMNS: u32 = 5u;
 const ANAGLYPH: u32 = 6u;
 
-// What an eye sees at a pixel of the window.
+// The colour that an eye sees at a pixel of the window.
 fn seen(eye: u32, at: vec2<u32>) -> vec3<f32> {
     let over = textureLoad(interface_image, at, 0);
     let place = vec2<i32>(at) - view.corner;
     var behind = vec3<f32>(0.0);
     if all(place >= vec2<i32>(0)) && all(place < vec2<i32>(view.size)) {
-        // Not a branch, which a uniform must not decide (render/specialised.rs).
+        // A select and not a branch: no uniform may decide a branch (render/specialised.rs).
         let of_left = textureLoad(left, place, 0).xyz;
         behind = select(textureLoad(right, place, 0).xyz, of_left, eye == 0u);
     }
     return over.xyz + behind * (1.0 - over.w);
 }
 
-// The mean of two neighbours along an axis, squeezed into one pixel.
+// The mean of two neighbours along the axis that is squeezed to half.
 fn squeezed(eye: u32, first: vec2<u32>, along: vec2<u32>) -> vec3<f32> {
     let last = view.window - vec2<u32>(1u);
     return 0.5 * (seen(eye, min(first, last)) + seen(eye, min(first + along, last)));

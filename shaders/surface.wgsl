@@ -1,4 +1,4 @@
-// The colour in which a voxel is seen: its own, its normal, its surroundings, lit.
+// The shaded colour of a voxel: from its colour, normal and ambient occlusion.
 
 //!include "normal.wgsl"
 //!include "colours.wgsl"

@@ -1,4 +1,4 @@
-// Beams: what beam.comp.wgsl leaves for the walks of single rays.
+// Beams: what beam.wgsl computes for the traversal of single rays.
 
-// The start of rays that meet nothing.
+// The start of rays that hit nothing.
 const FAR_AWAY: f32 = 3e38;

@@ -1,12 +1,12 @@
-// The step of a ray through the bits of a grid: out of a whole word where that is empty, else to the
-// next voxel. The twin of src/surface/raycast/walk.rs; it skips only what is empty, so that it
-// finds the voxel that a walk voxel by voxel finds.
+// The step of a ray through the bits of a grid: out of the whole word if it is empty, else to the next voxel. The
+// twin of core/src/surface/raycast/walk.rs. It skips only empty space, so it finds the same voxel as a traversal
+// voxel by voxel.
 
 //!include "bits.wgsl"
 //!include "ray.wgsl"
 
-// The cell after `cell`, whose word is `word`. One way for both lengths of a step: vectors of pixels
-// go every way that one of them goes.
+// The cell after `cell`, whose word is `word`. One code path for both lengths of a step, because SIMD lanes
+// execute every path that any of them takes.
 fn next_cell(ray: Ray, cell: vec3<i32>, word: vec2<u32>) -> vec3<i32> {
     let zero = vec3<i32>(0);
     let one = select(vec3<i32>(-1), vec3<i32>(1), ray.forward);
@@ -14,7 +14,7 @@ fn next_cell(ray: Ray, cell: vec3<i32>, word: vec2<u32>) -> vec3<i32> {
     let some = any(word != vec2<u32>(0u));
     let end = select(cell & vec3<i32>(-4), cell, some) + ahead * select(4, 1, some);
     let event = first_of(crossings(ray, end));
-    // The other axes cross at most three planes before.
+    // The other axes cross at most three planes before that.
     let plane = cell + ahead;
     let crossed = select(zero, one, before(crossings(ray, plane), event))
         + select(zero, one, before(crossings(ray, plane + one), event))

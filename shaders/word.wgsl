@@ -1,4 +1,4 @@
-// Words of 4^3 bits, x the fastest: voxels of a grid or bricks of a block.
+// Words of 4^3 bits, x fastest: voxels of a grid or bricks of a block.
 
 // Whether the voxel, or brick, is set in its word.
 fn bit_of(word: vec2<u32>, place: vec3<i32>) -> bool {
