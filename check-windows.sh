@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Checks that program and tests compile for Windows, with the Rust of Debian, whose package of sources
-# makes the standard library of any target. Says SKIPPED where that cannot be had (an error where
-# VS_REQUIRE_MINGW is set). Some six minutes the first time; the target folder lies in the cache, so
-# that the next time it takes seconds. Arguments go to `cargo check`.
+# Checks that program and tests compile for Windows, with Debian's Rust: its source package allows to build the
+# standard library for any target. Prints SKIPPED where that is not available (an error if VS_REQUIRE_MINGW is set).
+# Takes some six minutes the first time; the target folder is kept in the cache folder, so later runs take seconds.
+# Arguments go to `cargo check`.
 set -euo pipefail
 cd "$(dirname "$0")"
 target=x86_64-pc-windows-gnu
@@ -31,9 +31,10 @@ if [ ${#missing[@]} -gt 0 ]; then
         apt-get install -y -q --no-install-recommends "${missing[@]}"
 fi
 
-# Debian's, whatever else is installed; a stable compiler makes the library only when told that it may.
+# Debian's toolchain, whatever else is installed. A stable compiler builds the standard library only with
+# RUSTC_BOOTSTRAP.
 export RUSTC=/usr/bin/rustc RUSTC_BOOTSTRAP=1
 export CARGO_TARGET_DIR="${XDG_CACHE_HOME:-$HOME/.cache}/virtual-sculpture/check-windows"
-# The layer of the headset tests is a library of Linux.
+# The API layer of the headset tests is for Linux only.
 exec /usr/bin/cargo check -Zbuild-std=std,test,panic_abort --target "$target" --locked \
     --workspace --exclude openxr-blend-layer --lib --bins --tests --examples "$@"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Sets up, builds and runs Virtual Sculpture. Arguments go to the program. Without any it opens the
-# window where there is a display, and otherwise renders the demo scene to files.
+# Sets up, builds and runs Virtual Sculpture. Arguments go to the program. Without arguments it opens the window, or
+# renders the demo scene to files if there is no display.
 set -euo pipefail
 cd "$(dirname "$0")"
 PATH="$PATH:$HOME/.cargo/bin"

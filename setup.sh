@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Installs what building and running Virtual Sculpture needs beside Rust, and only what is missing.
+# Installs the system packages for building and running Virtual Sculpture that are missing. Rust itself must be there.
 # Usage: setup.sh [run|test]   (test adds the validation layers and a virtual display)
-# Knows Debian and its children; on other systems it says what to install.
+# Installs on Debian and its derivatives; on other systems it prints what to install.
 set -euo pipefail
 
 purpose=${1:-run}
@@ -39,7 +39,7 @@ if ! command -v cargo >/dev/null; then
     echo "setup: cargo was not found; install Rust 1.95 or later from https://rustup.rs" >&2
     exit 1
 fi
-# rustup answers for the version in rust-toolchain.toml, and fails where it can neither find nor fetch it.
+# Fails under rustup if the version in rust-toolchain.toml is neither installed nor can be downloaded.
 if ! cargo --version >/dev/null; then
     echo "setup: cargo does not run; with rustup: rustup toolchain install" >&2
     exit 1

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Sets up and passes the tests. Arguments go to `cargo test`.
-# The Vulkan tests run on any driver with the validation layers on; the window test runs on a
-# virtual display. Pictures that the tests make lie in target/test-output.
+# Sets up and runs the tests. Arguments go to `cargo test`.
+# The Vulkan tests run on any driver, with the validation layers; the window tests run on a virtual display. Pictures
+# that the tests make are written to target/test-output.
 set -euo pipefail
 cd "$(dirname "$0")"
 PATH="$PATH:$HOME/.cargo/bin"

@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
-# The Vulkan tests on other drivers than the system's: tests/drivers.sh SHARED [PREFIX]
-# SHARED: the folder with vulkan/drivers.sh and openxr/monado-prefix.sh, which unpack drivers and layers to
-# PREFIX (target/drivers if not given; kept from run to run) without root. Runs the tests `gpu::` and `golden::`
-# of the program as they were built last, with today's validation layer and synchronization validation, on
+# Runs the Vulkan tests on other drivers than the system's: tests/drivers.sh SHARED [PREFIX]
+# SHARED is the folder with vulkan/drivers.sh and openxr/monado-prefix.sh, which unpack drivers and layers to
+# PREFIX (default: target/drivers; kept between runs) without root. Runs the tests `gpu::` and `golden::`
+# of the program, as built last, with a recent validation layer and synchronization validation, on
 #   system       the driver that the system prefers
 #   mesa25       lavapipe of Mesa 25
-#   swiftshader  SwiftShader: 4 bits of a pixel's parts, other limits
-#   discrete     the system's lavapipe, which pretends to be a discrete GPU: compute shaders, staging, a
-#                small window of memory that is mapped
-# and first makes sure that synchronization validation is awake: with barriers dropped it must complain.
+#   swiftshader  SwiftShader: 4 bits of sub-pixel precision, other limits
+#   discrete     the system's lavapipe posing as a discrete GPU: compute shaders, staging, a small window of
+#                mappable memory
+# and first makes sure that synchronization validation is active: with barriers dropped it must complain.
 # Fails if a test fails anywhere, or if fewer have passed or been ignored than there are.
-# VS_DRIVERS="mesa25 discrete" runs these alone. Where SHARED is not there, nothing is run, and it says so.
+# VS_DRIVERS="mesa25 discrete" runs these alone. Without SHARED nothing is run, which it says.
 set -euo pipefail
 [ $# -ge 1 ] || { sed -n '2,13p' "$0" >&2; exit 2; }
 cd "$(dirname "$0")/.."
@@ -25,7 +25,7 @@ prefix=$(cd "$prefix" && pwd)
 drivers=${VS_DRIVERS:-system mesa25 swiftshader discrete}
 export VS_REQUIRE_VALIDATION=1 VS_SHARED="$shared"
 
-# Unpacked anew where that has not been completed, or where it has been moved: they hold whole paths.
+# Unpacks again if that was not completed, or if the folder has moved: the contents hold absolute paths.
 unpack() {
     local name=$1 script=$2
     [ "$(cat "$prefix/$name.done" 2>/dev/null)" = "$prefix/$name" ] && return
@@ -42,7 +42,7 @@ case " $drivers " in *" mesa25 "*) unpack openxr openxr/monado-prefix.sh ;; esac
 vulkan=$prefix/vulkan
 openxr=$prefix/openxr
 
-# The test binary of a name that was built last.
+# The most recently built test binary of that name.
 binary() {
     local found
     for found in $(ls -t "${CARGO_TARGET_DIR:-target}"/debug/deps/"$1"-* 2>/dev/null); do
@@ -68,7 +68,7 @@ with_driver() {
         swiftshader) . "$vulkan/env-swiftshader" ;;
         discrete)
             . "$vulkan/env-discrete"
-            # That layer knows one device at a time, and needs another one below it.
+            # That layer handles one device at a time and needs another layer below it.
             export VK_INSTANCE_LAYERS=VK_LAYER_FAKE_discrete:VK_LAYER_KHRONOS_validation
             set -- "$@" --test-threads=1
             ;;
