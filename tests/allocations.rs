@@ -1,9 +1,8 @@
-//! The steady frame allocates nothing: the ray caster, the software shader and the partial update
-//! with memory from the frame before, and edits within a stroke that has begun.
+//! A steady frame allocates nothing: the ray caster, the software shader and the partial update reuse the memory of the
+//! previous frame, and so do edits within a stroke in progress.
 //!
-//! All threads' allocations are counted. What rayon itself needs (its threads, and now and then a
-//! block of its queue) is not the program's doing: a frame is measured many times, and most of
-//! these must be without any allocation at all.
+//! The allocations of all threads are counted. rayon allocates itself (its threads, and occasionally a block of its
+//! queue), so a frame is measured many times, and most of these must be without any allocation.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -19,7 +18,7 @@ use virtual_sculpture::surface::{IndexMap, changed_pixels, quickstep, raycast};
 use virtual_sculpture::tools::construct::{Primitive, Solid};
 use virtual_sculpture::view::{Camera, Eye};
 
-/// Counts what is asked of the system's allocator.
+/// Counts the requests to the system's allocator.
 struct Counting;
 
 static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
@@ -49,9 +48,8 @@ static ALLOCATOR: Counting = Counting;
 
 const RUNS: usize = 64;
 
-/// Runs `f` so often that caches and queues are warm, then counts allocations of each further run.
-/// All but a few must have none. A queue of rayon's takes a block of memory for 63 tasks brought
-/// to it from outside of its threads, so one run in 63 has one.
+/// Runs `f` until caches and queues are warm, then counts the allocations of each further run. All but a few must
+/// have none: rayon's queue allocates a block for every 63 tasks injected from outside its threads.
 fn assert_free(what: &str, mut f: impl FnMut()) {
     (0..8).for_each(|_| f());
     let counts: Vec<usize> = (0..RUNS)
@@ -74,7 +72,7 @@ fn view(grid: &Grid) -> (Eye, Affine3A) {
 
 #[test]
 fn a_steady_frame_on_the_cpu_allocates_nothing() {
-    // They count what the whole process does.
+    // The counters are those of the whole process.
     if !trials::alone() {
         return;
     }
@@ -122,7 +120,7 @@ fn an_edit_allocates_for_its_command_and_nothing_for_its_voxels() {
         };
         Command::Construct { op: EditOp::Subtract, primitive }
     };
-    // In one stroke, whose record has kept the bricks already, after many such strokes.
+    // Within one stroke, whose undo record has saved the bricks already, after many such strokes.
     let mut allocations = |radius: f32| {
         let command = ball(radius);
         let mut fewest = usize::MAX;
@@ -138,7 +136,7 @@ fn an_edit_allocates_for_its_command_and_nothing_for_its_voxels() {
         fewest
     };
     let (small, large) = (allocations(3.0), allocations(50.0));
-    // A list of mirror images and one of regions, and the uses that an array may repeat.
+    // A list of mirror images, one of regions, and the operations that an array may repeat.
     assert!(small <= 3, "{small} allocations for a small ball");
     assert_eq!(small, large, "more voxels, more allocations");
 }

@@ -1,5 +1,5 @@
-//! The tasks of the evaluation of 2005 as scripts: what a person does in the window, replayed, and
-//! what must be true of the result.
+//! The tasks of the evaluation of 2005 as scripts: what a person does in the window is replayed, and the result is
+//! checked.
 
 use glam::{IVec3, UVec3};
 use virtual_sculpture::command::Command;
@@ -25,7 +25,7 @@ fn voxels(dims: UVec3) -> impl Iterator<Item = [i32; 3]> {
     (0..d.z).flat_map(move |z| (0..d.y).flat_map(move |y| (0..d.x).map(move |x| [x, y, z])))
 }
 
-/// Verbs and sprays of a script, for what it uses.
+/// The verbs and brushes that a script uses.
 fn used(commands: &[Command]) -> Vec<String> {
     let mut used: Vec<String> = commands
         .iter()
@@ -51,7 +51,7 @@ fn the_learning_task_makes_a_rock_and_leaves_the_ground_unhurt() {
     let (mut cleared, mut cuboid) = (None, 0);
     for command in &commands {
         if *command == Command::Limit(false) {
-            // While the limit was on the ground kept every voxel and every colour.
+            // While the limit was on, the ground kept every voxel and every colour.
             let (before, now): (&Contents, _) =
                 (cleared.as_ref().unwrap(), session.document().contents());
             for [x, y, z] in voxels(before.grid.dims()).filter(|v| v[1] < 64) {
@@ -130,7 +130,7 @@ fn house_tree_lake_and_hill_are_where_they_should_be() {
     undo_and_redo(&mut session);
 }
 
-/// All of it can be taken back and done again, to the byte.
+/// All of it can be undone and redone, to the byte.
 fn undo_and_redo(session: &mut Session) {
     let end = session.document().contents().clone();
     // The first step is the new sculpture.

@@ -1,5 +1,5 @@
-//! `track` from outside: the program serves, our client reads in both modes; the program shows what
-//! it is told.
+//! `track` from outside: the program serves poses, and this project's client reads them in both modes; the program shows
+//! the poses that it receives.
 
 use std::io::{BufRead, BufReader};
 use std::net::UdpSocket;
@@ -41,7 +41,7 @@ fn line(lines: &mut impl BufRead) -> String {
     line.trim_end().to_owned()
 }
 
-/// A head that goes to the right by 0.1 m a second, and a button that is held.
+/// A head that moves to the right by 0.1 m/s, and a held button.
 fn script(folder: &std::path::Path) -> String {
     let path = folder.join("head.txt");
     let text = "rate 60\nloop\n0 0 0 0.6 0 0 0 1\n0.1 button 3 down\n\

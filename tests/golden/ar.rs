@@ -1,6 +1,6 @@
-//! A sculpture on a printed marker: from the frame of a camera with a lens that distorts to the
-//! picture, through finder, pose, eye and renderer. The truth is the pose from which the frame is
-//! drawn; nothing that is compared with it knows it.
+//! A sculpture on a printed marker: from the frame of a camera with a distorting lens to the final picture, through
+//! detection, pose estimation, eye and renderer. The ground truth is the pose from which the frame is rendered; the code
+//! under test does not know it.
 
 use glam::{Affine3A, DQuat, DVec2, DVec3, UVec2, Vec2, Vec3};
 use virtual_sculpture::document::Document;
@@ -29,7 +29,7 @@ fn lens() -> Intrinsics {
     Intrinsics { k1: -0.28, k2: 0.09, p1: 0.0008, p2: -0.0006, cx: 325.0, cy: 232.0, ..even }
 }
 
-/// A camera above a table, tilted down by so many degrees, the marker turned and away by so much.
+/// A camera above a table, with its tilt in degrees and the rotation and distance of the marker.
 fn truth(tilt_deg: f64, spin_deg: f64, translation_m: [f64; 3]) -> MarkerPose {
     MarkerPose {
         rotation: DQuat::from_rotation_x(-tilt_deg.to_radians())
@@ -51,7 +51,7 @@ fn on_marker() -> Affine3A {
     Affine3A::from_translation(Vec3::new(-16.0, 0.0, -16.0))
 }
 
-/// What the program makes of a frame.
+/// The program's result for a frame.
 fn eye(frame: &Frame, screen: UVec2, mirror: bool) -> (Eye, VideoView) {
     let grey = Grey::from_rgba(frame.width, frame.height, &frame.pixels);
     let seen = detect(&grey, &lens());
@@ -83,8 +83,7 @@ fn paint(
     painter.paint(document, &scene).remove(0)
 }
 
-/// Where a point of the marker's axes truly is on a screen that shows the camera's picture
-/// straightened, in pixels.
+/// The true position, in pixels, of a point in marker axes on a screen that shows the undistorted camera picture.
 fn true_pixel(truth: &MarkerPose, marker_m: DVec3, screen: UVec2, mirror: bool) -> Vec2 {
     let p = truth.apply(marker_m);
     let Intrinsics { fx, fy, cx, cy, .. } = lens();
@@ -144,7 +143,7 @@ fn block_and_video_lie_where_they_truly_are() {
                 if mirror {
                     continue;
                 }
-                // The video without the block: straight, and the marker where it is.
+                // The video without the block: undistorted, with the marker in place.
                 let painter = &mut painter_of_nothing;
                 let video = paint(painter, &mut nothing, &frame, seen, RenderMode::Ray);
                 let rgba: Vec<u8> = video.rgba.iter().flatten().copied().collect();

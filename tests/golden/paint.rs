@@ -1,4 +1,4 @@
-//! The renderer on the device of the tests, and a block to look at.
+//! The renderer on the device of the tests, and a block to render.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ use virtual_sculpture::view::Eye;
 pub const BACKGROUND: Background =
     Background::Gradient { top: Vec3::new(0.23, 0.25, 0.3), bottom: Vec3::new(0.1, 0.1, 0.12) };
 
-/// Everything that draws.
+/// Device and renderer.
 pub struct Painter {
     pub renderer: Renderer,
     pub frames: Frames,
@@ -29,7 +29,7 @@ impl Painter {
         Painter { renderer, frames: Frames::new(device).unwrap() }
     }
 
-    /// What the eyes see of a document.
+    /// Renders what the eyes see of a document.
     pub fn paint(&mut self, document: &mut Document, scene: &Scene) -> Vec<Pixels> {
         let desc = FrameDesc {
             eyes: scene.eyes,
@@ -49,7 +49,7 @@ impl Painter {
     }
 }
 
-/// What is looked at, and how.
+/// What to render, and how.
 pub struct Scene<'a> {
     pub eyes: &'a [Eye],
     pub world_from_grid: Affine3A,
@@ -58,7 +58,7 @@ pub struct Scene<'a> {
     pub previews: &'a [ToolPreview],
 }
 
-/// A sculpture that commands make.
+/// A sculpture made by commands.
 pub fn document(script: &str) -> Document {
     let mut commands = parse_script(script).unwrap().into_iter();
     let new: NewSculpture = match commands.next() {

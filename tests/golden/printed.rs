@@ -1,5 +1,4 @@
-//! A camera's picture of a printed marker on a chequered table, drawn from where the camera is known
-//! to be.
+//! Renders a camera's picture of a printed marker on a chequered table, from a known camera pose.
 
 use glam::{DVec2, DVec3, UVec2};
 use image::GrayImage;
@@ -9,10 +8,10 @@ use virtual_sculpture::video::{Frame, Intrinsics};
 
 pub const ID: u32 = 3;
 pub const SIZE_M: f64 = 0.08;
-/// Rays through a pixel, each way.
+/// Samples per pixel along each axis.
 const PARTS: usize = 3;
 
-/// What a camera with this lens sees, the marker being where `truth` says.
+/// The picture of a camera with this lens, with the marker at `truth`.
 pub fn frame(lens: &Intrinsics, truth: &MarkerPose, sequence: u64) -> Frame {
     let png = sheet::png(ID, SIZE_M * 1e3).unwrap();
     let sheet = image::load_from_memory(&png).unwrap().to_luma8();
@@ -33,7 +32,7 @@ pub fn frame(lens: &Intrinsics, truth: &MarkerPose, sequence: u64) -> Frame {
     Frame { width: lens.width, height: lens.height, pixels, sequence, ..Frame::empty() }
 }
 
-/// Brightness of what lies in a direction.
+/// Brightness in a direction.
 fn light(ray: DVec2, truth: &MarkerPose, sheet: &GrayImage) -> f64 {
     let inverse = truth.rotation.inverse();
     let eye = inverse * -truth.translation_m;

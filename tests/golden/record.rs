@@ -1,15 +1,15 @@
-//! The pictures beside this file.
+//! Compares pictures with the recorded ones beside this file, or records them.
 
 use std::path::Path;
 
 use virtual_sculpture::shade::Pixels;
 
-/// Of 255: what rounding may change.
+/// Tolerance for rounding, of 255 levels.
 const TOLERANCE: u8 = 2;
-/// Share of pixels that may be beyond it: edges that fall on the other side of a pixel's middle.
+/// Share of pixels that may exceed it: edges that fall on the other side of a pixel's centre.
 const STRAYS: f64 = 1e-3;
 
-/// Demands that a picture is the recorded one, or records it.
+/// Asserts that a picture equals the recorded one, or records it.
 pub fn assert_recorded(name: &str, picture: &Pixels) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(name);
     let (width, height) = picture.size.into();

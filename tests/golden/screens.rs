@@ -1,4 +1,4 @@
-//! What a person sees before a screen: with two eyes, and with a head that moves.
+//! Pictures on a screen: for two eyes, and for a moving head.
 
 use ash::vk;
 use glam::{Affine3A, IVec2, Quat, UVec2, Vec2, Vec3};
@@ -143,7 +143,7 @@ fn the_screen_is_a_window_for_a_head_on_the_left_and_on_the_right() {
             for (x, y) in [(30, 84), (129, 84), (80, 94)] {
                 assert!(!colour(x, y).0, "{name} {x} {y}");
             }
-            // The post goes with the head.
+            // The post moves with the head.
             let row = 60;
             let blue: Vec<u32> = (0..SIZE.x).filter(|x| colour(*x, row).1).collect();
             let edges = [(42.0, 6.0), (54.0, 6.0), (42.0, 18.0), (54.0, 18.0)]

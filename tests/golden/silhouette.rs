@@ -1,8 +1,8 @@
-//! The outline of a convex thing in a picture: where its corners are, to a part of a pixel.
+//! The outline of a convex object in a picture: its corners with sub-pixel precision.
 
 use glam::{UVec2, Vec2};
 
-/// Pixels that show the thing.
+/// Pixels that show the object.
 pub struct Mask {
     pub size: UVec2,
     pub set: Vec<bool>,
@@ -27,8 +27,8 @@ impl Mask {
         set.sum::<Vec2>() / self.count() as f32
     }
 
-    /// The corners of the thing, each near its corner of `expected` (in order, counter-clockwise on
-    /// axes x right, y down as [`hull`] gives them): lines fitted to the edges, and where they cross.
+    /// The corners of the object, each near its corner of `expected` (in order, counter-clockwise on axes x right, y
+    /// down, as [`hull`] returns them): the intersections of lines fitted to the edges.
     pub fn corners(&self, expected: &[Vec2]) -> Vec<Vec2> {
         let next = |i: usize| (i + 1) % expected.len();
         let lines: Vec<(Vec2, Vec2)> =
@@ -41,7 +41,7 @@ impl Mask {
             .collect()
     }
 
-    /// Two points of the line along which the thing ends near the line from `a` to `b`.
+    /// Two points of the object's edge near the line from `a` to `b`.
     fn edge(&self, a: Vec2, b: Vec2) -> (Vec2, Vec2) {
         const REACH_PX: f32 = 8.0;
         const STEPS: usize = 128;

@@ -1,12 +1,10 @@
-//! The index maps of the device against those of the exact ray caster, pixel by pixel.
+//! Compares the device's index maps with those of the exact ray caster, pixel by pixel.
 //!
-//! Both walk the same voxels by the same arithmetic, so on a device whose `f32` division and
-//! multiplication round correctly they agree everywhere. Where they do not, Vulkan allows a
-//! division to be off by 2.5 units in the last place and a product and a sum to be fused; then
-//! a ray that passes within about a millionth of its length of a voxel's edge may be found on
-//! the edge's other side. There the two see neighbours across an edge of the picture: the
-//! device's voxel is one that the caster sees through one of the nine pixels around, or one
-//! that it sees when the ray is moved by less than half a pixel.
+//! Both traverse the same voxels by the same arithmetic, so on a device with correctly rounded `f32` division and
+//! multiplication they agree everywhere. Vulkan allows a division to be off by 2.5 ULP and a product and a sum to be
+//! fused; then a ray that passes within about a millionth of its length of a voxel's edge may be found on the other side
+//! of it. There the two see neighbours across an edge of the picture: the device's voxel is one that the caster sees
+//! through one of the nine pixels around, or if the ray is moved by less than half a pixel.
 
 use glam::{UVec2, Vec2};
 use virtual_sculpture::sculpture::{Grid, NO_VOXEL};
@@ -30,8 +28,7 @@ fn in_silhouette(grid: &Grid, cast: &IndexMap, pixel: UVec2, voxel: u32) -> bool
         })
 }
 
-/// Pixels in which `drawn`, made by the device, differs from `cast`. At most `share` of all that are
-/// covered may.
+/// Asserts that `drawn`, from the device, differs from `cast` in at most `share` of the covered pixels.
 pub fn compare(name: &str, grid: &Grid, cast: &IndexMap, drawn: &IndexMap, share: f32) -> usize {
     let mut different = 0;
     let mut covered = 0;

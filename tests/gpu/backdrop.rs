@@ -1,4 +1,4 @@
-//! The video picture behind the sculpture: framing, mirror and lens against their twins on the CPU.
+//! The video background: framing, mirroring and lens against their twins on the CPU.
 
 use std::time::{Duration, Instant};
 
@@ -14,8 +14,8 @@ const PICTURE: UVec2 = UVec2::new(64, 48);
 const SCREEN: UVec2 = UVec2::new(90, 50);
 const BEYOND: Vec3 = Vec3::new(0.2, 0.4, 0.6);
 
-/// Smooth, so that a pixel's colour tells its place to a fraction of a pixel: red rises to the
-/// right, green downwards.
+/// A gradient, so that a pixel's colour gives its position to a fraction of a pixel: red increases to the right, green
+/// downwards.
 fn shade_at(at: Vec2) -> Vec2 {
     (at + 0.5) * Vec2::new(3.0, 4.0) + 20.0
 }
@@ -88,7 +88,7 @@ fn the_picture_lies_where_framing_and_lens_say() {
                 } else if from_edge > 0.51 {
                     inside += 1;
                     let off = (Vec2::new(f32::from(r), f32::from(g)) - shade_at(at)).abs();
-                    // A third of a pixel, with what 8 bits lose.
+                    // A third of a pixel, including quantisation to 8 bits.
                     assert!(off.max_element() <= 1.5, "{view:?} {x} {y}: {off}");
                 }
             }

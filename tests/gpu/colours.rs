@@ -1,4 +1,4 @@
-//! The device's copy of the colours equals the sculpture's, whatever was painted.
+//! The device's copy of the colours always equals the sculpture's.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use virtual_sculpture::sculpture::{Brick, ColourDepth, Material, Rgb};
 
 use super::fixture::with_device;
 
-/// What the device has of each brick's page; none where the brick is not painted.
+/// The device's copy of each brick's page; none if the brick is not painted.
 fn read_back(device: &Arc<Device>, colours: &Colours, bricks: usize) -> Vec<Option<Vec<u8>>> {
     let from = colours.buffer();
     let (usage, location) = (vk::BufferUsageFlags::TRANSFER_DST, MemoryLocation::GpuToCpu);
@@ -85,7 +85,7 @@ fn the_copy_follows_paint_and_undo_in_frames_and_at_once() {
     });
 }
 
-/// What nobody has said to have changed would be there, too, had all been uploaded anew.
+/// Checks that only changed pages are uploaded: a change that was not reported must not arrive.
 #[test]
 fn more_pages_than_room_are_a_copy_on_the_device_and_what_changed() {
     with_device(|device| {

@@ -1,4 +1,4 @@
-//! The composite pass: what arrives on the screen, and its depth.
+//! The composite pass: colours and depth on the target.
 
 use std::sync::Arc;
 
@@ -31,7 +31,7 @@ fn eye_at(direction: Vec3, grid: &Grid) -> Eye {
     Camera::framing(radius, direction, Vec3::Y).eye(SIZE)
 }
 
-/// A picture that tells from which voxel each pixel was made.
+/// A picture whose colours encode the voxel of each pixel.
 fn colours_of(map: &IndexMap) -> Pixels {
     let rgba = map.voxels.iter().map(|v| {
         let [r, g, b, _] = v.wrapping_mul(0x9E37_79B1).to_le_bytes();
@@ -60,7 +60,7 @@ fn sampled(grid: &Grid, eye: &Eye) -> IndexMap {
     map
 }
 
-/// A map that the CPU has made, uploaded.
+/// Uploads an index map made by the CPU.
 fn upload(device: &Arc<Device>, maps: &mut IndexTarget, eye: u32, map: &IndexMap) {
     let usage = vk::BufferUsageFlags::TRANSFER_SRC;
     let mut staging = Staging::new(device, "map", usage, 1 << 16).unwrap();
@@ -72,7 +72,7 @@ fn upload(device: &Arc<Device>, maps: &mut IndexTarget, eye: u32, map: &IndexMap
     .unwrap();
 }
 
-/// Where the ray of a pixel enters the voxel that it sees, as the projection's depth.
+/// The depth at which a pixel's ray enters the voxel that it sees.
 fn depth_of(map: &IndexMap, eye: &Eye, grid: &Grid, x: u32, y: u32) -> Option<f32> {
     map.get(x, y)?;
     let hit = raycast::cast(grid, map.rays.origin, map.rays.direction(x, y)).unwrap();
@@ -143,8 +143,7 @@ fn slice_read_back_shade_and_composite_two_eyes() {
     });
 }
 
-/// Draws `map` (as if of `eye`) on a target of `format` that holds red at depth 0; gives colour and
-/// depth.
+/// Draws `map` (as if of `eye`) to a target of `format` that is red at depth 0; returns colour and depth.
 fn composite_once(
     device: &Arc<Device>,
     format: vk::Format,

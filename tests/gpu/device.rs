@@ -1,4 +1,4 @@
-//! The device, its memory and its frames; and what is said when it cannot be had.
+//! The device, its memory and its frames; and the messages if there is none.
 
 use std::process::Command;
 use std::sync::Arc;
@@ -32,7 +32,7 @@ fn frames_draw_and_read_back_in_a_pipeline() {
             let mut recorder = frames.begin().unwrap();
             let slot = frames.slot();
             if frame >= FRAMES_IN_FLIGHT {
-                // What this slot drew when it was last used is there to be read.
+                // What this slot drew when it was last used can be read now.
                 let earlier = (frame - FRAMES_IN_FLIGHT) as u8;
                 assert_eq!(readback.wait(slot).unwrap(), [51 * earlier; 5 * 3 * 4]);
             }
@@ -51,8 +51,8 @@ fn frames_draw_and_read_back_in_a_pipeline() {
     });
 }
 
-/// Each drawing clears what the one before has drawn: only a barrier that waits for its writes keeps
-/// the two apart. Synchronization validation (tests/drivers.sh) complains where it does not.
+/// Each rendering clears what the previous one has drawn; only a barrier that waits for its writes orders the two.
+/// Synchronization validation (tests/drivers.sh) complains if there is none.
 #[test]
 fn a_depth_buffer_is_cleared_after_the_drawing_before_has_written_it() {
     with_device(|device| {
@@ -192,7 +192,7 @@ fn an_unknown_device_is_refused_with_the_list() {
     }
 }
 
-/// What the program says of Vulkan when it is started with these variables set to `value`.
+/// The program's report about Vulkan if it is started with these variables set to `value`.
 fn message_with(variables: &[&str], value: &str) -> String {
     let output = Command::new(env!("CARGO_BIN_EXE_virtual-sculpture"))
         .arg("doctor")
@@ -274,11 +274,11 @@ fn pipelines_are_kept_for_the_next_start_where_a_driver_gives_any_and_damage_is_
     }
     use_it(&options());
     assert_eq!(files(), first);
-    // A folder that cannot be made stops nobody.
+    // A folder that cannot be created is no error.
     let file = folder.path().join("file");
     std::fs::write(&file, b"").unwrap();
     use_it(&DeviceOptions { pipeline_cache: Some(file.join("x")), ..Default::default() });
-    // What is validated is made anew.
+    // With validation the cache is not used.
     if std::env::var_os("VS_VALIDATION").is_none() {
         let asked = DeviceOptions { validation: Validation::IfAvailable, ..options() };
         assert_eq!(asked.with_environment().pipeline_cache, None);

@@ -1,4 +1,4 @@
-//! The interface's textures: made, changed in part and freed within frames, with nothing waited for.
+//! The interface's textures are created, partly updated and freed within frames, without waiting.
 
 use ash::vk;
 use egui::epaint::{ClippedPrimitive, Color32, ImageDelta, Mesh, Primitive, Vertex};
@@ -113,7 +113,7 @@ fn textures_are_made_changed_in_part_and_replaced_while_frames_are_in_flight() {
         stage.frame(id, TexturesDelta::default());
         assert_eq!(stage.pixels(), [[0, 255, 0, 255]; 64]);
 
-        // What cannot be is an error, and no more.
+        // An impossible size is an error and nothing else.
         let beyond = ImageDelta::partial([7, 7], filled(4, RED), options);
         let unknown = ImageDelta::partial([0, 0], filled(1, RED), options);
         for mut delta in [change(id, beyond), change(TextureId::Managed(99), unknown)] {

@@ -1,5 +1,5 @@
-//! A device that runs out of memory, as a software device does in a process whose memory is limited.
-//! The test runs itself again in a process of its own.
+//! A device that runs out of memory: a software device in a process whose memory is limited. The test runs itself again
+//! in a process of its own.
 
 use std::process::Command;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use virtual_sculpture::render::gui::Gui;
 
 use super::fixture::with_device;
 
-/// Limits the address space of this process to so much more than it has, in MiB.
+/// Limits the address space of this process to this much more than it uses, in MiB.
 fn limit(more_mib: Option<u64>) {
     let status = std::fs::read_to_string("/proc/self/status").unwrap();
     let line = status.lines().find(|line| line.starts_with("VmSize")).unwrap();
@@ -62,7 +62,7 @@ fn room_for_one(device: &Arc<Device>) {
     let image = Image::new(device, &info).unwrap();
     let usage = vk::BufferUsageFlags::TRANSFER_SRC;
     let small = Buffer::new(device, "words", 4096, usage, MemoryLocation::CpuToGpu).unwrap();
-    // What is too large for all that is left is an error that says what to do.
+    // An allocation that exceeds what is left is an error that says what to do.
     let large = Buffer::new(device, "volume", 1 << 30, usage, MemoryLocation::CpuToGpu);
     limit(None);
     let error = large.err().unwrap();
@@ -70,7 +70,7 @@ fn room_for_one(device: &Arc<Device>) {
     drop((image, small));
 }
 
-/// A texture of the interface for which there is no memory is said once, and comes later.
+/// An interface texture without memory is reported once, and created later.
 fn a_texture_waits(device: &Arc<Device>) {
     let mut gui = Gui::new(device, vk::Format::R8G8B8A8_UNORM).unwrap();
     let mut upload = |delta: &mut TexturesDelta| {

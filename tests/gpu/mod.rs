@@ -1,5 +1,4 @@
-//! What the Vulkan side does, on whatever device there is (lavapipe where there is no other),
-//! under the validation layers.
+//! Tests of Vulkan and the render passes, on any device (lavapipe if there is no other), with the validation layers.
 
 mod agreement;
 mod backdrop;

@@ -1,5 +1,5 @@
-//! The modes that shade on the device against the software shader: pictures pixel by pixel, for
-//! both eyes, with colours, several lights, occlusion, voxels of unequal edges.
+//! Modes that shade on the device, compared with the software shader pixel by pixel: for both eyes, with colours, several
+//! lights, ambient occlusion and anisotropic voxels.
 
 use std::sync::Arc;
 
@@ -25,7 +25,7 @@ use super::fixture::with_device;
 const SIZE: UVec2 = UVec2::new(203, 150);
 const RED: Vec3 = Vec3::new(1.0, 0.0, 0.0);
 
-/// Holes in a block of 96 voxels an edge, painted in patches.
+/// A block of 96³ voxels with holes, painted in patches.
 fn document(depth: ColourDepth, voxel_size: Vec3) -> Document {
     let cheese = scenes::cheese(96, 60, 8).unwrap();
     let mut grid = Grid::new(UVec3::new(96, 91, 85), voxel_size, 1 << 30).unwrap();
@@ -82,7 +82,7 @@ fn eyes(document: &Document, world: &Affine3A) -> [[Eye; 2]; 2] {
     [[usual, near], [far, beside]].map(|pair| pair.map(|camera| camera.eye(SIZE)))
 }
 
-/// What the ray caster and the software shader make of it, over red.
+/// The picture of the ray caster and the software shader, over red.
 fn expected(document: &Document, eye: &Eye, world: &Affine3A, lighting: &Lighting) -> Pixels {
     let rays = eye.pixel_rays(world);
     let mut map = IndexMap::new(rays);
@@ -213,7 +213,7 @@ fn bits_and_colours_follow_edits_undo_and_other_sculptures_in_every_mode() {
             document.apply(&command).unwrap_or_else(|e| panic!("{command}: {e}"));
             let world = Placement::default().world_from_grid(document.grid().dims(), Vec3::ONE);
             for step in 0..2 {
-                // Each mode in turn, so that all meet what others have left.
+                // Each mode in turn, so that each starts from the state that others have left.
                 let modes =
                     [RenderMode::MarchGpu, RenderMode::GpuColour, RenderMode::SlicingPoints];
                 let mode = modes[(i / 2 + step) % modes.len()];

@@ -1,5 +1,4 @@
-//! Edits while nothing moves: what a renderer makes anew of a picture gives the picture that a new
-//! renderer makes of it all.
+//! Edits while the view stands still: a partly redrawn picture equals the picture of a new renderer.
 
 use std::sync::Arc;
 
@@ -59,7 +58,7 @@ impl Painter {
     }
 }
 
-/// A tool about a place, as a person has it in the hand.
+/// A tool preview around a position.
 fn preview(at: Vec3) -> ToolPreview {
     let primitive = Primitive {
         solid: Solid::Ellipsoid,
@@ -101,7 +100,7 @@ fn a_picture_followed_through_edits_is_the_picture_of_the_result() {
             "undo all",
             "redo all",
         ];
-        // The frame stays, the second line and the tool go with the hand.
+        // The frame stays; the second line and the tool move.
         let frame = line(Vec3::ZERO, Vec3::splat(80.0));
         for mode in RenderMode::ALL {
             let mut document = sculpture();
@@ -120,7 +119,7 @@ fn a_picture_followed_through_edits_is_the_picture_of_the_result() {
                 assert!(followed == anew, "{mode:?}: {text}");
                 before = followed;
             }
-            // Nothing is left over of the edits when the eye moves, either.
+            // Nothing stale remains when the eye moves, either.
             let turn = Affine3A::from_quat(Quat::from_rotation_y(0.4));
             let moved = eyes.map(|eye| Eye { eye_from_world: eye.eye_from_world * turn, ..eye });
             let tools: (&[ToolPreview], &[Line]) = (&[], &[frame]);

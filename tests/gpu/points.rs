@@ -1,5 +1,5 @@
-//! Points have no gaps when near and do not shimmer when far: in both ways of finding them, their
-//! pictures cover what the index map covers, and are as steady as those of the ray caster.
+//! Points have no gaps up close and do not shimmer far away: with both samplers their pictures cover what the index map
+//! covers, and are as steady as those of the ray caster.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -22,7 +22,7 @@ use super::modes::painted;
 
 const MODES: [RenderMode; 2] = [RenderMode::RayPoints, RenderMode::SlicingPoints];
 
-/// White light on grey stone never gives this.
+/// A colour that white light on grey stone never gives.
 const BEHIND: Vec3 = Vec3::new(1.0, 0.0, 1.0);
 const BEHIND_RGBA: [u8; 4] = [255, 0, 255, 255];
 
@@ -43,7 +43,7 @@ impl Screen {
         Screen { frames: Frames::new(device).unwrap(), renderer }
     }
 
-    /// What `eye` sees by points, and the index map that they were taken from.
+    /// The picture of `eye` by points, and the index map of the points.
     fn points(
         &mut self,
         document: &mut Document,
@@ -66,7 +66,7 @@ impl Screen {
     }
 }
 
-/// What the ray caster sees, and the software shader makes of it.
+/// The picture of the ray caster and the software shader.
 fn cast(document: &Document, eye: &Eye, world_from_grid: &Affine3A) -> (Pixels, IndexMap) {
     let rays = eye.pixel_rays(world_from_grid);
     let mut map = IndexMap::new(rays);

@@ -1,4 +1,4 @@
-//! The ray march against the exact ray caster.
+//! Compares the ray march with the exact ray caster.
 
 use std::sync::Arc;
 

@@ -1,5 +1,5 @@
-//! Shading on the device, by compute and by fragment shaders, against the software shader. Which of
-//! the two the renderer takes depends on the device; both are tested on every one.
+//! Compares shading on the device, by compute and by fragment shaders, with the software shader. Which of the two the
+//! renderer uses depends on the device; both are tested on every device.
 
 use ash::vk;
 use glam::{Affine3A, UVec2, Vec3};

@@ -1,4 +1,4 @@
-//! The slicing pass against the exact ray caster, pixel by pixel.
+//! Compares the slicing pass with the exact ray caster, pixel by pixel.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Two eyes: the renderer's layers, and every layout pixel by pixel against its twin on the CPU.
+//! Two eyes: the renderer's layers, and every layout compared pixel by pixel with its twin on the CPU.
 
 use ash::vk;
 use glam::{Affine3A, IVec2, UVec2, Vec3};

@@ -1,5 +1,4 @@
-//! What the device says of its own time: there where its queue has time stamps, and no more than
-//! the clock on the wall shows.
+//! GPU times by timestamp queries: available if the queue has timestamps, and not longer than the wall clock.
 
 use std::time::Instant;
 
@@ -75,7 +74,7 @@ fn parts_of_a_frame_are_timed_once_they_are_done() {
             let [whole, unended, _] = timer.latest().unwrap();
             assert!((0.0..=wall_ms).contains(&whole.unwrap()) && unended.is_none());
         }
-        // A frame that is given up tells nothing, and harms nothing.
+        // An abandoned frame reports nothing and does no harm.
         let mut recorder = frames.begin().unwrap();
         timer.begin(&mut recorder, frames.slot()).unwrap();
         timer.start(&mut recorder, 0);

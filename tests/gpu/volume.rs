@@ -1,4 +1,4 @@
-//! The device's copy of the bits equals the grid, whatever was edited.
+//! The device's copy of the bits always equals the grid.
 
 use std::sync::Arc;
 

@@ -1,5 +1,5 @@
-//! Pictures over the surroundings. The runtime of the tests shows none, so a layer between it and
-//! the program says that it can, and writes down what the program then does.
+//! Blending with the surroundings. The runtime of the tests cannot do that, so an API layer between it and the program
+//! claims that it can, and records what the program does.
 
 use image::{Rgba, RgbaImage};
 

@@ -1,4 +1,4 @@
-//! A name typed on the keyboard of the board, with nothing but a ray and a trigger.
+//! A name is typed on the panel's keyboard with a ray and a trigger.
 
 use egui::{Pos2, Rect, vec2};
 use virtual_sculpture::ui::keyboard::{Cap, keys, place};

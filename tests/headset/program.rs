@@ -16,7 +16,7 @@ use super::remote::EYES;
 use super::runtime::Runtime;
 use super::shot::Shot;
 
-/// Longer than anything takes, on a slow machine too.
+/// Longer than anything takes, even on a slow machine.
 const PATIENCE: Duration = Duration::from_secs(60);
 const PROGRAM: &str = env!("CARGO_BIN_EXE_virtual-sculpture");
 
@@ -207,7 +207,7 @@ impl Program {
         std::fs::read_dir(format!("/proc/{}/fd", self.child.id())).unwrap().count()
     }
 
-    /// Ends it; it must not have complained.
+    /// Ends it and asserts that it logged no complaint.
     pub fn stop(mut self) {
         assert!(self.child.try_wait().unwrap().is_none(), "{}", self.log());
         let log = self.log();

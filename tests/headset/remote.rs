@@ -1,5 +1,5 @@
-//! Speaks to Monado's `remote` driver: a headset and two controllers that are where and as they
-//! are told to be, by packets of 376 bytes (../../shared/openxr/README.md).
+//! Client of Monado's `remote` driver: sets the poses and inputs of a headset and two controllers by packets of 376 bytes
+//! (../../shared/openxr/README.md).
 
 use std::io::{Read, Write};
 use std::net::TcpStream;

@@ -1,4 +1,4 @@
-//! The runtime: unpacked once into the target folder, started and killed in a network of its own.
+//! The runtime: unpacked once into the target folder, started and killed in a network namespace of its own.
 
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};

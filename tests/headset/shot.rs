@@ -1,5 +1,5 @@
-//! What an eye sees, and what it should see: a cube in the room, projected here by the head that
-//! the test has set, not by what the program says of it.
+//! Compares what an eye sees with what it should see: a cube in the room, projected from the head pose that the test has
+//! set, not from what the program reports.
 
 use std::path::Path;
 

@@ -1,5 +1,5 @@
-//! Where the head is, for the view through a screen: a headset that is used only as a tracker, and
-//! one that is worn at the same time.
+//! Head poses for the view through a screen: from a headset that is used only as a tracker, and from one that is worn at
+//! the same time.
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;

@@ -1,5 +1,5 @@
-//! Files that a slip of the hand would cost, and files that are none: what is refused before anything
-//! is written or waited for, and what is said.
+//! Output names that would overwrite another file, and inputs that are no regular files: they are refused, with a
+//! message, before anything is written or waited for.
 
 use super::{bytes, fail, folder, picture, program, succeed};
 
@@ -73,7 +73,7 @@ fn a_threshold_may_be_negative() {
     assert!(why.contains("--threshold"), "{why}");
 }
 
-/// Each of these waited for ever, or would.
+/// Each of these would wait for ever if it were opened.
 #[cfg(target_os = "linux")]
 #[test]
 fn what_is_no_file_is_refused_and_not_waited_for() {

@@ -1,5 +1,5 @@
-//! The program from outside, as a person or a script runs it: without a display, by arguments,
-//! files, exit codes and messages.
+//! The program from outside, as a person or a script runs it without a display: arguments, files, exit codes and
+//! messages.
 
 mod files;
 #[cfg(target_os = "linux")]
@@ -27,7 +27,7 @@ fn command(folder: &Path, arguments: &[&str]) -> Command {
     command
 }
 
-/// Runs the program, demands success and gives what it said.
+/// Runs the program, asserts success and returns its output.
 fn succeed(folder: &Path, arguments: &[&str]) -> String {
     let output = program(folder, arguments);
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
@@ -40,7 +40,7 @@ fn succeed(folder: &Path, arguments: &[&str]) -> String {
     text
 }
 
-/// Runs the program, demands an exit code and gives what it complained of.
+/// Runs the program, asserts an exit code and returns its error output.
 fn fail(folder: &Path, arguments: &[&str], code: i32) -> String {
     let output = program(folder, arguments);
     let text = String::from_utf8_lossy(&output.stderr).into_owned();

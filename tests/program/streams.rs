@@ -1,5 +1,5 @@
-//! Words that nobody hears: standard output and standard error that are closed, or full. No work is
-//! lost by them, and no result that is not said passes for one.
+//! Standard output and standard error that are closed or full: no work is lost, and a result that could not be written is
+//! a failure.
 
 use std::process::Stdio;
 
@@ -28,7 +28,7 @@ impl End {
     }
 }
 
-/// The exit code, and what was said on standard error where it is open.
+/// The exit code, and standard error if it is open.
 fn run(folder: &std::path::Path, arguments: &[&str], out: End, err: End) -> (i32, String) {
     let child = command(folder, arguments)
         .env("RUST_LOG", "debug")
@@ -65,7 +65,7 @@ fn files_are_written_whoever_listens() {
     for (out, err) in BROKEN {
         for (arguments, made) in [
             (
-                // With a device, so that there are lines of the log in plenty.
+                // With a device, so that there are plenty of log lines.
                 &["run", "s.sculpt", "--out", "b.vsc", "--render", "b.png", "--size", "64x64"][..],
                 &["vsc", "png"][..],
             ),
@@ -101,7 +101,7 @@ fn a_result_that_cannot_be_said_is_a_failure_and_a_reader_who_has_enough_is_none
         &["track", "--from", "script:head.txt"],
     ] {
         for (out, err) in BROKEN {
-            // It has no end while somebody listens.
+            // It does not end while its output is read.
             if out == End::Open && arguments[0] == "track" {
                 continue;
             }

@@ -1,4 +1,4 @@
-//! The workspace without a window, driven by events as a hand would send them.
+//! The workspace without a window, driven by events as a person would cause them.
 
 use std::sync::Arc;
 
@@ -41,7 +41,7 @@ pub fn bench() -> Bench {
     bench_of(&config(64), vec2(1280.0, 800.0))
 }
 
-/// Does what the renderer does after a picture: tells the workspace which voxels are seen.
+/// Does what the renderer does after a frame: gives the workspace the visible voxels.
 pub fn look(harness: &mut Bench) {
     let bench = harness.state_mut();
     let rays = bench.eye().pixel_rays(&bench.world_from_grid());

@@ -1,5 +1,4 @@
-//! The panels on a hand in a headset: what speaks of mouse, keys and screens is not there, and the
-//! first steps speak of triggers and sticks.
+//! The panels in a headset: they do not mention mouse, keys and screens, and the first steps explain triggers and sticks.
 
 use egui::vec2;
 use egui_kittest::Harness;

@@ -1,5 +1,5 @@
-//! Files and what would lose work, without a window: the questions before another sculpture takes
-//! the place of this one, before what cannot be undone, and what Save, Save as and Export write.
+//! Files and unsaved work, without a window: the questions before the sculpture is replaced and before what cannot be
+//! undone, and what Save, Save as and Export write.
 
 use std::io::BufRead;
 use std::path::Path;
@@ -198,7 +198,7 @@ fn an_opened_sculpture_is_saved_to_its_file_and_an_opened_volume_is_not() {
     assert_eq!(saved_voxels(&volume), ALL);
 }
 
-/// A pipe whose reader goes takes no more, as a full disk does.
+/// A pipe without a reader fails like a full disk.
 #[cfg(unix)]
 #[test]
 fn a_recording_that_ends_is_said_once_and_no_stroke_stays_open() {

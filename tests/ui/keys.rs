@@ -1,4 +1,4 @@
-//! Keys and mouse changed in their window, and the palette, without a window of the system.
+//! Changing controls in their dialog, and the palette, without a system window.
 
 use std::path::{Path, PathBuf};
 

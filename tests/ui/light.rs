@@ -1,4 +1,4 @@
-//! The window of lights: lamps are added, placed and taken away, and the renderer hears of it.
+//! The lights dialog: lamps are added, placed and removed, and the renderer receives them.
 
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;

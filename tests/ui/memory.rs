@@ -1,5 +1,5 @@
-//! What is remembered from one start to the next, without a window: the workspace is started,
-//! used, left and started again with the same file.
+//! What is remembered between starts, without a window: the workspace is started, used, closed and started again with the
+//! same file.
 
 use std::path::{Path, PathBuf};
 

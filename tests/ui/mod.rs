@@ -1,4 +1,4 @@
-//! The interface without a window: what a person does with mouse, keys and fields, and what comes of it.
+//! The interface without a window: input by mouse, keys and fields, and its effects.
 
 mod bench;
 mod board;

@@ -1,5 +1,5 @@
-//! The interface and the workspace without a window: buttons, keys and mouse lead to commands,
-//! and commands change the sculpture. The picture's voxels come from the exact ray caster.
+//! Panels and workspace without a window: buttons, keys and mouse cause commands, and commands change the sculpture. The
+//! visible voxels come from the exact ray caster.
 
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, vec2};
@@ -353,7 +353,7 @@ fn the_options_change_the_tool_and_the_view() {
     assert_eq!(undo_count(&harness), 0, "a full grid has nothing to fill");
 }
 
-/// Nothing may be cut off: every widget lies within the window, at the smallest size too.
+/// No widget is cut off: all lie within the window, even at the smallest size.
 #[test]
 fn everything_fits_at_both_sizes_and_in_both_themes() {
     for size in [vec2(1280.0, 800.0), vec2(800.0, 600.0)] {

@@ -1,5 +1,5 @@
-//! Tools on the surface, without a window: a tool that stands touches the face under the pointer
-//! wherever that is, and goes at once with whatever is chosen about it.
+//! Tools resting on the surface, without a window: a tool touches the face under the pointer, and is updated at once when
+//! its options change.
 
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, vec2};
 use glam::{EulerRot, Quat, Vec2, Vec3, Vec4Swizzles};
@@ -21,7 +21,7 @@ fn hover(harness: &mut Bench, at: Pos2) {
     send(harness, Event::PointerMoved(at));
 }
 
-/// Where a point of the grid is seen.
+/// The position on screen of a point of the grid.
 fn screen(harness: &Bench, point: Vec3) -> Pos2 {
     let bench = harness.state();
     let clip = bench.eye().clip_from_grid(&bench.world_from_grid()) * point.extend(1.0);
@@ -42,7 +42,7 @@ fn face_at(harness: &Bench, at: Pos2) -> Option<(Vec3, f32)> {
     Some((face, plane))
 }
 
-/// How far the tool reaches beyond the face under the pointer: below 0, it is sunk in.
+/// The distance of the tool from the face under the pointer; below 0 it penetrates the surface.
 fn gap(harness: &Bench, at: Pos2) -> Option<f32> {
     let (face, plane) = face_at(harness, at)?;
     let hand = &harness.state().ui.hand;

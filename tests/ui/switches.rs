@@ -1,5 +1,5 @@
-//! The switches of the picture: in the bar where it is wide enough, else in the menu; the choice of
-//! the stereo layout; where the video comes from.
+//! The display switches: in the bar if it is wide enough, else in the menu; the choice of the stereo layout; the video
+//! source.
 
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, vec2};

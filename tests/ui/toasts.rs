@@ -1,4 +1,4 @@
-//! Messages without a window: they keep clear of dialogs, fade, and go by themselves.
+//! Messages without a window: they keep clear of dialogs, fade, and disappear by themselves.
 
 use egui::{Event, Id, Key, Modifiers, Order, Rect, vec2};
 use egui_kittest::kittest::Queryable;

@@ -1,5 +1,5 @@
-//! Sprays, marker, symmetry, copies and colours through the interface without a window: what a
-//! person does with mouse and keys leads to the right commands and leaves the right sculpture.
+//! Brushes, marker, symmetry, clipboard and colours through the interface, without a window: mouse and keys cause the
+//! right commands and leave the right sculpture.
 
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, vec2};
@@ -66,7 +66,7 @@ fn labels(harness: &Bench) -> Vec<String> {
     harness.state().session().document().history().undo_labels().map(String::from).collect()
 }
 
-/// Where a point of the grid is seen.
+/// The position on screen of a point of the grid.
 fn screen(harness: &Bench, point: Vec3) -> Pos2 {
     let bench = harness.state();
     let clip = bench.eye().clip_from_grid(&bench.world_from_grid()) * point.extend(1.0);

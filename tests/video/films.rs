@@ -1,4 +1,4 @@
-//! Films: files and folders as programs write them, and the same damaged.
+//! Video files and folders of pictures, intact and damaged.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -8,7 +8,7 @@ use virtual_sculpture::video::{Frame, State, VideoSource};
 
 use super::{colour, jpeg, near, open, single_colour, until};
 
-/// What was seen of a film, and what was wrong.
+/// The frames seen of a video, and its error.
 type Seen = (Vec<Frame>, Option<String>);
 
 fn play(address: &str) -> Seen {
@@ -109,7 +109,7 @@ fn a_full_range_film_is_not_stretched() {
     std::fs::write(&path, film).unwrap();
     let first = |address: &str| play(address).0[0].pixels.clone();
     assert_eq!(first(&format!("{path}?loop=no")), [7, 7, 7, 255, 200, 200, 200, 255]);
-    // What a person says goes before what the film says.
+    // The user's choice overrides the file.
     assert_eq!(first(&format!("{path}?loop=no&range=limited"))[..4], [0, 0, 0, 255]);
 }
 
@@ -262,6 +262,6 @@ fn three_buffers_go_round() {
             buffers.insert(frame.pixels.as_ptr());
         }
     }
-    // Three buffers go round for ever, whatever the two threads do.
+    // Three buffers are reused for ever, whatever the two threads do.
     assert!(frames > 3 && buffers.len() <= 3, "{frames} frames, {} buffers", buffers.len());
 }

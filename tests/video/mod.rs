@@ -1,4 +1,4 @@
-//! Sources of video from outside: what files and sockets really give, and the same damaged.
+//! Video sources: real files and sockets, intact and damaged.
 
 mod films;
 mod phone;
@@ -22,7 +22,7 @@ pub fn until(source: &mut VideoSource, done: impl Fn(&VideoSource) -> bool) {
     }
 }
 
-/// The colour of the middle, and that all others are within `slack` of it.
+/// The colour of the centre; asserts that all others are within `slack` of it.
 pub fn single_colour(frame: &Frame, slack: u8) -> [u8; 3] {
     let pixels = frame.pixels.as_chunks::<4>().0;
     assert_eq!(pixels.len(), (frame.width * frame.height) as usize);

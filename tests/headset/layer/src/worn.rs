@@ -1,6 +1,6 @@
-//! Owns the pretence that the headset is taken off and put on again, while the runtime goes on as
-//! if it were worn: the program hears STOPPING, ends the session, hears IDLE, and READY when the
-//! headset is put on. A frame waited for in between is an error, as the specification has it.
+//! Simulates that the headset is taken off and put on again, while the runtime continues as if it were worn: the program
+//! gets STOPPING, ends the session, gets IDLE, and READY when the headset is put on. Waiting for a frame in between is
+//! an error, as the specification requires.
 
 use std::collections::VecDeque;
 use std::ffi::CStr;
