@@ -113,7 +113,7 @@ fn textures_are_made_changed_in_part_and_replaced_while_frames_are_in_flight() {
         stage.frame(id, TexturesDelta::default());
         assert_eq!(stage.pixels(), [[0, 255, 0, 255]; 64]);
 
-        // An impossible size is an error and nothing else.
+        // An invalid update is an error and has no other effect.
         let beyond = ImageDelta::partial([7, 7], filled(4, RED), options);
         let unknown = ImageDelta::partial([0, 0], filled(1, RED), options);
         for mut delta in [change(id, beyond), change(TextureId::Managed(99), unknown)] {
