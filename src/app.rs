@@ -1,35 +1,30 @@
-//! Owns the program in its windows: winit's events come in, pictures go out.
+//! The program in its windows: winit's events come in, pictures go out.
 //!
 //! [`App::frame`] is the program read aloud. What does not need a window is in [`Workspace`].
 
-mod actions;
-mod aim;
-pub mod ar;
-mod camera;
-mod carry;
 mod detached;
+mod dispatch;
 mod first_run;
-mod footing;
-pub mod head;
 pub mod headset;
-mod job;
-mod keys;
 mod main_window;
-mod marker;
 mod memory;
 mod overlay;
-mod pad;
 mod painter;
 mod pane;
-mod path;
-mod picking;
-mod recovery;
 mod screenshot;
 mod stereo_screen;
-mod stroke;
-mod turntable;
-mod view_pace;
 pub mod workspace;
+
+#[cfg(test)]
+mod ar_tests;
+#[cfg(test)]
+mod camera_tests;
+#[cfg(test)]
+mod head_tests;
+#[cfg(test)]
+mod job_tests;
+#[cfg(test)]
+mod pad_tests;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -44,6 +39,7 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
 use winit::window::{Window, WindowId};
 
 use crate::config::Config;
+use crate::editor::recovery;
 use crate::folders;
 use crate::gpu::{DeviceOptions, GpuError};
 use crate::input::Bindings;
@@ -186,7 +182,7 @@ impl App {
         self.workspace.track();
         let interface = view.interface(&mut self.workspace);
         self.workspace.shake_pad(self.started.elapsed().as_secs_f64());
-        let pad_needs = self.workspace.pad_is_active().then_some(Duration::ZERO);
+        let pad_needs = self.workspace.controls.pads.is_active().then_some(Duration::ZERO);
         let mut again = pad_needs.unwrap_or(interface.repaint_after);
         if frame.is_none() {
             tracing::debug!("a picture is left out");
@@ -203,7 +199,7 @@ impl App {
             }
             view.end(frame)?;
             view.save_screenshot(&mut self.workspace)?;
-            self.workspace.times.total_ms = started.elapsed().as_secs_f32() * 1e3;
+            self.workspace.display.times.total_ms = started.elapsed().as_secs_f32() * 1e3;
         }
         view.switch_fullscreen(&mut self.workspace);
         view.set_title(&self.workspace);
@@ -297,7 +293,7 @@ impl App {
         if !self.workspace.session().modified() {
             return Err(error.into());
         }
-        match recovery::save(self.workspace.session_mut()) {
+        match recovery::save(self.workspace.session_mut(), &folders::state_folder()) {
             Ok(path) => Err(AppError::Recovered { error, path }),
             Err(second) => {
                 tracing::error!("the sculpture could not be saved: {second}");
@@ -424,7 +420,7 @@ impl ApplicationHandler<Wake> for App {
             && (focused || self.focused == Some(id))
         {
             self.focused = focused.then_some(id);
-            self.workspace.listen_to_pads(focused);
+            self.workspace.controls.pads.set_listening(focused);
         }
         if let Some(window) = self.detached.get_mut(id) {
             self.resting = false;

@@ -9,14 +9,18 @@ pub mod app;
 pub mod bench;
 pub mod cli;
 pub mod config;
+pub mod controls;
 pub mod doctor;
+pub mod editor;
 pub mod fiducial;
 pub mod folders;
 pub mod gpu;
 pub mod head_tracking;
 pub mod headless;
 pub mod input;
+pub mod notice;
 pub mod options;
+pub mod picking;
 pub mod picture;
 pub mod progress_bar;
 pub mod remedy;
@@ -26,6 +30,7 @@ pub mod screen;
 pub mod track;
 pub mod ui;
 pub mod video;
+pub mod viewpoint;
 
 pub use sculpture_core::{
     command, command_text, document, format, progress, scenes, sculpture, session, shade, surface,

@@ -13,7 +13,7 @@ use thiserror::Error;
 use crate::document::Document;
 use crate::format::store;
 use crate::gpu::{Device, DeviceOptions, Frames, GpuError, Headless};
-use crate::render::{Background, FrameDesc, RenderMode, Renderer, StereoOptions};
+use crate::render::{Background, Fallback, FrameDesc, RenderMode, Renderer, StereoOptions};
 use crate::screen::offscreen;
 use crate::sculpture::Grid;
 use crate::sculpture::brick::BRICK_EDGE_VX;
@@ -219,7 +219,7 @@ fn render_on_device(
     let mut renderer = Renderer::new(&device, offscreen::FORMAT)?;
     let mut frames = Frames::new(&device)?;
     let [top, bottom] = BACKGROUND.map(|rgb| Vec3::from(rgb.map(f32::from)) / 255.0);
-    let mut desc = FrameDesc {
+    let desc = FrameDesc {
         eyes,
         world_from_grid,
         mode: view.mode,
@@ -230,16 +230,21 @@ fn render_on_device(
         lines: &[],
     };
     let mut recorder = frames.begin()?;
-    while let Err(error) = renderer.paint(&mut recorder, frames.slot(), document, &desc) {
-        let too_large = matches!(error, GpuError::Limit { .. } | GpuError::OutOfMemory(_));
-        let Some(mode) = desc.mode.fallback().filter(|_| too_large) else {
-            return Err(error.into());
-        };
-        tracing::warn!("{error}; rendering by {}", mode.label());
-        if !mode.needs_device() {
-            return Ok(render_by_casting(document, mode, eyes, world_from_grid, &options.lighting));
-        }
-        desc.mode = mode;
+    // What needs no device is cast without the limits of this one.
+    let paints = RenderMode::needs_device;
+    let slot = frames.slot();
+    let report = renderer.paint_with_fallback(&mut recorder, slot, document, &desc, paints)?;
+    for Fallback { reason, to } in &report.fallbacks {
+        tracing::warn!("{reason}; rendering by {}", to.label());
+    }
+    if !report.painted {
+        return Ok(render_by_casting(
+            document,
+            report.mode,
+            eyes,
+            world_from_grid,
+            &options.lighting,
+        ));
     }
     frames.submit(recorder, &[], &[])?;
     let pictures = renderer.read_back()?;

@@ -1,17 +1,20 @@
 //! The sculpture on a marker, with drawn frames for a camera.
 
-use std::time::Instant;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
 
-use glam::Vec2;
+use glam::{UVec2, Vec2, Vec3};
 
-use super::*;
+use super::Workspace;
 use crate::config::Config;
+use crate::editor::tool::ToolKind;
 use crate::fiducial::family;
-use crate::input::{Action, Bindings};
+use crate::input::{Action, ActionEvent, Bindings};
 use crate::session::Session;
 use crate::surface::{IndexMap, raycast};
 use crate::tools::spray::SprayKind;
-use crate::ui::Tool;
+use crate::video::{Fit, Frame, Framing, Intrinsics};
+use crate::viewpoint::ar::{Look, rest};
 
 const FOCAL_PX: f64 = 600.0;
 /// Pixels of a cell of the drawn marker: at 80 mm and this focal length 0.4 m away.
@@ -48,9 +51,9 @@ fn frame(sequence: u64, middle: Option<(f64, f64)>) -> Arc<Frame> {
 /// Gives a frame and waits until it was looked through.
 fn see(workspace: &mut Workspace, frame: &Arc<Frame>, now_s: f64) {
     let look = Look { lens: Some(lens()), fit: Fit::Fill, mirror: false };
-    workspace.see(frame, look);
+    workspace.viewpoint.ar.see(frame, look);
     let started = Instant::now();
-    while workspace.ar_frame().is_none_or(|shown| shown.sequence != frame.sequence) {
+    while workspace.viewpoint.ar.frame().is_none_or(|shown| shown.sequence != frame.sequence) {
         assert!(started.elapsed() < Duration::from_secs(60), "the frame was not looked through");
         std::thread::sleep(Duration::from_millis(1));
         workspace.track_at(now_s);
@@ -71,7 +74,7 @@ fn the_sculpture_stands_on_the_marker_and_goes_with_it() {
     let mut workspace = workspace();
     workspace.track_at(0.0);
     workspace.act(Action::ToggleAr);
-    assert_eq!(workspace.eye(), workspace.turntable.eye(), "no frames yet");
+    assert_eq!(workspace.eye(), workspace.viewpoint.turntable.eye(), "no frames yet");
     let (mut now_s, mut sequence) = (0.0, 0);
     for middle in [(320.0, 240.0), (200.0, 300.0), (400.0, 200.0)] {
         // The first time it comes from its place of rest.
@@ -96,10 +99,14 @@ fn the_sculpture_stands_on_the_marker_and_goes_with_it() {
         let across = pixel(&workspace, Vec3::new(10.0, 40.0, 10.0) + side) - top;
         assert!((across.x - 600.0 * 10.0 / 360.0).abs() < 0.3, "{across}");
     }
-    workspace.wheel(Action::Zoom, 1.0, Vec2::ZERO);
-    assert!((workspace.ar.status().voxel_mm - 1.1).abs() < 1e-5);
+    workspace.answer_event(&ActionEvent::Wheel {
+        action: Action::Zoom,
+        notches: 1.0,
+        at: Vec2::ZERO,
+    });
+    assert!((workspace.viewpoint.ar.status().voxel_mm - 1.1).abs() < 1e-5);
     workspace.act(Action::ToggleAr);
-    assert_eq!(workspace.eye(), workspace.turntable.eye());
+    assert_eq!(workspace.eye(), workspace.viewpoint.turntable.eye());
 }
 
 #[test]
@@ -109,21 +116,21 @@ fn a_lost_marker_is_held_then_left_without_a_jump() {
     workspace.act(Action::ToggleAr);
     see(&mut workspace, &frame(1, Some((320.0, 240.0))), 0.1);
     let mut now_s = 0.1;
-    let mut last = workspace.ar.placement().position_m;
+    let mut last = workspace.viewpoint.ar.placement().position_m;
     let mut step_to = |workspace: &mut Workspace, to_s: f64, now_s: &mut f64| {
         while *now_s < to_s {
             *now_s += 0.016;
             workspace.track_at(*now_s);
-            let place = workspace.ar.placement().position_m;
+            let place = workspace.viewpoint.ar.placement().position_m;
             assert!(place.distance(last) < 0.02, "a jump at {now_s}");
             last = place;
         }
     };
     see(&mut workspace, &frame(2, None), now_s);
     step_to(&mut workspace, 0.9, &mut now_s);
-    assert!(!workspace.ar.status().seen);
+    assert!(!workspace.viewpoint.ar.status().seen);
     step_to(&mut workspace, 4.0, &mut now_s);
-    assert!(workspace.ar.placement().position_m.distance(rest().position_m) < 1e-6);
+    assert!(workspace.viewpoint.ar.placement().position_m.distance(rest().position_m) < 1e-6);
     see(&mut workspace, &frame(3, Some((320.0, 240.0))), now_s);
     let mut sequence = 3;
     for _ in 0..30 {
@@ -132,28 +139,33 @@ fn a_lost_marker_is_held_then_left_without_a_jump() {
         see(&mut workspace, &frame(sequence, Some((320.0, 240.0))), now_s);
         step_to(&mut workspace, now_s, &mut now_s);
     }
-    assert!(workspace.ar.status().seen);
-    assert!((workspace.ar.placement().position_m.z + 0.4).abs() < 2e-3);
+    assert!(workspace.viewpoint.ar.status().seen);
+    assert!((workspace.viewpoint.ar.placement().position_m.z + 0.4).abs() < 2e-3);
 }
 
 /// Presses on the middle of the sculpture, as it is seen now.
 fn press(workspace: &mut Workspace) -> Vec2 {
-    let sight = workspace.sight();
+    let picker = workspace.picker();
+    let sight = picker.sight();
     let mut map = IndexMap::new(sight.rays);
     let grid = workspace.session().document().grid();
     raycast::sample(grid, &sight.rays, &mut map);
     let at = sight.pixel_of(grid.dims().as_vec3() * 0.5).unwrap();
-    workspace.saw(Arc::new(map));
-    workspace.begin(Action::Sculpt, Some(at));
-    assert!(workspace.stroke_in_hand());
+    workspace.viewpoint.set_pick_map(Arc::new(map));
+    workspace.answer_event(&ActionEvent::Begin { action: Action::Sculpt, at: Some(at) });
+    assert!(workspace.editor.is_stroking());
     at
+}
+
+fn drag(workspace: &mut Workspace, at: Vec2, by: Vec2) {
+    workspace.answer_event(&ActionEvent::Drag { action: Action::Sculpt, at, by });
 }
 
 #[test]
 fn a_leap_of_the_marker_ends_the_stroke_of_the_pointer() {
-    for tool in [Tool::Solid, Tool::Spray(SprayKind::Devourer)] {
+    for tool in [ToolKind::Solid, ToolKind::Spray(SprayKind::Devourer)] {
         let mut workspace = workspace();
-        workspace.ui.hand.tool = tool;
+        workspace.editor.tool.kind = tool;
         workspace.track_at(0.0);
         workspace.act(Action::ToggleAr);
         let (mut now_s, mut sequence) = (0.0, 0);
@@ -162,33 +174,33 @@ fn a_leap_of_the_marker_ends_the_stroke_of_the_pointer() {
             see(workspace, &frame(sequence, middle.map(|x| (x, 240.0))), now_s);
         };
         (0..15).for_each(|_| show(&mut workspace, Some(120.0)));
-        assert!(workspace.ar.status().seen);
+        assert!(workspace.viewpoint.ar.status().seen);
 
         // 13 mm in 33 ms are a movement, 270 mm are none.
         let at = press(&mut workspace);
         show(&mut workspace, Some(140.0));
-        workspace.drag(Action::Sculpt, at + 1.0, Vec2::ONE);
-        assert!(workspace.stroke_in_hand(), "{tool:?}");
+        drag(&mut workspace, at + 1.0, Vec2::ONE);
+        assert!(workspace.editor.is_stroking(), "{tool:?}");
         show(&mut workspace, Some(540.0));
-        assert!(!workspace.stroke_in_hand(), "{tool:?}: a tunnel would be cut");
+        assert!(!workspace.editor.is_stroking(), "{tool:?}: a tunnel would be cut");
         // Until the button is released nothing more is done.
         let state =
-            (workspace.session().document().grid().opaque_count(), workspace.ui.hand.centre_vx);
-        workspace.drag(Action::Sculpt, at + 40.0, Vec2::splat(39.0));
-        assert!(!workspace.stroke_in_hand());
+            (workspace.session().document().grid().opaque_count(), workspace.editor.tool.centre_vx);
+        drag(&mut workspace, at + 40.0, Vec2::splat(39.0));
+        assert!(!workspace.editor.is_stroking());
         assert_eq!(
-            (workspace.session().document().grid().opaque_count(), workspace.ui.hand.centre_vx),
+            (workspace.session().document().grid().opaque_count(), workspace.editor.tool.centre_vx),
             state
         );
-        workspace.end(Action::Sculpt);
+        workspace.answer_event(&ActionEvent::End(Action::Sculpt));
 
         // So it is where the marker is lost, and where it comes back.
         for lost in [true, false] {
             press(&mut workspace);
             (0..12).for_each(|_| show(&mut workspace, (!lost).then_some(540.0)));
-            assert_eq!(workspace.ar.status().seen, !lost);
-            assert!(!workspace.stroke_in_hand(), "{tool:?}, lost: {lost}");
-            workspace.end(Action::Sculpt);
+            assert_eq!(workspace.viewpoint.ar.status().seen, !lost);
+            assert!(!workspace.editor.is_stroking(), "{tool:?}, lost: {lost}");
+            workspace.answer_event(&ActionEvent::End(Action::Sculpt));
         }
     }
 }

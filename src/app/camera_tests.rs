@@ -1,12 +1,15 @@
 //! The video behind the sculpture without a window: a film, a missing camera, and what is said.
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::*;
+use super::Workspace;
 use crate::config::Config;
 use crate::input::{Action, Bindings};
 use crate::session::Session;
 use crate::ui::toasts::Tone;
+use crate::video::{Frame, Intrinsics};
+use crate::viewpoint::camera::VideoState;
 
 fn workspace(source: &str) -> Workspace {
     let mut config = Config::default();
@@ -14,6 +17,11 @@ fn workspace(source: &str) -> Workspace {
     config.new.dims = [16; 3];
     let session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
     Workspace::new(session, &config, Bindings::presets().unwrap())
+}
+
+/// The frame behind the sculpture and its lens.
+fn video(workspace: &Workspace) -> Option<(&Arc<Frame>, Option<Intrinsics>)> {
+    workspace.viewpoint.video(&workspace.ui.view.video)
 }
 
 /// A folder of `count` pictures of one colour each.
@@ -29,7 +37,11 @@ fn film(count: u8) -> tempfile::TempDir {
 fn wait(workspace: &mut Workspace, done: impl Fn(&Workspace) -> bool) {
     let start = Instant::now();
     while !done(workspace) {
-        assert!(start.elapsed() < Duration::from_secs(20), "{:?}", workspace.camera.state);
+        assert!(
+            start.elapsed() < Duration::from_secs(20),
+            "{:?}",
+            *workspace.viewpoint.camera.state()
+        );
         std::thread::sleep(Duration::from_millis(5));
         workspace.follow_camera();
     }
@@ -40,24 +52,26 @@ fn frames_come_while_the_video_is_on_and_the_camera_is_let_go_when_it_is_off() {
     let folder = film(3);
     let mut workspace = workspace(&format!("{}/?fps=50", folder.path().display()));
     workspace.follow_camera();
-    assert!(workspace.video().is_none() && workspace.camera.source.is_none(), "off at first");
+    assert!(video(&workspace).is_none() && !workspace.viewpoint.camera.is_open(), "off at first");
     workspace.act(Action::ToggleVideo);
-    wait(&mut workspace, |workspace| workspace.video().is_some());
-    let (frame, lens) = workspace.video().unwrap();
+    wait(&mut workspace, |workspace| video(workspace).is_some());
+    let (frame, lens) = video(&workspace).unwrap();
     assert_eq!((frame.width, frame.height, lens), (8, 6, None));
     let first = frame.sequence;
-    wait(&mut workspace, |workspace| workspace.video().unwrap().0.sequence > first + 3);
-    assert!(workspace.camera.repaint_after().is_some(), "pictures go on by themselves");
+    wait(&mut workspace, |workspace| video(workspace).unwrap().0.sequence > first + 3);
+    assert!(workspace.viewpoint.camera.repaint_after().is_some(), "pictures go on by themselves");
     workspace.act(Action::ToggleVideo);
     workspace.follow_camera();
-    assert!(workspace.video().is_none() && workspace.camera.source.is_none());
+    assert!(video(&workspace).is_none() && !workspace.viewpoint.camera.is_open());
 }
 
 #[test]
 fn a_camera_that_is_not_there_is_said_once_and_another_address_is_opened() {
     let mut workspace = workspace("v4l2:/dev/video-that-is-not-there");
     workspace.act(Action::ToggleVideo);
-    wait(&mut workspace, |workspace| matches!(workspace.camera.state, VideoState::Lost(_)));
+    wait(&mut workspace, |workspace| {
+        matches!(*workspace.viewpoint.camera.state(), VideoState::Lost(_))
+    });
     for _ in 0..20 {
         workspace.follow_camera();
     }
@@ -65,8 +79,8 @@ fn a_camera_that_is_not_there_is_said_once_and_another_address_is_opened() {
     assert_eq!(errors, 1);
     let folder = film(2);
     workspace.ui.view.video.source = folder.path().display().to_string();
-    wait(&mut workspace, |workspace| workspace.video().is_some());
-    assert_eq!(workspace.camera.state, VideoState::Live);
+    wait(&mut workspace, |workspace| video(workspace).is_some());
+    assert_eq!(*workspace.viewpoint.camera.state(), VideoState::Live);
 }
 
 #[test]
@@ -80,5 +94,5 @@ fn a_lens_that_cannot_be_used_is_an_error_with_its_name() {
     workspace.act(Action::ToggleVideo);
     workspace.follow_camera();
     let said = workspace.ui.toasts.texts().any(|(_, text)| text.contains("lens.toml"));
-    assert!(said && workspace.video().is_none());
+    assert!(said && video(&workspace).is_none());
 }

@@ -2,12 +2,20 @@
 
 use std::path::Path;
 
-use egui::{Context, Pos2, RawInput};
+use std::time::Duration;
+
+use egui::{Context, Pos2, RawInput, Rect};
+use glam::{DQuat, DVec3, IVec2, UVec2, Vec2, Vec3};
+use tracking::calibration::Calibration;
 use tracking::calibration::screen_corners_m;
 
-use super::*;
+use super::Workspace;
+use crate::config::Config;
+use crate::input::Action;
 use crate::input::Bindings;
 use crate::session::Session;
+use crate::ui::UiRequest;
+use crate::viewpoint::head::{CalibrationStep, Monitor};
 
 /// A workspace whose head is played from a script, drawn at a rate, without a screen.
 struct Desk {
@@ -70,7 +78,7 @@ impl Desk {
     }
 
     fn head_m(&self) -> Vec3 {
-        self.workspace.head.shown.placement.position_m.as_vec3()
+        self.workspace.viewpoint.head.placement().position_m.as_vec3()
     }
 }
 
@@ -79,8 +87,8 @@ fn a_moving_head_sees_through_the_screen_as_through_a_window() {
     let script = "rate 60\n0 0 0 0.6 0 0 0 1\n1 0.2 0.1 0.5 0 0 0 1\n4 0.2 0.1 0.5 0 0 0 1";
     let mut desk = Desk::new(script, "");
     desk.play(0.0, 0.05);
-    let plane = desk.workspace.head.plane(desk.workspace.picture_px());
-    let units_per_m = desk.workspace.turntable.window_height() / plane.height_m;
+    let plane = desk.workspace.viewpoint.head.plane(desk.workspace.viewpoint.viewport());
+    let units_per_m = desk.workspace.viewpoint.turntable.window_height() / plane.height_m;
     let middle = plane.centre_m;
     let radius = 0.3 * plane.height_m;
     let mut places = Vec::new();
@@ -111,8 +119,8 @@ fn pictures_are_wanted_while_the_head_is_tracked_and_no_longer() {
     desk.workspace.act(Action::ToggleHead);
     desk.play(1.02, 2.0);
     assert!(desk.picture(2.01) > Duration::from_millis(500));
-    assert_eq!(desk.workspace.eye(), desk.workspace.turntable.eye());
-    assert!(desk.workspace.tracked_eyes(0.06).is_none());
+    assert_eq!(desk.workspace.eye(), desk.workspace.viewpoint.turntable.eye());
+    assert!(desk.workspace.viewpoint.tracked_eyes(0.06).is_none());
 }
 
 #[test]
@@ -131,7 +139,7 @@ fn a_lost_head_fades_to_its_place_of_rest_and_back() {
             assert!(step_m < 0.03, "{step_m} m in a picture at {now_s} s");
         }
         last = Some(head);
-        let context = desk.workspace.head.status();
+        let context = desk.workspace.viewpoint.head.status();
         if states.last() != Some(&context.label()) {
             states.push(context.label());
         }
@@ -144,7 +152,7 @@ fn a_lost_head_fades_to_its_place_of_rest_and_back() {
         ["Head found", "Head tracked", "Head lost", "No head", "Head found", "Head tracked"]
     );
     assert!(last.unwrap().distance(Vec3::new(-0.2, 0.0, 0.7)) < 1e-3);
-    assert_eq!(desk.workspace.head.status().losses, 1);
+    assert_eq!(desk.workspace.viewpoint.head.status().losses, 1);
 }
 
 #[test]
@@ -157,11 +165,11 @@ fn buttons_of_the_tracker_are_actions() {
     let full = voxels(&desk);
     desk.play(0.0, 1.0);
     assert_eq!(voxels(&desk), 0, "cleared");
-    desk.workspace.ui.hand.mode = crate::input::ToolMode::Add;
+    desk.workspace.editor.tool.mode = crate::input::ToolMode::Add;
     desk.play(1.0, 1.6);
-    assert!(desk.workspace.stroke_in_hand(), "held");
+    assert!(desk.workspace.editor.is_stroking(), "held");
     desk.play(1.6, 2.0);
-    assert!(!desk.workspace.stroke_in_hand());
+    assert!(!desk.workspace.editor.is_stroking());
     assert!(voxels(&desk) > 0 && voxels(&desk) < full);
     desk.play(2.0, 3.0);
     assert_eq!(voxels(&desk), 0, "undone");
@@ -174,10 +182,10 @@ fn both_eyes_lie_along_the_head() {
     let script = format!("rate 60\n0 0 0 0.6 0 0 {s} {c}\n3 0 0 0.6 0 0 {s} {c}");
     let mut desk = Desk::new(&script, "");
     desk.play(0.0, 2.0);
-    let [left, right] = desk.workspace.tracked_eyes(0.06).unwrap();
+    let [left, right] = desk.workspace.viewpoint.tracked_eyes(0.06).unwrap();
     let apart = right.position() - left.position();
-    let plane = desk.workspace.head.plane(desk.workspace.picture_px());
-    let units_per_m = desk.workspace.turntable.window_height() / plane.height_m;
+    let plane = desk.workspace.viewpoint.head.plane(desk.workspace.viewpoint.viewport());
+    let units_per_m = desk.workspace.viewpoint.turntable.window_height() / plane.height_m;
     assert!((apart / units_per_m).abs_diff_eq(Vec3::new(0.0, 0.06, 0.0), 1e-4), "{apart}");
     assert!(desk.workspace.eye().position().abs_diff_eq(left.position() + apart * 0.5, 1e-3));
 }
@@ -212,9 +220,9 @@ fn four_touches_calibrate_the_tracker_and_are_kept() {
     assert!(desk.workspace.ui.is_modal());
     // On the way between two corners nothing is taken.
     desk.play(0.0, 0.98);
-    desk.workspace.calibrate(CalibrationStep::Take);
-    assert_eq!(desk.workspace.head.status().calibration.unwrap().taken, 0);
-    assert!(desk.workspace.head.status().calibration.unwrap().problem.is_some());
+    desk.workspace.answer_requests(vec![UiRequest::Calibrate(CalibrationStep::Take)]);
+    assert_eq!(desk.workspace.viewpoint.head.status().calibration.unwrap().taken, 0);
+    assert!(desk.workspace.viewpoint.head.status().calibration.unwrap().problem.is_some());
     desk.workspace.act(Action::ToggleHead);
     desk.workspace.act(Action::CalibrateHead);
     // The script begins again with a new source.
@@ -222,13 +230,13 @@ fn four_touches_calibrate_the_tracker_and_are_kept() {
     for corner in 0..4 {
         let from_s = zero_s + f64::from(corner);
         desk.play(from_s, from_s + 0.8);
-        desk.workspace.calibrate(CalibrationStep::Take);
+        desk.workspace.answer_requests(vec![UiRequest::Calibrate(CalibrationStep::Take)]);
         desk.play(from_s + 0.8, from_s + 1.0);
     }
-    let context = desk.workspace.head.status().calibration.unwrap();
+    let context = desk.workspace.viewpoint.head.status().calibration.unwrap();
     assert_eq!(context.taken, 4);
     assert!(context.rms_mm.unwrap() < 0.5, "{context:?}");
-    desk.workspace.calibrate(CalibrationStep::Keep);
+    desk.workspace.answer_requests(vec![UiRequest::Calibrate(CalibrationStep::Keep)]);
     assert!(!desk.workspace.ui.is_modal());
     desk.play(zero_s + 4.0, zero_s + 6.0);
     assert!(desk.head_m().distance(head_m.as_vec3()) < 2e-3, "{}", desk.head_m());
@@ -242,9 +250,9 @@ fn four_touches_calibrate_the_tracker_and_are_kept() {
 #[test]
 fn what_cannot_be_opened_is_said_and_the_work_goes_on() {
     let mut desk = Desk::new("nonsense", "");
-    assert!(!desk.workspace.head.is_on());
+    assert!(!desk.workspace.viewpoint.head.is_on());
     let texts: Vec<String> = desk.workspace.ui.toasts.texts().map(|(_, t)| t.to_owned()).collect();
     assert!(texts.iter().any(|text| text.contains("line 1")), "{texts:?}");
     desk.picture(1.0);
-    assert_eq!(desk.workspace.eye(), desk.workspace.turntable.eye());
+    assert_eq!(desk.workspace.eye(), desk.workspace.viewpoint.turntable.eye());
 }

@@ -63,9 +63,9 @@ impl MainWindow {
         workspace: &mut Workspace,
         patience: Duration,
     ) -> Result<Option<Frame>, GpuError> {
-        workspace.quad_buffered = self.pane.screen().can_layer();
+        workspace.display.quad_buffered = self.pane.screen().can_layer();
         let layout = &mut workspace.ui.view.stereo.layout;
-        if *layout == StereoLayout::Layers && !workspace.quad_buffered {
+        if *layout == StereoLayout::Layers && !workspace.display.quad_buffered {
             *layout = StereoLayout::SideBySide;
             let text = "this display does not support quad-buffered stereo";
             workspace.ui.toasts.error(format!("{text}; showing the eyes side by side"));
@@ -83,17 +83,17 @@ impl MainWindow {
             _ => None,
         });
         if let Some(at) = moved {
-            workspace.pointer_follows(self.pane.move_pointer(at));
+            workspace.controls.pads.pointer_follows(self.pane.move_pointer(at));
         }
         self.pane.inject(events);
     }
 
     /// Runs a pass of the interface, in which the workspace does what the person wants.
     pub fn interface(&mut self, workspace: &mut Workspace) -> Interface {
-        if workspace.device.is_empty() {
-            workspace.device = self.device().device_name();
+        if workspace.display.device.is_empty() {
+            workspace.display.device = self.device().device_name();
         }
-        workspace.pointing_eye = self.pane.pointing_eye();
+        workspace.viewpoint.pointing_eye = self.pane.pointing_eye();
         self.pane.interface(|root| workspace.show(root))
     }
 

@@ -1,4 +1,4 @@
-//! Owns the file in which the program remembers what a person finds again at the next start.
+//! The file in which the program remembers what a person finds again at the next start.
 //!
 //! It is written when it has changed: when a file was opened or saved, now and then at rest, and at
 //! the end. Without [`Workspace::remember_in`] nothing is read or written, as in tests.
@@ -34,12 +34,12 @@ impl Workspace {
     pub fn remember_in(&mut self, path: PathBuf, window: &WindowOptions) {
         let read = read(&path);
         match &read {
-            Ok(Some(text)) => memory::recall(text, &mut self.ui, window),
+            Ok(Some(text)) => memory::recall(text, &mut self.ui, &mut self.editor.tool, window),
             Ok(None) => {}
             Err(error) => tracing::warn!("cannot read {}: {error}", path.display()),
         }
-        self.leave_ground();
-        if let Some(path) = self.session.path() {
+        self.editor.leave_ground();
+        if let Some(path) = self.editor.session().path() {
             self.ui.recent.note_open(path);
         }
         let written = read.ok().flatten().unwrap_or_default();
@@ -69,7 +69,7 @@ impl Workspace {
     /// Writes what is to be remembered, if it has changed.
     pub fn remember(&mut self) {
         let Some(file) = &mut self.memory else { return };
-        let text = memory::to_text(&self.ui, &file.window);
+        let text = memory::to_text(&self.ui, &self.editor.tool, &file.window);
         file.at = Instant::now();
         if text == file.written {
             return;

@@ -1,4 +1,4 @@
-//! Owns what the overlay shows and how: the tool with its outline and its mirror images, the red
+//! What the overlay shows and how: the tool with its outline and its mirror images, the red
 //! line from the grid's centre, the edges of the grid, marker and selection, mirror planes.
 
 use std::f32::consts::TAU;
@@ -6,15 +6,15 @@ use std::f32::consts::TAU;
 use glam::{Mat3, Quat, UVec3, Vec2, Vec3};
 
 use crate::document::Document;
+use crate::editor::tool::{ToolKind, ToolState};
 use crate::input::ToolMode;
 use crate::render::overlay::{Line, ToolPreview};
-use crate::sculpture::orientation::Orientation;
 use crate::sculpture::region::VoxelBox;
 use crate::sculpture::{Grid, Rgb};
 use crate::surface::IndexMap;
 use crate::tools::construct::{Primitive, Solid};
 use crate::tools::spray::{Outline, SprayKind};
-use crate::ui::{Hand, Theme, Tool, ViewState};
+use crate::ui::{Theme, ViewState};
 
 const CUT: Rgb = Rgb::new(0xff, 0x6b, 0x57);
 const MARKER: Rgb = Rgb::new(0x4a, 0xc8, 0xf0);
@@ -25,14 +25,12 @@ const RED: Rgb = Rgb::new(0xf0, 0x30, 0x28);
 /// Segments of a circle around the ellipsoid.
 const SEGMENTS: usize = 40;
 
-/// What the overlay are drawn from.
+/// What the overlay is drawn from.
 pub struct OverlayScene<'a> {
-    pub hand: &'a Hand,
+    pub tool: &'a ToolState,
     pub document: &'a Document,
     pub view: &'a ViewState,
     pub theme: Theme,
-    /// How what was copied will be put down.
-    pub orientation: Orientation,
     /// The picture as it was last shown, and the pointer in it.
     pub seen: Option<&'a IndexMap>,
     pub pointer: Option<Vec2>,
@@ -43,16 +41,16 @@ pub struct OverlayScene<'a> {
 /// The tool as a shell of the colour that it gives, or red where it cuts; the marker as a box.
 pub fn preview(scene: &OverlayScene) -> Option<ToolPreview> {
     let voxel_size = scene.document.grid().voxel_size();
-    match scene.hand.tool {
+    match scene.tool.kind {
         _ if !scene.view.tool => None,
-        Tool::Spray(_) => None,
-        Tool::Solid => Some(ToolPreview {
-            primitive: scene.hand.primitive(),
+        ToolKind::Spray(_) => None,
+        ToolKind::Solid => Some(ToolPreview {
+            primitive: scene.tool.primitive(),
             voxel_size,
-            colour: colour_of(scene.hand),
+            colour: colour_of(scene.tool),
             opacity: [0.38, 0.12],
         }),
-        Tool::Marker => {
+        ToolKind::Marker => {
             let VoxelBox { min, max } = scene.document.selection().marker();
             let stretch = voxel_size / voxel_size.min_element();
             let (min, max) = (min.as_vec3(), max.as_vec3());
@@ -69,7 +67,7 @@ pub fn preview(scene: &OverlayScene) -> Option<ToolPreview> {
 
 /// The lines of a picture, as far as the person wants to see them.
 pub fn lines(scene: &OverlayScene) -> Vec<Line> {
-    let OverlayScene { hand, document, view, .. } = *scene;
+    let OverlayScene { tool, document, view, .. } = *scene;
     let (grid, selection) = (document.grid(), document.selection());
     let mut lines = Vec::new();
     let frame = |lines: &mut Vec<Line>, bounds: VoxelBox, colour, opacity: [f32; 2]| {
@@ -91,7 +89,7 @@ pub fn lines(scene: &OverlayScene) -> Vec<Line> {
             }));
         }
     }
-    let marking = hand.tool == Tool::Marker;
+    let marking = tool.kind == ToolKind::Marker;
     if selection.limits() || marking {
         for selected in selection.boxes() {
             let colour = if selected.adds { SELECTED } else { CUT };
@@ -101,10 +99,10 @@ pub fn lines(scene: &OverlayScene) -> Vec<Line> {
     if !view.tool {
         return lines;
     }
-    if view.line && hand.tool == Tool::Solid {
+    if view.line && tool.kind == ToolKind::Solid {
         lines.push(Line {
             from: centre_vx(grid.dims()),
-            to: hand.centre_vx,
+            to: tool.centre_vx,
             colour: RED,
             width_px: 1.8,
             opacity: [0.95, 0.0],
@@ -112,28 +110,33 @@ pub fn lines(scene: &OverlayScene) -> Vec<Line> {
     }
     let outline =
         |colour| move |(from, to)| Line { from, to, colour, width_px: 1.4, opacity: [0.9, 0.3] };
-    match hand.tool {
-        Tool::Solid => {
-            let own = outline_of(hand.solid, &hand.primitive(), grid);
-            lines.extend(own.into_iter().map(outline(colour_of(hand))));
+    match tool.kind {
+        ToolKind::Solid => {
+            let own = outline_of(tool.solid, &tool.primitive(), grid);
+            lines.extend(own.into_iter().map(outline(colour_of(tool))));
             for image in document.symmetry().images(grid.dims()).iter().skip(1) {
-                let mirrored = outline_of(hand.solid, &image.primitive(&hand.primitive()), grid);
+                let mirrored = outline_of(tool.solid, &image.primitive(&tool.primitive()), grid);
                 lines.extend(mirrored.into_iter().map(outline(MIRROR)));
             }
         }
-        Tool::Spray(kind) => {
+        ToolKind::Spray(kind) => {
             let colour = match kind {
                 SprayKind::Devourer | SprayKind::Erosion => CUT,
                 SprayKind::Smooth => MIRROR,
-                _ => hand.colour,
+                _ => tool.colour,
             };
             lines.extend(footprint_edges(scene, kind).into_iter().map(outline(colour)));
         }
-        Tool::Marker => {
+        ToolKind::Marker => {
             let marker = selection.marker();
             frame(&mut lines, marker, MARKER, [1.0, 0.5]);
             if let Some(clip) = document.clip() {
-                frame(&mut lines, clip.bounds(marker.min, scene.orientation), PASTE, [0.9, 0.4]);
+                frame(
+                    &mut lines,
+                    clip.bounds(marker.min, tool.paste_orientation),
+                    PASTE,
+                    [0.9, 0.4],
+                );
             }
         }
     }
@@ -143,7 +146,7 @@ pub fn lines(scene: &OverlayScene) -> Vec<Line> {
 /// The rim of a spray's footprint, laid into the picture at the depth of what it points at.
 fn footprint_edges(scene: &OverlayScene, kind: SprayKind) -> Vec<(Vec3, Vec3)> {
     let (Some(map), Some(at)) = (scene.seen, scene.pointer) else { return Vec::new() };
-    let options = scene.hand.sprays.of(kind);
+    let options = scene.tool.sprays.of(kind);
     let point = |offset: Vec2| {
         let at = at + offset * options.radius_px;
         map.rays.origin + map.rays.direction_at(at.x, at.y) * scene.depth
@@ -180,9 +183,9 @@ fn centre_vx(dims: UVec3) -> Vec3 {
     dims.as_vec3() * 0.5
 }
 
-fn colour_of(hand: &Hand) -> Rgb {
-    match hand.mode {
-        ToolMode::Add | ToolMode::Recolour => hand.colour,
+fn colour_of(tool: &ToolState) -> Rgb {
+    match tool.mode {
+        ToolMode::Add | ToolMode::Recolour => tool.colour,
         ToolMode::Subtract => CUT,
     }
 }
@@ -254,13 +257,13 @@ mod tests {
     #[test]
     fn what_the_sculpture_hides_of_grid_and_line_is_not_drawn() {
         let document = document();
-        let state = UiState::new(&Config::default().ui_options(), document.grid().dims());
+        let state = UiState::new(&Config::default().ui_options());
+        let tool = ToolState::new(document.grid().dims());
         let scene = OverlayScene {
-            hand: &state.hand,
+            tool: &tool,
             document: &document,
             view: &state.view,
             theme: Theme::Light,
-            orientation: Orientation::UPRIGHT,
             seen: None,
             pointer: None,
             depth: 1.0,
@@ -285,36 +288,36 @@ mod tests {
     #[test]
     fn what_is_switched_off_is_not_shown() {
         let mut document = document();
-        let mut state = UiState::new(&Config::default().ui_options(), document.grid().dims());
-        let count = |state: &UiState, document: &Document| {
+        let mut state = UiState::new(&Config::default().ui_options());
+        let mut tool = ToolState::new(document.grid().dims());
+        let count = |state: &UiState, tool: &ToolState, document: &Document| {
             let scene = OverlayScene {
-                hand: &state.hand,
+                tool,
                 document,
                 view: &state.view,
                 theme: Theme::Dark,
-                orientation: Orientation::UPRIGHT,
                 seen: None,
                 pointer: None,
                 depth: 1.0,
             };
             (lines(&scene).len(), preview(&scene).is_some())
         };
-        assert_eq!(count(&state, &document), (12 + 1 + 3 * SEGMENTS, true));
+        assert_eq!(count(&state, &tool, &document), (12 + 1 + 3 * SEGMENTS, true));
         state.view.bounds = false;
         state.view.line = false;
-        assert_eq!(count(&state, &document), (3 * SEGMENTS, true));
+        assert_eq!(count(&state, &tool, &document), (3 * SEGMENTS, true));
         // A plane with its cross, and the image of the tool.
         let symmetry = Symmetry { axes: [Some(Parity::Even), None, None] };
         document.apply(&Command::Symmetry(symmetry)).unwrap();
-        assert_eq!(count(&state, &document), (6 + 6 * SEGMENTS, true));
-        state.hand.tool = Tool::Marker;
-        assert_eq!(count(&state, &document), (6 + 12, true));
+        assert_eq!(count(&state, &tool, &document), (6 + 6 * SEGMENTS, true));
+        tool.kind = ToolKind::Marker;
+        assert_eq!(count(&state, &tool, &document), (6 + 12, true));
         document.apply(&Command::Copy).unwrap();
-        assert_eq!(count(&state, &document), (6 + 24, true));
-        state.hand.tool = Tool::Spray(SprayKind::Clay);
-        assert_eq!(count(&state, &document), (6, false), "no pointer, no footprint");
-        state.hand.tool = Tool::Solid;
+        assert_eq!(count(&state, &tool, &document), (6 + 24, true));
+        tool.kind = ToolKind::Spray(SprayKind::Clay);
+        assert_eq!(count(&state, &tool, &document), (6, false), "no pointer, no footprint");
+        tool.kind = ToolKind::Solid;
         state.view.tool = false;
-        assert_eq!(count(&state, &document), (6, false));
+        assert_eq!(count(&state, &tool, &document), (6, false));
     }
 }

@@ -3,14 +3,18 @@
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
-use egui::{Key, RawInput, Rect};
+use egui::{Context, Event, Key, Pos2, RawInput, Rect};
+use glam::{Vec2, Vec3};
 
-use super::*;
+use super::Workspace;
 use crate::config::Config;
+use crate::editor::questions::Next;
+use crate::input::Action;
 use crate::input::Trigger;
-use crate::input::pad::{PadButton, PadButtons, PadState};
+use crate::input::pad::device::{Motor, PadChange, PadNews};
+use crate::input::pad::{PadButton, PadButtons, PadId, PadMode, PadState};
+use crate::sculpture::Placement;
 use crate::session::Session;
-use crate::ui::state::Next;
 
 const PAD: PadId = PadId(0);
 
@@ -98,27 +102,27 @@ fn left(x: f32, y: f32) -> PadState {
 #[test]
 fn the_tool_bites_on_its_way_and_is_felt() {
     let mut desk = Desk::new("[gamepad]\nrumble_limit = 0.5\nrumble_voxels = 40", 60.0);
-    let (full, start) = (desk.voxels(), desk.workspace.ui.hand.centre_vx);
+    let (full, start) = (desk.voxels(), desk.workspace.editor.tool.centre_vx);
     let history = desk.workspace.session().document().history().undo_count();
     desk.keep(PadState { held: holding(PadButton::South).held, ..left(1.0, 0.0) }, 0.4);
-    assert!(desk.workspace.pad_is_active());
+    assert!(desk.workspace.controls.pads.is_active());
     desk.keep(PadState::default(), 0.1);
-    let ball = 4.0 / 3.0 * std::f32::consts::PI * desk.workspace.ui.hand.half().x.powi(3);
+    let ball = 4.0 / 3.0 * std::f32::consts::PI * desk.workspace.editor.tool.half().x.powi(3);
     assert!(full - desk.voxels() > 2 * ball as u64, "a groove, not a hole");
-    let way = desk.workspace.ui.hand.centre_vx - start;
-    let right = desk.workspace.sight().screen_axes().right;
+    let way = desk.workspace.editor.tool.centre_vx - start;
+    let right = desk.workspace.picker().sight().screen_axes().right;
     assert!(way.dot(right) > 2.0 && way.reject_from(right).length() < 1e-3, "{way} {right}");
     assert_eq!(desk.workspace.session().document().history().undo_count(), history + 1, "one step");
     let felt = desk.felt();
     assert!(felt.iter().any(|strength| *strength > 0.2), "{felt:?}");
     assert!(felt.iter().all(|strength| *strength <= 0.5));
     assert_eq!(felt.last(), Some(&0.0), "it stops with the stroke");
-    assert!(!desk.workspace.pad_is_active());
+    assert!(!desk.workspace.controls.pads.is_active());
 
     desk.press(PadButton::DpadLeft);
     assert_eq!(desk.voxels(), full, "undone");
     assert_eq!(desk.felt(), [0.0; 0], "undo is not felt");
-    desk.workspace.toggle_rumble();
+    desk.workspace.act(Action::ToggleRumble);
     desk.press(PadButton::South);
     assert!(desk.voxels() < full);
     assert_eq!(desk.felt(), [0.0; 0], "rumble is off");
@@ -133,7 +137,7 @@ fn the_way_is_the_same_at_every_rate_of_pictures() {
         pull.right = Vec2::new(0.5, 0.2);
         desk.keep(pull, 0.8);
         desk.keep(PadState::default(), 0.3);
-        (desk.workspace.ui.hand.centre_vx, desk.workspace.ui.hand.rotation())
+        (desk.workspace.editor.tool.centre_vx, desk.workspace.editor.tool.rotation())
     };
     let (at, turned) = end(120.0);
     for rate in [7.0, 30.0, 61.0] {
@@ -147,21 +151,21 @@ fn the_way_is_the_same_at_every_rate_of_pictures() {
 fn in_grid_mode_the_sculpture_moves_and_turns_before_the_viewer() {
     let mut desk = Desk::new("[gamepad]\nmode = \"grid\"", 60.0);
     let placement = |desk: &Desk| *desk.workspace.session().document().placement();
-    let (before, tool) = (placement(&desk), desk.workspace.ui.hand.clone());
+    let (before, tool) = (placement(&desk), desk.workspace.editor.tool.clone());
     desk.keep(left(1.0, 1.0), 0.3);
     let moved = placement(&desk).translation - before.translation;
     assert!(moved.x > 0.0 && (moved.x - moved.y).abs() < 1e-3 && moved.z == 0.0, "{moved}");
     desk.keep(PadState { triggers: Vec2::X, ..PadState::default() }, 0.3);
     assert!(placement(&desk).translation.z > 0.0, "nearer");
     desk.keep(PadState { triggers: Vec2::X, ..PadState::default() }, 30.0);
-    let depth = desk.workspace.turntable.camera().eye.z - placement(&desk).translation.z;
+    let depth = desk.workspace.viewpoint.turntable.camera().eye.z - placement(&desk).translation.z;
     assert!(depth > 0.0, "never behind the viewer");
     desk.keep(PadState { right: Vec2::X, ..PadState::default() }, 0.5);
     desk.keep(PadState::default(), 0.1);
     let front = |placement: Placement| placement.rotation * Vec3::new(0.8, 0.6, 1.0);
     assert!(front(placement(&desk)).x > front(before).x + 0.1, "the front goes right");
     assert_eq!(
-        (desk.workspace.ui.hand.centre_vx, desk.workspace.ui.hand.rotation()),
+        (desk.workspace.editor.tool.centre_vx, desk.workspace.editor.tool.rotation()),
         (tool.centre_vx, tool.rotation())
     );
 }
@@ -198,7 +202,7 @@ fn shift_alone_switches_the_mode_while_a_pad_is_there() {
         modifiers: egui::Modifiers::SHIFT,
     };
     let mut desk = Desk::new("", 60.0);
-    let mode = |desk: &Desk| desk.workspace.pads.status().map(|context| context.mode);
+    let mode = |desk: &Desk| desk.workspace.controls.pads.status().map(|context| context.mode);
     assert_eq!(mode(&desk), Some(PadMode::UseTool));
     desk.picture(vec![shift(true), shift(false)]);
     assert_eq!(mode(&desk), Some(PadMode::MoveGrid));
@@ -216,16 +220,16 @@ fn shift_alone_switches_the_mode_while_a_pad_is_there() {
 fn a_stroke_ends_when_its_pad_is_pulled_out_or_a_question_is_open() {
     let mut desk = Desk::new("", 60.0);
     desk.keep(holding(PadButton::South), 0.1);
-    assert!(desk.workspace.stroke_in_hand());
+    assert!(desk.workspace.editor.is_stroking());
     desk.news(PadChange::Went);
     desk.picture(Vec::new());
-    assert!(!desk.workspace.stroke_in_hand());
+    assert!(!desk.workspace.editor.is_stroking());
 
     let mut asked = Desk::new("", 60.0);
-    let (full, at) = (asked.voxels(), asked.workspace.ui.hand.centre_vx);
+    let (full, at) = (asked.voxels(), asked.workspace.editor.tool.centre_vx);
     asked.workspace.ui.unsaved = Some(Next::Leave);
     asked.keep(PadState { held: holding(PadButton::South).held, ..left(1.0, 0.0) }, 0.3);
-    assert_eq!((asked.voxels(), asked.workspace.ui.hand.centre_vx), (full, at));
+    assert_eq!((asked.voxels(), asked.workspace.editor.tool.centre_vx), (full, at));
     asked.press(PadButton::Select);
     assert!(asked.workspace.ui.unsaved.is_none(), "the question can be put aside");
 }
@@ -236,7 +240,7 @@ fn a_button_is_caught_in_the_table_of_keys() {
     let full = desk.voxels();
     let stick = Trigger::Pad { button: PadButton::LeftStick };
     let has = |desk: &Desk, action, trigger| {
-        desk.workspace.presets[desk.workspace.ui.preset].triggers(action).any(|t| t == trigger)
+        desk.workspace.controls.bindings().unwrap().triggers(action).any(|t| t == trigger)
     };
     desk.press(PadButton::South);
     let cut = desk.voxels();

@@ -1,18 +1,19 @@
-//! Owns the way from the workspace to the renderer: what the picture in the window shows, and what
-//! the workspace hears of it.
+//! From the workspace to the renderer and back: what the picture in the window shows, and what the
+//! workspace takes from the renderer's report.
 
 use std::sync::Arc;
 
 use ash::vk;
 use glam::Vec3;
 
-use super::overlay;
+use super::overlay::{self, OverlayScene};
 use super::workspace::Workspace;
-use crate::gpu::{Device, GpuError, Recorder, Result};
+use crate::gpu::{Device, Recorder, Result};
 use crate::render::renderer::{FrameDesc, Pictures};
-use crate::render::{Background, Renderer, Video, VideoView};
+use crate::render::{Background, Fallback, FrameReport, Renderer, Video, VideoView};
 use crate::shade::Pixels;
 use crate::ui::Theme;
+use crate::video::VideoOptions;
 
 /// The pictures of the sculpture in the window.
 pub struct Painter {
@@ -33,46 +34,36 @@ impl Painter {
         slot: usize,
         workspace: &mut Workspace,
     ) -> Result<()> {
-        let scene = workspace.scene();
+        let scene = workspace.overlay_scene();
         // A picture to be saved shows the sculpture alone.
         let (preview, lines) = match workspace.ui.screenshot {
             true => (None, Vec::new()),
             false => (overlay::preview(&scene), overlay::lines(&scene)),
         };
         let eyes = workspace.eyes();
-        let mut desc = FrameDesc {
+        let settings = &workspace.ui.view.video;
+        // Kept for as long as the renderer looks at it, whatever the workspace does.
+        let frame = workspace.viewpoint.video(settings).map(|(frame, lens)| (frame.clone(), lens));
+        let video = frame.as_ref().map(|(frame, lens)| {
+            let VideoOptions { fit, mirror, .. } = *settings;
+            Video { frame, view: VideoView { fit, mirror, lens: *lens, beyond: Vec3::ZERO } }
+        });
+        let desc = FrameDesc {
             eyes: &eyes,
             world_from_grid: workspace.world_from_grid(),
             mode: workspace.ui.view.mode,
             lighting: workspace.ui.view.lighting(),
             background: background(workspace.ui.theme),
-            video: None,
+            video,
             previews: preview.as_slice(),
             lines: &lines,
         };
-        // Kept for as long as the desc looks at it, whatever the workspace does.
-        let frame = workspace.video().map(|(frame, lens)| (frame.clone(), lens));
-        desc.video = frame.as_ref().map(|(frame, lens)| {
-            let settings = &workspace.ui.view.video;
-            let view = VideoView {
-                fit: settings.fit,
-                mirror: settings.mirror,
-                lens: *lens,
-                beyond: Vec3::ZERO,
-            };
-            Video { frame, view }
-        });
         // The renderer writes to the maps that nobody else holds.
-        workspace.forget_seen();
-        let renderer = &mut self.renderer;
-        paint_what_fits(renderer, recorder, slot, workspace, &mut desc)?;
-        let maps = renderer.maps();
-        if let Some(map) = maps.get(workspace.pointing_eye).or(maps.first()) {
-            workspace.saw(map.clone());
-        }
-        let times = renderer.times();
-        workspace.times.sample_ms = times.sample_ms;
-        workspace.times.shade_ms = times.shade_ms;
+        workspace.viewpoint.forget_pick_map();
+        let document = workspace.session_mut().document_mut();
+        let report =
+            self.renderer.paint_with_fallback(recorder, slot, document, &desc, |_| true)?;
+        workspace.take_report(report);
         Ok(())
     }
 
@@ -89,23 +80,40 @@ impl Painter {
     }
 }
 
-/// Paints a desc, in the window or in a headset. A sculpture that is too large for the device in
-/// its mode is drawn in the next best, which is the workspace's from then on.
-pub(super) fn paint_what_fits(
-    renderer: &mut Renderer,
-    recorder: &mut Recorder,
-    slot: usize,
-    workspace: &mut Workspace,
-    desc: &mut FrameDesc,
-) -> Result<()> {
-    loop {
-        let document = workspace.session_mut().document_mut();
-        let Err(error) = renderer.paint(recorder, slot, document, desc) else { return Ok(()) };
-        let too_large = matches!(error, GpuError::Limit { .. } | GpuError::OutOfMemory(_));
-        let Some(mode) = desc.mode.fallback().filter(|_| too_large) else { return Err(error) };
-        workspace.ui.toasts.error(format!("{error}; switched to {}", mode.label()));
-        workspace.ui.view.mode = mode;
-        desc.mode = mode;
+impl Workspace {
+    /// What the overlay of the next picture is drawn from.
+    pub(super) fn overlay_scene(&self) -> OverlayScene<'_> {
+        let document = self.editor.document();
+        let (grid, picker) = (document.grid(), self.picker());
+        let target = self.editor.pointer().and_then(|at| picker.target(grid, at));
+        OverlayScene {
+            tool: &self.editor.tool,
+            document,
+            view: &self.ui.view,
+            theme: self.ui.theme,
+            seen: self.viewpoint.pick_map(),
+            pointer: self.editor.pointer(),
+            depth: picker.sight().depth(target.unwrap_or(grid.dims().as_vec3() * 0.5)),
+        }
+    }
+
+    /// Takes what the renderer reports of the window's picture.
+    pub fn take_report(&mut self, report: FrameReport) {
+        let FrameReport { pick_maps, times, fallbacks, .. } = report;
+        self.take_fallbacks(&fallbacks);
+        if let Some(map) = pick_maps.get(self.viewpoint.pointing_eye).or(pick_maps.first()) {
+            self.viewpoint.set_pick_map(map.clone());
+        }
+        self.display.times.sample_ms = times.sample_ms;
+        self.display.times.shade_ms = times.shade_ms;
+    }
+
+    /// Uses from now on the modes that were fallen back to, and says so.
+    pub(super) fn take_fallbacks(&mut self, fallbacks: &[Fallback]) {
+        for Fallback { reason, to } in fallbacks {
+            self.ui.toasts.error(format!("{reason}; switched to {}", to.label()));
+            self.ui.view.mode = *to;
+        }
     }
 }
 

@@ -14,13 +14,13 @@ use winit::event::{ElementState, Touch, WindowEvent};
 use winit::keyboard::{Key, KeyCode, PhysicalKey};
 use winit::window::{Window, WindowId};
 
-use super::head::Monitor;
 use crate::gpu::{
     Attachment, Device, EyeImage, Frames, GpuError, ImagePart, Load, Recorder, Surface, Use,
 };
 use crate::render::gui::Gui;
 use crate::screen::window::{Target, WindowScreen};
 use crate::view::StereoLayout;
+use crate::viewpoint::head::Monitor;
 
 use super::stereo_screen::StereoScreen;
 

@@ -1,213 +1,115 @@
-//! Owns the work on a sculpture without the screen: what the interface and the devices ask for
-//! becomes commands for the session, the view moves, the tool is led over the surface.
+//! The program without its windows: the owner of editor, viewpoint, controls and interface.
 //!
-//! Takes an egui pass and, from the renderer, the voxels that were seen; gives the eye to render
-//! next. Knows no window and no Vulkan, so that all of it can be tested without either.
+//! Takes egui passes, device events and reports of the renderer; gives what the next picture shows.
+//! It only holds the parts and runs the passes; what follows from input is decided in `dispatch`.
+//! Knows no window and no Vulkan, so that all of it can be tested without either.
 
-use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::path::PathBuf;
 
 use egui::{CursorIcon, Id, Rect, Sense, Ui};
-use glam::{Affine3A, UVec2, Vec2, Vec3};
+use glam::{Affine3A, Vec2};
 
-use super::ar::Ar;
-use super::camera::Camera;
-use super::footing::Footing;
-use super::head::Head;
-use super::job::{self, Job};
-use super::keys::KeyFile;
-use super::marker::MarkerDrag;
 use super::memory::MemoryFile;
-use super::overlay::OverlayScene;
-use super::pad::Pads;
-use super::stroke::StrokeInHand;
-use super::turntable::Turntable;
-use super::view_pace::ViewWatch;
 use crate::config::Config;
-use crate::input::events::{Viewport, device_events};
-use crate::input::pad::shift_tap::ShiftTap;
-use crate::input::trigger::Trigger;
-use crate::input::{Action, ActionEvent, Bindings, DeviceEvent, Mapper, Panel, Side};
-use crate::sculpture::region::VoxelBox;
+use crate::controls::Controls;
+use crate::editor::{Editor, job};
+use crate::input::events::{Viewport as InputArea, device_events};
+use crate::input::pad::device::PadNews;
+use crate::input::{Action, Bindings, Panel, Side};
+use crate::picking::Picker;
 use crate::session::Session;
-
-use crate::surface::IndexMap;
 use crate::ui::{self, FrameTimes, UiContext, UiRequest, UiState};
-use crate::view::{Eye, Pose, StereoLayout};
+use crate::view::Eye;
+use crate::viewpoint::ar::Ar;
+use crate::viewpoint::head::{Head, Monitor};
+use crate::viewpoint::{Viewpoint, Viewport};
 
-/// Everything but the screen.
-pub struct Workspace {
-    pub(super) session: Session,
-    pub ui: UiState,
-    /// The tables of keys as the person has changed them.
-    pub(super) presets: Vec<Bindings>,
-    /// The same as the program brings them along.
-    pub(super) pristine: Vec<Bindings>,
-    /// Where changes to the tables are kept, if anywhere.
-    pub(super) key_file: Option<KeyFile>,
-    /// Where it is remembered how the program was left, if anywhere.
-    pub(super) memory: Option<MemoryFile>,
-    /// What is held in the main window.
-    mapper: Mapper,
-    /// What is held in the windows of panels.
-    panel_mappers: BTreeMap<Panel, Mapper>,
-    shift_tap: ShiftTap,
-    pub(super) pads: Pads,
-    /// Voxels that were changed since a hand in the room last felt it.
-    pub(super) bitten_by_hand: u64,
-    /// Where a hand in the room has led the tool last.
-    pub(super) hand_pose: Option<Pose>,
-    pub(super) turntable: Turntable,
-    pub(super) head: Head,
-    pub(super) ar: Ar,
-    pub(super) camera: Camera,
-    pub(super) stroke: Option<StrokeInHand>,
-    pub(super) view_watch: ViewWatch,
-    /// Where the tool stands on the surface.
-    pub(super) footing: Footing,
-    /// What a drag does to the marker.
-    pub(super) marker_drag: Option<MarkerDrag>,
-    /// The box that was selected only because tools were to be limited to the marker.
-    pub(super) lent_to_limit: Option<VoxelBox>,
-    /// What drags have moved the marker by, less whole voxels.
-    pub(super) marker_rest: Vec3,
-    /// Where the pointer is, in pixels of the picture; none while it is elsewhere.
-    pub(super) pointer: Option<Vec2>,
-    /// A drag of `Sculpt` that began beside the sculpture and turns it.
-    pub(super) turns_instead: bool,
-    /// The voxels in the last picture, to find what the pointer points at.
-    pub(super) seen: Option<Arc<IndexMap>>,
-    picture: Rect,
-    pixels_per_point: f32,
-    /// Long work under way.
-    pub(super) job: Option<Job>,
-    /// It may do what cannot be undone.
-    pub(super) irreversible_job: bool,
-    /// A stroke that is over, but cannot be undone: the person is asked whether to keep it.
-    pub(super) stroke_in_question: bool,
-    leaving: bool,
-    pub times: FrameTimes,
+/// What the window and its device report.
+pub struct Display {
+    /// Name of the Vulkan device.
     pub device: String,
     /// Whether the window can have a layer an eye.
     pub quad_buffered: bool,
-    /// The eye whose picture the pointer is in: 0, or 1 where the right eye has a place of its own.
-    pub pointing_eye: usize,
+    pub times: FrameTimes,
+    /// Where in the window the sculpture is shown, in points.
+    picture: Rect,
+}
+
+/// Everything but the windows.
+pub struct Workspace {
+    pub editor: Editor,
+    pub viewpoint: Viewpoint,
+    pub controls: Controls,
+    pub ui: UiState,
+    pub display: Display,
+    /// Where it is remembered how the program was left, if anywhere.
+    pub(super) memory: Option<MemoryFile>,
+    pub(super) leaving: bool,
 }
 
 impl Workspace {
     pub fn new(session: Session, config: &Config, presets: Vec<Bindings>) -> Workspace {
-        let grid = session.document().grid();
-        let turntable = Turntable::new(grid, config.render.fov_deg, UVec2::new(640, 480));
         let mut workspace = Workspace {
-            ui: UiState::new(&config.ui_options(), grid.dims()),
-            session,
-            pristine: presets.clone(),
-            presets,
-            key_file: None,
+            viewpoint: Viewpoint::new(
+                session.document(),
+                config.render.fov_deg,
+                Head::new(&config.tracking, &config.screen, config.headset.enabled),
+                Ar::new(&config.ar),
+            ),
+            editor: Editor::new(session),
+            controls: Controls::new(presets, &config.gamepad),
+            ui: UiState::new(&config.ui_options()),
+            display: Display {
+                device: String::new(),
+                quad_buffered: false,
+                times: FrameTimes::default(),
+                picture: Rect::ZERO,
+            },
             memory: None,
-            mapper: Mapper::default(),
-            panel_mappers: BTreeMap::new(),
-            shift_tap: ShiftTap::default(),
-            pads: Pads::new(&config.gamepad),
-            bitten_by_hand: 0,
-            hand_pose: None,
-            turntable,
-            head: Head::new(config),
-            ar: Ar::new(&config.ar),
-            camera: Camera::default(),
-            stroke: None,
-            view_watch: ViewWatch::default(),
-            footing: Footing::default(),
-            marker_drag: None,
-            lent_to_limit: None,
-            marker_rest: Vec3::ZERO,
-            pointer: None,
-            turns_instead: false,
-            seen: None,
-            picture: Rect::ZERO,
-            pixels_per_point: 1.0,
-            job: None,
-            irreversible_job: false,
-            stroke_in_question: false,
             leaving: false,
-            times: FrameTimes::default(),
-            device: String::new(),
-            quad_buffered: false,
-            pointing_eye: 0,
         };
         workspace.look_from(Side::Corner);
-        if workspace.head.wanted() {
+        workspace.settle();
+        if workspace.viewpoint.head.wanted() {
             workspace.start_head();
         }
-        if workspace.ar.wanted() {
+        if workspace.viewpoint.ar.wanted() {
             workspace.start_ar();
         }
+        workspace.settle();
         workspace
     }
 
     pub fn session(&self) -> &Session {
-        &self.session
+        self.editor.session()
     }
 
     pub fn session_mut(&mut self) -> &mut Session {
-        &mut self.session
+        self.editor.session_mut()
     }
 
     /// The area of the picture in points.
     pub fn picture(&self) -> Rect {
-        self.picture
+        self.display.picture
     }
 
-    /// The same in pixels of the window.
-    pub(super) fn picture_px(&self) -> Rect {
-        self.picture * self.pixels_per_point
-    }
-
-    /// The eyes of the next picture: one, or the left and the right one. They are those of the
-    /// camera before the printed marker, of the head before the screen, or before the middle of
-    /// the screen.
+    /// The eyes of the next picture: one, or the left and the right one.
     pub fn eyes(&self) -> Vec<Eye> {
-        let stereo = &self.ui.view.stereo;
-        let is_mono = stereo.layout == StereoLayout::Mono;
-        if let Some(eye) = self.camera_eye() {
-            // The camera behind the picture has one eye.
-            return vec![eye; if is_mono { 1 } else { 2 }];
-        }
-        if is_mono {
-            return vec![self.head_eye().unwrap_or_else(|| self.turntable.eye())];
-        }
-        if let Some([left, right]) = self.tracked_eyes(stereo.eye_distance_mm * 1e-3) {
-            return if stereo.swap_eyes { vec![right, left] } else { vec![left, right] };
-        }
-        let mono = self.turntable.eye();
-        let centre = mono.eye_from_world.transform_point3(self.placed_centre());
-        stereo.rig((-centre.z).max(self.turntable.camera().near)).eyes(&mono).to_vec()
+        self.viewpoint.eyes(self.editor.document(), &self.ui.view.stereo)
     }
 
     /// The eye whose picture the pointer is in.
     pub fn eye(&self) -> Eye {
-        let eyes = self.eyes();
-        eyes[self.pointing_eye.min(eyes.len() - 1)]
-    }
-
-    /// The middle of the grid, in world coordinates.
-    fn placed_centre(&self) -> Vec3 {
-        let middle = self.session.document().grid().dims().as_vec3() * 0.5;
-        self.world_from_grid().transform_point3(middle)
+        self.viewpoint.eye(self.editor.document(), &self.ui.view.stereo)
     }
 
     pub fn world_from_grid(&self) -> Affine3A {
-        self.session.document().world_from_grid()
+        self.editor.document().world_from_grid()
     }
 
-    /// Hears from the renderer which voxels the last picture shows.
-    pub fn saw(&mut self, map: Arc<IndexMap>) {
-        self.seen = Some(map);
-    }
-
-    /// Gives back the voxels of the last picture, so that their memory can be used again.
-    pub fn forget_seen(&mut self) {
-        self.seen = None;
+    /// What can be picked in the picture as it was last shown.
+    pub(super) fn picker(&self) -> Picker {
+        self.viewpoint.picker(self.editor.document(), &self.ui.view.stereo)
     }
 
     /// Whether the person has left the program.
@@ -215,19 +117,63 @@ impl Workspace {
         self.leaving
     }
 
-    /// Whether voxels are being changed by a hand that is still down.
-    pub fn stroke_in_hand(&self) -> bool {
-        self.stroke.is_some()
-    }
-
-    /// Whether the pointer holds something on the picture.
-    pub(super) fn is_dragging(&self) -> bool {
-        self.mapper.captures_pointer()
-    }
-
     /// The window was asked to close.
     pub fn ask_to_leave(&mut self) {
         self.act(Action::Quit);
+    }
+
+    /// Waits for long work, if there is any, and puts in place what came of it.
+    pub fn finish_job(&mut self) {
+        self.editor.finish_job();
+        self.settle();
+    }
+
+    /// Takes what long work has come to.
+    pub(super) fn follow_job(&mut self) {
+        self.editor.follow_job();
+        self.settle();
+    }
+
+    /// Takes the newest frame of the camera.
+    pub(super) fn follow_camera(&mut self) {
+        let notice = self.viewpoint.follow_camera(&self.ui.view.video);
+        self.show_notices(notice);
+    }
+
+    /// Uses the key tables that a file holds, and writes changes to it from now on.
+    pub fn keep_keys_in(&mut self, path: PathBuf) {
+        let notice = self.controls.keep_keys_in(path);
+        self.show_notices(notice);
+    }
+
+    /// Keeps calibrations in a file, and takes the one that is there or that the settings name.
+    pub fn keep_calibration_in(&mut self, path: PathBuf) {
+        let notice = self.viewpoint.head.keep_calibration_in(path);
+        self.show_notices(notice);
+    }
+
+    /// Takes where the program's window is on the screen.
+    pub fn on_screen(&mut self, monitor: Option<Monitor>) {
+        self.viewpoint.head.set_monitor(monitor);
+    }
+
+    /// Polls trackers and the marker. Once a picture, before the interface.
+    pub fn track(&mut self) {
+        self.track_at(self.viewpoint.head.clock_s());
+    }
+
+    /// Takes news of a pad at `now_s` seconds.
+    pub fn hear_pad(&mut self, news: PadNews, now_s: f64) {
+        let catching = self.ui.keys.is_catching();
+        let report = self.controls.hear_pad(news, now_s, catching);
+        self.ui.keys.hear(report.caught);
+        self.show_notices(report.notice);
+    }
+
+    /// Lets the pad shake as the tool has changed voxels since the last call.
+    pub fn shake_pad(&mut self, now_s: f64) {
+        let felt = self.ui.rumble && self.editor.is_stroking();
+        self.controls.pads.shake(now_s, self.editor.voxels_changed(), felt);
     }
 
     /// One pass of the interface: listens to the devices, shows the panels, does what was asked.
@@ -238,23 +184,18 @@ impl Workspace {
         let mut requests = Vec::new();
         let picture =
             self.with_context(false, |ui, context| ui::show(root, ui, context, &mut requests).rect);
-        self.draw_pad_pointer(root.ctx());
+        self.controls.pads.draw_pointer(root.ctx());
         let response = root.interact(picture, picture_id(), Sense::hover());
         self.set_picture(picture, root.pixels_per_point());
         if response.contains_pointer() && !self.ui.is_modal() {
             root.set_cursor_icon(self.cursor(root));
         }
-        if !requests.is_empty() {
-            root.request_repaint();
-        }
-        self.answer_questions(requests);
+        self.finish_pass(root, requests);
         self.keep_footing();
-        if self.job.is_some() {
+        if self.editor.is_busy() {
             root.request_repaint_after(job::LOOK_EVERY);
         }
-        let news =
-            [self.head.repaint_after(), self.ar.repaint_after(), self.camera.repaint_after()];
-        for after in news.into_iter().flatten() {
+        if let Some(after) = self.viewpoint.repaint_after() {
             root.request_repaint_after(after);
         }
     }
@@ -262,26 +203,23 @@ impl Workspace {
     /// One pass of a panel in a window of its own. True if something was done there that other
     /// windows may show.
     pub fn show_panel(&mut self, panel: Panel, root: &mut Ui) -> bool {
-        let modal = self.ui.is_modal();
-        let ctx = root.ctx();
-        let viewport = Viewport {
+        let area = InputArea {
             rect: Rect::NOTHING,
             pixels_per_point: root.pixels_per_point(),
             hovered: false,
             captured: false,
-            keyboard: !modal && ctx.memory(|memory| memory.focused().is_none()),
+            keyboard: self.has_keyboard(root),
         };
         let (events, touched) =
-            ctx.input(|input| (device_events(input, &viewport), is_touched(input)));
-        self.hear(Some(panel), &events);
+            root.ctx().input(|input| (device_events(input, &area), is_touched(input)));
+        for event in self.controls.hear(Some(panel), &events) {
+            self.answer_event(&event);
+        }
         let mut requests = Vec::new();
         self.with_context(false, |ui, context| {
-            ui::panels::show(root, panel, ui, context, &mut requests)
+            ui::panels::show(root, panel, ui, context, &mut requests);
         });
-        if !requests.is_empty() {
-            root.request_repaint();
-        }
-        self.answer_questions(requests);
+        self.finish_pass(root, requests);
         self.keep_footing();
         touched
     }
@@ -290,8 +228,9 @@ impl Workspace {
     /// window is let go.
     pub fn put_back(&mut self, panel: Panel) {
         self.ui.detached.remove(&panel);
-        self.hear(Some(panel), &[DeviceEvent::FocusLost]);
-        self.panel_mappers.remove(&panel);
+        for event in self.controls.panel_closed(panel) {
+            self.answer_event(&event);
+        }
     }
 
     /// One pass of the board in a headset: everything that the window has beside its picture.
@@ -299,18 +238,14 @@ impl Workspace {
         self.follow_job();
         let mut requests = Vec::new();
         self.with_context(true, |ui, context| ui::board::show(root, ui, context, &mut requests));
+        self.finish_pass(root, requests);
+    }
+
+    fn finish_pass(&mut self, root: &Ui, requests: Vec<UiRequest>) {
         if !requests.is_empty() {
             root.request_repaint();
         }
-        self.answer_questions(requests);
-    }
-
-    /// Does what was asked for. A stroke that nobody wants to keep any more is taken back.
-    fn answer_questions(&mut self, requests: Vec<UiRequest>) {
-        for request in requests {
-            self.carry_out(request);
-        }
-        self.settle_stroke_in_question();
+        self.answer_requests(requests);
     }
 
     fn with_context<T>(
@@ -318,60 +253,63 @@ impl Workspace {
         in_headset: bool,
         show: impl FnOnce(&mut UiState, &UiContext) -> T,
     ) -> T {
+        let document = self.editor.document();
+        let picker = self.picker();
         let context = UiContext {
-            document: self.session.document(),
-            path: self.session.path(),
-            modified: self.session.modified(),
-            presets: &self.presets,
-            pristine: &self.pristine,
-            times: self.times,
+            document,
+            path: self.editor.session().path(),
+            modified: self.editor.session().modified(),
+            tool: &self.editor.tool,
+            presets: self.controls.presets(),
+            pristine: self.controls.pristine(),
+            preset: self.controls.preset,
+            times: self.display.times,
             in_headset,
-            quad_buffered: self.quad_buffered,
-            device: &self.device,
-            pointed_vx: self.pointed(),
-            pad: self.pads.status(),
-            head: self.head.status(),
-            ar: self.ar.status(),
-            video: self.camera.status(),
+            quad_buffered: self.display.quad_buffered,
+            device: &self.display.device,
+            pointed_vx: self.editor.pointer().and_then(|at| picker.voxel(document.grid(), at)),
+            pad: self.controls.pads.status(),
+            head: self.viewpoint.head.status(),
+            ar: self.viewpoint.ar.status(),
+            video: self.viewpoint.camera.status(),
         };
-        let preset = self.ui.preset;
-        let shown = show(&mut self.ui, &context);
-        if self.ui.preset != preset {
-            self.save_keys();
-        }
-        shown
+        show(&mut self.ui, &context)
     }
 
     fn set_picture(&mut self, rect: Rect, pixels_per_point: f32) {
-        self.picture = rect;
-        self.pixels_per_point = pixels_per_point;
-        let size = (rect.size() * pixels_per_point).round().max(egui::Vec2::splat(1.0));
-        self.turntable.set_size(UVec2::new(size.x as u32, size.y as u32));
+        self.display.picture = rect;
+        let px = rect * pixels_per_point;
+        self.viewpoint.set_viewport(Viewport {
+            corner_px: Vec2::new(px.min.x, px.min.y),
+            size_px: Vec2::new(px.width(), px.height()),
+        });
+    }
+
+    /// Whether keys are meant for the sculpture rather than for a dialog or a field.
+    fn has_keyboard(&self, root: &Ui) -> bool {
+        !self.ui.is_modal() && root.ctx().memory(|memory| memory.focused().is_none())
     }
 
     /// Does what the devices say about the picture as it was last shown.
     fn listen(&mut self, root: &Ui) {
         let ctx = root.ctx();
         let hovered = ctx.read_response(picture_id()).is_some_and(|r| r.contains_pointer());
-        let modal = self.ui.is_modal();
-        let viewport = Viewport {
-            rect: self.picture,
+        let area = InputArea {
+            rect: self.display.picture,
             pixels_per_point: root.pixels_per_point(),
-            hovered: hovered && !modal,
-            captured: self.mapper.captures_pointer(),
-            keyboard: !modal && ctx.memory(|memory| memory.focused().is_none()),
+            hovered: hovered && !self.ui.is_modal(),
+            captured: self.controls.is_dragging(),
+            keyboard: self.has_keyboard(root),
         };
-        let events = ctx.input(|input| device_events(input, &viewport));
-        let shift_taps = ctx
-            .input(|input| input.events.iter().filter(|event| self.shift_tap.feed(event)).count());
-        self.hear(None, &events);
-        let bindings = self.presets.get(self.ui.preset);
-        if let Some(action) = bindings.and_then(|b| b.action(Trigger::ShiftTap))
-            && viewport.keyboard
-        {
-            (0..shift_taps).for_each(|_| self.act(action));
+        let events = ctx.input(|input| device_events(input, &area));
+        let taps = ctx.input(|input| self.controls.hear_shift_taps(&input.events));
+        for event in self.controls.hear(None, &events) {
+            self.answer_event(&event);
         }
-        if self.mapper.captures_pointer() && !viewport.captured {
+        if area.keyboard {
+            taps.into_iter().for_each(|action| self.act(action));
+        }
+        if self.controls.is_dragging() && !area.captured {
             // A press on the picture takes the keyboard from the fields beside it.
             ctx.memory_mut(|memory| {
                 if let Some(id) = memory.focused() {
@@ -381,84 +319,19 @@ impl Workspace {
         }
     }
 
-    /// Does what the events of a window mean: of a panel's, or of the main one. Each window holds
-    /// keys of its own, so that one that loses the focus lets go of its own only.
-    fn hear(&mut self, panel: Option<Panel>, events: &[DeviceEvent]) {
-        let Some(bindings) = self.presets.get(self.ui.preset) else { return };
-        let mapper = match panel {
-            Some(panel) => self.panel_mappers.entry(panel).or_default(),
-            None => &mut self.mapper,
-        };
-        let mut actions = Vec::new();
-        for event in events {
-            mapper.feed(event, bindings, &mut actions);
-        }
-        for (i, event) in actions.iter().enumerate() {
-            // Of several moves without a button only the last is worth a look.
-            let overtaken = matches!(event, ActionEvent::Hover(_))
-                && matches!(actions.get(i + 1), Some(ActionEvent::Hover(_)));
-            if !overtaken {
-                self.answer(event);
-            }
-        }
-    }
-
-    pub(super) fn answer(&mut self, event: &ActionEvent) {
-        match *event {
-            ActionEvent::Tap(action) => self.act(action),
-            ActionEvent::Begin { action, at } => {
-                self.pointer = at.or(self.pointer);
-                self.begin(action, at);
-            }
-            ActionEvent::Drag { action, at, by } => {
-                self.pointer = Some(at);
-                self.drag(action, at, by);
-            }
-            ActionEvent::End(action) => self.end(action),
-            ActionEvent::Hover(at) => {
-                self.pointer = Some(at);
-                self.hover(at);
-            }
-            ActionEvent::Wheel { action, notches, at } => self.wheel(action, notches, at),
-            ActionEvent::Left => self.pointer = None,
-        }
-    }
-
-    /// What the overlay is drawn from.
-    pub(super) fn scene(&self) -> OverlayScene<'_> {
-        let sight = self.sight();
-        let document = self.session.document();
-        let target = self.pointer.and_then(|at| self.target(at));
-        let middle = document.grid().dims().as_vec3() * 0.5;
-        OverlayScene {
-            hand: &self.ui.hand,
-            document,
-            view: &self.ui.view,
-            theme: self.ui.theme,
-            orientation: self.ui.orientation,
-            seen: self.seen.as_deref(),
-            pointer: self.pointer,
-            depth: sight.depth(target.unwrap_or(middle)),
-        }
-    }
-
-    pub(super) fn leave(&mut self) {
-        self.leaving = true;
-    }
-
     fn cursor(&self, root: &Ui) -> CursorIcon {
-        if self.mapper.captures_pointer() {
-            return if self.stroke.is_some() {
-                CursorIcon::Crosshair
-            } else {
-                CursorIcon::Grabbing
+        if self.controls.is_dragging() {
+            return match self.editor.is_stroking() {
+                true => CursorIcon::Crosshair,
+                false => CursorIcon::Grabbing,
             };
         }
         let at = root.input(|input| input.pointer.hover_pos()).map(|at| {
-            let at = (at - self.picture.min) * root.pixels_per_point();
+            let at = (at - self.display.picture.min) * root.pixels_per_point();
             Vec2::new(at.x, at.y)
         });
-        match at.and_then(|at| self.target(at)) {
+        let grid = self.editor.document().grid();
+        match at.and_then(|at| self.picker().target(grid, at)) {
             Some(_) => CursorIcon::Crosshair,
             None => CursorIcon::Grab,
         }

@@ -3,13 +3,12 @@
 
 use egui::{Response, RichText, Ui, WidgetText};
 
-use super::{UiContext, UiRequest, UiState};
+use super::{UiContext, UiRequest};
 use crate::input::Action;
 
 /// A button for `action`. Adds the action to `requests` when clicked.
 pub fn action_button(
     ui: &mut Ui,
-    state: &UiState,
     context: &UiContext,
     label: impl Into<WidgetText>,
     action: Action,
@@ -17,7 +16,7 @@ pub fn action_button(
     requests: &mut Vec<UiRequest>,
 ) -> Response {
     let button = egui::Button::new(label.into());
-    let response = explain(ui.add_enabled(enabled, button), state, context, action);
+    let response = explain(ui.add_enabled(enabled, button), context, action);
     if response.clicked() {
         requests.push(UiRequest::Do(action));
     }
@@ -25,15 +24,10 @@ pub fn action_button(
 }
 
 /// Gives a widget the tooltip of an action.
-pub fn explain(
-    response: Response,
-    state: &UiState,
-    context: &UiContext,
-    action: Action,
-) -> Response {
+pub fn explain(response: Response, context: &UiContext, action: Action) -> Response {
     let tip = |ui: &mut Ui| {
         ui.label(action.help().text);
-        if let Some(keys) = context.shortcut(state, action) {
+        if let Some(keys) = context.shortcut(action) {
             ui.label(RichText::new(keys).weak());
         }
     };

@@ -6,10 +6,12 @@ use std::path::{Path, PathBuf};
 use egui::{ComboBox, DragValue, RichText, TextEdit, Ui};
 use egui_file_dialog::{DialogState, FileDialog};
 
-use super::state::{Next, folder_of};
+use super::state::folder_of;
 use super::top_bar::capital;
 use super::{UiRequest, UiState, theme};
 use crate::command::Command;
+use crate::editor::questions::Next;
+use crate::editor::tool::ToolEdit;
 use crate::format::options::{Colouring, Existence, ExportForm, ImportOptions, RawLayout};
 
 /// The endings of the program's own files, and of what other programs read best.
@@ -142,7 +144,7 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
     });
     let Some(path) = dialog.take_picked() else { return };
     match task {
-        FileTask::Picture => state.hand.picture = Some(path),
+        FileTask::Picture => requests.push(UiRequest::Tool(ToolEdit::Picture(Some(path)))),
         FileTask::Open => {
             requests.push(UiRequest::Run(Command::Open { path, import: choice.import }));
         }

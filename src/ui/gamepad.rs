@@ -2,7 +2,8 @@
 
 use egui::Ui;
 
-use super::{PadStatus, UiRequest, UiState};
+use super::{UiRequest, UiState};
+use crate::controls::pads::PadStatus;
 use crate::input::Action;
 use crate::input::pad::PadMode;
 

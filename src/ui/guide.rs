@@ -256,11 +256,7 @@ fn current(
 ) {
     let step = &STEPS[at];
     ui.label(RichText::new(format!("{}. {}", at + 1, step.title)).strong());
-    ui.label(if context.in_headset {
-        step.by_hand.to_string()
-    } else {
-        with_keys(step, context, state)
-    });
+    ui.label(if context.in_headset { step.by_hand.to_string() } else { with_keys(step, context) });
     if let Some(marker) = step.marker {
         let marker = marker(context.document);
         let (from, size) = (marker.min, marker.size());
@@ -283,13 +279,13 @@ fn current(
 }
 
 /// The text of a step with the keys of the table in use.
-fn with_keys(step: &Step, context: &UiContext, state: &UiState) -> String {
+fn with_keys(step: &Step, context: &UiContext) -> String {
     let mut text = String::new();
     let mut actions = step.actions.iter();
     for (i, part) in step.text.split("{}").enumerate() {
         if i > 0 {
             let keys = actions.next().and_then(|action| {
-                context.bindings(state).and_then(|bindings| bindings.shortcut(*action))
+                context.bindings().and_then(|bindings| bindings.shortcut(*action))
             });
             text.push_str(keys.as_deref().unwrap_or("no key"));
         }

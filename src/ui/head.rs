@@ -2,97 +2,43 @@
 //! status line, and the window that leads through the calibration by four touches.
 
 use egui::{Align2, Key, RichText, Ui, Window, vec2};
-use tracking::Presence;
 
 use super::buttons::{action_button, explain};
-use super::{UiContext, UiRequest, UiState};
+use super::{UiContext, UiRequest};
 use crate::input::Action;
+use crate::viewpoint::head::{CalibrationStep, HeadStatus};
 
-/// What the interface reads of the head.
-#[derive(Clone, PartialEq, Debug)]
-pub struct HeadStatus {
-    /// The view follows it.
-    pub on: bool,
-    pub source: String,
-    /// Why no poses can come, if none can.
-    pub state: Option<String>,
-    pub presence: Presence,
-    /// Between the eyes, on the screen's axes.
-    pub position_m: [f64; 3],
-    pub rate_hz: f64,
-    pub losses: u32,
-    /// Messages that were broken or came too late to be read.
-    pub dropped: u64,
-    /// Width and height of the screen, and whether they are a guess.
-    pub screen_m: [f32; 2],
-    pub guessed: bool,
-    /// While the tracker is being calibrated.
-    pub calibration: Option<CalibrationStatus>,
-}
-
-/// How far the calibration has come.
-#[derive(Clone, PartialEq, Debug)]
-pub struct CalibrationStatus {
-    /// Corners touched.
-    pub taken: usize,
-    /// How well the touches fit, once all were taken.
-    pub rms_mm: Option<f64>,
-    pub problem: Option<String>,
-}
-
-/// What the window of the calibration asks for.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum CalibrationStep {
-    /// The corner at hand is being touched.
-    Take,
-    Again,
-    Keep,
-    Cancel,
-}
-
-impl HeadStatus {
-    /// In a word.
-    pub fn label(&self) -> &'static str {
-        match self.presence {
-            Presence::Tracked => "Head tracked",
-            Presence::Returning => "Head found",
-            Presence::Leaving => "Head lost",
-            Presence::Absent => "No head",
-        }
-    }
-
-    fn details(&self) -> String {
-        let [x, y, z] = self.position_m.map(|v| v * 100.0);
-        let [width, height] = self.screen_m.map(|v| v * 100.0);
-        let guess = if self.guessed { " (estimated)" } else { "" };
-        let state = self.state.as_deref().unwrap_or("connected");
-        format!(
-            "{}: {state}\n{:.0} poses per second, lost {} times, {} messages dropped\n\
+fn details(head: &HeadStatus) -> String {
+    let [x, y, z] = head.position_m.map(|v| v * 100.0);
+    let [width, height] = head.screen_m.map(|v| v * 100.0);
+    let guess = if head.guessed { " (estimated)" } else { "" };
+    let state = head.state.as_deref().unwrap_or("connected");
+    format!(
+        "{}: {state}\n{:.0} poses per second, lost {} times, {} messages dropped\n\
              Head {x:.0} cm right, {y:.0} up, {z:.0} in front of the {width:.0} × {height:.0} cm screen\
              {guess}",
-            self.source, self.rate_hz, self.losses, self.dropped
-        )
-    }
+        head.source, head.rate_hz, head.losses, head.dropped
+    )
 }
 
 /// Its part of the options.
-pub fn options(ui: &mut Ui, state: &UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
+pub fn options(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let mut on = context.head.on;
     let follow = ui.checkbox(&mut on, "Head tracking");
-    if explain(follow, state, context, Action::ToggleHead).changed() {
+    if explain(follow, context, Action::ToggleHead).changed() {
         requests.push(UiRequest::Do(Action::ToggleHead));
     }
     if context.head.on {
-        ui.label(context.head.details());
+        ui.label(details(&context.head));
     }
-    action_button(ui, state, context, "Calibrate …", Action::CalibrateHead, true, requests);
+    action_button(ui, context, "Calibrate …", Action::CalibrateHead, true, requests);
 }
 
 /// Its part of the status line.
 pub fn status(ui: &mut Ui, context: &UiContext) {
     if context.head.on {
         ui.separator();
-        ui.strong(context.head.label()).on_hover_text(context.head.details());
+        ui.strong(context.head.label()).on_hover_text(details(&context.head));
     }
 }
 

@@ -52,7 +52,7 @@ impl Catch {
 /// Hears what is pressed, if a trigger is awaited, and keeps it from all widgets. To be called
 /// before any of them is shown.
 pub fn listen(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
-    let Some(bindings) = context.bindings(state) else { return };
+    let Some(bindings) = context.bindings() else { return };
     let pressed = state.keys.pressed.take().map(Heard::Trigger);
     let Some(catch) = &mut state.keys.catch else { return };
     if !matches!(catch.step, Step::Listen(..)) {

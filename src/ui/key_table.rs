@@ -49,7 +49,7 @@ impl KeyTable {
 }
 
 pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
-    let preset = state.preset;
+    let preset = context.preset;
     let (Some(bindings), Some(pristine)) =
         (context.presets.get(preset), context.pristine.get(preset))
     else {
@@ -85,9 +85,12 @@ fn head(
 ) {
     ui.horizontal(|ui| {
         let name = |i: usize| context.presets.get(i).map_or(String::new(), |p| capital(&p.name));
-        ComboBox::from_id_salt("preset").selected_text(name(state.preset)).show_ui(ui, |ui| {
+        ComboBox::from_id_salt("preset").selected_text(name(context.preset)).show_ui(ui, |ui| {
             for (i, preset) in context.presets.iter().enumerate() {
-                ui.selectable_value(&mut state.preset, i, name(i)).on_hover_text(&preset.text);
+                let label = ui.selectable_label(i == context.preset, name(i));
+                if label.on_hover_text(&preset.text).clicked() && i != context.preset {
+                    requests.push(UiRequest::UsePreset(i));
+                }
             }
         });
         let field = TextEdit::singleline(&mut state.keys.filter)
@@ -97,7 +100,7 @@ fn head(
         response.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, "Filter"));
         ui.add_enabled_ui(changed, |ui| {
             ui.menu_button("Reset all", |ui| {
-                let text = format!("Discard all changes to {}", name(state.preset));
+                let text = format!("Discard all changes to {}", name(context.preset));
                 if ui.button(text).clicked() {
                     requests.push(UiRequest::Keys(KeyChange::ResetAll));
                 }

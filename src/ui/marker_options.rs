@@ -5,7 +5,7 @@ use glam::IVec3;
 
 use super::buttons::{action_button, explain};
 use super::status::grouped;
-use super::{UiContext, UiRequest, UiState};
+use super::{UiContext, UiRequest};
 use crate::command::Command;
 use crate::input::{Action, Axis};
 use crate::sculpture::orientation::Orientation;
@@ -13,11 +13,10 @@ use crate::sculpture::region::VoxelBox;
 
 const AXES: [&str; 3] = ["X", "Y", "Z"];
 
-pub fn show(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
+pub fn show(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     bounds(ui, context, requests);
     buttons(
         ui,
-        state,
         context,
         requests,
         &[
@@ -28,10 +27,10 @@ pub fn show(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mu
         ],
     );
     heading(ui, "Selection");
-    selection(ui, state, context, requests);
+    selection(ui, context, requests);
     heading(ui, "Contents");
-    contents(ui, state, context, requests);
-    copy(ui, state, context, requests);
+    contents(ui, context, requests);
+    copy(ui, context, requests);
 }
 
 fn heading(ui: &mut Ui, text: &str) {
@@ -41,14 +40,13 @@ fn heading(ui: &mut Ui, text: &str) {
 
 fn buttons(
     ui: &mut Ui,
-    state: &UiState,
     context: &UiContext,
     requests: &mut Vec<UiRequest>,
     entries: &[(&str, Action)],
 ) {
     ui.horizontal_wrapped(|ui| {
         for (label, action) in entries {
-            action_button(ui, state, context, *label, *action, true, requests);
+            action_button(ui, context, *label, *action, true, requests);
         }
     });
 }
@@ -81,12 +79,11 @@ fn bounds(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     }
 }
 
-fn selection(ui: &mut Ui, state: &UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
+fn selection(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let selection = context.document.selection();
     let boxes = selection.boxes();
     buttons(
         ui,
-        state,
         context,
         requests,
         &[("Add", Action::SelectMarker), ("Subtract", Action::DeselectMarker)],
@@ -98,7 +95,7 @@ fn selection(ui: &mut Ui, state: &UiState, context: &UiContext, requests: &mut V
             ui.monospace(format!("{sign} {}×{}×{}", size.x, size.y, size.z))
                 .on_hover_text(format!("from {} {} {}", at.x, at.y, at.z));
             if i + 1 == boxes.len() {
-                action_button(ui, state, context, "Remove", Action::DropBox, true, requests);
+                action_button(ui, context, "Remove", Action::DropBox, true, requests);
             }
         });
     }
@@ -108,18 +105,18 @@ fn selection(ui: &mut Ui, state: &UiState, context: &UiContext, requests: &mut V
     if boxes.is_empty() {
         ui.weak("Nothing selected");
     } else {
-        buttons(ui, state, context, requests, &[("Deselect all", Action::ClearSelection)]);
+        buttons(ui, context, requests, &[("Deselect all", Action::ClearSelection)]);
     }
     let mut limits = selection.limits();
     let limit = ui.checkbox(&mut limits, "Limit tools to selection");
-    if explain(limit, state, context, Action::ToggleLimit).changed() {
+    if explain(limit, context, Action::ToggleLimit).changed() {
         requests.push(UiRequest::Do(Action::ToggleLimit));
     }
 }
 
 /// What is done to the voxels in the marker where they are.
-fn contents(ui: &mut Ui, state: &UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
-    buttons(ui, state, context, requests, &[("Copy", Action::Copy), ("Cut", Action::Cut)]);
+fn contents(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
+    buttons(ui, context, requests, &[("Copy", Action::Copy), ("Cut", Action::Cut)]);
     type Make = fn(usize) -> Orientation;
     let rows: [(&str, &str, Make); 2] = [
         ("Rotate", "Rotate the marker's contents 90° about", Orientation::quarter_turn),
@@ -136,27 +133,27 @@ fn contents(ui: &mut Ui, state: &UiState, context: &UiContext, requests: &mut Ve
             }
         });
     }
-    let keys = context.shortcut(state, Action::MoveContents(crate::input::Step::Left));
+    let keys = context.shortcut(Action::MoveContents(crate::input::Step::Left));
     if let Some(keys) = keys {
         ui.weak(format!("{keys} etc. to move"));
     }
 }
 
 /// What has been copied, and how it will be put down.
-fn copy(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
+fn copy(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let Some(clip) = context.document.clip() else { return };
     heading(ui, "Clipboard");
-    let size = state.orientation.size(clip.size());
+    let size = context.tool.paste_orientation.size(clip.size());
     ui.label(format!("{} × {} × {}", size.x, size.y, size.z))
         .on_hover_text(format!("{} voxels", grouped(clip.voxel_count())));
-    buttons(ui, state, context, requests, &[("Paste", Action::Paste)]);
+    buttons(ui, context, requests, &[("Paste", Action::Paste)]);
     type Make = fn(Axis) -> Action;
     let rows: [(&str, Make); 2] = [("Rotate", Action::TurnClip), ("Mirror", Action::MirrorClip)];
     for (title, action) in rows {
         ui.horizontal(|ui| {
             ui.label(title);
             for (axis, name) in Axis::ALL.into_iter().zip(AXES) {
-                action_button(ui, state, context, name, action(axis), true, requests);
+                action_button(ui, context, name, action(axis), true, requests);
             }
         });
     }

@@ -11,10 +11,11 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::recent::Recent;
-use super::sprays::SprayOptions;
 use super::state::PanelPlace;
-use super::{Hand, SCALE_RANGE, Theme, Tool, UiState, WindowOptions};
+use super::{SCALE_RANGE, Theme, UiState, WindowOptions};
 use crate::command::SpraySurface;
+use crate::editor::sprays::SprayOptions;
+use crate::editor::tool::{ToolKind, ToolState};
 use crate::input::{Panel, ToolMode};
 use crate::sculpture::Rgb;
 use crate::tools::construct::Solid;
@@ -118,7 +119,7 @@ struct KeptSpray {
 }
 
 /// What is to be remembered.
-pub fn to_text(state: &UiState, window: &WindowOptions) -> String {
+pub fn to_text(state: &UiState, tool: &ToolState, window: &WindowOptions) -> String {
     let names = |panels: &mut dyn Iterator<Item = &Panel>| {
         panels.map(|panel| panel.title().to_string()).collect()
     };
@@ -134,11 +135,11 @@ pub fn to_text(state: &UiState, window: &WindowOptions) -> String {
         settings: Some(Looks::of(window)),
         sections: Some(state.sections.clone()),
         panels: Some(places.map(|(panel, place)| (panel.title().to_string(), *place)).collect()),
-        tool: Some(kept_tool(&state.hand)),
+        tool: Some(kept_tool(tool)),
         sprays: Some(
             SprayKind::ALL
                 .into_iter()
-                .map(|kind| (kind.name().to_string(), kept_spray(state.hand.sprays.of(kind))))
+                .map(|kind| (kind.name().to_string(), kept_spray(tool.sprays.of(kind))))
                 .collect(),
         ),
     };
@@ -152,7 +153,7 @@ pub fn to_text(state: &UiState, window: &WindowOptions) -> String {
 }
 
 /// Gives the interface what a text remembers.
-pub fn recall(text: &str, state: &mut UiState, window: &WindowOptions) {
+pub fn recall(text: &str, state: &mut UiState, tool: &mut ToolState, window: &WindowOptions) {
     let kept: Kept = match toml::from_str(text) {
         Ok(kept) => kept,
         Err(error) => {
@@ -187,51 +188,51 @@ pub fn recall(text: &str, state: &mut UiState, window: &WindowOptions) {
     let lines = kept.recent.iter().flatten().filter_map(toml::Value::as_str);
     state.recent = Recent::from_lines(lines);
     state.sections.extend(kept.sections.into_iter().flatten().take(64));
-    recall_tool(&kept.tool.unwrap_or_default(), &mut state.hand);
+    recall_tool(&kept.tool.unwrap_or_default(), tool);
     for kind in SprayKind::ALL {
         if let Some(spray) = kept.sprays.as_ref().and_then(|sprays| sprays.get(kind.name())) {
-            recall_spray(spray, state.hand.sprays.of_mut(kind));
+            recall_spray(spray, tool.sprays.of_mut(kind));
         }
     }
 }
 
-fn kept_tool(hand: &Hand) -> KeptTool {
-    let kind = match hand.tool {
-        Tool::Solid => SOLID,
-        Tool::Marker => MARKER,
-        Tool::Spray(kind) => kind.name(),
+fn kept_tool(tool: &ToolState) -> KeptTool {
+    let kind = match tool.kind {
+        ToolKind::Solid => SOLID,
+        ToolKind::Marker => MARKER,
+        ToolKind::Spray(kind) => kind.name(),
     };
     KeptTool {
         kind: Some(kind.to_string()),
-        solid: Some(hand.solid.name().to_string()),
-        mode: Some(mode_name(hand.mode).to_string()),
-        follow: Some(hand.follow),
-        snap: Some(hand.snap),
-        stand: Some(hand.stand),
-        lean: Some(hand.lean),
-        colour: Some(hand.colour.to_string()),
-        used_colours: Some(hand.recent().iter().map(Rgb::to_string).collect()),
+        solid: Some(tool.solid.name().to_string()),
+        mode: Some(mode_name(tool.mode).to_string()),
+        follow: Some(tool.follow),
+        snap: Some(tool.snap),
+        stand: Some(tool.stand),
+        lean: Some(tool.lean),
+        colour: Some(tool.colour.to_string()),
+        used_colours: Some(tool.recent().iter().map(Rgb::to_string).collect()),
     }
 }
 
-fn recall_tool(kept: &KeptTool, hand: &mut Hand) {
+fn recall_tool(kept: &KeptTool, tool: &mut ToolState) {
     let spray = |name: &str| SprayKind::ALL.into_iter().find(|kind| kind.name() == name);
     match kept.kind.as_deref() {
-        Some(SOLID) => hand.tool = Tool::Solid,
-        Some(MARKER) => hand.tool = Tool::Marker,
-        other => hand.tool = other.and_then(spray).map_or(hand.tool, Tool::Spray),
+        Some(SOLID) => tool.kind = ToolKind::Solid,
+        Some(MARKER) => tool.kind = ToolKind::Marker,
+        other => tool.kind = other.and_then(spray).map_or(tool.kind, ToolKind::Spray),
     }
     let solid = |name: &str| Solid::ALL.into_iter().find(|solid| solid.name() == name);
-    hand.solid = kept.solid.as_deref().and_then(solid).unwrap_or(hand.solid);
+    tool.solid = kept.solid.as_deref().and_then(solid).unwrap_or(tool.solid);
     let mode = |name: &str| ToolMode::ALL.into_iter().find(|mode| mode_name(*mode) == name);
-    hand.mode = kept.mode.as_deref().and_then(mode).unwrap_or(hand.mode);
-    hand.follow = kept.follow.unwrap_or(hand.follow);
-    hand.snap = kept.snap.unwrap_or(hand.snap);
-    hand.stand = kept.stand.unwrap_or(hand.stand);
-    hand.lean = kept.lean.unwrap_or(hand.lean);
+    tool.mode = kept.mode.as_deref().and_then(mode).unwrap_or(tool.mode);
+    tool.follow = kept.follow.unwrap_or(tool.follow);
+    tool.snap = kept.snap.unwrap_or(tool.snap);
+    tool.stand = kept.stand.unwrap_or(tool.stand);
+    tool.lean = kept.lean.unwrap_or(tool.lean);
     let colour = |text: &String| text.parse().ok();
-    hand.colour = kept.colour.as_ref().and_then(colour).unwrap_or(hand.colour);
-    hand.set_recent(kept.used_colours.iter().flatten().filter_map(colour));
+    tool.colour = kept.colour.as_ref().and_then(colour).unwrap_or(tool.colour);
+    tool.set_recent(kept.used_colours.iter().flatten().filter_map(colour));
 }
 
 const SOLID: &str = "solid";

@@ -6,12 +6,12 @@ use proptest::prelude::*;
 use super::*;
 use crate::config::Config;
 
-fn state() -> UiState {
-    UiState::new(&Config::default().ui_options(), UVec3::splat(64))
+fn state() -> (UiState, ToolState) {
+    (UiState::new(&Config::default().ui_options()), ToolState::new(UVec3::splat(64)))
 }
 
-fn changed() -> UiState {
-    let mut state = state();
+fn changed() -> (UiState, ToolState) {
+    let (mut state, mut tool) = state();
     state.theme = Theme::Light;
     state.scale.set(1.3);
     state.windows.main = Some([1111, 777]);
@@ -22,33 +22,33 @@ fn changed() -> UiState {
     state.sections.insert("Light".to_string(), true);
     state.files.set_folder(PathBuf::from("/a folder/\"of\" mine"));
     state.recent.note(&"open \"/a/ä b.vsc\"".parse().unwrap());
-    state.hand.tool = Tool::Spray(SprayKind::Clay);
-    state.hand.solid = Solid::Pyramid;
-    state.hand.mode = ToolMode::Recolour;
-    state.hand.stand = true;
-    state.hand.follow = false;
-    state.hand.colour = Rgb::new(1, 2, 3);
-    state.hand.used_colour();
-    let clay = state.hand.sprays.of_mut(SprayKind::Clay);
+    tool.kind = ToolKind::Spray(SprayKind::Clay);
+    tool.solid = Solid::Pyramid;
+    tool.mode = ToolMode::Recolour;
+    tool.stand = true;
+    tool.follow = false;
+    tool.colour = Rgb::new(1, 2, 3);
+    tool.used_colour();
+    let clay = tool.sprays.of_mut(SprayKind::Clay);
     (clay.radius_px, clay.outline, clay.reach_vx) = (33.3, Outline::Square, 7.5);
-    state
+    (state, tool)
 }
 
 #[test]
 fn what_was_chosen_is_found_again() {
     let config = Config::default();
-    let before = changed();
-    let text = to_text(&before, &config.window);
-    let mut after = state();
-    recall(&text, &mut after, &config.window);
+    let (before, tool_before) = changed();
+    let text = to_text(&before, &tool_before, &config.window);
+    let (mut after, mut tool) = state();
+    recall(&text, &mut after, &mut tool, &config.window);
     assert_eq!(after.theme, Theme::Light);
     assert_eq!(after.scale.factor(), 1.3);
     assert_eq!(after.windows, before.windows);
     assert_eq!((&after.detached, &after.sections), (&before.detached, &before.sections));
     assert_eq!(after.files.folder(), before.files.folder());
     assert_eq!(after.recent, before.recent);
-    assert_eq!(after.hand, before.hand);
-    assert_eq!(to_text(&after, &config.window), text);
+    assert_eq!(tool, tool_before);
+    assert_eq!(to_text(&after, &tool, &config.window), text);
     // The scale of the settings is still what "as in the settings" means.
     after.scale.reset();
     assert_eq!(after.scale.factor(), 1.0);
@@ -56,16 +56,17 @@ fn what_was_chosen_is_found_again() {
 
 #[test]
 fn a_setting_that_was_changed_since_wins() {
-    let text = to_text(&changed(), &WindowOptions::default());
+    let (state, mut tool) = changed();
+    let text = to_text(&state, &tool, &WindowOptions::default());
     let mut config = Config::default();
     config.window.scale = 2.0;
-    let mut after = UiState::new(&config.ui_options(), UVec3::splat(64));
-    recall(&text, &mut after, &config.window);
+    let mut after = UiState::new(&config.ui_options());
+    recall(&text, &mut after, &mut tool, &config.window);
     assert_eq!((after.theme, after.scale.factor()), (Theme::Light, 2.0));
     assert_eq!(after.windows.main, Some([1111, 777]));
     config.window.size = [800, 600];
-    let mut after = UiState::new(&config.ui_options(), UVec3::splat(64));
-    recall(&text, &mut after, &config.window);
+    let mut after = UiState::new(&config.ui_options());
+    recall(&text, &mut after, &mut tool, &config.window);
     assert_eq!((after.windows.main, after.windows.maximised), (None, false));
 }
 
@@ -73,24 +74,26 @@ fn a_setting_that_was_changed_since_wins() {
 fn what_is_damaged_is_left_out_and_the_rest_is_used() {
     let config = Config::default();
     for text in ["", "theme", "= = =", "\u{0}", "[[recent]]\n", "[tool]\nkind = [1]\n"] {
-        let mut after = state();
-        recall(text, &mut after, &config.window);
-        assert_eq!(to_text(&after, &config.window), to_text(&state(), &config.window), "{text}");
+        let (mut after, mut tool) = state();
+        recall(text, &mut after, &mut tool, &config.window);
+        let (fresh, fresh_tool) = state();
+        let usual = to_text(&fresh, &fresh_tool, &config.window);
+        assert_eq!(to_text(&after, &tool, &config.window), usual, "{text}");
     }
     let text = "theme = 7\nscale = nan\nwindow = [0, 99999999]\ntorn = [\"Options\", \"Stove\"]\n\
                 recent = [1, \"clear\", \"open \\\"/x\\\"\"]\nolder = true\n\
                 [tool]\nkind = \"hammer\"\nsolid = \"cuboid\"\nmode = 3\ncolour = \"red\"\n\
                 used_colours = [\"#010203\", \"x\"]\n[sprays.clay]\nradius_px = -inf\n\
                 reach_vx = 5\nthreshold = -1\n[panels.Options]\nsize_px = [1, 1]\n";
-    let mut after = state();
-    recall(text, &mut after, &config.window);
+    let (mut after, mut tool) = state();
+    recall(text, &mut after, &mut tool, &config.window);
     assert_eq!((after.theme, after.scale.factor()), (Theme::Dark, 1.0));
-    assert_eq!(after.windows, state().windows);
+    assert_eq!(after.windows, state().0.windows);
     assert_eq!(after.detached.iter().collect::<Vec<_>>(), [&Panel::Options]);
     assert_eq!(after.recent.paths().count(), 1);
-    assert_eq!((after.hand.tool, after.hand.solid), (Tool::Solid, Solid::Cuboid));
-    assert_eq!(after.hand.recent(), [Rgb::new(1, 2, 3)]);
-    let clay = after.hand.sprays.of(SprayKind::Clay);
+    assert_eq!((tool.kind, tool.solid), (ToolKind::Solid, Solid::Cuboid));
+    assert_eq!(tool.recent(), [Rgb::new(1, 2, 3)]);
+    let clay = tool.sprays.of(SprayKind::Clay);
     let usual = SprayOptions::of(SprayKind::Clay);
     assert_eq!((clay.radius_px, clay.threshold), (usual.radius_px, usual.threshold));
     assert_eq!(clay.reach_vx, 5.0);
@@ -101,16 +104,17 @@ proptest! {
     #[test]
     fn any_damage_is_survived(at in 0usize..2000, with in "\\PC{0,6}", gone in 0usize..400) {
         let config = Config::default();
-        let mut text = to_text(&changed(), &config.window);
+        let (changed, changed_tool) = changed();
+        let mut text = to_text(&changed, &changed_tool, &config.window);
         let floor = |at: usize, text: &str| (0..=at.min(text.len())).rev().find(|at| text.is_char_boundary(*at)).unwrap_or(0);
         let (from, to) = (floor(at, &text), floor(at + gone, &text));
         text.replace_range(from..to, &with);
-        let mut after = state();
-        recall(&text, &mut after, &config.window);
+        let (mut after, mut tool) = state();
+        recall(&text, &mut after, &mut tool, &config.window);
         prop_assert!(SCALE_RANGE.contains(&after.scale.factor()));
         prop_assert!(after.windows.main.is_none_or(|size| is_side(&size)));
         for kind in SprayKind::ALL {
-            let options = after.hand.sprays.of(kind);
+            let options = tool.sprays.of(kind);
             prop_assert!((1.0..=MAX_FOOTPRINT).contains(&options.radius_px));
             prop_assert!((0.0..=MAX_REACH_VX).contains(&options.reach_vx));
         }

@@ -11,7 +11,6 @@ pub mod files;
 pub mod filter;
 pub mod gamepad;
 pub mod guide;
-pub mod hand;
 pub mod head;
 pub mod history;
 pub mod icons;
@@ -27,7 +26,6 @@ pub mod palette;
 pub mod panels;
 pub mod recent;
 pub mod spray_options;
-pub mod sprays;
 pub mod state;
 pub mod status;
 pub mod stereo_options;
@@ -46,11 +44,14 @@ use std::path::Path;
 
 use egui::{CentralPanel, Frame, Response, Sense, Ui};
 
+use crate::controls::pads::PadStatus;
 use crate::document::Document;
-use crate::input::pad::PadMode;
+use crate::editor::tool::ToolState;
 use crate::input::{Action, Bindings};
+use crate::viewpoint::ar::ArStatus;
+use crate::viewpoint::camera::VideoStatus;
+use crate::viewpoint::head::HeadStatus;
 
-pub use hand::{Hand, Tool};
 pub use state::{UiOptions, UiRequest, UiState, ViewState};
 pub use window_options::{SCALE_RANGE, Theme, WindowOptions};
 
@@ -70,10 +71,13 @@ pub struct UiContext<'a> {
     pub path: Option<&'a Path>,
     /// Something would be lost by leaving now.
     pub modified: bool,
+    pub tool: &'a ToolState,
     /// The tables of bindings to choose from.
     pub presets: &'a [Bindings],
     /// The same as the program brings them along.
     pub pristine: &'a [Bindings],
+    /// Index of the table in use.
+    pub preset: usize,
     pub times: FrameTimes,
     /// These are the panels on a hand in a headset, where nobody reaches keyboard and mouse.
     pub in_headset: bool,
@@ -85,29 +89,20 @@ pub struct UiContext<'a> {
     pub pointed_vx: Option<glam::UVec3>,
     /// The gamepad that leads, if there is one.
     pub pad: Option<PadStatus<'a>>,
-    pub head: head::HeadStatus,
-    pub ar: ar::ArStatus,
-    pub video: video::VideoStatus,
-}
-
-/// What the interface reads of a gamepad.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct PadStatus<'a> {
-    pub name: &'a str,
-    pub mode: PadMode,
-    /// Whether it has motors.
-    pub rumbles: bool,
+    pub head: HeadStatus,
+    pub ar: ArStatus,
+    pub video: VideoStatus,
 }
 
 impl UiContext<'_> {
     /// The bindings in use.
-    fn bindings(&self, state: &UiState) -> Option<&Bindings> {
-        self.presets.get(state.preset)
+    fn bindings(&self) -> Option<&Bindings> {
+        self.presets.get(self.preset)
     }
 
     /// The first key or button for an action, as a person reads it; none in a headset.
-    fn shortcut(&self, state: &UiState, action: Action) -> Option<String> {
-        self.bindings(state).filter(|_| !self.in_headset).and_then(|b| b.shortcut(action))
+    fn shortcut(&self, action: Action) -> Option<String> {
+        self.bindings().filter(|_| !self.in_headset).and_then(|b| b.shortcut(action))
     }
 }
 
@@ -122,7 +117,7 @@ pub fn show(
     theme::apply(root.ctx(), state.theme, state.scale);
     key_catch::listen(root, state, context, requests);
     top_bar::show(root, state, context, requests);
-    status::show(root, state, context);
+    status::show(root, context);
     toolbox::show(root, state, context, requests);
     options::show(root, state, context, requests);
     let picture = CentralPanel::default()

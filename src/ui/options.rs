@@ -10,6 +10,7 @@ use super::{
 };
 use crate::command::Command;
 use crate::document::MAX_ARRAY;
+use crate::editor::tool::ToolEdit;
 use crate::input::{Action, Axis, Panel};
 use crate::tools::symmetry::Parity;
 
@@ -71,23 +72,23 @@ pub fn content(
     requests: &mut Vec<UiRequest>,
 ) {
     section(ui, "Tool", true, state, |ui, state| tool_options::show(ui, state, context, requests));
-    section(ui, "Symmetry and array", false, state, |ui, state| {
-        symmetry(ui, state, context, requests);
-        repeat(ui, state, context, requests);
+    section(ui, "Symmetry and array", false, state, |ui, _| {
+        symmetry(ui, context, requests);
+        repeat(ui, context, requests);
     });
     section(ui, "View", false, state, |ui, state| view(ui, state, context, requests));
     if !context.in_headset {
         section(ui, "Head tracking and AR", false, state, |ui, state| {
-            head::options(ui, state, context, requests);
+            head::options(ui, context, requests);
             video::options(ui, state, context, requests);
-            ar::options(ui, state, context, requests);
+            ar::options(ui, context, requests);
         });
     }
     if let Some(pad) = context.pad.filter(|_| !context.in_headset) {
         section(ui, "Gamepad", true, state, |ui, state| gamepad::show(ui, state, pad, requests));
     }
     section(ui, "Light", false, state, |ui, state| {
-        action_button(ui, state, context, "Lights …", Action::Lights, true, requests);
+        action_button(ui, context, "Lights …", Action::Lights, true, requests);
         light::surface(ui, state);
     });
 }
@@ -112,14 +113,14 @@ fn section(
 }
 
 /// A mirror plane across each axis: none, between two voxels, or through one.
-fn symmetry(ui: &mut Ui, state: &UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
+fn symmetry(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let mut symmetry = context.document.symmetry();
     for (axis, name) in Axis::ALL.into_iter().zip(["X", "Y", "Z"]) {
         ui.horizontal(|ui| {
             let parity = &mut symmetry.axes[axis.index()];
             let mut on = parity.is_some();
             let mirror = ui.checkbox(&mut on, format!("Mirror {name}"));
-            if explain(mirror, state, context, Action::Mirror(axis)).changed() {
+            if explain(mirror, context, Action::Mirror(axis)).changed() {
                 *parity = on.then_some(Parity::Even);
             }
             if let Some(parity) = parity {
@@ -136,27 +137,32 @@ fn symmetry(ui: &mut Ui, state: &UiState, context: &UiContext, requests: &mut Ve
 }
 
 /// The last operation again and again.
-fn repeat(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
+fn repeat(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
+    let mut array = context.tool.array;
     ui.horizontal(|ui| {
         ui.label("Repeat");
-        ui.add(DragValue::new(&mut state.repeat.count).range(1..=MAX_ARRAY).suffix(" times"))
+        ui.add(DragValue::new(&mut array.count).range(1..=MAX_ARRAY).suffix(" times"))
             .on_hover_text("How many times to repeat the last operation");
         let can = context.document.can_repeat();
-        action_button(ui, state, context, "Apply", Action::Repeat, can, requests);
+        action_button(ui, context, "Apply", Action::Repeat, can, requests);
     });
     ui.horizontal(|ui| {
         ui.label("Offset");
         for (axis, name) in ["X", "Y", "Z"].into_iter().enumerate() {
-            let value = DragValue::new(&mut state.repeat.step[axis]).range(-4096..=4096);
+            let value = DragValue::new(&mut array.step[axis]).range(-4096..=4096);
             ui.add(value.prefix(format!("{name} ")).speed(0.5))
                 .on_hover_text("Distance in voxels from one copy to the next");
         }
     });
+    if array != context.tool.array {
+        // Before the button that uses it.
+        requests.insert(0, UiRequest::Tool(ToolEdit::Array(array)));
+    }
 }
 
 fn view(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
     ui.horizontal(|ui| {
-        action_button(ui, state, context, "Frame all", Action::ResetView, true, requests);
+        action_button(ui, context, "Frame all", Action::ResetView, true, requests);
         ui.label("Up axis");
         up_axis(ui, &mut state.view.up, requests);
     });
@@ -164,7 +170,7 @@ fn view(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Ve
         stereo_options::show(ui, state, context);
     }
     let bounds = ui.checkbox(&mut state.view.bounds, "Grid outline");
-    explain(bounds, state, context, Action::ToggleBounds);
+    explain(bounds, context, Action::ToggleBounds);
     ui.checkbox(&mut state.view.tool, "Tool");
     ui.checkbox(&mut state.view.line, "Line from centre to tool");
 }

@@ -105,7 +105,7 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
     if !state.palette.open {
         return;
     }
-    let bindings = context.bindings(state);
+    let bindings = context.bindings();
     let room = root.ctx().content_rect();
     let area = Modal::default_area(Id::new("palette")).anchor(Align2::CENTER_TOP, vec2(0.0, TOP));
     let palette = &mut state.palette;

@@ -30,7 +30,7 @@ pub fn show(
             let scroll = ScrollArea::vertical().auto_shrink(false);
             match panel {
                 Panel::Toolbox => {
-                    scroll.show(ui, |ui| toolbox::content(ui, state, context, requests));
+                    scroll.show(ui, |ui| toolbox::content(ui, context, requests));
                 }
                 Panel::Options => {
                     scroll.show(ui, |ui| options::content(ui, state, context, requests));
@@ -84,7 +84,7 @@ pub fn detach_button(
         ui.painter().rect_filled(place, visuals.corner_radius, visuals.weak_bg_fill);
     }
     icons::detach(ui.painter(), place.shrink(4.0), detached, visuals.text_color());
-    let response = explain(response, state, context, Action::Detach(panel));
+    let response = explain(response, context, Action::Detach(panel));
     if response.clicked() {
         requests.push(UiRequest::Do(Action::Detach(panel)));
     }

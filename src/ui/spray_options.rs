@@ -2,9 +2,9 @@
 
 use egui::{Slider, Ui};
 
-use super::sprays::SprayOptions;
 use super::top_bar::capital;
 use crate::command::SpraySurface;
+use crate::editor::sprays::SprayOptions;
 use crate::tools::spray::{MAX_FOOTPRINT, MAX_REACH_VX, Outline, SprayKind};
 
 /// Leaves room for a name before and a number with its unit behind.

@@ -1,14 +1,12 @@
-//! Owns what the interface remembers: the tool in hand, how the sculpture is shown, and which
-//! windows are open. None of it belongs to the sculpture.
+//! The state of the interface: how the sculpture is shown, and which windows are open. None of it
+//! belongs to the sculpture.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
-use glam::{IVec3, UVec3, Vec3};
+use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use super::hand::Hand;
-use super::head::CalibrationStep;
 use super::key_table::KeyTable;
 use super::new_dialog::NewDialog;
 use super::palette::Palette;
@@ -16,16 +14,18 @@ use super::recent::Recent;
 use super::toasts::Toasts;
 use super::{SCALE_RANGE, Theme, WindowOptions};
 use crate::command::{Command, NewSculpture};
+use crate::editor::job::Busy;
+use crate::editor::questions::{Next, Unkept};
+use crate::editor::tool::ToolEdit;
 use crate::input::hands::HandSide;
 use crate::input::pad::GamepadOptions;
 use crate::input::remap::KeyChange;
 use crate::input::{Action, Panel};
-use crate::progress::Stage;
 use crate::render::{Finish, LightOptions, RenderMode, RenderOptions, StereoOptions};
 use crate::screen::headset::{Blend, HeadsetOptions};
-use crate::sculpture::orientation::Orientation;
 use crate::shade::Lighting;
 use crate::video::VideoOptions;
+use crate::viewpoint::head::CalibrationStep;
 
 /// What a person asked for in the interface.
 #[derive(Clone, PartialEq, Debug)]
@@ -34,12 +34,16 @@ pub enum UiRequest {
     Do(Action),
     /// A command whose arguments were chosen in a window.
     Run(Command),
+    /// Change the tool.
+    Tool(ToolEdit),
     /// Stop the long work under way, where it can be stopped.
     StopWork,
     /// A step of the calibration of the tracker.
     Calibrate(CalibrationStep),
     /// Change the table of keys in use.
     Keys(KeyChange),
+    /// Use another table of keys, by its index.
+    UsePreset(usize),
     /// Do what would lose unsaved work, without asking again.
     Go(Next),
     /// Save, under a name that is asked for if there is none, then do that.
@@ -48,31 +52,6 @@ pub enum UiRequest {
     SaveThen(Command, Next),
     /// Carry out a command although it cannot be undone.
     Irreversibly(Command),
-}
-
-/// What would lose unsaved work.
-#[derive(Clone, PartialEq, Debug)]
-pub enum Next {
-    Leave,
-    /// `new` or `open`.
-    Run(Command),
-}
-
-/// A command that the history cannot keep, and why.
-#[derive(Clone, PartialEq, Debug)]
-pub struct Unkept {
-    pub command: Command,
-    pub why: String,
-}
-
-/// Long work, as the interface shows it.
-#[derive(Clone, PartialEq, Debug)]
-pub struct Busy {
-    /// Such as "Saving".
-    pub what: &'static str,
-    pub stage: Stage,
-    /// It takes long enough for a sign.
-    pub shown: bool,
 }
 
 /// How the sculpture is shown.
@@ -114,14 +93,6 @@ impl ViewState {
     pub fn lighting(&self) -> Lighting {
         self.finish.of(self.light.lighting())
     }
-}
-
-/// An array to be made of the last operation.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Repeat {
-    pub count: u32,
-    /// In voxels.
-    pub step: IVec3,
 }
 
 /// The size of text and buttons, on top of the display's own scale.
@@ -177,13 +148,8 @@ pub struct Windows {
 
 /// Everything that the interface remembers.
 pub struct UiState {
-    pub hand: Hand,
     pub view: ViewState,
     pub theme: Theme,
-    /// How what was copied will be put down.
-    pub orientation: Orientation,
-    /// How often and how far on the last operation is repeated.
-    pub repeat: Repeat,
     pub scale: Scale,
     /// The panels that are windows of their own.
     pub detached: BTreeSet<Panel>,
@@ -204,8 +170,6 @@ pub struct UiState {
     pub blend: Blend,
     /// How they can: nothing while there is no headset.
     pub blends: Vec<Blend>,
-    /// Index of the table of bindings in use.
-    pub preset: usize,
     pub guide: super::guide::Guide,
     /// The window of keys and mouse.
     pub help_open: bool,
@@ -243,10 +207,9 @@ pub struct UiOptions<'a> {
 }
 
 impl UiState {
-    /// The state at the start, for a grid of `dims` voxels.
-    pub fn new(options: &UiOptions, dims: UVec3) -> UiState {
+    /// The state at the start.
+    pub fn new(options: &UiOptions) -> UiState {
         UiState {
-            hand: Hand::new(dims),
             view: ViewState {
                 mode: options.render.mode.unwrap_or_default(),
                 mode_is_automatic: options.render.mode.is_none(),
@@ -260,8 +223,6 @@ impl UiState {
                 tool: true,
             },
             theme: options.window.theme,
-            orientation: Orientation::UPRIGHT,
-            repeat: Repeat { count: 3, step: IVec3::new(16, 0, 0) },
             scale: Scale::new(options.window.scale),
             detached: BTreeSet::new(),
             switch_fullscreen: false,
@@ -273,7 +234,6 @@ impl UiState {
             hand_side: options.headset.hand,
             blend: options.headset.blend,
             blends: Vec::new(),
-            preset: 0,
             guide: Default::default(),
             help_open: false,
             light_open: false,

@@ -4,10 +4,11 @@
 use egui::{Align, Frame, Layout, Margin, Panel, Ui};
 
 use super::buttons::explain;
-use super::{Tool, UiContext, UiState, ar, gamepad, head};
+use super::{UiContext, ar, gamepad, head};
+use crate::editor::tool::ToolKind;
 use crate::input::Action;
 
-pub fn show(root: &mut Ui, state: &UiState, context: &UiContext) {
+pub fn show(root: &mut Ui, context: &UiContext) {
     let frame = Frame::side_top_panel(root.style()).inner_margin(Margin::symmetric(8, 3));
     Panel::bottom("status").frame(frame).show(root, |ui| {
         ui.horizontal(|ui| {
@@ -20,8 +21,8 @@ pub fn show(root: &mut Ui, state: &UiState, context: &UiContext) {
                 "Saved"
             });
             ui.separator();
-            place(ui, state, context);
-            limit(ui, state, context);
+            place(ui, context);
+            limit(ui, context);
             if let Some(pad) = context.pad {
                 ui.separator();
                 ui.strong(pad.mode.label()).on_hover_text(gamepad::mode_hint(pad.mode));
@@ -34,17 +35,17 @@ pub fn show(root: &mut Ui, state: &UiState, context: &UiContext) {
 }
 
 /// Where the tool is; of a spray, what it points at.
-fn place(ui: &mut Ui, state: &UiState, context: &UiContext) {
+fn place(ui: &mut Ui, context: &UiContext) {
     let text = |what: &str, at: glam::Vec3| format!("{what} {:.0} {:.0} {:.0}", at.x, at.y, at.z);
-    let (shown, tip) = match state.hand.tool {
-        Tool::Solid => {
-            (text("Tool", state.hand.centre_vx), "Centre of the tool in voxels: x, y, z")
+    let (shown, tip) = match context.tool.kind {
+        ToolKind::Solid => {
+            (text("Tool", context.tool.centre_vx), "Centre of the tool in voxels: x, y, z")
         }
-        Tool::Marker => {
+        ToolKind::Marker => {
             let marker = context.document.selection().marker();
             (text("Marker", marker.min.as_vec3()), "Lower corner of the marker in voxels: x, y, z")
         }
-        Tool::Spray(_) => match context.pointed_vx {
+        ToolKind::Spray(_) => match context.pointed_vx {
             Some(at) => (text("Brush", at.as_vec3()), "Voxel under the pointer: x, y, z"),
             None => ("Brush".to_string(), "The pointer is not over the sculpture"),
         },
@@ -53,11 +54,11 @@ fn place(ui: &mut Ui, state: &UiState, context: &UiContext) {
 }
 
 /// A sign while tools cannot go everywhere.
-fn limit(ui: &mut Ui, state: &UiState, context: &UiContext) {
+fn limit(ui: &mut Ui, context: &UiContext) {
     if context.document.selection().limit().is_some() {
         ui.separator();
         let sign = ui.colored_label(ui.visuals().warn_fg_color, "Limited");
-        explain(sign, state, context, Action::ToggleLimit);
+        explain(sign, context, Action::ToggleLimit);
     }
 }
 

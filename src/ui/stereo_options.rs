@@ -41,7 +41,7 @@ pub fn show(ui: &mut Ui, state: &mut UiState, context: &UiContext) {
         );
     });
     let response = ui.checkbox(&mut state.view.stereo.swap_eyes, "Swap eyes");
-    explain(response, state, context, Action::SwapEyes);
+    explain(response, context, Action::SwapEyes);
 }
 
 /// The choice of the layout.
@@ -56,7 +56,7 @@ pub fn layouts(ui: &mut Ui, state: &mut UiState, context: &UiContext) {
             }
         })
         .response;
-    explain(response, state, context, Action::NextStereo);
+    explain(response, context, Action::NextStereo);
 }
 
 /// One of the choices.

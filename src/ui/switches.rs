@@ -48,7 +48,7 @@ pub fn bar(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut
     }
     for (name, on, action) in switches(state, context) {
         let response = ui.add(Button::selectable(on, name));
-        if explain(response, state, context, action).clicked() {
+        if explain(response, context, action).clicked() {
             requests.push(UiRequest::Do(action));
         }
     }
@@ -64,7 +64,7 @@ pub fn menu(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mu
     }
     for (name, mut on, action) in switches(state, context) {
         let response = ui.checkbox(&mut on, name);
-        if explain(response, state, context, action).changed() {
+        if explain(response, context, action).changed() {
             requests.push(UiRequest::Do(action));
         }
     }

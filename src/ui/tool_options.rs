@@ -6,10 +6,10 @@ use glam::Vec3;
 
 use super::buttons::{action_button, explain};
 use super::files::FileTask;
-use super::hand::HALF_RANGE;
 use super::toolbox::mode_name;
 use super::top_bar::capital;
-use super::{Hand, Tool, UiContext, UiRequest, UiState, history, marker_options, spray_options};
+use super::{UiContext, UiRequest, UiState, history, marker_options, spray_options};
+use crate::editor::tool::{HALF_RANGE, ToolEdit, ToolKind, ToolState};
 use crate::input::{Action, ToolMode};
 use crate::sculpture::{ColourDepth, Rgb};
 use crate::tools::spray::SprayKind;
@@ -34,99 +34,120 @@ const PALETTE: [Rgb; 14] = [
 ];
 
 pub fn show(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
-    match state.hand.tool {
-        Tool::Solid => {
-            let hand = &state.hand;
-            let mode = mode_name(hand.mode).to_lowercase();
-            ui.label(format!("{} — {mode}", capital(hand.solid.name())));
-            size(ui, state);
-            rotation(ui, state, context, requests);
-            colour(ui, state, context);
-            if state.hand.mode == ToolMode::Recolour {
-                picture(ui, state);
+    let tool = context.tool;
+    match tool.kind {
+        ToolKind::Solid => {
+            let mode = mode_name(tool.mode).to_lowercase();
+            ui.label(format!("{} — {mode}", capital(tool.solid.name())));
+            size(ui, tool, requests);
+            rotation(ui, context, requests);
+            colour(ui, context, requests);
+            if tool.mode == ToolMode::Recolour {
+                picture(ui, state, tool, requests);
             }
-            place(ui, state, context, requests);
+            place(ui, context, requests);
         }
-        Tool::Spray(kind) => {
+        ToolKind::Spray(kind) => {
             ui.label(match kind {
                 SprayKind::Devourer => "Devourer (carve)".to_string(),
                 kind => history::words(kind.name()),
             });
-            spray_options::show(ui, state.hand.sprays.of_mut(kind), kind);
+            let before = *tool.sprays.of(kind);
+            let mut options = before;
+            spray_options::show(ui, &mut options, kind);
+            if options != before {
+                requests.push(UiRequest::Tool(ToolEdit::Spray(kind, options)));
+            }
             if kind.gives_colour() {
-                colour(ui, state, context);
+                colour(ui, context, requests);
             }
         }
-        Tool::Marker => {
+        ToolKind::Marker => {
             ui.label("Marker");
-            marker_options::show(ui, state, context, requests);
-            colour(ui, state, context);
+            marker_options::show(ui, context, requests);
+            colour(ui, context, requests);
         }
     }
+}
+
+/// A switch of the tool that is `on`; asks for `edit` when it is flipped.
+fn switch(
+    ui: &mut Ui,
+    mut on: bool,
+    text: &str,
+    edit: fn(bool) -> ToolEdit,
+    requests: &mut Vec<UiRequest>,
+) -> egui::Response {
+    let response = ui.checkbox(&mut on, text);
+    if response.changed() {
+        requests.push(UiRequest::Tool(edit(on)));
+    }
+    response
 }
 
 /// Where the tool goes.
-fn place(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
+fn place(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     if !context.in_headset {
-        follow(ui, state, context);
+        follow(ui, context, requests);
     }
-    let snap = ui.checkbox(&mut state.hand.snap, "Snap to voxels");
-    explain(snap, state, context, Action::ToggleSnap);
-    action_button(ui, state, context, "Reset tool", Action::ResetTool, true, requests);
+    let snap = switch(ui, context.tool.snap, "Snap to voxels", ToolEdit::Snap, requests);
+    explain(snap, context, Action::ToggleSnap);
+    action_button(ui, context, "Reset tool", Action::ResetTool, true, requests);
 }
 
 /// How the tool follows a pointer; in a headset it is where the hand is.
-fn follow(ui: &mut Ui, state: &mut UiState, context: &UiContext) {
-    let follow = ui.checkbox(&mut state.hand.follow, "Follow the pointer");
-    explain(follow, state, context, Action::ToggleFollow);
-    ui.add_enabled_ui(state.hand.follow, |ui| {
-        ui.checkbox(&mut state.hand.stand, "Rest on the surface")
+fn follow(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
+    let tool = context.tool;
+    let follow = switch(ui, tool.follow, "Follow the pointer", ToolEdit::Follow, requests);
+    explain(follow, context, Action::ToggleFollow);
+    ui.add_enabled_ui(tool.follow, |ui| {
+        switch(ui, tool.stand, "Rest on the surface", ToolEdit::Stand, requests)
             .on_hover_text("The tool rests on the surface instead of being half sunk into it");
-        ui.checkbox(&mut state.hand.lean, "Align with the surface")
+        switch(ui, tool.lean, "Align with the surface", ToolEdit::Lean, requests)
             .on_hover_text("The tool's y axis points out of the surface");
     });
 }
 
 /// What a solid paints with instead of one colour.
-fn picture(ui: &mut Ui, state: &mut UiState) {
+fn picture(ui: &mut Ui, state: &mut UiState, tool: &ToolState, requests: &mut Vec<UiRequest>) {
     ui.horizontal(|ui| {
         if ui
             .button("Image …")
             .on_hover_text("Paint with a PNG or JPEG image wrapped around the tool")
             .clicked()
         {
-            state.files.open(FileTask::Picture, state.hand.picture.as_deref());
+            state.files.open(FileTask::Picture, tool.picture.as_deref());
         }
-        let Some(picture) = &state.hand.picture else {
+        let Some(picture) = &tool.picture else {
             ui.weak("Plain colour");
             return;
         };
         let name = picture.file_name().unwrap_or(picture.as_os_str()).to_string_lossy();
         ui.add(egui::Label::new(name).truncate()).on_hover_text(picture.display().to_string());
         if ui.small_button("✖").on_hover_text("Paint with the plain colour again").clicked() {
-            state.hand.picture = None;
+            requests.push(UiRequest::Tool(ToolEdit::Picture(None)));
         }
     });
 }
 
-fn size(ui: &mut Ui, state: &mut UiState) {
-    let hand = &mut state.hand;
+fn size(ui: &mut Ui, tool: &ToolState, requests: &mut Vec<UiRequest>) {
     let range = 2.0 * HALF_RANGE.start()..=2.0 * HALF_RANGE.end();
     ui.horizontal(|ui| {
         let label = ui.label("Size");
-        let mut size = 2.0 * hand.half().max_element();
+        let longest = 2.0 * tool.half().max_element();
+        let mut size = longest;
         let slider = Slider::new(&mut size, 1.0..=512.0)
             .logarithmic(true)
             .clamping(egui::SliderClamping::Never)
             .max_decimals(1);
         let response = ui.add(slider).labelled_by(label.id);
         if response.on_hover_text("Longest side in voxels").changed() {
-            hand.scale_by(0.5 * size / hand.half().max_element());
+            requests.push(UiRequest::Tool(ToolEdit::Scale(size / longest)));
         }
     });
     ui.horizontal(|ui| {
         for (axis, name) in AXES.iter().enumerate() {
-            let mut size = 2.0 * hand.half()[axis];
+            let mut size = 2.0 * tool.half()[axis];
             let speed = 0.02 * size.max(1.0);
             let value = DragValue::new(&mut size)
                 .range(range.clone())
@@ -135,34 +156,33 @@ fn size(ui: &mut Ui, state: &mut UiState) {
                 .prefix(format!("{name} "));
             let hint = format!("Size along the tool's {name} axis in voxels");
             if ui.add(value).on_hover_text(hint).changed() {
-                hand.set_half(axis, 0.5 * size);
+                requests.push(UiRequest::Tool(ToolEdit::Half { axis, half: 0.5 * size }));
             }
         }
     });
-    let mut uniform = hand.uniform;
     ui.horizontal(|ui| {
-        ui.checkbox(&mut uniform, "Keep proportions").on_hover_text("Scale all sides together");
-        let sides = hand.half();
+        switch(ui, tool.uniform, "Keep proportions", ToolEdit::Uniform, requests)
+            .on_hover_text("Scale all sides together");
+        let sides = tool.half();
         let even = sides.max_element() - sides.min_element() < 1e-3;
         if ui
             .add_enabled(!even, egui::Button::new("Equal"))
             .on_hover_text("Make all sides equally long")
             .clicked()
         {
-            hand.even_out();
+            requests.push(UiRequest::Tool(ToolEdit::EvenOut));
         }
     });
-    hand.uniform = uniform;
 }
 
-fn rotation(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
+fn rotation(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
+    let mut turn_deg = context.tool.turn_deg();
     ui.horizontal(|ui| {
         ui.label("Rotation");
-        let turned = state.hand.turn_deg() != Vec3::ZERO;
-        action_button(ui, state, context, "Reset", Action::AlignTool, turned, requests);
+        let turned = turn_deg != Vec3::ZERO;
+        action_button(ui, context, "Reset", Action::AlignTool, turned, requests);
     });
     ui.horizontal(|ui| {
-        let mut turn_deg = state.hand.turn_deg();
         let mut changed = false;
         for (axis, name) in AXES.iter().enumerate() {
             let value = DragValue::new(&mut turn_deg[axis])
@@ -176,40 +196,47 @@ fn rotation(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mu
             changed |= ui.add(value).on_hover_text(hint).changed();
         }
         if changed {
-            state.hand.set_turn_deg(turn_deg);
+            requests.push(UiRequest::Tool(ToolEdit::Turn(turn_deg)));
         }
     });
 }
 
-fn colour(ui: &mut Ui, state: &mut UiState, context: &UiContext) {
+fn colour(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     if context.document.material().depth() == ColourDepth::None {
         ui.weak("This sculpture has only one colour");
         return;
     }
+    let tool = context.tool;
+    let mut colour = tool.colour;
     ui.horizontal(|ui| {
         let label = ui.label("Colour");
-        ui.color_edit_button_srgb(&mut state.hand.colour.0).labelled_by(label.id);
-        ui.monospace(state.hand.colour.to_string());
-        let keys = context.shortcut(state, Action::PickColour);
+        ui.color_edit_button_srgb(&mut colour.0).labelled_by(label.id);
+        ui.monospace(tool.colour.to_string());
+        let keys = context.shortcut(Action::PickColour);
         let keys = keys.map_or(String::new(), |keys| format!(" ({keys})"));
         let does = format!("The next press picks the colour of the surface{keys}");
-        ui.toggle_value(&mut state.hand.eyedropper, "🖊 Pick").on_hover_text(does);
+        let mut on = tool.eyedropper;
+        if ui.toggle_value(&mut on, "🖊 Pick").on_hover_text(does).changed() {
+            requests.push(UiRequest::Tool(ToolEdit::Eyedropper(on)));
+        }
     });
-    let pick = |ui: &mut Ui, colours: &[Rgb], hand: &mut Hand| {
+    let mut pick = |ui: &mut Ui, colours: &[Rgb]| {
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing = vec2(4.0, 4.0);
-            for colour in colours {
-                if swatch(ui, *colour, *colour == hand.colour) {
-                    hand.colour = *colour;
+            for choice in colours {
+                if swatch(ui, *choice, *choice == tool.colour) {
+                    colour = *choice;
                 }
             }
         });
     };
-    pick(ui, &PALETTE, &mut state.hand);
-    let recent = state.hand.recent().to_vec();
-    if !recent.is_empty() {
+    pick(ui, &PALETTE);
+    if !tool.recent().is_empty() {
         ui.label(egui::RichText::new("Recent").small().weak());
-        pick(ui, &recent, &mut state.hand);
+        pick(ui, tool.recent());
+    }
+    if colour != tool.colour {
+        requests.push(UiRequest::Tool(ToolEdit::Colour(colour)));
     }
 }
 

@@ -4,7 +4,8 @@ use egui::{Frame, Margin, Rect, RichText, ScrollArea, Sense, Ui, WidgetInfo, Wid
 
 use super::buttons::explain;
 use super::top_bar::capital;
-use super::{Tool, UiContext, UiRequest, UiState, icons, panels, theme};
+use super::{UiContext, UiRequest, UiState, icons, panels, theme};
+use crate::editor::tool::ToolKind;
 use crate::input::{Action, Panel, ToolMode};
 use crate::tools::construct::Solid;
 use crate::tools::spray::SprayKind;
@@ -27,44 +28,37 @@ pub fn show(
         .exact_size(theme::toolbox_width(root.ctx().content_rect().width()))
         .show(root, |ui| {
             panels::head(ui, Panel::Toolbox, state, context, requests);
-            ScrollArea::vertical()
-                .auto_shrink(false)
-                .show(ui, |ui| content(ui, state, context, requests));
+            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| content(ui, context, requests));
         });
 }
 
 /// The tools themselves.
-pub fn content(
-    ui: &mut Ui,
-    state: &mut UiState,
-    context: &UiContext,
-    requests: &mut Vec<UiRequest>,
-) {
+pub fn content(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     ui.spacing_mut().item_spacing = vec2(4.0, 4.0);
     let solids = Solid::ALL.map(|solid| Entry {
         name: capital(solid.name()),
-        chosen: state.hand.tool == Tool::Solid && state.hand.solid == solid,
+        chosen: context.tool.kind == ToolKind::Solid && context.tool.solid == solid,
         action: Action::Solid(solid),
     });
-    group(ui, state, context, "Solids", &solids, requests);
+    group(ui, context, "Solids", &solids, requests);
     let modes = ToolMode::ALL.map(|mode| Entry {
         name: mode_name(mode).to_string(),
-        chosen: state.hand.tool == Tool::Solid && state.hand.mode == mode,
+        chosen: context.tool.kind == ToolKind::Solid && context.tool.mode == mode,
         action: Action::Mode(mode),
     });
-    group(ui, state, context, "", &modes, requests);
+    group(ui, context, "", &modes, requests);
     let sprays = SprayKind::ALL.map(|kind| Entry {
         name: capital(spray_name(kind)),
-        chosen: state.hand.tool == Tool::Spray(kind),
+        chosen: context.tool.kind == ToolKind::Spray(kind),
         action: Action::Spray(kind),
     });
-    group(ui, state, context, "Brushes", &sprays, requests);
+    group(ui, context, "Brushes", &sprays, requests);
     let marker = Entry {
         name: "Marker".to_string(),
-        chosen: state.hand.tool == Tool::Marker,
+        chosen: context.tool.kind == ToolKind::Marker,
         action: Action::Marker,
     };
-    group(ui, state, context, "Selection", &[marker], requests);
+    group(ui, context, "Selection", &[marker], requests);
 }
 
 /// A tool to choose.
@@ -77,7 +71,6 @@ struct Entry {
 /// Tools under a heading, two in a row.
 fn group(
     ui: &mut Ui,
-    state: &UiState,
     context: &UiContext,
     title: &str,
     entries: &[Entry],
@@ -93,7 +86,7 @@ fn group(
     let width = (ui.available_width() - gaps) / columns as f32;
     for row in entries.chunks(columns) {
         ui.horizontal(|ui| {
-            row.iter().for_each(|entry| tool(ui, state, context, width, entry, requests));
+            row.iter().for_each(|entry| tool(ui, context, width, entry, requests));
         });
     }
     ui.add_space(4.0);
@@ -119,7 +112,6 @@ pub fn mode_name(mode: ToolMode) -> &'static str {
 /// A button with a picture over its name.
 fn tool(
     ui: &mut Ui,
-    state: &UiState,
     context: &UiContext,
     width: f32,
     entry: &Entry,
@@ -149,7 +141,7 @@ fn tool(
         Action::Solid(solid) => icons::solid(ui.painter(), icon, solid, colour),
         Action::Mode(mode) => {
             let tint = if mode == ToolMode::Recolour && !chosen {
-                let [r, g, b] = state.hand.colour.0;
+                let [r, g, b] = context.tool.colour.0;
                 egui::Color32::from_rgb(r, g, b)
             } else {
                 colour
@@ -163,7 +155,7 @@ fn tool(
     let below = rect.center_bottom() - vec2(0.0, 4.0);
     let font = egui::TextStyle::Small.resolve(ui.style());
     ui.painter().text(below, egui::Align2::CENTER_BOTTOM, name, font, colour);
-    if explain(response, state, context, action).clicked() {
+    if explain(response, context, action).clicked() {
         requests.push(UiRequest::Do(action));
     }
 }

@@ -25,15 +25,15 @@ pub fn show(
                 ("Save as", Action::SaveAs),
                 ("Export", Action::Export),
             ] {
-                action_button(ui, state, context, label, action, true, requests);
+                action_button(ui, context, label, action, true, requests);
             }
             ui.separator();
             let history = context.document.history();
             let (undos, redos) = (history.undo_count(), history.redo_count());
             let undo = format!("⟲ Undo {undos}");
-            action_button(ui, state, context, undo, Action::Undo, undos > 0, requests);
+            action_button(ui, context, undo, Action::Undo, undos > 0, requests);
             let redo = format!("⟳ Redo {redos}");
-            action_button(ui, state, context, redo, Action::Redo, redos > 0, requests);
+            action_button(ui, context, redo, Action::Redo, redos > 0, requests);
             ui.separator();
             render_mode(ui, state, context);
             let wide = switches::fit(ui, context);
@@ -43,7 +43,7 @@ pub fn show(
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 menu(ui, !wide, state, context, requests);
                 if !context.in_headset {
-                    action_button(ui, state, context, "Help", Action::Help, true, requests);
+                    action_button(ui, context, "Help", Action::Help, true, requests);
                 }
             });
         });
@@ -64,7 +64,7 @@ fn render_mode(ui: &mut Ui, state: &mut UiState, context: &UiContext) {
             }
         })
         .response;
-    explain(response, state, context, Action::NextRenderMode);
+    explain(response, context, Action::NextRenderMode);
 }
 
 /// `narrow`: the bar has no room for the switches.
@@ -83,22 +83,22 @@ fn menu(
         ui.separator();
         for (label, action) in [("Fill the grid", Action::Fill), ("Clear the grid", Action::Clear)]
         {
-            action_button(ui, state, context, label, action, true, requests);
+            action_button(ui, context, label, action, true, requests);
         }
         ui.separator();
         ui.menu_button("View", |ui| {
             for side in Side::ALL {
                 let action = Action::LookFrom(side);
-                action_button(ui, state, context, capital(side.name()), action, true, requests);
+                action_button(ui, context, capital(side.name()), action, true, requests);
             }
             ui.separator();
-            action_button(ui, state, context, "Frame all", Action::ResetView, true, requests);
+            action_button(ui, context, "Frame all", Action::ResetView, true, requests);
             if !context.in_headset {
-                action_button(ui, state, context, "Zoom in", Action::ZoomIn, true, requests);
-                action_button(ui, state, context, "Zoom out", Action::ZoomOut, true, requests);
+                action_button(ui, context, "Zoom in", Action::ZoomIn, true, requests);
+                action_button(ui, context, "Zoom out", Action::ZoomOut, true, requests);
             }
         });
-        action_button(ui, state, context, "Search actions …", Action::Palette, true, requests);
+        action_button(ui, context, "Search actions …", Action::Palette, true, requests);
         if !context.in_headset {
             at_the_desk(ui, state, context, requests);
         }
@@ -112,12 +112,12 @@ fn menu(
                 ("Smaller", Action::ScaleDown),
                 ("Reset", Action::ScaleReset),
             ] {
-                action_button(ui, state, context, label, action, true, requests);
+                action_button(ui, context, label, action, true, requests);
             }
         });
-        action_button(ui, state, context, "First steps", Action::Guide, true, requests);
+        action_button(ui, context, "First steps", Action::Guide, true, requests);
         ui.separator();
-        action_button(ui, state, context, "Quit", Action::Quit, true, requests);
+        action_button(ui, context, "Quit", Action::Quit, true, requests);
     });
 }
 
@@ -130,21 +130,24 @@ fn at_the_desk(
 ) {
     ui.menu_button("Controls", |ui| {
         for (i, preset) in context.presets.iter().enumerate() {
-            ui.radio_value(&mut state.preset, i, capital(&preset.name)).on_hover_text(&preset.text);
+            let radio = ui.radio(i == context.preset, capital(&preset.name));
+            if radio.on_hover_text(&preset.text).clicked() && i != context.preset {
+                requests.push(UiRequest::UsePreset(i));
+            }
         }
         ui.separator();
-        action_button(ui, state, context, "Edit controls …", Action::Help, true, requests);
+        action_button(ui, context, "Edit controls …", Action::Help, true, requests);
     });
     for (label, action) in
         [("Full screen", Action::Fullscreen), ("Save picture", Action::Screenshot)]
     {
-        action_button(ui, state, context, label, action, true, requests);
+        action_button(ui, context, label, action, true, requests);
     }
     ui.menu_button("Panels", |ui| {
         for panel in Panel::ALL {
             let mut detached = state.detached.contains(&panel);
             let response = ui.checkbox(&mut detached, format!("Detach {}", panel.title()));
-            if explain(response, state, context, Action::Detach(panel)).clicked() {
+            if explain(response, context, Action::Detach(panel)).clicked() {
                 requests.push(UiRequest::Do(Action::Detach(panel)));
             }
         }

@@ -3,9 +3,9 @@
 
 use egui::{Id, Modal, Ui};
 
-use super::state::Unkept;
 use super::{UiRequest, UiState, theme};
 use crate::command::Command;
+use crate::editor::questions::Unkept;
 
 pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
     let Some(Unkept { command, why }) = &state.unkept else { return };

@@ -2,8 +2,8 @@
 
 use egui::{Id, Modal, Ui};
 
-use super::state::Next;
 use super::{UiRequest, UiState, theme};
+use crate::editor::questions::Next;
 
 pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
     let Some(next) = &state.unsaved else { return };

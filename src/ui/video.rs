@@ -6,42 +6,18 @@ use egui::{ComboBox, TextEdit, Ui};
 use super::buttons::explain;
 use super::{UiContext, UiRequest, UiState};
 use crate::input::Action;
-use crate::video::{Address, Fit, Stats};
+use crate::video::{Address, Fit};
+use crate::viewpoint::camera::{VideoState, VideoStatus};
 
-/// Where the video stands.
-#[derive(Clone, PartialEq, Eq, Debug, Default)]
-pub enum VideoState {
-    #[default]
-    Off,
-    Opening,
-    Live,
-    /// The camera is gone and is being looked for.
-    Lost(String),
-    /// The film is over.
-    Ended,
-    Failed(String),
-}
-
-/// What the interface reads of it.
-#[derive(Clone, PartialEq, Debug, Default)]
-pub struct VideoStatus {
-    pub state: VideoState,
-    /// Pixels of the last frame.
-    pub size: Option<[u32; 2]>,
-    pub stats: Stats,
-}
-
-impl VideoStatus {
-    fn words(&self) -> String {
-        let size = self.size.map_or(String::new(), |[w, h]| format!(", {w} × {h}"));
-        match &self.state {
-            VideoState::Off => "Off".to_string(),
-            VideoState::Opening => "Opening …".to_string(),
-            VideoState::Live => format!("Live{size}"),
-            VideoState::Ended => format!("End of the video{size}"),
-            VideoState::Lost(error) => format!("Lost, trying to reconnect: {error}"),
-            VideoState::Failed(error) => error.clone(),
-        }
+fn words(video: &VideoStatus) -> String {
+    let size = video.size.map_or(String::new(), |[w, h]| format!(", {w} × {h}"));
+    match &video.state {
+        VideoState::Off => "Off".to_string(),
+        VideoState::Opening => "Opening …".to_string(),
+        VideoState::Live => format!("Live{size}"),
+        VideoState::Ended => format!("End of the video{size}"),
+        VideoState::Lost(error) => format!("Lost, trying to reconnect: {error}"),
+        VideoState::Failed(error) => error.clone(),
     }
 }
 
@@ -54,7 +30,7 @@ pub fn options(
 ) {
     let mut on = state.view.video.on;
     let response = ui.checkbox(&mut on, "Video background");
-    if explain(response, state, context, Action::ToggleVideo).changed() {
+    if explain(response, context, Action::ToggleVideo).changed() {
         requests.push(UiRequest::Do(Action::ToggleVideo));
     }
     if !on && !context.ar.on {
@@ -80,7 +56,7 @@ pub fn options(
             .on_hover_text("Flip left and right, as in a mirror");
     });
     let stats = context.video.stats;
-    ui.label(context.video.words()).on_hover_text(format!(
+    ui.label(words(&context.video)).on_hover_text(format!(
         "{} frames: {} skipped in favour of newer ones, {} damaged",
         stats.decoded, stats.unseen, stats.broken
     ));

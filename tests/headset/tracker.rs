@@ -176,7 +176,7 @@ fn wear() {
             remote.send();
             let start = Instant::now();
             while !sees_from(bench, head) || !headset.is_showing() {
-                assert!(start.elapsed() < PATIENCE, "{:?}", bench.tracked_eyes(0.0));
+                assert!(start.elapsed() < PATIENCE, "{:?}", bench.viewpoint.tracked_eyes(0.0));
                 headset.poll(bench);
                 if let Ok((connection, news)) = heard.recv_timeout(Duration::from_millis(20)) {
                     headset.hear(bench, connection, news);
@@ -191,7 +191,7 @@ fn wear() {
     let rest = Vec3::from(config.screen.rest_m.map(|x| x as f32));
     let start = Instant::now();
     while !sees_from(&bench, rest) {
-        assert!(start.elapsed() < PATIENCE, "{:?}", bench.tracked_eyes(0.0));
+        assert!(start.elapsed() < PATIENCE, "{:?}", bench.viewpoint.tracked_eyes(0.0));
         bench.track();
         std::thread::sleep(Duration::from_millis(10));
     }
@@ -238,7 +238,7 @@ fn go_on_without() {
                 headset.hear(&mut bench, connection, news);
             }
             bench.track();
-            let _ = bench.tracked_eyes(0.0);
+            let _ = bench.viewpoint.tracked_eyes(0.0);
             longest = longest.max(turn.elapsed());
         }
         longest
@@ -259,6 +259,6 @@ fn go_on_without() {
 
 /// Whether the window's eye is where `head` is before the screen.
 fn sees_from(bench: &Workspace, head: Vec3) -> bool {
-    let Some([eye, _]) = bench.tracked_eyes(0.0) else { return false };
+    let Some([eye, _]) = bench.viewpoint.tracked_eyes(0.0) else { return false };
     eye.position().normalize().abs_diff_eq(head.normalize(), 1e-3)
 }

@@ -47,7 +47,7 @@ pub fn look(harness: &mut Bench) {
     let rays = bench.eye().pixel_rays(&bench.world_from_grid());
     let mut map = IndexMap::new(rays);
     raycast::sample(bench.session().document().grid(), &rays, &mut map);
-    bench.saw(Arc::new(map));
+    bench.viewpoint.set_pick_map(Arc::new(map));
 }
 
 pub fn voxels(harness: &Bench) -> u64 {

@@ -56,7 +56,7 @@ fn the_window_lists_the_triggers_of_the_preset_in_use() {
     help(&mut harness);
     assert!(has(&harness, &format!("Remove Ctrl+Z from: {UNDO}")));
     assert!(!has(&harness, "Remove Left + right buttons from: Use the tool where it is"));
-    harness.state_mut().ui.preset = 1;
+    harness.state_mut().controls.preset = 1;
     harness.run();
     assert!(has(&harness, "Remove Left + right buttons from: Use the tool where it is"));
     harness.get_by_label("Filter").focus();
@@ -178,13 +178,13 @@ fn changes_and_the_choice_of_a_preset_are_kept() {
     harness.run();
     harness.get_by_label("Thesis").click();
     harness.run();
-    assert_eq!(harness.state().ui.preset, 1);
+    assert_eq!(harness.state().controls.preset, 1);
     let text = std::fs::read_to_string(&path).unwrap();
     assert!(text.contains("extends = \"thesis\"") && text.contains("[kept.\"direct\"]"), "{text}");
 
     let mut again = keeping(&path);
-    assert_eq!(again.state().ui.preset, 1);
-    again.state_mut().ui.preset = 0;
+    assert_eq!(again.state().controls.preset, 1);
+    again.state_mut().controls.preset = 0;
     help(&mut again);
     assert!(has(&again, &format!("Remove U from: {UNDO}")));
 }

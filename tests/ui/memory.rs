@@ -7,11 +7,11 @@ use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use virtual_sculpture::command::Command;
 use virtual_sculpture::config::Config;
+use virtual_sculpture::editor::tool::ToolKind;
 use virtual_sculpture::input::{Panel, ToolMode};
 use virtual_sculpture::sculpture::Rgb;
 use virtual_sculpture::tools::construct::Solid;
 use virtual_sculpture::ui::Theme;
-use virtual_sculpture::ui::Tool;
 use virtual_sculpture::ui::toasts::Tone;
 
 use super::bench::{self, Bench, config, key};
@@ -55,7 +55,7 @@ fn looks_tool_and_panels_are_found_again_after_a_start() {
     key(&mut harness, Modifiers::NONE, Key::C);
     key(&mut harness, Modifiers::NONE, Key::T);
     key(&mut harness, Modifiers::NONE, Key::F7);
-    harness.state_mut().ui.hand.colour = Rgb::new(9, 8, 7);
+    harness.state_mut().editor.tool.colour = Rgb::new(9, 8, 7);
     harness.run();
     let scale = harness.state().ui.scale.factor();
     assert_eq!(harness.state().ui.theme, Theme::Light);
@@ -64,8 +64,9 @@ fn looks_tool_and_panels_are_found_again_after_a_start() {
     let harness = start(&file, &config);
     let ui = &harness.state().ui;
     assert_eq!((ui.theme, ui.scale.factor()), (Theme::Light, scale));
-    assert_eq!((ui.hand.tool, ui.hand.solid), (Tool::Solid, Solid::Cuboid));
-    assert_eq!((ui.hand.mode, ui.hand.colour), (ToolMode::Add, Rgb::new(9, 8, 7)));
+    let tool = &harness.state().editor.tool;
+    assert_eq!((tool.kind, tool.solid), (ToolKind::Solid, Solid::Cuboid));
+    assert_eq!((tool.mode, tool.colour), (ToolMode::Add, Rgb::new(9, 8, 7)));
     assert!(ui.detached.contains(&Panel::Options));
     assert_eq!(undone(&harness), 0, "what is remembered is no step");
     quit(harness);

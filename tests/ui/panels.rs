@@ -68,10 +68,10 @@ fn escape_takes_the_stroke_back() {
     send(&mut harness, Event::PointerMoved(at));
     send(&mut harness, press(true));
     send(&mut harness, Event::PointerMoved(at + vec2(30.0, 0.0)));
-    assert!(harness.state().stroke_in_hand());
+    assert!(harness.state().editor.is_stroking());
     assert!(voxels(&harness) < 64u64.pow(3));
     key(&mut harness, Modifiers::NONE, Key::Escape);
-    assert!(!harness.state().stroke_in_hand());
+    assert!(!harness.state().editor.is_stroking());
     send(&mut harness, press(false));
     assert_eq!((voxels(&harness), undo_count(&harness)), (64u64.pow(3), 0));
 }
@@ -108,12 +108,12 @@ fn the_middle_button_shifts_and_the_wheel_zooms_or_sizes() {
     let before = distance(&harness);
     wheel(&mut harness, Modifiers::NONE, at, 2.0);
     assert!(distance(&harness) < before);
-    let half = harness.state().ui.hand.half().x;
+    let half = harness.state().editor.tool.half().x;
     wheel(&mut harness, Modifiers::COMMAND, at, 1.0);
-    assert!(harness.state().ui.hand.half().x > half);
+    assert!(harness.state().editor.tool.half().x > half);
     key(&mut harness, Modifiers::NONE, Key::OpenBracket);
     key(&mut harness, Modifiers::NONE, Key::OpenBracket);
-    assert!(harness.state().ui.hand.half().x < half);
+    assert!(harness.state().editor.tool.half().x < half);
 }
 
 #[test]
@@ -124,24 +124,24 @@ fn tools_are_chosen_by_buttons_and_by_keys() {
     {
         harness.get_by_label(name).click();
         harness.run();
-        assert_eq!(harness.state().ui.hand.solid, solid);
+        assert_eq!(harness.state().editor.tool.solid, solid);
     }
     for (name, mode) in
         [("Add", ToolMode::Add), ("Paint", ToolMode::Recolour), ("Cut", ToolMode::Subtract)]
     {
         harness.get_by_label(name).click();
         harness.run();
-        assert_eq!(harness.state().ui.hand.mode, mode);
+        assert_eq!(harness.state().editor.tool.mode, mode);
     }
     for (k, solid) in
         [(Key::P, Solid::Pyramid), (Key::C, Solid::Cuboid), (Key::E, Solid::Ellipsoid)]
     {
         key(&mut harness, Modifiers::NONE, k);
-        assert_eq!(harness.state().ui.hand.solid, solid);
+        assert_eq!(harness.state().editor.tool.solid, solid);
     }
     for (k, mode) in [(Key::T, ToolMode::Add), (Key::G, ToolMode::Recolour)] {
         key(&mut harness, Modifiers::NONE, k);
-        assert_eq!(harness.state().ui.hand.mode, mode);
+        assert_eq!(harness.state().editor.tool.mode, mode);
     }
 }
 
@@ -172,9 +172,9 @@ fn adding_and_painting_use_the_chosen_colour() {
 #[test]
 fn the_keyboard_alone_moves_and_uses_the_tool() {
     let mut harness = bench();
-    let before = harness.state().ui.hand.centre_vx;
+    let before = harness.state().editor.tool.centre_vx;
     key(&mut harness, Modifiers::NONE, Key::ArrowRight);
-    let by = harness.state().ui.hand.centre_vx - before;
+    let by = harness.state().editor.tool.centre_vx - before;
     assert!((by.length() - 1.0).abs() < 1e-6 && by.abs().max_element() == 1.0, "{by}");
     key(&mut harness, Modifiers::NONE, Key::PageUp);
     key(&mut harness, Modifiers::NONE, Key::Space);
@@ -189,7 +189,7 @@ fn the_keyboard_alone_moves_and_uses_the_tool() {
 #[test]
 fn both_buttons_of_the_thesis_mouse_use_the_tool_while_it_moves() {
     let mut harness = bench();
-    harness.state_mut().ui.preset = 1;
+    harness.state_mut().controls.preset = 1;
     let at = middle(&harness);
     let press = |button, pressed| Event::PointerButton {
         pos: at,
@@ -197,12 +197,12 @@ fn both_buttons_of_the_thesis_mouse_use_the_tool_while_it_moves() {
         pressed,
         modifiers: Modifiers::NONE,
     };
-    let start = harness.state().ui.hand.centre_vx;
+    let start = harness.state().editor.tool.centre_vx;
     send(&mut harness, Event::PointerMoved(at));
-    assert_eq!(harness.state().ui.hand.centre_vx, start, "here the tool does not follow");
+    assert_eq!(harness.state().editor.tool.centre_vx, start, "here the tool does not follow");
     send(&mut harness, press(PointerButton::Primary, true));
     send(&mut harness, Event::PointerMoved(at + vec2(20.0, 0.0)));
-    assert_ne!(harness.state().ui.hand.centre_vx, start);
+    assert_ne!(harness.state().editor.tool.centre_vx, start);
     assert_eq!(voxels(&harness), 64u64.pow(3));
     send(&mut harness, press(PointerButton::Secondary, true));
     let ball = voxels(&harness);
@@ -252,7 +252,7 @@ fn the_new_dialog_makes_a_sculpture_and_names_what_is_impossible() {
     harness.run();
     let grid = harness.state().session().document().grid();
     assert_eq!((grid.dims(), grid.opaque_count()), (UVec3::splat(128), 0));
-    let tool = harness.state().ui.hand.centre_vx;
+    let tool = harness.state().editor.tool.centre_vx;
     assert_eq!(tool, glam::Vec3::splat(64.0), "the tool has come along");
 
     // In the empty grid a click adds in the middle.
@@ -326,7 +326,7 @@ fn errors_are_shown_and_nothing_changes() {
     key(&mut harness, Modifiers::NONE, Key::G);
     let at = middle(&harness);
     drag(&mut harness, PointerButton::Primary, Modifiers::NONE, &[at]);
-    assert!(!harness.state().stroke_in_hand());
+    assert!(!harness.state().editor.is_stroking());
     harness.get_by_label_contains("this sculpture has no colours").rect();
     assert_eq!(undo_count(&harness), 0);
 }
@@ -336,7 +336,7 @@ fn the_options_change_the_tool_and_the_view() {
     let mut harness = bench();
     harness.get_by_label("Snap to voxels").click();
     harness.run();
-    assert!(harness.state().ui.hand.snap);
+    assert!(harness.state().editor.tool.snap);
     harness.get_by_label("View").click();
     harness.run();
     harness.get_by_label("Grid outline").click();
@@ -403,10 +403,10 @@ fn scripts_say_what_the_mouse_does() {
     let mut harness = bench();
     let at = middle(&harness);
     drag(&mut harness, PointerButton::Primary, Modifiers::NONE, &[at]);
-    let hand = &harness.state().ui.hand;
-    let text = hand.command(hand.mode).to_string();
+    let tool = &harness.state().editor.tool;
+    let text = tool.command(tool.mode).to_string();
     let again: Command = text.parse().unwrap();
-    assert_eq!(again, hand.command(hand.mode));
+    assert_eq!(again, tool.command(tool.mode));
 }
 
 #[test]
@@ -442,10 +442,10 @@ fn a_torn_off_panel_does_the_same_in_a_window_of_its_own() {
         );
         window.get_by_label(label).click();
         window.run();
-        let hand = &window.state().ui.hand;
+        let tool = &window.state().editor.tool;
         match panel {
-            Panel::Toolbox => assert_eq!(hand.solid, Solid::Cuboid),
-            Panel::Options => assert!(hand.snap),
+            Panel::Toolbox => assert_eq!(tool.solid, Solid::Cuboid),
+            Panel::Options => assert!(tool.snap),
             Panel::History => {}
         }
         key_in(&mut window, Modifiers::COMMAND, Key::Delete);

@@ -4,10 +4,10 @@
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, vec2};
 use glam::{EulerRot, Quat, Vec2, Vec3, Vec4Swizzles};
 use virtual_sculpture::command::Command;
+use virtual_sculpture::editor::tool::ToolKind;
 use virtual_sculpture::input::ToolMode;
 use virtual_sculpture::surface::raycast;
 use virtual_sculpture::tools::construct::Solid;
-use virtual_sculpture::ui::Tool;
 
 use super::bench::{self, Bench, corner, drag, key, look, middle, send, voxels};
 
@@ -45,13 +45,13 @@ fn face_at(harness: &Bench, at: Pos2) -> Option<(Vec3, f32)> {
 /// The distance of the tool from the face under the pointer; below 0 it penetrates the surface.
 fn gap(harness: &Bench, at: Pos2) -> Option<f32> {
     let (face, plane) = face_at(harness, at)?;
-    let hand = &harness.state().ui.hand;
-    let primitive = hand.primitive();
+    let tool = &harness.state().editor.tool;
+    let primitive = tool.primitive();
     let corners = (0..8).map(|i| {
         let sign = |bit: u32| if i >> bit & 1 == 0 { -1.0 } else { 1.0 };
         Vec3::new(sign(0), sign(1), sign(2))
     });
-    let reach = |n: Vec3| match hand.solid {
+    let reach = |n: Vec3| match tool.solid {
         Solid::Ellipsoid => (n * primitive.half).length(),
         Solid::Cuboid => {
             corners.map(|c| -n.dot(c * primitive.half)).fold(f32::NEG_INFINITY, f32::max)
@@ -104,7 +104,7 @@ fn a_tool_that_stands_touches_the_face_under_the_pointer_everywhere() {
     let mut harness = bench::bench();
     harness.run();
     rough(&mut harness);
-    harness.state_mut().ui.hand.stand = true;
+    harness.state_mut().editor.tool.stand = true;
     let (mut seen, mut faces) = (0, [0; 6]);
     for (yaw, pitch, roll) in
         [(0.0, 0.0, 0.0), (35.0, -25.0, 0.0), (-130.0, 40.0, 10.0), (90.0, 0.0, 0.0)]
@@ -119,9 +119,9 @@ fn a_tool_that_stands_touches_the_face_under_the_pointer_everywhere() {
             (Solid::Pyramid, Vec3::ZERO),
             (Solid::Pyramid, Vec3::new(180.0, 0.0, 30.0)),
         ] {
-            let hand = &mut harness.state_mut().ui.hand;
-            (hand.tool, hand.solid) = (Tool::Solid, solid);
-            hand.set_turn_deg(turn_deg);
+            let tool = &mut harness.state_mut().editor.tool;
+            (tool.kind, tool.solid) = (ToolKind::Solid, solid);
+            tool.set_turn_deg(turn_deg);
             for at in places(&harness) {
                 hover(&mut harness, at);
                 let Some(gap) = gap(&harness, at) else { continue };
@@ -150,11 +150,11 @@ fn a_cuboid_that_stands_is_added_whole_and_so_are_its_mirror_images() {
             let at = middle(&harness);
             bench::wheel(&mut harness, Modifiers::NONE, at, notches);
             let at = screen(&harness, Vec3::new(44.3, 40.2, 48.0));
-            let hand = &mut harness.state_mut().ui.hand;
-            (hand.solid, hand.mode, hand.stand, hand.snap) =
+            let tool = &mut harness.state_mut().editor.tool;
+            (tool.solid, tool.mode, tool.stand, tool.snap) =
                 (Solid::Cuboid, ToolMode::Add, true, true);
-            hand.uniform = true;
-            hand.set_half(0, 2.5);
+            tool.uniform = true;
+            tool.set_half(0, 2.5);
             let before = voxels(&harness);
             drag(&mut harness, PointerButton::Primary, Modifiers::NONE, &[at]);
             assert_eq!(voxels(&harness) - before, copies * 125, "{symmetry} {notches}");
@@ -167,8 +167,8 @@ fn a_snapping_tool_stands_on_the_surface_and_never_in_it() {
     let mut harness = bench::bench();
     harness.run();
     rough(&mut harness);
-    let hand = &mut harness.state_mut().ui.hand;
-    (hand.solid, hand.stand, hand.snap) = (Solid::Cuboid, true, true);
+    let tool = &mut harness.state_mut().editor.tool;
+    (tool.solid, tool.stand, tool.snap) = (Solid::Cuboid, true, true);
     for at in places(&harness) {
         hover(&mut harness, at);
         let Some(gap) = gap(&harness, at) else { continue };
@@ -181,9 +181,9 @@ fn the_tool_follows_keys_at_once() {
     let mut harness = bench::bench();
     harness.run();
     run(&mut harness, "place");
-    harness.state_mut().ui.hand.stand = true;
+    harness.state_mut().editor.tool.stand = true;
     let (here, there) = (middle(&harness), middle(&harness) + vec2(90.0, 50.0));
-    let centre = |harness: &Bench| harness.state().ui.hand.centre_vx;
+    let centre = |harness: &Bench| harness.state().editor.tool.centre_vx;
     for (spray, solid, wanted) in [
         (Key::B, Key::C, Solid::Cuboid),
         (Key::D, Key::E, Solid::Ellipsoid),
@@ -194,7 +194,7 @@ fn the_tool_follows_keys_at_once() {
         key(&mut harness, Modifiers::NONE, spray);
         hover(&mut harness, there);
         key(&mut harness, Modifiers::NONE, solid);
-        assert_eq!(harness.state().ui.hand.solid, wanted);
+        assert_eq!(harness.state().editor.tool.solid, wanted);
         let now = centre(&harness);
         assert!(gap(&harness, there).unwrap().abs() < 2e-3, "{solid:?}");
         hover(&mut harness, there + vec2(0.0, 0.01));
@@ -209,13 +209,13 @@ fn the_tool_follows_keys_at_once() {
     bench::wheel(&mut harness, Modifiers::COMMAND, there, 2.0);
     assert!(gap(&harness, there).unwrap().abs() < 2e-3);
     send(&mut harness, Event::PointerGone);
-    harness.state_mut().ui.hand.scale_by(1.7);
+    harness.state_mut().editor.tool.scale_by(1.7);
     harness.step();
     assert!(gap(&harness, there).unwrap().abs() < 2e-3);
-    harness.state_mut().ui.hand.set_turn_deg(Vec3::new(0.0, 0.0, 30.0));
+    harness.state_mut().editor.tool.set_turn_deg(Vec3::new(0.0, 0.0, 30.0));
     harness.step();
     assert!(gap(&harness, there).unwrap().abs() < 2e-3);
-    harness.state_mut().ui.hand.stand = false;
+    harness.state_mut().editor.tool.stand = false;
     harness.step();
     let (face, plane) = face_at(&harness, there).unwrap();
     assert!((centre(&harness).dot(face) - plane).abs() < 2e-3, "half in the surface again");
@@ -228,24 +228,24 @@ fn a_tool_moved_by_keys_stays_where_it_was_put() {
     let at = middle(&harness);
     hover(&mut harness, at);
     key(&mut harness, Modifiers::NONE, Key::ArrowRight);
-    let put = harness.state().ui.hand.centre_vx;
+    let put = harness.state().editor.tool.centre_vx;
     for k in [Key::CloseBracket, Key::T, Key::R, Key::G] {
         key(&mut harness, Modifiers::NONE, k);
-        assert_eq!(harness.state().ui.hand.centre_vx, put, "{k:?}");
+        assert_eq!(harness.state().editor.tool.centre_vx, put, "{k:?}");
     }
     key(&mut harness, Modifiers::SHIFT, Key::Home);
-    assert_eq!(harness.state().ui.hand.centre_vx, Vec3::splat(32.0));
+    assert_eq!(harness.state().editor.tool.centre_vx, Vec3::splat(32.0));
     // It stays where it is while it does not follow, and comes when it does.
     key(&mut harness, Modifiers::NONE, Key::F);
     key(&mut harness, Modifiers::NONE, Key::C);
-    assert_eq!(harness.state().ui.hand.centre_vx, Vec3::splat(32.0));
+    assert_eq!(harness.state().editor.tool.centre_vx, Vec3::splat(32.0));
     key(&mut harness, Modifiers::NONE, Key::F);
     assert!(gap(&harness, at).is_some());
-    assert_ne!(harness.state().ui.hand.centre_vx, Vec3::splat(32.0));
+    assert_ne!(harness.state().editor.tool.centre_vx, Vec3::splat(32.0));
     // Beside the sculpture there is nothing to follow.
     let beside = corner(&harness);
     hover(&mut harness, beside);
-    let left = harness.state().ui.hand.centre_vx;
+    let left = harness.state().editor.tool.centre_vx;
     key(&mut harness, Modifiers::NONE, Key::E);
-    assert_eq!(harness.state().ui.hand.centre_vx, left);
+    assert_eq!(harness.state().editor.tool.centre_vx, left);
 }

@@ -71,7 +71,7 @@ fn quad_buffers_are_offered_only_where_the_window_has_layers() {
     assert_eq!(layout(&harness), StereoLayout::Mono);
 
     let mut harness = bench();
-    harness.state_mut().quad_buffered = true;
+    harness.state_mut().display.quad_buffered = true;
     open_layouts(&mut harness);
     click(&mut harness, "Quad-buffered");
     assert_eq!(layout(&harness), StereoLayout::Layers);

@@ -6,11 +6,11 @@ use egui::{Event, Key, Modifiers, PointerButton, Pos2, vec2};
 use egui_kittest::kittest::Queryable;
 use glam::{IVec3, UVec3, Vec3, Vec4Swizzles};
 use virtual_sculpture::command::Command;
+use virtual_sculpture::editor::tool::ToolKind;
 use virtual_sculpture::input::ToolMode;
 use virtual_sculpture::sculpture::Rgb;
 use virtual_sculpture::sculpture::region::VoxelBox;
 use virtual_sculpture::tools::spray::SprayKind;
-use virtual_sculpture::ui::Tool;
 
 use super::bench::{self, Bench, key, look, middle, send, voxels};
 
@@ -94,7 +94,7 @@ fn every_spray_is_taken_by_button_and_works_where_the_pointer_is() {
         run(&mut harness, "subtract cuboid at=28.5,28.5,63.5 half=0.5");
         let before = harness.state().session().document().contents().clone();
         click(&mut harness, button);
-        assert_eq!(harness.state().ui.hand.tool, Tool::Spray(kind));
+        assert_eq!(harness.state().editor.tool.kind, ToolKind::Spray(kind));
         let at = middle(&harness);
         drag(&mut harness, &[at, at + vec2(10.0, -10.0)]);
         let now = harness.state().session().document().contents().clone();
@@ -112,7 +112,7 @@ fn a_stroke_of_the_devourer_does_not_dig_where_it_overlaps() {
     let depth_below = |once: bool| {
         let mut harness = front();
         key(&mut harness, Modifiers::NONE, Key::D);
-        let options = harness.state_mut().ui.hand.sprays.of_mut(SprayKind::Devourer);
+        let options = harness.state_mut().editor.tool.sprays.of_mut(SprayKind::Devourer);
         if !once {
             options.surface = virtual_sculpture::command::SpraySurface::Now;
         }
@@ -141,17 +141,17 @@ fn modifiers_invert_smooth_and_pick() {
     assert_eq!(labels(&harness).last().unwrap(), "smooth");
 
     run(&mut harness, "dye marker colour=#123456");
-    harness.state_mut().ui.hand.colour = Rgb::new(1, 1, 1);
+    harness.state_mut().editor.tool.colour = Rgb::new(1, 1, 1);
     let before = voxels(&harness);
     run(&mut harness, "clear");
     run(&mut harness, "add cuboid at=32,32,32 half=20 colour=#654321");
     drag_with(&mut harness, Modifiers::ALT, &[at]);
-    assert_eq!(harness.state().ui.hand.colour, Rgb::new(0x65, 0x43, 0x21));
+    assert_eq!(harness.state().editor.tool.colour, Rgb::new(0x65, 0x43, 0x21));
     assert_ne!(before, voxels(&harness));
     // By key where the pointer is.
-    harness.state_mut().ui.hand.colour = Rgb::new(1, 1, 1);
+    harness.state_mut().editor.tool.colour = Rgb::new(1, 1, 1);
     key(&mut harness, Modifiers::NONE, Key::I);
-    assert_eq!(harness.state().ui.hand.colour, Rgb::new(0x65, 0x43, 0x21));
+    assert_eq!(harness.state().editor.tool.colour, Rgb::new(0x65, 0x43, 0x21));
 }
 
 #[test]
@@ -208,14 +208,17 @@ fn regions_are_selected_limit_tools_and_are_edited() {
     run(&mut harness, "mark at=0,0,0 size=8,8,8");
     key(&mut harness, Modifiers::NONE, Key::Delete);
     let cut = voxels(&harness);
-    harness.state_mut().ui.hand.colour = Rgb::new(9, 8, 7);
+    harness.state_mut().editor.tool.colour = Rgb::new(9, 8, 7);
     key(&mut harness, Modifiers::COMMAND, Key::F);
     assert_eq!(voxels(&harness), cut + 512);
     assert_eq!(colour_at(&harness, [3, 3, 3]), Rgb::new(9, 8, 7));
-    harness.state_mut().ui.hand.colour = Rgb::new(90, 80, 70);
+    harness.state_mut().editor.tool.colour = Rgb::new(90, 80, 70);
     key(&mut harness, Modifiers::COMMAND, Key::G);
     assert_eq!(colour_at(&harness, [3, 3, 3]), Rgb::new(90, 80, 70));
-    assert_eq!(harness.state().ui.hand.recent()[..2], [Rgb::new(90, 80, 70), Rgb::new(9, 8, 7)]);
+    assert_eq!(
+        harness.state().editor.tool.recent()[..2],
+        [Rgb::new(90, 80, 70), Rgb::new(9, 8, 7)]
+    );
     // Take a box off again, and all of them.
     key(&mut harness, Modifiers::NONE, Key::A);
     key(&mut harness, Modifiers::ALT, Key::A);
@@ -273,8 +276,8 @@ fn mirrors_and_arrays_repeat_what_tools_do() {
     let before = voxels(&harness);
     drag(&mut harness, &[at]);
     let one = before - voxels(&harness);
-    harness.state_mut().ui.repeat.count = 2;
-    harness.state_mut().ui.repeat.step = IVec3::new(0, 10, 0);
+    harness.state_mut().editor.tool.array.count = 2;
+    harness.state_mut().editor.tool.array.step = IVec3::new(0, 10, 0);
     key(&mut harness, Modifiers::COMMAND, Key::R);
     assert_eq!(before - voxels(&harness), 3 * one);
     assert_eq!(labels(&harness).last().unwrap(), "array");
@@ -287,15 +290,15 @@ fn a_tool_stands_on_the_surface_when_asked_to() {
     key(&mut harness, Modifiers::NONE, Key::T);
     run(&mut harness, "subtract cuboid at=32,32,48 half=32,32,16");
     click(&mut harness, "Rest on the surface");
-    harness.state_mut().ui.hand.set_half(0, 4.2);
+    harness.state_mut().editor.tool.set_half(0, 4.2);
     let at = middle(&harness);
     drag(&mut harness, &[at]);
-    let hand = &harness.state().ui.hand;
-    assert!((hand.centre_vx.z - (32.0 + hand.half().z)).abs() < 1e-3);
+    let tool = &harness.state().editor.tool;
+    assert!((tool.centre_vx.z - (32.0 + tool.half().z)).abs() < 1e-3);
     // In the middle between two voxels: eight centres across, eight before the surface.
-    assert!((hand.centre_vx - Vec3::splat(32.0)).truncate().abs().max_element() < 0.1);
+    assert!((tool.centre_vx - Vec3::splat(32.0)).truncate().abs().max_element() < 0.1);
     assert_eq!(voxels(&harness), FULL / 2 + 8 * 8 * 8);
-    assert_eq!(harness.state().ui.hand.mode, ToolMode::Add);
+    assert_eq!(harness.state().editor.tool.mode, ToolMode::Add);
 }
 
 /// Nothing is cut off, whichever tool's options are shown.
@@ -304,10 +307,12 @@ fn the_options_of_every_tool_fit_into_their_panel() {
     let mut harness = front();
     run(&mut harness, "copy");
     run(&mut harness, "select add");
-    for tool in SprayKind::ALL.map(Tool::Spray).into_iter().chain([Tool::Solid, Tool::Marker]) {
-        harness.state_mut().ui.hand.tool = tool;
-        harness.state_mut().ui.hand.mode = ToolMode::Recolour;
-        harness.state_mut().ui.hand.used_colour();
+    for tool in
+        SprayKind::ALL.map(ToolKind::Spray).into_iter().chain([ToolKind::Solid, ToolKind::Marker])
+    {
+        harness.state_mut().editor.tool.kind = tool;
+        harness.state_mut().editor.tool.mode = ToolMode::Recolour;
+        harness.state_mut().editor.tool.used_colour();
         harness.run();
         for role in [Role::Button, Role::CheckBox, Role::SpinButton, Role::Slider, Role::Label] {
             for node in harness.query_all_by_role(role) {

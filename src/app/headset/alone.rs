@@ -6,9 +6,11 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 use super::Headset;
+use crate::app::AppError;
 use crate::app::Workspace;
-use crate::app::{AppError, recovery};
 use crate::config::Config;
+use crate::editor::recovery;
+use crate::folders::state_folder;
 use crate::gpu::DeviceOptions;
 use crate::input::Bindings;
 use crate::session::Session;
@@ -37,7 +39,7 @@ pub fn run(
     workspace.finish_job();
     if headset.is_left() && workspace.session().modified() {
         // The runtime has ended the program: nobody could be asked.
-        match recovery::save(workspace.session_mut()) {
+        match recovery::save(workspace.session_mut(), &state_folder()) {
             Ok(path) => tracing::warn!("the sculpture was saved to {}", path.display()),
             Err(error) => tracing::error!("the sculpture could not be saved: {error}"),
         }

@@ -1,19 +1,21 @@
 //! Hands at work on a sculpture: where tracking leaps or gives nonsense, nothing is cut that no
 //! hand has touched, and nothing grows without end.
 
-use glam::Vec2;
+use glam::{Quat, Vec2, Vec3};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;
 
-use super::*;
+use crate::app::Workspace;
 use crate::config::Config;
+use crate::editor::tool::ToolKind;
 use crate::input::Bindings;
 use crate::input::hands::{HandMapper, HandSettings, HandSide, HandState, HandsState};
 use crate::input::pad::stick::Response;
 use crate::sculpture::Rgb;
 use crate::session::Session;
 use crate::tools::spray::SprayKind;
+use crate::view::{Pose, Room};
 
 const REACH_M: f32 = 0.08;
 const LOOK_S: f64 = 1.0 / 72.0;
@@ -25,7 +27,6 @@ struct Person {
     workspace: Workspace,
     mapper: HandMapper,
     room: Room,
-    held: Held,
     state: HandsState,
 }
 
@@ -43,7 +44,6 @@ impl Person {
             workspace,
             mapper: HandMapper::new(settings),
             room: Room::before(&head, 0.7, 0.3, 0.5 / dims as f32),
-            held: Held::default(),
             state: HandsState::default(),
         }
     }
@@ -60,7 +60,7 @@ impl Person {
     fn look(&mut self) {
         self.state.time_s += LOOK_S;
         for event in self.mapper.hear(&self.state, None) {
-            self.workspace.do_by_hand(&event, &self.room, &mut self.held);
+            self.workspace.answer_hand(&event, &self.room);
         }
     }
 
@@ -80,28 +80,28 @@ const MIDDLE: Vec3 = Vec3::new(0.0, 1.3, -0.7);
 
 #[test]
 fn a_leap_of_tracking_cuts_no_tunnel() {
-    for tool in [Tool::Solid, Tool::Spray(SprayKind::Devourer)] {
+    for tool in [ToolKind::Solid, ToolKind::Spray(SprayKind::Devourer)] {
         let mut person = Person::new(DIMS);
-        person.workspace.ui.hand.tool = tool;
+        person.workspace.editor.tool.kind = tool;
         let left = MIDDLE - Vec3::X * 0.3;
         person.hold(left, 0.0, 5);
         person.hold(left, 1.0, 2);
-        assert!(person.workspace.stroke_in_hand());
+        assert!(person.workspace.editor.is_stroking());
         // From one side of the cube to the other between two looks, and back.
         person.hold(MIDDLE + Vec3::X * 0.3, 1.0, 1);
-        assert!(!person.workspace.stroke_in_hand(), "the tool is lifted");
+        assert!(!person.workspace.editor.is_stroking(), "the tool is lifted");
         person.hold(left, 1.0, 5);
         assert_eq!(person.gone(), 0, "{tool:?}");
-        assert!(!person.workspace.stroke_in_hand());
+        assert!(!person.workspace.editor.is_stroking());
         // The hand is calm again.
         person.hold(left, 1.0, 10);
-        assert!(person.workspace.stroke_in_hand(), "a new stroke");
+        assert!(person.workspace.editor.is_stroking(), "a new stroke");
         for i in 1..=40 {
             person.hold(left + Vec3::X * (0.0075 * i as f32), 1.0, 1);
         }
         person.hold(MIDDLE, 0.0, 2);
-        assert!(!person.workspace.stroke_in_hand());
-        if tool == Tool::Solid {
+        assert!(!person.workspace.editor.is_stroking());
+        if tool == ToolKind::Solid {
             assert!(person.gone() > 100 && !person.is_opaque(Vec3::new(0.25, 0.5, 0.5)));
             assert!(person.is_opaque(Vec3::new(0.75, 0.5, 0.5)), "not beyond where the hand went");
         }
@@ -111,7 +111,7 @@ fn a_leap_of_tracking_cuts_no_tunnel() {
 #[test]
 fn a_marker_does_not_go_along_with_a_leap() {
     let mut person = Person::new(DIMS);
-    person.workspace.ui.hand.tool = Tool::Marker;
+    person.workspace.editor.tool.kind = ToolKind::Marker;
     person.hold(MIDDLE, 0.0, 5);
     let marker = |person: &Person| person.workspace.session().document().selection().marker();
     let before = marker(&person);
@@ -141,12 +141,12 @@ fn poses_that_are_none_end_the_stroke() {
         let mut person = Person::new(DIMS);
         person.hold(MIDDLE, 0.0, 5);
         person.hold(MIDDLE, 1.0, 2);
-        let (gone, tool) = (person.gone(), person.workspace.ui.hand.centre_vx);
-        assert!(person.workspace.stroke_in_hand() && gone > 0);
+        let (gone, tool) = (person.gone(), person.workspace.editor.tool.centre_vx);
+        assert!(person.workspace.editor.is_stroking() && gone > 0);
         person.state.hands[HandSide::Right.index()].aim = Some(pose);
         person.look();
-        assert!(!person.workspace.stroke_in_hand(), "{pose:?}");
-        assert_eq!((person.gone(), person.workspace.ui.hand.centre_vx), (gone, tool));
+        assert!(!person.workspace.editor.is_stroking(), "{pose:?}");
+        assert_eq!((person.gone(), person.workspace.editor.tool.centre_vx), (gone, tool));
     }
 }
 
@@ -157,14 +157,14 @@ fn the_eyedropper_takes_the_colour_that_the_tool_touches_or_points_at() {
     let dye = format!("dye colour={red}");
     let mark = "mark at=0,0,32 size=64,64,32".to_string();
     for command in [dye, mark, format!("dye marker colour={blue}")] {
-        assert!(person.workspace.execute(&command.parse().unwrap()), "{command}");
+        assert!(person.workspace.run_now(&command.parse().unwrap()), "{command}");
     }
-    let own = person.workspace.ui.hand.colour;
+    let own = person.workspace.editor.tool.colour;
     let pick = |person: &mut Person, at: Vec3| {
         person.hold(at, 0.0, 2);
         person.state.hands[HandSide::Right.index()].pick = true;
         person.look();
-        person.workspace.ui.hand.colour
+        person.workspace.editor.tool.colour
     };
     // Beside all, pointing past it.
     assert_eq!(pick(&mut person, MIDDLE + Vec3::X), own);
@@ -173,10 +173,10 @@ fn the_eyedropper_takes_the_colour_that_the_tool_touches_or_points_at() {
     assert_eq!(pick(&mut person, MIDDLE - Vec3::Z * 0.1), red);
     assert_eq!(pick(&mut person, MIDDLE + Vec3::Z * 0.1), blue);
     // Chosen on the board, the next pull takes a colour and uses no tool.
-    person.workspace.ui.hand.eyedropper = true;
+    person.workspace.editor.tool.eyedropper = true;
     person.hold(MIDDLE - Vec3::Z * 0.1, 0.0, 20);
     person.hold(MIDDLE - Vec3::Z * 0.1, 1.0, 2);
-    assert_eq!((person.workspace.ui.hand.colour, person.gone()), (red, 0));
+    assert_eq!((person.workspace.editor.tool.colour, person.gone()), (red, 0));
     person.hold(MIDDLE - Vec3::Z * 0.1, 0.0, 1);
     person.hold(MIDDLE - Vec3::Z * 0.1, 1.0, 2);
     assert!(person.gone() > 0, "the one after that uses the tool");
@@ -243,10 +243,10 @@ fn a_million_mad_poses_do_no_harm() {
     };
     for look in 0..LOOKS {
         if look % 997 == 0 {
-            person.workspace.ui.hand.tool = match next() % 6 {
-                0..3 => Tool::Solid,
-                3 => Tool::Marker,
-                _ => Tool::Spray(SprayKind::ALL[next() % SprayKind::ALL.len()]),
+            person.workspace.editor.tool.kind = match next() % 6 {
+                0..3 => ToolKind::Solid,
+                3 => ToolKind::Marker,
+                _ => ToolKind::Spray(SprayKind::ALL[next() % SprayKind::ALL.len()]),
             };
         }
         for hand in 0..2 {
@@ -270,13 +270,13 @@ fn a_million_mad_poses_do_no_harm() {
         let events = person.mapper.hear(&person.state, None);
         assert!(events.len() <= 12, "{events:?}");
         for event in &events {
-            person.workspace.do_by_hand(event, &person.room, &mut person.held);
+            person.workspace.answer_hand(event, &person.room);
         }
-        let now = person.workspace.stroke_in_hand();
+        let now = person.workspace.editor.is_stroking();
         strokes += u32::from(now && !std::mem::replace(&mut at_work, now));
         at_work = now;
         let (hand, placement) =
-            (&person.workspace.ui.hand, person.workspace.session().document().placement());
+            (&person.workspace.editor.tool, person.workspace.session().document().placement());
         assert!(
             hand.centre_vx.is_finite() && hand.rotation().is_finite() && hand.half().is_finite()
         );

@@ -6,12 +6,14 @@
 
 pub mod alone;
 mod face;
-mod hands;
 mod overlay;
 mod pane;
 mod presence;
 mod search;
 mod shots;
+
+#[cfg(test)]
+mod hands_tests;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -176,7 +178,7 @@ impl Headset {
             settings: self.settings.clone(),
             options: self.options.clone(),
             stood: self.stood,
-            worn: workspace.worn_head().cloned(),
+            worn: workspace.viewpoint.head.worn().cloned(),
         };
         if self.search.is_none() {
             match Search::start(self.tell.clone()) {

@@ -1,4 +1,4 @@
-//! Owns what helps the hands in a headset: the tool and its lines as in the window, the cone of a
+//! What helps the hands in a headset: the tool and its lines as in the window, the cone of a
 //! spray, the ray to the board, lines on the floor.
 
 use std::f32::consts::TAU;
@@ -27,20 +27,20 @@ pub fn overlay(
     floor: bool,
 ) -> (Option<ToolPreview>, Vec<Line>) {
     // The pointer and what it sees belong to the window.
-    let scene = OverlayScene { seen: None, pointer: None, ..workspace.scene() };
+    let scene = OverlayScene { seen: None, pointer: None, ..workspace.overlay_scene() };
     let (preview, mut lines) = (overlay::preview(&scene), overlay::lines(&scene));
     let line = |from, to, colour, width_px, opacity| Line { from, to, colour, width_px, opacity };
-    if let Some(can) = workspace.can(room).filter(|_| workspace.ui.view.tool) {
-        let tip = can.eye_vx + can.aim;
+    if let Some(spray) = workspace.editor.held_spray(room).filter(|_| workspace.ui.view.tool) {
+        let tip = spray.eye_vx + spray.aim;
         let rim = |i: usize| {
             let (sin, cos) = (TAU * i as f32 / SEGMENTS as f32).sin_cos();
-            tip + (can.across * cos + can.down * sin) * can.radius
+            tip + (spray.across * cos + spray.down * sin) * spray.radius
         };
-        let colour = workspace.ui.hand.colour;
+        let colour = workspace.editor.tool.colour;
         lines.extend((0..SEGMENTS).map(|i| line(rim(i), rim(i + 1), colour, 1.4, [0.9, 0.3])));
-        lines.push(line(can.eye_vx, tip, colour, 1.2, [0.6, 0.2]));
+        lines.push(line(spray.eye_vx, tip, colour, 1.2, [0.6, 0.2]));
     }
-    let at = |point| workspace.grid_point(point, room);
+    let at = |point| workspace.editor.grid_point(point, room);
     if let Some([from, to]) = ray {
         lines.push(line(at(from), at(to), RAY, 1.8, [0.8, 0.8]));
     }

@@ -7,11 +7,10 @@ use std::time::Duration;
 use ash::vk;
 use glam::{UVec3, Vec3};
 
-use super::hands::Held;
 use super::overlay::overlay;
 use super::pane::BoardPane;
 use super::shots::Shots;
-use crate::app::painter::{background, paint_what_fits};
+use crate::app::painter::background;
 use crate::app::workspace::Workspace;
 use crate::gpu::ValidationLog;
 use crate::input::hands::{Board, HandEvent, HandMapper, HandsState};
@@ -39,10 +38,11 @@ pub struct Presence {
     link: Link,
     settings: HeadsetOptions,
     mapper: HandMapper,
-    held: Held,
     rumble: Rumble,
     /// When the hand was last let feel something, in seconds of the headset's clock.
     felt_s: Option<f64>,
+    /// Voxels that tools had changed in all by then.
+    felt_voxels: u64,
     board_open: bool,
     /// Where the world lies in the room, and for which size of a sculpture.
     room: Option<(Room, Extent)>,
@@ -93,9 +93,9 @@ impl Presence {
             link,
             settings: settings.clone(),
             mapper: HandMapper::new(settings.hands()),
-            held: Held::default(),
             rumble: Rumble::default(),
             felt_s: None,
+            felt_voxels: 0,
             board_open: false,
             room: None,
             recentring: false,
@@ -158,7 +158,7 @@ impl Presence {
         let mut events = Vec::new();
         self.mapper.let_go(&mut events);
         self.obey(workspace, &events);
-        workspace.hand_pose = None;
+        workspace.editor.hand.put_down();
     }
 
     /// One frame: hear the hands and do what they ask for, let them feel it, bring the board up to
@@ -280,7 +280,7 @@ impl Presence {
             }
             self.pane.hear(event);
             if let Some((room, _)) = &self.room {
-                workspace.do_by_hand(event, room, &mut self.held);
+                workspace.answer_hand(event, room);
             }
         }
     }
@@ -289,11 +289,12 @@ impl Presence {
     fn feel(&mut self, workspace: &mut Workspace, frame: &Frame) {
         let now_s = frame.seconds();
         let dt_s = self.felt_s.replace(now_s).map_or(0.0, |felt| (now_s - felt).clamp(0.0, 1.0));
-        let bitten = std::mem::take(&mut workspace.bitten_by_hand);
-        let felt = self.settings.haptics && self.held.is_working();
+        let total = workspace.editor.voxels_changed();
+        let changed = total.saturating_sub(std::mem::replace(&mut self.felt_voxels, total));
+        let felt = self.settings.haptics && workspace.editor.hand.is_working();
         let before = self.rumble.is_shaking();
         let curve = self.settings.haptics_curve();
-        let strength = self.rumble.step(felt.then_some(bitten), dt_s as f32, &curve);
+        let strength = self.rumble.step(felt.then_some(changed), dt_s as f32, &curve);
         if before || strength > 0.0 {
             self.link.feel(self.mapper.settings().main, strength);
         }
@@ -329,7 +330,7 @@ impl Presence {
         let eyes = views.map(|view| room.eye(&view, size));
         let through = self.link.sees_through();
         let (preview, lines) = overlay(workspace, room, ray, !through);
-        let mut desc = FrameDesc {
+        let desc = FrameDesc {
             eyes: &eyes,
             world_from_grid: workspace.world_from_grid(),
             mode: workspace.ui.view.mode,
@@ -339,7 +340,11 @@ impl Presence {
             previews: preview.as_slice(),
             lines: &lines,
         };
-        Ok(paint_what_fits(&mut self.renderer, recorder, slot, workspace, &mut desc)?)
+        let document = workspace.session_mut().document_mut();
+        let report =
+            self.renderer.paint_with_fallback(recorder, slot, document, &desc, |_| true)?;
+        workspace.take_fallbacks(&report.fallbacks);
+        Ok(())
     }
 
     fn shoot(

@@ -1,4 +1,4 @@
-//! Owns the resampling of a stroke's path: however the hand moved and however often the device
+//! The resampling of a stroke's path: however the hand moved and however often the device
 //! spoke, the tool is used at a spacing that depends on the tool and the direction alone.
 
 use glam::Vec3;

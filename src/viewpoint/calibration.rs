@@ -1,4 +1,4 @@
-//! Owns the calibration of a tracker by touching the four corners of the screen, and the file that
+//! The calibration of a tracker by touching the four corners of the screen, and the file that
 //! keeps it.
 
 use std::collections::VecDeque;

@@ -1,20 +1,21 @@
-//! Owns handling the marker with a pointer: drawing a box over the surface, sliding it, pulling
-//! its faces; and everything that keys do with it.
+//! The marker under a pointer: drawing a box over the surface, sliding it, pulling its faces; and
+//! everything that keys do with it, the selection and the clipboard.
 
 use glam::{IVec3, Vec2, Vec3};
 
-use super::aim::entered_face;
-use super::workspace::Workspace;
+use super::Editor;
+use super::tool::ToolKind;
 use crate::command::{Area, Command, SelectOp};
-use crate::input::{Action, Step};
+use crate::input::Action;
+use crate::picking::Picker;
+use crate::picking::geometry::entered_face;
 use crate::sculpture::orientation::Orientation;
 use crate::sculpture::region::VoxelBox;
 use crate::sculpture::selection::{SelectedBox, Selection};
-use crate::ui::Tool;
 
 /// What a drag does to the marker.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub enum MarkerDrag {
+pub(super) enum MarkerDrag {
     /// Slides it in the plane of a face; `normal` leads out of it.
     Slide { normal: Vec3, grabbed: Vec3, start: VoxelBox },
     /// Pulls a face along its normal.
@@ -23,22 +24,33 @@ pub enum MarkerDrag {
     Span { from: IVec3 },
 }
 
-impl Workspace {
+/// What is known of the marker between events.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub(super) struct MarkerTool {
+    /// What a drag does to it.
+    pub drag: Option<MarkerDrag>,
+    /// What drags have moved it by, less whole voxels.
+    rest: Vec3,
+    /// The box that was selected only because tools were to be limited to the marker.
+    lent_to_limit: Option<VoxelBox>,
+}
+
+impl Editor {
     /// A press with the marker in hand; false if it was beside everything.
-    pub(super) fn begin_marker(&mut self, at: Vec2, pull: bool) -> bool {
+    pub(super) fn begin_marker(&mut self, at: Vec2, pull: bool, picker: &Picker) -> bool {
         let start = self.session.document().selection().marker();
-        let rays = self.sight().rays;
+        let rays = picker.sight().rays;
         let direction = rays.direction_at(at.x, at.y);
         let (min, max) = (start.min.as_vec3(), start.max.as_vec3());
         let face = entered_face(rays.origin, direction, min, max);
-        let surface = self.target(at);
+        let surface = picker.target(self.document().grid(), at);
         let depth = |p: Vec3| (p - rays.origin).dot(direction) / direction.length_squared();
         // A face that the sculpture hides cannot be meant, unless its surface lies in the box.
         let hidden = |enter: f32| {
             surface
                 .is_some_and(|p| depth(p) < enter - 1e-3 && !start.contains(p.floor().as_ivec3()))
         };
-        self.marker_drag = match (face.filter(|(enter, _)| !hidden(*enter)), surface) {
+        self.marker.drag = match (face.filter(|(enter, _)| !hidden(*enter)), surface) {
             (Some((enter, normal)), _) => {
                 let grabbed = rays.origin + direction * enter;
                 Some(match pull {
@@ -47,19 +59,19 @@ impl Workspace {
                 })
             }
             (None, Some(point)) => {
-                let from = self.voxel_behind(point, at);
+                let from = self.voxel_behind(point, at, picker);
                 self.mark(VoxelBox { min: from, max: from + 1 });
                 Some(MarkerDrag::Span { from })
             }
             (None, None) => None,
         };
-        self.marker_drag.is_some()
+        self.marker.drag.is_some()
     }
 
-    pub(super) fn drag_marker(&mut self, at: Vec2) {
-        let rays = self.sight().rays;
+    pub(super) fn drag_marker(&mut self, at: Vec2, picker: &Picker) {
+        let rays = picker.sight().rays;
         let direction = rays.direction_at(at.x, at.y);
-        match self.marker_drag {
+        match self.marker.drag {
             Some(MarkerDrag::Slide { normal, grabbed, start }) => {
                 // The point of the face's plane under the pointer.
                 let along = direction.dot(normal);
@@ -80,8 +92,8 @@ impl Workspace {
                 self.mark(pulled_face(start, normal, pulled.round() as i32));
             }
             Some(MarkerDrag::Span { from }) => {
-                if let Some(point) = self.target(at) {
-                    let to = self.voxel_behind(point, at);
+                if let Some(point) = picker.target(self.document().grid(), at) {
+                    let to = self.voxel_behind(point, at, picker);
                     self.mark(VoxelBox { min: from.min(to), max: from.max(to) + 1 });
                 }
             }
@@ -91,9 +103,9 @@ impl Workspace {
 
     /// Moves the marker as far as a drag of `by` pixels moves things at its depth.
     pub(super) fn shift_marker(&mut self, by: Vec3) {
-        let moved = self.marker_rest + by;
+        let moved = self.marker.rest + by;
         let whole = moved.round();
-        self.marker_rest = moved - whole;
+        self.marker.rest = moved - whole;
         if whole != Vec3::ZERO {
             let marker = self.session.document().selection().marker();
             let by = whole.as_ivec3();
@@ -138,18 +150,20 @@ impl Workspace {
     }
 
     /// The voxel whose face a point on the surface lies on.
-    fn voxel_behind(&self, point: Vec3, at: Vec2) -> IVec3 {
-        let dims = self.session.document().grid().dims().as_ivec3();
-        (point - self.normal(at) * 0.5).floor().as_ivec3().clamp(IVec3::ZERO, dims - 1)
+    fn voxel_behind(&self, point: Vec3, at: Vec2, picker: &Picker) -> IVec3 {
+        let grid = self.document().grid();
+        let normal = picker.normal(grid, at, self.tool.lean);
+        let dims = grid.dims().as_ivec3();
+        (point - normal * 0.5).floor().as_ivec3().clamp(IVec3::ZERO, dims - 1)
     }
 
     /// Does what an action says about the marker, the selection or the copy.
-    pub(super) fn act_on_area(&mut self, action: Action) {
+    pub(super) fn act_on_area(&mut self, action: Action, picker: &Picker) {
         let marker = self.session.document().selection().marker();
-        let colour = self.ui.hand.colour;
+        let colour = self.tool.colour;
         let area = Area::Marker;
         match action {
-            Action::Marker => self.ui.hand.tool = Tool::Marker,
+            Action::Marker => self.tool.kind = ToolKind::Marker,
             Action::SelectMarker => self.run(Command::Select(SelectOp::Add)),
             Action::DeselectMarker => self.run(Command::Select(SelectOp::Subtract)),
             Action::DropBox => self.run(Command::Select(SelectOp::Drop)),
@@ -157,13 +171,16 @@ impl Workspace {
             Action::ToggleLimit => {
                 let selection = self.session.document().selection();
                 let (limits, empty) = (selection.limits(), selection.boxes().is_empty());
-                let lent =
-                    self.lent_to_limit.take().map(|bounds| SelectedBox { bounds, adds: true });
+                let lent = self
+                    .marker
+                    .lent_to_limit
+                    .take()
+                    .map(|bounds| SelectedBox { bounds, adds: true });
                 let only_lent = lent.is_some_and(|lent| selection.boxes() == [lent]);
                 // Whoever limits tools without having selected anything means the marker, and
                 // the next time where it is by then.
                 if !limits && empty {
-                    self.lent_to_limit = Some(marker);
+                    self.marker.lent_to_limit = Some(marker);
                     self.run(Command::Select(SelectOp::Add));
                 } else if limits && only_lent {
                     self.run(Command::Select(SelectOp::Clear));
@@ -171,42 +188,37 @@ impl Workspace {
                 self.run(Command::Limit(!limits));
             }
             Action::FillMarker => {
-                self.ui.hand.used_colour();
+                self.tool.used_colour();
                 self.run(Command::Fill { area, colour: Some(colour) });
             }
             Action::ClearMarker => self.run(Command::Clear { area }),
             Action::DyeMarker => {
-                self.ui.hand.used_colour();
+                self.tool.used_colour();
                 self.run(Command::Dye { area, colour });
             }
             Action::Copy | Action::Cut => {
                 let cut = action == Action::Cut;
                 self.run(if cut { Command::Cut } else { Command::Copy });
-                self.ui.orientation = Orientation::UPRIGHT;
+                self.tool.paste_orientation = Orientation::UPRIGHT;
             }
             Action::Paste => {
-                let orientation = self.ui.orientation;
+                let orientation = self.tool.paste_orientation;
                 self.run(Command::Paste { at: marker.min, orientation });
             }
             Action::TurnClip(axis) => {
                 let turn = Orientation::quarter_turn(axis.index());
-                self.ui.orientation = self.ui.orientation.then(turn);
+                self.tool.paste_orientation = self.tool.paste_orientation.then(turn);
             }
             Action::MirrorClip(axis) => {
                 let mirror = Orientation::mirroring(axis.index());
-                self.ui.orientation = self.ui.orientation.then(mirror);
+                self.tool.paste_orientation = self.tool.paste_orientation.then(mirror);
             }
             Action::MoveContents(step) => {
-                let by = self.grid_step(step).as_ivec3();
+                let by = picker.sight().screen_axes().step(step).as_ivec3();
                 self.run(Command::Move { by, orientation: Orientation::UPRIGHT });
             }
             _ => {}
         }
-    }
-
-    /// The axis of the grid that a step on the screen goes along.
-    pub(super) fn grid_step(&self, step: Step) -> Vec3 {
-        self.sight().screen_axes().step(step)
     }
 }
 

@@ -1,5 +1,5 @@
-//! Owns the video picture behind the sculpture: opens what the person names, takes the newest
-//! frame without ever waiting for it, and says what becomes of the camera.
+//! The video behind the sculpture: opens what the person names, takes the newest frame without ever
+//! waiting for it, and reports what becomes of the camera.
 //!
 //! A frame stays when its camera is gone, until the video is switched off. Knows no Vulkan.
 
@@ -8,12 +8,36 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::ar::Look;
-use super::workspace::Workspace;
-use crate::ui::video::{VideoState, VideoStatus};
-use crate::video::{Address, Frame, Intrinsics, State, VideoError, VideoOptions, VideoSource};
+use crate::notice::Notice;
+use crate::video::{
+    Address, Frame, Intrinsics, State, Stats, VideoError, VideoOptions, VideoSource,
+};
 
 /// Between two looks for a new frame.
 const LOOK_EVERY: Duration = Duration::from_millis(8);
+
+/// The state of the video.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub enum VideoState {
+    #[default]
+    Off,
+    Opening,
+    Live,
+    /// The camera is gone and is being looked for.
+    Lost(String),
+    /// The film is over.
+    Ended,
+    Failed(String),
+}
+
+/// What the interface reads of the video.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct VideoStatus {
+    pub state: VideoState,
+    /// Pixels of the last frame.
+    pub size: Option<[u32; 2]>,
+    pub stats: Stats,
+}
 
 /// What is opened, if anything is.
 #[derive(Default)]
@@ -27,14 +51,14 @@ pub struct Camera {
 }
 
 impl Camera {
-    pub(super) fn status(&self) -> VideoStatus {
+    pub fn status(&self) -> VideoStatus {
         let size = self.frame.as_ref().map(|frame| [frame.width, frame.height]);
         let stats = self.source.as_ref().map(|source| source.stats()).unwrap_or_default();
         VideoStatus { state: self.state.clone(), size, stats }
     }
 
     /// How soon to look for another frame.
-    pub(super) fn repaint_after(&self) -> Option<Duration> {
+    pub fn repaint_after(&self) -> Option<Duration> {
         let moving =
             matches!(self.source.as_ref()?.state(), State::Opening | State::Live | State::Lost(_));
         moving.then_some(LOOK_EVERY)
@@ -55,8 +79,8 @@ impl Camera {
         Ok(())
     }
 
-    /// Takes what has come; gives what is to be said about it.
-    fn poll(&mut self) -> Option<News> {
+    /// Takes what has come; returns what is to be said about it.
+    fn poll(&mut self) -> Option<Notice> {
         let source = self.source.as_mut()?;
         if let Some(frame) = source.poll() {
             self.frame = Some(Arc::new(frame.clone()));
@@ -73,20 +97,67 @@ impl Camera {
         }
         let before = std::mem::replace(&mut self.state, state);
         match (&before, &self.state) {
-            (VideoState::Lost(_), VideoState::Live) => Some(News::Back),
+            (VideoState::Lost(_), VideoState::Live) => Some(Notice::note("The camera is back")),
             // A camera that is looked for says the same in other words now and then.
             (VideoState::Lost(_), VideoState::Lost(_)) => None,
-            (_, VideoState::Lost(error)) => Some(News::Lost(error.clone())),
-            (_, VideoState::Failed(error)) => Some(News::Failed(error.clone())),
+            (_, VideoState::Lost(error)) => {
+                let text =
+                    "The camera has been disconnected; its last picture stays until it is back";
+                Some(Notice::error(format!("{text}: {error}")))
+            }
+            (_, VideoState::Failed(error)) => {
+                Some(Notice::error(format!("The video has stopped: {error}")))
+            }
             _ => None,
         }
     }
-}
 
-enum News {
-    Lost(String),
-    Back,
-    Failed(String),
+    /// Opens and closes the camera as is wished. Returns its newest frame with how it lies on the
+    /// screen, and what is to be said.
+    pub fn follow(
+        &mut self,
+        settings: &VideoOptions,
+        wished: bool,
+    ) -> (Option<(Arc<Frame>, Look)>, Option<Notice>) {
+        if !wished {
+            if self.source.is_some() || self.frame.is_some() {
+                *self = Camera::default();
+            }
+            return (None, None);
+        }
+        let settings = VideoOptions { on: true, ..settings.clone() };
+        let same = |a: &VideoOptions, b: &VideoOptions| {
+            (&a.source, &a.lens, a.on) == (&b.source, &b.lens, b.on)
+        };
+        let mut notice = None;
+        if !same(&self.opened, &settings)
+            && let Err(error) = self.open(&settings)
+        {
+            notice = Some(Notice::error(format!("No video: {error}")));
+            self.state = VideoState::Failed(error);
+        }
+        let notice = self.poll().or(notice);
+        let look = Look { lens: self.lens, fit: settings.fit, mirror: settings.mirror };
+        (self.frame.clone().map(|frame| (frame, look)), notice)
+    }
+
+    /// The newest frame.
+    pub fn frame(&self) -> Option<&Arc<Frame>> {
+        self.frame.as_ref()
+    }
+
+    pub fn lens(&self) -> Option<Intrinsics> {
+        self.lens
+    }
+
+    pub fn state(&self) -> &VideoState {
+        &self.state
+    }
+
+    /// Whether a camera or film is open.
+    pub fn is_open(&self) -> bool {
+        self.source.is_some()
+    }
 }
 
 fn read_lens(path: &Path) -> Result<Intrinsics, String> {
@@ -112,55 +183,3 @@ fn first_camera() -> Result<Address, String> {
 fn first_camera() -> Result<Address, String> {
     Err("enter a video file, a folder of PNGs or a phone's http:// address".to_string())
 }
-
-impl Workspace {
-    /// Opens and closes the camera as is wished, and takes its newest frame.
-    pub(super) fn follow_camera(&mut self) {
-        // The marker is looked for in the video.
-        let wished = self.ui.view.video.on || self.ar_is_on();
-        if !wished {
-            if self.camera.source.is_some() || self.camera.frame.is_some() {
-                self.camera = Camera::default();
-            }
-            return;
-        }
-        let settings = VideoOptions { on: true, ..self.ui.view.video.clone() };
-        let same = |a: &VideoOptions, b: &VideoOptions| {
-            (&a.source, &a.lens, a.on) == (&b.source, &b.lens, b.on)
-        };
-        if !same(&self.camera.opened, &settings)
-            && let Err(error) = self.camera.open(&settings)
-        {
-            self.camera.state = VideoState::Failed(error.clone());
-            self.ui.toasts.error(format!("No video: {error}"));
-        }
-        match self.camera.poll() {
-            Some(News::Lost(error)) => {
-                let text =
-                    "The camera has been disconnected; its last picture stays until it is back";
-                self.ui.toasts.error(format!("{text}: {error}"));
-            }
-            Some(News::Back) => self.ui.toasts.note("The camera is back"),
-            Some(News::Failed(error)) => {
-                self.ui.toasts.error(format!("The video has stopped: {error}"))
-            }
-            None => {}
-        }
-        if let Some(frame) = self.camera.frame.clone() {
-            let look = Look { lens: self.camera.lens, fit: settings.fit, mirror: settings.mirror };
-            self.see(&frame, look);
-        }
-    }
-
-    /// The frame to be shown behind the sculpture, and its lens: the one that the eye belongs to,
-    /// or the newest.
-    pub fn video(&self) -> Option<(&Arc<Frame>, Option<Intrinsics>)> {
-        let wished = self.ui.view.video.on || self.ar_is_on();
-        let frame = self.ar_frame().or(self.camera.frame.as_ref()).filter(|_| wished)?;
-        Some((frame, self.camera.lens))
-    }
-}
-
-#[cfg(test)]
-#[path = "camera_tests.rs"]
-mod tests;

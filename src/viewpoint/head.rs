@@ -1,15 +1,12 @@
-//! Owns the head before the screen: its tracker, and the off-axis eye from which the sculpture is
-//! seen while the view follows it.
+//! The head before the screen: its tracker, and the off-axis eyes from which the sculpture is seen
+//! while the view follows it.
 //!
 //! Time comes in as seconds, so that all of it can be tested without a clock. The sculpture's centre
 //! lies in the plane of the screen; the camera's distance, which the wheel changes, is its scale.
 
-pub mod calibrate;
-
 use std::path::PathBuf;
 use std::time::Duration;
 
-use egui::Rect;
 use glam::{DQuat, DVec3, IVec2, Quat, UVec2, Vec2, Vec3};
 use tracking::calibration::Calibration;
 use tracking::controls::{AnalogBinding, AnalogUse, ButtonBinding, Control, ControlMap};
@@ -17,16 +14,18 @@ use tracking::{
     BodyId, Event, HostClock, Placement, Predicted, Presence, Source, SourceState, Tracker,
 };
 
-use super::workspace::Workspace;
-use crate::config::Config;
+use super::Viewport;
+use super::calibration::{self, Calibrating};
+use super::turntable::Turntable;
 use crate::head_tracking::{ScreenOptions, SourceAddress, TrackingOptions, source};
 use crate::input::action::Kind;
 use crate::input::{Action, ActionEvent};
+use crate::notice::Notice;
 use crate::screen::headset::WornHead;
-use crate::ui::head::{CalibrationStatus, CalibrationStep, HeadStatus};
 use crate::view::Eye;
 use crate::view::off_axis::{Head as HeadPlace, ScreenInWorld, ScreenPlane};
-use calibrate::Calibrating;
+
+pub use super::head_status::{CalibrationStatus, CalibrationStep, HeadStatus};
 
 /// Of a screen whose size nobody told: 24 inches across, in metres.
 const GUESSED_DIAGONAL_M: f32 = 0.61;
@@ -58,13 +57,15 @@ pub struct Head {
     tracker: Option<Tracker>,
     calibration: Calibration,
     calibration_file: Option<PathBuf>,
-    pub(super) calibrating: Option<Calibrating>,
+    calibrating: Option<Calibrating>,
     controls: ControlMap<Action>,
     /// What analogs do for as long as they are moved.
     axes: Vec<(Action, f64)>,
     shown: Predicted,
     monitor: Option<Monitor>,
     now_s: f64,
+    /// Between the last two updates.
+    elapsed_s: f64,
     losses: u32,
     rate: Rate,
 }
@@ -88,8 +89,9 @@ impl Rate {
 }
 
 impl Head {
-    pub fn new(config: &Config) -> Head {
-        let (settings, screen) = (config.tracking.clone(), config.screen.clone());
+    /// `headset_enabled`: a headset may report the head that wears it.
+    pub fn new(tracking: &TrackingOptions, screen: &ScreenOptions, headset_enabled: bool) -> Head {
+        let (settings, screen) = (tracking.clone(), screen.clone());
         let clock = HostClock::starting_now();
         let device = settings.controls().map_or(settings.source.label(), |d| d.to_string());
         let button = |(button, action)| ButtonBinding { source: device.clone(), button, action };
@@ -108,7 +110,7 @@ impl Head {
                 TrackingOptions::bound(&settings.analogs).map(analog).collect(),
             ),
             worn: match settings.source {
-                SourceAddress::Openxr(origin) if config.headset.enabled => {
+                SourceAddress::Openxr(origin) if headset_enabled => {
                     Some(WornHead::new(&settings.source.label(), origin, clock))
                 }
                 _ => None,
@@ -128,6 +130,7 @@ impl Head {
             axes: Vec::new(),
             monitor: None,
             now_s: 0.0,
+            elapsed_s: 0.0,
             losses: 0,
             rate: Rate::default(),
         }
@@ -142,7 +145,7 @@ impl Head {
         self.settings.on
     }
 
-    fn start(&mut self) -> Result<(), source::SourceError> {
+    fn open(&mut self) -> Result<(), source::SourceError> {
         let TrackingOptions { source: address, .. } = &self.settings;
         let controls = self.settings.controls();
         let worn = self.worn.as_ref();
@@ -157,17 +160,44 @@ impl Head {
         Ok(())
     }
 
-    fn stop(&mut self) {
+    /// Lets the view follow the head from now on, as the settings say. Returns what is to be said.
+    pub fn start(&mut self) -> Vec<Notice> {
+        let mut notices = Vec::new();
+        if self.settings.source == SourceAddress::None {
+            notices.push(Notice::note(
+                "No head tracker is set, so the view stays still. Set tracking.source in the settings",
+            ));
+        }
+        let (screen, guessed) = self.whole_screen();
+        if guessed {
+            let (width, height) = (screen.width_m * 100.0, screen.height_m * 100.0);
+            notices.push(Notice::note(format!(
+                "The screen is assumed to be {width:.0} × {height:.0} cm; if it is not, set \
+                 screen.size_m in the settings"
+            )));
+        }
+        if let Err(error) = self.open() {
+            notices.push(Notice::error(error.to_string()));
+        }
+        notices
+    }
+
+    pub fn stop(&mut self) {
         self.tracker = None;
         self.calibrating = None;
         self.axes.clear();
     }
 
-    /// Hears the sources, and says what their buttons ask for.
-    fn update(&mut self, now_s: f64) -> Vec<Control<Action>> {
-        let mut asked = Vec::new();
+    /// Seconds on the tracker's clock.
+    pub fn clock_s(&self) -> f64 {
+        self.clock.now_s()
+    }
+
+    /// Polls the sources at `now_s`. Returns what their buttons ask for, in order.
+    pub fn update(&mut self, now_s: f64) -> Vec<ActionEvent> {
+        self.elapsed_s = (now_s - self.now_s).clamp(0.0, 0.1);
         self.now_s = now_s;
-        let Some(tracker) = &mut self.tracker else { return asked };
+        let Some(tracker) = &mut self.tracker else { return Vec::new() };
         let mut events = Vec::new();
         tracker.update(now_s, &mut events);
         self.shown = tracker.predicted(now_s + self.settings.prediction_ms * 1e-3);
@@ -175,6 +205,7 @@ impl Head {
         if let Some(calibrating) = &mut self.calibrating {
             calibrating.hear(tracker.raw_of(BodyId::HEAD).next().flatten(), now_s);
         }
+        let mut controls = Vec::new();
         for event in &events {
             match (event, &mut self.calibrating) {
                 (Event::Lost { .. }, _) => self.losses += 1,
@@ -182,9 +213,34 @@ impl Head {
                 (Event::Button { pressed: true, .. }, Some(calibrating)) => calibrating.take(),
                 _ => {}
             }
-            self.controls.take(event, &mut asked);
+            self.controls.take(event, &mut controls);
         }
-        asked
+        controls.into_iter().filter_map(|control| self.action_of(control)).collect()
+    }
+
+    fn action_of(&mut self, control: Control<Action>) -> Option<ActionEvent> {
+        let is_hold = |action: Action| action.help().kind == Kind::Hold;
+        match control {
+            Control::Pressed(action) if is_hold(action) => {
+                Some(ActionEvent::Begin { action, at: None })
+            }
+            Control::Pressed(action) => Some(ActionEvent::Tap(action)),
+            Control::Released(action) => is_hold(action).then_some(ActionEvent::End(action)),
+            Control::Axis(action, value) => {
+                self.axes.retain(|(other, _)| *other != action);
+                self.axes.push((action, value));
+                None
+            }
+        }
+    }
+
+    /// What analogs have done since the last update: wheels turned at the pixel `at`.
+    pub fn wheels(&self, at: Vec2) -> Vec<ActionEvent> {
+        let turned = self.axes.iter().filter(|(_, value)| *value != 0.0);
+        let notches = |value: f64| (value * self.elapsed_s * NOTCHES_PER_S) as f32;
+        turned
+            .map(|&(action, value)| ActionEvent::Wheel { action, notches: notches(value), at })
+            .collect()
     }
 
     /// When the next picture is needed, with nothing else going on.
@@ -195,7 +251,7 @@ impl Head {
     }
 
     /// Where the head is before the screen, in metres, while it is tracked.
-    pub(super) fn position_m(&self) -> Option<Vec3> {
+    pub fn position_m(&self) -> Option<Vec3> {
         let tracked = matches!(self.shown.presence, Presence::Tracked | Presence::Returning);
         (self.is_on() && tracked).then(|| self.shown.placement.position_m.as_vec3())
     }
@@ -211,16 +267,106 @@ impl Head {
         (ScreenPlane::new(size.x, size.y), true)
     }
 
-    /// The part of the screen in which the picture is: `picture` in pixels of the window.
-    fn plane(&self, picture: Rect) -> ScreenPlane {
+    /// The part of the screen in which the picture is.
+    pub fn plane(&self, viewport: Viewport) -> ScreenPlane {
         let (whole, _) = self.whole_screen();
         let Some(monitor) = self.monitor else { return whole };
         // A window whose place nobody tells is taken to be in the middle.
         let middle = (monitor.size_px.as_ivec2() - monitor.window_size_px.as_ivec2()) / 2;
         let window = monitor.window_px.unwrap_or(middle).as_vec2();
         let screen = monitor.size_px.max(UVec2::ONE).as_vec2();
-        let share = |corner: egui::Pos2| (window + Vec2::new(corner.x, corner.y)) / screen;
-        whole.part(share(picture.min), share(picture.max))
+        let share = |corner: Vec2| (window + corner) / screen;
+        whole.part(share(viewport.corner_px), share(viewport.corner_px + viewport.size_px))
+    }
+
+    /// The left and the right eye of the head, `eye_distance_m` metres apart, while the view follows
+    /// it.
+    pub fn eyes(
+        &self,
+        viewport: Viewport,
+        turntable: &Turntable,
+        eye_distance_m: f32,
+    ) -> Option<[Eye; 2]> {
+        if !self.is_on() {
+            return None;
+        }
+        let plane = self.plane(viewport);
+        let Placement { position_m, orientation } = self.shown.placement;
+        let head = HeadPlace {
+            position_m: position_m.as_vec3(),
+            orientation: orientation.as_quat(),
+            eye_distance_m,
+        };
+        let world = ScreenInWorld {
+            centre: Vec3::ZERO,
+            rotation: Quat::IDENTITY,
+            units_per_m: turntable.window_height() / plane.height_m.max(1e-3),
+        };
+        let near = turntable.camera().near;
+        Some(plane.eyes(&head, &world, turntable.eye().size, near))
+    }
+
+    /// Where the head is shown, on the screen's axes.
+    pub fn placement(&self) -> Placement {
+        self.shown.placement
+    }
+
+    /// The head that a headset reports to this tracker, if it is to.
+    pub fn worn(&self) -> Option<&WornHead> {
+        self.worn.as_ref()
+    }
+
+    /// Takes where the program's window is on the screen.
+    pub fn set_monitor(&mut self, monitor: Option<Monitor>) {
+        self.monitor = monitor;
+    }
+
+    pub fn is_calibrating(&self) -> bool {
+        self.calibrating.is_some()
+    }
+
+    /// Keeps calibrations in a file, and takes the one that is there or that the settings name.
+    pub fn keep_calibration_in(&mut self, path: PathBuf) -> Option<Notice> {
+        let named = &self.settings.calibration;
+        let path = if named.is_empty() { path } else { PathBuf::from(named) };
+        let mut notice = None;
+        if path.exists() || !named.is_empty() {
+            match calibration::read(&path, self.settings.eyes()) {
+                Ok(calibration) => self.keep(calibration),
+                Err(error) => notice = Some(Notice::error(error.to_string())),
+            }
+        }
+        self.calibration_file = Some(path);
+        notice
+    }
+
+    /// Begins the calibration by four touches.
+    pub fn begin_calibration(&mut self) -> Vec<Notice> {
+        let notices = if self.is_on() { Vec::new() } else { self.start() };
+        let (screen, _) = self.whole_screen();
+        let tip_m = self.settings.tip_m.into();
+        self.calibrating = Some(Calibrating::new(screen.width_m, screen.height_m, tip_m));
+        notices
+    }
+
+    /// Takes a step of the calibration.
+    pub fn calibrate(&mut self, step: CalibrationStep) -> Option<Notice> {
+        let calibrating = self.calibrating.as_mut()?;
+        match step {
+            CalibrationStep::Take => calibrating.take(),
+            CalibrationStep::Again => calibrating.again(),
+            CalibrationStep::Cancel => self.calibrating = None,
+            CalibrationStep::Keep => {
+                let fit = calibrating.fit.take()?;
+                self.keep(fit.calibration);
+                let file = self.calibration_file.as_ref();
+                return Some(match file.map(|path| calibration::write(path, &self.calibration)) {
+                    Some(Err(error)) => Notice::error(error.to_string()),
+                    Some(Ok(())) | None => Notice::note("Head tracker calibrated"),
+                });
+            }
+        }
+        None
     }
 
     pub fn status(&self) -> HeadStatus {
@@ -266,156 +412,3 @@ impl Head {
 fn rest(screen: &ScreenOptions) -> Placement {
     Placement { position_m: DVec3::from(screen.rest_m), orientation: DQuat::IDENTITY }
 }
-
-impl Workspace {
-    /// Hears the tracker and the finder of markers, and does what buttons of the tracker ask for.
-    /// Once a picture, before the interface.
-    pub fn track(&mut self) {
-        self.track_at(self.head.clock.now_s());
-    }
-
-    /// The same at `now_s` on the tracker's clock.
-    pub fn track_at(&mut self, now_s: f64) {
-        let elapsed_s = (now_s - self.head.now_s).clamp(0.0, 0.1);
-        let asked = self.head.update(now_s);
-        for control in asked {
-            match control {
-                Control::Pressed(_) if self.ui.is_modal() || self.head.calibrating.is_some() => {}
-                Control::Pressed(action) if action.help().kind == Kind::Hold => {
-                    self.answer(&ActionEvent::Begin { action, at: None });
-                }
-                Control::Pressed(action) => self.act(action),
-                Control::Released(action) if action.help().kind == Kind::Hold => {
-                    self.answer(&ActionEvent::End(action));
-                }
-                Control::Released(_) => {}
-                Control::Axis(action, value) => {
-                    self.head.axes.retain(|(other, _)| *other != action);
-                    self.head.axes.push((action, value));
-                }
-            }
-        }
-        self.ui.calibrating = self.head.calibrating.is_some();
-        self.ar.update(now_s);
-        self.follow_view(now_s);
-        let middle = self.eye().size.as_vec2() * 0.5;
-        for (action, value) in self.head.axes.clone() {
-            if value != 0.0 && !self.ui.is_modal() {
-                self.wheel(action, (value * elapsed_s * NOTCHES_PER_S) as f32, middle);
-            }
-        }
-    }
-
-    /// Who is to hear of the head in the headset that the program is shown in.
-    pub(super) fn worn_head(&self) -> Option<&WornHead> {
-        self.head.worn.as_ref()
-    }
-
-    /// Where the program's window is on the screen.
-    pub fn on_screen(&mut self, monitor: Option<Monitor>) {
-        self.head.monitor = monitor;
-    }
-
-    /// Lets the view follow the head from now on, as the settings say.
-    pub fn start_head(&mut self) {
-        if self.head.settings.source == SourceAddress::None {
-            self.ui.toasts.note(
-                "No head tracker is set, so the view stays still. Set tracking.source in the settings",
-            );
-        }
-        let (screen, guessed) = self.head.whole_screen();
-        if guessed {
-            let (width, height) = (screen.width_m * 100.0, screen.height_m * 100.0);
-            self.ui.toasts.note(format!(
-                "The screen is assumed to be {width:.0} × {height:.0} cm; if it is not, set \
-                 screen.size_m in the settings"
-            ));
-        }
-        if let Err(error) = self.head.start() {
-            self.ui.toasts.error(error.to_string());
-        }
-    }
-
-    pub(super) fn toggle_head(&mut self) {
-        if self.head.is_on() {
-            self.head.stop();
-            self.ui.calibrating = false;
-        } else {
-            self.start_head();
-        }
-    }
-
-    /// Keeps calibrations in a file, and takes the one that is there or that the settings name.
-    pub fn keep_calibration_in(&mut self, path: PathBuf) {
-        let named = &self.head.settings.calibration;
-        let path = if named.is_empty() { path } else { PathBuf::from(named) };
-        if path.exists() || !named.is_empty() {
-            match calibrate::read(&path, self.head.settings.eyes()) {
-                Ok(calibration) => self.head.keep(calibration),
-                Err(error) => self.ui.toasts.error(error.to_string()),
-            }
-        }
-        self.head.calibration_file = Some(path);
-    }
-
-    /// Begins the calibration by four touches.
-    pub(super) fn begin_calibration(&mut self) {
-        if !self.head.is_on() {
-            self.start_head();
-        }
-        let (screen, _) = self.head.whole_screen();
-        let tip_m = self.head.settings.tip_m.into();
-        self.head.calibrating = Some(Calibrating::new(screen.width_m, screen.height_m, tip_m));
-        self.ui.calibrating = true;
-    }
-
-    pub(super) fn calibrate(&mut self, step: CalibrationStep) {
-        let Some(calibrating) = &mut self.head.calibrating else { return };
-        match step {
-            CalibrationStep::Take => calibrating.take(),
-            CalibrationStep::Again => calibrating.again(),
-            CalibrationStep::Cancel => self.head.calibrating = None,
-            CalibrationStep::Keep => {
-                let Some(fit) = calibrating.fit.take() else { return };
-                self.head.keep(fit.calibration);
-                let file = self.head.calibration_file.as_ref();
-                match file.map(|path| calibrate::write(path, &self.head.calibration)) {
-                    Some(Err(error)) => self.ui.toasts.error(error.to_string()),
-                    Some(Ok(())) | None => self.ui.toasts.note("Head tracker calibrated"),
-                }
-            }
-        }
-        self.ui.calibrating = self.head.calibrating.is_some();
-    }
-
-    /// The eye of the head, while the view follows it.
-    pub(super) fn head_eye(&self) -> Option<Eye> {
-        self.tracked_eyes(0.0).map(|[left, _]| left)
-    }
-
-    /// The left and the right eye of the head, `eye_distance_m` metres apart, while the view follows
-    /// it.
-    pub fn tracked_eyes(&self, eye_distance_m: f32) -> Option<[Eye; 2]> {
-        if !self.head.is_on() {
-            return None;
-        }
-        let plane = self.head.plane(self.picture_px());
-        let Placement { position_m, orientation } = self.head.shown.placement;
-        let head = HeadPlace {
-            position_m: position_m.as_vec3(),
-            orientation: orientation.as_quat(),
-            eye_distance_m,
-        };
-        let world = ScreenInWorld {
-            centre: Vec3::ZERO,
-            rotation: Quat::IDENTITY,
-            units_per_m: self.turntable.window_height() / plane.height_m.max(1e-3),
-        };
-        let camera = self.turntable.camera();
-        Some(plane.eyes(&head, &world, self.turntable.eye().size, camera.near))
-    }
-}
-
-#[cfg(test)]
-#[path = "head_tests.rs"]
-mod tests;

@@ -1,23 +1,17 @@
-//! Owns where a sculpture goes when the program cannot go on.
+//! Where a sculpture is saved when the program cannot go on.
 
 use std::path::{Path, PathBuf};
 
 use crate::command::Command;
-use crate::folders::state_folder;
 use crate::format::options::ExportForm;
 use crate::session::{Session, SessionError};
 
-/// Saves the sculpture where no other file is; gives the path.
-pub fn save(session: &mut Session) -> Result<PathBuf, SessionError> {
-    let folder = state_folder();
-    if let Err(error) = std::fs::create_dir_all(&folder) {
+/// Saves the sculpture in `folder`, where no other file is; returns the path.
+pub fn save(session: &mut Session, folder: &Path) -> Result<PathBuf, SessionError> {
+    if let Err(error) = std::fs::create_dir_all(folder) {
         // Saving will fail with the same reason and name the path.
         tracing::warn!("cannot make {}: {error}", folder.display());
     }
-    save_in(session, &folder)
-}
-
-fn save_in(session: &mut Session, folder: &Path) -> Result<PathBuf, SessionError> {
     let name = session.path().and_then(|p| p.file_stem()).map(|n| n.to_string_lossy().into_owned());
     let name = name.unwrap_or_else(|| "sculpture".to_string());
     let candidate = |n: u32| match n {
@@ -47,11 +41,11 @@ mod tests {
             session.execute(&line.parse().unwrap(), &()).unwrap();
         }
         let folder = tempfile::tempdir().unwrap();
-        let first = save_in(&mut session, folder.path()).unwrap();
+        let first = save(&mut session, folder.path()).unwrap();
         assert_eq!(first.file_name().unwrap(), "sculpture-recovered.vsc");
         let again = Session::open(&first, &Default::default(), config.limits(), &()).unwrap();
         assert_eq!(again.document().grid(), session.document().grid());
-        let second = save_in(&mut session, folder.path()).unwrap();
+        let second = save(&mut session, folder.path()).unwrap();
         assert_ne!(first, second);
         assert!(first.exists() && second.exists());
     }

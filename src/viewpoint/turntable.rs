@@ -1,8 +1,8 @@
-//! Owns how a person looks at the sculpture on a screen: the camera stays on the z axis and looks
-//! at the origin, the sculpture turns and shifts before it.
+//! The turntable camera: it stays on the z axis and looks at the origin, while the sculpture turns and
+//! shifts before it.
 //!
-//! Gives new [`Placement`]s for the document and an [`Eye`] for the picture; changes nothing
-//! itself but the camera's distance.
+//! Returns new [`Placement`]s for the document and an [`Eye`] for the picture; the only state is the
+//! camera's distance and the size of the picture.
 
 use glam::{Mat3, Quat, UVec2, Vec2, Vec3};
 

@@ -1,12 +1,13 @@
-//! Owns the tables of keys in use: changes them, and keeps them in a person's own file.
+//! The person's own file of key tables: read at the start, written with every change.
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use super::workspace::Workspace;
+use super::Controls;
 use crate::format::store::write_atomically;
 use crate::input::Personal;
 use crate::input::remap::KeyChange;
+use crate::notice::Notice;
 
 /// Where a person's tables are kept.
 pub(super) struct KeyFile {
@@ -15,10 +16,10 @@ pub(super) struct KeyFile {
     unusable: bool,
 }
 
-impl Workspace {
+impl Controls {
     /// Uses the tables that a file holds, if there is one, and from now on writes every change
     /// to it. A file that cannot be used is said to be so, and the presets are used as they are.
-    pub fn keep_keys_in(&mut self, path: PathBuf) {
+    pub fn keep_keys_in(&mut self, path: PathBuf) -> Option<Notice> {
         let read = std::fs::read_to_string(&path);
         let parsed = match read {
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
@@ -28,11 +29,12 @@ impl Workspace {
             }
         };
         let unusable = parsed.is_err();
+        let mut notice = None;
         match parsed {
             Ok(None) => {}
             Ok(Some(Personal { tables, in_use })) => {
                 self.presets = tables;
-                self.ui.preset = in_use;
+                self.preset = in_use;
             }
             Err(error) => {
                 let text = format!(
@@ -40,44 +42,49 @@ impl Workspace {
                     path.display()
                 );
                 tracing::warn!("{text}");
-                self.ui.toasts.error(text);
+                notice = Some(Notice::Error(text));
             }
         }
         self.key_file = Some(KeyFile { path, unusable });
+        notice
     }
 
     /// Changes the table in use.
-    pub(super) fn change_keys(&mut self, change: KeyChange) {
-        let preset = self.ui.preset;
-        let tables = self.presets.get_mut(preset).zip(self.pristine.get(preset));
-        let Some((table, pristine)) = tables else { return };
+    pub fn change_keys(&mut self, change: KeyChange) -> Option<Notice> {
+        let tables = self.presets.get_mut(self.preset).zip(self.pristine.get(self.preset));
+        let (table, pristine) = tables?;
         match table.change(change, pristine) {
             Ok(()) => self.save_keys(),
-            Err(unfit) => self.ui.toasts.error(unfit.to_string()),
+            Err(unfit) => Some(Notice::error(unfit.to_string())),
         }
     }
 
+    /// Uses another table from now on.
+    pub fn use_preset(&mut self, preset: usize) -> Option<Notice> {
+        self.preset = preset;
+        self.save_keys()
+    }
+
     /// Writes the tables and which of them is in use.
-    pub(super) fn save_keys(&mut self) {
-        let Some(file) = &mut self.key_file else { return };
-        let mine = Personal { tables: self.presets.clone(), in_use: self.ui.preset };
+    fn save_keys(&mut self) -> Option<Notice> {
+        let file = self.key_file.as_mut()?;
+        let mine = Personal { tables: self.presets.clone(), in_use: self.preset };
         let text = mine.to_toml(&self.pristine);
         match write(file, &text) {
-            Ok(None) => {}
-            Ok(Some(aside)) => {
-                self.ui
-                    .toasts
-                    .note(format!("The old controls have been renamed to {}", aside.display()));
-            }
+            Ok(None) => None,
+            Ok(Some(aside)) => Some(Notice::note(format!(
+                "The old controls have been renamed to {}",
+                aside.display()
+            ))),
             Err(error) => {
                 let path = file.path.display();
-                self.ui.toasts.error(format!("The controls cannot be saved to {path}: {error}"));
+                Some(Notice::error(format!("The controls cannot be saved to {path}: {error}")))
             }
         }
     }
 }
 
-/// Writes the file; one that could not be used is put aside, to the path that is given.
+/// Writes the file; one that could not be used is put aside, to the path that is returned.
 fn write(file: &mut KeyFile, text: &str) -> std::io::Result<Option<PathBuf>> {
     let KeyFile { path, unusable } = file;
     if let Some(folder) = path.parent().filter(|folder| *folder != Path::new("")) {

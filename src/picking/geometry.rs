@@ -1,5 +1,5 @@
-//! Owns how a point of the picture becomes a point of the grid, and which axes of the grid lie
-//! across, up and into the screen. Pure geometry.
+//! The geometry of picking: from a pixel of the picture to a point of the grid and back, and which axes
+//! of the grid lie across, up and into the screen. Pure functions of rays, grid and index map.
 
 use std::sync::Arc;
 

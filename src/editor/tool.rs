@@ -1,17 +1,18 @@
-//! Owns the tool in hand: which one, what it does, how large, how turned, which colour, where.
+//! The state of the tool: which one, what it does, how large, how rotated, which colour, where.
 //!
 //! It belongs to the person, not to the sculpture: changing it changes no voxel, and the command
-//! that it gives is what does.
+//! that it returns is what does.
 
 use std::path::PathBuf;
 
-use glam::{DMat3, EulerRot, Quat, UVec3, Vec3};
+use glam::{DMat3, EulerRot, IVec3, Quat, UVec3, Vec3};
 
-use super::sprays::Sprays;
+use super::sprays::{SprayOptions, Sprays};
 use crate::command::Command;
 use crate::input::ToolMode;
 use crate::sculpture::Rgb;
 use crate::sculpture::edit::EditOp;
+use crate::sculpture::orientation::Orientation;
 use crate::tools::construct::{Primitive, Solid};
 use crate::tools::spray::SprayKind;
 
@@ -25,19 +26,19 @@ const RECENT: usize = 14;
 
 /// The kinds of tools.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Tool {
-    /// The solid of [`Hand::solid`].
+pub enum ToolKind {
+    /// The solid of [`ToolState::solid`].
     Solid,
     Spray(SprayKind),
     /// The marker, which belongs to the document.
     Marker,
 }
 
-/// The tool in hand. Lengths are in edges of the sculpture's smallest voxel edge, as in
+/// The tool in tool. Lengths are in edges of the sculpture's smallest voxel edge, as in
 /// [`Primitive`].
 #[derive(Clone, PartialEq, Debug)]
-pub struct Hand {
-    pub tool: Tool,
+pub struct ToolState {
+    pub kind: ToolKind,
     pub solid: Solid,
     pub sprays: Sprays,
     pub mode: ToolMode,
@@ -63,13 +64,51 @@ pub struct Hand {
     pub stand: bool,
     /// A tool that follows the pointer turns its y axis out of the surface.
     pub lean: bool,
+    /// How what was copied will be put down.
+    pub paste_orientation: Orientation,
+    /// How often and how far on the last operation is repeated.
+    pub array: ArrayOptions,
 }
 
-impl Hand {
+/// An array to be made of the last operation.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct ArrayOptions {
+    pub count: u32,
+    /// In voxels.
+    pub step: IVec3,
+}
+
+/// A change of the tool that a panel asks for.
+#[derive(Clone, PartialEq, Debug)]
+pub enum ToolEdit {
+    /// Half extent along an axis of the tool; with `uniform` the others follow.
+    Half {
+        axis: usize,
+        half: f32,
+    },
+    /// Factor on all half extents.
+    Scale(f32),
+    EvenOut,
+    Uniform(bool),
+    /// Degrees about x, then y, then z of the grid.
+    Turn(Vec3),
+    Colour(Rgb),
+    Eyedropper(bool),
+    /// What a solid paints with instead of the colour.
+    Picture(Option<PathBuf>),
+    Snap(bool),
+    Follow(bool),
+    Stand(bool),
+    Lean(bool),
+    Spray(SprayKind, SprayOptions),
+    Array(ArrayOptions),
+}
+
+impl ToolState {
     /// A ball that cuts, in the middle of a grid of `dims` voxels.
-    pub fn new(dims: UVec3) -> Hand {
-        let mut hand = Hand {
-            tool: Tool::Solid,
+    pub fn new(dims: UVec3) -> ToolState {
+        let mut tool = ToolState {
+            kind: ToolKind::Solid,
             solid: Solid::Ellipsoid,
             sprays: Sprays::default(),
             mode: ToolMode::default(),
@@ -86,9 +125,31 @@ impl Hand {
             eyedropper: false,
             stand: false,
             lean: false,
+            paste_orientation: Orientation::UPRIGHT,
+            array: ArrayOptions { count: 3, step: IVec3::new(16, 0, 0) },
         };
-        hand.reset_pose(dims);
-        hand
+        tool.reset_pose(dims);
+        tool
+    }
+
+    /// Makes a change that a panel asks for.
+    pub fn edit(&mut self, edit: ToolEdit) {
+        match edit {
+            ToolEdit::Half { axis, half } => self.set_half(axis, half),
+            ToolEdit::Scale(factor) => self.scale_by(factor),
+            ToolEdit::EvenOut => self.even_out(),
+            ToolEdit::Uniform(uniform) => self.uniform = uniform,
+            ToolEdit::Turn(turn_deg) => self.set_turn_deg(turn_deg),
+            ToolEdit::Colour(colour) => self.colour = colour,
+            ToolEdit::Eyedropper(on) => self.eyedropper = on,
+            ToolEdit::Picture(picture) => self.picture = picture,
+            ToolEdit::Snap(snap) => self.snap = snap,
+            ToolEdit::Follow(follow) => self.follow = follow,
+            ToolEdit::Stand(stand) => self.stand = stand,
+            ToolEdit::Lean(lean) => self.lean = lean,
+            ToolEdit::Spray(kind, options) => *self.sprays.of_mut(kind) = options,
+            ToolEdit::Array(array) => self.array = array,
+        }
     }
 
     /// Back to the middle, upright, at a size that suits a grid of `dims` voxels.
@@ -203,11 +264,11 @@ impl Hand {
         self.centre_vx += side * (self.half[axis] - before);
     }
 
-    /// The spray in hand, if it is one.
+    /// The spray in tool, if it is one.
     pub fn spray(&self) -> Option<SprayKind> {
-        match self.tool {
-            Tool::Spray(kind) => Some(kind),
-            Tool::Solid | Tool::Marker => None,
+        match self.kind {
+            ToolKind::Spray(kind) => Some(kind),
+            ToolKind::Solid | ToolKind::Marker => None,
         }
     }
 
@@ -257,92 +318,92 @@ mod tests {
 
     #[test]
     fn sizes_stay_in_range_and_in_proportion() {
-        let mut hand = Hand::new(UVec3::splat(100));
-        assert_eq!((hand.half(), hand.centre_vx), (Vec3::splat(6.0), Vec3::splat(50.0)));
-        hand.uniform = false;
-        hand.set_half(1, 12.0);
-        assert_eq!(hand.half(), Vec3::new(6.0, 12.0, 6.0));
-        hand.uniform = true;
-        hand.set_half(0, 3.0);
-        assert_eq!(hand.half(), Vec3::new(3.0, 6.0, 3.0));
-        hand.scale_by(1e-9);
-        assert_eq!(hand.half().min_element(), *HALF_RANGE.start());
-        hand.scale_by(1e9);
-        assert_eq!(hand.half(), Vec3::new(1024.0, 2048.0, 1024.0));
-        hand.scale_by(f32::NAN);
-        assert_eq!(hand.half().max_element(), *HALF_RANGE.end());
+        let mut tool = ToolState::new(UVec3::splat(100));
+        assert_eq!((tool.half(), tool.centre_vx), (Vec3::splat(6.0), Vec3::splat(50.0)));
+        tool.uniform = false;
+        tool.set_half(1, 12.0);
+        assert_eq!(tool.half(), Vec3::new(6.0, 12.0, 6.0));
+        tool.uniform = true;
+        tool.set_half(0, 3.0);
+        assert_eq!(tool.half(), Vec3::new(3.0, 6.0, 3.0));
+        tool.scale_by(1e-9);
+        assert_eq!(tool.half().min_element(), *HALF_RANGE.start());
+        tool.scale_by(1e9);
+        assert_eq!(tool.half(), Vec3::new(1024.0, 2048.0, 1024.0));
+        tool.scale_by(f32::NAN);
+        assert_eq!(tool.half().max_element(), *HALF_RANGE.end());
     }
 
     #[test]
     fn degrees_and_rotation_agree() {
-        let mut hand = Hand::new(UVec3::splat(64));
-        hand.set_turn_deg(Vec3::new(20.0, -30.0, 40.0));
-        let rotation = hand.rotation();
-        hand.turn_by(Quat::IDENTITY);
-        assert!(hand.turn_deg().abs_diff_eq(Vec3::new(20.0, -30.0, 40.0), 1e-3));
+        let mut tool = ToolState::new(UVec3::splat(64));
+        tool.set_turn_deg(Vec3::new(20.0, -30.0, 40.0));
+        let rotation = tool.rotation();
+        tool.turn_by(Quat::IDENTITY);
+        assert!(tool.turn_deg().abs_diff_eq(Vec3::new(20.0, -30.0, 40.0), 1e-3));
         let script = format!("subtract cuboid at=1,2,3 half=4 turn={},{},{}", 20, -30, 40);
         let Ok(Command::Construct { primitive, .. }) = script.parse() else { panic!() };
         assert!(primitive.rotation.abs_diff_eq(rotation, 1e-6));
-        assert!(hand.primitive().check().is_ok());
+        assert!(tool.primitive().check().is_ok());
     }
 
     #[test]
     fn a_tool_stands_on_the_surface_and_leans_with_it() {
-        let mut hand = Hand::new(UVec3::splat(100));
-        hand.solid = Solid::Pyramid;
-        hand.uniform = false;
-        hand.set_half(0, 3.0);
-        hand.set_half(1, 5.0);
-        hand.set_half(2, 4.0);
-        hand.stand = true;
+        let mut tool = ToolState::new(UVec3::splat(100));
+        tool.solid = Solid::Pyramid;
+        tool.uniform = false;
+        tool.set_half(0, 3.0);
+        tool.set_half(1, 5.0);
+        tool.set_half(2, 4.0);
+        tool.stand = true;
         let point = Vec3::new(10.0, 20.0, 30.0);
-        hand.place_on(point, Vec3::Y, Vec3::ONE);
-        assert!(hand.centre_vx.abs_diff_eq(point + Vec3::Y * 5.0, 1e-4));
-        hand.place_on(point, Vec3::X, Vec3::ONE);
-        assert!(hand.centre_vx.abs_diff_eq(point + Vec3::X * 3.0, 1e-4));
+        tool.place_on(point, Vec3::Y, Vec3::ONE);
+        assert!(tool.centre_vx.abs_diff_eq(point + Vec3::Y * 5.0, 1e-4));
+        tool.place_on(point, Vec3::X, Vec3::ONE);
+        assert!(tool.centre_vx.abs_diff_eq(point + Vec3::X * 3.0, 1e-4));
         // Voxels that are long along y: fewer of them.
-        hand.place_on(point, Vec3::Y, Vec3::new(1.0, 2.0, 1.0));
-        assert!(hand.centre_vx.abs_diff_eq(point + Vec3::Y * 2.5, 1e-4));
-        hand.lean = true;
-        hand.place_on(point, Vec3::NEG_X, Vec3::ONE);
-        assert!((hand.rotation() * Vec3::Y).abs_diff_eq(Vec3::NEG_X, 1e-4));
-        assert!(hand.centre_vx.abs_diff_eq(point - Vec3::X * 5.0, 1e-3));
-        assert!(hand.primitive().check().is_ok());
+        tool.place_on(point, Vec3::Y, Vec3::new(1.0, 2.0, 1.0));
+        assert!(tool.centre_vx.abs_diff_eq(point + Vec3::Y * 2.5, 1e-4));
+        tool.lean = true;
+        tool.place_on(point, Vec3::NEG_X, Vec3::ONE);
+        assert!((tool.rotation() * Vec3::Y).abs_diff_eq(Vec3::NEG_X, 1e-4));
+        assert!(tool.centre_vx.abs_diff_eq(point - Vec3::X * 5.0, 1e-3));
+        assert!(tool.primitive().check().is_ok());
     }
 
     #[test]
     fn stretching_keeps_the_other_side() {
-        let mut hand = Hand::new(UVec3::splat(100));
-        hand.stretch(Vec3::NEG_X, 1.0);
-        assert_eq!((hand.half(), hand.centre_vx.x), (Vec3::new(6.5, 6.0, 6.0), 49.5));
-        hand.stretch(Vec3::Z, -100.0);
-        assert_eq!(hand.half().z, *HALF_RANGE.start());
+        let mut tool = ToolState::new(UVec3::splat(100));
+        tool.stretch(Vec3::NEG_X, 1.0);
+        assert_eq!((tool.half(), tool.centre_vx.x), (Vec3::new(6.5, 6.0, 6.0), 49.5));
+        tool.stretch(Vec3::Z, -100.0);
+        assert_eq!(tool.half().z, *HALF_RANGE.start());
     }
 
     #[test]
     fn the_latest_colours_come_first_and_once() {
-        let mut hand = Hand::new(UVec3::splat(10));
-        let first = hand.colour;
-        hand.used_colour();
+        let mut tool = ToolState::new(UVec3::splat(10));
+        let first = tool.colour;
+        tool.used_colour();
         (0..30).for_each(|i| {
-            hand.colour = Rgb::new(i, 0, 0);
-            hand.used_colour();
+            tool.colour = Rgb::new(i, 0, 0);
+            tool.used_colour();
         });
-        assert_eq!(hand.recent().len(), RECENT);
-        assert!(!hand.recent().contains(&first));
-        hand.colour = Rgb::new(20, 0, 0);
-        hand.used_colour();
-        assert_eq!(hand.recent()[..2], [Rgb::new(20, 0, 0), Rgb::new(29, 0, 0)]);
-        assert_eq!(hand.recent().len(), RECENT);
+        assert_eq!(tool.recent().len(), RECENT);
+        assert!(!tool.recent().contains(&first));
+        tool.colour = Rgb::new(20, 0, 0);
+        tool.used_colour();
+        assert_eq!(tool.recent()[..2], [Rgb::new(20, 0, 0), Rgb::new(29, 0, 0)]);
+        assert_eq!(tool.recent().len(), RECENT);
     }
 
     #[test]
     fn a_snapping_tool_sits_on_voxel_centres() {
-        let mut hand = Hand::new(UVec3::splat(64));
-        hand.snap = true;
-        hand.move_to(Vec3::new(1.2, 3.9, -0.1));
-        assert_eq!(hand.centre_vx, Vec3::new(1.5, 3.5, -0.5));
-        hand.move_to(Vec3::NAN);
-        assert_eq!(hand.centre_vx, Vec3::new(1.5, 3.5, -0.5));
+        let mut tool = ToolState::new(UVec3::splat(64));
+        tool.snap = true;
+        tool.move_to(Vec3::new(1.2, 3.9, -0.1));
+        assert_eq!(tool.centre_vx, Vec3::new(1.5, 3.5, -0.5));
+        tool.move_to(Vec3::NAN);
+        assert_eq!(tool.centre_vx, Vec3::new(1.5, 3.5, -0.5));
     }
 }

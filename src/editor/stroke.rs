@@ -1,18 +1,19 @@
-//! Owns the stroke in hand: from the press to the release the tool is used along a path, and all
-//! of it is one step of the history. Solids follow a path in the grid, sprays one in the picture.
+//! The stroke under way: from the press to the release the tool is used along a path, and all of it
+//! is one step of the history. Solids follow a path in the grid, sprays one in the picture.
 
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 
-use super::aim::surface_point;
 use super::path::Path;
-use super::workspace::Workspace;
+use super::sprays::SprayOptions;
+use super::{Editor, Outcome};
 use crate::command::{Area, Command};
-use crate::input::{Action, ToolMode};
+use crate::input::ToolMode;
+use crate::picking::Picker;
+use crate::picking::geometry::surface_point;
 use crate::surface::IndexMap;
 use crate::tools::spray::{Footprint, SprayKind};
-use crate::ui::sprays::SprayOptions;
 
 /// Spacing of a spray's path as a share of its radius.
 const SPACING: f32 = 0.35;
@@ -50,14 +51,14 @@ enum Work {
         options: SprayOptions,
     },
     /// A spray that is held in a hand, with rays of its own.
-    Can {
+    HeldSpray {
         kind: SprayKind,
         options: SprayOptions,
     },
 }
 
 /// A stroke that is not finished.
-pub struct StrokeInHand {
+pub(super) struct Stroke {
     work: Work,
     /// In voxels; in pixels with z = 0 for sprays.
     path: Path,
@@ -65,7 +66,7 @@ pub struct StrokeInHand {
     changed: u64,
 }
 
-impl StrokeInHand {
+impl Stroke {
     /// Whether the pointer on the surface leads a solid.
     pub fn follows_surface(&self) -> bool {
         matches!(self.work, Work::Solid { guide: Guide::Surface { .. }, .. })
@@ -81,42 +82,47 @@ impl StrokeInHand {
     }
 }
 
-impl Workspace {
+impl Editor {
     /// Opens a stroke of a spray at a point of the picture and uses it there.
-    pub(super) fn begin_spray(&mut self, kind: SprayKind, options: SprayOptions, at: Vec2) {
+    pub(super) fn begin_spray(
+        &mut self,
+        kind: SprayKind,
+        options: SprayOptions,
+        at: Vec2,
+        picker: &Picker,
+    ) {
         if self.stroke.is_some() || !self.execute(&Command::Begin { label: kind.name().into() }) {
             return;
         }
         if kind.gives_colour() {
-            self.ui.hand.used_colour();
+            self.tool.used_colour();
         }
         let spacing = (SPACING * options.radius_px).max(1.0);
         let path = Path::new(at.extend(0.0), spacing, Vec3::ONE);
-        self.stroke = Some(StrokeInHand { work: Work::Spray { kind, options }, path, changed: 0 });
-        self.spray_at(&[at.extend(0.0)]);
+        self.stroke = Some(Stroke { work: Work::Spray { kind, options }, path, changed: 0 });
+        self.spray_at(&[at.extend(0.0)], picker);
     }
 
     /// Leads the stroke of a spray to a point of the picture.
-    pub(super) fn lead_spray(&mut self, to: Vec2) {
+    pub(super) fn lead_spray(&mut self, to: Vec2, picker: &Picker) {
         let mut stops = Vec::new();
-        if let Some(StrokeInHand { work: Work::Spray { .. }, path, .. }) = &mut self.stroke {
+        if let Some(Stroke { work: Work::Spray { .. }, path, .. }) = &mut self.stroke {
             path.line_to(to.extend(0.0), |stop| stops.push(stop));
         }
-        self.spray_at(&stops);
+        self.spray_at(&stops, picker);
     }
 
     /// Uses the spray at points of the picture as it was last shown.
-    fn spray_at(&mut self, stops: &[Vec3]) {
+    fn spray_at(&mut self, stops: &[Vec3], picker: &Picker) {
         for stop in stops {
-            let Some(StrokeInHand { work: Work::Spray { kind, options }, .. }) = &self.stroke
-            else {
+            let Some(Stroke { work: Work::Spray { kind, options }, .. }) = &self.stroke else {
                 return;
             };
-            let Some(map) = &self.seen else { return };
+            let Some(map) = picker.map() else { return };
             let pixel = stop.truncate().max(Vec2::ZERO).as_uvec2().min(map.rays.size - 1);
             let (radius, outline) = (options.radius_px, options.outline);
             let footprint = Footprint::of_pixel(&map.rays, pixel, radius, outline);
-            let command = options.command(*kind, self.ui.hand.colour, footprint);
+            let command = options.command(*kind, self.tool.colour, footprint);
             if !self.execute(&command) {
                 self.cancel_stroke();
             }
@@ -125,7 +131,7 @@ impl Workspace {
 
     /// Opens a stroke of a spray that is held in a hand, and uses it. `footprint`: its rays;
     /// `spacing_vx`: how far they go along the surface before it is used again.
-    pub(super) fn begin_can(
+    pub(super) fn begin_held_spray(
         &mut self,
         kind: SprayKind,
         options: SprayOptions,
@@ -136,30 +142,30 @@ impl Workspace {
             return;
         }
         if kind.gives_colour() {
-            self.ui.hand.used_colour();
+            self.tool.used_colour();
         }
         let path = Path::new(footprint.eye_vx + footprint.aim, spacing_vx, Vec3::ONE);
-        self.stroke = Some(StrokeInHand { work: Work::Can { kind, options }, path, changed: 0 });
-        self.use_can(footprint);
+        self.stroke = Some(Stroke { work: Work::HeldSpray { kind, options }, path, changed: 0 });
+        self.use_held_spray(footprint);
     }
 
     /// Leads the stroke of a spray that is held in a hand.
-    pub(super) fn lead_can(&mut self, footprint: Footprint) {
+    pub(super) fn lead_held_spray(&mut self, footprint: Footprint) {
         let at = footprint.eye_vx + footprint.aim;
-        if let Some(StrokeInHand { work: Work::Can { .. }, path, .. }) = &mut self.stroke {
+        if let Some(Stroke { work: Work::HeldSpray { .. }, path, .. }) = &mut self.stroke {
             let mut due = false;
             let mut way = *path;
             way.line_to(at, |_| due = true);
             if due {
                 path.jump_to(at, |_| ());
-                self.use_can(footprint);
+                self.use_held_spray(footprint);
             }
         }
     }
 
-    fn use_can(&mut self, footprint: Footprint) {
-        if let Some(StrokeInHand { work: Work::Can { kind, options }, .. }) = &self.stroke {
-            let command = options.command(*kind, self.ui.hand.colour, footprint);
+    fn use_held_spray(&mut self, footprint: Footprint) {
+        if let Some(Stroke { work: Work::HeldSpray { kind, options }, .. }) = &self.stroke {
+            let command = options.command(*kind, self.tool.colour, footprint);
             if !self.execute(&command) {
                 self.cancel_stroke();
             }
@@ -171,17 +177,17 @@ impl Workspace {
         if self.stroke.is_some() {
             return;
         }
-        let command = self.ui.hand.command(mode);
+        let command = self.tool.command(mode);
         if !self.execute(&Command::Begin { label: command.label() }) {
             return;
         }
         let edges = self.session.document().grid().voxel_size();
         let edges = edges / edges.min_element();
-        let spacing = self.ui.hand.primitive().spacing_anywhere();
-        let path = Path::new(self.ui.hand.centre_vx, spacing, edges);
-        self.stroke = Some(StrokeInHand { work: Work::Solid { mode, guide }, path, changed: 0 });
-        if mode == ToolMode::Add || mode == ToolMode::Recolour && self.ui.hand.picture.is_none() {
-            self.ui.hand.used_colour();
+        let spacing = self.tool.primitive().spacing_anywhere();
+        let path = Path::new(self.tool.centre_vx, spacing, edges);
+        self.stroke = Some(Stroke { work: Work::Solid { mode, guide }, path, changed: 0 });
+        if mode == ToolMode::Add || mode == ToolMode::Recolour && self.tool.picture.is_none() {
+            self.tool.used_colour();
         }
         if !self.execute(&command) {
             self.cancel_stroke();
@@ -189,15 +195,15 @@ impl Workspace {
     }
 
     /// Leads the stroke to a point of the picture.
-    pub(super) fn lead_stroke(&mut self, to: Vec2) {
+    pub(super) fn lead_stroke(&mut self, to: Vec2, picker: &Picker) {
         let Some(mut stroke) = self.stroke.take_if(|_| to.is_finite()) else { return };
         let mut stops = Vec::new();
-        let StrokeInHand { work, path, .. } = &mut stroke;
+        let Stroke { work, path, .. } = &mut stroke;
         if let Work::Solid { guide: Guide::Surface { seen, at, depth, lift }, .. } = work {
-            let sight = self.sight();
+            let sight = picker.sight();
             let grid = self.session.document().grid();
-            let solid = self.ui.hand.primitive();
-            let leap = LEAP * 2.0 * self.ui.hand.half().max_element();
+            let solid = self.tool.primitive();
+            let leap = LEAP * 2.0 * self.tool.half().max_element();
             let looks = (to.distance(*at) / LOOK_EVERY_PX).ceil().clamp(1.0, MOST_LOOKS) as u32;
             for i in 1..=looks {
                 let look = at.lerp(to, i as f32 / looks as f32);
@@ -217,7 +223,7 @@ impl Workspace {
         self.use_tool_at(&stops);
         if let Some(stroke) = &self.stroke {
             let end = stroke.path.end();
-            self.ui.hand.move_to(end);
+            self.tool.move_to(end);
             if let Work::Solid { guide: Guide::Surface { lift, .. }, .. } = &stroke.work {
                 self.led_over(end - *lift);
             }
@@ -225,34 +231,34 @@ impl Workspace {
     }
 
     /// The tool was moved by something else; a stroke that it leads follows.
-    pub(super) fn tool_moved(&mut self) {
+    pub(super) fn tool_moved(&mut self, picker: &Picker) {
         let mut stops = Vec::new();
-        let to = self.ui.hand.centre_vx;
-        if self.ui.hand.spray().is_some() {
+        let to = self.tool.centre_vx;
+        if self.tool.spray().is_some() {
             // The spray works where the tool would be seen.
-            self.pointer = self.sight().pixel_of(to);
+            self.pointer = picker.sight().pixel_of(to);
             if let Some(at) = self.pointer {
-                self.lead_spray(at);
+                self.lead_spray(at, picker);
             }
             return;
         }
-        if let Some(StrokeInHand { work: Work::Solid { guide: Guide::Tool, .. }, path, .. }) =
+        if let Some(Stroke { work: Work::Solid { guide: Guide::Tool, .. }, path, .. }) =
             &mut self.stroke
         {
-            path.sweep_to(to, &self.ui.hand.primitive(), |stop| stops.push(stop));
+            path.sweep_to(to, &self.tool.primitive(), |stop| stops.push(stop));
         }
         self.use_tool_at(&stops);
-        self.ui.hand.centre_vx = to;
+        self.tool.centre_vx = to;
     }
 
     fn use_tool_at(&mut self, stops: &[Vec3]) {
         for &stop in stops {
-            let Some(StrokeInHand { work: Work::Solid { mode, .. }, .. }) = &self.stroke else {
+            let Some(Stroke { work: Work::Solid { mode, .. }, .. }) = &self.stroke else {
                 return;
             };
             let mode = *mode;
-            self.ui.hand.move_to(stop);
-            if !self.execute(&self.ui.hand.command(mode)) {
+            self.tool.move_to(stop);
+            if !self.execute(&self.tool.command(mode)) {
                 self.cancel_stroke();
             }
         }
@@ -265,7 +271,7 @@ impl Workspace {
         {
             let adds = match stroke.work {
                 Work::Solid { mode, .. } => mode == ToolMode::Add,
-                Work::Spray { kind, .. } | Work::Can { kind, .. } => {
+                Work::Spray { kind, .. } | Work::HeldSpray { kind, .. } => {
                     matches!(kind, SprayKind::Clay | SprayKind::Dilation)
                 }
             };
@@ -291,20 +297,13 @@ impl Workspace {
     /// Says why nothing has changed, where that is not plain to see.
     fn note_idle(&mut self, adds: bool) {
         if self.session.document().selection().limit().is_some() {
-            let table = self.presets.get(self.ui.preset);
-            let keys = table.and_then(|table| table.shortcut(Action::ToggleLimit));
-            let keys = keys.map_or(String::new(), |keys| format!(" ({keys})"));
-            self.ui
-                .toasts
-                .note(format!("Nothing changed: tools are limited to the selection{keys}"));
+            self.outcomes.push(Outcome::Limited);
         } else if adds {
-            self.ui
-                .toasts
-                .note("Nothing was added: this part of the grid is full, or lies outside it");
+            self.note("Nothing was added: this part of the grid is full, or lies outside it");
         }
     }
 
-    pub(super) fn cancel_stroke(&mut self) {
+    pub fn cancel_stroke(&mut self) {
         if self.stroke.take().is_some() {
             self.execute(&Command::Cancel);
         }

@@ -1,52 +1,52 @@
-//! Owns how the workspace has commands carried out: at once or on a thread, with the questions
-//! before work is lost, and with what is said when one fails.
+//! How commands are carried out: at once or on a thread, with the questions before work is lost, and
+//! with what is said when one fails.
 
 use super::job::Then;
-use super::workspace::Workspace;
+use super::questions::{Next, Unkept};
+use super::{Editor, Outcome};
 use crate::command::Command;
 use crate::document::{Applied, CommandError};
 use crate::format;
 use crate::format::options::ExportForm;
 use crate::session::SessionError;
-use crate::ui::files::FileTask;
-use crate::ui::state::{Next, Unkept};
 
-impl Workspace {
+impl Editor {
     /// Writes the sculpture to its file; asks for a name if it has none of the program's own.
-    pub(super) fn save(&mut self, next: Option<Next>) {
+    pub fn save(&mut self, next: Option<Next>) {
         match self.session.path().map(|p| p.to_path_buf()) {
             Some(path) if format::is_sculpture(&path) => {
                 let then = next.map_or(Then::Stay, Then::Go);
                 self.run_then(Command::Save { path, form: ExportForm::Auto }, then);
             }
-            path => self.ui.files.open(FileTask::SaveAs(next), path.as_deref()),
+            _ => self.outcomes.push(Outcome::NameNeeded(next)),
         }
     }
 
     /// Carries out a command that was asked for, but asks first if it would lose unsaved work.
-    pub(super) fn run_unless_work_is_lost(&mut self, command: Command) {
+    pub fn run_unless_work_is_lost(&mut self, command: Command) {
         let replaces = matches!(command, Command::New(_) | Command::Open { .. });
         if replaces {
             self.end_stroke();
         }
         // While there is long work it is refused anyhow.
-        if replaces && self.session.modified() && self.job.is_none() && self.ui.unkept.is_none() {
-            self.ui.unsaved = Some(Next::Run(command));
+        let idle = !self.jobs.is_busy() && !self.stroke_in_question;
+        if replaces && self.session.modified() && idle {
+            self.outcomes.push(Outcome::Unsaved(Next::Run(command)));
         } else {
             self.run(command);
         }
     }
 
     /// Carries out a command that is no part of a stroke; what takes long on another thread.
-    pub(super) fn run(&mut self, command: Command) {
+    pub fn run(&mut self, command: Command) {
         self.run_then(command, Then::Stay);
     }
 
     /// The same, and then what would lose unsaved work.
-    pub(super) fn run_then(&mut self, command: Command, then: Then) {
+    pub fn run_then(&mut self, command: Command, then: Then) {
         self.end_stroke();
         match self.session.prepare(&command) {
-            Ok(Some(_)) if self.job.is_some() => self.refuse(&command),
+            Ok(Some(_)) if self.jobs.is_busy() => self.refuse(&command),
             Ok(Some(work)) => self.start_job(work, &command, then),
             Ok(None) => {
                 self.execute(&command);
@@ -56,8 +56,8 @@ impl Workspace {
     }
 
     /// Carries out what the history cannot keep, since the person wants it.
-    pub(super) fn run_irreversibly(&mut self, command: Command) {
-        if self.job.is_some() {
+    pub fn run_irreversibly(&mut self, command: Command) {
+        if self.jobs.is_busy() {
             return self.refuse(&command);
         }
         self.execute(&Command::Irreversible(true));
@@ -67,38 +67,39 @@ impl Workspace {
         } else {
             self.run(command);
         }
-        match self.job {
+        if self.jobs.is_busy() {
             // What comes of it is put in place when it is done.
-            Some(_) => self.irreversible_job = true,
-            None => drop(self.execute(&Command::Irreversible(false))),
+            self.jobs.set_irreversible();
+        } else {
+            self.execute(&Command::Irreversible(false));
         }
     }
 
     /// Takes back a stroke that cannot be undone and that the person has not chosen to keep.
-    pub(super) fn settle_stroke_in_question(&mut self) {
-        if self.stroke_in_question && self.ui.unkept.is_none() {
+    pub fn drop_stroke_in_question(&mut self) {
+        if self.stroke_in_question {
             self.stroke_in_question = false;
             self.execute(&Command::Cancel);
         }
     }
 
     /// Carries out a command that takes no time; says what went wrong. True if it was done.
-    pub(super) fn execute(&mut self, command: &Command) -> bool {
-        if self.job.is_some() && !matches!(command, Command::Place(_)) {
+    pub fn execute(&mut self, command: &Command) -> bool {
+        if self.jobs.is_busy() && !matches!(command, Command::Place(_)) {
             self.refuse(command);
             return false;
         }
         let dims = self.session.document().grid().dims();
         match self.session.execute(command, &()) {
             Ok(applied) => {
-                self.pads.bitten += applied.stats.voxels_changed();
-                self.bitten_by_hand += applied.stats.voxels_changed();
-                self.note_idle_area(command, applied.stats.voxels_changed());
+                let changed = applied.stats.voxels_changed();
+                self.voxels_changed += changed;
+                self.note_idle_area(command, changed);
                 if self.session.document().grid().dims() != dims {
                     self.sculpture_replaced();
                 }
                 self.tell_journal_error();
-                self.go_on_travelling(command, applied);
+                self.continue_steps(command, applied);
                 true
             }
             Err(error) => {
@@ -110,7 +111,7 @@ impl Workspace {
 
     /// Asks about the steps that are left of an undo or redo that stopped at one that the history
     /// cannot keep.
-    fn go_on_travelling(&mut self, command: &Command, applied: Applied) {
+    fn continue_steps(&mut self, command: &Command, applied: Applied) {
         let history = self.session.document().history();
         let left = |steps: &Option<u32>, there: usize| {
             let left = steps.map(|steps| steps.saturating_sub(applied.steps));
@@ -141,23 +142,31 @@ impl Workspace {
                  {budget_mib} MiB."
             );
             self.stroke_in_question = *command == Command::End;
-            self.ui.unkept = Some(Unkept { command: command.clone(), why });
+            let unkept = Unkept { command: command.clone(), why };
+            self.outcomes.push(Outcome::Unkept(unkept));
             return;
         }
         tracing::warn!("{command}: {error}");
-        self.ui.toasts.error(error.to_string());
+        self.error(error.to_string());
     }
 
     /// Says once that the recording has ended; the work goes on.
     pub(super) fn tell_journal_error(&mut self) {
         if let Some(error) = self.session.take_journal_error() {
-            self.ui.toasts.error(format!("{error}; the recording ends here, your work goes on"));
+            self.error(format!("{error}; the recording ends here, your work goes on"));
         }
     }
 
     /// While long work is under way nothing changes the sculpture.
     fn refuse(&mut self, command: &Command) {
         let verb = command.verb();
-        self.ui.toasts.note(format!("`{verb}` must wait until the current task has finished"));
+        self.note(format!("`{verb}` must wait until the current task has finished"));
+    }
+
+    /// Another sculpture is there: the tool begins anew, and so do views of it.
+    pub(super) fn sculpture_replaced(&mut self) {
+        self.tool.reset_pose(self.session.document().grid().dims());
+        self.leave_ground();
+        self.outcomes.push(Outcome::Replaced);
     }
 }

@@ -1,4 +1,4 @@
-//! Owns the options of the spray tools in hand, each tool its own.
+//! The options of the spray tools, each tool its own.
 
 use crate::command::{Command, SpraySurface};
 use crate::sculpture::Rgb;

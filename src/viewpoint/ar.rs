@@ -1,8 +1,8 @@
-//! Owns the sculpture on the table: a thread that looks for the marker in frames of a camera, and the
+//! The sculpture on a printed marker: a thread that looks for the marker in frames of a camera, and the
 //! camera's eye while the sculpture stands on it.
 //!
 //! Frames come in as values, the newest wins. The eye belongs to one frame, the last that was looked
-//! through ([`Workspace::ar_frame`]): that one is to be shown behind the sculpture. A marker that is
+//! through ([`Ar::frame`]): that one is to be shown behind the sculpture. A marker that is
 //! lost is held for a moment, then the sculpture goes to a place before the camera.
 
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -13,10 +13,7 @@ use glam::{Affine3A, DQuat, DVec3, UVec2, Vec3};
 use tracking::Placement;
 use tracking::fade::{Fade, FadeOptions};
 
-use super::workspace::Workspace;
 use crate::fiducial::{ArOptions, Grey, MarkerPose, detect, poses};
-use crate::input::Side;
-use crate::ui::ar::ArStatus;
 use crate::video::{Fit, Frame, Framing, Intrinsics, Stand};
 use crate::view::Eye;
 
@@ -50,7 +47,7 @@ struct Searched {
     found: Vec<MarkerPose>,
 }
 
-/// What the thread of the finder shares with the workspace.
+/// What the thread of the finder shares with [`Ar`].
 #[derive(Default)]
 struct Desk {
     next: Option<(Arc<Frame>, Intrinsics)>,
@@ -117,6 +114,21 @@ impl Drop for Finder {
     }
 }
 
+/// What the interface reads of the printed marker.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct ArStatus {
+    /// The sculpture stands on it.
+    pub on: bool,
+    /// Frames come from a camera.
+    pub video: bool,
+    /// The marker is in the picture.
+    pub seen: bool,
+    /// Its number.
+    pub marker: u32,
+    /// Size of a voxel on the table.
+    pub voxel_mm: f32,
+}
+
 /// The marker and the camera before it.
 pub struct Ar {
     settings: ArOptions,
@@ -134,7 +146,7 @@ pub struct Ar {
 }
 
 /// Where the marker is taken to be while it is not seen: on a table before the camera.
-fn rest() -> Placement {
+pub fn rest() -> Placement {
     Placement {
         position_m: DVec3::new(0.0, -0.06, -0.45),
         orientation: DQuat::from_rotation_x(-55f64.to_radians()),
@@ -165,13 +177,14 @@ impl Ar {
         self.settings.on
     }
 
-    fn start(&mut self) -> std::io::Result<()> {
+    /// Puts the sculpture on the marker from now on.
+    pub fn start(&mut self) -> std::io::Result<()> {
         let ArOptions { marker, marker_mm, .. } = self.settings;
         self.finder = Some(Finder::start(marker, marker_mm * 1e-3)?);
         Ok(())
     }
 
-    fn stop(&mut self) {
+    pub fn stop(&mut self) {
         (self.finder, self.given, self.shown, self.seen) = (None, None, None, None);
         (self.live, self.fade) = (false, Fade::DONE);
     }
@@ -183,19 +196,20 @@ impl Ar {
         }
     }
 
-    fn placement(&self) -> Placement {
+    /// Where the marker is taken to be, relative to the camera.
+    pub fn placement(&self) -> Placement {
         self.fade.place(self.guide(), self.now_s)
     }
 
     /// Where the camera is relative to the marker, in metres, while the marker is tracked.
-    pub(super) fn camera_position_m(&self) -> Option<Vec3> {
+    pub fn camera_position_m(&self) -> Option<Vec3> {
         let tracked = self.is_on() && self.live && self.shown.is_some();
         let Placement { position_m, orientation } = self.placement();
         tracked.then(|| (orientation.inverse() * -position_m).as_vec3())
     }
 
     /// Hears what was found, and decides whether the marker is there.
-    pub(super) fn update(&mut self, now_s: f64) {
+    pub fn update(&mut self, now_s: f64) {
         let before = self.placement();
         let was_live = self.live;
         self.now_s = now_s;
@@ -232,12 +246,12 @@ impl Ar {
             .copied()
     }
 
-    pub(super) fn repaint_after(&self) -> Option<Duration> {
+    pub fn repaint_after(&self) -> Option<Duration> {
         self.is_on().then_some(LOOK_EVERY)
     }
 
     /// Makes the sculpture on the table larger or smaller.
-    pub(super) fn zoom(&mut self, notches: f32) {
+    pub fn zoom(&mut self, notches: f32) {
         let factor = GROWTH_PER_NOTCH.powf(notches.clamp(-20.0, 20.0));
         self.settings.voxel_mm = (self.settings.voxel_mm * factor).clamp(0.001, 1000.0);
     }
@@ -253,7 +267,7 @@ impl Ar {
     }
 
     /// What the camera sees of a grid, in a picture of `size` pixels. None without frames.
-    fn eye(&self, world_from_grid: &Affine3A, dims: Vec3, size: UVec2) -> Option<Eye> {
+    pub fn eye(&self, world_from_grid: &Affine3A, dims: Vec3, size: UVec2) -> Option<Eye> {
         let (frame, lens) = self.shown.as_ref().filter(|_| self.is_on())?;
         let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
         let ground = (0..8)
@@ -269,62 +283,24 @@ impl Ar {
         let near = NEAREST_M / stand.m_per_unit;
         Some(stand.eye(camera_from_marker, lens, &framing, size, near))
     }
-}
 
-impl Workspace {
-    /// Hears of the newest frame of the camera and how it lies on the screen.
+    /// Takes the newest frame of the camera and how it lies on the screen.
     pub fn see(&mut self, frame: &Arc<Frame>, look: Look) {
-        self.ar.look = look;
-        let Some(finder) = &self.ar.finder else { return };
-        if self.ar.given == Some(frame.sequence) || frame.width == 0 || frame.height == 0 {
+        self.look = look;
+        let Some(finder) = &self.finder else { return };
+        if self.given == Some(frame.sequence) || frame.width == 0 || frame.height == 0 {
             return;
         }
-        self.ar.given = Some(frame.sequence);
-        let fov_y_rad = self.ar.settings.camera_fov_deg.to_radians();
+        self.given = Some(frame.sequence);
+        let fov_y_rad = self.settings.camera_fov_deg.to_radians();
         let lens =
             look.lens.unwrap_or_else(|| Intrinsics::pinhole(frame.width, frame.height, fov_y_rad));
         finder.give(frame.clone(), lens.scaled(frame.width, frame.height));
     }
 
-    /// Whether the sculpture stands on the marker, for which frames are needed.
-    pub fn ar_is_on(&self) -> bool {
-        self.ar.is_on()
-    }
-
     /// The frame that belongs to the eye, while the sculpture stands on the marker: the one to be
     /// shown behind it, without the lens's distortion.
-    pub fn ar_frame(&self) -> Option<&Arc<Frame>> {
-        self.ar.shown.as_ref().filter(|_| self.ar.is_on()).map(|(frame, _)| frame)
-    }
-
-    /// Puts the sculpture on the marker from now on, upright.
-    pub fn start_ar(&mut self) {
-        match self.ar.start() {
-            Ok(()) => self.look_from(Side::Front),
-            Err(error) => {
-                self.ui.toasts.error(format!(
-                    "The printed marker cannot be tracked: no thread can be started ({error})"
-                ));
-            }
-        }
-    }
-
-    pub(super) fn toggle_ar(&mut self) {
-        if self.ar.is_on() {
-            self.ar.stop();
-        } else {
-            self.start_ar();
-        }
-    }
-
-    /// The eye of the camera, while the sculpture stands on the marker.
-    pub(super) fn camera_eye(&self) -> Option<Eye> {
-        let grid = self.session().document().grid();
-        let size = self.turntable.eye().size;
-        self.ar.eye(&self.world_from_grid(), grid.dims().as_vec3(), size)
+    pub fn frame(&self) -> Option<&Arc<Frame>> {
+        self.shown.as_ref().filter(|_| self.is_on()).map(|(frame, _)| frame)
     }
 }
-
-#[cfg(test)]
-#[path = "ar_tests.rs"]
-mod tests;

@@ -1,0 +1,399 @@
+//! The dispatcher: whatever is asked for, by action, action event, request of a panel, gamepad or
+//! hand, goes from here to the editor, the viewpoint, the controls or the interface, and what an edit
+//! leads to comes back here.
+//!
+//! The parts do not know one another: each returns values, and only this file applies them.
+
+use glam::{Quat, Vec2, Vec3};
+
+use super::workspace::Workspace;
+use crate::command::Command;
+use crate::controls::pads::STEP_S;
+use crate::editor::job::Then;
+use crate::editor::questions::Next;
+use crate::editor::{Outcome, PointerUse};
+use crate::input::hands::HandEvent;
+use crate::input::pad::{Glide, PadEvent, PadMode};
+use crate::input::{Action, ActionEvent, Side};
+use crate::notice::Notice;
+use crate::render::RenderMode;
+use crate::sculpture::Placement;
+use crate::ui::UiRequest;
+use crate::ui::files::FileTask;
+use crate::view::{Room, StereoLayout};
+
+/// Notches of the wheel for one press of a key that zooms.
+const ZOOM_NOTCHES: f32 = 2.0;
+
+impl Workspace {
+    /// Does what panels ask for, in order. A stroke that nobody wants to keep is taken back.
+    pub(super) fn answer_requests(&mut self, requests: Vec<UiRequest>) {
+        for request in requests {
+            self.answer_request(request);
+        }
+        if self.ui.unkept.is_none() {
+            self.editor.drop_stroke_in_question();
+            self.settle();
+        }
+    }
+
+    fn answer_request(&mut self, request: UiRequest) {
+        let editor = &mut self.editor;
+        match request {
+            UiRequest::Do(action) => self.act(action),
+            UiRequest::Run(command) => editor.run_unless_work_is_lost(command),
+            UiRequest::Tool(edit) => editor.tool.edit(edit),
+            UiRequest::Keys(change) => {
+                let notice = self.controls.change_keys(change);
+                self.show_notices(notice);
+            }
+            UiRequest::UsePreset(preset) => {
+                let notice = self.controls.use_preset(preset);
+                self.show_notices(notice);
+            }
+            UiRequest::Calibrate(step) => {
+                let notice = self.viewpoint.head.calibrate(step);
+                self.show_notices(notice);
+            }
+            UiRequest::StopWork => editor.cancel_job(),
+            // If something is being written, leaving waits for its success.
+            UiRequest::Go(Next::Leave) if editor.is_busy() => editor.leave_after_job(),
+            UiRequest::Go(Next::Leave) => self.leaving = true,
+            UiRequest::Go(Next::Run(command)) => editor.run(command),
+            UiRequest::SaveFirst(next) => editor.save(Some(next)),
+            UiRequest::SaveThen(command, next) => editor.run_then(command, Then::Go(next)),
+            UiRequest::Irreversibly(command) => editor.run_irreversibly(command),
+        }
+        self.settle();
+    }
+
+    /// Carries out an action that asks once.
+    pub fn act(&mut self, action: Action) {
+        let path = self.editor.session().path();
+        match action {
+            Action::New => self.ui.new_dialog.open = true,
+            Action::Open => self.ui.files.open(FileTask::Open, path),
+            Action::Save => self.editor.save(None),
+            Action::SaveAs => self.ui.files.open(FileTask::SaveAs(None), path),
+            Action::Export => self.ui.files.open(FileTask::Export, path),
+            Action::Quit => self.quit(),
+            Action::Cancel if self.editor.is_busy() => self.editor.cancel_job(),
+            Action::Cancel if self.editor.is_stroking() => self.editor.cancel_stroke(),
+            Action::Cancel => {
+                self.ui.close_top();
+            }
+            Action::Palette => self.ui.palette.open(),
+            Action::Help => self.ui.help_open = !self.ui.help_open,
+            Action::Guide => self.ui.guide.open = !self.ui.guide.open,
+            Action::Lights => self.ui.light_open = !self.ui.light_open,
+            Action::ToggleTheme => self.ui.theme = self.ui.theme.other(),
+            Action::Fullscreen => self.ui.switch_fullscreen = true,
+            Action::Screenshot => self.ui.screenshot = true,
+            Action::Detach(panel) => self.ui.toggle_detached(panel),
+            Action::ScaleUp => self.ui.scale.change_by(1.0),
+            Action::ScaleDown => self.ui.scale.change_by(-1.0),
+            Action::ScaleReset => self.ui.scale.reset(),
+            Action::ToggleRumble => {
+                self.ui.rumble = !self.ui.rumble;
+                self.ui.toasts.note(if self.ui.rumble { "Rumble on" } else { "Rumble off" });
+            }
+            Action::NextPadMode => self.controls.pads.next_mode(),
+            Action::ToggleBounds => self.ui.view.bounds ^= true,
+            Action::ToggleVideo => self.ui.view.video.on ^= true,
+            Action::SwapEyes => self.ui.view.stereo.swap_eyes ^= true,
+            Action::NextRenderMode => self.ui.view.choose_mode(next_mode(self.ui.view.mode)),
+            Action::NextStereo => self.next_stereo(),
+            Action::ToggleHead if self.viewpoint.head.is_on() => self.viewpoint.head.stop(),
+            Action::ToggleHead => self.start_head(),
+            Action::CalibrateHead => {
+                let notices = self.viewpoint.head.begin_calibration();
+                self.show_notices(notices);
+            }
+            Action::ToggleAr if self.viewpoint.ar.is_on() => self.viewpoint.ar.stop(),
+            Action::ToggleAr => self.start_ar(),
+            // On a table it stands upright.
+            Action::ResetView if self.viewpoint.ar.is_on() => self.look_from(Side::Front),
+            Action::ResetView => self.look_from(Side::Corner),
+            Action::LookFrom(side) => self.look_from(side),
+            Action::ZoomIn => self.zoom(ZOOM_NOTCHES, self.viewpoint.turntable.middle()),
+            Action::ZoomOut => self.zoom(-ZOOM_NOTCHES, self.viewpoint.turntable.middle()),
+            _ => {
+                let picker = self.picker();
+                self.editor.act(action, &picker);
+            }
+        }
+        self.settle();
+    }
+
+    /// Does what an event of a device means.
+    pub(super) fn answer_event(&mut self, event: &ActionEvent) {
+        match *event {
+            ActionEvent::Tap(action) => return self.act(action),
+            ActionEvent::Begin { action, at } => {
+                self.editor.set_pointer(at.or(self.editor.pointer()));
+                let picker = self.picker();
+                self.editor.begin(action, at, &picker);
+            }
+            ActionEvent::Drag { action, at, by } => {
+                self.editor.set_pointer(Some(at));
+                self.drag(action, at, by);
+            }
+            ActionEvent::End(action) => self.editor.end(action),
+            ActionEvent::Hover(at) => {
+                self.editor.set_pointer(Some(at));
+                let picker = self.picker();
+                self.editor.hover(at, self.controls.tool_follows_pointer(), &picker);
+            }
+            ActionEvent::Wheel { action: Action::Zoom, notches, at } => self.zoom(notches, at),
+            ActionEvent::Wheel { action: Action::ResizeTool, notches, .. } => {
+                self.editor.resize_by_wheel(notches);
+            }
+            ActionEvent::Wheel { .. } => {}
+            ActionEvent::Left => self.editor.set_pointer(None),
+        }
+        self.settle();
+    }
+
+    fn drag(&mut self, action: Action, at: Vec2, by: Vec2) {
+        let action = self.editor.meant(action);
+        let placement = *self.editor.document().placement();
+        if action == Action::TurnTool {
+            self.editor.turn_tool(self.viewpoint.turntable.turn_of(by));
+        } else if let Some(to) = self.viewpoint.dragged(action, &placement, by, self.ui.view.up) {
+            self.editor.place(to);
+        } else {
+            let picker = self.picker();
+            self.editor.drag(action, at, by, &picker);
+        }
+    }
+
+    fn zoom(&mut self, notches: f32, at: Vec2) {
+        let placement = *self.editor.document().placement();
+        if let Some(to) = self.viewpoint.zoomed(&placement, notches, at) {
+            self.editor.place(to);
+        }
+    }
+
+    /// Leaves the program, after long work and unsaved changes have been seen to.
+    fn quit(&mut self) {
+        if self.editor.is_busy() {
+            self.editor.leave_after_job();
+        } else if self.editor.session().modified() {
+            self.ui.unsaved = Some(Next::Leave);
+        } else {
+            self.leaving = true;
+        }
+    }
+
+    /// Shows all of the sculpture from a side.
+    pub(super) fn look_from(&mut self, side: Side) {
+        let to = self.viewpoint.look_from(side, self.ui.view.up, self.editor.document());
+        self.editor.place(to);
+    }
+
+    /// Lets the view follow the head from now on, as the settings say.
+    pub fn start_head(&mut self) {
+        let notices = self.viewpoint.head.start();
+        self.show_notices(notices);
+    }
+
+    /// Puts the sculpture on the printed marker from now on, upright.
+    pub(super) fn start_ar(&mut self) {
+        match self.viewpoint.ar.start() {
+            Ok(()) => self.look_from(Side::Front),
+            Err(error) => self.ui.toasts.error(format!(
+                "The printed marker cannot be tracked: no thread can be started ({error})"
+            )),
+        }
+    }
+
+    /// The next way to show two eyes that this window has.
+    fn next_stereo(&mut self) {
+        let layout = &mut self.ui.view.stereo.layout;
+        let at = StereoLayout::ALL.iter().position(|l| l == layout).unwrap_or(0);
+        let mut following = (1..).map(|i| StereoLayout::ALL[(at + i) % StereoLayout::ALL.len()]);
+        let has = |l: &StereoLayout| *l != StereoLayout::Layers || self.display.quad_buffered;
+        *layout = following.find(has).unwrap_or_default();
+    }
+
+    /// Polls trackers and the marker at `now_s` on the tracker's clock, and does what their buttons
+    /// ask for.
+    pub fn track_at(&mut self, now_s: f64) {
+        for event in self.viewpoint.head.update(now_s) {
+            // A window that asks for an answer is not for them.
+            let busy = self.ui.is_modal() || self.viewpoint.head.is_calibrating();
+            if !busy || matches!(event, ActionEvent::End(_)) {
+                self.answer_event(&event);
+            }
+        }
+        self.viewpoint.ar.update(now_s);
+        if self.viewpoint.has_leapt(now_s) {
+            self.editor.lift();
+        }
+        self.settle();
+        for event in self.viewpoint.head.wheels(self.viewpoint.turntable.middle()) {
+            if !self.ui.is_modal() {
+                self.answer_event(&event);
+            }
+        }
+    }
+
+    /// Does what gamepads have asked for up to `now_s`. Returns what they do with the pointer.
+    pub fn play_pad(&mut self, now_s: f64, ctx: &egui::Context) -> Vec<egui::Event> {
+        let mut pointer = Vec::new();
+        let catching = self.ui.keys.is_catching();
+        let start = self.picture().center();
+        for event in self.controls.take_pad_events(now_s) {
+            // What is pressed is heard as a trigger and does nothing else.
+            if catching && !matches!(event, PadEvent::Action(ActionEvent::End(_))) {
+                continue;
+            }
+            match event {
+                PadEvent::Glide(glide) if glide.mode == PadMode::OnlyMouse => {
+                    pointer.push(self.controls.pads.move_pointer(&glide, ctx, start));
+                }
+                PadEvent::Glide(glide) if !self.ui.is_modal() => {
+                    glide.parts(STEP_S).for_each(|part| self.glide(&part));
+                }
+                PadEvent::Glide(_) => {}
+                PadEvent::Action(event) => {
+                    // A window that asks for an answer is closed or answered with the pointer.
+                    let meant =
+                        matches!(event, ActionEvent::Tap(Action::Cancel) | ActionEvent::End(_));
+                    if meant || !self.ui.is_modal() {
+                        self.answer_event(&event);
+                    }
+                }
+                PadEvent::Press(down) => {
+                    self.controls.pads.click(&[down], ctx, start, &mut pointer);
+                }
+                PadEvent::DoubleClick => {
+                    self.controls.pads.click(&[true, false, true, false], ctx, start, &mut pointer);
+                }
+            }
+        }
+        pointer
+    }
+
+    /// Moves and rotates the tool or the sculpture as sticks ask for.
+    fn glide(&mut self, glide: &Glide) {
+        let settings = self.controls.pads.settings();
+        let height = self.viewpoint.turntable.eye().size.y as f32;
+        let pixels = glide.shift * settings.move_speed * height;
+        // About axes of the screen, which are those of the world.
+        let turn = glide.turn * settings.turn_speed_deg.to_radians();
+        if glide.mode == PadMode::UseTool {
+            let picker = self.picker();
+            if turn != Vec3::ZERO {
+                self.editor.turn_tool(Quat::from_scaled_axis(turn));
+            }
+            if pixels.truncate() != Vec2::ZERO {
+                self.editor.drag_tool(Vec2::new(pixels.x, -pixels.y), false, &picker);
+            }
+            if pixels.z != 0.0 {
+                self.editor.drag_tool(Vec2::new(0.0, pixels.z), true, &picker);
+            }
+        } else {
+            let turntable = &self.viewpoint.turntable;
+            let placement = self.editor.document().placement();
+            let mut to = turntable.shifted(placement, Vec2::new(pixels.x, -pixels.y));
+            to = turntable.brought_nearer(&to, pixels.z);
+            to = turntable.turned_by(&to, Vec2::new(turn.y, turn.x), self.ui.view.up);
+            let rotation = (Quat::from_rotation_z(turn.z) * to.rotation).normalize();
+            self.editor.place(Placement { rotation, ..to });
+        }
+        self.settle();
+    }
+
+    /// Does what a hand in a headset asks for.
+    pub fn answer_hand(&mut self, event: &HandEvent, room: &Room) {
+        let picker = self.picker();
+        self.editor.hand_event(event, room, &picker);
+        self.settle();
+    }
+
+    /// Puts the sculpture upright in the middle of the world.
+    pub(super) fn stand_upright(&mut self) {
+        let front = Side::Front;
+        let turntable = &self.viewpoint.turntable;
+        let to = turntable.looking_from(front, self.ui.view.up, &Placement::default());
+        self.run_now(&Command::Place(to));
+    }
+
+    /// Brings the sculpture back to the middle of the world at its own size, rotated as it is.
+    pub(super) fn bring_back(&mut self) {
+        let rotation = self.editor.document().placement().rotation;
+        self.run_now(&Command::Place(Placement { rotation, ..Placement::default() }));
+    }
+
+    /// Carries out a command that takes no time. True if it was done.
+    pub(super) fn run_now(&mut self, command: &Command) -> bool {
+        let done = self.editor.execute(command);
+        self.settle();
+        done
+    }
+
+    /// Lets the tool follow at once what was chosen about it.
+    pub(super) fn keep_footing(&mut self) {
+        let pointer_use = PointerUse {
+            leads_tool: self.controls.tool_follows_pointer(),
+            dragging: self.controls.is_dragging(),
+        };
+        let picker = self.picker();
+        self.editor.keep_footing(pointer_use, &picker);
+        self.settle();
+    }
+
+    /// Reacts to what edits have led to, until nothing follows any more.
+    pub(super) fn settle(&mut self) {
+        loop {
+            let outcomes = self.editor.take_outcomes();
+            if outcomes.is_empty() {
+                break;
+            }
+            outcomes.into_iter().for_each(|outcome| self.react(outcome));
+        }
+        self.ui.busy = self.editor.busy();
+        self.ui.calibrating = self.viewpoint.head.is_calibrating();
+    }
+
+    fn react(&mut self, outcome: Outcome) {
+        match outcome {
+            Outcome::Replaced => {
+                self.viewpoint.forget_pick_map();
+                self.look_from(Side::Corner);
+            }
+            Outcome::Notice(notice) => self.show_notices([notice]),
+            Outcome::Limited => {
+                let table = self.controls.bindings();
+                let keys = table.and_then(|table| table.shortcut(Action::ToggleLimit));
+                let keys = keys.map_or(String::new(), |keys| format!(" ({keys})"));
+                self.ui
+                    .toasts
+                    .note(format!("Nothing changed: tools are limited to the selection{keys}"));
+            }
+            Outcome::Unsaved(next) => self.ui.unsaved = Some(next),
+            Outcome::Unkept(unkept) => self.ui.unkept = Some(unkept),
+            Outcome::NameNeeded(next) => {
+                let path = self.editor.session().path();
+                self.ui.files.open(FileTask::SaveAs(next), path);
+            }
+            Outcome::FileUsed(command) => self.note_file(&command),
+            Outcome::Leave => self.quit(),
+        }
+    }
+
+    pub(super) fn show_notices(&mut self, notices: impl IntoIterator<Item = Notice>) {
+        for notice in notices {
+            match notice {
+                Notice::Note(text) => self.ui.toasts.note(text),
+                Notice::Error(text) => self.ui.toasts.error(text),
+            }
+        }
+    }
+}
+
+fn next_mode(mode: RenderMode) -> RenderMode {
+    let at = RenderMode::ALL.iter().position(|m| *m == mode).unwrap_or(0);
+    RenderMode::ALL[(at + 1) % RenderMode::ALL.len()]
+}

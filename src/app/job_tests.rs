@@ -1,0 +1,129 @@
+//! Long work seen from the program: what is shown, refused and said meanwhile, and what follows it.
+
+use std::sync::mpsc::{Sender, channel};
+
+use super::Workspace;
+use crate::command::Command;
+use crate::config::Config;
+use crate::editor::job::Then;
+use crate::input::Bindings;
+use crate::progress::{Progress, Report};
+use crate::session::Session;
+use crate::ui::toasts::Tone;
+
+fn workspace() -> Workspace {
+    let mut config = Config::default();
+    config.new.dims = [24, 16, 8];
+    let session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
+    Workspace::new(session, &config, Bindings::presets().unwrap())
+}
+
+/// Starts a command whose work waits for a word before it begins.
+fn start_slowly(workspace: &mut Workspace, command: &str) -> Sender<()> {
+    let command: Command = command.parse().unwrap();
+    let work = workspace.session_mut().prepare(&command).unwrap().unwrap();
+    let (go, wait) = channel();
+    let slow = move |report: &Report| {
+        report.begin("thinking");
+        report.advance(0.25);
+        wait.recv().unwrap();
+        work.run(report)
+    };
+    workspace.editor.start_work(slow, &command, Then::Stay);
+    while workspace.editor.busy().unwrap().stage.done.is_none() {
+        std::thread::yield_now();
+    }
+    workspace.follow_job();
+    go
+}
+
+fn tones(workspace: &Workspace) -> Vec<Tone> {
+    workspace.ui.toasts.texts().map(|(tone, _)| tone).collect()
+}
+
+#[test]
+fn while_it_runs_it_is_shown_and_nothing_changes() {
+    let mut workspace = workspace();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.vsc");
+    workspace.run_now(&"subtract cuboid at=4,4,4 half=2".parse().unwrap());
+    let before = workspace.session().document().contents().clone();
+    let go = start_slowly(&mut workspace, &format!("save {path:?}"));
+    let busy = workspace.ui.busy.clone().unwrap();
+    assert_eq!((busy.what, busy.stage.done), ("Saving", Some(0.25)));
+    assert_eq!(busy.stage.what, "thinking");
+    assert!(workspace.ui.is_modal());
+    for refused in ["clear", "undo", "subtract cuboid at=9,9,4 half=3", "begin"] {
+        assert!(!workspace.run_now(&refused.parse().unwrap()), "{refused}");
+    }
+    workspace.editor.run("new dims=8,8,8".parse().unwrap());
+    assert!(workspace.run_now(&"place scale=2".parse().unwrap()), "the view may move");
+    assert_eq!(*workspace.session().document().contents(), before);
+    assert!(workspace.session().modified());
+    go.send(()).unwrap();
+    workspace.finish_job();
+    assert!(workspace.ui.busy.is_none() && !workspace.session().modified());
+    let saved = crate::format::load(&path, &Default::default(), &Default::default(), &());
+    assert_eq!(saved.unwrap().contents.grid, before.grid);
+    assert!(workspace.run_now(&"clear".parse().unwrap()), "work goes on");
+}
+
+#[test]
+fn what_is_cancelled_leaves_file_and_sculpture_as_they_were() {
+    let mut workspace = workspace();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.pvm");
+    for line in [format!("save {path:?}"), format!("open {path:?}")] {
+        if line.starts_with("open") {
+            workspace
+                .session_mut()
+                .execute(&format!("save {path:?}").parse().unwrap(), &())
+                .unwrap();
+        }
+        workspace.run_now(&"subtract cuboid at=4,4,4 half=2".parse().unwrap());
+        let (before, there) = (workspace.session().document().revision(), path.exists());
+        let go = start_slowly(&mut workspace, &line);
+        workspace.editor.cancel_job();
+        go.send(()).unwrap();
+        workspace.finish_job();
+        assert_eq!(workspace.session().document().revision(), before, "{line}");
+        assert_eq!(path.exists(), there, "{line}");
+        assert_eq!(tones(&workspace).last(), Some(&Tone::Note));
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), usize::from(there));
+    }
+}
+
+#[test]
+fn leaving_waits_for_a_save_and_gives_up_an_opening() {
+    let mut workspace = workspace();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.vsc");
+    workspace.run_now(&"clear".parse().unwrap());
+    let go = start_slowly(&mut workspace, &format!("save {path:?}"));
+    workspace.ask_to_leave();
+    workspace.follow_job();
+    assert!(!workspace.is_leaving() && workspace.editor.is_busy());
+    go.send(()).unwrap();
+    workspace.finish_job();
+    assert!(workspace.is_leaving() && path.exists());
+
+    let mut workspace = self::workspace();
+    let go = start_slowly(&mut workspace, &format!("open {path:?}"));
+    workspace.ask_to_leave();
+    go.send(()).unwrap();
+    workspace.finish_job();
+    assert!(workspace.is_leaving());
+    assert!(workspace.session().document().grid().opaque_count() > 0, "it was not opened");
+}
+
+#[test]
+fn a_failure_is_an_error_on_screen_and_keeps_the_program() {
+    let mut workspace = workspace();
+    workspace.run_now(&"clear".parse().unwrap());
+    let go = start_slowly(&mut workspace, "save \"/nonexistent/a.pvm\"");
+    workspace.ask_to_leave();
+    go.send(()).unwrap();
+    workspace.finish_job();
+    assert!(!workspace.is_leaving() && workspace.session().modified());
+    assert_eq!(tones(&workspace), [Tone::Error]);
+}

@@ -1,0 +1,128 @@
+//! From devices to action events: the tables of keys in use with their file, what is held in each
+//! window, and the gamepads.
+//!
+//! [`Controls`] takes device events and states of pads as values and returns [`ActionEvent`]s; what
+//! these mean is decided elsewhere. Knows no sculpture and no window.
+
+mod key_file;
+pub mod pads;
+
+use std::collections::BTreeMap;
+
+use crate::input::pad::device::PadNews;
+use crate::input::pad::shift_tap::ShiftTap;
+use crate::input::pad::{GamepadOptions, PadEvent};
+use crate::input::trigger::Trigger;
+use crate::input::{Action, ActionEvent, Bindings, DeviceEvent, Mapper, Panel};
+
+use key_file::KeyFile;
+use pads::{PadReport, Pads};
+
+/// Everything that turns input into action events.
+pub struct Controls {
+    /// The tables of keys as the person has changed them.
+    presets: Vec<Bindings>,
+    /// The same as the program brings them along.
+    pristine: Vec<Bindings>,
+    /// Index of the table in use.
+    pub preset: usize,
+    /// Where changes to the tables are kept, if anywhere.
+    key_file: Option<KeyFile>,
+    /// What is held in the main window.
+    mapper: Mapper,
+    /// What is held in the windows of panels.
+    panel_mappers: BTreeMap<Panel, Mapper>,
+    shift_tap: ShiftTap,
+    pub pads: Pads,
+}
+
+impl Controls {
+    pub fn new(presets: Vec<Bindings>, gamepad: &GamepadOptions) -> Controls {
+        Controls {
+            pristine: presets.clone(),
+            presets,
+            preset: 0,
+            key_file: None,
+            mapper: Mapper::default(),
+            panel_mappers: BTreeMap::new(),
+            shift_tap: ShiftTap::default(),
+            pads: Pads::new(gamepad),
+        }
+    }
+
+    /// The tables to choose from.
+    pub fn presets(&self) -> &[Bindings] {
+        &self.presets
+    }
+
+    /// The same as the program brings them along.
+    pub fn pristine(&self) -> &[Bindings] {
+        &self.pristine
+    }
+
+    /// The table in use.
+    pub fn bindings(&self) -> Option<&Bindings> {
+        self.presets.get(self.preset)
+    }
+
+    /// Whether the pointer holds something on the picture.
+    pub fn is_dragging(&self) -> bool {
+        self.mapper.captures_pointer()
+    }
+
+    /// Whether the tool goes where the pointer is: in a table without `Sculpt` it is moved by drags
+    /// alone.
+    pub fn tool_follows_pointer(&self) -> bool {
+        let table = self.bindings();
+        table.is_some_and(|bindings| bindings.triggers(Action::Sculpt).next().is_some())
+    }
+
+    /// What the events of a window mean: of a panel's, or of the main one. Each window holds keys of
+    /// its own, so that one that loses the focus lets go of its own only.
+    pub fn hear(&mut self, panel: Option<Panel>, events: &[DeviceEvent]) -> Vec<ActionEvent> {
+        let Some(bindings) = self.presets.get(self.preset) else { return Vec::new() };
+        let mapper = match panel {
+            Some(panel) => self.panel_mappers.entry(panel).or_default(),
+            None => &mut self.mapper,
+        };
+        let mut actions = Vec::new();
+        for event in events {
+            mapper.feed(event, bindings, &mut actions);
+        }
+        // Of several moves without a button only the last is worth a look.
+        actions.dedup_by(|later, earlier| {
+            let is_hover = |event: &ActionEvent| matches!(event, ActionEvent::Hover(_));
+            let overtaken = is_hover(later) && is_hover(earlier);
+            if overtaken {
+                std::mem::swap(later, earlier);
+            }
+            overtaken
+        });
+        actions
+    }
+
+    /// The action that Shift pressed alone stands for, as often as it was pressed.
+    pub fn hear_shift_taps(&mut self, events: &[egui::Event]) -> Vec<Action> {
+        let taps = events.iter().filter(|event| self.shift_tap.feed(event)).count();
+        let action = self.bindings().and_then(|bindings| bindings.action(Trigger::ShiftTap));
+        action.into_iter().cycle().take(if action.is_some() { taps } else { 0 }).collect()
+    }
+
+    /// Takes news of a pad; see [`Pads::hear`].
+    pub fn hear_pad(&mut self, news: PadNews, now_s: f64, catching: bool) -> PadReport {
+        self.pads.hear(news, now_s, self.presets.get(self.preset), catching)
+    }
+
+    /// What the pads have asked for up to `now_s`, in order.
+    pub fn take_pad_events(&mut self, now_s: f64) -> Vec<PadEvent> {
+        let bindings = self.presets.get(self.preset);
+        bindings.map_or(Vec::new(), |bindings| self.pads.take(now_s, bindings))
+    }
+
+    /// A panel's window has gone: what was held in it is let go.
+    pub fn panel_closed(&mut self, panel: Panel) -> Vec<ActionEvent> {
+        let released = self.hear(Some(panel), &[DeviceEvent::FocusLost]);
+        self.panel_mappers.remove(&panel);
+        released
+    }
+}

@@ -1,0 +1,214 @@
+//! The gamepads: their states become events, the pointer is moved by a stick, and motors shake with
+//! what the tool changes.
+//!
+//! Time comes in as seconds since the program's start; the pointer goes out as events for egui,
+//! by the same door as the mouse.
+
+use egui::{Color32, Context, Event, Id, LayerId, Order, PointerButton, Pos2, Stroke};
+
+use crate::input::pad::device::{Motor, PadChange, PadNews};
+use crate::input::pad::rumble::Rumble;
+use crate::input::pad::{GamepadOptions, Glide, PadEvent, PadId, PadMapper, PadMode};
+use crate::input::{Bindings, Trigger};
+use crate::notice::Notice;
+
+/// The pointer was moved by something else if it is farther than this from where the pad put it.
+const POINTER_SLACK: f32 = 2.0;
+
+/// Movements are done in steps of so many seconds at full speed: how far a step across goes
+/// depends on the depth, so the way would else depend on the rate of pictures.
+pub const STEP_S: f32 = 1.0 / 60.0;
+
+/// What the interface reads of a gamepad.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct PadStatus<'a> {
+    pub name: &'a str,
+    pub mode: PadMode,
+    /// Whether it has motors.
+    pub rumbles: bool,
+}
+
+/// The gamepads and what they need to know between pictures.
+pub struct Pads {
+    settings: GamepadOptions,
+    mapper: PadMapper,
+    motors: Vec<(PadId, Box<dyn Motor>)>,
+    rumble: Rumble,
+    /// Voxels that tools had changed in all when the pad last shook.
+    felt_voxels: u64,
+    /// When the pad was last given its strength, in seconds.
+    shaken_s: f64,
+    /// Where the pad has put the pointer, in points: finer than the window keeps it.
+    pointer: Option<Pos2>,
+    /// The system does not let its own pointer be moved, so that one is drawn.
+    draws_pointer: bool,
+}
+
+impl Pads {
+    pub fn new(settings: &GamepadOptions) -> Pads {
+        Pads {
+            settings: settings.clone(),
+            mapper: PadMapper::new(settings.response(), settings.mode),
+            motors: Vec::new(),
+            rumble: Rumble::default(),
+            felt_voxels: 0,
+            shaken_s: 0.0,
+            pointer: None,
+            draws_pointer: false,
+        }
+    }
+
+    /// What the interface says of the pad that leads.
+    pub fn status(&self) -> Option<PadStatus<'_>> {
+        let (id, name) = self.mapper.leader()?;
+        let rumbles = self.motors.iter().any(|(motor, _)| *motor == id);
+        Some(PadStatus { name, mode: self.mapper.mode(), rumbles })
+    }
+
+    /// Takes news of a pad at `now_s` seconds. With `catching` what is pressed is also returned as
+    /// triggers, for a key table that waits for one.
+    pub fn hear(
+        &mut self,
+        news: PadNews,
+        now_s: f64,
+        bindings: Option<&Bindings>,
+        catching: bool,
+    ) -> PadReport {
+        let mut report = PadReport::default();
+        match news.change {
+            PadChange::Came { name, motor } => {
+                report.notice = Some(Notice::note(format!("Gamepad connected: {name}")));
+                self.mapper.came(news.pad, name);
+                self.motors.retain(|(id, _)| *id != news.pad);
+                self.motors.extend(motor.map(|motor| (news.pad, motor)));
+            }
+            PadChange::Went => {
+                self.motors.retain(|(id, _)| *id != news.pad);
+                if let Some(name) = self.mapper.went(news.pad) {
+                    tracing::info!("gamepad disconnected: {name}");
+                    report.notice = Some(Notice::note(format!("Gamepad disconnected: {name}")));
+                }
+            }
+            PadChange::State(state) => {
+                if catching {
+                    let pressed = self.mapper.newly_down(news.pad, &state).next();
+                    report.caught = pressed.map(|button| Trigger::Pad { button });
+                }
+                if let Some(bindings) = bindings {
+                    self.mapper.hear(news.pad, state, now_s, bindings);
+                }
+            }
+        }
+        report
+    }
+
+    /// Takes whether pads are meant for this program, or for another that has the keyboard.
+    pub fn set_listening(&mut self, listening: bool) {
+        self.mapper.set_listening(listening);
+    }
+
+    /// Whether the pad needs pictures in which nothing else happens.
+    pub fn is_active(&self) -> bool {
+        self.mapper.is_active() || self.rumble.is_shaking()
+    }
+
+    /// Goes to the next mode of the pad, if there is a pad.
+    pub fn next_mode(&mut self) {
+        if self.mapper.leader().is_some() {
+            self.mapper.next_mode();
+        }
+    }
+
+    /// What the pads have asked for up to `now_s`, in order.
+    pub fn take(&mut self, now_s: f64, bindings: &Bindings) -> Vec<PadEvent> {
+        self.mapper.take(now_s, bindings)
+    }
+
+    /// How far and how fast a stick moves things.
+    pub fn settings(&self) -> &GamepadOptions {
+        &self.settings
+    }
+
+    /// Shakes the pad with what tools have changed since the last call. `voxels_changed`: in all
+    /// since the program's start; `felt`: a tool that the pad may feel is in use.
+    pub fn shake(&mut self, now_s: f64, voxels_changed: u64, felt: bool) {
+        let dt_s = (now_s - self.shaken_s).clamp(0.0, 1.0) as f32;
+        self.shaken_s = now_s;
+        let before = std::mem::replace(&mut self.felt_voxels, voxels_changed);
+        let changed = voxels_changed.saturating_sub(before);
+        let felt = (felt && self.mapper.is_holding()).then_some(changed);
+        let was_shaking = self.rumble.is_shaking();
+        let strength = self.rumble.step(felt, dt_s, &self.settings.rumble_curve());
+        if was_shaking || strength > 0.0 {
+            let leader = self.mapper.leader().map(|(id, _)| id);
+            for (id, motor) in &mut self.motors {
+                motor.shake(if leader == Some(*id) { strength } else { 0.0 });
+            }
+        }
+    }
+
+    /// Draws a pointer where the system does not move its own.
+    pub fn draw_pointer(&self, ctx: &Context) {
+        if let (true, Some(at)) = (self.draws_pointer, self.pointer) {
+            let painter = ctx.layer_painter(LayerId::new(Order::Debug, Id::new("pad pointer")));
+            painter.circle_stroke(at, 6.0, Stroke::new(3.0, Color32::BLACK));
+            painter.circle_stroke(at, 6.0, Stroke::new(1.5, Color32::WHITE));
+            painter.circle_filled(at, 1.5, Color32::WHITE);
+        }
+    }
+
+    /// Takes whether the system has moved its own pointer to where the pad wants it.
+    pub fn pointer_follows(&mut self, follows: bool) {
+        self.draws_pointer = !follows;
+    }
+
+    /// Where the pad's pointer is, in points; `start` where no pointer has been yet. Where the mouse
+    /// has moved it since, the mouse is right.
+    fn pointer_at(&mut self, ctx: &Context, start: Pos2) -> Pos2 {
+        let latest = ctx.input(|input| input.pointer.latest_pos());
+        let at = match (self.pointer, latest) {
+            (Some(ours), Some(latest)) if ours.distance(latest) > POINTER_SLACK => latest,
+            (Some(ours), _) => ours,
+            (None, Some(latest)) => latest,
+            (None, None) => start,
+        };
+        self.pointer = Some(at);
+        at
+    }
+
+    /// Moves the pointer within the window; returns where it is now.
+    pub fn move_pointer(&mut self, glide: &Glide, ctx: &Context, start: Pos2) -> Event {
+        let by = glide.shift.truncate() * self.settings.pointer_speed;
+        let at = self.pointer_at(ctx, start) + egui::vec2(by.x, -by.y);
+        let window = ctx.content_rect().shrink(1.0);
+        let at = at.clamp(window.min, window.max);
+        self.pointer = Some(at);
+        Event::PointerMoved(at)
+    }
+
+    /// Presses and releases the primary button where the pointer is: adds to `events`.
+    pub fn click(&mut self, presses: &[bool], ctx: &Context, start: Pos2, events: &mut Vec<Event>) {
+        let modifiers = ctx.input(|input| input.modifiers);
+        let pos = match events.last() {
+            Some(Event::PointerMoved(at)) => *at,
+            _ => self.pointer_at(ctx, start),
+        };
+        // Where the mouse has never been the pointer comes first.
+        events.push(Event::PointerMoved(pos));
+        let button = PointerButton::Primary;
+        events.extend(presses.iter().map(|&pressed| Event::PointerButton {
+            pos,
+            button,
+            pressed,
+            modifiers,
+        }));
+    }
+}
+
+/// What news of a pad led to.
+#[derive(Default)]
+pub struct PadReport {
+    pub notice: Option<Notice>,
+    /// While a key table waits for a trigger: what was newly pressed, if anything.
+    pub caught: Option<Trigger>,
+}

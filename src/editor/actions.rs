@@ -1,0 +1,285 @@
+//! What actions do to the tool and through it: choices of the tool, commands for the document, and
+//! presses and drags on the picture.
+//!
+//! Places on the picture are in pixels and come with the [`Picker`] of that picture.
+
+use glam::{Quat, UVec3, Vec2, Vec3};
+
+use super::stroke::Guide;
+use super::tool::ToolKind;
+use super::{Editor, sprays};
+use crate::command::{Area, Command};
+use crate::input::Action;
+use crate::picking::Picker;
+use crate::picking::geometry::lasting;
+use crate::sculpture::Placement;
+use crate::tools::spray::SprayKind;
+use crate::tools::symmetry::Parity;
+
+/// Factor on the tool's size for one press of a key.
+const GROWTH: f32 = 1.15;
+/// Factor on the tool's size for one notch of the wheel.
+pub(super) const GROWTH_PER_NOTCH: f32 = 1.1;
+
+impl Editor {
+    /// Carries out an action that asks once. Actions of others than the editor do nothing here.
+    pub fn act(&mut self, action: Action, picker: &Picker) {
+        match action {
+            Action::Undo => self.run(Command::Undo { steps: Some(1) }),
+            Action::Redo => self.run(Command::Redo { steps: Some(1) }),
+            Action::Fill => self.run(Command::Fill { area: Area::Grid, colour: None }),
+            Action::Clear => self.run(Command::Clear { area: Area::Grid }),
+            Action::Solid(solid) => {
+                self.tool.solid = solid;
+                self.tool.kind = ToolKind::Solid;
+            }
+            Action::Spray(kind) => self.tool.kind = ToolKind::Spray(kind),
+            Action::Mode(mode) => {
+                self.tool.mode = mode;
+                self.tool.kind = ToolKind::Solid;
+            }
+            Action::NextToolMode => self.tool.mode = self.tool.mode.next(),
+            Action::Grow => self.resize(1.0, GROWTH),
+            Action::Shrink => self.resize(-1.0, GROWTH),
+            Action::ResetTool if self.tool.kind == ToolKind::Marker => self.reset_marker(),
+            Action::ResetTool => {
+                self.tool.reset_pose(self.document().grid().dims());
+                self.leave_ground();
+            }
+            Action::AlignTool => self.tool.set_turn_deg(Vec3::ZERO),
+            Action::Nudge(step) => {
+                self.move_tool(picker.sight().screen_axes().step(step), picker);
+            }
+            Action::Stretch(step) => {
+                let side = picker.sight().screen_axes().step(step);
+                match self.tool.kind {
+                    ToolKind::Marker => self.stretch_marker(side),
+                    ToolKind::Solid => {
+                        self.tool.stretch(side, 1.0);
+                        self.leave_ground();
+                    }
+                    ToolKind::Spray(_) => {}
+                }
+            }
+            Action::ToggleFollow => self.tool.follow = !self.tool.follow,
+            Action::ToggleSnap => self.tool.snap = !self.tool.snap,
+            Action::PickHere => self.pick_colour(picker),
+            Action::Mirror(axis) => {
+                let mut symmetry = self.document().symmetry();
+                let parity = &mut symmetry.axes[axis.index()];
+                *parity = if parity.is_some() { None } else { Some(Parity::Even) };
+                self.execute(&Command::Symmetry(symmetry));
+            }
+            Action::Repeat => {
+                let super::tool::ArrayOptions { count, step } = self.tool.array;
+                self.run(Command::Array { count, step });
+            }
+            _ => self.act_on_area(action, picker),
+        }
+    }
+
+    /// What a drag or a hold of an action is for: a drag of `Sculpt` that began beside the sculpture
+    /// rotates it.
+    pub fn meant(&self, action: Action) -> Action {
+        match action {
+            Action::Sculpt | Action::SculptInverse | Action::SculptSmooth
+                if self.rotates_instead && !self.lifted =>
+            {
+                Action::TurnSculpture
+            }
+            _ => action,
+        }
+    }
+
+    /// A drag or a hold begins.
+    pub fn begin(&mut self, action: Action, at: Option<Vec2>, picker: &Picker) {
+        let inverse = action == Action::SculptInverse;
+        match (action, at) {
+            (Action::Apply | Action::Sculpt, _) if std::mem::take(&mut self.tool.eyedropper) => {
+                self.pick_colour(picker);
+            }
+            (Action::Apply, _) => self.apply_tool(picker),
+            (Action::PickColour, _) => self.pick_colour(picker),
+            (Action::Sculpt | Action::SculptInverse, Some(at))
+                if self.tool.kind == ToolKind::Marker =>
+            {
+                self.rotates_instead = !self.begin_marker(at, inverse, picker);
+            }
+            (Action::Sculpt | Action::SculptInverse | Action::SculptSmooth, Some(at)) => {
+                self.begin_sculpting(action, at, picker);
+            }
+            _ => {}
+        }
+    }
+
+    fn begin_sculpting(&mut self, action: Action, at: Vec2, picker: &Picker) {
+        let target = picker.target(self.document().grid(), at);
+        self.rotates_instead = target.is_none();
+        let Some(point) = target else { return };
+        let tool = &self.tool;
+        if let Some(kind) = spray_for(action, tool.kind) {
+            let mut options = *tool.sprays.of(kind);
+            if let Some(held) = tool.spray() {
+                // It works where the tool in hand shows its outline.
+                options.radius_px = tool.sprays.of(held).radius_px;
+                options.outline = tool.sprays.of(held).outline;
+            }
+            self.begin_spray(kind, options, at, picker);
+            return;
+        }
+        let inverse = action == Action::SculptInverse;
+        let mode = if inverse { tool.mode.inverted() } else { tool.mode };
+        if tool.follow {
+            let depth = picker.sight().depth(point);
+            self.lead_tool_to(at, point, picker);
+            let grid = self.document().grid();
+            let seen = picker.map().map(|map| lasting(map, grid));
+            let lift = if self.tool.stand { self.tool.centre_vx - point } else { Vec3::ZERO };
+            self.begin_stroke(mode, Guide::Surface { seen, at, depth, lift });
+        } else {
+            self.begin_stroke(mode, Guide::Tool);
+        }
+    }
+
+    /// Uses the tool where it is, by key, button or pad.
+    fn apply_tool(&mut self, picker: &Picker) {
+        match self.tool.kind {
+            ToolKind::Solid => self.begin_stroke(self.tool.mode, Guide::Tool),
+            ToolKind::Marker => self.act(Action::SelectMarker, picker),
+            ToolKind::Spray(kind) => {
+                let tool = || picker.sight().pixel_of(self.tool.centre_vx);
+                if let Some(at) = self.pointer.or_else(tool) {
+                    self.begin_spray(kind, *self.tool.sprays.of(kind), at, picker);
+                }
+            }
+        }
+    }
+
+    /// A drag of `by` pixels goes on.
+    pub fn drag(&mut self, action: Action, at: Vec2, by: Vec2, picker: &Picker) {
+        match action {
+            Action::Sculpt | Action::SculptInverse | Action::SculptSmooth if self.lifted => {}
+            Action::Sculpt | Action::SculptInverse | Action::SculptSmooth => match &self.stroke {
+                _ if self.marker.drag.is_some() => self.drag_marker(at, picker),
+                Some(stroke) if stroke.is_spray() => self.lead_spray(at, picker),
+                Some(stroke) if stroke.follows_surface() => self.lead_stroke(at, picker),
+                _ => self.drag_tool(by, false, picker),
+            },
+            Action::PickColour => self.pick_colour(picker),
+            Action::MoveTool | Action::MoveToolDeep if self.tool.spray().is_some() => {
+                self.lead_spray(at, picker);
+            }
+            Action::MoveTool => self.drag_tool(by, false, picker),
+            Action::MoveToolDeep => self.drag_tool(by, true, picker),
+            _ => {}
+        }
+    }
+
+    /// Ends strokes and drags of the pointer over the picture, since the view has leapt; else they
+    /// would go on somewhere else. Nothing more is done until the button is released.
+    ///
+    /// The pointer itself has no speed limit: a mouse may cross the picture between two events, and
+    /// its path over the surface is lifted at edges (`stroke`) and bounded (`path`).
+    pub fn lift(&mut self) {
+        let stroke = self.stroke.as_ref().is_some_and(|stroke| stroke.is_led_over_picture());
+        let drag = self.marker.drag.take().is_some();
+        if stroke {
+            self.end_stroke();
+        }
+        if stroke || drag {
+            self.lifted = true;
+            self.note("The view jumped, so the stroke has ended; press again to continue");
+        }
+    }
+
+    /// A drag or a hold is over.
+    pub fn end(&mut self, action: Action) {
+        match action {
+            Action::Sculpt | Action::SculptInverse | Action::SculptSmooth | Action::Apply => {
+                self.rotates_instead = false;
+                self.lifted = false;
+                self.marker.drag = None;
+                self.end_stroke();
+            }
+            _ => {}
+        }
+    }
+
+    /// Rotates the tool about axes of the world.
+    pub fn turn_tool(&mut self, world_turn: Quat) {
+        let rotation = self.document().placement().rotation;
+        self.tool.turn_by(rotation.inverse() * world_turn * rotation);
+    }
+
+    /// Takes the colour of the voxel that the pointer points at.
+    fn pick_colour(&mut self, picker: &Picker) {
+        let grid = self.document().grid();
+        if let Some(voxel) = self.pointer.and_then(|at| picker.voxel(grid, at)) {
+            self.take_colour_of(voxel);
+        }
+    }
+
+    pub(super) fn take_colour_of(&mut self, voxel: UVec3) {
+        let colour = self.document().contents().rgb(voxel);
+        if std::mem::replace(&mut self.tool.colour, colour) != colour {
+            tracing::debug!("colour {colour} taken");
+        }
+    }
+
+    /// Makes the tool larger by notches of the wheel, or smaller if they are negative.
+    pub fn resize_by_wheel(&mut self, notches: f32) {
+        self.resize(notches, GROWTH_PER_NOTCH);
+    }
+
+    /// Makes the tool larger (`notches` above 0) or smaller, by `factor` a notch.
+    pub(super) fn resize(&mut self, notches: f32, factor: f32) {
+        let factor = factor.powf(notches.clamp(-20.0, 20.0));
+        match self.tool.kind {
+            ToolKind::Solid => self.tool.scale_by(factor),
+            ToolKind::Spray(kind) => self.tool.sprays.of_mut(kind).scale_radius(factor),
+            ToolKind::Marker => self.scale_marker(notches),
+        }
+    }
+
+    fn move_tool(&mut self, by: Vec3, picker: &Picker) {
+        if self.tool.kind == ToolKind::Marker {
+            self.shift_marker(by);
+            return;
+        }
+        self.tool.centre_vx += by;
+        self.leave_ground();
+        self.tool_moved(picker);
+    }
+
+    /// Moves the tool along the axes of the grid that lie across the screen and up it, or across
+    /// and into it.
+    pub fn drag_tool(&mut self, by: Vec2, deep: bool, picker: &Picker) {
+        let sight = picker.sight();
+        let axes = sight.screen_axes();
+        let at = match self.tool.kind {
+            ToolKind::Marker => {
+                let marker = self.document().selection().marker();
+                (marker.min.as_vec3() + marker.max.as_vec3()) * 0.5
+            }
+            ToolKind::Solid | ToolKind::Spray(_) => self.tool.centre_vx,
+        };
+        let second = if deep { -axes.near } else { axes.up };
+        let across = axes.right * sight.along(axes.right, by.x, at);
+        self.move_tool(across + second * sight.along(second, -by.y, at), picker);
+    }
+
+    /// Moves the sculpture.
+    pub fn place(&mut self, placement: Placement) {
+        self.execute(&Command::Place(placement));
+    }
+}
+
+/// The spray that an action uses with a tool in hand, if it uses one.
+fn spray_for(action: Action, kind: ToolKind) -> Option<SprayKind> {
+    match (action, kind) {
+        (Action::SculptSmooth, _) => Some(SprayKind::Smooth),
+        (Action::SculptInverse, ToolKind::Spray(kind)) => Some(sprays::opposite(kind)),
+        (_, ToolKind::Spray(kind)) => Some(kind),
+        _ => None,
+    }
+}

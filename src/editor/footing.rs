@@ -1,0 +1,117 @@
+//! Where the tool stands on the surface: it goes with the pointer, and stays on its ground when a
+//! choice of tool, size or rotation would lift or sink it, without waiting for the pointer.
+
+use glam::{Vec2, Vec3};
+
+use super::Editor;
+use super::tool::{ToolKind, ToolState};
+use crate::picking::{Picker, SurfacePoint};
+use crate::tools::construct::Solid;
+
+/// Where the tool was put on the surface, and with which choices.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub(super) struct Footing {
+    /// None once something else than the pointer has moved the tool.
+    ground: Option<SurfacePoint>,
+    choices: Option<Choices>,
+}
+
+/// What the place of a tool depends on, besides the pointer.
+#[derive(Clone, Copy, PartialEq, Debug)]
+struct Choices {
+    kind: ToolKind,
+    solid: Solid,
+    half: Vec3,
+    /// None if the surface gives it.
+    turn_deg: Option<Vec3>,
+    follow: bool,
+    snap: bool,
+    stand: bool,
+}
+
+impl Choices {
+    fn of(tool: &ToolState) -> Choices {
+        let &ToolState { kind, solid, follow, snap, stand, .. } = tool;
+        let turn_deg = (!tool.lean).then(|| tool.turn_deg());
+        Choices { kind, solid, half: tool.half(), turn_deg, follow, snap, stand }
+    }
+
+    /// Whether the tool is another than before, or begins to follow.
+    fn is_taken_anew(&self, before: &Choices) -> bool {
+        (self.kind, self.solid, self.follow) != (before.kind, before.solid, before.follow)
+    }
+}
+
+/// How the pointer of a window is used at the moment.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct PointerUse {
+    /// The tool goes where the pointer is; in some tables of keys drags alone move it.
+    pub leads_tool: bool,
+    /// It holds something on the picture.
+    pub dragging: bool,
+}
+
+impl Editor {
+    /// The pointer moves with nothing held.
+    pub fn hover(&mut self, at: Vec2, leads_tool: bool, picker: &Picker) {
+        if let ToolKind::Spray(_) = self.tool.kind {
+            // A spray that a key holds down goes with the pointer.
+            self.lead_spray(at, picker);
+        }
+        if self.tool.follow
+            && leads_tool
+            && let Some(point) = picker.target(self.document().grid(), at)
+        {
+            self.lead_tool_to(at, point, picker);
+            if self.tool.kind == ToolKind::Solid {
+                self.tool_moved(picker);
+            }
+        }
+    }
+
+    /// Puts the tool at a point of the surface, which is seen at `at`.
+    pub(super) fn lead_tool_to(&mut self, at: Vec2, point: Vec3, picker: &Picker) {
+        let face = picker.normal(self.document().grid(), at, self.tool.lean);
+        self.stand_on(SurfacePoint { point, face });
+    }
+
+    /// A stroke has led the tool over the surface to `point`.
+    pub(super) fn led_over(&mut self, point: Vec3) {
+        if let Some(ground) = &mut self.footing.ground {
+            ground.point = point;
+        }
+    }
+
+    fn stand_on(&mut self, ground: SurfacePoint) {
+        self.footing.ground = Some(ground);
+        if self.tool.kind == ToolKind::Solid {
+            let voxel_size = self.document().grid().voxel_size();
+            self.tool.place_on(ground.point, ground.face, voxel_size);
+            self.footing.choices = Some(Choices::of(&self.tool));
+        }
+    }
+
+    /// The tool is where it is meant to be, wherever the pointer is.
+    pub fn leave_ground(&mut self) {
+        self.footing = Footing { ground: None, choices: Some(Choices::of(&self.tool)) };
+    }
+
+    /// Lets the tool follow at once what was chosen about it.
+    pub fn keep_footing(&mut self, pointer_use: PointerUse, picker: &Picker) {
+        let choices = Choices::of(&self.tool);
+        let Some(before) = self.footing.choices.replace(choices) else { return };
+        let led = self.stroke.is_some() || self.hand.is_leading();
+        let led = led || !choices.follow || !pointer_use.leads_tool;
+        if choices == before || choices.kind != ToolKind::Solid || led {
+            return;
+        }
+        let taken = choices.is_taken_anew(&before);
+        match (self.pointer.filter(|_| !pointer_use.dragging), self.footing.ground) {
+            (Some(at), ground) if taken || ground.is_some() => {
+                self.hover(at, pointer_use.leads_tool, picker);
+            }
+            (None, Some(ground)) => self.stand_on(ground),
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,207 @@
+//! Long work under way: the part of a command that needs no session runs on a thread of its own,
+//! while the window stays alive, shows how far it is and can cancel it.
+//!
+//! The sculpture stays where it is. What is saved is shared with the thread, what is opened or
+//! made is made apart and put in place at the end; until then the editor refuses to change
+//! anything.
+
+use std::sync::Arc;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use super::questions::Next;
+use super::{Editor, Outcome};
+use crate::command::Command;
+use crate::progress::{Report, Stage};
+use crate::session::{Done, SessionError, Work};
+
+/// Work shorter than this goes without a sign, which would only flicker.
+const PATIENCE: Duration = Duration::from_millis(150);
+/// Between two looks how far it is.
+pub const LOOK_EVERY: Duration = Duration::from_millis(30);
+
+/// Long work, as the interface shows it.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Busy {
+    /// Such as "Saving".
+    pub what: &'static str,
+    pub stage: Stage,
+    /// It takes long enough for a sign.
+    pub shown: bool,
+}
+
+/// The long work of an editor: at most one.
+#[derive(Default)]
+pub(super) struct Jobs {
+    job: Option<Job>,
+    /// It may do what cannot be undone.
+    irreversible: bool,
+}
+
+impl Jobs {
+    pub fn is_busy(&self) -> bool {
+        self.job.is_some()
+    }
+
+    pub fn busy(&self) -> Option<Busy> {
+        self.job.as_ref().map(Job::busy)
+    }
+
+    /// The job under way may do what cannot be undone.
+    pub fn set_irreversible(&mut self) {
+        self.irreversible = true;
+    }
+}
+
+/// Work on a thread.
+struct Job {
+    thread: JoinHandle<Result<Done, SessionError>>,
+    report: Arc<Report>,
+    sign: &'static str,
+    started: Instant,
+    /// It is waited for when the program is left.
+    is_save: bool,
+    then: Then,
+}
+
+/// What follows when the work is done.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Then {
+    Stay,
+    /// Do this if it succeeded; ask first if work would be lost.
+    Go(Next),
+    /// Leave, also if it was cancelled.
+    LeaveAnyway,
+}
+
+impl Job {
+    /// Starts `work`, the long part of `command`.
+    fn start<W>(work: W, command: &Command, then: Then) -> Job
+    where
+        W: FnOnce(&Report) -> Result<Done, SessionError> + Send + 'static,
+    {
+        let sign = match command {
+            Command::Open { .. } => "Opening",
+            Command::Save { .. } => "Saving",
+            _ => "Creating a new sculpture",
+        };
+        let report = Arc::new(Report::default());
+        let told = report.clone();
+        Job {
+            thread: std::thread::spawn(move || work(&told)),
+            report,
+            sign,
+            started: Instant::now(),
+            is_save: matches!(command, Command::Save { .. }),
+            then,
+        }
+    }
+
+    fn busy(&self) -> Busy {
+        Busy {
+            what: self.sign,
+            stage: self.report.stage(),
+            shown: self.started.elapsed() > PATIENCE,
+        }
+    }
+}
+
+impl Editor {
+    /// Whether long work is under way.
+    pub fn is_busy(&self) -> bool {
+        self.jobs.is_busy()
+    }
+
+    /// Starts long work; the last is over.
+    pub(super) fn start_job(&mut self, work: Work, command: &Command, then: Then) {
+        self.start_work(move |report| work.run(report), command, then);
+    }
+
+    /// Runs `work`, the long part of `command`, on a thread; the last is over.
+    pub fn start_work<W>(&mut self, work: W, command: &Command, then: Then)
+    where
+        W: FnOnce(&Report) -> Result<Done, SessionError> + Send + 'static,
+    {
+        self.jobs.job = Some(Job::start(work, command, then));
+    }
+
+    /// Puts in place what came of long work, once it is done.
+    pub fn follow_job(&mut self) {
+        if self.jobs.job.as_ref().is_some_and(|job| job.thread.is_finished()) {
+            self.finish_job();
+        }
+    }
+
+    /// Waits for long work, if there is any, and puts in place what came of it.
+    pub fn finish_job(&mut self) {
+        let Some(job) = self.jobs.job.take() else { return };
+        let result = job.thread.join();
+        let done = match result {
+            Ok(Ok(done)) => self.complete(done),
+            Ok(Err(error)) if error.is_cancelled() => {
+                self.note(format!("{}: cancelled", job.sign));
+                job.then == Then::LeaveAnyway
+            }
+            Ok(Err(error)) => {
+                tracing::warn!("{error}");
+                self.error(error.to_string());
+                false
+            }
+            Err(_) => {
+                // The panic's message is on stderr already.
+                self.error(format!("{}: failed because of an internal error", job.sign));
+                false
+            }
+        };
+        // From here on nothing is done that cannot be undone, unless someone asks for it again.
+        if std::mem::take(&mut self.jobs.irreversible) {
+            self.execute(&Command::Irreversible(false));
+        }
+        match job.then {
+            Then::Go(Next::Leave) | Then::LeaveAnyway if done => {
+                self.outcomes.push(Outcome::Leave);
+            }
+            Then::Go(Next::Run(command)) if done => self.run_unless_work_is_lost(command),
+            _ => {}
+        }
+    }
+
+    /// Asks long work to stop where it can.
+    pub fn cancel_job(&mut self) {
+        if let Some(job) = &self.jobs.job {
+            job.report.cancel();
+        }
+    }
+
+    /// The program is to be left while work is under way: a save is waited for, anything else is
+    /// given up.
+    pub fn leave_after_job(&mut self) {
+        let Some(job) = &mut self.jobs.job else { return };
+        if job.is_save {
+            job.then = Then::Go(Next::Leave);
+        } else {
+            job.then = Then::LeaveAnyway;
+            job.report.cancel();
+        }
+    }
+
+    /// Puts in place what came of long work. True if that went well.
+    fn complete(&mut self, done: Done) -> bool {
+        let command = done.command().clone();
+        if let Err(error) = self.session.complete(done) {
+            tracing::warn!("{command}: {error}");
+            self.error(error.to_string());
+            return false;
+        }
+        self.outcomes.push(Outcome::FileUsed(command.clone()));
+        match command {
+            Command::Save { path, .. } if crate::format::is_sculpture(&path) => {
+                self.note(format!("Saved {}", path.display()));
+            }
+            Command::Save { path, .. } => self.note(format!("Exported {}", path.display())),
+            _ => self.sculpture_replaced(),
+        }
+        self.tell_journal_error();
+        true
+    }
+}

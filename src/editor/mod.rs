@@ -1,0 +1,152 @@
+//! The editor: what a person does to the sculpture. Tools, strokes, the marker, long work and the
+//! session that carries out commands.
+//!
+//! [`Editor`] takes actions, pointer positions with a [`Picker`](crate::picking::Picker), and commands;
+//! it changes the document through its session alone. What else follows from an edit it returns as
+//! [`Outcome`]s, which its owner takes after every call ([`Editor::take_outcomes`]). Knows no egui, no
+//! window, no camera and no Vulkan.
+
+mod actions;
+pub mod commands;
+mod footing;
+pub mod hand;
+pub mod job;
+mod marker;
+mod path;
+pub mod questions;
+pub mod recovery;
+pub mod sprays;
+mod stroke;
+pub mod tool;
+
+use glam::Vec2;
+
+use crate::command::Command;
+use crate::document::Document;
+use crate::notice::Notice;
+use crate::session::Session;
+
+use footing::Footing;
+use hand::HandTool;
+use job::{Busy, Jobs};
+use marker::MarkerTool;
+use questions::{Next, Unkept};
+use stroke::Stroke;
+use tool::ToolState;
+
+pub use footing::PointerUse;
+
+/// What an edit led to, besides the change of the document.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Outcome {
+    /// Another sculpture is there: views of it begin anew.
+    Replaced,
+    Notice(Notice),
+    /// Nothing has changed because tools are limited to the selection.
+    Limited,
+    /// This would lose unsaved work: the person is to be asked.
+    Unsaved(Next),
+    /// This cannot be undone: the person is to be asked.
+    Unkept(Unkept),
+    /// A name for the sculpture's file is needed; then do that.
+    NameNeeded(Option<Next>),
+    /// A file was opened or saved by this command.
+    FileUsed(Command),
+    /// The program is to be left, as was asked for while there was long work.
+    Leave,
+}
+
+/// The session with everything that a person has in hand.
+pub struct Editor {
+    session: Session,
+    pub tool: ToolState,
+    /// The tool in a hand in the room of a headset.
+    pub hand: HandTool,
+    stroke: Option<Stroke>,
+    /// A stroke that is over, but cannot be undone: the person is asked whether to keep it.
+    stroke_in_question: bool,
+    /// Where the tool stands on the surface.
+    footing: Footing,
+    marker: MarkerTool,
+    /// Where the pointer is, in pixels of the picture; none while it is elsewhere.
+    pointer: Option<Vec2>,
+    /// A drag of `Sculpt` that began beside the sculpture rotates it.
+    rotates_instead: bool,
+    /// What the pointer's button holds was ended, and does nothing until it is released.
+    lifted: bool,
+    jobs: Jobs,
+    /// Voxels that commands have changed since the start.
+    voxels_changed: u64,
+    outcomes: Vec<Outcome>,
+}
+
+impl Editor {
+    pub fn new(session: Session) -> Editor {
+        let tool = ToolState::new(session.document().grid().dims());
+        Editor {
+            session,
+            tool,
+            hand: HandTool::default(),
+            stroke: None,
+            stroke_in_question: false,
+            footing: Footing::default(),
+            marker: MarkerTool::default(),
+            pointer: None,
+            rotates_instead: false,
+            lifted: false,
+            jobs: Jobs::default(),
+            voxels_changed: 0,
+            outcomes: Vec::new(),
+        }
+    }
+
+    pub fn session(&self) -> &Session {
+        &self.session
+    }
+
+    pub fn session_mut(&mut self) -> &mut Session {
+        &mut self.session
+    }
+
+    pub fn document(&self) -> &Document {
+        self.session.document()
+    }
+
+    /// What calls since the last time have led to, in order.
+    pub fn take_outcomes(&mut self) -> Vec<Outcome> {
+        std::mem::take(&mut self.outcomes)
+    }
+
+    /// Where the pointer is, in pixels of the picture.
+    pub fn pointer(&self) -> Option<Vec2> {
+        self.pointer
+    }
+
+    /// Takes where the pointer is.
+    pub fn set_pointer(&mut self, at: Option<Vec2>) {
+        self.pointer = at;
+    }
+
+    /// Whether voxels are being changed by a stroke that is not finished.
+    pub fn is_stroking(&self) -> bool {
+        self.stroke.is_some()
+    }
+
+    /// Voxels that commands have changed since the start, for what makes changes felt.
+    pub fn voxels_changed(&self) -> u64 {
+        self.voxels_changed
+    }
+
+    /// Long work under way, as the interface shows it.
+    pub fn busy(&self) -> Option<Busy> {
+        self.jobs.busy()
+    }
+
+    fn note(&mut self, text: impl Into<String>) {
+        self.outcomes.push(Outcome::Notice(Notice::note(text)));
+    }
+
+    fn error(&mut self, text: impl Into<String>) {
+        self.outcomes.push(Outcome::Notice(Notice::error(text)));
+    }
+}

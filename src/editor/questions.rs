@@ -1,0 +1,18 @@
+//! What the editor needs an answer to before it goes on, as values for the interface.
+
+use crate::command::Command;
+
+/// What would lose unsaved work.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Next {
+    Leave,
+    /// `new` or `open`.
+    Run(Command),
+}
+
+/// A command that the history cannot keep, and why.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Unkept {
+    pub command: Command,
+    pub why: String,
+}

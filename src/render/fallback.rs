@@ -1,0 +1,63 @@
+//! Painting with fallback: a sculpture that is too large for the device in one mode is drawn in the
+//! next best. Serves windows, files and headsets alike.
+//!
+//! Takes a [`FrameDesc`]; returns a [`FrameReport`] of what was drawn and how. What becomes of a
+//! fallback (another mode from then on, a message) is up to the caller.
+
+use std::sync::Arc;
+
+use super::RenderMode;
+use super::renderer::{FrameDesc, RenderTimes, Renderer};
+use crate::document::Document;
+use crate::gpu::{GpuError, Recorder, Result};
+use crate::surface::IndexMap;
+
+/// A mode that could not draw, and the one that took its place.
+#[derive(Debug)]
+pub struct Fallback {
+    pub reason: GpuError,
+    pub to: RenderMode,
+}
+
+/// What has become of a frame description.
+#[derive(Debug)]
+pub struct FrameReport {
+    /// Of the picture; with `painted` false the one to go on with.
+    pub mode: RenderMode,
+    /// False if the caller has kept [`FrameReport::mode`] for itself.
+    pub painted: bool,
+    /// Which voxel each pixel shows, a map an eye. The renderer uses the memory of those again that
+    /// nobody holds.
+    pub pick_maps: Vec<Arc<IndexMap>>,
+    pub times: RenderTimes,
+    /// In the order in which they happened.
+    pub fallbacks: Vec<Fallback>,
+}
+
+impl Renderer {
+    /// Records what the pictures of `desc` need, in its mode or the first of its fallbacks that the
+    /// device can draw. `paints`: the modes that are to be painted here; at another one it stops.
+    pub fn paint_with_fallback(
+        &mut self,
+        recorder: &mut Recorder,
+        slot: usize,
+        document: &mut Document,
+        desc: &FrameDesc,
+        paints: impl Fn(RenderMode) -> bool,
+    ) -> Result<FrameReport> {
+        let mut desc = *desc;
+        let mut fallbacks = Vec::new();
+        while paints(desc.mode) {
+            let Err(reason) = self.paint(recorder, slot, document, &desc) else {
+                let (mode, pick_maps, times) = (desc.mode, self.maps().to_vec(), self.times());
+                return Ok(FrameReport { mode, painted: true, pick_maps, times, fallbacks });
+            };
+            let too_large = matches!(reason, GpuError::Limit { .. } | GpuError::OutOfMemory(_));
+            let Some(to) = desc.mode.fallback().filter(|_| too_large) else { return Err(reason) };
+            fallbacks.push(Fallback { reason, to });
+            desc.mode = to;
+        }
+        let (mode, times) = (desc.mode, self.times());
+        Ok(FrameReport { mode, painted: false, pick_maps: Vec::new(), times, fallbacks })
+    }
+}

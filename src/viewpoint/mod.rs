@@ -1,0 +1,212 @@
+//! Where the eyes of the next picture come from, and what they saw in the last one.
+//!
+//! [`Viewpoint`] takes the size of the viewport, poses from trackers and frames from cameras; it
+//! gives eyes ([`Viewpoint::eyes`]) and a [`Picker`]. A sculpture is moved before the eyes by
+//! returning a [`Placement`], which is a command for the document. Knows no window, no interface and no
+//! Vulkan.
+
+pub mod ar;
+pub mod calibration;
+pub mod camera;
+pub mod head;
+mod head_status;
+pub mod turntable;
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use glam::{UVec2, Vec2, Vec3};
+
+use crate::document::Document;
+use crate::input::pace::{ViewPace, Viewpoint as Tracked};
+use crate::input::{Action, Side};
+use crate::notice::Notice;
+use crate::picking::{Picker, Sight};
+use crate::render::StereoOptions;
+use crate::sculpture::Placement;
+use crate::surface::IndexMap;
+use crate::video::{Frame, Intrinsics, VideoOptions};
+use crate::view::{Eye, StereoLayout};
+
+use ar::Ar;
+use camera::Camera;
+use head::Head;
+use turntable::Turntable;
+
+/// The rectangle of the window that shows the sculpture, in pixels of the window.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Viewport {
+    pub corner_px: Vec2,
+    pub size_px: Vec2,
+}
+
+/// Everything that decides from where the sculpture is seen.
+pub struct Viewpoint {
+    pub turntable: Turntable,
+    pub head: Head,
+    pub ar: Ar,
+    pub camera: Camera,
+    /// Notices leaps of the tracking behind the view.
+    pace: ViewPace,
+    viewport: Viewport,
+    /// The voxels of the last picture, for picking.
+    pick_map: Option<Arc<IndexMap>>,
+    /// The eye whose picture the pointer is in: 0, or 1 where the right eye has a place of its own.
+    pub pointing_eye: usize,
+}
+
+impl Viewpoint {
+    /// `fov_deg`: vertical field of view of the turntable's camera.
+    pub fn new(document: &Document, fov_deg: f32, head: Head, ar: Ar) -> Viewpoint {
+        let size = UVec2::new(640, 480);
+        Viewpoint {
+            turntable: Turntable::new(document.grid(), fov_deg, size),
+            head,
+            ar,
+            camera: Camera::default(),
+            pace: ViewPace::default(),
+            viewport: Viewport::default(),
+            pick_map: None,
+            pointing_eye: 0,
+        }
+    }
+
+    /// Takes where in the window the picture is.
+    pub fn set_viewport(&mut self, viewport: Viewport) {
+        self.viewport = viewport;
+        self.turntable.set_size(viewport.size_px.round().max(Vec2::ONE).as_uvec2());
+    }
+
+    pub fn viewport(&self) -> Viewport {
+        self.viewport
+    }
+
+    /// The eyes of the next picture: one, or the left and the right one. They are those of the
+    /// camera before the printed marker, of the head before the screen, or of the turntable's camera.
+    pub fn eyes(&self, document: &Document, stereo: &StereoOptions) -> Vec<Eye> {
+        let is_mono = stereo.layout == StereoLayout::Mono;
+        if let Some(eye) = self.camera_eye(document) {
+            // The camera behind the picture has one eye.
+            return vec![eye; if is_mono { 1 } else { 2 }];
+        }
+        if is_mono {
+            let head = self.tracked_eyes(0.0).map(|[left, _]| left);
+            return vec![head.unwrap_or_else(|| self.turntable.eye())];
+        }
+        if let Some([left, right]) = self.tracked_eyes(stereo.eye_distance_mm * 1e-3) {
+            return if stereo.swap_eyes { vec![right, left] } else { vec![left, right] };
+        }
+        let mono = self.turntable.eye();
+        let middle = document.grid().dims().as_vec3() * 0.5;
+        let centre = document.world_from_grid().transform_point3(middle);
+        let depth = -mono.eye_from_world.transform_point3(centre).z;
+        stereo.rig(depth.max(self.turntable.camera().near)).eyes(&mono).to_vec()
+    }
+
+    /// The eye whose picture the pointer is in.
+    pub fn eye(&self, document: &Document, stereo: &StereoOptions) -> Eye {
+        let eyes = self.eyes(document, stereo);
+        eyes[self.pointing_eye.min(eyes.len() - 1)]
+    }
+
+    /// The left and the right eye of the tracked head, `eye_distance_m` metres apart, while the view
+    /// follows it.
+    pub fn tracked_eyes(&self, eye_distance_m: f32) -> Option<[Eye; 2]> {
+        self.head.eyes(self.viewport, &self.turntable, eye_distance_m)
+    }
+
+    /// The eye of the camera, while the sculpture stands on the printed marker.
+    fn camera_eye(&self, document: &Document) -> Option<Eye> {
+        let dims = document.grid().dims().as_vec3();
+        self.ar.eye(&document.world_from_grid(), dims, self.turntable.eye().size)
+    }
+
+    /// Whether the tracking behind the view has leapt, was lost or found since the last call: that of
+    /// the camera before the printed marker, or of the head before the screen.
+    pub fn has_leapt(&mut self, now_s: f64) -> bool {
+        let tracked = match self.ar.is_on() {
+            true => self.ar.camera_position_m().map(|at| (Tracked::Camera, at)),
+            false => self.head.position_m().map(|at| (Tracked::Head, at)),
+        };
+        self.pace.step(tracked, now_s)
+    }
+
+    /// What can be picked in the picture as it was last shown.
+    pub fn picker(&self, document: &Document, stereo: &StereoOptions) -> Picker {
+        let sight = Sight::new(&self.eye(document, stereo), &document.world_from_grid());
+        Picker::new(sight, self.pick_map.clone())
+    }
+
+    /// Takes the index map of the last picture.
+    pub fn set_pick_map(&mut self, map: Arc<IndexMap>) {
+        self.pick_map = Some(map);
+    }
+
+    /// The index map of the last picture.
+    pub fn pick_map(&self) -> Option<&IndexMap> {
+        self.pick_map.as_deref()
+    }
+
+    /// Drops the index map, so that the renderer can use its memory again.
+    pub fn forget_pick_map(&mut self) {
+        self.pick_map = None;
+    }
+
+    /// The placement that shows a side of the sculpture, from where all of it is seen.
+    pub fn look_from(&mut self, side: Side, up: Vec3, document: &Document) -> Placement {
+        let placement = self.turntable.looking_from(side, up, document.placement());
+        self.turntable.show_all(document.grid(), &placement);
+        placement
+    }
+
+    /// The placement that a drag of `by` pixels leads to; none if the action moves no sculpture.
+    pub fn dragged(
+        &self,
+        action: Action,
+        placement: &Placement,
+        by: Vec2,
+        up: Vec3,
+    ) -> Option<Placement> {
+        match action {
+            Action::TurnSculpture => Some(self.turntable.turned(placement, by, up)),
+            Action::PanSculpture => Some(self.turntable.shifted(placement, by)),
+            _ => None,
+        }
+    }
+
+    /// Zooms by notches of the wheel about the pixel `at`. Returns the placement that keeps what is
+    /// there; none on a printed marker, where the sculpture itself grows.
+    pub fn zoomed(&mut self, placement: &Placement, notches: f32, at: Vec2) -> Option<Placement> {
+        if self.ar.is_on() {
+            self.ar.zoom(notches);
+            return None;
+        }
+        Some(self.turntable.zoomed(placement, notches, at))
+    }
+
+    /// Opens and closes the camera as is wished, and hands its newest frame to the marker tracker.
+    pub fn follow_camera(&mut self, settings: &VideoOptions) -> Option<Notice> {
+        // The marker is looked for in the video.
+        let wished = settings.on || self.ar.is_on();
+        let (look, notice) = self.camera.follow(settings, wished);
+        if let Some((frame, look)) = look {
+            self.ar.see(&frame, look);
+        }
+        notice
+    }
+
+    /// The frame to be shown behind the sculpture, and its lens: the one that the eye belongs to,
+    /// or the newest.
+    pub fn video(&self, settings: &VideoOptions) -> Option<(&Arc<Frame>, Option<Intrinsics>)> {
+        let wished = settings.on || self.ar.is_on();
+        let frame = self.ar.frame().or(self.camera.frame()).filter(|_| wished)?;
+        Some((frame, self.camera.lens()))
+    }
+
+    /// The soonest time after which trackers or cameras need another picture.
+    pub fn repaint_after(&self) -> Option<Duration> {
+        let news =
+            [self.head.repaint_after(), self.ar.repaint_after(), self.camera.repaint_after()];
+        news.into_iter().flatten().min()
+    }
+}
