@@ -4,6 +4,8 @@
 use std::io::{BufRead, BufReader};
 use std::net::UdpSocket;
 use std::process::{Child, ChildStdout, Command, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
@@ -95,11 +97,14 @@ fn the_monitor_tells_poses_rate_and_what_is_dropped() {
     let (_running, mut lines) = track(folder.path(), &["--from", &source, "--seconds", "60"]);
     assert!(line(&mut lines).starts_with("source "));
     let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+    // Sends until the monitor has been heard, however long that takes.
+    let done = Arc::new(AtomicBool::new(false));
+    let heard = done.clone();
     let sender = std::thread::spawn(move || {
         let at = DVec3::new(10.0, -5.0, 60.0);
         let pose: Vec<u8> =
             [at.x, at.y, at.z, 20.0, 0.0, 0.0].into_iter().flat_map(f64::to_le_bytes).collect();
-        for _ in 0..400 {
+        while !heard.load(Ordering::Relaxed) {
             let _ = socket.send_to(&pose, ("127.0.0.1", port));
             let _ = socket.send_to(b"nonsense", ("127.0.0.1", port));
             std::thread::sleep(Duration::from_millis(10));
@@ -114,6 +119,7 @@ fn the_monitor_tells_poses_rate_and_what_is_dropped() {
             break;
         }
     }
+    done.store(true, Ordering::Relaxed);
     sender.join().unwrap();
 }
 

@@ -3,6 +3,7 @@
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -17,12 +18,14 @@ use super::runtime::Runtime;
 use super::shot::Shot;
 
 /// Longer than anything takes, even on a slow machine.
-const PATIENCE: Duration = Duration::from_secs(60);
+pub const PATIENCE: Duration = Duration::from_secs(120);
 const PROGRAM: &str = env!("CARGO_BIN_EXE_virtual-sculpture");
 
 pub struct Program {
     child: Child,
     log: Arc<Mutex<String>>,
+    /// Frames that the log has told of.
+    shown: Arc<AtomicUsize>,
     folder: tempfile::TempDir,
 }
 
@@ -50,15 +53,19 @@ impl Program {
             .spawn()
             .unwrap();
         let log = Arc::new(Mutex::new(String::new()));
-        let (stderr, heard) = (child.stderr.take().unwrap(), log.clone());
+        let shown = Arc::new(AtomicUsize::new(0));
+        let (stderr, heard, count) = (child.stderr.take().unwrap(), log.clone(), shown.clone());
         std::thread::spawn(move || {
             for line in BufReader::new(stderr).lines().map_while(Result::ok) {
                 let mut log = heard.lock().unwrap();
                 log.push_str(&line);
                 log.push('\n');
+                if line.contains("frame shown") {
+                    count.fetch_add(1, Ordering::Relaxed);
+                }
             }
         });
-        Program { child, log, folder }
+        Program { child, log, shown, folder }
     }
 
     pub fn log(&self) -> String {
@@ -91,7 +98,7 @@ impl Program {
 
     /// Waits for so many frames from now on.
     pub fn frames(&self, count: usize) {
-        let shown = || self.log().matches("frame shown").count();
+        let shown = || self.shown.load(Ordering::Relaxed);
         let until = shown() + count;
         self.wait("a frame", || (shown() >= until).then_some(()));
     }

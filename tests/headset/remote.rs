@@ -7,6 +7,8 @@ use std::time::{Duration, Instant};
 
 use glam::{Quat, Vec3};
 
+use super::program::PATIENCE;
+
 /// Where the head is at first.
 pub const HEAD: Vec3 = Vec3::new(0.0, 1.6, 0.0);
 /// Behind the back.
@@ -49,7 +51,7 @@ impl Remote {
             match TcpStream::connect("127.0.0.1:4242") {
                 Ok(stream) => break stream,
                 Err(error) => {
-                    assert!(start.elapsed() < Duration::from_secs(30), "no driver: {error}");
+                    assert!(start.elapsed() < PATIENCE, "no driver: {error}");
                     std::thread::sleep(Duration::from_millis(50));
                 }
             }

@@ -7,6 +7,8 @@ use std::time::{Duration, Instant};
 
 use trials::shared_file;
 
+use super::program::PATIENCE;
+
 const INSIDE: &str = "VS_HEADSET_TEST_NETWORK";
 const LAYER: &str = "XR_APILAYER_TEST_blend";
 /// Unpacks the runtime.
@@ -223,7 +225,7 @@ impl Runtime {
         self.service = Some(service);
         let start = Instant::now();
         while !socket.exists() {
-            assert!(start.elapsed() < Duration::from_secs(60), "the runtime does not start");
+            assert!(start.elapsed() < PATIENCE, "the runtime does not start");
             std::thread::sleep(Duration::from_millis(20));
         }
     }

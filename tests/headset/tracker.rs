@@ -16,10 +16,9 @@ use virtual_sculpture::input::Bindings;
 use virtual_sculpture::screen::headset::{HeadsetTracker, RoomOrigin};
 use virtual_sculpture::session::Session;
 
+use super::program::PATIENCE;
 use super::remote::{HEAD, Remote};
 use super::runtime::{Runtime, alone_in_network, is_client, stop_service};
-
-const PATIENCE: Duration = Duration::from_secs(60);
 
 struct Track {
     child: Child,

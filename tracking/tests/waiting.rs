@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 use tracking::vrpn::{Client, ClientTiming, Mode, ServerAddress};
 use tracking::{Event, HostClock, Source};
 
-const DEADLINE: Duration = Duration::from_secs(30);
+const DEADLINE: Duration = Duration::from_secs(60);
 
 /// Calls `is_so` until it holds.
 pub fn until(what: &str, mut is_so: impl FnMut() -> bool) {
