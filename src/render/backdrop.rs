@@ -1,7 +1,7 @@
-//! Draws a video picture behind everything: fitted to the screen, mirrored, straightened where its
-//! lens is known, infinitely far.
+//! Draws a video frame behind everything: fitted to the screen, mirrored, undistorted if its lens
+//! is known, infinitely far away.
 //!
-//! Takes frames as they come and keeps the last one on the device; knows no cameras.
+//! Keeps the last frame on the device; knows no cameras.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -22,9 +22,9 @@ use crate::video::{Fit, Frame, Framing, Intrinsics};
 pub struct VideoView {
     pub fit: Fit,
     pub mirror: bool,
-    /// The lens, for whatever size; without it the picture is shown as it is.
+    /// The lens, for any frame size. None: no undistortion.
     pub lens: Option<Intrinsics>,
-    /// Where there is no picture. sRGB, 0 to 1.
+    /// The colour beyond the frame. sRGB, 0 to 1.
     pub beyond: Vec3,
 }
 
@@ -36,7 +36,7 @@ pub struct Video<'a> {
 }
 
 impl Video<'_> {
-    /// What its picture depends on: no two frames arrive at the same time.
+    /// What its pixels depend on: no two frames arrive at the same time.
     pub fn key(&self) -> (Instant, VideoView) {
         (self.frame.arrived, self.view)
     }
@@ -46,10 +46,10 @@ impl Video<'_> {
 pub struct Backdrop {
     pipeline: Pipeline,
     sets: DescriptorSets,
-    /// The image that each set names.
+    /// The image that each set refers to.
     named: [u64; FRAMES_IN_FLIGHT],
     picture: Option<EyeImage>,
-    /// When what is in the picture arrived.
+    /// When the frame in `picture` arrived.
     arrived: Option<Instant>,
     staging: Staging,
     slot: usize,
@@ -96,8 +96,7 @@ impl Backdrop {
         self.staging.begin(slot);
     }
 
-    /// Brings a frame to the device, in the place of the last one, unless it is there already.
-    /// Before rendering begins.
+    /// Uploads a frame over the last one, unless it is there already. Before rendering begins.
     pub fn bring(&mut self, recorder: &mut Recorder, frame: &Frame) -> Result<()> {
         let size = UVec2::new(frame.width, frame.height);
         if size.min_element() == 0 || self.arrived == Some(frame.arrived) {
@@ -111,7 +110,7 @@ impl Backdrop {
                 "video picture",
                 size,
                 1,
-                // A target that encodes what it is given is given what is decoded here.
+                // Such a target encodes its input, so this format decodes.
                 if self.linear { vk::Format::R8G8B8A8_SRGB } else { vk::Format::R8G8B8A8_UNORM },
                 vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST,
             )?),
@@ -122,8 +121,8 @@ impl Backdrop {
         Ok(())
     }
 
-    /// Covers a target of `screen` pixels with the last frame, within rendering. Draws nothing
-    /// before the first one.
+    /// Fills a target of `screen` pixels with the last frame, within rendering. Draws nothing
+    /// before the first frame.
     pub fn draw(&mut self, recorder: &mut Recorder, screen: UVec2, view: &VideoView) {
         let Some(picture) = &self.picture else { return };
         let image = picture.image();

@@ -1,9 +1,8 @@
-//! Owns what is behind the sculpture where there is no video: a gradient from the upper to the lower
-//! edge.
+//! The background without video: a vertical gradient.
 //!
-//! Takes where an eye's picture goes; draws over all of that, and leaves the depth, which is cleared to infinitely far. Passes that draw the
-//! sculpture come after it, and then only to where the sculpture can be seen: a pixel of a gradient
-//! costs much less than one that has to find out that it shows nothing.
+//! Fills an eye's viewport and leaves the depth, which is cleared to infinity. Passes that draw the
+//! sculpture follow and touch only its visible rect: a pixel of a gradient costs much less than one
+//! whose ray misses the sculpture.
 
 use std::sync::Arc;
 
@@ -14,12 +13,12 @@ use super::composite::{CompositeEye, constants, is_srgb};
 use crate::gpu::layout::CompositeView;
 use crate::gpu::{Depth, Device, Graphics, Pipeline, PipelineLayout, Recorder, Result, shaders};
 
-/// What is behind the sculpture. Colours are sRGB, 0 to 1.
+/// The background of the sculpture. Colours are sRGB, 0 to 1.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Background {
-    /// What the target holds already.
+    /// The contents of the target.
     Keep,
-    /// From the upper to the lower edge.
+    /// A gradient from the upper to the lower edge.
     Gradient { top: Vec3, bottom: Vec3 },
 }
 

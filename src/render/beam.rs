@@ -1,8 +1,8 @@
-//! Owns the beams: a pass that finds for each tile of a picture how far its rays may go
-//! before any of them can meet a brick in use, so that the walks of single rays start there.
+//! Beams: a pass that finds how far the rays of each tile can go before any of them can hit a brick
+//! in use. The rays of the pixels start there.
 //!
-//! Takes a volume and the rays of an eye; gives an image of distances, in lengths of the rays'
-//! directions. Decides nothing about what is seen: a walk from there finds the same voxel.
+//! Takes a volume and the rays of an eye; returns an image of distances, in lengths of the ray
+//! directions. It does not change what is seen: a walk from there finds the same voxel.
 
 use std::sync::Arc;
 
@@ -18,9 +18,9 @@ use crate::gpu::{
 use crate::surface::PixelRect;
 use crate::view::PixelRays;
 
-/// The logarithm of the edge of a tile in pixels. A wider tile costs fewer beams, but is sooner too
-/// wide for a brick: at 1.7 voxels a pixel, as a grid of 512^3 has them in a picture 480 pixels high,
-/// one of eight pixels is.
+/// Binary logarithm of the edge of a tile in pixels. Larger tiles need fewer beams, but sooner
+/// become wider than a brick: at 1.7 voxels per pixel, as with a grid of 512^3 in a picture 480
+/// pixels high, a tile of eight pixels is.
 pub const TILE_LOG2: u32 = 2;
 
 const NEAR: u32 = 0;
@@ -33,11 +33,11 @@ const SHADERS: PixelShaders = PixelShaders {
     format: vk::Format::R32_SFLOAT,
 };
 
-/// Finds where rays may start.
+/// Finds where rays start.
 pub struct Beams {
     pass: PixelPass,
     sets: DescriptorSets,
-    /// The images that each set names: bricks, starts.
+    /// The images that each set refers to: bricks, starts.
     named: Vec<(u64, u64)>,
     starts: Option<EyeImage>,
     slot: usize,
@@ -46,7 +46,7 @@ pub struct Beams {
 }
 
 impl Beams {
-    /// For up to `eyes` eyes a frame.
+    /// For up to `eyes` eyes per frame.
     pub fn new(device: &Arc<Device>, stage: PixelStage, eyes: u32) -> Result<Beams> {
         let bindings = stage.bindings(&[(NEAR, vk::DescriptorType::SAMPLED_IMAGE)], STARTS);
         let set_layout = SetLayout::new(device, SHADERS.name, &bindings)?;
@@ -69,8 +69,8 @@ impl Beams {
         self.slot = slot % FRAMES_IN_FLIGHT;
     }
 
-    /// Records the beams of `eye`, seen by `rays`; all eyes of a frame have the same size in
-    /// pixels. Returns their image, a texel a tile and a layer an eye, ready for shaders.
+    /// Records the beams of `eye` with `rays`; all eyes of a frame have the same size in pixels.
+    /// Returns their image, with a texel per tile and a layer per eye, ready for shaders.
     pub fn record(
         &mut self,
         recorder: &mut Recorder,
@@ -116,7 +116,7 @@ impl Beams {
     }
 }
 
-/// The constants of passes that follow `rays` through `volume`.
+/// The push constants of passes that follow `rays` through `volume`.
 pub(super) fn march_view(rays: &PixelRays, volume: &Volume) -> MarchView {
     MarchView {
         origin: rays.origin.to_array(),

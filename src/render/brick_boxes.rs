@@ -1,16 +1,16 @@
-//! Owns by which boxes changed bricks are copied to the device: exactly they would be a copy for each
-//! row of neighbours, thousands where an edit is scattered, and a copy costs a device more than the
-//! bytes of a brick. So boxes may hold bricks that have not changed.
+//! Covers changed bricks by boxes to copy to the device. Exact copies would be one for each row of
+//! neighbouring bricks, thousands for a scattered edit, and a copy costs more than the bytes of a
+//! brick; so boxes may contain unchanged bricks.
 //!
 //! Takes linear indices in a grid of bricks. Knows no device.
 
 use glam::UVec3;
 
-/// A copy costs as much as that of so many bricks more in another one: 4 KiB, which a bus carries in
-/// about the time that a device takes to begin a copy.
+/// The cost of a copy, in bricks: 4 KiB, which a bus transfers in about the time that a device
+/// takes to start a copy.
 const COPY_COST_BRICKS: usize = 64;
 
-/// `size` bricks from `min` on.
+/// A box of `size` bricks with the lowest at `min`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct BrickBox {
     pub min: UVec3,
@@ -28,12 +28,12 @@ impl BrickBox {
         BrickBox { min, size: max - min + 1 }
     }
 
-    /// Calls `f` with boxes of at most `most` bricks, which are this one together.
+    /// Splits this box into boxes of at most `most` bricks and calls `f` with each.
     pub fn split(self, most: usize, f: &mut impl FnMut(BrickBox)) {
         if self.bricks() <= most.max(1) {
             return f(self);
         }
-        // Rows and layers stay whole as long as possible.
+        // Keeps rows and layers whole as long as possible.
         let axis = (0..3).rev().find(|&axis| self.size[axis] > 1).unwrap_or(0);
         let (mut low, mut high) = (self, self);
         low.size[axis] /= 2;
@@ -44,7 +44,7 @@ impl BrickBox {
     }
 }
 
-/// Adds boxes without overlap to `boxes`, in which all of `bricks` are. Changes their order.
+/// Adds disjoint boxes to `boxes` that contain all of `bricks`. Reorders `bricks`.
 pub(super) fn cover(bricks: &mut [UVec3], boxes: &mut Vec<BrickBox>) {
     if !bricks.is_empty() {
         cover_some(bricks, boxes);
@@ -58,7 +58,7 @@ fn cover_some(bricks: &mut [UVec3], boxes: &mut Vec<BrickBox>) -> usize {
     let at_least_of_two = bricks.len() + 2 * COPY_COST_BRICKS;
     let before = boxes.len();
     if cost > at_least_of_two {
-        // In two at the middle of the longest side: there is something at both ends of it.
+        // Split in the middle of the longest side: there are bricks at both ends of it.
         let axis = (0..3).max_by_key(|&axis| around.size[axis]).unwrap_or(0);
         let middle = around.min[axis] + around.size[axis] / 2;
         let mut low = 0;
@@ -123,7 +123,7 @@ mod tests {
         let shell: Vec<_> = all_of(box_at([0; 3], [64; 3])).filter(shell).collect();
         let boxes = covered(&shell);
         let bricks: usize = boxes.iter().map(|b| b.bricks()).sum();
-        // Of rows there are 3730.
+        // There are 3730 rows.
         assert!(shell.len() > 7000 && boxes.len() < 400 && bricks < 5 * shell.len());
     }
 

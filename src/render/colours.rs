@@ -1,9 +1,11 @@
-//! Owns the device's copy of a sculpture's colours: one buffer with a number for each brick (0: not
-//! painted, else the page's, counted from 1), then the pages, packed as the sculpture has them.
+//! The device's copy of a sculpture's colours: one buffer with a number for each brick (0: not
+//! painted, otherwise that of its page, counted from 1), then the pages, packed as in the
+//! sculpture.
 //!
-//! The first time all of it is uploaded, afterwards only the pages of bricks that changed; where there
-//! are more pages than room, what is there is copied on the device. Where the colours are more than the device can address or has room for, making or updating the copy
-//! fails with the name of the limit, and the sculpture can still be drawn in its base colour.
+//! It is uploaded as a whole at first, and afterwards by pages of changed bricks; when there are
+//! more pages than capacity, the buffer is copied to a larger one on the device. Where the colours
+//! exceed a limit of the device, making or updating the copy fails with the name of the limit, and
+//! the sculpture can still be drawn in its base colour.
 
 use std::sync::Arc;
 
@@ -14,14 +16,13 @@ use crate::gpu::{
 };
 use crate::sculpture::Material;
 
-/// Most bytes of pages that are in flight at once. What is more is uploaded piece by piece and waited
-/// for.
+/// Most bytes of pages in flight at once. Larger uploads are done in pieces, waiting for each.
 const CHUNK_BYTES: usize = 8 << 20;
 
-/// Bytes of changed pages that a frame has room for without growing.
+/// Initial capacity of a frame for changed pages, in bytes.
 const STAGING_BYTES: u64 = 1 << 20;
 
-/// Entries of the table that are copied with their neighbours rather than by a copy of their own.
+/// Largest gap between changed entries of the table that one copy bridges.
 const GAP_ENTRIES: u32 = 256;
 
 /// The copy.
@@ -29,14 +30,14 @@ pub struct Colours {
     buffer: Buffer,
     /// The page of each brick, as in the buffer.
     table: Vec<u32>,
-    /// Pages given back.
+    /// Free pages.
     free: Vec<u32>,
-    /// Pages ever given out, and those that there is room for.
+    /// The number of pages ever allocated, and the capacity.
     used: u32,
     room: u32,
     bytes_per_voxel: u32,
     staging: Staging,
-    /// Kept for their memory: bricks whose pages are to be uploaded, those whose entries are, copies.
+    /// Reused allocations: bricks whose pages are to be uploaded, those whose entries are, copies.
     painted: Vec<u32>,
     entries: Vec<u32>,
     copies: Vec<vk::BufferCopy>,
@@ -66,10 +67,9 @@ impl Colours {
         Ok(made)
     }
 
-    /// Brings the copy up to date with `changed` bricks (as from
-    /// [`crate::document::Document::drain_changes`]; `None` means all, perhaps of another sculpture
-    /// of `bricks` bricks). Recorded in `recorder`, for frame `slot`, once a frame. On an error
-    /// the copy is not current.
+    /// Updates the copy with `changed` bricks (as from [`crate::document::Document::drain_changes`];
+    /// `None` means all, perhaps of another sculpture of `bricks` bricks). Recorded in `recorder`,
+    /// for frame `slot`, once per frame. After an error the copy is out of date.
     pub fn update(
         &mut self,
         recorder: &mut Recorder,
@@ -89,7 +89,7 @@ impl Colours {
         }
     }
 
-    /// Bytes of a voxel's colour; 0 where the sculpture has but one.
+    /// Bytes of a voxel's colour; 0 if the sculpture has only one.
     pub fn bytes_per_voxel(&self) -> u32 {
         self.bytes_per_voxel
     }
@@ -102,7 +102,7 @@ impl Colours {
         512 * self.bytes_per_voxel as usize
     }
 
-    /// Where the page of that number begins in the buffer, in bytes.
+    /// The offset of a page in the buffer, in bytes.
     fn place(&self, page: u32) -> u64 {
         (self.table.len() * 4 + (page as usize - 1) * self.page_bytes()) as u64
     }
@@ -120,7 +120,7 @@ impl Colours {
         self.upload_pages_at_once(material, &mut chunk)
     }
 
-    /// A buffer for what is uploaded at once.
+    /// A staging buffer for an upload that is waited for.
     fn chunk(&self) -> Result<Buffer> {
         let usage = vk::BufferUsageFlags::TRANSFER_SRC;
         let location = MemoryLocation::CpuToGpu;
@@ -151,7 +151,7 @@ impl Colours {
         Ok(())
     }
 
-    /// Copies of the pages of `bricks`, which lie one after the other from `offset` on.
+    /// Copies of the pages of `bricks`, which follow each other from `offset` on.
     fn find_page_copies(&mut self, bricks: &[u32], offset: u64) {
         let bytes = self.page_bytes() as u64;
         self.copies.clear();
@@ -167,15 +167,15 @@ impl Colours {
         }
     }
 
-    /// Gives each painted brick a page and takes those of the others. Notes which of them are painted,
-    /// in the order of their pages, and whose entries in the table change, in their own.
+    /// Allocates pages for painted bricks and frees those of others. Collects the painted bricks,
+    /// in the order of their pages, and the bricks whose table entries change, in their own order.
     fn assign_pages(&mut self, material: &Material, changed: &[u32]) {
         self.painted.clear();
         self.entries.clear();
         if self.bytes_per_voxel == 0 {
             return;
         }
-        // What some leave is there for others.
+        // Pages that were freed are available to others.
         for &brick in changed {
             match material.page(brick as usize) {
                 Some(_) => self.painted.push(brick),
@@ -240,7 +240,7 @@ impl Colours {
         Ok(())
     }
 
-    /// Where there are more pages than room, has `record` record the copy to a larger buffer.
+    /// Where pages exceed the capacity, records the copy to a larger buffer with `record`.
     fn make_room(
         &mut self,
         record: impl FnOnce(&dyn Fn(&mut Recorder)) -> Result<()>,
@@ -256,13 +256,13 @@ impl Colours {
             recorder.copy_buffer(self.buffer.handle(), larger.handle(), &[all]);
             recorder.buffer_barrier(Use::COPY_TARGET, Use::COPY_TARGET);
         })?;
-        // The device may still read the former, which goes when it is done.
+        // The device may still read the old buffer, which retires when it has finished.
         self.buffer = larger;
         self.room = room;
         Ok(())
     }
 
-    /// Has a frame upload the pages of the painted bricks.
+    /// Records the upload of the pages of the painted bricks.
     fn upload_pages(&mut self, recorder: &mut Recorder, material: &Material) -> Result<()> {
         let bytes = self.page_bytes();
         let painted = std::mem::take(&mut self.painted);
@@ -279,7 +279,7 @@ impl Colours {
         Ok(())
     }
 
-    /// Has a frame upload the entries that change, with what lies between neighbours.
+    /// Records the upload of the entries that change, with small gaps between them.
     fn upload_entries(&mut self, recorder: &mut Recorder) -> Result<()> {
         for near in self.entries.chunk_by(|a, b| b - a <= GAP_ENTRIES) {
             let (first, last) = (near[0] as usize, near[near.len() - 1] as usize);
@@ -292,8 +292,8 @@ impl Colours {
     }
 }
 
-/// A buffer for the table of `bricks` bricks and `pages` pages of `page_bytes`, and the number of
-/// pages that it has room for: some more, as far as the device can address them.
+/// A buffer for the table of `bricks` bricks and `pages` pages of `page_bytes`, and its capacity in
+/// pages: with some reserve, as far as the device can address it.
 fn make_buffer(
     device: &Arc<Device>,
     bricks: usize,

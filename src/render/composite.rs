@@ -23,7 +23,7 @@ use crate::view::PixelRays;
 /// The format of shaded pictures on the device.
 pub(super) const PICTURE_FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
 
-/// Where and how an eye's picture goes to the target.
+/// Where an eye's picture is drawn in the target, and how.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct CompositeEye {
     /// The rays that the index map was made with.
@@ -32,18 +32,18 @@ pub struct CompositeEye {
     pub projection: Mat4,
     /// Size of the grid in voxels.
     pub dims: UVec3,
-    /// The eye's part of the target in pixels: corner and size.
+    /// The eye's viewport in the target, in pixels: corner and size.
     pub corner: UVec2,
     pub size: UVec2,
     pub background: Background,
-    /// The pixels of the map to draw; what the target holds elsewhere stays.
+    /// The pixels of the map to draw; the target keeps its contents elsewhere.
     pub area: PixelRect,
-    /// Outside of these pixels of the map nothing is seen.
+    /// The visible rect: nothing is seen outside of it.
     pub part: PixelRect,
 }
 
 impl CompositeEye {
-    /// What pixels of the map cover of the target: x, y, width, height.
+    /// The pixels of the target that correspond to pixels of the map: x, y, width, height.
     pub(super) fn pixels_of(&self, part: PixelRect) -> [u32; 4] {
         let (size, map) = (self.size.as_u64vec2(), self.rays.size.as_u64vec2().max(U64Vec2::ONE));
         let (min, max) = (part.min.as_u64vec2(), part.max.as_u64vec2());
@@ -54,7 +54,7 @@ impl CompositeEye {
         [x, y, width, height]
     }
 
-    /// Where the sculpture is to be drawn: x, y, width, height.
+    /// The scissor of the sculpture: x, y, width, height.
     pub(super) fn scissor(&self) -> [u32; 4] {
         self.pixels_of(self.part.intersect(self.area))
     }
@@ -69,7 +69,7 @@ pub struct Composite {
     screen: ScreenPass,
     pipeline: Pipeline,
     pictures: Option<EyeImage>,
-    /// The rows that the picture uploaded last for each eye has on the device.
+    /// The rows of each eye's picture that are on the device.
     uploaded: Vec<Range<u32>>,
     staging: Staging,
 }
@@ -109,7 +109,7 @@ impl Composite {
     }
 
     /// The pictures of all eyes, `size` pixels each, for a pass that shades on the device. Before
-    /// rendering begins; to be left in the layout of [`crate::gpu::Use::SHADER_READ`].
+    /// rendering begins; that pass leaves them in the layout of [`crate::gpu::Use::SHADER_READ`].
     pub fn pictures(&mut self, size: UVec2) -> Result<&mut EyeImage> {
         if self.pictures.as_ref().is_some_and(|pictures| pictures.size() != size) {
             self.pictures = None;
@@ -130,9 +130,9 @@ impl Composite {
         })
     }
 
-    /// Uploads the picture of `eye`, the rows of `part` of it; only those of `changed`, if that is
-    /// all that differs from the picture uploaded last. Before rendering begins; all eyes' pictures
-    /// have the same size.
+    /// Uploads the rows of `part` of the picture of `eye`; only those of `changed`, if nothing else
+    /// differs from the last upload. Before rendering begins; the pictures of all eyes have the
+    /// same size.
     pub fn upload(
         &mut self,
         recorder: &mut Recorder,
@@ -176,8 +176,8 @@ impl Composite {
     }
 }
 
-/// The constants of a pass that draws `view` over its background; `linear` where the target encodes
-/// what it is given.
+/// The push constants of a pass that draws `view` over its background. `linear`: the target encodes
+/// its input.
 pub(super) fn constants(view: &CompositeEye, linear: bool) -> CompositeView {
     let rays = &view.rays;
     let scale = rays.size.as_vec2() / view.size.as_vec2();
@@ -209,7 +209,7 @@ pub(super) fn constants(view: &CompositeEye, linear: bool) -> CompositeView {
     }
 }
 
-/// Whether the device encodes what is written to `format`.
+/// Whether the device encodes linear input for `format`.
 pub fn is_srgb(format: vk::Format) -> bool {
     matches!(
         format,

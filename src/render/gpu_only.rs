@@ -20,7 +20,7 @@ use crate::gpu::layout::CompositeView;
 use crate::gpu::{Depth, Device, Graphics, Pipeline, Recorder, Result, shaders};
 use crate::view::PixelRays;
 
-/// Where rays start: the binding of the beams' image.
+/// The binding of the beams' image.
 const STARTS: u32 = 6;
 
 /// Draws sculptures straight to a target.
@@ -59,8 +59,8 @@ impl GpuOnly {
         self.beams.begin(slot);
     }
 
-    /// Records what [`GpuOnly::draw`] needs for `eye`, which sees `volume` by `rays`. Before rendering
-    /// begins.
+    /// Records the beams that [`GpuOnly::draw`] needs for `eye`, which sees `volume` by `rays`.
+    /// Before rendering begins.
     pub fn prepare(
         &mut self,
         recorder: &mut Recorder,
@@ -72,8 +72,8 @@ impl GpuOnly {
         Ok(())
     }
 
-    /// Draws what `eye` sees of `volume`, lit as `surface` says, by the rays of `view`, within rendering.
-    /// After [`GpuOnly::prepare`] in the same frame.
+    /// Draws `volume` as `eye` sees it by the rays of `view`, lit as `surface` says, within
+    /// rendering. After [`GpuOnly::prepare`] in the same frame.
     pub fn draw(
         &mut self,
         recorder: &mut Recorder,

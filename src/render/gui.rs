@@ -1,8 +1,8 @@
-//! Draws the interface: egui's triangles, through egui-ash-renderer.
+//! Draws egui's triangles, through egui-ash-renderer.
 //!
 //! Takes the output of an egui pass; records into a target that is being rendered to. Textures are
-//! ours: the library's own are brought over by submissions that it waits for, with all that the
-//! device has to do. [`Gui::upload`] records them into the frame, before rendering begins.
+//! managed here: the library would upload them by blocking submissions, which wait for everything
+//! in flight. [`Gui::upload`] records the uploads into the frame, before rendering begins.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -19,7 +19,7 @@ use crate::gpu::{
     Sampler, SetLayout, Staging, Use,
 };
 
-/// The library takes colours for sRGB.
+/// The library's colours are sRGB.
 const TEXTURE_FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
 const TEXEL_BYTES: u64 = 4;
 
@@ -28,9 +28,9 @@ pub struct Gui {
     // Dropped first, once the device is idle.
     renderer: Renderer<GpuAllocator>,
     textures: HashMap<TextureId, Texture>,
-    /// What could not be brought over for want of memory, to be tried again.
+    /// Textures that memory was lacking for, to be tried again.
     lacking: HashMap<TextureId, Vec<ImageDelta>>,
-    /// What there was no memory for, to be said.
+    /// The error to report when memory was lacking.
     lack: Option<GpuError>,
     staging: Staging,
     layout: Arc<SetLayout>,
@@ -40,12 +40,12 @@ pub struct Gui {
 
 /// A texture on the device.
 struct Texture {
-    /// What the renderer calls it.
+    /// Its id in the library's renderer.
     id: TextureId,
     image: Image,
-    /// One, which names the image.
+    /// A set of one descriptor that refers to the image.
     _set: DescriptorSets,
-    /// What the image was used for last.
+    /// The last use of the image.
     used: Use,
 }
 
@@ -67,7 +67,7 @@ impl Gui {
         let renderer = Renderer::with_gpu_allocator(allocator, raw, mode, options)
             .map_err(|error| gpu_error("make the interface's renderer", error))?;
         let name = "textures of the interface";
-        // As the library's own, so that its pipeline takes them.
+        // The same layout as the library's own, which its pipeline expects.
         let binding =
             (0, vk::DescriptorType::COMBINED_IMAGE_SAMPLER, vk::ShaderStageFlags::FRAGMENT);
         let usage = vk::BufferUsageFlags::TRANSFER_SRC;
@@ -83,8 +83,8 @@ impl Gui {
         })
     }
 
-    /// Records the way of new textures to the device. `slot`: [`crate::gpu::Frames::slot`]. One for
-    /// which there is no memory is left out, and tried again the next time ([`Gui::take_lack`]).
+    /// Records the upload of new textures. `slot`: [`crate::gpu::Frames::slot`]. A texture that
+    /// memory is lacking for is left out, and tried again the next time ([`Gui::take_lack`]).
     pub fn upload(
         &mut self,
         recorder: &mut Recorder,
@@ -121,13 +121,13 @@ impl Gui {
         Ok(())
     }
 
-    /// What there was no memory for since the last call: something of the interface is not shown.
+    /// The error since the last call, if memory was lacking: a part of the interface is not shown.
     pub fn take_lack(&mut self) -> Option<GpuError> {
         self.lack.take()
     }
 
-    /// Forgets the textures that egui needs no more. After the frame that may use them; on the device
-    /// they stay for as long as a frame in flight does.
+    /// Frees the textures that egui no longer needs. After the frame that may use them; they stay
+    /// on the device until the frames in flight have finished.
     pub fn free(&mut self, delta: &mut TexturesDelta) {
         for id in delta.free.drain() {
             self.lacking.remove(&id);
@@ -141,7 +141,7 @@ impl Gui {
         }
     }
 
-    /// Records a change of a texture.
+    /// Records an update of a texture.
     fn write(&mut self, recorder: &mut Recorder, id: TextureId, change: &ImageDelta) -> Result<()> {
         let ImageData::Color(patch) = &change.image;
         let size = patch.size.map(|side| side as u32);
@@ -181,7 +181,7 @@ impl Gui {
         Ok(())
     }
 
-    /// Makes a texture of a size, unless there is one.
+    /// Makes a texture of a size, unless it exists.
     fn make(&mut self, id: TextureId, size: [u32; 2]) -> Result<()> {
         let fits = |texture: &Texture| texture.image.size()[..2] == size;
         if self.textures.get(&id).is_some_and(fits) {
@@ -200,7 +200,7 @@ impl Gui {
         Ok(())
     }
 
-    /// Records the interface into a target of `size` pixels. Once a frame.
+    /// Records the interface into a target of `size` pixels. Once per frame.
     pub fn draw(
         &mut self,
         recorder: &Recorder,
@@ -227,7 +227,7 @@ impl Gui {
 
 impl Drop for Gui {
     fn drop(&mut self) {
-        // The library destroys at once what it owns.
+        // The library destroys its objects at once.
         if let Err(error) = self.device.wait_idle() {
             tracing::warn!("the device did not come to rest: {error}");
         }

@@ -1,4 +1,5 @@
-//! The passes of a frame, one file each. They own no policy: what to draw comes in as values.
+//! Rendering: from a document and a frame description to pictures. The passes of a frame have a
+//! file each; they have no policy: what to draw comes in as values.
 
 pub mod backdrop;
 pub mod background;
@@ -56,5 +57,5 @@ pub use surface_shade::SurfaceShade;
 pub use target::{EyeTask, IndexReadback, IndexTarget};
 pub use volume::Volume;
 
-/// Eyes that a picture can have.
+/// Largest number of eyes of a picture.
 pub const MAX_EYES: usize = 2;

@@ -1,10 +1,10 @@
-//! Owns which bricks of a grid are near something: those that hold anything or touch, by a side, an
-//! edge or a corner, one that does. Where none is near, a bundle of rays as wide as a brick to
-//! either side passes through nothing (shaders/beam.comp.wgsl).
+//! Dilated occupancy: the bricks that are in use or touch one in use by a side, an edge or a
+//! corner. In a region without any of them, a bundle of rays up to a brick wide to either side
+//! passes through nothing (shaders/beam.comp.wgsl).
 //!
-//! Takes the occupancy of a grid; gives words of 4^3 bricks, a bit each, as
-//! [`Grid::occupancy_word`] has them, with a block of bricks more at each side of the grid, for what is near it from without.
-//! Knows no device.
+//! Takes the occupancy of a grid; returns words of 4^3 bricks, a bit each, like
+//! [`Grid::occupancy_word`], with a margin of one block at each side of the grid for bricks outside of
+//! it. Knows no device.
 
 use std::ops::Range;
 
@@ -20,11 +20,11 @@ const AXES: [(u64, u64, u32); 3] = [
     (0x0000_0000_0000_FFFF, 0xFFFF_0000_0000_0000, 16),
 ];
 
-/// The bricks near something.
+/// The dilated occupancy of a grid.
 pub struct Near {
     words: Vec<u64>,
     dims: UVec3,
-    /// A slab on its way, kept for its memory.
+    /// A slab in progress; reused allocation.
     slab: Vec<u64>,
 }
 
@@ -39,8 +39,8 @@ impl Near {
         near
     }
 
-    /// Follows a change in `slabs` of blocks of a grid of the same size. Returns the slabs of
-    /// [`Near::words`] that may have changed.
+    /// Updates it after a change in `slabs` of blocks of a grid of the same size. Returns the slabs
+    /// of the words that may have changed.
     pub fn update(&mut self, grid: &Grid, slabs: Range<u32>) -> Range<u32> {
         let changed = slabs.start..(slabs.end + 2).min(self.dims.z);
         for z in changed.clone() {
@@ -49,12 +49,12 @@ impl Near {
         changed
     }
 
-    /// A word for each block.
+    /// One word per block.
     pub fn words(&self) -> &[u64] {
         &self.words
     }
 
-    /// Size of [`Near::words`].
+    /// Size of the words along each axis.
     pub fn dims(&self) -> UVec3 {
         self.dims
     }
@@ -83,8 +83,8 @@ impl Near {
             let [before, after] = [i.checked_sub(width), Some(i + width)];
             *word = spread(1, at(&self.slab, before), self.slab[i], at(&self.slab, after));
         }
-        // The outermost words of a row reach nothing beyond their own: the ends of rows meet
-        // only at words of the margin, whose bits point inwards.
+        // The outermost words of a row reach no further: the ends of rows only meet words of the
+        // margin, whose bits point inwards.
         let mut before = 0;
         for i in 0..size {
             let here = target[i];
@@ -95,8 +95,7 @@ impl Near {
     }
 }
 
-/// A word with the neighbours of its bits along `axis`; `before` and `after` are the words beside
-/// it.
+/// A word dilated along `axis`; `before` and `after` are its neighbours.
 fn spread(axis: usize, before: u64, here: u64, after: u64) -> u64 {
     let (lowest, highest, distance) = AXES[axis];
     here | (here & !highest) << distance

@@ -1,8 +1,8 @@
-//! Owns the device's copy of which bricks of a grid are near something ([`super::near`]): a 3D image
-//! of `R32G32_UINT`, in which a texel stands for 4^3 bricks, a bit each.
+//! The device's copy of the dilated occupancy of a grid: a 3D image of `R32G32_UINT` in which a
+//! texel is a word of 4^3 bricks, a bit each.
 //!
-//! It is small (46 KiB for 512^3 voxels): of a change the slabs of blocks that it touches are
-//! uploaded anew. Knows no bits within bricks.
+//! It is small (46 KiB for 512^3 voxels), so all slabs of blocks that a change touches are uploaded
+//! again.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -24,7 +24,7 @@ pub struct NearImage {
 }
 
 impl NearImage {
-    /// Uploads that of `grid` and waits for it.
+    /// Uploads the dilated occupancy of `grid` and waits for it.
     pub fn new(device: &Arc<Device>, grid: &Grid) -> Result<NearImage> {
         let near = Near::new(grid);
         let name = "bricks near something";
@@ -46,8 +46,8 @@ impl NearImage {
         Ok(made)
     }
 
-    /// Brings the copy up to date with `changed` bricks (linear indices; `None` means all) of a
-    /// grid of the same size. Recorded in `recorder`, for frame `slot`, once a frame.
+    /// Updates the copy with `changed` bricks (linear indices; `None` means all) of a grid of the
+    /// same size. Recorded in `recorder`, for frame `slot`, once per frame.
     pub fn update(
         &mut self,
         recorder: &mut Recorder,
@@ -66,8 +66,7 @@ impl NearImage {
         self.upload(recorder, slabs, Use::SHADER_READ)
     }
 
-    /// One texel for each block of 4^3 bricks. Begins a block before the grid and ends one behind
-    /// it.
+    /// One texel per block of 4^3 bricks, from one block below the grid to one above it.
     pub fn image(&self) -> &Image {
         &self.image
     }

@@ -1,7 +1,7 @@
-//! Owns where tools and lines lie in a picture: which pixels they may touch, and so which ones are
-//! drawn anew when they move.
+//! Where tools and lines are in a picture: which pixels they may touch, and so which ones must be
+//! drawn again when they move.
 //!
-//! Pure geometry, a twin of the overlay's shaders that is never too small. Knows no device.
+//! Pure geometry, a conservative twin of the overlay's shaders. Knows no device.
 
 use std::iter;
 
@@ -10,13 +10,13 @@ use glam::{Mat4, UVec2, Vec2, Vec3, Vec4};
 use super::overlay::{Line, ToolPreview, grid_from_tool};
 use crate::surface::{PixelRect, PixelRects};
 
-/// Pixels by which a shape may reach beyond the box about its corners: their rounding.
+/// Margin around the bounding box of a shape's corners, for rounding.
 const MARGIN_PX: f32 = 1.0;
 
-/// Pixels beside a line that its soft edge takes (overlay_line.vert.wgsl).
+/// Pixels on either side of a line that its soft edge covers (overlay_line.vert.wgsl).
 const SOFT_EDGE_PX: f32 = 1.0;
 
-/// How a picture of `size` pixels shows the grid.
+/// The projection of the grid to a picture of `size` pixels.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PictureOfGrid {
     pub clip_from_grid: Mat4,
@@ -24,8 +24,8 @@ pub(super) struct PictureOfGrid {
 }
 
 impl PictureOfGrid {
-    /// Adds to `rects` what tools or lines touch that are not the same `before` and `now`: as each
-    /// has its place in its list, those at one place are compared.
+    /// Adds to `rects` the pixels of tools and lines that differ between `before` and `now`,
+    /// compared by their positions in the lists.
     pub fn add_changes(
         &self,
         before: (&[ToolPreview], &[Line]),
@@ -60,7 +60,7 @@ impl PictureOfGrid {
         self.pixels_about(&[line.from, line.to], reach)
     }
 
-    /// The pixels of the convex hull of points in the grid, and `reach_px` around it.
+    /// The bounding pixels of points in the grid, grown by `reach_px`.
     fn pixels_about(&self, points: &[Vec3], reach_px: f32) -> PixelRect {
         let clip = |point: &Vec3| self.clip_from_grid * point.extend(1.0);
         // Clip z is the near distance everywhere: reversed depth without a far plane.
@@ -82,14 +82,14 @@ impl PictureOfGrid {
         if !(low.is_finite() && high.is_finite()) {
             return picture;
         }
-        // Casts clamp at 0 and at the largest number.
+        // Casts saturate.
         let min = (low - reach_px).floor().as_uvec2();
         let max = (high + reach_px).ceil().as_uvec2();
         PixelRect { min, max }.intersect(picture)
     }
 }
 
-/// What two lists have at a place where they differ.
+/// The elements of two lists that differ at the same position.
 fn differing<'a, T: PartialEq>(
     before: &'a [T],
     now: &'a [T],
@@ -149,7 +149,7 @@ mod tests {
         assert_eq!(moved.as_slice().len(), 2);
         assert!(moved.pixel_count() < 2 * 60 * 60, "{moved:?}");
         assert_eq!(changes((&[], &[]), (&[here], &[])).as_slice()[0], moved.as_slice()[0]);
-        // The middle of the picture is the middle of the first.
+        // The centre of the picture is the centre of the first.
         let PixelRect { min, max } = moved.as_slice()[0];
         assert_eq!(min + max, SIZE);
         let hidden = ToolPreview { opacity: [0.0; 2], ..there };

@@ -1,4 +1,4 @@
-//! Owns the images that finished pictures are drawn to: colour and depth, a layer an eye.
+//! The images for finished pictures: colour and depth, with a layer per eye.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use crate::view::Eye;
 /// The format of depth: reversed, 1 at the near plane and 0 at infinity.
 pub const DEPTH_FORMAT: vk::Format = vk::Format::D32_SFLOAT;
 
-/// Finished pictures: a layer an eye.
+/// Finished pictures, with a layer per eye.
 pub struct Pictures {
     /// In the layout of [`Use::COPY_SOURCE`].
     pub colour: EyeImage,
@@ -31,9 +31,9 @@ impl Pictures {
         Ok(Pictures { colour, depth })
     }
 
-    /// Starts drawing `area` of the picture of `eye`, infinitely far; the rest stays as it is. What is
-    /// drawn first covers all of a gradient; over [`Background::Keep`] there is nothing: the picture is
-    /// transparent where nothing is drawn, colours premultiplied.
+    /// Starts drawing `area` of the picture of `eye`, infinitely far; the rest keeps its contents.
+    /// A gradient covers all of it; with [`Background::Keep`] the picture is transparent where
+    /// nothing is drawn, with premultiplied colours.
     pub(super) fn begin(
         &mut self,
         recorder: &mut Recorder,
@@ -47,7 +47,7 @@ impl Pictures {
         self.depth.renew_area(recorder, eye, place, Use::DEPTH_TARGET);
         let colours = match background {
             Background::Keep => Load::Colour([0.0; 4]),
-            // Drawn over every pixel.
+            // The gradient covers every pixel.
             Background::Gradient { .. } => Load::Forget,
         };
         let attachment = |image: &EyeImage, load| {

@@ -1,11 +1,10 @@
-//! Owns how a value is computed for each pixel of an image: by a compute shader, or by a fragment
-//! shader that is drawn over all of it. Both are made of the same function of a pixel.
+//! Computes a value for each pixel of an image, by a compute shader or by a fragment shader that is
+//! drawn over all of it. Both wrap the same function of a pixel.
 //!
-//! On a GPU a compute shader needs no rasteriser and no blending. A software device spends more time
-//! on starting each group of invocations than on a ray, and less on fragments; there, and only
-//! there, pixels are drawn.
+//! On a GPU a compute shader needs no rasteriser and no blending. A software device spends more
+//! time on starting a workgroup than on a ray, and less on fragments; only there pixels are drawn.
 //!
-//! Takes the shaders, what they are bound with, and the image; knows not what they compute.
+//! Takes the shaders, their bindings, and the image; does not know what they compute.
 
 use std::sync::Arc;
 
@@ -18,8 +17,7 @@ use crate::gpu::{
 };
 use crate::surface::PixelRect;
 
-/// Pixels along the edge of the square that one group of invocations works on
-/// (shaders/square.wgsl).
+/// Edge of the square of pixels that a workgroup computes (shaders/square.wgsl).
 const SQUARE_PX: u32 = 8;
 
 /// The kind of shader.
@@ -44,7 +42,7 @@ impl PixelStage {
         }
     }
 
-    /// The bindings of a pass: `inputs`, and the image that it writes where a shader needs one.
+    /// The bindings of a pass: `inputs`, and the storage image that a compute shader writes.
     pub(super) fn bindings(
         self,
         inputs: &[(u32, vk::DescriptorType)],
@@ -56,7 +54,7 @@ impl PixelStage {
         all.map(|(binding, kind)| (binding, kind, self.flags())).collect()
     }
 
-    /// How an image is used that a pass writes.
+    /// How the image is used while a pass writes it.
     pub(super) fn target_usage(self) -> vk::ImageUsageFlags {
         match self {
             PixelStage::Compute => vk::ImageUsageFlags::STORAGE,
@@ -65,14 +63,14 @@ impl PixelStage {
     }
 }
 
-/// The pixels that a pass has to compute.
+/// The pixels that a pass computes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PixelArea {
-    /// Those to be made anew. A compute shader makes all of them anew.
+    /// The pixels to compute again. A compute shader computes all of the image.
     pub area: PixelRect,
-    /// Those that have a value of their own.
+    /// The pixels that have a value of their own.
     pub part: PixelRect,
-    /// What the others get.
+    /// The value of all others.
     pub rest: Load,
 }
 
@@ -81,7 +79,7 @@ pub(super) struct PixelShaders {
     pub name: &'static str,
     pub compute: &'static [u32],
     pub fragment: &'static [u32],
-    /// Of the image that is written.
+    /// Format of the image.
     pub format: vk::Format,
 }
 
@@ -115,8 +113,8 @@ impl PixelPass {
         self.stage
     }
 
-    /// Records the computation of the layer of `eye` of `target`; outside of rendering.
-    /// A compute shader finds it in `set`. Leaves it in the layout of what wrote it.
+    /// Records the computation of the layer of `eye` of `target`; outside of rendering. A compute
+    /// shader gets it by `set`. Leaves it in the layout of the stage that wrote it.
     pub fn record<T: Pod>(
         &self,
         recorder: &mut Recorder,

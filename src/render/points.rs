@@ -70,7 +70,7 @@ impl Points {
         self.pieces.fill(None);
     }
 
-    /// Uploads the points of `eye`, for this frame.
+    /// Uploads the points of `eye` for this frame.
     pub fn upload(&mut self, eye: u32, cloud: &PointCloud) -> Result<()> {
         let points = cloud.points();
         let bytes = size_of_val(points) as u64;
@@ -89,8 +89,8 @@ impl Points {
         Ok(())
     }
 
-    /// Draws the points of `eye` over the background, within rendering, to a target that holds
-    /// nothing or, where the background is kept, depth. `view` has as many pixels as its rays.
+    /// Draws the points of `eye` over the background, within rendering, to a cleared target or, if
+    /// the background is kept, one that holds depth. `view` has as many pixels as its rays.
     pub fn draw(
         &mut self,
         recorder: &mut Recorder,
@@ -116,7 +116,7 @@ impl Points {
     }
 }
 
-/// `None` where the rays do not span a picture.
+/// `None` if the rays do not span a picture.
 fn point_view(view: &CompositeEye, margin_px: f32, linear: bool) -> Option<PointView> {
     let [clip_x, clip_y, clip_w] = clip_rows(&view.rays)?.map(|row| row.to_array());
     let CompositeView {

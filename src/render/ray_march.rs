@@ -1,11 +1,10 @@
-//! Owns the ray march: a pass in which each pixel's ray walks through the grid, from where its tile's
-//! beam ([`super::beam`]) ends and what is empty by bricks is behind it, by words and voxels, and
-//! writes the first existing voxel to the index map.
+//! The ray march: each pixel's ray walks through the grid by words and voxels, from where its
+//! tile's beam ([`super::beam`]) ends, and writes the first existing voxel to the index map.
 //!
-//! Decides by the same arithmetic as the ray caster on the CPU ([`crate::surface::raycast`]), so
-//! that the maps are equal but for rounding where a device's division is not exact.
+//! Uses the same arithmetic as the ray caster on the CPU ([`crate::surface::raycast`]), so that the
+//! maps are equal up to rounding on devices without exact division.
 //!
-//! Takes a volume and the rays of an eye; gives an [`IndexTarget`].
+//! Takes a volume and the rays of an eye; fills an [`IndexTarget`].
 
 use std::sync::Arc;
 
@@ -36,7 +35,7 @@ const SHADERS: PixelShaders = PixelShaders {
 pub struct RayMarch {
     pass: PixelPass,
     sets: DescriptorSets,
-    /// The images that each set names: volume, index map, starts of rays.
+    /// The images that each set refers to: volume, index map, starts of rays.
     named: Vec<(u64, u64, u64)>,
     beams: Beams,
     slot: usize,
@@ -44,7 +43,7 @@ pub struct RayMarch {
 }
 
 impl RayMarch {
-    /// For up to `eyes` eyes a frame.
+    /// For up to `eyes` eyes per frame.
     pub fn new(device: &Arc<Device>, stage: PixelStage, eyes: u32) -> Result<RayMarch> {
         let image = vk::DescriptorType::SAMPLED_IMAGE;
         let inputs = [VOLUME, STARTS].map(|binding| (binding, image));
@@ -68,7 +67,8 @@ impl RayMarch {
         self.beams.begin(slot);
     }
 
-    /// Records what `task` says of an index map. Leaves the map as [`PixelPass::record`] does.
+    /// Records the part of an index map that `task` describes. Leaves the map as
+    /// [`PixelPass::record`] does.
     pub fn record(
         &mut self,
         recorder: &mut Recorder,

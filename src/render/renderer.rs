@@ -1,10 +1,10 @@
-//! Owns the way from a sculpture to its pictures: sample, shade, compose with background and
-//! overlay. One renderer serves a window, a file or a headset; they differ in what they do with
-//! the images.
+//! From a sculpture to its pictures: sample, shade, compose with background and overlay. One
+//! renderer serves a window, a file or a headset; they differ in how they use the images.
 //!
-//! Takes a document and a [`FrameDesc`]; leaves the pictures, one layer an eye, in images of its own,
-//! and does again only what the desc changes. So an interface that changes over a resting sculpture
-//! costs a copy only. Knows no window, no camera and no tools: what to draw comes in as values.
+//! Takes a document and a [`FrameDesc`]; draws the pictures, one layer per eye, to images of its
+//! own, and repeats only what the desc changes. So an interface that changes over a resting
+//! sculpture costs a copy only. Knows no window, no camera and no tools: what to draw comes in as
+//! values.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -32,30 +32,30 @@ use crate::shade::{Lighting, NORMAL_REACH_VX, Pixels, ShadePose, SoftwareShader,
 use crate::surface::{IndexMap, PixelRect, PixelRects, changed_pixels};
 use crate::view::{Eye, PixelRays};
 
-/// From where and how a sculpture is to be seen.
+/// A frame description: how a sculpture is to be seen.
 #[derive(Clone, Copy, Debug)]
 pub struct FrameDesc<'a> {
-    /// One, or two of the same size in pixels.
+    /// One or two of the same size in pixels.
     pub eyes: &'a [Eye],
     pub world_from_grid: Affine3A,
     pub mode: RenderMode,
     pub lighting: Lighting,
     pub background: Background,
-    /// Instead of the background.
+    /// Replaces the background.
     pub video: Option<Video<'a>>,
-    /// The tools.
+    /// The tool previews.
     pub previews: &'a [ToolPreview],
     pub lines: &'a [Line],
 }
 
-/// Makes pictures of one document.
+/// Renders one document.
 pub struct Renderer {
     sampler: Sampler,
     composite: Composite,
     overlay: Overlay,
     pictures: Option<Pictures>,
     format: vk::Format,
-    /// One an eye. Shared with whoever asks what a pixel shows.
+    /// One per eye. Shared with picking.
     maps: Vec<Arc<IndexMap>>,
     pixels: Vec<Pixels>,
     software: SoftwareShader,
@@ -67,9 +67,9 @@ pub struct Renderer {
     backdrop: Option<Backdrop>,
     /// Drains the bricks that change between two pictures.
     subscriber: ChangeSubscriber,
-    /// Those that changed since the last one.
+    /// The bricks that changed since the last picture.
     changed: Vec<u32>,
-    /// What the pictures were made of; none while they are not complete.
+    /// What the pictures were made of; none while they are incomplete.
     shown: Option<Shown>,
     times: RenderTimes,
     timer: PictureTimer,
@@ -102,11 +102,11 @@ impl Renderer {
         })
     }
 
-    /// Records what the pictures of `desc` need; afterwards they are in [`Renderer::pictures`].
-    /// `slot`: [`crate::gpu::Frames::slot`]; once a frame.
+    /// Records the pictures of `desc`; afterwards they are in [`Renderer::pictures`]. `slot`:
+    /// [`crate::gpu::Frames::slot`]; once per frame.
     ///
     /// A sculpture that is too large for the device is an error of [`crate::gpu::GpuError::Limit`]:
-    /// ask again for its mode's [`RenderMode::fallback`].
+    /// try again with the [`RenderMode::fallback`] of its mode.
     pub fn paint(
         &mut self,
         recorder: &mut Recorder,
@@ -116,7 +116,8 @@ impl Renderer {
     ) -> Result<()> {
         let painted = self.try_paint(recorder, slot, document, desc);
         if painted.is_err() {
-            // Whoever asks again records after what has failed, maybe in the middle of a pass.
+            // A second attempt follows the commands of the failed one, which may have stopped
+            // within rendering.
             recorder.end_rendering_if_begun();
         }
         painted
@@ -129,7 +130,7 @@ impl Renderer {
         document: &mut Document,
         desc: &FrameDesc,
     ) -> Result<()> {
-        // Only what is complete counts as shown.
+        // Only complete pictures are kept in the frame cache.
         let before = self.shown.take();
         let changes_known = self.drain_changes(document);
         let steps = Steps::new(before.as_ref(), document, desc, changes_known);
@@ -160,7 +161,7 @@ impl Renderer {
         self.pictures.as_mut()
     }
 
-    /// The pictures painted last, in memory, once what was recorded has been submitted. Waits.
+    /// The pixels of the pictures painted last, once the recording has been submitted. Waits.
     pub fn read_back(&self) -> Result<Vec<Pixels>> {
         let Some(pictures) = &self.pictures else { return Ok(Vec::new()) };
         let (image, size) = (pictures.colour.image(), pictures.colour.size());
@@ -172,17 +173,17 @@ impl Renderer {
         (0..pictures.colour.eyes()).map(read).collect()
     }
 
-    /// What each eye saw in the pictures painted last.
+    /// The index maps of the pictures painted last.
     pub fn maps(&self) -> &[Arc<IndexMap>] {
         &self.maps
     }
 
-    /// Those of the device are of the last picture that it is known to be done with.
+    /// Those of the device are of the last picture that it is known to have finished.
     pub fn times(&self) -> RenderTimes {
         self.times
     }
 
-    /// All times of the picture painted last, for one who has waited until it is done.
+    /// All times of the picture painted last, for a caller that has waited for it.
     pub fn times_when_done(&mut self) -> Result<RenderTimes> {
         if let Some(mode) = self.shown.as_ref().map(Shown::mode) {
             self.times.device.sample_ms = self.sampler.device_ms_when_done(mode)?;
@@ -191,7 +192,7 @@ impl Renderer {
         Ok(self.times)
     }
 
-    /// Notes which bricks have changed since the last picture; false if all may have.
+    /// Collects the bricks that have changed since the last picture; false if all may have.
     fn drain_changes(&mut self, document: &mut Document) -> bool {
         let changed = &mut self.changed;
         document.drain_changes_for(&self.subscriber, |_, bricks| {
@@ -314,8 +315,8 @@ impl Renderer {
         Ok(())
     }
 
-    /// Puts the pictures together, back to front: only what differs from those shown `before`, if
-    /// that is known.
+    /// Composes the pictures back to front: only what differs from those of `before`, if they are
+    /// known.
     fn compose(
         &mut self,
         recorder: &mut Recorder,
@@ -414,7 +415,7 @@ impl Renderer {
     }
 }
 
-/// The pass that draws the sculpture, and what it draws.
+/// The pass that draws the sculpture, and its inputs.
 enum Sculpture<'a> {
     Composite(&'a mut Composite, &'a IndexTarget),
     Points(&'a mut Points),
@@ -422,11 +423,11 @@ enum Sculpture<'a> {
 }
 
 impl Sculpture<'_> {
-    /// The areas to draw one by one so that `rects` are drawn.
+    /// The rectangles to draw one by one so that `rects` are drawn.
     fn areas(&self, rects: &PixelRects) -> PixelRects {
         match self {
             Sculpture::Composite(..) => *rects,
-            // Uniforms are written with each.
+            // Each draw writes uniforms.
             Sculpture::Points(_) | Sculpture::Within(..) => PixelRects::of(rects.bounds()),
         }
     }
@@ -449,7 +450,7 @@ impl FrameDesc<'_> {
     }
 }
 
-/// Rays of a picture without pixels.
+/// The rays of a picture without pixels.
 fn eye_rays_of_nothing() -> PixelRays {
     use glam::Vec3;
     PixelRays {

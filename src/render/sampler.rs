@@ -1,8 +1,8 @@
-//! Owns finding the voxel of every pixel, in whichever way is asked for, and what the device needs
-//! for it: the copy of the bits and colours, the slices' areas, the way back.
+//! Finds the voxel of every pixel by any of the samplings, with the device resources that they
+//! need: the copy of bits and colours, the slices' areas, readback.
 //!
-//! The maps end up both in memory, for the software shader and the pointer, and on the device, for
-//! the composite: one layer an eye. Where the device shades, too, they stay there.
+//! The maps end up both in memory, for the software shader and for picking, and on the device, for
+//! the composite, with a layer per eye. Where the device also shades, they stay there.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -26,35 +26,35 @@ type InRect = fn(&Grid, &mut IndexMap, PixelRect);
 
 /// Samples the surface of one document.
 pub struct Sampler {
-    /// Made when first needed: the ray casters do without.
+    /// Made when first needed: the ray casters do not use it.
     copy: Option<DeviceCopy>,
     slicing: Option<Slicing>,
     march: Option<RayMarch>,
     readbacks: [IndexReadback; MAX_EYES],
     maps: Option<IndexTarget>,
-    /// Maps on their way to the device.
+    /// Maps being uploaded.
     staging: Staging,
-    /// What of the maps in memory is not yet on the device.
+    /// The parts of the maps in memory that are not yet on the device.
     pending: [Pending; MAX_EYES],
-    /// Outside of these pixels nothing is seen.
+    /// The visible rects: nothing is seen outside of them.
     parts: [PixelRect; MAX_EYES],
     read_back_ms: Option<f32>,
     device_ms: Option<f32>,
     device: Arc<Device>,
 }
 
-/// What of a map is to be brought to the device.
+/// The part of a map to upload.
 #[derive(Clone, Copy, Default)]
 enum Pending {
     #[default]
     Nothing,
-    /// The rows of these pixels; what is there of the others is right.
+    /// The rows of these pixels; the others on the device are up to date.
     Changed(PixelRect),
     All,
 }
 
 impl Pending {
-    /// With more pixels sampled anew.
+    /// The union with more pixels that were sampled.
     fn and(self, more: PixelRect) -> Pending {
         match self {
             Pending::Changed(rect) if more.is_empty() => Pending::Changed(rect),
@@ -65,16 +65,16 @@ impl Pending {
     }
 }
 
-/// The device's copy of a document, and the frames in which it is updated and sampled.
+/// The device's copy of a document, and the frames that update and sample it.
 struct DeviceCopy {
     volume: Volume,
     /// Only while they are needed.
     colours: Option<Colours>,
     areas: Option<SliceAreas>,
     frames: Frames,
-    /// Of the sampling.
+    /// Times of the sampling.
     timer: Option<Timer<1>>,
-    /// Hears of the bricks that change.
+    /// Drains the bricks that change.
     subscriber: ChangeSubscriber,
 }
 
@@ -96,7 +96,7 @@ impl Sampler {
         })
     }
 
-    /// The maps on the device, ready for shaders. `maps` are those that were sampled last.
+    /// The maps on the device, ready for shaders. `maps` are those of the last sampling.
     pub fn maps(
         &mut self,
         recorder: &mut Recorder,
@@ -132,7 +132,7 @@ impl Sampler {
         Some((self.maps.as_mut()?, &copy.volume, copy.colours.as_ref()))
     }
 
-    /// The pixels of each eye outside of which nothing is seen.
+    /// The visible rect of each eye.
     pub fn parts(&self) -> [PixelRect; MAX_EYES] {
         self.parts
     }
@@ -143,12 +143,12 @@ impl Sampler {
         Some((&copy.volume, copy.colours.as_ref()))
     }
 
-    /// Fills `maps` with what is seen of the document by `rays`: one set of rays an eye, all of
-    /// one size in pixels. A map that nobody else holds keeps its memory. Where a shader on the
-    /// device shades, too, the maps are not known in memory ([`IndexMap::is_known`]).
+    /// Fills `maps` with what `rays` see of the document: one set of rays per eye, all with the
+    /// same size in pixels. A map without other owners keeps its allocation. Where the device also
+    /// shades, the maps are not known in memory ([`IndexMap::is_known`]).
     ///
     /// `changed`: the only bricks that have changed since `maps` were sampled with the same rays in
-    /// the same mode; then only the pixels that may see them are looked at.
+    /// the same mode; then only the pixels that may see them are sampled.
     pub fn sample(
         &mut self,
         document: &mut Document,
@@ -162,7 +162,7 @@ impl Sampler {
         let grid = document.grid();
         for (i, (rays, map)) in rays.iter().zip(maps.iter_mut()).enumerate() {
             let part = pixels_of_grid(grid, rays);
-            // What is uploaded is the part of the map that can hold anything.
+            // Only the visible rect of the map is uploaded.
             let same_part = std::mem::replace(&mut self.parts[i], part) == part;
             let map = Arc::make_mut(map);
             let (whole, rect): (Whole, InRect) = match mode.sampling() {
@@ -222,7 +222,7 @@ impl Sampler {
         let device = &self.device;
         let copy = match &mut self.copy {
             Some(copy) => copy,
-            // All bricks are new to a new copy, whatever the document says has changed.
+            // A new copy needs all bricks, whatever the document reports as changed.
             none => none.insert({
                 let subscriber = ChangeSubscriber::default();
                 let volume = document.drain_changes_for(&subscriber, |contents, _| {
@@ -304,20 +304,20 @@ impl Sampler {
         Ok(())
     }
 
-    /// How long the maps sampled last took from the device to memory, in milliseconds; none where
-    /// they did not go that way.
+    /// The time of reading back the maps sampled last, in milliseconds; none if they were not read
+    /// back.
     pub fn read_back_ms(&self) -> Option<f32> {
         self.read_back_ms
     }
 
-    /// How long the device took for the maps, in milliseconds, without the ways there and back: for
-    /// those sampled last, or where they stay on the device, for the last that it is known to be
-    /// done with. None where it does not sample or has no time stamps.
+    /// The device's time for the maps, in milliseconds, without upload and readback: for those
+    /// sampled last, or if they stay on the device, for the last that it is known to have finished.
+    /// None if it does not sample or has no time stamps.
     pub fn device_ms(&self) -> Option<f32> {
         self.device_ms
     }
 
-    /// The same for the maps sampled last, in `mode`, for one who has waited until they are done.
+    /// The same for the maps sampled last, in `mode`, for a caller that has waited for them.
     pub fn device_ms_when_done(&self, mode: RenderMode) -> Result<Option<f32>> {
         let timer = self.copy.as_ref().and_then(|copy| copy.timer.as_ref());
         match (mode.sampling(), timer) {
@@ -326,14 +326,14 @@ impl Sampler {
         }
     }
 
-    /// Forgets the device's copy, after an error that may have left it behind the document.
+    /// Drops the device's copy, after an error that may have left it out of date.
     pub fn forget_copy(&mut self) {
         self.copy = None;
     }
 }
 
 impl DeviceCopy {
-    /// Brings what `mode` needs up to date with the document, and forgets what it does not need.
+    /// Updates what `mode` needs, and drops what it does not need.
     fn update(
         &mut self,
         device: &Arc<Device>,
@@ -361,7 +361,7 @@ impl DeviceCopy {
     }
 }
 
-/// Whether nobody needs the maps in memory.
+/// Whether the maps in memory are not needed.
 fn stays_on_device(mode: RenderMode) -> bool {
     matches!(mode.shading(), Shading::Device | Shading::Within)
 }

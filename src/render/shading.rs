@@ -1,8 +1,8 @@
-//! Owns what every pass that lights surfaces on the device is given: the voxels, their colours, the
-//! lights, as values and as the uniforms of the shaders.
+//! The inputs of every pass that lights surfaces on the device: voxels, colours and lights, as
+//! values and as uniforms of the shaders.
 //!
-//! The numbers are those of the software shader ([`crate::shade`]), so that pictures are equal but
-//! for rounding.
+//! The numbers are those of the software shader ([`crate::shade`]), so that pictures are equal up
+//! to rounding.
 
 use std::sync::Arc;
 
@@ -26,7 +26,7 @@ pub(super) const UNIFORMS: u32 = 5;
 pub struct Surface<'a> {
     /// Size of the grid in voxels.
     pub dims: UVec3,
-    /// Without them every voxel has the base colour.
+    /// None: every voxel has the base colour.
     pub colours: Option<&'a Colours>,
     pub base: Rgb,
     pub pose: ShadePose,
@@ -37,7 +37,7 @@ pub struct Surface<'a> {
 pub(super) const KIND_CONSTANTS: usize = 3;
 
 impl Surface<'_> {
-    /// What a shader has to be able to do to light it (shaders/kind.wgsl).
+    /// The features of the shader that lights it (shaders/kind.wgsl).
     pub(super) fn kind(&self) -> [u32; KIND_CONSTANTS] {
         [
             self.lighting.lights.iter().flatten().count() as u32,
@@ -47,11 +47,11 @@ impl Surface<'_> {
     }
 }
 
-/// Uniforms on their way to the device.
+/// Uniforms being uploaded.
 pub(super) struct Uniforms {
     staging: Staging,
     align: u64,
-    /// Stands for the colours where there are none.
+    /// Bound where there are no colours.
     no_colours: crate::gpu::Buffer,
 }
 
@@ -78,7 +78,7 @@ impl Uniforms {
         self.staging.begin(slot);
     }
 
-    /// Uploads the uniforms of `surface` and names them to `set`.
+    /// Uploads the uniforms of `surface` and binds them to `set`.
     pub fn write(&mut self, sets: &DescriptorSets, set: usize, surface: &Surface) -> Result<()> {
         let piece: Piece = self.staging.push(&[uniforms(surface)], self.align)?;
         let kind = vk::DescriptorType::UNIFORM_BUFFER;
@@ -86,7 +86,7 @@ impl Uniforms {
         Ok(())
     }
 
-    /// Names the colours of `surface` to `set`.
+    /// Binds the colours of `surface` to `set`.
     pub fn write_colours(&self, sets: &DescriptorSets, set: usize, surface: &Surface) {
         let buffer = surface.colours.map_or(&self.no_colours, Colours::buffer);
         let kind = vk::DescriptorType::STORAGE_BUFFER;

@@ -1,4 +1,5 @@
-//! Owns what the pictures at hand were made of, and with it what of them a new desc changes.
+//! The frame cache: what the current pictures were made of, and the redraw plan of a new frame
+//! description.
 //!
 //! Pure values: knows no device and no pass.
 
@@ -16,7 +17,7 @@ use crate::shade::{Lighting, NORMAL_REACH_VX};
 use crate::surface::{PixelRects, changed_pixels};
 use crate::view::{Eye, PixelRays};
 
-/// What the voxels of a picture depend on.
+/// What the index maps of pictures depend on.
 #[derive(Clone, Copy, PartialEq)]
 struct SampleKey {
     revision: u64,
@@ -26,14 +27,14 @@ struct SampleKey {
 }
 
 impl SampleKey {
-    /// Whether the same is looked at from the same place in the same way, but for edits.
+    /// Whether both differ by edits of the sculpture only.
     fn sees_as(&self, other: &SampleKey) -> bool {
         let SampleKey { revision: _, eyes, world_from_grid, mode } = other;
         (&self.eyes, &self.world_from_grid, &self.mode) == (eyes, world_from_grid, mode)
     }
 }
 
-/// What pictures as a whole depend on. Kept for its memory.
+/// What the current pictures depend on.
 pub(super) struct Shown {
     sample: SampleKey,
     lighting: Lighting,
@@ -44,7 +45,7 @@ pub(super) struct Shown {
 }
 
 impl Shown {
-    /// What a desc of `document` shows, in the memory of a former one.
+    /// The key of the pictures of `desc`, reusing the allocations of a former one.
     pub fn new(former: Option<Shown>, document: &Document, desc: &FrameDesc) -> Shown {
         let (mut previews, mut lines) =
             former.map_or_else(Default::default, |f| (f.previews, f.lines));
@@ -62,15 +63,15 @@ impl Shown {
     }
 }
 
-/// What of the pictures is made anew.
+/// How much of a picture is repeated.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Part {
     All,
-    /// What the changed bricks, tools and lines may change.
+    /// The pixels that changed bricks, tools and lines may affect.
     Changed,
 }
 
-/// What a desc does again.
+/// The stages that a frame repeats.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Steps {
     pub sample: Option<Part>,
@@ -79,8 +80,8 @@ pub(super) struct Steps {
 }
 
 impl Steps {
-    /// From the pictures shown `before` to those of `desc`. `changes_known`: the bricks changed since
-    /// are known, so that a part of the picture may do.
+    /// The plan from the pictures of `before` to those of `desc`. `changes_known`: it is known which
+    /// bricks have changed since.
     pub fn new(
         before: Option<&Shown>,
         document: &Document,
@@ -94,15 +95,15 @@ impl Steps {
         let same_back = before.background == desc.background
             && before.video == desc.video.map(|video| video.key());
         let same_tools = before.previews == desc.previews && before.lines == desc.lines;
-        // While nothing moves, an edit changes but a part of the picture.
+        // While the view is still, an edit changes only some of the pixels.
         let part_if = |partial: bool| if partial { Part::Changed } else { Part::All };
         let still = changes_known && before.sample.sees_as(&sample);
         let resample = before.sample != sample;
         let reshade = resample || !same_light;
         let recompose = reshade || !(same_back && same_tools);
-        // Filters look at the pixels around, occlusion far around the voxel.
+        // Filters read the pixels around, occlusion a wide region around the voxel.
         let shade_part = part_if(still && same_light && desc.lighting.is_local());
-        // Points stand out of their pixels.
+        // Points cover more than their pixels.
         let within_pixels = desc.mode.shading() != Shading::Points;
         let compose_part = match reshade {
             true => shade_part,
@@ -119,8 +120,8 @@ impl Steps {
     }
 }
 
-/// The pixels of `eye`, which has `rays`, that [`Part::Changed`] of its picture stands for: where
-/// tools or lines are not those of `before`, or the voxel or its shade may have changed with the
+/// The pixels of `eye`, which has `rays`, to repeat for [`Part::Changed`]: where tools or lines
+/// differ from those of `before`, or where the voxel or its shade may have changed with the
 /// `changed` bricks.
 pub(super) fn pixels_to_compose(
     before: &Shown,
@@ -207,13 +208,13 @@ mod tests {
         assert_eq!(to(&document, &desc), steps(some, some, some));
         assert_eq!(Steps::new(Some(&shown), &document, &desc, false), steps(all, all, all));
         assert_eq!(to(&document, &dark), steps(some, all, all));
-        // Points stand out of their pixels.
+        // Points cover more than their pixels.
         let points = FrameDesc { mode: RenderMode::RayPoints, ..desc };
         let of_points = Shown::new(None, &document, &points);
         let points = FrameDesc { lines: &[line], ..points };
         let to_points = Steps::new(Some(&of_points), &document, &points, true);
         assert_eq!(to_points, steps(None, None, all));
-        // What is about a voxel darkens it from afar.
+        // Occlusion darkens voxels from a distance.
         let mut occluded = desc;
         occluded.lighting.occlusion = true;
         let shown = Shown::new(Some(shown), &document, &occluded);

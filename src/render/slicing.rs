@@ -1,12 +1,12 @@
-//! Owns the slicing pass: the areas of a grid, drawn layer by layer from front to back, become
-//! an index map.
+//! The slicing pass: the areas of a grid, drawn layer by layer from front to back, give an index
+//! map.
 //!
-//! After J. Mueller's slicing core (2005), with two changes. A fragment does not look up one
-//! texel on its slice's middle plane but walks the voxels that its ray crosses within the layer,
-//! so that the map equals the ray caster's. And a layer may be thicker than one voxel, which
-//! needs fewer fragments.
+//! After J. Mueller's slicing core (2005), with two changes. A fragment does not read one texel on
+//! the middle plane of its slice but walks the voxels that its ray crosses within the layer, so
+//! that the map equals the ray caster's. And a layer may be thicker than one voxel, which needs
+//! fewer fragments.
 //!
-//! Takes a volume, the areas along its axes and the rays of an eye; gives an [`IndexTarget`].
+//! Takes a volume, the areas along its axes and the rays of an eye; fills an [`IndexTarget`].
 
 use std::sync::Arc;
 
@@ -22,21 +22,21 @@ use crate::render::{EyeTask, IndexTarget, Volume};
 use crate::surface::slices::{LayerRect, Layers, SliceAreas, facing_axis};
 use crate::view::PixelRays;
 
-/// Bytes of instances that a frame has room for without growing.
+/// Initial capacity of a frame for instances, in bytes.
 const STAGING_BYTES: u64 = 256 << 10;
 
 /// Draws index maps by slicing.
 pub struct Slicing {
     pipeline: Pipeline,
     sets: DescriptorSets,
-    /// The image that each set names.
+    /// The image that each set refers to.
     named: [u64; FRAMES_IN_FLIGHT],
     staging: Staging,
-    /// Kept for its memory.
+    /// Reused allocation.
     instances: Vec<SliceInstance>,
     slot: usize,
     margin_px: f32,
-    /// Voxels in a layer; as many as in a slab if not set.
+    /// Thickness of a layer in voxels; that of a slab if not set.
     thickness: Option<u32>,
 }
 
@@ -85,7 +85,7 @@ impl Slicing {
         })
     }
 
-    /// The same pass with layers of 1, 2, 4 or 8 voxels. The seed's have 1.
+    /// The same pass with layers of 1, 2, 4 or 8 voxels. Those of 2005 have 1.
     pub fn with_thickness(mut self, thickness_vx: u32) -> Slicing {
         self.thickness = Some(thickness_vx).filter(|t| matches!(t, 1 | 2 | 4 | 8));
         self
@@ -102,7 +102,8 @@ impl Slicing {
         }
     }
 
-    /// Draws what `task` says of an index map, of the volume given to [`Slicing::begin`]. `areas` must be up to date with it. Leaves the map in the layout of
+    /// Draws the part of an index map that `task` describes, of the volume given to
+    /// [`Slicing::begin`]. `areas` must be up to date with it. Leaves the map in the layout of
     /// [`crate::gpu::Use::COLOUR_TARGET`].
     pub fn record(
         &mut self,
@@ -150,13 +151,12 @@ fn instance(rect: &LayerRect) -> SliceInstance {
     }
 }
 
-/// How far the device may draw a corner beside its place: it knows places to so small a part of a
-/// pixel.
+/// How far the device may draw a corner off its position, in pixels: its sub-pixel precision.
 pub(super) fn corner_margin_px(device: &Device) -> f32 {
     0.5f32.powi(device.limits().sub_pixel_precision_bits as i32)
 }
 
-/// Rows that take `p - origin` of a point p to its clip x, y and w. `None` where the rays do not span
+/// Rows that take `p - origin` of a point p to its clip x, y and w. `None` if the rays do not span
 /// a picture.
 pub(super) fn clip_rows(rays: &PixelRays) -> Option<[Vec3; 3]> {
     let columns =
@@ -173,7 +173,7 @@ pub(super) fn clip_rows(rays: &PixelRays) -> Option<[Vec3; 3]> {
     Some([clip_x, clip_y, rows.z_axis].map(|row| row.as_vec3()))
 }
 
-/// `None` where the rays do not span a picture.
+/// `None` if the rays do not span a picture.
 fn slice_view(
     rays: &PixelRays,
     volume: &Volume,

@@ -1,13 +1,14 @@
-//! Owns pipelines of one pass that differ in their specialization constants, made when first needed.
+//! Pipelines of one pass with different specialization constants, made when first needed.
 //!
-//! A branch that such a constant decides costs nothing. A uniform must not decide any: lavapipe would
-//! run both sides, and that of Mesa 22 clones and compiles the shader for every picture and keeps all
-//! of the copies. So what a person moves while looking, as the place of a lamp or its strength, is a
-//! uniform; what is there or not is a constant. Takes constants of few different values.
+//! A branch on such a constant costs nothing. No branch may depend on a uniform: lavapipe would run
+//! both sides, and that of Mesa 22 clones and compiles the shader for every picture and keeps all
+//! copies. So a value that changes while looking, such as the position of a lamp or its intensity,
+//! is a uniform; whether something exists is a constant. Constants should have few different
+//! values.
 
 use crate::gpu::Result;
 
-/// What has been made for each combination of `N` constants that was asked for.
+/// The pipelines for the combinations of `N` constants requested so far.
 pub(super) struct Specialised<const N: usize, P> {
     made: Vec<([u32; N], P)>,
 }
@@ -17,7 +18,7 @@ impl<const N: usize, P> Specialised<N, P> {
         Specialised { made: Vec::new() }
     }
 
-    /// What `make` makes with `constants`, unless that is there already.
+    /// The pipeline with `constants`, made by `make` if it does not exist.
     pub fn get(
         &mut self,
         constants: [u32; N],

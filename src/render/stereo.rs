@@ -1,7 +1,7 @@
-//! Draws the pictures of two eyes and the interface over them to one screen, in any
+//! Draws the pictures of two eyes, and the interface over them, to one screen, in any
 //! [`StereoLayout`]. [`StereoLayout::pixel`] is its twin on the CPU.
 //!
-//! Takes images; knows nothing of what they show.
+//! Takes images; does not know what they show.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ use crate::gpu::{
 };
 use crate::view::StereoLayout;
 
-/// What is shown. All images are in the layout of [`crate::gpu::Use::SHADER_READ`].
+/// The input of the pass. All images are in the layout of [`crate::gpu::Use::SHADER_READ`].
 #[derive(Clone, Copy)]
 pub struct StereoSources<'a> {
     /// Two layers: left, right.
@@ -29,12 +29,12 @@ pub struct StereoSources<'a> {
 
 /// The pass.
 pub struct Stereo {
-    /// By the number of the layout.
+    /// Indexed by layout.
     pipelines: Specialised<1, Pipeline>,
     layout: Arc<PipelineLayout>,
     format: vk::Format,
     sets: DescriptorSets,
-    /// The images that each set names.
+    /// The images that each set refers to.
     named: [(u64, u64); FRAMES_IN_FLIGHT],
     slot: usize,
     device: Arc<Device>,
@@ -73,8 +73,8 @@ impl Stereo {
         }
     }
 
-    /// Covers a target of the size of the window, within rendering. With
-    /// [`StereoLayout::Layers`] the target is that of `eye`.
+    /// Fills a target of the size of the window, within rendering. With [`StereoLayout::Layers`]
+    /// the target is that of `eye`.
     pub fn draw(
         &mut self,
         recorder: &mut Recorder,
@@ -90,7 +90,7 @@ impl Stereo {
             eye,
             ..StereoView::default()
         };
-        // The shader counts the layouts as the type does.
+        // The shader numbers the layouts as the type does.
         let pipeline = self.pipelines.get([layout as u32], |constants| {
             let fragment = shaders::STEREO_FRAG;
             let pass = Graphics::screen("stereo", fragment, &self.layout, self.format, None);

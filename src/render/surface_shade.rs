@@ -1,8 +1,8 @@
-//! Owns shading on the device: a pass that makes the picture of an eye from its index map,
-//! which never leaves the device.
+//! Shading on the device: a pass that makes the picture of an eye from its index map, which never
+//! leaves the device.
 //!
-//! The picture is the software shader's ([`crate::shade::shade`]) but for rounding; alpha is 0 where
-//! nothing is seen.
+//! The picture equals the software shader's ([`crate::shade::shade`]) up to rounding; alpha is 0
+//! where nothing is seen.
 
 use std::sync::Arc;
 
@@ -35,7 +35,7 @@ pub struct SurfaceShade {
     stage: PixelStage,
     layout: Arc<PipelineLayout>,
     sets: DescriptorSets,
-    /// The images that each set names: volume, index map, picture.
+    /// The images that each set refers to: volume, index map, picture.
     named: Vec<(u64, u64, u64)>,
     uniforms: Uniforms,
     slot: usize,
@@ -44,7 +44,7 @@ pub struct SurfaceShade {
 }
 
 impl SurfaceShade {
-    /// For up to `eyes` eyes a frame.
+    /// For up to `eyes` eyes per frame.
     pub fn new(device: &Arc<Device>, stage: PixelStage, eyes: u32) -> Result<SurfaceShade> {
         let inputs = [
             (VOLUME, vk::DescriptorType::SAMPLED_IMAGE),
@@ -74,8 +74,9 @@ impl SurfaceShade {
         self.uniforms.begin(slot);
     }
 
-    /// Records what `task` says of the picture of an eye of `volume`, from its map in `maps`, to its layer
-    /// of `pictures`, which has the size of the maps. Leaves it in the layout of [`Use::SHADER_READ`].
+    /// Records the part of an eye's picture of `volume` that `task` describes, from its map in
+    /// `maps`, to its layer of `pictures`, which has the size of the maps. Leaves it in the layout
+    /// of [`Use::SHADER_READ`].
     pub fn record(
         &mut self,
         recorder: &mut Recorder,

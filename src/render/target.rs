@@ -13,19 +13,19 @@ use crate::sculpture::NO_VOXEL;
 use crate::surface::{IndexMap, PixelRect};
 use crate::view::PixelRays;
 
-/// What a pass makes of the index map, or the picture, of an eye.
+/// The part of an eye's index map or picture that a pass draws.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct EyeTask {
     pub eye: u32,
     pub rays: PixelRays,
-    /// The pixels to make anew; what others hold stays.
+    /// The pixels to draw; the others keep their contents.
     pub area: PixelRect,
-    /// Outside of these pixels nothing is seen.
+    /// The visible rect: nothing is seen outside of it.
     pub part: PixelRect,
 }
 
 impl EyeTask {
-    /// All pixels, in any of which something may be seen.
+    /// All pixels, with a visible rect of the whole picture.
     pub fn whole(eye: u32, rays: PixelRays) -> EyeTask {
         let area = PixelRect::of_picture(rays.size);
         EyeTask { eye, rays, area, part: area }
@@ -70,7 +70,7 @@ impl IndexTarget {
         &self.index
     }
 
-    /// Starts drawing what `task` says of an index map: nothing seen there yet.
+    /// Starts drawing the part of an index map that `task` describes, cleared to "no voxel".
     pub fn begin(&mut self, recorder: &mut Recorder, task: &EyeTask) {
         let (eye, area) = (task.eye, task.area);
         self.index.renew_area(recorder, eye, area.corner_and_size(), Use::COLOUR_TARGET);
@@ -96,29 +96,30 @@ impl IndexTarget {
         recorder.end_rendering();
     }
 
-    /// The voxel indices, for a pass that writes all of an eye's.
+    /// The voxel indices, for a pass that writes all of an eye's layer.
     pub fn index_mut(&mut self) -> &mut EyeImage {
         &mut self.index
     }
 
-    /// Puts rows of a map that the CPU has made, copied to `piece`, in the place of the map of `eye`.
+    /// Uploads rows of a map of the CPU from `piece` to the map of `eye`. The other rows are
+    /// discarded.
     pub fn upload(&mut self, recorder: &mut Recorder, eye: u32, piece: Piece, rows: Range<u32>) {
         self.index.upload_rows(recorder, eye, piece, rows);
     }
 
-    /// Puts them in the place of those rows alone.
+    /// The same, but the other rows keep their contents.
     pub fn update(&mut self, recorder: &mut Recorder, eye: u32, piece: Piece, rows: Range<u32>) {
         self.index.update_rows(recorder, eye, piece, rows);
     }
 
-    /// Makes the map of `eye` ready for a shader.
+    /// Transitions the map of `eye` to be read by shaders.
     pub fn make_readable(&mut self, recorder: &mut Recorder, eye: u32) {
         self.index.make(recorder, eye, Use::SHADER_READ);
     }
 }
 
-/// Index maps on their way to the CPU, one a frame slot, so that they may be fetched in the same
-/// frame or in a later one. Each comes with the rays that it was made with.
+/// Index maps being read back, one per frame slot, so that they can be read in the same frame or a
+/// later one. Each comes with the rays that it was made with.
 pub struct IndexReadback {
     readback: Readback,
     tasks: [Option<EyeTask>; crate::gpu::FRAMES_IN_FLIGHT],
@@ -130,7 +131,7 @@ impl IndexReadback {
         IndexReadback { readback: Readback::new(device, "index map"), tasks: Default::default() }
     }
 
-    /// Records the copy of what `task` has made of a map, by rows.
+    /// Records the readback of the rows of a map that `task` has drawn.
     pub fn record(
         &mut self,
         recorder: &mut Recorder,
@@ -147,13 +148,13 @@ impl IndexReadback {
         Ok(())
     }
 
-    /// Says which submission carries the copy to `slot`.
+    /// Notes the submission that contains the copy to `slot`.
     pub fn submitted(&mut self, slot: usize, serial: Serial) {
         self.readback.submitted(slot, serial);
     }
 
-    /// Waits for what was recorded last for `slot` and copies it to `map`, which keeps its memory and
-    /// its other rows.
+    /// Waits for the last recording of `slot` and copies it to `map`, which keeps its allocation
+    /// and its other rows.
     pub fn fetch(&self, slot: usize, map: &mut IndexMap) -> Result<()> {
         let bytes = self.readback.wait(slot)?;
         if let Some(task) = &self.tasks[slot % self.tasks.len()] {

@@ -1,38 +1,38 @@
-//! Owns what a renderer says of the time that its last picture took, and the device's clock for it.
+//! The times of a renderer's last picture, and the GPU timer for them.
 
 use std::sync::Arc;
 
 use super::{RenderMode, Shading};
 use crate::gpu::{Device, Recorder, Result, Timer};
 
-/// How long the parts of the last picture took, in milliseconds. What was not done anew keeps its
-/// time.
+/// The times of the stages of the last picture, in milliseconds. A stage that was not repeated
+/// keeps its time.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct RenderTimes {
-    /// Finding the voxel of every pixel, with upload and read-back.
+    /// Sampling, with upload and readback.
     pub sample_ms: f32,
-    /// Of these, bringing the maps from the device to memory, once they were complete; none where
-    /// they stay or are made in memory.
+    /// Of these, reading back the maps once they were complete; none if they stay on the device or
+    /// are made in memory.
     pub read_back_ms: Option<f32>,
     /// The software shader.
     pub shade_ms: f32,
     pub device: DeviceTimes,
 }
 
-/// How long the device took for its parts of a picture, for all eyes, by its own time stamps, in
-/// milliseconds. None for what it has no part in, and where its queue has no time stamps.
+/// The device's times of a picture, for all eyes, by its own time stamps, in milliseconds. None for
+/// stages that do not run on the device, and if its queue has no time stamps.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct DeviceTimes {
-    /// Slices or the march; uploads and read-back come on top.
+    /// Slices or the march, without upload and readback.
     pub sample_ms: Option<f32>,
-    /// The shader that turns index maps into pictures.
+    /// The shader from index maps to pictures.
     pub shade_ms: Option<f32>,
-    /// The composite, or what draws in its place: points, the shader that samples and lights at
-    /// once; with background, tools and lines.
+    /// The composite, or what draws in its place: points, or the shader that samples and lights;
+    /// with background, tools and lines.
     pub compose_ms: Option<f32>,
 }
 
-/// Times the parts of pictures on the device, where it has time stamps.
+/// Measures the stages of pictures on the device, if it has time stamps.
 pub(super) struct PictureTimer {
     timer: Option<Timer<2>>,
 }
@@ -45,8 +45,8 @@ impl PictureTimer {
         Ok(PictureTimer { timer: Timer::new(device, "times of pictures")? })
     }
 
-    /// Starts a frame that uses `slot` and draws `mode`. Notes in `times` what the slot's last
-    /// frame took.
+    /// Starts a frame that uses `slot` and draws `mode`. Stores in `times` those of the slot's last
+    /// frame.
     pub fn begin(
         &mut self,
         recorder: &mut Recorder,
@@ -71,7 +71,7 @@ impl PictureTimer {
         }
     }
 
-    /// Notes in `times` what the frame begun last took, which drew `mode`, if it is done.
+    /// Stores in `times` those of the current frame, which drew `mode`, if it has finished.
     pub fn latest(&self, mode: RenderMode, times: &mut DeviceTimes) -> Result<()> {
         let Some(timer) = &self.timer else { return Ok(()) };
         note(timer.latest()?, mode, times);
@@ -79,9 +79,9 @@ impl PictureTimer {
     }
 }
 
-/// Takes over what is known; `mode` is what is drawn now.
+/// Takes over the known times; `mode` is the present one.
 fn note([shade_ms, compose_ms]: [Option<f32>; 2], mode: RenderMode, times: &mut DeviceTimes) {
-    // Of a former mode nothing is kept.
+    // Times of another mode are dropped.
     let shades = mode.shading() == Shading::Device;
     times.shade_ms = shade_ms.or(times.shade_ms).filter(|_| shades);
     times.compose_ms = compose_ms.or(times.compose_ms);

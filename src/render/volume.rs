@@ -1,10 +1,10 @@
-//! Owns the device's copy of a grid's bits: a 3D image of `R32G32_UINT`, in which a texel is a
-//! word of 4^3 voxels (low and high 32 bits) and the eight words of a brick follow each other
-//! along x. A row of bricks is thus the same bytes in grid and image, and nothing is repacked.
+//! The device's copy of a grid's bits: a 3D image of `R32G32_UINT`, in which a texel is a word of
+//! 4^3 voxels (low and high 32 bits) and the eight words of a brick follow each other along x. So a
+//! row of bricks has the same bytes in grid and image, and nothing is repacked.
 //!
-//! Beside it lies which bricks are near something ([`super::near_image`]).
+//! The dilated occupancy ([`super::near_image`]) belongs to it.
 //!
-//! The first time all of it is uploaded, afterwards only boxes with the bricks that changed
+//! It is uploaded as a whole at first, and afterwards by boxes with the bricks that changed
 //! ([`super::brick_boxes`]). Knows no colours and no history: undo is a change like any other.
 
 use std::sync::Arc;
@@ -21,13 +21,13 @@ use crate::gpu::{
 use crate::sculpture::brick::BRICK_WORDS;
 use crate::sculpture::{Brick, Grid};
 
-/// Most bytes that are in flight at once. What is more is uploaded piece by piece and waited for.
+/// Most bytes in flight at once. Larger uploads are done in pieces, waiting for each.
 const CHUNK_BYTES: usize = 8 << 20;
 
-/// Bytes of changed bricks that a frame has room for without growing.
+/// Initial capacity of a frame for changed bricks, in bytes.
 const STAGING_BYTES: u64 = 1 << 20;
 
-/// Where more than this part of the bricks changed, all are uploaded.
+/// If more than this share of the bricks changed, all are uploaded.
 const WHOLE_FROM_SHARE: usize = 4;
 
 const BRICK_BYTES: usize = size_of::<Brick>();
@@ -38,7 +38,7 @@ pub struct Volume {
     near: NearImage,
     dims: UVec3,
     staging: Staging,
-    /// Kept for their memory.
+    /// Reused allocations.
     changed: Vec<UVec3>,
     boxes: Vec<BrickBox>,
     copies: Vec<vk::BufferImageCopy>,
@@ -46,8 +46,8 @@ pub struct Volume {
 }
 
 impl Volume {
-    /// Uploads all of `grid` and waits for it. A grid whose image would be too large for the
-    /// device is refused with the name of the limit.
+    /// Uploads all of `grid` and waits for it. If its image exceeds a limit of the device, the
+    /// error names the limit.
     pub fn new(device: &Arc<Device>, grid: &Grid) -> Result<Volume> {
         let usage = vk::BufferUsageFlags::TRANSFER_SRC;
         let mut volume = Volume {
@@ -64,10 +64,10 @@ impl Volume {
         Ok(volume)
     }
 
-    /// Brings the copy up to date with `changed` bricks (as from
-    /// [`crate::document::Document::drain_changes`]; `None` means all, perhaps of another size).
-    /// The copies are recorded in `recorder`, for frame `slot`; what is too much for a frame is
-    /// uploaded at once. On an error the copy is not current.
+    /// Updates the copy with `changed` bricks (as from [`crate::document::Document::drain_changes`];
+    /// `None` means all, perhaps of another size). The copies are recorded in `recorder`, for frame
+    /// `slot`; what exceeds the capacity of a frame is uploaded at once. After an error the copy is
+    /// out of date.
     pub fn update(
         &mut self,
         recorder: &mut Recorder,
@@ -105,7 +105,7 @@ impl Volume {
         &self.image
     }
 
-    /// Which bricks are near one that holds anything ([`NearImage::image`]).
+    /// The image of the dilated occupancy.
     pub fn near(&self) -> &Image {
         self.near.image()
     }
@@ -161,7 +161,7 @@ impl Volume {
         Ok(())
     }
 
-    /// Has a frame upload the boxes, which hold `bricks` bricks.
+    /// Records the upload of the boxes, which contain `bricks` bricks.
     fn upload_in_frame(
         &mut self,
         recorder: &mut Recorder,
@@ -186,8 +186,8 @@ impl Volume {
     }
 }
 
-/// Writes the bricks of `boxes` to `target`, one box after the other, and to `copies` how they get from
-/// there to the image.
+/// Writes the bricks of `boxes` to `target`, one box after the other, and their copies to the image
+/// to `copies`.
 fn pack(grid: &Grid, boxes: &[BrickBox], target: &mut [u8], copies: &mut Vec<vk::BufferImageCopy>) {
     copies.clear();
     let mut offset = 0;
