@@ -9,7 +9,7 @@
 //!include "tile.wgsl"
 
 var<immediate> view: MarchView;
-// Dilated occupancy: one texel per block of 4^3 bricks, one bit per brick (render/near_image.rs). It is padded
+// Dilated occupancy: one texel per block of 4^3 bricks, one bit per brick (render/dilated_occupancy_image.rs). It is padded
 // by one block on all sides of the grid.
 @group(0) @binding(0) var near: texture_3d<u32>;
 

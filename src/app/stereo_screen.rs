@@ -38,7 +38,7 @@ impl StereoScreen {
         if self.interface.size() != size {
             self.interface = image(&self.device, self.format, size)?;
         }
-        self.interface.renew(recorder, 0, Use::COLOUR_TARGET);
+        self.interface.begin_overwrite(recorder, 0, Use::COLOUR_TARGET);
         let view = self.interface.image().layer_view(0);
         let attachment = Attachment { view, load: Load::Colour([0.0; 4]), store: true };
         recorder.begin_rendering(size.to_array(), Some(attachment), None);
@@ -55,9 +55,9 @@ impl StereoScreen {
         corner: IVec2,
         layout: StereoLayout,
     ) -> Result<()> {
-        self.interface.make(recorder, 0, Use::SHADER_READ);
+        self.interface.transition(recorder, 0, Use::SHADER_READ);
         for eye in 0..pictures.eyes() {
-            pictures.make(recorder, eye, Use::SHADER_READ);
+            pictures.transition(recorder, eye, Use::SHADER_READ);
         }
         let sources = StereoSources { pictures, corner, interface: &self.interface };
         self.pass.begin(slot, &sources);

@@ -47,7 +47,7 @@ impl EyeImage {
     }
 
     /// Transitions the layer of `eye` to another use. It keeps its contents.
-    pub fn make(&mut self, recorder: &mut Recorder, eye: u32, to: Use) {
+    pub fn transition(&mut self, recorder: &mut Recorder, eye: u32, to: Use) {
         let from = std::mem::replace(&mut self.uses[eye as usize], to);
         if from != to {
             recorder.image_barrier(self.image.layer(eye), from, to);
@@ -55,16 +55,22 @@ impl EyeImage {
     }
 
     /// Transitions the layer of `eye` to a use that overwrites it. Its contents are discarded.
-    pub fn renew(&mut self, recorder: &mut Recorder, eye: u32, to: Use) {
+    pub fn begin_overwrite(&mut self, recorder: &mut Recorder, eye: u32, to: Use) {
         let from = std::mem::replace(&mut self.uses[eye as usize], to);
         recorder.image_barrier(self.image.layer(eye), from.discarded(), to);
     }
 
     /// Transitions the layer of `eye` to a use that overwrites `area`. The other pixels keep their contents.
-    pub fn renew_area(&mut self, recorder: &mut Recorder, eye: u32, area: CornerAndSize, to: Use) {
+    pub fn begin_overwrite_area(
+        &mut self,
+        recorder: &mut Recorder,
+        eye: u32,
+        area: CornerAndSize,
+        to: Use,
+    ) {
         let [width, height, _] = self.image.size();
         if area == ([0, 0], [width, height]) {
-            return self.renew(recorder, eye, to);
+            return self.begin_overwrite(recorder, eye, to);
         }
         // A barrier even where the use stays the same: earlier writes must be visible.
         let from = std::mem::replace(&mut self.uses[eye as usize], to);
@@ -80,7 +86,7 @@ impl EyeImage {
         piece: Piece,
         rows: Range<u32>,
     ) {
-        self.renew(recorder, eye, Use::COPY_TARGET);
+        self.begin_overwrite(recorder, eye, Use::COPY_TARGET);
         self.copy_rows(recorder, eye, piece, rows);
     }
 
@@ -94,7 +100,7 @@ impl EyeImage {
     ) {
         let [width, ..] = self.image.size();
         let area = ([0, rows.start], [width, rows.len() as u32]);
-        self.renew_area(recorder, eye, area, Use::COPY_TARGET);
+        self.begin_overwrite_area(recorder, eye, area, Use::COPY_TARGET);
         self.copy_rows(recorder, eye, piece, rows);
     }
 
@@ -113,6 +119,6 @@ impl EyeImage {
         if !rows.is_empty() {
             recorder.copy_to_image(piece.buffer, self.image.layer(eye), &[copy]);
         }
-        self.make(recorder, eye, Use::SHADER_READ);
+        self.transition(recorder, eye, Use::SHADER_READ);
     }
 }

@@ -45,7 +45,7 @@ impl BackgroundPass {
         if view.background == Background::Keep {
             return;
         }
-        recorder.set_scissor(view.pixels_of(view.area));
+        recorder.set_scissor(view.pixels_of(view.scissor));
         recorder.bind_pipeline(&self.pipeline);
         recorder.push(self.pipeline.layout(), &constants(view, self.linear));
         recorder.draw(3, 1);

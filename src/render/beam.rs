@@ -23,7 +23,7 @@ use crate::view::PixelRays;
 /// pixels high, a tile of eight pixels is.
 pub const TILE_LOG2: u32 = 2;
 
-const NEAR: u32 = 0;
+const DILATED: u32 = 0;
 const STARTS: u32 = 1;
 
 const SHADERS: PixelShaders = PixelShaders {
@@ -48,7 +48,7 @@ pub struct Beams {
 impl Beams {
     /// For up to `eyes` eyes per frame.
     pub fn new(device: &Arc<Device>, stage: PixelStage, eyes: u32) -> Result<Beams> {
-        let bindings = stage.bindings(&[(NEAR, vk::DescriptorType::SAMPLED_IMAGE)], STARTS);
+        let bindings = stage.bindings(&[(DILATED, vk::DescriptorType::SAMPLED_IMAGE)], STARTS);
         let set_layout = SetLayout::new(device, SHADERS.name, &bindings)?;
         let push = Some((stage.flags(), size_of::<MarchView>()));
         let layout = PipelineLayout::new(device, SHADERS.name, Some(&set_layout), push)?;
@@ -94,19 +94,19 @@ impl Beams {
             )?),
         };
         let set = self.slot * self.eyes as usize + eye as usize;
-        let names = (volume.near().id(), starts.image().id());
+        let names = (volume.dilated_occupancy().id(), starts.image().id());
         if self.named[set] != names {
             self.named[set] = names;
-            self.sets.write_sampled(set, NEAR, volume.near().view());
+            self.sets.write_sampled(set, DILATED, volume.dilated_occupancy().view());
             if self.pass.stage() == PixelStage::Compute {
                 self.sets.write_storage(set, STARTS, starts.image().layer_view(eye));
             }
         }
         let view = march_view(rays, volume);
         let all = PixelRect::of_picture(tiles);
-        let area = PixelArea { area: all, part: all, rest: Load::Forget };
+        let area = PixelArea { scissor: all, visible: all, rest: Load::Forget };
         self.pass.record(recorder, self.sets.set(set), Some(&view), starts, eye, area);
-        starts.make(recorder, eye, Use::SHADER_READ);
+        starts.transition(recorder, eye, Use::SHADER_READ);
         Ok(starts.image())
     }
 

@@ -37,16 +37,16 @@ pub struct CompositeEye {
     pub size: UVec2,
     pub background: Background,
     /// The pixels of the map to draw; the target keeps its contents elsewhere.
-    pub area: PixelRect,
+    pub scissor: PixelRect,
     /// The visible rect: nothing is seen outside of it.
-    pub part: PixelRect,
+    pub visible: PixelRect,
 }
 
 impl CompositeEye {
     /// The pixels of the target that correspond to pixels of the map: x, y, width, height.
-    pub(super) fn pixels_of(&self, part: PixelRect) -> [u32; 4] {
+    pub(super) fn pixels_of(&self, rect: PixelRect) -> [u32; 4] {
         let (size, map) = (self.size.as_u64vec2(), self.rays.size.as_u64vec2().max(U64Vec2::ONE));
-        let (min, max) = (part.min.as_u64vec2(), part.max.as_u64vec2());
+        let (min, max) = (rect.min.as_u64vec2(), rect.max.as_u64vec2());
         let low = (min * size / map).as_uvec2();
         let high = ((max * size + map - 1) / map).as_uvec2().min(self.size);
         let [x, y] = (self.corner + low).to_array();
@@ -56,7 +56,7 @@ impl CompositeEye {
 
     /// The scissor of the sculpture: x, y, width, height.
     pub(super) fn scissor(&self) -> [u32; 4] {
-        self.pixels_of(self.part.intersect(self.area))
+        self.pixels_of(self.visible.intersect(self.scissor))
     }
 }
 
@@ -130,7 +130,7 @@ impl Composite {
         })
     }
 
-    /// Uploads the rows of `part` of the picture of `eye`; only those of `changed`, if nothing else
+    /// Uploads the rows of `visible` of the picture of `eye`; only those of `changed`, if nothing else
     /// differs from the last upload. Before rendering begins; the pictures of all eyes have the
     /// same size.
     pub fn upload(
@@ -138,12 +138,12 @@ impl Composite {
         recorder: &mut Recorder,
         eye: u32,
         pixels: &Pixels,
-        part: PixelRect,
+        visible: PixelRect,
         changed: Option<PixelRect>,
     ) -> Result<()> {
-        let former = std::mem::replace(&mut self.uploaded[eye as usize], part.rows());
-        let changed = changed.filter(|_| former == part.rows());
-        let rect = changed.map_or(part, |changed| changed.intersect(part));
+        let former = std::mem::replace(&mut self.uploaded[eye as usize], visible.rows());
+        let changed = changed.filter(|_| former == visible.rows());
+        let rect = changed.map_or(visible, |changed| changed.intersect(visible));
         let piece = self.staging.push(rect.rows_of(&pixels.rgba, pixels.size.x), 4)?;
         let image = self.pictures(pixels.size)?;
         match changed {

@@ -43,8 +43,8 @@ impl Pictures {
     ) {
         let size = self.colour.size();
         let place = area.corner_and_size();
-        self.colour.renew_area(recorder, eye, place, Use::COLOUR_TARGET);
-        self.depth.renew_area(recorder, eye, place, Use::DEPTH_TARGET);
+        self.colour.begin_overwrite_area(recorder, eye, place, Use::COLOUR_TARGET);
+        self.depth.begin_overwrite_area(recorder, eye, place, Use::DEPTH_TARGET);
         let colours = match background {
             Background::Keep => Load::Colour([0.0; 4]),
             // The gradient covers every pixel.

@@ -67,9 +67,9 @@ impl PixelStage {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PixelArea {
     /// The pixels to compute again. A compute shader computes all of the image.
-    pub area: PixelRect,
+    pub scissor: PixelRect,
     /// The pixels that have a value of their own.
-    pub part: PixelRect,
+    pub visible: PixelRect,
     /// The value of all others.
     pub rest: Load,
 }
@@ -126,12 +126,17 @@ impl PixelPass {
     ) {
         let size = target.size();
         match self.stage {
-            PixelStage::Compute => target.renew(recorder, eye, Use::SHADER_WRITE),
+            PixelStage::Compute => target.begin_overwrite(recorder, eye, Use::SHADER_WRITE),
             PixelStage::Fragment => {
-                target.renew_area(recorder, eye, area.area.corner_and_size(), Use::COLOUR_TARGET);
+                target.begin_overwrite_area(
+                    recorder,
+                    eye,
+                    area.scissor.corner_and_size(),
+                    Use::COLOUR_TARGET,
+                );
                 let view = target.image().layer_view(eye);
                 let colour = Some(Attachment { view, load: area.rest, store: true });
-                let place = area.area.corner_and_size();
+                let place = area.scissor.corner_and_size();
                 recorder.begin_rendering_in(size.to_array(), place, colour, None);
             }
         }
@@ -146,7 +151,8 @@ impl PixelPass {
                 recorder.dispatch([groups.x, groups.y, 1]);
             }
             PixelStage::Fragment => {
-                let ([x, y], [width, height]) = area.area.intersect(area.part).corner_and_size();
+                let ([x, y], [width, height]) =
+                    area.scissor.intersect(area.visible).corner_and_size();
                 recorder.set_scissor([x, y, width, height]);
                 recorder.draw(3, 1);
                 recorder.end_rendering();

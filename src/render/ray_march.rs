@@ -91,7 +91,7 @@ impl RayMarch {
         }
         let view = march_view(rays, volume);
         let rest = Load::Integers([NO_VOXEL; 4]);
-        let area = PixelArea { area: task.area, part: task.part, rest };
+        let area = PixelArea { scissor: task.scissor, visible: task.visible, rest };
         let set = self.sets.set(set);
         self.pass.record(recorder, set, Some(&view), target.index_mut(), eye, area);
         Ok(())

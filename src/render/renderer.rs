@@ -12,12 +12,12 @@ use std::time::Instant;
 use ash::vk;
 use glam::{Affine3A, UVec2};
 
+use super::frame_cache::{FrameCache, Redraw, RedrawPlan, pixels_to_compose};
 use super::overlay::{Line, Overlay, Scene, ToolPreview};
 use super::pictures::pictures;
 pub use super::pictures::{DEPTH_FORMAT, Pictures};
 use super::pixel_pass::PixelStage;
 use super::sampler::Sampler;
-use super::shown::{Part, Shown, Steps, pixels_to_compose};
 use super::times::PictureTimer;
 pub use super::times::{DeviceTimes, RenderTimes};
 use super::{
@@ -70,7 +70,7 @@ pub struct Renderer {
     /// The bricks that changed since the last picture.
     changed: Vec<u32>,
     /// What the pictures were made of; none while they are incomplete.
-    shown: Option<Shown>,
+    cache: Option<FrameCache>,
     times: RenderTimes,
     timer: PictureTimer,
     device: Arc<Device>,
@@ -95,7 +95,7 @@ impl Renderer {
             backdrop: None,
             subscriber: ChangeSubscriber::default(),
             changed: Vec::new(),
-            shown: None,
+            cache: None,
             times: RenderTimes::default(),
             timer: PictureTimer::new(device)?,
             device: device.clone(),
@@ -131,27 +131,27 @@ impl Renderer {
         desc: &FrameDesc,
     ) -> Result<()> {
         // Only complete pictures are kept in the frame cache.
-        let before = self.shown.take();
+        let before = self.cache.take();
         let changes_known = self.drain_changes(document);
-        let steps = Steps::new(before.as_ref(), document, desc, changes_known);
-        if let Some(part) = steps.sample {
-            self.sample(document, desc, part)?;
+        let plan = RedrawPlan::new(before.as_ref(), document, desc, changes_known);
+        if let Some(redraw) = plan.sample {
+            self.sample(document, desc, redraw)?;
         }
         self.composite.begin(slot);
-        if steps.compose.is_some() {
+        if plan.compose.is_some() {
             self.timer.begin(recorder, slot, desc.mode, &mut self.times.device)?;
         }
-        if let Some(part) = steps.shade {
-            self.shade(recorder, slot, document, desc, part)?;
+        if let Some(redraw) = plan.shade {
+            self.shade(recorder, slot, document, desc, redraw)?;
         }
-        if let Some(part) = steps.compose {
-            let before = before.as_ref().filter(|_| part == Part::Changed);
+        if let Some(redraw) = plan.compose {
+            let before = before.as_ref().filter(|_| redraw == Redraw::Changed);
             self.compose(recorder, slot, document, desc, before)?;
         }
-        self.shown = Some(Shown::new(before, document, desc));
+        self.cache = Some(FrameCache::new(before, document, desc));
         let pictures = pictures(&self.device, &mut self.pictures, self.format, desc.eyes)?;
         for eye in 0..pictures.colour.eyes() {
-            pictures.colour.make(recorder, eye, Use::COPY_SOURCE);
+            pictures.colour.transition(recorder, eye, Use::COPY_SOURCE);
         }
         Ok(())
     }
@@ -185,7 +185,7 @@ impl Renderer {
 
     /// All times of the picture painted last, for a caller that has waited for it.
     pub fn times_when_done(&mut self) -> Result<RenderTimes> {
-        if let Some(mode) = self.shown.as_ref().map(Shown::mode) {
+        if let Some(mode) = self.cache.as_ref().map(FrameCache::mode) {
             self.times.device.sample_ms = self.sampler.device_ms_when_done(mode)?;
             self.timer.latest(mode, &mut self.times.device)?;
         }
@@ -202,7 +202,7 @@ impl Renderer {
         })
     }
 
-    fn sample(&mut self, document: &mut Document, desc: &FrameDesc, part: Part) -> Result<()> {
+    fn sample(&mut self, document: &mut Document, desc: &FrameDesc, redraw: Redraw) -> Result<()> {
         let start = Instant::now();
         let mut rays = [None; MAX_EYES];
         for (rays, eye) in rays.iter_mut().zip(desc.eyes) {
@@ -213,7 +213,7 @@ impl Renderer {
         let rays = rays.map(|rays| rays.unwrap_or(nothing));
         self.maps.resize_with(count, || Arc::new(IndexMap::new(nothing)));
         let result = {
-            let changed = (part == Part::Changed).then_some(self.changed.as_slice());
+            let changed = (redraw == Redraw::Changed).then_some(self.changed.as_slice());
             self.sampler.sample(document, &rays[..count], desc.mode, changed, &mut self.maps)
         };
         if result.is_err() {
@@ -231,18 +231,18 @@ impl Renderer {
         slot: usize,
         document: &Document,
         desc: &FrameDesc,
-        part: Part,
+        redraw: Redraw,
     ) -> Result<()> {
         let start = Instant::now();
         match desc.mode.shading() {
-            Shading::Software => self.shade_in_software(recorder, document, desc, part)?,
+            Shading::Software => self.shade_in_software(recorder, document, desc, redraw)?,
             Shading::Points => {
                 let (grid, material) = (document.grid(), document.material());
                 for (map, cloud) in self.maps.iter().zip(&mut self.clouds) {
                     cloud.take(map, grid, material, desc.lighting.occlusion);
                 }
             }
-            Shading::Device => self.shade_on_device(recorder, slot, document, desc, part)?,
+            Shading::Device => self.shade_on_device(recorder, slot, document, desc, redraw)?,
             Shading::Within => {}
         }
         self.times.shade_ms = ms_since(start);
@@ -254,20 +254,20 @@ impl Renderer {
         recorder: &mut Recorder,
         document: &Document,
         desc: &FrameDesc,
-        part: Part,
+        redraw: Redraw,
     ) -> Result<()> {
         self.pixels.resize_with(self.maps.len(), Pixels::default);
         let (grid, material) = (document.grid(), document.material());
         let lighting = &desc.lighting;
-        let seen = self.sampler.parts();
+        let visible = self.sampler.visible();
         for (i, (map, pixels)) in self.maps.iter().zip(&mut self.pixels).enumerate() {
             let pose = desc.pose(&desc.eyes[i]);
-            let shaded = match part {
-                Part::All => {
+            let shaded = match redraw {
+                Redraw::All => {
                     self.software.shade(map, grid, material, &pose, lighting, pixels);
                     None
                 }
-                Part::Changed => {
+                Redraw::Changed => {
                     let rects = changed_pixels(grid, &self.changed, &map.rays, NORMAL_REACH_VX);
                     for rect in rects.as_slice() {
                         shade_rect(map, grid, material, &pose, lighting, *rect, pixels);
@@ -275,7 +275,7 @@ impl Renderer {
                     Some(rects.bounds())
                 }
             };
-            self.composite.upload(recorder, i as u32, pixels, seen[i], shaded)?;
+            self.composite.upload(recorder, i as u32, pixels, visible[i], shaded)?;
         }
         Ok(())
     }
@@ -286,9 +286,9 @@ impl Renderer {
         slot: usize,
         document: &Document,
         desc: &FrameDesc,
-        part: Part,
+        redraw: Redraw,
     ) -> Result<()> {
-        let seen = self.sampler.parts();
+        let visible = self.sampler.visible();
         let Some((maps, volume, colours)) = self.sampler.on_device() else { return Ok(()) };
         let pass = match &mut self.surface_shade {
             Some(pass) => pass,
@@ -301,12 +301,12 @@ impl Renderer {
         let pictures = self.composite.pictures(maps.size())?;
         self.timer.start(recorder, PictureTimer::SHADE);
         for ((i, eye), map) in (0..).zip(desc.eyes).zip(&self.maps) {
-            let mut task = EyeTask { part: seen[i as usize], ..EyeTask::whole(i, map.rays) };
-            if part == Part::Changed {
+            let mut task = EyeTask { visible: visible[i as usize], ..EyeTask::whole(i, map.rays) };
+            if redraw == Redraw::Changed {
                 let (grid, rays) = (document.grid(), &map.rays);
-                task.area = changed_pixels(grid, &self.changed, rays, NORMAL_REACH_VX).bounds();
+                task.scissor = changed_pixels(grid, &self.changed, rays, NORMAL_REACH_VX).bounds();
             }
-            if !task.area.is_empty() {
+            if !task.scissor.is_empty() {
                 let surface = Surface { colours, ..desc.surface(document, eye) };
                 pass.record(recorder, volume, &surface, maps, pictures, &task)?;
             }
@@ -323,10 +323,10 @@ impl Renderer {
         slot: usize,
         document: &Document,
         desc: &FrameDesc,
-        before: Option<&Shown>,
+        before: Option<&FrameCache>,
     ) -> Result<()> {
         let pictures = pictures(&self.device, &mut self.pictures, self.format, desc.eyes)?;
-        let parts = self.sampler.parts();
+        let visible = self.sampler.visible();
         let mut sculpture = match desc.mode.shading() {
             Shading::Software | Shading::Device => {
                 let maps = self.sampler.maps(recorder, slot, &self.maps)?;
@@ -382,7 +382,7 @@ impl Renderer {
                 previews: desc.previews,
                 lines: desc.lines,
             };
-            for area in sculpture.areas(&rects).as_slice() {
+            for scissor in sculpture.areas(&rects).as_slice() {
                 let view = CompositeEye {
                     rays: map.rays,
                     projection: eye.projection,
@@ -390,10 +390,10 @@ impl Renderer {
                     corner: UVec2::ZERO,
                     size: eye.size,
                     background,
-                    area: *area,
-                    part: parts[i as usize],
+                    scissor: *scissor,
+                    visible: visible[i as usize],
                 };
-                pictures.begin(recorder, i, background, *area);
+                pictures.begin(recorder, i, background, *scissor);
                 if let (Some(video), Some(pass)) = (&desc.video, &mut self.backdrop) {
                     pass.draw(recorder, eye.size, &video.view);
                 }
@@ -405,7 +405,7 @@ impl Renderer {
                         pass.draw(recorder, volume, &surface, i, &view)?;
                     }
                 }
-                recorder.set_scissor(view.pixels_of(*area));
+                recorder.set_scissor(view.pixels_of(*scissor));
                 self.overlay.draw(recorder, &scene)?;
                 recorder.end_rendering();
             }

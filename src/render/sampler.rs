@@ -37,7 +37,7 @@ pub struct Sampler {
     /// The parts of the maps in memory that are not yet on the device.
     pending: [Pending; MAX_EYES],
     /// The visible rects: nothing is seen outside of them.
-    parts: [PixelRect; MAX_EYES],
+    visible: [PixelRect; MAX_EYES],
     read_back_ms: Option<f32>,
     device_ms: Option<f32>,
     device: Arc<Device>,
@@ -89,7 +89,7 @@ impl Sampler {
             maps: None,
             staging: Staging::new(device, "index maps", usage, 1 << 20)?,
             pending: [Pending::Nothing; MAX_EYES],
-            parts: [PixelRect::EMPTY; MAX_EYES],
+            visible: [PixelRect::EMPTY; MAX_EYES],
             read_back_ms: None,
             device_ms: None,
             device: device.clone(),
@@ -106,18 +106,18 @@ impl Sampler {
         let target = target(&self.device, &mut self.maps, maps)?;
         self.staging.begin(slot);
         for ((eye, map), pending) in (0..).zip(maps).zip(&mut self.pending) {
-            let part = self.parts[eye as usize];
+            let visible = self.visible[eye as usize];
             let width = map.rays.size.x;
             match std::mem::take(pending) {
                 Pending::Nothing => {}
                 Pending::Changed(rect) => {
-                    let rect = rect.intersect(part);
+                    let rect = rect.intersect(visible);
                     let piece = self.staging.push(rect.rows_of(&map.voxels, width), 4)?;
                     target.update(recorder, eye, piece, rect.rows());
                 }
                 Pending::All => {
-                    let piece = self.staging.push(part.rows_of(&map.voxels, width), 4)?;
-                    target.upload(recorder, eye, piece, part.rows());
+                    let piece = self.staging.push(visible.rows_of(&map.voxels, width), 4)?;
+                    target.upload(recorder, eye, piece, visible.rows());
                 }
             }
             target.make_readable(recorder, eye);
@@ -133,8 +133,8 @@ impl Sampler {
     }
 
     /// The visible rect of each eye.
-    pub fn parts(&self) -> [PixelRect; MAX_EYES] {
-        self.parts
+    pub fn visible(&self) -> [PixelRect; MAX_EYES] {
+        self.visible
     }
 
     /// The copy of the document, once it was sampled in a mode that needs it.
@@ -161,9 +161,9 @@ impl Sampler {
         let stays = stays_on_device(mode);
         let grid = document.grid();
         for (i, (rays, map)) in rays.iter().zip(maps.iter_mut()).enumerate() {
-            let part = pixels_of_grid(grid, rays);
+            let visible = pixels_of_grid(grid, rays);
             // Only the visible rect of the map is uploaded.
-            let same_part = std::mem::replace(&mut self.parts[i], part) == part;
+            let same_visible = std::mem::replace(&mut self.visible[i], visible) == visible;
             let map = Arc::make_mut(map);
             let (whole, rect): (Whole, InRect) = match mode.sampling() {
                 Sampling::Cast => (raycast::sample, raycast::sample_rect),
@@ -182,7 +182,7 @@ impl Sampler {
                 Some(bricks) => {
                     let rects = changed_pixels(grid, bricks, rays, 0);
                     rects.as_slice().iter().for_each(|pixels| rect(grid, map, *pixels));
-                    Some(rects.bounds()).filter(|_| same_part)
+                    Some(rects.bounds()).filter(|_| same_visible)
                 }
                 None => {
                     whole(grid, rays, map);
@@ -212,11 +212,11 @@ impl Sampler {
         let mut tasks = [None; MAX_EYES];
         for ((eye, map), task) in (0..).zip(maps.iter()).zip(&mut tasks) {
             let mut eye_task =
-                EyeTask { part: self.parts[eye as usize], ..EyeTask::whole(eye, map.rays) };
+                EyeTask { visible: self.visible[eye as usize], ..EyeTask::whole(eye, map.rays) };
             if let Some(bricks) = changed {
-                eye_task.area = changed_pixels(document.grid(), bricks, &map.rays, 0).bounds();
+                eye_task.scissor = changed_pixels(document.grid(), bricks, &map.rays, 0).bounds();
             }
-            *task = Some(eye_task).filter(|task| !task.area.is_empty());
+            *task = Some(eye_task).filter(|task| !task.scissor.is_empty());
         }
         let read_back = !stays_on_device(mode);
         let device = &self.device;

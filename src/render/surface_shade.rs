@@ -102,13 +102,13 @@ impl SurfaceShade {
         self.uniforms.write(&self.sets, set, surface)?;
         self.uniforms.write_colours(&self.sets, set, surface);
         let rest = Load::Colour([0.0; 4]);
-        let area = PixelArea { area: task.area, part: task.part, rest };
+        let area = PixelArea { scissor: task.scissor, visible: task.visible, rest };
         let set = self.sets.set(set);
         let pass = self.passes.get(surface.kind(), |constants| {
             PixelPass::new(&self.device, &SHADERS, self.stage, &self.layout, constants)
         })?;
         pass.record::<[u32; 0]>(recorder, set, None, pictures, eye, area);
-        pictures.make(recorder, eye, Use::SHADER_READ);
+        pictures.transition(recorder, eye, Use::SHADER_READ);
         Ok(())
     }
 }

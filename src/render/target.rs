@@ -19,16 +19,16 @@ pub struct EyeTask {
     pub eye: u32,
     pub rays: PixelRays,
     /// The pixels to draw; the others keep their contents.
-    pub area: PixelRect,
+    pub scissor: PixelRect,
     /// The visible rect: nothing is seen outside of it.
-    pub part: PixelRect,
+    pub visible: PixelRect,
 }
 
 impl EyeTask {
     /// All pixels, with a visible rect of the whole picture.
     pub fn whole(eye: u32, rays: PixelRays) -> EyeTask {
-        let area = PixelRect::of_picture(rays.size);
-        EyeTask { eye, rays, area, part: area }
+        let scissor = PixelRect::of_picture(rays.size);
+        EyeTask { eye, rays, scissor, visible: scissor }
     }
 }
 
@@ -72,12 +72,17 @@ impl IndexTarget {
 
     /// Starts drawing the part of an index map that `task` describes, cleared to "no voxel".
     pub fn begin(&mut self, recorder: &mut Recorder, task: &EyeTask) {
-        let (eye, area) = (task.eye, task.area);
-        self.index.renew_area(recorder, eye, area.corner_and_size(), Use::COLOUR_TARGET);
-        self.depth.renew(recorder, eye, Use::DEPTH_TARGET);
+        let (eye, scissor) = (task.eye, task.scissor);
+        self.index.begin_overwrite_area(
+            recorder,
+            eye,
+            scissor.corner_and_size(),
+            Use::COLOUR_TARGET,
+        );
+        self.depth.begin_overwrite(recorder, eye, Use::DEPTH_TARGET);
         recorder.begin_rendering_in(
             self.size().to_array(),
-            area.corner_and_size(),
+            scissor.corner_and_size(),
             Some(Attachment {
                 view: self.index.image().layer_view(eye),
                 load: Load::Integers([NO_VOXEL; 4]),
@@ -114,7 +119,7 @@ impl IndexTarget {
 
     /// Transitions the map of `eye` to be read by shaders.
     pub fn make_readable(&mut self, recorder: &mut Recorder, eye: u32) {
-        self.index.make(recorder, eye, Use::SHADER_READ);
+        self.index.transition(recorder, eye, Use::SHADER_READ);
     }
 }
 
@@ -139,10 +144,10 @@ impl IndexReadback {
         target: &mut IndexTarget,
         task: &EyeTask,
     ) -> Result<()> {
-        target.index.make(recorder, task.eye, Use::COPY_SOURCE);
+        target.index.transition(recorder, task.eye, Use::COPY_SOURCE);
         let image = target.index.image();
         let (layer, [width, ..]) = (image.layer(task.eye), image.size());
-        self.readback.record_rows(recorder, slot, layer, width, task.area.rows(), 4)?;
+        self.readback.record_rows(recorder, slot, layer, width, task.scissor.rows(), 4)?;
         let count = self.tasks.len();
         self.tasks[slot % count] = Some(*task);
         Ok(())
@@ -159,7 +164,7 @@ impl IndexReadback {
         let bytes = self.readback.wait(slot)?;
         if let Some(task) = &self.tasks[slot % self.tasks.len()] {
             map.reset(task.rays);
-            let rows = task.area.rows_of_mut(&mut map.voxels, task.rays.size.x);
+            let rows = task.scissor.rows_of_mut(&mut map.voxels, task.rays.size.x);
             bytemuck::cast_slice_mut::<u32, u8>(rows).copy_from_slice(bytes);
         }
         Ok(())

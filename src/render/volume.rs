@@ -2,7 +2,7 @@
 //! 4^3 voxels (low and high 32 bits) and the eight words of a brick follow each other along x. So a
 //! row of bricks has the same bytes in grid and image, and nothing is repacked.
 //!
-//! The dilated occupancy ([`super::near_image`]) belongs to it.
+//! The dilated occupancy ([`super::dilated_occupancy_image`]) belongs to it.
 //!
 //! It is uploaded as a whole at first, and afterwards by boxes with the bricks that changed
 //! ([`super::brick_boxes`]). Knows no colours and no history: undo is a change like any other.
@@ -13,7 +13,7 @@ use ash::vk;
 use glam::UVec3;
 
 use super::brick_boxes::{BrickBox, cover};
-use super::near_image::NearImage;
+use super::dilated_occupancy_image::DilatedOccupancyImage;
 use crate::gpu::{
     Buffer, Device, GpuError, Image, ImageInfo, MemoryLocation, Recorder, Result, Staging, Use,
     run_once,
@@ -35,7 +35,7 @@ const BRICK_BYTES: usize = size_of::<Brick>();
 /// The device's copy of a grid's bits, always in the layout of [`Use::SHADER_READ`].
 pub struct Volume {
     image: Image,
-    near: NearImage,
+    dilated: DilatedOccupancyImage,
     dims: UVec3,
     staging: Staging,
     /// Reused allocations.
@@ -52,7 +52,7 @@ impl Volume {
         let usage = vk::BufferUsageFlags::TRANSFER_SRC;
         let mut volume = Volume {
             image: make_image(device, grid)?,
-            near: NearImage::new(device, grid)?,
+            dilated: DilatedOccupancyImage::new(device, grid)?,
             dims: grid.dims(),
             staging: Staging::new(device, "changed bricks", usage, STAGING_BYTES)?,
             changed: Vec::new(),
@@ -77,13 +77,13 @@ impl Volume {
     ) -> Result<()> {
         if grid.dims() != self.dims {
             self.image = make_image(&self.device, grid)?;
-            self.near = NearImage::new(&self.device, grid)?;
+            self.dilated = DilatedOccupancyImage::new(&self.device, grid)?;
             self.dims = grid.dims();
             return self.upload_whole(grid, Use::NOTHING);
         }
         match changed {
             Some([]) => return Ok(()),
-            changed => self.near.update(recorder, slot, grid, changed)?,
+            changed => self.dilated.update(recorder, slot, grid, changed)?,
         }
         match changed {
             Some(bricks) if bricks.len() * WHOLE_FROM_SHARE <= grid.brick_count() => {
@@ -106,8 +106,8 @@ impl Volume {
     }
 
     /// The image of the dilated occupancy.
-    pub fn near(&self) -> &Image {
-        self.near.image()
+    pub fn dilated_occupancy(&self) -> &Image {
+        self.dilated.image()
     }
 
     /// Size of the grid in voxels.

@@ -42,8 +42,8 @@ impl Offscreen {
 
     /// Starts drawing what `eye` sees: transparent black, infinitely far.
     pub fn begin(&mut self, recorder: &mut Recorder, eye: u32) {
-        self.colour.renew(recorder, eye, Use::COLOUR_TARGET);
-        self.depth.renew(recorder, eye, Use::DEPTH_TARGET);
+        self.colour.begin_overwrite(recorder, eye, Use::COLOUR_TARGET);
+        self.depth.begin_overwrite(recorder, eye, Use::DEPTH_TARGET);
         recorder.begin_rendering(
             self.size().to_array(),
             Some(Attachment {

@@ -69,17 +69,17 @@ fn two_eyes_side_by_side_and_in_red_and_cyan() {
                 let view = image.image().layer_view(0);
                 Some(Attachment { view, load, store: true })
             };
-            interface.renew(&mut recorder, 0, Use::COLOUR_TARGET);
+            interface.begin_overwrite(&mut recorder, 0, Use::COLOUR_TARGET);
             let nothing = clear(&interface, Load::Colour([0.0; 4]));
             recorder.begin_rendering(SIZE.to_array(), nothing, None);
             recorder.end_rendering();
-            interface.make(&mut recorder, 0, Use::SHADER_READ);
+            interface.transition(&mut recorder, 0, Use::SHADER_READ);
             let pictures = &mut painter.renderer.pictures().unwrap().colour;
-            (0..2).for_each(|eye| pictures.make(&mut recorder, eye, Use::SHADER_READ));
+            (0..2).for_each(|eye| pictures.transition(&mut recorder, eye, Use::SHADER_READ));
             let corner = IVec2::ZERO;
             let sources = StereoSources { pictures, corner, interface: &interface };
             pass.begin(slot, &sources);
-            screen.renew(&mut recorder, 0, Use::COLOUR_TARGET);
+            screen.begin_overwrite(&mut recorder, 0, Use::COLOUR_TARGET);
             recorder.begin_rendering(SIZE.to_array(), clear(&screen, Load::Forget), None);
             pass.draw(&mut recorder, layout, 0, &sources).unwrap();
             recorder.end_rendering();

@@ -48,8 +48,8 @@ fn view_of(map: &IndexMap, eye: &Eye, grid: &Grid, background: Background) -> Co
         corner: UVec2::ZERO,
         size: eye.size,
         background,
-        area: PixelRect::of_picture(map.rays.size),
-        part: PixelRect::of_picture(map.rays.size),
+        scissor: PixelRect::of_picture(map.rays.size),
+        visible: PixelRect::of_picture(map.rays.size),
     }
 }
 
@@ -119,8 +119,8 @@ fn slice_read_back_shade_and_composite_two_eyes() {
             let mut recorder = frames.begin().unwrap();
             composite.begin(frames.slot());
             for (i, eye) in (0..).zip(&eyes) {
-                let part = PixelRect::of_picture(SIZE);
-                composite.upload(&mut recorder, i, &pictures[i as usize], part, None).unwrap();
+                let visible = PixelRect::of_picture(SIZE);
+                composite.upload(&mut recorder, i, &pictures[i as usize], visible, None).unwrap();
                 maps.make_readable(&mut recorder, i);
                 screen.begin(&mut recorder, i);
                 let background = Background::Gradient { top, bottom };
@@ -165,8 +165,8 @@ fn composite_once(
     let mut composite = Composite::new(device, format, 1).unwrap();
     composite.begin(0);
     run_once(device, |recorder| {
-        let part = PixelRect::of_picture(map.rays.size);
-        composite.upload(recorder, 0, &colours_of(map), part, None)?;
+        let visible = PixelRect::of_picture(map.rays.size);
+        composite.upload(recorder, 0, &colours_of(map), visible, None)?;
         recorder.image_barrier(colour.whole(), Use::NOTHING, Use::COLOUR_TARGET);
         recorder.image_barrier(depth.whole(), Use::NOTHING, Use::DEPTH_TARGET);
         let red = Load::Colour([1.0, 0.0, 0.0, 1.0]);

@@ -31,8 +31,8 @@ fn march(
         let slot = frames.slot();
         pass.begin(slot);
         for (eye, rays) in (0..).zip(pair) {
-            let part = pixels_of_grid(grid, rays);
-            let task = EyeTask { part, ..EyeTask::whole(eye, *rays) };
+            let visible = pixels_of_grid(grid, rays);
+            let task = EyeTask { visible, ..EyeTask::whole(eye, *rays) };
             pass.record(&mut recorder, &volume, &task, &mut target).unwrap();
         }
         for (eye, (rays, readback)) in (0..).zip(pair.iter().zip(&mut readbacks)) {

@@ -84,8 +84,8 @@ fn assert_shaders_agree(eye: &Eye, world_from_grid: Affine3A, lighting: &Lightin
                 maps.upload(recorder, 0, piece, 0..SIZE.y);
                 let dims = grid.dims();
                 let surface = Surface { dims, colours: None, base, pose, lighting };
-                let part = pixels_of_grid(&grid, &rays);
-                let task = EyeTask { part, ..EyeTask::whole(0, rays) };
+                let visible = pixels_of_grid(&grid, &rays);
+                let task = EyeTask { visible, ..EyeTask::whole(0, rays) };
                 pass.record(recorder, &volume, &surface, &mut maps, &mut pictures, &task)
             })
             .unwrap();

@@ -82,7 +82,7 @@ fn every_layout_is_its_twin_and_layers_are_drawn_one_by_one() {
             let sources = StereoSources { pictures: &pictures, corner: CORNER, interface: &over };
             stereo.begin(frames.slot(), &sources);
             for eye in 0..2 {
-                screen.renew(&mut recorder, eye, Use::COLOUR_TARGET);
+                screen.begin_overwrite(&mut recorder, eye, Use::COLOUR_TARGET);
                 let view = screen.image().layer_view(eye);
                 let attachment = Attachment { view, load: Load::Forget, store: true };
                 recorder.begin_rendering(WINDOW.to_array(), Some(attachment), None);

@@ -77,14 +77,14 @@ impl BoardPane {
         let context = self.face.context();
         let points = context.pixels_per_point();
         let primitives = context.tessellate(std::mem::take(&mut pass.shapes), points);
-        self.picture.renew(recorder, 0, Use::COLOUR_TARGET);
+        self.picture.begin_overwrite(recorder, 0, Use::COLOUR_TARGET);
         let view = self.picture.image().view();
         let attachment = Attachment { view, load: Load::Colour([0.0; 4]), store: true };
         let size = self.picture.size().to_array();
         recorder.begin_rendering(size, Some(attachment), None);
         self.gui.draw(recorder, size, points, primitives)?;
         recorder.end_rendering();
-        self.picture.make(recorder, 0, Use::COPY_SOURCE);
+        self.picture.transition(recorder, 0, Use::COPY_SOURCE);
         Ok(self.picture.image().layer(0))
     }
 

@@ -242,7 +242,7 @@ impl Link {
         self.colour.fill(recorder, aimed.colour, |recorder, to| copy(recorder, from, to, size))?;
         if let (Some(target), Some(index)) = (&self.depth, aimed.depth) {
             for eye in 0..depth.eyes() {
-                depth.make(recorder, eye, Use::COPY_SOURCE);
+                depth.transition(recorder, eye, Use::COPY_SOURCE);
             }
             let from = depth.image().whole();
             target.fill(recorder, index, |recorder, to| copy(recorder, from, to, size))?;

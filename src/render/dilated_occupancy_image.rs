@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::near::Near;
+use super::dilated_occupancy::DilatedOccupancy;
 use crate::gpu::{Device, Image, ImageInfo, Recorder, Result, Staging, Use, run_once};
 use crate::sculpture::Grid;
 
@@ -17,31 +17,31 @@ use crate::sculpture::Grid;
 const BLOCK_BRICKS: u32 = 4;
 
 /// The copy, always in the layout of [`Use::SHADER_READ`].
-pub struct NearImage {
-    near: Near,
+pub struct DilatedOccupancyImage {
+    dilated: DilatedOccupancy,
     image: Image,
     staging: Staging,
 }
 
-impl NearImage {
+impl DilatedOccupancyImage {
     /// Uploads the dilated occupancy of `grid` and waits for it.
-    pub fn new(device: &Arc<Device>, grid: &Grid) -> Result<NearImage> {
-        let near = Near::new(grid);
-        let name = "bricks near something";
+    pub fn new(device: &Arc<Device>, grid: &Grid) -> Result<DilatedOccupancyImage> {
+        let dilated = DilatedOccupancy::new(grid);
+        let name = "dilated occupancy";
         let info = ImageInfo {
             name,
-            size: near.dims().to_array(),
+            size: dilated.dims().to_array(),
             volume: true,
             layers: 1,
             format: vk::Format::R32G32_UINT,
             usage: vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST,
         };
         let image = Image::new(device, &info)?;
-        let bytes = size_of_val(near.words()) as u64;
+        let bytes = size_of_val(dilated.words()) as u64;
         let usage = vk::BufferUsageFlags::TRANSFER_SRC;
         let staging = Staging::new(device, name, usage, bytes)?;
-        let mut made = NearImage { near, image, staging };
-        let slabs = 0..made.near.dims().z;
+        let mut made = DilatedOccupancyImage { dilated, image, staging };
+        let slabs = 0..made.dilated.dims().z;
         run_once(device, |recorder| made.upload(recorder, slabs, Use::NOTHING))?;
         Ok(made)
     }
@@ -61,7 +61,7 @@ impl NearImage {
             (Some(&first), Some(&last)) => slab(first)..slab(last) + 1,
             _ => 0..grid.occupancy_dims().z,
         };
-        let slabs = self.near.update(grid, slabs);
+        let slabs = self.dilated.update(grid, slabs);
         self.staging.begin(slot);
         self.upload(recorder, slabs, Use::SHADER_READ)
     }
@@ -75,7 +75,7 @@ impl NearImage {
         let [width, height, _] = self.image.size();
         let per_slab = (width * height) as usize;
         let words =
-            &self.near.words()[slabs.start as usize * per_slab..slabs.end as usize * per_slab];
+            &self.dilated.words()[slabs.start as usize * per_slab..slabs.end as usize * per_slab];
         let piece = self.staging.push(words, size_of::<u64>() as u64)?;
         let copy = vk::BufferImageCopy::default()
             .buffer_offset(piece.offset)

@@ -21,22 +21,22 @@ const AXES: [(u64, u64, u32); 3] = [
 ];
 
 /// The dilated occupancy of a grid.
-pub struct Near {
+pub struct DilatedOccupancy {
     words: Vec<u64>,
     dims: UVec3,
     /// A slab in progress; reused allocation.
     slab: Vec<u64>,
 }
 
-impl Near {
+impl DilatedOccupancy {
     /// Of `grid`.
-    pub fn new(grid: &Grid) -> Near {
+    pub fn new(grid: &Grid) -> DilatedOccupancy {
         let dims = grid.occupancy_dims() + 2;
         let slab = (dims.x * dims.y) as usize;
         let words = vec![0; slab * dims.z as usize];
-        let mut near = Near { words, dims, slab: vec![0; slab] };
-        near.update(grid, 0..grid.occupancy_dims().z);
-        near
+        let mut dilated = DilatedOccupancy { words, dims, slab: vec![0; slab] };
+        dilated.update(grid, 0..grid.occupancy_dims().z);
+        dilated
     }
 
     /// Updates it after a change in `slabs` of blocks of a grid of the same size. Returns the slabs
@@ -122,7 +122,7 @@ mod tests {
 
         /// At first, and after changes in some slabs.
         #[test]
-        fn near_is_what_touches_something(
+        fn bricks_that_touch_one_in_use_are_set(
             bricks in (1u32..10, 1u32..10, 1u32..14),
             used in prop::collection::vec(any::<prop::sample::Index>(), 0..12),
             later in prop::collection::vec(any::<prop::sample::Index>(), 0..4),
@@ -133,15 +133,15 @@ mod tests {
             for index in &used {
                 grid.set_brick(index.index(count), Brick::FULL);
             }
-            let mut near = Near::new(&grid);
+            let mut dilated = DilatedOccupancy::new(&grid);
             for index in &later {
                 let index = index.index(count);
                 let brick = if grid.brick_at(index).is_empty() { Brick::FULL } else { Brick::EMPTY };
                 grid.set_brick(index, brick);
                 let slab = grid.brick_coords(index).z / 4;
-                near.update(&grid, slab..slab + 1);
+                dilated.update(&grid, slab..slab + 1);
             }
-            let size = near.dims() * 4;
+            let size = dilated.dims() * 4;
             for z in 0..size.z {
                 for y in 0..size.y {
                     for x in 0..size.x {
@@ -155,7 +155,7 @@ mod tests {
                                 !grid.brick(beside.as_uvec3()).is_empty()
                             };
                         }
-                        let found = bit(near.words(), near.dims(), UVec3::new(x, y, z));
+                        let found = bit(dilated.words(), dilated.dims(), UVec3::new(x, y, z));
                         prop_assert_eq!(found, expected, "{}", at);
                     }
                 }

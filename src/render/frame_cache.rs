@@ -28,14 +28,14 @@ struct SampleKey {
 
 impl SampleKey {
     /// Whether both differ by edits of the sculpture only.
-    fn sees_as(&self, other: &SampleKey) -> bool {
+    fn differs_by_edits_only(&self, other: &SampleKey) -> bool {
         let SampleKey { revision: _, eyes, world_from_grid, mode } = other;
         (&self.eyes, &self.world_from_grid, &self.mode) == (eyes, world_from_grid, mode)
     }
 }
 
 /// What the current pictures depend on.
-pub(super) struct Shown {
+pub(super) struct FrameCache {
     sample: SampleKey,
     lighting: Lighting,
     background: Background,
@@ -44,9 +44,9 @@ pub(super) struct Shown {
     lines: Vec<Line>,
 }
 
-impl Shown {
+impl FrameCache {
     /// The key of the pictures of `desc`, reusing the allocations of a former one.
-    pub fn new(former: Option<Shown>, document: &Document, desc: &FrameDesc) -> Shown {
+    pub fn new(former: Option<FrameCache>, document: &Document, desc: &FrameDesc) -> FrameCache {
         let (mut previews, mut lines) =
             former.map_or_else(Default::default, |f| (f.previews, f.lines));
         previews.clear();
@@ -55,7 +55,14 @@ impl Shown {
         lines.extend_from_slice(desc.lines);
         let FrameDesc { lighting, background, .. } = *desc;
         let video = desc.video.map(|video| video.key());
-        Shown { sample: sample_key(document, desc), lighting, background, video, previews, lines }
+        FrameCache {
+            sample: sample_key(document, desc),
+            lighting,
+            background,
+            video,
+            previews,
+            lines,
+        }
     }
 
     pub fn mode(&self) -> RenderMode {
@@ -65,7 +72,7 @@ impl Shown {
 
 /// How much of a picture is repeated.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Part {
+pub(super) enum Redraw {
     All,
     /// The pixels that changed bricks, tools and lines may affect.
     Changed,
@@ -73,58 +80,60 @@ pub(super) enum Part {
 
 /// The stages that a frame repeats.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Steps {
-    pub sample: Option<Part>,
-    pub shade: Option<Part>,
-    pub compose: Option<Part>,
+pub(super) struct RedrawPlan {
+    pub sample: Option<Redraw>,
+    pub shade: Option<Redraw>,
+    pub compose: Option<Redraw>,
 }
 
-impl Steps {
-    /// The plan from the pictures of `before` to those of `desc`. `changes_known`: it is known which
-    /// bricks have changed since.
+impl RedrawPlan {
+    /// The plan from the pictures of `before` to those of `desc`. `changes_known`: it is known which bricks
+    /// have changed since.
     pub fn new(
-        before: Option<&Shown>,
+        before: Option<&FrameCache>,
         document: &Document,
         desc: &FrameDesc,
         changes_known: bool,
-    ) -> Steps {
-        let all = Some(Part::All);
-        let Some(before) = before else { return Steps { sample: all, shade: all, compose: all } };
+    ) -> RedrawPlan {
+        let all = Some(Redraw::All);
+        let Some(before) = before else {
+            return RedrawPlan { sample: all, shade: all, compose: all };
+        };
         let sample = sample_key(document, desc);
         let same_light = before.lighting == desc.lighting;
         let same_back = before.background == desc.background
             && before.video == desc.video.map(|video| video.key());
         let same_tools = before.previews == desc.previews && before.lines == desc.lines;
         // While the view is still, an edit changes only some of the pixels.
-        let part_if = |partial: bool| if partial { Part::Changed } else { Part::All };
-        let still = changes_known && before.sample.sees_as(&sample);
+        let redraw_if = |partial: bool| if partial { Redraw::Changed } else { Redraw::All };
+        let still = changes_known && before.sample.differs_by_edits_only(&sample);
         let resample = before.sample != sample;
         let reshade = resample || !same_light;
         let recompose = reshade || !(same_back && same_tools);
         // Filters read the pixels around, occlusion a wide region around the voxel.
-        let shade_part = part_if(still && same_light && desc.lighting.is_local());
+        let shade_redraw = redraw_if(still && same_light && desc.lighting.is_local());
         // Points cover more than their pixels.
         let within_pixels = desc.mode.shading() != Shading::Points;
-        let compose_part = match reshade {
-            true => shade_part,
-            false => part_if(still),
+        let compose_redraw = match reshade {
+            true => shade_redraw,
+            false => redraw_if(still),
         };
-        Steps {
-            sample: resample.then_some(part_if(still)),
-            shade: reshade.then_some(shade_part),
+        RedrawPlan {
+            sample: resample.then_some(redraw_if(still)),
+            shade: reshade.then_some(shade_redraw),
             compose: recompose.then_some(match same_back && within_pixels {
-                true => compose_part,
-                false => Part::All,
+                true => compose_redraw,
+                false => Redraw::All,
             }),
         }
     }
 }
 
-/// The pixels of `eye`, which has `rays`, to repeat for [`Part::Changed`]: where tools or lines
+/// The pixels of `eye`, which has `rays`, to repeat for [`Redraw::Changed`]: where tools or lines
 /// differ from those of `before`, or where the voxel or its shade may have changed with the
 /// `changed` bricks.
 pub(super) fn pixels_to_compose(
-    before: &Shown,
+    before: &FrameCache,
     document: &Document,
     changed: &[u32],
     desc: &FrameDesc,
@@ -185,13 +194,14 @@ mod tests {
             previews: &[],
             lines: &[],
         };
-        let steps = |sample, shade, compose| Steps { sample, shade, compose };
-        let (all, some) = (Some(Part::All), Some(Part::Changed));
-        assert_eq!(Steps::new(None, &document, &desc, true), steps(all, all, all));
+        let steps = |sample, shade, compose| RedrawPlan { sample, shade, compose };
+        let (all, some) = (Some(Redraw::All), Some(Redraw::Changed));
+        assert_eq!(RedrawPlan::new(None, &document, &desc, true), steps(all, all, all));
 
-        let shown = Shown::new(None, &document, &desc);
-        let to =
-            |document: &Document, desc: &FrameDesc| Steps::new(Some(&shown), document, desc, true);
+        let shown = FrameCache::new(None, &document, &desc);
+        let to = |document: &Document, desc: &FrameDesc| {
+            RedrawPlan::new(Some(&shown), document, desc, true)
+        };
         assert_eq!(to(&document, &desc), steps(None, None, None));
         let with_line = FrameDesc { lines: &[line], ..desc };
         assert_eq!(to(&document, &with_line), steps(None, None, some));
@@ -206,20 +216,20 @@ mod tests {
 
         document.apply(&"add cuboid at=8,8,8 half=2,2,2 colour=#ffffff".parse().unwrap()).unwrap();
         assert_eq!(to(&document, &desc), steps(some, some, some));
-        assert_eq!(Steps::new(Some(&shown), &document, &desc, false), steps(all, all, all));
+        assert_eq!(RedrawPlan::new(Some(&shown), &document, &desc, false), steps(all, all, all));
         assert_eq!(to(&document, &dark), steps(some, all, all));
         // Points cover more than their pixels.
         let points = FrameDesc { mode: RenderMode::RayPoints, ..desc };
-        let of_points = Shown::new(None, &document, &points);
+        let of_points = FrameCache::new(None, &document, &points);
         let points = FrameDesc { lines: &[line], ..points };
-        let to_points = Steps::new(Some(&of_points), &document, &points, true);
+        let to_points = RedrawPlan::new(Some(&of_points), &document, &points, true);
         assert_eq!(to_points, steps(None, None, all));
         // Occlusion darkens voxels from a distance.
         let mut occluded = desc;
         occluded.lighting.occlusion = true;
-        let shown = Shown::new(Some(shown), &document, &occluded);
+        let shown = FrameCache::new(Some(shown), &document, &occluded);
         document.apply(&"undo 1".parse().unwrap()).unwrap();
-        let to_open = Steps::new(Some(&shown), &document, &occluded, true);
+        let to_open = RedrawPlan::new(Some(&shown), &document, &occluded, true);
         assert_eq!(to_open, steps(some, all, all));
     }
 }
