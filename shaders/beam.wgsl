@@ -9,9 +9,9 @@
 //!include "tile.wgsl"
 
 var<immediate> view: MarchView;
-// Dilated occupancy: one texel per block of 4^3 bricks, one bit per brick (render/dilated_occupancy_image.rs). It is padded
-// by one block on all sides of the grid.
-@group(0) @binding(0) var near: texture_3d<u32>;
+// A texel for each block of 4^3 bricks, a bit for each brick (render/dilated_occupancy_image.rs). It
+// begins a block before the grid and ends one behind it.
+@group(0) @binding(0) var dilated: texture_3d<u32>;
 
 // Distance in voxels that a ray may be from the centre ray: a brick, less a margin for rounding.
 const REACH_VX: f32 = 7.5;
@@ -44,7 +44,7 @@ fn start_of(tile: vec2<u32>) -> f32 {
         }
         let place = vec3<i32>(floor(ray.origin + ray.direction * t)) >> vec3<u32>(3u);
         let brick = clamp(place, zero, (size >> vec3<u32>(3u)) - vec3<i32>(1));
-        let bricks = textureLoad(near, brick >> vec3<u32>(2u), 0).xy;
+        let bricks = textureLoad(dilated, brick >> vec3<u32>(2u), 0).xy;
         if bit_of(bricks, brick) {
             break;
         }
