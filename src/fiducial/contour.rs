@@ -1,14 +1,14 @@
-//! Owns outlines: the outer border of each dark region that could be a marker.
+//! Outlines: the outer border of each dark region that could be a marker.
 //!
-//! Borders are followed as by Moore (see S. Suzuki, K. Abe: "Topological structural analysis of
-//! digitized binary images by border following", 1985, for the criterion of the end).
+//! Follows borders by Moore's method (S. Suzuki, K. Abe: "Topological structural analysis of
+//! digitized binary images by border following", 1985, for the termination criterion).
 
 /// The eight neighbours clockwise from the right, y down.
 const AROUND: [(i32, i32); 8] =
     [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)];
 
 /// Outer borders of the 8-connected regions of `dark` with at least `shortest` steps, clockwise, in
-/// pixels. Regions that touch the rim of the picture are left out: some of them is not seen.
+/// pixels. Regions that touch the edge of the picture are left out: they are not seen completely.
 pub fn outlines(
     dark: &[bool],
     width: usize,
@@ -22,7 +22,7 @@ pub fn outlines(
         if !dark[start] || done[start] {
             continue;
         }
-        // Rows are gone through from the top, so this is a region's uppermost, leftmost pixel.
+        // Rows are scanned from the top, so this is the uppermost, leftmost pixel of a region.
         let mut size = 0;
         let mut at_rim = false;
         done[start] = true;
@@ -45,7 +45,7 @@ pub fn outlines(
                 }
             }
         }
-        // A border of n steps takes at least n / 2 pixels.
+        // A border of n steps has at least n / 2 pixels.
         if at_rim || size < shortest / 2 {
             continue;
         }
@@ -70,9 +70,9 @@ fn follow(dark: &[bool], width: usize, height: usize, start: usize) -> Vec<(i32,
     let mut outline = vec![first];
     let (mut at, mut from) = (first, 4usize);
     let mut second = None;
-    // No border passes a pixel more than four times.
+    // A border passes a pixel at most four times.
     for _ in 0..4 * dark.len() {
-        // Clockwise from behind where we came from.
+        // Clockwise, starting behind the pixel that we came from.
         let step = (1..=8).map(|turn| (from + turn) % 8).find(|&direction| {
             let (dx, dy) = AROUND[direction];
             is_dark(at.0 + dx, at.1 + dy)
@@ -82,7 +82,7 @@ fn follow(dark: &[bool], width: usize, height: usize, start: usize) -> Vec<(i32,
         if at == first {
             match second {
                 None => second = Some(next),
-                // Leaving the first pixel the same way again: all has been seen.
+                // Leaving the first pixel in the same direction again: the border is complete.
                 Some(second) if second == next => {
                     outline.pop();
                     return outline;

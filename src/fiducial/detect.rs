@@ -1,4 +1,4 @@
-//! Owns the way from a picture to the markers in it.
+//! Detection: from a picture to the markers in it.
 
 use glam::{DMat3, DVec2};
 
@@ -7,26 +7,26 @@ use super::grey::Grey;
 use super::{contour, homography, quad};
 use crate::video::Intrinsics;
 
-/// A marker that is seen.
+/// A detected marker.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Sighting {
     pub id: u32,
-    /// Outer corners of the black rim as rays at depth 1 (x right, y down), without the lens's
-    /// distortion: upper left, upper right, lower right, lower left of the marker upright.
+    /// Outer corners of the black rim as undistorted rays at depth 1 (x right, y down): upper left,
+    /// upper right, lower right, lower left of the upright marker.
     pub corners: [DVec2; 4],
-    /// Cells of the code that had to be corrected.
+    /// Number of corrected cells of the code.
     pub wrong: u32,
 }
 
-/// How much darker than its surroundings a pixel of the rim is, at least, of 255.
+/// Least difference of a pixel of the rim from its surroundings, of 255.
 const MARGIN: u32 = 6;
-/// Least difference between the paper and the rim.
+/// Least contrast between the paper and the rim.
 const LEAST_CONTRAST: f64 = 20.0;
-/// Cells of the rim that may look white: a glint.
+/// Cells of the rim that may look white, such as in a glint.
 const MAX_RIM_WRONG: usize = 2;
 
 /// The markers of the family in a picture, each number once: where it is largest. `lens` is that of
-/// the camera; it is scaled to the picture.
+/// the camera; it is scaled to the size of the picture.
 pub fn detect(grey: &Grey, lens: &Intrinsics) -> Vec<Sighting> {
     let (Ok(width), Ok(height)) = (u32::try_from(grey.width), u32::try_from(grey.height)) else {
         return Vec::new();
@@ -54,10 +54,10 @@ pub fn detect(grey: &Grey, lens: &Intrinsics) -> Vec<Sighting> {
     found.into_iter().map(|(_, sighting)| sighting).collect()
 }
 
-/// What a square says, if it is a marker. `corners` clockwise as seen.
+/// Decodes a square, if it is a marker. `corners` clockwise as seen.
 fn read(grey: &Grey, lens: &Intrinsics, corners: [DVec2; 4]) -> Option<Sighting> {
     let map = homography::from_square(&corners)?;
-    // Rim and the paper around it tell what is black and white; the light may fall from a side.
+    // The rim and the paper around it define black and white; illumination may be uneven.
     let last = CELLS as i32;
     let mut black = Plane::default();
     let mut white = Plane::default();
@@ -96,12 +96,12 @@ fn read(grey: &Grey, lens: &Intrinsics, corners: [DVec2; 4]) -> Option<Sighting>
     Some(Sighting { id: reading.id, corners: upright, wrong: reading.wrong })
 }
 
-/// The middle of a cell on the square from -1 to 1.
+/// The centre of a cell in the square from -1 to 1.
 fn place(x: i32, y: i32) -> DVec2 {
     (DVec2::new(f64::from(x), f64::from(y)) + 0.5) * (2.0 / CELLS as f64) - 1.0
 }
 
-/// Mean brightness around the middle of a cell.
+/// Mean brightness around the centre of a cell.
 fn cell(grey: &Grey, lens: &Intrinsics, map: &DMat3, x: i32, y: i32) -> f64 {
     const ASIDE: f64 = 0.2 * 2.0 / CELLS as f64;
     let middle = place(x, y);
@@ -114,8 +114,8 @@ fn cell(grey: &Grey, lens: &Intrinsics, map: &DMat3, x: i32, y: i32) -> f64 {
     sum / spots.len() as f64
 }
 
-/// Brightness as a plane over the marker, fitted by least squares to places that lie symmetrically
-/// about the middle.
+/// Brightness as a plane over the marker, fitted by least squares to positions symmetric about the
+/// centre.
 #[derive(Clone, Copy, Default)]
 struct Plane {
     count: f64,

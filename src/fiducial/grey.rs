@@ -1,9 +1,8 @@
-//! Owns brightness: from a picture in colour, blurred against noise, between pixels, and darker than
-//! around it.
+//! Brightness pictures: conversion from colour, blur against noise, interpolation, local threshold.
 
 use glam::DVec2;
 
-/// A picture of brightness alone.
+/// A greyscale picture.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Grey {
     /// Pixels.
@@ -15,13 +14,13 @@ pub struct Grey {
 }
 
 impl Grey {
-    /// From rows of RGBA, 8 bits each; what lacks is black.
+    /// From rows of RGBA, 8 bits each; missing pixels are black.
     pub fn from_rgba(width: u32, height: u32, rgba: &[u8]) -> Grey {
         let (width, height) = (width as usize, height as usize);
         let mut pixels: Vec<u8> = rgba
             .chunks_exact(4)
             .take(width * height)
-            // Rec. 601 in eighths of a thousand, as all video has it.
+            // Rec. 601, scaled to integers.
             .map(|p| {
                 ((77 * u32::from(p[0]) + 150 * u32::from(p[1]) + 29 * u32::from(p[2])) >> 8) as u8
             })
@@ -30,7 +29,7 @@ impl Grey {
         Grey { width, height, pixels }
     }
 
-    /// Brightness between the pixels, whose middles are at whole numbers; at the rim as the nearest.
+    /// Bilinear brightness; pixel centres are at integers. Clamped to the edge.
     pub fn at(&self, place: DVec2) -> f64 {
         if self.pixels.is_empty() {
             return 0.0;
@@ -46,7 +45,7 @@ impl Grey {
         upper * (1.0 - fy) + lower * fy
     }
 
-    /// Weights 1 2 1 along both axes: takes the worst of the noise.
+    /// Blur with weights 1 2 1 along both axes, against noise.
     pub fn blurred(&self) -> Grey {
         let (w, h) = (self.width, self.height);
         let mut across = vec![0u16; w * h];
@@ -68,11 +67,11 @@ impl Grey {
         Grey { width: w, height: h, pixels }
     }
 
-    /// Which pixels are darker than the mean around them by more than `margin`, `reach` pixels to
-    /// each side (D. Bradley, G. Roth: "Adaptive Thresholding using the Integral Image", 2007).
+    /// The pixels darker by more than `margin` than the mean of those up to `reach` pixels away (D.
+    /// Bradley, G. Roth: "Adaptive Thresholding using the Integral Image", 2007).
     pub fn dark(&self, reach: usize, margin: u32) -> Vec<bool> {
         let (w, h) = (self.width, self.height);
-        // sums[y * (w + 1) + x] is that of all pixels above and left of (x, y).
+        // sums[y * (w + 1) + x] is the sum of all pixels above and left of (x, y).
         let mut sums = vec![0u32; (w + 1) * (h + 1)];
         for y in 0..h {
             let mut row = 0;
@@ -87,7 +86,7 @@ impl Grey {
             for x in 0..w {
                 let (left, right) = (x.saturating_sub(reach), (x + reach + 1).min(w));
                 let at = |x: usize, y: usize| sums[y * (w + 1) + x];
-                // Sums of large pictures wrap around; their differences are right all the same.
+                // Sums of large pictures wrap around; their differences are still correct.
                 let sum = at(right, bottom)
                     .wrapping_sub(at(left, bottom))
                     .wrapping_sub(at(right, top))

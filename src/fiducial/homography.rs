@@ -1,9 +1,9 @@
-//! Owns the projective map of a square: from the marker's plane to the picture.
+//! The projective map of a square: from the marker's plane to the picture.
 
 use glam::{DMat3, DVec2, DVec3};
 
-/// The map that takes (-1, -1), (1, -1), (1, 1), (-1, 1) to `corners`; None if three of them are on
-/// a line. (P. Heckbert: "Fundamentals of Texture Mapping and Image Warping", 1989.)
+/// The map from (-1, -1), (1, -1), (1, 1), (-1, 1) to `corners`; None if three of them are
+/// collinear. (P. Heckbert: "Fundamentals of Texture Mapping and Image Warping", 1989.)
 pub fn from_square(corners: &[DVec2; 4]) -> Option<DMat3> {
     let [a, b, c, d] = *corners;
     // First from the unit square.
@@ -25,7 +25,7 @@ pub fn from_square(corners: &[DVec2; 4]) -> Option<DMat3> {
     map.is_finite().then_some(map)
 }
 
-/// Where the map takes a point.
+/// The image of a point.
 pub fn project(map: &DMat3, point: DVec2) -> DVec2 {
     let p = *map * point.extend(1.0);
     p.truncate() / p.z
@@ -48,7 +48,7 @@ mod tests {
         for (corner, (x, y)) in corners.into_iter().zip(square) {
             assert!(project(&map, DVec2::new(x, y)).distance(corner) < 1e-9);
         }
-        // The crossing of the diagonals is that of the square's.
+        // The diagonals cross in the image of the centre.
         let middle = project(&map, DVec2::ZERO);
         let along = (middle - corners[0]).perp_dot(corners[2] - corners[0]);
         assert!(along.abs() < 1e-6);

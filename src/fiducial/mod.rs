@@ -1,8 +1,8 @@
-//! Owns printed markers: finding them in a picture and saying where the camera is before them.
+//! Printed markers: detection in a picture, and the pose relative to the camera.
 //!
-//! Takes grey pictures and the lens of the camera; gives the marker's number, its corners and its
-//! pose. Must not know where pictures come from nor what is drawn over them. The markers are those
-//! of the family tag36h11, which many programs print ([`sheet`] does as well).
+//! Takes grey pictures and the lens of the camera; returns the marker's number, corners and pose.
+//! Must not know where pictures come from nor what is drawn over them. The markers are those of the
+//! family tag36h11, which many programs print ([`sheet`] does as well).
 //!
 //! ```text
 //! grey.rs      brightness, blur, local threshold

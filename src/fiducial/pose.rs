@@ -1,39 +1,39 @@
-//! Owns the step from a marker's corners to where it is before the camera.
+//! Pose estimation: from a marker's corners to its pose relative to the camera.
 //!
-//! A flat square seen from afar looks nearly the same tilted one way and the other (G. Schweighofer,
-//! A. Pinz: "Robust Pose Estimation from a Planar Target", PAMI 2006): both readings are given.
+//! A flat square seen from afar looks nearly the same in two tilts (G. Schweighofer, A. Pinz:
+//! "Robust Pose Estimation from a Planar Target", PAMI 2006): both poses are returned.
 
 use glam::{DMat3, DQuat, DVec2, DVec3};
 
 use super::homography;
 
-/// Where a marker is. Axes of the camera: x right, y up, z backwards; of the marker: x right, y up
-/// on the paper, z out of it; its origin is its middle. Metres.
+/// The pose of a marker. Camera axes: x right, y up, z backwards; marker axes: x right, y up on the
+/// paper, z out of it, with the origin in its centre. Metres.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct MarkerPose {
     pub rotation: DQuat,
     pub translation_m: DVec3,
-    /// Root mean square distance, in pixels, between the corners seen and those of this pose.
+    /// Root mean square reprojection error of the corners, in pixels.
     pub error_px: f64,
 }
 
 impl MarkerPose {
-    /// A point of the marker's axes on the camera's.
+    /// Transforms a point from the marker's axes to the camera's.
     pub fn apply(&self, marker_m: DVec3) -> DVec3 {
         self.rotation * marker_m + self.translation_m
     }
 }
 
-/// Steps of the refinement, at most.
+/// Largest number of refinement steps.
 const STEPS: usize = 30;
 
-/// The readings of the corners (rays at depth 1: upper left, upper right, lower right, lower left) of
-/// a marker `size_m` metres wide, the better first; none if the corners are no square's. `focal_px`
-/// turns rays into pixels for the errors.
+/// The poses of a marker `size_m` metres wide for its corners (rays at depth 1: upper left, upper
+/// right, lower right, lower left), the better one first; empty if the corners are not those of a
+/// square. `focal_px` scales rays to pixels for the errors.
 pub fn poses(corners: &[DVec2; 4], size_m: f64, focal_px: f64) -> Vec<MarkerPose> {
     let Some(first) = first_guess(corners, 0.5 * size_m) else { return Vec::new() };
     let first = refine(first, corners, 0.5 * size_m, focal_px);
-    // The other reading: the normal mirrored at the line of sight.
+    // The other pose: the normal mirrored at the line of sight.
     let sight = first.translation.normalize_or_zero();
     let half = std::f64::consts::PI;
     let other = Guess {
@@ -54,7 +54,7 @@ pub fn poses(corners: &[DVec2; 4], size_m: f64, focal_px: f64) -> Vec<MarkerPose
     found
 }
 
-/// On the axes of pictures: x right, y down, z forwards, for camera and marker alike.
+/// In picture axes: x right, y down, z forwards, for camera and marker alike.
 #[derive(Clone, Copy)]
 struct Guess {
     rotation: DQuat,
@@ -64,7 +64,7 @@ struct Guess {
 
 impl Guess {
     fn pose(&self) -> MarkerPose {
-        // Half a turn about x on both sides.
+        // A half turn about x on both sides.
         let q = self.rotation;
         MarkerPose {
             rotation: DQuat::from_xyzw(q.x, -q.y, -q.z, q.w).normalize(),
@@ -79,14 +79,14 @@ fn square(half_m: f64) -> [DVec3; 4] {
         .map(|(x, y)| DVec3::new(x * half_m, y * half_m, 0.0))
 }
 
-/// Columns of the homography are, but for a factor, two axes of the marker and its place (Z. Zhang,
-/// 2000).
+/// The columns of the homography are, up to a factor, two axes of the marker and its position (Z.
+/// Zhang, 2000).
 fn first_guess(corners: &[DVec2; 4], half_m: f64) -> Option<Guess> {
     let map = homography::from_square(corners)?;
     let (x, y, t) = (map.x_axis, map.y_axis, map.z_axis);
     let factor = 2.0 / (x.length() + y.length());
     let factor = if t.z < 0.0 { -factor } else { factor };
-    // The nearest pair of axes at right angles.
+    // The nearest pair of orthogonal axes.
     let (sum, difference) = ((x + y) * factor, (x - y) * factor);
     let (sum, difference) = (sum.try_normalize()?, difference.try_normalize()?);
     let x = (sum + difference).try_normalize()?;
@@ -100,7 +100,7 @@ fn first_guess(corners: &[DVec2; 4], half_m: f64) -> Option<Guess> {
     })
 }
 
-/// Gauss and Newton's method with Levenberg and Marquardt's damping on the corners' distances.
+/// Levenberg-Marquardt on the distances of the corners.
 fn refine(mut guess: Guess, corners: &[DVec2; 4], half_m: f64, focal_px: f64) -> Guess {
     let points = square(half_m);
     let error = |guess: &Guess| -> f64 {
@@ -117,7 +117,7 @@ fn refine(mut guess: Guess, corners: &[DVec2; 4], half_m: f64, focal_px: f64) ->
     guess.error_px = error(&guess);
     let mut damping = 1e-4;
     for _ in 0..STEPS {
-        // The normal equations: rows for turn and shift.
+        // The normal equations: rows for rotation and translation.
         let mut system = [[0.0; 7]; 6];
         for (point, ray) in points.iter().zip(corners) {
             let arm = guess.rotation * *point;
@@ -127,7 +127,7 @@ fn refine(mut guess: Guess, corners: &[DVec2; 4], half_m: f64, focal_px: f64) ->
             }
             let rest = *ray - p.truncate() / p.z;
             for (axis, rest) in [(DVec3::X, rest.x), (DVec3::Y, rest.y)] {
-                // Change of this coordinate of the ray with the point.
+                // Derivative of this coordinate of the ray with respect to the point.
                 let by_point = (axis - DVec3::Z * (p.dot(axis) / p.z)) / p.z;
                 let by_turn = arm.cross(by_point);
                 let row = [by_turn.x, by_turn.y, by_turn.z, by_point.x, by_point.y, by_point.z];
@@ -168,7 +168,7 @@ fn refine(mut guess: Guess, corners: &[DVec2; 4], half_m: f64, focal_px: f64) ->
     guess
 }
 
-/// Gauss's elimination with pivots; None for a singular system.
+/// Gaussian elimination with pivoting; None for a singular system.
 fn solve(mut system: [[f64; 7]; 6]) -> Option<[f64; 6]> {
     for column in 0..6 {
         let pivot = (column..6)
@@ -205,7 +205,7 @@ mod tests {
             tilt in 0.15f64..1.2, way in -3.1f64..3.1, spin in -3.1f64..3.1,
             x in -0.1f64..0.1, y in -0.1f64..0.1, z in 0.15f64..1.5,
         ) {
-            // The marker faces the camera but for a tilt.
+            // The marker faces the camera up to a tilt.
             let axis = DVec3::new(way.cos(), way.sin(), 0.0);
             let rotation = DQuat::from_axis_angle(axis, tilt) * DQuat::from_rotation_z(spin);
             let truth = MarkerPose { rotation, translation_m: DVec3::new(x, y, -z), error_px: 0.0 };

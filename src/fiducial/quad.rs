@@ -1,19 +1,19 @@
-//! Owns the four corners of an outline: roughly from its pixels, then from its edges to a fraction
-//! of a pixel.
+//! The four corners of an outline: roughly from its pixels, then from its edges with sub-pixel
+//! accuracy.
 //!
-//! Edges are straight as rays, not as pixels: a lens bends them. So they are sought along straight
-//! lines of rays, and fitted there.
+//! A lens bends edges in pixels but not in rays, so they are searched along straight lines of rays,
+//! and fitted there.
 
 use glam::DVec2;
 
 use super::grey::Grey;
 use crate::video::Intrinsics;
 
-/// Shortest side of a marker in pixels: a pixel and a bit for each cell.
+/// Shortest side of a marker in pixels: a little more than a pixel per cell.
 pub const SHORTEST_SIDE_PX: f64 = 10.0;
-/// How far an outline may leave the sides, as a share of its length.
+/// Largest deviation of an outline from its sides, as a share of its length.
 const SLACK: f64 = 0.02;
-/// Times that edges are sought from where they were found last.
+/// How often edges are searched, starting from where they were found last.
 const ROUNDS: usize = 3;
 /// Least change of brightness across an edge.
 const LEAST_CONTRAST: f64 = 12.0;
@@ -28,7 +28,7 @@ pub fn corners(outline: &[(i32, i32)]) -> Option<[DVec2; 4]> {
             points[a].distance_squared(from).total_cmp(&points[b].distance_squared(from))
         })
     };
-    // Both are corners, for corners are what is farthest from anything.
+    // Both are corners, since the farthest points are.
     let first = farthest(middle)?;
     let second = farthest(points[first])?;
     if first == second {
@@ -51,8 +51,8 @@ pub fn corners(outline: &[(i32, i32)]) -> Option<[DVec2; 4]> {
     sound.then_some(corners)
 }
 
-/// Appends the corners between two places of a closed outline, in order (D. Douglas, T. Peucker,
-/// 1973). Gives up beyond five.
+/// Appends the corners between two positions of a closed outline, in order (D. Douglas, T. Peucker,
+/// 1973). Stops after more than five.
 fn split(points: &[DVec2], from: usize, to: usize, tolerance: f64, found: &mut Vec<usize>) {
     let count = points.len();
     let (a, b) = (points[from], points[to]);
@@ -72,8 +72,8 @@ fn split(points: &[DVec2], from: usize, to: usize, tolerance: f64, found: &mut V
     }
 }
 
-/// The corners as rays, from the edges between dark inside and bright outside. None where an edge
-/// cannot be seen.
+/// The corners as rays, from the edges between dark inside and bright outside. None if an edge is
+/// not found.
 pub fn refine(grey: &Grey, lens: &Intrinsics, corners_px: [DVec2; 4]) -> Option<[DVec2; 4]> {
     let mut rays = [DVec2::ZERO; 4];
     for (ray, pixel) in rays.iter_mut().zip(corners_px) {
@@ -81,7 +81,7 @@ pub fn refine(grey: &Grey, lens: &Intrinsics, corners_px: [DVec2; 4]) -> Option<
     }
     let shortest =
         (0..4).map(|i| corners_px[i].distance(corners_px[(i + 1) % 4])).fold(f64::MAX, f64::min);
-    // Within the rim, so that no edge of the code is met.
+    // Within the rim, so that the search meets no edge of the code.
     let reach_px = (shortest / super::family::CELLS as f64 * 0.8).clamp(1.5, 4.0);
     for _ in 0..ROUNDS {
         let mut lines = [(DVec2::ZERO, DVec2::ZERO); 4];
@@ -97,7 +97,7 @@ pub fn refine(grey: &Grey, lens: &Intrinsics, corners_px: [DVec2; 4]) -> Option<
     sound.then_some(rays)
 }
 
-/// The edge near the line from `a` to `b`: a point of it and its direction, as rays.
+/// The edge near the line from `a` to `b`: a point on it and its direction, as rays.
 fn edge(
     grey: &Grey,
     lens: &Intrinsics,
@@ -109,7 +109,7 @@ fn edge(
     let count = (length_px as usize).clamp(8, 80);
     let mut points = Vec::with_capacity(count);
     for i in 0..count {
-        // Blur rounds the corners: they are left out.
+        // Without the corners, which blur rounds.
         let share = 0.08 + 0.84 * (i as f64 + 0.5) / count as f64;
         let at = lens.pixel_from_ray(a.lerp(b, share));
         let along = lens.pixel_from_ray(a.lerp(b, share + 0.02)) - at;
@@ -131,7 +131,7 @@ fn edge(
             points.push(ray);
         }
     }
-    // Half of an edge may be hidden in glare, not more.
+    // Up to half of an edge may be hidden in glare.
     (points.len() * 2 >= count).then(|| fit(&points))
 }
 

@@ -1,12 +1,12 @@
-//! Owns markers on paper: a drawing of one at true size, as SVG or PNG.
+//! Printable markers: a drawing of one at true size, as SVG or PNG.
 
 use std::io::Cursor;
 
 use super::family::{self, CELLS};
 
-/// Cells of white paper that the drawing leaves around the marker.
+/// Width of the white paper around the marker, in cells.
 const PAPER_CELLS: usize = 1;
-/// Pixels of a PNG along a cell.
+/// Pixels per cell of a PNG.
 const CELL_PX: u32 = 64;
 
 /// Side of the whole drawing, paper included, of a marker with a rim `size_mm` wide.
@@ -14,7 +14,7 @@ pub fn side_mm(size_mm: f64) -> f64 {
     size_mm * (CELLS + 2 * PAPER_CELLS) as f64 / CELLS as f64
 }
 
-/// A drawing of marker `id` whose black rim is `size_mm` wide. None for a number that there is not.
+/// A drawing of marker `id` whose black rim is `size_mm` wide. None for an unknown number.
 pub fn svg(id: u32, size_mm: f64) -> Option<String> {
     family::is_white(id, 0, 0)?;
     let cell = size_mm / CELLS as f64;
@@ -40,13 +40,13 @@ pub fn svg(id: u32, size_mm: f64) -> Option<String> {
     Some(out)
 }
 
-/// The same as a PNG, which says how large it is to be printed. None for a number that there is not.
+/// The same as a PNG with its print size. None for an unknown number.
 pub fn png(id: u32, size_mm: f64) -> Option<Vec<u8>> {
     family::is_white(id, 0, 0)?;
     let side = (CELLS + 2 * PAPER_CELLS) as u32 * CELL_PX;
     let picture = image::GrayImage::from_fn(side, side, |x, y| {
         let cell = |v: u32| ((v / CELL_PX) as usize).wrapping_sub(PAPER_CELLS);
-        // What lies outside the marker is paper.
+        // Outside the marker is paper.
         let white = family::is_white(id, cell(x), cell(y)).unwrap_or(true);
         image::Luma([if white { 255 } else { 0 }])
     });
@@ -56,9 +56,9 @@ pub fn png(id: u32, size_mm: f64) -> Option<Vec<u8>> {
     with_resolution(&plain.into_inner(), px_per_m.round() as u32)
 }
 
-/// Puts a chunk pHYs behind the header of a PNG (PNG specification, third edition, 11.3.4.3).
+/// Inserts a pHYs chunk behind the header of a PNG (PNG specification, third edition, 11.3.4.3).
 fn with_resolution(png: &[u8], px_per_m: u32) -> Option<Vec<u8>> {
-    // Signature, then IHDR: length, name, 13 bytes, check.
+    // Signature, then IHDR: length, name, 13 bytes, checksum.
     const HEADER_BYTES: usize = 8 + 4 + 4 + 13 + 4;
     let (header, rest) = png.split_at_checked(HEADER_BYTES)?;
     let mut chunk = b"pHYs".to_vec();
@@ -73,7 +73,7 @@ fn with_resolution(png: &[u8], px_per_m: u32) -> Option<Vec<u8>> {
     Some(out)
 }
 
-/// The check of PNG's chunks (PNG specification, third edition, annex D).
+/// The checksum of PNG chunks (PNG specification, third edition, annex D).
 fn crc32(bytes: &[u8]) -> u32 {
     let turn = |crc: u32, byte: &u8| {
         (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
@@ -100,7 +100,7 @@ mod tests {
             assert_eq!(Some(pixel == 255), family::is_white(3, x as usize, y as usize));
         }
         assert_eq!(picture.get_pixel(5, 300).0[0], 255, "paper");
-        // Known from the specification's example: the check of an empty IEND.
+        // From the specification: the checksum of an empty IEND.
         assert_eq!(crc32(b"IEND"), 0xae42_6082);
     }
 
