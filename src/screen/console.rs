@@ -1,8 +1,9 @@
-//! Owns the terminal of a program that Windows starts without one: no black window comes up beside the
-//! program's own, and words still reach whoever started it. Elsewhere there is nothing to do.
+//! The console of the program on Windows, which starts it without one: no black window opens beside
+//! the program's own, and output still reaches the console it was started from. Does nothing
+//! elsewhere.
 
-/// Joins the console of the program that started this one, if it has one. Streams that lead elsewhere
-/// already stay.
+/// Attaches to the console of the parent process, if it has one. Redirected streams stay as they
+/// are.
 #[cfg(windows)]
 pub fn attach() {
     use windows_sys::Win32::System::Console::{ATTACH_PARENT_PROCESS, AttachConsole};
@@ -11,8 +12,8 @@ pub fn attach() {
     unsafe { AttachConsole(ATTACH_PARENT_PROCESS) };
 }
 
-/// Shows why the program cannot go on, in a window, where standard error leads nowhere, as when it was
-/// started from the Explorer.
+/// Shows an error in a message box if standard error leads nowhere, as when started from the
+/// Explorer.
 #[cfg(windows)]
 pub fn show(text: &str) {
     use std::os::windows::io::AsRawHandle;

@@ -1,5 +1,5 @@
-//! Owns a screen in memory: a colour and a depth buffer for one or two eyes, read back as
-//! pictures. For files, for tests, and for what is shown elsewhere.
+//! Offscreen targets: colour and depth for one or two eyes, read back as pictures. For files,
+//! tests, and pictures shown elsewhere.
 
 use std::sync::Arc;
 
@@ -9,10 +9,10 @@ use glam::UVec2;
 use crate::gpu::{Attachment, Device, EyeImage, Load, Recorder, Result, Use, read_image_once};
 use crate::shade::Pixels;
 
-/// The colour format: sRGB values as they are, no encoding by the device.
+/// The colour format: sRGB values, not encoded by the device.
 pub const FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
 
-/// A screen in memory.
+/// An offscreen target.
 pub struct Offscreen {
     colour: EyeImage,
     depth: EyeImage,
@@ -20,7 +20,7 @@ pub struct Offscreen {
 }
 
 impl Offscreen {
-    /// Of `size` pixels for `eyes` eyes (1 or 2).
+    /// `size` pixels for each of `eyes` eyes (1 or 2).
     pub fn new(device: &Arc<Device>, size: UVec2, eyes: u32) -> Result<Offscreen> {
         use vk::ImageUsageFlags as Usage;
         let usage = Usage::COLOR_ATTACHMENT | Usage::TRANSFER_SRC;
@@ -40,7 +40,7 @@ impl Offscreen {
         self.colour.eyes()
     }
 
-    /// Starts drawing what `eye` sees: transparent black, infinitely far.
+    /// Starts rendering for `eye`, cleared to transparent black, infinitely far.
     pub fn begin(&mut self, recorder: &mut Recorder, eye: u32) {
         self.colour.begin_overwrite(recorder, eye, Use::COLOUR_TARGET);
         self.depth.begin_overwrite(recorder, eye, Use::DEPTH_TARGET);
@@ -59,12 +59,12 @@ impl Offscreen {
         );
     }
 
-    /// Ends drawing.
+    /// Ends rendering.
     pub fn end(&self, recorder: &mut Recorder) {
         recorder.end_rendering();
     }
 
-    /// The picture of `eye`, once what was recorded has been submitted. Waits for it.
+    /// The picture of `eye`, once the recording has been submitted. Waits for it.
     pub fn read_back(&self, eye: u32) -> Result<Pixels> {
         let image = self.colour.image();
         let part = image.layer(eye);

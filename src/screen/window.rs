@@ -1,10 +1,10 @@
-//! Owns the swapchain of a window: where finished pictures go, and what happens when the window
-//! changes its size, is minimised, or its surface is lost.
+//! The swapchain of a window: where finished pictures are presented, and what happens when the
+//! window is resized or minimised, or its surface is lost.
 //!
-//! Takes a surface and sizes; gives a [`Target`] to draw to, or none while there is nothing to
-//! draw to. Knows nothing of what is drawn, and not winit either: the window system's events
-//! come in as sizes. Presenting waits for nobody where the driver has a mailbox, so whoever draws
-//! must not draw more often than the screen shows ([`WindowScreen::is_paced`]).
+//! Takes a surface and sizes; returns a [`Target`] to draw to, or none while nothing can be drawn.
+//! Knows nothing of what is drawn, nor of winit: events of the window system come in as sizes.
+//! Presenting never blocks where the driver has a mailbox, so callers must not draw more often than
+//! the screen refreshes ([`WindowScreen::is_paced`]).
 
 mod choices;
 
@@ -19,14 +19,14 @@ use crate::gpu::{
     Device, During, FRAMES_IN_FLIGHT, GpuError, ImagePart, Recorder, Result, Surface, Use,
 };
 
-/// So long a window system may go on refusing a swapchain before that is an error.
+/// How long a window system may refuse a swapchain before that is an error.
 const GIVE_UP_AFTER: Duration = Duration::from_secs(10);
 
-/// An image of the window to be drawn and presented.
+/// An acquired image of the window, to be drawn and presented.
 #[derive(Clone, Copy, Debug)]
 pub struct Target {
     pub image: vk::Image,
-    /// A view a layer; of one layer both are the same.
+    /// A view per layer; with one layer both are the same.
     views: [vk::ImageView; 2],
     layers: u32,
     /// Pixels.
@@ -37,33 +37,33 @@ pub struct Target {
 }
 
 impl Target {
-    /// The image for barriers, with all its layers.
+    /// The image for barriers, with all layers.
     pub fn part(&self) -> ImagePart {
         ImagePart { layers: self.layers, ..ImagePart::colour(self.image, 0) }
     }
 
-    /// Layers: 2 in a quad-buffered window.
+    /// Number of layers: 2 in a quad-buffered window.
     pub fn layers(&self) -> u32 {
         self.layers
     }
 
-    /// What an eye's picture is drawn to: 0 is the left one, and the only one without layers.
+    /// The view for an eye's picture: 0 is the left eye, and the only one without layers.
     pub fn view(&self, eye: usize) -> vk::ImageView {
         self.views[eye.min(1)]
     }
 
-    /// The use that the image's first barrier comes from: the window system is done with it once
-    /// [`Target::wait`] has been waited for, and what it shows may be lost.
+    /// The use before the first barrier: the window system has finished once [`Target::wait`] has
+    /// been waited for, and the contents may be discarded.
     pub const FIRST: Use = Use::COPY_TARGET.discarded();
 
-    /// What a submission that draws to the image waits for before it copies or draws.
+    /// The semaphore that a submission waits for before it copies or draws to the image.
     pub fn wait(&self) -> vk::SemaphoreSubmitInfo<'static> {
         let stages =
             vk::PipelineStageFlags2::COPY | vk::PipelineStageFlags2::COLOR_ATTACHMENT_OUTPUT;
         vk::SemaphoreSubmitInfo::default().semaphore(self.acquired).stage_mask(stages)
     }
 
-    /// What a submission that finishes the image signals.
+    /// The semaphore that the submission signals which finishes the image.
     pub fn signal(&self) -> vk::SemaphoreSubmitInfo<'static> {
         vk::SemaphoreSubmitInfo::default()
             .semaphore(self.finished)
@@ -71,22 +71,22 @@ impl Target {
     }
 }
 
-/// A window that pictures are shown in.
+/// The swapchain of a window.
 pub struct WindowScreen {
     swapchain: Option<Swapchain>,
-    /// One a frame slot.
+    /// One per frame slot.
     acquired: [vk::Semaphore; FRAMES_IN_FLIGHT],
     loader: khr::swapchain::Device,
     format: vk::SurfaceFormatKHR,
     mode: vk::PresentModeKHR,
     /// Size of the window in pixels; zero while it is minimised.
     size: [u32; 2],
-    /// Layers an image: one, or one an eye.
+    /// Layers per image: one, or one per eye.
     layers: u32,
     can_layer: bool,
-    /// The swapchain does not fit the window any more.
+    /// The swapchain no longer fits the window.
     stale: bool,
-    /// Since when the window system refuses.
+    /// Since when the window system has been refusing.
     refused: Option<Instant>,
     surface: Surface,
     device: Arc<Device>,
@@ -100,13 +100,13 @@ struct Swapchain {
 
 struct SwapImage {
     image: vk::Image,
-    /// One a layer.
+    /// One per layer.
     views: Vec<vk::ImageView>,
     finished: vk::Semaphore,
 }
 
 impl WindowScreen {
-    /// `size`: pixels of the window.
+    /// `size`: of the window, in pixels.
     pub fn new(device: &Arc<Device>, surface: Surface, size: [u32; 2]) -> Result<WindowScreen> {
         let format = choose_format(device, &surface)?;
         let mut screen = WindowScreen {
@@ -134,22 +134,22 @@ impl WindowScreen {
         self.format.format
     }
 
-    /// Whether images become free only as fast as the screen shows them.
+    /// Whether images become available only as fast as the screen shows them.
     pub fn is_paced(&self) -> bool {
         self.mode == vk::PresentModeKHR::FIFO
     }
 
-    /// The window has another size in pixels; zero for a minimised one.
+    /// The window was resized, in pixels; zero while it is minimised.
     pub fn resize(&mut self, size: [u32; 2]) {
         self.stale |= self.size != size;
         self.size = size;
     }
 
-    /// The next image to draw to, waited for up to `patience`; none while the window is minimised
-    /// or hidden, or the window system is busy with it. `slot` is that of the frame begun
+    /// The next image to draw to, waiting up to `patience`; none while the window is minimised or
+    /// hidden, or the window system is busy with it. `slot` is that of the current frame
     /// ([`crate::gpu::Frames::slot`]), whose semaphore is free again.
     pub fn acquire(&mut self, slot: usize, patience: Duration) -> Result<Option<Target>> {
-        // A swapchain that is out of date at once is made anew, but not for ever.
+        // A swapchain that is out of date at once is made again, but not forever.
         for _ in 0..3 {
             if self.size.contains(&0) {
                 return Ok(None);
@@ -205,7 +205,7 @@ impl WindowScreen {
         Ok(Some(target))
     }
 
-    /// Shows a finished target; false if the window has changed too much to show it.
+    /// Presents a finished target; false if the window has changed too much to show it.
     pub fn present(&mut self, target: &Target) -> Result<bool> {
         let Some(swapchain) = &self.swapchain else { return Ok(false) };
         let (chains, indices, waits) = ([swapchain.handle], [target.index], [target.finished]);
@@ -225,8 +225,8 @@ impl WindowScreen {
         }
     }
 
-    /// Does what can be done about a failure of the window system; says when to try again, which is
-    /// at once but for [`Remedy::Later`].
+    /// Recovers from a failure of the window system; returns when to try again, which is at once
+    /// except for [`Remedy::Later`].
     fn mend(&mut self, error: GpuError) -> Result<Remedy> {
         let remedy = match &error {
             GpuError::Vulkan { result, .. } => choices::remedy(*result),
@@ -246,7 +246,7 @@ impl WindowScreen {
         if remedy == Remedy::Resurface {
             let renewed =
                 self.surface.renew().and_then(|()| choose_format(&self.device, &self.surface));
-            // Another format asks for other pipelines: that is for whoever made them.
+            // Another format needs other pipelines, which the caller has made.
             if renewed.map(|format| format.format).ok() != Some(self.format.format) {
                 return Err(error);
             }
@@ -254,8 +254,8 @@ impl WindowScreen {
         Ok(remedy)
     }
 
-    /// Whether the window has another size than the swapchain. Suboptimal it may be for other
-    /// reasons, and another one would then be so, too.
+    /// Whether window and swapchain differ in size. A swapchain may be suboptimal for other
+    /// reasons, which a new one would not change.
     fn has_another_size(&self) -> bool {
         let size = self.capabilities().map(|of| choices::extent(&of, self.size));
         match (size, &self.swapchain) {
@@ -264,9 +264,9 @@ impl WindowScreen {
         }
     }
 
-    /// Records the copy of a picture in the layout of [`crate::gpu::Use::COPY_SOURCE`] to a place
-    /// in a target in the layout of [`crate::gpu::Use::COPY_TARGET`]. What lies beyond the target
-    /// is cut off.
+    /// Records the copy of a picture in the layout of [`crate::gpu::Use::COPY_SOURCE`] to a
+    /// position in a target in the layout of [`crate::gpu::Use::COPY_TARGET`], clipped to the
+    /// target.
     pub fn paste(
         recorder: &mut Recorder,
         from: ImagePart,
@@ -300,12 +300,12 @@ impl WindowScreen {
         }
     }
 
-    /// Whether the window's images can have a layer an eye (`maxImageArrayLayers`).
+    /// Whether the window's images can have a layer per eye (`maxImageArrayLayers`).
     pub fn can_layer(&self) -> bool {
         self.can_layer
     }
 
-    /// Gives the window's images a layer an eye, or one for both, from the next one on. Without
+    /// Uses images with a layer per eye, or with one layer, from the next one on. Without
     /// [`WindowScreen::can_layer`] it is always one.
     pub fn set_layered(&mut self, layered: bool) {
         let layers = if layered && self.can_layer { 2 } else { 1 };
@@ -320,12 +320,12 @@ impl WindowScreen {
             .map_err(|error| GpuError::vulkan("ask what the window can show", error))
     }
 
-    /// Makes the swapchain anew for the window as it is now.
+    /// Makes the swapchain again for the present window.
     fn rebuild(&mut self) -> Result<()> {
         let capabilities = self.capabilities()?;
         let size = choices::extent(&capabilities, self.size);
         if size.contains(&0) {
-            // Nothing can be made for it, and nothing be drawn to what there was.
+            // No swapchain can be made, and the old one cannot be drawn to.
             self.device.wait_idle()?;
             self.drop_swapchain();
             return Ok(());
@@ -351,7 +351,7 @@ impl WindowScreen {
             .present_mode(self.mode)
             .old_swapchain(former)
             .clipped(true);
-        // Before the old images go, all that draws to them must be done.
+        // All drawing to the old images must have finished.
         self.device.wait_idle()?;
         // SAFETY: the info is complete; the surface's former swapchain is handed over, and goes in
         // any case.
@@ -460,7 +460,7 @@ fn choose_format(device: &Device, surface: &Surface) -> Result<vk::SurfaceFormat
     })
 }
 
-/// Whether pictures can be drawn, blended, read and copied in a format.
+/// Whether pictures can be drawn, blended, sampled and copied in a format.
 fn can_draw_in(device: &Device, format: vk::Format) -> bool {
     use vk::FormatFeatureFlags as Feature;
     let needed = Feature::COLOR_ATTACHMENT_BLEND
@@ -473,7 +473,7 @@ fn can_draw_in(device: &Device, format: vk::Format) -> bool {
     properties.optimal_tiling_features.contains(needed)
 }
 
-/// The way of presenting.
+/// The present mode.
 fn choose_mode(device: &Device, surface: &Surface) -> Result<vk::PresentModeKHR> {
     let (loader, handle) = (surface.loader(), surface.handle());
     // SAFETY: device and surface are of the same instance.

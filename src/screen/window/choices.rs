@@ -1,12 +1,11 @@
-//! Says what of that which a window system offers is taken: format, way of presenting, size,
-//! transparency.
+//! Chooses among the options of a window system: format, present mode, size, composite alpha.
 //!
-//! Pure: takes what surface and device have said, gives a choice.
+//! Pure: takes the properties of surface and device, returns a choice.
 
 use ash::vk;
 
-/// Plain 8-bit formats first, as pictures are shaded and blended as sRGB values; then those with 10
-/// bits, which is all that some screens offer; then those that the device encodes.
+/// Plain 8-bit formats first, since pictures are shaded and blended as sRGB values; then those with
+/// 10 bits, which is all that some screens offer; then those that the device encodes.
 const FORMATS: [vk::Format; 8] = [
     vk::Format::B8G8R8A8_UNORM,
     vk::Format::R8G8B8A8_UNORM,
@@ -18,7 +17,7 @@ const FORMATS: [vk::Format; 8] = [
     vk::Format::A8B8G8R8_SRGB_PACK32,
 ];
 
-/// The format to draw in. `usable` says whether the device draws and blends in one.
+/// The format to draw in. `usable`: whether the device draws and blends in a format.
 pub fn format(
     offered: &[vk::SurfaceFormatKHR],
     usable: impl Fn(vk::Format) -> bool,
@@ -31,10 +30,9 @@ pub fn format(
     })
 }
 
-/// The way of presenting: one that never waits for the window to be seen, for a covered window may
-/// not be seen for hours. What shows each picture in turn (FIFO) does on Wayland; it is taken where
-/// there is nothing but tearing beside it, and then pictures are made only when the compositor asks
-/// for one.
+/// The present mode: one that never waits for the window to be visible, since a covered window may
+/// stay hidden for hours. FIFO waits on Wayland; it is used where the only alternative is tearing,
+/// and then pictures are drawn only when the compositor asks for one.
 pub fn present_mode(offered: &[vk::PresentModeKHR]) -> vk::PresentModeKHR {
     match offered.contains(&vk::PresentModeKHR::MAILBOX) {
         true => vk::PresentModeKHR::MAILBOX,
@@ -51,15 +49,15 @@ pub fn image_count(of: &vk::SurfaceCapabilitiesKHR) -> u32 {
     (of.min_image_count + 1).max(3).min(most)
 }
 
-/// The window's size as the surface reports it, or `wanted` where it lets us choose; zero while
-/// there is nothing to be seen.
+/// The window's size as the surface reports it, or `wanted` where it may be chosen; zero while
+/// nothing is visible.
 pub fn extent(of: &vk::SurfaceCapabilitiesKHR, wanted: [u32; 2]) -> [u32; 2] {
     let vk::Extent2D { width, height } = of.current_extent;
     let (min, max) = (of.min_image_extent, of.max_image_extent);
     if width != u32::MAX {
         return [width, height];
     }
-    // A minimised window has no room for any picture, whatever the least size is said to be.
+    // A minimised window shows nothing, whatever the smallest size is reported to be.
     if wanted.contains(&0) || max.width == 0 || max.height == 0 {
         return [0, 0];
     }
@@ -67,7 +65,7 @@ pub fn extent(of: &vk::SurfaceCapabilitiesKHR, wanted: [u32; 2]) -> [u32; 2] {
     [between(wanted[0], min.width, max.width), between(wanted[1], min.height, max.height)]
 }
 
-/// How the window goes together with what is behind it: not at all, where that can be chosen.
+/// The composite alpha: opaque, where it can be chosen.
 pub fn composite_alpha(of: &vk::SurfaceCapabilitiesKHR) -> vk::CompositeAlphaFlagsKHR {
     let supported = of.supported_composite_alpha;
     [vk::CompositeAlphaFlagsKHR::OPAQUE, vk::CompositeAlphaFlagsKHR::INHERIT]
@@ -76,23 +74,23 @@ pub fn composite_alpha(of: &vk::SurfaceCapabilitiesKHR) -> vk::CompositeAlphaFla
         .unwrap_or(vk::CompositeAlphaFlagsKHR::PRE_MULTIPLIED)
 }
 
-/// What to do about a failure of the window system.
+/// How to recover from a failure of the window system.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Remedy {
-    /// The window has changed: another swapchain.
+    /// The window has changed: make another swapchain.
     Rebuild,
-    /// Something of before still holds the window, or it is between two states: later.
+    /// The window is still in use, or between two states: try again later.
     Later,
-    /// The surface is gone: another one, with all that hangs on it.
+    /// The surface is lost: make another one, with everything that depends on it.
     Resurface,
 }
 
-/// The remedy of a failure, where there is one.
+/// The remedy of a failure, if there is one.
 pub fn remedy(failure: vk::Result) -> Option<Remedy> {
     match failure {
         vk::Result::ERROR_OUT_OF_DATE_KHR => Some(Remedy::Rebuild),
         vk::Result::ERROR_FULL_SCREEN_EXCLUSIVE_MODE_LOST_EXT => Some(Remedy::Rebuild),
-        // Drivers say the second where a window has another size than they were told a moment ago.
+        // Drivers return the second one if the size of the window has just changed.
         vk::Result::ERROR_NATIVE_WINDOW_IN_USE_KHR | vk::Result::ERROR_INITIALIZATION_FAILED => {
             Some(Remedy::Later)
         }
@@ -117,7 +115,7 @@ mod tests {
         let chosen = |formats: &[vk::Format]| format(&offered(formats), |_| true).map(|f| f.format);
         assert_eq!(chosen(&[half, ten]), Some(ten));
         assert_eq!(chosen(&[vk::Format::A2R10G10B10_UNORM_PACK32]).map(|f| f.as_raw()), Some(58));
-        // What needs no conversion is preferred.
+        // Formats without conversion are preferred.
         let eight = vk::Format::R8G8B8A8_UNORM;
         assert_eq!(chosen(&[ten, vk::Format::B8G8R8A8_SRGB, eight]), Some(eight));
         assert_eq!(chosen(&[vk::Format::B8G8R8A8_SRGB, ten]), Some(ten));
