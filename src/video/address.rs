@@ -1,4 +1,4 @@
-//! Owns the text by which a person names a source of video.
+//! Addresses of video sources, as users write them.
 //!
 //! | text | source |
 //! |---|---|
@@ -28,14 +28,14 @@ pub enum Address {
     Http(Url),
 }
 
-/// A camera of this computer and what to ask it for. It may answer with something near.
+/// A camera of this computer with the requested mode. It may use a similar one.
 #[derive(Clone, PartialEq, Debug)]
 pub struct CameraAddress {
     pub device: PathBuf,
     /// Pixels.
     pub size: Option<(u32, u32)>,
     pub rate: Option<Rate>,
-    /// Four characters as V4L2 names formats, such as `YUYV`, `NV12` or `MJPG`.
+    /// A V4L2 fourcc, such as `YUYV`, `NV12` or `MJPG`.
     pub format: Option<[u8; 4]>,
     pub colour: ColourChoice,
 }
@@ -52,18 +52,18 @@ pub enum FilmKind {
 pub struct FilmAddress {
     pub path: PathBuf,
     pub kind: FilmKind,
-    /// Begin again at the end.
+    /// Repeat at the end.
     pub repeat: bool,
-    /// Instead of the film's own.
+    /// Overrides that of the film.
     pub rate: Option<Rate>,
     pub colour: ColourChoice,
 }
 
 impl FilmAddress {
-    /// The opened file, and its name for people.
+    /// The opened file, and its name for messages.
     pub(super) fn open_file(&self) -> Result<(File, String), VideoError> {
         let subject = self.path.display().to_string();
-        // Asked before opening, for opening a pipe waits for its other end.
+        // Checked before opening, since opening a pipe waits for its other end.
         let known = std::fs::metadata(&self.path).map_err(|e| VideoError::io(&*subject, e))?;
         if !known.is_file() {
             return Err(VideoError::unsupported(subject, "not a regular file"));
@@ -94,7 +94,7 @@ fn parse(text: &str) -> Result<Address, String> {
         }
     }
     let (place, options) = match text.rsplit_once('?') {
-        // A question mark without an option behind it belongs to the name.
+        // A question mark without options after it belongs to the name.
         Some((place, options)) if options.contains('=') => (place, options),
         _ => (text, ""),
     };
@@ -208,7 +208,7 @@ fn yes_or_no(text: &str) -> Result<bool, String> {
     }
 }
 
-/// The names people use, or any four characters of V4L2.
+/// The common names, or any V4L2 fourcc.
 fn format(text: &str) -> Result<[u8; 4], String> {
     let upper = text.to_ascii_uppercase();
     let code = match upper.as_str() {

@@ -1,6 +1,6 @@
-//! Owns what the numbers of Y'CbCr mean: which primaries, which black and white.
+//! The meaning of Y'CbCr values: matrix and range.
 
-/// Which colours the numbers mean.
+/// The conversion matrix.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Matrix {
     /// ITU-R BT.601: cameras, JPEG, films up to 576 lines.
@@ -9,16 +9,16 @@ pub enum Matrix {
     Bt709,
 }
 
-/// Which numbers are black and white.
+/// The range of values.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Range {
-    /// Luma 16 to 235, colour 16 to 240.
+    /// Limited: luma 16 to 235, chroma 16 to 240.
     Limited,
-    /// All 0 to 255.
+    /// Full: 0 to 255.
     Full,
 }
 
-/// How to understand Y'CbCr.
+/// How to decode Y'CbCr.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Colour {
     pub matrix: Matrix,
@@ -26,12 +26,12 @@ pub struct Colour {
 }
 
 impl Colour {
-    /// What cameras and films mean unless they say otherwise.
+    /// The default of cameras and films.
     pub const DEFAULT: Colour = Colour { matrix: Matrix::Bt601, range: Range::Limited };
 
     /// Factors of luma, Cr to red, Cb to green, Cr to green, Cb to blue, and the luma of black.
     pub fn factors(self) -> ([f64; 5], f64) {
-        // Shares of red and blue in luma, from the two recommendations.
+        // Weights of red and blue in luma, from the two recommendations.
         let (red, blue): (f64, f64) = match self.matrix {
             Matrix::Bt601 => (0.299, 0.114),
             Matrix::Bt709 => (0.2126, 0.0722),
@@ -46,7 +46,7 @@ impl Colour {
     }
 }
 
-/// What a person says about the colours of a source that does not know them.
+/// The user's choice for sources that do not describe their colours.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct ColourChoice {
     pub matrix: Option<Matrix>,
@@ -54,7 +54,7 @@ pub struct ColourChoice {
 }
 
 impl ColourChoice {
-    /// The choice where there is one, else `said`.
+    /// The choice if there is one, otherwise `said`.
     pub fn over(self, said: Colour) -> Colour {
         Colour {
             matrix: self.matrix.unwrap_or(said.matrix),

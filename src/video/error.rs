@@ -1,27 +1,27 @@
-//! Owns the ways in which a source of video fails, as values with a text for people.
+//! Errors of video sources, as values with messages for users.
 
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Why there is no picture, or no more.
+/// Why there is no frame, or no more.
 #[derive(Debug, thiserror::Error)]
 pub enum VideoError {
-    /// The text does not say where to find a video.
+    /// The text is not an address of a video.
     #[error("cannot use the video address {text:?}: {problem}")]
     Address { text: String, problem: String },
-    /// A file, device or connection did not do as asked.
+    /// An operation on a file, device or connection failed.
     #[error("{subject}: {error}")]
     Io { subject: String, error: io::Error },
-    /// What came is not what its format promises.
+    /// The data violate their format.
     #[error("{subject}: {problem}")]
     Malformed { subject: String, problem: String },
-    /// Well formed, but this program has no way to show it.
+    /// Valid, but not supported.
     #[error("{subject}: {problem}")]
     Unsupported { subject: String, problem: String },
-    /// The camera is there and silent.
+    /// The camera exists and sends nothing.
     #[error("{subject}: no picture for {seconds} s")]
     Silent { subject: String, seconds: u64 },
-    /// A driver's or decoder's library gave up with a panic; its message went to the log.
+    /// A driver's or decoder's library panicked; its message went to the log.
     #[error("{subject}: the library that decodes it has failed")]
     Panicked { subject: String },
 }
@@ -43,10 +43,11 @@ impl VideoError {
     }
 }
 
-/// Turns a panic of `work` into an error. Libraries for cameras and codecs assert what drivers and
-/// strangers' files promise; that must not cost more than the picture or the source.
+/// Turns a panic of `work` into an error. Libraries for cameras and codecs have assertions on what
+/// drivers and files contain, which must not cost more than the frame or the source.
 ///
-/// What `work` changes must be harmless half done: pictures not yet shown, readers not used again.
+/// What `work` modifies must be harmless when half done: frames not yet shown, readers not used
+/// again.
 pub(super) fn guarded<T>(
     subject: &str,
     work: impl FnOnce() -> Result<T, VideoError>,

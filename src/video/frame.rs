@@ -1,4 +1,4 @@
-//! Owns one picture of a video in the form that uploads best, and the sizes that are believed.
+//! Frames of a video, in the form to upload, and the limits of their size.
 
 use std::time::{Duration, Instant};
 
@@ -8,10 +8,10 @@ use super::error::VideoError;
 pub const MAX_SIDE_PX: u32 = 8192;
 /// Most pixels in a frame: 8192 x 4320, 135 MiB as RGBA.
 pub const MAX_PIXELS: u64 = 8192 * 4320;
-/// Most bytes of one compressed picture.
+/// Largest compressed picture, in bytes.
 pub const MAX_COMPRESSED_BYTES: usize = 32 << 20;
 
-/// A picture.
+/// A frame.
 #[derive(Clone, Debug)]
 pub struct Frame {
     /// Pixels.
@@ -23,14 +23,14 @@ pub struct Frame {
     pub pixels: Vec<u8>,
     /// When it came from the camera, or was due in the film.
     pub arrived: Instant,
-    /// Place in the film (starts again when it repeats), or time since the camera was opened.
+    /// Position in the film (restarts when it repeats), or time since the camera was opened.
     pub position: Duration,
-    /// Counts the frames of one source from 1; gaps are frames that nobody saw.
+    /// Counts the frames of one source from 1; gaps are frames that nobody polled.
     pub sequence: u64,
 }
 
 impl Frame {
-    /// No picture: 0 x 0.
+    /// An empty frame: 0 x 0.
     pub fn empty() -> Frame {
         Frame {
             width: 0,
@@ -42,7 +42,7 @@ impl Frame {
         }
     }
 
-    /// Makes room for a picture. The old pixels stay where they were; memory is reused.
+    /// Resizes the frame. The old pixels keep their positions in memory, which is reused.
     pub(super) fn shape(
         &mut self,
         width: u32,
@@ -57,7 +57,7 @@ impl Frame {
     }
 }
 
-/// Refuses sizes that no memory should be asked for.
+/// Refuses sizes beyond the limits.
 pub(super) fn check_size(width: u64, height: u64, subject: &str) -> Result<(), VideoError> {
     let side = u64::from(MAX_SIDE_PX);
     if width == 0 || height == 0 {

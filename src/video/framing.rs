@@ -1,24 +1,24 @@
-//! Owns how a picture lies on a screen of another shape: fitted, filling or stretched, and
-//! mirrored. Pure numbers; x to the right, y down, both 0 to 1 from the upper left corner.
+//! How a frame is placed on a screen of another shape: fitted, filling or stretched, and mirrored.
+//! Pure; x to the right, y down, both 0 to 1 from the upper left corner.
 
 use glam::{UVec2, Vec2};
 use serde::Deserialize;
 
-/// What to do where picture and screen differ in shape.
+/// What to do if frame and screen differ in shape.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Fit {
-    /// All of the picture, bars where it does not reach.
+    /// Show all of the frame, with bars beside it.
     Fit,
-    /// All of the screen, cutting what hangs over.
+    /// Fill all of the screen, cropping the frame.
     #[default]
     Fill,
-    /// Both, at the price of the proportions.
+    /// Stretch the frame to the screen.
     Stretch,
 }
 
-/// Picture position from screen position: `screen * scale + offset`. Where the result leaves
-/// 0 to 1 there is no picture.
+/// Frame position from screen position: `screen * scale + offset`. A result outside 0 to 1 is
+/// beyond the frame.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Framing {
     pub scale: Vec2,
@@ -26,8 +26,8 @@ pub struct Framing {
 }
 
 impl Framing {
-    /// Sizes in pixels (pixels are square); a side of 0, as of a minimised window, counts as 1.
-    /// A mirrored picture shows its left on the right.
+    /// Sizes in pixels (pixels are square); a side of 0, as of a minimised window, counts as 1. A
+    /// mirrored frame shows its left on the right.
     pub fn new(picture: UVec2, screen: UVec2, fit: Fit, mirror: bool) -> Framing {
         let picture = picture.max(UVec2::ONE).as_vec2();
         let screen = screen.max(UVec2::ONE).as_vec2();
@@ -42,12 +42,12 @@ impl Framing {
         Framing { scale, offset: 0.5 * (Vec2::ONE - scale) }
     }
 
-    /// Where in the picture the screen shows.
+    /// The position in the frame of a position on the screen.
     pub fn picture_from_screen(&self, screen: Vec2) -> Vec2 {
         screen * self.scale + self.offset
     }
 
-    /// Where on the screen a place of the picture is seen.
+    /// The position on the screen of a position in the frame.
     pub fn screen_from_picture(&self, picture: Vec2) -> Vec2 {
         (picture - self.offset) / self.scale
     }
@@ -66,7 +66,7 @@ mod tests {
     fn shapes_known_by_hand() {
         let (wide, square) = (UVec2::new(1600, 800), UVec2::new(500, 500));
         let fit = Framing::new(wide, square, Fit::Fit, false);
-        // The picture fills the middle half of the square's height.
+        // The frame fills the middle half of the square's height.
         assert!(close(fit.screen_from_picture(Vec2::ZERO), Vec2::new(0.0, 0.25)));
         assert!(close(fit.screen_from_picture(Vec2::ONE), Vec2::new(1.0, 0.75)));
         assert!(fit.picture_from_screen(Vec2::new(0.5, 0.1)).y < 0.0);
@@ -92,7 +92,7 @@ mod tests {
             for fit in [Fit::Fit, Fit::Fill, Fit::Stretch] {
                 let framing = Framing::new(picture, screen, fit, mirror);
                 prop_assert!(close(framing.picture_from_screen(Vec2::splat(0.5)), Vec2::splat(0.5)));
-                // Relative: a picture 1 pixel wide on a wide screen is scaled by thousands.
+                // Relative: a frame 1 pixel wide on a wide screen is scaled by thousands.
                 let back = framing.screen_from_picture(framing.picture_from_screen(at));
                 prop_assert!(back.distance(at) < 1e-3);
                 prop_assert_eq!(framing.scale.x < 0.0, mirror);
@@ -103,7 +103,7 @@ mod tests {
                     Fit::Fill => prop_assert!(seen.max_element() == 1.0),
                 }
                 if fit != Fit::Stretch {
-                    // Square pixels stay square: picture pixels per screen pixel, both ways.
+                    // Square pixels stay square: frame pixels per screen pixel, both ways.
                     let density = seen * picture.as_vec2() / screen.as_vec2();
                     prop_assert!((density.x / density.y - 1.0).abs() < 1e-4);
                 }

@@ -1,8 +1,8 @@
-//! Owns the lens of a camera: where a direction falls in its picture and back, with the distortion
-//! of Brown and Conrady as OpenCV's `calibrateCamera` gives it.
+//! The lens of a camera: projection of rays to pixels and back, with the Brown-Conrady distortion
+//! of OpenCV's `calibrateCamera`.
 //!
-//! A ray is (x, y) at depth 1 in front of the camera, x to the right, y down. A pixel position is
-//! OpenCV's: whole numbers are the middles of pixels, (0, 0) that of the upper left one.
+//! A ray is (x, y) at depth 1 in front of the camera, x to the right, y down. Pixel positions are
+//! OpenCV's: integers are pixel centres, (0, 0) that of the upper left one.
 
 use glam::{DMat2, DVec2, Vec2};
 use serde::Deserialize;
@@ -39,14 +39,14 @@ pub struct Intrinsics {
     pub p1: f64,
     #[serde(default)]
     pub p2: f64,
-    /// Radial distortion; OpenCV prints it after the tangential.
+    /// Radial distortion; OpenCV prints it after the tangential one.
     #[serde(default)]
     pub k3: f64,
 }
 
-/// Steps of Newton's method; four do for lenses of the field.
+/// Largest number of Newton steps; four are enough for typical lenses.
 const MAX_STEPS: usize = 30;
-/// How near an inverted position must come, in pixels.
+/// Tolerance of an inverted position, in pixels.
 const TOLERANCE_PX: f64 = 1e-6;
 
 impl Intrinsics {
@@ -57,7 +57,7 @@ impl Intrinsics {
         Ok(intrinsics)
     }
 
-    /// A lens without distortion, its axis in the middle, from the angle that the height spans.
+    /// A lens without distortion, with its axis in the centre, from the vertical field of view.
     pub fn pinhole(width: u32, height: u32, fov_y_rad: f64) -> Intrinsics {
         let (w, h) = (f64::from(width), f64::from(height));
         let focal = 0.5 * h / (0.5 * fov_y_rad).tan();
@@ -66,9 +66,9 @@ impl Intrinsics {
         Intrinsics { width, height, fx, fy, cx, cy, k1: 0.0, k2: 0.0, p1: 0.0, p2: 0.0, k3: 0.0 }
     }
 
-    /// Refuses numbers that no lens has, and a distortion that folds the picture over itself.
+    /// Refuses values that no lens has, and a distortion that folds the picture over itself.
     ///
-    /// After this, [`Intrinsics::ray_from_pixel`] answers everywhere in the picture.
+    /// After this, [`Intrinsics::ray_from_pixel`] has a result everywhere in the picture.
     pub fn check(&self) -> Result<(), IntrinsicsError> {
         let refuse = |problem: String| Err(IntrinsicsError::Value(problem));
         let Intrinsics { width, height, fx, fy, cx, cy, k1, k2, p1, p2, k3 } = *self;
@@ -102,19 +102,19 @@ impl Intrinsics {
         Ok(())
     }
 
-    /// Where a direction is seen.
+    /// The pixel of a ray.
     pub fn pixel_from_ray(&self, ray: DVec2) -> DVec2 {
         let (distorted, _) = self.distort(ray);
         distorted * DVec2::new(self.fx, self.fy) + DVec2::new(self.cx, self.cy)
     }
 
-    /// From which direction the light of a pixel came: the undistorted position. None where the
-    /// lens sends no light, which [`Intrinsics::check`] rules out within the picture.
+    /// The ray of a pixel: its undistorted position. None where the lens sends no light, which
+    /// [`Intrinsics::check`] rules out within the picture.
     pub fn ray_from_pixel(&self, pixel: DVec2) -> Option<DVec2> {
         let focal = DVec2::new(self.fx, self.fy);
         let target = (pixel - DVec2::new(self.cx, self.cy)) / focal;
-        // Along the line from the middle to the target, each step starting where the last one
-        // arrived: so the solution is on this side of any fold.
+        // Along the line from the centre to the target, each step starting where the last one
+        // ended, so that the solution is on this side of any fold.
         const STAGES: u32 = 8;
         let mut ray = DVec2::ZERO;
         for stage in 1..=STAGES {
@@ -162,15 +162,14 @@ impl Intrinsics {
         (ray * radial + tangential, change)
     }
 
-    /// Texture position, 0 to 1 from the upper left corner, where a direction is seen.
+    /// Texture position of a ray, 0 to 1 from the upper left corner.
     pub fn uv_from_ray(&self, ray: DVec2) -> DVec2 {
         let size = DVec2::new(f64::from(self.width), f64::from(self.height));
         (self.pixel_from_ray(ray) + 0.5) / size
     }
 
-    /// For each pixel of a picture without distortion (this lens with k and p zero, scaled to
-    /// `width` x `height`), row by row: where to look in the camera's picture, as texture position.
-    /// Outside 0 to 1 the camera saw nothing.
+    /// The texture position for each pixel of an undistorted picture (this lens with k and p zero,
+    /// scaled to `width` x `height`), row by row. Outside 0 to 1 the camera saw nothing.
     pub fn undistort_map(&self, width: u32, height: u32) -> Vec<Vec2> {
         let ideal = self.scaled(width, height);
         let (focal, centre) = (DVec2::new(ideal.fx, ideal.fy), DVec2::new(ideal.cx, ideal.cy));
@@ -183,8 +182,8 @@ impl Intrinsics {
             .collect()
     }
 
-    /// The same lens for a picture of another size. Only right where the camera scales its picture
-    /// and does not cut it.
+    /// The same lens for a picture of another size. Only valid where the camera scales its picture
+    /// and does not crop it.
     pub fn scaled(&self, width: u32, height: u32) -> Intrinsics {
         let x = f64::from(width) / f64::from(self.width.max(1));
         let y = f64::from(height) / f64::from(self.height.max(1));
@@ -193,15 +192,15 @@ impl Intrinsics {
             height,
             fx: self.fx * x,
             fy: self.fy * y,
-            // Scaled about the picture's corner, which is half a pixel from the first middle.
+            // Scaled about the corner of the picture, half a pixel from the first centre.
             cx: (self.cx + 0.5) * x - 0.5,
             cy: (self.cy + 0.5) * y - 0.5,
             ..*self
         }
     }
 
-    /// What the picture would span without distortion, for the projection of an eye that sees what
-    /// the camera sees.
+    /// The frustum of the undistorted picture, for the projection of an eye that sees what the
+    /// camera sees.
     pub fn frustum(&self) -> Frustum {
         let (w, h) = (f64::from(self.width), f64::from(self.height));
         let (x, y) = (self.cx + 0.5, self.cy + 0.5);

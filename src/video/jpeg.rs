@@ -1,8 +1,8 @@
-//! Owns single JPEG pictures: decoding them, and finding where each begins and ends in a stream of
-//! them (films, and phones that send multipart HTTP).
+//! JPEG pictures: decoding, and finding where each begins and ends in a stream (films, and phones
+//! that send multipart HTTP).
 //!
-//! A JPEG delimits itself: marker segments carry their lengths, and coded data escapes every 0xFF.
-//! So the splitter needs no frame sizes from outside, of which many are wrong. ITU-T T.81, B.1.
+//! A JPEG delimits itself: marker segments have lengths, and coded data escapes every 0xFF. So the
+//! splitter needs no frame sizes from outside, which are often wrong. ITU-T T.81, B.1.
 
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::bytestream::ZCursor;
@@ -18,16 +18,16 @@ const EOI: u8 = 0xD9;
 const SOS: u8 = 0xDA;
 const DHT: u8 = 0xC4;
 
-/// The APP0 segment of a film's picture, behind the start marker. The decoder takes it for leave
-/// to use the standard Huffman tables, which webcams do not send.
+/// The APP0 segment of a film's picture, behind the start marker. With it the decoder uses the
+/// standard Huffman tables, which webcams leave out.
 const AVI1: [u8; 9] = [0xFF, 0xE0, 0, 7, b'A', b'V', b'I', b'1', 0];
 
-/// Where the splitter is in a picture.
+/// The position of the splitter in a picture.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Place {
     /// Before a picture.
     Outside,
-    /// Between segments: an 0xFF must come.
+    /// Between segments: an 0xFF must follow.
     Marker,
     /// After an 0xFF: the marker's code.
     Code,
@@ -49,9 +49,9 @@ pub struct Splitter {
     after_ff: bool,
     has_tables: bool,
     picture: Vec<u8>,
-    /// Pictures that broke off or went wrong since last asked.
+    /// Damaged pictures since the last call.
     broken: u64,
-    /// Bytes outside pictures since the last picture.
+    /// Bytes outside of pictures since the last picture.
     outside: usize,
 }
 
@@ -67,12 +67,12 @@ impl Splitter {
         }
     }
 
-    /// Reads on until a picture is whole or `bytes` are used up. Gives how many bytes were used
-    /// and whether [`Splitter::swap_picture`] now has a picture to give.
+    /// Reads until a picture is complete or `bytes` are used up. Returns how many bytes were used
+    /// and whether [`Splitter::swap_picture`] now has a picture.
     pub fn feed(&mut self, bytes: &[u8]) -> (usize, bool) {
         let mut used = 0;
         while let Some(&byte) = bytes.get(used) {
-            // The two places where most bytes are take them by the stretch.
+            // The two states with most of the bytes skip ahead.
             let rest = &bytes[used..];
             match self.place {
                 Place::Segment { left, code } => {
@@ -113,7 +113,7 @@ impl Splitter {
         (used, false)
     }
 
-    /// One byte where single bytes matter. True at the end of a picture.
+    /// Consumes one byte where single bytes matter. True at the end of a picture.
     fn step(&mut self, byte: u8) -> bool {
         if self.place == Place::Outside {
             self.outside += 1;
@@ -131,7 +131,7 @@ impl Splitter {
             (Place::Code | Place::DataCode, 0xFF) => {}
             (Place::DataCode, 0 | 0xD0..=0xD7) => self.place = Place::Data,
             (Place::Code | Place::DataCode, SOI) => {
-                // The picture broke off and here is the next.
+                // The picture was cut off, and this is the next one.
                 self.broken += 1;
                 self.begin();
             }
@@ -179,8 +179,8 @@ impl Splitter {
         self.place = Place::Outside;
     }
 
-    /// Gives the picture that [`Splitter::feed`] announced for an old one's memory. It decodes by
-    /// itself: standard tables are asked for where it brings none.
+    /// Swaps the picture that [`Splitter::feed`] announced for an old buffer. It can be decoded on
+    /// its own: standard Huffman tables are added if it has none.
     pub fn swap_picture(&mut self, picture: &mut Vec<u8>) {
         if !self.has_tables && self.picture.len() > 2 {
             self.picture.splice(2..2, AVI1);
@@ -189,7 +189,7 @@ impl Splitter {
         self.picture.clear();
     }
 
-    /// Drops a picture begun, as at the end of a film, and starts over.
+    /// Drops a partial picture, as at the end of a film, and starts over.
     pub fn reset(&mut self) {
         if self.place != Place::Outside {
             self.give_up();
@@ -197,21 +197,21 @@ impl Splitter {
         self.outside = 0;
     }
 
-    /// Bytes seen since the last picture that belong to none.
+    /// Bytes outside of pictures since the last picture.
     pub fn outside(&self) -> usize {
         self.outside
     }
 
-    /// Pictures thrown away since the last call.
+    /// Number of damaged pictures since the last call.
     pub fn take_broken(&mut self) -> u64 {
         std::mem::take(&mut self.broken)
     }
 }
 
-/// Decodes one picture, whose colours are BT.601 in full range (JFIF), into `frame`. Broken are
-/// also the kinds that cameras do not send: arithmetic coding, 12 bits, CMYK of no known meaning.
+/// Decodes one picture, whose colours are BT.601 in full range (JFIF), into `frame`. Kinds that
+/// cameras do not send count as damaged: arithmetic coding, 12 bits, unknown CMYK.
 pub fn decode(picture: &[u8], subject: &str, frame: &mut Frame) -> Decoded {
-    // The decoder's authors allow it to panic on bad input.
+    // The decoder may panic on bad input.
     match guarded(subject, || decode_rgba(picture, subject, frame)) {
         Ok(()) => Decoded::Whole,
         Err(error) => Decoded::Broken(error),
@@ -230,7 +230,7 @@ fn decode_rgba(picture: &[u8], subject: &str, frame: &mut Frame) -> Result<(), V
         return Err(VideoError::malformed(subject, "a JPEG without a size"));
     };
     check_size(width as u64, height as u64, subject)?;
-    // The colour space is fixed while decoding, so the buffer must be what it asks for.
+    // The colour space is decided while decoding, so the buffer must have the size that it reports.
     let bytes = decoder.output_buffer_size();
     if bytes != Some(width * height * 4) {
         return Err(VideoError::unsupported(subject, "a JPEG that does not give RGBA"));

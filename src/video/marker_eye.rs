@@ -1,33 +1,34 @@
-//! Owns the eye of a camera: the view that matches a video picture behind the sculpture, and how
-//! the sculpture stands on a marker.
+//! The eye of a camera: the view that matches the video behind the sculpture, and the placement of
+//! the sculpture on a marker.
 //!
-//! Takes the camera's pose, its lens and how its picture lies on the screen; gives an [`Eye`]. The
-//! picture behind must be shown without the lens's distortion for the two to match.
+//! Takes the camera's pose, its lens and the framing of its video; returns an [`Eye`]. The video
+//! must be shown undistorted for the two to match.
 
 use glam::{Affine3A, Mat3, UVec2, Vec2, Vec3};
 
 use super::{Framing, Intrinsics};
 use crate::view::eye::{Eye, Frustum};
 
-/// How a sculpture stands on a marker: upright at its middle, the world's y axis out of the paper.
+/// The placement of a sculpture on a marker: upright at its centre, with the world's y axis out of
+/// the paper.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Stand {
-    /// Height in the world of the lowest point, which touches the paper.
+    /// Lowest point of the sculpture in the world, which touches the paper.
     pub ground: f32,
-    /// Metres that a world unit is, above 0.
+    /// Metres per world unit, above 0.
     pub m_per_unit: f32,
 }
 
 impl Stand {
-    /// The marker's axes (x right, y up on the paper, z out of it, metres) from the world's.
+    /// From the world to the marker's axes (x right, y up on the paper, z out of it, metres).
     pub fn marker_from_world(&self) -> Affine3A {
         let turn = Mat3::from_cols(Vec3::X, Vec3::Z, Vec3::NEG_Y);
         Affine3A::from_mat3(turn * self.m_per_unit)
             * Affine3A::from_translation(Vec3::new(0.0, -self.ground, 0.0))
     }
 
-    /// What a camera sees. `camera_from_marker` in metres, the camera's axes x right, y up and z
-    /// backwards; `near` in world units; `size` in pixels.
+    /// The eye of a camera. `camera_from_marker` in metres, with the camera's axes x right, y up
+    /// and z backwards; `near` in world units; `size` in pixels.
     pub fn eye(
         &self,
         camera_from_marker: Affine3A,
@@ -36,7 +37,7 @@ impl Stand {
         size: UVec2,
         near: f32,
     ) -> Eye {
-        // Eye space has world units.
+        // Eye space is in world units.
         let eye_from_world = Affine3A::from_scale(Vec3::splat(self.m_per_unit.recip()))
             * camera_from_marker
             * self.marker_from_world();
@@ -44,8 +45,8 @@ impl Stand {
     }
 }
 
-/// What the screen spans where the picture spans `whole`. A mirrored picture has left and right
-/// exchanged.
+/// The frustum of the screen if that of the frame is `whole`. A mirrored frame swaps left and
+/// right.
 fn framed(whole: &Frustum, framing: &Framing) -> Frustum {
     let (low, high) =
         (framing.picture_from_screen(Vec2::ZERO), framing.picture_from_screen(Vec2::ONE));
@@ -74,7 +75,7 @@ mod tests {
     }
 
     proptest! {
-        /// A point of the world is seen on the screen where the camera's picture of it lies.
+        /// A point of the world is drawn where the camera's picture of it is shown.
         #[test]
         fn sculpture_and_picture_match(
             x in -3.0f32..3.0, y in 0.0f32..3.0, z in -3.0f32..3.0,
@@ -104,7 +105,7 @@ mod tests {
         assert!(map.transform_point3(Vec3::new(0.0, 2.0, 0.0)).abs_diff_eq(Vec3::ZERO, 1e-6));
         let up = map.transform_vector3(Vec3::Y);
         assert!(up.abs_diff_eq(Vec3::new(0.0, 0.0, 0.01), 1e-6));
-        // The front of the sculpture looks to the lower edge of the marker, to the person.
+        // The front of the sculpture faces the lower edge of the marker, towards the person.
         let front = map.transform_vector3(Vec3::Z);
         assert!(front.abs_diff_eq(Vec3::new(0.0, -0.01, 0.0), 1e-6));
     }

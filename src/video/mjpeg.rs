@@ -1,4 +1,4 @@
-//! Owns films of JPEG pictures one after the other in a file.
+//! Films of concatenated JPEG pictures in a file.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Seek};
@@ -17,7 +17,7 @@ pub struct Mjpeg {
     rate: Rate,
     splitter: Splitter,
     picture: Vec<u8>,
-    /// Pictures fetched since the beginning.
+    /// Number of pictures fetched.
     index: u64,
 }
 
@@ -41,7 +41,7 @@ impl Reader for Mjpeg {
             let bytes =
                 self.file.fill_buf().map_err(|error| VideoError::io(&*self.subject, error))?;
             if bytes.is_empty() {
-                // A recording that was broken off is shown as far as it goes.
+                // A truncated recording is shown as far as it goes.
                 self.splitter.reset();
                 if self.index == 0 {
                     let problem = "it contains no complete JPEG picture";

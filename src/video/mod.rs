@@ -1,8 +1,8 @@
-//! Owns the pictures behind the sculpture: cameras, films and phones to RGBA frames with time
-//! stamps, and the plane geometry of showing them (framing, lens).
+//! Video behind the sculpture: cameras, films and phones to RGBA frames with time stamps, and the
+//! 2D geometry of showing them (framing, lens).
 //!
-//! Takes an address (see [`Address`]); gives a [`VideoSource`] whose reader never waits: a thread
-//! of its own decodes, the newest frame wins. Must not know Vulkan, windows or sculptures.
+//! Takes an [`Address`]; returns a [`VideoSource`] that never blocks its caller: a thread of its
+//! own decodes, and the newest frame wins. Must not know Vulkan, windows or sculptures.
 //!
 //! ```text
 //! address.rs --open--> Reader: v4l2 | http | y4m | mjpeg | png_folder

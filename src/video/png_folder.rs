@@ -1,5 +1,4 @@
-//! Owns films that are folders of PNG pictures of one size, in the order of the numbers in their
-//! names.
+//! Films that are folders of PNG pictures of one size, ordered by the numbers in their names.
 
 use std::cmp::Ordering;
 use std::fs::File;
@@ -16,13 +15,13 @@ use super::frame::{Frame, MAX_COMPRESSED_BYTES, MAX_PIXELS, MAX_SIDE_PX};
 use super::rate::Rate;
 use super::reader::{Decoded, Fetched, Reader};
 
-/// Most pictures of a folder: nine hours at 30 a second.
+/// Most pictures of a folder: nine hours at 30 per second.
 const MAX_PICTURES: usize = 1_000_000;
 
 pub struct PngFolder {
     paths: Vec<PathBuf>,
     rate: Rate,
-    /// Of the first picture decoded; all others must have it.
+    /// The size of the first picture decoded; all others must have it.
     size: Option<(u32, u32)>,
     bytes: Vec<u8>,
     samples: Vec<u8>,
@@ -63,7 +62,7 @@ impl PngFolder {
         })
     }
 
-    /// The picture last fetched, for people.
+    /// Name of the last picture, for messages.
     fn subject(&self) -> String {
         let path = self.index.checked_sub(1).and_then(|i| self.paths.get(i));
         path.map(|path| path.display().to_string()).unwrap_or_default()
@@ -125,9 +124,10 @@ impl Reader for PngFolder {
     }
 }
 
-/// Grey, grey + alpha, RGB or RGBA of 8 bits or of 16 in the machine's order, to opaque RGBA of 8.
+/// Converts grey, grey + alpha, RGB or RGBA of 8 bits, or of 16 in native byte order, to opaque
+/// RGBA of 8.
 fn expand(samples: &[u8], channels: usize, sample_bytes: usize, out: &mut [u8]) {
-    // Where in a sample its upper 8 bits are.
+    // Position of the upper 8 bits in a sample.
     let upper = if cfg!(target_endian = "big") { 0 } else { sample_bytes - 1 };
     let pixels = samples.chunks_exact(channels * sample_bytes);
     for (pixel, out) in pixels.zip(out.as_chunks_mut::<4>().0) {
@@ -139,7 +139,7 @@ fn expand(samples: &[u8], channels: usize, sample_bytes: usize, out: &mut [u8]) 
     }
 }
 
-/// By the texts between numbers and by the numbers' values, so that 2 comes before 10.
+/// Compares the texts between numbers and the values of the numbers, so that 2 precedes 10.
 fn natural_order(a: &str, b: &str) -> Ordering {
     let (mut a, mut b) = (a, b);
     loop {
@@ -154,7 +154,7 @@ fn natural_order(a: &str, b: &str) -> Ordering {
             (prefix(a, |c| c.is_ascii_digit()), prefix(b, |c| c.is_ascii_digit()));
         let (value_a, value_b) =
             (digits_a.trim_start_matches('0'), digits_b.trim_start_matches('0'));
-        // Without leading zeros, the longer number is the greater; any length is allowed.
+        // Without leading zeros, the longer number is larger; any length is allowed.
         let by_value = value_a.len().cmp(&value_b.len()).then_with(|| value_a.cmp(value_b));
         if by_value != Ordering::Equal {
             return by_value;
@@ -163,7 +163,7 @@ fn natural_order(a: &str, b: &str) -> Ordering {
     }
 }
 
-/// The longest beginning of which each character fulfils `is`.
+/// The longest prefix of characters that satisfy `is`.
 fn prefix(text: &str, is: impl Fn(char) -> bool) -> &str {
     text.find(|c| !is(c)).map_or(text, |end| &text[..end])
 }

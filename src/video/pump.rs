@@ -1,5 +1,5 @@
-//! Owns the life of the decoding thread: films at their pace, cameras as they come, lost cameras
-//! sought again. Knows readers only by their trait; puts frames and states into the slot.
+//! The decoding thread: films at their rate, cameras as their frames come, and reconnecting to lost
+//! cameras. Knows readers only by their trait; puts frames and states into the slot.
 
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -9,42 +9,42 @@ use super::frame::Frame;
 use super::reader::{Decoded, Fetched, Reader, Stop};
 use super::slot::{Slot, State, lock};
 
-/// Makes a reader; called again after each loss of a camera.
+/// Opens a reader; called again after each loss of a camera.
 pub type Open = Box<dyn FnMut(&Stop) -> Result<Box<dyn Reader>, VideoError> + Send>;
 
 /// How a source is played.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Play {
-    /// At the times of its frames.
+    /// Frames are shown at their times.
     Film { repeat: bool },
-    /// As it comes. A camera gone or silent is sought after `first_wait`, then after twice that,
-    /// and so on up to `longest_wait`.
+    /// Frames are shown as they come. A camera that is gone or silent is tried again after
+    /// `first_wait`, then after twice that, and so on up to `longest_wait`.
     Camera { silence: Duration, first_wait: Duration, longest_wait: Duration },
 }
 
 impl Play {
     pub const CAMERA: Play = Play::Camera {
-        // Longer than cameras take for their first picture.
+        // Longer than cameras take for their first frame.
         silence: Duration::from_secs(5),
         first_wait: Duration::from_millis(250),
         longest_wait: Duration::from_secs(4),
     };
 }
 
-/// A film that is behind by more than this is played on from where it is, without catching up
-/// (the computer slept, the disk stood still).
+/// A film that is late by more than this continues from where it is, without catching up (the
+/// computer slept, the disk stalled).
 const TOO_FAR_BEHIND: Duration = Duration::from_secs(1);
-/// A film on a machine too slow for it shows a frame at least this often.
+/// On a machine that is too slow, a film still shows a frame at least this often.
 const LONGEST_SKIP: Duration = Duration::from_millis(250);
 
-/// Why a session came to its end without an error.
+/// Why a session ended without an error.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Done {
     Stopped,
     Over,
 }
 
-/// Runs until the film is over or `stop` says so.
+/// Runs until the film ends or `stop` is signalled.
 pub fn run(subject: &str, mut open: Open, play: Play, slot: &Arc<Mutex<Slot>>, stop: &Stop) {
     let mut pump = Pump { slot, stop, back: Frame::empty(), sequence: 0 };
     let mut wait = Duration::ZERO;

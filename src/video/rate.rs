@@ -1,9 +1,9 @@
-//! Owns frame rates as exact fractions, so that a film of an hour does not drift.
+//! Frame rates as exact fractions, so that long films do not drift.
 
 use std::str::FromStr;
 use std::time::Duration;
 
-/// Frames a second, as a fraction. Between 0.01 and 1000.
+/// Frames per second, as a fraction. Between 0.01 and 1000.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Rate {
     frames: u32,
@@ -11,10 +11,10 @@ pub struct Rate {
 }
 
 impl Rate {
-    /// What films without a rate are shown at.
+    /// The rate of films that have none.
     pub const DEFAULT: Rate = Rate { frames: 30, seconds: 1 };
 
-    /// None outside 0.01 to 1000 frames a second.
+    /// None outside 0.01 to 1000 frames per second.
     pub fn new(frames: u32, seconds: u32) -> Option<Rate> {
         let (f, s) = (u64::from(frames), u64::from(seconds));
         (s > 0 && f * 100 >= s && f <= s * 1000).then_some(Rate { frames, seconds })

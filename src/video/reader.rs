@@ -1,5 +1,5 @@
-//! Owns what all sources of pictures have in common, seen from the decoding thread, and the sign
-//! by which that thread is told to stop.
+//! The interface of all video sources towards the decoding thread, and the signal that stops that
+//! thread.
 
 use std::convert::Infallible;
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender, TryRecvError};
@@ -8,51 +8,51 @@ use std::time::Duration;
 use super::error::VideoError;
 use super::frame::Frame;
 
-/// What a fetch brought.
+/// The result of a fetch.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Fetched {
-    /// A compressed or raw picture lies in the reader, ready to be decoded.
+    /// The reader has a compressed or raw picture to decode.
     Picture {
-        /// Place in the film, or time since the camera was opened.
+        /// Position in the film, or time since the camera was opened.
         position: Duration,
-        /// Pictures passed over because a newer one had come already.
+        /// Pictures skipped because a newer one had arrived already.
         stale: u64,
-        /// Pictures passed over because they were damaged.
+        /// Pictures skipped because they were damaged.
         broken: u64,
     },
-    /// Nothing yet; ask again.
+    /// Nothing yet; fetch again.
     Idle,
-    /// The film is over.
+    /// The film has ended.
     End,
 }
 
-/// What became of a fetched picture.
+/// The result of decoding a fetched picture.
 #[derive(Debug)]
 pub enum Decoded {
     Whole,
-    /// Damaged; the next may be better.
+    /// Damaged; the next one may be better.
     Broken(VideoError),
 }
 
-/// An opened film or camera. Fetching and decoding are apart so that what comes too late is not
+/// An opened film or camera. Fetching and decoding are separate, so that late pictures are not
 /// decoded at all.
 pub trait Reader {
-    /// Brings the next picture; of a camera the newest. Waits a tenth of a second at most where
-    /// nothing comes. An error means that the reader is of no more use.
+    /// Fetches the next picture; of a camera the newest. Waits a tenth of a second at most. After
+    /// an error the reader is of no further use.
     fn fetch(&mut self) -> Result<Fetched, VideoError>;
 
-    /// Writes the fetched picture into size and pixels of `frame`. An error means that there is no
-    /// use in going on.
+    /// Decodes the fetched picture into `frame`, resizing it. After an error the reader is of no
+    /// further use.
     fn decode(&mut self, frame: &mut Frame) -> Result<Decoded, VideoError>;
 
-    /// Back to the first picture of a film. Gives the length of what was played.
+    /// Returns to the first picture of a film. Returns the length that was played.
     fn rewind(&mut self) -> Result<Duration, VideoError>;
 }
 
-/// How long [`Reader::fetch`] may wait where nothing comes.
+/// How long [`Reader::fetch`] may wait if nothing comes.
 pub const FETCH_WAIT: Duration = Duration::from_millis(100);
 
-/// Held by the decoding thread: says when the owner of the source is gone.
+/// Held by the decoding thread: tells when the owner of the source is gone.
 #[derive(Debug)]
 pub struct Stop(Receiver<Infallible>);
 
@@ -72,7 +72,7 @@ impl Stop {
         matches!(self.0.try_recv(), Err(TryRecvError::Disconnected))
     }
 
-    /// Sleeps; true if the thread must stop, and then at once.
+    /// Sleeps; true if the thread must stop, without delay.
     pub fn wait(&self, time: Duration) -> bool {
         matches!(self.0.recv_timeout(time), Err(RecvTimeoutError::Disconnected))
     }

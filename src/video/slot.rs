@@ -1,29 +1,28 @@
-//! Owns the one place where a decoded frame waits for its reader. The newest frame wins; frames
-//! are swapped, never copied, so three buffers serve for ever: the thread's, the slot's, the
-//! reader's.
+//! The slot for the newest decoded frame. Frames are swapped, never copied, so three buffers are
+//! enough: the thread's, the slot's, and the reader's.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::error::VideoError;
 use super::frame::Frame;
 
-/// Where a source stands.
+/// The state of a source.
 #[derive(Clone, Debug)]
 pub enum State {
     /// Being opened for the first time.
     Opening,
-    /// Frames come.
+    /// Frames are coming.
     Live,
-    /// The camera is gone or silent and is being looked for; the last frame stays.
+    /// The camera is gone or silent and is tried again; the last frame stays.
     Lost(Arc<VideoError>),
-    /// The film is over and does not repeat; the last frame stays.
+    /// The film has ended and does not repeat; the last frame stays.
     Ended,
-    /// The film cannot be shown, or no further; the last frame stays.
+    /// The film cannot be shown (any further); the last frame stays.
     Failed(Arc<VideoError>),
 }
 
 impl State {
-    /// The reason of [`State::Lost`] and [`State::Failed`].
+    /// The reason for [`State::Lost`] and [`State::Failed`].
     pub fn error(&self) -> Option<&VideoError> {
         match self {
             State::Lost(error) | State::Failed(error) => Some(error),
@@ -32,22 +31,22 @@ impl State {
     }
 }
 
-/// What became of the frames of a source.
+/// Frame counters of a source.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Stats {
     /// Decoded in full.
     pub decoded: u64,
-    /// Decoded, but overtaken by a newer one before anybody looked.
+    /// Decoded, but replaced by a newer one before it was polled.
     pub unseen: u64,
-    /// Passed over undecoded because decoding was behind.
+    /// Skipped without decoding, because decoding was late.
     pub stale: u64,
-    /// Damaged and passed over.
+    /// Skipped as damaged.
     pub broken: u64,
-    /// How often the source was opened with success.
+    /// How often the source was opened successfully.
     pub opened: u64,
 }
 
-/// What the decoding thread and the reader share.
+/// Shared by the decoding thread and the reader.
 #[derive(Debug)]
 pub struct Slot {
     frame: Frame,
@@ -61,7 +60,7 @@ impl Slot {
         Slot { frame: Frame::empty(), fresh: false, state: State::Opening, stats: Stats::default() }
     }
 
-    /// Puts a frame in and an old one, for its memory, out.
+    /// Swaps a frame in and an old one, for its allocation, out.
     pub fn put(&mut self, frame: &mut Frame) {
         std::mem::swap(&mut self.frame, frame);
         self.stats.decoded += 1;
@@ -70,8 +69,8 @@ impl Slot {
         self.state = State::Live;
     }
 
-    /// Takes the newest frame out, leaving the reader's old one for its memory. False where none
-    /// has come since the last time.
+    /// Swaps the newest frame out, leaving the reader's old one for its allocation. False if none
+    /// has come since the last call.
     pub fn take(&mut self, frame: &mut Frame) -> bool {
         if self.fresh {
             std::mem::swap(&mut self.frame, frame);
@@ -82,7 +81,7 @@ impl Slot {
     }
 }
 
-/// The slot, whatever happened to a thread that held it: every change to it is whole.
+/// The slot, even if a thread panicked while holding it: every change to it is complete.
 pub fn lock(slot: &Mutex<Slot>) -> MutexGuard<'_, Slot> {
     slot.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,4 +1,4 @@
-//! Owns a running source of video as the program holds it: never waits, never fails to answer.
+//! A running video source as the program uses it: it never blocks and never fails to answer.
 
 use std::convert::Infallible;
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
@@ -19,7 +19,7 @@ use super::slot::{Slot, State, Stats};
 use super::v4l2::Camera;
 use super::y4m::Y4m;
 
-/// How long a dropped source waits for its thread, which may be connecting to somewhere.
+/// How long to wait for the thread of a dropped source, which may be connecting.
 const LAST_WAIT: Duration = Duration::from_millis(250);
 
 /// Frames from a camera, a film or a phone, decoded on a thread of their own that ends with this
@@ -27,22 +27,21 @@ const LAST_WAIT: Duration = Duration::from_millis(250);
 #[derive(Debug)]
 pub struct VideoSource {
     slot: Arc<Mutex<Slot>>,
-    /// The frame last taken, which the reader looks at.
+    /// The frame polled last.
     front: Frame,
     state: State,
     stats: Stats,
-    /// Taken when dropped, in this order: sign to stop, sign of having stopped, thread.
+    /// Taken on drop, in this order: stop signal, end signal, thread.
     running: Option<Running>,
     finished: Receiver<Infallible>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl VideoSource {
-    /// Begins to open the source and comes back at once; what becomes of it says
-    /// [`VideoSource::state`].
+    /// Starts opening the source and returns at once; [`VideoSource::state`] tells the result.
     ///
     /// # Errors
-    /// Where no thread can be had, or this system has no such cameras.
+    /// If no thread can be started, or this system has no such cameras.
     pub fn open(address: &Address) -> Result<VideoSource, VideoError> {
         let (subject, open, play): (String, Open, Play) = match address.clone() {
             Address::Film(film) => (
@@ -81,7 +80,7 @@ impl VideoSource {
         VideoSource::start(subject, open, play)
     }
 
-    /// Starts the thread over any reader.
+    /// Starts the thread with any reader.
     pub(super) fn start(
         subject: String,
         open: Open,
@@ -94,7 +93,7 @@ impl VideoSource {
         let thread = thread::Builder::new()
             .name("video".into())
             .spawn(move || {
-                // Dropped at the end, however it comes.
+                // Dropped at the end, however it ends.
                 let _finish = finish;
                 pump::run(&subject, open, play, &for_thread, &stop);
             })
@@ -110,13 +109,13 @@ impl VideoSource {
         })
     }
 
-    /// Looks whether something has come, without waiting: a frame newer than the last one seen, or
-    /// None. Also brings state and statistics up to date.
+    /// The new frame, if one has come since the last call, without blocking. Also updates state and
+    /// statistics.
     pub fn poll(&mut self) -> Option<&Frame> {
         let mut slot = match self.slot.try_lock() {
             Ok(slot) => slot,
             Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
-            // The thread is swapping a frame in at this moment; the next call finds it.
+            // The thread is swapping a frame in right now; the next call gets it.
             Err(TryLockError::WouldBlock) => return None,
         };
         self.state = slot.state.clone();
@@ -126,7 +125,7 @@ impl VideoSource {
         fresh.then_some(&self.front)
     }
 
-    /// The last frame seen by [`VideoSource::poll`], also after the camera is gone.
+    /// The last frame of [`VideoSource::poll`], also after the camera is gone.
     pub fn frame(&self) -> Option<&Frame> {
         (self.front.sequence > 0).then_some(&self.front)
     }
@@ -145,8 +144,8 @@ impl VideoSource {
 impl Drop for VideoSource {
     fn drop(&mut self) {
         self.running = None;
-        // Waited for, so that the camera is free when the next source opens it; but a thread that
-        // sits in a connect or a name lookup ends by itself.
+        // Wait, so that the camera is free when the next source opens it; but a thread that is in a
+        // connect or a name lookup ends by itself.
         let ended = self.finished.recv_timeout(LAST_WAIT) == Err(RecvTimeoutError::Disconnected);
         if let Some(thread) = self.thread.take().filter(|_| ended) {
             // Its panics have been turned into states.

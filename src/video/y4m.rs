@@ -1,8 +1,8 @@
-//! Owns uncompressed films, YUV4MPEG2 as mjpegtools and ffmpeg write them: a line that says what
-//! follows, then for each picture a line `FRAME` and its planes.
+//! Uncompressed films, YUV4MPEG2 as mjpegtools and ffmpeg write them: a header line, then for each
+//! picture a line `FRAME` and its planes.
 //!
-//! Understood: 8 bits, 4:2:0 of any siting, 4:2:2, 4:4:4, 4:1:1 and mono. Interlaced films are
-//! shown as they lie.
+//! Supported: 8 bits, 4:2:0 of any siting, 4:2:2, 4:4:4, 4:1:1 and mono. Interlaced films are shown
+//! without deinterlacing.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
@@ -19,7 +19,7 @@ use super::yuv::{Layout, Lines, Planes, to_rgba};
 /// Longest header line, bytes.
 const MAX_LINE: usize = 1024;
 
-/// What the first line says.
+/// The contents of the header line.
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct Header {
     width: u32,
@@ -35,12 +35,12 @@ pub struct Y4m {
     header: Header,
     rate: Rate,
     colour: Colour,
-    /// Where the first `FRAME` lies.
+    /// Offset of the first `FRAME`.
     start: u64,
     picture_len: usize,
     picture: Vec<u8>,
     lines: Lines,
-    /// Pictures fetched since the beginning.
+    /// Number of pictures fetched.
     index: u64,
 }
 
@@ -80,7 +80,7 @@ impl Reader for Y4m {
             return Err(VideoError::malformed(&*self.subject, problem));
         }
         self.picture.clear();
-        // Grows with what is there, not with what the header promises.
+        // Grows with the data present, not with what the header claims.
         let got = (&mut self.file)
             .take(self.picture_len as u64)
             .read_to_end(&mut self.picture)
@@ -159,7 +159,7 @@ impl Header {
                 'C' => chroma = value,
                 'X' if value == "COLORRANGE=FULL" => range = Some(Range::Full),
                 'X' if value == "COLORRANGE=LIMITED" => range = Some(Range::Limited),
-                // Interlacing, pixel shape and remarks do not change the way to read.
+                // Interlacing, pixel aspect and comments do not change how to read it.
                 _ => {}
             }
         }

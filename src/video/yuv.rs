@@ -1,15 +1,14 @@
-//! Owns the way from the Y'CbCr of cameras and films to RGBA, in whole numbers.
+//! Conversion from Y'CbCr of cameras and films to RGBA, in integers.
 //!
-//! Takes planes or packed lines of 8 bits with their colour matrix; gives opaque RGBA. Colour that
-//! is stored for several pixels at once is repeated, not interpolated. One line at a time, in the
-//! first cache; on one thread, since a frame of 1920 x 1080 takes 1 to 2 ms and the other threads
-//! are drawing.
+//! Takes planes or packed lines of 8 bits with their matrix; returns opaque RGBA. Subsampled chroma
+//! is repeated, not interpolated. Works one line at a time, in the first-level cache, and on one
+//! thread, since a frame of 1920 x 1080 takes 1 to 2 ms and the other threads are rendering.
 
 use fearless_simd::{Level, Simd, dispatch};
 
 use super::colour::Colour;
 
-/// How the samples of a picture lie in memory.
+/// The memory layout of a picture's samples.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Layout {
     /// Y0 Cb Y1 Cr: 4:2:2 in one plane.
@@ -18,13 +17,13 @@ pub enum Layout {
     Uyvy,
     /// A plane of luma, then lines of Cb Cr pairs, each for 2 x 2 pixels.
     Nv12,
-    /// Planes of luma, Cb and Cr; one colour for `1 << across` times `1 << down` pixels.
+    /// Planes of luma, Cb and Cr; one chroma sample for `1 << across` times `1 << down` pixels.
     Planar { across: u32, down: u32 },
-    /// Luma alone.
+    /// Luma only.
     Grey,
 }
 
-/// A picture in memory as it came.
+/// A raw picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Planes<'a> {
     pub layout: Layout,
@@ -32,14 +31,14 @@ pub struct Planes<'a> {
     pub width: usize,
     /// Pixels.
     pub height: usize,
-    /// Bytes from line to line of the first plane. Lines of separate colour planes are `1 <<
-    /// across` times shorter, rounded up.
+    /// Line stride of the first plane, in bytes. That of separate chroma planes is `1 << across`
+    /// times smaller, rounded up.
     pub stride: usize,
     pub data: &'a [u8],
 }
 
 impl Layout {
-    /// The least bytes from line to line of the first plane.
+    /// The smallest line stride of the first plane, in bytes.
     pub fn least_stride(self, width: usize) -> usize {
         match self {
             Layout::Yuyv | Layout::Uyvy => width.div_ceil(2) * 4,
@@ -49,7 +48,7 @@ impl Layout {
         }
     }
 
-    /// Bytes of a picture. None if it does not fit a `usize`.
+    /// Size of a picture in bytes. None if it overflows a `usize`.
     pub fn byte_len(self, height: usize, stride: usize) -> Option<usize> {
         let luma = stride.checked_mul(height)?;
         let colour = match self {
@@ -64,7 +63,7 @@ impl Layout {
     }
 }
 
-/// Memory for one line, kept from frame to frame.
+/// Buffers for one line, kept from frame to frame.
 #[derive(Clone, Debug, Default)]
 pub struct Lines {
     luma: Vec<u8>,
@@ -72,11 +71,11 @@ pub struct Lines {
     cr: Vec<u8>,
 }
 
-/// Fractional bits of the factors: the largest that keeps 2.1 in 16 bits, which lets the compiler
+/// Fractional bits of the factors: the most with which 2.1 fits 16 bits, so that the compiler can
 /// multiply eight at a time.
 const FRACTION_BITS: u32 = 13;
 
-/// The factors as whole numbers.
+/// The factors as integers.
 #[derive(Clone, Copy)]
 struct Factors {
     luma: i16,
@@ -105,7 +104,7 @@ impl Factors {
 /// Converts a picture. `out` takes `width * height * 4` bytes.
 ///
 /// # Errors
-/// A text, if `data`, `stride` or `out` are too short for the picture.
+/// A message, if `data`, `stride` or `out` are too short for the picture.
 pub fn to_rgba(
     planes: Planes,
     colour: Colour,
@@ -130,7 +129,7 @@ pub fn to_rgba(
     Ok(())
 }
 
-/// [`to_rgba`] after the checks, for whichever registers the processor has.
+/// [`to_rgba`] after the checks, for each vector instruction level.
 #[inline(always)]
 fn convert<S: Simd>(_: S, planes: Planes, factors: Factors, lines: &mut Lines, out: &mut [u8]) {
     let Planes { layout, width, height, stride, data } = planes;
@@ -172,7 +171,7 @@ fn convert<S: Simd>(_: S, planes: Planes, factors: Factors, lines: &mut Lines, o
     }
 }
 
-/// Takes two pixels in four bytes apart, given the places of luma, Cb, luma and Cr.
+/// Deinterleaves two pixels in four bytes, given the positions of luma, Cb, luma and Cr.
 #[inline(always)]
 fn unpack<const Y0: usize, const CB: usize, const Y1: usize, const CR: usize>(
     line: &[u8],
@@ -211,10 +210,10 @@ fn spread(samples: &[u8], across: u32, out: &mut [u8]) {
     }
 }
 
-/// Pixels converted together: what fills the registers of any x86-64 or ARM.
+/// Pixels converted together: they fill the registers of any x86-64 or ARM.
 const BLOCK: usize = 16;
 
-/// All slices of one length but `out`, of four times that.
+/// All slices have one length, except `out` with four times that.
 #[inline(always)]
 fn convert_line(factors: Factors, luma: &[u8], cb: &[u8], cr: &[u8], out: &mut [u8]) {
     let ((luma, luma_end), (cb, cb_end), (cr, cr_end)) =
@@ -246,7 +245,7 @@ fn convert_block(
 ) {
     let half = 1 << (FRACTION_BITS - 1);
     let times = |value: i16, factor: i16| i32::from(value) * i32::from(factor);
-    // Clamped in 16 bits, where plain SSE2 has instructions for it.
+    // Clamped in 16 bits, for which plain SSE2 has instructions.
     let byte = |value: i32| ((value >> FRACTION_BITS) as i16).clamp(0, 255) as u16;
     let (mut r, mut g, mut b) = ([0u16; BLOCK], [0u16; BLOCK], [0u16; BLOCK]);
     for i in 0..BLOCK {

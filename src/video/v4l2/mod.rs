@@ -1,8 +1,8 @@
-//! Owns pictures from a camera of a Linux computer.
+//! Cameras of a Linux computer.
 //!
-//! Reads by `linuxvideo`, which speaks to the kernel without any C library. Cameras with several
-//! planes of memory (embedded boards) are not read. A picture's bytes are copied out of the
-//! driver's buffer at once, which then is free for the next one.
+//! Uses `linuxvideo`, which needs no C library. Multi-planar cameras (of embedded boards) are not
+//! supported. The bytes of a picture are copied out of the driver's buffer at once, which is then
+//! free for the next one.
 
 mod modes;
 
@@ -37,7 +37,7 @@ pub struct Camera {
     colour: Colour,
     opened: Instant,
     bytes: Vec<u8>,
-    /// The driver says that the bytes are damaged.
+    /// The driver reported that the bytes are damaged.
     damaged: bool,
     splitter: Splitter,
     picture: Vec<u8>,
@@ -115,8 +115,8 @@ impl Camera {
     }
 }
 
-/// What a camera's numbers mean where nobody says otherwise: those of grey cameras come straight
-/// from the sensor, over the full range.
+/// The default colours of a camera: those of grey cameras come straight from the sensor, in full
+/// range.
 fn said_colour(coding: Coding) -> Colour {
     match coding {
         Coding::Raw(Layout::Grey) => Colour { range: Range::Full, ..Colour::DEFAULT },
@@ -139,7 +139,7 @@ impl Reader for Camera {
         }
         self.dequeue()?;
         let mut stale = 0;
-        // As many as there are buffers may wait; the newest is wanted.
+        // Up to one per buffer may be waiting; take the newest.
         while stale < 8
             && !self.stream.will_block().map_err(|e| VideoError::io(&*self.subject, e))?
         {

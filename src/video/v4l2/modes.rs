@@ -1,4 +1,4 @@
-//! Owns which cameras a Linux computer has, what each offers, and which of that to take.
+//! The cameras of a Linux computer, their modes, and the choice of one.
 
 use std::fs;
 use std::path::PathBuf;
@@ -10,17 +10,17 @@ use crate::video::error::{VideoError, guarded};
 use crate::video::rate::Rate;
 use crate::video::yuv::Layout;
 
-/// What is asked of a camera where the address says nothing.
+/// The request if the address has no options.
 pub(super) const DEFAULT_SIZE: (u32, u32) = (1280, 720);
 
-/// What the bytes of a picture are.
+/// The encoding of a picture.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Coding {
     Raw(Layout),
     Jpeg,
 }
 
-/// The formats read, the better ones first: fewer bytes, then less to decode.
+/// The supported formats, best first: fewer bytes, then less to decode.
 const FORMATS: [([u8; 4], Coding); 7] = [
     (*b"NV12", Coding::Raw(Layout::Nv12)),
     (*b"YU12", Coding::Raw(Layout::Planar { across: 1, down: 1 })),
@@ -31,34 +31,34 @@ const FORMATS: [([u8; 4], Coding); 7] = [
     (*b"GREY", Coding::Raw(Layout::Grey)),
 ];
 
-/// How to read a format. None where it is not known.
+/// The encoding of a format. None if it is not supported.
 pub(super) fn coding_of(format: PixelFormat) -> Option<Coding> {
     FORMATS.iter().find(|(code, _)| *code == format.as_fourcc()).map(|(_, coding)| *coding)
 }
 
-/// A camera that is there.
+/// A connected camera.
 #[derive(Debug)]
 pub struct CameraInfo {
     pub device: PathBuf,
     pub name: String,
-    /// What it offers in formats that are read here, or why it does not say.
+    /// Its modes in supported formats, or why they cannot be listed.
     pub modes: Result<Vec<CameraMode>, VideoError>,
 }
 
-/// A format, a size, and the most pictures a second at that.
+/// A format, a size, and the highest frame rate at that size.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct CameraMode {
     pub format: [u8; 4],
     pub width: u32,
     pub height: u32,
-    /// 0 where the driver does not say.
+    /// 0 if the driver does not report it.
     pub per_second: f64,
 }
 
 /// The cameras of this computer, in the order of their devices.
 ///
 /// # Errors
-/// Where the devices cannot be listed at all.
+/// If the devices cannot be listed at all.
 pub fn cameras() -> Result<Vec<CameraInfo>, VideoError> {
     let entries = fs::read_dir("/dev").map_err(|error| VideoError::io("/dev", error))?;
     let mut numbers: Vec<u32> = entries
@@ -76,7 +76,7 @@ pub fn cameras() -> Result<Vec<CameraInfo>, VideoError> {
             let captures = opened.supported_buf_types().contains(BufTypes::VIDEO_CAPTURE);
             Ok(captures.then(|| modes_of(&opened, DEFAULT_SIZE)))
         });
-        // Encoders, outputs and the like are no cameras.
+        // Encoders, outputs and the like are not cameras.
         if let Some(modes) = modes.transpose() {
             found.push(CameraInfo { device, name, modes });
         }
@@ -84,7 +84,7 @@ pub fn cameras() -> Result<Vec<CameraInfo>, VideoError> {
     Ok(found)
 }
 
-/// The modes in known formats; of cameras that scale to any size, the one nearest to `wanted`.
+/// The modes in supported formats; of cameras that scale to any size, the one nearest to `wanted`.
 pub(super) fn modes_of(device: &Device, wanted: (u32, u32)) -> Vec<CameraMode> {
     let mut modes = Vec::new();
     for offered in device.formats(BufType::VIDEO_CAPTURE).map_while(Result::ok).take(64) {
@@ -107,7 +107,7 @@ pub(super) fn modes_of(device: &Device, wanted: (u32, u32)) -> Vec<CameraMode> {
                     step(h, range.min_height(), range.max_height(), range.step_height()),
                 )]
             }
-            // Old drivers do not list sizes; they take what comes near when asked.
+            // Old drivers do not list sizes; they choose something close to the request.
             Err(_) => vec![wanted],
         };
         modes.extend(sizes.into_iter().map(|(width, height)| {
@@ -134,7 +134,7 @@ fn most_per_second(device: &Device, format: PixelFormat, width: u32, height: u32
     }
 }
 
-/// The mode nearest in size; of those the quickest up to the rate wanted; of those the best format.
+/// The mode nearest in size; of those the fastest up to the wanted rate; of those the best format.
 pub(super) fn choose(
     modes: &[CameraMode],
     format: Option<[u8; 4]>,
@@ -143,7 +143,7 @@ pub(super) fn choose(
 ) -> Option<CameraMode> {
     let key = |mode: &CameraMode| {
         let distance = mode.width.abs_diff(size.0).saturating_add(mode.height.abs_diff(size.1));
-        // Tenths, so that 29.97 is as good as 30.
+        // In tenths, so that 29.97 is as good as 30.
         let missing = ((rate.per_second() - mode.per_second).max(0.0) * 10.0).round() as u64;
         let preference = FORMATS.iter().position(|(code, _)| *code == mode.format);
         (distance, missing, preference)
@@ -152,7 +152,7 @@ pub(super) fn choose(
     wanted.min_by_key(|mode| key(mode)).copied()
 }
 
-/// What a camera offers, for people: the beginning of its list.
+/// The modes of a camera, for messages: the beginning of its list.
 pub(super) fn offered(device: &Device) -> String {
     let formats = device.formats(BufType::VIDEO_CAPTURE).map_while(Result::ok).take(16);
     let names: Vec<String> = formats.map(|format| format.pixel_format().to_string()).collect();
@@ -169,7 +169,7 @@ mod tests {
 
     #[test]
     fn a_webcam_gives_its_best() {
-        // As USB 2 cameras offer: big pictures quickly only as JPEG.
+        // As of USB 2 cameras: large pictures at full rate only as JPEG.
         let modes = [
             mode(b"YUYV", 640, 480, 30.0),
             mode(b"YUYV", 1280, 720, 10.0),
