@@ -1,7 +1,7 @@
-//! Owns the vocabulary of what a person can ask for, whatever the device: each [`Action`] has
-//! a name for tables of bindings and a sentence for tooltips and the help window.
+//! Actions: everything a person can want, whatever the device. Each [`Action`] has a name for key
+//! tables and a sentence for tooltips and the controls window.
 //!
-//! An action says what is wanted, not how it is done: `app` carries it out.
+//! An action says what is wanted, not how it is done: `app` executes it.
 
 use super::panel::Panel;
 use crate::tools::construct::Solid;
@@ -19,7 +19,7 @@ pub enum ToolMode {
 impl ToolMode {
     pub const ALL: [ToolMode; 3] = [ToolMode::Add, ToolMode::Subtract, ToolMode::Recolour];
 
-    /// The mode that follows when a person goes through them.
+    /// The next mode when cycling.
     pub fn next(self) -> ToolMode {
         match self {
             ToolMode::Subtract => ToolMode::Add,
@@ -28,7 +28,7 @@ impl ToolMode {
         }
     }
 
-    /// What a mode is turned into by the modifier that inverts the tool.
+    /// The mode while the modifier that inverts the tool is held.
     pub fn inverted(self) -> ToolMode {
         match self {
             ToolMode::Add => ToolMode::Subtract,
@@ -37,7 +37,7 @@ impl ToolMode {
     }
 }
 
-/// A direction as seen on the screen.
+/// A direction on the screen.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Step {
     Left,
@@ -64,7 +64,7 @@ pub enum Axis {
 impl Axis {
     pub const ALL: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
 
-    /// 0 to 2.
+    /// Index of the axis, 0 to 2.
     pub const fn index(self) -> usize {
         self as usize
     }
@@ -103,7 +103,7 @@ impl Side {
 /// How an action is triggered.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Kind {
-    /// Once, by a key or a button on screen.
+    /// Once, by a key or a button of the interface.
     Tap,
     /// From press to release, by a key or by mouse buttons on top of a running drag.
     Hold,
@@ -113,29 +113,29 @@ pub enum Kind {
     Wheel,
 }
 
-/// Something a person can ask for.
+/// Everything that a person can want.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Action {
     New,
     Open,
     Save,
     SaveAs,
-    /// Write a file for other programs.
+    /// Export a file for other programs.
     Export,
     Quit,
     Help,
     Guide,
-    /// Finds an action by words, or takes a command.
+    /// Opens the palette, which finds actions by words and takes commands.
     Palette,
     Undo,
     Redo,
     Fill,
     Clear,
-    /// Takes back the stroke in hand, or closes what is open.
+    /// Cancels the running stroke, or closes what is open.
     Cancel,
     Solid(Solid),
     Spray(SprayKind),
-    /// Takes the marker in hand.
+    /// Selects the marker as the tool.
     Marker,
     Mode(ToolMode),
     Grow,
@@ -145,15 +145,15 @@ pub enum Action {
     Nudge(Step),
     /// Makes the tool one voxel longer on that side.
     Stretch(Step),
-    /// Turns the tool's axes along the grid's.
+    /// Aligns the tool's axes with the grid's.
     AlignTool,
     ToggleFollow,
     ToggleSnap,
-    /// Takes the colour of the voxel under the pointer.
+    /// Picks the colour of the voxel under the pointer.
     PickHere,
-    /// Uses solids and sprays on both sides of the plane across an axis, or no longer.
+    /// Toggles the symmetry plane across an axis.
     Mirror(Axis),
-    /// Does the last operation again, further on.
+    /// Repeats the last operation with an offset.
     Repeat,
     SelectMarker,
     DeselectMarker,
@@ -166,62 +166,62 @@ pub enum Action {
     Copy,
     Cut,
     Paste,
-    /// Turns by a quarter what will be pasted.
+    /// Rotates the clipboard by a quarter turn.
     TurnClip(Axis),
     MirrorClip(Axis),
-    /// Moves what the marker holds by one voxel.
+    /// Moves the contents of the marker by one voxel.
     MoveContents(Step),
     ResetView,
     LookFrom(Side),
-    /// Comes one notch nearer, without a wheel.
+    /// Zooms by one notch, without a wheel.
     ZoomIn,
     ZoomOut,
     NextRenderMode,
-    /// Shows the window of lights, or closes it.
+    /// Toggles the window of lights.
     Lights,
     NextStereo,
     SwapEyes,
     ToggleVideo,
-    /// Lets the view follow the head, or not.
+    /// Toggles whether the view follows the head.
     ToggleHead,
     CalibrateHead,
-    /// Puts the sculpture on the marker in the video, or not.
+    /// Toggles the sculpture on the printed marker in the video.
     ToggleAr,
-    /// Shows the edges of the grid, or not.
+    /// Toggles the edges of the grid.
     ToggleBounds,
-    /// Goes from the dark theme to the light one and back.
+    /// Toggles between the dark and the light theme.
     ToggleTheme,
-    /// Lets the main window fill its screen, or not.
+    /// Toggles full screen of the main window.
     Fullscreen,
-    /// Writes what the view shows to a file.
+    /// Saves a screenshot of the view to a file.
     Screenshot,
-    /// Tears a panel off into a window of its own, or puts it back.
+    /// Detaches a panel to a window of its own, or docks it.
     Detach(Panel),
     ScaleUp,
     ScaleDown,
     ScaleReset,
     /// Uses the tool while held.
     Apply,
-    /// On the sculpture uses the tool, beside it turns the sculpture.
+    /// Uses the tool on the sculpture, rotates the view beside it.
     Sculpt,
-    /// As `Sculpt`, with the opposite of the tool.
+    /// As `Sculpt`, with the inverted tool.
     SculptInverse,
-    /// Smooths, whatever tool is in hand.
+    /// Smooths, whatever tool is selected.
     SculptSmooth,
-    /// Takes the colour of the surface under the pointer.
+    /// Picks the colour of the surface under the pointer.
     PickColour,
     TurnSculpture,
     PanSculpture,
-    /// Moves the tool along the grid axes that lie across the screen and up it.
+    /// Moves the tool along the grid axes that point most across the screen and up.
     MoveTool,
-    /// Moves the tool along the grid axes that lie across the screen and into it.
+    /// Moves the tool along the grid axes that point most across the screen and into it.
     MoveToolDeep,
     TurnTool,
     Zoom,
     ResizeTool,
-    /// Adds, cuts and paints in turn.
+    /// Cycles through add, cut and paint.
     NextToolMode,
-    /// What the gamepad moves: pointer, tool and sculpture in turn.
+    /// Cycles through what the gamepad moves: pointer, tool and sculpture.
     NextPadMode,
     ToggleRumble,
 }
@@ -229,15 +229,15 @@ pub enum Action {
 /// Name, trigger and explanation of an action.
 #[derive(Clone, Copy, Debug)]
 pub struct ActionHelp {
-    /// The key of binding tables.
+    /// The name in key tables.
     pub name: &'static str,
     pub kind: Kind,
-    /// A sentence without full stop, for tooltips and the help window.
+    /// A sentence without full stop, for tooltips and the controls window.
     pub text: &'static str,
 }
 
 impl Action {
-    /// Every action, in the order of the help window.
+    /// Every action, in the order of the controls window.
     pub const ALL: &[Action] = &[
         Action::Sculpt,
         Action::SculptInverse,
@@ -358,7 +358,7 @@ impl Action {
         Action::Quit,
     ];
 
-    /// Whether holding the key down asks again and again.
+    /// Whether the action repeats while the key is held.
     pub fn repeats(self) -> bool {
         use Action::{Grow, MoveContents, Nudge, Redo, ScaleDown, ScaleUp, Shrink, Stretch, Undo};
         use Action::{ZoomIn, ZoomOut};
@@ -378,14 +378,14 @@ impl Action {
         )
     }
 
-    /// Whether the drag is one whole from press to release, so that a modifier pressed on the
-    /// way does not turn it into another.
+    /// Whether a drag keeps its action from press to release, so that a modifier pressed during it
+    /// does not change it.
     pub fn is_stroke(self) -> bool {
         use Action::{PickColour, Sculpt, SculptInverse, SculptSmooth};
         matches!(self, Sculpt | SculptInverse | SculptSmooth | PickColour)
     }
 
-    /// The action that a binding table calls `name`.
+    /// The action with a name in key tables.
     pub fn named(name: &str) -> Option<Action> {
         Action::ALL.iter().copied().find(|action| action.help().name == name)
     }

@@ -1,4 +1,4 @@
-//! Owns what each action is called in tables of bindings, and what is said about it.
+//! The names of the actions in key tables, and their help texts.
 
 use super::action::{Action, ActionHelp, Axis, Kind, Side, Step, ToolMode};
 use super::panel::Panel;

@@ -1,4 +1,4 @@
-//! Owns the table that says which trigger stands for which action, read from TOML:
+//! Bindings: the table from triggers to actions, read from TOML:
 //!
 //! ```toml
 //! name = "direct"
@@ -9,9 +9,9 @@
 //! sculpt = ["left"]
 //! ```
 //!
-//! A table that extends another has its lines as well, but for the actions that it names itself
-//! and the triggers that it takes; name and text are inherited, too, where it has none. `keys` and
-//! the presets can be extended.
+//! A table that extends another inherits its lines, except those of actions that it binds itself
+//! and triggers that it takes; name and text are inherited, too, if it has none. `keys` and the
+//! presets can be extended.
 
 use std::collections::BTreeMap;
 
@@ -21,7 +21,7 @@ use thiserror::Error;
 use super::action::{Action, Kind};
 use super::trigger::Trigger;
 
-/// The keyboard, the same for all presets.
+/// The keyboard bindings that all presets share.
 const KEYS: (&str, &str) = ("keys", include_str!("../../config/bindings/keys.toml"));
 const PRESETS: [(&str, &str); 4] = [
     ("direct", include_str!("../../config/bindings/direct.toml")),
@@ -30,7 +30,7 @@ const PRESETS: [(&str, &str); 4] = [
     ("magicavoxel", include_str!("../../config/bindings/magicavoxel.toml")),
 ];
 
-/// The lines of a table as they stand in its text: triggers by the names of actions.
+/// The lines of a table in its text: triggers by the names of actions.
 pub type Lines = BTreeMap<String, Vec<String>>;
 
 /// Why a table cannot be used.
@@ -58,9 +58,9 @@ pub enum BindingsError {
 #[derive(Clone, PartialEq, Debug)]
 pub struct Bindings {
     pub name: String,
-    /// What it is like, for the menu.
+    /// A description for the menu.
     pub text: String,
-    /// In the order of `Action::ALL`; of the triggers of an action the first is its shortcut.
+    /// In the order of `Action::ALL`; the first trigger of an action is its shortcut.
     pub(super) table: Vec<(Trigger, Action)>,
 }
 
@@ -75,7 +75,7 @@ struct Raw {
 }
 
 impl Bindings {
-    /// The tables that the program brings along; the first is the default.
+    /// The presets of the program; the first one is the default.
     pub fn presets() -> Result<Vec<Bindings>, BindingsError> {
         PRESETS.into_iter().map(|(_, toml)| Bindings::parse(toml)).collect()
     }
@@ -103,8 +103,8 @@ impl Bindings {
         })
     }
 
-    /// This table with other lines for the actions that `lines` names; they take the triggers
-    /// that other actions have here.
+    /// This table with other lines for the actions that `lines` names; they take their triggers
+    /// from other actions.
     pub fn with_lines(&self, lines: &Lines) -> Result<Bindings, BindingsError> {
         let mut table: Vec<(Trigger, Action)> = Vec::new();
         let mut named = Vec::new();
@@ -141,35 +141,35 @@ impl Bindings {
         Ok(Bindings { name: self.name.clone(), text: self.text.clone(), table })
     }
 
-    /// What a trigger stands for.
+    /// The action of a trigger.
     pub fn action(&self, trigger: Trigger) -> Option<Action> {
         self.table.iter().find(|(bound, _)| *bound == trigger).map(|(_, action)| *action)
     }
 
-    /// What triggers an action.
+    /// The triggers of an action.
     pub fn triggers(&self, action: Action) -> impl Iterator<Item = Trigger> {
         self.table.iter().filter(move |(_, bound)| *bound == action).map(|(trigger, _)| *trigger)
     }
 
-    /// The first trigger of an action, as a person reads it.
+    /// The first trigger of an action, as shown to people.
     pub fn shortcut(&self, action: Action) -> Option<String> {
         self.triggers(action).next().map(|trigger| trigger.to_string())
     }
 }
 
-/// Brings a table into the order of the actions; the triggers of each keep theirs.
+/// Sorts a table by actions; the triggers of each keep their order.
 pub(super) fn sort(table: &mut [(Trigger, Action)]) {
     table.sort_by_key(|(_, action)| Action::ALL.iter().position(|other| other == action));
 }
 
-/// Whether a trigger can stand for an action of that kind; otherwise what is needed.
+/// Checks that a trigger fits an action of that kind; an error says what is needed.
 pub(super) fn check_kind(kind: Kind, trigger: Trigger) -> Result<(), &'static str> {
     match (kind, trigger) {
         (Kind::Tap | Kind::Hold, Trigger::Key { .. } | Trigger::Pad { .. })
         | (Kind::Tap, Trigger::ShiftTap)
         | (Kind::Drag, Trigger::Mouse { .. })
         | (Kind::Wheel, Trigger::Wheel { .. }) => Ok(()),
-        // One button alone starts a drag; two together can hold something on top of it.
+        // A single button starts a drag; two together can hold something during it.
         (Kind::Hold, Trigger::Mouse { buttons, .. }) if buttons.count() >= 2 => Ok(()),
         (Kind::Tap, _) => Err("a key or a gamepad button"),
         (Kind::Hold, _) => Err("a key, a gamepad button, or several mouse buttons together"),
@@ -206,8 +206,8 @@ mod tests {
         }
     }
 
-    /// With Shift a digit is another character, and which one differs between keyboards; so do
-    /// the places of punctuation.
+    /// With Shift a digit is another character, which differs between keyboard layouts; so do the
+    /// positions of punctuation.
     #[test]
     fn no_action_depends_on_shift_with_digits_or_punctuation() {
         let shifted = |trigger| match trigger {
@@ -238,7 +238,7 @@ mod tests {
         assert_eq!(mine.shortcut(Action::Undo).unwrap(), "U");
         assert_eq!(mine.triggers(Action::Zoom).count(), 0);
         assert_eq!(mine.shortcut(Action::MoveTool).unwrap(), "left button");
-        // A trigger that a line takes is the other action's no longer.
+        // A trigger that a line takes is removed from the other action.
         let mine = Bindings::parse(
             "name = \"mine\"\nextends = \"direct\"\n[bindings]\nfill = [\"ctrl+z\"]",
         )

@@ -1,17 +1,17 @@
-//! Owns what devices say, as values: a pointer, keys and a wheel over the picture of the
-//! sculpture. Keys and buttons carry egui's names, since they reach the program through it.
+//! Device events as values: pointer, keys and wheel over the viewport. Keys and buttons have egui's
+//! names, since they come through it.
 //!
-//! Takes egui's events, so that windows and panels above the picture keep theirs; gives
-//! [`DeviceEvent`]s in pixels of the picture.
+//! Takes egui's events, so that windows and panels above the viewport keep theirs; returns
+//! [`DeviceEvent`]s in pixels of the viewport.
 
 use egui::{Event, Key, MouseWheelUnit, PointerButton, Pos2, Rect};
 use glam::Vec2;
 
-/// Points of scrolling that count as one notch of a wheel.
+/// Points of scrolling per notch of a wheel.
 const POINTS_PER_NOTCH: f32 = 50.0;
-/// Notches in a page of scrolling.
+/// Notches per page of scrolling.
 const NOTCHES_PER_PAGE: f32 = 10.0;
-/// Natural logarithm of the pinch that counts as one notch.
+/// Natural logarithm of the pinch zoom per notch.
 const PINCH_PER_NOTCH: f32 = 0.1;
 
 /// Modifier keys. On a Mac the command key counts as `ctrl`.
@@ -28,14 +28,14 @@ impl From<egui::Modifiers> for Modifiers {
     }
 }
 
-/// Something a device did. Positions are in pixels from the picture's upper left corner.
+/// A device event. Positions are in pixels from the viewport's upper left corner.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum DeviceEvent {
     Moved {
         at: Vec2,
         modifiers: Modifiers,
     },
-    /// The pointer is over something else now.
+    /// The pointer has left the viewport.
     Left,
     Pressed {
         button: PointerButton,
@@ -59,21 +59,21 @@ pub enum DeviceEvent {
     KeyReleased {
         key: Key,
     },
-    /// The window is no longer listened to: nothing is held any more.
+    /// The window has lost the focus: nothing is held any more.
     FocusLost,
 }
 
-/// Where the picture lies on the screen and what of the input is meant for it.
+/// Where the viewport is and which input it gets.
 #[derive(Clone, Copy, Debug)]
 pub struct Viewport {
     /// In points.
     pub rect: Rect,
     pub pixels_per_point: f32,
-    /// The pointer is over the picture, with nothing between.
+    /// The pointer is over the viewport, with nothing in between.
     pub hovered: bool,
-    /// A button was pressed on the picture and is still held.
+    /// A button was pressed in the viewport and is still held.
     pub captured: bool,
-    /// No text field or other widget has the keyboard.
+    /// No text field or other widget has the keyboard focus.
     pub keyboard: bool,
 }
 
@@ -84,7 +84,7 @@ impl Viewport {
     }
 }
 
-/// The events of this frame that concern the picture.
+/// The events of this frame for the viewport.
 pub fn device_events(input: &egui::InputState, viewport: &Viewport) -> Vec<DeviceEvent> {
     let mut pointer = input.pointer.latest_pos();
     let mut modifiers = Modifiers::from(input.modifiers);
@@ -125,7 +125,7 @@ pub fn device_events(input: &egui::InputState, viewport: &Viewport) -> Vec<Devic
             Event::Key { key, pressed: true, repeat, modifiers, .. } if viewport.keyboard => {
                 Some(DeviceEvent::KeyPressed { key, modifiers: modifiers.into(), repeat })
             }
-            // Where a text field has the keyboard these are its own.
+            // A text field with the focus gets these itself.
             Event::Copy if viewport.keyboard => Some(shortcut(Key::C, modifiers)),
             Event::Cut if viewport.keyboard => Some(shortcut(Key::X, modifiers)),
             Event::Paste(_) if viewport.keyboard => Some(shortcut(Key::V, modifiers)),
@@ -140,7 +140,7 @@ pub fn device_events(input: &egui::InputState, viewport: &Viewport) -> Vec<Devic
     events
 }
 
-/// A key with ctrl, which the window system has made a word of its own.
+/// A key with ctrl that the window system has translated to an event of its own.
 fn shortcut(key: Key, modifiers: Modifiers) -> DeviceEvent {
     let modifiers = Modifiers { ctrl: true, ..modifiers };
     DeviceEvent::KeyPressed { key, modifiers, repeat: false }

@@ -1,8 +1,8 @@
-//! Owns the headings under which the window of keys lists the actions.
+//! The headings under which the controls window lists the actions.
 
 use super::action::Action;
 
-/// What an action is about.
+/// The subject of an action.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Group {
     Pointer,

@@ -1,5 +1,5 @@
-//! Owns the wait for a trigger: from the events of devices to the first key, set of mouse buttons
-//! or turn of the wheel, with the modifiers held. Escape calls it off.
+//! Capture of a trigger: from the events of devices to the first key, set of mouse buttons or notch
+//! of the wheel, with the modifiers held. Escape cancels.
 
 use egui::{Event, Key};
 
@@ -7,26 +7,26 @@ use super::events::Modifiers;
 use super::pad::shift_tap::ShiftTap;
 use super::trigger::{Buttons, Trigger};
 
-/// What came of listening.
+/// The result of a capture.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Heard {
     Trigger(Trigger),
     Cancelled,
 }
 
-/// What is held while someone listens.
+/// What is held during a capture.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Listener {
     held: Buttons,
-    /// All buttons that were down together, until the first of them is up.
+    /// All buttons that were down together, until the first of them is released.
     chord: Buttons,
     modifiers: Modifiers,
     shift_tap: ShiftTap,
 }
 
 impl Listener {
-    /// Hears one event; gives what it completes. Buttons count when the first of them is
-    /// released, so that others can join.
+    /// Processes one event; returns the result if that completes it. Buttons count when the first
+    /// of them is released, so that others can join.
     pub fn hear(&mut self, event: &Event) -> Option<Heard> {
         if self.shift_tap.feed(event) {
             return Some(Heard::Trigger(Trigger::ShiftTap));
@@ -55,7 +55,7 @@ impl Listener {
                 self.held = self.held.without(button);
                 let buttons = std::mem::take(&mut self.chord);
                 let modifiers = self.modifiers;
-                // Without a press before it the release belongs to what began the listening.
+                // A release without a press belongs to the click that started the capture.
                 (buttons != Buttons::NONE)
                     .then_some(Heard::Trigger(Trigger::Mouse { buttons, modifiers }))
             }

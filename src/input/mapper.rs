@@ -1,8 +1,8 @@
-//! Owns what is held at the moment: turns device events into [`ActionEvent`]s by a table of bindings.
+//! Mouse and keyboard state: turns device events into [`ActionEvent`]s by a key table.
 //!
-//! A drag is the action of the buttons that are down. A second button pressed during a drag may
-//! stand for an action of both together, held on top of the drag, which goes on: so the tool
-//! is used while it can still be moved.
+//! A drag is the action of the buttons that are down. A second button pressed during a drag may be
+//! bound, together with the first, to an action that is held on top of the drag, which continues:
+//! so the tool can be moved while it is used.
 
 use egui::Key;
 use glam::Vec2;
@@ -12,27 +12,27 @@ use super::bindings::Bindings;
 use super::events::{DeviceEvent, Modifiers};
 use super::trigger::{Buttons, Trigger};
 
-/// What the person asks for, with where and how much. Positions are in pixels of the picture.
+/// An action that happens, with its position and amount. Positions are in pixels of the viewport.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum ActionEvent {
-    /// Ask once.
+    /// Happens once.
     Tap(Action),
-    /// A drag or a hold begins, at the pointer where there is one.
+    /// A drag or a hold begins, at the pointer if there is one.
     Begin {
         action: Action,
         at: Option<Vec2>,
     },
-    /// A drag goes on.
+    /// A drag moves.
     Drag {
         action: Action,
         at: Vec2,
         by: Vec2,
     },
-    /// A drag or a hold is over.
+    /// A drag or a hold ends.
     End(Action),
-    /// The pointer moves with nothing held.
+    /// The pointer moves without anything held.
     Hover(Vec2),
-    /// The pointer is over the picture no longer.
+    /// The pointer has left the viewport.
     Left,
     Wheel {
         action: Action,
@@ -46,9 +46,9 @@ pub enum ActionEvent {
 pub struct Mapper {
     buttons: Buttons,
     drag: Option<Drag>,
-    /// What is held by the buttons together.
+    /// The action that several buttons hold together.
     chord: Option<(Buttons, Action)>,
-    /// What is held by keys.
+    /// The actions that keys hold.
     keys: Vec<(Key, Action)>,
     at: Option<Vec2>,
 }
@@ -62,7 +62,7 @@ struct Drag {
 }
 
 impl Mapper {
-    /// Whether a button that was pressed on the picture is still down.
+    /// Whether a button that was pressed in the viewport is still down.
     pub fn captures_pointer(&self) -> bool {
         self.buttons != Buttons::NONE
     }
@@ -72,7 +72,7 @@ impl Mapper {
         self.drag.is_some() || self.chord.is_some() || !self.keys.is_empty()
     }
 
-    /// Adds to `actions` what `event` means.
+    /// Appends the events that `event` causes to `actions`.
     pub fn feed(
         &mut self,
         event: &DeviceEvent,
@@ -166,7 +166,7 @@ impl Mapper {
         }
     }
 
-    /// Ends what needs a button that is up now.
+    /// Ends what needs a button that has been released.
     fn end_released(&mut self, actions: &mut Vec<ActionEvent>) {
         if let Some((_, action)) = self.chord.take_if(|(needs, _)| !self.buttons.contains(*needs)) {
             actions.push(ActionEvent::End(action));
@@ -197,7 +197,7 @@ impl Mapper {
     }
 }
 
-/// Whether a running drag may become `next` on the way.
+/// Whether a running drag may change to `next`.
 fn is_glide(next: Action, now: Action) -> bool {
     next != now && next.help().kind == Kind::Drag && !next.is_stroke()
 }
@@ -287,7 +287,7 @@ mod tests {
                 ("begin", Action::Apply),
                 ("drag", Action::MoveTool),
                 ("end", Action::Apply),
-                // Ctrl changes X/Y to X/Z on the way.
+                // Ctrl changes X/Y to X/Z during the drag.
                 ("end", Action::MoveTool),
                 ("begin", Action::MoveToolDeep),
                 ("drag", Action::MoveToolDeep),

@@ -1,7 +1,7 @@
-//! From devices to actions: what a key, a drag or the wheel stands for is one table
-//! ([`bindings`]), read from text, so that presets, gamepads and headsets are further tables.
+//! From devices to actions: one table ([`bindings`]), read from text, maps keys, drags and the
+//! wheel to actions; presets are such tables. Gamepads and hands have mappers of their own.
 //!
-//! Knows no sculpture and no window: it takes device events as values and gives [`ActionEvent`]s.
+//! Knows no sculpture and no window: takes device events as values and returns [`ActionEvent`]s.
 
 pub mod action;
 mod action_help;

@@ -1,4 +1,4 @@
-//! Tells a movement from a leap of tracking: nothing that a person holds or wears goes faster than
+//! Tells movements from leaps of tracking: nothing that a person holds or wears moves faster than
 //! [`LIMIT_M_S`].
 //!
 //! [`Pace`] follows a hand, which is trusted again once it has been calm for [`CALM_S`]; [`ViewPace`]
@@ -7,17 +7,17 @@
 
 use glam::Vec3;
 
-/// Faster than any hand that works, in metres a second.
+/// Faster than any hand at work, in metres per second.
 const LIMIT_M_S: f32 = 6.0;
-/// What a pose may be off by besides, in metres.
+/// Tolerance for noise of a pose, in metres.
 const SLACK_M: f32 = 0.03;
-/// How long a hand must go no faster than the limit until it is trusted again, in seconds.
+/// How long a hand must stay below the limit until it is trusted again, in seconds.
 const CALM_S: f64 = 0.1;
-/// Of a longer pause between two poses only so many seconds count.
+/// Longest pause between two poses that counts, in seconds.
 pub const LONGEST_STEP_S: f64 = 0.1;
 
-/// Whether a hand or a head gets from one position to the other within `dt_s`. Not to or from one
-/// that is not finite.
+/// Whether a hand or a head can move from one position to the other within `dt_s`. False for a
+/// position that is not finite.
 pub fn is_way(from: Vec3, to: Vec3, dt_s: f64) -> bool {
     from.distance(to) <= LIMIT_M_S * dt_s as f32 + SLACK_M
 }
@@ -26,12 +26,12 @@ pub fn is_way(from: Vec3, to: Vec3, dt_s: f64) -> bool {
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Pace {
     at: Option<Vec3>,
-    /// Until when it is not believed, on the clock of the hands.
+    /// Until when it is not trusted, on the clock of the hands.
     doubted_until_s: f64,
 }
 
 impl Pace {
-    /// Follows the hand, if it is known, to where it is now. True if it has leapt.
+    /// Follows the hand, if it is tracked, to its present position. True if it has leapt.
     pub fn step(&mut self, to: Option<Vec3>, now_s: f64, dt_s: f64) -> bool {
         let from = std::mem::replace(&mut self.at, to);
         let leapt = from.zip(to).is_some_and(|(from, to)| !is_way(from, to, dt_s));
@@ -41,13 +41,13 @@ impl Pace {
         leapt
     }
 
-    /// Whether its places are to be believed.
+    /// Whether its positions can be trusted.
     pub fn is_calm(&self, now_s: f64) -> bool {
         now_s >= self.doubted_until_s
     }
 }
 
-/// Which tracking a viewpoint comes from.
+/// The tracking that a viewpoint comes from.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Viewpoint {
     /// The camera, relative to the printed marker before it.
@@ -65,8 +65,8 @@ pub struct ViewPace {
 }
 
 impl ViewPace {
-    /// Follows the viewpoint to where it is now, if it is tracked. True if that was no movement: it
-    /// has leapt, was lost or found, or another one has taken its place.
+    /// Follows the viewpoint to its present position, if it is tracked. True if the change is no
+    /// movement: it has leapt, was lost or found, or another one has replaced it.
     pub fn step(&mut self, to: Option<(Viewpoint, Vec3)>, now_s: f64) -> bool {
         let Some((kind, to)) = to else { return self.last.take().is_some() };
         let Some((former, from, since_s)) = self.last else {
@@ -109,7 +109,7 @@ mod tests {
         assert!(!pace.step(None, 0.0), "never tracked");
         assert!(pace.step(camera(0.0), 1.0), "found");
         assert!(!pace.step(camera(0.1), 1.033), "3 m/s");
-        // Updates without a new pose do not shorten the time that it had.
+        // Updates without a new pose do not shorten its time.
         assert!((1..8).all(|i| !pace.step(camera(0.1), 1.033 + 0.008 * f64::from(i))));
         assert!(!pace.step(camera(0.4), 1.1));
         assert!(pace.step(camera(0.9), 1.133), "15 m/s");

@@ -1,4 +1,4 @@
-//! Owns the names of the panels that can be detached off into windows of their own.
+//! The panels that can be detached to windows of their own.
 
 /// A panel.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -11,7 +11,7 @@ pub enum Panel {
 impl Panel {
     pub const ALL: [Panel; 3] = [Panel::Toolbox, Panel::Options, Panel::History];
 
-    /// What the interface calls it.
+    /// The name in the interface.
     pub const fn title(self) -> &'static str {
         match self {
             Panel::Toolbox => "Toolbox",

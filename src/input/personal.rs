@@ -1,5 +1,5 @@
-//! Owns the text of a person's own table of bindings: which preset is in use, and what was
-//! changed in it and in the others.
+//! The text of the user's changes to key tables: which preset is in use, and what was changed in
+//! each.
 //!
 //! ```toml
 //! extends = "thesis"      # the preset in use
@@ -10,7 +10,7 @@
 //! redo = ["ctrl+y"]
 //! ```
 //!
-//! Takes and gives text; knows no file.
+//! Takes and returns text; knows no file.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -24,7 +24,7 @@ const HEAD: &str = "\
 # `extends` names the preset in use; the lines below override it, [] removes every key of an action.
 ";
 
-/// All presets as a person has changed them.
+/// All presets with the user's changes.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Personal {
     /// In the order of the presets.
@@ -44,7 +44,7 @@ struct Raw {
 }
 
 impl Personal {
-    /// Reads a person's changes to `presets`.
+    /// Applies the user's changes in a text to `presets`.
     pub fn parse(toml: &str, presets: &[Bindings]) -> Result<Personal, BindingsError> {
         let raw: Raw = toml::from_str(toml).map_err(|e| BindingsError::Toml(e.to_string()))?;
         let find = |name: &str| {

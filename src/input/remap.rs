@@ -1,7 +1,7 @@
-//! Owns changes to a table of bindings: giving a trigger to an action, taking it away, going back
-//! to what a preset says; and what of a table differs from its preset, as lines of text.
+//! Changes to key tables: binding a trigger to an action, removing it, resetting to the preset; and
+//! the differences of a table from its preset, as lines of text.
 //!
-//! No trigger ever stands for two actions: who gives one to an action takes it from the other.
+//! A trigger is never bound to two actions: binding it to one removes it from the other.
 
 use std::fmt;
 
@@ -9,7 +9,7 @@ use super::action::Action;
 use super::bindings::{Bindings, Lines, check_kind};
 use super::trigger::Trigger;
 
-/// A trigger that cannot stand for an action, with what can; shown as a sentence.
+/// A trigger that does not fit an action, with what does; shown as a sentence.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Unfit {
     pub trigger: Trigger,
@@ -27,14 +27,14 @@ impl fmt::Display for Unfit {
 pub enum KeyChange {
     Bind(Trigger, Action),
     Unbind(Trigger),
-    /// One action as in the preset.
+    /// Reset one action to the preset.
     Reset(Action),
-    /// The whole table as in the preset.
+    /// Reset the whole table to the preset.
     ResetAll,
 }
 
 impl Bindings {
-    /// Makes a change to this table, which came from `preset`.
+    /// Changes this table, which came from `preset`.
     pub fn change(&mut self, change: KeyChange, preset: &Bindings) -> Result<(), Unfit> {
         match change {
             KeyChange::Bind(trigger, action) => self.bind(trigger, action).map(drop),
@@ -53,17 +53,17 @@ impl Bindings {
         }
     }
 
-    /// Whether `trigger` can stand for `action` at all.
+    /// Checks that `trigger` fits `action`.
     pub fn fits(trigger: Trigger, action: Action) -> Result<(), Unfit> {
         check_kind(action.help().kind, trigger).map_err(|needs| Unfit { trigger, needs })
     }
 
-    /// The other action that `trigger` stands for now.
+    /// The other action that `trigger` is bound to.
     pub fn conflict(&self, trigger: Trigger, action: Action) -> Option<Action> {
         self.action(trigger).filter(|other| *other != action)
     }
 
-    /// Gives `trigger` to `action`, as its last one; gives the action that it is taken from.
+    /// Binds `trigger` to `action`, as its last one; returns the action that it is taken from.
     pub fn bind(&mut self, trigger: Trigger, action: Action) -> Result<Option<Action>, Unfit> {
         Bindings::fits(trigger, action)?;
         if self.action(trigger) == Some(action) {
@@ -75,14 +75,14 @@ impl Bindings {
         Ok(former)
     }
 
-    /// Takes `trigger` from the action that it stands for, which is given.
+    /// Unbinds `trigger` and returns its action.
     pub fn unbind(&mut self, trigger: Trigger) -> Option<Action> {
         let at = self.table.iter().position(|(bound, _)| *bound == trigger)?;
         Some(self.table.remove(at).1)
     }
 
-    /// Gives `action` the triggers that it has in `preset`, and only those; actions that have
-    /// them here lose them.
+    /// Resets the triggers of `action` to those in `preset`; other actions that have them here lose
+    /// them.
     pub fn reset(&mut self, action: Action, preset: &Bindings) {
         self.table
             .retain(|(trigger, bound)| *bound != action && preset.action(*trigger) != Some(action));
@@ -90,13 +90,12 @@ impl Bindings {
         super::bindings::sort(&mut self.table);
     }
 
-    /// Whether `action` has other triggers here than in `preset`.
+    /// Whether the triggers of `action` differ from those in `preset`.
     pub fn differs(&self, action: Action, preset: &Bindings) -> bool {
         !self.triggers(action).eq(preset.triggers(action))
     }
 
-    /// What `preset` must be given to become this table; an action without triggers has an empty
-    /// line.
+    /// The lines that turn `preset` into this table; an action without triggers has an empty line.
     pub fn lines_since(&self, preset: &Bindings) -> Lines {
         let changed = Action::ALL.iter().filter(|action| self.differs(**action, preset));
         changed

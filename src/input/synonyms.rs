@@ -1,8 +1,8 @@
-//! What else people call an action: the words of other programs, by which the palette and the
-//! filter of the controls find it.
+//! Synonyms of actions: the words of other programs, by which the palette and the filter of the
+//! controls window find them.
 //!
-//! In lower case and British spelling, as searches are brought into; words of the action's own text
-//! need not stand here.
+//! In lower case and British spelling, like normalised searches; words of the action's own help are
+//! not repeated.
 
 use super::action::{Action, Side, ToolMode};
 use super::panel::Panel;
@@ -10,7 +10,7 @@ use crate::tools::construct::Solid;
 use crate::tools::spray::SprayKind;
 
 impl Action {
-    /// Words that find the action besides those of its help, with spaces between.
+    /// Words that find the action besides those of its help, separated by spaces.
     pub fn synonyms(self) -> &'static str {
         match self {
             Action::New => "create file",

@@ -1,5 +1,5 @@
-//! Owns triggers: a key, a set of mouse buttons or the wheel, each with modifiers, the left Shift
-//! key tapped alone, or a button of a gamepad, and their text form: `ctrl+shift+z`, `left`,
+//! Triggers: a key, a set of mouse buttons or the wheel, each with modifiers, the left Shift key
+//! tapped alone, or a gamepad button; and their text form: `ctrl+shift+z`, `left`,
 //! `ctrl+left+right`, `shift+wheel`, `shift-tap`, `pad-south`.
 
 use std::fmt;
@@ -41,7 +41,7 @@ impl Buttons {
         self.0.count_ones()
     }
 
-    /// What each is called in tables.
+    /// The names in key tables.
     fn names(self) -> impl Iterator<Item = &'static str> {
         let held = move |button| self.contains(Buttons::NONE.with(button));
         BUTTONS.into_iter().filter(move |(button, _)| held(*button)).map(|(_, name)| name)
@@ -50,7 +50,7 @@ impl Buttons {
 
 const SHIFT_TAP: &str = "shift-tap";
 
-/// What starts an action.
+/// What triggers an action.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Trigger {
     Key {
@@ -64,7 +64,7 @@ pub enum Trigger {
     Wheel {
         modifiers: Modifiers,
     },
-    /// The left Shift key, pressed and released with nothing between.
+    /// The left Shift key, pressed and released with nothing in between.
     ShiftTap,
     Pad {
         button: PadButton,
@@ -109,8 +109,8 @@ impl FromStr for Trigger {
 }
 
 fn parse_key(word: &str) -> Result<Key, String> {
-    // `left` and `right` are mouse buttons, so the arrows have names of their own; other keys
-    // are called as egui does, in any case.
+    // `left` and `right` are mouse buttons, so the arrow keys have other names; the names of other
+    // keys are egui's, ignoring case.
     let arrow = match word {
         "arrowleft" => Some(Key::ArrowLeft),
         "arrowright" => Some(Key::ArrowRight),
@@ -157,7 +157,7 @@ impl Trigger {
     }
 }
 
-/// As a person reads it: `Ctrl+Shift+Z`, `left button`, `Ctrl+wheel`.
+/// The text shown to people: `Ctrl+Shift+Z`, `left button`, `Ctrl+wheel`.
 impl fmt::Display for Trigger {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let modifiers = self.modifiers();

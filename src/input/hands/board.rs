@@ -1,63 +1,63 @@
-//! Owns the board: the panel of the interface as a thing in the room, hung on the off hand, and
-//! the ray of the main hand that points at it, which is held still while the trigger is pulled.
+//! The board: the panel of the interface in the room, attached to the off hand, and the ray of the
+//! main hand that points at it, which is held still while the trigger is pulled.
 
 use glam::{Quat, Vec2, Vec3};
 
 use super::Change;
 use crate::view::Pose;
 
-/// From the palm to the middle of the board's lower edge, in the hand's coordinates, in metres.
+/// From the palm to the middle of the board's lower edge, in the hand's space, in metres.
 const ABOVE_HAND_M: Vec3 = Vec3::new(0.0, 0.06, -0.04);
-/// How far the board leans away from upright towards the hand's own tilt.
+/// How far the board tilts from upright towards the hand's own tilt.
 const LEAN_RAD: f32 = -0.35;
-/// Farthest that the ray reaches, in metres.
+/// Length of the ray, in metres.
 const REACH_M: f32 = 3.0;
 
 /// A board in the room.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Board {
-    /// Of its middle; x right, y up, z out of its front.
+    /// The pose of its centre; x right, y up, z out of its front.
     pub pose: Pose,
     /// Width and height in metres.
     pub size_m: Vec2,
 }
 
-/// Where a ray meets a board.
+/// Where a ray hits a board.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Hit {
     /// From the upper left corner, 0 to 1 each.
     pub at: Vec2,
     /// In metres of the room.
     pub point: Vec3,
-    /// From the hand, in metres.
+    /// Distance from the hand, in metres.
     pub way_m: f32,
 }
 
 impl Hit {
-    /// Whether it is on the board.
+    /// Whether it is within the board.
     fn is_inside(&self) -> bool {
         self.at.cmpge(Vec2::ZERO).all() && self.at.cmple(Vec2::ONE).all()
     }
 }
 
 impl Board {
-    /// A board of `size_m` that stands on the hand whose grip has this pose.
+    /// A board of `size_m` attached to the hand with this grip pose.
     pub fn on_hand(grip: &Pose, size_m: Vec2) -> Board {
         let foot = Pose { position: ABOVE_HAND_M, rotation: Quat::from_rotation_x(LEAN_RAD) };
         let middle = Pose { position: Vec3::Y * (0.5 * size_m.y), rotation: Quat::IDENTITY };
         Board { pose: grip.then(&foot).then(&middle), size_m }
     }
 
-    /// Where the ray of a hand meets the front of the board; none where it misses it.
+    /// Where the ray of a hand hits the front of the board, if it does.
     pub fn hit(&self, aim: &Pose) -> Option<Hit> {
         self.meet(aim).filter(Hit::is_inside)
     }
 
-    /// Where the ray of a hand meets the plane of the board's front, beside the board, too.
+    /// Where the ray of a hand hits the plane of the board's front, also outside of the board.
     fn meet(&self, aim: &Pose) -> Option<Hit> {
         let (origin, direction) = (self.pose.own(aim.position), aim.forward());
         let direction = self.pose.rotation.inverse() * direction;
-        // From behind there is nothing to press.
+        // The back cannot be pressed.
         if !aim.is_plausible() || origin.z <= 0.0 || direction.z >= -1e-4 {
             return None;
         }
@@ -68,26 +68,26 @@ impl Board {
     }
 }
 
-/// The place that a ray points at, kept while the trigger is pulled: a finger that pulls turns the
-/// hand. A ray that goes farther than a pull turns it drags.
+/// The point that a ray points at, held still while the trigger is pulled, since pulling turns the
+/// hand. A ray that moves further than that drags.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub(super) struct Pointing {
-    /// Where the ray was at the last look.
+    /// The ray of the last call.
     before: Option<Hit>,
-    /// How little the trigger was pulled lately.
+    /// The smallest recent travel of the trigger.
     least: f32,
     kept: Option<Hit>,
     dragging: bool,
 }
 
 impl Pointing {
-    /// Farther than a finger that pulls turns the hand, as a tangent: 1.5 degrees.
+    /// Further than pulling turns the hand, as a tangent: 1.5 degrees.
     const DRIFT: f32 = 0.026;
-    /// A pull begins when the trigger has gone this much of its way.
+    /// Travel of the trigger at which a pull begins.
     const BEGUN: f32 = 0.05;
 
-    /// Where the hand points at `board`. `way`: of the trigger, 0 to 1; `change`: what its switch
-    /// has just done; `down`: what it is now.
+    /// Where the hand points on `board`. `way`: travel of the trigger, 0 to 1; `change`: what its
+    /// switch has just done; `down`: its present state.
     pub fn step(
         &mut self,
         board: &Board,
@@ -124,7 +124,7 @@ impl Pointing {
                 self.dragging = true;
                 hit
             }
-            // It goes on to something else, half pulled.
+            // The ray moves on to something else with the trigger half pulled.
             Some(_) => {
                 (self.kept, self.least) = (None, way);
                 hit

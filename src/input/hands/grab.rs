@@ -1,8 +1,8 @@
-//! Owns how hands that hold the sculpture carry it: one hand moves and turns it rigidly, two
-//! hands turn and scale it so that it stays under both.
+//! How hands that hold the sculpture carry it: one hand moves and rotates it rigidly, two hands
+//! rotate and scale it so that both points stay under them.
 //!
-//! Takes poses of the gripping hands; gives the [`Similarity`] since the last call. All in metres
-//! of the room.
+//! Takes poses of the gripping hands; returns the [`Similarity`] since the last call. Everything in
+//! metres of the room.
 
 use glam::Quat;
 
@@ -10,10 +10,10 @@ use super::{HandSide, HandsState};
 use crate::input::pace::is_way;
 use crate::view::{Pose, Similarity};
 
-/// Hands nearer than this give no direction, in metres.
+/// Hands closer than this give no direction, in metres.
 const LEAST_SPAN_M: f32 = 0.02;
 
-/// Hands that grip, and where they were at the last look.
+/// Hands that grip, with their poses at the last call.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Grab {
     held: [Option<Pose>; 2],
@@ -25,8 +25,8 @@ impl Grab {
         self.held.iter().any(Option::is_some)
     }
 
-    /// What the hands have done to the sculpture since the last look, `dt_s` ago. `gripping`:
-    /// which hands hold it now, by [`HandSide::index`].
+    /// The movement of the sculpture since the last call, `dt_s` ago. `gripping`: which hands hold
+    /// it now, by [`HandSide::index`].
     pub fn step(
         &mut self,
         gripping: [bool; 2],
@@ -36,15 +36,15 @@ impl Grab {
         let now =
             HandSide::ALL.map(|side| state.hand(side).grip.filter(|_| gripping[side.index()]));
         let before = std::mem::replace(&mut self.held, now);
-        // A hand counts from the look after it has gripped: nothing jumps to it, nor along with
-        // tracking that leaps.
+        // A hand counts from the call after it has gripped, so that nothing jumps to it or follows
+        // a leap of tracking.
         let pair = |i: usize| {
             let (from, to) = (before[i]?, now[i]?);
             is_way(from.position, to.position, dt_s).then_some((from, to))
         };
         let moved = match (pair(0), pair(1)) {
             (Some(left), Some(right)) => between(left, right),
-            // The other hand has just gripped or let go: this one carries on.
+            // The other hand has just gripped or released: this one carries on.
             (Some((from, to)), None) | (None, Some((from, to))) => Similarity::carrying(&from, &to),
             (None, None) => return None,
         };
@@ -52,8 +52,8 @@ impl Grab {
     }
 }
 
-/// The similarity that carries the span between two hands along: its middle, its direction, its
-/// length, and half of the twist of each hand about it.
+/// The similarity that follows the span between two hands: its middle, direction and length, and
+/// half of the twist of each hand about it.
 fn between(left: (Pose, Pose), right: (Pose, Pose)) -> Similarity {
     let (old, new) = (right.0.position - left.0.position, right.1.position - left.1.position);
     let middle = (left.0.position + right.0.position) * 0.5;
@@ -65,10 +65,10 @@ fn between(left: (Pose, Pose), right: (Pose, Pose)) -> Similarity {
     let swing = Quat::from_rotation_arc(from_axis, axis);
     let twist = |(from, to): (Pose, Pose)| {
         let turn = to.rotation * from.rotation.inverse() * swing.inverse();
-        // The part of the turn about the axis: the swing-twist decomposition.
+        // The rotation about the axis: swing-twist decomposition.
         let along = turn.xyz().dot(axis);
         let angle = 2.0 * along.atan2(turn.w);
-        // The same turn the short way round.
+        // The same rotation, the short way round.
         (angle + std::f32::consts::PI).rem_euclid(std::f32::consts::TAU) - std::f32::consts::PI
     };
     let twist = 0.5 * (twist(left) + twist(right));
@@ -101,7 +101,7 @@ mod tests {
     }
 
     const BOTH: [bool; 2] = [true, true];
-    /// Between two looks, in seconds.
+    /// Time between two calls, in seconds.
     const DT_S: f64 = 0.1;
 
     proptest! {
@@ -116,7 +116,7 @@ mod tests {
             prop_assert_eq!(moved.scale, 1.0);
         }
 
-        /// Two points under two hands stay under them, however the hands go.
+        /// Two points under two hands stay under them, however the hands move.
         #[test]
         fn what_two_hands_hold_stays_under_both(
             a in pose(), b in pose(), c in pose(), d in pose(),

@@ -1,11 +1,12 @@
-//! Owns what hands ask for: who holds the sculpture, where the tool is, what a press is meant for.
+//! From the state of two hands to controller events: who holds the sculpture, where the tool is,
+//! what a press is for.
 //!
-//! The **main** hand has the tool: trigger uses it, its stick makes it larger and smaller. The
-//! **off** hand has the board, undo and redo. Either grip holds the sculpture, both scale it; so
-//! does the off hand's trigger, for controllers without a grip. A tap of the off trigger or of a
-//! menu button opens and closes the board, a menu button held long brings everything before the
-//! person. Over the board the main trigger clicks and the main stick scrolls. A button of the main
-//! hand takes the colour of what the tool touches.
+//! The **main** hand has the tool: its trigger uses it, its stick resizes it. The **off** hand has
+//! the board, undo and redo. Either grip holds the sculpture, both scale it; the off hand's trigger
+//! holds it, too, for controllers without a grip. A tap of the off trigger or of a menu button
+//! toggles the board, a long press of a menu button brings everything in front of the person. Over
+//! the board the main trigger clicks and the main stick scrolls. A button of the main hand picks
+//! the colour that the tool touches.
 
 use glam::Vec2;
 
@@ -34,36 +35,36 @@ const REST_RAD: f32 = 0.02;
 /// How hands are heard.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct HandSettings {
-    /// The hand that has the tool.
+    /// The hand with the tool.
     pub main: HandSide,
     pub response: Response,
-    /// From the main hand to the tool, along its ray, in metres.
+    /// From the main hand to the tool along its ray, in metres.
     pub reach_m: f32,
 }
 
-/// Something that hands ask for, in the order in which it is to be done.
+/// A controller event, in the order in which they are to be executed.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum HandEvent {
-    /// The sculpture is carried along.
+    /// The sculpture is carried.
     Carry(Similarity),
-    /// The tool is here, in the room.
+    /// The position of the tool in the room.
     Tool(Pose),
-    /// The tool is used from now on, and no longer.
+    /// The use of the tool begins, or ends.
     Press,
     Release,
     /// The tool becomes larger by notches, or smaller below 0.
     Resize(f32),
-    /// The colour that the tool touches, or points at, is taken.
+    /// Picks the colour that the tool touches or points at.
     Pick,
     Undo,
     Redo,
-    /// The board is opened, or closed.
+    /// Toggles the board.
     ToggleBoard,
-    /// Everything comes before the person.
+    /// Brings everything in front of the person.
     Recentre,
     /// The ray points at this point of the board, from its upper left corner, 0 to 1 each.
     Point(Vec2),
-    /// It points at the board no longer.
+    /// The ray has left the board.
     PointAway,
     /// The pointer's button goes down or up on the board.
     Click(bool),
@@ -71,19 +72,19 @@ pub enum HandEvent {
     Scroll(Vec2),
 }
 
-/// What a press of the main trigger is for until it is released.
+/// What a press of the main trigger is for, until it is released.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Meant {
     Tool,
-    /// The tool, which is lifted until the hand is calm again.
+    /// The tool, which is lifted until tracking of the hand is calm again.
     Lifted,
     Board,
 }
 
-/// A stick that asks once for each push to the side, and again while it stays there.
+/// A stick that triggers once for each push to the side, and repeats while it stays there.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 struct Flick {
-    /// The side, -1 or 1, and when it asks again.
+    /// The side, -1 or 1, and when it repeats.
     held: Option<(f32, f64)>,
 }
 
@@ -91,7 +92,7 @@ impl Flick {
     const PUSHED: f32 = 0.7;
     const BACK: f32 = 0.4;
 
-    /// The side that is asked for, -1 or 1.
+    /// The side that was triggered, -1 or 1.
     fn feed(&mut self, way: f32, now_s: f64) -> Option<f32> {
         match self.held {
             None if way.abs() >= Self::PUSHED => {
@@ -111,19 +112,19 @@ impl Flick {
     }
 }
 
-/// A button that does one thing when tapped and perhaps another when held.
+/// A button with a tap and possibly a long press.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 struct Hold {
-    /// When it was pressed; none once its long press has been heard.
+    /// When it was pressed; none after a long press has been reported.
     since_s: Option<f64>,
     switch: Switch,
 }
 
-/// Hears the hands.
+/// The state of both hands between calls.
 #[derive(Clone, PartialEq, Debug)]
 pub struct HandMapper {
     settings: HandSettings,
-    /// When the hands were last heard.
+    /// The time of the last call.
     heard_s: Option<f64>,
     grab: Grab,
     /// By [`HandSide::index`].
@@ -133,12 +134,12 @@ pub struct HandMapper {
     off_trigger: Hold,
     meant: Option<Meant>,
     pointing: bool,
-    /// Where on the board.
+    /// The position on the board.
     pointer: Pointing,
     undo: Flick,
-    /// Where the tool was last led to.
+    /// The last position of the tool.
     led: Option<Pose>,
-    /// Of the tool in the main hand.
+    /// The pace of the tool in the main hand.
     pace: Pace,
 }
 
@@ -165,7 +166,7 @@ impl HandMapper {
         &self.settings
     }
 
-    /// Gives the tool to a hand; what is held is let go.
+    /// Moves the tool to a hand; everything held is released.
     pub fn set_main(&mut self, main: HandSide, events: &mut Vec<HandEvent>) {
         if self.settings.main != main {
             self.let_go(events);
@@ -173,7 +174,7 @@ impl HandMapper {
         }
     }
 
-    /// The hands are heard no more: what is held is let go.
+    /// The hands are no longer tracked: everything held is released.
     pub fn let_go(&mut self, events: &mut Vec<HandEvent>) {
         match self.meant.take() {
             Some(Meant::Tool) => events.push(HandEvent::Release),
@@ -191,7 +192,7 @@ impl HandMapper {
         self.grab.is_holding()
     }
 
-    /// What the hands ask for now. `board`: where the board is, while it is open.
+    /// The events of the hands. `board`: where the board is, while it is open.
     pub fn hear(&mut self, state: &HandsState, board: Option<&Board>) -> Vec<HandEvent> {
         let mut events = Vec::new();
         let state = &state.plausible();
@@ -213,9 +214,9 @@ impl HandMapper {
 
         let aim = state.hand(main).aim;
         self.follow_pace(aim, now_s, dt_s, &mut events);
-        // A stroke that has begun goes on in front of the board, too.
+        // A stroke that has begun continues in front of the board, too.
         let open = board.filter(|_| !matches!(self.meant, Some(Meant::Tool | Meant::Lifted)));
-        // A hand that is lost lets go.
+        // A hand that is lost releases everything.
         let way = if aim.is_some() { state.hand(main).trigger } else { 0.0 };
         let change = self.main_trigger.feed(way);
         let hit = match open.zip(aim) {
@@ -272,7 +273,7 @@ impl HandMapper {
         }
     }
 
-    /// True while the trigger of the off hand is held long enough to carry the sculpture.
+    /// True while the trigger of the off hand has been held long enough to carry the sculpture.
     fn hear_off_trigger(&mut self, way: f32, now_s: f64, events: &mut Vec<HandEvent>) -> bool {
         let hold = &mut self.off_trigger;
         match hold.switch.feed(way) {
@@ -288,13 +289,13 @@ impl HandMapper {
         hold.since_s.is_some_and(|since| now_s - since >= TAP_S)
     }
 
-    /// The tool in a hand that points like this.
+    /// The tool's pose for this pointing pose of a hand.
     fn tool_of(&self, aim: &Pose) -> Pose {
         let position = aim.position + aim.forward() * self.settings.reach_m;
         Pose { position, rotation: aim.rotation }
     }
 
-    /// Lifts the tool from its stroke where tracking leaps, rather than to cut all the way.
+    /// Lifts the tool from its stroke where tracking leaps, instead of cutting along the leap.
     fn follow_pace(
         &mut self,
         aim: Option<Pose>,
@@ -309,7 +310,7 @@ impl HandMapper {
         }
     }
 
-    /// Leads the tool to the main hand, unless that rests.
+    /// Moves the tool to the main hand, unless that rests.
     fn lead_tool(&mut self, aim: Option<Pose>, carried: bool, events: &mut Vec<HandEvent>) {
         let Some(aim) = aim else { return };
         let tool = self.tool_of(&aim);
@@ -345,7 +346,7 @@ impl HandMapper {
         }
         if self.meant == Some(Meant::Lifted) && self.pace.is_calm(now_s) {
             self.meant = Some(Meant::Tool);
-            // The tool begins where the hand is, however long it has rested.
+            // The tool starts where the hand is, however long it has rested.
             self.led = None;
             self.lead_tool(aim, false, events);
             events.push(HandEvent::Press);

@@ -1,9 +1,8 @@
-//! Two hands in a room: poses, triggers, grips and sticks with their time to what is done to tool
-//! and sculpture ([`mapper`]), carrying and scaling with the grips ([`grab`]), the panel on the
-//! off hand and the ray that points at it ([`board`]).
+//! The hands of a headset: poses, triggers, grips and sticks with their times to controller events
+//! ([`mapper`]), carrying and scaling with the grips ([`grab`]), the board on the off hand and the
+//! ray that points at it ([`board`]).
 //!
-//! All of it is values in, values out, in metres and seconds: it knows no headset, no clock and
-//! no sculpture.
+//! Pure, in metres and seconds: knows no headset, no clock and no sculpture.
 
 pub mod board;
 pub mod grab;
@@ -33,7 +32,7 @@ impl HandSide {
         self as usize
     }
 
-    /// As the interface says it.
+    /// The name in the interface.
     pub const fn label(self) -> &'static str {
         match self {
             HandSide::Left => "left hand",
@@ -49,12 +48,12 @@ impl HandSide {
     }
 }
 
-/// Where a hand is and what its fingers do. A hand that is not tracked has no poses.
+/// The state of a hand. A hand that is not tracked has no poses.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct HandState {
-    /// Of the palm around the grip.
+    /// The pose of the palm.
     pub grip: Option<Pose>,
-    /// Of the ray that points.
+    /// The pose of the pointing ray.
     pub aim: Option<Pose>,
     /// 0 to 1.
     pub trigger: f32,
@@ -63,12 +62,12 @@ pub struct HandState {
     /// Right and up are positive, -1 to 1 each.
     pub stick: Vec2,
     pub menu: bool,
-    /// The button that takes a colour.
+    /// The button that picks a colour.
     pub pick: bool,
 }
 
 impl HandState {
-    /// The same without what no hand can be or do: poses that are none, sticks beyond their end.
+    /// The same without invalid values: poses that are not finite, sticks out of range.
     fn plausible(&self) -> HandState {
         let share = |x: f32| if x.is_finite() { x.clamp(-1.0, 1.0) } else { 0.0 };
         HandState {
@@ -80,17 +79,17 @@ impl HandState {
     }
 }
 
-/// Both hands at one time.
+/// The state of both hands.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct HandsState {
-    /// Seconds of any steady clock.
+    /// Seconds of any monotonic clock.
     pub time_s: f64,
     /// By [`HandSide::index`].
     pub hands: [HandState; 2],
 }
 
 impl HandsState {
-    /// The same without what no hand can be or do.
+    /// The same without invalid values.
     fn plausible(&self) -> HandsState {
         HandsState { hands: self.hands.map(|hand| hand.plausible()), ..*self }
     }
@@ -100,8 +99,8 @@ impl HandsState {
     }
 }
 
-/// A finger's way that counts as pressed from `PRESS` on until it falls below `RELEASE`, so that
-/// a trembling finger presses once.
+/// An analog input as a switch with hysteresis: on from `PRESS`, off below `RELEASE`, so that a
+/// trembling finger presses once.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 struct Switch {
     down: bool,
@@ -118,7 +117,7 @@ impl Switch {
     const PRESS: f32 = 0.6;
     const RELEASE: f32 = 0.4;
 
-    /// `way`: 0 to 1; what is no number is no press.
+    /// `way`: 0 to 1; NaN is no press.
     fn feed(&mut self, way: f32) -> Option<Change> {
         let down = if self.down { way > Self::RELEASE } else { way >= Self::PRESS };
         let change = match (self.down, down) {

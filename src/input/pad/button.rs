@@ -1,7 +1,7 @@
-//! Owns the buttons of a gamepad: their names in tables of bindings, by place as on no pad and
-//! every pad (`pad-south` is A on an Xbox pad, the cross on a PlayStation's), and sets of them.
+//! The buttons of a gamepad: their names in key tables, by position so that they fit every pad
+//! (`pad-south` is A on an Xbox pad, the cross on a PlayStation's), and sets of them.
 
-/// A button. The numbers in the comments are those of the pads of 2005.
+/// A button. The numbers in the comments are those of the pads used in 2005.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[repr(u8)]
 pub enum PadButton {
@@ -17,7 +17,7 @@ pub enum PadButton {
     LeftShoulder,
     /// 6: the upper right shoulder.
     RightShoulder,
-    /// 7: the lower left shoulder, on most pads with a way.
+    /// 7: the lower left shoulder, an analog trigger on most pads.
     LeftTrigger,
     /// 8: the lower right shoulder.
     RightTrigger,
@@ -52,7 +52,7 @@ impl PadButton {
         PadButton::DpadDown,
     ];
 
-    /// As tables of bindings write it.
+    /// The name in key tables.
     pub const fn name(self) -> &'static str {
         match self {
             PadButton::South => "pad-south",
@@ -74,7 +74,7 @@ impl PadButton {
         }
     }
 
-    /// As a person reads it.
+    /// The text shown to people.
     pub const fn label(self) -> &'static str {
         match self {
             PadButton::South => "gamepad A",
@@ -96,7 +96,7 @@ impl PadButton {
         }
     }
 
-    /// The button that a table calls `name`.
+    /// The button with a name in key tables.
     pub fn named(name: &str) -> Option<PadButton> {
         PadButton::ALL.into_iter().find(|button| button.name() == name)
     }

@@ -1,7 +1,7 @@
-//! Owns the link to the gamepads that are plugged in: a thread that sleeps until one of them says
-//! something, through gilrs, and the motors that let them shake.
+//! Connected gamepads: a thread that sleeps until one of them has an event, through gilrs, and the
+//! motors for rumble.
 //!
-//! Gives [`PadNews`]; knows nothing of what they are for.
+//! Returns [`PadNews`]; knows nothing of what they are for.
 
 use std::thread;
 use std::time::Instant;
@@ -12,7 +12,7 @@ use glam::Vec2;
 
 use super::{PadButton, PadButtons, PadId, PadState};
 
-/// Something that happened to a pad.
+/// An event of a pad.
 #[derive(Debug)]
 pub struct PadNews {
     pub pad: PadId,
@@ -24,22 +24,22 @@ pub struct PadNews {
 pub enum PadChange {
     Came {
         name: String,
-        /// None where the pad cannot shake.
+        /// None if the pad has no motors.
         motor: Option<Box<dyn Motor>>,
     },
     Went,
     State(PadState),
 }
 
-/// Lets a pad shake.
+/// The motors of a pad.
 pub trait Motor: Send + std::fmt::Debug {
-    /// Shakes with a strength of 0 to 1 from now on. It ends by itself soon unless it is asked for
-    /// again, so that a program that hangs leaves no pad shaking.
+    /// Rumbles with a strength of 0 to 1 from now on. It ends by itself soon unless it is called
+    /// again, so that a hanging program leaves no pad rumbling.
     fn shake(&mut self, strength: f32);
 }
 
-/// Starts the thread, which calls `tell` with all that happens until that says false. Pads that
-/// are there already come first. Where the system offers no gamepads, this is logged, and all.
+/// Starts the thread, which calls `tell` with all events until that returns false. Pads that are
+/// connected already come first. A system without gamepad support is only logged.
 pub fn listen(tell: impl Fn(PadNews) -> bool + Send + 'static) {
     let started = thread::Builder::new().name("gamepads".to_string()).spawn(move || {
         if let Err(error) = serve(&tell) {
@@ -51,11 +51,10 @@ pub fn listen(tell: impl Fn(PadNews) -> bool + Send + 'static) {
     }
 }
 
-/// Gilrs' thread for motors wakes up every 50 ms from its start on, so it is started with the
-/// first pad.
+/// The force feedback thread of gilrs wakes up every 50 ms, so it is started with the first pad.
 fn open(motors: bool) -> Result<Gilrs, Box<gilrs::Error>> {
-    // Dead zones and D-pads are seen to here and in `stick`: the filters of gilrs treat one axis
-    // at a time, which bends slow diagonal pushes.
+    // Dead zones and D-pads are handled here and in `stick`: the filters of gilrs treat one axis at
+    // a time, which distorts slow diagonal pushes.
     GilrsBuilder::new()
         .with_default_filters(false)
         .with_force_feedback(motors)
@@ -130,7 +129,7 @@ fn came(gilrs: &mut Gilrs, id: GamepadId) -> PadNews {
 fn state_of(pad: &Gamepad) -> PadState {
     let stick = |x, y| Vec2::new(pad.value(x), pad.value(y));
     let way = |button| pad.button_data(button).map_or(0.0, |data| data.value());
-    // A cross is four buttons on some pads and two axes on others.
+    // A D-pad is four buttons on some pads and two axes on others.
     let cross = [
         (PadButton::DpadLeft, Axis::DPadX, -1.0),
         (PadButton::DpadRight, Axis::DPadX, 1.0),
@@ -175,20 +174,20 @@ const BUTTONS: [(PadButton, Button); 16] = [
     (PadButton::DpadDown, Button::DPadDown),
 ];
 
-/// Milliseconds after which shaking ends if it is not asked for again.
+/// Milliseconds after which rumble ends unless it is renewed.
 const DEADLINE_MS: u32 = 300;
-/// Share of the strength that goes to the weak motor, which hums where the strong one thuds.
+/// Share of the strength for the weak motor, which hums where the strong one thuds.
 const WEAK_SHARE: f32 = 0.6;
 
-/// One effect that lasts as long as the pad is there: its gain is the strength.
+/// One effect for the lifetime of the pad: its gain is the strength.
 #[derive(Debug)]
 struct PadMotor {
     effect: EffectHandle,
-    /// Whether gilrs was told to play.
+    /// Whether the effect is playing.
     shaking: bool,
 }
 
-/// Gilrs' handle says nothing of itself.
+/// The handle of gilrs has no Debug.
 struct EffectHandle(Effect);
 
 impl std::fmt::Debug for EffectHandle {
@@ -200,7 +199,7 @@ impl std::fmt::Debug for EffectHandle {
 impl PadMotor {
     fn new(gilrs: &mut Gilrs, id: GamepadId) -> Result<PadMotor, gilrs::ff::Error> {
         let deadline = Ticks::from_ms(DEADLINE_MS);
-        // Longer than the deadline: an effect fills its time, and no gap falls between two.
+        // Longer than the deadline: an effect plays for its whole time, without gaps between two.
         let scheduling = Replay { play_for: Ticks::from_ms(10 * DEADLINE_MS), ..Replay::default() };
         let base = |kind| BaseEffect { kind, scheduling, ..BaseEffect::default() };
         let weak = (f32::from(u16::MAX) * WEAK_SHARE) as u16;

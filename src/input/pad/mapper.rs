@@ -1,9 +1,9 @@
-//! Owns what gamepads ask for: which pad leads, in which mode, what is held, how far sticks have
-//! moved something since the last picture.
+//! Gamepads to events: which pad is active, in which mode, what is held, how far sticks have moved
+//! something since the last frame.
 //!
-//! Takes states of pads, each with its time, and a table of bindings; gives [`PadEvent`]s in the order
-//! in which they were meant. What a stick does is speed times time, counted from state to state
-//! and not from picture to picture, so that no way depends on the rate of pictures.
+//! Takes states of pads with their times, and a key table; returns [`PadEvent`]s in order. The
+//! movement of a stick is speed times time, integrated from state to state and not from frame to
+//! frame, so that it does not depend on the frame rate.
 
 use glam::{Vec2, Vec3};
 
@@ -14,13 +14,13 @@ use crate::input::bindings::Bindings;
 use crate::input::mapper::ActionEvent;
 use crate::input::trigger::Trigger;
 
-/// Of a longer pause between two pictures only so many seconds count, so that nothing leaps away.
+/// Longest pause between two frames that counts, in seconds, so that nothing leaps.
 const LONGEST_STEP_S: f64 = 0.5;
-/// Seconds after which a held button asks again, and between asking again.
+/// Seconds until a held button repeats, and between repeats.
 const REPEAT_AFTER_S: f64 = 0.4;
 const REPEAT_EVERY_S: f64 = 0.1;
 
-/// What sticks and shoulder buttons ask for over a time: seconds at full speed.
+/// The movement of sticks and shoulder buttons over a time: seconds at full speed.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Glide {
     pub mode: PadMode,
@@ -41,11 +41,11 @@ impl Glide {
     }
 }
 
-/// Something that a pad asks for.
+/// An event of a pad.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum PadEvent {
     Glide(Glide),
-    /// What a button is bound to.
+    /// The action of a button.
     Action(ActionEvent),
     /// The pointer's first button goes down or up.
     Press(bool),
@@ -59,7 +59,7 @@ struct Pad {
     state: PadState,
 }
 
-/// A held button that asks again and again.
+/// A held button that repeats.
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct Repeat {
     button: PadButton,
@@ -73,20 +73,20 @@ pub struct PadMapper {
     pub response: Response,
     mode: PadMode,
     pads: Vec<Pad>,
-    /// The pad that was used last.
+    /// The pad used last.
     leader: Option<PadId>,
-    /// Buttons that the table in use gives to some action.
+    /// Buttons that are bound in the key table.
     bound: PadButtons,
-    /// Another program has the keyboard: what pads say is not meant for this one.
+    /// Another program has the focus: pads are not meant for this one.
     deaf: bool,
-    /// Actions from press to release.
+    /// Actions held by buttons.
     holds: Vec<(PadButton, Action)>,
     repeat: Option<Repeat>,
-    /// The pointer's button is held by the pad.
+    /// The pad holds the pointer's button.
     presses: bool,
-    /// Up to when sticks have been counted, in seconds.
+    /// Sticks are integrated up to this time, in seconds.
     counted_s: f64,
-    /// Sticks are counted up to so long after this.
+    /// And at most this much later.
     since_s: f64,
     events: Vec<PadEvent>,
 }
@@ -113,13 +113,13 @@ impl PadMapper {
         self.mode
     }
 
-    /// The pad that was used last, or the first that came, with its name.
+    /// The pad used last, or else the first one, with its name.
     pub fn leader(&self) -> Option<(PadId, &str)> {
         let leader = self.leader?;
         self.pads.iter().find(|pad| pad.id == leader).map(|pad| (pad.id, pad.name.as_str()))
     }
 
-    /// Whether something changes with time alone, so that pictures are needed.
+    /// Whether something moves over time, so that frames are needed.
     pub fn is_active(&self) -> bool {
         !self.events.is_empty()
             || self.repeat.is_some()
@@ -129,7 +129,7 @@ impl PadMapper {
             })
     }
 
-    /// Whether the pad uses the tool, or clicks: what happens now is felt in its hands.
+    /// Whether the pad uses the tool or clicks, so that it should rumble.
     pub fn is_holding(&self) -> bool {
         self.presses || self.holds.iter().any(|(_, action)| *action == Action::Apply)
     }
@@ -141,7 +141,7 @@ impl PadMapper {
         self.leader.get_or_insert(id);
     }
 
-    /// A pad is gone; what it held is released. Gives its name.
+    /// A pad was disconnected; what it held is released. Returns its name.
     pub fn went(&mut self, id: PadId) -> Option<String> {
         let at = self.pads.iter().position(|pad| pad.id == id)?;
         if self.leader == Some(id) {
@@ -161,7 +161,7 @@ impl PadMapper {
         state.held.without(before.unwrap_or(state.held))
     }
 
-    /// Hears where the sticks and buttons of a pad are at `now_s` seconds.
+    /// Processes the state of a pad at `now_s` seconds.
     pub fn hear(&mut self, id: PadId, state: PadState, now_s: f64, bindings: &Bindings) {
         self.count(now_s, bindings);
         let Some(pad) = self.pads.iter_mut().find(|pad| pad.id == id) else { return };
@@ -188,15 +188,15 @@ impl PadMapper {
         }
     }
 
-    /// Takes the next mode; what is held is released.
+    /// Switches to the next mode; everything held is released.
     pub fn next_mode(&mut self) {
         self.release();
         self.mode = self.mode.next();
         tracing::debug!("gamepad mode {}", self.mode.label());
     }
 
-    /// Releases everything that is held. What still is down counts only when pressed anew; sticks
-    /// go on.
+    /// Releases everything held. Buttons that are down count only when pressed again; sticks
+    /// continue.
     pub fn release(&mut self) {
         self.repeat = None;
         if std::mem::take(&mut self.presses) {
@@ -207,8 +207,8 @@ impl PadMapper {
         }
     }
 
-    /// Whether pads are meant for this program. When they are not, nothing is held any more, and
-    /// no stick is pushed until its pad says so again.
+    /// Whether pads are meant for this program. If not, everything held is released, and sticks
+    /// count as centred until their pad reports them again.
     pub fn set_listening(&mut self, listening: bool) {
         self.deaf = !listening;
         if listening {
@@ -221,7 +221,7 @@ impl PadMapper {
         }
     }
 
-    /// What was asked for up to `now_s` seconds, in order.
+    /// The events up to `now_s` seconds, in order.
     pub fn take(&mut self, now_s: f64, bindings: &Bindings) -> Vec<PadEvent> {
         self.count(now_s, bindings);
         self.since_s = now_s;
@@ -269,14 +269,14 @@ impl PadMapper {
         }
     }
 
-    /// Counts what sticks have done up to `now_s`.
+    /// Integrates the sticks up to `now_s`.
     fn count(&mut self, now_s: f64, bindings: &Bindings) {
         let bound =
             |button: &PadButton| bindings.action(Trigger::Pad { button: *button }).is_some();
         self.bound =
             PadButton::ALL.into_iter().filter(bound).fold(PadButtons::NONE, PadButtons::with);
         if !self.is_active() {
-            // From rest: the time before counts for nothing.
+            // From rest: the time before does not count.
             self.since_s = now_s;
             self.counted_s = now_s;
             return;
@@ -295,7 +295,7 @@ impl PadMapper {
         }
     }
 
-    /// Adds a movement to the one before it, if nothing lies between.
+    /// Adds a movement to the one before it, if nothing is in between.
     fn glide(&mut self, more: Glide) {
         match self.events.last_mut() {
             Some(PadEvent::Glide(glide)) if glide.mode == more.mode => {
@@ -306,8 +306,8 @@ impl PadMapper {
         }
     }
 
-    /// Speeds of moving and turning in this mode, each 0 to 1. Shoulder buttons that the table
-    /// gives to something else move nothing.
+    /// Speeds of moving and rotating in this mode, each 0 to 1. Shoulder buttons that are bound in
+    /// the key table move nothing.
     fn speeds(&self, state: &PadState) -> (Vec3, Vec3) {
         let left = self.response.speed(state.left);
         if self.mode == PadMode::OnlyMouse {
@@ -322,7 +322,7 @@ impl PadMapper {
         let roll = pull(PadButton::RightTrigger, state.triggers.y)
             - pull(PadButton::RightShoulder, down(PadButton::RightShoulder));
         let right = self.response.speed(state.right);
-        // What is pushed right turns its front to the right, pushed up its front upwards.
+        // Pushing right turns the front of the sculpture to the right, pushing up turns it upwards.
         (left.extend(near), Vec3::new(-right.y, right.x, roll))
     }
 }

@@ -1,7 +1,7 @@
-//! Gamepads: what sticks and buttons stand for ([`mapper`]), how the way of a stick becomes speed
-//! ([`stick`]), how strongly the pad shakes ([`rumble`]), and the devices themselves ([`device`]).
+//! Gamepads: the events of sticks and buttons ([`mapper`]), from stick position to speed
+//! ([`stick`]), the strength of rumble ([`rumble`]), and the devices themselves ([`device`]).
 //!
-//! All but `device` are values in, values out: they know no device, no clock and no window.
+//! All but `device` are pure: they know no device, no clock and no window.
 
 pub mod button;
 pub mod device;
@@ -18,17 +18,17 @@ pub use button::{PadButton, PadButtons};
 pub use mapper::{Glide, PadEvent, PadMapper};
 pub use options::GamepadOptions;
 
-/// Tells pads apart while the program runs.
+/// Identifies a pad while the program runs.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct PadId(pub usize);
 
-/// Where sticks and buttons of a pad are.
+/// The state of a pad's sticks and buttons.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct PadState {
     /// Right and up are positive, -1 to 1 each.
     pub left: Vec2,
     pub right: Vec2,
-    /// The way of the left and the right trigger, 0 to 1.
+    /// Travel of the left and the right trigger, 0 to 1.
     pub triggers: Vec2,
     pub held: PadButtons,
 }
@@ -48,7 +48,7 @@ pub enum PadMode {
 }
 
 impl PadMode {
-    /// The mode that follows when a person switches.
+    /// The next mode when cycling.
     pub fn next(self) -> PadMode {
         match self {
             PadMode::OnlyMouse => PadMode::UseTool,
@@ -57,7 +57,7 @@ impl PadMode {
         }
     }
 
-    /// As the status line shows it.
+    /// The text in the status line.
     pub const fn label(self) -> &'static str {
         match self {
             PadMode::OnlyMouse => "Pointer mode",

@@ -1,38 +1,38 @@
-//! Owns how strongly the pad shakes: in proportion to the voxels that a picture's worth of work
-//! changed, along a curve with a limit, and never for long at a stretch.
+//! Strength of rumble: it depends on the voxels changed per frame, along a curve with a limit, and
+//! pauses after some time.
 
-/// How it shakes.
+/// The curve of the strength.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct RumbleCurve {
-    /// Most strength, 0 to 1.
+    /// Largest strength, 0 to 1.
     pub limit: f32,
-    /// Voxels changed in one picture that give the limit.
+    /// Voxels changed in one frame that give the limit.
     pub full_voxels: f32,
-    /// After so many seconds at a stretch it pauses for half as long, against numb hands.
+    /// After this many seconds without a break it pauses for half as long, against numb hands.
     pub longest_s: f32,
 }
 
-/// Seconds in which the strength fades to a third while the tool goes on between two bites.
+/// Seconds in which the strength fades to a third between two changes of a stroke.
 const FADE_S: f32 = 0.08;
-/// Strength under which motors do not turn.
+/// Strength below which motors do not turn.
 const LEAST: f32 = 0.02;
 /// How much faster hands recover than they tire.
 const RECOVERY: f32 = 2.0;
-/// The curve: few voxels are felt, too.
+/// Exponent of the curve: few voxels can be felt, too.
 const EXPONENT: f32 = 0.5;
 
-/// The state between pictures.
+/// The state between frames.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Rumble {
     strength: f32,
-    /// Seconds of shaking that the hands have not recovered from.
+    /// Seconds of rumble that the hands have not recovered from.
     tired_s: f32,
     pausing: bool,
 }
 
 impl Rumble {
-    /// The strength from now on, 0 to the limit. `bite`: voxels changed since the last call,
-    /// `dt_s` ago; `None` while no tool is used: it stops at once.
+    /// The strength from now on, 0 to the limit. `bite`: voxels changed since the last call, `dt_s`
+    /// ago; `None` while no tool is used: it stops at once.
     pub fn step(&mut self, bite: Option<u64>, dt_s: f32, curve: &RumbleCurve) -> f32 {
         let dt_s = dt_s.max(0.0);
         if self.strength > 0.0 {
@@ -58,7 +58,7 @@ impl Rumble {
         self.strength
     }
 
-    /// Whether it shakes now, so that it must be told when to stop.
+    /// Whether it rumbles now, so that it must be updated.
     pub fn is_shaking(&self) -> bool {
         self.strength > 0.0
     }
@@ -79,7 +79,7 @@ mod tests {
             let (mut rumble, mut stretch) = (Rumble::default(), 0.0f32);
             let mut before = 0.0;
             for (bite, dt_s) in bites {
-                // What was set before has held until now.
+                // The last strength has applied until now.
                 stretch = if before > 0.0 { stretch + dt_s } else { 0.0 };
                 prop_assert!(stretch <= CURVE.longest_s + 0.3 + 1e-3, "{}", stretch);
                 before = rumble.step(bite, dt_s, &CURVE);

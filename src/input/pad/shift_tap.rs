@@ -1,5 +1,5 @@
-//! Owns when the left Shift key was tapped alone: pressed and released with no other key, button
-//! or wheel between, so that Shift as a modifier never counts.
+//! Taps of the left Shift key: pressed and released with no other key, button or wheel in between,
+//! so that Shift as a modifier never counts.
 
 use egui::{Event, Key};
 
@@ -15,7 +15,7 @@ impl ShiftTap {
     pub fn feed(&mut self, event: &Event) -> bool {
         match *event {
             Event::Key { key: Key::ShiftLeft, pressed: true, repeat, modifiers, .. } => {
-                // A repeat neither begins a tap nor spoils one.
+                // Key repeat neither begins a tap nor cancels one.
                 if !repeat {
                     self.alone = !(modifiers.ctrl || modifiers.command || modifiers.alt);
                 }

@@ -1,22 +1,22 @@
-//! Owns how the way of a stick becomes speed: a round dead zone around its middle, then a curve.
+//! From stick position to speed: a round dead zone around the centre, then a curve.
 
 use glam::Vec2;
 
-/// How sticks and triggers answer.
+/// The response of sticks and triggers.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Response {
-    /// Share of the way that counts as rest, 0 to below 1: sticks do not return to their exact
-    /// middle.
+    /// Radius of the dead zone as a share of the travel, 0 to below 1: sticks do not return to
+    /// their exact centre.
     pub dead_zone: f32,
-    /// Power by which the way behind the dead zone becomes speed: 1 in proportion, more for finer
+    /// Exponent from travel outside of the dead zone to speed: 1 is linear, more gives finer
     /// control of slow movements.
     pub curve: f32,
 }
 
 impl Response {
-    /// The speed that a stick asks for, of length 0 to 1, in the direction in which it is pushed.
-    /// Behind the dead zone it begins at 0, so that nothing jumps; a push into a corner counts no
-    /// more than one straight ahead.
+    /// The speed of a stick, of length 0 to 1, in the direction of its push. It starts at 0 at the
+    /// edge of the dead zone, so that nothing jumps; a push into a corner is no faster than one
+    /// straight ahead.
     pub fn speed(&self, stick: Vec2) -> Vec2 {
         let way = stick.length();
         if !way.is_finite() || way <= self.dead_zone {
@@ -25,7 +25,7 @@ impl Response {
         stick / way * self.shaped(way)
     }
 
-    /// The speed that a trigger asks for, 0 to 1, from its way 0 to 1.
+    /// The speed of a trigger, 0 to 1, from its travel 0 to 1.
     pub fn pull(&self, way: f32) -> f32 {
         if way > self.dead_zone { self.shaped(way) } else { 0.0 }
     }
@@ -80,7 +80,7 @@ mod tests {
             prop_assert!(a.perp_dot(at(one, 1.0)).abs() < 1e-4 && a.dot(at(one, 1.0)) >= 0.0);
         }
 
-        /// Motion begins at 0, and a small step of the stick is a small step of speed.
+        /// Motion starts at 0, and a small step of the stick is a small step of speed.
         #[test]
         fn nothing_jumps(
             dead_zone in 0.0f32..0.9, curve in 1.0f32..5.0, angle in -4.0f32..4.0, way in 0.0f32..1.0,
@@ -88,7 +88,7 @@ mod tests {
             let response = Response { dead_zone, curve };
             let step = 1e-3;
             let speed = |way| response.speed(at(angle, way)).length();
-            // The slope is at most that of the curve's end.
+            // The slope is at most that at the end of the curve.
             let most = curve / (1.0 - dead_zone) * step;
             prop_assert!(speed(way + step) - speed(way) <= most * 1.01 + 1e-4);
             prop_assert!(speed(dead_zone + 1e-4) <= 1e-4 / (1.0 - dead_zone) + 1e-5);
