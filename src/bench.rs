@@ -1,8 +1,8 @@
-//! Owns the benchmark of the program: all modes on sculptures that are the same everywhere, edits,
-//! files, and the machine that it ran on.
+//! The benchmark of the program: all modes on standard sculptures, edits, files, and a description
+//! of the machine.
 //!
-//! Everything is done as the program does it: edits by commands, pictures by the stages of a
-//! window, files by the doors that a person's commands take. The clock is read here alone.
+//! Everything runs as in the program: edits as commands, pictures by the stages of a window, files
+//! as by commands. Times are measured here alone.
 
 mod edits;
 mod files;
@@ -42,7 +42,7 @@ use subjects::{Subject, eyes_of};
 /// How much is measured.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, ValueEnum)]
 pub enum Suite {
-    /// Some seconds a scene
+    /// A few seconds per scene
     #[default]
     Quick,
     /// Minutes, for figures to be quoted
@@ -57,7 +57,7 @@ impl Suite {
         }
     }
 
-    /// Pictures of each mode and scene.
+    /// Pictures per mode and scene.
     fn frames(self) -> usize {
         match self {
             Suite::Quick => 20,
@@ -65,7 +65,7 @@ impl Suite {
         }
     }
 
-    /// Bites into each scene in each mode, of radius 32 and 64.
+    /// Edits per scene and mode, of radius 32 and 64.
     fn strokes(self) -> [usize; 2] {
         match self {
             Suite::Quick => [1000, 40],
@@ -73,7 +73,7 @@ impl Suite {
         }
     }
 
-    /// Longest that one figure is measured for; slow modes are then done with fewer pictures.
+    /// Longest time per figure; slow modes then have fewer pictures.
     fn patience(self) -> Duration {
         match self {
             Suite::Quick => Duration::from_secs(2),
@@ -96,25 +96,25 @@ impl Suite {
     }
 }
 
-/// Runs of anything, however long they take.
+/// Smallest number of runs, however long they take.
 const LEAST_RUNS: usize = 5;
 
-/// What `bench` is asked to do.
+/// The arguments of [`run`].
 #[derive(Debug)]
 pub struct BenchJob {
     pub json: Option<PathBuf>,
     pub plot: Option<PathBuf>,
     pub suite: Suite,
-    /// Those to measure; all if there are none.
+    /// The modes to measure; empty for all.
     pub modes: Vec<RenderMode>,
-    /// Run this alone.
+    /// Runs only this kernel.
     pub kernel: Option<Kernel>,
     pub repeat: usize,
-    /// Pixels of the pictures.
+    /// Size of the pictures in pixels.
     pub size: UVec2,
     /// One or two.
     pub eyes: u32,
-    /// Names of scenes and files; the standard scenes if there are none.
+    /// Names of scenes and files; empty for the standard scenes.
     pub scenes: Vec<String>,
     pub import: ImportOptions,
 }
@@ -138,8 +138,8 @@ pub enum BenchError {
     Unsaid(#[from] Unsaid),
 }
 
-/// Measures, writes JSON and a plot where asked, and prints tables: what cannot be had of these three
-/// costs none of the others.
+/// Measures, writes JSON and a plot if requested, and prints tables. Failing to write one of these
+/// does not prevent the others.
 pub fn run(
     job: &BenchJob,
     config: &Config,
@@ -156,7 +156,7 @@ pub fn run(
     if subjects.is_empty() || subjects.iter().all(|s| s.path().is_some()) {
         subjects = Subject::STANDARD.into_iter().chain(subjects).collect();
     }
-    // A bad file is heard of before minutes of measuring.
+    // A bad file fails before minutes of measuring.
     for subject in subjects.iter().filter(|subject| subject.path().is_some()) {
         make(subject, job, config, progress)?;
     }
@@ -239,7 +239,7 @@ fn measure_scene(
     progress.begin("measuring pictures");
     let mut modes: Vec<ModeReport> = Vec::new();
     let wanted = |mode: &RenderMode| job.modes.is_empty() || job.modes.contains(mode);
-    // One renderer for all modes, as a window has: each keeps compiled shaders and copies.
+    // One renderer for all modes, as in a window: compiled shaders and copies are kept.
     let mut pictures = None;
     for mode in RenderMode::ALL.into_iter().filter(wanted) {
         modes.extend(measure_mode(mode, &mut document, &mut pictures, job, config, device)?);
@@ -260,7 +260,7 @@ fn measure_scene(
     };
     progress.begin("measuring files");
     let contents = document.contents();
-    // Of the slow formats only what a person would notice.
+    // Few runs of the slow formats, which differ by little.
     let (own, other): ([&str; 1], [&str; 1]) = (["vsc"], ["pvm"]);
     let limits = config.limits();
     let mut files =
@@ -281,7 +281,7 @@ fn measure_scene(
     })
 }
 
-/// The name of a mode as the command line and the configuration have it.
+/// The name of a mode on the command line and in the settings.
 fn mode_name(mode: RenderMode) -> String {
     mode.to_possible_value().map_or_else(String::new, |value| value.get_name().to_string())
 }

@@ -1,8 +1,8 @@
-//! Owns the command line: arguments in, one of the jobs out, an exit code at the end.
+//! The command line: from arguments to a job and an exit code.
 //!
-//! Exit codes: 0 done, 1 the job failed, 2 wrong arguments, 3 an input file, script or
-//! configuration cannot be used, 4 no usable Vulkan device or display. Results are said on
-//! stdout, everything else on stderr.
+//! Exit codes: 0 success, 1 the job failed, 2 wrong arguments, 3 an input file, script or the
+//! settings cannot be used, 4 no usable Vulkan device or display. Results go to stdout, everything
+//! else to stderr.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -177,7 +177,7 @@ pub enum Job {
     Doctor,
 }
 
-/// Reads arguments. Those of the window are refused beside a job, those of all jobs stand anywhere.
+/// Parses arguments. Those of the window are refused beside a job; global ones may be anywhere.
 fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Cli, clap::Error> {
     let arguments: Vec<OsString> = arguments.into_iter().collect();
     let mut command = Cli::command();
@@ -199,20 +199,20 @@ fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Cli, clap::Err
     Cli::from_arg_matches(&matches)
 }
 
-/// What to say of a first word that is neither a job nor a file, but much like a job. clap takes it for
-/// the file to open, and complains of what follows it, if of anything.
+/// The message for a first word that is neither a job nor a file, but similar to a job. clap takes
+/// it for the file to open, and complains about the words after it, if at all.
 fn misspelt_job(command: &clap::Command, arguments: &[OsString]) -> Option<String> {
     let lenient = command.clone().ignore_errors(true).disable_help_flag(true);
     let matches = lenient.try_get_matches_from(arguments).ok()?;
     let file = matches.get_one::<PathBuf>("file").filter(|file| !file.exists())?;
-    // What has an ending or a folder is meant as a file.
+    // A word with an extension or a folder is meant as a file.
     let word = file.to_str().filter(|_| Path::new(file.file_name().unwrap_or_default()) == file)?;
     if matches.subcommand_name().is_some() || file.extension().is_some() {
         return None;
     }
     let jobs = command.get_subcommands().map(|job| (strsim::jaro(word, job.get_name()), job));
     let (likeness, job) = jobs.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    // The measure and the limit that clap has for its own suggestions.
+    // The measure and threshold of clap's own suggestions.
     let name = job.get_name();
     (likeness > 0.7).then(|| format!("there is no command '{word}'; did you mean '{name}'?"))
 }
@@ -235,7 +235,7 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Says what clap has to say: help and version, which are results, or what is wrong.
+/// Prints clap's output: help and version, which are results, or errors.
 fn refuse(words: &clap::Error) -> ExitCode {
     let unsaid = words.print().is_err_and(|error| error.kind() != std::io::ErrorKind::BrokenPipe);
     match words.exit_code() {
@@ -244,8 +244,8 @@ fn refuse(words: &clap::Error) -> ExitCode {
     }
 }
 
-/// Without a job: the window where there is a display; elsewhere, unless a file was named, the
-/// demo, so that the program shows what it does on any machine.
+/// Without a job: the window if there is a display, otherwise, unless a file was named, the demo,
+/// so that the program shows what it does on any machine.
 fn window_or_demo(
     cli: Cli,
     config: Config,

@@ -1,11 +1,11 @@
-//! Owns `doctor`: what this machine offers to the program, and what to install where something
-//! lacks. It only looks; it changes nothing and never fails.
+//! The job `doctor`: reports what this machine offers, and what to install if something is missing.
+//! It changes nothing and never fails.
 
 use crate::folders::personal_file;
 use crate::gpu;
 use crate::screen::headset;
 
-/// What the program can use, a line each.
+/// A line for each thing that the program can use.
 pub fn report() -> String {
     let mut lines = vec![format!("virtual-sculpture {}", env!("CARGO_PKG_VERSION"))];
     lines.push(match personal_file() {

@@ -1,7 +1,7 @@
-//! Owns the jobs that need no screen: render, run, convert, info, demo, and the list of commands.
+//! The jobs that need no screen: render, run, convert, info, demo, and the list of commands.
 //!
-//! Results go to stdout as one fact a line; progress and errors to stderr. Files are written before
-//! anything is said of them, so that nobody's not listening costs one.
+//! Results go to stdout, one fact per line; progress and errors to stderr. Files are written before
+//! they are reported, so that a closed stdout costs none.
 
 use std::path::{Path, PathBuf};
 
@@ -39,7 +39,7 @@ impl DemoScene {
     pub const ALL: [DemoScene; 3] =
         [DemoScene::Island, DemoScene::LearningTask, DemoScene::Landscape];
 
-    /// Name of the files that it is written to.
+    /// Base name of its files.
     pub const fn name(self) -> &'static str {
         match self {
             DemoScene::Island => "demo",
@@ -153,7 +153,8 @@ pub fn render(
     render_session(session, out, picture, context)
 }
 
-/// Draws a marker whose black square is `size_mm` wide: an SVG where the name says so, else a PNG.
+/// Draws a marker whose black square is `size_mm` wide: an SVG if the name says so, otherwise a
+/// PNG.
 pub fn marker(id: u32, size_mm: f64, out: &Path) -> Result<(), JobError> {
     let is_svg = out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("svg"));
     let drawing = match is_svg {
@@ -169,7 +170,7 @@ pub fn marker(id: u32, size_mm: f64, out: &Path) -> Result<(), JobError> {
     Ok(())
 }
 
-/// Carries out a script; saves and renders the result where asked.
+/// Runs a script; saves and renders the result if requested.
 pub fn run(job: &RunJob, context: &Context) -> Result<(), JobError> {
     let text = store::read_text(&job.script)
         .map_err(|error| JobError::ReadScript { path: job.script.clone(), error })?;
@@ -199,7 +200,7 @@ pub struct RunJob {
     pub import: ImportOptions,
 }
 
-/// Reads a file and writes it in the form that the name of `output` asks for.
+/// Converts a file to the format of the extension of `output`.
 pub fn convert(
     input: &Path,
     output: &Path,
@@ -213,7 +214,7 @@ pub fn convert(
     Ok(())
 }
 
-/// Says what a file holds.
+/// Prints the contents of a file.
 pub fn info(file: &Path, import: &ImportOptions, context: &Context) -> Result<(), JobError> {
     let failed = |error| JobError::Info { path: file.to_path_buf(), error };
     let info = format::info_with(file, import, &context.config.limits(), context.progress)
@@ -238,7 +239,7 @@ pub fn demo(
     render_session(session, &folder.join(file("png")), picture, context)
 }
 
-/// Prints the commands that scripts know.
+/// Prints the commands for scripts.
 pub fn commands() -> Result<(), JobError> {
     for command in COMMANDS {
         let (verb, usage, tooltip) = (command.verb, command.usage, command.tooltip);

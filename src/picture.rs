@@ -1,7 +1,7 @@
-//! Owns pictures of a document without a screen: sample, shade, put over the background, write.
+//! Pictures of a document without a screen: sample, shade, compose with the background, write.
 //!
-//! Uses the samplers and the software shader that the window uses. A mode that samples on the GPU
-//! needs a Vulkan device; the ray casters need none.
+//! Uses the samplers and the software shader of the window. A mode that samples on the GPU needs a
+//! Vulkan device; the ray casters need none.
 
 use std::path::{Path, PathBuf};
 
@@ -21,16 +21,16 @@ use crate::shade::{Lighting, Pixels, ShadePose, SoftwareShader};
 use crate::surface::{IndexMap, quickstep, raycast};
 use crate::view::{Camera, Eye, StereoLayout};
 
-/// Colours of the background at the upper and the lower edge of a picture, sRGB.
+/// Colours of the background at the upper and the lower edge, sRGB.
 pub const BACKGROUND: [[u8; 3]; 2] = [[58, 64, 76], [24, 26, 31]];
 
-/// Endings of the names of files that pictures are written to.
+/// Extensions of picture files.
 pub const ENDINGS: [&str; 3] = ["png", "jpg", "jpeg"];
 
-/// Quality of JPEG files, of 100: lines stay clean.
+/// JPEG quality, of 100: keeps lines clean.
 const JPEG_QUALITY: u8 = 92;
 
-/// Why a picture was not made.
+/// Why a picture could not be made.
 #[derive(Debug, Error)]
 pub enum PictureError {
     #[error("{0}; `--mode ray` renders without Vulkan")]
@@ -52,26 +52,26 @@ pub struct PictureOptions {
     pub device: DeviceOptions,
 }
 
-/// From where and how to look.
+/// The view of a picture.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct View {
     pub size: UVec2,
     pub mode: RenderMode,
-    /// From the middle of what exists to the eye, where `up` is y.
+    /// From the centre of the bounding box to the eye, where `up` is y.
     pub direction: Vec3,
     /// The axis that points up in the picture.
     pub up: Vec3,
-    /// By how much the sculpture is turned about `up`.
+    /// The angle by which the sculpture is turned about `up`.
     pub turn_rad: f32,
-    /// 1 shows all that exists, more shows less of it, larger.
+    /// 1 fits the bounding box; more is closer.
     pub zoom: f32,
     pub fov_y_rad: f32,
-    /// How two eyes share the picture; the eyes are those of [`PictureOptions::stereo`].
+    /// The layout of two eyes, which are those of [`PictureOptions::stereo`].
     pub stereo: StereoLayout,
 }
 
 impl View {
-    /// The eye that frames what exists of `document`, and the pose of its grid.
+    /// The eye that frames the sculpture of `document`, and the pose of its grid.
     fn frame(&self, document: &Document) -> (Eye, Affine3A) {
         let world_from_grid = Affine3A::from_quat(Quat::from_axis_angle(self.up, self.turn_rad))
             * document.world_from_grid();
@@ -85,8 +85,8 @@ impl View {
     }
 }
 
-/// Points around what exists, in grid coordinates: the corners of the first and the last brick in
-/// use of every row, within the box of all voxels. The corners of the grid if it is empty.
+/// Points around the sculpture, in grid coordinates: the corners of the first and the last brick in
+/// use of every row, clipped to the bounding box. The corners of the grid if it is empty.
 fn outline(grid: &Grid) -> Vec<Vec3> {
     let (min, max) = grid.opaque_bounds().unwrap_or((UVec3::ZERO, grid.dims()));
     let corners = |low: UVec3, high: UVec3| {
@@ -110,8 +110,7 @@ fn outline(grid: &Grid) -> Vec<Vec3> {
     points
 }
 
-/// The finished pictures of `document`: one, or with [`StereoLayout::Layers`] those of the left and
-/// the right eye.
+/// Renders `document`: one picture, or with [`StereoLayout::Layers`] one for each eye.
 pub fn render(
     document: &mut Document,
     view: &View,
@@ -141,8 +140,8 @@ pub fn render(
     })
 }
 
-/// The same to a file, PNG or JPEG as its ending says, or to two whose names end in `.left` and
-/// `.right` before it; a file appears only when it is complete. Gives the names.
+/// Renders to a file, PNG or JPEG by its extension, or to two with `.left` and `.right` before it;
+/// a file appears only when it is complete. Returns the paths.
 pub fn render_to_file(
     document: &mut Document,
     view: &View,
@@ -206,8 +205,8 @@ fn cast_eye(
     over_background(&pixels)
 }
 
-/// Renders on a device of its own, which is given back afterwards. A sculpture that is too large for the
-/// device in this mode is drawn in the next best.
+/// Renders on a device made for this picture. A sculpture that is too large for the device in this
+/// mode is rendered in the fallback mode.
 fn render_on_device(
     document: &mut Document,
     view: &View,
@@ -263,13 +262,13 @@ fn without_alpha(pixels: &Pixels) -> RgbImage {
     })
 }
 
-/// The middle of the box of all voxels, in grid coordinates.
+/// The centre of the bounding box, in grid coordinates.
 fn outline_middle(grid: &Grid) -> Vec3 {
     let (min, max) = grid.opaque_bounds().unwrap_or((UVec3::ZERO, grid.dims()));
     (min.as_vec3() + max.as_vec3()) * 0.5
 }
 
-/// Puts shaded pixels over the background gradient.
+/// Composes shaded pixels with the background gradient.
 fn over_background(pixels: &Pixels) -> RgbImage {
     let UVec2 { x: width, y: height } = pixels.size;
     RgbImage::from_fn(width, height, |x, y| {

@@ -1,5 +1,5 @@
-//! Owns the job `track`: what a person needs to set head tracking up. It shows the poses of a source,
-//! or serves them to others by VRPN.
+//! The job `track`, for setting up head tracking: shows the poses of a source, or serves them by
+//! VRPN.
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::time::{Duration, Instant, SystemTime};
@@ -18,7 +18,7 @@ use crate::config::Config;
 use crate::head_tracking::{SourceAddress, SourceError, source};
 use crate::say::{self, Unsaid};
 
-/// Between two looks at the sources.
+/// Interval of polling the sources.
 const LOOK_EVERY: Duration = Duration::from_millis(2);
 
 #[derive(Args, Debug, Clone)]
@@ -84,14 +84,14 @@ pub fn run(args: &TrackArgs, config: &Config) -> Result<(), TrackError> {
     }
 }
 
-/// Whether the job goes on, after a pause.
+/// Pauses; returns whether the job continues.
 fn goes_on(args: &TrackArgs, sources: &[Box<dyn Source>], started: Instant) -> bool {
     std::thread::sleep(LOOK_EVERY);
     let over = args.seconds.is_some_and(|limit| started.elapsed() >= limit);
     !over && !sources.iter().all(|source| matches!(source.state(), SourceState::Ended(_)))
 }
 
-/// Sends on what the sources say as one device.
+/// Publishes the events of the sources as one device.
 fn serve(
     args: &TrackArgs,
     address: &SourceAddress,
@@ -137,7 +137,7 @@ fn serve(
     }
 }
 
-/// What came in since the last line of the monitor.
+/// The events since the last line of the monitor.
 #[derive(Default)]
 struct Tally {
     pose: Option<HeadPose>,
@@ -166,7 +166,7 @@ impl Tally {
     }
 }
 
-/// Prints twice a second where the sensors are and how well the source does.
+/// Prints the poses and the quality of the source twice a second.
 fn show(
     args: &TrackArgs,
     sources: &mut [Box<dyn Source>],

@@ -1,5 +1,5 @@
-//! Owns what is measured of edits: throughput by solid, undo and redo, and the time from an edit
-//! to the picture that shows it.
+//! Benchmarks of edits: throughput by solid, undo and redo, and the latency from an edit to its
+//! picture.
 
 use std::time::{Duration, Instant};
 
@@ -18,7 +18,7 @@ use crate::sculpture::{ColourDepth, Limits, Rgb};
 use crate::surface::raycast;
 use crate::tools::construct::{Primitive, Solid};
 
-/// One edit, many times.
+/// One edit, repeated.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct EditReport {
     pub name: String,
@@ -35,10 +35,10 @@ impl EditReport {
     }
 }
 
-/// Edge of the block that is carved.
+/// Edge of the block that is edited.
 const BLOCK_VX: u32 = 512;
 
-/// The commands that are measured, each on a full block.
+/// The measured commands, each on a full block.
 pub fn edits(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandError> {
     let mut document = block(limits)?;
     let turn = Quat::from_euler(EulerRot::XYZ, 0.4, 0.7, 1.1);
@@ -68,7 +68,7 @@ pub fn edits(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandErro
     Ok(reports)
 }
 
-/// The 2000 spheres of the cheese by commands, in one stroke; taking it back, and doing it again.
+/// The 2000 spheres of the cheese as commands of one stroke, with undo and redo.
 fn carves(document: &mut Document, runs: usize) -> Result<Vec<EditReport>, CommandError> {
     let mut random = Random(1);
     let spheres: Vec<Command> = (0..2000)
@@ -131,20 +131,20 @@ fn block(limits: Limits) -> Result<Document, CommandError> {
     Document::new(&new, limits)
 }
 
-/// Times from an edit to the picture that shows it.
+/// Latencies from an edit to its picture.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct EditToImage {
     /// From the command to the shaded picture.
     pub shaded: Times,
-    /// From there to the finished picture, where that is another stage.
+    /// From there to the finished picture, if that is another stage.
     pub composite: Option<Times>,
 }
 
-/// Bites between two renewals of the sculpture: so many leave most of it.
+/// Edits until the sculpture is restored: few enough to leave most of it.
 const BITES: usize = 20;
 
-/// Carves balls where the surface is seen, and times each from the command to the shaded picture.
-/// What is measured takes no longer than `patience` in all, but for one run and the least number.
+/// Subtracts balls at the visible surface, and measures each from the command to the shaded
+/// picture. Takes at most `patience`, except for one run and the smallest number of runs.
 pub fn edit_to_image(
     document: &mut Document,
     pictures: &mut Pictures,
@@ -157,13 +157,13 @@ pub fn edit_to_image(
     let mut composite = Vec::with_capacity(strokes);
     let mut measured = Duration::ZERO;
     let mut bites = 0;
-    // Where the eye is inside of all that exists, or nothing does, there is nothing to bite.
+    // Nothing is visible: the eye is inside of the sculpture, or the grid is empty.
     let mut missed = 0;
     while shaded.len() < strokes
         && missed < 1000
         && (shaded.len() < LEAST_RUNS || measured < patience)
     {
-        // By a ray of its own, as some modes keep what they see to themselves.
+        // With a ray of its own, since some modes have no index map in memory.
         let rays = *pictures.rays();
         let at = random.next_u64();
         let (x, y) = (at as u32 % rays.size.x, (at >> 32) as u32 % rays.size.y);
@@ -195,7 +195,7 @@ pub fn edit_to_image(
     Ok(Times::of(&shaded).map(|shaded| EditToImage { shaded, composite }))
 }
 
-/// Takes back bites, in sculpture and picture.
+/// Undoes edits, in sculpture and picture.
 fn renew(document: &mut Document, pictures: &mut Pictures, bites: usize) -> Result<(), GpuError> {
     // Undo cannot fail outside of a stroke.
     let undo = Command::Undo { steps: Some(bites as u32) };

@@ -1,5 +1,4 @@
-//! Owns what is measured of files: how long a sculpture takes to save and to load, and how large
-//! it is on the disk.
+//! Benchmarks of files: the times to save and load a sculpture, and its size on disk.
 
 use std::time::{Duration, Instant};
 
@@ -14,15 +13,15 @@ use crate::sculpture::history::Contents;
 /// One format.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct FileReport {
-    /// The ending of its names.
+    /// The extension.
     pub ending: String,
     pub bytes: u64,
-    /// With everything until the disk has it.
+    /// Including the sync to disk.
     pub save: Times,
     pub load: Times,
 }
 
-/// Saves and loads in the formats of `endings`, in a folder of its own.
+/// Saves and loads in the formats of `endings`, in a temporary folder.
 pub fn files(
     contents: &Contents,
     endings: &[&str],

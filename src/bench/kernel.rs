@@ -1,5 +1,5 @@
-//! Owns single kernels run alone, for tools that count instructions: `bench --kernel ray cheese
-//! --repeat 11` less `--repeat 1` are ten runs of the kernel and nothing else.
+//! Single kernels, for profilers that count instructions: `bench --kernel ray cheese --repeat 11`
+//! less `--repeat 1` is ten runs of the kernel and nothing else.
 
 use std::time::Instant;
 
@@ -15,7 +15,7 @@ use crate::shade::{self, Lighting, Pixels, ShadePose};
 use crate::surface::{IndexMap, quickstep, raycast};
 use crate::tools::construct::{Primitive, Solid};
 
-/// What can be run alone.
+/// The kernels.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
 pub enum Kernel {
     /// Exact ray caster, a whole picture
@@ -30,8 +30,8 @@ pub enum Kernel {
     Ellipsoid,
 }
 
-/// Runs a kernel `repeat` times after what it needs is made, and says how long that took. `size`: of
-/// the picture, in pixels.
+/// Runs a kernel `repeat` times after its setup, and returns the times. `size`: of the picture, in
+/// pixels.
 pub fn run(kernel: Kernel, document: &mut Document, size: UVec2, repeat: usize) -> Option<Times> {
     let eye = eye_of(document, size);
     let world_from_grid = document.world_from_grid();

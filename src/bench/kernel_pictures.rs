@@ -1,5 +1,5 @@
-//! Owns the pictures of a machine without a Vulkan device: the ray casters and the software shader
-//! by themselves, up to the shaded picture.
+//! Pictures without a Vulkan device: the ray casters and the software shader alone, up to the
+//! shaded picture.
 
 use std::time::Instant;
 
@@ -21,7 +21,7 @@ pub struct KernelPictures {
     views: Vec<View>,
 }
 
-/// What an eye sees.
+/// The view of an eye.
 struct View {
     eye: Eye,
     map: IndexMap,
@@ -48,7 +48,7 @@ impl Caster {
 }
 
 impl KernelPictures {
-    /// None where the mode needs a device.
+    /// None if the mode needs a device.
     pub fn new(scene: &Scene, document: &mut Document) -> Option<KernelPictures> {
         let Scene { mode, eyes, lighting } = *scene;
         let world_from_grid = document.world_from_grid();

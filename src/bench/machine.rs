@@ -1,4 +1,4 @@
-//! Owns what a benchmark says of the machine that it ran on.
+//! The description of the machine in a benchmark.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -10,19 +10,18 @@ use crate::gpu::Device;
 
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Machine {
-    /// As the processor calls itself.
+    /// The name of the processor.
     pub processor: String,
-    /// Threads that the kernels work on.
+    /// Number of threads that the kernels use.
     pub threads: usize,
     /// Vector instructions that the kernels use.
     pub vectors: String,
-    /// Bytes read and written by a copy of memory on all threads, a second.
+    /// Bytes read and written per second by a memory copy on all threads.
     pub copy_bytes_per_s: f64,
-    /// Vulkan device and driver; or why there is none.
+    /// Vulkan device and driver, or why there is none.
     pub vulkan: String,
     pub os: &'static str,
-    /// Processes that wanted to run in the last minute, on average: a quiet machine has less than
-    /// one beside the benchmark.
+    /// Load average of the last minute: a quiet machine has less than 1 besides the benchmark.
     pub load: Option<f64>,
 }
 
@@ -40,7 +39,7 @@ impl Machine {
     }
 }
 
-/// Name of the first processor. Linux says it in a file; elsewhere nothing is known.
+/// Name of the first processor, which Linux has in a file; unknown elsewhere.
 fn processor() -> Option<String> {
     let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
     let line = text.lines().find(|line| line.starts_with("model name"))?;
@@ -56,7 +55,7 @@ fn vectors() -> String {
     level.split('(').next().unwrap_or_default().to_lowercase()
 }
 
-/// The best of some copies between two buffers that no cache holds.
+/// The fastest of some copies between two buffers larger than any cache.
 fn copy_bytes_per_s() -> f64 {
     const BYTES: usize = 128 << 20;
     let from = vec![1u64; BYTES / 8];
@@ -72,7 +71,7 @@ fn copy_bytes_per_s() -> f64 {
     2.0 * BYTES as f64 / best
 }
 
-/// The most memory that the program has had in use so far, in bytes. Linux says it in a file.
+/// Peak memory of the process in bytes, which Linux has in a file.
 pub fn peak_memory_bytes() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = text.lines().find(|line| line.starts_with("VmHWM:"))?;

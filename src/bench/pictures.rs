@@ -1,9 +1,8 @@
-//! Owns the pictures that are measured: each mode's way from a document to a picture, with the
-//! time that each stage takes.
+//! Benchmarks of pictures: each mode from a document to a picture, with the time of each stage.
 //!
-//! Where there is a Vulkan device, pictures come from the renderer of the window, whatever the
-//! mode, whole ones and those after an edit. Without one the modes of the CPU are still measured, on
-//! their kernels, up to the shaded picture.
+//! With a Vulkan device, all pictures come from the renderer of the window: whole ones and those
+//! after an edit. Without one the CPU modes are still measured, by their kernels, up to the shaded
+//! picture.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -20,17 +19,17 @@ use crate::screen::offscreen::FORMAT;
 use crate::shade::Lighting;
 use crate::view::{Eye, PixelRays};
 
-/// How long the stages of a picture took.
+/// The times of the stages of a picture.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct StageTimes {
-    /// Finding the voxel of each pixel, with the way to the device and back where there is one.
+    /// Sampling, with upload and readback if the device samples.
     pub sample: Duration,
-    /// Of the sampling: bringing the map from the device to memory.
+    /// The readback of the map, as a part of sampling.
     pub read_back: Option<Duration>,
     pub shade: Duration,
-    /// Putting the picture together on the device.
+    /// Composition on the device.
     pub composite: Option<Duration>,
-    /// By the device's own time stamps.
+    /// By the device's time stamps.
     pub device: DeviceTimes,
 }
 
@@ -40,17 +39,17 @@ impl StageTimes {
     }
 }
 
-/// How long a picture took after an edit.
+/// The latency of a picture after an edit.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct AfterEdit {
     /// Until it was shaded.
     pub shaded: Duration,
-    /// From there to the finished picture; none where the device shades as it draws, or there is
-    /// none.
+    /// From there to the finished picture; none if the device shades as it draws, or there is no
+    /// device.
     pub composite: Option<Duration>,
 }
 
-/// What makes pictures of one document in one mode.
+/// Renders one document in one mode.
 pub struct Pictures {
     rays: PixelRays,
     maker: Maker,
@@ -61,7 +60,7 @@ enum Maker {
     Kernels(Box<KernelPictures>),
 }
 
-/// What is to be seen.
+/// The view to render.
 #[derive(Clone, Copy)]
 pub struct Scene<'a> {
     pub mode: RenderMode,
@@ -70,22 +69,22 @@ pub struct Scene<'a> {
     pub lighting: Lighting,
 }
 
-/// The renderer of the window, drawing to images.
+/// The renderer of the window, offscreen.
 struct Rendered {
     mode: RenderMode,
     eyes: Vec<Eye>,
-    /// These, a hair's breadth aside.
+    /// The same eyes, displaced by a tiny distance.
     beside: Vec<Eye>,
     lighting: Lighting,
     renderer: Renderer,
     frames: Frames,
     device: Arc<Device>,
-    /// Whether the last whole picture was drawn from beside.
+    /// Whether the last whole picture was rendered from `beside`.
     is_beside: bool,
 }
 
 impl Pictures {
-    /// None where the mode needs a device and there is none.
+    /// None if the mode needs a device and there is none.
     pub fn new(
         scene: &Scene,
         document: &mut Document,
@@ -103,7 +102,7 @@ impl Pictures {
         Ok(Some(Pictures { rays, maker }))
     }
 
-    /// Makes pictures in another mode from now on; false if that needs a maker of its own.
+    /// Switches to another mode; false if that needs another value of this type.
     pub fn turn_to(&mut self, mode: RenderMode) -> bool {
         match &mut self.maker {
             Maker::Renderer(rendered) => {
@@ -114,7 +113,7 @@ impl Pictures {
         }
     }
 
-    /// Of the first eye.
+    /// The rays of the first eye.
     pub fn rays(&self) -> &PixelRays {
         &self.rays
     }
@@ -127,7 +126,7 @@ impl Pictures {
         }
     }
 
-    /// The picture after an edit, from where the last one was seen.
+    /// The picture after an edit, from the same position as the last one.
     pub fn after_edit(&mut self, document: &mut Document) -> Result<AfterEdit> {
         match &mut self.maker {
             Maker::Renderer(rendered) => rendered.after_edit(document),
@@ -155,26 +154,26 @@ impl Rendered {
     }
 
     fn whole(&mut self, document: &mut Document) -> Result<StageTimes> {
-        // The renderer does nothing twice.
+        // The renderer repeats nothing that has not changed.
         self.is_beside = !self.is_beside;
         self.draw(document)
     }
 
     fn after_edit(&mut self, document: &mut Document) -> Result<AfterEdit> {
-        // From the same place, so that no more is done than the edit asks for.
+        // From the same position, so that only the effect of the edit is repeated.
         let times = self.draw(document)?;
         Ok(match self.mode.shading() {
             Shading::Software => {
                 AfterEdit { shaded: times.sample + times.shade, composite: times.composite }
             }
-            // What is shaded on the device is there only once the whole picture is.
+            // Shading on the device finishes with the whole picture.
             Shading::Points | Shading::Device | Shading::Within => {
                 AfterEdit { shaded: times.whole(), composite: None }
             }
         })
     }
 
-    /// Draws a picture and waits for it.
+    /// Renders a picture and waits for it.
     fn draw(&mut self, document: &mut Document) -> Result<StageTimes> {
         let [top, bottom] = BACKGROUND.map(|c| Vec3::from(c.map(f32::from)) / 255.0);
         let desc = FrameDesc {

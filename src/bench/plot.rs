@@ -1,5 +1,5 @@
-//! Owns the plot of a benchmark: a bar a mode, grouped by scene, as SVG text. The scale is
-//! logarithmic, since modes differ by orders of magnitude.
+//! The plot of a benchmark: a bar per mode, grouped by scene, as SVG. The scale is logarithmic,
+//! since modes differ by orders of magnitude.
 
 use std::fmt::Write;
 

@@ -1,4 +1,4 @@
-//! Owns what a benchmark found: as values that JSON holds, and as tables to read.
+//! The results of a benchmark: as values for JSON, and as tables.
 
 use std::fmt;
 
@@ -9,15 +9,15 @@ use super::files::FileReport;
 use super::machine::Machine;
 use super::statistics::Times;
 
-/// All of a benchmark. Times are in milliseconds.
+/// The results of a benchmark. Times are in milliseconds.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Report {
     pub program: String,
     pub suite: String,
     pub machine: Machine,
-    /// Pixels of the pictures.
+    /// Size of the pictures in pixels.
     pub picture: [u32; 2],
-    /// Pictures that are made at once.
+    /// Number of eyes.
     pub eyes: u32,
     pub scenes: Vec<SceneReport>,
     pub edits: Vec<EditReport>,
@@ -29,21 +29,21 @@ pub struct SceneReport {
     pub name: String,
     pub dims: [u32; 3],
     pub voxels: u64,
-    /// Bits and colours in memory.
+    /// Memory of bits and colours.
     pub memory_bytes: u64,
     pub modes: Vec<ModeReport>,
-    /// All bits to the device.
+    /// Upload of all bits.
     pub upload: Option<Times>,
     pub files: Vec<FileReport>,
 }
 
-/// A mode on a scene.
+/// A mode with a scene.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct ModeReport {
     pub mode: String,
-    /// With the way to the device and back where the mode samples there.
+    /// With upload and readback if the device samples.
     pub sample: Times,
-    /// Of these, bringing the map from the device to memory.
+    /// The readback of the map, as a part of sampling.
     pub read_back: Option<Times>,
     pub shade: Times,
     pub composite: Option<Times>,
@@ -52,15 +52,15 @@ pub struct ModeReport {
     /// The median frame, divided by that of the exact ray caster.
     pub to_ray: Option<f64>,
     pub device: DeviceReport,
-    /// From a ball of radius 32 carved to the shaded picture.
+    /// From subtracting a ball of radius 32 to the shaded picture.
     pub edit_32: Option<Times>,
-    /// From there to the finished picture; none where the device shades.
+    /// From there to the finished picture; none if the device shades.
     pub edit_32_composite: Option<Times>,
     pub edit_64: Option<Times>,
     pub edit_64_composite: Option<Times>,
 }
 
-/// What the device itself says it took for its parts of whole pictures.
+/// The device's own times of whole pictures.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct DeviceReport {
     pub sample: Option<Times>,
@@ -155,7 +155,7 @@ impl fmt::Display for Report {
 }
 
 impl Report {
-    /// Nothing where the device has no time stamps.
+    /// Empty if the device has no time stamps.
     fn write_device_times(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let modes = || self.scenes.iter().flat_map(|s| s.modes.iter().map(move |mode| (s, mode)));
         let timed = |mode: &ModeReport| mode.device.stages().iter().any(Option::is_some);
@@ -174,7 +174,7 @@ impl Report {
     }
 }
 
-/// Least, median and 99 of 100.
+/// Minimum, median and 99th percentile.
 fn three(times: Option<Times>) -> String {
     times.map_or("-".to_string(), |t| format!("{:.2} {:.2} {:.2}", t.min_ms, t.median_ms, t.p99_ms))
 }

@@ -1,4 +1,4 @@
-//! Owns what is said of many measurements of the same thing.
+//! Statistics of repeated measurements.
 
 use std::time::Duration;
 
@@ -9,13 +9,13 @@ use serde::Serialize;
 pub struct Times {
     pub min_ms: f64,
     pub median_ms: f64,
-    /// The least time that 99 of 100 runs do not exceed (nearest rank).
+    /// The 99th percentile (nearest rank).
     pub p99_ms: f64,
     pub runs: usize,
 }
 
 impl Times {
-    /// None of no runs.
+    /// None without runs.
     pub fn of(runs: &[Duration]) -> Option<Times> {
         let mut sorted: Vec<f64> = runs.iter().map(|run| run.as_secs_f64() * 1e3).collect();
         sorted.sort_unstable_by(f64::total_cmp);
@@ -32,7 +32,7 @@ impl Times {
     }
 }
 
-/// Calls `f` `runs` times, after once in vain, and gives the times that it says it took.
+/// Calls `f` once for warm-up and `runs` times for the times that it returns.
 pub fn measure<E>(
     runs: usize,
     mut f: impl FnMut() -> Result<Duration, E>,

@@ -1,4 +1,4 @@
-//! Owns what is measured: the sculptures, and the view of them.
+//! The scenes of the benchmark, and the view of them.
 
 use std::path::{Path, PathBuf};
 
@@ -13,7 +13,7 @@ use crate::sculpture::history::Contents;
 use crate::sculpture::{ColourDepth, Grid, GridError, Limits, Material, Rgb};
 use crate::view::{Camera, Eye};
 
-/// A sculpture to be measured with.
+/// A sculpture to measure.
 pub enum Subject {
     Cube,
     Engine,
@@ -49,7 +49,7 @@ impl Subject {
         }
     }
 
-    /// The file that is measured, if it is one.
+    /// The path of its file, if it is one.
     pub fn path(&self) -> Option<&Path> {
         match self {
             Subject::File(path) => Some(path),
@@ -81,9 +81,9 @@ fn without_colour(grid: Result<Grid, GridError>) -> Result<Contents, FormatError
     Ok(Contents { grid, material })
 }
 
-/// The eye at a fixed place relative to the sculpture, with 45 degrees from top to bottom: 1.9
-/// times its longest edge off the middle, in the direction (0.8, 0.6, 1). `size`: of the picture, in
-/// pixels.
+/// The eye at a fixed position relative to the sculpture, with a vertical field of view of 45
+/// degrees: 1.9 times its longest edge from the centre, in the direction (0.8, 0.6, 1). `size`: of
+/// the picture, in pixels.
 pub fn eye_of(document: &Document, size: UVec2) -> Eye {
     let grid = document.grid();
     let edge = (grid.dims().as_vec3() * grid.voxel_size()).max_element();
@@ -91,8 +91,7 @@ pub fn eye_of(document: &Document, size: UVec2) -> Eye {
     Camera { eye, near: 0.01 * edge, ..Camera::default() }.eye(size)
 }
 
-/// That eye, or with `count` 2 the left and the right one of a person who is there, as `stereo` has
-/// them.
+/// That eye, or with `count` 2 the left and the right one around it, as in `stereo`.
 pub fn eyes_of(document: &Document, size: UVec2, count: u32, stereo: &StereoOptions) -> Vec<Eye> {
     let mono = eye_of(document, size);
     if count < 2 {

@@ -1,5 +1,5 @@
-//! Owns the hands as OpenXR gives them: actions with suggested bindings for the common
-//! controllers and for bare hands, their poses, and what the hands are let feel.
+//! The hands of OpenXR: actions with suggested bindings for the common controllers and for bare
+//! hands, their poses, and haptics.
 
 use glam::{Quat, Vec2, Vec3};
 use openxr as xr;
@@ -8,18 +8,18 @@ use super::error::{Doing, Result};
 use crate::input::hands::{HandSide, HandState, HandsState};
 use crate::view::Pose;
 
-/// Longest that a hand shakes without being told again, in nanoseconds.
+/// Longest vibration without renewal, in nanoseconds.
 const PULSE_NS: i64 = 60_000_000;
 
-/// Inputs of a controller that serve the actions; a missing one is the empty text.
+/// Input paths of a controller for the actions; empty text for a missing one.
 struct Profile {
     name: &'static str,
     trigger: &'static str,
     squeeze: &'static str,
     stick: &'static str,
-    /// Of the left and of the right hand.
+    /// For the left and the right hand.
     menu: [&'static [&'static str]; 2],
-    /// Of the left and of the right hand.
+    /// For the left and the right hand.
     pick: [&'static str; 2],
     haptic: bool,
     /// Needs XR_EXT_hand_interaction.
@@ -42,7 +42,7 @@ const PROFILES: &[Profile] = &[
         trigger: "trigger/value",
         squeeze: "squeeze/value",
         stick: "thumbstick",
-        // The right hand's own menu button belongs to the system.
+        // The menu button of the right hand belongs to the system.
         menu: [&["menu/click", "y/click"], &["b/click"]],
         pick: ["x/click", "a/click"],
         haptic: true,
@@ -90,9 +90,9 @@ const PROFILES: &[Profile] = &[
     },
 ];
 
-/// The actions and where the hands are.
+/// The actions and the spaces of the hands.
 pub(super) struct Actions {
-    // Spaces go before the actions that they are made from.
+    // Spaces are dropped before the actions that they are made from.
     grips: [xr::Space; 2],
     aims: [xr::Space; 2],
     grip: xr::Action<xr::Posef>,
@@ -104,7 +104,7 @@ pub(super) struct Actions {
     pick: xr::Action<bool>,
     haptic: xr::Action<xr::Haptic>,
     hands: [xr::Path; 2],
-    /// What each hand shakes with, as told last.
+    /// The present vibration of each hand.
     felt: [f32; 2],
     session: xr::Session<xr::Vulkan>,
     set: xr::ActionSet,
@@ -157,7 +157,7 @@ impl Actions {
                 }
             }
             let name = path(&format!("/interaction_profiles/{}", profile.name))?;
-            // A runtime may know some controllers only; the others are no loss.
+            // A runtime may know some controllers only; the others are not needed then.
             if let Err(error) = instance.suggest_interaction_profile_bindings(name, &bindings) {
                 tracing::debug!("no controllers of the kind {}: {error}", profile.name);
             }
@@ -184,7 +184,7 @@ impl Actions {
         })
     }
 
-    /// Both hands as they will be at `time`, in the coordinates of `room`.
+    /// The predicted state of both hands at `time`, in the space `room`.
     pub fn read(&self, room: &xr::Space, time: xr::Time) -> Result<HandsState> {
         const DOING: &str = "hear the controllers";
         self.session.sync_actions(&[(&self.set).into()]).doing(DOING)?;
@@ -224,8 +224,8 @@ impl Actions {
         Ok(state)
     }
 
-    /// Lets a hand feel a strength of 0 to 1 from now on. It ends by itself soon unless it is
-    /// asked for again.
+    /// Vibrates a hand with a strength of 0 to 1 from now on. It ends by itself soon unless it is
+    /// renewed.
     pub fn feel(&mut self, side: HandSide, strength: f32) -> Result<()> {
         const DOING: &str = "let a hand feel the tool";
         let hand = self.hands[side.index()];
@@ -243,7 +243,7 @@ impl Actions {
         Ok(())
     }
 
-    /// What the controllers are, for the log.
+    /// The interaction profiles of the hands, for the log.
     pub fn profile(&self, side: HandSide) -> Option<String> {
         let path = self.session.current_interaction_profile(self.hands[side.index()]).ok()?;
         if path == xr::Path::NULL {
@@ -254,7 +254,7 @@ impl Actions {
     }
 }
 
-/// The pose, where it is known and can be one.
+/// The pose, if it is tracked and valid.
 fn located(location: xr::SpaceLocation) -> Option<Pose> {
     use xr::SpaceLocationFlags as Flags;
     let known = Flags::ORIENTATION_VALID | Flags::POSITION_VALID;

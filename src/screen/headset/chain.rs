@@ -1,8 +1,8 @@
-//! Owns a swapchain of the headset: images that the runtime shows, a layer an eye, and the copy of
+//! A swapchain of the headset: images that the runtime shows, with a layer per eye, and the copy of
 //! finished pictures to them.
 //!
-//! Pictures are made in images of the renderer's own and copied, bit by bit: the runtime's images
-//! are of an sRGB format, and what is copied to them is encoded already.
+//! Pictures are rendered to the renderer's own images and copied bit by bit: the runtime's images
+//! have an sRGB format, and the copied values are encoded already.
 
 use ash::vk;
 use ash::vk::Handle as _;
@@ -12,19 +12,19 @@ use openxr as xr;
 use super::error::{Doing, HeadsetError, Result};
 use crate::gpu::{ImagePart, Recorder, Use};
 
-/// Pictures of the headset, as the renderer's are but for the name of their encoding.
+/// The colour format of the headset: that of the renderer, but declared as sRGB.
 pub(super) const COLOUR: vk::Format = vk::Format::R8G8B8A8_SRGB;
 pub(super) const DEPTH: vk::Format = vk::Format::D32_SFLOAT;
 
-/// Images of one size and format that take turns.
+/// Images of one size and format, used in turns.
 pub(super) struct Chain {
     handle: xr::Swapchain<xr::Vulkan>,
     images: Images,
-    /// The image that has been got and not been given back.
+    /// The acquired image that has not been released.
     held: Option<usize>,
 }
 
-/// The images themselves, to record what fills them.
+/// The images themselves, to record copies to them.
 #[derive(Clone, Debug)]
 pub(super) struct Images {
     images: Vec<vk::Image>,
@@ -74,8 +74,8 @@ impl Chain {
         self.images.clone()
     }
 
-    /// Waits for a free image, unless there is one that has not been filled. After the submission
-    /// of what fills it comes [`Chain::release`].
+    /// Acquires an image and waits for it, unless there is one that has not been filled.
+    /// [`Chain::release`] follows after the submission that fills it.
     pub fn acquire(&mut self) -> Result<usize> {
         if let Some(index) = self.held {
             return Ok(index);
@@ -86,7 +86,7 @@ impl Chain {
         Ok(index)
     }
 
-    /// Gives the image back once all that fills it has been submitted.
+    /// Releases the image after the submission that fills it.
     pub fn release(&mut self) -> Result<()> {
         match self.held.take() {
             Some(_) => self.handle.release_image().doing("give an image to the headset"),
@@ -107,7 +107,7 @@ impl Chain {
 }
 
 impl Images {
-    /// `record` records what an image of the chain will hold; in between it is in the layout of
+    /// Records an image of the chain with `record`, during which it is in the layout of
     /// [`Use::COPY_TARGET`].
     pub fn fill(
         &self,
@@ -122,7 +122,7 @@ impl Images {
         let aspect =
             if self.depth { vk::ImageAspectFlags::DEPTH } else { vk::ImageAspectFlags::COLOR };
         let part = ImagePart { image, aspect, layer: 0, layers: self.layers };
-        // The runtime hands images over, and takes them back, as attachments.
+        // The runtime acquires and releases images in the attachment layout.
         let theirs = match self.depth {
             true => Use {
                 layout: vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL,

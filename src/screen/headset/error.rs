@@ -1,5 +1,5 @@
-//! Owns what can go wrong with a headset, said so that the person knows what lacks; and whether
-//! it is worth trying again.
+//! Errors of headsets, with messages that say what is missing, and whether another attempt makes
+//! sense.
 
 use openxr as xr;
 use thiserror::Error;
@@ -21,7 +21,7 @@ pub enum HeadsetError {
     NoHeadset(String),
     #[error("the OpenXR runtime {runtime} {lack}")]
     Unsuitable { runtime: String, lack: String },
-    /// The runtime went away, or wants to be left.
+    /// The runtime was closed, or asked the program to end its session.
     #[error("the connection to the headset was lost ({0})")]
     Lost(&'static str),
     #[error("OpenXR could not {doing}: {result}")]
@@ -32,7 +32,7 @@ pub enum HeadsetError {
     Thread(std::io::Error),
 }
 
-/// Names the step that an OpenXR call was part of: `.doing("make a swapchain")`.
+/// Adds the step of an OpenXR call to its error: `.doing("make a swapchain")`.
 pub(super) trait Doing<T> {
     fn doing(self, doing: &'static str) -> Result<T>;
 }

@@ -1,6 +1,5 @@
-//! Owns the making of Vulkan's instance and device by the headset's runtime, as the extension
-//! XR_KHR_vulkan_enable2 has it: the runtime adds what it needs to what the program asks for, and
-//! says which device the headset hangs on.
+//! Instance and device of Vulkan made by the headset's runtime with XR_KHR_vulkan_enable2: the
+//! runtime adds what it needs to what the program asks for, and prescribes the physical device.
 
 use std::ffi::c_void;
 
@@ -10,7 +9,7 @@ use openxr as xr;
 
 use crate::gpu::{GpuError, Host, Instance, Result};
 
-/// The runtime as a host of a device.
+/// The runtime as the host of a device.
 pub struct HeadsetHost<'a> {
     pub xr: &'a xr::Instance,
     pub system: xr::SystemId,
@@ -67,7 +66,7 @@ impl Host for HeadsetHost<'_> {
     }
 }
 
-/// The loader's entry point, as openxr names its type.
+/// The loader's entry point, in the type of the openxr crate.
 fn proc_addr(entry: &ash::Entry) -> xr::sys::platform::VkGetInstanceProcAddr {
     let theirs = entry.static_fn().get_instance_proc_addr;
     // SAFETY: both are Vulkan's vkGetInstanceProcAddr; the crates differ only in how they spell
@@ -79,7 +78,7 @@ fn proc_addr(entry: &ash::Entry) -> xr::sys::platform::VkGetInstanceProcAddr {
     }
 }
 
-/// The handle that a runtime has made, or why not: it may fail, and so may Vulkan under it.
+/// The handle that a runtime has made, or the error: of the runtime, or of Vulkan under it.
 fn checked<T>(
     made: xr::Result<std::result::Result<T, xr::sys::platform::VkResult>>,
     doing: &'static str,

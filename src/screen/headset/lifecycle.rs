@@ -1,11 +1,11 @@
-//! Owns the life of a session as the runtime tells it: which state it is in, what has to be
-//! answered, and whether pictures are made and hands heard. Pure: states in, answers out.
+//! The state machine of a session: its state, the required responses to new states, and whether
+//! frames are shown and hands are read. Pure: states in, responses out.
 //!
 //! The states are those of the OpenXR specification, section "Session Lifecycle".
 
 use openxr::SessionState;
 
-/// What the program has to do about a new state.
+/// The response to a new state.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Answer {
     Nothing,
@@ -13,13 +13,13 @@ pub enum Answer {
     Begin,
     /// End the session: no frames from now on.
     End,
-    /// Give the session up; `again` says whether another may be tried for.
+    /// Destroy the session; `again`: another attempt is allowed.
     Leave {
         again: bool,
     },
 }
 
-/// Where a session stands.
+/// The state of a session.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Lifecycle {
     state: SessionState,
@@ -34,7 +34,7 @@ impl Default for Lifecycle {
 }
 
 impl Lifecycle {
-    /// Hears of a new state.
+    /// Enters a new state.
     pub fn enter(&mut self, state: SessionState) -> Answer {
         self.state = state;
         match state {
@@ -57,8 +57,7 @@ impl Lifecycle {
         self.running
     }
 
-    /// Whether the person's hands are meant for this program: with the runtime's own menu in
-    /// front they are not.
+    /// Whether the program has the input focus: it has not while the runtime's own menu is open.
     pub fn is_focused(&self) -> bool {
         self.state == SessionState::FOCUSED
     }

@@ -1,8 +1,8 @@
-//! Owns a session with a headset as the program sees it, from connecting to parting: orders to the
+//! A session with a headset as the program sees it, from connecting to closing: orders to the
 //! session's thread, and the recording of pictures into the headset's images.
 //!
-//! A link has a Vulkan device of its own, made by the runtime: should that go away, nothing but the
-//! link goes with it. Nothing here waits for the runtime longer than [`PATIENCE`].
+//! It has a Vulkan device of its own, made by the runtime, so that nothing else is lost with the
+//! runtime. Nothing here waits for the runtime longer than [`PATIENCE`].
 
 use std::sync::Arc;
 use std::sync::mpsc::{Sender, channel, sync_channel};
@@ -24,28 +24,28 @@ use super::worn::{Lending, WornHead};
 use crate::gpu::{Device, DeviceOptions, EyeImage, Frames, ImagePart, Recorder, Serial, Use};
 use crate::input::hands::HandSide;
 
-/// Longest wait for a runtime within a frame: it answers at once, or hangs.
+/// Longest wait for the runtime within a frame: it answers at once, or hangs.
 const PATIENCE: Duration = Duration::from_millis(250);
 
-/// Where the room's origin lies.
+/// The origin of the room's space.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RoomOrigin {
-    /// On the floor, in the middle of the space to walk in, where the runtime knows it.
+    /// On the floor, in the centre of the play area, if the runtime knows it.
     #[default]
     Stage,
-    /// Where the head was when the session began.
+    /// The head's position when the session began.
     Local,
 }
 
-/// What a person chooses about a headset.
+/// The options of a session.
 #[derive(Clone, PartialEq, Debug)]
 pub struct LinkOptions {
     pub blend: Blend,
     pub origin: RoomOrigin,
-    /// Factor on the runtime's recommended width and height of pictures.
+    /// Factor on the runtime's recommended width and height of an eye's picture.
     pub resolution: f32,
-    /// Of the board's picture, in pixels.
+    /// Size of the board's picture, in pixels.
     pub board_px: UVec2,
     pub device: DeviceOptions,
 }
@@ -61,13 +61,13 @@ pub struct Link {
     colour: Images,
     depth: Option<Images>,
     board: Images,
-    /// What is wished for as to the surroundings, what there is, and what is.
+    /// The requested blend mode, the available ones, and the present one.
     wish: Blend,
     modes: Vec<xr::EnvironmentBlendMode>,
     blend: xr::EnvironmentBlendMode,
-    /// The runtime's name and the headset's.
+    /// The names of runtime and headset.
     name: String,
-    /// When the runtime last answered, or the program was last busy with what it said.
+    /// When the runtime last answered, or the program last finished working on its news.
     heard: Instant,
     /// It has not answered in time since.
     stalled: bool,
@@ -75,7 +75,7 @@ pub struct Link {
 }
 
 impl Link {
-    /// Connects to the runtime's headset, which may take long. `worn`: who is to hear of its head.
+    /// Connects to the runtime's headset, which may take long. `worn`: gets the poses of its head.
     pub fn connect(
         connector: &mut Connector,
         options: &LinkOptions,
@@ -91,7 +91,7 @@ impl Link {
             queue_family_index: device.queue_family(),
             queue_index: 0,
         };
-        // The session keeps the device alive until it is gone itself.
+        // The session keeps the device alive until it is destroyed itself.
         let guard = Box::new(device.clone());
         // SAFETY: the handles are of instance and device that the runtime has made; the guard
         // keeps them alive, and session and program use their queue in turns.
@@ -151,8 +151,7 @@ impl Link {
         })
     }
 
-    /// Begins to hear the runtime. `tell` is called on another thread with what it says; it says
-    /// whether anybody still listens.
+    /// Starts the session's thread, which calls `tell` with its news until that returns false.
     pub fn start(&mut self, tell: impl Fn(LinkNews) -> bool + Send + 'static) -> Result<()> {
         let Some(session) = self.session.take() else { return Ok(()) };
         let (orders, heard) = channel();
@@ -166,27 +165,27 @@ impl Link {
         &self.device
     }
 
-    /// The runtime's name and the headset's.
+    /// The names of runtime and headset.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Of each eye's picture, in pixels.
+    /// Size of each eye's picture, in pixels.
     pub fn eye_size(&self) -> UVec2 {
         self.colour.size
     }
 
-    /// Whether the surroundings are seen where the pictures show nothing.
+    /// Whether the surroundings are visible where the pictures are transparent.
     pub fn sees_through(&self) -> bool {
         self.blend != xr::EnvironmentBlendMode::OPAQUE
     }
 
-    /// Ways in which pictures can go together with the surroundings.
+    /// The available blend modes.
     pub fn blends(&self) -> Vec<Blend> {
         self.modes.iter().filter_map(|mode| Blend::of(*mode)).collect()
     }
 
-    /// Goes over to what the person wishes, as far as the headset can; from the next frame on.
+    /// Requests a blend mode, as far as the headset has it, from the next frame on.
     pub fn set_blend(&mut self, wish: Blend) {
         if std::mem::replace(&mut self.wish, wish) != wish
             && let Some(mode) = wish.choose(&self.modes)
@@ -196,24 +195,24 @@ impl Link {
         }
     }
 
-    /// The runtime has said something.
+    /// The runtime has answered.
     pub fn hear(&mut self) {
         self.heard = Instant::now();
         self.stalled = false;
     }
 
-    /// How long the runtime has said nothing.
+    /// How long the runtime has not answered.
     pub fn silence(&self) -> Duration {
         self.heard.elapsed()
     }
 
-    /// Lets a hand feel a strength of 0 to 1.
+    /// Vibrates a hand with a strength of 0 to 1.
     pub fn feel(&self, side: HandSide, strength: f32) {
         self.order(Order::Feel(side, strength));
     }
 
-    /// Where the eyes are by now, and images to fill: with `board` one for its picture, too. None
-    /// while the head is not tracked, and if the runtime does not answer.
+    /// The present poses of the eyes, and acquired images to fill: with `board` one for its
+    /// picture, too. None while the head is not tracked, and if the runtime does not answer.
     pub fn aim(&mut self, board: bool) -> Option<Aimed> {
         let (reply, answer) = sync_channel(1);
         self.order(Order::Aim { board, reply });
@@ -223,7 +222,7 @@ impl Link {
         aimed
     }
 
-    /// Starts recording the frame's commands; gives the slot of what is written each frame, too.
+    /// Starts recording the frame's commands; also returns the frame slot.
     pub fn record(&mut self) -> Result<(Recorder, usize)> {
         let recorder = self.frames.begin()?;
         Ok((recorder, self.frames.slot()))
@@ -263,13 +262,12 @@ impl Link {
         self.board.fill(recorder, index, |recorder, to| copy(recorder, from, to, size))
     }
 
-    /// Submits what was recorded. The frame is to be ended then.
+    /// Submits the recording. [`Link::end`] must follow.
     pub fn submit(&mut self, recorder: Recorder) -> Result<Serial> {
         Ok(self.frames.submit(recorder, &[], &[])?)
     }
 
-    /// Ends the frame with what is to be seen. `board_filled`: whether [`Link::show_board`] was
-    /// part of it.
+    /// Ends the frame with these layers. `board_filled`: whether it contained [`Link::show_board`].
     pub fn end(&mut self, layers: Layers, board_filled: bool) {
         self.order(Order::End(End { blend: self.blend, layers, board_filled }));
         if !self.stalled {
@@ -282,12 +280,12 @@ impl Link {
         self.end(Layers::default(), false);
     }
 
-    /// Ends the session. What draws with its device goes after this: until then the queue may be the
-    /// runtime's.
+    /// Ends the session. Renderers on its device are dropped after this: until then the runtime may
+    /// use the queue.
     pub fn part(&mut self) {
         self.orders = None;
         if let Some(mut thread) = self.thread.take() {
-            // It has the session, and may keep it for as long as it is held up.
+            // It owns the session, and may keep it for as long as the runtime blocks.
             thread.part();
         }
     }
@@ -315,7 +313,7 @@ fn blending(mode: xr::EnvironmentBlendMode) -> &'static str {
     }
 }
 
-/// The room's space: the one asked for, or the one that every runtime has.
+/// The room's space: the requested one, or the one that every runtime has.
 pub(super) fn make_room<G: xr::Graphics>(
     session: &xr::Session<G>,
     origin: RoomOrigin,

@@ -1,5 +1,5 @@
-//! Owns the question where the head is at a time of the program's clock, put to a session: the
-//! runtime answers with what it foresees for that time.
+//! Queries of a session for the head pose at a time of the program's clock: the runtime predicts
+//! it.
 
 use std::sync::Arc;
 
@@ -11,12 +11,12 @@ use tracking::{HeadPose, HostClock, Placement};
 use super::error::{Doing, Result};
 use super::link::{RoomOrigin, make_room};
 
-/// Confidence in a head whose place the runtime only guesses.
+/// Confidence in a head whose position the runtime only estimates.
 const GUESSED: f64 = 0.5;
-/// Nobody foresees more than this, in seconds.
+/// Longest prediction, in seconds.
 const FARTHEST_S: f64 = 0.1;
 
-/// What is asked for, whoever has the session.
+/// The parameters of a query, whoever owns the session.
 #[derive(Clone, Debug)]
 pub(super) struct Wish {
     /// [`HeadPose::source`] of the poses.
@@ -25,16 +25,16 @@ pub(super) struct Wish {
     pub clock: HostClock,
 }
 
-/// What a look for the head finds.
+/// The result of a query.
 pub(super) enum Sight {
     Seen(HeadPose),
-    /// The runtime does not know where the head is.
+    /// The runtime does not track the head.
     Unknown,
     /// A number is not finite.
     NotFinite,
 }
 
-/// Asks a session for its head.
+/// Queries a session.
 pub(super) struct Locator {
     head: xr::Space,
     room: xr::Space,
@@ -43,7 +43,7 @@ pub(super) struct Locator {
 }
 
 impl Locator {
-    /// The instance must have been asked for its clock ([`ask_for_clock`]).
+    /// The instance must have the extension for time conversion ([`ask_for_clock`]).
     pub fn new<G: xr::Graphics>(session: &xr::Session<G>, wish: &Wish) -> Result<Locator> {
         let head = session
             .create_reference_space(xr::ReferenceSpaceType::VIEW, xr::Posef::IDENTITY)
@@ -56,7 +56,7 @@ impl Locator {
         })
     }
 
-    /// Where the head is at `time_s`.
+    /// The head pose at `time_s`.
     pub fn look(&self, time_s: f64) -> Result<Sight> {
         let now = self.instance.now().doing("tell the time")?;
         let ahead_s = (time_s - self.wish.clock.now_s()).clamp(-FARTHEST_S, FARTHEST_S);
@@ -91,13 +91,13 @@ impl Locator {
         }))
     }
 
-    /// What the runtime foresees, if it knows.
+    /// The runtime's prediction, if it tracks the head.
     pub fn foreseen(&self, time_s: f64) -> Option<HeadPose> {
         match self.look(time_s) {
             Ok(Sight::Seen(pose)) => Some(pose),
             Ok(Sight::Unknown | Sight::NotFinite) => None,
             Err(error) => {
-                // Whoever has the session hears of it, too, and says so.
+                // The owner of the session gets this error, too, and reports it.
                 tracing::debug!("the head is not found: {error}");
                 None
             }
@@ -105,7 +105,7 @@ impl Locator {
     }
 }
 
-/// Asks for the extension that tells the runtime's time; whether it is offered.
+/// Enables the extension for time conversion; whether it is available.
 #[cfg(not(windows))]
 pub(super) fn ask_for_clock(extensions: &mut xr::ExtensionSet, offered: &xr::ExtensionSet) -> bool {
     extensions.khr_convert_timespec_time = offered.khr_convert_timespec_time;

@@ -1,12 +1,10 @@
-//! The way to a headset through OpenXR: what the machine offers ([`probe`]), a session from
-//! connecting to parting ([`link`]), all that calls the runtime within it on a thread of its own
-//! ([`session`]), the states that it goes through ([`lifecycle`]), images, hands. And where the head is, for the view through a screen:
-//! asked of a headset that shows nothing ([`HeadsetTracker`]) or of the one that is worn
-//! ([`WornHead`]).
+//! Headsets through OpenXR: the runtime of this machine ([`probe`]), a session from connecting to
+//! closing ([`link`]), its thread, which makes all calls to the runtime ([`session`]), its states
+//! ([`lifecycle`]), images and hands. Also head poses for the view through a screen: of a headset
+//! that shows nothing ([`HeadsetTracker`]), or of the one in use ([`WornHead`]).
 //!
-//! The loader is a library of the system, loaded when it is first asked for, so that the program
-//! runs where there is none. Takes finished pictures; gives views and hands as values. Knows no
-//! sculpture.
+//! The loader is a system library that is loaded when first needed, so that the program runs
+//! without it. Takes finished pictures; returns views and hands as values. Knows no sculpture.
 
 mod actions;
 mod chain;

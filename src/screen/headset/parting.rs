@@ -1,19 +1,19 @@
-//! Owns threads that call a runtime, and parting from them: a runtime that hangs in a call must
-//! not hang the program.
+//! Threads that call a runtime, and leaving them behind: a runtime that hangs in a call must not
+//! hang the program.
 
 use std::io;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::thread::{Builder, JoinHandle};
 use std::time::Duration;
 
-/// Longer than a runtime that works takes for any call.
+/// Longer than any call of a working runtime takes.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// A thread that ends by itself soon after it is asked to.
+/// A thread that ends by itself soon after it was asked to.
 pub(crate) struct Helper {
     name: &'static str,
     thread: Option<JoinHandle<()>>,
-    /// Hangs up when the thread has ended.
+    /// Disconnects when the thread has ended.
     ended: Receiver<()>,
 }
 
@@ -28,8 +28,8 @@ impl Helper {
         Ok(Helper { name, thread: Some(thread), ended })
     }
 
-    /// Waits for its end, which has been asked for. A thread that a runtime does not let go is
-    /// left behind with all that it uses, and ends should the runtime ever answer.
+    /// Waits for its end, which has been requested. A thread that is blocked by the runtime is left
+    /// behind with everything it owns, and ends if the runtime ever returns.
     pub fn part(&mut self) {
         let Some(thread) = self.thread.take() else { return };
         match self.ended.recv_timeout(PATIENCE) {
@@ -76,7 +76,7 @@ mod tests {
             let _ = held.recv();
         })
         .unwrap();
-        // It would wait for ever.
+        // It would wait forever.
         helper.part();
         drop(let_go);
     }

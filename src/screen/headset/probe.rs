@@ -1,11 +1,11 @@
-//! Owns the way to a headset through OpenXR. The loader is a library of the system, loaded when it
-//! is first asked for, so that the program runs where there is none.
+//! The OpenXR runtime of this machine. The loader is a system library that is loaded when first
+//! needed, so that the program runs without it.
 
 use openxr as xr;
 
 use crate::remedy;
 
-/// An OpenXR runtime that answers.
+/// An available OpenXR runtime.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Runtime {
     pub name: String,
@@ -14,7 +14,7 @@ pub struct Runtime {
     pub vulkan: bool,
 }
 
-/// Asks for the runtime of this machine; the error says what lacks.
+/// Queries the runtime of this machine; the error says what is missing.
 pub fn probe() -> Result<Runtime, String> {
     // SAFETY: loading runs the loader's initialisers; a system's OpenXR loader is trusted as the
     // Vulkan loader is.

@@ -1,5 +1,4 @@
-//! Owns the connection to an OpenXR runtime with a headset: what it offers, before there is a
-//! session.
+//! The connection to an OpenXR runtime with a headset, before there is a session: its properties.
 
 use glam::UVec2;
 use openxr as xr;
@@ -8,26 +7,26 @@ use super::error::{Doing, HeadsetError, Result};
 use super::locator::ask_for_clock;
 
 pub(super) const VIEWS: xr::ViewConfigurationType = xr::ViewConfigurationType::PRIMARY_STEREO;
-/// Vulkan's version that the renderer is written for.
+/// The Vulkan version that the renderer is written for.
 const VULKAN: xr::Version = xr::Version::new(1, 3, 0);
 
-/// How pictures go together with what is around the person.
+/// How pictures are blended with the surroundings.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Blend {
-    /// Over the surroundings where the headset can, else instead of them.
+    /// Blended with the surroundings if the headset can, otherwise opaque.
     #[default]
     Auto,
-    /// Pictures instead of the surroundings.
+    /// Opaque pictures instead of the surroundings.
     Opaque,
-    /// Light on top of the surroundings: black shows them.
+    /// Added to the light of the surroundings: black is transparent.
     Additive,
-    /// Over the surroundings by alpha.
+    /// Blended by alpha.
     Alpha,
 }
 
 impl Blend {
-    /// What becomes of the surroundings, as the interface says it.
+    /// The text in the interface.
     pub const fn label(self) -> &'static str {
         match self {
             Blend::Auto => "automatic",
@@ -37,7 +36,7 @@ impl Blend {
         }
     }
 
-    /// The choice that asks for a mode of the runtime, if there is one.
+    /// The option for a blend mode of the runtime, if there is one.
     pub(super) fn of(mode: xr::EnvironmentBlendMode) -> Option<Blend> {
         match mode {
             xr::EnvironmentBlendMode::OPAQUE => Some(Blend::Opaque),
@@ -47,7 +46,7 @@ impl Blend {
         }
     }
 
-    /// What comes nearest to this wish, of what there is.
+    /// The available mode closest to this option.
     pub fn nearest(self, offered: &[Blend]) -> Option<Blend> {
         use Blend::{Additive, Alpha, Opaque};
         let order = match self {
@@ -58,7 +57,7 @@ impl Blend {
         order.into_iter().find(|blend| offered.contains(blend))
     }
 
-    /// The mode to ask for, of those that the runtime offers.
+    /// The mode to request, of those that the runtime has.
     pub(super) fn choose(
         self,
         offered: &[xr::EnvironmentBlendMode],
@@ -73,7 +72,7 @@ fn no_runtime(error: xr::sys::Result) -> HeadsetError {
     HeadsetError::NoRuntime(error.to_string())
 }
 
-/// The loader of this machine, and what the runtime behind it offers.
+/// The loader of this machine, and the extensions of its runtime.
 pub(super) fn reach() -> Result<(xr::Entry, xr::ExtensionSet)> {
     // SAFETY: loading runs the loader's initialisers; a system's OpenXR loader is trusted as the
     // Vulkan loader is.
@@ -83,7 +82,7 @@ pub(super) fn reach() -> Result<(xr::Entry, xr::ExtensionSet)> {
     Ok((entry, offered))
 }
 
-/// Connects to the runtime; gives its headset and the names of both.
+/// Connects to the runtime; returns its headset and the names of both.
 pub(super) fn enter(
     entry: &xr::Entry,
     extensions: &xr::ExtensionSet,
@@ -97,7 +96,7 @@ pub(super) fn enter(
     Ok((instance, system, name))
 }
 
-/// What a runtime hears of the program.
+/// The description of the program for the runtime.
 fn application() -> xr::ApplicationInfo<'static> {
     xr::ApplicationInfo {
         application_name: "Virtual Sculpture",
@@ -108,14 +107,14 @@ fn application() -> xr::ApplicationInfo<'static> {
     }
 }
 
-/// The runtime's name and the headset's.
+/// The names of runtime and headset.
 fn name_of(instance: &xr::Instance, system: xr::SystemId) -> Result<String> {
     let properties = instance.properties().doing("name the runtime")?;
     let headset = instance.system_properties(system).doing("name the headset")?.system_name;
     Ok(format!("{} ({headset})", properties.runtime_name))
 }
 
-/// Finds the runtime of this machine, and keeps the connection to it while it waits for a headset.
+/// Finds the runtime of this machine, and keeps the connection to it while it has no headset.
 #[derive(Default)]
 pub struct Connector {
     kept: Option<Reached>,
@@ -129,7 +128,8 @@ struct Reached {
 }
 
 impl Connector {
-    /// Connects to a headset; without one the connection to the runtime is kept for the next try.
+    /// Connects to a headset; without one the connection to the runtime is kept for the next
+    /// attempt.
     pub(super) fn connect(&mut self, blend: Blend) -> Result<Runtime> {
         let reached = match self.kept.take() {
             Some(reached) => reached,
@@ -173,26 +173,26 @@ impl Reached {
 pub(super) struct Runtime {
     pub instance: xr::Instance,
     pub system: xr::SystemId,
-    /// Its name and the headset's, for messages.
+    /// The names of runtime and headset, for messages.
     pub name: String,
-    /// Recommended for each eye, in pixels.
+    /// Recommended size per eye, in pixels.
     pub eye_size: UVec2,
-    /// The most for each eye, in pixels.
+    /// Largest size per eye, in pixels.
     pub eye_limit: UVec2,
-    /// How pictures may blend with the surroundings.
+    /// The available blend modes.
     pub modes: Vec<xr::EnvironmentBlendMode>,
-    /// How they do.
+    /// The chosen blend mode.
     pub blend: xr::EnvironmentBlendMode,
-    /// Pictures may come with their depth.
+    /// Whether it takes depth with pictures.
     pub takes_depth: bool,
-    /// Bare hands may be heard through actions.
+    /// Whether it has bare hands as controllers.
     pub hears_hands: bool,
-    /// Its clock can be asked.
+    /// Whether its clock can be converted.
     pub tells_time: bool,
 }
 
 impl Runtime {
-    /// What the runtime and its headset offer.
+    /// The properties of the runtime and its headset.
     fn new(reached: Reached, system: xr::SystemId, blend: Blend) -> Result<Runtime> {
         let Reached { instance, offered, tells_time } = reached;
         let name = name_of(&instance, system)?;

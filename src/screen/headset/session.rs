@@ -1,9 +1,9 @@
-//! Owns the OpenXR side of a session with a headset, on a thread of its own: events, frames, hands,
-//! views, images, layers. A runtime that holds up a call holds up this thread, and no window.
+//! The OpenXR side of a session, on a thread of its own: events, frames, hands, views, images,
+//! layers. A runtime that blocks in a call blocks this thread, and no window.
 //!
-//! Tells [`LinkNews`], takes [`Order`]s. A frame is waited for, begun, told of, and ended when it
-//! is ordered; only then the next is waited for, so that none queues up and what is late is left
-//! out. Between a frame's news and its end the queue of the device belongs to the program.
+//! Sends [`LinkNews`], receives [`Order`]s. A frame is waited for, begun, reported, and ended when
+//! that is ordered; only then the next one is waited for, so that frames do not queue up and late
+//! ones are skipped. Between a frame's report and its end the program owns the queue of the device.
 
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender};
 use std::time::Duration;
@@ -21,65 +21,65 @@ use crate::view::RoomView;
 use crate::view::eye::Frustum;
 use crate::view::room::NEAR_M;
 
-/// How often the runtime is asked for events while it shows no frames.
+/// How often the runtime is polled for events while it shows no frames.
 const POLL: Duration = Duration::from_millis(50);
 
-/// What becomes of a session.
+/// What happens in a session.
 #[derive(Debug)]
 pub enum LinkNews {
-    /// A frame may be made, and must be ended.
+    /// A frame has begun, and must be ended.
     Frame(Box<Frame>),
-    /// The room's origin has been moved, by the person or by the runtime.
+    /// The room's origin was moved, by the person or by the runtime.
     Recentred,
-    /// It is over; `again` says whether another may be tried for.
+    /// It has ended; `again`: another attempt is allowed.
     Over { again: bool },
     /// It has failed.
     Failed(HeadsetError),
-    /// Whether there is a headset has been found out.
+    /// The search for a headset has finished.
     Tried,
 }
 
 /// A frame that has begun.
 #[derive(Clone, Debug)]
 pub struct Frame {
-    /// When it will be seen, on the runtime's clock.
+    /// When it will be shown, on the runtime's clock.
     display: xr::Time,
-    /// Whether anybody would see it.
+    /// Whether it will be visible.
     pub shown: bool,
-    /// What the eyes will see, as far as it was known when the frame began. None while the head is
-    /// not tracked.
+    /// The views of the eyes, as predicted when the frame began. None while the head is not
+    /// tracked.
     pub views: Option<[RoomView; 2]>,
-    /// Both hands, while they are meant for this program.
+    /// Both hands, while the program has the input focus.
     pub hands: Option<HandsState>,
 }
 
 impl Frame {
-    /// When it will be seen, in seconds of a steady clock.
+    /// When it will be shown, in seconds of a monotonic clock.
     pub fn seconds(&self) -> f64 {
         self.display.as_nanos() as f64 * 1e-9
     }
 }
 
-/// What is shown in a frame.
+/// The layers of a frame.
 #[derive(Clone, Debug, Default)]
 pub struct Layers {
-    /// The views that the pictures were made for; none shows no pictures.
+    /// The views that the pictures were rendered for; none shows no pictures.
     pub views: Option<[RoomView; 2]>,
     /// Where the board is, while it is open.
     pub board: Option<Board>,
 }
 
-/// What the session's thread is to do.
+/// An order to the session's thread.
 pub(super) enum Order {
-    /// To say where the eyes are by now, and which images can be filled.
+    /// Locate the eyes again, and acquire images.
     Aim { board: bool, reply: SyncSender<Aimed> },
-    /// To end the frame.
+    /// End the frame.
     End(End),
-    /// To let a hand feel a strength of 0 to 1.
+    /// Vibrate a hand with a strength of 0 to 1.
     Feel(HandSide, f32),
 }
 
-/// The answer to [`Order::Aim`]: places of images in their chains.
+/// The answer to [`Order::Aim`]: indices of images in their chains.
 #[derive(Clone, Debug)]
 pub struct Aimed {
     pub views: [RoomView; 2],
@@ -88,11 +88,11 @@ pub struct Aimed {
     pub(super) board: Option<usize>,
 }
 
-/// How a frame ends. All that fills its images has been submitted.
+/// How a frame ends. Everything that fills its images has been submitted.
 pub(super) struct End {
     pub blend: xr::EnvironmentBlendMode,
     pub layers: Layers,
-    /// The board's image is filled anew.
+    /// The board's image was filled.
     pub board_filled: bool,
 }
 
@@ -103,7 +103,7 @@ pub(super) struct Session {
     pub colour: Chain,
     pub depth: Option<Chain>,
     pub board: Chain,
-    /// The board's images have held a picture.
+    /// The board's images have been filled once.
     pub board_filled: bool,
     pub actions: Actions,
     pub room: xr::Space,
@@ -113,7 +113,7 @@ pub(super) struct Session {
 }
 
 impl Session {
-    /// Lives until the runtime ends the session, it fails, or nobody gives orders any more.
+    /// Runs until the runtime ends the session, it fails, or nobody gives orders any more.
     pub fn run(mut self, orders: &Receiver<Order>, tell: &dyn Fn(LinkNews) -> bool) {
         if let Err(error) = self.live(orders, tell) {
             tell(LinkNews::Failed(error));
@@ -123,7 +123,7 @@ impl Session {
     fn live(&mut self, orders: &Receiver<Order>, tell: &dyn Fn(LinkNews) -> bool) -> Result<()> {
         let mut events = xr::EventDataBuffer::new();
         loop {
-            // No frame is under way: a session is never ended within one, nor waited for after.
+            // No frame is in progress: a session never ends within one.
             if let Some(news) = self.hear_runtime(&mut events)? {
                 let over = matches!(news, LinkNews::Over { .. });
                 if !tell(news) || over {
@@ -153,7 +153,7 @@ impl Session {
         }
     }
 
-    /// Does what the runtime's events ask for.
+    /// Handles the events of the runtime.
     fn hear_runtime(&mut self, events: &mut xr::EventDataBuffer) -> Result<Option<LinkNews>> {
         let mut news = None;
         while let Some(event) = self.instance.poll_event(events).doing("hear the runtime")? {
@@ -207,7 +207,7 @@ impl Session {
         })
     }
 
-    /// True if the frame is over.
+    /// True if the frame has ended.
     fn obey(&mut self, order: Order, frame: Option<&Frame>) -> Result<bool> {
         match (order, frame) {
             (Order::Feel(side, strength), _) => self.actions.feel(side, strength)?,
@@ -219,7 +219,8 @@ impl Session {
                         depth: self.depth.as_mut().map(Chain::acquire).transpose()?,
                         board: if board { Some(self.board.acquire()?) } else { None },
                     };
-                    // Whoever waits no longer ends the frame without pictures; the images are kept.
+                    // A caller that has given up ends the frame without pictures; the images are
+                    // kept.
                     let _ = reply.send(aimed);
                 }
             }
@@ -232,7 +233,7 @@ impl Session {
         Ok(false)
     }
 
-    /// What the eyes see at a time. None while the head is not tracked.
+    /// The views of the eyes at a time. None while the head is not tracked.
     fn views(&self, display: xr::Time) -> Result<Option<[RoomView; 2]>> {
         let (flags, views) = self
             .session
@@ -269,7 +270,7 @@ impl Session {
             self.board_filled = true;
         }
         let views = end.layers.views.as_ref().map_or(&[][..], |views| views);
-        // Depth is reversed, and its far end is infinitely far.
+        // Depth is reversed, with its far plane at infinity.
         let depth_info = [0, 1].map(|eye| {
             self.depth.as_ref().map(|depth| xr::sys::CompositionLayerDepthInfoKHR {
                 ty: xr::sys::CompositionLayerDepthInfoKHR::TYPE,

@@ -1,9 +1,9 @@
-//! Owns a headset that shows nothing and only says where the head is (`XR_MND_headless`): a source of
-//! poses for the view through a screen.
+//! A headset that shows nothing and only reports the head (`XR_MND_headless`): a source of poses
+//! for the view through a screen.
 //!
-//! Takes the origin; gives poses on the room's axes, a runtime that is missing or has gone as a text,
-//! and looks for it again. Everything happens on a thread of its own, but for the question what the
-//! runtime foresees for a time, which whoever asks puts to it. Must not know screens.
+//! Takes the origin; returns poses in the space of the room, and a message while the runtime is
+//! missing or gone, which it looks for again. Everything happens on a thread of its own, except for
+//! predictions, which the caller requests itself. Must not know screens.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -20,12 +20,12 @@ use super::locator::{Locator, Sight, Wish, ask_for_clock};
 use super::parting::Helper;
 use super::runtime::{VIEWS, enter, reach};
 
-/// Between two looks for the head: more often than any screen shows pictures.
+/// Interval of pose queries: shorter than the frame time of any screen.
 const LOOK_EVERY: Duration = Duration::from_millis(4);
-/// Between two looks for a runtime.
+/// Interval between attempts to find a runtime.
 const SEEK_EVERY: Duration = Duration::from_secs(2);
 
-/// What the thread shares with the program.
+/// Shared by the thread and the program.
 struct Shared {
     inbox: Inbox,
     stop: AtomicBool,
@@ -51,14 +51,14 @@ impl Shared {
     }
 }
 
-/// Says where the head in a headset is. Dropping it ends the session.
+/// A source of head poses. Dropping it ends the session.
 pub struct HeadsetTracker {
     shared: Arc<Shared>,
     thread: Helper,
 }
 
 impl HeadsetTracker {
-    /// `label`: [`HeadPose::source`] of the poses. Fails if there is no thread to be had.
+    /// `label`: [`HeadPose::source`] of the poses. Fails if no thread can be started.
     pub fn start(
         label: &str,
         origin: RoomOrigin,
@@ -89,7 +89,7 @@ fn seek(shared: &Shared, wish: &Wish) {
                 let (source, time_s) = (label.clone(), clock.now_s());
                 shared.inbox.put(&mut vec![Event::Found { source, time_s }]);
                 let followed = session.follow(shared, wish);
-                // Nobody asks a session that is over; and it goes on this thread.
+                // A session that has ended is no longer queried, and is destroyed on this thread.
                 *shared.locator() = None;
                 let why = match followed {
                     Ok(()) => format!("{} has ended the session", session.name),
@@ -113,7 +113,7 @@ fn seek(shared: &Shared, wish: &Wish) {
 struct Session {
     session: xr::Session<xr::Headless>,
     instance: xr::Instance,
-    /// The runtime's name and the headset's.
+    /// The names of runtime and headset.
     name: String,
 }
 
@@ -140,7 +140,7 @@ impl Session {
         Ok(Session { session, instance, name })
     }
 
-    /// Reports the head until the program has enough, or the runtime ends the session.
+    /// Reports the head until the source is dropped, or the runtime ends the session.
     fn follow(&mut self, shared: &Shared, wish: &Wish) -> Result<()> {
         *shared.locator() = Some(Locator::new(&self.session, wish)?);
         let mut lifecycle = Lifecycle::default();
@@ -178,7 +178,7 @@ impl Session {
         Ok(())
     }
 
-    /// Where the head is now, if that is known.
+    /// The present head pose, if it is tracked.
     fn look(&self, shared: &Shared, clock: HostClock, reports: &mut Vec<Event>) -> Result<()> {
         let sight = match &*shared.locator() {
             Some(locator) => locator.look(clock.now_s())?,

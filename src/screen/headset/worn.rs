@@ -1,9 +1,8 @@
-//! Owns the head of the headset that the program is shown in, as a source of poses for the view
-//! through a screen. A program has one connection to a runtime, so a headset that is worn cannot
-//! be asked by a second session.
+//! The head of the headset in use as a source of poses for the view through a screen. A program has
+//! only one connection to a runtime, so this headset cannot be queried by a second session.
 //!
-//! The link lends its session while it has one. It is asked on a thread of its own: whoever wants
-//! to know waits no longer than [`PATIENCE`] for a runtime that hangs.
+//! The link lends its session while it has one. Queries run on a thread of their own, so that
+//! callers wait no longer than [`PATIENCE`] for a runtime that hangs.
 
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -20,7 +19,7 @@ use super::parting::Helper;
 /// Longest wait for an answer.
 const PATIENCE: Duration = Duration::from_millis(100);
 
-/// The head of the headset that the program is shown in, whether there is one yet or not.
+/// The head of the headset in use, whether there is one yet or not.
 #[derive(Clone)]
 pub struct WornHead {
     wish: Wish,
@@ -28,17 +27,17 @@ pub struct WornHead {
 }
 
 enum Lent {
-    /// Nothing, for this reason.
+    /// No session, for this reason.
     Nothing(String),
     Session(Asker, String),
 }
 
-/// Asks a locator on a thread of its own.
+/// Queries a locator on a thread of its own.
 struct Asker {
     /// None once the thread is to end.
     asks: Option<Sender<f64>>,
     answers: Receiver<Result<Sight>>,
-    /// It has been asked and has not answered in time.
+    /// It was queried and has not answered in time.
     late: bool,
     thread: Helper,
 }
@@ -58,7 +57,7 @@ impl Asker {
         Ok(Asker { asks: Some(asks), answers, late: false, thread })
     }
 
-    /// Where the head is at `time_s`; unknown while the runtime does not answer.
+    /// The head pose at `time_s`; unknown while the runtime does not answer.
     fn look(&mut self, time_s: f64) -> Result<Sight> {
         if self.late && self.answers.try_recv().is_err() {
             return Ok(Sight::Unknown);
@@ -90,8 +89,8 @@ impl WornHead {
         self.lent.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Lends a session of the runtime and headset called `name` until what it gives is dropped.
-    /// `tells_time`: the runtime's clock can be asked.
+    /// Lends a session of the runtime and headset called `name` until the result is dropped.
+    /// `tells_time`: the runtime's clock can be converted.
     pub(super) fn lend<G: xr::Graphics>(
         &self,
         session: &xr::Session<G>,
@@ -123,7 +122,7 @@ fn away() -> String {
     "the headset is not connected".to_owned()
 }
 
-/// A session is lent. Spaces keep their session alive: this is dropped before it.
+/// A lent session. Spaces keep their session alive, so this is dropped before it.
 pub(super) struct Lending(WornHead);
 
 impl Drop for Lending {
@@ -135,7 +134,7 @@ impl Drop for Lending {
 /// Says where the head is.
 pub struct WornSource {
     head: WornHead,
-    /// A session was lent at the last look.
+    /// A session was lent at the last poll.
     here: bool,
     state: SourceState,
     counters: Counters,
@@ -190,7 +189,7 @@ impl Source for WornSource {
         let Lent::Session(asker, _) = &mut *self.head.lent() else { return None };
         match asker.look(display_time_s) {
             Ok(Sight::Seen(pose)) => Some(pose),
-            // Whoever has the session hears of an error, too, and says so.
+            // The owner of the session gets errors, too, and reports them.
             Ok(Sight::Unknown | Sight::NotFinite) | Err(_) => None,
         }
     }
