@@ -204,6 +204,8 @@ pub enum Command {
         /// Distance from each copy to the next, in voxels.
         step: IVec3,
     },
+    /// Rotate or mirror the whole sculpture; its size, colours and selection follow.
+    Orient(Orientation),
     /// Undo the last `steps` steps, or all.
     Undo {
         /// How many; none for all.
@@ -238,7 +240,7 @@ pub const COMMANDS: &[CommandHelp] = &[
     },
     CommandHelp {
         verb: "open",
-        usage: "\"PATH\" [threshold=auto|N] [colouring=auto|none|grey|tissue|packed] [colour=0|8|16|24] [raw=LAYOUT]",
+        usage: "\"PATH\" [threshold=auto|N] [colouring=auto|none|grey|tissue|packed] [colour=0|8|16|24] [upright=y|z|-z|-y|x|-x] [raw=LAYOUT]",
         tooltip: "Replace the sculpture with the contents of a file",
     },
     CommandHelp {
@@ -334,6 +336,11 @@ pub const COMMANDS: &[CommandHelp] = &[
         usage: "count=N step=X,Y,Z",
         tooltip: "Repeat the last operation, each time with a further offset",
     },
+    CommandHelp {
+        verb: "orient",
+        usage: "upright=y|z|-z|-y|x|-x | axes=x,y,z",
+        tooltip: "Rotate the whole sculpture so that an axis points up, or exchange and reverse its axes, such as axes=x,-z,y",
+    },
     CommandHelp { verb: "undo", usage: "[N|all]", tooltip: "Undo the last steps" },
     CommandHelp { verb: "redo", usage: "[N|all]", tooltip: "Redo undone steps" },
     CommandHelp {
@@ -376,6 +383,7 @@ impl Command {
             Command::Paste { .. } => "paste",
             Command::Move { .. } => "move",
             Command::Array { .. } => "array",
+            Command::Orient(_) => "orient",
             Command::Undo { .. } => "undo",
             Command::Redo { .. } => "redo",
             Command::Place(_) => "place",

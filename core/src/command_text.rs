@@ -15,6 +15,7 @@ use arguments::{Arguments, Quoted, QuotedPath};
 use crate::command::{COMMANDS, Command, NewSculpture};
 use crate::format::options::{Colouring, Existence, ExportForm, ImportOptions};
 use crate::sculpture::edit::EditOp;
+use crate::sculpture::orientation::Up;
 use crate::sculpture::{ColourDepth, Placement, Rgb};
 use crate::tools::construct::{Primitive, Solid};
 
@@ -71,7 +72,7 @@ impl fmt::Display for Command {
             }
             Command::Open { path, import } => {
                 write!(f, " {}", QuotedPath(path))?;
-                let ImportOptions { existence, colouring, colour_depth, raw } = import;
+                let ImportOptions { existence, colouring, colour_depth, upright, raw } = import;
                 if *existence != Existence::Auto {
                     write!(f, " threshold={existence}")?;
                 }
@@ -80,6 +81,9 @@ impl fmt::Display for Command {
                 }
                 if let Some(depth) = colour_depth {
                     write!(f, " colour={}", depth.bits())?;
+                }
+                if *upright != Up::default() {
+                    write!(f, " upright={upright}")?;
                 }
                 raw.map_or(Ok(()), |raw| write!(f, " raw={raw}"))
             }
@@ -114,7 +118,8 @@ impl fmt::Display for Command {
             | Command::Irreversible(_)
             | Command::Paste { .. }
             | Command::Move { .. }
-            | Command::Array { .. } => selection::write(self, f),
+            | Command::Array { .. }
+            | Command::Orient(_) => selection::write(self, f),
             Command::Undo { steps } | Command::Redo { steps } => match steps {
                 Some(n) => write!(f, " {n}"),
                 None => write!(f, " all"),
@@ -158,6 +163,7 @@ impl FromStr for Command {
                     existence: args.optional("threshold", str::parse)?.unwrap_or_default(),
                     colouring: args.optional("colouring", str::parse)?.unwrap_or_default(),
                     colour_depth: args.optional("colour", parse_colour_depth)?,
+                    upright: args.optional("upright", str::parse)?.unwrap_or_default(),
                     raw: args.optional("raw", str::parse)?,
                 },
             },
@@ -183,7 +189,7 @@ impl FromStr for Command {
                 colour: args.required("colour", parse_colour)?,
             },
             "mark" | "select" | "limit" | "irreversible" | "symmetry" | "copy" | "cut"
-            | "paste" | "move" | "array" => selection::parse(&verb, &mut args)?,
+            | "paste" | "move" | "array" | "orient" => selection::parse(&verb, &mut args)?,
             "undo" => Command::Undo { steps: parse_steps(&mut args)? },
             "redo" => Command::Redo { steps: parse_steps(&mut args)? },
             "place" => Command::Place(Placement {

@@ -26,12 +26,14 @@ use crate::tools::texture::Texture;
 mod areas;
 mod changes;
 mod error;
+mod orient;
 mod steps;
 mod tools;
 
 pub use changes::ChangeSubscriber;
 use changes::Changes;
 pub use error::CommandError;
+pub use orient::orient_contents;
 pub use tools::MAX_ARRAY;
 
 /// The effect of a command.
@@ -306,6 +308,7 @@ impl Document {
                 self.symmetry = *symmetry;
                 Ok(Applied::default())
             }
+            Command::Orient(orientation) => self.orient(*orientation, command),
             Command::Undo { steps } => self.travel(*steps, "undo", Self::undo_step),
             Command::Redo { steps } => self.travel(*steps, "redo", Self::redo_step),
             Command::Place(placement) => {
@@ -369,17 +372,24 @@ impl Document {
         record.swap(Arc::make_mut(&mut self.contents), &mut self.dirty)
     }
 
+    /// Puts another sculpture in place of the present one; the marker begins anew with another size.
     fn swap_contents(&mut self, contents: Contents) -> Contents {
-        let old = std::mem::replace(&mut self.contents, Arc::new(contents));
+        let old = self.put_contents(contents);
         if self.contents.grid.dims() != old.grid.dims() {
             self.selection = Selection::new(self.grid().dims());
         }
+        Arc::unwrap_or_clone(old)
+    }
+
+    /// Exchanges all contents and returns the old ones.
+    fn put_contents(&mut self, contents: Contents) -> Arc<Contents> {
+        let old = std::mem::replace(&mut self.contents, Arc::new(contents));
         self.last_uses.clear();
         self.recorder = StrokeRecorder::new(&self.contents.grid);
         self.dirty = BrickSet::new(self.contents.grid.brick_count());
         self.all_dirty = true;
         self.revision += 1;
-        Arc::unwrap_or_clone(old)
+        old
     }
 
     /// An error if a stroke is open. `verb` is the refused command's.

@@ -17,6 +17,7 @@ use crate::document::{Applied, CommandError, Document, Limits};
 use crate::format::options::ImportOptions;
 use crate::format::{self, FormatError, Loaded};
 use crate::progress::Progress;
+use crate::sculpture::orientation::Orientation;
 use files::Files;
 use journal::Journal;
 pub use work::{Done, Work};
@@ -79,7 +80,11 @@ impl SessionError {
     /// Whether the work was cancelled.
     pub fn is_cancelled(&self) -> bool {
         use SessionError::{Open, Save};
-        matches!(self, Open { error, .. } | Save { error, .. } if matches!(error, FormatError::Cancelled))
+        match self {
+            Open { error, .. } | Save { error, .. } => matches!(error, FormatError::Cancelled),
+            SessionError::Command(error) => matches!(error, CommandError::Cancelled),
+            _ => false,
+        }
     }
 }
 
@@ -206,6 +211,11 @@ impl Session {
             self.document.require_room_for_whole(command.verb())?;
         }
         let task = match command.clone() {
+            Command::Orient(orientation) if orientation != Orientation::UPRIGHT => {
+                self.document.require_can_orient(orientation)?;
+                let contents = self.document.share_contents();
+                Task::Orient { orientation, contents, limits, state: self.document.state() }
+            }
             Command::New(new) => Task::New { new, limits },
             Command::Open { path, import } => Task::Open { path, import, limits },
             Command::Save { path, form } => Task::Save {
@@ -228,6 +238,13 @@ impl Session {
                 self.document.replace(*contents, "new")?;
                 self.files.made(self.document.state());
             }
+            Outcome::Oriented { orientation, contents, state }
+                if state == self.document.state() =>
+            {
+                self.document.put_oriented(*contents, orientation, &command)?;
+            }
+            // It was changed meanwhile.
+            Outcome::Oriented { .. } => drop(self.document.apply(&command)?),
             Outcome::Opened { path, loaded } => {
                 let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
                 self.document.replace(loaded.contents, &format!("open {name}"))?;

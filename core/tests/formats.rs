@@ -138,7 +138,7 @@ fn the_options_choose_threshold_and_colours() {
         existence: Existence::Threshold(1300.0),
         colouring: Colouring::Tissue,
         colour_depth: Some(ColourDepth::Bits16),
-        raw: None,
+        ..ImportOptions::default()
     };
     let loaded = load(&path, &bone).unwrap();
     let Contents { grid, material } = &loaded.contents;

@@ -11,6 +11,7 @@ use crate::format::options::{Colouring, Existence, ImportOptions, RawLayout};
 use crate::headless::PictureRequest;
 use crate::render::RenderMode;
 use crate::sculpture::ColourDepth;
+use crate::sculpture::orientation::Up;
 use crate::view::StereoLayout;
 
 /// How a file becomes a sculpture.
@@ -25,6 +26,9 @@ pub struct ImportArgs {
     /// Colour bits per voxel: 0, 8, 16 or 24 (default: as in the file)
     #[arg(long, alias = "color-bits", value_name = "BITS", value_parser = parse_colour_bits)]
     pub colour_bits: Option<ColourDepth>,
+    /// Axis that points up in a volume that does not say so: y, z, -z, -y, x or -x
+    #[arg(long, default_value_t, value_name = "AXIS", allow_hyphen_values = true)]
+    pub upright: Up,
     /// Layout of a raw file: WIDTHxHEIGHTxDEPTH:TYPE[:skip=BYTES][:size=SX,SY,SZ]
     #[arg(long, value_name = "LAYOUT")]
     pub raw: Option<RawLayout>,
@@ -36,6 +40,7 @@ impl ImportArgs {
             existence: self.threshold,
             colouring: self.colouring,
             colour_depth: self.colour_bits,
+            upright: self.upright,
             raw: self.raw,
         }
     }

@@ -1,5 +1,5 @@
-//! The text form of commands about areas: marker, selection, symmetry, copies;
-//! and the switches.
+//! The text form of commands about areas (marker, selection, symmetry, copies) and orientations,
+//! and of the switches.
 
 use std::fmt;
 
@@ -8,7 +8,7 @@ use glam::{IVec3, UVec3};
 use super::arguments::Arguments;
 use super::{ParseError, list, number, numbers, parse_ivec3};
 use crate::command::{Area, Command, SelectOp};
-use crate::sculpture::orientation::Orientation;
+use crate::sculpture::orientation::{Orientation, Up};
 use crate::sculpture::region::VoxelBox;
 use crate::tools::symmetry::{Parity, Symmetry};
 
@@ -41,6 +41,7 @@ pub fn write(command: &Command, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         Command::Array { count, step } => {
             write!(f, " count={count} step={}", list(step.to_array()))
         }
+        Command::Orient(orientation) => write!(f, " axes={orientation}"),
         _ => Ok(()),
     }
 }
@@ -86,6 +87,17 @@ pub fn parse(verb: &str, args: &mut Arguments) -> Result<Command, ParseError> {
             by: args.optional("by", parse_ivec3)?.unwrap_or_default(),
             orientation: axes(args)?,
         },
+        "orient" => {
+            let upright = args.optional("upright", str::parse)?.map(Up::turned_upright);
+            let axes = args.optional("axes", str::parse)?;
+            Command::Orient(match (upright, axes) {
+                (Some(orientation), None) | (None, Some(orientation)) => orientation,
+                _ => {
+                    let needs = "`orient` needs either `upright=` or `axes=`";
+                    return Err(ParseError(needs.to_string()));
+                }
+            })
+        }
         _ => Command::Array {
             count: args.required("count", number)?,
             step: args.required("step", parse_ivec3)?,

@@ -6,6 +6,7 @@ use thiserror::Error;
 
 use super::tools::{MAX_ARRAY, MAX_REPEATED};
 use crate::sculpture::GridError;
+use crate::sculpture::orient::OrientError;
 use crate::sculpture::selection::MAX_BOXES;
 
 /// Why a command was refused. The sculpture is as it was before.
@@ -19,7 +20,7 @@ pub enum CommandError {
     NoColour,
     /// The colours would not fit into [`crate::sculpture::Limits::colour_bytes`].
     #[error(
-        "painting here may need {needed_mib} MiB for colours, more than the {budget_mib} MiB \
+        "this may need {needed_mib} MiB for colours, more than the {budget_mib} MiB \
          allowed; raise memory.colour_mib in the settings"
     )]
     ColourMemory {
@@ -42,6 +43,9 @@ pub enum CommandError {
         /// MiB allowed.
         budget_mib: usize,
     },
+    /// The work was cancelled.
+    #[error("cancelled")]
+    Cancelled,
     /// The command (its verb) is not possible within a stroke.
     #[error("a stroke is open; end or cancel it before `{0}`")]
     StrokeOpen(&'static str),
@@ -91,4 +95,16 @@ pub enum CommandError {
         "an array must have 1 to {MAX_ARRAY} copies and at most {MAX_REPEATED} uses of a tool in all"
     )]
     Array,
+}
+
+impl From<OrientError> for CommandError {
+    fn from(error: OrientError) -> CommandError {
+        match error {
+            OrientError::Grid(error) => CommandError::Grid(error),
+            OrientError::ColourMemory { needed_mib, budget_mib } => {
+                CommandError::ColourMemory { needed_mib, budget_mib }
+            }
+            OrientError::Cancelled => CommandError::Cancelled,
+        }
+    }
 }

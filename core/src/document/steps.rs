@@ -98,20 +98,27 @@ impl Document {
         let bytes = match &step.change {
             Change::Bricks(record) => record.reverse_bytes(&self.contents),
             Change::Whole(_) => self.contents.kept_bytes(),
+            Change::Oriented { before: Some(_), .. } => 0,
+            Change::Oriented { back, before: None } => self.bytes_to_undo(*back),
         };
         match self.require_room(&format!("{verb} {}", step.label), bytes) {
-            Ok(()) => (self.reverse(step), None),
+            Ok(()) => self.reverse(step),
             Err(error) => (step, Some(error)),
         }
     }
 
-    fn reverse(&mut self, step: Step) -> Step {
-        let change = match step.change {
+    fn reverse(&mut self, step: Step) -> (Step, Option<CommandError>) {
+        let Step { label, change, state } = step;
+        let change = match change {
             Change::Bricks(record) => Change::Bricks(self.swap_bricks(record)),
             Change::Whole(contents) => Change::Whole(Box::new(self.swap_contents(*contents))),
+            Change::Oriented { back, before } => match self.reverse_orientation(back, before) {
+                Ok(change) => change,
+                Err((change, error)) => return (Step { label, change, state }, Some(error)),
+            },
         };
-        let state = std::mem::replace(&mut self.state, step.state);
+        let state = std::mem::replace(&mut self.state, state);
         self.settled = self.state;
-        Step { label: step.label, change, state }
+        (Step { label, change, state }, None)
     }
 }

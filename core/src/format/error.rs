@@ -6,6 +6,7 @@ use thiserror::Error;
 use super::options::{Colouring, ExportForm};
 use super::volume::Samples;
 use crate::sculpture::GridError;
+use crate::sculpture::orient::OrientError;
 
 /// Why a file cannot be read or written.
 #[derive(Debug, Error)]
@@ -181,6 +182,18 @@ pub enum FormatError {
     /// An export form of colours, but the sculpture stores none.
     #[error("the sculpture has no colours; save it as densities")]
     NoColours,
+}
+
+impl From<OrientError> for FormatError {
+    fn from(error: OrientError) -> FormatError {
+        match error {
+            OrientError::Grid(error) => FormatError::Grid(error),
+            OrientError::ColourMemory { needed_mib, budget_mib } => {
+                FormatError::ColourMemory { needed_mib, budget_mib }
+            }
+            OrientError::Cancelled => FormatError::Cancelled,
+        }
+    }
 }
 
 /// The first bytes of unexpected data, with everything but plain text escaped.

@@ -60,14 +60,15 @@ macro_rules! with_density {
     };
 }
 
-/// Converts a volume to a sculpture.
+/// Converts a volume to a sculpture, its axes as they are in the file. `signature` is that of
+/// [`trusted_signature`].
 pub fn to_contents(
     volume: &Volume,
+    signature: Option<Signature>,
     options: &ImportOptions,
     limits: &Limits,
     progress: &dyn Progress,
 ) -> Result<Contents, FormatError> {
-    let signature = trusted_signature(volume);
     let job = Job { volume, options, limits, signature, progress };
     let form = signature.map(|s| s.form);
     let packed = match options.colouring {

@@ -35,6 +35,8 @@ pub use self::signature::Signature;
 pub use self::volume::{Samples, Texts, Volume};
 use crate::progress::Progress;
 use crate::sculpture::history::Contents;
+use crate::sculpture::orient::Reorientation;
+use crate::sculpture::orientation::Up;
 use crate::sculpture::{Grid, Limits};
 
 /// Extensions of the files that can be read and written.
@@ -64,6 +66,11 @@ pub fn is_sculpture(path: &Path) -> bool {
     matches!(Format::of(path), Ok(Format::Vsc))
 }
 
+/// Whether a file of that name may not say which of its axes points up.
+pub fn may_lie(path: &Path) -> bool {
+    matches!(Format::of(path), Ok(Format::Pvm | Format::Raw))
+}
+
 /// A sculpture from a file.
 #[derive(Debug)]
 pub struct Loaded {
@@ -89,8 +96,15 @@ pub fn load(
         return Ok(Loaded { contents, samples: None, texts });
     }
     let (volume, _) = read_volume(path, options, limits, progress)?;
-    let contents = import::to_contents(&volume, options, limits, progress)?;
-    Ok(Loaded { contents, samples: Some(volume.samples), texts: volume.texts })
+    let signature = import::trusted_signature(&volume);
+    let mut contents = import::to_contents(&volume, signature, options, limits, progress)?;
+    let Volume { samples, texts, data, .. } = volume;
+    drop(data);
+    if signature.is_none() && options.upright != Up::default() {
+        let turn = options.upright.turned_upright();
+        contents = Reorientation::new(&contents, turn).run(limits, progress)?;
+    }
+    Ok(Loaded { contents, samples: Some(samples), texts })
 }
 
 /// Reads the voxels of a file unconverted, within the same limits as [`load`].

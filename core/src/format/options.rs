@@ -9,6 +9,7 @@ use glam::{UVec3, Vec3};
 
 use super::volume::Samples;
 use crate::sculpture::ColourDepth;
+use crate::sculpture::orientation::Up;
 
 /// Which voxels of a volume exist in the sculpture.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
@@ -74,6 +75,9 @@ pub struct ImportOptions {
     /// Bits of colour of the sculpture; `None`: as the file was written by this program, as the
     /// packed colours have, or 24.
     pub colour_depth: Option<ColourDepth>,
+    /// The axis that points up; ignored for files that say so themselves: sculptures, and volumes that
+    /// this program has written.
+    pub upright: Up,
     /// Layout of a raw file; ignored for other files.
     pub raw: Option<RawLayout>,
 }

@@ -12,6 +12,7 @@ use super::brick::{BRICK_EDGE_VX, local_index};
 use super::colour::Rgb;
 use super::grid::Grid;
 use super::material::Material;
+use super::orientation::Orientation;
 use super::record::BrickRecord;
 
 /// All that undo restores: existence bits and colours.
@@ -43,6 +44,14 @@ pub enum Change {
     Bricks(BrickRecord),
     /// The whole sculpture, replaced by a new or opened one.
     Whole(Box<Contents>),
+    /// The whole sculpture was laid another way, and `back` leads back. `before` is kept only where
+    /// that would not restore every byte.
+    Oriented {
+        /// The inverse of what was done.
+        back: Orientation,
+        /// The sculpture as it was.
+        before: Option<Box<Contents>>,
+    },
 }
 
 impl Contents {
@@ -57,6 +66,7 @@ impl Change {
         match self {
             Change::Bricks(record) => record.heap_bytes(),
             Change::Whole(old) => old.kept_bytes(),
+            Change::Oriented { before, .. } => before.as_ref().map_or(0, |old| old.kept_bytes()),
         }
     }
 }

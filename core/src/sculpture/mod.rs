@@ -15,6 +15,7 @@ pub mod history;
 pub mod inherit;
 pub mod limits;
 pub mod material;
+pub mod orient;
 pub mod orientation;
 pub mod paint;
 pub mod placement;

@@ -1,4 +1,7 @@
-//! The 48 orientations of a box along the axes: quarter turns and mirrorings.
+//! The 48 orientations of a box along the axes (quarter turns and mirrorings), and which of them turns a
+//! given axis upright.
+//!
+//! Maps sizes and voxel coordinates; holds no voxels.
 
 use std::fmt;
 use std::str::FromStr;
@@ -17,6 +20,18 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 impl Orientation {
     /// As it was copied: no axis exchanged or reversed.
     pub const UPRIGHT: Orientation = Orientation { to: [0, 1, 2], reversed: [false; 3] };
+
+    /// All 48, [`Orientation::UPRIGHT`] first.
+    pub fn all() -> impl Iterator<Item = Orientation> {
+        const ORDERS: [[usize; 3]; 6] =
+            [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [1, 0, 2], [2, 1, 0]];
+        ORDERS.into_iter().flat_map(|to| {
+            (0..8).map(move |signs| {
+                let reversed = [0, 1, 2].map(|axis| signs >> axis & 1 != 0);
+                Orientation { to, reversed }
+            })
+        })
+    }
 
     /// A quarter turn about an axis (0 to 2), anticlockwise as seen against the axis.
     pub fn quarter_turn(axis: usize) -> Orientation {
@@ -43,11 +58,26 @@ impl Orientation {
         }
     }
 
+    /// The orientation that leads back: `self.then(self.inverse())` is upright.
+    pub fn inverse(self) -> Orientation {
+        let mut inverse = Orientation::UPRIGHT;
+        for axis in 0..3 {
+            inverse.to[self.to[axis]] = axis;
+            inverse.reversed[self.to[axis]] = self.reversed[axis];
+        }
+        inverse
+    }
+
+    /// Moves what belongs to each axis to where that axis goes. Directions do not matter.
+    pub fn permuted<T: Copy>(self, values: [T; 3]) -> [T; 3] {
+        let mut out = values;
+        (0..3).for_each(|axis| out[self.to[axis]] = values[axis]);
+        out
+    }
+
     /// The size of a box of `size` in this orientation.
     pub fn size(self, size: UVec3) -> UVec3 {
-        let mut out = UVec3::ZERO;
-        (0..3).for_each(|i| out[self.to[i]] = size[i]);
-        out
+        self.permuted(size.to_array()).into()
     }
 
     /// The voxel of a box of `size` that comes to lie at `v`, both counted from the lower corner.
@@ -59,6 +89,78 @@ impl Orientation {
             out[i] = if self.reversed[i] { size[i] as i32 - 1 - at } else { at };
         }
         out
+    }
+
+    /// Where the voxel `v` of a box of `size` is afterwards; the inverse of
+    /// [`Orientation::source`].
+    #[inline]
+    pub fn destination(self, v: IVec3, size: UVec3) -> IVec3 {
+        self.inverse().source(v, self.size(size))
+    }
+}
+
+/// The axis of a volume that points up. Sculptures stand with y up.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub enum Up {
+    /// x.
+    X,
+    /// -x.
+    MinusX,
+    /// y, so nothing need be turned.
+    #[default]
+    Y,
+    /// -y.
+    MinusY,
+    /// z.
+    Z,
+    /// -z.
+    MinusZ,
+}
+
+impl Up {
+    /// All of them with their text forms.
+    pub const NAMED: [(Up, &'static str); 6] = [
+        (Up::Y, "y"),
+        (Up::Z, "z"),
+        (Up::MinusZ, "-z"),
+        (Up::MinusY, "-y"),
+        (Up::X, "x"),
+        (Up::MinusX, "-x"),
+    ];
+
+    /// The rotation that makes this axis the y axis. Where that leaves a choice, what faces the
+    /// viewer (z) goes on to do so.
+    pub fn turned_upright(self) -> Orientation {
+        let (to, reversed) = match self {
+            Up::Y => ([0, 1, 2], [false, false, false]),
+            Up::MinusY => ([0, 1, 2], [true, true, false]),
+            Up::Z => ([0, 2, 1], [false, true, false]),
+            Up::MinusZ => ([0, 2, 1], [false, false, true]),
+            Up::X => ([1, 0, 2], [false, true, false]),
+            Up::MinusX => ([1, 0, 2], [true, false, false]),
+        };
+        Orientation { to, reversed }
+    }
+}
+
+impl fmt::Display for Up {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = Up::NAMED.iter().find(|(up, _)| up == self);
+        f.write_str(name.map_or("", |(_, name)| name))
+    }
+}
+
+/// Reads an axis with or without sign, such as `z`, `+z` or `-z`.
+impl FromStr for Up {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Up, String> {
+        let unsigned = text.strip_prefix('+').unwrap_or(text);
+        let known = Up::NAMED.iter().find(|(_, name)| *name == unsigned);
+        known
+            .filter(|_| !text.starts_with("+-"))
+            .map(|(up, _)| *up)
+            .ok_or_else(|| "must be the axis that points up: x, y, z, -x, -y or -z".to_string())
     }
 }
 
@@ -105,26 +207,11 @@ mod tests {
 
     use super::*;
 
-    fn all() -> HashSet<Orientation> {
-        let steps: Vec<_> = (0..3)
-            .flat_map(|axis| [Orientation::quarter_turn(axis), Orientation::mirroring(axis)])
-            .collect();
-        let mut all = HashSet::from([Orientation::UPRIGHT]);
-        loop {
-            let more: HashSet<_> =
-                all.iter().flat_map(|a| steps.iter().map(|s| a.then(*s))).collect();
-            let before = all.len();
-            all.extend(more);
-            if all.len() == before {
-                return all;
-            }
-        }
-    }
-
     #[test]
     fn there_are_48_and_each_reads_back() {
-        let all = all();
+        let all: HashSet<_> = Orientation::all().collect();
         assert_eq!(all.len(), 48);
+        assert_eq!(Orientation::all().next(), Some(Orientation::UPRIGHT));
         for orientation in &all {
             assert_eq!(orientation.to_string().parse(), Ok(*orientation));
         }
@@ -152,7 +239,7 @@ mod tests {
     #[test]
     fn composition_is_one_after_the_other() {
         let size = UVec3::new(2, 3, 5);
-        for a in all() {
+        for a in Orientation::all() {
             for axis in 0..3 {
                 let b = Orientation::quarter_turn(axis).then(Orientation::mirroring(0));
                 let both = a.then(b);
@@ -168,6 +255,45 @@ mod tests {
                     assert_eq!(both.source(v, size), a.source(b.source(v, a.size(size)), size));
                 }
             }
+        }
+    }
+
+    #[test]
+    fn the_inverse_leads_back() {
+        let size = UVec3::new(2, 3, 5);
+        for orientation in Orientation::all() {
+            let inverse = orientation.inverse();
+            assert_eq!(orientation.then(inverse), Orientation::UPRIGHT);
+            assert_eq!(inverse.then(orientation), Orientation::UPRIGHT);
+            let v = IVec3::new(1, 0, 3);
+            let there = orientation.destination(v, size);
+            assert_eq!(orientation.source(there, size), v);
+        }
+    }
+
+    #[test]
+    fn each_axis_can_be_turned_upright_without_mirroring() {
+        let size = UVec3::splat(9);
+        for (up, name) in Up::NAMED {
+            assert_eq!((name.parse(), up.to_string()), (Ok(up), name.to_string()));
+            let turn = up.turned_upright();
+            let axis =
+                |from: IVec3| turn.destination(IVec3::splat(4) + from, size) - IVec3::splat(4);
+            let direction = match up {
+                Up::X => IVec3::X,
+                Up::MinusX => IVec3::NEG_X,
+                Up::Y => IVec3::Y,
+                Up::MinusY => IVec3::NEG_Y,
+                Up::Z => IVec3::Z,
+                Up::MinusZ => IVec3::NEG_Z,
+            };
+            assert_eq!(axis(direction), IVec3::Y, "{name}");
+            let [x, y, z] = [IVec3::X, IVec3::Y, IVec3::Z].map(axis);
+            assert_eq!(x.cross(y), z, "{name}: a rotation");
+        }
+        assert_eq!("+z".parse(), Ok(Up::Z));
+        for wrong in ["", "w", "+-z", "--z", "zz", "up"] {
+            assert!(wrong.parse::<Up>().is_err(), "{wrong}");
         }
     }
 }

@@ -8,6 +8,7 @@ use fearless_simd::Simd;
 use glam::{IVec3, UVec3};
 
 use super::brick::Brick;
+use super::orientation::Orientation;
 use super::region::{BoxRow, Region, RowReach, VoxelBox};
 
 /// Largest coordinate of a marker, in voxels from the grid's corner.
@@ -100,6 +101,22 @@ impl Selection {
     /// Removes all boxes.
     pub fn clear(&mut self) {
         self.stack.0.clear();
+    }
+
+    /// The same boxes about the same voxels after a grid of `dims` voxels was laid another way.
+    pub fn oriented(&self, orientation: Orientation, dims: UVec3) -> Selection {
+        let turned = |bounds: VoxelBox| {
+            let ends = [bounds.min, bounds.max - 1].map(|v| orientation.destination(v, dims));
+            let (min, max) = (ends[0].min(ends[1]), ends[0].max(ends[1]) + 1);
+            // What was as far away as a box may be could be farther now, by less than the grid.
+            let limit = IVec3::splat(MARKER_LIMIT_VX);
+            let back = (limit - max).min(IVec3::ZERO) + (-limit - min).max(IVec3::ZERO);
+            let (min, max) = (min + back, max + back);
+            VoxelBox { min: min.max(-limit), max: max.min(limit) }
+        };
+        let boxes = self.stack.0.iter();
+        let stack = boxes.map(|b| SelectedBox { bounds: turned(b.bounds), adds: b.adds }).collect();
+        Selection { marker: turned(self.marker), stack: BoxStack(stack), limits: self.limits }
     }
 
     /// Whether tools are limited to the selection, if anything is selected.
@@ -257,6 +274,42 @@ impl<R: Region> Region for Limited<'_, R> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn every_voxel(dims: UVec3) -> impl Iterator<Item = IVec3> {
+        let dims = dims.as_ivec3();
+        (0..dims.z).flat_map(move |z| {
+            (0..dims.y).flat_map(move |y| (0..dims.x).map(move |x| IVec3::new(x, y, z)))
+        })
+    }
+
+    #[test]
+    fn boxes_follow_the_axes_and_stay_within_reach() {
+        let dims = UVec3::new(20, 30, 40);
+        let far = MARKER_LIMIT_VX;
+        for orientation in Orientation::all() {
+            let mut selection = Selection::new(dims);
+            selection.push(true);
+            let marker = VoxelBox { min: IVec3::new(-3, 4, 5), max: IVec3::new(6, 9, 41) };
+            selection.set_marker(marker).unwrap();
+            selection.push(false);
+            let turned = selection.oriented(orientation, dims);
+            for v in every_voxel(dims) {
+                let there = orientation.destination(v, dims);
+                assert_eq!(turned.stack().contains(there), selection.stack().contains(v));
+                assert_eq!(turned.marker().contains(there), marker.contains(v));
+            }
+            let turned_dims = orientation.size(dims);
+            assert_eq!(turned.oriented(orientation.inverse(), turned_dims), selection);
+
+            let all = VoxelBox { min: IVec3::splat(-far), max: IVec3::splat(far) };
+            let corner = VoxelBox { min: IVec3::splat(-far), max: IVec3::splat(1 - far) };
+            for extreme in [all, corner] {
+                selection.set_marker(extreme).unwrap();
+                let marker = selection.oriented(orientation, dims).marker();
+                assert_eq!(Selection::check_marker(marker), Ok(()));
+            }
+        }
+    }
 
     #[test]
     fn a_marker_must_be_near_and_not_empty() {

@@ -1,5 +1,5 @@
-//! The long part of commands: reading, writing and creating a sculpture. It needs no session, so that it
-//! can run on another thread while a window shows the present sculpture.
+//! The long part of commands: reading, writing, creating and rotating a sculpture. It needs no session, so
+//! that it can run on another thread while a window shows the present sculpture.
 //!
 //! [`Session::prepare`](super::Session::prepare) returns a [`Work`], [`Work::run`] runs it, and
 //! [`Session::complete`](super::Session::complete) applies the result.
@@ -14,6 +14,7 @@ use crate::format::options::{ExportForm, ImportOptions};
 use crate::format::{self, Loaded, Texts};
 use crate::progress::Progress;
 use crate::sculpture::history::{Contents, State};
+use crate::sculpture::orientation::Orientation;
 
 /// Work to run.
 #[derive(Debug)]
@@ -25,6 +26,7 @@ pub struct Work {
 #[derive(Debug)]
 pub(super) enum Task {
     New { new: NewSculpture, limits: Limits },
+    Orient { orientation: Orientation, contents: Arc<Contents>, limits: Limits, state: State },
     Open { path: PathBuf, import: ImportOptions, limits: Limits },
     Save { path: PathBuf, form: ExportForm, contents: Arc<Contents>, texts: Texts, state: State },
 }
@@ -39,8 +41,20 @@ pub struct Done {
 #[derive(Debug)]
 pub(super) enum Outcome {
     New(Box<Contents>),
-    Opened { path: PathBuf, loaded: Box<Loaded> },
-    Saved { path: PathBuf, state: State },
+    /// `state`: of the document that they were made from.
+    Oriented {
+        orientation: Orientation,
+        contents: Box<Contents>,
+        state: State,
+    },
+    Opened {
+        path: PathBuf,
+        loaded: Box<Loaded>,
+    },
+    Saved {
+        path: PathBuf,
+        state: State,
+    },
 }
 
 impl Work {
@@ -49,6 +63,11 @@ impl Work {
         let outcome = match self.task {
             Task::New { new, limits } => {
                 Outcome::New(Box::new(document::make_contents(&new, &limits)?))
+            }
+            Task::Orient { orientation, contents, limits, state } => {
+                let contents =
+                    document::orient_contents(&contents, orientation, &limits, progress)?;
+                Outcome::Oriented { orientation, contents: Box::new(contents), state }
             }
             Task::Open { path, import, limits } => {
                 let loaded = Box::new(load(&path, &import, &limits, progress)?);

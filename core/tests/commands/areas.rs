@@ -65,7 +65,11 @@ proptest! {
             }
             let free = matches!(
                 command,
-                Command::New(_) | Command::Undo { .. } | Command::Redo { .. } | Command::Cancel
+                Command::New(_)
+                    | Command::Orient(_)
+                    | Command::Undo { .. }
+                    | Command::Redo { .. }
+                    | Command::Cancel
             );
             if let (Some(stack), false) = (selection.limit(), free) {
                 for v in voxels(before.grid.dims()).filter(|v| !stack.contains(*v)) {

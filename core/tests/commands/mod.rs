@@ -5,6 +5,7 @@ mod budget;
 mod document;
 mod files;
 mod model;
+mod orient;
 mod orientations;
 mod refusals;
 mod script;

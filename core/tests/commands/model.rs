@@ -6,6 +6,7 @@ use std::rc::Rc;
 use glam::{IVec3, UVec3, Vec3};
 use sculpture_core::command::{Area, Command, NewSculpture};
 use sculpture_core::sculpture::edit::EditOp;
+use sculpture_core::sculpture::orientation::Orientation;
 use sculpture_core::sculpture::{ColourDepth, Rgb};
 
 /// A sculpture: the colour of each voxel that exists, x fastest, then y, then z.
@@ -51,6 +52,20 @@ impl Voxels {
         let UVec3 { x, y, z } = self.dims;
         let row = move |y, z| (0..x as i32).map(move |x| IVec3::new(x, y, z));
         (0..z as i32).flat_map(move |z| (0..y as i32).flat_map(move |y| row(y, z)))
+    }
+
+    /// The same voxels along other axes.
+    pub fn oriented(&self, orientation: Orientation) -> Voxels {
+        let voxel_size = orientation.permuted(self.voxel_size.to_array()).into();
+        let dims = orientation.size(self.dims);
+        let mut turned = Voxels { dims, voxel_size, ..self.clone() };
+        let index =
+            |v: IVec3, dims: UVec3| (v.x + dims.x as i32 * (v.y + dims.y as i32 * v.z)) as usize;
+        for v in self.all() {
+            let there = orientation.destination(v, self.dims);
+            turned.colours[index(there, dims)] = self.colours[index(v, self.dims)];
+        }
+        turned
     }
 
     pub fn edit(&mut self, op: EditOp, covers: impl Fn(IVec3) -> bool) -> Done {
@@ -155,6 +170,13 @@ impl Model {
             }
             Command::Fill { area: Area::Grid, colour } => self.edit(EditOp::Add(*colour), |_| true),
             Command::Clear { area: Area::Grid } => self.edit(EditOp::Subtract, |_| true),
+            Command::Orient(Orientation::UPRIGHT) if !open => Done::default(),
+            Command::Orient(orientation) if !open => {
+                let after = Rc::new(self.now.oriented(*orientation));
+                let before = std::mem::replace(&mut self.now, after);
+                self.push(before);
+                Done::default()
+            }
             Command::Place(_) => Done::default(),
             _ => return None,
         })

@@ -8,7 +8,7 @@ use sculpture_core::command::{Area, Command, NewSculpture, SelectOp, SpraySurfac
 use sculpture_core::format::Samples;
 use sculpture_core::format::options::{Colouring, Existence, ExportForm, ImportOptions, RawLayout};
 use sculpture_core::sculpture::edit::EditOp;
-use sculpture_core::sculpture::orientation::Orientation;
+use sculpture_core::sculpture::orientation::{Orientation, Up};
 use sculpture_core::sculpture::region::VoxelBox;
 use sculpture_core::sculpture::{ColourDepth, Placement, Rgb};
 use sculpture_core::tools::construct::{Primitive, Solid};
@@ -41,11 +41,13 @@ fn import() -> impl Strategy<Value = ImportOptions> {
             voxel_size,
         },
     );
-    (existence, colouring, colour_depth, prop::option::of(raw)).prop_map(
-        |(existence, colouring, colour_depth, raw)| ImportOptions {
+    let upright = prop::sample::select(&Up::NAMED[..]).prop_map(|(up, _)| up);
+    (existence, colouring, colour_depth, upright, prop::option::of(raw)).prop_map(
+        |(existence, colouring, colour_depth, upright, raw)| ImportOptions {
             existence,
             colouring,
             colour_depth,
+            upright,
             raw,
         },
     )
@@ -238,6 +240,7 @@ pub fn area_work() -> impl Strategy<Value = Command> {
             .prop_map(|(at, orientation)| Command::Paste { at, orientation }),
         4 => (near(), orientation())
             .prop_map(|(by, orientation)| Command::Move { by, orientation }),
+        1 => orientation().prop_map(Command::Orient),
         3 => (0u32..4, near()).prop_map(|(count, step)| Command::Array { count, step }),
         6 => spray,
     ]
@@ -313,6 +316,7 @@ pub fn any_command() -> impl Strategy<Value = Command> {
         (any_ivec3(), orientation())
             .prop_map(|(by, orientation)| Command::Move { by, orientation }),
         (any::<u32>(), any_ivec3()).prop_map(|(count, step)| Command::Array { count, step }),
+        orientation().prop_map(Command::Orient),
         steps().prop_map(|steps| Command::Undo { steps }),
         steps().prop_map(|steps| Command::Redo { steps }),
         place,
@@ -335,6 +339,7 @@ pub fn work() -> impl Strategy<Value = Command> {
         3 => steps().prop_map(|steps| Command::Undo { steps }),
         3 => steps().prop_map(|steps| Command::Redo { steps }),
         1 => new_sculpture(24).prop_map(Command::New),
+        1 => orientation().prop_map(Command::Orient),
         1 => placement().prop_map(Command::Place),
     ]
 }

@@ -77,6 +77,24 @@ fn american_spelling_is_read_and_british_written() {
 }
 
 #[test]
+fn an_axis_to_turn_upright_is_written_as_where_all_axes_go() {
+    for (up, axes) in [
+        ("y", "x,y,z"),
+        ("z", "x,-z,y"),
+        ("+z", "x,-z,y"),
+        ("-z", "x,z,-y"),
+        ("-y", "-x,-y,z"),
+        ("x", "y,-x,z"),
+        ("-x", "-y,x,z"),
+    ] {
+        let command: Command = format!("orient upright={up}").parse().unwrap();
+        assert_eq!(command.to_string(), format!("orient axes={axes}"));
+    }
+    let open = "open \"a.pvm\" upright=-z";
+    assert_eq!(open.parse::<Command>().unwrap().to_string(), open);
+}
+
+#[test]
 fn a_solid_is_added_in_the_base_colour_unless_one_is_named() {
     let mut document = Document::new(
         &NewSculpture {
@@ -151,7 +169,7 @@ fn the_usage_of_each_command_is_true() {
         "new dims=4,5,6 size=1,2,0.5 colour=8 base=#102030 fill=empty",
         "new dims=4,5,6",
         "open \"a b.pvm\"",
-        "open v.raw threshold=12.5 colouring=grey colour=8 raw=4x5x6:u8:skip=3",
+        "open v.raw threshold=12.5 colouring=grey colour=8 upright=-z raw=4x5x6:u8:skip=3",
         "save c.pvm",
         "save c.pvm form=packed",
         "begin \"carve the nose\"",
@@ -191,6 +209,8 @@ fn the_usage_of_each_command_is_true() {
         "move by=1,0,-2 axes=-x,y,z",
         "move",
         "array count=3 step=8,0,0",
+        "orient upright=z",
+        "orient axes=x,-z,y",
         "undo",
         "undo 3",
         "undo all",
@@ -275,6 +295,10 @@ fn errors_say_what_is_wrong() {
         ("paste", "`paste` needs `at=`"),
         ("move axes=x,x,y", "axes=x,x,y: must be the three axes in some order, such as x,-z,y"),
         ("array count=-1 step=1,0,0", "count=-1: `-1` is not a valid number"),
+        ("orient", "`orient` needs either `upright=` or `axes=`"),
+        ("orient upright=z axes=x,y,z", "`orient` needs either `upright=` or `axes=`"),
+        ("orient upright=up", "upright=up: must be the axis that points up: x, y, z, -x, -y or -z"),
+        ("open a.pvm upright=w", "upright=w: must be the axis that points up"),
         ("undo some", "`some` is neither a number of steps nor `all`"),
     ];
     for (line, message) in cases {

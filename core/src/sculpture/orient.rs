@@ -1,0 +1,320 @@
+//! Rotates and mirrors whole sculptures by an [`Orientation`].
+//!
+//! Takes contents and gives new ones, in which sizes, voxels and colours have followed the axes. Works
+//! brick by brick: where the voxels of a brick come from is the same for all bricks, so one table
+//! of 512 entries serves them all. Memory is checked before it is taken. Knows no document.
+
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use glam::{IVec3, UVec3, Vec3};
+use rayon::prelude::*;
+use thiserror::Error;
+
+use super::brick::{BRICK_EDGE_VX, BRICK_VOXELS, Brick, BrickKind, local_coords, local_index};
+use super::history::Contents;
+use super::material::Page;
+use super::orientation::Orientation;
+use super::{Grid, GridError, Limits, Material};
+use crate::progress::Progress;
+
+/// Why a sculpture cannot be laid another way.
+#[derive(Debug, Error)]
+pub enum OrientError {
+    /// The new grid is not possible.
+    #[error(transparent)]
+    Grid(#[from] GridError),
+    /// The colours would not fit into [`Limits::colour_bytes`].
+    #[error("the colours need {needed_mib} MiB, more than the {budget_mib} MiB allowed")]
+    ColourMemory {
+        /// MiB needed.
+        needed_mib: u64,
+        /// MiB allowed.
+        budget_mib: u64,
+    },
+    /// The work was cancelled.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+/// A sculpture about to be laid another way.
+pub struct Reorientation<'a> {
+    from: &'a Contents,
+    orientation: Orientation,
+    /// Where each voxel of a brick comes from: the index in its brick, plus 512 times the number of
+    /// that brick among the up to eight that the new one overlaps.
+    sources: Box<[u16]>,
+    /// The numbers that occur in `sources`, as bits.
+    overlapped: u8,
+}
+
+impl<'a> Reorientation<'a> {
+    /// Prepares to lay `from` another way.
+    pub fn new(from: &'a Contents, orientation: Orientation) -> Reorientation<'a> {
+        let (dims, brick_dims) = (from.grid.dims(), from.grid.brick_dims());
+        // What was the upper border of a reversed axis begins the first brick, so that bricks
+        // overlap two unless the size is a multiple of the brick's.
+        let first = orientation.source(IVec3::ZERO, brick_dims) * BRICK_EDGE_VX as i32;
+        let mut overlapped = 0;
+        let sources = (0..BRICK_VOXELS).map(|local| {
+            let v = UVec3::from(local_coords(local)).as_ivec3();
+            let delta = orientation.source(v, dims) - first;
+            let before = delta.cmplt(IVec3::ZERO);
+            overlapped |= 1 << before.bitmask();
+            let [x, y, z] = delta.rem_euclid(IVec3::splat(8)).as_uvec3().to_array();
+            (before.bitmask() * BRICK_VOXELS + local_index(x, y, z)) as u16
+        });
+        let sources = sources.collect();
+        Reorientation { from, orientation, sources, overlapped }
+    }
+
+    /// Whether the inverse orientation restores every byte: bricks become bricks, or there are no
+    /// pages of colours that could be divided in another way.
+    pub fn is_exact(&self) -> bool {
+        self.overlapped == 1 || self.from.material.page_count() == 0
+    }
+
+    fn dims(&self) -> UVec3 {
+        self.orientation.size(self.from.grid.dims())
+    }
+
+    /// Lays it that way.
+    ///
+    /// # Errors
+    /// If the result needs more memory than `limits` allow, or `progress` is cancelled.
+    pub fn run(&self, limits: &Limits, progress: &dyn Progress) -> Result<Contents, OrientError> {
+        let Contents { grid, material } = self.from;
+        let voxel_size = Vec3::from(self.orientation.permuted(grid.voxel_size().to_array()));
+        Grid::check(self.dims(), voxel_size, limits.grid_bytes)?;
+        let mut colours = Material::new(material.depth(), material.base(), grid.brick_count());
+        self.check_colour_memory(&colours, limits.colour_bytes)?;
+        let mut turned = Grid::new(self.dims(), voxel_size, limits.grid_bytes)?;
+
+        progress.begin("rotating the voxels");
+        let (layers, begun) = (turned.brick_dims().z, AtomicU32::new(0));
+        turned.fill_bricks(|b| {
+            if progress.is_cancelled() {
+                return Brick::EMPTY;
+            }
+            // Once a layer, as it is begun: layers are filled side by side.
+            if b.x == 0 && b.y == 0 {
+                let before = begun.fetch_add(1, Ordering::Relaxed);
+                progress.advance(before as f32 / layers as f32);
+            }
+            self.brick(b)
+        });
+        progress.end();
+        if material.page_count() > 0 {
+            progress.begin("rotating the colours");
+            let per_layer = turned.brick_count() / layers as usize;
+            for layer in 0..layers as usize {
+                if progress.is_cancelled() {
+                    break;
+                }
+                progress.advance(layer as f32 / layers as f32);
+                let bricks = (layer * per_layer..(layer + 1) * per_layer).into_par_iter();
+                let page = |at: usize| self.page(turned.brick_coords(at)).map(|page| (at, page));
+                let pages: Vec<(usize, Page)> = bricks.filter_map(page).collect();
+                for (at, page) in pages {
+                    colours.swap_page(at, Some(page));
+                }
+            }
+            progress.end();
+        }
+        match progress.is_cancelled() {
+            true => Err(OrientError::Cancelled),
+            false => Ok(Contents { grid: turned, material: colours }),
+        }
+    }
+
+    /// The bricks that the new brick at `b` overlaps, by their numbers; none beyond the border.
+    fn overlapped_bricks(&self, b: UVec3) -> [Option<usize>; 8] {
+        let grid = &self.from.grid;
+        let last = self.orientation.source(b.as_ivec3(), grid.brick_dims());
+        std::array::from_fn(|number| {
+            if self.overlapped >> number & 1 == 0 {
+                return None;
+            }
+            let before = IVec3::new(number as i32 & 1, number as i32 >> 1 & 1, number as i32 >> 2);
+            let at = last - before;
+            at.cmpge(IVec3::ZERO).all().then(|| grid.brick_index(at.as_uvec3()))
+        })
+    }
+
+    fn brick(&self, b: UVec3) -> Brick {
+        let grid = &self.from.grid;
+        let overlapped = self.overlapped_bricks(b);
+        let all_are = |wanted: BrickKind| {
+            overlapped.iter().flatten().all(|&at| grid.brick_kind(at) == wanted)
+        };
+        if all_are(BrickKind::Empty) {
+            return Brick::EMPTY;
+        }
+        // What lies beyond the border is cut off anyhow.
+        if all_are(BrickKind::Full) {
+            return Brick::FULL;
+        }
+        let brick = |at: Option<usize>| at.map_or(Brick::EMPTY, |at| *grid.brick_at(at));
+        let from = overlapped.map(brick);
+        let mut turned = Brick::EMPTY;
+        for (word, sources) in turned.words.iter_mut().zip(self.sources.as_chunks::<64>().0) {
+            for (bit, &source) in sources.iter().enumerate() {
+                let source = usize::from(source);
+                let bits = from[source >> 9].words[source >> 6 & 7];
+                *word |= (bits >> (source & 63) & 1) << bit;
+            }
+        }
+        turned
+    }
+
+    /// The colours of a new brick; none where all have the base colour.
+    fn page(&self, b: UVec3) -> Option<Page> {
+        let material = &self.from.material;
+        let pages = self.overlapped_bricks(b).map(|at| at.and_then(|at| material.page(at)));
+        if pages.iter().all(Option::is_none) {
+            return None;
+        }
+        let bytes = material.depth().bytes();
+        let mut base = [0; 3];
+        material.depth().write(material.base(), &mut base);
+        let base = &base[..bytes];
+        let mut turned = vec![0; material.page_bytes()].into_boxed_slice();
+        // A page that stays whole stays, whatever its colours, so that the way back is exact.
+        let mut needed = self.overlapped == 1;
+        for (out, &source) in turned.chunks_exact_mut(bytes).zip(&self.sources) {
+            let (number, local) = (usize::from(source >> 9), usize::from(source & 511));
+            let packed = pages[number].map_or(base, |page| &page[local * bytes..][..bytes]);
+            needed |= packed != base;
+            out.copy_from_slice(packed);
+        }
+        needed.then_some(turned)
+    }
+
+    /// Refuses what would take more memory for colours than is allowed. The pages are counted
+    /// one by one only where an upper bound is too much.
+    fn check_colour_memory(&self, colours: &Material, budget: u64) -> Result<(), OrientError> {
+        let painted = self.from.material.page_count() as u64;
+        let bricks = self.from.grid.brick_count();
+        let most = (painted * u64::from(self.overlapped.count_ones())).min(bricks as u64);
+        if painted == 0 || colours.bytes_with(most) <= budget {
+            return Ok(());
+        }
+        let brick_dims = self.orientation.size(self.from.grid.brick_dims());
+        let coords = |at: usize| {
+            let (at, UVec3 { x, y, .. }) = (at as u32, brick_dims);
+            UVec3::new(at % x, at / x % y, at / (x * y))
+        };
+        let pages = (0..bricks).into_par_iter().filter(|&at| self.page(coords(at)).is_some());
+        let needed = colours.bytes_with(pages.count() as u64);
+        if needed <= budget {
+            return Ok(());
+        }
+        Err(OrientError::ColourMemory {
+            needed_mib: needed.div_ceil(1 << 20),
+            budget_mib: budget >> 20,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::sculpture::{ColourDepth, Rgb};
+
+    /// Voxels and colours scattered by a simple rule; some colours where no voxel is.
+    fn scattered(dims: UVec3, depth: ColourDepth, salt: u32) -> Contents {
+        let mut grid = Grid::new(dims, Vec3::new(1.0, 2.0, 3.0), 1 << 30).unwrap();
+        let mut material = Material::new(depth, Rgb::STONE, grid.brick_count());
+        let hash = |v: UVec3| {
+            let mixed = v.x.wrapping_mul(0x9E37_79B1) ^ v.y.wrapping_mul(0x85EB_CA77);
+            (mixed ^ v.z.wrapping_mul(0xC2B2_AE3D) ^ salt).wrapping_mul(0x27D4_EB2F) >> 16
+        };
+        grid.fill_bricks(|b| match hash(b) % 4 {
+            0 => Brick::EMPTY,
+            1 => Brick::FULL,
+            _ => Brick { words: std::array::from_fn(|i| u64::from(hash(b * 8 + i as u32)) << 9) },
+        });
+        for at in (0..grid.brick_count()).filter(|at| at % 3 != 1) {
+            let b = grid.brick_coords(at);
+            let valid = grid.valid_mask(b);
+            let colour = |local: u32| {
+                let [r, g, ..] = hash(b * 8 + UVec3::from(local_coords(local))).to_le_bytes();
+                Rgb([r, g, 7])
+            };
+            material.paint_each(at, &valid, colour);
+        }
+        Contents { grid, material }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(24))]
+        /// Against the definition, voxel by voxel, in all 48 ways; and back.
+        #[test]
+        fn voxels_colours_and_sizes_follow_the_axes(
+            dims in prop::array::uniform3(prop_oneof![1u32..30, Just(8), Just(16)]),
+            depth in prop::sample::select(&ColourDepth::ALL[..]),
+            salt: u32,
+        ) {
+            let dims = UVec3::from(dims);
+            let from = scattered(dims, depth, salt);
+            for orientation in Orientation::all() {
+                let reorientation = Reorientation::new(&from, orientation);
+                let turned = reorientation.run(&Limits::default(), &()).unwrap();
+                prop_assert_eq!(turned.grid.dims(), orientation.size(dims));
+                let size = orientation.permuted([1.0, 2.0, 3.0]);
+                prop_assert_eq!(turned.grid.voxel_size(), Vec3::from(size));
+                for index in 0..dims.element_product() {
+                    let v = turned.grid.voxel_coords(index);
+                    let source = orientation.source(v.as_ivec3(), dims);
+                    prop_assert_eq!(turned.grid.get(v.as_ivec3()), from.grid.get(source));
+                    prop_assert_eq!(turned.rgb(v), from.rgb(source.as_uvec3()));
+                }
+                prop_assert_eq!(turned.grid.opaque_count(), from.grid.opaque_count());
+                // Equal to the bit in all that a grid keeps about its bricks.
+                let mut counted = turned.grid.clone();
+                counted.fill_bricks(|b| *turned.grid.brick(b));
+                prop_assert_eq!(&counted, &turned.grid);
+
+                let back = Reorientation::new(&turned, orientation.inverse());
+                let back = back.run(&Limits::default(), &()).unwrap();
+                prop_assert_eq!(&back.grid, &from.grid);
+                if reorientation.is_exact() {
+                    prop_assert_eq!(&back.material, &from.material);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn pages_are_counted_before_they_are_made() {
+        // One brick is painted; mirrored, its voxels lie in two.
+        let mut from = scattered(UVec3::new(20, 8, 8), ColourDepth::Bits24, 1);
+        (0..3).for_each(|at| drop(from.material.swap_page(at, None)));
+        from.material.paint(1, &Brick::FULL, Rgb::new(1, 2, 3));
+        let mirror = Reorientation::new(&from, Orientation::mirroring(0));
+        assert!(!mirror.is_exact());
+        let turned = mirror.run(&Limits::default(), &()).unwrap();
+        assert_eq!(turned.material.page_count(), 2);
+        let needed = turned.material.heap_bytes();
+        let limits = |colour_bytes| Limits { colour_bytes, ..Limits::default() };
+        assert!(mirror.run(&limits(needed), &()).is_ok());
+        let refused = mirror.run(&limits(needed - 1), &());
+        assert!(matches!(refused, Err(OrientError::ColourMemory { .. })));
+        let refused = mirror.run(&Limits { grid_bytes: 1, ..Limits::default() }, &());
+        assert!(matches!(refused, Err(OrientError::Grid(GridError::Memory { .. }))));
+
+        // Along an axis of whole bricks nothing is divided.
+        assert!(Reorientation::new(&from, Orientation::mirroring(1)).is_exact());
+        assert!(Reorientation::new(&from, Orientation::quarter_turn(0)).is_exact());
+    }
+
+    #[test]
+    fn cancelled_work_gives_nothing() {
+        let report = crate::progress::Report::default();
+        report.cancel();
+        let from = scattered(UVec3::splat(16), ColourDepth::Bits8, 3);
+        let result = Reorientation::new(&from, Orientation::mirroring(2));
+        assert!(matches!(result.run(&Limits::default(), &report), Err(OrientError::Cancelled)));
+    }
+}
