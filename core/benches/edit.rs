@@ -196,6 +196,58 @@ fn cheese(c: &mut Criterion) {
     group.finish();
 }
 
+/// Straight strokes of 200 voxels through a solid block, as the editor places their stamps
+/// ([`Primitive::spacing_along`]), and a stamp every 0.35 of the half extent, which leaves ridges.
+/// Cuboid and pyramid are turned, and go along a diagonal of their own, where they need most stamps.
+fn strokes(c: &mut Criterion) {
+    const LENGTH_VX: f32 = 200.0;
+    let turned = Quat::from_euler(EulerRot::XYZ, 0.4, 0.7, 1.1);
+    let diagonal = turned * Vec3::new(1.0, 1.0, 0.0).normalize();
+    let mut group = c.benchmark_group("stroke_200_vx");
+    group.sample_size(10);
+    let mut document = document(true, ColourDepth::None);
+    forget_dirty(&mut document);
+    for (name, solid) in
+        [("ball", Solid::Ellipsoid), ("cuboid", Solid::Cuboid), ("pyramid", Solid::Pyramid)]
+    {
+        for half in [8.0, 24.0, 48.0] {
+            let tool = |centre_vx| Primitive {
+                solid,
+                centre_vx,
+                half: Vec3::splat(half),
+                rotation: turned,
+            };
+            let from = Vec3::splat(256.0) - diagonal * (0.5 * LENGTH_VX);
+            let swept = tool(from).spacing_along(diagonal);
+            for (way, spacing) in [("swept", swept), ("sparse", 0.35 * half)] {
+                let stamps: Vec<Command> = (0..=(LENGTH_VX / spacing) as u32)
+                    .map(|i| from + diagonal * (i as f32 * spacing))
+                    .map(|at| Command::Construct { op: EditOp::Subtract, primitive: tool(at) })
+                    .collect();
+                let id = format!("{name}_{half}_{way}_{}_stamps", stamps.len());
+                group.bench_function(id, |b| {
+                    b.iter_custom(|runs| {
+                        let mut total = Duration::ZERO;
+                        for _ in 0..runs {
+                            let start = Instant::now();
+                            apply(&mut document, &Command::Begin { label: "stroke".into() });
+                            for stamp in &stamps {
+                                black_box(apply(&mut document, stamp));
+                            }
+                            apply(&mut document, &Command::End);
+                            total += start.elapsed();
+                            apply(&mut document, &Command::Undo { steps: None });
+                            forget_dirty(&mut document);
+                        }
+                        total
+                    });
+                });
+            }
+        }
+    }
+    group.finish();
+}
+
 fn whole(c: &mut Criterion) {
     let mut group = c.benchmark_group("whole_512");
     group.sample_size(20);
@@ -229,5 +281,5 @@ fn whole(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, primitives, cheese, whole);
+criterion_group!(benches, primitives, cheese, strokes, whole);
 criterion_main!(benches);
