@@ -35,6 +35,7 @@ fi
 # RUSTC_BOOTSTRAP.
 export RUSTC=/usr/bin/rustc RUSTC_BOOTSTRAP=1
 export CARGO_TARGET_DIR="${XDG_CACHE_HOME:-$HOME/.cache}/virtual-sculpture/check-windows"
-# The API layer of the headset tests is for Linux only.
+# The API layers of the tests are for Linux only.
 exec /usr/bin/cargo check -Zbuild-std=std,test,panic_abort --target "$target" --locked \
-    --workspace --exclude openxr-blend-layer --lib --bins --tests --examples "$@"
+    --workspace --exclude openxr-blend-layer \
+    --exclude vulkan-fault-layer --lib --bins --tests --examples "$@"

@@ -10,6 +10,8 @@ extern crate trials;
 
 mod allocations;
 mod evaluation;
+#[cfg(target_os = "linux")]
+mod faults;
 mod golden;
 mod gpu;
 #[cfg(target_os = "linux")]

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use egui::epaint::ClippedShape;
-use egui::{TexturesDelta, Ui, ViewportId};
+use egui::{Ui, ViewportId};
 use glam::{IVec2, UVec2, Vec2};
 use winit::dpi::PhysicalPosition;
 use winit::event::{ElementState, Touch, WindowEvent};
@@ -17,7 +17,7 @@ use winit::window::{Window, WindowId};
 use crate::gpu::{
     Attachment, Device, EyeImage, Frames, GpuError, ImagePart, Load, Recorder, Surface, Use,
 };
-use crate::render::gui::Gui;
+use crate::render::gui::{Gui, TextureChanges};
 use crate::screen::window::{Target, WindowScreen};
 use crate::view::StereoLayout;
 use crate::viewpoint::head::Monitor;
@@ -55,7 +55,7 @@ pub struct Pane {
     /// The last picture came too late for the window as it was: it is owed another.
     missed: bool,
     /// The interface's textures that are not yet brought over or freed.
-    textures: TexturesDelta,
+    textures: TextureChanges,
 }
 
 /// A picture being made.
@@ -106,7 +106,7 @@ impl Pane {
             pending: None,
             begun: None,
             missed: false,
-            textures: TexturesDelta::default(),
+            textures: TextureChanges::default(),
         })
     }
 

@@ -5,6 +5,7 @@
 //! in flight. [`Gui::upload`] records the uploads into the frame, before rendering begins.
 
 use std::collections::HashMap;
+use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
 
 use ash::vk;
@@ -47,6 +48,37 @@ struct Texture {
     _set: DescriptorSets,
     /// The last use of the image.
     used: Use,
+}
+
+/// Changes of textures that wait for the next picture. Those still waiting when a window ends are dropped
+/// with it, which egui asks to be said.
+#[derive(Default)]
+pub struct TextureChanges(TexturesDelta);
+
+impl From<TexturesDelta> for TextureChanges {
+    fn from(delta: TexturesDelta) -> TextureChanges {
+        TextureChanges(delta)
+    }
+}
+
+impl Deref for TextureChanges {
+    type Target = TexturesDelta;
+
+    fn deref(&self) -> &TexturesDelta {
+        &self.0
+    }
+}
+
+impl DerefMut for TextureChanges {
+    fn deref_mut(&mut self) -> &mut TexturesDelta {
+        &mut self.0
+    }
+}
+
+impl Drop for TextureChanges {
+    fn drop(&mut self) {
+        self.0.clear();
+    }
 }
 
 impl Gui {

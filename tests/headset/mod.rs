@@ -7,12 +7,14 @@
 //! do as a journal (`--record`). Everything is waited for by condition, not by time.
 
 mod blending;
+mod failures;
 mod keyboard;
 mod program;
 mod remote;
 mod runtime;
 mod shot;
 mod tracker;
+mod wearer;
 
 use std::time::Duration;
 

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use crate::faults::Faults;
 use trials::shared_file;
 
 use super::program::PATIENCE;
@@ -98,6 +99,10 @@ pub struct Runtime {
     driver: Driver,
     /// The blend modes that a layer between programs and runtime says there are.
     layered: Option<String>,
+    /// How long that layer holds up each call by which a program connects.
+    pub slow: Option<Duration>,
+    /// What Vulkan does wrong in programs ([`Faults::set`]).
+    pub faults: Option<String>,
 }
 
 /// Which headset the runtime has.
@@ -128,7 +133,15 @@ impl Runtime {
         let folder = tempfile::tempdir().unwrap();
         let private = std::fs::Permissions::from_mode(0o700);
         std::fs::set_permissions(folder.path(), private).unwrap();
-        Runtime { service: None, prefix, folder, driver: Driver::Remote, layered: None }
+        Runtime {
+            service: None,
+            prefix,
+            folder,
+            driver: Driver::Remote,
+            layered: None,
+            slow: None,
+            faults: None,
+        }
     }
 
     /// A command that runs with the runtime's libraries and the validation layers.
@@ -141,6 +154,12 @@ impl Runtime {
                 .env("VS_LAYER_BLEND", modes)
                 .env("VS_LAYER_LOG", self.layer_log())
                 .env("VS_LAYER_OFF", self.off());
+        }
+        if let Some(slow) = self.slow {
+            command.env("VS_LAYER_SLOW_MS", slow.as_millis().to_string());
+        }
+        if let Some(faults) = &self.faults {
+            Faults::new(self.folder.path(), &mut command).set(faults);
         }
         command
     }

@@ -10,15 +10,12 @@ use std::time::{Duration, Instant};
 use glam::{Quat, Vec3};
 use tracking::{Event, HeadPose, HostClock, Source, SourceState};
 use virtual_sculpture::app::Workspace;
-use virtual_sculpture::app::headset::Headset;
-use virtual_sculpture::config::Config;
-use virtual_sculpture::input::Bindings;
 use virtual_sculpture::screen::headset::{HeadsetTracker, RoomOrigin};
-use virtual_sculpture::session::Session;
 
 use super::program::PATIENCE;
 use super::remote::{HEAD, Remote};
-use super::runtime::{Runtime, alone_in_network, is_client, stop_service};
+use super::runtime::{Runtime, alone_in_network, is_client};
+use super::wearer::Wearer;
 
 struct Track {
     child: Child,
@@ -155,109 +152,36 @@ fn the_view_of_the_window_follows_the_head_in_the_headset_that_is_worn() {
     }
 }
 
-/// The program without its window, in a headset which is its tracker, too.
+/// The headset in which the program is shown is its tracker, too.
 fn wear() {
-    let mut remote = Remote::connect();
-    let mut config = Config::default();
-    config.new.dims = [32; 3];
-    config.headset.enabled = true;
-    config.tracking.source = "openxr".parse().unwrap();
-    let session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
-    let mut bench = Workspace::new(session, &config, Bindings::presets().unwrap());
-    bench.start_head();
-    let follow = |bench: &mut Workspace, remote: &mut Remote| {
-        let (tell, heard) = channel();
-        let tell = move |connection, news| tell.send((connection, news)).is_ok();
-        let mut headset = Headset::new(&config.headset, config.device_options(None), None, tell);
+    let mut wearer = Wearer::new(32);
+    let follow = |wearer: &mut Wearer| {
         // The room's origin is the middle of the screen.
         for head in [Vec3::new(0.1, 0.2, 0.7), Vec3::new(-0.3, 0.0, 0.5)] {
-            remote.head = (head, Quat::IDENTITY);
-            remote.send();
-            let start = Instant::now();
-            while !sees_from(bench, head) || !headset.is_showing() {
-                assert!(start.elapsed() < PATIENCE, "{:?}", bench.viewpoint.tracked_eyes(0.0));
-                headset.poll(bench);
-                if let Ok((connection, news)) = heard.recv_timeout(Duration::from_millis(20)) {
-                    headset.hear(bench, connection, news);
-                }
-                bench.track();
-            }
+            wearer.remote.head = (head, Quat::IDENTITY);
+            wearer.remote.send();
+            wearer.until("the view of the head", |wearer, _| {
+                sees_from(&wearer.workspace, head) && wearer.headset.is_showing()
+            });
         }
-        assert_eq!(headset.complaints(), 0);
+        assert_eq!(wearer.headset.complaints(), 0);
     };
-    follow(&mut bench, &mut remote);
+    follow(&mut wearer);
     // Without the headset the head goes to its place of rest.
-    let rest = Vec3::from(config.screen.rest_m.map(|x| x as f32));
+    let rest = Vec3::from(wearer.config.screen.rest_m.map(|x| x as f32));
+    wearer.reconnect();
     let start = Instant::now();
-    while !sees_from(&bench, rest) {
-        assert!(start.elapsed() < PATIENCE, "{:?}", bench.viewpoint.tracked_eyes(0.0));
-        bench.track();
+    while !sees_from(&wearer.workspace, rest) {
+        assert!(start.elapsed() < PATIENCE, "{:?}", wearer.workspace.tracked_eyes(0.0));
+        wearer.workspace.track();
         std::thread::sleep(Duration::from_millis(10));
     }
     // It comes back.
-    follow(&mut bench, &mut remote);
-}
-
-#[test]
-fn a_runtime_that_stops_holds_up_no_window() {
-    if is_client() {
-        return go_on_without();
-    }
-    if alone_in_network() {
-        Runtime::start().run_client();
-    }
-}
-
-/// The program without its window: each turn of its loop is short, whenever the runtime stops.
-fn go_on_without() {
-    /// Longer than is waited for within a frame for pictures and for the tracker, and what a busy
-    /// machine adds.
-    const TURN: Duration = Duration::from_millis(700);
-    let mut remote = Remote::connect();
-    remote.send();
-    let mut config = Config::default();
-    config.new.dims = [32; 3];
-    config.headset.enabled = true;
-    config.tracking.source = "openxr".parse().unwrap();
-    let session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
-    let mut bench = Workspace::new(session, &config, Bindings::presets().unwrap());
-    bench.start_head();
-    let (tell, heard) = channel();
-    let tell = move |connection, news| tell.send((connection, news)).is_ok();
-    let mut headset = Headset::new(&config.headset, config.device_options(None), None, tell);
-    // Turns of the main loop until something is so; gives how long the longest took.
-    let mut turns = |done: &dyn Fn(&Headset, Duration) -> bool| {
-        let (start, mut longest) = (Instant::now(), Duration::ZERO);
-        while !done(&headset, start.elapsed()) {
-            assert!(start.elapsed() < PATIENCE);
-            let news = heard.recv_timeout(Duration::from_millis(5));
-            let turn = Instant::now();
-            headset.poll(&mut bench);
-            if let Ok((connection, news)) = news {
-                headset.hear(&mut bench, connection, news);
-            }
-            bench.track();
-            let _ = bench.viewpoint.tracked_eyes(0.0);
-            longest = longest.max(turn.elapsed());
-        }
-        longest
-    };
-    turns(&|headset, _| headset.is_showing());
-    for round in 0..4 {
-        stop_service(true);
-        let longest = [
-            turns(&|headset, _| !headset.is_showing()),
-            turns(&|_, after| after > Duration::from_millis(500)),
-        ];
-        stop_service(false);
-        assert!(longest.iter().all(|turn| *turn < TURN), "{longest:?} in round {round}");
-        turns(&|headset, _| headset.is_showing());
-    }
-    assert_eq!(headset.complaints(), 0);
+    follow(&mut wearer);
 }
 
 /// Whether the window's eye is where `head` is before the screen.
-fn sees_from(bench: &Workspace, head: Vec3) -> bool {
-    let Some([eye, _]) = bench.viewpoint.tracked_eyes(0.0) else { return false };
+fn sees_from(workspace: &Workspace, head: Vec3) -> bool {
+    let Some([eye, _]) = workspace.tracked_eyes(0.0) else { return false };
     eye.position().normalize().abs_diff_eq(head.normalize(), 1e-3)
 }

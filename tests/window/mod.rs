@@ -5,6 +5,7 @@
 //! target/test-output/window.
 
 mod display;
+mod failures;
 mod head;
 mod house;
 mod keys;

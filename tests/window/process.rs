@@ -119,7 +119,7 @@ impl Process {
         let complaints: Vec<&str> = said
             .lines()
             .filter(|l| l.contains("virtual_sculpture"))
-            .filter(|l| l.contains(" WARN ") || l.contains("ERROR"))
+            .filter(|l| l.contains(" WARN ") || l.contains(" ERROR "))
             .collect();
         assert!(complaints.is_empty(), "{complaints:#?}");
     }

@@ -15,7 +15,10 @@ use x11rb::protocol::xproto::{
 
 use super::display::Display;
 use super::process::Process;
+use crate::faults::Faults;
 
+/// A small sculpture, and no first steps.
+const SETTINGS: &str = "[new]\ndims = [96, 96, 96]\n[window]\nguide = false\n";
 /// In the title of the main window alone.
 const MAIN: &str = "Virtual Sculpture";
 const KEY: u8 = 2;
@@ -39,11 +42,7 @@ impl Deref for Program<'_> {
 impl<'a> Program<'a> {
     /// Starts the program on a display with settings of its own: a small sculpture.
     pub fn start(display: &'a Display, arguments: &[&str]) -> Program<'a> {
-        Program::start_with(
-            display,
-            arguments,
-            "[new]\ndims = [96, 96, 96]\n[window]\nguide = false\n",
-        )
+        Program::start_with(display, arguments, SETTINGS)
     }
 
     /// The same with other settings.
@@ -62,6 +61,17 @@ impl<'a> Program<'a> {
             command.env("DISPLAY", display.name()).env_remove("WAYLAND_DISPLAY");
         });
         Program { process, display }
+    }
+
+    /// Starts it as [`Program::start`] does, with a driver that fails when it is told to.
+    pub fn start_failing(display: &'a Display) -> (Program<'a>, Faults) {
+        let folder = tempfile::tempdir().unwrap().keep();
+        let mut faults = None;
+        let process = Process::start_in(folder.clone(), &[], SETTINGS, |command| {
+            command.env("DISPLAY", display.name()).env_remove("WAYLAND_DISPLAY");
+            faults = Some(Faults::new(&folder, command));
+        });
+        (Program { process, display }, faults.unwrap())
     }
 
     pub fn display(&self) -> &Display {

@@ -9,6 +9,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::Instant;
 
 use super::process::{LOOK, PATIENCE, Process};
+use crate::faults::Faults;
 
 const SOCKET: &str = "virtual-sculpture-test";
 
@@ -55,6 +56,11 @@ impl Weston {
 
     /// The program in it, with a film that asks for a new picture all the time.
     fn program(&self) -> Process {
+        self.program_with(|_| {})
+    }
+
+    /// The same with more to be set.
+    fn program_with(&self, set: impl FnOnce(&mut Command)) -> Process {
         let film = self.folder.path().join("film");
         std::fs::create_dir_all(&film).unwrap();
         film_of_greys(&film);
@@ -68,6 +74,7 @@ impl Weston {
                 .env_remove("DISPLAY")
                 .env("WAYLAND_DISPLAY", SOCKET)
                 .env("XDG_RUNTIME_DIR", self.folder.path());
+            set(command);
         })
     }
 }
@@ -96,6 +103,18 @@ fn a_window_that_is_never_shown_does_not_stop_the_program() {
     let pictures = program.pictures();
     program.until("the program goes on", || left_out() >= 10);
     assert!(program.pictures() <= pictures + 1, "nobody sees them");
+    program.expect_no_complaint();
+}
+
+/// Where surfaces have no mailbox, presenting waits for the picture before to be seen, which none is.
+#[test]
+fn a_window_that_is_never_shown_does_not_stop_presenting_by_turns() {
+    let weston = Weston::start("kiosk-shell.so");
+    let program = weston.program_with(|command| {
+        Faults::new(weston.folder.path(), command).set("fifo 0");
+    });
+    program.until("the program goes on", || program.count("a picture is left out") >= 10);
+    assert!(program.count("pixels, FIFO") > 0, "{}", program.said());
     program.expect_no_complaint();
 }
 

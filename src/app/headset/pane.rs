@@ -4,7 +4,6 @@
 use std::sync::Arc;
 
 use ash::vk;
-use egui::TexturesDelta;
 use egui::epaint::ClippedShape;
 use glam::UVec2;
 
@@ -12,7 +11,7 @@ use super::face::BoardFace;
 use crate::app::Workspace;
 use crate::gpu::{Attachment, Device, EyeImage, GpuError, ImagePart, Load, Recorder, Use};
 use crate::input::hands::HandEvent;
-use crate::render::gui::Gui;
+use crate::render::gui::{Gui, TextureChanges};
 use crate::shade::Pixels;
 
 const FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
@@ -28,7 +27,7 @@ pub struct BoardPane {
 /// What a pass leaves to be drawn.
 pub struct Pass {
     shapes: Vec<ClippedShape>,
-    textures: TexturesDelta,
+    textures: TextureChanges,
 }
 
 impl BoardPane {
@@ -62,7 +61,7 @@ impl BoardPane {
     /// Runs a pass of the interface, in which the workspace does what the person wants.
     pub fn pass(&mut self, workspace: &mut Workspace, now_s: f64) -> Pass {
         let output = self.face.pass(now_s, |root| workspace.show_on_board(root));
-        Pass { shapes: output.shapes, textures: output.textures_delta }
+        Pass { shapes: output.shapes, textures: output.textures_delta.into() }
     }
 
     /// Records the picture of a pass; it is in the layout of [`Use::COPY_SOURCE`] then. `slot`:

@@ -3,13 +3,15 @@
 //! commas), writes what frames are ended with to the file `VS_LAYER_LOG`, a line whenever that
 //! changes, and passes everything on to the runtime as opaque. And while there is a file
 //! `VS_LAYER_OFF`, the headset is taken off: the session stops, and begins anew afterwards
-//! ([`worn`]).
+//! ([`worn`]). `VS_LAYER_SLOW_MS`: so many milliseconds are added to each call by which a program connects
+//! (`xrCreateInstance`, `xrGetSystem`).
 //!
 //! Loaded by the OpenXR loader into the program under test. Must not know the program.
 
 use std::ffi::{CStr, c_char};
 use std::io::Write as _;
 use std::sync::Mutex;
+use std::time::Duration;
 
 use openxr_sys as xr;
 use xr::pfn;
@@ -21,6 +23,7 @@ mod worn;
 struct Next {
     get_instance_proc_addr: pfn::GetInstanceProcAddr,
     end_frame: pfn::EndFrame,
+    get_system: pfn::GetSystem,
     session: worn::Calls,
 }
 
@@ -41,6 +44,23 @@ fn modes() -> Vec<xr::EnvironmentBlendMode> {
     };
     let text = std::env::var("VS_LAYER_BLEND").unwrap_or_default();
     text.split(',').filter_map(named).collect()
+}
+
+/// Takes its time, if it is to.
+fn dawdle() {
+    let slow = std::env::var("VS_LAYER_SLOW_MS").ok().and_then(|text| text.parse().ok());
+    std::thread::sleep(Duration::from_millis(slow.unwrap_or(0)));
+}
+
+unsafe extern "system" fn get_system(
+    instance: xr::Instance,
+    info: *const xr::SystemGetInfo,
+    system: *mut xr::SystemId,
+) -> xr::Result {
+    let Some(next) = next() else { return xr::Result::ERROR_RUNTIME_FAILURE };
+    dawdle();
+    // SAFETY: passed on as it came.
+    unsafe { (next.get_system)(instance, info, system) }
 }
 
 /// Writes a line, unless it is the one that was written last.
@@ -137,6 +157,11 @@ unsafe extern "system" fn get_instance_proc_addr(
             // SAFETY: as above.
             Some(unsafe { std::mem::transmute::<pfn::EndFrame, pfn::VoidFunction>(own) })
         }
+        b"xrGetSystem" => {
+            let own: pfn::GetSystem = get_system;
+            // SAFETY: as above.
+            Some(unsafe { std::mem::transmute::<pfn::GetSystem, pfn::VoidFunction>(own) })
+        }
         name => worn::own(name),
     };
     if own.is_some() {
@@ -163,6 +188,7 @@ unsafe extern "system" fn create_instance(
     else {
         return xr::Result::ERROR_INITIALIZATION_FAILED;
     };
+    dawdle();
     let below = xr::ApiLayerCreateInfo { next_info: link.next, ..*layer };
     // SAFETY: the function is that of the next layer, whose link is the next one.
     let made = unsafe { create(info, &below, instance) };
@@ -175,13 +201,20 @@ unsafe extern "system" fn create_instance(
         let result = unsafe { get(*instance, name.as_ptr(), &mut found) };
         found.filter(|_| result == xr::Result::SUCCESS)
     };
-    let (Some(end), Some(session)) = (function(c"xrEndFrame"), worn::Calls::find(&function)) else {
+    let (Some(end), Some(system), Some(session)) =
+        (function(c"xrEndFrame"), function(c"xrGetSystem"), worn::Calls::find(&function))
+    else {
         return xr::Result::ERROR_INITIALIZATION_FAILED;
     };
-    // SAFETY: the name says which type the function has.
-    let end_frame = unsafe { std::mem::transmute::<pfn::VoidFunction, pfn::EndFrame>(end) };
+    // SAFETY: the names say which types the functions have.
+    let (end_frame, get_system) = unsafe {
+        (
+            std::mem::transmute::<pfn::VoidFunction, pfn::EndFrame>(end),
+            std::mem::transmute::<pfn::VoidFunction, pfn::GetSystem>(system),
+        )
+    };
     if let Ok(mut next) = NEXT.lock() {
-        *next = Some(Next { get_instance_proc_addr: get, end_frame, session });
+        *next = Some(Next { get_instance_proc_addr: get, end_frame, get_system, session });
     }
     xr::Result::SUCCESS
 }

@@ -1,0 +1,326 @@
+//! A Vulkan layer for tests: a driver that fails as the file says that `VS_FAULTS` names. Its lines are
+//! `CALL CODE [BYTES]`, read at every call while the file is there:
+//!
+//! - `allocate`, `swapchain`, `acquire`, `present` give this result (`VkResult`); an allocation only from
+//!   so many bytes on. What is to be presented is handed over all the same, as the semaphores demand.
+//! - `fifo 0`: surfaces can be presented to by turns alone.
+//!
+//! Loaded by the Vulkan loader into the program under test, which it must not know.
+
+use std::collections::BTreeMap;
+use std::ffi::{CStr, c_char, c_void};
+use std::mem::transmute;
+use std::ptr::null;
+use std::sync::Mutex;
+
+use ash::vk::{self, Handle as _};
+
+type Function = vk::PFN_vkVoidFunction;
+
+/// How the loader tells a layer what lies below it (vk_layer.h); for instances and devices the same but
+/// for the functions.
+#[repr(C)]
+struct Chain {
+    s_type: vk::StructureType,
+    next: *const Chain,
+    function: u32,
+    link: *const Link,
+}
+
+#[repr(C)]
+struct Link {
+    next: *const Link,
+    instance: vk::PFN_vkGetInstanceProcAddr,
+    /// Of a device's link only; an instance's has another one here.
+    device: vk::PFN_vkGetDeviceProcAddr,
+}
+
+const INSTANCE_CHAIN: i32 = 47;
+const DEVICE_CHAIN: i32 = 48;
+
+/// Finds functions of the layer below.
+#[derive(Clone, Copy)]
+enum Below {
+    Instance(vk::PFN_vkGetInstanceProcAddr, vk::Instance),
+    Device(vk::PFN_vkGetDeviceProcAddr, vk::Device),
+}
+
+/// By the table that the loader has put into each object: all of a device have the same.
+static BELOW: Mutex<BTreeMap<usize, Below>> = Mutex::new(BTreeMap::new());
+
+fn table(object: u64) -> usize {
+    // SAFETY: an object that can be called with begins with the pointer to its table.
+    unsafe { *(object as *const usize) }
+}
+
+/// A function of the layer below for an object that can be called with.
+fn below(object: u64, name: &CStr) -> Function {
+    let below = BELOW.lock().ok().and_then(|below| below.get(&table(object)).copied());
+    // SAFETY: the functions are of the layer below, the handles of its instance and device.
+    unsafe {
+        match below? {
+            Below::Instance(find, instance) => find(instance, name.as_ptr()),
+            Below::Device(find, device) => find(device, name.as_ptr()),
+        }
+    }
+}
+
+/// The result with which a call is to fail, and the bytes from which on.
+fn fault(call: &str) -> Option<(vk::Result, u64)> {
+    let text = std::fs::read_to_string(std::env::var_os("VS_FAULTS")?).ok()?;
+    text.lines().find_map(|line| {
+        let mut words = line.split_whitespace();
+        if words.next()? != call {
+            return None;
+        }
+        let code = words.next()?.parse().ok()?;
+        let bytes = words.next().map_or(Some(0), |word| word.parse().ok())?;
+        Some((vk::Result::from_raw(code), bytes))
+    })
+}
+
+/// Defines a function of the layer that gives a result: it does `$first`, which may return one, and
+/// calls the layer below.
+macro_rules! intercept {
+    ($own:ident, $name:literal, ($object:ident: $of:ty $(, $argument:ident: $kind:ty)*), $first:expr) => {
+        unsafe extern "system" fn $own($object: $of $(, $argument: $kind)*) -> vk::Result {
+            if let Some(result) = $first {
+                return result;
+            }
+            type Kind = unsafe extern "system" fn($of $(, $kind)*) -> vk::Result;
+            match below($object.as_raw(), $name) {
+                // SAFETY: the name says which type the function has; what comes is passed on.
+                Some(found) => unsafe {
+                    transmute::<unsafe extern "system" fn(), Kind>(found)($object $(, $argument)*)
+                },
+                None => vk::Result::ERROR_INITIALIZATION_FAILED,
+            }
+        }
+    };
+}
+
+intercept!(
+    allocate,
+    c"vkAllocateMemory",
+    (
+        device: vk::Device,
+        info: *const vk::MemoryAllocateInfo,
+        callbacks: *const vk::AllocationCallbacks,
+        memory: *mut vk::DeviceMemory
+    ),
+    // SAFETY: the caller gives an info.
+    fault("allocate").filter(|fault| unsafe { (*info).allocation_size } >= fault.1).map(|f| f.0)
+);
+
+intercept!(
+    swapchain,
+    c"vkCreateSwapchainKHR",
+    (
+        device: vk::Device,
+        info: *const vk::SwapchainCreateInfoKHR,
+        callbacks: *const vk::AllocationCallbacks,
+        made: *mut vk::SwapchainKHR
+    ),
+    fault("swapchain").map(|fault| fault.0)
+);
+
+intercept!(
+    acquire,
+    c"vkAcquireNextImageKHR",
+    (
+        device: vk::Device,
+        chain: vk::SwapchainKHR,
+        timeout: u64,
+        semaphore: vk::Semaphore,
+        fence: vk::Fence,
+        index: *mut u32
+    ),
+    fault("acquire").map(|fault| fault.0)
+);
+
+intercept!(
+    present_below,
+    c"vkQueuePresentKHR",
+    (queue: vk::Queue, info: *const vk::PresentInfoKHR),
+    None
+);
+
+unsafe extern "system" fn present(queue: vk::Queue, info: *const vk::PresentInfoKHR) -> vk::Result {
+    // SAFETY: passed on as it came.
+    let given = unsafe { present_below(queue, info) };
+    fault("present").map_or(given, |fault| fault.0)
+}
+
+intercept!(
+    present_modes,
+    c"vkGetPhysicalDeviceSurfacePresentModesKHR",
+    (
+        physical: vk::PhysicalDevice,
+        surface: vk::SurfaceKHR,
+        count: *mut u32,
+        modes: *mut vk::PresentModeKHR
+    ),
+    fault("fifo").map(|_| {
+        // SAFETY: the caller gives a place for the count, and for as many modes if for any.
+        unsafe {
+            if !modes.is_null() && *count > 0 {
+                *modes = vk::PresentModeKHR::FIFO;
+            }
+            *count = 1;
+        }
+        vk::Result::SUCCESS
+    })
+);
+
+intercept!(
+    create_device_below,
+    c"vkCreateDevice",
+    (
+        physical: vk::PhysicalDevice,
+        info: *const vk::DeviceCreateInfo,
+        callbacks: *const vk::AllocationCallbacks,
+        device: *mut vk::Device
+    ),
+    None
+);
+
+/// Takes the layer's link out of the chain of what is to be made.
+///
+/// # Safety
+///
+/// `next` must begin the chain of structures that the loader gives.
+unsafe fn take_link(next: *const c_void, kind: i32) -> Option<&'static Link> {
+    let mut at = next.cast::<Chain>().cast_mut();
+    // SAFETY: see above; the loader wants the link to be moved on for the layer below.
+    unsafe {
+        while !at.is_null() {
+            if (*at).s_type.as_raw() == kind && (*at).function == 0 {
+                let link = (*at).link;
+                (*at).link = (*link).next;
+                return Some(&*link);
+            }
+            at = (*at).next.cast_mut();
+        }
+    }
+    None
+}
+
+unsafe extern "system" fn create_instance(
+    info: *const vk::InstanceCreateInfo,
+    callbacks: *const vk::AllocationCallbacks,
+    instance: *mut vk::Instance,
+) -> vk::Result {
+    // SAFETY: the loader gives these; the functions are of the layer below.
+    unsafe {
+        let Some(link) = take_link((*info).p_next, INSTANCE_CHAIN) else {
+            return vk::Result::ERROR_INITIALIZATION_FAILED;
+        };
+        let Some(create) = (link.instance)(vk::Instance::null(), c"vkCreateInstance".as_ptr())
+        else {
+            return vk::Result::ERROR_INITIALIZATION_FAILED;
+        };
+        let create: vk::PFN_vkCreateInstance = transmute(create);
+        let result = create(info, callbacks, instance);
+        if let (vk::Result::SUCCESS, Ok(mut below)) = (result, BELOW.lock()) {
+            below.insert(table((*instance).as_raw()), Below::Instance(link.instance, *instance));
+        }
+        result
+    }
+}
+
+unsafe extern "system" fn create_device(
+    physical: vk::PhysicalDevice,
+    info: *const vk::DeviceCreateInfo,
+    callbacks: *const vk::AllocationCallbacks,
+    device: *mut vk::Device,
+) -> vk::Result {
+    // SAFETY: the loader gives these.
+    let Some(link) = (unsafe { take_link((*info).p_next, DEVICE_CHAIN) }) else {
+        return vk::Result::ERROR_INITIALIZATION_FAILED;
+    };
+    // SAFETY: passed on as it came.
+    let made = unsafe { create_device_below(physical, info, callbacks, device) };
+    if let (vk::Result::SUCCESS, Ok(mut below)) = (made, BELOW.lock()) {
+        // SAFETY: just made.
+        let device = unsafe { *device };
+        below.insert(table(device.as_raw()), Below::Device(link.device, device));
+    }
+    made
+}
+
+/// The function of the layer with this name.
+fn own(name: &[u8]) -> Function {
+    macro_rules! function {
+        ($function:expr, $kind:ty) => {
+            // SAFETY: the caller knows by the name which type the function has.
+            Some(unsafe { transmute::<$kind, unsafe extern "system" fn()>($function) })
+        };
+    }
+    match name {
+        b"vkGetInstanceProcAddr" => function!(instance_function, vk::PFN_vkGetInstanceProcAddr),
+        b"vkGetDeviceProcAddr" => function!(device_function, vk::PFN_vkGetDeviceProcAddr),
+        b"vkCreateInstance" => function!(create_instance, vk::PFN_vkCreateInstance),
+        b"vkCreateDevice" => function!(create_device, vk::PFN_vkCreateDevice),
+        b"vkAllocateMemory" => function!(allocate, vk::PFN_vkAllocateMemory),
+        b"vkCreateSwapchainKHR" => function!(swapchain, vk::PFN_vkCreateSwapchainKHR),
+        b"vkAcquireNextImageKHR" => function!(acquire, vk::PFN_vkAcquireNextImageKHR),
+        b"vkQueuePresentKHR" => function!(present, vk::PFN_vkQueuePresentKHR),
+        b"vkGetPhysicalDeviceSurfacePresentModesKHR" => {
+            function!(present_modes, vk::PFN_vkGetPhysicalDeviceSurfacePresentModesKHR)
+        }
+        _ => None,
+    }
+}
+
+/// The layer's function, unless the layer below is known to have none of that name.
+fn find(object: u64, name: *const c_char) -> Function {
+    // SAFETY: the caller gives a text that ends with 0.
+    let name = unsafe { CStr::from_ptr(name) };
+    let own = own(name.to_bytes());
+    // While an instance is made, the loader asks with an object of its own.
+    if object == 0 || name == c"vkCreateInstance" {
+        return own;
+    }
+    let found = below(object, name);
+    own.filter(|_| found.is_some()).or(found)
+}
+
+unsafe extern "system" fn instance_function(
+    instance: vk::Instance,
+    name: *const c_char,
+) -> Function {
+    find(instance.as_raw(), name)
+}
+
+unsafe extern "system" fn device_function(device: vk::Device, name: *const c_char) -> Function {
+    find(device.as_raw(), name)
+}
+
+/// What the loader and the layer agree upon (vk_layer.h).
+#[repr(C)]
+pub struct Negotiation {
+    kind: u32,
+    next: *mut c_void,
+    version: u32,
+    instance: Option<vk::PFN_vkGetInstanceProcAddr>,
+    device: Option<vk::PFN_vkGetDeviceProcAddr>,
+    physical: *const c_void,
+}
+
+/// What the loader calls first.
+///
+/// # Safety
+///
+/// The loader gives a structure of this type.
+#[unsafe(no_mangle)]
+pub unsafe extern "system" fn vkNegotiateLoaderLayerInterfaceVersion(
+    with: *mut Negotiation,
+) -> vk::Result {
+    // SAFETY: see above.
+    let with = unsafe { &mut *with };
+    with.version = with.version.min(2);
+    with.instance = Some(instance_function);
+    with.device = Some(device_function);
+    with.physical = null();
+    vk::Result::SUCCESS
+}
