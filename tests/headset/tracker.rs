@@ -172,7 +172,7 @@ fn wear() {
     wearer.reconnect();
     let start = Instant::now();
     while !sees_from(&wearer.workspace, rest) {
-        assert!(start.elapsed() < PATIENCE, "{:?}", wearer.workspace.tracked_eyes(0.0));
+        assert!(start.elapsed() < PATIENCE, "{:?}", wearer.workspace.viewpoint.tracked_eyes(0.0));
         wearer.workspace.track();
         std::thread::sleep(Duration::from_millis(10));
     }
@@ -182,6 +182,6 @@ fn wear() {
 
 /// Whether the window's eye is where `head` is before the screen.
 fn sees_from(workspace: &Workspace, head: Vec3) -> bool {
-    let Some([eye, _]) = workspace.tracked_eyes(0.0) else { return false };
+    let Some([eye, _]) = workspace.viewpoint.tracked_eyes(0.0) else { return false };
     eye.position().normalize().abs_diff_eq(head.normalize(), 1e-3)
 }

@@ -11,9 +11,8 @@ use virtual_sculpture::input::Bindings;
 use virtual_sculpture::screen::headset::LinkNews;
 use virtual_sculpture::session::Session;
 
+use super::program::PATIENCE;
 use super::remote::Remote;
-
-const PATIENCE: Duration = Duration::from_secs(60);
 
 /// The scripted head and hands, the editor, and the program in the headset.
 pub struct Wearer {
@@ -55,7 +54,7 @@ impl Wearer {
             self.headset.hear(&mut self.workspace, connection, news);
         }
         self.workspace.track();
-        let _ = self.workspace.tracked_eyes(0.0);
+        let _ = self.workspace.viewpoint.tracked_eyes(0.0);
         start.elapsed()
     }
 
