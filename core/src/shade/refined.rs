@@ -178,7 +178,7 @@ mod tests {
     use glam::UVec2;
 
     fn shaded(grid: &Grid, lighting: &Lighting, shader: &mut SoftwareShader) -> Pixels {
-        let material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::STONE);
+        let material = Material::for_grid(grid, ColourDepth::Bits24, Rgb::STONE);
         let camera = Camera::framing(40.0, Vec3::new(1.0, 0.5, 0.7), Vec3::Y);
         let eye = camera.eye(UVec2::new(150, 90));
         let world_from_grid = Placement::default().world_from_grid(grid.dims(), Vec3::ONE);
