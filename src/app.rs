@@ -52,6 +52,7 @@ use crate::session::Session;
 use detached::DetachedPanels;
 use headset::{Connection, Headset};
 use main_window::MainWindow;
+pub use memory::remembered_up;
 use pane::Frame;
 pub use workspace::Workspace;
 

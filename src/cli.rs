@@ -259,7 +259,13 @@ fn window_or_demo(
     config.headset.enabled |= cli.headset;
     if display || config.headset.enabled {
         let mut session = match &cli.file {
-            Some(file) => Session::open(file, &cli.import.options(), config.limits(), progress)?,
+            Some(file) => {
+                let mut import = cli.import.options();
+                if cli.import.upright.is_none() {
+                    import.upright = app::remembered_up(file);
+                }
+                Session::open(file, &import, config.limits(), progress)?
+            }
             None => Session::new(&config.new_sculpture(), config.limits())?,
         };
         if let Some(record) = &cli.record {

@@ -17,7 +17,7 @@ use crate::document::{Applied, CommandError, Document, Limits};
 use crate::format::options::ImportOptions;
 use crate::format::{self, FormatError, Loaded};
 use crate::progress::Progress;
-use crate::sculpture::orientation::Orientation;
+use crate::sculpture::orientation::{Orientation, Up};
 use files::Files;
 use journal::Journal;
 pub use work::{Done, Work};
@@ -114,11 +114,12 @@ impl Session {
         limits: Limits,
         progress: &dyn Progress,
     ) -> Result<Session, SessionError> {
-        let Loaded { contents, texts, .. } = load(path, import, &limits, progress)?;
+        let Loaded { contents, texts, assumed_up, .. } = load(path, import, &limits, progress)?;
         let document = Document::from_contents(contents, limits);
         let beginning = Command::Open { path: path.to_path_buf(), import: *import };
         let mut session = Session::with_document(document, beginning);
-        session.files.opened(session.document.state(), path.to_path_buf(), texts);
+        let state = session.document.state();
+        session.files.opened(state, path.to_path_buf(), texts, assumed_up);
         Ok(session)
     }
 
@@ -142,6 +143,12 @@ impl Session {
     /// and redo past `new` and `open` restore the other's.
     pub fn path(&self) -> Option<&Path> {
         self.files.path(self.document.state())
+    }
+
+    /// The axis that was taken for the one that points up when the sculpture was read, while it is
+    /// as it was read. None where the file says so itself.
+    pub fn assumed_up(&self) -> Option<Up> {
+        self.files.assumed_up(self.document.state())
     }
 
     /// Whether the sculpture has unsaved changes.
@@ -247,8 +254,9 @@ impl Session {
             Outcome::Oriented { .. } => drop(self.document.apply(&command)?),
             Outcome::Opened { path, loaded } => {
                 let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-                self.document.replace(loaded.contents, &format!("open {name}"))?;
-                self.files.opened(self.document.state(), path, loaded.texts);
+                let Loaded { contents, texts, assumed_up, .. } = *loaded;
+                self.document.replace(contents, &format!("open {name}"))?;
+                self.files.opened(self.document.state(), path, texts, assumed_up);
             }
             // Volumes are for other programs: what they cannot hold would be lost.
             Outcome::Saved { path, state } if format::is_sculpture(&path) => {

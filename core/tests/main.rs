@@ -14,5 +14,6 @@ mod example;
 mod formats;
 mod independent;
 mod sprays;
+mod upright;
 
 trials::main!();

@@ -1,9 +1,6 @@
 //! Volumes that lie on their face or back: the option turns them upright as they are read, colours
 //! and voxel sizes included, but not files that say themselves how they stand.
 
-// A test that cannot go on has failed.
-#![allow(clippy::unwrap_used)]
-
 use glam::{IVec3, UVec3, Vec3};
 use sculpture_core::format::options::{Existence, ExportForm, ImportOptions};
 use sculpture_core::format::{self, FormatError};
@@ -83,16 +80,23 @@ fn files_that_say_how_they_stand_stay_as_they_are() {
 
 #[test]
 fn it_may_not_take_more_memory_for_colours_than_is_allowed() {
+    // The middle of three bricks along y is coloured; reversed, its voxels lie in two.
     let folder = tempfile::tempdir().unwrap();
-    let (path, options) = coloured_raw(folder.path());
-    let contents = load(&path, &options).unwrap();
-    let limits = Limits { colour_bytes: contents.material.heap_bytes(), ..Limits::default() };
-    let turned = |limits: &Limits, upright| {
-        let options = ImportOptions { upright, ..options };
-        format::load(&path, &options, limits, &())
+    let path = folder.path().join("scan.raw");
+    let voxels = (0..8).flat_map(|_| (0..20).flat_map(|y| (0..8).map(move |_| y)));
+    let voxel = |y| if (8..16).contains(&y) { [9, 99, y, 255] } else { [0; 4] };
+    std::fs::write(&path, voxels.flat_map(voxel).collect::<Vec<u8>>()).unwrap();
+    let raw = Some("8x20x8:rgba8".parse().unwrap());
+    let turned = |upright, limits: &Limits| {
+        let options = ImportOptions { raw, upright, ..ImportOptions::default() };
+        format::load(&path, &options, limits, &()).map(|loaded| loaded.contents.material)
     };
-    // 9 voxels of x lie in two bricks either way; 6 of z reversed lie in one.
-    assert!(turned(&limits, Up::Z).is_ok());
-    let tight = Limits { colour_bytes: limits.colour_bytes - 1, ..limits };
-    assert!(matches!(turned(&tight, Up::Z), Err(FormatError::ColourMemory { .. })));
+    let lying = turned(Up::Y, &Limits::default()).unwrap();
+    let standing = turned(Up::Z, &Limits::default()).unwrap();
+    assert_eq!((lying.page_count(), standing.page_count()), (1, 2));
+    let tight = |colour_bytes| Limits { colour_bytes, ..Limits::default() };
+    assert!(turned(Up::Z, &tight(standing.heap_bytes())).is_ok());
+    let tight = tight(standing.heap_bytes() - 1);
+    assert!(matches!(turned(Up::Z, &tight), Err(FormatError::ColourMemory { .. })));
+    assert!(turned(Up::MinusZ, &tight).is_ok(), "y is not reversed");
 }

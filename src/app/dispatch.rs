@@ -118,6 +118,10 @@ impl Workspace {
             Action::ZoomIn => self.zoom(ZOOM_NOTCHES, self.viewpoint.turntable.middle()),
             Action::ZoomOut => self.zoom(-ZOOM_NOTCHES, self.viewpoint.turntable.middle()),
             _ => {
+                if matches!(action, Action::TurnUpright(_)) {
+                    // What points up then is y.
+                    self.ui.view.up = Vec3::Y;
+                }
                 let picker = self.picker();
                 self.editor.act(action, &picker);
             }

@@ -9,7 +9,9 @@ use std::time::{Duration, Instant};
 
 use super::workspace::Workspace;
 use crate::command::Command;
+use crate::folders;
 use crate::format::store::write_atomically;
+use crate::sculpture::orientation::Up;
 use crate::ui::state::folder_of;
 use crate::ui::{WindowOptions, memory};
 
@@ -39,8 +41,9 @@ impl Workspace {
             Err(error) => tracing::warn!("cannot read {}: {error}", path.display()),
         }
         self.editor.leave_ground();
-        if let Some(path) = self.editor.session().path() {
-            self.ui.recent.note_open(path);
+        let session = self.editor.session();
+        if let Some(path) = session.path() {
+            self.ui.recent.note_open(path, session.assumed_up().unwrap_or_default());
         }
         let written = read.ok().flatten().unwrap_or_default();
         let window = window.clone();
@@ -84,6 +87,13 @@ impl Workspace {
             }
         }
     }
+}
+
+/// The axis that the person has last found to point up in files of that format.
+pub fn remembered_up(path: &Path) -> Up {
+    let text = read(&folders::state_folder().join("state.toml"));
+    let up = text.ok().flatten().and_then(|text| memory::upright(&text).of(path));
+    up.unwrap_or_default()
 }
 
 /// The file's text; none if there is no file.

@@ -258,6 +258,7 @@ impl Workspace {
         let context = UiContext {
             document,
             path: self.editor.session().path(),
+            assumed_up: self.editor.session().assumed_up(),
             modified: self.editor.session().modified(),
             tool: &self.editor.tool,
             presets: self.controls.presets(),

@@ -27,8 +27,8 @@ pub struct ImportArgs {
     #[arg(long, alias = "color-bits", value_name = "BITS", value_parser = parse_colour_bits)]
     pub colour_bits: Option<ColourDepth>,
     /// Axis that points up in a volume that does not say so: y, z, -z, -y, x or -x
-    #[arg(long, default_value_t, value_name = "AXIS", allow_hyphen_values = true)]
-    pub upright: Up,
+    #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
+    pub upright: Option<Up>,
     /// Layout of a raw file: WIDTHxHEIGHTxDEPTH:TYPE[:skip=BYTES][:size=SX,SY,SZ]
     #[arg(long, value_name = "LAYOUT")]
     pub raw: Option<RawLayout>,
@@ -40,7 +40,7 @@ impl ImportArgs {
             existence: self.threshold,
             colouring: self.colouring,
             colour_depth: self.colour_bits,
-            upright: self.upright,
+            upright: self.upright.unwrap_or_default(),
             raw: self.raw,
         }
     }

@@ -13,6 +13,7 @@ use crate::input::Action;
 use crate::picking::Picker;
 use crate::picking::geometry::lasting;
 use crate::sculpture::Placement;
+use crate::sculpture::orientation::Orientation;
 use crate::tools::spray::SprayKind;
 use crate::tools::symmetry::Parity;
 
@@ -29,6 +30,10 @@ impl Editor {
             Action::Redo => self.run(Command::Redo { steps: Some(1) }),
             Action::Fill => self.run(Command::Fill { area: Area::Grid, colour: None }),
             Action::Clear => self.run(Command::Clear { area: Area::Grid }),
+            Action::TurnUpright(up) => self.run(Command::Orient(up.turned_upright())),
+            Action::RotateGrid(axis) => {
+                self.run(Command::Orient(Orientation::quarter_turn(axis.index())));
+            }
             Action::Solid(solid) => {
                 self.tool.solid = solid;
                 self.tool.kind = ToolKind::Solid;

@@ -83,6 +83,7 @@ impl Job {
         let sign = match command {
             Command::Open { .. } => "Opening",
             Command::Save { .. } => "Saving",
+            Command::Orient(_) => "Rotating",
             _ => "Creating a new sculpture",
         };
         let report = Arc::new(Report::default());

@@ -4,6 +4,7 @@
 //! An action says what is wanted, not how it is done: `app` executes it.
 
 use super::panel::Panel;
+use crate::sculpture::orientation::Up;
 use crate::tools::construct::Solid;
 use crate::tools::spray::SprayKind;
 
@@ -171,6 +172,10 @@ pub enum Action {
     MirrorClip(Axis),
     /// Moves the contents of the marker by one voxel.
     MoveContents(Step),
+    /// Rotates the whole sculpture so that an axis of its grid points up.
+    TurnUpright(Up),
+    /// Rotates the whole sculpture by a quarter about an axis of its grid.
+    RotateGrid(Axis),
     ResetView,
     LookFrom(Side),
     /// Zooms by one notch, without a wheel.
@@ -317,6 +322,14 @@ impl Action {
         Action::Redo,
         Action::Fill,
         Action::Clear,
+        Action::TurnUpright(Up::Z),
+        Action::TurnUpright(Up::MinusZ),
+        Action::TurnUpright(Up::MinusY),
+        Action::TurnUpright(Up::X),
+        Action::TurnUpright(Up::MinusX),
+        Action::RotateGrid(Axis::X),
+        Action::RotateGrid(Axis::Y),
+        Action::RotateGrid(Axis::Z),
         Action::ResetView,
         Action::LookFrom(Side::Corner),
         Action::LookFrom(Side::Front),

@@ -2,6 +2,7 @@
 
 use super::action::{Action, ActionHelp, Axis, Kind, Side, Step, ToolMode};
 use super::panel::Panel;
+use crate::sculpture::orientation::Up;
 use crate::tools::construct::Solid;
 use crate::tools::spray::SprayKind;
 
@@ -143,6 +144,31 @@ impl Action {
             Action::Redo => ("redo", Tap, "Redo the last undone step"),
             Action::Fill => ("fill", Tap, "Fill the whole grid"),
             Action::Clear => ("clear", Tap, "Clear the grid: delete every voxel"),
+            Action::TurnUpright(up) => match up {
+                Up::Z => ("upright-z", Tap, "Turn upright: the sculpture's Z axis points up"),
+                Up::MinusZ => {
+                    ("upright-minus-z", Tap, "Turn upright: the sculpture's −Z axis points up")
+                }
+                Up::MinusY => (
+                    "upright-minus-y",
+                    Tap,
+                    "Turn upright: stand the sculpture on its head (−Y up)",
+                ),
+                Up::X => ("upright-x", Tap, "Turn upright: the sculpture's X axis points up"),
+                Up::MinusX => {
+                    ("upright-minus-x", Tap, "Turn upright: the sculpture's −X axis points up")
+                }
+                Up::Y => ("upright-y", Tap, "Turn upright: the sculpture's Y axis is up already"),
+            },
+            Action::RotateGrid(Axis::X) => {
+                ("rotate-grid-x", Tap, "Rotate the whole sculpture 90° about X")
+            }
+            Action::RotateGrid(Axis::Y) => {
+                ("rotate-grid-y", Tap, "Rotate the whole sculpture 90° about Y")
+            }
+            Action::RotateGrid(Axis::Z) => {
+                ("rotate-grid-z", Tap, "Rotate the whole sculpture 90° about Z")
+            }
             Action::ResetView => ("reset-view", Tap, "Frame all: show the whole sculpture"),
             Action::LookFrom(Side::Corner) => ("look-corner", Tap, "Corner view"),
             Action::LookFrom(Side::Front) => ("look-front", Tap, "Front view"),

@@ -53,7 +53,7 @@ impl Group {
             SelectMarker | DeselectMarker | DropBox | ClearSelection | ToggleLimit | FillMarker
             | ClearMarker | DyeMarker | Copy | Cut | Paste | TurnClip(_) | MirrorClip(_)
             | MoveContents(_) => Group::Areas,
-            Undo | Redo | Fill | Clear => Group::History,
+            Undo | Redo | Fill | Clear | TurnUpright(_) | RotateGrid(_) => Group::History,
             ResetView | LookFrom(_) | ZoomIn | ZoomOut | ToggleBounds | NextRenderMode
             | NextStereo | SwapEyes | ToggleVideo | ToggleHead | CalibrateHead | ToggleAr
             | Lights | Fullscreen => Group::View,

@@ -6,6 +6,7 @@
 
 use super::action::{Action, Side, ToolMode};
 use super::panel::Panel;
+use crate::sculpture::orientation::Up;
 use crate::tools::construct::Solid;
 use crate::tools::spray::SprayKind;
 
@@ -31,6 +32,13 @@ impl Action {
             Action::Redo => "forward again",
             Action::Fill => "solid block flood everything",
             Action::Clear => "erase remove empty reset everything all",
+            Action::TurnUpright(Up::MinusY) => {
+                "upside down head scan orientation orient rotate stand"
+            }
+            Action::TurnUpright(_) => {
+                "stand lies lying face back side scan orientation orient rotate"
+            }
+            Action::RotateGrid(_) => "turn orient orientation grid volume axes upright",
             Action::Cancel => "abort stop escape",
             Action::Solid(Solid::Ellipsoid) => "sphere ball round",
             Action::Solid(Solid::Cuboid) => "cube box block brick square",

@@ -146,7 +146,9 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
     match task {
         FileTask::Picture => requests.push(UiRequest::Tool(ToolEdit::Picture(Some(path)))),
         FileTask::Open => {
-            requests.push(UiRequest::Run(Command::Open { path, import: choice.import }));
+            let upright = state.upright.of(&path).unwrap_or_default();
+            let import = ImportOptions { upright, ..choice.import };
+            requests.push(UiRequest::Run(Command::Open { path, import }));
         }
         FileTask::SaveAs(next) => {
             let path = with_ending(path, ENDING);

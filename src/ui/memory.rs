@@ -12,6 +12,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use super::recent::Recent;
 use super::state::PanelPlace;
+use super::upright::Upright;
 use super::{SCALE_RANGE, Theme, UiState, WindowOptions};
 use crate::command::SpraySurface;
 use crate::editor::sprays::SprayOptions;
@@ -53,6 +54,9 @@ struct Kept {
     settings: Option<Looks>,
     #[serde(deserialize_with = "lenient")]
     sections: Option<BTreeMap<String, bool>>,
+    /// The axis that points up in files with an ending.
+    #[serde(deserialize_with = "lenient")]
+    upright: Option<BTreeMap<String, String>>,
     #[serde(deserialize_with = "lenient")]
     panels: Option<BTreeMap<String, PanelPlace>>,
     #[serde(deserialize_with = "lenient")]
@@ -134,6 +138,7 @@ pub fn to_text(state: &UiState, tool: &ToolState, window: &WindowOptions) -> Str
         recent: Some(state.recent.lines().map(toml::Value::String).collect()),
         settings: Some(Looks::of(window)),
         sections: Some(state.sections.clone()),
+        upright: Some(state.upright.to_texts()),
         panels: Some(places.map(|(panel, place)| (panel.title().to_string(), *place)).collect()),
         tool: Some(kept_tool(tool)),
         sprays: Some(
@@ -187,6 +192,7 @@ pub fn recall(text: &str, state: &mut UiState, tool: &mut ToolState, window: &Wi
     }
     let lines = kept.recent.iter().flatten().filter_map(toml::Value::as_str);
     state.recent = Recent::from_lines(lines);
+    state.upright = kept.upright.as_ref().map(Upright::from_texts).unwrap_or_default();
     state.sections.extend(kept.sections.into_iter().flatten().take(64));
     recall_tool(&kept.tool.unwrap_or_default(), tool);
     for kind in SprayKind::ALL {
@@ -194,6 +200,12 @@ pub fn recall(text: &str, state: &mut UiState, tool: &mut ToolState, window: &Wi
             recall_spray(spray, tool.sprays.of_mut(kind));
         }
     }
+}
+
+/// What a text remembers about which axis points up.
+pub fn upright(text: &str) -> Upright {
+    let kept: Kept = toml::from_str(text).unwrap_or_default();
+    kept.upright.as_ref().map(Upright::from_texts).unwrap_or_default()
 }
 
 fn kept_tool(tool: &ToolState) -> KeptTool {

@@ -37,6 +37,7 @@ pub mod toolbox;
 pub mod top_bar;
 pub mod unkept;
 pub mod unsaved;
+pub mod upright;
 pub mod video;
 pub mod window_options;
 
@@ -48,6 +49,7 @@ use crate::controls::pads::PadStatus;
 use crate::document::Document;
 use crate::editor::tool::ToolState;
 use crate::input::{Action, Bindings};
+use crate::sculpture::orientation::Up;
 use crate::viewpoint::ar::ArStatus;
 use crate::viewpoint::camera::VideoStatus;
 use crate::viewpoint::head::HeadStatus;
@@ -69,6 +71,9 @@ pub struct FrameTimes {
 pub struct UiContext<'a> {
     pub document: &'a Document,
     pub path: Option<&'a Path>,
+    /// The axis that was taken for the one that points up in a file that does not say so; none once
+    /// the sculpture has been changed.
+    pub assumed_up: Option<Up>,
     /// Something would be lost by leaving now.
     pub modified: bool,
     pub tool: &'a ToolState,
@@ -127,6 +132,7 @@ pub fn show(
             ui.allocate_rect(rect, Sense::hover())
         })
         .inner;
+    upright::show(root, state, context, requests, picture.rect);
     guide::show(root, state, context, requests);
     light::show(root, state);
     key_table::show(root, state, context, requests);

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::input::{Axis, Panel, Side, ToolMode};
+use crate::sculpture::orientation::Up;
 use crate::tools::construct::Solid;
 use crate::tools::spray::SprayKind;
 use crate::ui::filter::british;
@@ -83,6 +84,10 @@ fn what_people_type_finds_the_action() {
         ("redo", Action::Redo),
         ("clear", Action::Clear),
         ("clear grid", Action::Clear),
+        ("turn upright", Action::TurnUpright(Up::Z)),
+        ("scan", Action::TurnUpright(Up::Z)),
+        ("upside down", Action::TurnUpright(Up::MinusY)),
+        ("rotate 90", Action::RotateGrid(Axis::X)),
         ("fit", Action::ResetView),
         ("frame", Action::ResetView),
         ("reset view", Action::ResetView),

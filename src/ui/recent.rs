@@ -8,6 +8,7 @@ use egui::{RichText, Ui};
 use super::{UiRequest, UiState};
 use crate::command::Command;
 use crate::format::options::ImportOptions;
+use crate::sculpture::orientation::Up;
 
 /// Files kept.
 const MOST: usize = 10;
@@ -38,11 +39,24 @@ impl Recent {
     }
 
     /// The file that was open at the start, unless more is known of it.
-    pub fn note_open(&mut self, path: &Path) {
+    pub fn note_open(&mut self, path: &Path, upright: Up) {
         let Ok(path) = std::path::absolute(path) else { return };
         match self.position(&path) {
             Some(at) => self.list[..=at].rotate_right(1),
-            None => self.note(&Command::Open { path, import: ImportOptions::default() }),
+            None => {
+                let import = ImportOptions { upright, ..ImportOptions::default() };
+                self.note(&Command::Open { path, import });
+            }
+        }
+    }
+
+    /// Notes which axis points up in a file.
+    pub fn set_upright(&mut self, path: &Path, up: Up) {
+        let Ok(path) = std::path::absolute(path) else { return };
+        if let Some(at) = self.position(&path)
+            && let Command::Open { import, .. } = &mut self.list[at]
+        {
+            import.upright = up;
         }
     }
 
@@ -149,7 +163,7 @@ mod tests {
         let names: Vec<_> = recent.paths().map(|path| path.display().to_string()).collect();
         assert_eq!(names.len(), MOST);
         assert_eq!(names[..3], ["/a/9.vsc", "/a/13.vsc", "/a/12.vsc"]);
-        recent.note_open(Path::new("/a/12.vsc"));
+        recent.note_open(Path::new("/a/12.vsc"), Up::Y);
         assert_eq!(recent.paths().next(), Some(Path::new("/a/12.vsc")));
         recent.note(&"undo".parse().unwrap());
         recent.forget(Path::new("/a/9.vsc"));
@@ -164,8 +178,15 @@ mod tests {
         recent.note(&"save e\"/a/x \\\" y.raw\"".parse().unwrap());
         let lines: Vec<String> = recent.lines().collect();
         assert_eq!(lines, [raw.to_string()]);
+        // Opened at a start with other arguments: what was chosen stays.
+        recent.note_open(Path::new("/a/x \" y.raw"), Up::X);
+        assert_eq!(recent.lines().collect::<Vec<_>>(), lines);
         let again = Recent::from_lines(lines.iter().map(String::as_str));
         assert_eq!(again, recent);
+        recent.set_upright(Path::new("/a/x \" y.raw"), Up::MinusZ);
+        recent.set_upright(Path::new("/a/other.raw"), Up::MinusZ);
+        let line = recent.lines().next().unwrap();
+        assert!(line.contains(" upright=-z ") && line.contains(" raw="), "{line}");
         let damaged = ["", "clear", "open", "open \"/a\"", "save \"/b\"", "open \"\\xff\""];
         assert_eq!(Recent::from_lines(damaged.into_iter()).paths().count(), 2);
     }

@@ -12,6 +12,7 @@ use super::new_dialog::NewDialog;
 use super::palette::Palette;
 use super::recent::Recent;
 use super::toasts::Toasts;
+use super::upright::Upright;
 use super::{SCALE_RANGE, Theme, WindowOptions};
 use crate::command::{Command, NewSculpture};
 use crate::editor::job::Busy;
@@ -162,6 +163,8 @@ pub struct UiState {
     pub sections: BTreeMap<String, bool>,
     /// The files that were opened or saved last.
     pub recent: Recent,
+    /// Which axis points up in files that do not say so.
+    pub upright: Upright,
     /// Lets a gamepad shake when the tool bites.
     pub rumble: bool,
     /// The hand that has the tool in a headset.
@@ -230,6 +233,7 @@ impl UiState {
             windows: Windows::default(),
             sections: BTreeMap::new(),
             recent: Recent::default(),
+            upright: Upright::default(),
             rumble: options.gamepad.rumble,
             hand_side: options.headset.hand,
             blend: options.headset.blend,

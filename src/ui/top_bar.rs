@@ -5,9 +5,10 @@ use egui::{Align, ComboBox, Frame, Layout, Margin, MenuBar, Ui};
 
 use super::Theme;
 use super::buttons::{action_button, explain};
-use super::{UiContext, UiRequest, UiState, recent, switches};
-use crate::input::{Action, Panel, Side};
+use super::{UiContext, UiRequest, UiState, recent, switches, upright};
+use crate::input::{Action, Axis, Panel, Side};
 use crate::render::RenderMode;
+use crate::sculpture::orientation::Up;
 
 pub fn show(
     root: &mut Ui,
@@ -85,6 +86,7 @@ fn menu(
         {
             action_button(ui, context, label, action, true, requests);
         }
+        turn_upright(ui, context, requests);
         ui.separator();
         ui.menu_button("View", |ui| {
             for side in Side::ALL {
@@ -118,6 +120,25 @@ fn menu(
         action_button(ui, context, "First steps", Action::Guide, true, requests);
         ui.separator();
         action_button(ui, context, "Quit", Action::Quit, true, requests);
+    });
+}
+
+/// Ways to lay the whole sculpture, for scans that lie on their face or back.
+fn turn_upright(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
+    ui.menu_button("Turn upright", |ui| {
+        for (up, _) in Up::NAMED.into_iter().filter(|(up, _)| *up != Up::Y) {
+            let action = Action::TurnUpright(up);
+            action_button(ui, context, upright::label(up), action, true, requests);
+        }
+        ui.separator();
+        for (label, axis) in [
+            ("Rotate 90° about X", Axis::X),
+            ("Rotate 90° about Y", Axis::Y),
+            ("Rotate 90° about Z", Axis::Z),
+        ] {
+            let action = Action::RotateGrid(axis);
+            action_button(ui, context, label, action, true, requests);
+        }
     });
 }
 

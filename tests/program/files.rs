@@ -73,6 +73,49 @@ fn a_threshold_may_be_negative() {
     assert!(why.contains("--threshold"), "{why}");
 }
 
+#[test]
+fn a_scan_is_turned_upright_as_it_is_read() {
+    let folder = folder();
+    let path = folder.path();
+    // 4 x 2 x 3 voxels; the slice of the highest z is full, so it lies at the top with z up.
+    let scan: Vec<u8> = (0..24).map(|i| if i < 16 { 0 } else { 200 }).collect();
+    std::fs::write(path.join("scan.raw"), scan).unwrap();
+    let raw = ["--raw", "4x2x3:u8:size=1,2,3", "--threshold", "100"];
+    for (upright, dims, size, top) in [
+        ("y", "4x2x3", "1 2 3", None),
+        ("z", "4x3x2", "1 3 2", Some(true)),
+        ("-z", "4x3x2", "1 3 2", Some(false)),
+        ("x", "2x4x3", "2 1 3", None),
+    ] {
+        let arguments = ["convert", "scan.raw", "a.vsc", "--upright", upright];
+        let said = succeed(path, &[&arguments[..], &raw].concat());
+        assert!(said.contains(&format!("sculpture {dims}, 8 of 24 voxels")), "{upright}: {said}");
+        let said = succeed(path, &["info", "a.vsc"]);
+        assert!(said.contains(&format!("voxel size: {size}")), "{upright}: {said}");
+        if let Some(top) = top {
+            let (full, empty) = if top { (2, 0) } else { (0, 2) };
+            for (y, count) in [(full, 0), (empty, 8)] {
+                let script = format!("mark at=0,{y},0 size=4,1,2\nclear marker\n");
+                std::fs::write(path.join("s.sculpt"), script).unwrap();
+                let said = succeed(path, &["run", "s.sculpt", "--in", "a.vsc"]);
+                assert!(said.contains(&format!("{count} of 24 voxels")), "{upright}: {said}");
+            }
+        }
+    }
+    // What this program has written says how it stands.
+    let said = succeed(path, &["convert", "a.vsc", "own.pvm"]);
+    assert!(said.contains("sculpture 2x4x3"), "{said}");
+    let said = succeed(path, &["convert", "own.pvm", "b.vsc", "--upright", "z"]);
+    assert!(said.contains("sculpture 2x4x3"), "{said}");
+    // In a script.
+    let script = "open \"scan.raw\" threshold=100 upright=-z raw=4x2x3:u8\norient upright=-y\n";
+    std::fs::write(path.join("s.sculpt"), script).unwrap();
+    let said = succeed(path, &["run", "s.sculpt"]);
+    assert!(said.contains("sculpture 4x3x2, 8 of 24 voxels"), "{said}");
+    let why = fail(path, &["info", "scan.raw", "--upright", "up"], 2);
+    assert!(why.contains("x, y, z, -x, -y or -z"), "{why}");
+}
+
 /// Each of these would wait for ever if it were opened.
 #[cfg(target_os = "linux")]
 #[test]

@@ -11,3 +11,4 @@ mod surface;
 mod switches;
 mod toasts;
 mod tools;
+mod upright;

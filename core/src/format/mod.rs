@@ -66,11 +66,6 @@ pub fn is_sculpture(path: &Path) -> bool {
     matches!(Format::of(path), Ok(Format::Vsc))
 }
 
-/// Whether a file of that name may not say which of its axes points up.
-pub fn may_lie(path: &Path) -> bool {
-    matches!(Format::of(path), Ok(Format::Pvm | Format::Raw))
-}
-
 /// A sculpture from a file.
 #[derive(Debug)]
 pub struct Loaded {
@@ -80,6 +75,8 @@ pub struct Loaded {
     pub samples: Option<Samples>,
     /// Texts of the file, for [`save_with_texts`].
     pub texts: Texts,
+    /// The axis that was taken for the one that points up; none where the file says so itself.
+    pub assumed_up: Option<Up>,
 }
 
 /// Reads a sculpture. Meanwhile the file and its volume together may take as much memory as the limits
@@ -93,18 +90,19 @@ pub fn load(
     if Format::of(path)? == Format::Vsc {
         let file = read_file(path, limits, progress)?;
         let (contents, texts) = vsc::read(&file, limits, progress)?;
-        return Ok(Loaded { contents, samples: None, texts });
+        return Ok(Loaded { contents, samples: None, texts, assumed_up: None });
     }
     let (volume, _) = read_volume(path, options, limits, progress)?;
     let signature = import::trusted_signature(&volume);
     let mut contents = import::to_contents(&volume, signature, options, limits, progress)?;
     let Volume { samples, texts, data, .. } = volume;
     drop(data);
-    if signature.is_none() && options.upright != Up::default() {
-        let turn = options.upright.turned_upright();
+    let assumed_up = signature.is_none().then_some(options.upright);
+    if let Some(up) = assumed_up.filter(|up| *up != Up::default()) {
+        let turn = up.turned_upright();
         contents = Reorientation::new(&contents, turn).run(limits, progress)?;
     }
-    Ok(Loaded { contents, samples: Some(samples), texts })
+    Ok(Loaded { contents, samples: Some(samples), texts, assumed_up })
 }
 
 /// Reads the voxels of a file unconverted, within the same limits as [`load`].

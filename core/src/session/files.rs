@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 use crate::format::Texts;
 use crate::sculpture::history::State;
+use crate::sculpture::orientation::Up;
 
 /// The file of one sculpture.
 #[derive(Debug, Default)]
@@ -18,6 +19,9 @@ struct File {
     /// Number of the state that the file holds. A sculpture that was only just made has nothing to
     /// lose either.
     saved: Option<u64>,
+    /// The number of the state in which it was read, and the axis that was taken for the one that
+    /// points up, where the file does not say so.
+    assumed_up: Option<(u64, Up)>,
 }
 
 /// The files of all sculptures that undo and redo can lead to.
@@ -34,8 +38,9 @@ impl Files {
     }
 
     /// Notes that the sculpture of `state` was read from `path`, with `texts`.
-    pub fn opened(&mut self, state: State, path: PathBuf, texts: Texts) {
-        let file = File { path: Some(path), texts, saved: Some(state.number) };
+    pub fn opened(&mut self, state: State, path: PathBuf, texts: Texts, assumed_up: Option<Up>) {
+        let assumed_up = assumed_up.map(|up| (state.number, up));
+        let file = File { path: Some(path), texts, saved: Some(state.number), assumed_up };
         self.of_sculpture.insert(state.sculpture, file);
     }
 
@@ -62,6 +67,12 @@ impl Files {
     /// The file of the sculpture of `state`.
     pub fn path(&self, state: State) -> Option<&Path> {
         self.of_sculpture.get(&state.sculpture)?.path.as_deref()
+    }
+
+    /// The axis that was taken for the one that points up, in the state in which it was read.
+    pub fn assumed_up(&self, state: State) -> Option<Up> {
+        let (number, up) = self.of_sculpture.get(&state.sculpture)?.assumed_up?;
+        (number == state.number).then_some(up)
     }
 
     /// The texts of the file of `state`.

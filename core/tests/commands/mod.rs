@@ -4,6 +4,7 @@ mod areas;
 mod budget;
 mod document;
 mod files;
+mod large;
 mod model;
 mod orient;
 mod orientations;

@@ -1,0 +1,149 @@
+//! The question which axis of a volume points up, asked after opening a file that does not say so.
+//! One click turns the sculpture; files of that format are read that way from then on.
+//!
+//! Shows a small bar over the picture while the sculpture is as it was read. Takes and gives what is
+//! remembered by the ending of the file's name; reads no file.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use egui::{Align2, Area, Button, Frame, Id, Order, Rect, Ui, vec2};
+use glam::Vec3;
+
+use super::{UiContext, UiRequest, UiState};
+use crate::command::Command;
+use crate::sculpture::history::State;
+use crate::sculpture::orientation::Up;
+
+/// From the upper edge of the picture, in points.
+const MARGIN: f32 = 8.0;
+
+/// What was answered.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Upright {
+    /// By the endings of file names, in lower case.
+    by_ending: BTreeMap<String, Up>,
+    /// The state of the sculpture in which nobody wants to be asked.
+    dismissed: Option<State>,
+}
+
+impl Upright {
+    /// The axis that pointed up in the last file with such an ending, if anybody said so.
+    pub fn of(&self, path: &Path) -> Option<Up> {
+        self.by_ending.get(&ending(path)?).copied()
+    }
+
+    pub fn remember(&mut self, path: &Path, up: Up) {
+        if let Some(ending) = ending(path) {
+            self.by_ending.insert(ending, up);
+        }
+    }
+
+    /// What is remembered: endings and the text forms of axes.
+    pub fn to_texts(&self) -> BTreeMap<String, String> {
+        self.by_ending.iter().map(|(ending, up)| (ending.clone(), up.to_string())).collect()
+    }
+
+    /// From such texts; what names no axis is left out.
+    pub fn from_texts(texts: &BTreeMap<String, String>) -> Upright {
+        let known =
+            texts.iter().filter_map(|(ending, up)| Some((ending.clone(), up.parse().ok()?)));
+        Upright { by_ending: known.take(64).collect(), dismissed: None }
+    }
+}
+
+fn ending(path: &Path) -> Option<String> {
+    Some(path.extension()?.to_str()?.to_ascii_lowercase())
+}
+
+/// How a person reads an axis.
+pub fn label(up: Up) -> &'static str {
+    match up {
+        Up::X => "X up",
+        Up::MinusX => "−X up",
+        Up::Y => "Y up",
+        Up::MinusY => "−Y up",
+        Up::Z => "Z up",
+        Up::MinusZ => "−Z up",
+    }
+}
+
+/// Shows the bar at the upper edge of `within`, if there is anything to be asked.
+pub fn show(
+    root: &Ui,
+    state: &mut UiState,
+    context: &UiContext,
+    requests: &mut Vec<UiRequest>,
+    within: Rect,
+) {
+    let (Some(assumed), Some(path)) = (context.assumed_up, context.path) else { return };
+    let now = context.document.state();
+    if state.upright.dismissed == Some(now) || state.is_modal() {
+        return;
+    }
+    let ending = ending(path).unwrap_or_default();
+    let mut chosen = None;
+    let mut dismissed = false;
+    Area::new(Id::new("upright"))
+        .order(Order::Middle)
+        .pivot(Align2::CENTER_TOP)
+        .fixed_pos(within.center_top() + vec2(0.0, MARGIN))
+        .constrain_to(within)
+        .show(root.ctx(), |ui| {
+            Frame::popup(ui.style()).show(ui, |ui| {
+                ui.horizontal(|ui| {
+                    ui.label("Which axis points up?");
+                    for (up, _) in Up::NAMED {
+                        let button = Button::selectable(up == assumed, label(up));
+                        let what = match up == assumed {
+                            true => "It stands upright as it is",
+                            false => "Turn the sculpture so that this axis points up",
+                        };
+                        let hint = format!("{what}; .{ending} files open that way from now on");
+                        if ui.add(button).on_hover_text(hint).clicked() {
+                            chosen = Some(up);
+                        }
+                    }
+                    let close = ui.add(Button::new("✖").frame(false));
+                    dismissed = close.on_hover_text("Leave it as it is").clicked();
+                });
+            });
+        });
+    if let Some(up) = chosen {
+        state.upright.remember(path, up);
+        state.recent.set_upright(path, up);
+        state.toasts.note(format!(".{ending} files open with {} from now on", label(up)));
+        if up != assumed {
+            // What points up then is y.
+            state.view.up = Vec3::Y;
+            let lying = assumed.turned_upright().inverse();
+            requests.push(UiRequest::Run(Command::Orient(lying.then(up.turned_upright()))));
+        }
+    }
+    if dismissed || chosen == Some(assumed) {
+        state.upright.dismissed = Some(now);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn answers_are_kept_by_the_ending_of_the_name() {
+        let mut upright = Upright::default();
+        assert_eq!(upright.of(Path::new("a.pvm")), None);
+        upright.remember(Path::new("/b/head.PVM"), Up::Z);
+        upright.remember(Path::new("scan.raw"), Up::MinusZ);
+        upright.remember(Path::new("scan.raw"), Up::Y);
+        assert_eq!(upright.of(Path::new("other.pvm")), Some(Up::Z));
+        assert_eq!(upright.of(Path::new("c.raw")), Some(Up::Y));
+        for none in ["pvm", "c.vsc", ""] {
+            assert_eq!(upright.of(Path::new(none)), None, "{none}");
+        }
+        let mut texts = upright.to_texts();
+        assert_eq!(Upright::from_texts(&texts), upright);
+        texts.insert("vol".to_string(), "sideways".to_string());
+        assert_eq!(Upright::from_texts(&texts), upright);
+    }
+}
