@@ -12,7 +12,7 @@ use virtual_sculpture::gpu::{
 
 use virtual_sculpture::render::Renderer;
 
-use super::fixture::with_device;
+use super::fixture::{need_device, with_device};
 
 const COLOUR: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
     vk::ImageUsageFlags::COLOR_ATTACHMENT.as_raw()
@@ -182,6 +182,7 @@ fn memory_that_is_not_there_is_an_error_value() {
 
 #[test]
 fn an_unknown_device_is_refused_with_the_list() {
+    need_device();
     for (choice, wanted) in [
         (DeviceChoice::Name("no such renderer".to_string()), "no such renderer"),
         (DeviceChoice::Index(99), "99"),
@@ -252,6 +253,7 @@ fn a_failure_within_rendering_does_not_keep_the_recorder_from_going_on() {
 
 #[test]
 fn pipelines_are_kept_for_the_next_start_where_a_driver_gives_any_and_damage_is_survived() {
+    need_device();
     let folder = tempfile::tempdir().unwrap();
     let kept = folder.path().join("deeper");
     let options = || DeviceOptions { pipeline_cache: Some(kept.clone()), ..Default::default() };

@@ -29,6 +29,12 @@ pub fn with_device(test: impl FnOnce(&Arc<Device>)) {
     );
 }
 
+/// Skips the running test where there is no Vulkan device, or fails it with `VS_REQUIRE_VALIDATION=1`: for tests
+/// that start the program, which needs one.
+pub fn need_device() {
+    with_device(|_| ());
+}
+
 fn warn_without_validation(device: &Device) {
     static SAID: Once = Once::new();
     if !device.instance().validated() {

@@ -8,6 +8,8 @@ use std::time::{Duration, Instant};
 use crate::faults::Faults;
 use trials::shared_file;
 
+use crate::gpu::fixture::need_device;
+
 use super::program::PATIENCE;
 
 const INSIDE: &str = "VS_HEADSET_TEST_NETWORK";
@@ -43,6 +45,7 @@ pub fn alone_in_network() -> bool {
     }
     // Unpacked before the network is gone.
     prefix();
+    need_device();
     let mut command = Command::new("unshare");
     command
         .args(["-rn", "sh", "-c", "ip link set lo up && exec \"$0\" \"$@\""])

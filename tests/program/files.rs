@@ -2,6 +2,7 @@
 //! message, before anything is written or waited for.
 
 use super::{bytes, fail, folder, picture, program, succeed};
+use crate::gpu::fixture::need_device;
 
 const SCRIPT: &str = "new dims=16,16,16\nsubtract ellipsoid at=8,8,8 half=6\n";
 
@@ -188,6 +189,7 @@ fn a_full_disk_keeps_the_old_file_and_says_so() {
 
 #[test]
 fn a_sculpture_too_large_for_the_device_in_a_mode_is_rendered_in_the_next() {
+    need_device();
     let folder = folder();
     let path = folder.path();
     // Its colours take 226 MB; lavapipe's buffers hold 134 MB.

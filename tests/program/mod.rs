@@ -10,6 +10,8 @@ use std::process::{Command, Output};
 
 use trials::shared_file;
 
+use crate::gpu::fixture::need_device;
+
 fn program(folder: &Path, arguments: &[&str]) -> Output {
     command(folder, arguments).output().expect("the program starts")
 }
@@ -110,6 +112,7 @@ fn the_demo_writes_a_picture_and_a_sculpture_that_reads_back() {
 
 #[test]
 fn two_eyes_are_written_apart_and_together_by_either_sampler() {
+    need_device();
     let folder = folder();
     let demo = |mode: &str, layout: &str| {
         let arguments = ["demo", "--out", layout, "--mode", mode, "--stereo", layout];
@@ -133,6 +136,7 @@ fn two_eyes_are_written_apart_and_together_by_either_sampler() {
 
 #[test]
 fn without_arguments_and_display_the_demo_is_made() {
+    need_device();
     let folder = folder();
     let said = succeed(folder.path(), &[]);
     assert!(folder.path().join("out/demo.png").exists() && said.contains("out/demo.vsc"), "{said}");
@@ -297,6 +301,7 @@ fn a_sculpture_in_the_own_format_is_as_good_as_a_volume() {
 
 #[test]
 fn the_benchmark_reports_as_table_json_and_plot() {
+    need_device();
     let folder = folder();
     let path = folder.path();
     std::fs::write(path.join("block.sculpt"), "new dims=64,64,64 colour=0 fill=solid\n").unwrap();

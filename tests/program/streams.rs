@@ -4,6 +4,7 @@
 use std::process::Stdio;
 
 use super::{bytes, command, folder, succeed};
+use crate::gpu::fixture::need_device;
 
 /// What stands at the other end of a stream.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -52,6 +53,7 @@ const BROKEN: [(End, End); 7] = [
 
 #[test]
 fn files_are_written_whoever_listens() {
+    need_device();
     let folder = folder();
     let path = folder.path();
     std::fs::write(
@@ -134,6 +136,7 @@ fn exit_codes_of_failures_are_the_same_when_nobody_hears_of_them() {
 
 #[test]
 fn the_log_has_no_colours_in_a_pipe_and_only_warnings_unless_asked() {
+    need_device();
     let folder = folder();
     let path = folder.path();
     std::fs::write(path.join("s.sculpt"), "new dims=16,16,16\n").unwrap();

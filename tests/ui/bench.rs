@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Vec2, vec2};
 use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
 use virtual_sculpture::app::Workspace;
 use virtual_sculpture::config::Config;
 use virtual_sculpture::input::Bindings;
@@ -107,4 +108,31 @@ pub fn wheel(harness: &mut Bench, modifiers: Modifiers, at: Pos2, notches: f32) 
         },
     );
     look(harness);
+}
+
+/// Carries out a command as scripts write it.
+pub fn run(harness: &mut Bench, line: &str) {
+    let command: Command = line.parse().unwrap();
+    harness.state_mut().session_mut().execute(&command, &()).unwrap();
+    look(harness);
+}
+
+/// The position on screen of a point of the grid.
+pub fn screen(harness: &Bench, point: Vec3) -> Pos2 {
+    let bench = harness.state();
+    let clip = bench.eye().clip_from_grid(&bench.world_from_grid()) * point.extend(1.0);
+    let at = (clip.xy() / clip.w * 0.5 + 0.5) * bench.eye().size.as_vec2();
+    bench.picture().min + vec2(at.x, at.y)
+}
+
+/// Clicks on what has this label, and waits until windows and menus have their size.
+pub fn click(harness: &mut Bench, label: &str) {
+    harness.get_by_label(label).click();
+    // Menus and windows take some frames to their size, and then rest.
+    harness.run_steps(6);
+    harness.run();
+}
+
+pub fn has(harness: &Bench, label: &str) -> bool {
+    harness.query_by_label(label).is_some()
 }

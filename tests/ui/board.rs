@@ -7,7 +7,7 @@ use virtual_sculpture::app::Workspace;
 use virtual_sculpture::input::Bindings;
 use virtual_sculpture::session::Session;
 
-use super::bench::{Bench, config};
+use super::bench::{Bench, click, config, has};
 
 /// The board in the size that it has in a headset.
 fn board() -> Bench {
@@ -18,16 +18,6 @@ fn board() -> Bench {
         .with_size(vec2(1250.0, 800.0))
         .with_pixels_per_point(1.0)
         .build_ui_state(|ui, bench: &mut Workspace| bench.show_on_board(ui), bench)
-}
-
-fn click(harness: &mut Bench, label: &str) {
-    harness.get_by_label(label).click();
-    harness.run_steps(6);
-    harness.run();
-}
-
-fn has(harness: &Bench, label: &str) -> bool {
-    harness.query_by_label(label).is_some()
 }
 
 #[test]

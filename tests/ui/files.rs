@@ -1,7 +1,6 @@
 //! Files and unsaved work, without a window: the questions before the sculpture is replaced and before what cannot be
 //! undone, and what Save, Save as and Export write.
 
-use std::io::BufRead;
 use std::path::Path;
 
 use egui::{Event, Key, Modifiers, PointerButton, vec2};
@@ -208,6 +207,7 @@ fn a_recording_that_ends_is_said_once_and_no_stroke_stays_open() {
     let reading = pipe.clone();
     let reader = std::thread::spawn(move || {
         // Until the beginning has come.
+        use std::io::BufRead;
         let mut lines = std::io::BufReader::new(std::fs::File::open(&reading)?).lines();
         lines.by_ref().take(2).collect::<Result<Vec<String>, _>>()
     });

@@ -7,7 +7,7 @@ use egui_kittest::kittest::Queryable;
 use virtual_sculpture::ui::Theme;
 
 use super::bench::{
-    Bench, bench, bench_of, config, corner, drag, key, middle, send, undo_count, voxels, wheel,
+    Bench, bench, bench_of, config, corner, drag, has, key, middle, send, undo_count, voxels, wheel,
 };
 
 const UNDO: &str = "Undo the last step";
@@ -30,10 +30,6 @@ fn click(harness: &mut Bench, label: &str) {
 fn typed(harness: &mut Bench, text: &str) {
     send(harness, Event::Text(text.to_string()));
     harness.run();
-}
-
-fn has(harness: &Bench, label: &str) -> bool {
-    harness.query_by_label(label).is_some()
 }
 
 /// A bench that keeps its keys in a file.

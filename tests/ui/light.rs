@@ -5,17 +5,10 @@ use egui_kittest::kittest::Queryable;
 use virtual_sculpture::render::{RenderMode, Shading};
 use virtual_sculpture::shade::{LightFrame, LightSource, Lighting, Smoothing};
 
-use super::bench::{Bench, bench, key};
+use super::bench::{Bench, bench, click, key};
 
 fn lighting(harness: &Bench) -> Lighting {
     harness.state().ui.view.lighting()
-}
-
-fn click(harness: &mut Bench, label: &str) {
-    harness.get_by_label(label).click();
-    // A window that has grown takes some frames to its new size, and then rests.
-    harness.run_steps(6);
-    harness.run();
 }
 
 #[test]

@@ -9,24 +9,10 @@ use virtual_sculpture::input::ToolMode;
 use virtual_sculpture::surface::raycast;
 use virtual_sculpture::tools::construct::Solid;
 
-use super::bench::{self, Bench, corner, drag, key, look, middle, send, voxels};
-
-fn run(harness: &mut Bench, line: &str) {
-    let command: Command = line.parse().unwrap();
-    harness.state_mut().session_mut().execute(&command, &()).unwrap();
-    look(harness);
-}
+use super::bench::{self, Bench, corner, drag, key, look, middle, run, screen, send, voxels};
 
 fn hover(harness: &mut Bench, at: Pos2) {
     send(harness, Event::PointerMoved(at));
-}
-
-/// The position on screen of a point of the grid.
-fn screen(harness: &Bench, point: Vec3) -> Pos2 {
-    let bench = harness.state();
-    let clip = bench.eye().clip_from_grid(&bench.world_from_grid()) * point.extend(1.0);
-    let at = (clip.xy() / clip.w * 0.5 + 0.5) * bench.eye().size.as_vec2();
-    bench.picture().min + vec2(at.x, at.y)
 }
 
 /// The face that the pixel under `at` shows, by the exact ray caster: its normal and its plane.

@@ -8,18 +8,7 @@ use virtual_sculpture::ui::Theme;
 use virtual_sculpture::ui::toasts::Tone;
 use virtual_sculpture::view::StereoLayout;
 
-use super::bench::{Bench, bench, bench_of, config, key, send};
-
-fn click(harness: &mut Bench, label: &str) {
-    harness.get_by_label(label).click();
-    // Menus and windows take some frames to their size, and then rest.
-    harness.run_steps(6);
-    harness.run();
-}
-
-fn has(harness: &Bench, label: &str) -> bool {
-    harness.query_by_label(label).is_some()
-}
+use super::bench::{Bench, bench, bench_of, click, config, has, key, send};
 
 fn layout(harness: &Bench) -> StereoLayout {
     harness.state().ui.view.stereo.layout

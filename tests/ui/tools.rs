@@ -12,7 +12,7 @@ use virtual_sculpture::sculpture::Rgb;
 use virtual_sculpture::sculpture::region::VoxelBox;
 use virtual_sculpture::tools::spray::SprayKind;
 
-use super::bench::{self, Bench, key, look, middle, send, voxels};
+use super::bench::{self, Bench, key, look, middle, run, screen, send, voxels};
 
 /// A workspace with a solid block of 64^3 voxels, seen from the front.
 fn front() -> Bench {
@@ -20,12 +20,6 @@ fn front() -> Bench {
     harness.run();
     run(&mut harness, "place");
     harness
-}
-
-fn run(harness: &mut Bench, line: &str) {
-    let command: Command = line.parse().unwrap();
-    harness.state_mut().session_mut().execute(&command, &()).unwrap();
-    look(harness);
 }
 
 fn drag_with(harness: &mut Bench, modifiers: Modifiers, way: &[Pos2]) {
@@ -64,14 +58,6 @@ fn marker(harness: &Bench) -> VoxelBox {
 
 fn labels(harness: &Bench) -> Vec<String> {
     harness.state().session().document().history().undo_labels().map(String::from).collect()
-}
-
-/// The position on screen of a point of the grid.
-fn screen(harness: &Bench, point: Vec3) -> Pos2 {
-    let bench = harness.state();
-    let clip = bench.eye().clip_from_grid(&bench.world_from_grid()) * point.extend(1.0);
-    let at = (clip.xy() / clip.w * 0.5 + 0.5) * bench.eye().size.as_vec2();
-    bench.picture().min + vec2(at.x, at.y)
 }
 
 const FULL: u64 = 64 * 64 * 64;

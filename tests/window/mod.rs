@@ -18,6 +18,8 @@ mod wayland;
 
 use std::time::Duration;
 
+use crate::gpu::fixture::need_device;
+
 use display::{Display, Picture};
 use program::Program;
 
@@ -41,8 +43,9 @@ fn display() -> Display {
     display_of([1280, 800])
 }
 
-/// A display of another size in pixels. Skips the test where there is no X server.
+/// A display of another size in pixels. Skips the test where there is no X server or no Vulkan device.
 fn display_of(size: [u32; 2]) -> Display {
+    need_device();
     Display::start(size).unwrap_or_else(|lack| trials::lacks("VS_REQUIRE_WINDOW", &lack))
 }
 

@@ -8,6 +8,8 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Instant;
 
+use crate::gpu::fixture::need_device;
+
 use super::process::{LOOK, PATIENCE, Process};
 use crate::faults::Faults;
 
@@ -22,6 +24,7 @@ struct Weston {
 impl Weston {
     /// Starts one with a shell. Skips the test where it is not installed.
     fn start(shell: &str) -> Weston {
+        need_device();
         let folder = tempfile::tempdir().unwrap();
         let settings = folder.path().join("weston.ini");
         std::fs::write(&settings, "[core]\nidle-time=0\n[shell]\npanel-position=none\n").unwrap();
