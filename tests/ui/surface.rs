@@ -2,14 +2,13 @@
 //! its options change.
 
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, vec2};
-use glam::{EulerRot, Quat, Vec2, Vec3, Vec4Swizzles};
-use virtual_sculpture::command::Command;
+use glam::{EulerRot, Quat, Vec2, Vec3};
 use virtual_sculpture::editor::tool::ToolKind;
 use virtual_sculpture::input::ToolMode;
 use virtual_sculpture::surface::raycast;
 use virtual_sculpture::tools::construct::Solid;
 
-use super::bench::{self, Bench, corner, drag, key, look, middle, run, screen, send, voxels};
+use super::bench::{self, Bench, corner, drag, key, middle, run, screen, send, voxels};
 
 fn hover(harness: &mut Bench, at: Pos2) {
     send(harness, Event::PointerMoved(at));

@@ -4,8 +4,7 @@
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, vec2};
 use egui_kittest::kittest::Queryable;
-use glam::{IVec3, UVec3, Vec3, Vec4Swizzles};
-use virtual_sculpture::command::Command;
+use glam::{IVec3, UVec3, Vec3};
 use virtual_sculpture::editor::tool::ToolKind;
 use virtual_sculpture::input::ToolMode;
 use virtual_sculpture::sculpture::Rgb;
