@@ -67,20 +67,22 @@ impl Document {
         Reorientation::new(&self.contents, orientation).is_exact()
     }
 
-    /// Reverses an orientation; gives the change that does it again, or else what was to be
-    /// reversed and why it could not be.
+    /// Reverses an orientation and returns the change that does it again.
+    ///
+    /// # Errors
+    /// If it must be computed (`before` is none) and memory does not suffice.
     pub(super) fn reverse_orientation(
         &mut self,
         back: Orientation,
         before: Option<Box<Contents>>,
-    ) -> Result<Change, (Change, CommandError)> {
+    ) -> Result<Change, CommandError> {
         match before {
             // What is left here is what the orientation makes of it again.
             Some(before) => Ok(self.swap_oriented(*before, back, true)),
-            None => match orient_contents(&self.contents, back, &self.limits, &()) {
-                Ok(contents) => Ok(self.swap_oriented(contents, back, self.is_exact(back))),
-                Err(error) => Err((Change::Oriented { back, before: None }, error)),
-            },
+            None => {
+                let contents = orient_contents(&self.contents, back, &self.limits, &())?;
+                Ok(self.swap_oriented(contents, back, self.is_exact(back)))
+            }
         }
     }
 

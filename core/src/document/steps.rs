@@ -114,7 +114,10 @@ impl Document {
             Change::Whole(contents) => Change::Whole(Box::new(self.swap_contents(*contents))),
             Change::Oriented { back, before } => match self.reverse_orientation(back, before) {
                 Ok(change) => change,
-                Err((change, error)) => return (Step { label, change, state }, Some(error)),
+                Err(error) => {
+                    let change = Change::Oriented { back, before: None };
+                    return (Step { label, change, state }, Some(error));
+                }
             },
         };
         let state = std::mem::replace(&mut self.state, state);

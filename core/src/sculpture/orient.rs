@@ -45,6 +45,8 @@ pub struct Reorientation<'a> {
     sources: Box<[u16]>,
     /// The numbers that occur in `sources`, as bits.
     overlapped: u8,
+    /// A page of the base colour, in place of those that are not there.
+    base_page: Page,
 }
 
 impl<'a> Reorientation<'a> {
@@ -64,7 +66,10 @@ impl<'a> Reorientation<'a> {
             (before.bitmask() * BRICK_VOXELS + local_index(x, y, z)) as u16
         });
         let sources = sources.collect();
-        Reorientation { from, orientation, sources, overlapped }
+        let (depth, mut base) = (from.material.depth(), [0; 3]);
+        depth.write(from.material.base(), &mut base);
+        let base_page = base[..depth.bytes()].repeat(BRICK_VOXELS as usize).into_boxed_slice();
+        Reorientation { from, orientation, sources, overlapped, base_page }
     }
 
     /// Whether the inverse orientation restores every byte: bricks become bricks, or there are no
@@ -168,25 +173,28 @@ impl<'a> Reorientation<'a> {
 
     /// The colours of a new brick; none where all have the base colour.
     fn page(&self, b: UVec3) -> Option<Page> {
+        match self.from.material.depth().bytes() {
+            0 => None,
+            1 => self.page_of::<1>(b),
+            2 => self.page_of::<2>(b),
+            _ => self.page_of::<3>(b),
+        }
+    }
+
+    /// The same for colours of `B` bytes.
+    fn page_of<const B: usize>(&self, b: UVec3) -> Option<Page> {
         let material = &self.from.material;
         let pages = self.overlapped_bricks(b).map(|at| at.and_then(|at| material.page(at)));
         if pages.iter().all(Option::is_none) {
             return None;
         }
-        let bytes = material.depth().bytes();
-        let mut base = [0; 3];
-        material.depth().write(material.base(), &mut base);
-        let base = &base[..bytes];
-        let mut turned = vec![0; material.page_bytes()].into_boxed_slice();
-        // A page that stays whole stays, whatever its colours, so that the way back is exact.
-        let mut needed = self.overlapped == 1;
-        for (out, &source) in turned.chunks_exact_mut(bytes).zip(&self.sources) {
-            let (number, local) = (usize::from(source >> 9), usize::from(source & 511));
-            let packed = pages[number].map_or(base, |page| &page[local * bytes..][..bytes]);
-            needed |= packed != base;
-            out.copy_from_slice(packed);
+        let from = pages.map(|page| page.unwrap_or(&self.base_page).as_chunks::<B>().0);
+        let mut turned = self.base_page.clone();
+        for (out, &source) in turned.as_chunks_mut::<B>().0.iter_mut().zip(&self.sources) {
+            *out = from[usize::from(source >> 9)][usize::from(source & 511)];
         }
-        needed.then_some(turned)
+        // A page that stays whole stays, whatever its colours, so that the way back is exact.
+        (self.overlapped == 1 || turned != self.base_page).then_some(turned)
     }
 
     /// Refuses what would take more memory for colours than is allowed. The pages are counted

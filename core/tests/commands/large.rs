@@ -49,7 +49,7 @@ fn is_refused(result: Result<u32, CommandError>) -> bool {
 #[test]
 fn at_1024_cubed_in_24_bits_nothing_vanishes_unasked() {
     if std::env::var_os("SCULPTURE_LARGE").is_none() {
-        trials::skip("it takes 12 GB of memory and minutes; SCULPTURE_LARGE=1 runs it");
+        trials::skip("it takes 8 GB of memory and a minute; SCULPTURE_LARGE=1 runs it");
     }
     let Command::New(new) = "new dims=1024,1024,1024 colour=24".parse().unwrap() else { panic!() };
     let mut document = Document::new(&new, Limits::default()).unwrap();
@@ -71,7 +71,9 @@ fn at_1024_cubed_in_24_bits_nothing_vanishes_unasked() {
     assert_eq!(apply(&mut document, "undo 3").unwrap(), 3);
     assert_eq!(digest(document.contents()), painted);
     assert_eq!(apply(&mut document, "redo all").unwrap(), 3);
-    assert_eq!(all_of(&document), before);
+    // What a step takes may differ by what its lists have reserved.
+    let again = all_of(&document);
+    assert_eq!((again.0, again.1, again.2, again.4), (before.0, before.1, before.2, before.4));
 
     // The first step painted all: its undo would have to keep all. The others are undone.
     assert_eq!(apply(&mut document, "undo all").unwrap(), 3);
