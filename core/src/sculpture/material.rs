@@ -16,6 +16,10 @@ use super::grid::Grid;
 /// The packed colours of one brick, in the order of [`super::brick::local_index`].
 pub type Page = Box<[u8]>;
 
+/// An edit of the pages of a band: gets the linear index of its first brick, the pages, and the band's
+/// state; returns the number of pages that it has made.
+pub type BandEdit<'a, S> = dyn Fn(u32, &mut [Option<Page>], &mut S) -> usize + Sync + 'a;
+
 /// Colour per voxel, stored only where painted.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Material {
@@ -119,7 +123,7 @@ impl Material {
         bands: Range<usize>,
         parallel: bool,
         states: &mut [S],
-        f: &(dyn Fn(u32, &mut [Option<Page>], &mut S) -> usize + Sync),
+        f: &BandEdit<'_, S>,
     ) {
         self.make_room();
         let end = (bands.end * bricks_per_band).min(self.pages.len());
