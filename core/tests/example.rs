@@ -15,7 +15,7 @@ fn the_example_shows_a_frame_of_stone_around_a_red_ball() {
     };
     let red = share(|[r, g, b]| i32::from(r) > 2 * i32::from(g) && i32::from(r) > 2 * i32::from(b));
     let background = share(|colour| colour == [230, 233, 238]);
-    assert!((0.05..0.4).contains(&red), "{red}");
+    assert!((0.02..0.1).contains(&red), "{red}");
     assert!((0.3..0.8).contains(&background), "{background}");
     assert!(1.0 - red - background > 0.1, "the frame");
 }

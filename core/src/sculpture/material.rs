@@ -176,6 +176,8 @@ impl Material {
 
     fn make_room(&mut self) {
         if self.pages.is_empty() {
+            // Exactly: the memory was checked before.
+            self.pages.reserve_exact(self.brick_count);
             self.pages.resize(self.brick_count, None);
         }
     }
