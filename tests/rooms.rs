@@ -75,7 +75,7 @@ fn without_comments_and_literals(source: &str) -> String {
                 end += if bytes[end] == b'\\' { 2 } else { 1 };
             }
             end + 1
-        } else if let Some(length) = character_literal(&rest[..]) {
+        } else if let Some(length) = character_literal(rest) {
             at + length
         } else {
             at += rest.chars().next().map_or(1, char::len_utf8);

@@ -75,7 +75,7 @@ impl Sampler {
 impl Drop for Sampler {
     fn drop(&mut self) {
         let handle = self.handle;
-        // Called once the device has finished all work that may use it.
+        // SAFETY: called once the device has finished all work that may use it.
         self.device.retire_with(move |device| unsafe { device.destroy_sampler(handle, None) });
     }
 }
