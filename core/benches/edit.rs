@@ -173,27 +173,37 @@ fn cheese(c: &mut Criterion) {
         let name = if one_stroke { "one_stroke" } else { "2000_strokes" };
         group.bench_function(name, |b| {
             b.iter_custom(|runs| {
-                let mut total = Duration::ZERO;
-                for _ in 0..runs {
-                    let start = Instant::now();
-                    if one_stroke {
-                        apply(&mut document, &Command::Begin { label: "cheese".into() });
-                    }
-                    for hole in &holes {
-                        black_box(apply(&mut document, hole));
-                    }
-                    if one_stroke {
-                        apply(&mut document, &Command::End);
-                    }
-                    total += start.elapsed();
-                    apply(&mut document, &Command::Undo { steps: None });
-                    forget_dirty(&mut document);
-                }
-                total
+                time_of(&mut document, runs, one_stroke.then_some("cheese"), &holes)
             });
         });
     }
     group.finish();
+}
+
+/// How long `commands` take `runs` times, as one stroke of that label if there is one; undone each time.
+fn time_of(
+    document: &mut Document,
+    runs: u64,
+    stroke: Option<&str>,
+    commands: &[Command],
+) -> Duration {
+    let mut total = Duration::ZERO;
+    for _ in 0..runs {
+        let start = Instant::now();
+        if let Some(label) = stroke {
+            apply(document, &Command::Begin { label: label.into() });
+        }
+        for command in commands {
+            black_box(apply(document, command));
+        }
+        if stroke.is_some() {
+            apply(document, &Command::End);
+        }
+        total += start.elapsed();
+        apply(document, &Command::Undo { steps: None });
+        forget_dirty(document);
+    }
+    total
 }
 
 /// Straight strokes of 200 voxels through a solid block, as the editor places their stamps
@@ -226,21 +236,7 @@ fn strokes(c: &mut Criterion) {
                     .collect();
                 let id = format!("{name}_{half}_{way}_{}_stamps", stamps.len());
                 group.bench_function(id, |b| {
-                    b.iter_custom(|runs| {
-                        let mut total = Duration::ZERO;
-                        for _ in 0..runs {
-                            let start = Instant::now();
-                            apply(&mut document, &Command::Begin { label: "stroke".into() });
-                            for stamp in &stamps {
-                                black_box(apply(&mut document, stamp));
-                            }
-                            apply(&mut document, &Command::End);
-                            total += start.elapsed();
-                            apply(&mut document, &Command::Undo { steps: None });
-                            forget_dirty(&mut document);
-                        }
-                        total
-                    });
+                    b.iter_custom(|runs| time_of(&mut document, runs, Some("stroke"), &stamps));
                 });
             }
         }

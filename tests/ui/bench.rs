@@ -138,3 +138,11 @@ pub fn click(harness: &mut Bench, label: &str) {
 pub fn has(harness: &Bench, label: &str) -> bool {
     harness.query_by_label(label).is_some()
 }
+
+/// Types a command into the palette and runs it.
+pub fn run_by_palette(harness: &mut Bench, line: &str) {
+    key(harness, Modifiers::COMMAND, Key::P);
+    harness.run();
+    send(harness, Event::Text(line.to_string()));
+    key(harness, Modifiers::NONE, Key::Enter);
+}

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use egui::{Event, Key, Modifiers, PointerButton, vec2};
+use egui::{Key, Modifiers, PointerButton, vec2};
 use egui_kittest::kittest::Queryable;
 use glam::UVec3;
 use virtual_sculpture::app::Workspace;
@@ -14,7 +14,7 @@ use virtual_sculpture::session::Session;
 use virtual_sculpture::ui::toasts::Tone;
 
 use super::bench::{
-    Bench, bench, bench_around, config, drag, key, middle, send, undo_count, voxels,
+    Bench, bench, bench_around, config, drag, key, middle, run_by_palette, undo_count, voxels,
 };
 
 const ALL: u64 = 64 * 64 * 64;
@@ -26,10 +26,7 @@ fn execute(harness: &mut Bench, line: &str) {
 
 /// Types a command into the palette.
 fn ask_for(harness: &mut Bench, line: &str) {
-    key(harness, Modifiers::COMMAND, Key::P);
-    harness.run();
-    send(harness, Event::Text(line.to_string()));
-    key(harness, Modifiers::NONE, Key::Enter);
+    run_by_palette(harness, line);
     settle(harness);
 }
 

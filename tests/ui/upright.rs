@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Event, Key, Modifiers, vec2};
+use egui::{Key, Modifiers, vec2};
 use egui_kittest::kittest::Queryable;
 use glam::UVec3;
 use virtual_sculpture::app::Workspace;
@@ -14,7 +14,7 @@ use virtual_sculpture::input::Bindings;
 use virtual_sculpture::sculpture::orientation::Up;
 use virtual_sculpture::session::Session;
 
-use super::bench::{Bench, bench, bench_around, config, key, send, undo_count};
+use super::bench::{Bench, bench, bench_around, config, key, run_by_palette, undo_count};
 
 const QUESTION: &str = "Which axis points up?";
 
@@ -37,10 +37,7 @@ fn settle(harness: &mut Bench) {
 
 /// Types a command into the palette.
 fn ask_for(harness: &mut Bench, line: &str) {
-    key(harness, Modifiers::COMMAND, Key::P);
-    harness.run();
-    send(harness, Event::Text(line.to_string()));
-    key(harness, Modifiers::NONE, Key::Enter);
+    run_by_palette(harness, line);
     settle(harness);
 }
 
