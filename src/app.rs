@@ -98,7 +98,7 @@ pub fn run(
     let proxy = event_loop.create_proxy();
     pad_device::listen(move |news| proxy.send_event(Wake::Pad(news)).is_ok());
     let mut workspace = Workspace::new(session, &config, Bindings::presets()?);
-    workspace.ui.guide.open = config.window.guide && first_run::is_first_run();
+    workspace.ui.dialogs.guide.open = config.window.guide && first_run::is_first_run();
     if let Some(folder) = folders::personal_folder() {
         workspace.keep_keys_in(folder.join("bindings.toml"));
         workspace.keep_calibration_in(folder.join("calibration.toml"));
@@ -232,10 +232,10 @@ impl App {
         let Some(view) = &mut self.view else { return Ok(()) };
         let device = view.device().clone();
         self.detached.follow(event_loop, view.pane.window(), &device, &mut self.workspace);
-        let modal = self.workspace.ui.is_modal();
+        let modal = self.workspace.ui.dialogs.is_modal();
         if self.detached.refresh(&mut self.workspace)? {
             view.pane.redraw();
-            if self.workspace.ui.is_modal() && !modal {
+            if self.workspace.ui.dialogs.is_modal() && !modal {
                 // What was opened from a panel is shown in the main window.
                 view.pane.window().focus_window();
             }
@@ -244,7 +244,7 @@ impl App {
     }
 
     fn open_window(&mut self, event_loop: &ActiveEventLoop) -> Result<(), AppError> {
-        let windows = &self.workspace.ui.windows;
+        let windows = &self.workspace.ui.layout.windows;
         let mut size = windows.main.unwrap_or(self.config.window.size);
         // It may have been on a larger screen last.
         let screens = event_loop.available_monitors();
@@ -279,7 +279,7 @@ impl App {
         if let (true, false, Some(view)) = (lost, again, self.view.take()) {
             tracing::warn!("{error}; recreating the device");
             self.restarted = Some(Instant::now());
-            self.detached.note_places(&mut self.workspace.ui.windows.panels);
+            self.detached.note_places(&mut self.workspace.ui.layout.windows.panels);
             self.detached.close();
             let window = view.into_window();
             match MainWindow::new(window, &self.device) {
@@ -342,9 +342,9 @@ impl App {
 
     /// Notes how large the windows are and where.
     fn note_windows(&mut self) {
-        self.detached.note_places(&mut self.workspace.ui.windows.panels);
+        self.detached.note_places(&mut self.workspace.ui.layout.windows.panels);
         let Some(view) = &self.view else { return };
-        let (window, windows) = (view.pane.window(), &mut self.workspace.ui.windows);
+        let (window, windows) = (view.pane.window(), &mut self.workspace.ui.layout.windows);
         windows.maximised = window.is_maximized();
         let size = window.inner_size().to_logical::<u32>(window.scale_factor());
         let usable = size.width >= SMALLEST.width && size.height >= SMALLEST.height;

@@ -148,7 +148,6 @@ impl Config {
             light: &self.light,
             stereo: &self.stereo,
             video: &self.video,
-            gamepad: &self.gamepad,
             headset: &self.headset,
         }
     }

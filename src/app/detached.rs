@@ -61,18 +61,18 @@ impl DetachedPanels {
     ) {
         let (kept, gone) = std::mem::take(&mut self.windows)
             .into_iter()
-            .partition(|window| workspace.ui.detached.contains(&window.panel));
+            .partition(|window| workspace.ui.layout.detached.contains(&window.panel));
         self.windows = kept;
         for window in gone {
-            workspace.ui.windows.panels.insert(window.panel, place_of(window.pane.window()));
+            workspace.ui.layout.windows.panels.insert(window.panel, place_of(window.pane.window()));
             workspace.put_back(window.panel);
         }
-        for panel in workspace.ui.detached.clone() {
+        for panel in workspace.ui.layout.detached.clone() {
             if self.windows.iter().any(|window| window.panel == panel) {
                 continue;
             }
-            let place = workspace.ui.windows.panels.get(&panel).copied();
-            let scale = workspace.ui.scale.factor();
+            let place = workspace.ui.layout.windows.panels.get(&panel).copied();
+            let scale = workspace.ui.appearance.scale.factor();
             match PanelWindow::open(event_loop, main, device, panel, place, scale) {
                 Ok(window) => self.windows.push(window),
                 Err(error) => {

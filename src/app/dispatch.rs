@@ -31,7 +31,7 @@ impl Workspace {
         for request in requests {
             self.answer_request(request);
         }
-        if self.ui.unkept.is_none() {
+        if self.ui.dialogs.unkept.is_none() {
             self.editor.drop_stroke_in_question();
             self.settle();
         }
@@ -71,31 +71,31 @@ impl Workspace {
     pub fn act(&mut self, action: Action) {
         let path = self.editor.session().path();
         match action {
-            Action::New => self.ui.new_dialog.open = true,
-            Action::Open => self.ui.files.open(FileTask::Open, path),
+            Action::New => self.ui.dialogs.new.open = true,
+            Action::Open => self.ui.dialogs.files.open(FileTask::Open, path),
             Action::Save => self.editor.save(None),
-            Action::SaveAs => self.ui.files.open(FileTask::SaveAs(None), path),
-            Action::Export => self.ui.files.open(FileTask::Export, path),
+            Action::SaveAs => self.ui.dialogs.files.open(FileTask::SaveAs(None), path),
+            Action::Export => self.ui.dialogs.files.open(FileTask::Export, path),
             Action::Quit => self.quit(),
             Action::Cancel if self.editor.is_busy() => self.editor.cancel_job(),
             Action::Cancel if self.editor.is_stroking() => self.editor.cancel_stroke(),
             Action::Cancel => {
-                self.ui.close_top();
+                self.ui.dialogs.close_top();
             }
-            Action::Palette => self.ui.palette.open(),
-            Action::Help => self.ui.help_open = !self.ui.help_open,
-            Action::Guide => self.ui.guide.open = !self.ui.guide.open,
-            Action::Lights => self.ui.light_open = !self.ui.light_open,
-            Action::ToggleTheme => self.ui.theme = self.ui.theme.other(),
-            Action::Fullscreen => self.ui.switch_fullscreen = true,
-            Action::Screenshot => self.ui.screenshot = true,
-            Action::Detach(panel) => self.ui.toggle_detached(panel),
-            Action::ScaleUp => self.ui.scale.change_by(1.0),
-            Action::ScaleDown => self.ui.scale.change_by(-1.0),
-            Action::ScaleReset => self.ui.scale.reset(),
+            Action::Palette => self.ui.dialogs.palette.open(),
+            Action::Help => self.ui.dialogs.keys.open = !self.ui.dialogs.keys.open,
+            Action::Guide => self.ui.dialogs.guide.open = !self.ui.dialogs.guide.open,
+            Action::Lights => self.ui.dialogs.light.open = !self.ui.dialogs.light.open,
+            Action::ToggleTheme => self.ui.appearance.theme = self.ui.appearance.theme.other(),
+            Action::Fullscreen => self.ui.window_tasks.switch_fullscreen = true,
+            Action::Screenshot => self.ui.window_tasks.screenshot = true,
+            Action::Detach(panel) => self.ui.layout.toggle_detached(panel),
+            Action::ScaleUp => self.ui.appearance.scale.change_by(1.0),
+            Action::ScaleDown => self.ui.appearance.scale.change_by(-1.0),
+            Action::ScaleReset => self.ui.appearance.scale.reset(),
             Action::ToggleRumble => {
-                self.ui.rumble = !self.ui.rumble;
-                self.ui.toasts.note(if self.ui.rumble { "Rumble on" } else { "Rumble off" });
+                let on = self.controls.pads.toggle_rumble();
+                self.ui.toasts.note(if on { "Rumble on" } else { "Rumble off" });
             }
             Action::NextPadMode => self.controls.pads.next_mode(),
             Action::ToggleBounds => self.ui.view.bounds ^= true,
@@ -183,7 +183,7 @@ impl Workspace {
         if self.editor.is_busy() {
             self.editor.leave_after_job();
         } else if self.editor.session().modified() {
-            self.ui.unsaved = Some(Next::Leave);
+            self.ui.dialogs.unsaved = Some(Next::Leave);
         } else {
             self.leaving = true;
         }
@@ -225,7 +225,7 @@ impl Workspace {
     pub fn track_at(&mut self, now_s: f64) {
         for event in self.viewpoint.head.update(now_s) {
             // A window that asks for an answer is not for them.
-            let busy = self.ui.is_modal() || self.viewpoint.head.is_calibrating();
+            let busy = self.ui.dialogs.is_modal() || self.viewpoint.head.is_calibrating();
             if !busy || matches!(event, ActionEvent::End(_)) {
                 self.answer_event(&event);
             }
@@ -236,7 +236,7 @@ impl Workspace {
         }
         self.settle();
         for event in self.viewpoint.head.wheels(self.viewpoint.turntable.middle()) {
-            if !self.ui.is_modal() {
+            if !self.ui.dialogs.is_modal() {
                 self.answer_event(&event);
             }
         }
@@ -245,7 +245,7 @@ impl Workspace {
     /// Does what gamepads have asked for up to `now_s`. Returns what they do with the pointer.
     pub fn play_pad(&mut self, now_s: f64, ctx: &egui::Context) -> Vec<egui::Event> {
         let mut pointer = Vec::new();
-        let catching = self.ui.keys.is_catching();
+        let catching = self.ui.dialogs.keys.is_catching();
         let start = self.picture().center();
         for event in self.controls.take_pad_events(now_s) {
             // What is pressed is heard as a trigger and does nothing else.
@@ -256,7 +256,7 @@ impl Workspace {
                 PadEvent::Glide(glide) if glide.mode == PadMode::OnlyMouse => {
                     pointer.push(self.controls.pads.move_pointer(&glide, ctx, start));
                 }
-                PadEvent::Glide(glide) if !self.ui.is_modal() => {
+                PadEvent::Glide(glide) if !self.ui.dialogs.is_modal() => {
                     glide.parts(STEP_S).for_each(|part| self.glide(&part));
                 }
                 PadEvent::Glide(_) => {}
@@ -264,7 +264,7 @@ impl Workspace {
                     // A window that asks for an answer is closed or answered with the pointer.
                     let meant =
                         matches!(event, ActionEvent::Tap(Action::Cancel) | ActionEvent::End(_));
-                    if meant || !self.ui.is_modal() {
+                    if meant || !self.ui.dialogs.is_modal() {
                         self.answer_event(&event);
                     }
                 }
@@ -357,8 +357,8 @@ impl Workspace {
             }
             outcomes.into_iter().for_each(|outcome| self.react(outcome));
         }
-        self.ui.busy = self.editor.busy();
-        self.ui.calibrating = self.viewpoint.head.is_calibrating();
+        self.ui.dialogs.busy = self.editor.busy();
+        self.ui.dialogs.calibrating = self.viewpoint.head.is_calibrating();
     }
 
     fn react(&mut self, outcome: Outcome) {
@@ -376,11 +376,11 @@ impl Workspace {
                     .toasts
                     .note(format!("Nothing changed: tools are limited to the selection{keys}"));
             }
-            Outcome::Unsaved(next) => self.ui.unsaved = Some(next),
-            Outcome::Unkept(unkept) => self.ui.unkept = Some(unkept),
+            Outcome::Unsaved(next) => self.ui.dialogs.unsaved = Some(next),
+            Outcome::Unkept(unkept) => self.ui.dialogs.unkept = Some(unkept),
             Outcome::NameNeeded(next) => {
                 let path = self.editor.session().path();
-                self.ui.files.open(FileTask::SaveAs(next), path);
+                self.ui.dialogs.files.open(FileTask::SaveAs(next), path);
             }
             Outcome::FileUsed(command) => self.note_file(&command),
             Outcome::Leave => self.quit(),

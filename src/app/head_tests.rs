@@ -217,7 +217,7 @@ fn four_touches_calibrate_the_tracker_and_are_kept() {
     let file = desk.folder.path().join("calibration.toml");
     desk.workspace.keep_calibration_in(file.clone());
     desk.workspace.act(Action::CalibrateHead);
-    assert!(desk.workspace.ui.is_modal());
+    assert!(desk.workspace.ui.dialogs.is_modal());
     // On the way between two corners nothing is taken.
     desk.play(0.0, 0.98);
     desk.workspace.answer_requests(vec![UiRequest::Calibrate(CalibrationStep::Take)]);
@@ -237,7 +237,7 @@ fn four_touches_calibrate_the_tracker_and_are_kept() {
     assert_eq!(context.taken, 4);
     assert!(context.rms_mm.unwrap() < 0.5, "{context:?}");
     desk.workspace.answer_requests(vec![UiRequest::Calibrate(CalibrationStep::Keep)]);
-    assert!(!desk.workspace.ui.is_modal());
+    assert!(!desk.workspace.ui.dialogs.is_modal());
     desk.play(zero_s + 4.0, zero_s + 6.0);
     assert!(desk.head_m().distance(head_m.as_vec3()) < 2e-3, "{}", desk.head_m());
     // The next start takes it from the file.

@@ -49,10 +49,10 @@ fn while_it_runs_it_is_shown_and_nothing_changes() {
     workspace.run_now(&"subtract cuboid at=4,4,4 half=2".parse().unwrap());
     let before = workspace.session().document().contents().clone();
     let go = start_slowly(&mut workspace, &format!("save {path:?}"));
-    let busy = workspace.ui.busy.clone().unwrap();
+    let busy = workspace.ui.dialogs.busy.clone().unwrap();
     assert_eq!((busy.what, busy.stage.done), ("Saving", Some(0.25)));
     assert_eq!(busy.stage.what, "thinking");
-    assert!(workspace.ui.is_modal());
+    assert!(workspace.ui.dialogs.is_modal());
     for refused in ["clear", "undo", "subtract cuboid at=9,9,4 half=3", "begin"] {
         assert!(!workspace.run_now(&refused.parse().unwrap()), "{refused}");
     }
@@ -62,7 +62,7 @@ fn while_it_runs_it_is_shown_and_nothing_changes() {
     assert!(workspace.session().modified());
     go.send(()).unwrap();
     workspace.finish_job();
-    assert!(workspace.ui.busy.is_none() && !workspace.session().modified());
+    assert!(workspace.ui.dialogs.busy.is_none() && !workspace.session().modified());
     let saved = crate::format::load(&path, &Default::default(), &Default::default(), &());
     assert_eq!(saved.unwrap().contents.grid, before.grid);
     assert!(workspace.run_now(&"clear".parse().unwrap()), "work goes on");

@@ -135,7 +135,7 @@ impl MainWindow {
 
     /// Saves the picture that was just shown, if that was asked for.
     pub fn save_screenshot(&mut self, workspace: &mut Workspace) -> Result<(), GpuError> {
-        if !std::mem::take(&mut workspace.ui.screenshot) {
+        if !std::mem::take(&mut workspace.ui.window_tasks.screenshot) {
             return Ok(());
         }
         if let Some((format, eyes)) = self.painter.read_back()? {
@@ -156,7 +156,7 @@ impl MainWindow {
     /// Lets the window fill its screen, or no longer, if that was asked for. The system may have
     /// changed it meanwhile, so the window itself is asked what it does now.
     pub fn switch_fullscreen(&self, workspace: &mut Workspace) {
-        if std::mem::take(&mut workspace.ui.switch_fullscreen) {
+        if std::mem::take(&mut workspace.ui.window_tasks.switch_fullscreen) {
             let window = self.pane.window();
             let whole = window.fullscreen().is_none().then_some(Fullscreen::Borderless(None));
             window.set_fullscreen(whole);

@@ -43,7 +43,7 @@ impl Workspace {
         self.editor.leave_ground();
         let session = self.editor.session();
         if let Some(path) = session.path() {
-            self.ui.recent.note_open(path, session.assumed_up().unwrap_or_default());
+            self.ui.known_files.recent.note_open(path, session.assumed_up().unwrap_or_default());
         }
         let written = read.ok().flatten().unwrap_or_default();
         let window = window.clone();
@@ -54,9 +54,9 @@ impl Workspace {
     /// A file was opened or saved by a command.
     pub(super) fn note_file(&mut self, command: &Command) {
         if let Command::Open { path, .. } | Command::Save { path, .. } = command {
-            self.ui.recent.note(command);
+            self.ui.known_files.recent.note(command);
             if let Some(folder) = folder_of(std::path::absolute(path).ok().as_deref()) {
-                self.ui.files.set_folder(folder);
+                self.ui.dialogs.files.set_folder(folder);
             }
             self.remember();
         }

@@ -227,11 +227,11 @@ fn a_stroke_ends_when_its_pad_is_pulled_out_or_a_question_is_open() {
 
     let mut asked = Desk::new("", 60.0);
     let (full, at) = (asked.voxels(), asked.workspace.editor.tool.centre_vx);
-    asked.workspace.ui.unsaved = Some(Next::Leave);
+    asked.workspace.ui.dialogs.unsaved = Some(Next::Leave);
     asked.keep(PadState { held: holding(PadButton::South).held, ..left(1.0, 0.0) }, 0.3);
     assert_eq!((asked.voxels(), asked.workspace.editor.tool.centre_vx), (full, at));
     asked.press(PadButton::Select);
-    assert!(asked.workspace.ui.unsaved.is_none(), "the question can be put aside");
+    assert!(asked.workspace.ui.dialogs.unsaved.is_none(), "the question can be put aside");
 }
 
 #[test]
@@ -246,18 +246,18 @@ fn a_button_is_caught_in_the_table_of_keys() {
     let cut = desk.voxels();
     assert!(cut < full);
     assert!(!has(&desk, Action::Undo, stick));
-    desk.workspace.ui.keys.listen_for(Action::Undo);
+    desk.workspace.ui.dialogs.keys.listen_for(Action::Undo);
     desk.press(PadButton::LeftStick);
-    assert!(!desk.workspace.ui.keys.is_catching() && has(&desk, Action::Undo, stick));
+    assert!(!desk.workspace.ui.dialogs.keys.is_catching() && has(&desk, Action::Undo, stick));
     assert_eq!(desk.voxels(), cut, "what is caught does nothing else");
     desk.press(PadButton::LeftStick);
     assert_eq!(desk.voxels(), full, "from then on it is a key as any other");
 
     // What another action has is asked about, and stays with it until the answer.
     let right = Trigger::Pad { button: PadButton::DpadRight };
-    desk.workspace.ui.keys.listen_for(Action::Fill);
+    desk.workspace.ui.dialogs.keys.listen_for(Action::Fill);
     desk.press(PadButton::DpadRight);
-    assert!(desk.workspace.ui.keys.is_catching());
+    assert!(desk.workspace.ui.dialogs.keys.is_catching());
     assert!(has(&desk, Action::Redo, right) && !has(&desk, Action::Fill, right));
     assert_eq!(desk.voxels(), full, "nothing was redone");
 }

@@ -36,7 +36,7 @@ impl Painter {
     ) -> Result<()> {
         let scene = workspace.overlay_scene();
         // A picture to be saved shows the sculpture alone.
-        let (preview, lines) = match workspace.ui.screenshot {
+        let (preview, lines) = match workspace.ui.window_tasks.screenshot {
             true => (None, Vec::new()),
             false => (overlay::preview(&scene), overlay::lines(&scene)),
         };
@@ -53,7 +53,7 @@ impl Painter {
             world_from_grid: workspace.world_from_grid(),
             mode: workspace.ui.view.mode,
             lighting: workspace.ui.view.lighting(),
-            background: background(workspace.ui.theme),
+            background: background(workspace.ui.appearance.theme),
             video,
             previews: preview.as_slice(),
             lines: &lines,
@@ -90,7 +90,7 @@ impl Workspace {
             tool: &self.editor.tool,
             document,
             view: &self.ui.view,
-            theme: self.ui.theme,
+            theme: self.ui.appearance.theme,
             seen: self.viewpoint.pick_map(),
             pointer: self.editor.pointer(),
             depth: picker.sight().depth(target.unwrap_or(grid.dims().as_vec3() * 0.5)),

@@ -17,6 +17,7 @@ use crate::input::events::{Viewport as InputArea, device_events};
 use crate::input::pad::device::PadNews;
 use crate::input::{Action, Bindings, Panel, Side};
 use crate::picking::Picker;
+use crate::screen::headset::Blend;
 use crate::session::Session;
 use crate::ui::{self, FrameTimes, UiContext, UiRequest, UiState};
 use crate::view::Eye;
@@ -24,13 +25,15 @@ use crate::viewpoint::ar::Ar;
 use crate::viewpoint::head::{Head, Monitor};
 use crate::viewpoint::{Viewpoint, Viewport};
 
-/// What the window and its device report.
+/// What the window with its device, and a headset, report.
 pub struct Display {
     /// Name of the Vulkan device.
     pub device: String,
     /// Whether the window can have a layer an eye.
     pub quad_buffered: bool,
     pub times: FrameTimes,
+    /// How a headset's pictures can go together with the surroundings; none without a headset.
+    pub blends: Vec<Blend>,
     /// Where in the window the sculpture is shown, in points.
     picture: Rect,
 }
@@ -63,6 +66,7 @@ impl Workspace {
                 device: String::new(),
                 quad_buffered: false,
                 times: FrameTimes::default(),
+                blends: Vec::new(),
                 picture: Rect::ZERO,
             },
             memory: None,
@@ -164,15 +168,15 @@ impl Workspace {
 
     /// Takes news of a pad at `now_s` seconds.
     pub fn hear_pad(&mut self, news: PadNews, now_s: f64) {
-        let catching = self.ui.keys.is_catching();
+        let catching = self.ui.dialogs.keys.is_catching();
         let report = self.controls.hear_pad(news, now_s, catching);
-        self.ui.keys.hear(report.caught);
+        self.ui.dialogs.keys.hear(report.caught);
         self.show_notices(report.notice);
     }
 
     /// Lets the pad shake as the tool has changed voxels since the last call.
     pub fn shake_pad(&mut self, now_s: f64) {
-        let felt = self.ui.rumble && self.editor.is_stroking();
+        let felt = self.editor.is_stroking();
         self.controls.pads.shake(now_s, self.editor.voxels_changed(), felt);
     }
 
@@ -187,7 +191,7 @@ impl Workspace {
         self.controls.pads.draw_pointer(root.ctx());
         let response = root.interact(picture, picture_id(), Sense::hover());
         self.set_picture(picture, root.pixels_per_point());
-        if response.contains_pointer() && !self.ui.is_modal() {
+        if response.contains_pointer() && !self.ui.dialogs.is_modal() {
             root.set_cursor_icon(self.cursor(root));
         }
         self.finish_pass(root, requests);
@@ -227,7 +231,7 @@ impl Workspace {
     /// A panel's window was closed: the panel is back in its place, and what was held in its
     /// window is let go.
     pub fn put_back(&mut self, panel: Panel) {
-        self.ui.detached.remove(&panel);
+        self.ui.layout.detached.remove(&panel);
         for event in self.controls.panel_closed(panel) {
             self.answer_event(&event);
         }
@@ -266,6 +270,7 @@ impl Workspace {
             preset: self.controls.preset,
             times: self.display.times,
             in_headset,
+            blends: &self.display.blends,
             quad_buffered: self.display.quad_buffered,
             device: &self.display.device,
             pointed_vx: self.editor.pointer().and_then(|at| picker.voxel(document.grid(), at)),
@@ -288,7 +293,7 @@ impl Workspace {
 
     /// Whether keys are meant for the sculpture rather than for a dialog or a field.
     fn has_keyboard(&self, root: &Ui) -> bool {
-        !self.ui.is_modal() && root.ctx().memory(|memory| memory.focused().is_none())
+        !self.ui.dialogs.is_modal() && root.ctx().memory(|memory| memory.focused().is_none())
     }
 
     /// Does what the devices say about the picture as it was last shown.
@@ -298,7 +303,7 @@ impl Workspace {
         let area = InputArea {
             rect: self.display.picture,
             pixels_per_point: root.pixels_per_point(),
-            hovered: hovered && !self.ui.is_modal(),
+            hovered: hovered && !self.ui.dialogs.is_modal(),
             captured: self.controls.is_dragging(),
             keyboard: self.has_keyboard(root),
         };

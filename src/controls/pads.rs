@@ -26,6 +26,8 @@ pub struct PadStatus<'a> {
     pub mode: PadMode,
     /// Whether it has motors.
     pub rumbles: bool,
+    /// Whether they may shake.
+    pub rumble_on: bool,
 }
 
 /// The gamepads and what they need to know between pictures.
@@ -62,7 +64,8 @@ impl Pads {
     pub fn status(&self) -> Option<PadStatus<'_>> {
         let (id, name) = self.mapper.leader()?;
         let rumbles = self.motors.iter().any(|(motor, _)| *motor == id);
-        Some(PadStatus { name, mode: self.mapper.mode(), rumbles })
+        let rumble_on = self.settings.rumble;
+        Some(PadStatus { name, mode: self.mapper.mode(), rumbles, rumble_on })
     }
 
     /// Takes news of a pad at `now_s` seconds. With `catching` what is pressed is also returned as
@@ -119,6 +122,12 @@ impl Pads {
         }
     }
 
+    /// Lets pads shake, or no longer. Says whether they may from now on.
+    pub fn toggle_rumble(&mut self) -> bool {
+        self.settings.rumble ^= true;
+        self.settings.rumble
+    }
+
     /// What the pads have asked for up to `now_s`, in order.
     pub fn take(&mut self, now_s: f64, bindings: &Bindings) -> Vec<PadEvent> {
         self.mapper.take(now_s, bindings)
@@ -136,7 +145,7 @@ impl Pads {
         self.shaken_s = now_s;
         let before = std::mem::replace(&mut self.felt_voxels, voxels_changed);
         let changed = voxels_changed.saturating_sub(before);
-        let felt = (felt && self.mapper.is_holding()).then_some(changed);
+        let felt = (felt && self.settings.rumble && self.mapper.is_holding()).then_some(changed);
         let was_shaking = self.rumble.is_shaking();
         let strength = self.rumble.step(felt, dt_s, &self.settings.rumble_curve());
         if was_shaking || strength > 0.0 {

@@ -33,9 +33,9 @@ pub fn show(
     context: &UiContext,
     requests: &mut Vec<UiRequest>,
 ) {
-    theme::apply(root.ctx(), state.theme, state.scale);
+    theme::apply(root.ctx(), state.appearance.theme, state.appearance.scale);
     top_bar::show(root, state, context, requests);
-    let enabled = !state.is_modal();
+    let enabled = !state.dialogs.is_modal();
     let frame = Frame::central_panel(root.style()).inner_margin(Margin::same(8));
     Side::left("board tools").exact_size(TOOLBOX_WIDTH).resizable(false).frame(frame).show(
         root,
@@ -56,16 +56,16 @@ pub fn show(
                 ui.horizontal(|ui| {
                     ui.label("Tool in");
                     for side in HandSide::ALL {
-                        ui.selectable_value(&mut state.hand_side, side, side.label());
+                        ui.selectable_value(&mut state.headset.hand_side, side, side.label());
                     }
                 });
-                if state.blends.len() > 1 {
+                if context.blends.len() > 1 {
                     ui.horizontal(|ui| {
                         ui.label("Surroundings");
-                        let now = state.blend.nearest(&state.blends);
-                        for &blend in &state.blends {
+                        let now = state.headset.blend.nearest(context.blends);
+                        for &blend in context.blends {
                             if ui.selectable_label(now == Some(blend), blend.label()).clicked() {
-                                state.blend = blend;
+                                state.headset.blend = blend;
                             }
                         }
                     });

@@ -9,7 +9,7 @@ use super::{UiRequest, UiState};
 const WIDTH: f32 = 320.0;
 
 pub fn show(root: &Ui, state: &UiState, requests: &mut Vec<UiRequest>) {
-    let Some(busy) = state.busy.as_ref().filter(|busy| busy.shown) else { return };
+    let Some(busy) = state.dialogs.busy.as_ref().filter(|busy| busy.shown) else { return };
     let stop = Modal::new(Id::new("busy")).show(root.ctx(), |ui| {
         ui.set_width(WIDTH);
         ui.heading(busy.what);

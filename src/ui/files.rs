@@ -124,7 +124,7 @@ impl Default for Files {
 }
 
 pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
-    let Files { dialog, task, choice, .. } = &mut state.files;
+    let Files { dialog, task, choice, .. } = &mut state.dialogs.files;
     // The library draws its search field black on any ground: dark text could not be read there.
     dialog.config_mut().show_search = root.visuals().dark_mode;
     dialog.update_with_right_panel_ui(root.ctx(), &mut |ui, _| {
@@ -146,7 +146,7 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
     match task {
         FileTask::Picture => requests.push(UiRequest::Tool(ToolEdit::Picture(Some(path)))),
         FileTask::Open => {
-            let upright = state.upright.of(&path).unwrap_or_default();
+            let upright = state.known_files.upright.of(&path).unwrap_or_default();
             let import = ImportOptions { upright, ..choice.import };
             requests.push(UiRequest::Run(Command::Open { path, import }));
         }

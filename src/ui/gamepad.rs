@@ -2,12 +2,12 @@
 
 use egui::Ui;
 
-use super::{UiRequest, UiState};
+use super::UiRequest;
 use crate::controls::pads::PadStatus;
 use crate::input::Action;
 use crate::input::pad::PadMode;
 
-pub fn show(ui: &mut Ui, state: &mut UiState, pad: PadStatus, requests: &mut Vec<UiRequest>) {
+pub fn show(ui: &mut Ui, pad: PadStatus, requests: &mut Vec<UiRequest>) {
     ui.label(pad.name);
     ui.horizontal(|ui| {
         if ui.button(pad.mode.label()).on_hover_text(Action::NextPadMode.help().text).clicked() {
@@ -16,13 +16,13 @@ pub fn show(ui: &mut Ui, state: &mut UiState, pad: PadStatus, requests: &mut Vec
     });
     ui.label(egui::RichText::new(mode_hint(pad.mode)).weak());
     ui.add_enabled_ui(pad.rumbles, |ui| {
-        let mut rumble = state.rumble && pad.rumbles;
+        let mut rumble = pad.rumble_on && pad.rumbles;
         let checkbox = ui
             .checkbox(&mut rumble, "Rumble")
             .on_hover_text("The gamepad vibrates while the tool cuts")
             .on_disabled_hover_text("This gamepad has no rumble");
         if checkbox.changed() {
-            state.rumble = rumble;
+            requests.push(UiRequest::Do(Action::ToggleRumble));
         }
     });
 }

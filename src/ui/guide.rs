@@ -191,10 +191,10 @@ impl Guide {
 }
 
 pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
-    if !state.guide.open {
+    if !state.dialogs.guide.open {
         return;
     }
-    state.guide.follow(context.document);
+    state.dialogs.guide.follow(context.document);
     let mut open = true;
     Window::new("First steps")
         .open(&mut open)
@@ -203,25 +203,25 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
         .default_pos(pos2(theme::TOOLBOX_WIDTH + 24.0, 44.0))
         .show(root.ctx(), |ui| {
             ui.set_width(WIDTH);
-            overview(ui, &state.guide);
-            match state.guide.step() {
+            overview(ui, &state.dialogs.guide);
+            match state.dialogs.guide.step() {
                 Some(at) => current(ui, state, context, requests, at),
                 None => {
                     ui.label("You know the tools now. Build a house, a tree, a lake and a hill!");
                     ui.horizontal(|ui| {
-                        again(ui, &mut state.guide);
+                        again(ui, &mut state.dialogs.guide);
                         if ui
                             .button("Close")
                             .on_hover_text("First steps can be reopened from the menu")
                             .clicked()
                         {
-                            state.guide.open = false;
+                            state.dialogs.guide.open = false;
                         }
                     });
                 }
             }
         });
-    state.guide.open &= open;
+    state.dialogs.guide.open &= open;
 }
 
 /// A row with the number of each step; small, so that the sculpture is seen.
@@ -272,9 +272,9 @@ fn current(
             requests.extend(commands(context.document).into_iter().map(UiRequest::Run));
         }
         if ui.button("Skip").on_hover_text("Continue with the next step").clicked() {
-            state.guide.finish(at);
+            state.dialogs.guide.finish(at);
         }
-        again(ui, &mut state.guide);
+        again(ui, &mut state.dialogs.guide);
     });
 }
 

@@ -53,8 +53,8 @@ impl Catch {
 /// before any of them is shown.
 pub fn listen(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let Some(bindings) = context.bindings() else { return };
-    let pressed = state.keys.pressed.take().map(Heard::Trigger);
-    let Some(catch) = &mut state.keys.catch else { return };
+    let pressed = state.dialogs.keys.pressed.take().map(Heard::Trigger);
+    let Some(catch) = &mut state.dialogs.keys.catch else { return };
     if !matches!(catch.step, Step::Listen(..)) {
         return;
     }
@@ -75,7 +75,7 @@ pub fn listen(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mu
         let (change, over) = catch.take(heard, bindings);
         requests.extend(change.map(UiRequest::Keys));
         if over {
-            state.keys.catch = None;
+            state.dialogs.keys.catch = None;
             return;
         }
     }
@@ -83,7 +83,7 @@ pub fn listen(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mu
 
 /// Shows what is awaited, or the question whom a trigger shall belong to.
 pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
-    let Some(catch) = &state.keys.catch else { return };
+    let Some(catch) = &state.dialogs.keys.catch else { return };
     let mut over = false;
     let response = Modal::new(Id::new("key catch")).show(root.ctx(), |ui| {
         ui.set_width(360.0);
@@ -115,7 +115,7 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
     let asking = matches!(catch.step, Step::Ask(..));
     // While listening a click is an answer, wherever it is.
     if over || asking && response.should_close() {
-        state.keys.catch = None;
+        state.dialogs.keys.catch = None;
     }
 }
 

@@ -24,6 +24,7 @@ const TRIGGERS_WIDTH: f32 = 256.0;
 /// What the window remembers.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct KeyTable {
+    pub open: bool,
     filter: String,
     /// The action that gets what is pressed next.
     pub(super) catch: Option<Catch>,
@@ -57,7 +58,7 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
     };
     let room = root.ctx().content_rect();
     let height = (room.height() - 190.0).min(HEIGHT);
-    let mut open = state.help_open;
+    let mut open = state.dialogs.keys.open;
     Window::new("Controls")
         .open(&mut open)
         .resizable(false)
@@ -69,10 +70,10 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
             ui.weak(format!("{}.", bindings.text));
             ui.separator();
             ScrollArea::vertical().max_height(height).auto_shrink(false).show(ui, |ui| {
-                rows(ui, &mut state.keys, bindings, pristine, requests);
+                rows(ui, &mut state.dialogs.keys, bindings, pristine, requests);
             });
         });
-    state.help_open = open;
+    state.dialogs.keys.open = open;
 }
 
 /// Which preset, the filter, and the way back.
@@ -93,7 +94,7 @@ fn head(
                 }
             }
         });
-        let field = TextEdit::singleline(&mut state.keys.filter)
+        let field = TextEdit::singleline(&mut state.dialogs.keys.filter)
             .hint_text("Filter by name or key")
             .desired_width(240.0);
         let response = ui.add(field);

@@ -14,8 +14,16 @@ const WIDTH: f32 = 270.0;
 const PLACES: [[f32; 3]; MAX_LIGHTS] =
     [[-0.4, 0.7, 0.6], [0.8, 0.2, 0.5], [0.0, -0.8, 0.4], [0.0, 0.6, -0.8]];
 
+/// What the window remembers.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct LightWindow {
+    pub open: bool,
+    /// The lamp whose place is shown.
+    pub lamp: usize,
+}
+
 pub fn show(root: &Ui, state: &mut UiState) {
-    if !state.light_open {
+    if !state.dialogs.light.open {
         return;
     }
     let mut open = true;
@@ -30,7 +38,7 @@ pub fn show(root: &Ui, state: &mut UiState) {
             ui.separator();
             surface(ui, state);
         });
-    state.light_open &= open;
+    state.dialogs.light.open &= open;
 }
 
 /// The light from everywhere, how stone shines, and how fine it is shaded.
@@ -81,7 +89,7 @@ fn name(smoothing: Smoothing) -> &'static str {
 }
 
 fn lamps(ui: &mut Ui, state: &mut UiState) {
-    let (lamps, chosen) = (&mut state.view.light.lamps, &mut state.lamp);
+    let (lamps, chosen) = (&mut state.view.light.lamps, &mut state.dialogs.light.lamp);
     let (mut removed, mut reset) = (None, false);
     ui.horizontal(|ui| {
         let add = ui.add_enabled(lamps.len() < MAX_LIGHTS, Button::new("Add light"));
@@ -113,7 +121,7 @@ fn lamps(ui: &mut Ui, state: &mut UiState) {
         *chosen -= usize::from(*chosen >= i && *chosen > 0);
     }
     if reset {
-        state.lamp = 0;
+        state.dialogs.light.lamp = 0;
         state.view.light = LightOptions::default();
         state.view.finish = Default::default();
     }

@@ -127,18 +127,18 @@ pub fn to_text(state: &UiState, tool: &ToolState, window: &WindowOptions) -> Str
     let names = |panels: &mut dyn Iterator<Item = &Panel>| {
         panels.map(|panel| panel.title().to_string()).collect()
     };
-    let places = state.windows.panels.iter();
+    let places = state.layout.windows.panels.iter();
     let kept = Kept {
-        theme: Some(state.theme),
-        scale: Some(neat(state.scale.factor())),
-        window: state.windows.main,
-        maximised: Some(state.windows.maximised),
-        detached: Some(names(&mut state.detached.iter())),
-        folder: state.files.folder().and_then(|folder| folder.to_str()).map(String::from),
-        recent: Some(state.recent.lines().map(toml::Value::String).collect()),
+        theme: Some(state.appearance.theme),
+        scale: Some(neat(state.appearance.scale.factor())),
+        window: state.layout.windows.main,
+        maximised: Some(state.layout.windows.maximised),
+        detached: Some(names(&mut state.layout.detached.iter())),
+        folder: state.dialogs.files.folder().and_then(|folder| folder.to_str()).map(String::from),
+        recent: Some(state.known_files.recent.lines().map(toml::Value::String).collect()),
         settings: Some(Looks::of(window)),
-        sections: Some(state.sections.clone()),
-        upright: Some(state.upright.to_texts()),
+        sections: Some(state.layout.sections.clone()),
+        upright: Some(state.known_files.upright.to_texts()),
         panels: Some(places.map(|(panel, place)| (panel.title().to_string(), *place)).collect()),
         tool: Some(kept_tool(tool)),
         sprays: Some(
@@ -169,31 +169,31 @@ pub fn recall(text: &str, state: &mut UiState, tool: &mut ToolState, window: &Wi
     let now = Looks::of(window);
     let then = kept.settings.unwrap_or(now);
     if let Some(theme) = kept.theme.filter(|_| then.theme == now.theme) {
-        state.theme = theme;
+        state.appearance.theme = theme;
     }
     let scale = kept.scale.map(|scale| scale as f32).filter(|scale| SCALE_RANGE.contains(scale));
     if let Some(scale) = scale.filter(|_| then.scale == now.scale) {
-        state.scale.set(scale);
+        state.appearance.scale.set(scale);
     }
     if then.window == now.window {
-        state.windows.main = kept.window.filter(is_side);
-        state.windows.maximised = kept.maximised.unwrap_or(false);
+        state.layout.windows.main = kept.window.filter(is_side);
+        state.layout.windows.maximised = kept.maximised.unwrap_or(false);
     }
     let panel = |name: &String| Panel::ALL.into_iter().find(|panel| panel.title() == name);
-    state.detached.extend(kept.detached.iter().flatten().filter_map(panel));
+    state.layout.detached.extend(kept.detached.iter().flatten().filter_map(panel));
     let places = kept.panels.into_iter().flatten();
-    state.windows.panels.extend(
+    state.layout.windows.panels.extend(
         places
             .filter(|(_, place)| is_side(&place.size_px))
             .filter_map(|(name, place)| Some((panel(&name)?, place))),
     );
     if let Some(folder) = kept.folder {
-        state.files.set_folder(PathBuf::from(folder));
+        state.dialogs.files.set_folder(PathBuf::from(folder));
     }
     let lines = kept.recent.iter().flatten().filter_map(toml::Value::as_str);
-    state.recent = Recent::from_lines(lines);
-    state.upright = kept.upright.as_ref().map(Upright::from_texts).unwrap_or_default();
-    state.sections.extend(kept.sections.into_iter().flatten().take(64));
+    state.known_files.recent = Recent::from_lines(lines);
+    state.known_files.upright = kept.upright.as_ref().map(Upright::from_texts).unwrap_or_default();
+    state.layout.sections.extend(kept.sections.into_iter().flatten().take(64));
     recall_tool(&kept.tool.unwrap_or_default(), tool);
     for kind in SprayKind::ALL {
         if let Some(spray) = kept.sprays.as_ref().and_then(|sprays| sprays.get(kind.name())) {

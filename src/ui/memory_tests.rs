@@ -12,16 +12,16 @@ fn state() -> (UiState, ToolState) {
 
 fn changed() -> (UiState, ToolState) {
     let (mut state, mut tool) = state();
-    state.theme = Theme::Light;
-    state.scale.set(1.3);
-    state.windows.main = Some([1111, 777]);
-    state.windows.maximised = true;
-    state.detached.insert(Panel::History);
+    state.appearance.theme = Theme::Light;
+    state.appearance.scale.set(1.3);
+    state.layout.windows.main = Some([1111, 777]);
+    state.layout.windows.maximised = true;
+    state.layout.detached.insert(Panel::History);
     let place = PanelPlace { corner_px: Some([-40, 20]), size_px: [300, 500] };
-    state.windows.panels.insert(Panel::History, place);
-    state.sections.insert("Light".to_string(), true);
-    state.files.set_folder(PathBuf::from("/a folder/\"of\" mine"));
-    state.recent.note(&"open \"/a/ä b.vsc\"".parse().unwrap());
+    state.layout.windows.panels.insert(Panel::History, place);
+    state.layout.sections.insert("Light".to_string(), true);
+    state.dialogs.files.set_folder(PathBuf::from("/a folder/\"of\" mine"));
+    state.known_files.recent.note(&"open \"/a/ä b.vsc\"".parse().unwrap());
     tool.kind = ToolKind::Spray(SprayKind::Clay);
     tool.solid = Solid::Pyramid;
     tool.mode = ToolMode::Recolour;
@@ -41,17 +41,20 @@ fn what_was_chosen_is_found_again() {
     let text = to_text(&before, &tool_before, &config.window);
     let (mut after, mut tool) = state();
     recall(&text, &mut after, &mut tool, &config.window);
-    assert_eq!(after.theme, Theme::Light);
-    assert_eq!(after.scale.factor(), 1.3);
-    assert_eq!(after.windows, before.windows);
-    assert_eq!((&after.detached, &after.sections), (&before.detached, &before.sections));
-    assert_eq!(after.files.folder(), before.files.folder());
-    assert_eq!(after.recent, before.recent);
+    assert_eq!(after.appearance.theme, Theme::Light);
+    assert_eq!(after.appearance.scale.factor(), 1.3);
+    assert_eq!(after.layout.windows, before.layout.windows);
+    assert_eq!(
+        (&after.layout.detached, &after.layout.sections),
+        (&before.layout.detached, &before.layout.sections)
+    );
+    assert_eq!(after.dialogs.files.folder(), before.dialogs.files.folder());
+    assert_eq!(after.known_files.recent, before.known_files.recent);
     assert_eq!(tool, tool_before);
     assert_eq!(to_text(&after, &tool, &config.window), text);
     // The scale of the settings is still what "as in the settings" means.
-    after.scale.reset();
-    assert_eq!(after.scale.factor(), 1.0);
+    after.appearance.scale.reset();
+    assert_eq!(after.appearance.scale.factor(), 1.0);
 }
 
 #[test]
@@ -62,12 +65,12 @@ fn a_setting_that_was_changed_since_wins() {
     config.window.scale = 2.0;
     let mut after = UiState::new(&config.ui_options());
     recall(&text, &mut after, &mut tool, &config.window);
-    assert_eq!((after.theme, after.scale.factor()), (Theme::Light, 2.0));
-    assert_eq!(after.windows.main, Some([1111, 777]));
+    assert_eq!((after.appearance.theme, after.appearance.scale.factor()), (Theme::Light, 2.0));
+    assert_eq!(after.layout.windows.main, Some([1111, 777]));
     config.window.size = [800, 600];
     let mut after = UiState::new(&config.ui_options());
     recall(&text, &mut after, &mut tool, &config.window);
-    assert_eq!((after.windows.main, after.windows.maximised), (None, false));
+    assert_eq!((after.layout.windows.main, after.layout.windows.maximised), (None, false));
 }
 
 #[test]
@@ -87,10 +90,10 @@ fn what_is_damaged_is_left_out_and_the_rest_is_used() {
                 reach_vx = 5\nthreshold = -1\n[panels.Options]\nsize_px = [1, 1]\n";
     let (mut after, mut tool) = state();
     recall(text, &mut after, &mut tool, &config.window);
-    assert_eq!((after.theme, after.scale.factor()), (Theme::Dark, 1.0));
-    assert_eq!(after.windows, state().0.windows);
-    assert_eq!(after.detached.iter().collect::<Vec<_>>(), [&Panel::Options]);
-    assert_eq!(after.recent.paths().count(), 1);
+    assert_eq!((after.appearance.theme, after.appearance.scale.factor()), (Theme::Dark, 1.0));
+    assert_eq!(after.layout.windows, state().0.layout.windows);
+    assert_eq!(after.layout.detached.iter().collect::<Vec<_>>(), [&Panel::Options]);
+    assert_eq!(after.known_files.recent.paths().count(), 1);
     assert_eq!((tool.kind, tool.solid), (ToolKind::Solid, Solid::Cuboid));
     assert_eq!(tool.recent(), [Rgb::new(1, 2, 3)]);
     let clay = tool.sprays.of(SprayKind::Clay);
@@ -111,8 +114,8 @@ proptest! {
         text.replace_range(from..to, &with);
         let (mut after, mut tool) = state();
         recall(&text, &mut after, &mut tool, &config.window);
-        prop_assert!(SCALE_RANGE.contains(&after.scale.factor()));
-        prop_assert!(after.windows.main.is_none_or(|size| is_side(&size)));
+        prop_assert!(SCALE_RANGE.contains(&after.appearance.scale.factor()));
+        prop_assert!(after.layout.windows.main.is_none_or(|size| is_side(&size)));
         for kind in SprayKind::ALL {
             let options = tool.sprays.of(kind);
             prop_assert!((1.0..=MAX_FOOTPRINT).contains(&options.radius_px));

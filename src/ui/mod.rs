@@ -1,12 +1,13 @@
 //! The interface: panels, windows and messages over the sculpture, in egui.
 //!
-//! Reads the document through [`UiContext`], remembers its own choices in [`UiState`], and says what
-//! the person wants as [`UiRequest`]s. It changes no sculpture and knows no Vulkan.
+//! Reads the program through [`UiContext`], changes its own choices in [`UiState`] alone, and says
+//! what else the person wants as [`UiRequest`]s. It changes no sculpture and knows no Vulkan.
 
 pub mod ar;
 pub mod board;
 pub mod busy;
 pub mod buttons;
+pub mod dialogs;
 pub mod files;
 pub mod filter;
 pub mod gamepad;
@@ -49,6 +50,7 @@ use crate::controls::pads::PadStatus;
 use crate::document::Document;
 use crate::editor::tool::ToolState;
 use crate::input::{Action, Bindings};
+use crate::screen::headset::Blend;
 use crate::sculpture::orientation::Up;
 use crate::viewpoint::ar::ArStatus;
 use crate::viewpoint::camera::VideoStatus;
@@ -86,6 +88,8 @@ pub struct UiContext<'a> {
     pub times: FrameTimes,
     /// These are the panels on a hand in a headset, where nobody reaches keyboard and mouse.
     pub in_headset: bool,
+    /// How a headset's pictures can go together with the surroundings; none without a headset.
+    pub blends: &'a [Blend],
     /// Whether the window can have a layer an eye.
     pub quad_buffered: bool,
     /// Name of the Vulkan device.
@@ -119,7 +123,7 @@ pub fn show(
     context: &UiContext,
     requests: &mut Vec<UiRequest>,
 ) -> Response {
-    theme::apply(root.ctx(), state.theme, state.scale);
+    theme::apply(root.ctx(), state.appearance.theme, state.appearance.scale);
     key_catch::listen(root, state, context, requests);
     top_bar::show(root, state, context, requests);
     status::show(root, context);

@@ -42,14 +42,14 @@ impl NewDialog {
 }
 
 pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
-    if !state.new_dialog.open {
+    if !state.dialogs.new.open {
         return;
     }
     let response = Modal::new(Id::new("new dialog")).show(root.ctx(), |ui| {
         ui.set_width(340.0);
         ui.heading("New sculpture");
         ui.add_space(4.0);
-        let dialog = &mut state.new_dialog;
+        let dialog = &mut state.dialogs.new;
         // While a field or a button has the keyboard, Enter is its own.
         let free = ui.memory(|memory| memory.focused().is_none());
         let enter = free && ui.input(|input| input.key_pressed(Key::Enter));
@@ -78,7 +78,7 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
         });
     });
     if response.should_close() {
-        state.new_dialog.open = false;
+        state.dialogs.new.open = false;
     }
 }
 

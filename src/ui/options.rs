@@ -20,7 +20,8 @@ pub fn show(
     context: &UiContext,
     requests: &mut Vec<UiRequest>,
 ) {
-    let docked = [Panel::Options, Panel::History].map(|panel| !state.detached.contains(&panel));
+    let docked =
+        [Panel::Options, Panel::History].map(|panel| !state.layout.detached.contains(&panel));
     if docked == [false, false] {
         return;
     }
@@ -85,7 +86,7 @@ pub fn content(
         });
     }
     if let Some(pad) = context.pad.filter(|_| !context.in_headset) {
-        section(ui, "Gamepad", true, state, |ui, state| gamepad::show(ui, state, pad, requests));
+        section(ui, "Gamepad", true, state, |ui, _| gamepad::show(ui, pad, requests));
     }
     section(ui, "Light", false, state, |ui, state| {
         action_button(ui, context, "Lights …", Action::Lights, true, requests);
@@ -101,12 +102,12 @@ fn section(
     state: &mut UiState,
     content: impl FnOnce(&mut Ui, &mut UiState),
 ) {
-    let before = state.sections.get(title).copied().unwrap_or(open);
+    let before = state.layout.sections.get(title).copied().unwrap_or(open);
     let shown = CollapsingHeader::new(egui::RichText::new(title).strong())
         .open(Some(before))
         .show_unindented(ui, |ui| content(ui, state));
     if shown.header_response.clicked() {
-        state.sections.insert(title.to_string(), !before);
+        state.layout.sections.insert(title.to_string(), !before);
         ui.ctx().request_repaint();
     }
     ui.add_space(4.0);

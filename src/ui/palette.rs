@@ -102,13 +102,13 @@ fn triggers_of(action: Action, bindings: Option<&Bindings>) -> String {
 }
 
 pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
-    if !state.palette.open {
+    if !state.dialogs.palette.open {
         return;
     }
     let bindings = context.bindings();
     let room = root.ctx().content_rect();
     let area = Modal::default_area(Id::new("palette")).anchor(Align2::CENTER_TOP, vec2(0.0, TOP));
-    let palette = &mut state.palette;
+    let palette = &mut state.dialogs.palette;
     let response = Modal::new(Id::new("palette")).area(area).show(root.ctx(), |ui| {
         ui.set_width(WIDTH.min(room.width() - 60.0));
         let keys = Keys::take(ui);
@@ -140,7 +140,7 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
         }
     });
     if response.should_close() {
-        state.palette.open = false;
+        state.dialogs.palette.open = false;
     }
 }
 

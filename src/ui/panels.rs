@@ -20,9 +20,9 @@ pub fn show(
     context: &UiContext,
     requests: &mut Vec<UiRequest>,
 ) {
-    theme::apply(root.ctx(), state.theme, state.scale);
+    theme::apply(root.ctx(), state.appearance.theme, state.appearance.scale);
     // What lies over the sculpture has the person's attention.
-    let enabled = !state.is_modal();
+    let enabled = !state.dialogs.is_modal();
     let frame = Frame::central_panel(root.style()).inner_margin(Margin::same(8));
     CentralPanel::default().frame(frame).show(root, |ui| {
         ui.add_enabled_ui(enabled, |ui| {
@@ -72,7 +72,7 @@ pub fn detach_button(
     context: &UiContext,
     requests: &mut Vec<UiRequest>,
 ) -> Response {
-    let detached = state.detached.contains(&panel);
+    let detached = state.layout.detached.contains(&panel);
     let response = ui.interact(place, ui.id().with(("tear off", panel)), Sense::click());
     response.widget_info(|| {
         let name = panel.title();

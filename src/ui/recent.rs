@@ -103,12 +103,12 @@ fn path_of(command: &Command) -> Option<&Path> {
 /// The entries of the menu. A file that is gone is said to be so and leaves the list.
 pub fn menu(ui: &mut Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
     ui.menu_button("Open recent", |ui| {
-        if state.recent.list.is_empty() {
+        if state.known_files.recent.list.is_empty() {
             ui.weak("No recent files");
             return;
         }
         let mut chosen = None;
-        for command in &state.recent.list {
+        for command in &state.known_files.recent.list {
             let Some(path) = path_of(command) else { continue };
             let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
             let folder = path.parent().unwrap_or(path).display().to_string();
@@ -119,14 +119,14 @@ pub fn menu(ui: &mut Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
         }
         ui.separator();
         if ui.button("Clear this list").clicked() {
-            state.recent = Recent::default();
+            state.known_files.recent = Recent::default();
         }
         let Some(command) = chosen else { return };
         let Some(path) = path_of(&command) else { return };
         if path.try_exists().is_ok_and(|exists| !exists) {
             let name = path.display();
             state.toasts.error(format!("{name} no longer exists; removed from the recent files"));
-            state.recent.forget(path);
+            state.known_files.recent.forget(path);
         } else {
             requests.push(UiRequest::Run(command));
         }

@@ -1,5 +1,8 @@
 //! The state of the interface: how the sculpture is shown, and which windows are open. None of it
 //! belongs to the sculpture.
+//!
+//! Panels change these values by themselves; the rest of the program reads them. What another part
+//! owns (the document, the tool, the viewpoint, the controls) they ask for with a [`UiRequest`].
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -7,19 +10,15 @@ use std::path::PathBuf;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use super::key_table::KeyTable;
-use super::new_dialog::NewDialog;
-use super::palette::Palette;
+use super::dialogs::Dialogs;
 use super::recent::Recent;
 use super::toasts::Toasts;
 use super::upright::Upright;
 use super::{SCALE_RANGE, Theme, WindowOptions};
 use crate::command::{Command, NewSculpture};
-use crate::editor::job::Busy;
-use crate::editor::questions::{Next, Unkept};
+use crate::editor::questions::Next;
 use crate::editor::tool::ToolEdit;
 use crate::input::hands::HandSide;
-use crate::input::pad::GamepadOptions;
 use crate::input::remap::KeyChange;
 use crate::input::{Action, Panel};
 use crate::render::{Finish, LightOptions, RenderMode, RenderOptions, StereoOptions};
@@ -147,52 +146,69 @@ pub struct Windows {
     pub panels: BTreeMap<Panel, PanelPlace>,
 }
 
-/// Everything that the interface remembers.
-pub struct UiState {
-    pub view: ViewState,
+/// How the interface looks.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Appearance {
     pub theme: Theme,
     pub scale: Scale,
+}
+
+/// Where panels and windows are.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct PanelLayout {
     /// The panels that are windows of their own.
     pub detached: BTreeSet<Panel>,
-    /// The main window is to fill its screen, or no longer.
-    pub switch_fullscreen: bool,
-    /// The next picture of the view is to be saved to a file.
-    pub screenshot: bool,
     pub windows: Windows,
     /// The sections of the options that were opened or closed.
     pub sections: BTreeMap<String, bool>,
-    /// The files that were opened or saved last.
+}
+
+impl PanelLayout {
+    /// Detaches a panel, or docks it again.
+    pub fn toggle_detached(&mut self, panel: Panel) {
+        if !self.detached.remove(&panel) {
+            self.detached.insert(panel);
+        }
+    }
+}
+
+/// What the main window is still to do.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct WindowTasks {
+    /// It is to fill its screen, or no longer.
+    pub switch_fullscreen: bool,
+    /// The next picture of the view is to be saved to a file.
+    pub screenshot: bool,
+}
+
+/// What is known of files that were opened or saved.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct KnownFiles {
+    /// Those that were last.
     pub recent: Recent,
     /// Which axis points up in files that do not say so.
     pub upright: Upright,
-    /// Lets a gamepad shake when the tool bites.
-    pub rumble: bool,
-    /// The hand that has the tool in a headset.
+}
+
+/// What is chosen about a headset.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct HeadsetChoices {
+    /// The hand that has the tool.
     pub hand_side: HandSide,
-    /// How a headset's pictures are to go together with the surroundings.
+    /// How its pictures are to go together with the surroundings.
     pub blend: Blend,
-    /// How they can: nothing while there is no headset.
-    pub blends: Vec<Blend>,
-    pub guide: super::guide::Guide,
-    /// The window of keys and mouse.
-    pub help_open: bool,
-    /// The window of lights.
-    pub light_open: bool,
-    /// The lamp whose place is shown there.
-    pub lamp: usize,
-    pub keys: KeyTable,
-    pub palette: Palette,
-    /// The tracker is being calibrated.
-    pub calibrating: bool,
-    /// Asks what to do with unsaved work before this.
-    pub unsaved: Option<Next>,
-    /// Asks whether to do what cannot be undone.
-    pub unkept: Option<Unkept>,
-    pub new_dialog: NewDialog,
-    pub files: super::files::Files,
+}
+
+/// The interface's own state: all that panels change by themselves.
+pub struct UiState {
+    pub view: ViewState,
+    pub appearance: Appearance,
+    pub layout: PanelLayout,
+    pub window_tasks: WindowTasks,
+    pub known_files: KnownFiles,
+    pub headset: HeadsetChoices,
+    pub dialogs: Dialogs,
     pub toasts: Toasts,
-    /// Long work under way; nothing else can be asked for meanwhile.
-    pub busy: Option<Busy>,
 }
 
 /// The options that the interface starts with.
@@ -205,7 +221,6 @@ pub struct UiOptions<'a> {
     pub light: &'a LightOptions,
     pub stereo: &'a StereoOptions,
     pub video: &'a VideoOptions,
-    pub gamepad: &'a GamepadOptions,
     pub headset: &'a HeadsetOptions,
 }
 
@@ -225,71 +240,19 @@ impl UiState {
                 line: true,
                 tool: true,
             },
-            theme: options.window.theme,
-            scale: Scale::new(options.window.scale),
-            detached: BTreeSet::new(),
-            switch_fullscreen: false,
-            screenshot: false,
-            windows: Windows::default(),
-            sections: BTreeMap::new(),
-            recent: Recent::default(),
-            upright: Upright::default(),
-            rumble: options.gamepad.rumble,
-            hand_side: options.headset.hand,
-            blend: options.headset.blend,
-            blends: Vec::new(),
-            guide: Default::default(),
-            help_open: false,
-            light_open: false,
-            lamp: 0,
-            keys: KeyTable::default(),
-            palette: Palette::default(),
-            calibrating: false,
-            unsaved: None,
-            unkept: None,
-            new_dialog: NewDialog::new(&options.new),
-            files: super::files::Files::new(),
+            appearance: Appearance {
+                theme: options.window.theme,
+                scale: Scale::new(options.window.scale),
+            },
+            layout: PanelLayout::default(),
+            window_tasks: WindowTasks::default(),
+            known_files: KnownFiles::default(),
+            headset: HeadsetChoices {
+                hand_side: options.headset.hand,
+                blend: options.headset.blend,
+            },
+            dialogs: Dialogs::new(&options.new),
             toasts: Toasts::default(),
-            busy: None,
-        }
-    }
-
-    /// Whether a window lies over the sculpture and has the person's attention.
-    pub fn is_modal(&self) -> bool {
-        self.unsaved.is_some()
-            || self.unkept.is_some()
-            || self.calibrating
-            || self.new_dialog.open
-            || self.palette.open
-            || self.keys.is_catching()
-            || self.files.is_open()
-            || self.busy.is_some()
-    }
-
-    /// Tears a panel off, or puts it back.
-    pub fn toggle_detached(&mut self, panel: Panel) {
-        if !self.detached.remove(&panel) {
-            self.detached.insert(panel);
-        }
-    }
-
-    /// Closes the uppermost open window; false if there is none.
-    pub fn close_top(&mut self) -> bool {
-        if self.unkept.take().is_some() || self.unsaved.take().is_some() {
-            return true;
-        }
-        let open = [
-            &mut self.new_dialog.open,
-            &mut self.help_open,
-            &mut self.light_open,
-            &mut self.guide.open,
-        ];
-        match open.into_iter().find(|open| **open) {
-            Some(open) => {
-                *open = false;
-                true
-            }
-            None => false,
         }
     }
 }

@@ -28,14 +28,14 @@ type Switch = (&'static str, bool, Action);
 
 fn switches(state: &UiState, context: &UiContext) -> Vec<Switch> {
     if context.in_headset {
-        return vec![("Lights", state.light_open, Action::Lights)];
+        return vec![("Lights", state.dialogs.light.open, Action::Lights)];
     }
     let mut all = vec![
         ("Video", state.view.video.on, Action::ToggleVideo),
-        ("Lights", state.light_open, Action::Lights),
+        ("Lights", state.dialogs.light.open, Action::Lights),
     ];
-    if context.pad.is_some_and(|pad| pad.rumbles) {
-        all.push(("Rumble", state.rumble, Action::ToggleRumble));
+    if let Some(pad) = context.pad.filter(|pad| pad.rumbles) {
+        all.push(("Rumble", pad.rumble_on, Action::ToggleRumble));
     }
     all
 }

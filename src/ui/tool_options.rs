@@ -116,7 +116,7 @@ fn picture(ui: &mut Ui, state: &mut UiState, tool: &ToolState, requests: &mut Ve
             .on_hover_text("Paint with a PNG or JPEG image wrapped around the tool")
             .clicked()
         {
-            state.files.open(FileTask::Picture, tool.picture.as_deref());
+            state.dialogs.files.open(FileTask::Picture, tool.picture.as_deref());
         }
         let Some(picture) = &tool.picture else {
             ui.weak("Plain colour");

@@ -18,7 +18,7 @@ pub fn show(
     context: &UiContext,
     requests: &mut Vec<UiRequest>,
 ) {
-    if state.detached.contains(&Panel::Toolbox) {
+    if state.layout.detached.contains(&Panel::Toolbox) {
         return;
     }
     let frame = Frame::side_top_panel(root.style()).inner_margin(Margin::symmetric(6, 8));

@@ -105,8 +105,8 @@ fn menu(
             at_the_desk(ui, state, context, requests);
         }
         ui.menu_button("Theme", |ui| {
-            ui.radio_value(&mut state.theme, Theme::Dark, "Dark");
-            ui.radio_value(&mut state.theme, Theme::Light, "Light");
+            ui.radio_value(&mut state.appearance.theme, Theme::Dark, "Dark");
+            ui.radio_value(&mut state.appearance.theme, Theme::Light, "Light");
         });
         ui.menu_button("Interface size", |ui| {
             for (label, action) in [
@@ -166,7 +166,7 @@ fn at_the_desk(
     }
     ui.menu_button("Panels", |ui| {
         for panel in Panel::ALL {
-            let mut detached = state.detached.contains(&panel);
+            let mut detached = state.layout.detached.contains(&panel);
             let response = ui.checkbox(&mut detached, format!("Detach {}", panel.title()));
             if explain(response, context, Action::Detach(panel)).clicked() {
                 requests.push(UiRequest::Do(Action::Detach(panel)));

@@ -8,7 +8,7 @@ use crate::command::Command;
 use crate::editor::questions::Unkept;
 
 pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
-    let Some(Unkept { command, why }) = &state.unkept else { return };
+    let Some(Unkept { command, why }) = &state.dialogs.unkept else { return };
     // Of a stroke the end is refused; what it did is there to be seen.
     let [question, go_on, stop] = match command {
         Command::End => ["Keep a stroke that cannot be undone?", "Keep it", "Take it back"],
@@ -37,7 +37,7 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
         answer = Some(None);
     }
     if let Some(answer) = answer {
-        state.unkept = None;
+        state.dialogs.unkept = None;
         requests.extend(answer);
     }
 }

@@ -6,7 +6,7 @@ use super::{UiRequest, UiState, theme};
 use crate::editor::questions::Next;
 
 pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
-    let Some(next) = &state.unsaved else { return };
+    let Some(next) = &state.dialogs.unsaved else { return };
     let mut answer = None;
     let response = Modal::new(Id::new("unsaved")).show(root.ctx(), |ui| {
         ui.set_width(320.0);
@@ -33,7 +33,7 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
         answer = Some(None);
     }
     if let Some(answer) = answer {
-        state.unsaved = None;
+        state.dialogs.unsaved = None;
         requests.extend(answer);
     }
 }

@@ -78,7 +78,7 @@ pub fn show(
 ) {
     let (Some(assumed), Some(path)) = (context.assumed_up, context.path) else { return };
     let now = context.document.state();
-    if state.upright.dismissed == Some(now) || state.is_modal() {
+    if state.known_files.upright.dismissed == Some(now) || state.dialogs.is_modal() {
         return;
     }
     let ending = ending(path).unwrap_or_default();
@@ -110,8 +110,8 @@ pub fn show(
             });
         });
     if let Some(up) = chosen {
-        state.upright.remember(path, up);
-        state.recent.set_upright(path, up);
+        state.known_files.upright.remember(path, up);
+        state.known_files.recent.set_upright(path, up);
         state.toasts.note(format!(".{ending} files open with {} from now on", label(up)));
         if up != assumed {
             // What points up then is y.
@@ -121,7 +121,7 @@ pub fn show(
         }
     }
     if dismissed || chosen == Some(assumed) {
-        state.upright.dismissed = Some(now);
+        state.known_files.upright.dismissed = Some(now);
     }
 }
 

@@ -7,65 +7,55 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use glam::{DQuat, DVec3, IVec2, Quat, UVec2, Vec2, Vec3};
+use glam::{Quat, Vec2, Vec3};
 use tracking::calibration::Calibration;
-use tracking::controls::{AnalogBinding, AnalogUse, ButtonBinding, Control, ControlMap};
 use tracking::{
     BodyId, Event, HostClock, Placement, Predicted, Presence, Source, SourceState, Tracker,
 };
 
 use super::Viewport;
-use super::calibration::{self, Calibrating};
+use super::head_calibration::HeadCalibration;
+use super::head_screen::HeadScreen;
+use super::tracker_controls::TrackerControls;
 use super::turntable::Turntable;
 use crate::head_tracking::{ScreenOptions, SourceAddress, TrackingOptions, source};
-use crate::input::action::Kind;
-use crate::input::{Action, ActionEvent};
+use crate::input::ActionEvent;
 use crate::notice::Notice;
 use crate::screen::headset::WornHead;
 use crate::view::Eye;
 use crate::view::off_axis::{Head as HeadPlace, ScreenInWorld, ScreenPlane};
 
+pub use super::head_screen::Monitor;
 pub use super::head_status::{CalibrationStatus, CalibrationStep, HeadStatus};
 
-/// Of a screen whose size nobody told: 24 inches across, in metres.
-const GUESSED_DIAGONAL_M: f32 = 0.61;
 /// Between two looks for a head that is not there.
 const SEEK_EVERY: Duration = Duration::from_millis(100);
-/// Notches of the wheel a second with an analog at its end.
-const NOTCHES_PER_S: f64 = 10.0;
-/// Of analogs around their middle.
-const DEAD_ZONE: f64 = 0.15;
-
-/// Where on the screen the program's window is, in pixels of the screen.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Monitor {
-    pub size_px: UVec2,
-    /// Upper left corner of the window's contents; None where the system does not tell.
-    pub window_px: Option<IVec2>,
-    /// Size of the window's contents.
-    pub window_size_px: UVec2,
-}
 
 /// The head and who tracks it.
 pub struct Head {
     settings: TrackingOptions,
-    screen: ScreenOptions,
-    clock: HostClock,
+    screen: HeadScreen,
+    time: Time,
     /// The head of the headset that the program is shown in, where that is to be followed.
     worn: Option<WornHead>,
     /// While the view follows the head.
-    tracker: Option<Tracker>,
-    calibration: Calibration,
-    calibration_file: Option<PathBuf>,
-    calibrating: Option<Calibrating>,
-    controls: ControlMap<Action>,
-    /// What analogs do for as long as they are moved.
-    axes: Vec<(Action, f64)>,
+    tracking: Option<Tracking>,
+    calibration: HeadCalibration,
+    controls: TrackerControls,
     shown: Predicted,
-    monitor: Option<Monitor>,
+}
+
+/// The tracker's clock and its last two readings.
+struct Time {
+    clock: HostClock,
     now_s: f64,
     /// Between the last two updates.
     elapsed_s: f64,
+}
+
+/// A tracker that is heard, and how well it does.
+struct Tracking {
+    tracker: Tracker,
     losses: u32,
     rate: Rate,
 }
@@ -91,53 +81,32 @@ impl Rate {
 impl Head {
     /// `headset_enabled`: a headset may report the head that wears it.
     pub fn new(tracking: &TrackingOptions, screen: &ScreenOptions, headset_enabled: bool) -> Head {
-        let (settings, screen) = (tracking.clone(), screen.clone());
+        let settings = tracking.clone();
+        let screen = HeadScreen::new(screen);
         let clock = HostClock::starting_now();
-        let device = settings.controls().map_or(settings.source.label(), |d| d.to_string());
-        let button = |(button, action)| ButtonBinding { source: device.clone(), button, action };
-        let analog = |(channel, action): (u32, Action)| AnalogBinding {
-            source: device.clone(),
-            channel,
-            action,
-            meaning: match action.help().kind {
-                Kind::Wheel => AnalogUse::Axis { scale: 1.0, dead_zone: DEAD_ZONE },
-                _ => AnalogUse::Press { press: 0.6, release: 0.4 },
-            },
-        };
         Head {
-            controls: ControlMap::new(
-                TrackingOptions::bound(&settings.buttons).map(button).collect(),
-                TrackingOptions::bound(&settings.analogs).map(analog).collect(),
-            ),
             worn: match settings.source {
                 SourceAddress::Openxr(origin) if headset_enabled => {
                     Some(WornHead::new(&settings.source.label(), origin, clock))
                 }
                 _ => None,
             },
-            calibration: settings.calibration(),
-            calibration_file: None,
-            calibrating: None,
+            calibration: HeadCalibration::new(&settings),
+            controls: TrackerControls::new(&settings),
             shown: Predicted {
-                placement: rest(&screen),
+                placement: screen.rest(),
                 confidence: 0.0,
                 presence: Presence::Absent,
             },
             settings,
             screen,
-            clock,
-            tracker: None,
-            axes: Vec::new(),
-            monitor: None,
-            now_s: 0.0,
-            elapsed_s: 0.0,
-            losses: 0,
-            rate: Rate::default(),
+            time: Time { clock, now_s: 0.0, elapsed_s: 0.0 },
+            tracking: None,
         }
     }
 
     pub fn is_on(&self) -> bool {
-        self.tracker.is_some()
+        self.tracking.is_some()
     }
 
     /// Whether the program begins with it.
@@ -150,13 +119,12 @@ impl Head {
         let controls = self.settings.controls();
         let worn = self.worn.as_ref();
         let signs = self.settings.signs();
-        let sources = source::open(address, controls.as_ref(), signs, worn, self.clock)?;
-        let body = self.settings.body(self.screen.rest_m.into(), self.calibration);
+        let sources = source::open(address, controls.as_ref(), signs, worn, self.time.clock)?;
+        let body = self.settings.body(self.screen.rest().position_m, self.calibration.now());
         let mut tracker = Tracker::new(body);
         sources.into_iter().for_each(|source| tracker.add_source(source));
-        self.tracker = Some(tracker);
-        self.losses = 0;
-        self.rate = Rate { since_s: self.now_s, ..Rate::default() };
+        let rate = Rate { since_s: self.time.now_s, ..Rate::default() };
+        self.tracking = Some(Tracking { tracker, losses: 0, rate });
         Ok(())
     }
 
@@ -168,7 +136,7 @@ impl Head {
                 "No head tracker is set, so the view stays still. Set tracking.source in the settings",
             ));
         }
-        let (screen, guessed) = self.whole_screen();
+        let (screen, guessed) = self.screen.whole();
         if guessed {
             let (width, height) = (screen.width_m * 100.0, screen.height_m * 100.0);
             notices.push(Notice::note(format!(
@@ -183,70 +151,50 @@ impl Head {
     }
 
     pub fn stop(&mut self) {
-        self.tracker = None;
-        self.calibrating = None;
-        self.axes.clear();
+        self.tracking = None;
+        self.calibration.cancel();
+        self.controls.let_go();
     }
 
     /// Seconds on the tracker's clock.
     pub fn clock_s(&self) -> f64 {
-        self.clock.now_s()
+        self.time.clock.now_s()
     }
 
     /// Polls the sources at `now_s`. Returns what their buttons ask for, in order.
     pub fn update(&mut self, now_s: f64) -> Vec<ActionEvent> {
-        self.elapsed_s = (now_s - self.now_s).clamp(0.0, 0.1);
-        self.now_s = now_s;
-        let Some(tracker) = &mut self.tracker else { return Vec::new() };
+        self.time.elapsed_s = (now_s - self.time.now_s).clamp(0.0, 0.1);
+        self.time.now_s = now_s;
+        let Some(Tracking { tracker, losses, rate }) = &mut self.tracking else {
+            return Vec::new();
+        };
         let mut events = Vec::new();
         tracker.update(now_s, &mut events);
         self.shown = tracker.predicted(now_s + self.settings.prediction_ms * 1e-3);
-        self.rate.count(tracker.sources().map(|source| source.counters().accepted).sum(), now_s);
-        if let Some(calibrating) = &mut self.calibrating {
-            calibrating.hear(tracker.raw_of(BodyId::HEAD).next().flatten(), now_s);
-        }
-        let mut controls = Vec::new();
+        rate.count(tracker.sources().map(|source| source.counters().accepted).sum(), now_s);
+        self.calibration.hear(tracker.raw_of(BodyId::HEAD).next().flatten(), now_s);
+        let mut asked = Vec::new();
         for event in &events {
-            match (event, &mut self.calibrating) {
-                (Event::Lost { .. }, _) => self.losses += 1,
+            match event {
+                Event::Lost { .. } => *losses += 1,
                 // Whoever touches the screen has no hand for the keyboard.
-                (Event::Button { pressed: true, .. }, Some(calibrating)) => calibrating.take(),
+                Event::Button { pressed: true, .. } => self.calibration.touch(),
                 _ => {}
             }
-            self.controls.take(event, &mut controls);
+            self.controls.hear(event, &mut asked);
         }
-        controls.into_iter().filter_map(|control| self.action_of(control)).collect()
-    }
-
-    fn action_of(&mut self, control: Control<Action>) -> Option<ActionEvent> {
-        let is_hold = |action: Action| action.help().kind == Kind::Hold;
-        match control {
-            Control::Pressed(action) if is_hold(action) => {
-                Some(ActionEvent::Begin { action, at: None })
-            }
-            Control::Pressed(action) => Some(ActionEvent::Tap(action)),
-            Control::Released(action) => is_hold(action).then_some(ActionEvent::End(action)),
-            Control::Axis(action, value) => {
-                self.axes.retain(|(other, _)| *other != action);
-                self.axes.push((action, value));
-                None
-            }
-        }
+        asked
     }
 
     /// What analogs have done since the last update: wheels turned at the pixel `at`.
     pub fn wheels(&self, at: Vec2) -> Vec<ActionEvent> {
-        let turned = self.axes.iter().filter(|(_, value)| *value != 0.0);
-        let notches = |value: f64| (value * self.elapsed_s * NOTCHES_PER_S) as f32;
-        turned
-            .map(|&(action, value)| ActionEvent::Wheel { action, notches: notches(value), at })
-            .collect()
+        self.controls.wheels(at, self.time.elapsed_s)
     }
 
     /// When the next picture is needed, with nothing else going on.
     pub fn repaint_after(&self) -> Option<Duration> {
-        self.tracker.as_ref()?;
-        let here = self.shown.presence != Presence::Absent || self.calibrating.is_some();
+        self.tracking.as_ref()?;
+        let here = self.shown.presence != Presence::Absent || self.is_calibrating();
         Some(if here { Duration::ZERO } else { SEEK_EVERY })
     }
 
@@ -256,27 +204,9 @@ impl Head {
         (self.is_on() && tracked).then(|| self.shown.placement.position_m.as_vec3())
     }
 
-    /// The whole screen, and whether its size is a guess.
-    fn whole_screen(&self) -> (ScreenPlane, bool) {
-        let [width_m, height_m] = self.screen.size_m;
-        if width_m > 0.0 {
-            return (ScreenPlane::new(width_m, height_m), false);
-        }
-        let pixels = self.monitor.map_or(Vec2::new(16.0, 9.0), |m| m.size_px.as_vec2());
-        let size = pixels * (GUESSED_DIAGONAL_M / pixels.length().max(1.0));
-        (ScreenPlane::new(size.x, size.y), true)
-    }
-
     /// The part of the screen in which the picture is.
     pub fn plane(&self, viewport: Viewport) -> ScreenPlane {
-        let (whole, _) = self.whole_screen();
-        let Some(monitor) = self.monitor else { return whole };
-        // A window whose place nobody tells is taken to be in the middle.
-        let middle = (monitor.size_px.as_ivec2() - monitor.window_size_px.as_ivec2()) / 2;
-        let window = monitor.window_px.unwrap_or(middle).as_vec2();
-        let screen = monitor.size_px.max(UVec2::ONE).as_vec2();
-        let share = |corner: Vec2| (window + corner) / screen;
-        whole.part(share(viewport.corner_px), share(viewport.corner_px + viewport.size_px))
+        self.screen.plane(viewport)
     }
 
     /// The left and the right eye of the head, `eye_distance_m` metres apart, while the view follows
@@ -318,59 +248,39 @@ impl Head {
 
     /// Takes where the program's window is on the screen.
     pub fn set_monitor(&mut self, monitor: Option<Monitor>) {
-        self.monitor = monitor;
+        self.screen.set_monitor(monitor);
     }
 
     pub fn is_calibrating(&self) -> bool {
-        self.calibrating.is_some()
+        self.calibration.is_under_way()
     }
 
     /// Keeps calibrations in a file, and takes the one that is there or that the settings name.
     pub fn keep_calibration_in(&mut self, path: PathBuf) -> Option<Notice> {
-        let named = &self.settings.calibration;
-        let path = if named.is_empty() { path } else { PathBuf::from(named) };
-        let mut notice = None;
-        if path.exists() || !named.is_empty() {
-            match calibration::read(&path, self.settings.eyes()) {
-                Ok(calibration) => self.keep(calibration),
-                Err(error) => notice = Some(Notice::error(error.to_string())),
-            }
-        }
-        self.calibration_file = Some(path);
+        let before = self.calibration.now();
+        let notice = self.calibration.keep_in(path, &self.settings);
+        self.calibrate_tracker(before);
         notice
     }
 
     /// Begins the calibration by four touches.
     pub fn begin_calibration(&mut self) -> Vec<Notice> {
         let notices = if self.is_on() { Vec::new() } else { self.start() };
-        let (screen, _) = self.whole_screen();
-        let tip_m = self.settings.tip_m.into();
-        self.calibrating = Some(Calibrating::new(screen.width_m, screen.height_m, tip_m));
+        self.calibration.begin(&self.screen.whole().0, &self.settings);
         notices
     }
 
     /// Takes a step of the calibration.
     pub fn calibrate(&mut self, step: CalibrationStep) -> Option<Notice> {
-        let calibrating = self.calibrating.as_mut()?;
-        match step {
-            CalibrationStep::Take => calibrating.take(),
-            CalibrationStep::Again => calibrating.again(),
-            CalibrationStep::Cancel => self.calibrating = None,
-            CalibrationStep::Keep => {
-                let fit = calibrating.fit.take()?;
-                self.keep(fit.calibration);
-                let file = self.calibration_file.as_ref();
-                return Some(match file.map(|path| calibration::write(path, &self.calibration)) {
-                    Some(Err(error)) => Notice::error(error.to_string()),
-                    Some(Ok(())) | None => Notice::note("Head tracker calibrated"),
-                });
-            }
-        }
-        None
+        let before = self.calibration.now();
+        let notice = self.calibration.step(step, &self.settings);
+        self.calibrate_tracker(before);
+        notice
     }
 
     pub fn status(&self) -> HeadStatus {
-        let (screen, guessed) = self.whole_screen();
+        let (screen, guessed) = self.screen.whole();
+        let tracking = self.tracking.as_ref();
         let counters = self.sources().map(|source| source.counters());
         let state = self.sources().find_map(|source| match source.state() {
             SourceState::Running => None,
@@ -382,33 +292,26 @@ impl Head {
             state,
             presence: self.shown.presence,
             position_m: self.shown.placement.position_m.to_array(),
-            rate_hz: self.rate.hz,
-            losses: self.losses,
+            rate_hz: tracking.map_or(0.0, |tracking| tracking.rate.hz),
+            losses: tracking.map_or(0, |tracking| tracking.losses),
             dropped: counters.map(|counters| counters.rejected() + counters.unread).sum(),
             screen_m: [screen.width_m, screen.height_m],
             guessed,
-            calibration: self.calibrating.as_ref().map(|calibrating| CalibrationStatus {
-                taken: calibrating.taken(),
-                rms_mm: calibrating.fit.as_ref().map(|fit| fit.rms_m * 1e3),
-                problem: calibrating.problem.clone(),
-            }),
+            calibration: self.calibration.status(),
         }
     }
 
     fn sources(&self) -> impl Iterator<Item = &dyn Source> {
-        self.tracker.iter().flat_map(Tracker::sources)
+        self.tracking.iter().flat_map(|tracking| tracking.tracker.sources())
     }
 
-    /// Takes the calibration that four touches have led to.
-    fn keep(&mut self, calibration: Calibration) {
-        self.calibration = Calibration { sensor_from_eyes: self.settings.eyes(), ..calibration };
-        if let Some(tracker) = &mut self.tracker {
-            tracker.set_calibration(BodyId::HEAD, 0, self.calibration, self.now_s);
+    /// Gives the tracker the calibration in use, if it is another than before.
+    fn calibrate_tracker(&mut self, before: Calibration) {
+        let now = self.calibration.now();
+        if let Some(Tracking { tracker, .. }) = &mut self.tracking
+            && now != before
+        {
+            tracker.set_calibration(BodyId::HEAD, 0, now, self.time.now_s);
         }
-        self.calibrating = None;
     }
-}
-
-fn rest(screen: &ScreenOptions) -> Placement {
-    Placement { position_m: DVec3::from(screen.rest_m), orientation: DQuat::IDENTITY }
 }

@@ -9,7 +9,10 @@ pub mod ar;
 pub mod calibration;
 pub mod camera;
 pub mod head;
+mod head_calibration;
+mod head_screen;
 mod head_status;
+mod tracker_controls;
 pub mod turntable;
 
 use std::sync::Arc;

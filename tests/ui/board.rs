@@ -51,7 +51,7 @@ fn tooltips_on_the_board_name_no_keys() {
 #[test]
 fn the_first_steps_are_those_of_hands_and_come_true() {
     let mut harness = board();
-    harness.state_mut().ui.guide.open = true;
+    harness.state_mut().ui.dialogs.guide.open = true;
     harness.run();
     for title in ["1. Clear half of the grid", "2. Limit the tools to it"] {
         harness.get_by_label(title);

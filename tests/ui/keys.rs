@@ -16,7 +16,7 @@ const FILL: &str = "Fill the whole grid";
 fn help(harness: &mut Bench) {
     key(harness, Modifiers::NONE, Key::F1);
     harness.run();
-    assert!(harness.state().ui.help_open);
+    assert!(harness.state().ui.dialogs.keys.open);
 }
 
 fn click(harness: &mut Bench, label: &str) {
@@ -64,7 +64,7 @@ fn the_window_lists_the_triggers_of_the_preset_in_use() {
     key(&mut harness, Modifiers::NONE, Key::Escape);
     key(&mut harness, Modifiers::NONE, Key::Escape);
     harness.run();
-    assert!(!harness.state().ui.help_open);
+    assert!(!harness.state().ui.dialogs.keys.open);
 }
 
 #[test]
@@ -98,7 +98,7 @@ fn while_a_trigger_is_awaited_nothing_else_reacts() {
     let mut harness = bench();
     help(&mut harness);
     click(&mut harness, &format!("Add to: {FILL}"));
-    assert!(harness.state().ui.keys.is_catching());
+    assert!(harness.state().ui.dialogs.keys.is_catching());
     // A wheel and a click are refused in words, and neither zooms, cuts nor clicks.
     let placement = *harness.state().session().document().placement();
     let at = corner(&harness);
@@ -110,12 +110,12 @@ fn while_a_trigger_is_awaited_nothing_else_reacts() {
     harness.get_by_label_contains("Left button cannot trigger this action").rect();
     let new = harness.get_by_label("New").rect().center();
     drag(&mut harness, PointerButton::Primary, Modifiers::NONE, &[new]);
-    assert!(!harness.state().ui.new_dialog.open);
+    assert!(!harness.state().ui.dialogs.new.open);
     assert_eq!(*harness.state().session().document().placement(), placement);
     assert_eq!(undo_count(&harness), 0);
     key(&mut harness, Modifiers::NONE, Key::Escape);
     harness.run();
-    assert!(!harness.state().ui.keys.is_catching() && harness.state().ui.help_open);
+    assert!(!harness.state().ui.dialogs.keys.is_catching() && harness.state().ui.dialogs.keys.open);
     // Two buttons together are heard as such, for what is held.
     click(&mut harness, "Add to: Use the tool where it is");
     let press = |button, pressed| Event::PointerButton {
@@ -206,11 +206,11 @@ fn the_palette_finds_actions_by_words_and_runs_them() {
     for open in [(Modifiers::COMMAND, Key::P), (Modifiers::NONE, Key::F3)] {
         key(&mut harness, open.0, open.1);
         harness.run();
-        assert!(harness.state().ui.palette.open);
+        assert!(harness.state().ui.dialogs.palette.open);
         typed(&mut harness, "voxel delete every");
         key(&mut harness, Modifiers::NONE, Key::Enter);
         harness.run();
-        assert!(!harness.state().ui.palette.open);
+        assert!(!harness.state().ui.dialogs.palette.open);
         assert_eq!(voxels(&harness), 0);
         key(&mut harness, Modifiers::COMMAND, Key::Z);
         assert!(voxels(&harness) > 0);
@@ -226,7 +226,7 @@ fn the_palette_finds_actions_by_words_and_runs_them() {
     key(&mut harness, Modifiers::NONE, Key::F3);
     key(&mut harness, Modifiers::NONE, Key::Escape);
     harness.run();
-    assert!(!harness.state().ui.palette.open);
+    assert!(!harness.state().ui.dialogs.palette.open);
     assert_eq!(undo_count(&harness), 0);
 }
 
@@ -238,7 +238,7 @@ fn the_palette_runs_typed_commands_and_says_what_is_wrong() {
     harness.get_by_label_contains("`sponge` is not a solid").rect();
     key(&mut harness, Modifiers::NONE, Key::Enter);
     harness.run();
-    assert!(harness.state().ui.palette.open && undo_count(&harness) == 0);
+    assert!(harness.state().ui.dialogs.palette.open && undo_count(&harness) == 0);
     key(&mut harness, Modifiers::NONE, Key::Escape);
     key(&mut harness, Modifiers::COMMAND, Key::P);
     harness.run();
@@ -251,7 +251,7 @@ fn the_palette_runs_typed_commands_and_says_what_is_wrong() {
     harness.run();
     assert_eq!(voxels(&harness), 64u64.pow(3) - 64);
     assert_eq!(undo_count(&harness), 1);
-    assert!(!harness.state().ui.palette.open);
+    assert!(!harness.state().ui.dialogs.palette.open);
     let at = middle(&harness);
     drag(&mut harness, PointerButton::Primary, Modifiers::NONE, &[at]);
     assert_eq!(undo_count(&harness), 2, "the sculpture listens again");

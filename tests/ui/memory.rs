@@ -41,7 +41,7 @@ fn run(harness: &mut Bench, line: &str) {
 }
 
 fn recent(harness: &Bench) -> Vec<PathBuf> {
-    harness.state().ui.recent.paths().map(PathBuf::from).collect()
+    harness.state().ui.known_files.recent.paths().map(PathBuf::from).collect()
 }
 
 #[test]
@@ -50,24 +50,24 @@ fn looks_tool_and_panels_are_found_again_after_a_start() {
     let file = folder.path().join("deep").join("state.toml");
     let config = config(32);
     let mut harness = start(&file, &config);
-    harness.state_mut().ui.theme = Theme::Light;
+    harness.state_mut().ui.appearance.theme = Theme::Light;
     key(&mut harness, Modifiers::COMMAND, Key::Equals);
     key(&mut harness, Modifiers::NONE, Key::C);
     key(&mut harness, Modifiers::NONE, Key::T);
     key(&mut harness, Modifiers::NONE, Key::F7);
     harness.state_mut().editor.tool.colour = Rgb::new(9, 8, 7);
     harness.run();
-    let scale = harness.state().ui.scale.factor();
-    assert_eq!(harness.state().ui.theme, Theme::Light);
+    let scale = harness.state().ui.appearance.scale.factor();
+    assert_eq!(harness.state().ui.appearance.theme, Theme::Light);
     quit(harness);
 
     let harness = start(&file, &config);
     let ui = &harness.state().ui;
-    assert_eq!((ui.theme, ui.scale.factor()), (Theme::Light, scale));
+    assert_eq!((ui.appearance.theme, ui.appearance.scale.factor()), (Theme::Light, scale));
     let tool = &harness.state().editor.tool;
     assert_eq!((tool.kind, tool.solid), (ToolKind::Solid, Solid::Cuboid));
     assert_eq!((tool.mode, tool.colour), (ToolMode::Add, Rgb::new(9, 8, 7)));
-    assert!(ui.detached.contains(&Panel::Options));
+    assert!(ui.layout.detached.contains(&Panel::Options));
     assert_eq!(undone(&harness), 0, "what is remembered is no step");
     quit(harness);
     let left: Vec<_> = std::fs::read_dir(file.parent().unwrap()).unwrap().collect();
@@ -109,7 +109,7 @@ fn recent_files_are_opened_again_and_those_gone_are_said_to_be() {
     drop(harness);
 
     let mut harness = start(&file, &config(16));
-    assert_eq!(harness.state().ui.files.folder(), Some(folder.path()));
+    assert_eq!(harness.state().ui.dialogs.files.folder(), Some(folder.path()));
     let choose = |harness: &mut Bench, name: &str| {
         for label in ["Menu", "Open recent ⏵", name] {
             harness.get_by_label(label).click();
@@ -148,7 +148,7 @@ fn the_file_named_at_the_start_is_the_most_recent_and_its_options_are_kept() {
     let text = std::fs::read_to_string(&file).unwrap();
     assert!(text.contains("raw=4x4x4:u8"), "{text}");
     let harness = start(&file, &config(32));
-    let line = harness.state().ui.recent.lines().next().unwrap();
+    let line = harness.state().ui.known_files.recent.lines().next().unwrap();
     let Command::Open { import, .. } = line.parse().unwrap() else { panic!("{line}") };
     assert!(import.raw.is_some());
 }
@@ -168,7 +168,7 @@ fn no_contents_of_the_file_and_no_folder_keep_the_program_from_starting() {
     for bytes in contents {
         std::fs::write(&file, &bytes).unwrap();
         let harness = start(&file, &config(16));
-        assert_eq!(harness.state().ui.theme, Theme::Dark);
+        assert_eq!(harness.state().ui.appearance.theme, Theme::Dark);
         quit(harness);
         let text = std::fs::read_to_string(&file).unwrap();
         assert!(text.contains("theme = \"dark\""), "it is written anew: {text}");

@@ -263,18 +263,18 @@ fn the_new_dialog_makes_a_sculpture_and_names_what_is_impossible() {
     assert!(voxels(&harness) > 0);
 
     key(&mut harness, Modifiers::COMMAND, Key::N);
-    harness.state_mut().ui.new_dialog.dims = UVec3::splat(4096);
+    harness.state_mut().ui.dialogs.new.dims = UVec3::splat(4096);
     harness.run();
     harness.get_by_label_contains("that a voxel index can name").rect();
     harness.get_by_label("Create").click();
     harness.run();
-    assert!(harness.state().ui.new_dialog.open, "refused");
+    assert!(harness.state().ui.dialogs.new.open, "refused");
     key(&mut harness, Modifiers::NONE, Key::Escape);
     harness.run();
-    assert!(!harness.state().ui.new_dialog.open);
+    assert!(!harness.state().ui.dialogs.new.open);
 
     key(&mut harness, Modifiers::COMMAND, Key::N);
-    harness.state_mut().ui.new_dialog.dims = UVec3::splat(32);
+    harness.state_mut().ui.dialogs.new.dims = UVec3::splat(32);
     harness.run();
     key_in(&mut harness, Modifiers::NONE, Key::Enter);
     harness.run_steps(2);
@@ -299,7 +299,7 @@ fn leaving_asks_before_work_is_lost() {
     assert!(!harness.state().is_leaving());
     harness.get_by_label("Cancel").click();
     harness.run();
-    assert!(!harness.state().is_leaving() && harness.state().ui.unsaved.is_none());
+    assert!(!harness.state().is_leaving() && harness.state().ui.dialogs.unsaved.is_none());
     harness.state_mut().ask_to_leave();
     harness.run();
     harness.get_by_label("Don't save").click();
@@ -389,13 +389,13 @@ fn opening_and_saving_go_through_the_dialogs() {
     let mut harness = bench();
     key(&mut harness, Modifiers::COMMAND, Key::O);
     harness.run_steps(8);
-    assert!(harness.state().ui.files.is_open());
+    assert!(harness.state().ui.dialogs.files.is_open());
     key(&mut harness, Modifiers::NONE, Key::Escape);
     harness.run_steps(8);
-    assert!(!harness.state().ui.files.is_open());
+    assert!(!harness.state().ui.dialogs.files.is_open());
     key(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
     harness.run_steps(8);
-    assert!(harness.state().ui.files.is_open());
+    assert!(harness.state().ui.dialogs.files.is_open());
 }
 
 #[test]
@@ -433,7 +433,7 @@ fn a_torn_off_panel_does_the_same_in_a_window_of_its_own() {
             &config,
             presets,
         );
-        bench.ui.detached.insert(panel);
+        bench.ui.layout.detached.insert(panel);
         let mut window = Harness::builder().with_size(vec2(260.0, 640.0)).build_ui_state(
             move |ui, bench: &mut Workspace| {
                 bench.show_panel(panel, ui);
@@ -456,10 +456,10 @@ fn a_torn_off_panel_does_the_same_in_a_window_of_its_own() {
         key_in(&mut window, Modifiers::COMMAND, Key::N);
         key_in(&mut window, Modifiers::COMMAND, Key::Delete);
         assert_eq!(voxels(&window), 32u64.pow(3));
-        window.state_mut().ui.new_dialog.open = false;
+        window.state_mut().ui.dialogs.new.open = false;
         window.run();
         window.get_by_label(&format!("Dock: {}", panel.title())).click();
         window.run();
-        assert!(window.state().ui.detached.is_empty());
+        assert!(window.state().ui.layout.detached.is_empty());
     }
 }

@@ -28,9 +28,9 @@ fn open_layouts(harness: &mut Bench) {
 fn a_wide_bar_has_the_switches() {
     let mut harness = bench();
     click(&mut harness, "Lights");
-    assert!(harness.state().ui.light_open && has(&harness, "Add light"));
+    assert!(harness.state().ui.dialogs.light.open && has(&harness, "Add light"));
     key(&mut harness, Modifiers::NONE, Key::F4);
-    assert!(!harness.state().ui.light_open, "the key and the switch are one");
+    assert!(!harness.state().ui.dialogs.light.open, "the key and the switch are one");
     assert!(!has(&harness, "Rumble"), "there is no gamepad");
     open_layouts(&mut harness);
     click(&mut harness, "Anaglyph");
@@ -44,7 +44,7 @@ fn a_narrow_bar_leaves_them_to_the_menu() {
     assert!(!has(&harness, "Lights") && !has(&harness, "Video"));
     click(&mut harness, "Menu");
     click(&mut harness, "Lights");
-    assert!(harness.state().ui.light_open);
+    assert!(harness.state().ui.dialogs.light.open);
     click(&mut harness, "Menu");
     click(&mut harness, "Stereo ⏵");
     click(&mut harness, "Side by side");
@@ -113,13 +113,13 @@ fn the_view_is_zoomed_framed_and_saved_by_key_and_by_the_menu() {
     assert!(harness.state().ui.view.bounds);
     key(&mut harness, Modifiers::ALT, Key::G);
     assert!(!harness.state().ui.view.bounds);
-    assert_eq!(harness.state().ui.theme, Theme::Dark);
+    assert_eq!(harness.state().ui.appearance.theme, Theme::Dark);
     key(&mut harness, Modifiers::ALT, Key::T);
-    assert_eq!(harness.state().ui.theme, Theme::Light);
+    assert_eq!(harness.state().ui.appearance.theme, Theme::Light);
     let asked = |harness: &mut Bench| {
         let ui = &mut harness.state_mut().ui;
-        let asked = (ui.switch_fullscreen, ui.screenshot);
-        (ui.switch_fullscreen, ui.screenshot) = (false, false);
+        let asked = (ui.window_tasks.switch_fullscreen, ui.window_tasks.screenshot);
+        (ui.window_tasks.switch_fullscreen, ui.window_tasks.screenshot) = (false, false);
         asked
     };
     key(&mut harness, Modifiers::NONE, Key::F11);

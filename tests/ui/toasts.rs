@@ -85,7 +85,7 @@ fn a_message_under_a_dialog_waits_until_it_can_be_seen() {
     assert_eq!(texts(&harness), [Tone::Error]);
     key_in(&mut harness, Modifiers::NONE, Key::Escape);
     key_in(&mut harness, Modifiers::NONE, Key::Escape);
-    assert!(!harness.state().ui.files.is_open());
+    assert!(!harness.state().ui.dialogs.files.is_open());
     (0..3).for_each(|_| harness.step());
     harness.get_by_label("the file cannot be read").rect();
     wait(&mut harness, 20.0);

@@ -85,7 +85,7 @@ fn one_click_turns_a_volume_upright_and_undo_asks_again() {
     assert!(is_asked(&harness), "another answer may be given");
     click(&mut harness, "Z up");
     assert_eq!(bounds(&harness), (UVec3::ZERO, UVec3::new(24, 2, 16)));
-    assert_eq!(harness.state().ui.upright.of(&scan), Some(Up::Z));
+    assert_eq!(harness.state().ui.known_files.upright.of(&scan), Some(Up::Z));
 
     // Without an answer it is as it is, and a change of the sculpture ends the question.
     key(&mut harness, Modifiers::COMMAND, Key::Z);
@@ -93,7 +93,7 @@ fn one_click_turns_a_volume_upright_and_undo_asks_again() {
     click(&mut harness, "Y up");
     assert!(!is_asked(&harness));
     assert_eq!(dims(&harness), UVec3::new(24, 16, 8));
-    assert_eq!(harness.state().ui.upright.of(&scan), Some(Up::Y));
+    assert_eq!(harness.state().ui.known_files.upright.of(&scan), Some(Up::Y));
 }
 
 #[test]
@@ -112,9 +112,9 @@ fn the_answer_is_kept_for_the_format_and_the_next_start() {
     let mut harness = bench();
     harness.state_mut().remember_in(file.clone(), window);
     harness.run();
-    assert_eq!(harness.state().ui.upright.of(&other), Some(Up::Z));
+    assert_eq!(harness.state().ui.known_files.upright.of(&other), Some(Up::Z));
     // As it was opened last.
-    let line = harness.state().ui.recent.lines().next().unwrap();
+    let line = harness.state().ui.known_files.recent.lines().next().unwrap();
     assert!(line.ends_with(" threshold=100 upright=z"), "{line}");
     ask_for(&mut harness, &line);
     assert_eq!(bounds(&harness), (UVec3::ZERO, UVec3::new(24, 2, 16)));

@@ -396,14 +396,18 @@ fn desk(folder: &std::path::Path) -> Hand<Workspace> {
 fn a_file_is_saved_under_a_name_typed_on_the_board() {
     let folder = tempfile::tempdir().unwrap();
     let mut hand = desk(folder.path());
-    hand.state.ui.files.open(FileTask::SaveAs(None), Some(&folder.path().join("first.vsc")));
+    hand.state
+        .ui
+        .dialogs
+        .files
+        .open(FileTask::SaveAs(None), Some(&folder.path().join("first.vsc")));
     hand.look();
     assert!(hand.has_keyboard(), "the name wants to be typed");
     // What was there but for its ending is typed over.
     hand.write("ab_1");
-    assert!(hand.state.ui.files.is_open());
+    assert!(hand.state.ui.dialogs.files.is_open());
     hand.key(Cap::Enter);
-    assert!(!hand.state.ui.files.is_open() && !hand.has_keyboard());
+    assert!(!hand.state.ui.dialogs.files.is_open() && !hand.has_keyboard());
     hand.state.finish_job();
     assert!(folder.path().join("ab_1.vsc").exists());
 }
@@ -412,11 +416,15 @@ fn a_file_is_saved_under_a_name_typed_on_the_board() {
 fn closing_the_keyboard_leaves_the_dialog_open() {
     let folder = tempfile::tempdir().unwrap();
     let mut hand = desk(folder.path());
-    hand.state.ui.files.open(FileTask::SaveAs(None), Some(&folder.path().join("first.vsc")));
+    hand.state
+        .ui
+        .dialogs
+        .files
+        .open(FileTask::SaveAs(None), Some(&folder.path().join("first.vsc")));
     hand.look();
     hand.write("x");
     hand.key(Cap::Close);
-    assert!(hand.state.ui.files.is_open() && !hand.has_keyboard());
+    assert!(hand.state.ui.dialogs.files.is_open() && !hand.has_keyboard());
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
 }
 
@@ -424,11 +432,11 @@ fn closing_the_keyboard_leaves_the_dialog_open() {
 fn the_palette_is_on_the_board_and_hears_its_keys() {
     let folder = tempfile::tempdir().unwrap();
     let mut hand = desk(folder.path());
-    hand.state.ui.palette.open();
+    hand.state.ui.dialogs.palette.open();
     hand.look();
     hand.write("clear");
     assert_ne!(hand.state.session().document().grid().opaque_count(), 0);
     hand.key(Cap::Enter);
-    assert!(!hand.state.ui.palette.open);
+    assert!(!hand.state.ui.dialogs.palette.open);
     assert_eq!(hand.state.session().document().grid().opaque_count(), 0);
 }

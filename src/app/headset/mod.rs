@@ -172,7 +172,7 @@ impl Headset {
     /// Has the headset looked for, on another thread.
     fn seek(&mut self, workspace: &mut Workspace) {
         self.connection += 1;
-        self.options.blend = workspace.ui.blend;
+        self.options.blend = workspace.ui.headset.blend;
         let wanted = Wanted {
             connection: self.connection,
             settings: self.settings.clone(),
@@ -208,7 +208,7 @@ impl Headset {
                 tracing::info!("{text}");
                 workspace.ui.toasts.note(text);
                 self.said.clear();
-                workspace.ui.blends = presence.blends();
+                workspace.display.blends = presence.blends();
                 workspace.ui.view.suit_device(presence.is_software());
                 self.state = State::Here(presence);
             }
@@ -237,7 +237,7 @@ impl Headset {
     fn part(&mut self, workspace: &mut Workspace) {
         if let State::Here(mut presence) = std::mem::replace(&mut self.state, State::Left) {
             presence.let_go(workspace);
-            workspace.ui.blends.clear();
+            workspace.display.blends.clear();
             self.stood |= presence.has_stood();
             let log = presence.validation_log();
             drop(presence);

@@ -193,7 +193,7 @@ impl Presence {
             self.let_go(workspace);
             return Ok(false);
         }
-        self.link.set_blend(workspace.ui.blend);
+        self.link.set_blend(workspace.ui.headset.blend);
         let Some(views) = frame.views else { return Ok(false) };
         self.stand(workspace, &head(&views));
         self.swap_hands(workspace);
@@ -264,7 +264,7 @@ impl Presence {
     /// The tool goes to the hand that the person has chosen.
     fn swap_hands(&mut self, workspace: &mut Workspace) {
         let mut events = Vec::new();
-        self.mapper.set_main(workspace.ui.hand_side, &mut events);
+        self.mapper.set_main(workspace.ui.headset.hand_side, &mut events);
         self.obey(workspace, &events);
     }
 
@@ -303,7 +303,7 @@ impl Presence {
     /// The board on the off hand, while it is open; what asks for an answer opens it.
     fn board(&self, workspace: &Workspace, hands: Option<&HandsState>) -> Option<Board> {
         let hand = hands?.hand(self.mapper.settings().main.other());
-        let grip = hand.grip.filter(|_| self.board_open || workspace.ui.is_modal())?;
+        let grip = hand.grip.filter(|_| self.board_open || workspace.ui.dialogs.is_modal())?;
         // Grips are tilted differently on every controller; rays are not.
         let rotation = hand.aim.map_or(grip.rotation, |aim| aim.rotation);
         let pose = Pose { rotation, ..grip };
@@ -335,7 +335,11 @@ impl Presence {
             world_from_grid: workspace.world_from_grid(),
             mode: workspace.ui.view.mode,
             lighting: workspace.ui.view.lighting(),
-            background: if through { Background::Keep } else { background(workspace.ui.theme) },
+            background: if through {
+                Background::Keep
+            } else {
+                background(workspace.ui.appearance.theme)
+            },
             video: None,
             previews: preview.as_slice(),
             lines: &lines,

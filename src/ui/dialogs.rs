@@ -1,0 +1,79 @@
+//! What lies over the sculpture: windows, dialogs and questions, each with its own state, and which
+//! of them has the person's attention.
+//!
+//! Takes and gives values; shows nothing itself. Who shows what is in the module of each dialog.
+
+use super::files::Files;
+use super::guide::Guide;
+use super::key_table::KeyTable;
+use super::light::LightWindow;
+use super::new_dialog::NewDialog;
+use super::palette::Palette;
+use crate::command::NewSculpture;
+use crate::editor::job::Busy;
+use crate::editor::questions::{Next, Unkept};
+
+/// All dialogs, open or not.
+pub struct Dialogs {
+    pub guide: Guide,
+    /// The window of keys and mouse.
+    pub keys: KeyTable,
+    pub light: LightWindow,
+    pub palette: Palette,
+    pub new: NewDialog,
+    pub files: Files,
+    /// Asks what to do with unsaved work before this.
+    pub unsaved: Option<Next>,
+    /// Asks whether to do what cannot be undone.
+    pub unkept: Option<Unkept>,
+    /// The tracker is being calibrated, as the viewpoint says.
+    pub calibrating: bool,
+    /// Long work under way, as the editor says; nothing else can be asked for meanwhile.
+    pub busy: Option<Busy>,
+}
+
+impl Dialogs {
+    /// None is open. `new`: the default of the dialog for a new sculpture.
+    pub fn new(new: &NewSculpture) -> Dialogs {
+        Dialogs {
+            guide: Guide::default(),
+            keys: KeyTable::default(),
+            light: LightWindow::default(),
+            palette: Palette::default(),
+            new: NewDialog::new(new),
+            files: Files::new(),
+            unsaved: None,
+            unkept: None,
+            calibrating: false,
+            busy: None,
+        }
+    }
+
+    /// Whether a dialog lies over the sculpture and has the person's attention.
+    pub fn is_modal(&self) -> bool {
+        self.unsaved.is_some()
+            || self.unkept.is_some()
+            || self.calibrating
+            || self.new.open
+            || self.palette.open
+            || self.keys.is_catching()
+            || self.files.is_open()
+            || self.busy.is_some()
+    }
+
+    /// Closes the uppermost open window; false if there is none.
+    pub fn close_top(&mut self) -> bool {
+        if self.unkept.take().is_some() || self.unsaved.take().is_some() {
+            return true;
+        }
+        let open =
+            [&mut self.new.open, &mut self.keys.open, &mut self.light.open, &mut self.guide.open];
+        match open.into_iter().find(|open| **open) {
+            Some(open) => {
+                *open = false;
+                true
+            }
+            None => false,
+        }
+    }
+}

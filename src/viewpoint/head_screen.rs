@@ -1,0 +1,70 @@
+//! The screen before the head: how large it is, and which part of it the picture takes up.
+//!
+//! Takes the settings and what the window system tells of screen and window; gives planes in metres.
+//! Knows no tracker.
+
+use glam::{DQuat, DVec3, IVec2, UVec2, Vec2};
+use tracking::Placement;
+
+use super::Viewport;
+use crate::head_tracking::ScreenOptions;
+use crate::view::off_axis::ScreenPlane;
+
+/// Of a screen whose size nobody told: 24 inches across, in metres.
+const GUESSED_DIAGONAL_M: f32 = 0.61;
+
+/// Where on the screen the program's window is, in pixels of the screen.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Monitor {
+    pub size_px: UVec2,
+    /// Upper left corner of the window's contents; None where the system does not tell.
+    pub window_px: Option<IVec2>,
+    /// Size of the window's contents.
+    pub window_size_px: UVec2,
+}
+
+/// The screen that the window is on.
+pub struct HeadScreen {
+    options: ScreenOptions,
+    monitor: Option<Monitor>,
+}
+
+impl HeadScreen {
+    /// As the settings say, until the window system tells of a monitor.
+    pub fn new(options: &ScreenOptions) -> HeadScreen {
+        HeadScreen { options: options.clone(), monitor: None }
+    }
+
+    /// Takes where the program's window is on the screen.
+    pub fn set_monitor(&mut self, monitor: Option<Monitor>) {
+        self.monitor = monitor;
+    }
+
+    /// Where a head is taken to be that is not tracked.
+    pub fn rest(&self) -> Placement {
+        Placement { position_m: DVec3::from(self.options.rest_m), orientation: DQuat::IDENTITY }
+    }
+
+    /// The whole screen, and whether its size is a guess.
+    pub fn whole(&self) -> (ScreenPlane, bool) {
+        let [width_m, height_m] = self.options.size_m;
+        if width_m > 0.0 {
+            return (ScreenPlane::new(width_m, height_m), false);
+        }
+        let pixels = self.monitor.map_or(Vec2::new(16.0, 9.0), |m| m.size_px.as_vec2());
+        let size = pixels * (GUESSED_DIAGONAL_M / pixels.length().max(1.0));
+        (ScreenPlane::new(size.x, size.y), true)
+    }
+
+    /// The part of the screen in which the picture is.
+    pub fn plane(&self, viewport: Viewport) -> ScreenPlane {
+        let (whole, _) = self.whole();
+        let Some(monitor) = self.monitor else { return whole };
+        // A window whose place nobody tells is taken to be in the middle.
+        let middle = (monitor.size_px.as_ivec2() - monitor.window_size_px.as_ivec2()) / 2;
+        let window = monitor.window_px.unwrap_or(middle).as_vec2();
+        let screen = monitor.size_px.max(UVec2::ONE).as_vec2();
+        let share = |corner: Vec2| (window + corner) / screen;
+        whole.part(share(viewport.corner_px), share(viewport.corner_px + viewport.size_px))
+    }
+}

@@ -1,0 +1,82 @@
+//! The buttons and analogs of a tracker, as actions: buttons press, analogs press or turn wheels.
+//!
+//! Takes events of trackers and times; gives action events. Knows no pose.
+
+use glam::Vec2;
+use tracking::Event;
+use tracking::controls::{AnalogBinding, AnalogUse, ButtonBinding, Control, ControlMap};
+
+use crate::head_tracking::TrackingOptions;
+use crate::input::action::Kind;
+use crate::input::{Action, ActionEvent};
+
+/// Notches of the wheel a second with an analog at its end.
+const NOTCHES_PER_S: f64 = 10.0;
+/// Of analogs around their middle.
+const DEAD_ZONE: f64 = 0.15;
+
+/// What buttons and analogs do, and which analogs are moved.
+pub struct TrackerControls {
+    map: ControlMap<Action>,
+    /// What analogs do for as long as they are moved.
+    axes: Vec<(Action, f64)>,
+}
+
+impl TrackerControls {
+    /// As the settings bind them.
+    pub fn new(settings: &TrackingOptions) -> TrackerControls {
+        let device = settings.controls().map_or(settings.source.label(), |d| d.to_string());
+        let button = |(button, action)| ButtonBinding { source: device.clone(), button, action };
+        let analog = |(channel, action): (u32, Action)| AnalogBinding {
+            source: device.clone(),
+            channel,
+            action,
+            meaning: match action.help().kind {
+                Kind::Wheel => AnalogUse::Axis { scale: 1.0, dead_zone: DEAD_ZONE },
+                _ => AnalogUse::Press { press: 0.6, release: 0.4 },
+            },
+        };
+        let map = ControlMap::new(
+            TrackingOptions::bound(&settings.buttons).map(button).collect(),
+            TrackingOptions::bound(&settings.analogs).map(analog).collect(),
+        );
+        TrackerControls { map, axes: Vec::new() }
+    }
+
+    /// What an event asks for, in order.
+    pub fn hear(&mut self, event: &Event, asked: &mut Vec<ActionEvent>) {
+        let mut controls = Vec::new();
+        self.map.take(event, &mut controls);
+        asked.extend(controls.into_iter().filter_map(|control| self.action_of(control)));
+    }
+
+    fn action_of(&mut self, control: Control<Action>) -> Option<ActionEvent> {
+        let is_hold = |action: Action| action.help().kind == Kind::Hold;
+        match control {
+            Control::Pressed(action) if is_hold(action) => {
+                Some(ActionEvent::Begin { action, at: None })
+            }
+            Control::Pressed(action) => Some(ActionEvent::Tap(action)),
+            Control::Released(action) => is_hold(action).then_some(ActionEvent::End(action)),
+            Control::Axis(action, value) => {
+                self.axes.retain(|(other, _)| *other != action);
+                self.axes.push((action, value));
+                None
+            }
+        }
+    }
+
+    /// What analogs have done within `elapsed_s` seconds: wheels turned at the pixel `at`.
+    pub fn wheels(&self, at: Vec2, elapsed_s: f64) -> Vec<ActionEvent> {
+        let turned = self.axes.iter().filter(|(_, value)| *value != 0.0);
+        let notches = |value: f64| (value * elapsed_s * NOTCHES_PER_S) as f32;
+        turned
+            .map(|&(action, value)| ActionEvent::Wheel { action, notches: notches(value), at })
+            .collect()
+    }
+
+    /// No analog is heard of any more.
+    pub fn let_go(&mut self) {
+        self.axes.clear();
+    }
+}
