@@ -5,6 +5,7 @@
 //! [`Host`]. Every owner made from a device keeps an `Arc` of it, so it outlives them all.
 
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -72,6 +73,7 @@ pub struct Device {
     timeline: vk::Semaphore,
     /// Taken out on drop.
     pipelines: Option<PipelineCache>,
+    pipelines_created: AtomicUsize,
     names: Option<ext::debug_utils::Device>,
     candidate: Candidate,
     raw: ash::Device,
@@ -125,6 +127,7 @@ impl Device {
             queue: Mutex::new(Queue { raw: queue, submitted: 0 }),
             timeline: vk::Semaphore::null(),
             pipelines: None,
+            pipelines_created: AtomicUsize::new(0),
             names,
             candidate,
             raw,
@@ -212,6 +215,17 @@ impl Device {
     /// The pipeline cache for new pipelines.
     pub(super) fn pipeline_cache(&self) -> vk::PipelineCache {
         self.pipelines.as_ref().map_or(vk::PipelineCache::null(), PipelineCache::handle)
+    }
+
+    /// How many pipelines have been created so far, without those of libraries.
+    pub fn pipelines_created(&self) -> usize {
+        self.pipelines_created.load(Ordering::Relaxed)
+    }
+
+    /// Counts a pipeline that took `taken`.
+    pub(super) fn pipeline_created(&self, name: &str, taken: Duration) {
+        self.pipelines_created.fetch_add(1, Ordering::Relaxed);
+        tracing::debug!("created pipeline \"{name}\" in {:.1} ms", taken.as_secs_f64() * 1e3);
     }
 
     /// The allocator, for libraries that allocate themselves. The `Arc` must be dropped before the

@@ -1,6 +1,7 @@
 //! Pipelines and their layouts, made from plain structs.
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use ash::vk;
 
@@ -221,10 +222,12 @@ impl Pipeline {
             .dynamic_state(&dynamic)
             .layout(of.layout.handle())
             .push_next(&mut formats);
+        let begun = Instant::now();
         // SAFETY: the info is complete and all it points to lives.
         let made = unsafe {
             device.raw().create_graphics_pipelines(device.pipeline_cache(), &[info], None)
         };
+        device.pipeline_created(of.name, begun.elapsed());
         Pipeline::wrap(device, of.name, made, vk::PipelineBindPoint::GRAPHICS, of.layout)
     }
 
@@ -244,10 +247,12 @@ impl Pipeline {
         let info = vk::ComputePipelineCreateInfo::default()
             .stage(stage.specialization_info(&constants))
             .layout(layout.handle());
+        let begun = Instant::now();
         // SAFETY: the info is complete and all it points to lives.
         let made = unsafe {
             device.raw().create_compute_pipelines(device.pipeline_cache(), &[info], None)
         };
+        device.pipeline_created(name, begun.elapsed());
         Pipeline::wrap(device, name, made, vk::PipelineBindPoint::COMPUTE, layout)
     }
 

@@ -34,6 +34,7 @@ pub mod surface_shade;
 pub mod target;
 pub mod times;
 pub mod volume;
+mod warm_up;
 
 pub use backdrop::{Backdrop, Video, VideoView};
 pub use background::Background;
@@ -56,6 +57,7 @@ pub use stereo_options::StereoOptions;
 pub use surface_shade::SurfaceShade;
 pub use target::{EyeTask, IndexReadback, IndexTarget};
 pub use volume::Volume;
+pub use warm_up::WarmUp;
 
 /// Largest number of eyes of a picture.
 pub const MAX_EYES: usize = 2;

@@ -192,6 +192,19 @@ impl Renderer {
         Ok(self.times)
     }
 
+    /// Forgets what was painted, but not the passes made for it.
+    pub(super) fn forget_pictures(&mut self) -> Result<()> {
+        self.cache = None;
+        self.sampler.forget_copy();
+        self.times = RenderTimes::default();
+        self.timer = PictureTimer::new(&self.device)?;
+        Ok(())
+    }
+
+    pub(super) fn device(&self) -> &Arc<Device> {
+        &self.device
+    }
+
     /// Collects the bricks that have changed since the last picture; false if all may have.
     fn drain_changes(&mut self, document: &mut Document) -> bool {
         let changed = &mut self.changed;

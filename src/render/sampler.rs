@@ -326,9 +326,11 @@ impl Sampler {
         }
     }
 
-    /// Drops the device's copy, after an error that may have left it out of date.
+    /// Drops the device's copy: after an error that may have left it out of date, or when another
+    /// document follows.
     pub fn forget_copy(&mut self) {
         self.copy = None;
+        self.device_ms = None;
     }
 }
 

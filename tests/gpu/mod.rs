@@ -20,3 +20,4 @@ mod stereo;
 mod subjects;
 mod timing;
 mod volume;
+mod warm_up;

@@ -123,6 +123,22 @@ fn the_picture_moves_as_the_head_does() {
     program.stop();
 }
 
+/// All that takes long was done on the thread that connects, for no window is to wait for it.
+#[test]
+fn the_first_pictures_in_a_headset_create_no_pipelines() {
+    if !alone_in_network() {
+        return;
+    }
+    let (_runtime, _remote, program) = begin_with("[render]\nmode = \"march-gpu\"\n");
+    program.frames(3);
+    let log = program.log();
+    program.stop();
+    let (connecting, connected) = log.split_once("Headset connected").unwrap();
+    let created = |log: &str| log.matches("created pipeline").count();
+    assert!(created(connecting) > 0, "{connecting}");
+    assert_eq!(created(connected), 0, "{connected}");
+}
+
 #[test]
 fn the_trigger_takes_voxels_away_and_the_hand_feels_it() {
     if !alone_in_network() {

@@ -179,6 +179,8 @@ impl Headset {
             options: self.options.clone(),
             stood: self.stood,
             worn: workspace.viewpoint.head.worn().cloned(),
+            view: workspace.ui.view.clone(),
+            depth: workspace.session().document().material().depth(),
         };
         if self.search.is_none() {
             match Search::start(self.tell.clone()) {

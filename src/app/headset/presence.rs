@@ -16,11 +16,13 @@ use crate::gpu::ValidationLog;
 use crate::input::hands::{Board, HandEvent, HandMapper, HandsState};
 use crate::input::pad::rumble::Rumble;
 use crate::render::renderer::FrameDesc;
-use crate::render::{Background, Renderer};
+use crate::render::{Background, Renderer, WarmUp};
 use crate::screen::headset::{
     Blend, Connector, Frame, HeadsetError, HeadsetOptions, Layers, Link, LinkNews, LinkOptions,
     WornHead,
 };
+use crate::sculpture::ColourDepth;
+use crate::ui::ViewState;
 use crate::view::{Pose, Room, RoomView};
 
 type Result<T> = std::result::Result<T, HeadsetError>;
@@ -103,6 +105,14 @@ impl Presence {
             showing: false,
             silent: false,
         })
+    }
+
+    /// Has all that the first picture of `view` needs created, which may take long; before
+    /// [`Presence::start`], while nobody else uses the device.
+    pub fn warm_up(&mut self, mut view: ViewState, depth: ColourDepth) -> Result<()> {
+        view.suit_device(self.is_software());
+        let of = WarmUp { mode: view.mode, lighting: view.lighting(), depth };
+        Ok(self.renderer.warm_up(&of)?)
     }
 
     pub fn name(&self) -> &str {

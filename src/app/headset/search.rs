@@ -9,6 +9,8 @@ use super::{Connection, Tell};
 use crate::screen::headset::{
     Connector, HeadsetError, HeadsetOptions, Helper, LinkNews, LinkOptions, WornHead,
 };
+use crate::sculpture::ColourDepth;
+use crate::ui::ViewState;
 
 type Found = Result<Box<Presence>, HeadsetError>;
 
@@ -19,6 +21,9 @@ pub(super) struct Wanted {
     pub options: LinkOptions,
     pub stood: bool,
     pub worn: Option<WornHead>,
+    /// What is to be shown, and in how many colours.
+    pub view: ViewState,
+    pub depth: ColourDepth,
 }
 
 /// The thread.
@@ -37,9 +42,10 @@ impl Search {
         let work = move || {
             let mut connector = Connector::default();
             while let Ok(wanted) = heard.recv() {
-                let Wanted { connection, settings, options, stood, worn } = wanted;
+                let Wanted { connection, settings, options, stood, worn, view, depth } = wanted;
                 let tried =
-                    Presence::new(&mut connector, &settings, &options, stood, worn.as_ref());
+                    Presence::new(&mut connector, &settings, &options, stood, worn.as_ref())
+                        .and_then(|mut presence| presence.warm_up(view, depth).map(|()| presence));
                 if give.send(tried.map(Box::new)).is_err() || !tell(connection, LinkNews::Tried) {
                     return;
                 }

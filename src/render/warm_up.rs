@@ -1,0 +1,92 @@
+//! Warming up a renderer: everything that its first picture would have to wait for, above all the
+//! compiling of pipelines, is done in advance, on whatever thread has the time.
+//!
+//! Takes the properties of a picture that choose its pipelines; paints a small one like it and waits
+//! for it. That cannot miss a pass, and it reaches drivers that compile shaders when they are first
+//! drawn with. Knows no window and no headset.
+
+use std::time::Instant;
+
+use glam::{Quat, UVec2, UVec3, Vec3};
+
+use super::overlay::{Line, ToolPreview};
+use super::{Background, FrameDesc, RenderMode, Renderer};
+use crate::document::{Document, Limits};
+use crate::gpu::{Frames, GpuError, Result};
+use crate::sculpture::history::Contents;
+use crate::sculpture::{Brick, ColourDepth, Grid, Material, Placement, Rgb};
+use crate::shade::Lighting;
+use crate::tools::construct::{Primitive, Solid};
+use crate::view::Camera;
+
+/// Edge of the sculpture in voxels.
+const EDGE_VX: u32 = 16;
+const SIZE_PX: UVec2 = UVec2::splat(32);
+const GREY: Rgb = Rgb::new(128, 128, 128);
+
+/// What decides which pipelines pictures need.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct WarmUp {
+    pub mode: RenderMode,
+    pub lighting: Lighting,
+    /// That of the sculpture.
+    pub depth: ColourDepth,
+}
+
+impl Renderer {
+    /// Creates what pictures of `of` need, with tool and lines, of one eye or two, but without video.
+    /// Waits for the device. Pictures painted before are forgotten.
+    pub fn warm_up(&mut self, of: &WarmUp) -> Result<()> {
+        let begun = Instant::now();
+        let mut document = document(of.depth)?;
+        let radius = 0.5 * document.grid().dims().as_vec3().length();
+        let eye = Camera::framing(radius, Vec3::ONE, Vec3::Y).eye(SIZE_PX);
+        let grey = Vec3::splat(0.5);
+        let centre_vx = Vec3::splat(0.5 * EDGE_VX as f32);
+        let rotation = Quat::IDENTITY;
+        let half = Vec3::splat(EDGE_VX as f32);
+        let tool = ToolPreview {
+            primitive: Primitive { solid: Solid::Ellipsoid, centre_vx, half, rotation },
+            voxel_size: Vec3::ONE,
+            colour: GREY,
+            opacity: [0.5; 2],
+        };
+        let line = Line {
+            from: Vec3::ZERO,
+            to: 2.0 * centre_vx,
+            colour: GREY,
+            width_px: 2.0,
+            opacity: [0.5; 2],
+        };
+        let desc = FrameDesc {
+            eyes: &[eye; 2],
+            world_from_grid: Placement::default()
+                .world_from_grid(document.grid().dims(), document.grid().voxel_size()),
+            mode: of.mode,
+            lighting: of.lighting,
+            background: Background::Gradient { top: grey, bottom: grey },
+            video: None,
+            previews: &[tool],
+            lines: &[line],
+        };
+        let device = self.device().clone();
+        let mut frames = Frames::new(&device)?;
+        let mut recorder = frames.begin()?;
+        self.paint_with_fallback(&mut recorder, frames.slot(), &mut document, &desc, |_| true)?;
+        let serial = frames.submit(recorder, &[], &[])?;
+        device.wait(serial)?;
+        let taken_ms = begun.elapsed().as_secs_f64() * 1e3;
+        tracing::debug!("warmed up for {:?} in {taken_ms:.0} ms", of.mode);
+        self.forget_pictures()
+    }
+}
+
+/// A cube of stone.
+fn document(depth: ColourDepth) -> Result<Document> {
+    let limits = Limits::default();
+    let mut grid = Grid::new(UVec3::splat(EDGE_VX), Vec3::ONE, limits.grid_bytes)
+        .map_err(|error| GpuError::Host(error.to_string()))?;
+    grid.fill_bricks(|_| Brick::FULL);
+    let material = Material::for_grid(&grid, depth, GREY);
+    Ok(Document::from_contents(Contents { grid, material }, limits))
+}
