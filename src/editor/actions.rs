@@ -5,13 +5,12 @@
 
 use glam::{Quat, UVec3, Vec2, Vec3};
 
-use super::stroke::Guide;
+use super::stroke::{Guide, SurfaceGuide};
 use super::tool::ToolKind;
 use super::{Editor, sprays};
 use crate::command::{Area, Command};
 use crate::input::Action;
 use crate::picking::Picker;
-use crate::picking::geometry::lasting;
 use crate::sculpture::Placement;
 use crate::sculpture::orientation::Orientation;
 use crate::tools::spray::SprayKind;
@@ -135,21 +134,25 @@ impl Editor {
         let inverse = action == Action::SculptInverse;
         let mode = if inverse { tool.mode.inverted() } else { tool.mode };
         if tool.follow {
-            let depth = picker.sight().depth(point);
             self.lead_tool_to(at, point, picker);
             let grid = self.document().grid();
-            let seen = picker.map().map(|map| lasting(map, grid));
-            let lift = if self.tool.stand { self.tool.centre_vx - point } else { Vec3::ZERO };
-            self.begin_stroke(mode, Guide::Surface { seen, at, depth, lift });
+            let guide = SurfaceGuide::new(at, point, &self.tool, grid, picker);
+            self.begin_stroke(mode, Guide::Surface(guide));
         } else {
-            self.begin_stroke(mode, Guide::Tool);
+            self.begin_stroke(mode, Guide::Tool { hovering: None });
         }
     }
 
     /// Uses the tool where it is, by key, button or pad.
     fn apply_tool(&mut self, picker: &Picker) {
         match self.tool.kind {
-            ToolKind::Solid => self.begin_stroke(self.tool.mode, Guide::Tool),
+            ToolKind::Solid => {
+                let hovering = self.pointer.zip(self.ground()).map(|(at, point)| {
+                    let grid = self.session.document().grid();
+                    SurfaceGuide::new(at, point, &self.tool, grid, picker)
+                });
+                self.begin_stroke(self.tool.mode, Guide::Tool { hovering });
+            }
             ToolKind::Marker => self.act(Action::SelectMarker, picker),
             ToolKind::Spray(kind) => {
                 let tool = || picker.sight().pixel_of(self.tool.centre_vx);
@@ -184,7 +187,8 @@ impl Editor {
     /// would go on somewhere else. Nothing more is done until the button is released.
     ///
     /// The pointer itself has no speed limit: a mouse may cross the picture between two events, and
-    /// its path over the surface is lifted at edges (`stroke`) and bounded (`path`).
+    /// its path over the surface, dragged or hovering with a key held, is lifted at edges (`stroke`)
+    /// and bounded (`path`).
     pub fn lift(&mut self) {
         let stroke = self.stroke.as_ref().is_some_and(|stroke| stroke.is_led_over_picture());
         let drag = self.marker.drag.take().is_some();

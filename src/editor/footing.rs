@@ -58,15 +58,25 @@ impl Editor {
             // A spray that a key holds down goes with the pointer.
             self.lead_spray(at, picker);
         }
-        if self.tool.follow
-            && leads_tool
-            && let Some(point) = picker.target(self.document().grid(), at)
-        {
+        // The tool in a hand at work is not the pointer's.
+        if !self.tool.follow || !leads_tool || self.hand.is_working() {
+            return;
+        }
+        let solid = self.tool.kind == ToolKind::Solid;
+        if solid && self.is_hover_led(picker) {
+            self.lead_stroke(at, picker);
+        } else if let Some(point) = picker.target(self.document().grid(), at) {
             self.lead_tool_to(at, point, picker);
-            if self.tool.kind == ToolKind::Solid {
-                self.tool_moved(picker);
+            if solid {
+                self.hover_stroke(at, point, picker);
             }
         }
+    }
+
+    /// The point of the surface that the pointer has put the tool on; none once something else has
+    /// moved it.
+    pub(super) fn ground(&self) -> Option<Vec3> {
+        self.footing.ground.map(|ground| ground.point)
     }
 
     /// Puts the tool at a point of the surface, which is seen at `at`.

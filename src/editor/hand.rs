@@ -134,7 +134,7 @@ impl Editor {
             return;
         }
         match self.tool.kind {
-            ToolKind::Solid => self.begin_stroke(self.tool.mode, Guide::Tool),
+            ToolKind::Solid => self.begin_stroke(self.tool.mode, Guide::Tool { hovering: None }),
             ToolKind::Spray(kind) => {
                 if let Some(footprint) = self.held_spray(room) {
                     let options = *self.tool.sprays.of(kind);

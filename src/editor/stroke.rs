@@ -7,11 +7,13 @@ use glam::{Vec2, Vec3};
 
 use super::path::Path;
 use super::sprays::SprayOptions;
+use super::tool::ToolState;
 use super::{Editor, Outcome};
 use crate::command::{Area, Command};
 use crate::input::ToolMode;
 use crate::picking::Picker;
-use crate::picking::geometry::surface_point;
+use crate::picking::geometry::{lasting, surface_point};
+use crate::sculpture::Grid;
 use crate::surface::IndexMap;
 use crate::tools::spray::{Footprint, SprayKind};
 
@@ -26,18 +28,48 @@ const LEAP: f32 = 2.0;
 
 /// What leads the tool.
 pub(super) enum Guide {
-    /// The pointer on the surface as it was seen when the stroke began, so that what the stroke
-    /// adds or cuts on its way does not lead it astray.
-    Surface {
-        seen: Option<Arc<IndexMap>>,
-        at: Vec2,
-        /// Of the last point, for where the pointer is beside the sculpture.
-        depth: f32,
-        /// From the surface to the centre of a tool that stands on it.
-        lift: Vec3,
-    },
-    /// Whatever moves the tool.
-    Tool,
+    /// A drag of the pointer over the surface.
+    Surface(SurfaceGuide),
+    /// Whatever moves the tool, while a key, a button or a hand holds it down; `hovering`: the
+    /// pointer, if it has moved the tool last.
+    Tool { hovering: Option<SurfaceGuide> },
+}
+
+/// The pointer on the surface as it was seen when it began to lead the stroke, so that what the stroke
+/// adds or cuts on its way does not lead it astray.
+pub(super) struct SurfaceGuide {
+    seen: Option<Arc<IndexMap>>,
+    at: Vec2,
+    /// Of the last point, for where the pointer is beside the sculpture.
+    depth: f32,
+    /// From the surface to the centre of a tool that stands on it.
+    lift: Vec3,
+}
+
+impl SurfaceGuide {
+    /// The pointer at `at` (pixels) has put `tool` on `point` of the surface.
+    pub fn new(at: Vec2, point: Vec3, tool: &ToolState, grid: &Grid, picker: &Picker) -> Self {
+        SurfaceGuide {
+            seen: picker.map().map(|map| lasting(map, grid)),
+            at,
+            depth: picker.sight().depth(point),
+            lift: if tool.stand { tool.centre_vx - point } else { Vec3::ZERO },
+        }
+    }
+
+    /// Whether the view is still the one in which the surface was seen.
+    fn is_of(&self, picker: &Picker) -> bool {
+        self.seen.as_ref().map(|seen| seen.rays) == picker.map().map(|map| map.rays)
+    }
+
+    /// The point that lies under `look` (pixels), and the tool's centre there.
+    fn centre_at(&mut self, look: Vec2, grid: &Grid, picker: &Picker) -> Vec3 {
+        let sight = picker.sight();
+        let found = self.seen.as_ref().and_then(|map| surface_point(map, grid, look));
+        let point = found.map_or_else(|| sight.at_depth(look, self.depth), |seen| seen.point);
+        self.depth = sight.depth(point);
+        point + self.lift
+    }
 }
 
 /// What a stroke does along its path.
@@ -69,7 +101,16 @@ pub(super) struct Stroke {
 impl Stroke {
     /// Whether the pointer on the surface leads a solid.
     pub fn follows_surface(&self) -> bool {
-        matches!(self.work, Work::Solid { guide: Guide::Surface { .. }, .. })
+        matches!(self.work, Work::Solid { guide: Guide::Surface(_), .. })
+    }
+
+    /// The pointer that leads a solid over the surface, in a drag or hovering.
+    fn surface_guide(&self) -> Option<&SurfaceGuide> {
+        match &self.work {
+            Work::Solid { guide: Guide::Surface(guide), .. } => Some(guide),
+            Work::Solid { guide: Guide::Tool { hovering }, .. } => hovering.as_ref(),
+            Work::Spray { .. } | Work::HeldSpray { .. } => None,
+        }
     }
 
     pub fn is_spray(&self) -> bool {
@@ -78,7 +119,19 @@ impl Stroke {
 
     /// Whether where it goes depends on what the picture shows under the pointer.
     pub fn is_led_over_picture(&self) -> bool {
-        self.follows_surface() || self.is_spray()
+        self.surface_guide().is_some() || self.is_spray()
+    }
+}
+
+impl ToolState {
+    /// Leads `path` over the surface to `centre_vx`: straight, or where the surface leaps with the tool
+    /// lifted.
+    fn go_over_surface(&self, path: &mut Path, centre_vx: Vec3, sample: impl FnMut(Vec3)) {
+        if path.distance(centre_vx) > LEAP * 2.0 * self.half().max_element() {
+            path.jump_to(centre_vx, sample);
+        } else {
+            path.sweep_to(centre_vx, &self.primitive(), sample);
+        }
     }
 }
 
@@ -199,35 +252,55 @@ impl Editor {
         let Some(mut stroke) = self.stroke.take_if(|_| to.is_finite()) else { return };
         let mut stops = Vec::new();
         let Stroke { work, path, .. } = &mut stroke;
-        if let Work::Solid { guide: Guide::Surface { seen, at, depth, lift }, .. } = work {
-            let sight = picker.sight();
+        if let Work::Solid {
+            guide: Guide::Surface(guide) | Guide::Tool { hovering: Some(guide) },
+            ..
+        } = work
+        {
             let grid = self.session.document().grid();
-            let solid = self.tool.primitive();
-            let leap = LEAP * 2.0 * self.tool.half().max_element();
-            let looks = (to.distance(*at) / LOOK_EVERY_PX).ceil().clamp(1.0, MOST_LOOKS) as u32;
+            let from = guide.at;
+            let looks = (to.distance(from) / LOOK_EVERY_PX).ceil().clamp(1.0, MOST_LOOKS) as u32;
             for i in 1..=looks {
-                let look = at.lerp(to, i as f32 / looks as f32);
-                let found = seen.as_ref().and_then(|map| surface_point(map, grid, look));
-                let point = found.map_or_else(|| sight.at_depth(look, *depth), |seen| seen.point);
-                *depth = sight.depth(point);
-                let point = point + *lift;
-                if path.distance(point) > leap {
-                    path.jump_to(point, |stop| stops.push(stop));
-                } else {
-                    path.sweep_to(point, &solid, |stop| stops.push(stop));
-                }
+                let look = from.lerp(to, i as f32 / looks as f32);
+                let centre = guide.centre_at(look, grid, picker);
+                self.tool.go_over_surface(path, centre, |stop| stops.push(stop));
             }
-            *at = to;
+            guide.at = to;
         }
         self.stroke = Some(stroke);
         self.use_tool_at(&stops);
         if let Some(stroke) = &self.stroke {
             let end = stroke.path.end();
             self.tool.move_to(end);
-            if let Work::Solid { guide: Guide::Surface { lift, .. }, .. } = &stroke.work {
+            if let Some(SurfaceGuide { lift, .. }) = stroke.surface_guide() {
                 self.led_over(end - *lift);
             }
         }
+    }
+
+    /// Whether the pointer, as the picture is now, leads a solid that is held down.
+    pub(super) fn is_hover_led(&self, picker: &Picker) -> bool {
+        let guide = self.stroke.as_ref().and_then(Stroke::surface_guide);
+        guide.is_some_and(|guide| guide.is_of(picker))
+    }
+
+    /// The pointer has put the tool on `point`, which is seen at `at`: a solid that is held down
+    /// follows it from here on.
+    pub(super) fn hover_stroke(&mut self, at: Vec2, point: Vec3, picker: &Picker) {
+        let mut stops = Vec::new();
+        let to = self.tool.centre_vx;
+        let grid = self.session.document().grid();
+        if let Some(Stroke {
+            work: Work::Solid { guide: Guide::Tool { hovering }, .. },
+            path,
+            ..
+        }) = &mut self.stroke
+        {
+            *hovering = Some(SurfaceGuide::new(at, point, &self.tool, grid, picker));
+            self.tool.go_over_surface(path, to, |stop| stops.push(stop));
+        }
+        self.use_tool_at(&stops);
+        self.tool.centre_vx = to;
     }
 
     /// The tool was moved by something else; a stroke that it leads follows.
@@ -242,9 +315,13 @@ impl Editor {
             }
             return;
         }
-        if let Some(Stroke { work: Work::Solid { guide: Guide::Tool, .. }, path, .. }) =
-            &mut self.stroke
+        if let Some(Stroke {
+            work: Work::Solid { guide: Guide::Tool { hovering }, .. },
+            path,
+            ..
+        }) = &mut self.stroke
         {
+            *hovering = None;
             path.sweep_to(to, &self.tool.primitive(), |stop| stops.push(stop));
         }
         self.use_tool_at(&stops);

@@ -2,7 +2,7 @@
 //! its options change.
 
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, vec2};
-use glam::{EulerRot, Quat, Vec2, Vec3};
+use glam::{EulerRot, IVec3, Quat, Vec2, Vec3};
 use virtual_sculpture::editor::tool::ToolKind;
 use virtual_sculpture::input::ToolMode;
 use virtual_sculpture::surface::raycast;
@@ -233,4 +233,70 @@ fn a_tool_moved_by_keys_stays_where_it_was_put() {
     let left = harness.state().editor.tool.centre_vx;
     key(&mut harness, Modifiers::NONE, Key::E);
     assert_eq!(harness.state().editor.tool.centre_vx, left);
+}
+
+/// A block on the left that ends in a cliff, and a plain far below it on the right, seen from above.
+fn cliff() -> Bench {
+    let mut harness = bench::bench();
+    harness.run();
+    run(&mut harness, "place");
+    run(&mut harness, "subtract cuboid at=48,32,36 half=16,32,28");
+    let tool = &mut harness.state_mut().editor.tool;
+    (tool.kind, tool.solid, tool.mode) = (ToolKind::Solid, Solid::Ellipsoid, ToolMode::Subtract);
+    tool.uniform = true;
+    tool.set_half(0, 3.0);
+    harness
+}
+
+fn space(harness: &mut Bench, pressed: bool) {
+    let modifiers = Modifiers::NONE;
+    let key = Key::Space;
+    send(harness, Event::Key { key, physical_key: None, pressed, repeat: false, modifiers });
+}
+
+fn is_opaque(harness: &Bench, x: i32, y: i32, z: i32) -> bool {
+    harness.state().session().document().grid().get(IVec3::new(x, y, z))
+}
+
+#[test]
+fn a_leap_of_the_hovering_pointer_with_the_key_held_cuts_what_a_drag_cuts() {
+    let (above, below) = (Vec3::new(16.0, 32.0, 64.0), Vec3::new(54.0, 32.0, 8.0));
+    let mut dragged = cliff();
+    let way = [screen(&dragged, above), screen(&dragged, below)];
+    drag(&mut dragged, PointerButton::Primary, Modifiers::NONE, &way);
+
+    let mut held = cliff();
+    hover(&mut held, way[0]);
+    space(&mut held, true);
+    assert!(held.state().editor.is_stroking());
+    hover(&mut held, way[1]);
+    space(&mut held, false);
+    assert!(!held.state().editor.is_stroking() && bench::undo_count(&held) == 2);
+
+    assert!((20..28).all(|x| is_opaque(&held, x, 32, 53)), "no tunnel from one to the other");
+    assert!(!is_opaque(&held, 24, 32, 63), "a groove over the block");
+    assert!(!is_opaque(&held, 54, 32, 7), "and over the plain");
+    let grid = |harness: &Bench| harness.state().session().document().grid().clone();
+    assert!(grid(&held) == grid(&dragged), "{} and {}", voxels(&held), voxels(&dragged));
+}
+
+#[test]
+fn a_hovering_pointer_that_takes_over_from_keys_or_another_view_cuts_no_tunnel() {
+    let mut harness = cliff();
+    let at = screen(&harness, Vec3::new(16.0, 32.0, 64.0));
+    hover(&mut harness, at);
+    space(&mut harness, true);
+    // Keys move the tool along the surface, the pointer comes from elsewhere.
+    (0..4).for_each(|_| key(&mut harness, Modifiers::NONE, Key::ArrowUp));
+    assert!(!is_opaque(&harness, 16, 36, 63), "a groove");
+    let plain = screen(&harness, Vec3::new(54.0, 36.0, 8.0));
+    hover(&mut harness, plain);
+    assert!(!is_opaque(&harness, 54, 36, 7) && is_opaque(&harness, 28, 36, 46), "no tunnel");
+    // Half a turn about y shows the back.
+    run(&mut harness, "place turn=0,1,0,0");
+    let back = screen(&harness, Vec3::new(16.0, 32.0, 0.0));
+    hover(&mut harness, back);
+    space(&mut harness, false);
+    assert!(!is_opaque(&harness, 16, 32, 0), "the tool goes on there");
+    assert!((0..7).all(|i| is_opaque(&harness, 40 - 4 * i, 34, 5)), "no tunnel");
 }

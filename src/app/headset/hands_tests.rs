@@ -1,6 +1,8 @@
 //! Hands at work on a sculpture: where tracking leaps or gives nonsense, nothing is cut that no
 //! hand has touched, and nothing grows without end.
 
+use std::sync::Arc;
+
 use glam::{Quat, Vec2, Vec3};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
@@ -9,11 +11,12 @@ use proptest::test_runner::TestRunner;
 use crate::app::Workspace;
 use crate::config::Config;
 use crate::editor::tool::ToolKind;
-use crate::input::Bindings;
 use crate::input::hands::{HandMapper, HandSettings, HandSide, HandState, HandsState};
 use crate::input::pad::stick::Response;
+use crate::input::{ActionEvent, Bindings};
 use crate::sculpture::Rgb;
 use crate::session::Session;
+use crate::surface::{IndexMap, raycast};
 use crate::tools::spray::SprayKind;
 use crate::view::{Pose, Room};
 
@@ -106,6 +109,28 @@ fn a_leap_of_tracking_cuts_no_tunnel() {
             assert!(person.is_opaque(Vec3::new(0.75, 0.5, 0.5)), "not beyond where the hand went");
         }
     }
+}
+
+#[test]
+fn a_pointer_that_moves_over_the_window_leaves_the_tool_to_the_hand_at_work() {
+    let mut person = Person::new(DIMS);
+    person.workspace.editor.tool.kind = ToolKind::Solid;
+    let left = MIDDLE - Vec3::X * 0.3;
+    person.hold(left, 0.0, 5);
+    person.hold(left, 1.0, 2);
+    let eye = person.workspace.eye();
+    let mut map = IndexMap::new(eye.pixel_rays(&person.workspace.world_from_grid()));
+    let rays = map.rays;
+    raycast::sample(person.workspace.session().document().grid(), &rays, &mut map);
+    person.workspace.viewpoint.set_pick_map(Arc::new(map));
+    let tool = person.workspace.editor.tool.centre_vx;
+    person.workspace.answer_event(&ActionEvent::Hover(rays.size.as_vec2() * 0.5));
+    assert_eq!(person.workspace.editor.tool.centre_vx, tool);
+    assert!(person.workspace.editor.is_stroking());
+    person.hold(left, 0.0, 2);
+    assert_eq!(person.gone(), 0, "no tunnel from the hand to the pointer");
+    person.workspace.answer_event(&ActionEvent::Hover(rays.size.as_vec2() * 0.5));
+    assert_ne!(person.workspace.editor.tool.centre_vx, tool, "it is free again");
 }
 
 #[test]
