@@ -46,7 +46,7 @@ use crate::input::Bindings;
 use crate::input::bindings::BindingsError;
 use crate::input::pad::device as pad_device;
 use crate::input::pad::device::PadNews;
-use crate::screen::headset::LinkNews;
+use crate::screen::headset::XrEvent;
 use crate::session::Session;
 
 use detached::DetachedPanels;
@@ -87,12 +87,12 @@ pub enum AppError {
 }
 
 /// Opens the window, on a device made with `device`, and works on `session` until the user leaves.
-/// `shots`: a folder for pictures of what the eyes in a headset see.
+/// `eye_screenshots`: a folder for pictures of what the eyes in a headset see.
 pub fn run(
     session: Session,
     config: Config,
     device: DeviceOptions,
-    shots: Option<PathBuf>,
+    eye_screenshots: Option<PathBuf>,
 ) -> Result<(), AppError> {
     let event_loop = EventLoop::with_user_event().build()?;
     let proxy = event_loop.create_proxy();
@@ -106,8 +106,8 @@ pub fn run(
     workspace.remember_in(folders::state_folder().join("state.toml"), &config.window);
     let proxy = event_loop.create_proxy();
     let headset = config.headset.enabled.then(|| {
-        Headset::new(&config.headset, device.clone(), shots, move |connection, news| {
-            proxy.send_event(Wake::Headset(connection, news)).is_ok()
+        Headset::new(&config.headset, device.clone(), eye_screenshots, move |connection, event| {
+            proxy.send_event(Wake::Headset(connection, event)).is_ok()
         })
     });
     let mut app = App {
@@ -132,7 +132,7 @@ pub fn run(
 #[derive(Debug)]
 enum Wake {
     Pad(PadNews),
-    Headset(Connection, LinkNews),
+    Headset(Connection, XrEvent),
 }
 
 /// The program in a window.
@@ -329,11 +329,11 @@ impl App {
         }
     }
 
-    /// Hears of the headset and makes its pictures; now and then the window shows what is done
+    /// Handles an event of the headset, a frame included; at intervals the window shows what is done
     /// there.
-    fn hear_headset(&mut self, connection: Connection, news: LinkNews) {
+    fn handle_headset(&mut self, connection: Connection, event: XrEvent) {
         let Some(headset) = &mut self.headset else { return };
-        headset.hear(&mut self.workspace, connection, news);
+        headset.handle(&mut self.workspace, connection, event);
         if self.mirrored.is_none_or(|at| at.elapsed() >= MIRROR_EVERY) {
             self.mirrored = Some(Instant::now());
             self.redraw();
@@ -378,7 +378,7 @@ impl App {
         self.note_windows();
         self.workspace.remember();
         let log = self.view.as_ref().map(MainWindow::validation_log);
-        let mut complaints = self.headset.as_ref().map_or(0, Headset::complaints);
+        let mut complaints = self.headset.as_ref().map_or(0, Headset::validation_messages);
         self.headset = None;
         self.detached.close();
         self.view = None;
@@ -401,7 +401,7 @@ impl ApplicationHandler<Wake> for App {
                 self.workspace.hear_pad(news, now.as_secs_f64());
                 self.redraw();
             }
-            Wake::Headset(connection, news) => self.hear_headset(connection, news),
+            Wake::Headset(connection, event) => self.handle_headset(connection, event),
         }
     }
 

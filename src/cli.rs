@@ -273,7 +273,7 @@ fn window_or_demo(
         }
         match display {
             true => app::run(session, config, device, cli.headset_shots)?,
-            false => app::headset::alone::run(session, &config, device, cli.headset_shots)?,
+            false => app::headset::standalone::run(session, &config, device, cli.headset_shots)?,
         }
         return Ok(());
     }

@@ -12,7 +12,7 @@ use tracking::{HostClock, Source};
 
 use super::SourceAddress;
 use crate::format::store;
-use crate::screen::headset::{HeadsetTracker, WornHead};
+use crate::screen::headset::{HeadsetTracker, SessionHead};
 
 /// Why a source of poses cannot be opened.
 #[derive(Debug, Error)]
@@ -28,13 +28,13 @@ pub enum SourceError {
 }
 
 /// Opens a source, and a second VRPN device for buttons and analogs if `controls` names one. Servers and
-/// senders may start later: their sources wait for them. `worn`: the headset in use by the program,
+/// senders may start later: their sources wait for them. `session_head`: of the headset in use by the program,
 /// which is then asked for its own pose.
 pub fn open(
     address: &SourceAddress,
     controls: Option<&DeviceAddress>,
     signs: Signs,
-    worn: Option<&WornHead>,
+    session_head: Option<&SessionHead>,
     clock: HostClock,
 ) -> Result<Vec<Box<dyn Source>>, SourceError> {
     let mut sources: Vec<Box<dyn Source>> = Vec::new();
@@ -58,8 +58,8 @@ pub fn open(
                 Script::parse(&text).map_err(|error| SourceError::Script(path.clone(), error))?;
             sources.push(Box::new(Scripted::new(&address.label(), script)));
         }
-        SourceAddress::Openxr(origin) => match worn {
-            Some(worn) => sources.push(Box::new(worn.source())),
+        SourceAddress::Openxr(origin) => match session_head {
+            Some(head) => sources.push(Box::new(head.source())),
             None => {
                 let source = HeadsetTracker::start(&address.label(), *origin, clock)
                     .map_err(SourceError::Thread)?;

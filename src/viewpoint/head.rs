@@ -21,7 +21,7 @@ use super::turntable::Turntable;
 use crate::head_tracking::{ScreenOptions, SourceAddress, TrackingOptions, source};
 use crate::input::ActionEvent;
 use crate::notice::Notice;
-use crate::screen::headset::WornHead;
+use crate::screen::headset::SessionHead;
 use crate::view::Eye;
 use crate::view::off_axis::{Head as HeadPlace, ScreenInWorld, ScreenPlane};
 
@@ -37,7 +37,7 @@ pub struct Head {
     screen: HeadScreen,
     time: Time,
     /// The head of the headset that the program is shown in, where that is to be followed.
-    worn: Option<WornHead>,
+    session_head: Option<SessionHead>,
     /// While the view follows the head.
     tracking: Option<Tracking>,
     calibration: HeadCalibration,
@@ -85,9 +85,9 @@ impl Head {
         let screen = HeadScreen::new(screen);
         let clock = HostClock::starting_now();
         Head {
-            worn: match settings.source {
+            session_head: match settings.source {
                 SourceAddress::Openxr(origin) if headset_enabled => {
-                    Some(WornHead::new(&settings.source.label(), origin, clock))
+                    Some(SessionHead::new(&settings.source.label(), origin, clock))
                 }
                 _ => None,
             },
@@ -117,9 +117,10 @@ impl Head {
     fn open(&mut self) -> Result<(), source::SourceError> {
         let TrackingOptions { source: address, .. } = &self.settings;
         let controls = self.settings.controls();
-        let worn = self.worn.as_ref();
+        let session_head = self.session_head.as_ref();
         let signs = self.settings.signs();
-        let sources = source::open(address, controls.as_ref(), signs, worn, self.time.clock)?;
+        let clock = self.time.clock;
+        let sources = source::open(address, controls.as_ref(), signs, session_head, clock)?;
         let body = self.settings.body(self.screen.rest().position_m, self.calibration.now());
         let mut tracker = Tracker::new(body);
         sources.into_iter().for_each(|source| tracker.add_source(source));
@@ -242,8 +243,8 @@ impl Head {
     }
 
     /// The head that a headset reports to this tracker, if it is to.
-    pub fn worn(&self) -> Option<&WornHead> {
-        self.worn.as_ref()
+    pub fn session_head(&self) -> Option<&SessionHead> {
+        self.session_head.as_ref()
     }
 
     /// Takes where the program's window is on the screen.

@@ -28,7 +28,7 @@ fn a_runtime_that_stops_holds_up_no_window() {
             assert!(longest.iter().all(|turn| *turn < TURN), "{longest:?} in round {round}");
             wearer.until_showing();
         }
-        assert_eq!(wearer.headset.complaints(), 0);
+        assert_eq!(wearer.headset.validation_messages(), 0);
     } else if alone_in_network() {
         Runtime::start().run_client();
     }
@@ -44,7 +44,7 @@ fn a_runtime_that_takes_seconds_to_connect_holds_up_no_window() {
             wearer.until_showing(),
         ];
         assert!(longest.iter().all(|turn| *turn < TURN), "{longest:?}");
-        assert_eq!(wearer.headset.complaints(), 0);
+        assert_eq!(wearer.headset.validation_messages(), 0);
     } else if alone_in_network() {
         let mut runtime = Runtime::start();
         runtime.pretend("opaque");
@@ -71,7 +71,7 @@ fn a_device_without_memory_for_the_sculpture_shows_it_in_another_mode() {
         });
         let told = wearer.messages();
         assert!(!told.iter().any(|text| text.contains("No headset")), "{told:?}");
-        assert_eq!(wearer.headset.complaints(), 0);
+        assert_eq!(wearer.headset.validation_messages(), 0);
     } else if alone_in_network() {
         let mut runtime = Runtime::start();
         // VK_ERROR_OUT_OF_DEVICE_MEMORY.

@@ -165,7 +165,10 @@ fn the_trigger_takes_voxels_away_and_the_hand_feels_it() {
     assert!(first.abs_diff_eq(voxel(front), 0.1), "{first} {journal}");
     let end = voxel(front + Vec3::X * 0.1);
     assert!(last.distance(end) < 2.0 && last.x <= end.x + 0.1, "{last} {end}");
-    assert!(program.log().contains("Right hand feels"), "the runtime was asked to shake the hand");
+    assert!(
+        program.log().contains("Right hand vibrates"),
+        "the runtime was asked to shake the hand"
+    );
 
     // The same commands without a headset: half a ball of radius 3.84 vx and half a rod of 12.8 vx.
     let gone = program.voxels_gone();

@@ -164,7 +164,7 @@ fn wear() {
                 sees_from(&wearer.workspace, head) && wearer.headset.is_showing()
             });
         }
-        assert_eq!(wearer.headset.complaints(), 0);
+        assert_eq!(wearer.headset.validation_messages(), 0);
     };
     follow(&mut wearer);
     // Without the headset the head goes to its place of rest.

@@ -8,7 +8,7 @@ use virtual_sculpture::app::Workspace;
 use virtual_sculpture::app::headset::{Connection, Headset};
 use virtual_sculpture::config::Config;
 use virtual_sculpture::input::Bindings;
-use virtual_sculpture::screen::headset::LinkNews;
+use virtual_sculpture::screen::headset::XrEvent;
 use virtual_sculpture::session::Session;
 
 use super::program::PATIENCE;
@@ -20,7 +20,7 @@ pub struct Wearer {
     pub workspace: Workspace,
     pub config: Config,
     pub headset: Headset,
-    news: Receiver<(Connection, LinkNews)>,
+    news: Receiver<(Connection, XrEvent)>,
 }
 
 impl Wearer {
@@ -51,7 +51,7 @@ impl Wearer {
         let start = Instant::now();
         self.headset.poll(&mut self.workspace);
         if let Ok((connection, news)) = news {
-            self.headset.hear(&mut self.workspace, connection, news);
+            self.headset.handle(&mut self.workspace, connection, news);
         }
         self.workspace.track();
         let _ = self.workspace.viewpoint.tracked_eyes(0.0);
@@ -80,7 +80,7 @@ impl Wearer {
     }
 }
 
-fn connect(config: &Config) -> (Headset, Receiver<(Connection, LinkNews)>) {
+fn connect(config: &Config) -> (Headset, Receiver<(Connection, XrEvent)>) {
     let (tell, news) = channel();
     let tell = move |connection, news| tell.send((connection, news)).is_ok();
     (Headset::new(&config.headset, config.device_options(None), None, tell), news)

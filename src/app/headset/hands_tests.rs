@@ -1,5 +1,5 @@
-//! Hands at work on a sculpture: where tracking leaps or gives nonsense, nothing is cut that no
-//! hand has touched, and nothing grows without end.
+//! Sculpting with tracked hands: where tracking jumps or reports nonsense, nothing is cut that no hand
+//! has touched, and no state grows without bound.
 
 use std::sync::Arc;
 
@@ -21,11 +21,11 @@ use crate::tools::spray::SprayKind;
 use crate::view::{Pose, Room};
 
 const REACH_M: f32 = 0.08;
-const LOOK_S: f64 = 1.0 / 72.0;
-/// Of the cube, half a metre in the room.
+const FRAME_S: f64 = 1.0 / 72.0;
+/// Edge of the cube in voxels; it is half a metre in the room.
 const DIMS: u32 = 64;
 
-/// A person in a room with a cube of stone before them.
+/// A person in a room, with a solid cube before them.
 struct Person {
     workspace: Workspace,
     mapper: HandMapper,
@@ -51,23 +51,23 @@ impl Person {
         }
     }
 
-    /// The main hand holds the tool at this place of the room for so many looks.
-    fn hold(&mut self, tool: Vec3, trigger: f32, looks: usize) {
+    /// The main hand holds the tool at this point of the room for `frames` frames.
+    fn hold(&mut self, tool: Vec3, trigger: f32, frames: usize) {
         let position = tool + Vec3::Z * REACH_M;
         let pose = Some(Pose { position, rotation: Quat::IDENTITY });
         let hand = HandState { grip: pose, aim: pose, trigger, ..HandState::default() };
         self.state.hands[HandSide::Right.index()] = hand;
-        (0..looks).for_each(|_| self.look());
+        (0..frames).for_each(|_| self.frame());
     }
 
-    fn look(&mut self) {
-        self.state.time_s += LOOK_S;
+    fn frame(&mut self) {
+        self.state.time_s += FRAME_S;
         for event in self.mapper.hear(&self.state, None) {
             self.workspace.answer_hand(&event, &self.room);
         }
     }
 
-    fn gone(&self) -> u64 {
+    fn removed_voxels(&self) -> u64 {
         let grid = self.workspace.session().document().grid();
         u64::from(grid.dims().element_product()) - grid.opaque_count()
     }
@@ -82,7 +82,7 @@ impl Person {
 const MIDDLE: Vec3 = Vec3::new(0.0, 1.3, -0.7);
 
 #[test]
-fn a_leap_of_tracking_cuts_no_tunnel() {
+fn a_jump_of_tracking_cuts_no_tunnel() {
     for tool in [ToolKind::Solid, ToolKind::Spray(SprayKind::Devourer)] {
         let mut person = Person::new(DIMS);
         person.workspace.editor.tool.kind = tool;
@@ -90,13 +90,13 @@ fn a_leap_of_tracking_cuts_no_tunnel() {
         person.hold(left, 0.0, 5);
         person.hold(left, 1.0, 2);
         assert!(person.workspace.editor.is_stroking());
-        // From one side of the cube to the other between two looks, and back.
+        // From one side of the cube to the other between two frames, and back.
         person.hold(MIDDLE + Vec3::X * 0.3, 1.0, 1);
         assert!(!person.workspace.editor.is_stroking(), "the tool is lifted");
         person.hold(left, 1.0, 5);
-        assert_eq!(person.gone(), 0, "{tool:?}");
+        assert_eq!(person.removed_voxels(), 0, "{tool:?}");
         assert!(!person.workspace.editor.is_stroking());
-        // The hand is calm again.
+        // The hand has been slow for a while.
         person.hold(left, 1.0, 10);
         assert!(person.workspace.editor.is_stroking(), "a new stroke");
         for i in 1..=40 {
@@ -105,7 +105,7 @@ fn a_leap_of_tracking_cuts_no_tunnel() {
         person.hold(MIDDLE, 0.0, 2);
         assert!(!person.workspace.editor.is_stroking());
         if tool == ToolKind::Solid {
-            assert!(person.gone() > 100 && !person.is_opaque(Vec3::new(0.25, 0.5, 0.5)));
+            assert!(person.removed_voxels() > 100 && !person.is_opaque(Vec3::new(0.25, 0.5, 0.5)));
             assert!(person.is_opaque(Vec3::new(0.75, 0.5, 0.5)), "not beyond where the hand went");
         }
     }
@@ -128,13 +128,13 @@ fn a_pointer_that_moves_over_the_window_leaves_the_tool_to_the_hand_at_work() {
     assert_eq!(person.workspace.editor.tool.centre_vx, tool);
     assert!(person.workspace.editor.is_stroking());
     person.hold(left, 0.0, 2);
-    assert_eq!(person.gone(), 0, "no tunnel from the hand to the pointer");
+    assert_eq!(person.removed_voxels(), 0, "no tunnel from the hand to the pointer");
     person.workspace.answer_event(&ActionEvent::Hover(rays.size.as_vec2() * 0.5));
     assert_ne!(person.workspace.editor.tool.centre_vx, tool, "it is free again");
 }
 
 #[test]
-fn a_marker_does_not_go_along_with_a_leap() {
+fn a_marker_does_not_follow_a_jump() {
     let mut person = Person::new(DIMS);
     person.workspace.editor.tool.kind = ToolKind::Marker;
     person.hold(MIDDLE, 0.0, 5);
@@ -143,7 +143,7 @@ fn a_marker_does_not_go_along_with_a_leap() {
     person.hold(MIDDLE, 1.0, 2);
     person.hold(MIDDLE + Vec3::X * 0.4, 1.0, 20);
     assert_eq!(marker(&person), before);
-    // Held anew where the hand is calm.
+    // It follows again once the hand moves slowly.
     for i in 1..=20 {
         person.hold(MIDDLE + Vec3::X * (0.4 + 0.01 * i as f32), 1.0, 1);
     }
@@ -152,7 +152,7 @@ fn a_marker_does_not_go_along_with_a_leap() {
 }
 
 #[test]
-fn poses_that_are_none_end_the_stroke() {
+fn implausible_poses_end_the_stroke() {
     let nonsense = [
         Pose { position: Vec3::NAN, rotation: Quat::IDENTITY },
         Pose { position: Vec3::INFINITY, rotation: Quat::IDENTITY },
@@ -166,12 +166,15 @@ fn poses_that_are_none_end_the_stroke() {
         let mut person = Person::new(DIMS);
         person.hold(MIDDLE, 0.0, 5);
         person.hold(MIDDLE, 1.0, 2);
-        let (gone, tool) = (person.gone(), person.workspace.editor.tool.centre_vx);
-        assert!(person.workspace.editor.is_stroking() && gone > 0);
+        let (removed, tool) = (person.removed_voxels(), person.workspace.editor.tool.centre_vx);
+        assert!(person.workspace.editor.is_stroking() && removed > 0);
         person.state.hands[HandSide::Right.index()].aim = Some(pose);
-        person.look();
+        person.frame();
         assert!(!person.workspace.editor.is_stroking(), "{pose:?}");
-        assert_eq!((person.gone(), person.workspace.editor.tool.centre_vx), (gone, tool));
+        assert_eq!(
+            (person.removed_voxels(), person.workspace.editor.tool.centre_vx),
+            (removed, tool)
+        );
     }
 }
 
@@ -188,12 +191,12 @@ fn the_eyedropper_takes_the_colour_that_the_tool_touches_or_points_at() {
     let pick = |person: &mut Person, at: Vec3| {
         person.hold(at, 0.0, 2);
         person.state.hands[HandSide::Right.index()].pick = true;
-        person.look();
+        person.frame();
         person.workspace.editor.tool.colour
     };
-    // Beside all, pointing past it.
+    // Beside the cube, pointing past it.
     assert_eq!(pick(&mut person, MIDDLE + Vec3::X), own);
-    // Before it: what is pointed at. Within: what is touched.
+    // Before the cube: the colour pointed at. Inside: the colour touched.
     assert_eq!(pick(&mut person, MIDDLE + Vec3::Z * 0.5), blue);
     assert_eq!(pick(&mut person, MIDDLE - Vec3::Z * 0.1), red);
     assert_eq!(pick(&mut person, MIDDLE + Vec3::Z * 0.1), blue);
@@ -201,13 +204,13 @@ fn the_eyedropper_takes_the_colour_that_the_tool_touches_or_points_at() {
     person.workspace.editor.tool.eyedropper = true;
     person.hold(MIDDLE - Vec3::Z * 0.1, 0.0, 20);
     person.hold(MIDDLE - Vec3::Z * 0.1, 1.0, 2);
-    assert_eq!((person.workspace.editor.tool.colour, person.gone()), (red, 0));
+    assert_eq!((person.workspace.editor.tool.colour, person.removed_voxels()), (red, 0));
     person.hold(MIDDLE - Vec3::Z * 0.1, 0.0, 1);
     person.hold(MIDDLE - Vec3::Z * 0.1, 1.0, 2);
-    assert!(person.gone() > 0, "the one after that uses the tool");
+    assert!(person.removed_voxels() > 0, "the one after that uses the tool");
 }
 
-/// Numbers as a driver that has gone mad would give them, sensible ones among them.
+/// Numbers as a faulty driver would report them, valid ones among them.
 fn number() -> impl Strategy<Value = f32> {
     prop_oneof![
         12 => -1.5f32..1.5,
@@ -230,7 +233,7 @@ fn pose() -> impl Strategy<Value = Option<Pose>> {
     prop_oneof![20 => pose.prop_map(Some), 1 => Just(None)]
 }
 
-/// What a hand does for some looks.
+/// The state of a hand.
 fn hand() -> impl Strategy<Value = HandState> {
     (
         pose(),
@@ -251,23 +254,23 @@ fn hand() -> impl Strategy<Value = HandState> {
         })
 }
 
-/// Ten thousand things to do, put together to looks of four poses each.
+/// A stock of ten thousand states, combined to frames of four poses each.
 #[test]
-fn a_million_mad_poses_do_no_harm() {
-    const LOOKS: u32 = 250_000;
+fn a_million_nonsensical_poses_do_no_harm() {
+    const FRAMES: u32 = 250_000;
     let mut runner = TestRunner::deterministic();
     let mut person = Person::new(8);
     let draw = |runner: &mut TestRunner| hand().new_tree(runner).unwrap().current();
     let stock: Vec<HandState> = (0..10_000).map(|_| draw(&mut runner)).collect();
-    let (mut strokes, mut at_work) = (0, false);
-    // A full period of a linear congruential generator says which comes next.
+    let (mut strokes, mut was_stroking) = (0, false);
+    // A linear congruential generator of full period chooses the next.
     let mut seed = 1u32;
     let mut next = || {
         seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (seed >> 8) as usize
     };
-    for look in 0..LOOKS {
-        if look % 997 == 0 {
+    for frame in 0..FRAMES {
+        if frame % 997 == 0 {
             person.workspace.editor.tool.kind = match next() % 6 {
                 0..3 => ToolKind::Solid,
                 3 => ToolKind::Marker,
@@ -277,7 +280,7 @@ fn a_million_mad_poses_do_no_harm() {
         for hand in 0..2 {
             let new = stock[next() % stock.len()];
             let state = &mut person.state.hands[hand];
-            // Mostly it goes on as before, a little farther, so that there are strokes at all.
+            // Mostly the hand moves on a little, so that there are strokes at all.
             match (next() % 8, &mut state.aim) {
                 (0, _) => *state = new,
                 (1, _) => (state.grip, state.aim) = (new.grip, new.aim),
@@ -287,10 +290,10 @@ fn a_million_mad_poses_do_no_harm() {
         }
         person.state.time_s += match next() % 64 {
             0 => f64::from(stock[next() % stock.len()].trigger),
-            _ => LOOK_S,
+            _ => FRAME_S,
         };
         if !person.state.time_s.is_finite() {
-            person.state.time_s = f64::from(look);
+            person.state.time_s = f64::from(frame);
         }
         let events = person.mapper.hear(&person.state, None);
         assert!(events.len() <= 12, "{events:?}");
@@ -298,8 +301,8 @@ fn a_million_mad_poses_do_no_harm() {
             person.workspace.answer_hand(event, &person.room);
         }
         let now = person.workspace.editor.is_stroking();
-        strokes += u32::from(now && !std::mem::replace(&mut at_work, now));
-        at_work = now;
+        strokes += u32::from(now && !std::mem::replace(&mut was_stroking, now));
+        was_stroking = now;
         let (hand, placement) =
             (&person.workspace.editor.tool, person.workspace.session().document().placement());
         assert!(

@@ -1,16 +1,19 @@
-//! Owns the program in a headset: connecting and trying again, and one frame read aloud.
+//! The program in a headset: connecting, connecting again, and the frames of the XR session.
 //!
-//! The headset has a device and a renderer of its own beside the window's; both show the one
-//! sculpture of the one workspace. Whatever happens to the runtime, the workspace and the window go
-//! on.
+//! The headset has a device and a renderer of its own beside the window's; both show the sculpture of
+//! the same workspace. Whatever happens to the runtime, workspace and window go on.
 
-pub mod alone;
-mod face;
+mod board_pane;
+mod board_panel;
+mod board_ui;
+mod connect;
+mod eye_screenshots;
+mod frame_loop;
+mod haptics;
+mod health;
 mod overlay;
-mod pane;
-mod presence;
-mod search;
-mod shots;
+mod placement;
+pub mod standalone;
 
 #[cfg(test)]
 mod hands_tests;
@@ -21,229 +24,226 @@ use std::time::{Duration, Instant};
 
 use super::workspace::Workspace;
 use crate::gpu::{DeviceOptions, ValidationLog};
-use crate::screen::headset::{HeadsetError, HeadsetOptions, LinkNews, LinkOptions};
+use crate::screen::headset::{HeadsetError, HeadsetOptions, XrEvent};
 
-use presence::Presence;
-use search::{Search, Wanted};
-use shots::Shots;
+pub use connect::Connection;
+use connect::{ConnectAttempts, SessionStart};
+use eye_screenshots::EyeScreenshots;
+use frame_loop::XrFrameLoop;
 
-/// How long to wait before a runtime is looked for again.
-const AGAIN: Duration = Duration::from_secs(2);
-/// Longest time between two tries with a device that lacks memory.
-const LONGEST_AGAIN: Duration = Duration::from_secs(64);
-/// How often it is seen to that a runtime answers.
+/// Time between two attempts to connect.
+const RETRY: Duration = Duration::from_secs(2);
+/// Longest time between two attempts with a device that lacks memory.
+const MAX_RETRY: Duration = Duration::from_secs(64);
+/// How often it is checked that a runtime answers.
 const POLL: Duration = Duration::from_millis(100);
 
-/// Which connection news belongs to: each has another number.
-pub type Connection = u64;
-
-/// Tells of a connection's news on another thread; says whether anybody still listens.
-type Tell = Arc<dyn Fn(Connection, LinkNews) -> bool + Send + Sync>;
-
-/// The link to a headset, or the wait for one.
+/// A session with a headset, or the attempts to begin one.
 pub struct Headset {
     state: State,
-    connection: Connection,
-    settings: HeadsetOptions,
-    options: LinkOptions,
-    shots: Option<Shots>,
-    /// What was last said of why there is no headset, so that it is said once.
-    said: String,
-    /// Until the next try, should this connection fail.
-    pause: Duration,
-    tell: Tell,
-    search: Option<Search>,
+    attempts: ConnectAttempts,
+    retry: RetryDelay,
+    screenshots: Option<EyeScreenshots>,
     started: Instant,
-    /// The sculpture has stood in a headset before.
-    stood: bool,
-    /// What the validation layers have said of connections that are over.
-    complaints: usize,
+    /// The sculpture has been placed in a room.
+    placed: bool,
+    /// Messages of the validation layers in sessions that have ended.
+    validation_messages: usize,
 }
 
 enum State {
-    /// Looked for again at this time.
-    Away(Instant),
-    /// Being looked for.
-    Sought,
-    Here(Box<Presence>),
-    /// The person has left the program in the headset.
-    Left,
+    Disconnected {
+        retry_at: Instant,
+    },
+    Connecting,
+    Connected(Box<XrFrameLoop>),
+    /// The runtime has ended the program in the headset, as the person wanted.
+    Exited,
 }
 
 impl Headset {
-    /// `tell` is called on another thread with news, to be given to [`Headset::hear`]; it says
-    /// whether anybody still listens. `shots`: a folder for pictures
-    /// of what the eyes see.
+    /// `send` is called on another thread with events, to be given to [`Headset::handle`]; it
+    /// returns whether they are still wanted. `screenshots`: a folder for pictures of what the eyes
+    /// see.
     pub fn new(
-        options: &HeadsetOptions,
+        settings: &HeadsetOptions,
         device: DeviceOptions,
-        shots: Option<PathBuf>,
-        tell: impl Fn(Connection, LinkNews) -> bool + Send + Sync + 'static,
+        screenshots: Option<PathBuf>,
+        send: impl Fn(Connection, XrEvent) -> bool + Send + Sync + 'static,
     ) -> Headset {
         let started = Instant::now();
+        let options = settings.session(device);
         Headset {
-            state: State::Away(started),
-            connection: 0,
-            settings: options.clone(),
-            options: options.link(device),
-            shots: shots.map(Shots::new),
-            said: String::new(),
-            pause: AGAIN,
-            tell: Arc::new(tell),
-            search: None,
+            state: State::Disconnected { retry_at: started },
+            attempts: ConnectAttempts::new(settings.clone(), options, Arc::new(send)),
+            retry: RetryDelay::default(),
+            screenshots: screenshots.map(EyeScreenshots::new),
             started,
-            stood: false,
-            complaints: 0,
+            placed: false,
+            validation_messages: 0,
         }
     }
 
-    /// Looks for a headset if it is time, and sees to it that its runtime answers. Gives when to be
-    /// called again at the latest; never, once the person has left.
+    /// Connects when it is time, and checks that the runtime answers. Returns when to be called
+    /// again at the latest; None once the person has exited.
     pub fn poll(&mut self, workspace: &mut Workspace) -> Option<Instant> {
         let now = Instant::now();
-        if let State::Away(again) = self.state
-            && now >= again
+        if let State::Disconnected { retry_at } = self.state
+            && now >= retry_at
         {
-            self.seek(workspace);
+            self.connect(workspace);
         }
-        self.take_found(workspace);
-        if let State::Here(presence) = &mut self.state
-            && presence.falls_silent(workspace)
+        self.take_result(workspace);
+        if let State::Connected(frames) = &mut self.state
+            && frames.becomes_unresponsive(workspace)
         {
             let text = "The headset's runtime does not respond";
             tracing::warn!("{text}");
             workspace.ui.toasts.error(text);
         }
         match &self.state {
-            State::Away(again) => Some(*again),
-            State::Sought | State::Here(_) => Some(now + POLL),
-            State::Left => None,
+            State::Disconnected { retry_at } => Some(*retry_at),
+            State::Connecting | State::Connected(_) => Some(now + POLL),
+            State::Exited => None,
         }
     }
 
-    /// Hears what was told of a connection; makes the frame that is to be made.
-    pub fn hear(&mut self, workspace: &mut Workspace, connection: Connection, news: LinkNews) {
-        if connection != self.connection {
+    /// Handles an event of a connection; processes the frame that has begun.
+    pub fn handle(&mut self, workspace: &mut Workspace, connection: Connection, event: XrEvent) {
+        if connection != self.attempts.connection() {
             return;
         }
         let now_s = self.started.elapsed().as_secs_f64();
-        let State::Here(presence) = &mut self.state else { return };
-        match news {
-            LinkNews::Frame(frame) => {
-                if let Err(error) = presence.frame(workspace, &frame, &mut self.shots, now_s) {
+        let State::Connected(frames) = &mut self.state else { return };
+        match event {
+            XrEvent::Frame(frame) => {
+                let result = frames.frame(workspace, &frame, &mut self.screenshots, now_s);
+                if let Err(error) = result {
                     self.lose(workspace, &error);
                 }
             }
-            LinkNews::Recentred => presence.recentre(),
-            LinkNews::Over { again: true } => {
-                self.lose(workspace, &HeadsetError::Lost("the runtime ends"));
+            XrEvent::Recentred => frames.recentre(),
+            XrEvent::Ended { retry: true } => {
+                self.lose(workspace, &HeadsetError::Lost("the runtime is closing"));
             }
-            LinkNews::Over { again: false } => {
-                self.part(workspace);
+            XrEvent::Ended { retry: false } => {
+                self.disconnect(workspace);
                 let text = "The headset session has ended; start the program with --headset to return to it";
                 tracing::info!("{text}");
                 workspace.ui.toasts.note(text);
             }
-            LinkNews::Failed(error) => self.lose(workspace, &error),
-            // It is taken by `poll`.
-            LinkNews::Tried => {}
+            XrEvent::Failed(error) => self.lose(workspace, &error),
+            // `poll` takes the result.
+            XrEvent::ConnectFinished => {}
         }
     }
 
-    /// Whether somebody looks at the sculpture through the headset.
+    /// Whether pictures are visible in the headset.
     pub fn is_showing(&self) -> bool {
-        matches!(&self.state, State::Here(presence) if presence.is_showing())
+        matches!(&self.state, State::Connected(frames) if frames.is_showing())
     }
 
-    /// Whether the person has left the program in the headset.
-    pub fn is_left(&self) -> bool {
-        matches!(self.state, State::Left)
+    /// Whether the person has exited the program in the headset.
+    pub fn has_exited(&self) -> bool {
+        matches!(self.state, State::Exited)
     }
 
-    /// Messages of the validation layers so far.
-    pub fn complaints(&self) -> usize {
+    /// The number of messages of the validation layers so far.
+    pub fn validation_messages(&self) -> usize {
         let count = |log: Arc<ValidationLog>| log.messages().len();
         match &self.state {
-            State::Here(presence) => self.complaints + count(presence.validation_log()),
-            _ => self.complaints,
+            State::Connected(frames) => self.validation_messages + count(frames.validation_log()),
+            _ => self.validation_messages,
         }
     }
 
-    /// Has the headset looked for, on another thread.
-    fn seek(&mut self, workspace: &mut Workspace) {
-        self.connection += 1;
-        self.options.blend = workspace.ui.headset.blend;
-        let wanted = Wanted {
-            connection: self.connection,
-            settings: self.settings.clone(),
-            options: self.options.clone(),
-            stood: self.stood,
-            worn: workspace.viewpoint.head.worn().cloned(),
+    /// Begins an attempt to connect.
+    fn connect(&mut self, workspace: &mut Workspace) {
+        let start = SessionStart {
+            blend: workspace.ui.headset.blend,
+            placed: self.placed,
+            head: workspace.viewpoint.head.session_head().cloned(),
             view: workspace.ui.view.clone(),
             depth: workspace.session().document().material().depth(),
         };
-        if self.search.is_none() {
-            match Search::start(self.tell.clone()) {
-                Ok(search) => self.search = Some(search),
-                Err(error) => return self.lose(workspace, &HeadsetError::Thread(error)),
-            }
-        }
-        if let Some(search) = &self.search {
-            search.seek(wanted);
-        }
-        self.state = State::Sought;
-    }
-
-    /// Takes the headset that was found, or hears why there is none.
-    fn take_found(&mut self, workspace: &mut Workspace) {
-        if !matches!(self.state, State::Sought) {
-            return;
-        }
-        let Some(found) = self.search.as_ref().and_then(Search::found) else { return };
-        let (connection, tell) = (self.connection, self.tell.clone());
-        let started = found.and_then(|mut presence| {
-            presence.start(move |news| tell(connection, news)).map(|()| presence)
-        });
-        match started {
-            Ok(presence) => {
-                let text = format!("Headset connected: {}", presence.name());
-                tracing::info!("{text}");
-                workspace.ui.toasts.note(text);
-                self.said.clear();
-                workspace.display.blends = presence.blends();
-                workspace.ui.view.suit_device(presence.is_software());
-                self.state = State::Here(presence);
-            }
+        match self.attempts.begin(start) {
+            Ok(()) => self.state = State::Connecting,
             Err(error) => self.lose(workspace, &error),
         }
     }
 
-    /// There is no headset, or no longer: says why, once, and looks for it again later. A device
-    /// that lacks memory will still lack it in a moment.
-    fn lose(&mut self, workspace: &mut Workspace, error: &HeadsetError) {
-        self.part(workspace);
-        self.pause = match error {
-            HeadsetError::Gpu(_) => (self.pause * 2).min(LONGEST_AGAIN),
-            _ => AGAIN,
-        };
-        let (reason, pause) = (error.to_string(), self.pause);
-        if self.said != reason {
-            tracing::warn!("no headset: {reason}; trying again every {pause:?}");
-            workspace.ui.toasts.error(format!("No headset: {reason}. Still looking for one."));
-            self.said = reason;
+    /// Takes the result of the attempt to connect.
+    fn take_result(&mut self, workspace: &mut Workspace) {
+        if !matches!(self.state, State::Connecting) {
+            return;
         }
-        self.state = State::Away(Instant::now() + pause);
+        match self.attempts.take_result() {
+            Some(Ok(frames)) => {
+                let text = format!("Headset connected: {}", frames.name());
+                tracing::info!("{text}");
+                workspace.ui.toasts.note(text);
+                self.retry.note_success();
+                workspace.display.blends = frames.blends();
+                workspace.ui.view.suit_device(frames.is_software());
+                self.state = State::Connected(frames);
+            }
+            Some(Err(error)) => self.lose(workspace, &error),
+            None => {}
+        }
     }
 
-    /// Lets go of what hands hold, and of the connection.
-    fn part(&mut self, workspace: &mut Workspace) {
-        if let State::Here(mut presence) = std::mem::replace(&mut self.state, State::Left) {
-            presence.let_go(workspace);
-            workspace.display.blends.clear();
-            self.stood |= presence.has_stood();
-            let log = presence.validation_log();
-            drop(presence);
-            self.complaints += log.messages().len();
+    /// Ends the session, if there is one, reports why there is none, and tries again later.
+    fn lose(&mut self, workspace: &mut Workspace, error: &HeadsetError) {
+        self.disconnect(workspace);
+        if self.retry.note_failure(error) {
+            let (reason, delay) = (&self.retry.reported, self.retry.delay);
+            tracing::warn!("no headset: {reason}; trying again every {delay:?}");
+            workspace.ui.toasts.error(format!("No headset: {reason}. Still looking for one."));
         }
+        self.state = State::Disconnected { retry_at: Instant::now() + self.retry.delay };
+    }
+
+    /// Ends what the hands are doing, and the session.
+    fn disconnect(&mut self, workspace: &mut Workspace) {
+        if let State::Connected(mut frames) = std::mem::replace(&mut self.state, State::Exited) {
+            frames.release_hands(workspace);
+            workspace.display.blends.clear();
+            self.placed |= frames.is_placed();
+            let log = frames.validation_log();
+            drop(frames);
+            self.validation_messages += log.messages().len();
+        }
+    }
+}
+
+/// When to try again, and whether the reason has been reported.
+struct RetryDelay {
+    delay: Duration,
+    /// The reason reported last, so that each is reported once.
+    reported: String,
+}
+
+impl Default for RetryDelay {
+    fn default() -> Self {
+        RetryDelay { delay: RETRY, reported: String::new() }
+    }
+}
+
+impl RetryDelay {
+    fn note_success(&mut self) {
+        self.reported.clear();
+    }
+
+    /// Sets the delay; true if the error is to be reported. A device that lacks memory will still
+    /// lack it a moment later, so its delay grows.
+    fn note_failure(&mut self, error: &HeadsetError) -> bool {
+        self.delay = match error {
+            HeadsetError::Gpu(_) => (self.delay * 2).min(MAX_RETRY),
+            _ => RETRY,
+        };
+        let reason = error.to_string();
+        let is_new = self.reported != reason;
+        self.reported = reason;
+        is_new
     }
 }

@@ -1,5 +1,5 @@
-//! What helps the hands in a headset: the tool and its lines as in the window, the cone of a
-//! spray, the ray to the board, lines on the floor.
+//! The overlay of a headset's pictures: tool previews and lines as in the window, the cone of a brush
+//! in the hand, the ray to the board, and a grid on the floor.
 
 use std::f32::consts::TAU;
 
@@ -11,22 +11,22 @@ use crate::render::overlay::{Line, ToolPreview};
 use crate::sculpture::Rgb;
 use crate::view::Room;
 
-/// Half the side of the floor that is drawn, and the distance between its lines, in metres.
+/// Half the side of the floor's grid and the distance between its lines, in metres.
 const FLOOR_M: f32 = 2.0;
 const FLOOR_STEP_M: f32 = 0.5;
 const FLOOR: Rgb = Rgb::new(0x8a, 0x94, 0xa4);
 const RAY: Rgb = Rgb::new(0x4a, 0xc8, 0xf0);
 const SEGMENTS: usize = 32;
 
-/// What is drawn besides the sculpture. `ray`: from a hand to the board; `floor`: the room has
-/// one that is not seen.
+/// What is drawn besides the sculpture. `ray`: from a hand to the board; `floor`: draws a grid on the
+/// floor, where the pictures hide the real one.
 pub fn overlay(
     workspace: &Workspace,
     room: &Room,
     ray: Option<[Vec3; 2]>,
     floor: bool,
 ) -> (Option<ToolPreview>, Vec<Line>) {
-    // The pointer and what it sees belong to the window.
+    // The pointer, and what lies under it, belong to the window.
     let scene = OverlayScene { seen: None, pointer: None, ..workspace.overlay_scene() };
     let (preview, mut lines) = (overlay::preview(&scene), overlay::lines(&scene));
     let line = |from, to, colour, width_px, opacity| Line { from, to, colour, width_px, opacity };

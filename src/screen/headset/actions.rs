@@ -1,5 +1,5 @@
-//! The hands of OpenXR: actions with suggested bindings for the common controllers and for bare
-//! hands, their poses, and haptics.
+//! Controllers through OpenXR: actions with suggested bindings for the common controllers and for
+//! bare hands, their poses, and haptics. Returns [`HandsState`]; knows no tools.
 
 use glam::{Quat, Vec2, Vec3};
 use openxr as xr;
@@ -104,15 +104,15 @@ pub(super) struct Actions {
     pick: xr::Action<bool>,
     haptic: xr::Action<xr::Haptic>,
     hands: [xr::Path; 2],
-    /// The present vibration of each hand.
-    felt: [f32; 2],
+    /// The present strength of each hand's vibration.
+    vibration: [f32; 2],
     session: xr::Session<xr::Vulkan>,
     set: xr::ActionSet,
 }
 
 impl Actions {
-    /// Makes the actions and attaches them to the session, once.
-    pub fn new(session: &xr::Session<xr::Vulkan>, hears_hands: bool) -> Result<Actions> {
+    /// Creates the actions and attaches them to the session, once.
+    pub fn new(session: &xr::Session<xr::Vulkan>, has_hand_interaction: bool) -> Result<Actions> {
         const DOING: &str = "set up the controllers";
         let instance = session.instance();
         let path = |text: &str| instance.string_to_path(text).doing(DOING);
@@ -127,9 +127,9 @@ impl Actions {
             .doing(DOING)?;
         let menu = set.create_action("menu", "Open the panel", &hands).doing(DOING)?;
         let pick = set.create_action("pick", "Take a colour", &hands).doing(DOING)?;
-        let haptic = set.create_action("haptic", "Feel the tool bite", &hands).doing(DOING)?;
+        let haptic = set.create_action("haptic", "Haptic feedback", &hands).doing(DOING)?;
 
-        for profile in PROFILES.iter().filter(|p| hears_hands || !p.bare_hands) {
+        for profile in PROFILES.iter().filter(|p| has_hand_interaction || !p.bare_hands) {
             let mut bindings = Vec::new();
             let buttons = profile.menu.into_iter().zip(profile.pick);
             for (hand, (menus, picks)) in ["left", "right"].into_iter().zip(buttons) {
@@ -157,9 +157,12 @@ impl Actions {
                 }
             }
             let name = path(&format!("/interaction_profiles/{}", profile.name))?;
-            // A runtime may know some controllers only; the others are not needed then.
+            // A runtime may know only some controllers; the others are not needed then.
             if let Err(error) = instance.suggest_interaction_profile_bindings(name, &bindings) {
-                tracing::debug!("no controllers of the kind {}: {error}", profile.name);
+                tracing::debug!(
+                    "no bindings for controllers of the kind {}: {error}",
+                    profile.name
+                );
             }
         }
         session.attach_action_sets(&[&set]).doing(DOING)?;
@@ -178,7 +181,7 @@ impl Actions {
             pick,
             haptic,
             hands,
-            felt: [0.0; 2],
+            vibration: [0.0; 2],
             session: session.clone(),
             set,
         })
@@ -186,7 +189,7 @@ impl Actions {
 
     /// The predicted state of both hands at `time`, in the space `room`.
     pub fn read(&self, room: &xr::Space, time: xr::Time) -> Result<HandsState> {
-        const DOING: &str = "hear the controllers";
+        const DOING: &str = "read the controllers";
         self.session.sync_actions(&[(&self.set).into()]).doing(DOING)?;
         let mut state =
             HandsState { time_s: time.as_nanos() as f64 * 1e-9, ..HandsState::default() };
@@ -195,11 +198,11 @@ impl Actions {
             let hand = self.hands[i];
             let pose = |action: &xr::Action<xr::Posef>, space: &xr::Space| -> Result<_> {
                 match action.is_active(session, hand).doing(DOING)? {
-                    true => Ok(located(space.locate(room, time).doing(DOING)?)),
+                    true => Ok(valid_pose(space.locate(room, time).doing(DOING)?)),
                     false => Ok(None),
                 }
             };
-            let way = |action: &xr::Action<f32>| -> Result<f32> {
+            let axis = |action: &xr::Action<f32>| -> Result<f32> {
                 let state = action.state(session, hand).doing(DOING)?;
                 Ok(if state.is_active { state.current_state } else { 0.0 })
             };
@@ -211,8 +214,8 @@ impl Actions {
             state.hands[i] = HandState {
                 grip: pose(&self.grip, &self.grips[i])?,
                 aim: pose(&self.aim, &self.aims[i])?,
-                trigger: way(&self.trigger)?,
-                squeeze: way(&self.squeeze)?,
+                trigger: axis(&self.trigger)?,
+                squeeze: axis(&self.squeeze)?,
                 stick: match stick.is_active {
                     true => Vec2::new(stick.current_state.x, stick.current_state.y),
                     false => Vec2::ZERO,
@@ -224,26 +227,26 @@ impl Actions {
         Ok(state)
     }
 
-    /// Vibrates a hand with a strength of 0 to 1 from now on. It ends by itself soon unless it is
-    /// renewed.
-    pub fn feel(&mut self, side: HandSide, strength: f32) -> Result<()> {
-        const DOING: &str = "let a hand feel the tool";
+    /// Vibrates a controller with a strength of 0 to 1. The vibration ends after [`PULSE_NS`] unless it
+    /// is renewed.
+    pub fn vibrate(&mut self, side: HandSide, strength: f32) -> Result<()> {
+        const DOING: &str = "vibrate a controller";
         let hand = self.hands[side.index()];
-        let before = std::mem::replace(&mut self.felt[side.index()], strength);
+        let before = std::mem::replace(&mut self.vibration[side.index()], strength);
         if strength > 0.0 {
             let pulse = xr::HapticVibration::new()
                 .amplitude(strength.min(1.0))
                 .frequency(xr::FREQUENCY_UNSPECIFIED)
                 .duration(xr::Duration::from_nanos(PULSE_NS));
             self.haptic.apply_feedback(&self.session, hand, &pulse).doing(DOING)?;
-            tracing::debug!("{side:?} hand feels {strength:.2}");
+            tracing::debug!("{side:?} hand vibrates: {strength:.2}");
         } else if before > 0.0 {
             self.haptic.stop_feedback(&self.session, hand).doing(DOING)?;
         }
         Ok(())
     }
 
-    /// The interaction profiles of the hands, for the log.
+    /// The interaction profile of a hand, for the log.
     pub fn profile(&self, side: HandSide) -> Option<String> {
         let path = self.session.current_interaction_profile(self.hands[side.index()]).ok()?;
         if path == xr::Path::NULL {
@@ -254,13 +257,13 @@ impl Actions {
     }
 }
 
-/// The pose, if it is tracked and valid.
-fn located(location: xr::SpaceLocation) -> Option<Pose> {
+/// The pose, if the runtime knows it and it is plausible.
+fn valid_pose(location: xr::SpaceLocation) -> Option<Pose> {
     use xr::SpaceLocationFlags as Flags;
-    let known = Flags::ORIENTATION_VALID | Flags::POSITION_VALID;
+    let valid = Flags::ORIENTATION_VALID | Flags::POSITION_VALID;
     location
         .location_flags
-        .contains(known)
+        .contains(valid)
         .then(|| from_xr(&location.pose))
         .filter(Pose::is_plausible)
 }

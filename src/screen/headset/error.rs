@@ -19,8 +19,8 @@ pub enum HeadsetError {
     NoRuntime(String),
     #[error("the OpenXR runtime finds no headset ({0}); connect it and switch it on")]
     NoHeadset(String),
-    #[error("the OpenXR runtime {runtime} {lack}")]
-    Unsuitable { runtime: String, lack: String },
+    #[error("the OpenXR runtime {runtime} {problem}")]
+    Unsuitable { runtime: String, problem: String },
     /// The runtime was closed, or asked the program to end its session.
     #[error("the connection to the headset was lost ({0})")]
     Lost(&'static str),

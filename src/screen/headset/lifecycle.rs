@@ -5,17 +5,17 @@
 
 use openxr::SessionState;
 
-/// The response to a new state.
+/// What the program must do about a new state.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Answer {
-    Nothing,
+pub enum Transition {
+    None,
     /// Begin the session: frames from now on.
     Begin,
     /// End the session: no frames from now on.
     End,
-    /// Destroy the session; `again`: another attempt is allowed.
-    Leave {
-        again: bool,
+    /// Destroy the session; `retry`: the program may connect again.
+    Destroy {
+        retry: bool,
     },
 }
 
@@ -35,29 +35,29 @@ impl Default for Lifecycle {
 
 impl Lifecycle {
     /// Enters a new state.
-    pub fn enter(&mut self, state: SessionState) -> Answer {
+    pub fn enter(&mut self, state: SessionState) -> Transition {
         self.state = state;
         match state {
             SessionState::READY if !self.running => {
                 self.running = true;
-                Answer::Begin
+                Transition::Begin
             }
             SessionState::STOPPING if self.running => {
                 self.running = false;
-                Answer::End
+                Transition::End
             }
-            SessionState::EXITING => Answer::Leave { again: false },
-            SessionState::LOSS_PENDING => Answer::Leave { again: true },
-            _ => Answer::Nothing,
+            SessionState::EXITING => Transition::Destroy { retry: false },
+            SessionState::LOSS_PENDING => Transition::Destroy { retry: true },
+            _ => Transition::None,
         }
     }
 
-    /// Whether frames are waited for, begun and ended, shown or not.
+    /// Whether the frame loop runs: frames are waited for, begun and ended, visible or not.
     pub fn is_running(&self) -> bool {
         self.running
     }
 
-    /// Whether the program has the input focus: it has not while the runtime's own menu is open.
+    /// Whether the program has the input focus: not while the runtime's own menu is open.
     pub fn is_focused(&self) -> bool {
         self.state == SessionState::FOCUSED
     }
@@ -69,38 +69,42 @@ mod tests {
     use SessionState as S;
 
     #[test]
-    fn a_whole_life_begins_and_ends_once() {
-        let mut life = Lifecycle::default();
-        let way = [
-            (S::IDLE, Answer::Nothing, false),
-            (S::READY, Answer::Begin, true),
-            (S::SYNCHRONIZED, Answer::Nothing, true),
-            (S::VISIBLE, Answer::Nothing, true),
-            (S::FOCUSED, Answer::Nothing, true),
-            (S::VISIBLE, Answer::Nothing, true),
-            (S::SYNCHRONIZED, Answer::Nothing, true),
-            (S::STOPPING, Answer::End, false),
-            (S::IDLE, Answer::Nothing, false),
+    fn each_running_period_begins_and_ends_once() {
+        let mut lifecycle = Lifecycle::default();
+        let states = [
+            (S::IDLE, Transition::None, false),
+            (S::READY, Transition::Begin, true),
+            (S::SYNCHRONIZED, Transition::None, true),
+            (S::VISIBLE, Transition::None, true),
+            (S::FOCUSED, Transition::None, true),
+            (S::VISIBLE, Transition::None, true),
+            (S::SYNCHRONIZED, Transition::None, true),
+            (S::STOPPING, Transition::End, false),
+            (S::IDLE, Transition::None, false),
             // Taken off and put on again.
-            (S::READY, Answer::Begin, true),
-            (S::STOPPING, Answer::End, false),
-            (S::IDLE, Answer::Nothing, false),
-            (S::EXITING, Answer::Leave { again: false }, false),
+            (S::READY, Transition::Begin, true),
+            (S::STOPPING, Transition::End, false),
+            (S::IDLE, Transition::None, false),
+            (S::EXITING, Transition::Destroy { retry: false }, false),
         ];
-        for (state, answer, running) in way {
-            assert_eq!(life.enter(state), answer, "{state:?}");
-            assert_eq!(life.is_running(), running, "{state:?}");
-            assert_eq!(life.is_focused(), state == S::FOCUSED);
+        for (state, transition, running) in states {
+            assert_eq!(lifecycle.enter(state), transition, "{state:?}");
+            assert_eq!(lifecycle.is_running(), running, "{state:?}");
+            assert_eq!(lifecycle.is_focused(), state == S::FOCUSED);
         }
     }
 
     #[test]
-    fn what_is_said_twice_or_out_of_order_is_not_done_twice() {
-        let mut life = Lifecycle::default();
-        assert_eq!(life.enter(S::STOPPING), Answer::Nothing, "not running");
-        assert_eq!(life.enter(S::READY), Answer::Begin);
-        assert_eq!(life.enter(S::READY), Answer::Nothing);
-        assert_eq!(life.enter(S::LOSS_PENDING), Answer::Leave { again: true });
-        assert_eq!(life.enter(S::from_raw(77)), Answer::Nothing, "a state of the future");
+    fn repeated_and_unexpected_states_have_no_effect() {
+        let mut lifecycle = Lifecycle::default();
+        assert_eq!(lifecycle.enter(S::STOPPING), Transition::None, "not running");
+        assert_eq!(lifecycle.enter(S::READY), Transition::Begin);
+        assert_eq!(lifecycle.enter(S::READY), Transition::None);
+        assert_eq!(lifecycle.enter(S::LOSS_PENDING), Transition::Destroy { retry: true });
+        assert_eq!(
+            lifecycle.enter(S::from_raw(77)),
+            Transition::None,
+            "a state of a later version"
+        );
     }
 }

@@ -1,32 +1,34 @@
-//! Headsets through OpenXR: the runtime of this machine ([`probe`]), a session from connecting to
-//! closing ([`link`]), its thread, which makes all calls to the runtime ([`session`]), its states
-//! ([`lifecycle`]), images and hands. Also head poses for the view through a screen: of a headset
-//! that shows nothing ([`HeadsetTracker`]), or of the one in use ([`WornHead`]).
+//! Headsets through OpenXR: the installed runtime ([`probe`]), a session from connecting to closing
+//! ([`XrSession`]), the thread that makes all calls to the runtime ([`session_thread`]), the session
+//! states ([`lifecycle`]), swapchains and controllers. Also head poses for the off-axis view through a
+//! screen: of a headset that is only tracked ([`HeadsetTracker`]), or of the one in use
+//! ([`SessionHead`]).
 //!
 //! The loader is a system library that is loaded when first needed, so that the program runs
-//! without it. Takes finished pictures; returns views and hands as values. Knows no sculpture.
+//! without it. Takes finished pictures; returns views and controller states as values. Knows no
+//! sculpture.
 
 mod actions;
-mod chain;
 pub mod error;
-mod host;
+mod head_locator;
+mod headless_tracker;
 mod lifecycle;
-pub mod link;
-mod locator;
 pub mod options;
-mod parting;
 mod probe;
 mod runtime;
+mod runtime_thread;
 mod session;
-mod tracker;
-mod worn;
+mod session_head;
+mod session_thread;
+mod swapchain;
+mod vulkan_host;
 
 pub use error::HeadsetError;
-pub use link::{Link, LinkOptions, RoomOrigin};
+pub use headless_tracker::HeadsetTracker;
 pub use options::HeadsetOptions;
-pub(crate) use parting::Helper;
 pub use probe::probe;
 pub use runtime::{Blend, Connector};
-pub use session::{Aimed, Frame, Layers, LinkNews};
-pub use tracker::HeadsetTracker;
-pub use worn::WornHead;
+pub(crate) use runtime_thread::RuntimeThread;
+pub use session::{RoomOrigin, XrSession, XrSessionOptions};
+pub use session_head::SessionHead;
+pub use session_thread::{FrameLayers, FrameTargets, XrEvent, XrFrame};

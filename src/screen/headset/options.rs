@@ -1,9 +1,9 @@
-//! Options of the headset: hands, placement of the sculpture, board, resolution and haptics.
+//! Options of the headset: controllers, placement of the sculpture, board, resolution, haptics.
 
 use glam::{UVec2, Vec2};
 use serde::Deserialize;
 
-use super::{Blend, LinkOptions, RoomOrigin};
+use super::{Blend, RoomOrigin, XrSessionOptions};
 use crate::gpu::DeviceOptions;
 use crate::input::hands::{HandSettings, HandSide};
 use crate::input::pad::rumble::RumbleCurve;
@@ -69,8 +69,8 @@ impl HeadsetOptions {
         }
     }
 
-    pub fn link(&self, device: DeviceOptions) -> LinkOptions {
-        LinkOptions {
+    pub fn session(&self, device: DeviceOptions) -> XrSessionOptions {
+        XrSessionOptions {
             blend: self.blend,
             origin: self.origin,
             resolution: self.resolution,

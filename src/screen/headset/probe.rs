@@ -1,4 +1,4 @@
-//! The OpenXR runtime of this machine. The loader is a system library that is loaded when first
+//! The installed OpenXR runtime, for reports. The loader is a system library that is loaded when first
 //! needed, so that the program runs without it.
 
 use openxr as xr;
@@ -14,7 +14,7 @@ pub struct Runtime {
     pub vulkan: bool,
 }
 
-/// Queries the runtime of this machine; the error says what is missing.
+/// Queries the installed runtime; the error says what is missing.
 pub fn probe() -> Result<Runtime, String> {
     // SAFETY: loading runs the loader's initialisers; a system's OpenXR loader is trusted as the
     // Vulkan loader is.

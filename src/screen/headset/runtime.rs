@@ -4,7 +4,7 @@ use glam::UVec2;
 use openxr as xr;
 
 use super::error::{Doing, HeadsetError, Result};
-use super::locator::ask_for_clock;
+use super::head_locator::enable_time_conversion;
 
 pub(super) const VIEWS: xr::ViewConfigurationType = xr::ViewConfigurationType::PRIMARY_STEREO;
 /// The Vulkan version that the renderer is written for.
@@ -72,8 +72,8 @@ fn no_runtime(error: xr::sys::Result) -> HeadsetError {
     HeadsetError::NoRuntime(error.to_string())
 }
 
-/// The loader of this machine, and the extensions of its runtime.
-pub(super) fn reach() -> Result<(xr::Entry, xr::ExtensionSet)> {
+/// Loads the OpenXR loader; returns it with the extensions of its runtime.
+pub(super) fn load_entry() -> Result<(xr::Entry, xr::ExtensionSet)> {
     // SAFETY: loading runs the loader's initialisers; a system's OpenXR loader is trusted as the
     // Vulkan loader is.
     let entry = unsafe { xr::Entry::load(&()) }
@@ -82,8 +82,8 @@ pub(super) fn reach() -> Result<(xr::Entry, xr::ExtensionSet)> {
     Ok((entry, offered))
 }
 
-/// Connects to the runtime; returns its headset and the names of both.
-pub(super) fn enter(
+/// Connects to the runtime; returns the instance, its headset, and the names of both.
+pub(super) fn create_instance(
     entry: &xr::Entry,
     extensions: &xr::ExtensionSet,
 ) -> Result<(xr::Instance, xr::SystemId, String)> {
@@ -109,39 +109,41 @@ fn application() -> xr::ApplicationInfo<'static> {
 
 /// The names of runtime and headset.
 fn name_of(instance: &xr::Instance, system: xr::SystemId) -> Result<String> {
-    let properties = instance.properties().doing("name the runtime")?;
-    let headset = instance.system_properties(system).doing("name the headset")?.system_name;
+    let properties = instance.properties().doing("report the name of the runtime")?;
+    let headset =
+        instance.system_properties(system).doing("report the name of the headset")?.system_name;
     Ok(format!("{} ({headset})", properties.runtime_name))
 }
 
-/// Finds the runtime of this machine, and keeps the connection to it while it has no headset.
+/// Connects to the installed runtime, and keeps the connection while it has no headset.
 #[derive(Default)]
 pub struct Connector {
-    kept: Option<Reached>,
+    kept: Option<RuntimeConnection>,
 }
 
 /// A connection to a runtime.
-struct Reached {
+struct RuntimeConnection {
     instance: xr::Instance,
     offered: xr::ExtensionSet,
-    tells_time: bool,
+    converts_time: bool,
 }
 
 impl Connector {
     /// Connects to a headset; without one the connection to the runtime is kept for the next
     /// attempt.
     pub(super) fn connect(&mut self, blend: Blend) -> Result<Runtime> {
-        let reached = match self.kept.take() {
-            Some(reached) => reached,
-            None => Reached::new()?,
+        let connection = match self.kept.take() {
+            Some(connection) => connection,
+            None => RuntimeConnection::new()?,
         };
-        match reached.instance.system(xr::FormFactor::HEAD_MOUNTED_DISPLAY) {
-            Ok(system) => Runtime::new(reached, system, blend),
+        match connection.instance.system(xr::FormFactor::HEAD_MOUNTED_DISPLAY) {
+            Ok(system) => Runtime::new(connection, system, blend),
             Err(error) => {
                 use xr::sys::Result as R;
-                let waits = [R::ERROR_FORM_FACTOR_UNAVAILABLE, R::ERROR_FORM_FACTOR_UNSUPPORTED];
-                if waits.contains(&error) {
-                    self.kept = Some(reached);
+                let transient =
+                    [R::ERROR_FORM_FACTOR_UNAVAILABLE, R::ERROR_FORM_FACTOR_UNSUPPORTED];
+                if transient.contains(&error) {
+                    self.kept = Some(connection);
                 }
                 Err(HeadsetError::NoHeadset(error.to_string()))
             }
@@ -149,23 +151,24 @@ impl Connector {
     }
 }
 
-impl Reached {
-    fn new() -> Result<Reached> {
-        let (entry, offered) = reach()?;
+impl RuntimeConnection {
+    fn new() -> Result<RuntimeConnection> {
+        let (entry, offered) = load_entry()?;
         if !offered.khr_vulkan_enable2 {
             return Err(HeadsetError::Unsuitable {
                 runtime: "of this machine".to_string(),
-                lack: "cannot share Vulkan images (XR_KHR_vulkan_enable2); update it".to_string(),
+                problem: "cannot share Vulkan images (XR_KHR_vulkan_enable2); update it"
+                    .to_string(),
             });
         }
         let mut extensions = xr::ExtensionSet::default();
         extensions.khr_vulkan_enable2 = true;
         extensions.khr_composition_layer_depth = offered.khr_composition_layer_depth;
         extensions.ext_hand_interaction = offered.ext_hand_interaction;
-        let tells_time = ask_for_clock(&mut extensions, &offered);
+        let converts_time = enable_time_conversion(&mut extensions, &offered);
         let instance =
             entry.create_instance(&application(), &extensions, &[], &()).map_err(no_runtime)?;
-        Ok(Reached { instance, offered, tells_time })
+        Ok(RuntimeConnection { instance, offered, converts_time })
     }
 }
 
@@ -183,24 +186,25 @@ pub(super) struct Runtime {
     pub modes: Vec<xr::EnvironmentBlendMode>,
     /// The chosen blend mode.
     pub blend: xr::EnvironmentBlendMode,
-    /// Whether it takes depth with pictures.
-    pub takes_depth: bool,
-    /// Whether it has bare hands as controllers.
-    pub hears_hands: bool,
-    /// Whether its clock can be converted.
-    pub tells_time: bool,
+    /// Whether it accepts depth with the pictures (XR_KHR_composition_layer_depth).
+    pub has_depth_layers: bool,
+    /// Whether it offers bare hands as controllers (XR_EXT_hand_interaction).
+    pub has_hand_interaction: bool,
+    /// Whether its clock can be converted to the program's.
+    pub converts_time: bool,
 }
 
 impl Runtime {
     /// The properties of the runtime and its headset.
-    fn new(reached: Reached, system: xr::SystemId, blend: Blend) -> Result<Runtime> {
-        let Reached { instance, offered, tells_time } = reached;
+    fn new(connection: RuntimeConnection, system: xr::SystemId, blend: Blend) -> Result<Runtime> {
+        let RuntimeConnection { instance, offered, converts_time } = connection;
         let name = name_of(&instance, system)?;
-        let unsuitable = |lack: String| HeadsetError::Unsuitable { runtime: name.clone(), lack };
+        let unsuitable =
+            |problem: String| HeadsetError::Unsuitable { runtime: name.clone(), problem };
 
         let needs = instance
             .graphics_requirements::<xr::Vulkan>(system)
-            .doing("say which Vulkan it needs")?;
+            .doing("report the Vulkan version it needs")?;
         if needs.min_api_version_supported > VULKAN
             || needs.max_api_version_supported.major() < VULKAN.major()
         {
@@ -209,9 +213,8 @@ impl Runtime {
                 needs.min_api_version_supported, needs.max_api_version_supported
             )));
         }
-        let views = instance
-            .enumerate_view_configuration_views(system, VIEWS)
-            .doing("say how it shows pictures")?;
+        let views =
+            instance.enumerate_view_configuration_views(system, VIEWS).doing("report its views")?;
         if views.len() != 2 {
             return Err(unsuitable(format!("shows {} views, not two", views.len())));
         }
@@ -225,14 +228,13 @@ impl Runtime {
             largest(&|view| [view.max_image_rect_width, view.max_image_rect_height]).max(eye_size);
         let modes = instance
             .enumerate_environment_blend_modes(system, VIEWS)
-            .doing("say how pictures blend with the surroundings")?;
-        let blend = blend
-            .choose(&modes)
-            .ok_or_else(|| unsuitable("offers no way to show pictures".to_string()))?;
+            .doing("report its blend modes")?;
+        let blend =
+            blend.choose(&modes).ok_or_else(|| unsuitable("offers no blend mode".to_string()))?;
         Ok(Runtime {
-            takes_depth: offered.khr_composition_layer_depth,
-            hears_hands: offered.ext_hand_interaction,
-            tells_time,
+            has_depth_layers: offered.khr_composition_layer_depth,
+            has_hand_interaction: offered.ext_hand_interaction,
+            converts_time,
             instance,
             system,
             name,
@@ -250,18 +252,22 @@ mod tests {
     use xr::EnvironmentBlendMode as Mode;
 
     #[test]
-    fn the_surroundings_are_seen_where_the_headset_can_show_them() {
+    fn auto_prefers_modes_that_show_the_surroundings() {
         let all = [Mode::OPAQUE, Mode::ADDITIVE, Mode::ALPHA_BLEND];
         assert_eq!(Blend::Auto.choose(&all), Some(Mode::ALPHA_BLEND));
         assert_eq!(Blend::Auto.choose(&all[..2]), Some(Mode::ADDITIVE));
         assert_eq!(Blend::Auto.choose(&all[..1]), Some(Mode::OPAQUE));
         assert_eq!(Blend::Opaque.choose(&all), Some(Mode::OPAQUE));
         assert_eq!(Blend::Additive.choose(&all), Some(Mode::ADDITIVE));
-        assert_eq!(Blend::Opaque.choose(&[Mode::ADDITIVE]), Some(Mode::ADDITIVE), "what there is");
+        assert_eq!(
+            Blend::Opaque.choose(&[Mode::ADDITIVE]),
+            Some(Mode::ADDITIVE),
+            "the closest one"
+        );
         assert_eq!(Blend::Auto.choose(&[]), None);
         for mode in all {
             assert_eq!(Blend::of(mode).and_then(|blend| blend.choose(&all)), Some(mode));
         }
-        assert_eq!(Blend::of(Mode::from_raw(77)), None, "a mode of the future");
+        assert_eq!(Blend::of(Mode::from_raw(77)), None, "a mode of a later version");
     }
 }

@@ -1,336 +1,377 @@
-//! The OpenXR side of a session, on a thread of its own: events, frames, hands, views, images,
-//! layers. A runtime that blocks in a call blocks this thread, and no window.
+//! A session with a headset as the program sees it, from connecting to closing: requests to the
+//! session's thread, and the recording of copies into the headset's swapchains.
 //!
-//! Sends [`LinkNews`], receives [`Order`]s. A frame is waited for, begun, reported, and ended when
-//! that is ordered; only then the next one is waited for, so that frames do not queue up and late
-//! ones are skipped. Between a frame's report and its end the program owns the queue of the device.
+//! It has a Vulkan device of its own, created by the runtime, so that nothing else is lost with the
+//! runtime. Nothing here waits for the runtime longer than [`RESPONSE_TIMEOUT`].
 
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender};
-use std::time::Duration;
+use std::sync::Arc;
+use std::sync::mpsc::{Sender, channel, sync_channel};
+use std::time::{Duration, Instant};
 
-use glam::Vec2;
+use ash::vk::Handle as _;
+use glam::UVec2;
 use openxr as xr;
 
-use super::actions::{Actions, from_xr, to_xr};
-use super::chain::Chain;
+use super::actions::Actions;
 use super::error::{Doing, HeadsetError, Result};
-use super::lifecycle::{Answer, Lifecycle};
-use super::runtime::VIEWS;
-use crate::input::hands::{Board, HandSide, HandsState};
-use crate::view::RoomView;
-use crate::view::eye::Frustum;
-use crate::view::room::NEAR_M;
+use super::lifecycle::Lifecycle;
+use super::runtime::{Blend, Connector};
+use super::runtime_thread::RuntimeThread;
+use super::session_head::{HeadShare, SessionHead};
+use super::session_thread::{EndFrame, FrameLayers, FrameTargets, Request, SessionThread, XrEvent};
+use super::swapchain::{Swapchain, SwapchainImages, copy_image};
+use super::vulkan_host::XrVulkanHost;
+use crate::gpu::{Device, DeviceOptions, EyeImage, Frames, ImagePart, Recorder, Serial, Use};
+use crate::input::hands::HandSide;
 
-/// How often the runtime is polled for events while it shows no frames.
-const POLL: Duration = Duration::from_millis(50);
+/// Longest wait for the runtime within a frame: a working runtime answers at once.
+const RESPONSE_TIMEOUT: Duration = Duration::from_millis(250);
 
-/// What happens in a session.
-#[derive(Debug)]
-pub enum LinkNews {
-    /// A frame has begun, and must be ended.
-    Frame(Box<Frame>),
-    /// The room's origin was moved, by the person or by the runtime.
-    Recentred,
-    /// It has ended; `again`: another attempt is allowed.
-    Over { again: bool },
-    /// It has failed.
-    Failed(HeadsetError),
-    /// The search for a headset has finished.
-    Tried,
+/// The origin of the room's space.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum RoomOrigin {
+    /// On the floor, in the centre of the play area, if the runtime knows it.
+    #[default]
+    Stage,
+    /// The head's position when the session began.
+    Local,
 }
 
-/// A frame that has begun.
-#[derive(Clone, Debug)]
-pub struct Frame {
-    /// When it will be shown, on the runtime's clock.
-    display: xr::Time,
-    /// Whether it will be visible.
-    pub shown: bool,
-    /// The views of the eyes, as predicted when the frame began. None while the head is not
-    /// tracked.
-    pub views: Option<[RoomView; 2]>,
-    /// Both hands, while the program has the input focus.
-    pub hands: Option<HandsState>,
+/// The options of a session.
+#[derive(Clone, PartialEq, Debug)]
+pub struct XrSessionOptions {
+    pub blend: Blend,
+    pub origin: RoomOrigin,
+    /// Factor on the runtime's recommended width and height of an eye's picture.
+    pub resolution: f32,
+    /// Size of the board's picture, in pixels.
+    pub board_px: UVec2,
+    pub device: DeviceOptions,
 }
 
-impl Frame {
-    /// When it will be shown, in seconds of a monotonic clock.
-    pub fn seconds(&self) -> f64 {
-        self.display.as_nanos() as f64 * 1e-9
-    }
+/// A session with a headset. Fields are dropped in this order, after its thread has ended.
+pub struct XrSession {
+    /// Until [`XrSession::start`].
+    not_started: Option<SessionThread>,
+    requests: Option<Sender<Request>>,
+    thread: Option<RuntimeThread>,
+    _head_share: Option<HeadShare>,
+    frames: Frames,
+    targets: TargetImages,
+    blending: Blending,
+    /// The names of runtime and headset.
+    name: String,
+    responses: ResponseTimer,
+    device: Arc<Device>,
 }
 
-/// The layers of a frame.
-#[derive(Clone, Debug, Default)]
-pub struct Layers {
-    /// The views that the pictures were rendered for; none shows no pictures.
-    pub views: Option<[RoomView; 2]>,
-    /// Where the board is, while it is open.
-    pub board: Option<Board>,
+/// The swapchain images that pictures are copied to.
+struct TargetImages {
+    colour: SwapchainImages,
+    depth: Option<SwapchainImages>,
+    board: SwapchainImages,
 }
 
-/// An order to the session's thread.
-pub(super) enum Order {
-    /// Locate the eyes again, and acquire images.
-    Aim { board: bool, reply: SyncSender<Aimed> },
-    /// End the frame.
-    End(End),
-    /// Vibrate a hand with a strength of 0 to 1.
-    Feel(HandSide, f32),
-}
-
-/// The answer to [`Order::Aim`]: indices of images in their chains.
-#[derive(Clone, Debug)]
-pub struct Aimed {
-    pub views: [RoomView; 2],
-    pub(super) colour: usize,
-    pub(super) depth: Option<usize>,
-    pub(super) board: Option<usize>,
-}
-
-/// How a frame ends. Everything that fills its images has been submitted.
-pub(super) struct End {
-    pub blend: xr::EnvironmentBlendMode,
-    pub layers: Layers,
-    /// The board's image was filled.
-    pub board_filled: bool,
-}
-
-/// Fields are dropped in this order.
-pub(super) struct Session {
-    pub stream: xr::FrameStream<xr::Vulkan>,
-    pub waiter: xr::FrameWaiter,
-    pub colour: Chain,
-    pub depth: Option<Chain>,
-    pub board: Chain,
-    /// The board's images have been filled once.
-    pub board_filled: bool,
-    pub actions: Actions,
-    pub room: xr::Space,
-    pub lifecycle: Lifecycle,
-    pub session: xr::Session<xr::Vulkan>,
-    pub instance: xr::Instance,
-}
-
-impl Session {
-    /// Runs until the runtime ends the session, it fails, or nobody gives orders any more.
-    pub fn run(mut self, orders: &Receiver<Order>, tell: &dyn Fn(LinkNews) -> bool) {
-        if let Err(error) = self.live(orders, tell) {
-            tell(LinkNews::Failed(error));
+impl XrSession {
+    /// Connects to the runtime's headset, which may take long. `head`: receives the poses of its
+    /// head.
+    pub fn connect(
+        connector: &mut Connector,
+        options: &XrSessionOptions,
+        head: Option<&SessionHead>,
+    ) -> Result<XrSession> {
+        let runtime = connector.connect(options.blend)?;
+        let mut host = XrVulkanHost { xr: &runtime.instance, system: runtime.system };
+        let device = Device::new(&mut host, &options.device)?;
+        let info = xr::vulkan::SessionCreateInfo {
+            instance: device.instance().raw().handle().as_raw() as *const _,
+            physical_device: device.physical().as_raw() as *const _,
+            device: device.raw().handle().as_raw() as *const _,
+            queue_family_index: device.queue_family(),
+            queue_index: 0,
+        };
+        // The session keeps the device alive until it is destroyed itself.
+        let guard = Box::new(device.clone());
+        // SAFETY: the handles are of the instance and device that the runtime has created; the
+        // guard keeps them alive, and runtime and program never use their queue at the same time.
+        let (session, waiter, stream) = unsafe {
+            runtime.instance.create_session_with_guard::<xr::Vulkan>(runtime.system, &info, guard)
         }
-    }
-
-    fn live(&mut self, orders: &Receiver<Order>, tell: &dyn Fn(LinkNews) -> bool) -> Result<()> {
-        let mut events = xr::EventDataBuffer::new();
-        loop {
-            // No frame is in progress: a session never ends within one.
-            if let Some(news) = self.hear_runtime(&mut events)? {
-                let over = matches!(news, LinkNews::Over { .. });
-                if !tell(news) || over {
-                    return Ok(());
-                }
-            }
-            if !self.lifecycle.is_running() {
-                match orders.recv_timeout(POLL) {
-                    Ok(order) => {
-                        self.obey(order, None)?;
-                    }
-                    Err(RecvTimeoutError::Timeout) => {}
-                    Err(RecvTimeoutError::Disconnected) => return Ok(()),
-                }
-                continue;
-            }
-            let frame = self.begin_frame()?;
-            if !tell(LinkNews::Frame(Box::new(frame.clone()))) {
-                return Ok(());
-            }
-            loop {
-                let Ok(order) = orders.recv() else { return Ok(()) };
-                if self.obey(order, Some(&frame))? {
-                    break;
-                }
-            }
-        }
-    }
-
-    /// Handles the events of the runtime.
-    fn hear_runtime(&mut self, events: &mut xr::EventDataBuffer) -> Result<Option<LinkNews>> {
-        let mut news = None;
-        while let Some(event) = self.instance.poll_event(events).doing("hear the runtime")? {
-            match event {
-                xr::Event::SessionStateChanged(event) => {
-                    let state = event.state();
-                    tracing::debug!("headset session: {state:?}");
-                    match self.lifecycle.enter(state) {
-                        Answer::Begin => {
-                            self.session.begin(VIEWS).doing("begin to show pictures")?;
-                        }
-                        Answer::End => {
-                            self.session.end().doing("end showing pictures")?;
-                        }
-                        Answer::Leave { again } => return Ok(Some(LinkNews::Over { again })),
-                        Answer::Nothing => {}
-                    }
-                }
-                xr::Event::InstanceLossPending(_) => {
-                    return Ok(Some(LinkNews::Over { again: true }));
-                }
-                xr::Event::ReferenceSpaceChangePending(_) => news = Some(LinkNews::Recentred),
-                xr::Event::InteractionProfileChanged(_) => {
-                    for side in HandSide::ALL {
-                        let profile = self.actions.profile(side);
-                        let profile = profile.as_deref().unwrap_or("nothing");
-                        tracing::info!("{side:?} hand: {profile}");
-                    }
-                }
-                xr::Event::EventsLost(event) => {
-                    tracing::warn!("{} events of the headset were lost", event.lost_event_count());
-                }
-                _ => {}
-            }
-        }
-        Ok(news)
-    }
-
-    fn begin_frame(&mut self) -> Result<Frame> {
-        let state = self.waiter.wait().doing("wait for the next frame")?;
-        self.stream.begin().doing("begin a frame")?;
-        let (display, shown) = (state.predicted_display_time, state.should_render);
-        Ok(Frame {
-            display,
-            shown,
-            views: if shown { self.views(display)? } else { None },
-            hands: match shown && self.lifecycle.is_focused() {
-                true => Some(self.actions.read(&self.room, display)?),
-                false => None,
+        .doing("create a session")?;
+        let size = (runtime.eye_size.as_vec2() * options.resolution).round().as_uvec2();
+        let size = size.clamp(UVec2::splat(16), runtime.eye_limit.max(UVec2::splat(16)));
+        let no_format = || HeadsetError::Unsuitable {
+            runtime: runtime.name.clone(),
+            problem: "shows no pictures of the format R8G8B8A8_SRGB; update it".to_string(),
+        };
+        let colour = Swapchain::new(&session, size, 2, false)?.ok_or_else(no_format)?;
+        let depth = match runtime.has_depth_layers {
+            true => Swapchain::new(&session, size, 2, true)?,
+            false => None,
+        };
+        let board = Swapchain::new(&session, options.board_px, 1, false)?.ok_or_else(no_format)?;
+        let blending =
+            Blending { option: options.blend, offered: runtime.modes, mode: runtime.blend };
+        tracing::info!(
+            "headset: {}, {}x{} pixels an eye, {}{}",
+            runtime.name,
+            size.x,
+            size.y,
+            blending.describe(),
+            if depth.is_some() { ", with depth" } else { "" }
+        );
+        let share = |head: &SessionHead| head.share(&session, &runtime.name, runtime.converts_time);
+        Ok(XrSession {
+            requests: None,
+            thread: None,
+            _head_share: head.map(share).transpose()?,
+            frames: Frames::new(&device)?,
+            targets: TargetImages {
+                colour: colour.images(),
+                depth: depth.as_ref().map(Swapchain::images),
+                board: board.images(),
             },
+            blending,
+            name: runtime.name,
+            responses: ResponseTimer::new(),
+            not_started: Some(SessionThread {
+                stream,
+                waiter,
+                colour,
+                depth,
+                board,
+                board_written: false,
+                actions: Actions::new(&session, runtime.has_hand_interaction)?,
+                room: create_room_space(&session, options.origin)?,
+                lifecycle: Lifecycle::default(),
+                session,
+                instance: runtime.instance,
+            }),
+            device,
         })
     }
 
-    /// True if the frame has ended.
-    fn obey(&mut self, order: Order, frame: Option<&Frame>) -> Result<bool> {
-        match (order, frame) {
-            (Order::Feel(side, strength), _) => self.actions.feel(side, strength)?,
-            (Order::Aim { board, reply }, Some(frame)) => {
-                if let Some(views) = self.views(frame.display)? {
-                    let aimed = Aimed {
-                        views,
-                        colour: self.colour.acquire()?,
-                        depth: self.depth.as_mut().map(Chain::acquire).transpose()?,
-                        board: if board { Some(self.board.acquire()?) } else { None },
-                    };
-                    // A caller that has given up ends the frame without pictures; the images are
-                    // kept.
-                    let _ = reply.send(aimed);
-                }
-            }
-            (Order::End(end), Some(frame)) => {
-                self.end_frame(frame, &end)?;
-                return Ok(true);
-            }
-            (Order::Aim { .. } | Order::End(_), None) => {}
-        }
-        Ok(false)
+    /// Starts the session's thread, which calls `send` with its events until that returns false.
+    pub fn start(&mut self, send: impl Fn(XrEvent) -> bool + Send + 'static) -> Result<()> {
+        let Some(session) = self.not_started.take() else { return Ok(()) };
+        let (requests, received) = channel();
+        let work = move || session.run(&received, &send);
+        self.thread = Some(RuntimeThread::start("headset", work).map_err(HeadsetError::Thread)?);
+        self.requests = Some(requests);
+        Ok(())
     }
 
-    /// The views of the eyes at a time. None while the head is not tracked.
-    fn views(&self, display: xr::Time) -> Result<Option<[RoomView; 2]>> {
-        let (flags, views) = self
-            .session
-            .locate_views(VIEWS, display, &self.room)
-            .doing("find where the eyes are")?;
-        use xr::ViewStateFlags as Flags;
-        let [left, right] = views[..] else { return Ok(None) };
-        let known = flags.contains(Flags::ORIENTATION_VALID | Flags::POSITION_VALID);
-        let views = [left, right].map(|view| RoomView {
-            pose: from_xr(&view.pose),
-            frustum: Frustum {
-                left: view.fov.angle_left.tan(),
-                right: view.fov.angle_right.tan(),
-                down: view.fov.angle_down.tan(),
-                up: view.fov.angle_up.tan(),
-            },
-        });
-        let usable = |view: &RoomView| {
-            let Frustum { left, right, down, up } = view.frustum;
-            view.pose.is_plausible() && right > left && up > down
-        };
-        Ok((known && views.iter().all(usable)).then_some(views))
+    pub fn device(&self) -> &Arc<Device> {
+        &self.device
     }
 
-    fn end_frame(&mut self, frame: &Frame, end: &End) -> Result<()> {
-        if end.layers.views.is_some() {
-            self.colour.release()?;
-            if let Some(depth) = &mut self.depth {
-                depth.release()?;
+    /// The names of runtime and headset.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Size of each eye's picture, in pixels.
+    pub fn eye_size(&self) -> UVec2 {
+        self.targets.colour.size
+    }
+
+    /// Whether the surroundings are visible where the pictures are transparent.
+    pub fn is_see_through(&self) -> bool {
+        self.blending.mode != xr::EnvironmentBlendMode::OPAQUE
+    }
+
+    /// The available blend modes.
+    pub fn blends(&self) -> Vec<Blend> {
+        self.blending.offered.iter().filter_map(|mode| Blend::of(*mode)).collect()
+    }
+
+    /// Requests a blend mode, as far as the headset has it, from the next frame on.
+    pub fn set_blend(&mut self, option: Blend) {
+        self.blending.request(option);
+    }
+
+    /// Notes that the runtime has answered.
+    pub fn note_response(&mut self) {
+        self.responses.note();
+    }
+
+    /// How long the runtime has not answered.
+    pub fn unresponsive_for(&self) -> Duration {
+        self.responses.last.elapsed()
+    }
+
+    /// Vibrates a controller with a strength of 0 to 1.
+    pub fn vibrate(&self, side: HandSide, strength: f32) {
+        self.send(Request::Vibrate(side, strength));
+    }
+
+    /// Locates the eyes once more and acquires the images to copy to, with `board` one for the
+    /// board's picture as well. None while the head is not tracked, and if the runtime does not
+    /// answer.
+    pub fn acquire_targets(&mut self, board: bool) -> Option<FrameTargets> {
+        let (reply, answer) = sync_channel(1);
+        self.send(Request::AcquireTargets { board, reply });
+        let requested = Instant::now();
+        let targets = answer.recv_timeout(RESPONSE_TIMEOUT).ok();
+        self.responses.timed_out |= targets.is_none() && requested.elapsed() >= RESPONSE_TIMEOUT;
+        targets
+    }
+
+    /// Starts recording the frame's commands; also returns the frame slot.
+    pub fn begin_recording(&mut self) -> Result<(Recorder, usize)> {
+        let recorder = self.frames.begin()?;
+        Ok((recorder, self.frames.slot()))
+    }
+
+    /// Records the copy of the renderer's pictures to the headset.
+    pub fn copy_eyes(
+        &self,
+        recorder: &mut Recorder,
+        targets: &FrameTargets,
+        colour: &EyeImage,
+        depth: &mut EyeImage,
+    ) -> Result<()> {
+        let images = &self.targets;
+        let size = images.colour.size;
+        let from = colour.image().whole();
+        let copy = |recorder: &mut Recorder, to| copy_image(recorder, from, to, size);
+        images.colour.write(recorder, targets.colour, copy)?;
+        if let (Some(image), Some(index)) = (&images.depth, targets.depth) {
+            for eye in 0..depth.eyes() {
+                depth.transition(recorder, eye, Use::COPY_SOURCE);
             }
+            let from = depth.image().whole();
+            let copy = |recorder: &mut Recorder, to| copy_image(recorder, from, to, size);
+            image.write(recorder, index, copy)?;
         }
-        if end.board_filled {
-            self.board.release()?;
-            self.board_filled = true;
+        Ok(())
+    }
+
+    /// Records the copy of the board's picture, of the size of [`XrSessionOptions::board_px`] and
+    /// in the layout of [`Use::COPY_SOURCE`], if there is an image for it.
+    pub fn copy_board(
+        &self,
+        recorder: &mut Recorder,
+        targets: &FrameTargets,
+        from: ImagePart,
+    ) -> Result<()> {
+        let Some(index) = targets.board else { return Ok(()) };
+        let size = self.targets.board.size;
+        let copy = |recorder: &mut Recorder, to| copy_image(recorder, from, to, size);
+        self.targets.board.write(recorder, index, copy)
+    }
+
+    /// Submits the recording. [`XrSession::end_frame`] must follow.
+    pub fn submit(&mut self, recorder: Recorder) -> Result<Serial> {
+        Ok(self.frames.submit(recorder, &[], &[])?)
+    }
+
+    /// Ends the frame with these layers. `board_written`: whether the submission contained
+    /// [`XrSession::copy_board`].
+    pub fn end_frame(&mut self, layers: FrameLayers, board_written: bool) {
+        let blend = self.blending.mode;
+        self.send(Request::EndFrame(EndFrame { blend, layers, board_written }));
+        self.responses.note_end_of_work();
+    }
+
+    /// Ends the frame without pictures.
+    pub fn end_empty_frame(&mut self) {
+        self.end_frame(FrameLayers::default(), false);
+    }
+
+    /// Ends the session. Renderers on its device are dropped after this: until then the runtime may
+    /// use the queue.
+    pub fn close(&mut self) {
+        self.requests = None;
+        if let Some(mut thread) = self.thread.take() {
+            // It owns the session, and keeps it for as long as the runtime blocks it.
+            thread.join_or_detach();
         }
-        let views = end.layers.views.as_ref().map_or(&[][..], |views| views);
-        // Depth is reversed, with its far plane at infinity.
-        let depth_info = [0, 1].map(|eye| {
-            self.depth.as_ref().map(|depth| xr::sys::CompositionLayerDepthInfoKHR {
-                ty: xr::sys::CompositionLayerDepthInfoKHR::TYPE,
-                next: std::ptr::null(),
-                sub_image: *depth.view(eye).as_raw(),
-                min_depth: 0.0,
-                max_depth: 1.0,
-                near_z: f32::INFINITY,
-                far_z: NEAR_M,
-            })
-        });
-        let projected = (0..).zip(views).zip(&depth_info).map(|((eye, view), depth)| {
-            let projected = xr::CompositionLayerProjectionView::new()
-                .pose(to_xr(&view.pose))
-                .fov(fov(&view.frustum))
-                .sub_image(self.colour.view(eye));
-            let mut raw = projected.into_raw();
-            if let Some(depth) = depth {
-                raw.next = std::ptr::from_ref(depth).cast();
-            }
-            // SAFETY: what it points to outlives the call that ends the frame.
-            unsafe { xr::CompositionLayerProjectionView::from_raw(raw) }
-        });
-        let projected: Vec<_> = projected.collect();
-        let flags = match end.blend {
-            xr::EnvironmentBlendMode::ALPHA_BLEND => {
-                xr::CompositionLayerFlags::BLEND_TEXTURE_SOURCE_ALPHA
-            }
-            _ => xr::CompositionLayerFlags::EMPTY,
-        };
-        let scene = xr::CompositionLayerProjection::new()
-            .layer_flags(flags)
-            .space(&self.room)
-            .views(&projected);
-        let board = end.layers.board.as_ref().filter(|_| self.board_filled).map(|board| {
-            let Vec2 { x: width, y: height } = board.size_m;
-            xr::CompositionLayerQuad::new()
-                .layer_flags(xr::CompositionLayerFlags::BLEND_TEXTURE_SOURCE_ALPHA)
-                .space(&self.room)
-                .eye_visibility(xr::EyeVisibility::BOTH)
-                .sub_image(self.board.view(0))
-                .pose(to_xr(&board.pose))
-                .size(xr::Extent2Df { width, height })
-        });
-        let mut shown: Vec<&xr::CompositionLayerBase<'_, xr::Vulkan>> = Vec::new();
-        if !views.is_empty() {
-            shown.push(&scene);
+    }
+
+    fn send(&self, request: Request) {
+        if let Some(requests) = &self.requests
+            && requests.send(request).is_err()
+        {
+            tracing::debug!("the headset's thread has ended");
         }
-        if let Some(board) = &board {
-            shown.push(board);
-        }
-        self.stream.end(frame.display, end.blend, &shown).doing("end a frame")
     }
 }
 
-fn fov(frustum: &Frustum) -> xr::Fovf {
-    xr::Fovf {
-        angle_left: frustum.left.atan(),
-        angle_right: frustum.right.atan(),
-        angle_up: frustum.up.atan(),
-        angle_down: frustum.down.atan(),
+impl Drop for XrSession {
+    fn drop(&mut self) {
+        self.close();
     }
+}
+
+/// The blend modes of a session.
+struct Blending {
+    /// The requested one.
+    option: Blend,
+    /// The modes of the headset.
+    offered: Vec<xr::EnvironmentBlendMode>,
+    /// The mode in use.
+    mode: xr::EnvironmentBlendMode,
+}
+
+impl Blending {
+    /// Changes to the offered mode closest to `option`.
+    fn request(&mut self, option: Blend) {
+        if std::mem::replace(&mut self.option, option) != option
+            && let Some(mode) = option.choose(&self.offered)
+            && std::mem::replace(&mut self.mode, mode) != mode
+        {
+            tracing::info!("headset: now {}", self.describe());
+        }
+    }
+
+    fn describe(&self) -> &'static str {
+        match self.mode {
+            xr::EnvironmentBlendMode::OPAQUE => "opaque",
+            xr::EnvironmentBlendMode::ADDITIVE => "additive",
+            _ => "over the surroundings",
+        }
+    }
+}
+
+/// Measures how long the runtime has not answered.
+struct ResponseTimer {
+    /// When the runtime last answered, or the program last finished working on an event.
+    last: Instant,
+    /// A request has timed out since.
+    timed_out: bool,
+}
+
+impl ResponseTimer {
+    fn new() -> ResponseTimer {
+        ResponseTimer { last: Instant::now(), timed_out: false }
+    }
+
+    /// The runtime has answered.
+    fn note(&mut self) {
+        *self = ResponseTimer::new();
+    }
+
+    /// The program has finished its work on an event: what it took is not the runtime's delay.
+    fn note_end_of_work(&mut self) {
+        if !self.timed_out {
+            self.last = Instant::now();
+        }
+    }
+}
+
+/// The space of the room: the requested one, or the one that every runtime has.
+pub(super) fn create_room_space<G: xr::Graphics>(
+    session: &xr::Session<G>,
+    origin: RoomOrigin,
+) -> Result<xr::Space> {
+    const DOING: &str = "create the space of the room";
+    let offered = session.enumerate_reference_spaces().doing(DOING)?;
+    let stage = xr::ReferenceSpaceType::STAGE;
+    let kind = match origin {
+        RoomOrigin::Stage if offered.contains(&stage) => stage,
+        _ => xr::ReferenceSpaceType::LOCAL,
+    };
+    session.create_reference_space(kind, xr::Posef::IDENTITY).doing(DOING)
 }

@@ -1,5 +1,5 @@
-//! Owns the program in a headset alone, on a machine without a display: no window, the board is
-//! all there is of the interface.
+//! The program in a headset without a window, on a machine without a display: the board is all there
+//! is of the interface.
 
 use std::path::PathBuf;
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -15,36 +15,36 @@ use crate::gpu::DeviceOptions;
 use crate::input::Bindings;
 use crate::session::Session;
 
-/// Waits for a headset and works on `session` in it until the person leaves.
+/// Waits for a headset and works on `session` in it until the person exits.
 pub fn run(
     session: Session,
     config: &Config,
     device: DeviceOptions,
-    shots: Option<PathBuf>,
+    screenshots: Option<PathBuf>,
 ) -> Result<(), AppError> {
-    let (tell, heard) = channel();
+    let (send, events) = channel();
     let mut workspace = Workspace::new(session, config, Bindings::presets()?);
-    let tell = move |connection, news| tell.send((connection, news)).is_ok();
-    let mut headset = Headset::new(&config.headset, device, shots, tell);
+    let send = move |connection, event| send.send((connection, event)).is_ok();
+    let mut headset = Headset::new(&config.headset, device, screenshots, send);
     loop {
-        let again = headset.poll(&mut workspace);
-        let (Some(again), false) = (again, workspace.is_leaving()) else { break };
-        let patience = again.saturating_duration_since(Instant::now());
-        match heard.recv_timeout(patience.max(Duration::from_millis(1))) {
-            Ok((connection, news)) => headset.hear(&mut workspace, connection, news),
+        let next_poll = headset.poll(&mut workspace);
+        let (Some(next_poll), false) = (next_poll, workspace.is_leaving()) else { break };
+        let timeout = next_poll.saturating_duration_since(Instant::now());
+        match events.recv_timeout(timeout.max(Duration::from_millis(1))) {
+            Ok((connection, event)) => headset.handle(&mut workspace, connection, event),
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => break,
         }
     }
     workspace.finish_job();
-    if headset.is_left() && workspace.session().modified() {
-        // The runtime has ended the program: nobody could be asked.
+    if headset.has_exited() && workspace.session().modified() {
+        // The runtime has ended the program: there was nobody to ask.
         match recovery::save(workspace.session_mut(), &state_folder()) {
             Ok(path) => tracing::warn!("the sculpture was saved to {}", path.display()),
             Err(error) => tracing::error!("the sculpture could not be saved: {error}"),
         }
     }
-    match headset.complaints() {
+    match headset.validation_messages() {
         0 => Ok(()),
         count => Err(AppError::Validation(count)),
     }

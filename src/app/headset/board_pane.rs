@@ -1,5 +1,5 @@
-//! Owns the picture of the board: its interface in an image of its own, which the headset shows
-//! as a thing on the hand.
+//! The picture of the board: its interface in an image of its own, which the headset shows as a quad
+//! layer on the hand.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use ash::vk;
 use egui::epaint::ClippedShape;
 use glam::UVec2;
 
-use super::face::BoardFace;
+use super::board_ui::BoardUi;
 use crate::app::Workspace;
 use crate::gpu::{Attachment, Device, EyeImage, GpuError, ImagePart, Load, Recorder, Use};
 use crate::input::hands::HandEvent;
@@ -20,11 +20,11 @@ const FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
 pub struct BoardPane {
     gui: Gui,
     picture: EyeImage,
-    face: BoardFace,
+    ui: BoardUi,
     device: Arc<Device>,
 }
 
-/// What a pass leaves to be drawn.
+/// The output of a pass, to be drawn.
 pub struct Pass {
     shapes: Vec<ClippedShape>,
     textures: TextureChanges,
@@ -43,24 +43,24 @@ impl BoardPane {
         Ok(BoardPane {
             gui: Gui::new(device, FORMAT)?,
             picture: EyeImage::new(device, "board", size_px, 1, FORMAT, usage)?,
-            face: BoardFace::new(size_px, pixels_per_point, texture_limit),
+            ui: BoardUi::new(size_px, pixels_per_point, texture_limit),
             device: device.clone(),
         })
     }
 
-    /// Hears what the hands do with the board.
-    pub fn hear(&mut self, event: &HandEvent) {
-        self.face.hear(event);
+    /// Handles what a controller event means for the board.
+    pub fn handle(&mut self, event: &HandEvent) {
+        self.ui.handle(event);
     }
 
-    /// Whether something calls for another pass at `now_s`.
+    /// Whether another pass is due at `now_s`.
     pub fn is_due(&self, now_s: f64) -> bool {
-        self.face.is_due(now_s)
+        self.ui.is_due(now_s)
     }
 
-    /// Runs a pass of the interface, in which the workspace does what the person wants.
+    /// Runs a pass of the interface, in which the workspace does what is asked for.
     pub fn pass(&mut self, workspace: &mut Workspace, now_s: f64) -> Pass {
-        let output = self.face.pass(now_s, |root| workspace.show_on_board(root));
+        let output = self.ui.pass(now_s, |root| workspace.show_on_board(root));
         Pass { shapes: output.shapes, textures: output.textures_delta.into() }
     }
 
@@ -73,7 +73,7 @@ impl BoardPane {
         pass: &mut Pass,
     ) -> Result<ImagePart, GpuError> {
         self.gui.upload(recorder, slot, &mut pass.textures)?;
-        let context = self.face.context();
+        let context = self.ui.context();
         let points = context.pixels_per_point();
         let primitives = context.tessellate(std::mem::take(&mut pass.shapes), points);
         self.picture.begin_overwrite(recorder, 0, Use::COLOUR_TARGET);
@@ -87,7 +87,7 @@ impl BoardPane {
         Ok(self.picture.image().layer(0))
     }
 
-    /// What of the interface lacks memory, once ([`Gui::take_lack`]).
+    /// The part of the interface that there was no memory for, once ([`Gui::take_lack`]).
     pub fn take_lack(&mut self) -> Option<GpuError> {
         self.gui.take_lack()
     }
@@ -97,7 +97,7 @@ impl BoardPane {
         self.gui.free(&mut pass.textures);
     }
 
-    /// The picture, in memory. Waits.
+    /// Reads the picture back. Waits for the device.
     pub fn read_back(&self) -> Result<Pixels, GpuError> {
         let image = self.picture.image();
         let bytes = crate::gpu::read_image_once(

@@ -1,9 +1,9 @@
-//! A headset that shows nothing and only reports the head (`XR_MND_headless`): a source of poses
-//! for the view through a screen.
+//! A headset that is only tracked (`XR_MND_headless`): a source of head poses for the off-axis view
+//! through a screen, from a session without graphics.
 //!
-//! Takes the origin; returns poses in the space of the room, and a message while the runtime is
-//! missing or gone, which it looks for again. Everything happens on a thread of its own, except for
-//! predictions, which the caller requests itself. Must not know screens.
+//! Takes the origin; returns poses in the space of the room, and a message while there is no
+//! runtime, which it tries to connect to again. Everything happens on a thread of its own, except
+//! for predictions, which run on the caller's thread. Must not know screens.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -14,23 +14,23 @@ use openxr as xr;
 use tracking::{Counters, Event, HeadPose, HostClock, Inbox, Source, SourceState};
 
 use super::error::{Doing, HeadsetError, Result};
-use super::lifecycle::{Answer, Lifecycle};
-use super::link::RoomOrigin;
-use super::locator::{Locator, Sight, Wish, ask_for_clock};
-use super::parting::Helper;
-use super::runtime::{VIEWS, enter, reach};
+use super::head_locator::{HeadLocation, HeadLocator, LocatorOptions, enable_time_conversion};
+use super::lifecycle::{Lifecycle, Transition};
+use super::runtime::{VIEWS, create_instance, load_entry};
+use super::runtime_thread::RuntimeThread;
+use super::session::RoomOrigin;
 
 /// Interval of pose queries: shorter than the frame time of any screen.
-const LOOK_EVERY: Duration = Duration::from_millis(4);
-/// Interval between attempts to find a runtime.
-const SEEK_EVERY: Duration = Duration::from_secs(2);
+const POLL_INTERVAL: Duration = Duration::from_millis(4);
+/// Interval between attempts to connect.
+const RETRY_INTERVAL: Duration = Duration::from_secs(2);
 
 /// Shared by the thread and the program.
 struct Shared {
     inbox: Inbox,
     stop: AtomicBool,
     /// While there is a session.
-    locator: Mutex<Option<Locator>>,
+    locator: Mutex<Option<HeadLocator>>,
     state: Mutex<SourceState>,
     accepted: AtomicU64,
     not_finite: AtomicU64,
@@ -38,15 +38,15 @@ struct Shared {
 }
 
 impl Shared {
-    fn enter(&self, state: SourceState) {
+    fn set_state(&self, state: SourceState) {
         *self.state.lock().unwrap_or_else(PoisonError::into_inner) = state;
     }
 
-    fn locator(&self) -> MutexGuard<'_, Option<Locator>> {
+    fn locator(&self) -> MutexGuard<'_, Option<HeadLocator>> {
         self.locator.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn stops(&self) -> bool {
+    fn is_stopping(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }
 }
@@ -54,7 +54,7 @@ impl Shared {
 /// A source of head poses. Dropping it ends the session.
 pub struct HeadsetTracker {
     shared: Arc<Shared>,
-    thread: Helper,
+    thread: RuntimeThread,
 }
 
 impl HeadsetTracker {
@@ -73,128 +73,132 @@ impl HeadsetTracker {
             not_finite: AtomicU64::new(0),
             connections: AtomicU64::new(0),
         });
-        let (theirs, wish) = (shared.clone(), Wish { label: Arc::from(label), origin, clock });
-        let thread = Helper::start("headset tracker", move || seek(&theirs, &wish))?;
+        let options = LocatorOptions { label: Arc::from(label), origin, clock };
+        let state = shared.clone();
+        let thread = RuntimeThread::start("headset tracker", move || run(&state, &options))?;
         Ok(HeadsetTracker { shared, thread })
     }
 }
 
-/// Connects, follows the head until the runtime goes, and connects again.
-fn seek(shared: &Shared, wish: &Wish) {
-    let Wish { label, clock, .. } = wish;
-    while !shared.stops() {
-        let why = match Session::connect() {
+/// Connects, reports the head until the session ends, and connects again.
+fn run(shared: &Shared, options: &LocatorOptions) {
+    let LocatorOptions { label, clock, .. } = options;
+    while !shared.is_stopping() {
+        let reason = match HeadlessSession::connect() {
             Ok(mut session) => {
                 shared.connections.fetch_add(1, Ordering::Relaxed);
                 let (source, time_s) = (label.clone(), clock.now_s());
                 shared.inbox.put(&mut vec![Event::Found { source, time_s }]);
-                let followed = session.follow(shared, wish);
-                // A session that has ended is no longer queried, and is destroyed on this thread.
+                let result = session.track(shared, options);
+                // No more predictions from this session, which is destroyed on this thread.
                 *shared.locator() = None;
-                let why = match followed {
+                let reason = match result {
                     Ok(()) => format!("{} has ended the session", session.name),
                     Err(error) => error.to_string(),
                 };
                 let (source, time_s) = (label.clone(), clock.now_s());
                 shared.inbox.put(&mut vec![Event::Lost { source, time_s }]);
-                why
+                reason
             }
             Err(error) => error.to_string(),
         };
-        shared.enter(SourceState::Seeking(why));
+        shared.set_state(SourceState::Seeking(reason));
         let start = Instant::now();
-        while start.elapsed() < SEEK_EVERY && !shared.stops() {
+        while start.elapsed() < RETRY_INTERVAL && !shared.is_stopping() {
             thread::sleep(Duration::from_millis(20));
         }
     }
 }
 
-/// A session without pictures.
-struct Session {
+/// A session without graphics.
+struct HeadlessSession {
     session: xr::Session<xr::Headless>,
     instance: xr::Instance,
     /// The names of runtime and headset.
     name: String,
 }
 
-impl Session {
-    fn connect() -> Result<Session> {
-        let (entry, offered) = reach()?;
+impl HeadlessSession {
+    fn connect() -> Result<HeadlessSession> {
+        let (entry, offered) = load_entry()?;
         let mut extensions = xr::ExtensionSet::default();
         extensions.mnd_headless = true;
-        let tells_time = ask_for_clock(&mut extensions, &offered);
-        if !offered.mnd_headless || !tells_time {
+        let converts_time = enable_time_conversion(&mut extensions, &offered);
+        if !offered.mnd_headless || !converts_time {
             return Err(HeadsetError::Unsuitable {
                 runtime: "of this machine".to_string(),
-                lack: "has no headset that only tracks (XR_MND_headless and a clock); take Monado \
-                       or SteamVR"
+                problem: "cannot track a headset without showing pictures (XR_MND_headless and a \
+                       clock); use Monado or SteamVR"
                     .to_string(),
             });
         }
-        let (instance, system, name) = enter(&entry, &extensions)?;
+        let (instance, system, name) = create_instance(&entry, &extensions)?;
         let info = xr::headless::SessionCreateInfo {};
         // SAFETY: without graphics there are no handles that could be wrong.
         let (session, ..) = unsafe { instance.create_session::<xr::Headless>(system, &info) }
-            .doing("begin a session without pictures")?;
+            .doing("create a session without graphics")?;
         tracing::info!("headset as a tracker: {name}");
-        Ok(Session { session, instance, name })
+        Ok(HeadlessSession { session, instance, name })
     }
 
     /// Reports the head until the source is dropped, or the runtime ends the session.
-    fn follow(&mut self, shared: &Shared, wish: &Wish) -> Result<()> {
-        *shared.locator() = Some(Locator::new(&self.session, wish)?);
+    fn track(&mut self, shared: &Shared, options: &LocatorOptions) -> Result<()> {
+        *shared.locator() = Some(HeadLocator::new(&self.session, options)?);
         let mut lifecycle = Lifecycle::default();
         let mut events = xr::EventDataBuffer::new();
-        let mut reports = Vec::new();
-        while !shared.stops() {
-            while let Some(event) =
-                self.instance.poll_event(&mut events).doing("hear the runtime")?
-            {
-                let answer = match event {
+        let mut poses = Vec::new();
+        while !shared.is_stopping() {
+            while let Some(event) = self.instance.poll_event(&mut events).doing("poll events")? {
+                let transition = match event {
                     xr::Event::SessionStateChanged(event) => lifecycle.enter(event.state()),
-                    xr::Event::InstanceLossPending(_) => Answer::Leave { again: true },
-                    _ => Answer::Nothing,
+                    xr::Event::InstanceLossPending(_) => Transition::Destroy { retry: true },
+                    _ => Transition::None,
                 };
-                match answer {
-                    Answer::Begin => {
-                        self.session.begin(VIEWS).doing("begin to track")?;
+                match transition {
+                    Transition::Begin => {
+                        self.session.begin(VIEWS).doing("begin the session")?;
                     }
-                    Answer::End => {
-                        self.session.end().doing("end tracking")?;
+                    Transition::End => {
+                        self.session.end().doing("end the session")?;
                     }
-                    Answer::Leave { .. } => return Ok(()),
-                    Answer::Nothing => {}
+                    Transition::Destroy { .. } => return Ok(()),
+                    Transition::None => {}
                 }
             }
             if lifecycle.is_running() {
-                self.look(shared, wish.clock, &mut reports)?;
-                shared.inbox.put(&mut reports);
+                self.report_pose(shared, options.clock, &mut poses)?;
+                shared.inbox.put(&mut poses);
             } else {
-                let why = format!("{} is not ready: is the headset on?", self.name);
-                shared.enter(SourceState::Seeking(why));
+                let reason = format!("{} is not ready: is the headset on?", self.name);
+                shared.set_state(SourceState::Seeking(reason));
             }
-            thread::sleep(LOOK_EVERY);
+            thread::sleep(POLL_INTERVAL);
         }
         Ok(())
     }
 
-    /// The present head pose, if it is tracked.
-    fn look(&self, shared: &Shared, clock: HostClock, reports: &mut Vec<Event>) -> Result<()> {
-        let sight = match &*shared.locator() {
-            Some(locator) => locator.look(clock.now_s())?,
-            None => Sight::Unknown,
+    /// Appends the present head pose, if the head is tracked.
+    fn report_pose(
+        &self,
+        shared: &Shared,
+        clock: HostClock,
+        events: &mut Vec<Event>,
+    ) -> Result<()> {
+        let location = match &*shared.locator() {
+            Some(locator) => locator.locate(clock.now_s())?,
+            None => HeadLocation::NotTracked,
         };
-        match sight {
-            Sight::Seen(pose) => {
-                reports.push(Event::Pose(pose));
+        match location {
+            HeadLocation::Tracked(pose) => {
+                events.push(Event::Pose(pose));
                 shared.accepted.fetch_add(1, Ordering::Relaxed);
-                shared.enter(SourceState::Running);
+                shared.set_state(SourceState::Running);
             }
-            Sight::Unknown => {
-                let why = format!("{} does not see where it is", self.name);
-                shared.enter(SourceState::Seeking(why));
+            HeadLocation::NotTracked => {
+                let reason = format!("{} does not track the head at present", self.name);
+                shared.set_state(SourceState::Seeking(reason));
             }
-            Sight::NotFinite => {
+            HeadLocation::NotFinite => {
                 shared.not_finite.fetch_add(1, Ordering::Relaxed);
             }
         }
@@ -227,13 +231,13 @@ impl Source for HeadsetTracker {
     }
 
     fn located(&mut self, _sensor: u32, display_time_s: f64) -> Option<HeadPose> {
-        self.shared.locator().as_ref()?.foreseen(display_time_s)
+        self.shared.locator().as_ref()?.predict(display_time_s)
     }
 }
 
 impl Drop for HeadsetTracker {
     fn drop(&mut self) {
         self.shared.stop.store(true, Ordering::Relaxed);
-        self.thread.part();
+        self.thread.join_or_detach();
     }
 }

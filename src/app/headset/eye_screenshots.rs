@@ -1,8 +1,8 @@
-//! Owns pictures of what the eyes see, written to a folder now and then: for developers without
-//! a headset on their head, and for tests.
+//! Screenshots of what the eyes see, written to a folder at intervals: for tests, and for developers
+//! without a headset.
 //!
-//! `left.png`, `right.png`, `board.png` while the board is open, and last `views.toml`, which says
-//! where the eyes were; each file appears whole and takes the place of the former one.
+//! Writes `left.png`, `right.png`, `board.png` while the board is open, and last `views.toml` with the
+//! poses of the eyes. Each file replaces the former one atomically.
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -14,24 +14,24 @@ use crate::format::store::write_atomically;
 use crate::shade::Pixels;
 use crate::view::{Room, RoomView};
 
-/// Seconds between two shots.
-const EVERY_S: f64 = 0.25;
+/// Seconds between two screenshots.
+const INTERVAL_S: f64 = 0.25;
 
-/// Writes shots.
-pub struct Shots {
+/// Writes screenshots.
+pub struct EyeScreenshots {
     folder: PathBuf,
     number: u64,
     due_s: f64,
 }
 
-/// What `views.toml` says.
+/// The contents of `views.toml`.
 #[derive(Serialize)]
 struct Views {
-    /// Counts the shots.
+    /// Counts the screenshots.
     number: u64,
     /// The left, then the right eye, in metres of the room.
     eye: Vec<EyeText>,
-    /// Where the sculpture's world lies.
+    /// The world of the sculpture in the room.
     world: WorldText,
 }
 
@@ -51,16 +51,16 @@ struct WorldText {
     metres_per_unit: f32,
 }
 
-impl Shots {
-    pub fn new(folder: PathBuf) -> Shots {
-        Shots { folder, number: 0, due_s: 0.0 }
+impl EyeScreenshots {
+    pub fn new(folder: PathBuf) -> EyeScreenshots {
+        EyeScreenshots { folder, number: 0, due_s: 0.0 }
     }
 
     pub fn is_due(&self, now_s: f64) -> bool {
         now_s >= self.due_s
     }
 
-    /// Writes a shot.
+    /// Writes a screenshot.
     pub fn write(
         &mut self,
         now_s: f64,
@@ -69,7 +69,7 @@ impl Shots {
         views: &[RoomView; 2],
         room: &Room,
     ) -> std::io::Result<()> {
-        self.due_s = now_s + EVERY_S;
+        self.due_s = now_s + INTERVAL_S;
         self.number += 1;
         std::fs::create_dir_all(&self.folder)?;
         for (name, pixels) in ["left.png", "right.png"].into_iter().zip(eyes) {

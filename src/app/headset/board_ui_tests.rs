@@ -1,4 +1,4 @@
-//! The board's interface under a ray: what is pressed, what is typed on the drawn keyboard.
+//! The board's interface with a ray as its mouse: clicks, drags, and text typed on its keyboard.
 
 use egui::{Align, Button, DragValue, Layout, Response, Slider, TextEdit, vec2};
 use glam::{Quat, Vec3};
@@ -16,9 +16,9 @@ use crate::view::Pose;
 
 const SIZE_PX: UVec2 = UVec2::new(1250, 800);
 
-/// A board with something on it, and a hand that points at it.
+/// A board with widgets, and a hand that points at it.
 struct Hand<S> {
-    face: BoardFace,
+    ui: BoardUi,
     state: S,
     show: fn(&mut Ui, &mut S),
     now_s: f64,
@@ -26,32 +26,32 @@ struct Hand<S> {
 
 impl<S> Hand<S> {
     fn new(state: S, show: fn(&mut Ui, &mut S)) -> Hand<S> {
-        let face = BoardFace::new(SIZE_PX, 1.25, 4096);
-        let mut hand = Hand { face, state, show, now_s: 0.0 };
-        hand.look();
+        let ui = BoardUi::new(SIZE_PX, 1.25, 4096);
+        let mut hand = Hand { ui, state, show, now_s: 0.0 };
+        hand.run_passes();
         hand
     }
 
-    /// Passes until nothing calls for another at once.
-    fn look(&mut self) {
+    /// Runs passes until none is due at once.
+    fn run_passes(&mut self) {
         for _ in 0..3 {
             self.now_s += 0.05;
             let (state, show) = (&mut self.state, self.show);
-            let mut output = self.face.pass(self.now_s, |root| show(root, state));
-            // Nobody draws.
+            let mut output = self.ui.pass(self.now_s, |root| show(root, state));
+            // Nothing is drawn.
             output.textures_delta.clear();
         }
     }
 
     fn point(&mut self, at: Pos2) {
-        let size = self.face.size_points();
-        self.face.hear(&HandEvent::Point(Vec2::new(at.x / size.x, at.y / size.y)));
-        self.look();
+        let size = self.ui.size_points();
+        self.ui.handle(&HandEvent::Point(Vec2::new(at.x / size.x, at.y / size.y)));
+        self.run_passes();
     }
 
     fn press(&mut self, down: bool) {
-        self.face.hear(&HandEvent::Click(down));
-        self.look();
+        self.ui.handle(&HandEvent::Click(down));
+        self.run_passes();
     }
 
     fn click(&mut self, at: Pos2) {
@@ -61,7 +61,7 @@ impl<S> Hand<S> {
     }
 
     fn key(&mut self, cap: Cap) {
-        let rect = self.face.keyboard.key(cap).unwrap_or_else(|| panic!("no key {cap:?}"));
+        let rect = self.ui.keyboard.key(cap).unwrap_or_else(|| panic!("no key {cap:?}"));
         self.click(rect.center());
     }
 
@@ -77,7 +77,7 @@ impl<S> Hand<S> {
     }
 
     fn has_keyboard(&self) -> bool {
-        self.face.keyboard.key(Cap::Space).is_some()
+        self.ui.keyboard.key(Cap::Space).is_some()
     }
 }
 
@@ -125,11 +125,14 @@ fn upper() -> Hand<Form> {
 fn keys_fill_a_field_that_keeps_its_focus() {
     for layout in [Layout::top_down(Align::Min), Layout::bottom_up(Align::Min)] {
         let mut hand = form(layout);
-        assert!(!hand.has_keyboard(), "no field wants text");
+        assert!(!hand.has_keyboard(), "no text field has the focus");
         let field = hand.state.fields[0].rect;
         hand.click(field.center());
         assert!(hand.has_keyboard());
-        assert!(!hand.face.keyboard.covers(hand.state.fields[0].rect.center()), "it is seen");
+        assert!(
+            !hand.ui.keyboard.covers(hand.state.fields[0].rect.center()),
+            "the field stays visible"
+        );
         hand.write("ab_1");
         assert_eq!(hand.state.text, "ab_1");
         assert!(hand.state.fields[0].has_focus());
@@ -166,7 +169,7 @@ fn a_number_is_typed_over_the_former_one() {
     hand.key(Cap::Enter);
     assert_eq!(hand.state.number, -42.5);
     assert!(!hand.has_keyboard());
-    // Dragged as ever: nobody wants text.
+    // A drag changes it as usual, without a keyboard.
     hand.point(number);
     hand.press(true);
     hand.point(number + vec2(30.0, 0.0));
@@ -176,10 +179,10 @@ fn a_number_is_typed_over_the_former_one() {
 }
 
 #[test]
-fn what_lies_under_the_keyboard_hears_nothing() {
+fn widgets_under_the_keyboard_receive_no_events() {
     let mut hand = upper();
     hand.click(hand.state.fields[0].rect.center());
-    let key = hand.face.keyboard.key(Cap::Char('k', 'K')).unwrap();
+    let key = hand.ui.keyboard.key(Cap::Char('k', 'K')).unwrap();
     let button = hand.state.button.clone().unwrap().rect;
     assert!(button.contains_rect(key));
     hand.point(key.center());
@@ -187,14 +190,14 @@ fn what_lies_under_the_keyboard_hears_nothing() {
     hand.press(true);
     hand.press(false);
     assert_eq!((hand.state.text.as_str(), hand.state.clicks), ("k", 0));
-    // Between two keys and released beside the keyboard, too.
+    // The same between two keys, and released beside the keyboard.
     hand.point(key.right_center() + vec2(1.0, 0.0));
     hand.press(true);
     hand.point(button.center_top() + vec2(0.0, 5.0));
     hand.press(false);
     assert_eq!((hand.state.text.as_str(), hand.state.clicks), ("k", 0));
     assert!(hand.state.fields[0].has_focus());
-    // Once it is closed, the button is there again.
+    // Once it is closed, the button can be clicked again.
     hand.key(Cap::Close);
     assert!(!hand.has_keyboard());
     assert_eq!(hand.state.text, "k");
@@ -217,7 +220,7 @@ fn a_drag_that_began_in_the_field_presses_no_key() {
     let field = hand.state.fields[0].rect.center();
     hand.click(field);
     hand.write("ab");
-    let key = hand.face.keyboard.key(Cap::Char('q', 'Q')).unwrap().center();
+    let key = hand.ui.keyboard.key(Cap::Char('q', 'Q')).unwrap().center();
     hand.point(field);
     hand.press(true);
     hand.point(key);
@@ -230,30 +233,30 @@ fn a_drag_that_began_in_the_field_presses_no_key() {
 }
 
 #[test]
-fn a_hand_that_goes_away_while_a_key_is_down_stops_it() {
+fn a_key_stops_repeating_when_the_hand_is_gone() {
     let mut hand = upper();
     hand.click(hand.state.fields[0].rect.center());
     hand.write("abcdefghijkl");
-    let key = hand.face.keyboard.key(Cap::Backspace).unwrap().center();
+    let key = hand.ui.keyboard.key(Cap::Backspace).unwrap().center();
     hand.point(key);
     hand.press(true);
-    (0..8).for_each(|_| hand.look());
+    (0..8).for_each(|_| hand.run_passes());
     let left = hand.state.text.len();
-    assert!(left < 10, "held, it goes on: {:?}", hand.state.text);
-    hand.face.hear(&HandEvent::Click(false));
-    hand.face.hear(&HandEvent::PointAway);
-    (0..8).for_each(|_| hand.look());
+    assert!(left < 10, "a held key repeats: {:?}", hand.state.text);
+    hand.ui.handle(&HandEvent::Click(false));
+    hand.ui.handle(&HandEvent::PointAway);
+    (0..8).for_each(|_| hand.run_passes());
     assert_eq!(hand.state.text.len(), left);
 }
 
 #[test]
-fn the_board_is_filled_at_every_size_of_text() {
+fn the_interface_fills_the_board_at_every_text_size() {
     let mut hand = upper();
     for zoom in [1.0, 1.5, 0.5] {
-        hand.face.context.set_zoom_factor(zoom);
-        hand.look();
-        let points = hand.face.context.pixels_per_point();
-        let filled = hand.face.context.content_rect().size() * points;
+        hand.ui.context.set_zoom_factor(zoom);
+        hand.run_passes();
+        let points = hand.ui.context.pixels_per_point();
+        let filled = hand.ui.context.content_rect().size() * points;
         assert!((filled - vec2(1250.0, 800.0)).length() < 1.0, "{zoom}: {filled:?}");
         let clicks = hand.state.clicks;
         hand.click(hand.state.button.clone().unwrap().rect.right_bottom() - vec2(9.0, 9.0));
@@ -261,7 +264,7 @@ fn the_board_is_filled_at_every_size_of_text() {
     }
 }
 
-/// Small things to press and to drag.
+/// Small widgets to click and to drag.
 #[derive(Default)]
 struct Things {
     clicks: [usize; 2],
@@ -291,7 +294,7 @@ fn things() -> Hand<Things> {
     })
 }
 
-/// A hand half a metre before the board, which it points at by a ray.
+/// A hand half a metre before the board that points at it with a ray.
 struct Ray {
     mapper: HandMapper,
     board: Board,
@@ -310,9 +313,9 @@ impl Ray {
         }
     }
 
-    /// The hand points at a place on the board, turned by some degrees besides, and pulls.
-    fn look(&mut self, hand: &mut Hand<Things>, at: Pos2, off_deg: f32, trigger: f32) {
-        let size = hand.face.size_points();
+    /// One frame: the hand points at a place on the board, off by some degrees, with this trigger.
+    fn frame(&mut self, hand: &mut Hand<Things>, at: Pos2, off_deg: f32, trigger: f32) {
+        let size = hand.ui.size_points();
         let share = Vec2::new(at.x / size.x - 0.5, 0.5 - at.y / size.y);
         let to = (share * self.board.size_m).extend(-0.5);
         let rotation = Quat::from_rotation_arc(Vec3::NEG_Z, to.normalize());
@@ -322,23 +325,23 @@ impl Ray {
         (main.aim, main.trigger) = (aim, trigger);
         self.state.time_s += 1.0 / 20.0;
         for event in self.mapper.hear(&self.state, Some(&self.board)) {
-            hand.face.hear(&event);
+            hand.ui.handle(&event);
         }
         hand.now_s = self.state.time_s;
         let (state, show) = (&mut hand.state, hand.show);
-        hand.face.pass(hand.now_s, |root| show(root, state)).textures_delta.clear();
+        hand.ui.pass(hand.now_s, |root| show(root, state)).textures_delta.clear();
     }
 
-    /// Pulls the trigger and lets it go in `length_s`, while the hand turns by `drift_deg`.
+    /// Pulls and releases the trigger in `length_s`, while the hand turns by `drift_deg`.
     fn pull(&mut self, hand: &mut Hand<Things>, at: Pos2, drift_deg: f32, length_s: f32) {
-        (0..4).for_each(|_| self.look(hand, at, 0.0, 0.0));
-        let looks = (length_s * 20.0) as u32;
-        for i in 0..=looks {
-            let share = i as f32 / looks as f32;
-            let way = (4.0 * share).min(4.0 - 4.0 * share).min(1.0);
-            self.look(hand, at, drift_deg * share, way);
+        (0..4).for_each(|_| self.frame(hand, at, 0.0, 0.0));
+        let frames = (length_s * 20.0) as u32;
+        for i in 0..=frames {
+            let share = i as f32 / frames as f32;
+            let trigger = (4.0 * share).min(4.0 - 4.0 * share).min(1.0);
+            self.frame(hand, at, drift_deg * share, trigger);
         }
-        (0..4).for_each(|_| self.look(hand, at, drift_deg, 0.0));
+        (0..4).for_each(|_| self.frame(hand, at, drift_deg, 0.0));
     }
 }
 
@@ -354,26 +357,26 @@ fn slow_pulls_that_turn_the_hand_are_clicks() {
             assert_eq!(hand.state.clicks, [clicks, 0], "{length_s} s, {drift_deg} degrees");
         }
     }
-    // Not what is held much longer, nor what ends on another widget or beside all.
+    // Not when it is held much longer, or ends on another widget or beside all widgets.
     ray.pull(&mut hand, button, 0.0, 6.0);
     ray.pull(&mut hand, button, -5.0, 0.5);
     ray.pull(&mut hand, button, 8.0, 0.5);
     assert_eq!(hand.state.clicks, [clicks, 0]);
-    // A pull over the whole of a button is a click, too: it ends where it began.
+    // A pull across the whole button is a click as well: it ends in the widget in which it began.
     let edge = hand.state.places[1].left_center() + vec2(2.0, 0.0);
     ray.pull(&mut hand, edge, -1.9, 1.0);
     assert_eq!(hand.state.clicks, [clicks, 1]);
 }
 
 #[test]
-fn what_can_be_dragged_is_dragged_beyond_a_small_way() {
+fn draggable_widgets_are_dragged_beyond_a_small_distance() {
     let (mut hand, mut ray) = (things(), Ray::new());
     let slider = hand.state.places[2];
     ray.pull(&mut hand, slider.left_center() + vec2(6.0, 0.0), -1.0, 1.0);
     assert!(hand.state.value < 0.05, "{}", hand.state.value);
     ray.pull(&mut hand, slider.left_center() + vec2(6.0, 0.0), -4.0, 1.0);
     assert!((0.4..0.95).contains(&hand.state.value), "{}", hand.state.value);
-    // A number is typed after a click, and dragged by more than that.
+    // A number is typed after a click, and changed by a longer drag.
     let number = hand.state.places[3].center();
     ray.pull(&mut hand, number, -4.0, 1.0);
     assert!(hand.state.number > 10.0 && !hand.has_keyboard(), "{}", hand.state.number);
@@ -396,14 +399,11 @@ fn desk(folder: &std::path::Path) -> Hand<Workspace> {
 fn a_file_is_saved_under_a_name_typed_on_the_board() {
     let folder = tempfile::tempdir().unwrap();
     let mut hand = desk(folder.path());
-    hand.state
-        .ui
-        .dialogs
-        .files
-        .open(FileTask::SaveAs(None), Some(&folder.path().join("first.vsc")));
-    hand.look();
-    assert!(hand.has_keyboard(), "the name wants to be typed");
-    // What was there but for its ending is typed over.
+    let first = folder.path().join("first.vsc");
+    hand.state.ui.dialogs.files.open(FileTask::SaveAs(None), Some(&first));
+    hand.run_passes();
+    assert!(hand.has_keyboard(), "the field of the name has the focus");
+    // The proposed name is selected without its extension, and typed over.
     hand.write("ab_1");
     assert!(hand.state.ui.dialogs.files.is_open());
     hand.key(Cap::Enter);
@@ -416,12 +416,9 @@ fn a_file_is_saved_under_a_name_typed_on_the_board() {
 fn closing_the_keyboard_leaves_the_dialog_open() {
     let folder = tempfile::tempdir().unwrap();
     let mut hand = desk(folder.path());
-    hand.state
-        .ui
-        .dialogs
-        .files
-        .open(FileTask::SaveAs(None), Some(&folder.path().join("first.vsc")));
-    hand.look();
+    let first = folder.path().join("first.vsc");
+    hand.state.ui.dialogs.files.open(FileTask::SaveAs(None), Some(&first));
+    hand.run_passes();
     hand.write("x");
     hand.key(Cap::Close);
     assert!(hand.state.ui.dialogs.files.is_open() && !hand.has_keyboard());
@@ -429,11 +426,11 @@ fn closing_the_keyboard_leaves_the_dialog_open() {
 }
 
 #[test]
-fn the_palette_is_on_the_board_and_hears_its_keys() {
+fn the_palette_on_the_board_takes_text_from_its_keyboard() {
     let folder = tempfile::tempdir().unwrap();
     let mut hand = desk(folder.path());
     hand.state.ui.dialogs.palette.open();
-    hand.look();
+    hand.run_passes();
     hand.write("clear");
     assert_ne!(hand.state.session().document().grid().opaque_count(), 0);
     hand.key(Cap::Enter);

@@ -1,8 +1,8 @@
 //! A swapchain of the headset: images that the runtime shows, with a layer per eye, and the copy of
-//! finished pictures to them.
+//! rendered pictures to them.
 //!
-//! Pictures are rendered to the renderer's own images and copied bit by bit: the runtime's images
-//! have an sRGB format, and the copied values are encoded already.
+//! Pictures are rendered to the renderer's own images and copied without conversion: the runtime's
+//! images have an sRGB format, and the copied values are encoded already.
 
 use ash::vk;
 use ash::vk::Handle as _;
@@ -13,42 +13,42 @@ use super::error::{Doing, HeadsetError, Result};
 use crate::gpu::{ImagePart, Recorder, Use};
 
 /// The colour format of the headset: that of the renderer, but declared as sRGB.
-pub(super) const COLOUR: vk::Format = vk::Format::R8G8B8A8_SRGB;
-pub(super) const DEPTH: vk::Format = vk::Format::D32_SFLOAT;
+const COLOUR: vk::Format = vk::Format::R8G8B8A8_SRGB;
+const DEPTH: vk::Format = vk::Format::D32_SFLOAT;
 
-/// Images of one size and format, used in turns.
-pub(super) struct Chain {
+/// Images of one size and format.
+pub(super) struct Swapchain {
     handle: xr::Swapchain<xr::Vulkan>,
-    images: Images,
+    images: SwapchainImages,
     /// The acquired image that has not been released.
-    held: Option<usize>,
+    acquired: Option<usize>,
 }
 
-/// The images themselves, to record copies to them.
+/// The Vulkan images, to record copies to them.
 #[derive(Clone, Debug)]
-pub(super) struct Images {
+pub(super) struct SwapchainImages {
     images: Vec<vk::Image>,
     pub size: UVec2,
     layers: u32,
     depth: bool,
 }
 
-impl Chain {
-    /// Images of `size` pixels and `layers` for pictures, or with `depth` for their depth. None if
-    /// the runtime has no such format.
+impl Swapchain {
+    /// Creates images of `size` pixels with `layers` array layers, for colour, or with `depth` for
+    /// depth. None if the runtime does not have the format.
     pub fn new(
         session: &xr::Session<xr::Vulkan>,
         size: UVec2,
         layers: u32,
         depth: bool,
-    ) -> Result<Option<Chain>> {
+    ) -> Result<Option<Swapchain>> {
         use xr::SwapchainUsageFlags as Usage;
         let (format, usage) = match depth {
             true => (DEPTH, Usage::DEPTH_STENCIL_ATTACHMENT),
             false => (COLOUR, Usage::COLOR_ATTACHMENT),
         };
         let format = format.as_raw() as xr::sys::platform::VkFormat;
-        let formats = session.enumerate_swapchain_formats().doing("list formats of pictures")?;
+        let formats = session.enumerate_swapchain_formats().doing("list swapchain formats")?;
         if !formats.contains(&format) {
             return Ok(None);
         }
@@ -63,39 +63,39 @@ impl Chain {
             array_size: layers,
             mip_count: 1,
         };
-        let handle = session.create_swapchain(&info).doing("make images for the headset")?;
-        let images = handle.enumerate_images().doing("list the headset's images")?;
+        let handle = session.create_swapchain(&info).doing("create a swapchain")?;
+        let images = handle.enumerate_images().doing("list the images of a swapchain")?;
         let images = images.into_iter().map(vk::Image::from_raw).collect();
-        let images = Images { images, size, layers, depth };
-        Ok(Some(Chain { handle, images, held: None }))
+        let images = SwapchainImages { images, size, layers, depth };
+        Ok(Some(Swapchain { handle, images, acquired: None }))
     }
 
-    pub fn images(&self) -> Images {
+    pub fn images(&self) -> SwapchainImages {
         self.images.clone()
     }
 
-    /// Acquires an image and waits for it, unless there is one that has not been filled.
-    /// [`Chain::release`] follows after the submission that fills it.
+    /// Acquires an image and waits for it, unless the one acquired last was not released.
+    /// [`Swapchain::release`] follows after the submission that writes it.
     pub fn acquire(&mut self) -> Result<usize> {
-        if let Some(index) = self.held {
+        if let Some(index) = self.acquired {
             return Ok(index);
         }
-        let index = self.handle.acquire_image().doing("get an image of the headset")? as usize;
-        self.handle.wait_image(xr::Duration::INFINITE).doing("wait for an image of the headset")?;
-        self.held = Some(index);
+        let index = self.handle.acquire_image().doing("acquire a swapchain image")? as usize;
+        self.handle.wait_image(xr::Duration::INFINITE).doing("wait for a swapchain image")?;
+        self.acquired = Some(index);
         Ok(index)
     }
 
-    /// Releases the image after the submission that fills it.
+    /// Releases the image after the submission that writes it.
     pub fn release(&mut self) -> Result<()> {
-        match self.held.take() {
-            Some(_) => self.handle.release_image().doing("give an image to the headset"),
+        match self.acquired.take() {
+            Some(_) => self.handle.release_image().doing("release a swapchain image"),
             None => Ok(()),
         }
     }
 
     /// A layer of the image released last.
-    pub fn view(&self, layer: u32) -> xr::SwapchainSubImage<'_, xr::Vulkan> {
+    pub fn sub_image(&self, layer: u32) -> xr::SwapchainSubImage<'_, xr::Vulkan> {
         let size = self.images.size;
         let extent = xr::Extent2Di { width: size.x as i32, height: size.y as i32 };
         let rect = xr::Rect2Di { offset: xr::Offset2Di { x: 0, y: 0 }, extent };
@@ -106,10 +106,10 @@ impl Chain {
     }
 }
 
-impl Images {
-    /// Records an image of the chain with `record`, during which it is in the layout of
-    /// [`Use::COPY_TARGET`].
-    pub fn fill(
+impl SwapchainImages {
+    /// Transitions the image `index` to [`Use::COPY_TARGET`], calls `record`, and transitions it
+    /// back to the layout that the runtime expects.
+    pub fn write(
         &self,
         recorder: &mut Recorder,
         index: usize,
@@ -118,28 +118,28 @@ impl Images {
         let image = *self
             .images
             .get(index)
-            .ok_or(HeadsetError::Lost("the runtime names an image that is not there"))?;
+            .ok_or(HeadsetError::Lost("the runtime returned an image index out of range"))?;
         let aspect =
             if self.depth { vk::ImageAspectFlags::DEPTH } else { vk::ImageAspectFlags::COLOR };
         let part = ImagePart { image, aspect, layer: 0, layers: self.layers };
         // The runtime acquires and releases images in the attachment layout.
-        let theirs = match self.depth {
+        let runtime_use = match self.depth {
             true => Use {
                 layout: vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
                 ..Use::DEPTH_TARGET
             },
             false => Use::COLOUR_TARGET,
         };
-        recorder.image_barrier(part, theirs.discarded(), Use::COPY_TARGET);
+        recorder.image_barrier(part, runtime_use.discarded(), Use::COPY_TARGET);
         record(recorder, part);
-        recorder.image_barrier(part, Use::COPY_TARGET, theirs);
+        recorder.image_barrier(part, Use::COPY_TARGET, runtime_use);
         Ok(())
     }
 }
 
 /// Records the copy of all layers of `from`, of the same size and in the layout of
 /// [`Use::COPY_SOURCE`].
-pub(super) fn copy(recorder: &mut Recorder, from: ImagePart, to: ImagePart, size: UVec2) {
+pub(super) fn copy_image(recorder: &mut Recorder, from: ImagePart, to: ImagePart, size: UVec2) {
     let layers = |part: &ImagePart| {
         vk::ImageSubresourceLayers::default()
             .aspect_mask(part.aspect)

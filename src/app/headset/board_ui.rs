@@ -1,7 +1,7 @@
-//! Owns the board's interface without its picture: an egui context of its own, the ray of a hand
-//! as its mouse, and a keyboard over it while a field wants text.
+//! The board's interface without its picture: an egui context of its own, the ray of a hand as its
+//! mouse, and a keyboard over it while a text field has the focus.
 //!
-//! Takes what hands ask for and what is to be shown; gives shapes. Needs no device.
+//! Takes controller events and a function that shows the widgets; gives shapes. Needs no device.
 
 use std::time::Duration;
 
@@ -14,24 +14,23 @@ use glam::{UVec2, Vec2};
 use crate::input::hands::HandEvent;
 use crate::ui::keyboard::Keyboard;
 
-/// The board is drawn anew this often even if nothing calls for it: what the window does shows
-/// there, too.
+/// Longest time between two passes, in seconds: changes made in the window show on the board as well.
 const REFRESH_S: f64 = 0.25;
 
-/// A press that is longer is no click, in seconds.
-const LONGEST_CLICK_S: f64 = 3.0;
-/// A press on what can be dragged, too, is no click if it goes farther than this, in points.
+/// Longest press that is a click, in seconds.
+const MAX_CLICK_S: f64 = 3.0;
+/// Farthest that the pointer may move in a click on a widget that can also be dragged, in points.
 const CLICK_DRIFT: f32 = 6.0;
 
-/// What a press of the pointer is for until it is released.
+/// What receives a press of the pointer until it is released.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Meant {
+enum PressTarget {
     Widgets,
-    Keys,
+    Keyboard,
 }
 
 /// The board's interface.
-pub struct BoardFace {
+pub struct BoardUi {
     context: Context,
     size_px: UVec2,
     pixels_per_point: f32,
@@ -40,34 +39,34 @@ pub struct BoardFace {
     events: Vec<Event>,
     /// Where the ray points, in points.
     pointer: Option<Pos2>,
-    /// The widgets have been told that the pointer is over them.
-    told: bool,
-    meant: Option<Meant>,
-    /// Where the widget is that was pressed, while it is, if it can be clicked only.
+    /// egui has been told that the pointer is over the board.
+    pointer_sent: bool,
+    press_target: Option<PressTarget>,
+    /// The rectangle of the pressed widget until it is released, if the widget cannot be dragged.
     pressed: Option<Rect>,
     keyboard: Keyboard,
-    /// What is drawn over the widgets has changed.
+    /// What is drawn over the widgets (keyboard, pointer) has changed.
     stale: bool,
-    /// When the next pass is due, in seconds of the program.
+    /// When the next pass is due, in seconds since the program's start.
     due_s: f64,
 }
 
-impl BoardFace {
-    pub fn new(size_px: UVec2, pixels_per_point: f32, texture_limit: usize) -> BoardFace {
+impl BoardUi {
+    pub fn new(size_px: UVec2, pixels_per_point: f32, texture_limit: usize) -> BoardUi {
         let context = Context::default();
         context.options_mut(|options| {
-            options.input_options.max_click_duration = LONGEST_CLICK_S;
+            options.input_options.max_click_duration = MAX_CLICK_S;
             options.input_options.max_click_dist = CLICK_DRIFT;
         });
-        BoardFace {
+        BoardUi {
             context,
             size_px,
             pixels_per_point,
             texture_limit,
             events: Vec::new(),
             pointer: None,
-            told: false,
-            meant: None,
+            pointer_sent: false,
+            press_target: None,
             pressed: None,
             keyboard: Keyboard::default(),
             stale: false,
@@ -79,25 +78,29 @@ impl BoardFace {
         &self.context
     }
 
-    /// Hears what the hands do with the board.
-    pub fn hear(&mut self, event: &HandEvent) {
+    /// Handles what a controller event means for the board.
+    pub fn handle(&mut self, event: &HandEvent) {
         let modifiers = Modifiers::NONE;
         match *event {
             HandEvent::Point(at) => {
                 let size = self.size_points();
                 let at = Pos2::new(at.x * size.x, at.y * size.y);
                 if self.pointer.replace(at) != Some(at) {
-                    self.lead();
+                    self.send_pointer();
                     self.stale = true;
                 }
             }
             HandEvent::PointAway => {
                 self.pointer = None;
-                self.lead();
+                self.send_pointer();
             }
             HandEvent::Click(true) => {
-                self.meant = Some(if self.is_on_keys() { Meant::Keys } else { Meant::Widgets });
-                if self.meant == Some(Meant::Keys) {
+                self.press_target = Some(if self.is_on_keyboard() {
+                    PressTarget::Keyboard
+                } else {
+                    PressTarget::Widgets
+                });
+                if self.press_target == Some(PressTarget::Keyboard) {
                     self.keyboard.press(&self.context, &mut self.events);
                     tracing::debug!("key of the board pressed");
                     self.stale = true;
@@ -108,21 +111,21 @@ impl BoardFace {
                 tracing::debug!("board pressed");
             }
             HandEvent::Click(false) => {
-                if self.meant.take() == Some(Meant::Keys) {
+                if self.press_target.take() == Some(PressTarget::Keyboard) {
                     self.keyboard.release();
                     tracing::debug!("key of the board released");
                     self.stale = true;
                 } else {
-                    // Released beside the board: where it was last.
+                    // Released beside the board: at the last position.
                     let last = || self.context.input(|input| input.pointer.latest_pos());
                     if let Some(pos) = self.pointer.or_else(last) {
-                        // It is heard whether this is too far for a click.
+                        // egui decides whether this is too far for a click.
                         self.events.push(Event::PointerMoved(pos));
                         let (button, pressed) = (PointerButton::Primary, false);
                         self.events.push(Event::PointerButton { pos, button, pressed, modifiers });
                     }
                 }
-                self.lead();
+                self.send_pointer();
                 tracing::debug!("board released");
             }
             HandEvent::Scroll(by) => self.events.push(Event::MouseWheel {
@@ -135,56 +138,58 @@ impl BoardFace {
         }
     }
 
-    /// Whether the pointer is meant for the keyboard: a drag over widgets is not, wherever it goes.
-    fn is_on_keys(&self) -> bool {
-        match self.meant {
-            Some(meant) => meant == Meant::Keys,
+    /// Whether the pointer acts on the keyboard: not during a drag that began on a widget, wherever it
+    /// goes.
+    fn is_on_keyboard(&self) -> bool {
+        match self.press_target {
+            Some(target) => target == PressTarget::Keyboard,
             None => self.pointer.is_some_and(|at| self.keyboard.covers(at)),
         }
     }
 
-    /// Tells keyboard and widgets where the pointer is, each only of what is meant for it.
-    fn lead(&mut self) {
-        let on_keys = self.is_on_keys();
-        self.stale |= self.keyboard.point(self.pointer.filter(|_| on_keys));
-        match self.pointer.filter(|_| !on_keys) {
+    /// Sends the pointer's position to the keyboard or to the widgets, whichever it acts on.
+    fn send_pointer(&mut self) {
+        let on_keyboard = self.is_on_keyboard();
+        self.stale |= self.keyboard.point(self.pointer.filter(|_| on_keyboard));
+        match self.pointer.filter(|_| !on_keyboard) {
             Some(at) => {
-                self.told = true;
+                self.pointer_sent = true;
                 self.events.push(Event::PointerMoved(at));
             }
-            None if std::mem::take(&mut self.told) => self.events.push(Event::PointerGone),
+            None if std::mem::take(&mut self.pointer_sent) => self.events.push(Event::PointerGone),
             None => {}
         }
     }
 
-    /// Width and height in points, in which the person's choice of a size of text counts.
+    /// Width and height in points, at the chosen text size.
     fn size_points(&self) -> Vec2 {
         self.size_px.as_vec2() / (self.pixels_per_point * self.context.zoom_factor())
     }
 
-    /// Whether something calls for another pass at `now_s`.
+    /// Whether another pass is due at `now_s`.
     pub fn is_due(&self, now_s: f64) -> bool {
         let due_s = self.keyboard.due_s().map_or(self.due_s, |due_s| due_s.min(self.due_s));
         self.stale || !self.events.is_empty() || now_s >= due_s
     }
 
-    /// What is pressed and released within one widget is a click, wherever it was in between; but
-    /// a widget that can be dragged as well has to tell one from the other by how far it goes.
-    fn judge_clicks(&self) {
+    /// Sets how far the pointer may move in a click. Press and release within one widget are a click,
+    /// wherever the pointer was in between; only on a widget that can also be dragged the distance
+    /// decides.
+    fn set_click_distance(&self) {
         let button = |event: &Event| match event {
             Event::PointerButton { pos, pressed, .. } => Some((*pos, *pressed)),
             _ => None,
         };
-        let farthest = match (self.pressed, self.events.iter().find_map(button)) {
+        let distance = match (self.pressed, self.events.iter().find_map(button)) {
             (Some(_), None | Some((_, true))) => f32::INFINITY,
             (Some(widget), Some((pos, false))) if widget.contains(pos) => f32::INFINITY,
             (Some(_), Some((_, false))) => 0.0,
             (None, _) => CLICK_DRIFT,
         };
-        self.context.options_mut(|options| options.input_options.max_click_dist = farthest);
+        self.context.options_mut(|options| options.input_options.max_click_dist = distance);
     }
 
-    /// Remembers the widget that was pressed in the last pass, until it is released.
+    /// Keeps the widget that was pressed in the last pass until it is released.
     fn note_pressed(&mut self) {
         let pointer = |input: &egui::InputState| {
             (input.pointer.primary_pressed(), input.pointer.primary_down())
@@ -198,10 +203,10 @@ impl BoardFace {
         self.pressed = self.pressed.filter(|_| down);
     }
 
-    /// Runs a pass of what `show` shows.
+    /// Runs a pass of the widgets that `show` adds.
     pub fn pass(&mut self, now_s: f64, mut show: impl FnMut(&mut Ui)) -> FullOutput {
         self.keyboard.hold(now_s, &self.context, &mut self.events);
-        self.judge_clicks();
+        self.set_click_distance();
         let size = self.size_points();
         let mut input = RawInput {
             screen_rect: Some(Rect::from_min_size(Pos2::ZERO, egui::vec2(size.x, size.y))),
@@ -228,18 +233,18 @@ impl BoardFace {
         let field = output.platform_output.ime.as_ref().map(|ime| ime.rect);
         self.stale = self.keyboard.follow(field, self.context.content_rect());
         if self.stale {
-            // It has come or gone under the pointer.
+            // It has appeared or disappeared under the pointer.
             match &field {
                 Some(_) => tracing::debug!("keyboard on the board"),
                 None => tracing::debug!("keyboard gone"),
             }
-            self.lead();
+            self.send_pointer();
         }
         output
     }
 }
 
-/// A ring where the ray meets the board.
+/// A ring where the ray hits the board.
 fn draw_pointer(ctx: &Context, at: Pos2) {
     let painter = ctx.layer_painter(LayerId::new(Order::Debug, Id::new("hand pointer")));
     painter.circle_stroke(at, 7.0, Stroke::new(3.0, Color32::BLACK));
@@ -248,5 +253,5 @@ fn draw_pointer(ctx: &Context, at: Pos2) {
 }
 
 #[cfg(test)]
-#[path = "face_tests.rs"]
+#[path = "board_ui_tests.rs"]
 mod tests;

@@ -1,0 +1,63 @@
+//! The board in the room: whether it is open, where it is, and the ray that points at it.
+//!
+//! Takes controller states and events; its interface and picture are those of [`BoardPane`].
+
+use std::sync::Arc;
+
+use glam::{UVec2, Vec2, Vec3};
+
+use super::board_pane::BoardPane;
+use crate::gpu::{Device, GpuError};
+use crate::input::hands::{Board, HandEvent, HandSide, HandsState};
+use crate::screen::headset::HeadsetOptions;
+use crate::view::Pose;
+
+/// The board on the off hand.
+pub struct BoardPanel {
+    pub pane: BoardPane,
+    open: bool,
+    size_m: Vec2,
+}
+
+impl BoardPanel {
+    /// With a picture of `size_px` pixels.
+    pub fn new(
+        device: &Arc<Device>,
+        size_px: UVec2,
+        settings: &HeadsetOptions,
+    ) -> Result<BoardPanel, GpuError> {
+        let pane = BoardPane::new(device, size_px, settings.board_pixels_per_point())?;
+        Ok(BoardPanel { pane, open: false, size_m: settings.board_size_m() })
+    }
+
+    /// Handles what a controller event means for the board.
+    pub fn handle(&mut self, event: &HandEvent) {
+        if *event == HandEvent::ToggleBoard {
+            self.open = !self.open;
+            tracing::debug!("board {}", if self.open { "open" } else { "closed" });
+        }
+        self.pane.handle(event);
+    }
+
+    /// The board's place in the room, while it is visible: when it is open, or `modal`, since a
+    /// dialog waits for an answer.
+    pub fn quad(&self, hands: Option<&HandsState>, main: HandSide, modal: bool) -> Option<Board> {
+        let hand = hands?.hand(main.other());
+        let grip = hand.grip.filter(|_| self.open || modal)?;
+        // Grip poses are tilted differently on every controller, aim poses are not.
+        let rotation = hand.aim.map_or(grip.rotation, |aim| aim.rotation);
+        let pose = Pose { rotation, ..grip };
+        Some(Board::on_hand(&pose, self.size_m))
+    }
+}
+
+/// From the main hand to where it points at the board.
+pub fn ray_to_board(
+    hands: Option<&HandsState>,
+    main: HandSide,
+    board: Option<&Board>,
+) -> Option<[Vec3; 2]> {
+    let aim = hands?.hand(main).aim?;
+    let hit = board?.hit(&aim)?;
+    Some([aim.position, hit.point])
+}
