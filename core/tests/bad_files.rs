@@ -1,5 +1,5 @@
-//! Damaged and hostile files: each gets the verdict that its kind deserves, in words, without a
-//! panic and without much memory.
+//! Damaged and hostile files: each is accepted or refused as listed, with a readable message, without
+//! a panic and without much memory.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ fn load(path: &Path) -> Result<Loaded, FormatError> {
     format::load(path, &ImportOptions::default(), &Limits::default(), &())
 }
 
-/// Most memory that this process has held so far, where the system says.
+/// Peak memory of this process, where the system reports it.
 fn peak_mib() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
@@ -20,7 +20,7 @@ fn peak_mib() -> Option<u64> {
 }
 
 #[test]
-fn every_bad_file_gets_its_verdict() {
+fn bad_files_are_accepted_or_refused_as_listed() {
     // The memory of the whole process is measured.
     if !trials::alone() {
         return;
@@ -30,15 +30,15 @@ fn every_bad_file_gets_its_verdict() {
     let mut seen = 0;
     for line in std::fs::read_to_string(&manifest).unwrap().lines() {
         let fields: Vec<&str> = line.split('\t').collect();
-        let [name, _, verdict, why] = fields[..] else { panic!("manifest line {line}") };
+        let [name, _, expected, reason] = fields[..] else { panic!("manifest line {line}") };
         if !name.ends_with(".pvm") {
             continue;
         }
         seen += 1;
         let result = load(&folder.join(name));
-        match (verdict, &result) {
-            ("accept", Err(error)) => panic!("{name} ({why}) was refused: {error}"),
-            ("reject", Ok(_)) => panic!("{name} ({why}) was accepted"),
+        match (expected, &result) {
+            ("accept", Err(error)) => panic!("{name} ({reason}) was refused: {error}"),
+            ("reject", Ok(_)) => panic!("{name} ({reason}) was accepted"),
             _ => {}
         }
         if let Err(error) = result {
@@ -49,14 +49,14 @@ fn every_bad_file_gets_its_verdict() {
         }
     }
     assert!(seen >= 55, "only {seen} files");
-    // The largest that is accepted is a volume of 32 MiB; nothing may have taken much more.
+    // The largest accepted one is a volume of 32 MiB; nothing may take much more.
     if let Some(peak) = peak_mib() {
         assert!(peak < 250, "{peak} MiB");
     }
 }
 
 #[test]
-fn the_budget_is_asked_before_unpacking() {
+fn the_memory_budget_is_checked_before_unpacking() {
     let path = shared_file("data/bad/dds_bomb_legal.pvm");
     let limits = Limits { grid_bytes: 1 << 20, ..Limits::default() };
     let error = format::load(&path, &ImportOptions::default(), &limits, &()).unwrap_err();
@@ -66,7 +66,7 @@ fn the_budget_is_asked_before_unpacking() {
     assert!(matches!(error, FormatError::Memory { .. }), "{error}");
 }
 
-/// A small generator with a seed, so that a failure can be had again.
+/// A small random generator with a seed, so that failures are reproducible.
 struct Dice(u64);
 
 impl Dice {
@@ -76,14 +76,14 @@ impl Dice {
     }
 }
 
-/// Changes a file in one of the ways in which files get damaged.
+/// Damages a file in one of several ways.
 fn damage(file: &[u8], dice: &mut Dice) -> Vec<u8> {
     let mut bytes = file.to_vec();
     for _ in 0..1 + dice.below(4) {
         if bytes.is_empty() {
             break;
         }
-        // Headers are short but matter most.
+        // Headers are short, and the most sensitive part.
         let reach = if dice.below(2) == 0 { bytes.len().min(80) } else { bytes.len() };
         let at = dice.below(reach);
         match dice.below(6) {
@@ -102,10 +102,10 @@ fn damage(file: &[u8], dice: &mut Dice) -> Vec<u8> {
 fn damaged_files_never_cause_a_panic() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("damaged.pvm");
-    // Small limits, so that what happens to claim much is refused rather than tried.
+    // Small limits, so that large claims are refused rather than tried.
     let limits = Limits { grid_bytes: 1 << 20, colour_bytes: 8 << 20, ..Limits::default() };
     let mut dice = Dice(20261121);
-    let mut verdicts = [0; 2];
+    let mut outcomes = [0; 2];
     for name in [
         "pvm/Bucky.pvm",
         "derived/syn_pvm1_raw_comments.pvm",
@@ -121,12 +121,12 @@ fn damaged_files_never_cause_a_panic() {
         for _ in 0..400 {
             std::fs::write(&path, damage(&file, &mut dice)).unwrap();
             let result = format::load(&path, &ImportOptions::default(), &limits, &());
-            verdicts[usize::from(result.is_ok())] += 1;
+            outcomes[usize::from(result.is_ok())] += 1;
             if let Err(error) = result {
                 assert!(!error.to_string().chars().any(char::is_control), "{error:?}");
             }
         }
     }
-    // Both outcomes occur, else the damage is too little or too much to test anything.
-    assert!(verdicts.iter().all(|&n| n > 100), "{verdicts:?}");
+    // Both outcomes must be frequent, or the damage is too small or too large to test anything.
+    assert!(outcomes.iter().all(|&n| n > 100), "{outcomes:?}");
 }

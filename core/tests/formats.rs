@@ -1,5 +1,5 @@
-//! Files from outside in: real volumes decode to known bytes and become sensible sculptures, and
-//! what is written reads back.
+//! File formats through the public interface: real volumes decode to known bytes and become sensible
+//! sculptures, and written files read back.
 
 use std::path::{Path, PathBuf};
 
@@ -28,7 +28,7 @@ fn shared_volume(name: &str) -> PathBuf {
 }
 
 #[test]
-fn every_volume_decodes_to_the_bytes_that_the_original_program_gives() {
+fn every_volume_decodes_to_the_bytes_of_the_original_program() {
     let list = shared_volume("expected.json");
     let expected: serde_json::Value =
         serde_json::from_slice(&std::fs::read(list).unwrap()).unwrap();
@@ -113,8 +113,8 @@ fn body(contents: &Contents) -> (f64, f64, f64) {
 
 #[test]
 fn the_automatic_threshold_finds_the_body() {
-    // Not noise: nearly all that exists hangs together, and the air of the scan is empty. The
-    // head rest of the skull scan and the tubes of the other are bodies of their own.
+    // Not noise: nearly all voxels are connected, and the air of the scan is empty. The head rest
+    // of the skull scan and the tubes of the other are separate bodies.
     for (name, share, together) in [
         ("derived/VisMale_128x256x256_u8.pvm", 0.38..0.46, 0.97),
         ("derived/CraniumCT_128x128x108_u16.pvm", 0.30..0.36, 0.88),
@@ -126,7 +126,7 @@ fn the_automatic_threshold_finds_the_body() {
         let contents = load_plainly(&path);
         let (existing, largest, corners) = body(&contents);
         assert!(share.contains(&existing), "{name}: {existing} exists");
-        assert!(largest > together, "{name}: {largest} hangs together");
+        assert!(largest > together, "{name}: {largest} is connected");
         assert!(corners <= 2.0, "{name}: {corners} corners of the grid are not empty");
     }
 }
@@ -191,7 +191,7 @@ fn colour_at(grid: &Grid, material: &Material, v: UVec3) -> Rgb {
 }
 
 #[test]
-fn memory_is_bounded_before_it_is_taken() {
+fn memory_is_checked_before_it_is_allocated() {
     let path = shared_volume("derived/VisMale_128x256x256_u8.pvm");
     let small_grid = Limits { grid_bytes: 1 << 20, ..Limits::default() };
     let error = format::load(&path, &ImportOptions::default(), &small_grid, &()).unwrap_err();
@@ -201,13 +201,13 @@ fn memory_is_bounded_before_it_is_taken() {
     let grey = ImportOptions { colouring: Colouring::Grey, ..ImportOptions::default() };
     let error = format::load(&path, &grey, &few_colours, &()).unwrap_err();
     assert!(matches!(error, FormatError::ColourMemory { budget_mib: 10, .. }), "{error}");
-    // The same limits do for a sculpture of one colour.
+    // The same limits suffice for a sculpture of one colour.
     let plain = ImportOptions { colouring: Colouring::None, ..ImportOptions::default() };
     format::load(&path, &plain, &few_colours, &()).unwrap();
 }
 
 #[test]
-fn densities_have_the_base_colour_unless_another_is_asked_for_and_can_be_painted() {
+fn densities_have_the_base_colour_unless_grey_is_requested() {
     for name in ["derived/VisMale_128x256x256_u8.pvm", "derived/CraniumCT_128x128x108_u16.pvm"] {
         let path = shared_volume(name);
         let Contents { grid, material } = load_plainly(&path);
@@ -220,8 +220,8 @@ fn densities_have_the_base_colour_unless_another_is_asked_for_and_can_be_painted
 }
 
 prop_compose! {
-    /// A sculpture of random boxes; colours of voxels that do not exist are those of the base,
-    /// and pages are only where they are needed, as after loading.
+    /// A sculpture of random boxes, as after loading: voxels that do not exist have the base
+    /// colour, and pages exist only where they are needed.
     fn sculptures()(
         dims in prop::array::uniform3(1u32..30),
         size in prop_oneof![
@@ -254,7 +254,7 @@ prop_compose! {
     }
 }
 
-/// The same sculpture with nothing but what can be seen.
+/// The same sculpture without anything that cannot be seen.
 fn canonical(contents: &Contents) -> Contents {
     let Contents { grid, material } = contents;
     let mut visible = Material::for_grid(grid, material.depth(), material.base());
@@ -307,7 +307,7 @@ proptest! {
     }
 
     #[test]
-    fn densities_are_all_or_nothing_for_other_programs(contents in sculptures()) {
+    fn densities_for_other_programs_are_zero_or_full(contents in sculptures()) {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("sculpture.pvm");
         format::save(&path, &contents, ExportForm::Densities, &()).unwrap();
@@ -407,7 +407,7 @@ fn all_raw_types_are_read() {
 }
 
 #[test]
-fn endings_choose_the_format_or_are_explained() {
+fn file_extensions_choose_the_format_or_are_explained() {
     let grid = Grid::new(UVec3::ONE, Vec3::ONE, ROOM).unwrap();
     let material = Material::for_grid(&grid, ColourDepth::None, Rgb::STONE);
     let contents = Contents { grid, material };
@@ -453,7 +453,7 @@ fn texts_travel_with_the_sculpture() {
 }
 
 #[test]
-fn a_line_that_does_not_fit_is_not_trusted() {
+fn a_parameter_line_that_does_not_match_is_ignored() {
     let path = shared_volume("pvm/Bucky.pvm");
     let foreign = load(&path, &ImportOptions::default()).unwrap();
     // The densities of another program, with a line that claims packed colours of 16 bits.

@@ -1,7 +1,7 @@
 //! The integration tests of the model, in one binary: its harness (`tests/trials` of the program) counts a
 //! test that needs something which the machine lacks as ignored.
 
-// A test that cannot go on has failed.
+// A failed unwrap is a failed test.
 #![allow(clippy::unwrap_used)]
 
 // `#[test]` is that of the harness.

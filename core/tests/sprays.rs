@@ -1,5 +1,5 @@
-//! Spray tools through the door of commands: exact undo, strokes on the surface at their
-//! beginning, and what each tool may and may not do to random sculptures.
+//! Spray commands (the brushes): exact undo, strokes on the surface as it was at their beginning, and
+//! what each tool may and may not change in random sculptures.
 
 use glam::{UVec3, Vec3};
 use proptest::prelude::*;
@@ -59,7 +59,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
     #[test]
-    fn sprays_do_only_what_they_are_for_and_undo_exactly(
+    fn sprays_change_only_what_they_may_and_undo_exactly(
         bites in prop::collection::vec((point(), 3f32..9.0), 1..5),
         sprays in prop::collection::vec((effect(), point(), point(), 0f32..10.0), 1..6),
     ) {
@@ -107,7 +107,7 @@ proptest! {
 }
 
 #[test]
-fn a_stroke_on_its_first_surface_does_not_bite_twice() {
+fn a_stroke_on_its_first_surface_cuts_each_voxel_once() {
     let removed = |surface| {
         let mut document = block(ColourDepth::None);
         let effect = Effect::Devourer { outline: Outline::Round };
@@ -119,7 +119,7 @@ fn a_stroke_on_its_first_surface_does_not_bite_twice() {
         let second = document.apply(&bite()).unwrap().stats.voxels_removed;
         document.apply(&Command::End).unwrap();
         assert_eq!(document.history().undo_count(), 1);
-        // The next stroke begins with the surface as it is then.
+        // The next stroke begins with the present surface.
         document.apply(&Command::Begin { label: "again".to_string() }).unwrap();
         let third = document.apply(&bite()).unwrap().stats.voxels_removed;
         document.apply(&Command::End).unwrap();
@@ -147,7 +147,7 @@ fn unusable_sprays_are_refused_and_change_nothing() {
     assert_eq!(document.contents(), &before);
 }
 
-/// A block that is painted red, and blue from the middle of x on, with pits across the border.
+/// A block painted red in the lower half of x and blue in the upper, with pits across the border.
 fn painted_with_pits(colour_depth: ColourDepth) -> Document {
     let mut document = block(colour_depth);
     let script = "dye colour=#dc141e
@@ -163,7 +163,7 @@ fn painted_with_pits(colour_depth: ColourDepth) -> Document {
 }
 
 #[test]
-fn what_filters_add_takes_the_colours_around_it() {
+fn voxels_that_filters_add_take_the_surrounding_colours() {
     for depth in [ColourDepth::Bits8, ColourDepth::Bits16, ColourDepth::Bits24] {
         for filter in ["smooth around=3", "dilation threshold=7", "growth threshold=9"] {
             let mut document = painted_with_pits(depth);
@@ -186,14 +186,14 @@ fn what_filters_add_takes_the_colours_around_it() {
                 let Some(colour) = after.colour(v).filter(|_| !before.grid.get(v)) else {
                     continue;
                 };
-                // Six voxels from the border the other colour has not come through.
+                // Six voxels from the border there is no trace of the other colour.
                 for (side, far) in [v.x < 14, v.x >= 26].into_iter().enumerate() {
                     if far {
                         assert_eq!(colour, quantised[side], "{filter} {depth:?} {v}");
                     }
                     met[side] += u32::from(colour == quantised[side]);
                 }
-                // Between the two: red and blue in some share, never the stone's green.
+                // In between: a mixture of red and blue, never the green of stone.
                 assert!(colour.0[1] <= 40, "{filter} {depth:?} {v}: {colour}");
             }
             assert!(met.iter().all(|count| *count > 0), "{filter} {depth:?} {met:?}");
@@ -205,7 +205,7 @@ fn what_filters_add_takes_the_colours_around_it() {
 }
 
 #[test]
-fn colours_that_are_taken_over_are_mirrored_and_bounded() {
+fn inherited_colours_are_mirrored_and_bounded() {
     let mut document = block(ColourDepth::Bits24);
     let script = "symmetry x=even
         recolour ellipsoid at=9,30,20 half=7 colour=#ff8000
@@ -222,7 +222,7 @@ fn colours_that_are_taken_over_are_mirrored_and_bounded() {
         let v = contents.grid.voxel_coords(voxel).as_ivec3();
         assert_eq!(contents.colour(v), contents.colour(v.with_x(39 - v.x)), "{v}");
     }
-    // Where the memory for colours is used up nothing is filled, and that is said.
+    // Without memory for colours nothing is filled, and the command is refused.
     let pages = contents.material.page_count() as u64;
     let limits = Limits { colour_bytes: contents.material.bytes_with(0), ..Limits::default() };
     let mut full = Document::from_contents(contents.clone(), limits);

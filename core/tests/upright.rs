@@ -1,5 +1,5 @@
-//! Volumes that lie on their face or back: the option turns them upright as they are read, colours
-//! and voxel sizes included, but not files that say themselves how they stand.
+//! Volumes whose up axis is not y: the import option turns them upright as they are read, colours and
+//! voxel sizes included, but not files that specify their orientation.
 
 use glam::{IVec3, UVec3, Vec3};
 use sculpture_core::format::options::{Existence, ExportForm, ImportOptions};
@@ -24,7 +24,7 @@ fn coloured_raw(folder: &std::path::Path) -> (std::path::PathBuf, ImportOptions)
 }
 
 #[test]
-fn the_axis_that_is_named_points_up_afterwards() {
+fn the_given_axis_points_up_afterwards() {
     let folder = tempfile::tempdir().unwrap();
     let (path, options) = coloured_raw(folder.path());
     let lying = load(&path, &options).unwrap();
@@ -50,7 +50,7 @@ fn the_axis_that_is_named_points_up_afterwards() {
 }
 
 #[test]
-fn files_that_say_how_they_stand_stay_as_they_are() {
+fn files_with_an_orientation_stay_as_they_are() {
     let folder = tempfile::tempdir().unwrap();
     let (path, options) = coloured_raw(folder.path());
     let contents = load(&path, &options).unwrap();
@@ -65,7 +65,7 @@ fn files_that_say_how_they_stand_stay_as_they_are() {
         format::save(&own, &contents, form, &()).unwrap();
         assert_eq!(load(&own, &upright).unwrap().grid, contents.grid, "{name}");
     }
-    // A PVM volume of another program does not say so.
+    // A PVM volume of another program has none.
     let other = folder.path().join("other.pvm");
     let mut bytes = b"PVM2\n9 4 6\n1 2 3\n1\n".to_vec();
     bytes.extend((0..9 * 4 * 6).map(|i| if i / (9 * 4) < 2 { 200 } else { 0 }));
@@ -79,7 +79,7 @@ fn files_that_say_how_they_stand_stay_as_they_are() {
 }
 
 #[test]
-fn it_may_not_take_more_memory_for_colours_than_is_allowed() {
+fn turning_a_volume_respects_the_memory_limit_of_colours() {
     // The middle of three bricks along y is coloured; reversed, its voxels lie in two.
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scan.raw");

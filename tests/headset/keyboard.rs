@@ -1,4 +1,4 @@
-//! A name is typed on the panel's keyboard with a ray and a trigger.
+//! Typing a name on the board's keyboard with a ray and a trigger.
 
 use egui::{Pos2, Rect, vec2};
 use virtual_sculpture::ui::keyboard::{Cap, keys, place};
@@ -10,10 +10,10 @@ use super::{begin, open_board, point_at_board, press_board};
 
 /// The board, in points.
 const BOARD: Rect = Rect { min: Pos2::ZERO, max: Pos2::new(1000.0, 640.0) };
-/// The button in the bar, as a share of the board.
+/// The button in the bar, in fractions of the board.
 const SAVE_AS: [f32; 2] = [151.0 / 1000.0, 17.0 / 640.0];
 
-/// Where a key lies, as a share of the board, while the field is in its lower part.
+/// Where a key is, in fractions of the board, while the field is in its lower part.
 fn key(cap: Cap) -> [f32; 2] {
     let field = Rect::from_min_size(Pos2::new(300.0, 500.0), vec2(300.0, 20.0));
     let (_, rect) = keys(place(field, BOARD)).find(|(other, _)| *other == cap).unwrap();
@@ -21,7 +21,7 @@ fn key(cap: Cap) -> [f32; 2] {
     [at.x / BOARD.width(), at.y / BOARD.height()]
 }
 
-/// Presses a key, `before` of them having been pressed, however long that takes to arrive.
+/// Presses a key, after `before` others, and waits until press and release are handled.
 fn press_key(remote: &mut Remote, program: &Program, cap: Cap, before: usize) {
     point_at_board(remote, program, key(cap));
     remote.trigger(Side::Right, true);
@@ -37,12 +37,12 @@ fn a_file_is_saved_under_a_name_typed_with_a_ray() {
     }
     let (_runtime, mut remote, program) = begin();
     open_board(&mut remote, &program);
-    assert!(!program.log().contains("keyboard on the board"), "nobody wants text");
+    assert!(!program.log().contains("keyboard on the board"), "no field has the focus");
     press_board(&mut remote, &program, SAVE_AS);
-    // Its field for the name has the focus, and the name proposed is selected.
+    // The field of the name has the focus, and the proposed name is selected.
     program.wait_for_log("keyboard on the board", 1);
     let letter = |small: char| Cap::Char(small, small.to_ascii_uppercase());
-    // Held long, Backspace goes on; in front of all there is nothing more to take.
+    // A held Backspace repeats; at the start of the text there is nothing left to delete.
     let typed = [
         Cap::Backspace,
         letter('a'),

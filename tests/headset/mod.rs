@@ -1,20 +1,20 @@
-//! The program in a headset: a real OpenXR runtime (Monado) with a headset and hands that follow a
-//! script. Runs where the shared folder `openxr` is; elsewhere its tests are skipped, or fail with
+//! The program in a headset: a real OpenXR runtime (Monado) with a scripted headset and controllers.
+//! Needs the shared folder `openxr`; without it the tests are skipped, or fail with
 //! VS_REQUIRE_SHARED.
 //!
-//! Each test runs itself again in a network of its own, since the runtime listens on a fixed port.
-//! What the eyes see comes as pictures that the program writes (`--headset-shots`), what the hands
-//! do as a journal (`--record`). Everything is waited for by condition, not by time.
+//! Each test runs itself again in a network namespace of its own, since the runtime listens on a
+//! fixed port. The program writes what the eyes see as screenshots (`--headset-shots`) and the
+//! commands as a journal (`--record`). The tests wait for conditions, never for a time.
 
 mod blending;
 mod failures;
 mod keyboard;
+mod main_loop;
 mod program;
 mod remote;
 mod runtime;
-mod shot;
+mod screenshot;
 mod tracker;
-mod wearer;
 
 use std::time::Duration;
 
@@ -23,13 +23,13 @@ use glam::{Quat, Vec3};
 use program::Program;
 use remote::{Remote, Side};
 use runtime::{Runtime, alone_in_network};
-use shot::Predicted;
+use screenshot::Predicted;
 
-/// Edge of the cube of stone in voxels; it is half a metre in the room.
+/// Edge of the cube in voxels; it is half a metre in the room.
 pub const DIMS: u32 = 64;
 const EDGE_M: f32 = 0.5;
 
-/// The runtime, the head at rest, and the program in it.
+/// The runtime with the head at rest, and the program in it.
 pub fn begin() -> (Runtime, Remote, Program) {
     begin_with("")
 }
@@ -44,12 +44,12 @@ pub fn begin_with(settings: &str) -> (Runtime, Remote, Program) {
     (runtime, remote, program)
 }
 
-/// Where the middle of the sculpture stands: before the head as it was at the beginning.
+/// The centre of the sculpture: before the head as it was at the start.
 fn middle() -> Vec3 {
     remote::HEAD + Vec3::new(0.0, -0.3, -0.7)
 }
 
-/// The hand with the board, upright.
+/// Position of the hand with the board; it is upright.
 const BOARD_HAND: Vec3 = Vec3::new(0.0, 1.2, -0.5);
 
 /// Opens the board on the left hand; the right one is away.
@@ -57,30 +57,35 @@ pub fn open_board(remote: &mut Remote, program: &Program) {
     remote.place(Side::Left, BOARD_HAND, Quat::IDENTITY);
     remote.place(Side::Right, remote::AWAY, Quat::IDENTITY);
     program.frames(3);
-    // On a machine that is busy a press may last too long, and mean something else then.
+    tap_menu_until(remote, program, "board open");
+}
+
+/// Taps the menu button until the log contains `what`. On a busy machine a tap may last too long, and is
+/// then another gesture.
+fn tap_menu_until(remote: &mut Remote, program: &Program, what: &str) {
     for _ in 0..20 {
         remote.menu(Side::Left, true);
         program.frames(2);
         remote.menu(Side::Left, false);
         program.frames(3);
-        if program.log().contains("board open") {
+        if program.log().contains(what) {
             return;
         }
     }
-    panic!("no board: {}", program.log());
+    panic!("never {what:?}: {}", program.log());
 }
 
-/// Points the right hand at a share of the board, from its upper left corner, and clicks there.
+/// Points the right hand at a point of the board, in fractions from its upper left corner, and clicks.
 pub fn press_board(remote: &mut Remote, program: &Program, share: [f32; 2]) {
     point_at_board(remote, program, share);
     pull(remote, program, |_| {});
 }
 
-/// Pulls the trigger over the board, does something meanwhile, and lets it go. It lasts no longer
-/// than it takes to be heard.
+/// Pulls the trigger over the board, calls `meanwhile`, and releases it. Each step waits only until
+/// the program has handled the one before.
 pub fn pull(remote: &mut Remote, program: &Program, meanwhile: impl FnOnce(&mut Remote)) {
-    let heard = |what: &str| program.log().matches(what).count() + 1;
-    let (pressed, released) = (heard("board pressed"), heard("board released"));
+    let count = |what: &str| program.log().matches(what).count() + 1;
+    let (pressed, released) = (count("board pressed"), count("board released"));
     remote.trigger(Side::Right, true);
     program.wait_for_log("board pressed", pressed);
     meanwhile(remote);
@@ -89,7 +94,7 @@ pub fn pull(remote: &mut Remote, program: &Program, meanwhile: impl FnOnce(&mut 
     program.frames(3);
 }
 
-/// Points the right hand at a share of the board.
+/// Points the right hand at a point of the board, in fractions of its size.
 pub fn point_at_board(remote: &mut Remote, program: &Program, share: [f32; 2]) {
     let from = Vec3::new(0.0, 1.4, 0.0);
     let at = program.board_point(share, BOARD_HAND);
@@ -115,15 +120,15 @@ fn the_picture_moves_as_the_head_does() {
     ] {
         remote.head = (position, rotation);
         remote.send();
-        let shot = program.shot_of_head(position, rotation);
+        let screenshot = program.screenshot_of_head(position, rotation);
         for eye in 0..2 {
-            shot.assert_shows(&cube, eye);
+            screenshot.assert_shows(&cube, eye);
         }
     }
     program.stop();
 }
 
-/// All that takes long was done on the thread that connects, for no window is to wait for it.
+/// Everything slow was done on the thread that connects, so that no window waits for it.
 #[test]
 fn the_first_pictures_in_a_headset_create_no_pipelines() {
     if !alone_in_network() {
@@ -140,12 +145,12 @@ fn the_first_pictures_in_a_headset_create_no_pipelines() {
 }
 
 #[test]
-fn the_trigger_takes_voxels_away_and_the_hand_feels_it() {
+fn the_trigger_removes_voxels_and_the_controller_vibrates() {
     if !alone_in_network() {
         return;
     }
     let (_runtime, mut remote, program) = begin();
-    // The tool is 0.08 m before the hand; here it is in the middle of the front.
+    // The tool is 0.08 m before the hand: at the centre of the front face.
     let front = middle() + Vec3::Z * (0.5 * EDGE_M);
     remote.place(Side::Right, front + Vec3::Z * 0.08, Quat::IDENTITY);
     remote.trigger(Side::Right, true);
@@ -167,14 +172,14 @@ fn the_trigger_takes_voxels_away_and_the_hand_feels_it() {
     assert!(last.distance(end) < 2.0 && last.x <= end.x + 0.1, "{last} {end}");
     assert!(
         program.log().contains("Right hand vibrates"),
-        "the runtime was asked to shake the hand"
+        "the runtime was asked to vibrate the controller"
     );
 
     // The same commands without a headset: half a ball of radius 3.84 vx and half a rod of 12.8 vx.
-    let gone = program.voxels_gone();
-    assert!((380..450).contains(&gone), "{gone} voxels are gone, about 415 should be");
+    let removed = program.removed_voxels();
+    assert!((380..450).contains(&removed), "{removed} voxels are removed, about 415 expected");
 
-    // The stick of the other hand takes it back.
+    // The stick of the other hand undoes it.
     remote.stick(Side::Left, [-1.0, 0.0]);
     program.wait_for_command("undo", 1);
     remote.stick(Side::Left, [0.0, 0.0]);
@@ -193,7 +198,7 @@ fn grips_carry_turn_and_scale() {
     program.frames(3);
     remote.squeeze(Side::Left, true);
     program.frames(3);
-    // The hand turns where it is, and goes to the right and back: so does the sculpture about it.
+    // The hand rotates and moves right and forward, and the sculpture with it.
     let (to, turn) = (left + Vec3::new(0.1, 0.05, -0.1), Quat::from_rotation_y(0.4));
     for i in 1..=10 {
         let share = i as f32 / 10.0;
@@ -205,10 +210,10 @@ fn grips_carry_turn_and_scale() {
     program.frames(3);
     let carried = Predicted { centre: to + turn * (middle() - left), edge: EDGE_M, rotation: turn };
     remote.place(Side::Left, remote::AWAY, Quat::IDENTITY);
-    let shot = program.fresh_shot();
-    (0..2).for_each(|eye| shot.assert_shows(&carried, eye));
+    let screenshot = program.new_screenshot();
+    (0..2).for_each(|eye| screenshot.assert_shows(&carried, eye));
 
-    // Two hands, 0.4 m apart, go to 0.2 m: half as large, the middle between them stays.
+    // Two hands move from 0.4 m to 0.2 m apart: half the size about the point between them.
     let between = Vec3::new(0.0, 1.2, -0.5);
     let apart = |half: f32| [between - Vec3::X * half, between + Vec3::X * half];
     let hands = |remote: &mut Remote, at: [Vec3; 2]| {
@@ -234,8 +239,8 @@ fn grips_carry_turn_and_scale() {
         edge: EDGE_M * 0.5,
         rotation: turn,
     };
-    let shot = program.fresh_shot();
-    (0..2).for_each(|eye| shot.assert_shows(&small, eye));
+    let screenshot = program.new_screenshot();
+    (0..2).for_each(|eye| screenshot.assert_shows(&small, eye));
     program.stop();
 }
 
@@ -249,16 +254,11 @@ fn the_board_opens_on_the_off_hand_and_is_pressed_by_a_ray() {
     let board = program.board();
     assert!(board.pixels().filter(|p| p.0[3] == 255).count() > 500_000, "it is drawn");
 
-    // A sweep of the ray over the toolbox, clicking: another tool is taken, and used on the board
-    // nothing is cut.
-    // The tool "Cuboid": the second of the first row.
+    // A click on the tool "Cuboid", the second of the first row, selects it and cuts nothing.
     press_board(&mut remote, &program, [118.0 / 1250.0, 105.0 / 800.0]);
     assert!(program.places_of("subtract").is_empty(), "{}", program.journal());
-    remote.menu(Side::Left, true);
-    program.frames(3);
-    remote.menu(Side::Left, false);
-    program.wait_for_log("board closed", 1);
-    // With the board closed the trigger cuts: with what was taken.
+    tap_menu_until(&mut remote, &program, "board closed");
+    // With the board closed the trigger cuts, with the selected tool.
     remote.place(Side::Right, middle() + Vec3::Z * (0.5 * EDGE_M + 0.08), Quat::IDENTITY);
     program.frames(3);
     remote.trigger(Side::Right, true);
@@ -297,7 +297,7 @@ fn a_pull_that_lasts_a_second_and_turns_the_hand_is_a_click() {
 }
 
 #[test]
-fn a_button_takes_the_colour_that_the_tool_touches() {
+fn a_button_picks_the_colour_that_the_tool_touches() {
     if !alone_in_network() {
         return;
     }
@@ -311,7 +311,7 @@ fn a_button_takes_the_colour_that_the_tool_touches() {
 }
 
 #[test]
-fn a_runtime_that_goes_and_comes_back_costs_nothing() {
+fn a_runtime_that_ends_and_restarts_loses_no_work() {
     if !alone_in_network() {
         return;
     }
@@ -330,14 +330,14 @@ fn a_runtime_that_goes_and_comes_back_costs_nothing() {
     remote.send();
     program.wait_for_log("Headset connected", 2);
     program.wait_for_log("FOCUSED", 2);
-    // What was cut is still cut, and undo knows it.
+    // The cut is still there, and can be undone.
     remote.stick(Side::Left, [-1.0, 0.0]);
     program.wait_for_command("undo", 1);
     program.stop();
 }
 
 #[test]
-fn a_runtime_that_stops_and_goes_on_costs_a_stroke_at_most() {
+fn a_runtime_that_hangs_and_continues_ends_only_the_stroke() {
     if !alone_in_network() {
         return;
     }
@@ -348,7 +348,7 @@ fn a_runtime_that_stops_and_goes_on_costs_a_stroke_at_most() {
         remote.trigger(Side::Right, true);
         program.wait_for_command("subtract", round);
         runtime.set_stopped(true);
-        // The main loop goes on, and ends what the hand has begun.
+        // The main loop goes on, and ends the stroke.
         program.wait_for_log("does not respond", round);
         program.wait_for_command("end", round);
         remote.trigger(Side::Right, false);
@@ -361,12 +361,12 @@ fn a_runtime_that_stops_and_goes_on_costs_a_stroke_at_most() {
 }
 
 #[test]
-fn a_headset_that_is_taken_off_and_put_on_is_never_lost() {
+fn taking_the_headset_off_and_on_keeps_the_connection() {
     if !alone_in_network() {
         return;
     }
     let mut runtime = Runtime::start();
-    runtime.pretend("opaque");
+    runtime.report_blend_modes("opaque");
     let mut remote = Remote::connect();
     remote.send();
     let program = Program::start(&runtime, DIMS, "");
@@ -392,18 +392,18 @@ fn without_a_runtime_the_program_says_what_to_do() {
     let program = Program::start(&runtime, DIMS, "");
     program.wait_for_log("no headset: ", 1);
     assert!(program.log().contains("start SteamVR, Monado"), "{}", program.log());
-    // It comes later.
+    // The runtime is started later.
     runtime.restart();
     program.wait_for_log("Headset connected", 1);
     program.stop();
 }
 
-/// How long the soak lasts, in seconds; VS_HEADSET_SOAK_S says otherwise.
+/// Duration of the soak test in seconds, unless VS_HEADSET_SOAK_S is set.
 const SOAK_S: u64 = 15;
 
-/// Says what it has measured, also where it passes (`--nocapture`).
+/// Prints what it has measured with `--nocapture`.
 #[test]
-fn a_soak_leaves_the_memory_as_it_was() {
+fn a_soak_test_leaks_no_memory_and_no_descriptors() {
     if !alone_in_network() {
         return;
     }
@@ -413,7 +413,7 @@ fn a_soak_leaves_the_memory_as_it_was() {
     let mut work = |seconds: u64| {
         let start = std::time::Instant::now();
         let mut round = 0;
-        // As much work on a slow machine as on a fast one.
+        // At least as much work on a slow machine.
         while start.elapsed() < Duration::from_secs(seconds) || round < 25 * seconds {
             let angle = round as f32 * 0.1;
             let sway = Vec3::new(0.2 * angle.sin(), 0.0, 0.1 * angle.cos());
@@ -425,15 +425,15 @@ fn a_soak_leaves_the_memory_as_it_was() {
             program.frames(2);
         }
     };
-    // Until everything has been made that is made once.
+    // Until everything that is created once exists.
     work(8);
     let before = (program.memory_kib(), program.descriptors());
     work(length_s);
     let after = (program.memory_kib(), program.descriptors());
     trials::note!("{length_s} s: {before:?} KiB and descriptors before, {after:?} after");
-    // The history may keep a stroke or two more.
+    // The history may hold a stroke or two more.
     assert!(after.0 < before.0 + 4096, "{before:?} KiB before, {after:?} KiB after");
-    // A picture may just be being written.
+    // A screenshot may be being written.
     assert!(after.1 <= before.1 + 2, "{before:?} descriptors before, {after:?} after");
     program.stop();
 }

@@ -15,22 +15,22 @@ use virtual_sculpture::view::Pose;
 
 use super::remote::EYES;
 use super::runtime::Runtime;
-use super::shot::Shot;
+use super::screenshot::Screenshot;
 
-/// Longer than anything takes, even on a slow machine.
+/// Longest wait for anything, even on a slow machine.
 pub const PATIENCE: Duration = Duration::from_secs(120);
 const PROGRAM: &str = env!("CARGO_BIN_EXE_virtual-sculpture");
 
 pub struct Program {
     child: Child,
     log: Arc<Mutex<String>>,
-    /// Frames that the log has told of.
+    /// Number of frames according to the log.
     shown: Arc<AtomicUsize>,
     folder: tempfile::TempDir,
 }
 
 impl Program {
-    /// Starts with a cube of stone of `dims` voxels. `settings`: tables of the settings besides.
+    /// Starts with a solid cube of `dims` voxels. `settings`: further tables of the settings.
     pub fn start(runtime: &Runtime, dims: u32, settings: &str) -> Program {
         let folder = tempfile::tempdir().unwrap();
         let config = folder.path().join("config.toml");
@@ -54,10 +54,10 @@ impl Program {
             .unwrap();
         let log = Arc::new(Mutex::new(String::new()));
         let shown = Arc::new(AtomicUsize::new(0));
-        let (stderr, heard, count) = (child.stderr.take().unwrap(), log.clone(), shown.clone());
+        let (stderr, lines, count) = (child.stderr.take().unwrap(), log.clone(), shown.clone());
         std::thread::spawn(move || {
             for line in BufReader::new(stderr).lines().map_while(Result::ok) {
-                let mut log = heard.lock().unwrap();
+                let mut log = lines.lock().unwrap();
                 log.push_str(&line);
                 log.push('\n');
                 if line.contains("frame shown") {
@@ -72,11 +72,11 @@ impl Program {
         self.log.lock().unwrap().clone()
     }
 
-    /// Waits until `look` finds something.
-    pub fn wait<T>(&self, what: &str, mut look: impl FnMut() -> Option<T>) -> T {
+    /// Waits until `find` returns something.
+    pub fn wait<T>(&self, what: &str, mut find: impl FnMut() -> Option<T>) -> T {
         let start = Instant::now();
         loop {
-            if let Some(found) = look() {
+            if let Some(found) = find() {
                 return found;
             }
             let alive = Path::new(&format!("/proc/{}/exe", self.child.id())).exists();
@@ -85,18 +85,18 @@ impl Program {
                 let log = self.log();
                 let tail: Vec<&str> = log.lines().rev().take(40).collect();
                 let journal = self.journal();
-                panic!("{what} does not come (alive: {alive}): {tail:#?}\n{journal}");
+                panic!("waited in vain for {what} (alive: {alive}): {tail:#?}\n{journal}");
             }
             std::thread::sleep(Duration::from_millis(20));
         }
     }
 
-    /// Waits until the log has said something this often.
+    /// Waits until the log contains `what` at least so many times.
     pub fn wait_for_log(&self, what: &str, times: usize) {
         self.wait(what, || (self.log().matches(what).count() >= times).then_some(()));
     }
 
-    /// Waits for so many frames from now on.
+    /// Waits for so many further frames.
     pub fn frames(&self, count: usize) {
         let shown = || self.shown.load(Ordering::Relaxed);
         let until = shown() + count;
@@ -107,13 +107,13 @@ impl Program {
         std::fs::read_to_string(self.folder.path().join("journal.sculpt")).unwrap_or_default()
     }
 
-    /// Waits until so many commands that begin with `text` have been carried out.
+    /// Waits until so many commands that begin with `text` have been executed.
     pub fn wait_for_command(&self, text: &str, times: usize) {
         let count = || self.journal().lines().filter(|line| line.starts_with(text)).count();
         self.wait(text, || (count() >= times).then_some(()));
     }
 
-    /// Where the commands that begin with `text` have been carried out.
+    /// The positions of the executed commands that begin with `text`.
     pub fn places_of(&self, text: &str) -> Vec<Vec3> {
         let at = |line: &str| {
             let at = line.split_whitespace().find_map(|word| word.strip_prefix("at="))?;
@@ -123,8 +123,8 @@ impl Program {
         self.journal().lines().filter(|line| line.starts_with(text)).filter_map(at).collect()
     }
 
-    /// Voxels that are gone when the journal is carried out without a headset.
-    pub fn voxels_gone(&self) -> u64 {
+    /// The number of voxels that the journal removes when it is replayed without a headset.
+    pub fn removed_voxels(&self) -> u64 {
         let folder = self.folder.path();
         let journal = self.journal();
         let dims = "new dims=64,64,64";
@@ -143,16 +143,16 @@ impl Program {
         64 * 64 * 64 - session.document().grid().opaque_count()
     }
 
-    /// A shot taken from now on.
-    pub fn fresh_shot(&self) -> Shot {
-        self.fresh_views();
-        self.fresh_views();
-        self.shot((super::remote::HEAD, Quat::IDENTITY))
+    /// A screenshot taken from now on.
+    pub fn new_screenshot(&self) -> Screenshot {
+        self.wait_for_views();
+        self.wait_for_views();
+        self.screenshot((super::remote::HEAD, Quat::IDENTITY))
     }
 
-    /// A shot of this head.
-    pub fn shot_of_head(&self, position: Vec3, rotation: Quat) -> Shot {
-        self.wait("a shot of the head", || {
+    /// A screenshot with this head pose.
+    pub fn screenshot_of_head(&self, position: Vec3, rotation: Quat) -> Screenshot {
+        self.wait("a screenshot with the head pose", || {
             let views = self.views()?;
             let eye = views.get("eye")?.as_array()?.first()?.get("position")?.as_array()?;
             let eye: Vec<f32> = eye.iter().filter_map(|x| x.as_float()).map(|x| x as f32).collect();
@@ -160,13 +160,13 @@ impl Program {
             Vec3::from_slice(&eye).abs_diff_eq(expected, 1e-3).then_some(())
         });
         // The pictures belong to these views, or to later ones.
-        self.fresh_views();
-        self.shot((position, rotation))
+        self.wait_for_views();
+        self.screenshot((position, rotation))
     }
 
-    fn shot(&self, head: (Vec3, Quat)) -> Shot {
+    fn screenshot(&self, head: (Vec3, Quat)) -> Screenshot {
         let folder = self.folder.path().join("shots");
-        self.wait("a shot", || Shot::read(&folder, head))
+        self.wait("a screenshot", || Screenshot::read(&folder, head))
     }
 
     fn views(&self) -> Option<toml::Table> {
@@ -174,21 +174,21 @@ impl Program {
         std::fs::read_to_string(path).ok()?.parse().ok()
     }
 
-    /// Waits for the next shot.
-    fn fresh_views(&self) {
+    /// Waits for the next screenshot.
+    fn wait_for_views(&self) {
         let number = || self.views()?.get("number")?.as_integer();
         let before = number();
-        self.wait("another shot", || number().filter(|now| Some(*now) != before));
+        self.wait("another screenshot", || number().filter(|now| Some(*now) != before));
     }
 
-    /// The picture of the board, once it is there.
+    /// The picture of the board, once it exists.
     pub fn board(&self) -> RgbaImage {
         let path: PathBuf = self.folder.path().join("shots").join("board.png");
         self.wait("the board", || Some(image::open(&path).ok()?.into_rgba8()))
     }
 
-    /// The point of the room where a share of the board is, from its upper left corner, with the
-    /// board on an upright hand.
+    /// The point of the room at a point of the board, in fractions from its upper left corner, with
+    /// the board on an upright hand.
     pub fn board_point(&self, share: [f32; 2], hand: Vec3) -> Vec3 {
         let grip = Pose { position: hand, rotation: Quat::IDENTITY };
         let board = Board::on_hand(&grip, HeadsetOptions::default().board_size_m());
@@ -214,7 +214,7 @@ impl Program {
         std::fs::read_dir(format!("/proc/{}/fd", self.child.id())).unwrap().count()
     }
 
-    /// Ends it and asserts that it logged no complaint.
+    /// Ends it and asserts that it logged no panic and no error.
     pub fn stop(mut self) {
         assert!(self.child.try_wait().unwrap().is_none(), "{}", self.log());
         let log = self.log();

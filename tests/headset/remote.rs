@@ -9,14 +9,14 @@ use glam::{Quat, Vec3};
 
 use super::program::PATIENCE;
 
-/// Where the head is at first.
+/// Initial position of the head.
 pub const HEAD: Vec3 = Vec3::new(0.0, 1.6, 0.0);
-/// Behind the back.
+/// Behind the person, out of view.
 pub const AWAY: Vec3 = Vec3::new(0.0, 1.0, 2.0);
-/// Tangents of half the angles of both eyes: left, right, up, down; not symmetric, so that a
-/// mistaken sign shows.
+/// Half angles of view of both eyes in radians: left, right, up, down; not symmetric, so that a wrong
+/// sign is noticed.
 pub const ANGLES: [[f32; 4]; 2] = [[-0.8, 0.7, 0.75, -0.85], [-0.7, 0.8, 0.75, -0.85]];
-/// Of each eye from the middle of the head, in metres.
+/// Position of each eye relative to the head's centre, in metres.
 pub const EYES: [Vec3; 2] = [Vec3::new(-0.04, 0.0, 0.0), Vec3::new(0.04, 0.0, 0.0)];
 const SIZE: usize = 376;
 
@@ -44,7 +44,7 @@ pub struct Remote {
 }
 
 impl Remote {
-    /// Connects to the driver, once it is there.
+    /// Connects to the driver, once it listens.
     pub fn connect() -> Remote {
         let start = Instant::now();
         let mut stream = loop {
@@ -57,7 +57,7 @@ impl Remote {
             }
         };
         stream.set_nodelay(true).unwrap();
-        // It greets with two packets.
+        // The driver first sends two packets.
         let mut greeting = [0; 2 * SIZE];
         stream.read_exact(&mut greeting).unwrap();
         let hand = |x| Hand {
@@ -114,7 +114,7 @@ impl Remote {
         self.send();
     }
 
-    /// Puts both hands where no eye sees them.
+    /// Moves both hands out of view.
     pub fn hands_away(&mut self) {
         self.place(Side::Left, AWAY, Quat::IDENTITY);
         self.place(Side::Right, AWAY, Quat::IDENTITY);
@@ -135,13 +135,13 @@ impl Remote {
         self.send();
     }
 
-    /// The button that takes a colour, on this controller A.
+    /// The button that picks a colour: A on this controller.
     pub fn pick(&mut self, side: Side, down: bool) {
         self.hand(side).pick = down;
         self.send();
     }
 
-    /// The button that opens the board, on this controller B.
+    /// The button that opens the board: B on this controller.
     pub fn menu(&mut self, side: Side, down: bool) {
         self.hand(side).menu = down;
         self.send();

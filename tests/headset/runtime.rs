@@ -17,7 +17,7 @@ const LAYER: &str = "XR_APILAYER_TEST_blend";
 /// Unpacks the runtime.
 const SCRIPT: &str = "openxr/monado-prefix.sh";
 const CLIENT: &str = "VS_HEADSET_TEST_CLIENT";
-/// The number of the runtime's process, for clients.
+/// The process id of the runtime, for clients.
 const SERVICE: &str = "VS_HEADSET_TEST_SERVICE";
 
 /// Whether this process runs with the runtime's libraries and may use it itself
@@ -26,7 +26,7 @@ pub fn is_client() -> bool {
     std::env::var_os(CLIENT).is_some()
 }
 
-/// Stops the runtime that a client uses, or lets it go on.
+/// Suspends the runtime that a client uses, or resumes it.
 pub fn stop_service(stopped: bool) {
     set_stopped(&std::env::var(SERVICE).unwrap(), stopped);
 }
@@ -37,8 +37,8 @@ fn set_stopped(process: &str, stopped: bool) {
     assert!(done.success(), "kill {signal} {process}: {done}");
 }
 
-/// Runs the test that calls it in a process and a network of its own; true in there, where the test goes
-/// on. False outside, when it is over.
+/// Runs the calling test in a process and a network namespace of its own; true in there, where the test
+/// continues. False outside, when it has finished.
 pub fn alone_in_network() -> bool {
     if std::env::var_os(INSIDE).is_some() {
         return true;
@@ -64,12 +64,12 @@ fn target() -> PathBuf {
 fn prefix() -> PathBuf {
     let script = shared_file(SCRIPT);
     let prefix = target().join("openxr-runtime");
-    // Tests run at the same time: one unpacks, the others wait.
+    // Tests run in parallel: one unpacks, the others wait.
     let lock = std::fs::File::create(target().join("openxr-runtime.lock")).unwrap();
     lock.lock().unwrap();
     let ready = prefix.join("ready");
     if !ready.exists() {
-        // Packages come over the network, which may fail now and then.
+        // Packages are downloaded, which may fail now and then.
         let unpack = || Command::new("bash").arg(&script).arg(&prefix).output().unwrap();
         let mut out = unpack();
         for pause_s in [5, 30] {
@@ -78,9 +78,9 @@ fn prefix() -> PathBuf {
                 out = unpack();
             }
         }
-        let said = String::from_utf8_lossy(&out.stderr);
-        assert!(out.status.success(), "the runtime cannot be unpacked: {said}");
-        // The same with the validation layers of this machine, where there are any.
+        let stderr = String::from_utf8_lossy(&out.stderr);
+        assert!(out.status.success(), "the runtime cannot be unpacked: {stderr}");
+        // A second wrapper with the validation layers of this machine, if it has any.
         let plain = std::fs::read_to_string(prefix.join("xr")).unwrap();
         let layers = "VK_LAYER_PATH=/usr/share/vulkan/explicit_layer.d";
         let validated = plain.replace("VK_LAYER_PATH=/nonexistent", layers);
@@ -93,27 +93,27 @@ fn prefix() -> PathBuf {
     prefix
 }
 
-/// A runtime with a headset that follows a script.
+/// A runtime with a scripted headset.
 pub struct Runtime {
     service: Option<Child>,
     prefix: PathBuf,
     /// Holds its socket.
     folder: tempfile::TempDir,
     driver: Driver,
-    /// The blend modes that a layer between programs and runtime says there are.
+    /// The blend modes that the layer between programs and runtime reports.
     layered: Option<String>,
-    /// How long that layer holds up each call by which a program connects.
+    /// How long that layer delays each call of connecting.
     pub slow: Option<Duration>,
-    /// What Vulkan does wrong in programs ([`Faults::set`]).
+    /// Faults of Vulkan in programs ([`Faults::set`]).
     pub faults: Option<String>,
 }
 
-/// Which headset the runtime has.
+/// The driver of the runtime's headset.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Driver {
-    /// Where the test puts it.
+    /// The test sets the poses.
     Remote,
-    /// On a way of its own, which the runtime knows for every time.
+    /// Moves on a path of its own, which the runtime can predict.
     Simulated,
 }
 
@@ -167,9 +167,9 @@ impl Runtime {
         command
     }
 
-    /// Puts a layer (`tests/headset/layer`) between the runtime and programs that start from now
-    /// on. It says that there are these blend modes, which the runtime does not have.
-    pub fn pretend(&mut self, modes: &str) {
+    /// Puts the layer `tests/headset/layer` between the runtime and programs that start from now on.
+    /// It reports these blend modes, which the runtime does not have.
+    pub fn report_blend_modes(&mut self, modes: &str) {
         let tests = trials::executable();
         let library = tests.with_file_name("libopenxr_blend_layer.so");
         assert!(library.exists(), "{}", library.display());
@@ -196,7 +196,7 @@ impl Runtime {
         self.folder.path().join("off")
     }
 
-    /// Takes the headset off or puts it on, as the layer ([`Runtime::pretend`]) has it.
+    /// Takes the headset off or puts it on; needs the layer ([`Runtime::report_blend_modes`]).
     pub fn take_off(&self, off: bool) {
         match off {
             true => std::fs::write(self.off(), "").unwrap(),
@@ -204,7 +204,7 @@ impl Runtime {
         }
     }
 
-    /// What the last frame was ended with, as the layer has written it.
+    /// Blend mode and layers of the last frame, as written by the layer.
     pub fn last_frame(&self) -> Option<String> {
         let log = std::fs::read_to_string(self.layer_log()).ok()?;
         log.lines().last().map(str::to_owned)
@@ -217,8 +217,8 @@ impl Runtime {
         command
     }
 
-    /// Runs the test that calls it once more with the runtime's libraries, so that it can use the
-    /// runtime itself.
+    /// Runs the calling test once more with the runtime's libraries, so that it can use the runtime
+    /// itself.
     pub fn run_client(&self) {
         let mut command = self.command(&trials::executable());
         command
@@ -252,13 +252,13 @@ impl Runtime {
         }
     }
 
-    /// Stops it as it is, or lets it go on: it is there, and does not answer.
+    /// Suspends the process or resumes it: while suspended it exists, but does not answer.
     pub fn set_stopped(&self, stopped: bool) {
         let service = self.service.as_ref().unwrap();
         set_stopped(&service.id().to_string(), stopped);
     }
 
-    /// As if it had crashed.
+    /// Kills the process, like a crash.
     pub fn kill(&mut self) {
         if let Some(mut service) = self.service.take() {
             let _ = service.kill();

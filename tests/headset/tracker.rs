@@ -1,5 +1,5 @@
-//! Head poses for the view through a screen: from a headset that is used only as a tracker, and from one that is worn at
-//! the same time.
+//! Head poses for the off-axis view through a screen: from a headset that is only tracked, and from the one that
+//! shows the program.
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -12,10 +12,10 @@ use tracking::{Event, HeadPose, HostClock, Source, SourceState};
 use virtual_sculpture::app::Workspace;
 use virtual_sculpture::screen::headset::{HeadsetTracker, RoomOrigin};
 
+use super::main_loop::MainLoop;
 use super::program::PATIENCE;
 use super::remote::{HEAD, Remote};
 use super::runtime::{Runtime, alone_in_network, is_client};
-use super::wearer::Wearer;
 
 struct Track {
     child: Child,
@@ -31,26 +31,26 @@ impl Track {
             .spawn()
             .unwrap();
         let stdout = child.stdout.take().unwrap();
-        let (tell, lines) = channel();
+        let (send, lines) = channel();
         std::thread::spawn(move || {
             for line in BufReader::new(stdout).lines().map_while(Result::ok) {
-                let _ = tell.send(line);
+                let _ = send.send(line);
             }
         });
         Track { child, lines }
     }
 
-    /// Waits for a line that says this.
-    fn says(&self, what: &str) -> String {
-        let (start, mut said) = (Instant::now(), Vec::new());
+    /// Waits for a line that contains this.
+    fn wait_for_line(&self, what: &str) -> String {
+        let (start, mut lines) = (Instant::now(), Vec::new());
         while start.elapsed() < PATIENCE {
             let Ok(line) = self.lines.recv_timeout(PATIENCE) else { break };
             if line.contains(what) {
                 return line;
             }
-            said.push(line);
+            lines.push(line);
         }
-        panic!("{what:?} is not said: {said:#?}");
+        panic!("no line contains {what:?}: {lines:#?}");
     }
 }
 
@@ -62,16 +62,16 @@ impl Drop for Track {
 }
 
 #[test]
-fn a_headset_is_a_tracker_that_may_come_late_and_go() {
+fn a_tracked_headset_may_connect_late_and_disconnect() {
     if !alone_in_network() {
         return;
     }
     let mut runtime = Runtime::not_started();
     let track = Track::start(runtime.command(Path::new(env!("CARGO_BIN_EXE_virtual-sculpture"))));
-    track.says("start SteamVR, Monado");
+    track.wait_for_line("start SteamVR, Monado");
     runtime.restart();
     let mut remote = Remote::connect();
-    for (position, rotation, said) in [
+    for (position, rotation, expected) in [
         (HEAD, Quat::IDENTITY, "x +0.000 y +1.600 z +0.000 m  yaw +0.0 pitch"),
         (
             HEAD + Vec3::new(0.25, -0.125, 0.5),
@@ -86,35 +86,35 @@ fn a_headset_is_a_tracker_that_may_come_late_and_go() {
     ] {
         remote.head = (position, rotation);
         remote.send();
-        let line = track.says(said);
+        let line = track.wait_for_line(expected);
         assert!(line.contains("confidence 1.00"), "{line}");
     }
     runtime.kill();
-    let line = track.says("lost 1");
-    track.says("start SteamVR, Monado");
+    let line = track.wait_for_line("lost 1");
+    track.wait_for_line("start SteamVR, Monado");
     assert!(!line.contains("dropped 1"), "{line}");
     runtime.restart();
     let mut remote = Remote::connect();
     remote.send();
-    track.says("x +0.000 y +1.600 z +0.000 m");
+    track.wait_for_line("x +0.000 y +1.600 z +0.000 m");
 }
 
 #[test]
-fn a_runtime_foresees_where_the_head_will_be() {
+fn a_runtime_predicts_the_head_pose() {
     if is_client() {
-        return look_ahead();
+        return predict();
     }
     if alone_in_network() {
         Runtime::simulated().run_client();
     }
 }
 
-/// What is foreseen of a head on a curved way is what is found when the time has come.
-fn look_ahead() {
+/// The predicted pose of a head on a curved path equals the pose located once the time has come.
+fn predict() {
     const AHEAD_S: f64 = 0.08;
     let clock = HostClock::starting_now();
     let mut tracker = HeadsetTracker::start("openxr", RoomOrigin::Local, clock).unwrap();
-    assert!(tracker.located(0, 0.0).is_none(), "nobody is there yet");
+    assert!(tracker.located(0, 0.0).is_none(), "there is no session yet");
     let mut events = Vec::new();
     let start = Instant::now();
     while tracker.state() != SourceState::Running {
@@ -124,60 +124,60 @@ fn look_ahead() {
     let far = |a: &HeadPose, b: &HeadPose| {
         a.placement.position_m.distance(b.placement.position_m) + a.placement.angle_to(b.placement)
     };
-    let mut way = 0.0_f64;
+    let mut moved = 0.0_f64;
     for _ in 0..10 {
         let then = clock.now_s() + AHEAD_S;
-        let foreseen = tracker.located(0, then).unwrap();
-        assert_eq!(foreseen.time_s, then);
-        way = way.max(far(&foreseen, &tracker.located(0, clock.now_s()).unwrap()));
-        // It is asked for again when it has just become the past.
+        let predicted = tracker.located(0, then).unwrap();
+        assert_eq!(predicted.time_s, then);
+        moved = moved.max(far(&predicted, &tracker.located(0, clock.now_s()).unwrap()));
+        // Queried again when the time has just passed.
         while clock.now_s() < then {
             std::thread::sleep(Duration::from_millis(1));
         }
         let found = tracker.located(0, then).unwrap();
-        assert!(far(&foreseen, &found) < 1e-3, "{foreseen:?} {found:?}");
+        assert!(far(&predicted, &found) < 1e-3, "{predicted:?} {found:?}");
         tracker.poll(clock.now_s(), &mut events);
     }
-    assert!(way > 0.01, "the head moves: {way}");
+    assert!(moved > 0.01, "the head moves: {moved}");
     assert!(events.iter().any(|event| matches!(event, Event::Pose(_))));
 }
 
 #[test]
-fn the_view_of_the_window_follows_the_head_in_the_headset_that_is_worn() {
+fn the_view_of_the_window_follows_the_head_in_the_headset_in_use() {
     if is_client() {
-        return wear();
+        return follow_session();
     }
     if alone_in_network() {
         Runtime::start().run_client();
     }
 }
 
-/// The headset in which the program is shown is its tracker, too.
-fn wear() {
-    let mut wearer = Wearer::new(32);
-    let follow = |wearer: &mut Wearer| {
-        // The room's origin is the middle of the screen.
+/// The headset that shows the program is also its tracker.
+fn follow_session() {
+    let mut main = MainLoop::new(32);
+    let follow = |main: &mut MainLoop| {
+        // The room's origin is the centre of the screen.
         for head in [Vec3::new(0.1, 0.2, 0.7), Vec3::new(-0.3, 0.0, 0.5)] {
-            wearer.remote.head = (head, Quat::IDENTITY);
-            wearer.remote.send();
-            wearer.until("the view of the head", |wearer, _| {
-                sees_from(&wearer.workspace, head) && wearer.headset.is_showing()
+            main.remote.head = (head, Quat::IDENTITY);
+            main.remote.send();
+            main.until("the view of the head", |main, _| {
+                sees_from(&main.workspace, head) && main.headset.is_showing()
             });
         }
-        assert_eq!(wearer.headset.validation_messages(), 0);
+        assert_eq!(main.headset.validation_messages(), 0);
     };
-    follow(&mut wearer);
-    // Without the headset the head goes to its place of rest.
-    let rest = Vec3::from(wearer.config.screen.rest_m.map(|x| x as f32));
-    wearer.reconnect();
+    follow(&mut main);
+    // Without the headset the head moves to its rest position.
+    let rest = Vec3::from(main.config.screen.rest_m.map(|x| x as f32));
+    main.reconnect();
     let start = Instant::now();
-    while !sees_from(&wearer.workspace, rest) {
-        assert!(start.elapsed() < PATIENCE, "{:?}", wearer.workspace.viewpoint.tracked_eyes(0.0));
-        wearer.workspace.track();
+    while !sees_from(&main.workspace, rest) {
+        assert!(start.elapsed() < PATIENCE, "{:?}", main.workspace.viewpoint.tracked_eyes(0.0));
+        main.workspace.track();
         std::thread::sleep(Duration::from_millis(10));
     }
-    // It comes back.
-    follow(&mut wearer);
+    // The session is back.
+    follow(&mut main);
 }
 
 /// Whether the window's eye is where `head` is before the screen.

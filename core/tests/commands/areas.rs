@@ -1,4 +1,4 @@
-//! Selection, symmetry, copies and arrays, against what they say voxel by voxel.
+//! Selection, symmetry, copies and arrays, compared with their definition voxel by voxel.
 
 use glam::{IVec3, UVec3, Vec3};
 use proptest::prelude::*;
@@ -38,7 +38,7 @@ fn run(document: &mut Document, script: &str) {
     }
 }
 
-/// Any command that a person at work gives, of all kinds.
+/// Any command of normal work.
 fn any_work() -> impl Strategy<Value = Command> {
     prop_oneof![1 => work(), 2 => area_work()]
 }
@@ -47,7 +47,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 120, ..ProptestConfig::default() })]
 
     #[test]
-    fn whatever_is_done_is_limited_refused_whole_and_undone_exactly(
+    fn work_respects_the_limit_is_refused_as_a_whole_and_undone_exactly(
         new in new_sculpture(24),
         commands in prop::collection::vec(any_work(), 1..40),
     ) {
@@ -82,7 +82,7 @@ proptest! {
             document.apply(&Command::End).unwrap();
         }
         let end = document.contents().clone();
-        // As long as there are steps: the oldest may be in the past of an earlier `undo all`.
+        // As long as there are steps: the oldest may be before an earlier `undo all`.
         document.apply(&Command::Undo { steps: None }).unwrap();
         let start = Document::new(&new, Limits::default()).unwrap();
         prop_assert_eq!(document.contents(), start.contents());
@@ -95,7 +95,7 @@ proptest! {
     }
 
     #[test]
-    fn a_copy_is_put_down_voxel_by_voxel(
+    fn a_copy_is_pasted_voxel_by_voxel(
         shapes in prop::collection::vec((op(), primitive(0.0..20.0, 1.0..9.0)), 1..5),
         from in marker(-6..20, 18),
         at in prop::array::uniform3(-12i32..20),
@@ -143,7 +143,7 @@ proptest! {
     }
 
     #[test]
-    fn an_array_is_the_operation_again_further_on(
+    fn an_array_repeats_the_operation_at_offsets(
         shapes in prop::collection::vec((op(), primitive(0.0..24.0, 1.0..6.0)), 1..4),
         step in prop::array::uniform3(-8i32..8),
         count in 1u32..5,
@@ -208,7 +208,7 @@ fn mirrored_tools_leave_a_mirrored_sculpture() {
 }
 
 #[test]
-fn moving_turns_about_the_middle_and_takes_the_marker_along() {
+fn moving_rotates_about_the_centre_and_moves_the_marker() {
     let mut document = document([40, 30, 20], false);
     run(
         &mut document,
@@ -231,7 +231,7 @@ fn moving_turns_about_the_middle_and_takes_the_marker_along() {
 }
 
 #[test]
-fn areas_are_filled_cleared_and_dyed() {
+fn areas_are_filled_cleared_and_recoloured() {
     let mut document = document([16; 3], false);
     assert!(matches!(
         document.apply(&Command::Fill { area: Area::Selection, colour: None }),
@@ -258,7 +258,7 @@ fn areas_are_filled_cleared_and_dyed() {
 }
 
 #[test]
-fn arrays_build_on_arrays_and_know_their_bounds() {
+fn arrays_of_arrays_and_their_bounds() {
     let mut document = document([64; 3], false);
     let array = |count, x, z| Command::Array { count, step: IVec3::new(x, 0, z) };
     assert!(matches!(document.apply(&array(1, 8, 0)), Err(CommandError::NothingToRepeat)));
@@ -274,7 +274,7 @@ fn arrays_build_on_arrays_and_know_their_bounds() {
 }
 
 #[test]
-fn a_picture_colours_what_exists_inside_a_solid() {
+fn a_picture_colours_existing_voxels_inside_a_solid() {
     let mut document = document([32; 3], true);
     let texture: Command = "texture flag.png cuboid at=16,16,16 half=8".parse().unwrap();
     assert!(matches!(document.apply(&texture), Err(CommandError::NoPicture(_))));

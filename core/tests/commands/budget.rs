@@ -1,4 +1,5 @@
-//! Documents whose history has little room: what cannot be kept is refused, unless it is wanted.
+//! Documents whose history has little memory: steps that do not fit are refused, unless irreversible
+//! steps are allowed.
 
 use glam::{UVec3, Vec3};
 use proptest::prelude::*;
@@ -13,7 +14,7 @@ use sculpture_core::sculpture::selection::Selection;
 use super::document::{RED, ball, painted};
 use super::strategies::{new_sculpture, work};
 
-/// Everything that a refused command must leave as it was.
+/// Everything that a refused command must not change.
 fn all_of(document: &Document) -> (Contents, [usize; 3], bool, Option<Clip>, Selection) {
     let history = document.history();
     let steps = [history.undo_count(), history.redo_count(), history.bytes()];
@@ -26,7 +27,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 150, ..ProptestConfig::default() })]
 
     #[test]
-    fn whatever_the_budget_undo_returns_to_earlier_states(
+    fn undo_returns_to_earlier_states_with_any_budget(
         new in new_sculpture(24),
         commands in prop::collection::vec(work(), 1..40),
         history_bytes in 0usize..40_000,
@@ -45,7 +46,7 @@ proptest! {
             let (undo, redo) = (before.1[0], before.1[1]);
             let goes_on = !matches!(command, Command::Undo { .. } | Command::Redo { .. });
             if !irreversible && goes_on && document.contents() != &before.0 {
-                // Only what is old goes to make room, never the step itself.
+                // Only old steps are dropped to make room, never the new one.
                 let room = document.stroke_open() || document.history().undo_count() > 0;
                 prop_assert!(room || matches!(command, Command::Cancel), "{}", command);
             } else if !irreversible && !goes_on {
@@ -65,7 +66,7 @@ proptest! {
             document.apply(&Command::Undo { steps: Some(1) }).unwrap();
             prop_assert!(states.contains(document.contents()));
             prop_assert!(document.history().bytes() <= history_bytes);
-            // The way forward may need more room than the way back did.
+            // Redo may need more memory than undo did.
             prop_assert!(document.history().undo_count() < steps);
             steps = document.history().undo_count();
         }
@@ -75,7 +76,7 @@ proptest! {
 }
 
 #[test]
-fn a_step_beyond_the_budget_is_refused_unless_it_is_wanted() {
+fn a_step_beyond_the_budget_is_refused_unless_irreversible_steps_are_allowed() {
     let limits = Limits { history_bytes: 20_000, ..Limits::default() };
     let new = painted(UVec3::splat(64), ColourDepth::Bits24, false);
     let mut document = Document::new(&new, limits).unwrap();
@@ -83,7 +84,7 @@ fn a_step_beyond_the_budget_is_refused_unless_it_is_wanted() {
     apply(&mut document, "add ellipsoid at=10,10,10 half=3 colour=#ff0000").unwrap();
     apply(&mut document, "irreversible on").unwrap();
     apply(&mut document, "fill colour=#ff0000").unwrap();
-    // No brick is full, so that the bits of each must be kept.
+    // No brick is full, so the bits of each must be kept.
     for i in 0..512 {
         let at = |shift: u32| (i >> shift & 7) as f32 * 8.0 + 0.5;
         let hole = format!("subtract cuboid at={},{},{} half=0.5", at(0), at(3), at(6));
@@ -95,7 +96,7 @@ fn a_step_beyond_the_budget_is_refused_unless_it_is_wanted() {
     apply(&mut document, "copy").unwrap();
     apply(&mut document, "mark at=8,8,8 size=50,50,50").unwrap();
     let before = all_of(&document);
-    // The pages that these paint over are more than 20 kB.
+    // The pages painted over are more than 20 kB.
     let large = "ellipsoid at=30,30,30 half=20";
     for line in [
         &format!("recolour {large} colour=#0000ff"),
@@ -107,7 +108,7 @@ fn a_step_beyond_the_budget_is_refused_unless_it_is_wanted() {
         "new dims=8,8,8",
     ] {
         if line.starts_with("array") {
-            // A small operation whose repetitions are large together.
+            // A small operation with many repetitions.
             apply(&mut document, "irreversible on").unwrap();
             apply(&mut document, "recolour cuboid at=8,32,32 half=8 colour=#123456").unwrap();
             apply(&mut document, "irreversible off").unwrap();
@@ -123,7 +124,7 @@ fn a_step_beyond_the_budget_is_refused_unless_it_is_wanted() {
     }
     assert!(before.1[0] > 0, "there is something to lose");
 
-    // Within a stroke it is the end that is refused; the stroke can still be taken back.
+    // In a stroke, `end` is refused; the stroke can still be cancelled.
     let before = document.contents().clone();
     apply(&mut document, "begin").unwrap();
     apply(&mut document, &format!("recolour {large} colour=#0000ff")).unwrap();
@@ -131,7 +132,7 @@ fn a_step_beyond_the_budget_is_refused_unless_it_is_wanted() {
     assert!(document.stroke_open());
     apply(&mut document, "cancel").unwrap();
     assert_eq!(document.contents(), &before);
-    // Or kept, if that is wanted; nothing before it can be reached then.
+    // Or kept, if that is allowed; then nothing before it can be undone.
     apply(&mut document, "begin").unwrap();
     apply(&mut document, &format!("recolour {large} colour=#0000ff")).unwrap();
     apply(&mut document, "irreversible on").unwrap();
@@ -141,21 +142,21 @@ fn a_step_beyond_the_budget_is_refused_unless_it_is_wanted() {
     assert_eq!(document.history().undo_count(), 0);
     assert_eq!(document.history().bytes(), 0);
     assert_eq!(document.apply(&Command::Undo { steps: None }).unwrap().steps, 0);
-    // The next step that fits is a step like any other.
+    // The next step that fits is an ordinary one.
     document.apply(&ball(EditOp::Subtract, Vec3::splat(10.0), 3.0)).unwrap();
     assert_eq!(document.history().undo_count(), 1);
 }
 
-/// Painting keeps little: that there were no pages. Its undo would have to keep all of them.
+/// A step of painting keeps little: that there were no pages. Its undo would have to keep all pages.
 #[test]
-fn an_undo_whose_way_forward_cannot_be_kept_is_refused_unless_it_is_wanted() {
+fn an_undo_whose_redo_cannot_be_kept_is_refused_unless_irreversible_steps_are_allowed() {
     let limits = Limits { history_bytes: 20_000, ..Limits::default() };
     let new = painted(UVec3::splat(64), ColourDepth::Bits24, true);
     let mut document = Document::new(&new, limits).unwrap();
     document.apply(&Command::Dye { area: Area::Grid, colour: RED }).unwrap();
     document.apply(&ball(EditOp::Subtract, Vec3::splat(4.0), 2.0)).unwrap();
     let after = document.apply(&Command::Undo { steps: None }).unwrap();
-    assert_eq!(after.steps, 1, "as far as there is a way back");
+    assert_eq!(after.steps, 1, "as far as redo can be kept");
     let before = all_of(&document);
     let (state, undo) = (document.state(), Command::Undo { steps: Some(1) });
     let error = document.apply(&undo).unwrap_err();

@@ -1,4 +1,4 @@
-//! Documents against a model that keeps each voxel apart, under random work.
+//! Documents compared with a model that stores each voxel separately, under random work.
 
 use std::collections::HashSet;
 
@@ -31,7 +31,7 @@ fn agree(contents: &Contents, model: &Voxels) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// Checks what a grid promises of itself: counts, occupancy, nothing beyond its border.
+/// Checks the invariants of a grid: counts, occupancy, nothing beyond its border.
 fn sound(grid: &Grid) -> Result<(), TestCaseError> {
     let mut copy = Grid::new(grid.dims(), grid.voxel_size(), u64::MAX).unwrap();
     copy.fill_bricks(|b| *grid.brick(b));
@@ -127,7 +127,7 @@ proptest! {
         commands in prop::collection::vec(work(), 1..40),
     ) {
         let mut document = Document::new(&new, Limits::default()).unwrap();
-        // What the sculpture was at each number of steps that can be undone.
+        // The sculpture at each number of undo steps.
         let mut at_step = vec![document.contents().clone()];
         for command in &commands {
             let steps_before = document.history().undo_count();
@@ -191,7 +191,7 @@ pub fn ball(op: EditOp, centre: Vec3, radius: f32) -> Command {
 
 pub const RED: Rgb = Rgb::new(255, 0, 0);
 
-/// Large enough to be shared out among threads, with a border that is no multiple of a brick.
+/// Large enough to be divided among threads, with sides that are no multiples of a brick.
 #[test]
 fn large_edits_equal_the_definition() {
     let dims = UVec3::new(131, 126, 141);
@@ -328,7 +328,7 @@ fn refusals_name_the_reason_and_change_nothing() {
 }
 
 #[test]
-fn a_sculpture_too_large_is_refused_before_it_is_made() {
+fn a_sculpture_too_large_is_refused_before_it_is_created() {
     let limits = Limits { grid_bytes: 1 << 20, ..Limits::default() };
     let error = Document::new(&painted(UVec3::splat(512), ColourDepth::None, true), limits);
     assert!(matches!(error, Err(CommandError::Grid(GridError::Memory { .. }))));

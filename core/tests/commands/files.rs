@@ -1,4 +1,4 @@
-//! Sessions against a model of which file belongs to which state, under random opening, saving,
+//! Sessions compared with a model of which file belongs to which state, under random opening, saving,
 //! editing, undo and redo.
 
 use std::path::{Path, PathBuf};
@@ -14,39 +14,39 @@ use sculpture_core::session::Session;
 const FILES: usize = 3;
 
 #[derive(Clone, Copy, Debug)]
-enum Deed {
+enum Operation {
     New,
     Open(usize),
     Save(usize),
-    /// Adds the voxel at a place, or removes it if it is there.
+    /// Toggles a voxel.
     Edit(UVec3),
-    /// Edits within a stroke that is cancelled, or ended.
+    /// Toggles a voxel within a stroke that is ended (true) or cancelled.
     Stroke(UVec3, bool),
     Undo(u32),
     Redo(u32),
 }
 
-fn deed() -> impl Strategy<Value = Deed> {
+fn operation() -> impl Strategy<Value = Operation> {
     let voxel = || prop::array::uniform3(0u32..8).prop_map(UVec3::from);
     prop_oneof![
-        1 => Just(Deed::New),
-        3 => (0..FILES).prop_map(Deed::Open),
-        4 => (0..FILES).prop_map(Deed::Save),
-        5 => voxel().prop_map(Deed::Edit),
-        2 => (voxel(), any::<bool>()).prop_map(|(at, ends)| Deed::Stroke(at, ends)),
-        5 => (1u32..4).prop_map(Deed::Undo),
-        4 => (1u32..4).prop_map(Deed::Redo),
+        1 => Just(Operation::New),
+        3 => (0..FILES).prop_map(Operation::Open),
+        4 => (0..FILES).prop_map(Operation::Save),
+        5 => voxel().prop_map(Operation::Edit),
+        2 => (voxel(), any::<bool>()).prop_map(|(at, ends)| Operation::Stroke(at, ends)),
+        5 => (1u32..4).prop_map(Operation::Undo),
+        4 => (1u32..4).prop_map(Operation::Redo),
     ]
 }
 
 #[derive(Clone, Default)]
 struct Sculpture {
     path: Option<usize>,
-    /// The version that it was made with, as long as it has never had a file.
+    /// The version that it was created with, as long as it has never had a file.
     untouched: Option<u32>,
 }
 
-/// What is on disk and in the history, as numbers of versions.
+/// The contents of files and history, as version numbers.
 struct Model {
     disk: [u32; FILES],
     versions: u32,
@@ -68,19 +68,19 @@ impl Model {
         self.versions
     }
 
-    fn apply(&mut self, deed: Deed) {
+    fn apply(&mut self, operation: Operation) {
         let (version, sculpture) = self.states[self.at];
-        match deed {
-            Deed::New => {
+        match operation {
+            Operation::New => {
                 let made = self.version();
                 self.sculptures.push(Sculpture { path: None, untouched: Some(made) });
                 self.push(made, self.sculptures.len() - 1);
             }
-            Deed::Open(file) => {
+            Operation::Open(file) => {
                 self.sculptures.push(Sculpture { path: Some(file), untouched: None });
                 self.push(self.disk[file], self.sculptures.len() - 1);
             }
-            Deed::Save(file) => {
+            Operation::Save(file) => {
                 self.disk[file] = version;
                 for other in &mut self.sculptures {
                     if other.path == Some(file) {
@@ -89,13 +89,15 @@ impl Model {
                 }
                 self.sculptures[sculpture] = Sculpture { path: Some(file), untouched: None };
             }
-            Deed::Edit(_) | Deed::Stroke(_, true) => {
+            Operation::Edit(_) | Operation::Stroke(_, true) => {
                 let made = self.version();
                 self.push(made, sculpture);
             }
-            Deed::Stroke(_, false) => {}
-            Deed::Undo(steps) => self.at = self.at.saturating_sub(steps as usize),
-            Deed::Redo(steps) => self.at = (self.at + steps as usize).min(self.states.len() - 1),
+            Operation::Stroke(_, false) => {}
+            Operation::Undo(steps) => self.at = self.at.saturating_sub(steps as usize),
+            Operation::Redo(steps) => {
+                self.at = (self.at + steps as usize).min(self.states.len() - 1)
+            }
         }
     }
 
@@ -138,20 +140,20 @@ fn execute(session: &mut Session, line: &str) {
     session.execute(&line.parse().unwrap(), &()).unwrap_or_else(|e| panic!("{line}: {e}"));
 }
 
-fn carry_out(session: &mut Session, deed: Deed, paths: &[PathBuf]) {
-    match deed {
-        Deed::New => drop(session.execute(&Command::New(new()), &()).unwrap()),
-        Deed::Open(file) => execute(session, &format!("open {:?}", paths[file])),
-        Deed::Save(file) => execute(session, &format!("save {:?}", paths[file])),
-        Deed::Edit(at) => toggle(session, at),
-        Deed::Stroke(at, ends) => {
+fn perform(session: &mut Session, operation: Operation, paths: &[PathBuf]) {
+    match operation {
+        Operation::New => drop(session.execute(&Command::New(new()), &()).unwrap()),
+        Operation::Open(file) => execute(session, &format!("open {:?}", paths[file])),
+        Operation::Save(file) => execute(session, &format!("save {:?}", paths[file])),
+        Operation::Edit(at) => toggle(session, at),
+        Operation::Stroke(at, ends) => {
             execute(session, "begin");
             toggle(session, at);
-            assert!(session.modified(), "what a stroke has changed is in no file yet");
+            assert!(session.modified(), "the changes of a stroke are in no file yet");
             execute(session, if ends { "end" } else { "cancel" });
         }
-        Deed::Undo(steps) => execute(session, &format!("undo {steps}")),
-        Deed::Redo(steps) => execute(session, &format!("redo {steps}")),
+        Operation::Undo(steps) => execute(session, &format!("undo {steps}")),
+        Operation::Redo(steps) => execute(session, &format!("redo {steps}")),
     }
 }
 
@@ -167,8 +169,8 @@ fn write_files(folder: &Path) -> Vec<PathBuf> {
 
 proptest! {
     #[test]
-    fn file_and_saved_state_are_those_of_the_state_that_undo_leads_to(
-        deeds in prop::collection::vec(deed(), 1..60),
+    fn undo_restores_file_and_saved_state(
+        operations in prop::collection::vec(operation(), 1..60),
     ) {
         let folder = tempfile::tempdir().unwrap();
         let paths = write_files(folder.path());
@@ -180,12 +182,12 @@ proptest! {
             states: vec![(4, 0)],
             at: 0,
         };
-        for (i, deed) in deeds.iter().enumerate() {
-            carry_out(&mut session, *deed, &paths);
-            model.apply(*deed);
+        for (i, operation) in operations.iter().enumerate() {
+            perform(&mut session, *operation, &paths);
+            model.apply(*operation);
             let path = model.path().map(|file| paths[file].as_path());
-            prop_assert_eq!(session.path(), path, "after {} of {:?}", i, deeds);
-            prop_assert_eq!(session.modified(), !model.is_saved(), "after {} of {:?}", i, deeds);
+            prop_assert_eq!(session.path(), path, "after {} of {:?}", i, operations);
+            prop_assert_eq!(session.modified(), !model.is_saved(), "after {} of {:?}", i, operations);
             if let (Some(path), false) = (session.path(), session.modified()) {
                 let file = format::load(path, &Default::default(), &Limits::default(), &()).unwrap();
                 prop_assert_eq!(&file.contents, session.document().contents());
@@ -194,7 +196,7 @@ proptest! {
     }
 }
 
-/// The way that it was found.
+/// The script that revealed the defect.
 #[test]
 fn undo_past_open_brings_back_the_other_file() {
     let folder = tempfile::tempdir().unwrap();
@@ -209,11 +211,11 @@ fn undo_past_open_brings_back_the_other_file() {
     assert!(!session.modified());
     execute(&mut session, "redo 2");
     assert_eq!(session.path(), Some(b.as_path()));
-    assert!(!session.modified(), "the state that was saved is there again");
+    assert!(!session.modified(), "this is the saved state");
     assert!(!session.document().grid().get(IVec3::ONE));
 }
 
-/// Texts go with the sculpture that they came with.
+/// Texts belong to the sculpture with which they were loaded.
 #[test]
 fn undo_past_open_brings_back_the_texts_of_the_file() {
     let folder = tempfile::tempdir().unwrap();

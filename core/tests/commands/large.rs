@@ -1,5 +1,5 @@
-//! A history at full size: 1024 voxels along each axis, 24 bits of colour, every voxel painted. Nothing
-//! vanishes unasked: what the history cannot keep is refused before anything changes.
+//! A history at full size: 1024 voxels along each axis, 24 bits of colour, every voxel painted. Steps that
+//! the history cannot keep are refused before anything changes.
 
 use std::time::Instant;
 
@@ -8,7 +8,7 @@ use sculpture_core::command::Command;
 use sculpture_core::document::{CommandError, Document, Limits};
 use sculpture_core::sculpture::history::Contents;
 
-/// A number for all bits and colours; a copy would take gigabytes.
+/// A hash of all bits and colours; a copy would take gigabytes.
 fn digest(contents: &Contents) -> u64 {
     let Contents { grid, material } = contents;
     let mix = |hash: u64, v: u64| (hash ^ v).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29);
@@ -21,7 +21,7 @@ fn digest(contents: &Contents) -> u64 {
     (0..grid.brick_count()).into_par_iter().map(brick).reduce(|| 0, u64::wrapping_add)
 }
 
-/// What a person would miss.
+/// Everything that a refused command must not change.
 fn all_of(document: &Document) -> (u64, usize, usize, usize, u64) {
     let history = document.history();
     let (undo, redo) = (history.undo_count(), history.redo_count());
@@ -62,27 +62,28 @@ fn at_1024_cubed_in_24_bits_nothing_vanishes_unasked() {
     let before = all_of(&document);
     assert_eq!((before.1, before.4), (4, 0));
 
-    // What would keep 3 GiB of pages in 1 GiB is refused, and all is as it was.
+    // Steps that would keep 3 GiB of pages in 1 GiB are refused and change nothing.
     assert!(is_refused(apply(&mut document, "dye colour=#102030")));
     assert!(is_refused(apply(&mut document, "new dims=8,8,8")));
     assert_eq!(all_of(&document), before);
 
-    // There and back, to the byte.
+    // Undo and redo, exact to the byte.
     assert_eq!(apply(&mut document, "undo 3").unwrap(), 3);
     assert_eq!(digest(document.contents()), painted);
     assert_eq!(apply(&mut document, "redo all").unwrap(), 3);
-    // What a step takes may differ by what its lists have reserved.
+    // The memory of a step may differ by the spare capacity of its lists.
     let again = all_of(&document);
     assert_eq!((again.0, again.1, again.2, again.4), (before.0, before.1, before.2, before.4));
 
-    // The first step painted all: its undo would have to keep all. The others are undone.
+    // The first step painted everything: its undo would have to keep everything. The others are
+    // undone.
     assert_eq!(apply(&mut document, "undo all").unwrap(), 3);
     let before = all_of(&document);
     assert_eq!((before.0, before.1, before.2, before.4), (painted, 1, 3, 0));
     assert!(is_refused(apply(&mut document, "undo")));
     assert_eq!(all_of(&document), before);
 
-    // Only whoever says so loses the way back.
+    // Where irreversible steps are allowed, it is undone.
     apply(&mut document, "irreversible on").unwrap();
     assert_eq!(apply(&mut document, "undo").unwrap(), 1);
     assert_eq!(document.material().page_count(), 0);

@@ -1,4 +1,4 @@
-//! Commands from the outside: their text form, scripts of them, and what documents make of them.
+//! Commands through the public interface: their text form, scripts, and their effect on documents.
 
 mod areas;
 mod budget;

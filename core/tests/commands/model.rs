@@ -1,5 +1,5 @@
-//! A document as simple as can be: a colour or none for each voxel, copied for every undo step.
-//! What the real one must agree with.
+//! The simplest possible document: a colour or none for each voxel, copied for every undo step. The
+//! reference that the real one is compared with.
 
 use std::rc::Rc;
 
@@ -19,7 +19,7 @@ pub struct Voxels {
     pub colours: Vec<Option<Rgb>>,
 }
 
-/// Counts of what a command did, and steps travelled.
+/// Counts of changed voxels, and of undone or redone steps.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Done {
     pub added: u64,
@@ -54,7 +54,7 @@ impl Voxels {
         (0..z as i32).flat_map(move |z| (0..y as i32).flat_map(move |y| row(y, z)))
     }
 
-    /// The same voxels along other axes.
+    /// The same voxels in another orientation.
     pub fn oriented(&self, orientation: Orientation) -> Voxels {
         let voxel_size = orientation.permuted(self.voxel_size.to_array()).into();
         let dims = orientation.size(self.dims);
@@ -70,7 +70,7 @@ impl Voxels {
 
     pub fn edit(&mut self, op: EditOp, covers: impl Fn(IVec3) -> bool) -> Done {
         let mut done = Done::default();
-        // Without colour depth every voxel has the one colour.
+        // Without colour depth all voxels have the base colour.
         let stored = |colour| match self.depth {
             ColourDepth::None => self.base,
             depth => depth.quantise(colour),
@@ -121,7 +121,7 @@ impl Model {
         done
     }
 
-    /// What the command does; none if it must be refused.
+    /// Executes a command; None if it must be refused.
     pub fn apply(&mut self, command: &Command) -> Option<Done> {
         let open = self.stroke_open();
         Some(match command {

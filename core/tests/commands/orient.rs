@@ -1,5 +1,5 @@
-//! The whole sculpture laid another way: undo restores identical bytes, what belongs to the
-//! sculpture follows, and refusals change nothing.
+//! Reorienting the whole sculpture: undo restores identical bytes, marker, selection and symmetry
+//! follow, and refusals change nothing.
 
 use glam::{IVec3, UVec3};
 use sculpture_core::command::Command;
@@ -7,7 +7,7 @@ use sculpture_core::document::{CommandError, Document, Limits};
 use sculpture_core::sculpture::orientation::Orientation;
 use sculpture_core::session::Session;
 
-/// Sizes of whole bricks, and such as divide bricks in another way when reversed.
+/// Sizes of whole bricks, and sizes whose bricks are divided differently when reversed.
 const DIMS: [[u32; 3]; 3] = [[16, 24, 8], [13, 24, 9], [1, 7, 17]];
 
 fn document(dims: [u32; 3], limits: Limits) -> Document {
@@ -53,7 +53,7 @@ fn undo_restores_identical_bytes_in_all_48_ways_and_redo_does_it_again() {
             assert_eq!(document.state().sculpture, state.sculpture, "its file is the same");
             document.drain_changes(|_, dirty| assert!(dirty.is_none()));
             let after = document.contents().clone();
-            // What is done afterwards goes through the same history.
+            // Later steps go through the same history.
             run(&mut document, "dye colour=#102030\nundo 2");
             assert_eq!(document.contents(), &before, "{dims:?} {orientation}");
             assert_eq!(document.state(), state);
@@ -93,8 +93,8 @@ fn marker_selection_and_symmetry_follow_there_and_back() {
 }
 
 #[test]
-fn only_what_cannot_be_turned_back_exactly_is_kept() {
-    // Whole bricks, or no colours: nothing but the way back.
+fn contents_are_kept_only_where_reversing_is_not_exact() {
+    // Whole bricks, or no colours: only the inverse orientation.
     let mut whole = document([16, 24, 8], Limits::default());
     let mut plain = document([13, 24, 9], Limits::default());
     run(&mut plain, "new dims=13,24,9 colour=24\nsubtract ellipsoid at=4,9,3 half=5");
@@ -103,14 +103,14 @@ fn only_what_cannot_be_turned_back_exactly_is_kept() {
         run(document, "orient axes=-x,-y,-z");
         assert!(document.history().bytes() < bytes + 200, "{}", document.history().bytes());
     }
-    // Pages of colours that are divided in another way are kept as they were.
+    // Pages of colours that would be divided differently are kept.
     let mut divided = document([13, 24, 9], Limits::default());
     let (bytes, kept) = (divided.history().bytes(), divided.contents().kept_bytes());
     run(&mut divided, "orient axes=-x,y,z");
     assert!(divided.history().bytes() >= bytes + kept);
     run(&mut divided, "undo");
-    assert!(divided.history().bytes() < bytes + 200, "what it is again can be made again");
-    // Along the axis of whole bricks nothing is divided.
+    assert!(divided.history().bytes() < bytes + 200, "the second step can be reversed exactly");
+    // Along the axis of whole bricks nothing is divided differently.
     run(&mut divided, "orient axes=x,-y,z");
     assert!(divided.history().bytes() < bytes + 200);
 }
@@ -143,7 +143,7 @@ fn a_refusal_changes_nothing() {
         assert_eq!((document.history().bytes(), document.state()), (bytes, state));
         assert_eq!((document.revision(), document.selection()), (revision, &selection));
         document.drain_changes(|_, dirty| assert_eq!(dirty, Some(&[][..])));
-        // What divides no brick is done all the same.
+        // Orientations that divide no brick are accepted all the same.
         run(&mut document, "orient axes=x,-z,y");
     }
     let mut document = painted(Limits::default());
@@ -152,9 +152,9 @@ fn a_refusal_changes_nothing() {
     assert!(matches!(error, CommandError::StrokeOpen("orient")), "{error}");
 }
 
-/// As a window does it: the long part apart from the session.
+/// As a window does it: the long part runs without the session.
 #[test]
-fn the_long_part_is_done_beside_the_session_or_cancelled() {
+fn the_long_part_runs_without_the_session_or_is_cancelled() {
     let new: Command = "new dims=13,24,9 colour=8".parse().unwrap();
     let Command::New(new) = new else { panic!() };
     let mut session = Session::new(&new, Limits::default()).unwrap();
@@ -173,7 +173,7 @@ fn the_long_part_is_done_beside_the_session_or_cancelled() {
 
     let work = session.prepare(&orient).unwrap().unwrap();
     let done = work.run(&()).unwrap();
-    // Changed meanwhile: what it is now is laid the other way.
+    // Changed meanwhile: the present contents are reoriented.
     execute(&mut session, "subtract ellipsoid at=5,9,3 half=3");
     session.complete(done).unwrap();
     let turned = session.document().contents().clone();

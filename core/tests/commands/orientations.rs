@@ -1,5 +1,5 @@
-//! Solids along the grid's axes in each of the 48 ways (24 turns, and their mirror images), against
-//! whole numbers: where each axis goes and in which direction.
+//! Solids along the grid's axes in each of the 48 orientations (24 rotations and their mirror images),
+//! compared with integer maps of axes and directions.
 
 use glam::{DVec3, IVec3, Quat, UVec3, Vec3};
 use sculpture_core::command::{Command, NewSculpture};
@@ -9,10 +9,10 @@ use sculpture_core::sculpture::{ColourDepth, Grid, Rgb};
 use sculpture_core::tools::construct::{Primitive, Solid};
 use sculpture_core::tools::symmetry::{Parity, Symmetry};
 
-/// Where the axes of a tool go: the axis of the grid, and the sign.
+/// The grid's axis and the sign for each axis of a tool.
 type AxisMap = [(usize, f64); 3];
 
-/// The 24 turns, with the quaternion of each worked out from its matrix.
+/// The 24 rotations, with the quaternion of each computed from its matrix.
 fn turns() -> Vec<(AxisMap, Quat)> {
     let mut all = Vec::new();
     for [x, y, z] in [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [1, 0, 2], [2, 1, 0]] {
@@ -126,16 +126,16 @@ fn a_cuboid_and_its_image_across_any_axis_have_all_their_voxels() {
             document.apply(&format!("symmetry {axis}=even").parse().unwrap()).unwrap();
             document.apply(&add.parse().unwrap()).unwrap();
             let images = 1 << axis.split(' ').count();
-            // The odd plane runs through a voxel, but the images still do not meet.
+            // The odd plane passes through a voxel, but the images still do not touch.
             assert_eq!(document.grid().opaque_count(), 4096 * images, "{axis} {turn}");
             assert!(document.grid().get(IVec3::splat(8)));
         }
     }
 }
 
-/// Also where faces run through the centres of voxels, and whatever the turn.
+/// Also where faces pass through the centres of voxels, in any orientation.
 #[test]
-fn what_is_made_with_a_mirror_plane_is_symmetric_to_the_voxel() {
+fn edits_with_a_mirror_plane_are_symmetric_to_the_voxel() {
     let turns = ["0,90,0", "0,45,0", "30,0,0", "0,0,180", "10,20,30", "45,45,45"];
     for (turn, solid) in turns.iter().flat_map(|t| Solid::ALL.map(|solid| (t, solid))) {
         for axis in 0..3 {

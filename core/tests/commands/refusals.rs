@@ -1,5 +1,5 @@
-//! A refused command changes nothing (invariant 4), whatever its arguments: the largest and the
-//! smallest, negative ones, none, and what is no number.
+//! A refused command changes nothing (invariant 4), whatever its arguments: the largest and smallest
+//! numbers, negative ones, zero, and NaN.
 
 use glam::{IVec3, Quat, UVec3, Vec3};
 use proptest::prelude::*;
@@ -16,7 +16,7 @@ use sculpture_core::tools::symmetry::Symmetry;
 
 use super::strategies::{any_command, area_work, new_sculpture, op, orientation, work};
 
-/// All that a command can change.
+/// Everything that a command can change.
 #[derive(PartialEq, Debug)]
 struct State {
     contents: Contents,
@@ -53,7 +53,7 @@ impl State {
     }
 }
 
-/// Numbers that trip up whoever has not thought of them.
+/// Numbers including extremes, denormals and NaN.
 fn number() -> impl Strategy<Value = f32> {
     let odd = [
         0.0,
@@ -166,7 +166,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
 
     #[test]
-    fn a_refused_command_changes_nothing_and_undo_leads_back(
+    fn a_refused_command_changes_nothing_and_undo_restores(
         new in new_sculpture(16),
         commands in prop::collection::vec(
             prop_oneof![2 => work(), 4 => area_work(), 5 => hostile(), 2 => any_command()],
@@ -210,7 +210,7 @@ fn a_move_too_far_is_refused_before_it_begins() {
     }
     assert_eq!(document.apply(&Command::Undo { steps: None }).unwrap().steps, 0);
     assert_eq!(document.grid().opaque_count(), 64 * 64 * 64);
-    // As far as it may go, everything leaves the grid and comes back by undo.
+    // At the largest distance everything leaves the grid, and undo brings it back.
     document.apply(&"move by=1048512,0,0".parse().unwrap()).unwrap();
     assert_eq!(document.grid().opaque_count(), 64 * 64 * 48);
     document.apply(&Command::Undo { steps: Some(1) }).unwrap();
@@ -230,7 +230,7 @@ fn an_array_that_cannot_be_finished_leaves_nothing() {
     ] {
         document.apply(&line.parse().unwrap()).unwrap();
     }
-    // The last copies would lie too far away.
+    // The last copies would be too far away.
     let before = State::of(&document);
     document.apply(&"array count=40 step=30000,0,0".parse().unwrap()).unwrap_err();
     assert_eq!(State::of(&document), before);

@@ -1,4 +1,4 @@
-//! Scripts carried out on a document, saved, reopened, undone.
+//! Scripts executed on a document, saved, reopened, undone.
 
 use glam::{UVec3, Vec3};
 use proptest::prelude::*;
@@ -36,7 +36,7 @@ fn synthetic_volume() -> Contents {
     Contents { grid, material }
 }
 
-/// All that undo must bring back, as bytes.
+/// Everything that undo must restore, as bytes.
 fn bytes(contents: &Contents) -> (Vec<u8>, Vec<Option<Vec<u8>>>) {
     let bricks = 0..contents.grid.brick_count();
     let bits = bricks.clone().flat_map(|brick| bytemuck::bytes_of(contents.grid.brick_at(brick)));
@@ -78,7 +78,7 @@ fn a_script_of_200_solids_saves_reloads_and_undoes_to_identical_bytes() {
     assert_eq!(document.history().undo_count() as u32, steps);
     assert!(steps >= 60, "{steps} steps are not much of a test");
 
-    // Saving and opening again is a step like any other.
+    // Saving and reopening is an ordinary step.
     let saved = document.contents().clone();
     document.replace(saved.clone(), "open").unwrap();
     let done = document.apply(&Command::Undo { steps: None }).unwrap();
@@ -92,7 +92,7 @@ fn a_script_of_200_solids_saves_reloads_and_undoes_to_identical_bytes() {
 }
 
 #[test]
-fn scripts_leave_their_sculpture_as_the_commands_do() {
+fn scripts_have_the_same_result_as_their_commands() {
     let script = "new dims=20,20,20 colour=24 fill=empty\n\
                   add cuboid at=10,10,10 half=5 colour=#ff0000\n\
                   subtract ellipsoid at=10,10,10 half=3\n\

@@ -15,7 +15,7 @@ use sculpture_core::tools::construct::{Primitive, Solid};
 use sculpture_core::tools::spray::{Effect, Footprint, Outline, Spray};
 use sculpture_core::tools::symmetry::{Parity, Symmetry};
 
-/// Few colours, so that painting a voxel with the colour it has already is not rare.
+/// Few colours, so that voxels are often painted with the colour that they have.
 pub fn colour() -> impl Strategy<Value = Rgb> {
     prop_oneof![
         Just(Rgb::new(200, 190, 170)),
@@ -150,7 +150,7 @@ pub fn placement() -> impl Strategy<Value = Placement> {
     )
 }
 
-/// Text that a careless writer of scripts would trip over.
+/// Text that needs quotes or escapes in a script.
 pub fn hostile_text() -> impl Strategy<Value = String> {
     prop_oneof![
         any::<String>(),
@@ -214,7 +214,7 @@ fn any_ivec3() -> impl Strategy<Value = IVec3> {
     any::<[i32; 3]>().prop_map(IVec3::from)
 }
 
-/// Commands about areas and copies, with values that make sense in a sculpture of 24 voxels.
+/// Commands about areas and copies, with values that suit a sculpture of 24 voxels.
 pub fn area_work() -> impl Strategy<Value = Command> {
     let near = || prop::array::uniform3(-12i32..24).prop_map(IVec3::from);
     let spray = prop::array::uniform3(0f32..24.0).prop_flat_map(|target| {
@@ -259,7 +259,7 @@ fn any_vec3() -> impl Strategy<Value = Vec3> {
     prop::array::uniform3(any_number()).prop_map(Vec3::from)
 }
 
-/// Every command there is, with every value that its text form can hold.
+/// Every command, with every value that its text form can express.
 pub fn any_command() -> impl Strategy<Value = Command> {
     let steps = || prop::option::of(any::<u32>());
     let solid = prop::sample::select(&Solid::ALL[..]);
@@ -323,7 +323,7 @@ pub fn any_command() -> impl Strategy<Value = Command> {
     ]
 }
 
-/// Commands as someone at work on a small sculpture gives them, in and out of strokes.
+/// Commands of normal work on a small sculpture, in and out of strokes.
 pub fn work() -> impl Strategy<Value = Command> {
     let steps = || prop_oneof![4 => (1u32..4).prop_map(Some), 1 => Just(None)];
     let edit = (op(), primitive(-4.0..28.0, 0.3..14.0))

@@ -1,4 +1,4 @@
-//! The text form of commands: what is written is read back, and what cannot be read is named.
+//! The text form of commands: written commands read back, and unreadable text is reported precisely.
 
 use std::collections::HashSet;
 
@@ -24,7 +24,7 @@ proptest! {
             Err(error) => return Err(TestCaseError::fail(format!("{text}: {error}"))),
         };
         prop_assert_eq!(&read, &command, "{}", &text);
-        // PartialEq takes 0 and -0 for the same; the text must not.
+        // 0 and -0 are equal by PartialEq; their texts must differ.
         prop_assert_eq!(read.to_string(), text);
     }
 
@@ -41,7 +41,7 @@ proptest! {
     }
 
     #[test]
-    fn no_text_is_too_strange_to_refuse(
+    fn any_text_is_read_or_refused_without_a_panic(
         verb in prop::sample::select(COMMANDS.iter().map(|c| c.verb).collect::<Vec<_>>()),
         rest in prop_oneof![
             any::<String>(),
@@ -77,7 +77,7 @@ fn american_spelling_is_read_and_british_written() {
 }
 
 #[test]
-fn an_axis_to_turn_upright_is_written_as_where_all_axes_go() {
+fn turning_an_axis_upright_is_written_as_an_orientation_of_all_axes() {
     for (up, axes) in [
         ("y", "x,y,z"),
         ("z", "x,-z,y"),
@@ -107,7 +107,7 @@ fn a_solid_is_added_in_the_base_colour_unless_one_is_named() {
         Limits::default(),
     )
     .unwrap();
-    // What a voxel was painted before it was taken away is forgotten.
+    // The colour that a voxel had before it was removed is forgotten.
     for line in ["dye colour=#ff0000", "clear", "add cuboid at=8,8,8 half=3"] {
         document.apply(&line.parse().unwrap()).unwrap();
     }
@@ -116,7 +116,7 @@ fn a_solid_is_added_in_the_base_colour_unless_one_is_named() {
 }
 
 #[test]
-fn quoted_paths_are_what_stands_between_the_quotes() {
+fn quoted_paths_are_taken_literally() {
     for path in ["C:\\dir\\new.vsc", "\\\\host\\share\\x.vsc", "C:\\", "\\n\\x41\\\\", "\\", "a e"]
     {
         let line = format!("open \"{path}\"");
@@ -125,18 +125,17 @@ fn quoted_paths_are_what_stands_between_the_quotes() {
         assert_eq!(read.to_str(), Some(path));
         assert_eq!(command.to_string(), line);
     }
-    // A name that holds quotes or is no text needs escapes.
+    // A name with quotes, or that is not valid text, needs escapes.
     let command: Command = "begin e\"say \\\"hi\\\"\\n\\t\\\\\"".parse().unwrap();
     assert_eq!(command, Command::Begin { label: "say \"hi\"\n\t\\".into() });
     assert_eq!(command.to_string(), "begin e\"say \\\"hi\\\"\\n\\t\\\\\"");
-    // Without quotes a backslash is one, too.
+    // Without quotes a backslash is literal as well.
     let command: Command = "save C:\\dir\\new.vsc".parse().unwrap();
     assert_eq!(command.to_string(), "save \"C:\\dir\\new.vsc\"");
 }
 
 proptest! {
-    /// Whatever a Windows file may be called, typed between quotes it is that file, and it is
-    /// written as it was typed.
+    /// Any Windows path, typed between quotes, names that file and is written as it was typed.
     #[test]
     fn windows_paths_survive_both_ways(
         path in "([A-Z]:|\\\\\\\\[a-z]{1,4})(\\\\[-a-z0-9 .#=,'ntrxé]{0,8}){0,5}",
@@ -154,7 +153,7 @@ fn the_table_of_commands_names_each_verb_once() {
     let table: Vec<&str> = COMMANDS.iter().map(|c| c.verb).collect();
     let distinct: HashSet<&str> = table.iter().copied().collect();
     assert_eq!(table.len(), distinct.len());
-    // Random commands until each kind has come up: any of them must be in the table.
+    // Random commands until each kind has occurred: each must be in the table.
     let mut runner = TestRunner::deterministic();
     let strategy = any_command();
     let used: HashSet<&str> =
@@ -163,8 +162,8 @@ fn the_table_of_commands_names_each_verb_once() {
 }
 
 #[test]
-fn the_usage_of_each_command_is_true() {
-    // One line of each command as its usage has it, with all that is optional and without.
+fn the_usage_of_each_command_matches_its_parser() {
+    // Lines of each command according to its usage, with and without the optional parts.
     let lines = [
         "new dims=4,5,6 size=1,2,0.5 colour=8 base=#102030 fill=empty",
         "new dims=4,5,6",
@@ -227,7 +226,7 @@ fn the_usage_of_each_command_is_true() {
     }
     assert_eq!(verbs.len(), COMMANDS.len());
     for help in COMMANDS {
-        // Every key that a line above gives is in the usage, and the other way round.
+        // Every key of the lines above is in the usage, and vice versa.
         let keys = |text: &str| -> HashSet<String> {
             let parts = text.split(['[', ']', ' ', '|']);
             parts.filter_map(|p| p.split_once('=').map(|(key, _)| key.to_string())).collect()

@@ -1,16 +1,16 @@
-//! Random scripts, carried out by the program and by a model that was written apart from it: from
-//! what the manual says alone, with an array of voxels, `f64` and no code of the program's. After
-//! each command every voxel and its colour are compared, and whether the command was refused.
+//! Random scripts, executed by the library and by a model that was written independently of it: from
+//! the manual only, with an array of voxels, `f64`, and none of the library's code. After each
+//! command every voxel and its colour are compared, and whether the command was refused.
 //!
-//! `SCULPTURE_SCRIPTS` says how many scripts (200 unless it is set), `SCULPTURE_SCRIPTS_FROM` which
-//! is the first.
+//! `SCULPTURE_SCRIPTS` sets the number of scripts (default 200), `SCULPTURE_SCRIPTS_FROM` the first
+//! seed.
 
-mod chance;
-mod deed;
-mod maker;
+mod execute;
+mod generator;
 mod model;
+mod random;
 mod solid;
-mod work;
+mod statement;
 
 use glam::{IVec3, UVec3, Vec3};
 use sculpture_core::command::{Command, NewSculpture};
@@ -18,9 +18,9 @@ use sculpture_core::command_text::parse_script;
 use sculpture_core::document::{Document, Limits};
 use sculpture_core::sculpture::{ColourDepth, Rgb};
 
-use chance::Chance;
-use maker::Maker;
+use generator::Generator;
 use model::Model;
+use random::Random;
 
 fn number(name: &str, default: u64) -> u64 {
     match std::env::var(name) {
@@ -50,30 +50,31 @@ fn difference(document: &Document, model: &Model) -> Option<String> {
     None
 }
 
-/// Runs one script in both. Gives how many of its commands were carried out.
+/// Runs one script in both. Returns how many of its commands were accepted.
 fn agree(seed: u64, used: &mut std::collections::BTreeMap<&'static str, u64>) -> u64 {
-    let anything = NewSculpture {
+    // The first command of each script replaces it.
+    let placeholder = NewSculpture {
         dims: UVec3::ONE,
         voxel_size: Vec3::ONE,
         colour_depth: ColourDepth::None,
         base: Rgb::STONE,
         solid: true,
     };
-    let mut document = Document::new(&anything, Limits::default()).unwrap();
-    let mut chance = Chance::new(seed);
+    let mut document = Document::new(&placeholder, Limits::default()).unwrap();
+    let mut random = Random::new(seed);
     let mut model = Model::new();
     let mut script = String::new();
     let mut done = 0;
-    let length = 10 + chance.below(40);
+    let length = 10 + random.below(40);
     for line in 0..length {
-        let deed = Maker { chance: &mut chance, model: &model }.deed(line == 0);
-        let text = deed.to_string();
+        let statement = Generator { random: &mut random, model: &model }.statement(line == 0);
+        let text = statement.to_string();
         script += &format!("{text}\n");
         let (_, command): (usize, Command) = match parse_script(&text) {
             Ok(mut read) => read.remove(0),
             Err(error) => panic!("script {seed}: {text}: {error}"),
         };
-        let expected = model.carry_out(&deed);
+        let expected = model.execute(&statement);
         let result = document.apply(&command);
         if result.is_ok() != expected {
             panic!("script {seed}: {text}\n{result:?}, the model: {expected}\n\n{script}");
@@ -96,8 +97,8 @@ fn random_scripts_equal_the_independent_model() {
     let commands: u64 = (first..first + count).map(|seed| agree(seed, &mut used)).sum();
     trials::note!("{count} scripts, {commands} commands without a difference: {used:?}");
     if count >= 100 {
-        for verb in maker::VERBS {
-            assert!(used.contains_key(verb), "`{verb}` was never carried out");
+        for verb in generator::VERBS {
+            assert!(used.contains_key(verb), "`{verb}` was never accepted");
         }
     }
 }

@@ -1,15 +1,15 @@
-//! A sculpture as the manual has it: an array of voxels, copied for every step of undo.
+//! A sculpture as the manual describes it: an array of voxels, copied for every undo step.
 
 use std::rc::Rc;
 
-use super::deed::{Axes, Colour, Deed, Mirror, Op, Ray};
+use super::statement::{Axes, Colour, Mirror, Op, Ray, Statement};
 
 #[derive(Clone, PartialEq, Debug)]
 pub struct Sculpture {
     pub dims: [usize; 3],
     /// Edge lengths of a voxel.
     pub size: [f64; 3],
-    /// Of colour.
+    /// Bits per colour.
     pub bits: u32,
     pub base: Colour,
     /// The colour of each voxel that exists, x fastest, then y, then z.
@@ -46,8 +46,8 @@ pub struct Model {
     pub limit: bool,
     pub mirrors: [Mirror; 3],
     pub copied: Option<Copied>,
-    pub uses: Vec<Deed>,
-    pub last_uses: Vec<Deed>,
+    pub uses: Vec<Statement>,
+    pub last_uses: Vec<Statement>,
 }
 
 /// A level of `bits` bits nearest to a channel of 8, and that channel again.
@@ -57,7 +57,7 @@ fn rounded(channel: u8, bits: u32) -> u8 {
 }
 
 impl Sculpture {
-    /// A colour as it is kept.
+    /// A colour as it is stored.
     pub fn kept(&self, [r, g, b]: Colour) -> Colour {
         let bits = match self.bits {
             0 => return self.base,
@@ -106,7 +106,7 @@ impl Model {
     }
 
     /// What an array repeats.
-    pub fn last_uses(&self) -> &[Deed] {
+    pub fn last_uses(&self) -> &[Statement] {
         &self.last_uses
     }
 
@@ -272,10 +272,10 @@ impl Model {
         true
     }
 
-    pub fn used(&mut self, deed: &Deed) {
+    pub fn used(&mut self, statement: &Statement) {
         match self.stroke {
-            None => self.last_uses = vec![deed.clone()],
-            Some(_) => self.uses.push(deed.clone()),
+            None => self.last_uses = vec![statement.clone()],
+            Some(_) => self.uses.push(statement.clone()),
         }
     }
 

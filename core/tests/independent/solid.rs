@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::deed::list;
+use super::statement::list;
 
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Shape {

@@ -1,10 +1,13 @@
-//! An OpenXR API layer for tests. It says that the headset can blend pictures with the surroundings
-//! as the environment variable `VS_LAYER_BLEND` has it (`alpha`, `additive`, `opaque`, with
-//! commas), writes what frames are ended with to the file `VS_LAYER_LOG`, a line whenever that
-//! changes, and passes everything on to the runtime as opaque. And while there is a file
-//! `VS_LAYER_OFF`, the headset is taken off: the session stops, and begins anew afterwards
-//! ([`worn`]). `VS_LAYER_SLOW_MS`: so many milliseconds are added to each call by which a program connects
-//! (`xrCreateInstance`, `xrGetSystem`).
+//! An OpenXR API layer for tests, controlled by environment variables:
+//!
+//! - `VS_LAYER_BLEND`: the blend modes to report (`alpha`, `additive`, `opaque`, separated by commas). The
+//!   runtime gets all frames as opaque.
+//! - `VS_LAYER_LOG`: a file to which blend mode and layers of the frames are written, a line whenever they
+//!   change.
+//! - `VS_LAYER_OFF`: while this file exists, the headset is taken off: the session stops, and begins again
+//!   afterwards ([`lifecycle`]).
+//! - `VS_LAYER_SLOW_MS`: milliseconds added to each call of connecting (`xrCreateInstance`,
+//!   `xrGetSystem`).
 //!
 //! Loaded by the OpenXR loader into the program under test. Must not know the program.
 
@@ -16,25 +19,25 @@ use std::time::Duration;
 use openxr_sys as xr;
 use xr::pfn;
 
-mod worn;
+mod lifecycle;
 
-/// The functions of whatever comes next.
+/// The functions of the next layer, or of the runtime.
 #[derive(Clone, Copy)]
 struct Next {
     get_instance_proc_addr: pfn::GetInstanceProcAddr,
     end_frame: pfn::EndFrame,
     get_system: pfn::GetSystem,
-    session: worn::Calls,
+    session: lifecycle::Calls,
 }
 
 static NEXT: Mutex<Option<Next>> = Mutex::new(None);
-static SAID: Mutex<String> = Mutex::new(String::new());
+static LAST_LINE: Mutex<String> = Mutex::new(String::new());
 
 fn next() -> Option<Next> {
     NEXT.lock().ok().and_then(|next| *next)
 }
 
-/// The modes that the headset is to have, the best first.
+/// The modes to report, the preferred one first.
 fn modes() -> Vec<xr::EnvironmentBlendMode> {
     let named = |name: &str| match name {
         "alpha" => Some(xr::EnvironmentBlendMode::ALPHA_BLEND),
@@ -46,8 +49,8 @@ fn modes() -> Vec<xr::EnvironmentBlendMode> {
     text.split(',').filter_map(named).collect()
 }
 
-/// Takes its time, if it is to.
-fn dawdle() {
+/// Waits as long as `VS_LAYER_SLOW_MS` says.
+fn delay() {
     let slow = std::env::var("VS_LAYER_SLOW_MS").ok().and_then(|text| text.parse().ok());
     std::thread::sleep(Duration::from_millis(slow.unwrap_or(0)));
 }
@@ -58,22 +61,22 @@ unsafe extern "system" fn get_system(
     system: *mut xr::SystemId,
 ) -> xr::Result {
     let Some(next) = next() else { return xr::Result::ERROR_RUNTIME_FAILURE };
-    dawdle();
+    delay();
     // SAFETY: passed on as it came.
     unsafe { (next.get_system)(instance, info, system) }
 }
 
-/// Writes a line, unless it is the one that was written last.
-fn say(line: String) {
-    let (Ok(mut said), Some(path)) = (SAID.lock(), std::env::var_os("VS_LAYER_LOG")) else {
+/// Writes a line, unless it equals the last one.
+fn log(line: String) {
+    let (Ok(mut last), Some(path)) = (LAST_LINE.lock(), std::env::var_os("VS_LAYER_LOG")) else {
         return;
     };
-    if *said != line {
+    if *last != line {
         let file = std::fs::File::options().create(true).append(true).open(path);
         if let Err(error) = file.and_then(|mut file| writeln!(file, "{line}")) {
             eprintln!("the layer cannot write: {error}");
         }
-        *said = line;
+        *last = line;
     }
 }
 
@@ -131,7 +134,7 @@ unsafe extern "system" fn end_frame(
             }
         }
     }
-    say(line);
+    log(line);
     let passed =
         xr::FrameEndInfo { environment_blend_mode: xr::EnvironmentBlendMode::OPAQUE, ..*info };
     // SAFETY: the function is that of the next layer, and all that the frame points to is alive.
@@ -162,7 +165,7 @@ unsafe extern "system" fn get_instance_proc_addr(
             // SAFETY: as above.
             Some(unsafe { std::mem::transmute::<pfn::GetSystem, pfn::VoidFunction>(own) })
         }
-        name => worn::own(name),
+        name => lifecycle::own(name),
     };
     if own.is_some() {
         // SAFETY: the caller gives a place for the function.
@@ -188,7 +191,7 @@ unsafe extern "system" fn create_instance(
     else {
         return xr::Result::ERROR_INITIALIZATION_FAILED;
     };
-    dawdle();
+    delay();
     let below = xr::ApiLayerCreateInfo { next_info: link.next, ..*layer };
     // SAFETY: the function is that of the next layer, whose link is the next one.
     let made = unsafe { create(info, &below, instance) };
@@ -202,7 +205,7 @@ unsafe extern "system" fn create_instance(
         found.filter(|_| result == xr::Result::SUCCESS)
     };
     let (Some(end), Some(system), Some(session)) =
-        (function(c"xrEndFrame"), function(c"xrGetSystem"), worn::Calls::find(&function))
+        (function(c"xrEndFrame"), function(c"xrGetSystem"), lifecycle::Calls::find(&function))
     else {
         return xr::Result::ERROR_INITIALIZATION_FAILED;
     };
@@ -219,7 +222,7 @@ unsafe extern "system" fn create_instance(
     xr::Result::SUCCESS
 }
 
-/// What the loader calls first.
+/// The entry point, called first by the loader.
 ///
 /// # Safety
 ///
@@ -246,5 +249,5 @@ pub unsafe extern "system" fn xrNegotiateLoaderApiLayerInterface(
     xr::Result::SUCCESS
 }
 
-/// Of the interface between loader and layers.
+/// Version of the interface between loader and layers.
 const INTERFACE: u32 = 1;

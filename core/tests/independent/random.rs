@@ -1,10 +1,10 @@
 //! Random numbers that are the same for the same seed (SplitMix64, S. Vigna).
 
-pub struct Chance(u64);
+pub struct Random(u64);
 
-impl Chance {
-    pub fn new(seed: u64) -> Chance {
-        Chance(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x5DEE_CE66)
+impl Random {
+    pub fn new(seed: u64) -> Random {
+        Random(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x5DEE_CE66)
     }
 
     fn next(&mut self) -> u64 {
@@ -38,7 +38,7 @@ impl Chance {
         all[self.below(all.len() as u64) as usize]
     }
 
-    pub fn three<T>(&mut self, mut one: impl FnMut(&mut Chance) -> T) -> [T; 3] {
+    pub fn three<T>(&mut self, mut one: impl FnMut(&mut Random) -> T) -> [T; 3] {
         [one(self), one(self), one(self)]
     }
 }

@@ -1,5 +1,5 @@
-//! Compares what an eye sees with what it should see: a cube in the room, projected from the head pose that the test has
-//! set, not from what the program reports.
+//! Compares what an eye sees with what it should see: a cube in the room, projected from the head pose that the test
+//! has set, not from the one that the program reports.
 
 use std::path::Path;
 
@@ -8,8 +8,8 @@ use image::RgbaImage;
 
 use super::remote::{ANGLES, EYES};
 
-/// A shot of both eyes.
-pub struct Shot {
+/// A screenshot of both eyes.
+pub struct Screenshot {
     pub eyes: [RgbaImage; 2],
     head: (Vec3, Quat),
 }
@@ -22,11 +22,11 @@ pub struct Predicted {
     pub rotation: Quat,
 }
 
-impl Shot {
+impl Screenshot {
     /// The pictures in a folder, taken with this head.
-    pub fn read(folder: &Path, head: (Vec3, Quat)) -> Option<Shot> {
+    pub fn read(folder: &Path, head: (Vec3, Quat)) -> Option<Screenshot> {
         let eye = |name: &str| Some(image::open(folder.join(name)).ok()?.into_rgba8());
-        Some(Shot { eyes: [eye("left.png")?, eye("right.png")?], head })
+        Some(Screenshot { eyes: [eye("left.png")?, eye("right.png")?], head })
     }
 
     /// The pixel at which an eye sees a point of the room.
@@ -40,7 +40,7 @@ impl Shot {
             * Vec2::new(width as f32, height as f32)
     }
 
-    /// Demands that the eye sees stone where the cube is and nothing of it elsewhere.
+    /// Asserts that the eye sees the cube exactly where it should be.
     pub fn assert_shows(&self, cube: &Predicted, eye: usize) {
         let corner = |i: usize| {
             let side = |bit: usize| if i >> bit & 1 == 0 { -0.5 } else { 0.5 };
@@ -54,7 +54,7 @@ impl Shot {
             let at = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
             let depth = depth_in(&hull, at);
             // Stone is warm or bright, the background and the lines on the floor are neither. The
-            // red line to the tool lies before all that.
+            // red line to the tool is in front of both.
             let [r, g, b, _] = pixel.0.map(i32::from);
             if r > g + 10 {
                 continue;

@@ -1,17 +1,21 @@
-//! What each line of a script does to the model.
+//! Executes statements on the model.
 
 use std::rc::Rc;
 
-use super::deed::{Area, Axes, Deed, Op};
 use super::model::{Box3, Model, Sculpture};
+use super::statement::{Area, Axes, Op, Statement};
 
 impl Model {
-    /// Does what a line says; false if it must be refused.
-    pub fn carry_out(&mut self, deed: &Deed) -> bool {
+    /// Executes a statement; false if it must be refused.
+    pub fn execute(&mut self, statement: &Statement) -> bool {
         let colours = self.now.bits != 0;
-        match deed {
-            Deed::New { .. } | Deed::Begin | Deed::Array { .. } if self.stroke_open() => false,
-            Deed::New { dims, size, bits, base, solid } => {
+        match statement {
+            Statement::New { .. } | Statement::Begin | Statement::Array { .. }
+                if self.stroke_open() =>
+            {
+                false
+            }
+            Statement::New { dims, size, bits, base, solid } => {
                 let mut new = Sculpture {
                     dims: *dims,
                     size: *size,
@@ -26,12 +30,12 @@ impl Model {
                 self.step(before, true);
                 true
             }
-            Deed::Begin => {
+            Statement::Begin => {
                 self.stroke = Some((self.now.clone(), false));
                 true
             }
-            Deed::End => self.end(),
-            Deed::Cancel => match self.stroke.take() {
+            Statement::End => self.end(),
+            Statement::Cancel => match self.stroke.take() {
                 Some((before, _)) => {
                     self.now = before;
                     self.uses.clear();
@@ -39,12 +43,14 @@ impl Model {
                 }
                 None => false,
             },
-            Deed::Solid { op: Op::Recolour(_), .. } | Deed::Dye { .. } | Deed::Brush { .. }
+            Statement::Solid { op: Op::Recolour(_), .. }
+            | Statement::Dye { .. }
+            | Statement::Brush { .. }
                 if !colours =>
             {
                 false
             }
-            Deed::Solid { op, placed } => {
+            Statement::Solid { op, placed } => {
                 let sculpture = self.now.clone();
                 let solid = placed.ready(sculpture.size);
                 // A voxel is covered if the solid holds its centre or the image of that.
@@ -54,70 +60,70 @@ impl Model {
                     .map(|images| images.iter().any(|p| solid.beyond(*p) <= 0.0))
                     .collect();
                 self.op(*op, |v| sculpture.place(v).is_some_and(|place| covered[place]));
-                self.used(deed);
+                self.used(statement);
                 true
             }
-            Deed::Brush { ray, colour } => {
+            Statement::Brush { ray, colour } => {
                 let met = self.met(ray);
                 self.op(Op::Recolour(*colour), |v| met.contains(&v));
-                self.used(deed);
+                self.used(statement);
                 true
             }
-            Deed::Devour { ray, reach } => {
+            Statement::Devour { ray, reach } => {
                 let met = self.met(ray);
                 let distance = |a: [i64; 3], b: [i64; 3]| {
                     (0..3).map(|i| ((a[i] - b[i]) as f64).powi(2)).sum::<f64>().sqrt()
                 };
                 self.op(Op::Subtract, |v| met.iter().any(|m| distance(*m, v) <= *reach));
-                self.used(deed);
+                self.used(statement);
                 true
             }
-            Deed::Fill { area, colour } => self.area(*area, Op::Add(*colour)),
-            Deed::Clear { area } => self.area(*area, Op::Subtract),
-            Deed::Dye { area, colour } => self.area(*area, Op::Recolour(*colour)),
-            Deed::Mark { at, size } => {
+            Statement::Fill { area, colour } => self.area(*area, Op::Add(*colour)),
+            Statement::Clear { area } => self.area(*area, Op::Subtract),
+            Statement::Dye { area, colour } => self.area(*area, Op::Recolour(*colour)),
+            Statement::Mark { at, size } => {
                 self.marker = Box3 { min: *at, max: std::array::from_fn(|i| at[i] + size[i]) };
                 true
             }
-            Deed::Select { adds } => {
+            Statement::Select { adds } => {
                 self.boxes.push((self.marker, *adds));
                 true
             }
-            Deed::Drop => self.boxes.pop().is_some(),
-            Deed::ClearSelection => {
+            Statement::Drop => self.boxes.pop().is_some(),
+            Statement::ClearSelection => {
                 self.boxes.clear();
                 true
             }
-            Deed::Limit(on) => {
+            Statement::Limit(on) => {
                 self.limit = *on;
                 true
             }
-            Deed::Symmetry(mirrors) => {
+            Statement::Symmetry(mirrors) => {
                 self.mirrors = *mirrors;
                 true
             }
-            Deed::Copy => match self.copy() {
+            Statement::Copy => match self.copy() {
                 Some((copied, _)) => {
                     self.copied = Some(copied);
                     true
                 }
                 None => false,
             },
-            Deed::Cut => {
+            Statement::Cut => {
                 let Some((copied, _)) = self.copy() else { return false };
                 self.copied = Some(copied);
                 self.area(Area::Marker, Op::Subtract)
             }
-            Deed::Paste { at, axes } => {
+            Statement::Paste { at, axes } => {
                 let Some(copied) = &self.copied else { return false };
                 self.put(self.with(copied, *at, axes));
-                self.used(deed);
+                self.used(statement);
                 true
             }
-            Deed::Move { by, axes } => self.carry(*by, axes),
-            Deed::Array { count, step } => self.array(*count, *step),
-            Deed::Undo(steps) => self.travel(*steps, true),
-            Deed::Redo(steps) => self.travel(*steps, false),
+            Statement::Move { by, axes } => self.carry(*by, axes),
+            Statement::Array { count, step } => self.array(*count, *step),
+            Statement::Undo(steps) => self.travel(*steps, true),
+            Statement::Redo(steps) => self.travel(*steps, false),
         }
     }
 
@@ -164,7 +170,7 @@ impl Model {
         self.stroke = Some((self.now.clone(), false));
         for i in 1..=count as i64 {
             for used in &uses {
-                assert!(self.carry_out(&used.shifted(step.map(|s| s * i))));
+                assert!(self.execute(&used.shifted(step.map(|s| s * i))));
             }
         }
         self.end();
@@ -173,18 +179,18 @@ impl Model {
     }
 }
 
-impl Deed {
+impl Statement {
     /// The same use of a tool, further by `by` voxels.
-    fn shifted(&self, by: [i64; 3]) -> Deed {
-        let mut deed = self.clone();
-        match &mut deed {
-            Deed::Solid { placed, .. } => (0..3).for_each(|i| placed.at[i] += by[i] as f64),
-            Deed::Paste { at, .. } => (0..3).for_each(|i| at[i] += by[i]),
-            Deed::Brush { ray, .. } | Deed::Devour { ray, .. } => {
+    fn shifted(&self, by: [i64; 3]) -> Statement {
+        let mut statement = self.clone();
+        match &mut statement {
+            Statement::Solid { placed, .. } => (0..3).for_each(|i| placed.at[i] += by[i] as f64),
+            Statement::Paste { at, .. } => (0..3).for_each(|i| at[i] += by[i]),
+            Statement::Brush { ray, .. } | Statement::Devour { ray, .. } => {
                 (0..3).for_each(|i| ray.through[i] += by[i]);
             }
             _ => unreachable!("no use of a tool"),
         }
-        deed
+        statement
     }
 }

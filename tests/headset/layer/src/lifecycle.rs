@@ -1,4 +1,4 @@
-//! Simulates that the headset is taken off and put on again, while the runtime continues as if it were worn: the program
+//! Simulates that the headset is taken off and put on again, while the runtime itself notices nothing: the program
 //! gets STOPPING, ends the session, gets IDLE, and READY when the headset is put on. Waiting for a frame in between is
 //! an error, as the specification requires.
 
@@ -13,7 +13,7 @@ use xr::pfn;
 
 use crate::next;
 
-/// Functions of whatever comes next.
+/// The functions of the next layer, or of the runtime.
 #[derive(Clone, Copy)]
 pub struct Calls {
     poll_event: pfn::PollEvent,
@@ -44,24 +44,24 @@ impl Calls {
     }
 }
 
-/// What the program believes.
-struct Life {
+/// The session as the program sees it.
+struct SimulatedSession {
     session: xr::Session,
     /// Between begin and end.
     running: bool,
-    /// The program has heard that it is to stop.
+    /// The program has been told to stop.
     stopping: bool,
-    /// States that it is to hear.
+    /// States to report to the program.
     states: VecDeque<xr::SessionState>,
 }
 
-static LIFE: Mutex<Option<Life>> = Mutex::new(None);
+static SESSION: Mutex<Option<SimulatedSession>> = Mutex::new(None);
 
 fn is_off() -> bool {
     std::env::var_os("VS_LAYER_OFF").is_some_and(|path| Path::new(&path).exists())
 }
 
-/// The function that takes the place of the one with this name, if there is one.
+/// The layer's replacement for the function with this name, if it has one.
 pub fn own(name: &[u8]) -> Option<pfn::VoidFunction> {
     std::env::var_os("VS_LAYER_OFF")?;
     // SAFETY: the caller knows by the name which type the function has.
@@ -83,22 +83,22 @@ unsafe extern "system" fn poll_event(
     event: *mut xr::EventDataBuffer,
 ) -> xr::Result {
     let Some(next) = next() else { return xr::Result::ERROR_RUNTIME_FAILURE };
-    if let Ok(mut life) = LIFE.lock()
-        && let Some(life) = &mut *life
+    if let Ok(mut simulated) = SESSION.lock()
+        && let Some(simulated) = &mut *simulated
     {
         use xr::SessionState as State;
-        if is_off() && life.running && !life.stopping {
-            life.stopping = true;
-            life.states.extend([State::VISIBLE, State::SYNCHRONIZED, State::STOPPING]);
-        } else if !is_off() && !life.running && life.stopping {
-            life.stopping = false;
-            life.states.push_back(State::READY);
+        if is_off() && simulated.running && !simulated.stopping {
+            simulated.stopping = true;
+            simulated.states.extend([State::VISIBLE, State::SYNCHRONIZED, State::STOPPING]);
+        } else if !is_off() && !simulated.running && simulated.stopping {
+            simulated.stopping = false;
+            simulated.states.push_back(State::READY);
         }
-        if let Some(state) = life.states.pop_front() {
+        if let Some(state) = simulated.states.pop_front() {
             let changed = xr::EventDataSessionStateChanged {
                 ty: xr::EventDataSessionStateChanged::TYPE,
                 next: std::ptr::null(),
-                session: life.session,
+                session: simulated.session,
                 state,
                 time: xr::Time::from_nanos(1),
             };
@@ -116,27 +116,27 @@ unsafe extern "system" fn begin_session(
     info: *const xr::SessionBeginInfo,
 ) -> xr::Result {
     let Some(next) = next() else { return xr::Result::ERROR_RUNTIME_FAILURE };
-    let Ok(mut life) = LIFE.lock() else { return xr::Result::ERROR_RUNTIME_FAILURE };
-    if let Some(life) = &mut *life {
+    let Ok(mut simulated) = SESSION.lock() else { return xr::Result::ERROR_RUNTIME_FAILURE };
+    if let Some(simulated) = &mut *simulated {
         use xr::SessionState as State;
-        life.running = true;
-        life.states.extend([State::SYNCHRONIZED, State::VISIBLE, State::FOCUSED]);
+        simulated.running = true;
+        simulated.states.extend([State::SYNCHRONIZED, State::VISIBLE, State::FOCUSED]);
         return xr::Result::SUCCESS;
     }
     // SAFETY: passed on as it came.
     let begun = unsafe { (next.session.begin_session)(session, info) };
     let states = VecDeque::new();
-    *life = Some(Life { session, running: true, stopping: false, states });
+    *simulated = Some(SimulatedSession { session, running: true, stopping: false, states });
     begun
 }
 
 unsafe extern "system" fn end_session(session: xr::Session) -> xr::Result {
     let Some(next) = next() else { return xr::Result::ERROR_RUNTIME_FAILURE };
-    if let Ok(mut life) = LIFE.lock()
-        && let Some(life) = life.as_mut().filter(|life| life.stopping)
+    if let Ok(mut simulated) = SESSION.lock()
+        && let Some(simulated) = simulated.as_mut().filter(|simulated| simulated.stopping)
     {
-        life.running = false;
-        life.states.push_back(xr::SessionState::IDLE);
+        simulated.running = false;
+        simulated.states.push_back(xr::SessionState::IDLE);
         return xr::Result::SUCCESS;
     }
     // SAFETY: passed on as it came.
@@ -149,7 +149,9 @@ unsafe extern "system" fn wait_frame(
     state: *mut xr::FrameState,
 ) -> xr::Result {
     let Some(next) = next() else { return xr::Result::ERROR_RUNTIME_FAILURE };
-    let runs = LIFE.lock().is_ok_and(|life| life.as_ref().is_some_and(|life| life.running));
+    let runs = SESSION
+        .lock()
+        .is_ok_and(|simulated| simulated.as_ref().is_some_and(|simulated| simulated.running));
     if !runs {
         return xr::Result::ERROR_SESSION_NOT_RUNNING;
     }

@@ -1,4 +1,4 @@
-//! What a line of a script says, and its text by the grammar of the manual.
+//! The statements of a script as values, and their text by the manual's grammar.
 
 use std::fmt;
 
@@ -31,18 +31,18 @@ pub enum Op {
     Recolour(Colour),
 }
 
-/// One ray along an axis, from outside through the middle of voxels.
+/// One ray along an axis, from outside through the centres of voxels.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Ray {
     pub axis: usize,
     /// Towards higher voxels.
     pub rising: bool,
-    /// The voxels that it runs through; that of `axis` does not matter.
+    /// The voxels that it passes through; the component of `axis` does not matter.
     pub through: [i64; 3],
 }
 
 #[derive(Clone, Debug)]
-pub enum Deed {
+pub enum Statement {
     New { dims: [usize; 3], size: [f64; 3], bits: u32, base: Colour, solid: bool },
     Begin,
     End,
@@ -91,7 +91,7 @@ fn area(area: Area) -> &'static str {
     }
 }
 
-/// The eye stands 100 voxels before the grid; the steps between rays do not matter to one ray.
+/// The eye is 100 voxels before the grid. The spacing of rays does not matter to a single ray.
 fn ray(ray: &Ray) -> String {
     let (mut eye, mut aim) = (ray.through.map(|v| v as f64 + 0.5), [0; 3]);
     eye[ray.axis] = if ray.rising { -100.0 } else { 160.0 };
@@ -107,40 +107,44 @@ fn steps(steps: &Option<usize>) -> String {
     steps.map_or("all".to_string(), |n| n.to_string())
 }
 
-impl fmt::Display for Deed {
+impl fmt::Display for Statement {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Deed::New { dims, size, bits, base, solid } => {
+            Statement::New { dims, size, bits, base, solid } => {
                 let fill = if *solid { "solid" } else { "empty" };
                 let (dims, size, base) = (list(dims), list(size), colour(*base));
                 write!(f, "new dims={dims} size={size} colour={bits} base={base} fill={fill}")
             }
-            Deed::Begin => write!(f, "begin \"a stroke\""),
-            Deed::End => write!(f, "end"),
-            Deed::Cancel => write!(f, "cancel"),
-            Deed::Solid { op, placed } => match op {
+            Statement::Begin => write!(f, "begin \"a stroke\""),
+            Statement::End => write!(f, "end"),
+            Statement::Cancel => write!(f, "cancel"),
+            Statement::Solid { op, placed } => match op {
                 Op::Add(None) => write!(f, "add {placed}"),
                 Op::Add(Some(c)) => write!(f, "add {placed} colour={}", colour(*c)),
                 Op::Subtract => write!(f, "subtract {placed}"),
                 Op::Recolour(c) => write!(f, "recolour {placed} colour={}", colour(*c)),
             },
-            Deed::Brush { ray: r, colour: c } => {
+            Statement::Brush { ray: r, colour: c } => {
                 write!(f, "spray paintbrush {} colour={}", ray(r), colour(*c))
             }
-            Deed::Devour { ray: r, reach } => write!(f, "spray devourer {} reach={reach}", ray(r)),
-            Deed::Fill { area: a, colour: None } => write!(f, "fill {}", area(*a)),
-            Deed::Fill { area: a, colour: Some(c) } => {
+            Statement::Devour { ray: r, reach } => {
+                write!(f, "spray devourer {} reach={reach}", ray(r))
+            }
+            Statement::Fill { area: a, colour: None } => write!(f, "fill {}", area(*a)),
+            Statement::Fill { area: a, colour: Some(c) } => {
                 write!(f, "fill {} colour={}", area(*a), colour(*c))
             }
-            Deed::Clear { area: a } => write!(f, "clear {}", area(*a)),
-            Deed::Dye { area: a, colour: c } => write!(f, "dye {} colour={}", area(*a), colour(*c)),
-            Deed::Mark { at, size } => write!(f, "mark at={} size={}", list(at), list(size)),
-            Deed::Select { adds: true } => write!(f, "select add"),
-            Deed::Select { adds: false } => write!(f, "select subtract"),
-            Deed::Drop => write!(f, "select drop"),
-            Deed::ClearSelection => write!(f, "select clear"),
-            Deed::Limit(on) => write!(f, "limit {}", if *on { "on" } else { "off" }),
-            Deed::Symmetry(mirrors) => {
+            Statement::Clear { area: a } => write!(f, "clear {}", area(*a)),
+            Statement::Dye { area: a, colour: c } => {
+                write!(f, "dye {} colour={}", area(*a), colour(*c))
+            }
+            Statement::Mark { at, size } => write!(f, "mark at={} size={}", list(at), list(size)),
+            Statement::Select { adds: true } => write!(f, "select add"),
+            Statement::Select { adds: false } => write!(f, "select subtract"),
+            Statement::Drop => write!(f, "select drop"),
+            Statement::ClearSelection => write!(f, "select clear"),
+            Statement::Limit(on) => write!(f, "limit {}", if *on { "on" } else { "off" }),
+            Statement::Symmetry(mirrors) => {
                 write!(f, "symmetry")?;
                 for (axis, mirror) in ["x", "y", "z"].iter().zip(mirrors) {
                     let word = format!("{mirror:?}").to_lowercase();
@@ -148,13 +152,15 @@ impl fmt::Display for Deed {
                 }
                 Ok(())
             }
-            Deed::Copy => write!(f, "copy"),
-            Deed::Cut => write!(f, "cut"),
-            Deed::Paste { at, axes: a } => write!(f, "paste at={} axes={}", list(at), axes(a)),
-            Deed::Move { by, axes: a } => write!(f, "move by={} axes={}", list(by), axes(a)),
-            Deed::Array { count, step } => write!(f, "array count={count} step={}", list(step)),
-            Deed::Undo(n) => write!(f, "undo {}", steps(n)),
-            Deed::Redo(n) => write!(f, "redo {}", steps(n)),
+            Statement::Copy => write!(f, "copy"),
+            Statement::Cut => write!(f, "cut"),
+            Statement::Paste { at, axes: a } => write!(f, "paste at={} axes={}", list(at), axes(a)),
+            Statement::Move { by, axes: a } => write!(f, "move by={} axes={}", list(by), axes(a)),
+            Statement::Array { count, step } => {
+                write!(f, "array count={count} step={}", list(step))
+            }
+            Statement::Undo(n) => write!(f, "undo {}", steps(n)),
+            Statement::Redo(n) => write!(f, "redo {}", steps(n)),
         }
     }
 }
