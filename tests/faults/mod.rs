@@ -1,16 +1,16 @@
-//! Puts the layer of this folder between Vulkan's loader and the driver of a program under test.
+//! Inserts the layer of this folder between Vulkan's loader and the driver of a program under test.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The layer for one program, and the file that says what fails.
+/// The layer for one program, and the file that controls it.
 pub struct Faults {
     file: PathBuf,
 }
 
 impl Faults {
-    /// Lets `command` load the layer. `folder`: of this program alone; it becomes its XDG_DATA_HOME, where
-    /// loaders of all versions look for layers, whatever VK_LAYER_PATH says.
+    /// Makes `command` load the layer. `folder`: used by this program only; it becomes its XDG_DATA_HOME, where
+    /// loaders of all versions look for layers, independently of VK_LAYER_PATH.
     pub fn new(folder: &Path, command: &mut Command) -> Faults {
         let tests = trials::executable();
         let library = tests.with_file_name("libvulkan_fault_layer.so");
@@ -36,9 +36,9 @@ impl Faults {
         Faults { file }
     }
 
-    /// Says what fails from now on, a line for each call (see the layer); nothing with an empty text.
+    /// Sets the faults from now on, a line for each call (see the layer); none with an empty text.
     pub fn set(&self, text: &str) {
-        // Whole at every moment.
+        // Renamed, so that the layer never reads half a file.
         let next = self.file.with_extension("next");
         std::fs::write(&next, text).unwrap();
         std::fs::rename(next, &self.file).unwrap();

@@ -1,9 +1,8 @@
 #!/bin/bash
-# What camera.sh runs in the virtual machine: first the example, which says every frame and every
-# change of the camera's state, then the program, of which pictures are compared. Everything it finds
-# is left in out/.
+# Runs in the virtual machine of camera.sh: first the example, which prints every frame and every change
+# of the camera's state, then the program, whose pictures are compared. Results are written to out/.
 set -u
-# In memory: two processes that share a file of the host may see it differently.
+# In memory: two processes may see a file shared with the host differently.
 share=$PWD out=/tmp/out
 mkdir -p $out/frames
 trap 'cp -r $out "$share"' EXIT
@@ -66,7 +65,7 @@ rm -r $out/frames
 
 # The program.
 picture() { import -window root "$out/$1.png"; }
-# Where the video shows a running clock, with nothing before it.
+# The part of the picture in which the video shows a running clock.
 clock=140x40+75+72
 # Pixels of the clock that differ between two pictures.
 differ() { compare -metric AE -extract $clock "$out/$1.png" "$out/$2.png" null: 2>&1; }

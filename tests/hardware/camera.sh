@@ -1,13 +1,12 @@
 #!/usr/bin/env bash
-# The program with a camera that is unplugged and comes back, without one at hand: a virtual machine
-# with a kernel of its own, in it a virtual camera with a moving test picture, an X server, the
-# program and the example `camera` as they were built here.
+# The program with a camera that is unplugged and plugged in again, without camera hardware: a virtual
+# machine with a kernel of its own, a virtual camera with a moving test picture, an X server, the program
+# and the example `camera` as built here.
 #
 #   tests/hardware/camera.sh [PROGRAM [EXAMPLE]]
 #       default: target/debug/virtual-sculpture, target/debug/examples/camera
 #
-# machine.sh says what the environment may hold. Logs and pictures are left in
-# target/test-output/camera.
+# machine.sh lists the environment variables. Logs and pictures are written to target/test-output/camera.
 set -euo pipefail
 . "$(dirname "$0")/machine.sh"
 carry "$(realpath -m "${1:-$root/target/debug/virtual-sculpture}")" virtual-sculpture

@@ -1,11 +1,11 @@
-# What pad.sh and camera.sh have in common; they source it. Finds the virtual machine, or says SKIPPED,
-# and runs a script in it with the program as it was built here.
+# Sourced by pad.sh and camera.sh: finds the virtual machine, or prints SKIPPED, and runs a script in it
+# with the program as built here.
 #
 # VS_SHARED             folder with hardware/ (build-vm.sh, run-in-vm.sh, virtual-gamepad.py);
 #                       default: ../shared
-# VS_HARDWARE_VM        folder of a machine that build-vm.sh has made; no network is needed then.
-#                       Default: target/hardware-vm, made there once if the packages for it are here
-# VS_REQUIRE_HARDWARE=1 fails where it would otherwise say SKIPPED
+# VS_HARDWARE_VM        folder of a machine built by build-vm.sh; then no network is needed.
+#                       Default: target/hardware-vm, built there once if the packages for it are available
+# VS_REQUIRE_HARDWARE=1 fails where it would otherwise print SKIPPED
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 root=$(cd "$here/../.." && pwd)
 kit=$(realpath -m "${VS_SHARED:-$root/../shared}")/hardware
@@ -35,13 +35,13 @@ fi
 share=$(mktemp -d)
 trap 'rm -rf "$share"' EXIT
 
-# Takes PROGRAM into the machine, as NAME.
+# Copies PROGRAM into the machine, as NAME.
 carry() {
     [ -x "$1" ] || { echo "no program at $1: build it first" >&2; exit 1; }
     cp "$1" "$share/$2"
 }
 
-# Runs SCRIPT, which leaves what it finds in out/, and keeps that in target/test-output/FOLDER.
+# Runs SCRIPT, which writes its results to out/, and copies them to target/test-output/FOLDER.
 run_in_machine() {
     local script=$1 out=$root/target/test-output/$2 code=0 library path
     # Libraries that winit loads by name and the machine lacks.
@@ -57,7 +57,7 @@ run_in_machine() {
     mkdir -p "$out"
     cp -r "$share"/out/. "$out" 2>/dev/null || true
     if [ "$code" != 0 ]; then
-        echo "FAILED ($code); what the program said:" >&2
+        echo "FAILED ($code); output of the program:" >&2
         tail -40 "$out/program.log" >&2 || true
         exit 1
     fi

@@ -5,7 +5,7 @@ import re
 import sys
 
 limit = float(sys.argv[1]) * 65535
-# A change of what plays: seconds, strength of both motors. A new device begins a new list.
+# A change of the rumble: seconds, strength of both motors. A new device begins a new list.
 devices = []
 for line in sys.stdin:
     print(line, end="")
@@ -15,7 +15,7 @@ for line in sys.stdin:
     if found and devices:
         seconds, strong, weak, length = float(found[1]), *map(int, found.groups()[1:])
         devices[-1].append((seconds, strong, weak))
-        # Made with no length, it is given one before it is played.
+        # Created without a length, it gets one before it is played.
         assert length <= 200 and (length or not strong), f"an effect of {length} ms goes on"
 assert len(devices) == 2, f"{len(devices)} devices"
 for number, felt in enumerate(devices, 1):

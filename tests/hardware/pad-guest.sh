@@ -1,8 +1,8 @@
 #!/bin/bash
-# What pad.sh runs in the virtual machine: starts X, the program and the pad, plays, and looks at
-# what came of it. Everything it finds is left in out/.
+# Runs in the virtual machine of pad.sh: starts X, the program and the pad, plays input, and checks the
+# effects. Results are written to out/.
 set -u
-# In memory: two processes that share a file of the host may see it differently.
+# In memory: two processes may see a file shared with the host differently.
 share=$PWD out=/tmp/out
 mkdir -p $out
 trap 'cp -r $out "$share"' EXIT
@@ -63,7 +63,7 @@ await 30 "pad with rumble" said 1 'gamepad: .*rumble=true'
 await 60 "rest with a pad" rests
 picture 1-pad-connected
 
-# The tool bites along its way, and the pad feels it.
+# The tool cuts along its path, and the pad rumbles.
 pad 'press a' 'axis lx 0.8' 'sleep 2.5' 'axis lx 0' 'release a' 'wait-ff rumble 1'
 await 60 "a stroke of several bites" wrote 3 '^subtract ellipsoid'
 await 60 "end of the stroke" wrote 1 '^end'
@@ -74,7 +74,7 @@ picture 2-after-the-stroke
 pad 'axis dx -1' 'sleep 0.2' 'axis dx 0'
 await 30 "undo by the cross" wrote 1 '^undo'
 
-# The sculpture moves and turns.
+# The sculpture moves and rotates.
 places=$(count '^place')
 pad 'tap b 0.2'
 await 30 "sculpture mode" said 1 'Sculpture mode'
@@ -83,7 +83,7 @@ await 60 "moved and turned sculpture" wrote $((places + 3)) '^place'
 await 60 "rest after moving" rests
 picture 3-grid-moved
 
-# The stick leads the pointer; a click on the sculpture uses the tool.
+# The stick moves the pointer; a click on the sculpture uses the tool.
 pad 'tap b 0.2'
 await 30 "pointer mode" said 1 'Pointer mode'
 strokes=$(count '^begin')
@@ -92,7 +92,7 @@ await 60 "stroke by a click" wrote $((strokes + 1)) '^begin'
 await 30 "rest after the click" rests
 picture 4-clicked
 
-# Pulled out in the middle of a stroke, and put back.
+# Unplugged in the middle of a stroke, and plugged in again.
 pad 'tap b 0.2'
 await 30 "tool mode" said 1 'Tool mode'
 ends=$(count '^end')

@@ -1,4 +1,4 @@
-//! A private X server without a screen, its input devices and its picture.
+//! A private X server without a monitor (Xvfb): simulated input devices and screenshots.
 
 use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
@@ -45,24 +45,24 @@ impl Display {
         Ok(Display { server, name, x, root, size })
     }
 
-    /// As in the environment variable DISPLAY.
+    /// The value for the environment variable DISPLAY.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Waits until the server has done all that was asked.
+    /// Waits until the server has processed all requests.
     pub fn sync(&self) {
         self.x.sync().unwrap();
     }
 
-    /// Feigns an event of a device: kind as in the X protocol (2 and 3 keys, 4 and 5 buttons, 6
-    /// movement).
+    /// Simulates a device event; `kind` as in the X protocol (2 and 3 keys, 4 and 5 buttons, 6
+    /// motion).
     pub fn device(&self, kind: u8, detail: u8, at: [i16; 2]) {
         self.x.xtest_fake_input(kind, detail, 0, self.root, at[0], at[1], 0).unwrap();
         self.sync();
     }
 
-    /// The key that gives a symbol without modifiers.
+    /// The key that produces a symbol without modifiers.
     pub fn keycode(&self, symbol: Keysym) -> u8 {
         let setup = self.x.setup();
         let (first, count) = (setup.min_keycode, setup.max_keycode - setup.min_keycode + 1);
@@ -109,7 +109,7 @@ impl Picture {
         Picture { size: [width, height], rgb }
     }
 
-    /// This part put over `whole` where it was taken from.
+    /// `whole` with this part pasted at its original position.
     pub fn on(self, whole: &Picture, [x, y, width, height]: [u32; 4]) -> Picture {
         let mut out = whole.clone();
         for row in 0..height {
@@ -121,7 +121,7 @@ impl Picture {
         out
     }
 
-    /// Pixels that are another colour.
+    /// The number of pixels with another colour.
     pub fn differing(&self, other: &Picture) -> usize {
         assert_eq!(self.size, other.size);
         std::iter::zip(&self.rgb, &other.rgb).filter(|(a, b)| a != b).count()
@@ -132,7 +132,7 @@ impl Picture {
         self.rgb.clone()
     }
 
-    /// Different colours.
+    /// The number of different colours.
     pub fn colours(&self) -> usize {
         self.rgb.iter().collect::<std::collections::HashSet<_>>().len()
     }

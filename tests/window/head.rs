@@ -1,15 +1,15 @@
-//! The view follows a head that a script moves.
+//! The view follows a scripted head.
 
 use std::time::Duration;
 
 use super::display_of;
 use super::program::Program;
 
-/// The sculpture, less the panels.
+/// The sculpture without the panels.
 const PICTURE: [u32; 4] = [150, 50, 800, 680];
 
 #[test]
-fn the_picture_goes_with_the_head_and_rests_without() {
+fn the_view_follows_the_head_and_stays_without_it() {
     let display = display_of([1280, 800]);
     let folder = tempfile::tempdir().unwrap();
     let script = folder.path().join("head.txt");
@@ -22,16 +22,16 @@ fn the_picture_goes_with_the_head_and_rests_without() {
         script.display()
     );
     let program = Program::start_with(&display, &[], &settings);
-    // The head moves, and nothing else does: pictures differ by themselves.
+    // Only the head moves, so the picture changes without any input.
     let until = |what: &str, is_so: &dyn Fn() -> bool| program.until(what, is_so);
-    until("pictures come", &|| program.pictures() > 10);
+    until("pictures are shown", &|| program.pictures() > 10);
     let before = display.picture();
     before.save("head-1-left");
     let moved = || display.picture().part(PICTURE).differing(&before.part(PICTURE)) > 20_000;
-    until("the picture goes with the head", &moved);
+    until("the view follows the head", &moved);
     display.picture().save("head-2-right");
 
-    // The window that leads through the calibration, and away again.
+    // The calibration window opens and closes.
     program.leave_picture();
     program.key(&["Control_L", "Shift_L", "h"]);
     let shown = program.pictures();
@@ -39,7 +39,7 @@ fn the_picture_goes_with_the_head_and_rests_without() {
     display.picture().save("head-3-calibration");
     program.key(&["Escape"]);
 
-    // Without the head nothing moves any more.
+    // Without head tracking nothing moves.
     program.key(&["Control_L", "h"]);
     program.settle();
     let off = display.picture();

@@ -1,4 +1,4 @@
-//! A house modelled with mouse and keys alone, in the real window, and replayed from the journal.
+//! A house modelled with mouse and keys in the real window, and replayed from the journal.
 
 use std::process::Command;
 
@@ -9,7 +9,7 @@ use virtual_sculpture::session::Session;
 
 use super::{LEFT, PICTURE, display, shot, start};
 
-// Swatches of the palette, in a window of 1280x800 with a solid in hand.
+// Swatches of the palette, in a window of 1280x800 with a solid selected.
 const STONE: [i16; 2] = [1085, 311];
 const DARK: [i16; 2] = [1145, 311];
 const RED: [i16; 2] = [1055, 341];
@@ -24,7 +24,7 @@ fn a_house_is_built_with_mouse_and_keys() {
     let keys = |names: &[&str]| names.iter().for_each(|name| program.key(&[name]));
     let press = |name: &str, times: usize| (0..times).for_each(|_| program.key(&[name]));
 
-    // An empty grid, seen from the front; a cuboid that adds and stays where it is.
+    // An empty grid from the front; a cuboid that adds and does not follow the pointer.
     program.key(&["Control_L", "Delete"]);
     program.key(&["6"]);
     keys(&["c", "t", "f"]);
@@ -34,7 +34,7 @@ fn a_house_is_built_with_mouse_and_keys() {
     press("bracketright", 12);
     press("Down", 30);
     keys(&["space"]);
-    // The walls on it, one side of the tool after the other.
+    // The walls on it, setting one side length of the tool after the other.
     program.key(&["Shift_L", "Home"]);
     press("bracketright", 7);
     press("Up", 16);
@@ -57,8 +57,8 @@ fn a_house_is_built_with_mouse_and_keys() {
     }
     keys(&["space"]);
     let built = shot(&program, "house-2-door").part(PICTURE);
-    // Windows with the mouse, where the pointer meets the wall; the middle of the picture is the
-    // middle of the grid.
+    // Windows with the mouse, where the pointer is over the wall; the centre of the picture is the
+    // centre of the grid.
     keys(&["f"]);
     press("bracketleft", 4);
     for x in [527, 623] {
@@ -78,7 +78,7 @@ fn a_house_is_built_with_mouse_and_keys() {
     program.settle();
     program.leave_without_saving();
 
-    // What was done is in the journal, and gives the same house without a window.
+    // The journal gives the same house without a window.
     let mut config = Config::default();
     config.new.dims = [96; 3];
     let mut session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
@@ -90,7 +90,7 @@ fn a_house_is_built_with_mouse_and_keys() {
     assert_eq!(
         labels,
         [
-            // What the window began with.
+            // The initial sculpture of the window.
             "new",
             "clear",
             "add cuboid",
@@ -106,10 +106,10 @@ fn a_house_is_built_with_mouse_and_keys() {
     let top = |x: i32, z: i32| (0..96).rev().find(|y| grid.get(IVec3::new(x, *y, z)));
     let (ridge, eaves, ground) = (top(48, 48).unwrap(), top(30, 48).unwrap(), top(20, 75));
     assert!(ridge > eaves + 10, "the roof rises: {ridge} {eaves}");
-    assert!(ground.unwrap() < 50, "the ground lies low");
+    assert!(ground.unwrap() < 50, "the ground is low");
     assert!(document.material().page_count() > 0);
 
-    // The same from outside.
+    // The same with the command line.
     let settings = folder.path().join("small.toml");
     std::fs::write(&settings, "[new]\ndims = [96, 96, 96]\n").unwrap();
     let status = Command::new(env!("CARGO_BIN_EXE_virtual-sculpture"))

@@ -1,5 +1,5 @@
-//! Keys that are changed in the window and used at once, the palette, and copies by key with
-//! nothing on the clipboard.
+//! Key bindings changed in the window and used at once, the command palette, and copies by key with an
+//! empty clipboard.
 
 use super::program::Program;
 use super::{PICTURE, display, shot, tool_home};
@@ -26,13 +26,13 @@ fn write(program: &Program, text: &str) {
 }
 
 #[test]
-fn a_key_is_changed_used_and_remembered_and_the_palette_runs_a_command() {
+fn a_key_is_changed_used_and_saved_and_the_palette_runs_a_command() {
     let display = display();
     let program = start(&display, "dark");
     tool_home(&program);
     let before = shot(&program, "keys-0-before").part(PICTURE);
 
-    // Clear the grid gets the key K: filter for it, then + by keyboard alone.
+    // Bind "clear" to K: filter for it, then its + button.
     program.key(&["F1"]);
     shot(&program, "keys-1-table-dark");
     program.click(FILTER);
@@ -77,7 +77,7 @@ fn a_key_is_changed_used_and_remembered_and_the_palette_runs_a_command() {
 }
 
 #[test]
-fn copies_are_pasted_by_key_with_nothing_on_the_clipboard() {
+fn copies_are_pasted_by_key_with_an_empty_clipboard() {
     let display = display();
     let program = start(&display, "light");
     program.key(&["F1"]);
@@ -101,7 +101,7 @@ fn copies_are_pasted_by_key_with_nothing_on_the_clipboard() {
     program.leave_without_saving();
 }
 
-/// The filter of the window of keys, and the + of the first line below it while one is shown.
+/// The filter of the controls window, and the + of the first row below it.
 const FILTER: [i16; 2] = [600, 160];
 const ADD: [i16; 2] = [639, 250];
 
@@ -113,11 +113,11 @@ fn a_picture_of_the_view_is_saved_by_key_without_tool_and_lines() {
     let before = shot(&program, "keys-30-before");
     program.key(&["F12"]);
     shot(&program, "keys-31-saved");
-    // A sculpture without a file has its pictures where the person's pictures are.
+    // Pictures of a sculpture without a file go to the person's folder of pictures.
     let saved = image::open(program.folder().join("sculpture-1.png")).unwrap().to_rgb8();
     let [_, _, width, height] = PICTURE;
     assert!(saved.width() >= width && saved.height() >= height);
-    // Stone and background are nearly grey, the tool that cuts is not.
+    // Stone and background are nearly grey, the cutting tool is red.
     let red = |[r, g, _]: [u8; 3]| r > g.saturating_add(25);
     let stone = |[r, g, b]: [u8; 3]| r > 120 && g > 100 && b > 80;
     let saved: Vec<[u8; 3]> = saved.pixels().map(|pixel| pixel.0).collect();

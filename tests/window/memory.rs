@@ -1,4 +1,4 @@
-//! The program is used, left and started again: it looks as it was left.
+//! State kept between runs: the program is used, closed and started again, and looks as before.
 
 use super::program::Program;
 use super::{LEFT, display_of, shot};
@@ -6,12 +6,12 @@ use super::{LEFT, display_of, shot};
 /// Room for the main window and that of a panel.
 const SCREEN: [u32; 2] = [1700, 800];
 const HISTORY: [u32; 4] = [1300, 20, 250, 500];
-/// A place where no window is.
+/// A point outside of all windows.
 const NOWHERE: [i16; 2] = [1690, 790];
 const SETTINGS: &str = "[new]\ndims = [96, 96, 96]\n[window]\nguide = false\n";
 
 #[test]
-fn the_program_comes_back_as_it_was_left() {
+fn the_program_restores_its_state() {
     let display = display_of(SCREEN);
     let program = Program::start_with(&display, &[], SETTINGS);
     program.leave_picture();
@@ -42,13 +42,13 @@ fn the_program_comes_back_as_it_was_left() {
     // The same picture of the sculpture with the same tool.
     let sculpture = [140, 60, 660, 600];
     assert_eq!(left.part(sculpture).differing(&again.part(sculpture)), 0);
-    // Beside it edges of panels are rounded to other pixels where the scale was changed on the
-    // way, and the status line has the time of the last picture.
+    // Elsewhere edges of panels are rounded to other pixels, since the scale was changed while it
+    // ran, and the status line shows the time of the last picture.
     let all = [0, 0, 1100, 720];
     let others = left.part(all).differing(&again.part(all));
     assert!(others < 1100 * 720 / 100, "{others}");
 
-    // A stroke, the killed program, and damage: it starts all the same.
+    // After a stroke, a killed program, and damage to the file it still starts.
     program.drag(LEFT, &[[430, 380], [470, 400]]);
     program.settle();
     drop(program);
@@ -59,8 +59,8 @@ fn the_program_comes_back_as_it_was_left() {
         assert_eq!(program.size(), [1280, 800], "{damage:?}");
         assert!(!program.has_window("History"));
         program.close();
-        let (status, said) = program.wait();
-        assert!(status.success(), "{damage:?}: {said}");
+        let (status, output) = program.wait();
+        assert!(status.success(), "{damage:?}: {output}");
     }
     let text = std::fs::read_to_string(&kept).unwrap();
     assert!(text.contains("window = [1280, 800]"), "{text}");

@@ -30,7 +30,7 @@ const RIGHT: u8 = 3;
 /// The picture of the sculpture within a window of 1280x800, with a margin to the panels.
 const PICTURE: [u32; 4] = [120, 50, 900, 700];
 
-/// The program on a display of its own, ready, with a sculpture of 96^3 voxels.
+/// The program on a display of its own, idle, with a sculpture of 96^3 voxels.
 fn start<'a>(display: &'a Display, arguments: &[&str]) -> Program<'a> {
     let program = Program::start(display, arguments);
     program.leave_picture();
@@ -49,7 +49,7 @@ fn display_of(size: [u32; 2]) -> Display {
     Display::start(size).unwrap_or_else(|lack| trials::lacks("VS_REQUIRE_WINDOW", &lack))
 }
 
-/// Moves the tool to its first place, so that pictures with the same voxels are the same.
+/// Moves the tool to its initial position, so that pictures of the same voxels are equal.
 fn tool_home(program: &Program) {
     program.key(&["Shift_L", "Home"]);
     program.settle();
@@ -63,13 +63,13 @@ fn shot(program: &Program, name: &str) -> Picture {
 }
 
 #[test]
-fn a_stroke_changes_the_picture_and_undo_brings_it_back() {
+fn a_stroke_changes_the_picture_and_undo_restores_it() {
     let display = display();
     let program = start(&display, &[]);
     tool_home(&program);
     let before = shot(&program, "1-before").part(PICTURE);
-    let ground = before.colours();
-    assert!(ground > 50, "only {ground} colours: is there a picture?");
+    let colours = before.colours();
+    assert!(colours > 50, "only {colours} colours: is there a picture?");
 
     program.drag(LEFT, &[[430, 380], [470, 400], [520, 410], [560, 400]]);
     tool_home(&program);
@@ -79,12 +79,12 @@ fn a_stroke_changes_the_picture_and_undo_brings_it_back() {
 
     program.key(&["Control_L", "z"]);
     let undone = shot(&program, "3-undone").part(PICTURE);
-    assert_eq!(before.differing(&undone), 0, "undo brings the same picture back");
+    assert_eq!(before.differing(&undone), 0, "undo restores the picture");
     program.key(&["Control_L", "y"]);
     let redone = shot(&program, "4-redone").part(PICTURE);
-    assert_eq!(after.differing(&redone), 0, "redo brings the stroke back");
+    assert_eq!(after.differing(&redone), 0, "redo restores the stroke");
 
-    // Painting and the other ways of rendering.
+    // Painting and the other render modes.
     program.key(&["g"]);
     program.drag(LEFT, &[[640, 250], [700, 260]]);
     tool_home(&program);
@@ -94,7 +94,7 @@ fn a_stroke_changes_the_picture_and_undo_brings_it_back() {
     let ray = shot(&program, "6-ray-caster").part(PICTURE);
     program.key(&["m"]);
     let quickstep = shot(&program, "7-quickstep").part(PICTURE);
-    // The samplers may see another voxel along silhouettes, no more.
+    // The samplers may differ along silhouettes only.
     let pixels = PICTURE[2] * PICTURE[3];
     for other in [&ray, &quickstep] {
         let share = slicing.differing(other) as f32 / pixels as f32;
@@ -102,7 +102,7 @@ fn a_stroke_changes_the_picture_and_undo_brings_it_back() {
     }
     program.key(&["m"]);
 
-    // Closing asks, since the work is in no file.
+    // Closing asks, since the sculpture is not saved.
     program.close();
     let asked = shot(&program, "8-save-before-leaving");
     assert!(asked.differing(&redone.clone().on(&asked, PICTURE)) > 1000, "the question is shown");
@@ -116,23 +116,23 @@ fn a_stroke_changes_the_picture_and_undo_brings_it_back() {
 }
 
 #[test]
-fn the_view_turns_shifts_and_zooms_and_home_brings_it_back() {
+fn the_view_rotates_pans_and_zooms_and_home_resets_it() {
     let display = display();
     let program = start(&display, &[]);
     tool_home(&program);
     let before = shot(&program, "view-1-home").part(PICTURE);
     program.drag(RIGHT, &[[500, 400], [600, 420], [700, 440]]);
-    let turned = shot(&program, "view-2-turned").part(PICTURE);
-    assert!(before.differing(&turned) > 20_000);
+    let rotated = shot(&program, "view-2-rotated").part(PICTURE);
+    assert!(before.differing(&rotated) > 20_000);
     program.drag(MIDDLE, &[[500, 400], [560, 360]]);
-    let shifted = shot(&program, "view-3-shifted").part(PICTURE);
-    assert!(turned.differing(&shifted) > 10_000);
+    let panned = shot(&program, "view-3-panned").part(PICTURE);
+    assert!(rotated.differing(&panned) > 10_000);
     program.wheel([500, 400], 3);
     let zoomed = shot(&program, "view-4-zoomed").part(PICTURE);
-    assert!(shifted.differing(&zoomed) > 10_000);
+    assert!(panned.differing(&zoomed) > 10_000);
     program.drag(LEFT, &[[140, 70], [190, 80]]);
-    let beside = shot(&program, "view-5-turned-beside").part(PICTURE);
-    assert!(zoomed.differing(&beside) > 10_000, "a drag beside the sculpture turns it");
+    let beside = shot(&program, "view-5-rotated-beside").part(PICTURE);
+    assert!(zoomed.differing(&beside) > 10_000, "a drag beside the sculpture rotates it");
     program.key(&["Home"]);
     tool_home(&program);
     let home = shot(&program, "view-6-home-again").part(PICTURE);
@@ -155,26 +155,26 @@ fn the_window_is_resized_minimised_and_restored() {
     }
     program.resize([1280, 800]);
     let back = shot(&program, "size-3-back");
-    // The time of the last picture in the status line is another.
+    // The status line shows another time of the last picture.
     assert_eq!(before.part(PICTURE).differing(&back.part(PICTURE)), 0);
 
     program.hide();
     program.settle();
     let pictures = program.pictures();
     std::thread::sleep(Duration::from_secs(1));
-    let spun = program.pictures() - pictures;
-    assert!(spun <= 5, "{spun} pictures in a second of a hidden window");
+    let drawn = program.pictures() - pictures;
+    assert!(drawn <= 5, "{drawn} pictures in a second of a hidden window");
     program.show();
     let restored = shot(&program, "size-4-restored");
     assert_eq!(before.part(PICTURE).differing(&restored.part(PICTURE)), 0);
 
-    // At rest nothing is drawn.
+    // An idle program draws nothing.
     let pictures = program.pictures();
     std::thread::sleep(Duration::from_secs(2));
-    let spun = program.pictures() - pictures;
-    assert!(spun <= 1, "{spun} pictures in two seconds of rest");
+    let drawn = program.pictures() - pictures;
+    assert!(drawn <= 1, "{drawn} pictures in two idle seconds");
 
-    // Many sizes in a row, faster than they can be drawn.
+    // Many resizes, faster than they can be drawn.
     for i in 0..20 {
         program.resize([700 + 25 * i, 500 + 13 * i]);
     }
@@ -200,7 +200,7 @@ fn every_window_opens_by_key_and_closes_by_escape() {
         program.key(keys);
         let open = shot(&program, &format!("panels-{name}")).part(PICTURE);
         assert!(before.differing(&open) > 10_000, "{name} is shown");
-        // The first leaves a text field, the second the window.
+        // The first Escape leaves a text field, the second closes the window.
         program.key(&["Escape"]);
         program.settle();
         if before.differing(&program.display().picture().part(PICTURE)) > 0 {

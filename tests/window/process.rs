@@ -1,4 +1,4 @@
-//! The program as a process, with what it says in a file: so all that it has said by a moment can be
+//! The program as a process, with its standard error in a file, so that all output up to a moment can be
 //! read at that moment.
 
 use std::path::{Path, PathBuf};
@@ -6,10 +6,10 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// Longer than anything takes, on a slow machine too.
+/// Longest wait for anything, even on a slow machine.
 pub const PATIENCE: Duration = Duration::from_secs(120);
-/// Between two looks.
-pub const LOOK: Duration = Duration::from_millis(5);
+/// Interval between two checks of a condition.
+pub const POLL_INTERVAL: Duration = Duration::from_millis(5);
 
 /// The running program; killed on drop.
 pub struct Process {
@@ -18,13 +18,13 @@ pub struct Process {
 }
 
 impl Process {
-    /// Starts the program with settings of its own, and the validation layers where they are
-    /// installed. `set` says on which display.
+    /// Starts the program with these settings, and the validation layers where they are installed.
+    /// `set` chooses the display.
     pub fn start(arguments: &[&str], settings: &str, set: impl FnOnce(&mut Command)) -> Process {
         Process::start_in(tempfile::tempdir().unwrap().keep(), arguments, settings, set)
     }
 
-    /// The same at home in a folder, where it may have been started before.
+    /// The same with a given home folder, in which it may have been started before.
     pub fn start_in(
         folder: PathBuf,
         arguments: &[&str],
@@ -33,7 +33,7 @@ impl Process {
     ) -> Process {
         let config = folder.join("config.toml");
         std::fs::write(&config, settings).unwrap();
-        let said = std::fs::File::create(folder.join("said.txt")).unwrap();
+        let stderr = std::fs::File::create(folder.join("stderr.txt")).unwrap();
         let mut command = Command::new(env!("CARGO_BIN_EXE_virtual-sculpture"));
         set(&mut command);
         let child = command
@@ -49,7 +49,7 @@ impl Process {
             .env_remove("XDG_CACHE_HOME")
             .current_dir(&folder)
             .stdout(Stdio::null())
-            .stderr(said)
+            .stderr(stderr)
             .spawn()
             .unwrap();
         Process { child: Mutex::new(child), folder }
@@ -64,71 +64,72 @@ impl Process {
         &self.folder
     }
 
-    /// All that the program has said so far.
-    pub fn said(&self) -> String {
-        String::from_utf8_lossy(&std::fs::read(self.folder.join("said.txt")).unwrap()).into_owned()
+    /// The output of the program so far.
+    pub fn output(&self) -> String {
+        String::from_utf8_lossy(&std::fs::read(self.folder.join("stderr.txt")).unwrap())
+            .into_owned()
     }
 
-    /// How often it has said something.
+    /// The number of lines of the output that contain `what`.
     pub fn count(&self, what: &str) -> usize {
-        self.said().lines().filter(|line| line.contains(what)).count()
+        self.output().lines().filter(|line| line.contains(what)).count()
     }
 
-    /// Pictures that the window has shown so far.
+    /// The number of pictures shown so far, in all windows.
     pub fn pictures(&self) -> usize {
         self.count("picture shown")
     }
 
-    /// Whether the last that it has said is that it waits, with a picture in its window.
-    pub fn rests(&self) -> bool {
-        let said = self.said();
-        said.ends_with("at rest\n") && said.contains("picture shown")
+    /// Whether the program is idle: it has shown a picture, and logged last that it waits.
+    pub fn is_idle(&self) -> bool {
+        let output = self.output();
+        output.ends_with("at rest\n") && output.contains("picture shown")
     }
 
-    /// Waits until something is so.
+    /// Waits until `is_so` holds.
     pub fn until(&self, what: &str, is_so: impl Fn() -> bool) {
         let start = Instant::now();
         loop {
-            // Asked first: what is so because the program has ended counts.
+            // Checked first: a condition that holds because the program has ended counts.
             let runs = self.is_running();
             if is_so() {
                 return;
             }
-            assert!(runs, "{what}: the program has ended:\n{}", self.said());
-            assert!(start.elapsed() < PATIENCE, "{what}: in vain:\n{}", self.said());
-            std::thread::sleep(LOOK);
+            assert!(runs, "{what}: the program has ended:\n{}", self.output());
+            assert!(start.elapsed() < PATIENCE, "waited in vain for {what}:\n{}", self.output());
+            std::thread::sleep(POLL_INTERVAL);
         }
     }
 
-    /// Waits for the end; gives how it ended and all that was said.
+    /// Waits for the end; returns the exit status and all output.
     pub fn wait(&self) -> (ExitStatus, String) {
         let start = Instant::now();
         loop {
             let status = self.child.lock().unwrap().try_wait().unwrap();
             if let Some(status) = status {
-                return (status, self.said());
+                return (status, self.output());
             }
-            assert!(start.elapsed() < PATIENCE, "no end:\n{}", self.said());
-            std::thread::sleep(LOOK);
+            assert!(start.elapsed() < PATIENCE, "the program does not end:\n{}", self.output());
+            std::thread::sleep(POLL_INTERVAL);
         }
     }
 
-    /// Neither the program nor the validation layers have complained.
-    pub fn expect_no_complaint(&self) {
-        let said = self.said();
-        let complaints: Vec<&str> = said
+    /// Asserts that neither the program nor the validation layers logged a warning or an error.
+    pub fn expect_no_warnings(&self) {
+        let output = self.output();
+        let warnings: Vec<&str> = output
             .lines()
             .filter(|l| l.contains("virtual_sculpture"))
             .filter(|l| l.contains(" WARN ") || l.contains(" ERROR "))
             .collect();
-        assert!(complaints.is_empty(), "{complaints:#?}");
+        assert!(warnings.is_empty(), "{warnings:#?}");
     }
 
-    /// Waits for the end, which must be without complaint, of the validation layers too.
+    /// Waits for the end, which must be successful and without warnings.
     pub fn expect_clean_exit(&self) {
-        let (status, said) = self.wait();
-        assert!(status.success(), "{status}:\n{said}");
-        self.expect_no_complaint();
+        let (status, output) = self.wait();
+        assert!(status.success(), "{status}:\n{output}");
+        self.expect_no_warnings();
     }
 }
 

@@ -1,7 +1,7 @@
-//! The program in a window on an X server, with the hands of a person.
+//! The program in a window on an X server, driven by simulated mouse and keyboard events.
 //!
-//! Nothing here waits for a time: the program is asked whether it has heard what was done
-//! ([`Program::heard`]), and says when it rests.
+//! Nothing here waits for a time: the program is asked whether it has handled all events
+//! ([`Program::wait_until_handled`]), and logs when it is idle.
 
 use std::ops::Deref;
 use std::path::PathBuf;
@@ -17,9 +17,9 @@ use super::display::Display;
 use super::process::Process;
 use crate::faults::Faults;
 
-/// A small sculpture, and no first steps.
+/// A small sculpture, and no introduction.
 const SETTINGS: &str = "[new]\ndims = [96, 96, 96]\n[window]\nguide = false\n";
-/// In the title of the main window alone.
+/// Part of the title of the main window only.
 const MAIN: &str = "Virtual Sculpture";
 const KEY: u8 = 2;
 const BUTTON: u8 = 4;
@@ -40,7 +40,7 @@ impl Deref for Program<'_> {
 }
 
 impl<'a> Program<'a> {
-    /// Starts the program on a display with settings of its own: a small sculpture.
+    /// Starts the program on a display with a small sculpture.
     pub fn start(display: &'a Display, arguments: &[&str]) -> Program<'a> {
         Program::start_with(display, arguments, SETTINGS)
     }
@@ -50,7 +50,7 @@ impl<'a> Program<'a> {
         Program::start_in(display, tempfile::tempdir().unwrap().keep(), arguments, settings)
     }
 
-    /// The same at home in a folder, where it may have been started before.
+    /// The same with a given home folder, in which it may have been started before.
     pub fn start_in(
         display: &'a Display,
         folder: PathBuf,
@@ -63,7 +63,7 @@ impl<'a> Program<'a> {
         Program { process, display }
     }
 
-    /// Starts it as [`Program::start`] does, with a driver that fails when it is told to.
+    /// Starts it as [`Program::start`] does, with a driver that fails on demand.
     pub fn start_failing(display: &'a Display) -> (Program<'a>, Faults) {
         let folder = tempfile::tempdir().unwrap().keep();
         let mut faults = None;
@@ -78,31 +78,31 @@ impl<'a> Program<'a> {
         self.display
     }
 
-    /// Waits until the program has heard all that was done so far, and has done what follows at
-    /// once. Events come in order; the second question comes in another round of the program's loop
-    /// than the first, and so after what the first round has led to.
-    pub fn heard(&self) {
-        // There is none yet, or none any more.
+    /// Waits until the program has handled all events so far, and their immediate effects. Events come
+    /// in order; the second ping arrives in a later iteration of the program's loop than the first,
+    /// and so after the effects of the first iteration.
+    pub fn wait_until_handled(&self) {
+        // There may be no window yet, or no longer.
         let has_begun = || self.named(MAIN).is_some() || self.pictures() > 0;
         self.until("there is a window", || has_begun() || !self.is_running());
         for _ in 0..2 {
-            self.ask();
+            self.ping();
         }
     }
 
     /// Asks the window whether the program is alive, as window managers do, and waits for the answer.
-    fn ask(&self) {
+    fn ping(&self) {
         let x = &self.display.x;
         let listen = ChangeWindowAttributesAux::new().event_mask(EventMask::SUBSTRUCTURE_NOTIFY);
         x.change_window_attributes(self.display.root, &listen).unwrap();
         let atom = |name: &[u8]| x.intern_atom(false, name).unwrap().reply().unwrap().atom;
         let (protocols, ping) = (atom(b"WM_PROTOCOLS"), atom(b"_NET_WM_PING"));
         while x.poll_for_event().unwrap().is_some() {}
-        // A program that ends has no window any more.
+        // A program that is exiting has no window any more.
         let Some(window) = self.named(MAIN) else { return };
         let data = [ping, x11rb::CURRENT_TIME, window, 0, 0];
-        let question = ClientMessageEvent::new(32, window, protocols, data);
-        x.send_event(false, window, EventMask::NO_EVENT, question).unwrap();
+        let message = ClientMessageEvent::new(32, window, protocols, data);
+        x.send_event(false, window, EventMask::NO_EVENT, message).unwrap();
         self.display.sync();
         self.until("the window answers", || {
             while let Some(event) = x.poll_for_event().unwrap() {
@@ -116,17 +116,17 @@ impl<'a> Program<'a> {
         });
     }
 
-    /// Waits until the program has heard all that was done so far, has shown a picture, and rests.
+    /// Waits until the program has handled all events so far, has shown a picture, and is idle.
     pub fn settle(&self) {
         self.display.sync();
         self.until("there is a picture", || self.pictures() > 0);
-        // Until a round of questions finds it at rest and has led to nothing: what it hears of one
-        // window may come to be drawn in another only rounds later.
+        // Until the pings cause no output: an event of one window may lead to a redraw of another only
+        // some iterations later.
         loop {
-            let before = self.said().len();
-            self.heard();
-            self.until("the program rests", || self.rests());
-            if self.said().len() == before {
+            let before = self.output().len();
+            self.wait_until_handled();
+            self.until("the program is idle", || self.is_idle());
+            if self.output().len() == before {
                 return;
             }
         }
@@ -154,13 +154,13 @@ impl<'a> Program<'a> {
         self.named(title).is_some()
     }
 
-    /// The window of a panel, which may be on its way.
+    /// The window of a panel, once it is open.
     fn panel(&self, title: &str) -> Window {
         self.until("there is the window of a panel", || self.named(title).is_some());
         self.named(title).expect("it was there")
     }
 
-    /// Puts the window of a panel at x, y with a width and height.
+    /// Moves and resizes the window of a panel: x, y, width, height.
     pub fn place_panel(&self, title: &str, [x, y, width, height]: [u32; 4]) {
         let change = ConfigureWindowAux::new().x(x as i32).y(y as i32).width(width).height(height);
         self.display.x.configure_window(self.panel(title), &change).unwrap();
@@ -194,13 +194,13 @@ impl<'a> Program<'a> {
         self.display.device(MOTION, 0, at);
         self.settle();
         self.display.device(BUTTON, 1, at);
-        self.heard();
+        self.wait_until_handled();
         self.display.device(BUTTON + 1, 1, at);
         self.settle();
     }
 
-    /// Presses keys in order and releases them in reverse, with the window in focus (there is no
-    /// window manager that would give it).
+    /// Presses keys in order and releases them in reverse, after setting the focus (there is no window
+    /// manager that would).
     pub fn key(&self, names: &[&str]) {
         self.key_in(self.window(), names);
     }
@@ -208,42 +208,42 @@ impl<'a> Program<'a> {
     fn key_in(&self, window: Window, names: &[&str]) {
         let x = &self.display.x;
         x.set_input_focus(InputFocus::PARENT, window, x11rb::CURRENT_TIME).unwrap();
-        self.heard();
+        self.wait_until_handled();
         let codes: Vec<u8> = names.iter().map(|n| self.display.keycode(symbol(n))).collect();
         for &code in &codes {
             self.display.device(KEY, code, [0, 0]);
-            self.heard();
+            self.wait_until_handled();
         }
         for &code in codes.iter().rev() {
             self.display.device(KEY + 1, code, [0, 0]);
         }
-        self.heard();
+        self.wait_until_handled();
     }
 
-    /// Presses a button at the first point, goes along the others, releases it at the last, and
-    /// leaves the picture.
-    pub fn drag(&self, button: u8, way: &[[i16; 2]]) {
-        self.display.device(MOTION, 0, way[0]);
-        // The pointer is where it points at only once its picture is there.
+    /// Presses a button at the first point, moves along the others, releases it at the last, and leaves
+    /// the picture.
+    pub fn drag(&self, button: u8, path: &[[i16; 2]]) {
+        self.display.device(MOTION, 0, path[0]);
+        // Picking needs the picture that belongs to the pointer's position.
         self.settle();
-        self.display.device(BUTTON, button, way[0]);
+        self.display.device(BUTTON, button, path[0]);
         self.settle();
-        for &at in &way[1..] {
+        for &at in &path[1..] {
             self.display.device(MOTION, 0, at);
-            // Each place has a picture of its own, or the tool would leave it out.
+            // Each point needs a picture of its own, or the stroke would skip it.
             self.settle();
         }
-        self.display.device(BUTTON + 1, button, way[way.len() - 1]);
+        self.display.device(BUTTON + 1, button, path[path.len() - 1]);
         self.settle();
         self.leave_picture();
     }
 
-    /// Puts the pointer beside the picture, where it moves nothing.
+    /// Moves the pointer out of the picture, where it has no effect.
     pub fn leave_picture(&self) {
         self.display.device(MOTION, 0, [30, 700]);
     }
 
-    /// Turns the wheel away from the hand.
+    /// Turns the wheel away from the user.
     pub fn wheel(&self, at: [i16; 2], notches: usize) {
         self.display.device(MOTION, 0, at);
         self.settle();
@@ -284,12 +284,12 @@ impl<'a> Program<'a> {
         let message = ClientMessageEvent::new(32, window, atom(b"WM_PROTOCOLS"), data);
         x.send_event(false, window, EventMask::NO_EVENT, message).unwrap();
         self.display.sync();
-        self.heard();
+        self.wait_until_handled();
     }
 
-    /// Answers the question that leaving asks, and waits for the end.
+    /// Answers the question about unsaved changes, and waits for the end.
     pub fn leave_without_saving(self) {
-        // Save, Don't save, Cancel: two steps of the keyboard lead to the second.
+        // Save, Don't save, Cancel: two Tabs lead to the second button.
         self.key(&["Tab"]);
         self.key(&["Tab"]);
         self.key(&["space"]);
@@ -297,7 +297,7 @@ impl<'a> Program<'a> {
     }
 }
 
-/// The X symbol of a key.
+/// The X keysym of a key.
 fn symbol(name: &str) -> Keysym {
     match name {
         "Control_L" => 0xffe3,

@@ -8,7 +8,7 @@ const SCREEN: [u32; 2] = [1280, 800];
 const PICTURE: [u32; 4] = [150, 50, 800, 680];
 
 #[test]
-fn a_stroke_in_the_right_eye_s_half_is_where_it_is_seen() {
+fn a_stroke_in_the_right_eyes_half_cuts_where_it_is_seen() {
     let display = display_of(SCREEN);
     let settings = "[new]\ndims = [96, 96, 96]\n[window]\nguide = false\n";
     let program = Program::start_with(&display, &[], settings);
@@ -17,7 +17,7 @@ fn a_stroke_in_the_right_eye_s_half_is_where_it_is_seen() {
     tool_home(&program);
     let mono = shot(&program, "stereo-0-mono");
 
-    // Without a second layer of the window's images the next way is side by side.
+    // Without quad-buffered images the next layout is side by side.
     program.key(&["Alt_L", "s"]);
     program.leave_picture();
     let side = shot(&program, "stereo-1-side-by-side");
@@ -26,15 +26,15 @@ fn a_stroke_in_the_right_eye_s_half_is_where_it_is_seen() {
     let parallax = left.differing(&right);
     assert!((2_000..250_000).contains(&parallax), "two eyes, one interface: {parallax}");
 
-    // In the right half, where the right eye sees the middle of the block.
+    // In the right half, where the right eye sees the centre of the block.
     program.drag(LEFT, &[[900, 380], [920, 400], [945, 410]]);
     program.leave_picture();
     tool_home(&program);
     let cut = shot(&program, "stereo-2-cut");
     assert!(cut.part([640, 0, 640, 800]).differing(&right) > 1000, "the right eye sees the cut");
-    assert!(cut.part([0, 0, 640, 800]).differing(&left) > 1000, "and the left one, too");
+    assert!(cut.part([0, 0, 640, 800]).differing(&left) > 1000, "so does the left one");
 
-    // All ways round, back to mono.
+    // Through all layouts, back to mono.
     let mut before = cut;
     for name in ["top-bottom", "rows", "columns", "anaglyph", "mono"] {
         program.key(&["Alt_L", "s"]);
@@ -47,7 +47,7 @@ fn a_stroke_in_the_right_eye_s_half_is_where_it_is_seen() {
     program.leave_picture();
     let undone = shot(&program, "stereo-4-undone").part(PICTURE);
     assert_eq!(undone.differing(&mono.part(PICTURE)), 0, "mono is as it was");
-    // All is undone, so nothing is asked.
+    // Everything is undone, so quitting does not ask.
     program.key(&["Control_L", "q"]);
     program.expect_clean_exit();
 }

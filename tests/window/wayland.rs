@@ -1,5 +1,5 @@
-//! The program in a Wayland compositor without a screen: Weston, whose kiosk shell shows no window
-//! while there is no seat, and whose desktop shell shows all of them.
+//! The program in a headless Wayland compositor: Weston, whose kiosk shell shows no window without a
+//! seat, and whose desktop shell shows all of them.
 //!
 //! Needs `weston` (Debian, Ubuntu: weston). Without it the tests are skipped, or fail
 //! with `VS_REQUIRE_WAYLAND=1`.
@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use crate::gpu::fixture::need_device;
 
-use super::process::{LOOK, PATIENCE, Process};
+use super::process::{PATIENCE, POLL_INTERVAL, Process};
 use crate::faults::Faults;
 
 const SOCKET: &str = "virtual-sculpture-test";
@@ -22,7 +22,7 @@ struct Weston {
 }
 
 impl Weston {
-    /// Starts one with a shell. Skips the test where it is not installed.
+    /// Starts Weston with a shell. Skips the test where it is not installed.
     fn start(shell: &str) -> Weston {
         need_device();
         let folder = tempfile::tempdir().unwrap();
@@ -53,16 +53,16 @@ impl Weston {
                 panic!("Weston ends with {status}");
             }
             assert!(start.elapsed() < PATIENCE, "Weston does not listen");
-            std::thread::sleep(LOOK);
+            std::thread::sleep(POLL_INTERVAL);
         }
     }
 
-    /// The program in it, with a film that asks for a new picture all the time.
+    /// The program in it, with a video that needs new pictures all the time.
     fn program(&self) -> Process {
         self.program_with(|_| {})
     }
 
-    /// The same with more to be set.
+    /// The same with changes to the command.
     fn program_with(&self, set: impl FnOnce(&mut Command)) -> Process {
         let film = self.folder.path().join("film");
         std::fs::create_dir_all(&film).unwrap();
@@ -97,39 +97,39 @@ fn film_of_greys(folder: &Path) {
 }
 
 #[test]
-fn a_window_that_is_never_shown_does_not_stop_the_program() {
+fn a_window_that_is_never_shown_does_not_block_the_program() {
     let weston = Weston::start("kiosk-shell.so");
     let program = weston.program();
-    // Presenting by turns would wait for ever with the first or second picture.
-    let left_out = || program.count("a picture is left out");
-    program.until("the program goes on", || left_out() >= 5);
+    // FIFO would wait forever with the first or second picture.
+    let skipped = || program.count("a picture is left out");
+    program.until("the program goes on", || skipped() >= 5);
     let pictures = program.pictures();
-    program.until("the program goes on", || left_out() >= 10);
-    assert!(program.pictures() <= pictures + 1, "nobody sees them");
-    program.expect_no_complaint();
+    program.until("the program goes on", || skipped() >= 10);
+    assert!(program.pictures() <= pictures + 1, "the window is not visible");
+    program.expect_no_warnings();
 }
 
-/// Where surfaces have no mailbox, presenting waits for the picture before to be seen, which none is.
+/// Without the mailbox mode, presenting waits until the previous picture was visible, which none is.
 #[test]
-fn a_window_that_is_never_shown_does_not_stop_presenting_by_turns() {
+fn a_window_that_is_never_shown_does_not_block_fifo() {
     let weston = Weston::start("kiosk-shell.so");
     let program = weston.program_with(|command| {
         Faults::new(weston.folder.path(), command).set("fifo 0");
     });
     program.until("the program goes on", || program.count("a picture is left out") >= 10);
-    assert!(program.count("pixels, FIFO") > 0, "{}", program.said());
-    program.expect_no_complaint();
+    assert!(program.count("pixels, FIFO") > 0, "{}", program.output());
+    program.expect_no_warnings();
 }
 
 #[test]
-fn a_window_that_is_shown_is_drawn_as_often_as_the_screen_shows_it_and_not_more() {
+fn a_visible_window_is_drawn_at_the_refresh_rate_and_no_faster() {
     let weston = Weston::start("desktop-shell.so");
     let program = weston.program();
-    program.until("pictures come", || program.pictures() >= 20);
+    program.until("pictures are shown", || program.pictures() >= 20);
     let (pictures, start) = (program.pictures(), Instant::now());
-    program.until("pictures go on", || program.pictures() >= pictures + 60);
-    // Weston's screen without a screen shows 60 a second.
+    program.until("more pictures are shown", || program.pictures() >= pictures + 60);
+    // Weston's headless output runs at 60 Hz.
     let rate = (program.pictures() - pictures) as f32 / start.elapsed().as_secs_f32();
     assert!(rate < 75.0, "{rate} pictures a second");
-    program.expect_no_complaint();
+    program.expect_no_warnings();
 }

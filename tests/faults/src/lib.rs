@@ -1,9 +1,9 @@
-//! A Vulkan layer for tests: a driver that fails as the file says that `VS_FAULTS` names. Its lines are
-//! `CALL CODE [BYTES]`, read at every call while the file is there:
+//! A Vulkan layer for tests that makes calls fail. The file `VS_FAULTS` is read at every call; its lines are
+//! `CALL CODE [BYTES]`:
 //!
-//! - `allocate`, `swapchain`, `acquire`, `present` give this result (`VkResult`); an allocation only from
-//!   so many bytes on. What is to be presented is handed over all the same, as the semaphores demand.
-//! - `fifo 0`: surfaces can be presented to by turns alone.
+//! - `allocate`, `swapchain`, `acquire`, `present` return this result (`VkResult`); allocations only from so
+//!   many bytes on. Presents are passed on all the same, since their semaphores must be waited for.
+//! - `fifo 0`: surfaces report FIFO as their only present mode.
 //!
 //! Loaded by the Vulkan loader into the program under test, which it must not know.
 
@@ -17,7 +17,7 @@ use ash::vk::{self, Handle as _};
 
 type Function = vk::PFN_vkVoidFunction;
 
-/// How the loader tells a layer what lies below it (vk_layer.h); for instances and devices the same but
+/// The loader's structure for the chain of layers (vk_layer.h), the same for instances and devices except
 /// for the functions.
 #[repr(C)]
 struct Chain {
@@ -31,7 +31,7 @@ struct Chain {
 struct Link {
     next: *const Link,
     instance: vk::PFN_vkGetInstanceProcAddr,
-    /// Of a device's link only; an instance's has another one here.
+    /// In the link of a device only; that of an instance has another function here.
     device: vk::PFN_vkGetDeviceProcAddr,
 }
 
@@ -45,7 +45,7 @@ enum Below {
     Device(vk::PFN_vkGetDeviceProcAddr, vk::Device),
 }
 
-/// By the table that the loader has put into each object: all of a device have the same.
+/// By the dispatch table that the loader puts into each object: all objects of a device share one.
 static BELOW: Mutex<BTreeMap<usize, Below>> = Mutex::new(BTreeMap::new());
 
 fn table(object: u64) -> usize {
@@ -53,7 +53,7 @@ fn table(object: u64) -> usize {
     unsafe { *(object as *const usize) }
 }
 
-/// A function of the layer below for an object that can be called with.
+/// A function of the layer below for a dispatchable object.
 fn below(object: u64, name: &CStr) -> Function {
     let below = BELOW.lock().ok().and_then(|below| below.get(&table(object)).copied());
     // SAFETY: the functions are of the layer below, the handles of its instance and device.
@@ -65,7 +65,7 @@ fn below(object: u64, name: &CStr) -> Function {
     }
 }
 
-/// The result with which a call is to fail, and the bytes from which on.
+/// The result with which a call is to fail, and the smallest size in bytes.
 fn fault(call: &str) -> Option<(vk::Result, u64)> {
     let text = std::fs::read_to_string(std::env::var_os("VS_FAULTS")?).ok()?;
     text.lines().find_map(|line| {
@@ -79,8 +79,8 @@ fn fault(call: &str) -> Option<(vk::Result, u64)> {
     })
 }
 
-/// Defines a function of the layer that gives a result: it does `$first`, which may return one, and
-/// calls the layer below.
+/// Defines a function of the layer: it runs `$first`, which may return a result, and then calls the layer
+/// below.
 macro_rules! intercept {
     ($own:ident, $name:literal, ($object:ident: $of:ty $(, $argument:ident: $kind:ty)*), $first:expr) => {
         unsafe extern "system" fn $own($object: $of $(, $argument: $kind)*) -> vk::Result {
@@ -184,7 +184,7 @@ intercept!(
     None
 );
 
-/// Takes the layer's link out of the chain of what is to be made.
+/// Takes the layer's link out of the chain of a create info.
 ///
 /// # Safety
 ///
@@ -248,7 +248,7 @@ unsafe extern "system" fn create_device(
     made
 }
 
-/// The function of the layer with this name.
+/// The layer's function with this name.
 fn own(name: &[u8]) -> Function {
     macro_rules! function {
         ($function:expr, $kind:ty) => {
@@ -272,12 +272,12 @@ fn own(name: &[u8]) -> Function {
     }
 }
 
-/// The layer's function, unless the layer below is known to have none of that name.
+/// The layer's function, unless the layer below is known not to have it.
 fn find(object: u64, name: *const c_char) -> Function {
     // SAFETY: the caller gives a text that ends with 0.
     let name = unsafe { CStr::from_ptr(name) };
     let own = own(name.to_bytes());
-    // While an instance is made, the loader asks with an object of its own.
+    // While an instance is created, the loader queries with an object of its own.
     if object == 0 || name == c"vkCreateInstance" {
         return own;
     }
@@ -296,7 +296,7 @@ unsafe extern "system" fn device_function(device: vk::Device, name: *const c_cha
     find(device.as_raw(), name)
 }
 
-/// What the loader and the layer agree upon (vk_layer.h).
+/// The interface between loader and layer (vk_layer.h).
 #[repr(C)]
 pub struct Negotiation {
     kind: u32,
@@ -307,7 +307,7 @@ pub struct Negotiation {
     physical: *const c_void,
 }
 
-/// What the loader calls first.
+/// The entry point, called first by the loader.
 ///
 /// # Safety
 ///

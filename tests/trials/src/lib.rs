@@ -1,10 +1,10 @@
 //! The harness of the integration tests: one binary per crate with `harness = false`, whose `main` is
-//! [`main!`]. It knows all tests of its crate (`#[test]`, which means the attribute of this crate there) and
-//! runs them with the arguments that people know: filters, `--exact`, `--skip`, `--list`, `--test-threads`.
+//! [`main!`]. It collects all tests of its crate (`#[test]`, which is the attribute of this crate there) and
+//! runs them with the usual arguments: filters, `--exact`, `--skip`, `--list`, `--test-threads`.
 //!
-//! Other than in the built-in harness a test may find out, while it runs, that the machine lacks what it
-//! needs: [`skip`] ends it, and it is counted as ignored, with the reason. Output is not captured, so that
-//! tests do not print, but [`note!`].
+//! Unlike with the built-in harness, a test may be skipped while it runs, because the machine lacks what it
+//! needs: [`skip`] ends it, and it is counted as ignored, with the reason. Output is not captured, so tests
+//! do not print, but use [`note!`].
 //!
 //! Knows nothing of the program.
 
@@ -25,7 +25,7 @@ pub use trials_macros::test;
 
 /// A function with the attribute `#[test]`.
 pub struct Test {
-    /// Of the function, with that of its crate.
+    /// Path of the function, including its crate.
     pub path: &'static str,
     pub file: &'static str,
     pub run: fn(),
@@ -33,7 +33,7 @@ pub struct Test {
 
 inventory::collect!(Test);
 
-/// The `main` of a binary of tests.
+/// The `main` function of a test binary.
 #[macro_export]
 macro_rules! main {
     () => {
@@ -43,7 +43,7 @@ macro_rules! main {
     };
 }
 
-/// Prints where `--nocapture` asks for it.
+/// Prints with `--nocapture` or `--show-output`.
 #[macro_export]
 macro_rules! note {
     ($($text:tt)*) => {
@@ -53,7 +53,7 @@ macro_rules! note {
     };
 }
 
-/// What the panic of a skipped test carries.
+/// The panic payload of a skipped test.
 struct Skip(String);
 
 thread_local! {
@@ -61,15 +61,15 @@ thread_local! {
     static CURRENT: RefCell<String> = const { RefCell::new(String::new()) };
 }
 
-/// Ends the running test; it is counted as ignored. To be called by the thread that runs the test.
+/// Ends the running test, which is counted as ignored. Must be called on the thread of the test.
 pub fn skip(reason: &str) -> ! {
     assert!(!current().is_empty(), "only the thread of a test can skip it: {reason}");
-    // Not a panic: nothing is printed.
+    // Unlike `panic!` this prints nothing.
     resume_unwind(Box::new(Skip(reason.to_owned())))
 }
 
-/// Skips the running test because of what the machine lacks, unless the environment variable `required` is
-/// set to anything but "" and "0"; then the test fails.
+/// Skips the running test because the machine lacks something, unless the environment variable `required`
+/// is set to anything but "" and "0"; then the test fails.
 pub fn lacks(required: &str, reason: &str) -> ! {
     let is_required = std::env::var_os(required)
         .is_some_and(|value| !["", "0"].contains(&value.to_string_lossy().as_ref()));
@@ -87,7 +87,7 @@ pub fn is_verbose() -> bool {
     std::env::args().any(|argument| ["--nocapture", "--show-output"].contains(&argument.as_str()))
 }
 
-/// Runs the tests as the arguments say and ends the process. `main` is the source file of the binary,
+/// Runs the tests selected by the arguments and exits. `main` is the source file of the binary,
 /// `crate_folder` that of its crate.
 pub fn run(main: &str, crate_folder: &str) -> ! {
     let mut arguments = Arguments::from_args();
@@ -96,7 +96,7 @@ pub fn run(main: &str, crate_folder: &str) -> ! {
     {
         arguments.test_threads = Some(text.parse().expect("RUST_TEST_THREADS is a number"));
     }
-    refuse_lost_files(&Path::new(crate_folder).join("tests"), main);
+    refuse_unused_files(&Path::new(crate_folder).join("tests"), main);
     let mut tests: Vec<&Test> = inventory::iter::<Test>().collect();
     tests.sort_by_key(|test| test.path);
     assert!(tests.windows(2).all(|two| two[0].path != two[1].path), "two tests have one name");
@@ -132,23 +132,23 @@ fn failure(panic: &(dyn std::any::Any + Send)) -> Failed {
     text.unwrap_or_else(|| "panicked".to_owned()).into()
 }
 
-/// The threads that run tests have no names.
+/// Names the panicking test in the output: the threads that run tests have no names.
 fn print_names_of_panicking_tests() {
-    let usual = std::panic::take_hook();
+    let default_hook = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |info| {
         let test = current();
         if !test.is_empty() {
             eprint!("\ntest {test}:");
         }
-        usual(info);
+        default_hook(info);
     }));
 }
 
-/// Panics if a source file below `folder` has tests of which none is known: it is in no module. Where the
-/// sources are not at hand, there is nothing to compare. Folders that are crates of their own are left out.
-fn refuse_lost_files(folder: &Path, main: &str) {
-    let known: HashSet<&str> = inventory::iter::<Test>().map(|test| test.file).collect();
-    let is_known = |path: &Path| known.iter().any(|file| path.ends_with(file));
+/// Panics if a source file below `folder` has tests of which none is registered, because the file is in no
+/// module. Without the sources there is nothing to check. Folders with crates of their own are skipped.
+fn refuse_unused_files(folder: &Path, main: &str) {
+    let registered: HashSet<&str> = inventory::iter::<Test>().map(|test| test.file).collect();
+    let is_registered = |path: &Path| registered.iter().any(|file| path.ends_with(file));
     let mut folders = vec![folder.to_path_buf()];
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
@@ -159,14 +159,14 @@ fn refuse_lost_files(folder: &Path, main: &str) {
                 }
                 continue;
             }
-            // On other systems than Linux some modules are left out.
+            // On systems other than Linux some modules are left out.
             if !cfg!(target_os = "linux") || path.extension().is_none_or(|end| end != "rs") {
                 continue;
             }
             let text = std::fs::read_to_string(&path).unwrap_or_default();
             let has_tests = text.lines().any(|line| line.trim() == "#[test]");
             assert!(
-                !has_tests || is_known(&path),
+                !has_tests || is_registered(&path),
                 "{} has tests that would not run: it is no module of {main}",
                 path.display()
             );

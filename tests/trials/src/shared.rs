@@ -1,6 +1,5 @@
-//! Finds the shared test data: real volumes, and a script that unpacks an OpenXR runtime, which do not
-//! belong to the project. They lie in the folder that VS_SHARED names, or in `../shared` beside the
-//! project. Knows no test.
+//! Finds the shared test data, which is not part of the project: real volumes, and a script that unpacks an
+//! OpenXR runtime. It is in the folder VS_SHARED, or in `../shared` beside the project. Knows no test.
 
 use std::path::{Path, PathBuf};
 
