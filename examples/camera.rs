@@ -1,5 +1,5 @@
 //! Shows what a video source gives: lists the cameras of this computer, or writes some frames of
-//! any source as PNG and says how they came.
+//! any source as PNG and reports how they arrived.
 //!
 //! ```text
 //! cargo run --example camera
@@ -12,15 +12,17 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
-use virtual_sculpture::say::{self, Unsaid};
+use virtual_sculpture::terminal::{self, OutputError};
 use virtual_sculpture::video::{Address, Frame, State, VideoSource};
 
 fn main() -> ExitCode {
     match run() {
         // As with `| head`: nobody wants more.
-        Err(error) if matches!(error.downcast_ref(), Some(Unsaid::ReaderGone)) => ExitCode::SUCCESS,
+        Err(error) if matches!(error.downcast_ref(), Some(OutputError::ReaderGone)) => {
+            ExitCode::SUCCESS
+        }
         Err(error) => {
-            say::aside(format_args!("error: {error:#}"));
+            terminal::print_notice(format_args!("error: {error:#}"));
             ExitCode::FAILURE
         }
         Ok(()) => ExitCode::SUCCESS,
@@ -42,20 +44,22 @@ fn run() -> Result<()> {
 fn list() -> Result<()> {
     let cameras = virtual_sculpture::video::cameras()?;
     if cameras.is_empty() {
-        say::result("No camera.")?;
+        terminal::print_result("No camera.")?;
     }
     for camera in cameras {
-        say::result(format_args!("v4l2:{}  {}", camera.device.display(), camera.name))?;
+        terminal::print_result(format_args!("v4l2:{}  {}", camera.device.display(), camera.name))?;
         match camera.modes {
             Ok(modes) => {
                 for mode in modes {
                     let format = String::from_utf8_lossy(&mode.format).into_owned();
                     let (width, height, rate) = (mode.width, mode.height, mode.per_second);
                     let size = format!("{width} x {height}");
-                    say::result(format_args!("    {format} {size}, up to {rate:.1} a second"))?;
+                    terminal::print_result(format_args!(
+                        "    {format} {size}, up to {rate:.1} a second"
+                    ))?;
                 }
             }
-            Err(error) => say::result(format_args!("    {error}"))?,
+            Err(error) => terminal::print_result(format_args!("    {error}"))?,
         }
     }
     Ok(())
@@ -77,7 +81,7 @@ fn capture(address: &str, count: u64, folder: &Path) -> Result<()> {
             let path = folder.join(format!("frame-{written:04}.png"));
             save(frame, &path)?;
             let (number, at) = (frame.sequence, frame.position.as_secs_f64());
-            say::done(format_args!("{}: frame {number} at {at:.3} s", path.display()));
+            terminal::print_done(format_args!("{}: frame {number} at {at:.3} s", path.display()));
         }
         let state = match source.state() {
             State::Opening => "opening".to_owned(),
@@ -89,12 +93,12 @@ fn capture(address: &str, count: u64, folder: &Path) -> Result<()> {
         };
         let kind = state.split(' ').next().unwrap_or_default().to_owned();
         if !told.starts_with(&kind) || (kind == "lost:" && told != state) {
-            say::done(&state);
+            terminal::print_done(&state);
             told = state;
         }
         std::thread::sleep(Duration::from_millis(1));
     }
-    say::done(format_args!("{:?}", source.stats()));
+    terminal::print_done(format_args!("{:?}", source.stats()));
     Ok(())
 }
 

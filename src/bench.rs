@@ -31,7 +31,7 @@ use crate::gpu::{Device, DeviceOptions, GpuError, Headless};
 use crate::progress::Progress;
 use crate::render::renderer::DeviceTimes;
 use crate::render::{RenderMode, Volume};
-use crate::say::{self, Unsaid};
+use crate::terminal::{self, OutputError};
 pub use kernel::Kernel;
 use machine::Machine;
 use pictures::{Pictures, Scene};
@@ -135,7 +135,7 @@ pub enum BenchError {
     #[error("cannot write the figures as JSON: {0}")]
     Json(#[from] serde_json::Error),
     #[error(transparent)]
-    Unsaid(#[from] Unsaid),
+    Output(#[from] OutputError),
 }
 
 /// Measures, writes JSON and a plot if requested, and prints tables. Failing to write one of these
@@ -193,8 +193,8 @@ pub fn run(
             text += &format!("\nwrote {}", path.display());
         }
     }
-    let said = say::result(text).map_err(BenchError::from);
-    json.and(plot).and(said)
+    let printed = terminal::print_result(text).map_err(BenchError::from);
+    json.and(plot).and(printed)
 }
 
 fn make(
@@ -222,7 +222,7 @@ fn run_kernel(
             kernel::run(kernel, &mut document, job.size, job.repeat)
         {
             let times = format!("{min_ms:.3} {median_ms:.3} {p99_ms:.3} ms");
-            say::result(format_args!("{name}: {times}: least, median, 99 of 100"))?;
+            terminal::print_result(format_args!("{name}: {times}: least, median, 99 of 100"))?;
         }
     }
     Ok(())

@@ -24,9 +24,9 @@ use crate::headless::{self, Context, DemoScene, PictureRequest, RunJob};
 use crate::picture;
 use crate::progress_bar::Bar;
 use crate::render::RenderMode;
-use crate::say;
 use crate::screen::console;
 use crate::session::Session;
+use crate::terminal;
 use crate::track::{self, TrackArgs};
 
 mod arguments;
@@ -224,10 +224,10 @@ pub fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(words) => return refuse(&words),
     };
-    say::begin_log(cli.quiet);
+    terminal::init_log(cli.quiet);
     match dispatch(cli) {
         Err(error) if !error.is_reader_gone() => {
-            say::aside(format_args!("error: {error}"));
+            terminal::print_notice(format_args!("error: {error}"));
             console::show(&error.to_string());
             ExitCode::from(error.exit_code())
         }
@@ -237,9 +237,9 @@ pub fn main() -> ExitCode {
 
 /// Prints clap's output: help and version, which are results, or errors.
 fn refuse(words: &clap::Error) -> ExitCode {
-    let unsaid = words.print().is_err_and(|error| error.kind() != std::io::ErrorKind::BrokenPipe);
+    let error = words.print().is_err_and(|error| error.kind() != std::io::ErrorKind::BrokenPipe);
     match words.exit_code() {
-        0 => ExitCode::from(u8::from(unsaid)),
+        0 => ExitCode::from(u8::from(error)),
         code => ExitCode::from(u8::try_from(code).unwrap_or(2)),
     }
 }
@@ -280,7 +280,9 @@ fn window_or_demo(
     if cli.file.is_some() || cli.record.is_some() {
         return Err(ProgramError::NoDisplay);
     }
-    say::aside("no display: making the demo instead; see `virtual-sculpture --help` for more");
+    terminal::print_notice(
+        "no display: making the demo instead; see `virtual-sculpture --help` for more",
+    );
     let context = Context { config: &config, device: &device, progress };
     let (scene, picture) = (DemoScene::default(), PictureRequest::default());
     Ok(headless::demo(scene, Path::new("out"), &picture, &context)?)
@@ -328,7 +330,7 @@ fn dispatch(cli: Cli) -> Result<(), ProgramError> {
             Ok(bench::run(&job, &config, &device, &progress)?)
         }
         Some(Job::Commands) => Ok(headless::commands()?),
-        Some(Job::Doctor) => Ok(say::result(doctor::report())?),
+        Some(Job::Doctor) => Ok(terminal::print_result(doctor::report())?),
         None => window_or_demo(cli, config, device, &progress),
     }
 }

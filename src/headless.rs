@@ -19,8 +19,8 @@ use crate::gpu::DeviceOptions;
 use crate::picture::{self, PictureError};
 use crate::progress::Progress;
 use crate::render::RenderMode;
-use crate::say::{self, Unsaid};
 use crate::session::{Session, SessionError};
+use crate::terminal::{self, OutputError};
 use crate::view::StereoLayout;
 
 /// A scene that the program builds from a script.
@@ -138,7 +138,7 @@ pub enum JobError {
     #[error("cannot write {path}: {error}")]
     WriteMarker { path: PathBuf, error: std::io::Error },
     #[error(transparent)]
-    Unsaid(#[from] Unsaid),
+    Output(#[from] OutputError),
 }
 
 /// Renders a file to a picture.
@@ -166,7 +166,9 @@ pub fn marker(id: u32, size_mm: f64, out: &Path) -> Result<(), JobError> {
         .map_err(|error| JobError::WriteMarker { path: out.into(), error })?;
     let side_mm = sheet::side_mm(size_mm);
     let out = out.display();
-    say::done(format_args!("{out}: marker {id}; print it {side_mm} mm wide, its paper included"));
+    terminal::print_done(format_args!(
+        "{out}: marker {id}; print it {side_mm} mm wide, its paper included"
+    ));
     Ok(())
 }
 
@@ -219,7 +221,7 @@ pub fn info(file: &Path, import: &ImportOptions, context: &Context) -> Result<()
     let failed = |error| JobError::Info { path: file.to_path_buf(), error };
     let info = format::info_with(file, import, &context.config.limits(), context.progress)
         .map_err(failed)?;
-    Ok(say::result(info)?)
+    Ok(terminal::print_result(info)?)
 }
 
 /// Builds a scene and writes a picture and the sculpture into `folder`.
@@ -243,7 +245,7 @@ pub fn demo(
 pub fn commands() -> Result<(), JobError> {
     for command in COMMANDS {
         let (verb, usage, tooltip) = (command.verb, command.usage, command.tooltip);
-        say::result(format_args!("{verb} {usage}\n    {tooltip}"))?;
+        terminal::print_result(format_args!("{verb} {usage}\n    {tooltip}"))?;
     }
     Ok(())
 }
@@ -278,7 +280,7 @@ fn save(
     progress: &dyn Progress,
 ) -> Result<(), JobError> {
     session.execute(&Command::Save { path: path.to_path_buf(), form }, progress)?;
-    say::done(format_args!("wrote {}", path.display()));
+    terminal::print_done(format_args!("wrote {}", path.display()));
     Ok(())
 }
 
@@ -302,7 +304,7 @@ fn render_session(
     let options = config.picture_options(context.device);
     for name in picture::render_to_file(session.document_mut(), &view, &options, out)? {
         let UVec2 { x, y } = view.size;
-        say::done(format_args!("wrote {} ({x}x{y})", name.display()));
+        terminal::print_done(format_args!("wrote {} ({x}x{y})", name.display()));
     }
     Ok(())
 }
@@ -310,7 +312,7 @@ fn render_session(
 fn describe(document: &Document) {
     let (grid, material) = (document.grid(), document.material());
     let UVec3 { x, y, z } = grid.dims();
-    say::done(format_args!(
+    terminal::print_done(format_args!(
         "sculpture {x}x{y}x{z}, {} of {} voxels, {} bits of colour, {} painted bricks",
         grid.opaque_count(),
         u64::from(x) * u64::from(y) * u64::from(z),

@@ -16,7 +16,7 @@ use tracking::{Event, HeadPose, HostClock, Source, SourceState};
 
 use crate::config::Config;
 use crate::head_tracking::{SourceAddress, SourceError, source};
-use crate::say::{self, Unsaid};
+use crate::terminal::{self, OutputError};
 
 /// Interval of polling the sources.
 const LOOK_EVERY: Duration = Duration::from_millis(2);
@@ -64,7 +64,7 @@ pub enum TrackError {
     #[error("cannot serve: {0}")]
     Publish(#[from] PublishError),
     #[error(transparent)]
-    Unsaid(#[from] Unsaid),
+    Output(#[from] OutputError),
 }
 
 /// Shows or serves poses until the time is over, a script has ended, or the program is stopped.
@@ -102,7 +102,7 @@ fn serve(
     let devices = [DeviceSpec { name: args.device.clone(), buttons: MAX_BUTTONS }];
     let server = Server::start(ServerOptions { listen, ..Default::default() }, &devices)?;
     let (device, label, at) = (&args.device, address.label(), server.address());
-    say::done(format_args!("serving {device} of {label} at {at}"));
+    terminal::print_done(format_args!("serving {device} of {label} at {at}"));
     let (mut events, mut reports) = (Vec::new(), Vec::new());
     let mut channels: Vec<f64> = Vec::new();
     let started = Instant::now();
@@ -174,7 +174,7 @@ fn show(
 ) -> Result<(), TrackError> {
     const LINE_EVERY: Duration = Duration::from_millis(500);
     for source in sources.iter() {
-        say::result(format_args!("source {}", source.name()))?;
+        terminal::print_result(format_args!("source {}", source.name()))?;
     }
     let (started, mut last_line) = (Instant::now(), Instant::now());
     let (mut tally, mut losses) = (Tally::default(), 0);
@@ -189,7 +189,10 @@ fn show(
         if elapsed >= LINE_EVERY || !goes_on {
             losses += tally.losses;
             for line in lines(&tally, sources, elapsed, losses) {
-                say::result(format_args!("{:7.1} s  {line}", started.elapsed().as_secs_f64()))?;
+                terminal::print_result(format_args!(
+                    "{:7.1} s  {line}",
+                    started.elapsed().as_secs_f64()
+                ))?;
             }
             (tally, last_line) = (Tally::default(), Instant::now());
         }

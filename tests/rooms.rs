@@ -309,7 +309,7 @@ use crate::{
 fn f<'a>(x: &'a str) -> char {
     let text = "crate::text \" crate::more";
     let raw = r#"crate::raw "# ;
-    crate::say::done(text);
+    crate::terminal::done(text);
     '"'
 }
 #[cfg(test)]
@@ -327,7 +327,7 @@ use crate::video;
         (3, "gpu", false),
         (5, "render", false),
         (6, "view", false),
-        (12, "say", false),
+        (12, "terminal", false),
         (17, "scenes", true),
         (19, "sculpture", true),
         (21, "ui", false),

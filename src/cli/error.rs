@@ -8,8 +8,8 @@ use crate::config::ConfigError;
 use crate::head_tracking::SourceError;
 use crate::headless::JobError;
 use crate::picture::PictureError;
-use crate::say::Unsaid;
 use crate::session::SessionError;
+use crate::terminal::OutputError;
 use crate::track::TrackError;
 
 /// Why the program failed.
@@ -28,7 +28,7 @@ pub enum ProgramError {
     #[error(transparent)]
     Bench(#[from] BenchError),
     #[error(transparent)]
-    Unsaid(#[from] Unsaid),
+    Output(#[from] OutputError),
     #[error(
         "there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); `render`, `run`, `convert`, `info`, `demo` and `bench` need none"
     )]
@@ -63,24 +63,24 @@ impl ProgramError {
                 | JobError::Folder { .. }
                 | JobError::WriteMarker { .. }
                 | JobError::Picture(_)
-                | JobError::Unsaid(_),
+                | JobError::Output(_),
             )
             | ProgramError::Track(_)
             | ProgramError::Bench(_)
-            | ProgramError::Unsaid(_)
+            | ProgramError::Output(_)
             | ProgramError::App(_) => 1,
         }
     }
 
     /// Whether nothing failed, but the reader of standard output has closed it.
     pub fn is_reader_gone(&self) -> bool {
-        let unsaid = match self {
-            ProgramError::Unsaid(unsaid)
-            | ProgramError::Job(JobError::Unsaid(unsaid))
-            | ProgramError::Bench(BenchError::Unsaid(unsaid))
-            | ProgramError::Track(TrackError::Unsaid(unsaid)) => unsaid,
+        let error = match self {
+            ProgramError::Output(error)
+            | ProgramError::Job(JobError::Output(error))
+            | ProgramError::Bench(BenchError::Output(error))
+            | ProgramError::Track(TrackError::Output(error)) => error,
             _ => return false,
         };
-        matches!(unsaid, Unsaid::ReaderGone)
+        matches!(error, OutputError::ReaderGone)
     }
 }

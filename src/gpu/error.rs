@@ -4,27 +4,27 @@
 use ash::vk;
 use thiserror::Error;
 
-use crate::remedy;
+use crate::install_hint;
 
 pub type Result<T> = std::result::Result<T, GpuError>;
 
 #[derive(Debug, Error)]
 pub enum GpuError {
-    #[error("no Vulkan loader found ({0}); {remedy}", remedy = remedy::VULKAN_LOADER)]
+    #[error("no Vulkan loader found ({0}); {hint}", hint = install_hint::VULKAN_LOADER)]
     NoLoader(String),
     #[error(
-        "the Vulkan loader supports only version {0}; version 1.3 is needed: {remedy}",
-        remedy = remedy::NEWER_VULKAN_LOADER
+        "the Vulkan loader supports only version {0}; version 1.3 is needed: {hint}",
+        hint = install_hint::NEWER_VULKAN_LOADER
     )]
     LoaderVersion(String),
     #[error(
-        "the Vulkan validation layer was requested but is not installed; {remedy}",
-        remedy = remedy::VALIDATION_LAYER
+        "the Vulkan validation layer was requested but is not installed; {hint}",
+        hint = install_hint::VALIDATION_LAYER
     )]
     NoValidation,
     #[error("the Vulkan loader lacks the instance extension {0}, which {1} needs")]
     InstanceExtension(String, String),
-    #[error("no Vulkan device found; {remedy}", remedy = remedy::VULKAN_DRIVER)]
+    #[error("no Vulkan device found; {hint}", hint = install_hint::VULKAN_DRIVER)]
     NoDevice,
     #[error("no Vulkan device can be used: {0}")]
     NoneSuitable(String),

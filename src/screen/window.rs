@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 use ash::{khr, vk};
 
-use choices::Remedy;
+use choices::Recovery;
 
 use crate::gpu::{
     Device, During, FRAMES_IN_FLIGHT, GpuError, ImagePart, Recorder, Result, Surface, Use,
@@ -160,7 +160,7 @@ impl WindowScreen {
                     return Ok(target);
                 }
                 Err(error) => {
-                    if self.mend(error)? == Remedy::Later {
+                    if self.recover(error)? == Recovery::Later {
                         return Ok(None);
                     }
                 }
@@ -221,21 +221,21 @@ impl WindowScreen {
                 self.stale |= suboptimal && self.has_another_size();
                 Ok(true)
             }
-            Err(error) => self.mend(error).map(|_| false),
+            Err(error) => self.recover(error).map(|_| false),
         }
     }
 
     /// Recovers from a failure of the window system; returns when to try again, which is at once
-    /// except for [`Remedy::Later`].
-    fn mend(&mut self, error: GpuError) -> Result<Remedy> {
-        let remedy = match &error {
-            GpuError::Vulkan { result, .. } => choices::remedy(*result),
+    /// except for [`Recovery::Later`].
+    fn recover(&mut self, error: GpuError) -> Result<Recovery> {
+        let recovery = match &error {
+            GpuError::Vulkan { result, .. } => choices::recovery(*result),
             _ => None,
         };
-        let Some(remedy) = remedy else { return Err(error) };
+        let Some(recovery) = recovery else { return Err(error) };
         self.stale = true;
-        if remedy == Remedy::Rebuild {
-            return Ok(remedy);
+        if recovery == Recovery::NewSwapchain {
+            return Ok(recovery);
         }
         tracing::debug!("{error}; trying again");
         if self.refused.get_or_insert_with(Instant::now).elapsed() > GIVE_UP_AFTER {
@@ -243,7 +243,7 @@ impl WindowScreen {
         }
         self.device.wait_idle()?;
         self.drop_swapchain();
-        if remedy == Remedy::Resurface {
+        if recovery == Recovery::NewSurface {
             let renewed =
                 self.surface.renew().and_then(|()| choose_format(&self.device, &self.surface));
             // Another format needs other pipelines, which the caller has made.
@@ -251,7 +251,7 @@ impl WindowScreen {
                 return Err(error);
             }
         }
-        Ok(remedy)
+        Ok(recovery)
     }
 
     /// Whether window and swapchain differ in size. A swapchain may be suboptimal for other

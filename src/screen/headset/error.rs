@@ -5,13 +5,13 @@ use openxr as xr;
 use thiserror::Error;
 
 use crate::gpu::GpuError;
-use crate::remedy;
+use crate::install_hint;
 
 pub type Result<T> = std::result::Result<T, HeadsetError>;
 
 #[derive(Debug, Error)]
 pub enum HeadsetError {
-    #[error("no OpenXR loader ({0}); {remedy}", remedy = remedy::OPENXR_LOADER)]
+    #[error("no OpenXR loader ({0}); {hint}", hint = install_hint::OPENXR_LOADER)]
     NoLoader(String),
     #[error(
         "no OpenXR runtime is running ({0}); start SteamVR, Monado or the headset's own software"

@@ -3,7 +3,7 @@
 
 use openxr as xr;
 
-use crate::remedy;
+use crate::install_hint;
 
 /// An available OpenXR runtime.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -19,7 +19,7 @@ pub fn probe() -> Result<Runtime, String> {
     // SAFETY: loading runs the loader's initialisers; a system's OpenXR loader is trusted as the
     // Vulkan loader is.
     let entry = unsafe { xr::Entry::load(&()) }
-        .map_err(|error| format!("no OpenXR loader ({error}); {}", remedy::OPENXR_LOADER))?;
+        .map_err(|error| format!("no OpenXR loader ({error}); {}", install_hint::OPENXR_LOADER))?;
     let extensions = entry
         .enumerate_extensions()
         .map_err(|error| format!("the OpenXR loader finds no runtime ({error}); start one"))?;

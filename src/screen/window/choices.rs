@@ -76,25 +76,25 @@ pub fn composite_alpha(of: &vk::SurfaceCapabilitiesKHR) -> vk::CompositeAlphaFla
 
 /// How to recover from a failure of the window system.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Remedy {
+pub enum Recovery {
     /// The window has changed: make another swapchain.
-    Rebuild,
+    NewSwapchain,
     /// The window is still in use, or between two states: try again later.
     Later,
     /// The surface is lost: make another one, with everything that depends on it.
-    Resurface,
+    NewSurface,
 }
 
-/// The remedy of a failure, if there is one.
-pub fn remedy(failure: vk::Result) -> Option<Remedy> {
+/// The recovery from a failure, if there is one.
+pub fn recovery(failure: vk::Result) -> Option<Recovery> {
     match failure {
-        vk::Result::ERROR_OUT_OF_DATE_KHR => Some(Remedy::Rebuild),
-        vk::Result::ERROR_FULL_SCREEN_EXCLUSIVE_MODE_LOST_EXT => Some(Remedy::Rebuild),
+        vk::Result::ERROR_OUT_OF_DATE_KHR => Some(Recovery::NewSwapchain),
+        vk::Result::ERROR_FULL_SCREEN_EXCLUSIVE_MODE_LOST_EXT => Some(Recovery::NewSwapchain),
         // Drivers return the second one if the size of the window has just changed.
         vk::Result::ERROR_NATIVE_WINDOW_IN_USE_KHR | vk::Result::ERROR_INITIALIZATION_FAILED => {
-            Some(Remedy::Later)
+            Some(Recovery::Later)
         }
-        vk::Result::ERROR_SURFACE_LOST_KHR => Some(Remedy::Resurface),
+        vk::Result::ERROR_SURFACE_LOST_KHR => Some(Recovery::NewSurface),
         _ => None,
     }
 }
@@ -170,11 +170,11 @@ mod tests {
     #[test]
     fn what_a_window_system_does_to_a_window_in_a_resize_ends_nothing() {
         use vk::Result as R;
-        assert_eq!(remedy(R::ERROR_OUT_OF_DATE_KHR), Some(Remedy::Rebuild));
-        assert_eq!(remedy(R::ERROR_NATIVE_WINDOW_IN_USE_KHR), Some(Remedy::Later));
-        assert_eq!(remedy(R::ERROR_INITIALIZATION_FAILED), Some(Remedy::Later));
-        assert_eq!(remedy(R::ERROR_SURFACE_LOST_KHR), Some(Remedy::Resurface));
-        assert_eq!(remedy(R::ERROR_DEVICE_LOST), None);
-        assert_eq!(remedy(R::ERROR_OUT_OF_DEVICE_MEMORY), None);
+        assert_eq!(recovery(R::ERROR_OUT_OF_DATE_KHR), Some(Recovery::NewSwapchain));
+        assert_eq!(recovery(R::ERROR_NATIVE_WINDOW_IN_USE_KHR), Some(Recovery::Later));
+        assert_eq!(recovery(R::ERROR_INITIALIZATION_FAILED), Some(Recovery::Later));
+        assert_eq!(recovery(R::ERROR_SURFACE_LOST_KHR), Some(Recovery::NewSurface));
+        assert_eq!(recovery(R::ERROR_DEVICE_LOST), None);
+        assert_eq!(recovery(R::ERROR_OUT_OF_DEVICE_MEMORY), None);
     }
 }

@@ -1,6 +1,6 @@
-//! Owns what to install on the system at hand where something lacks: words for the ends of messages.
+//! What to install on this operating system where something is missing: ends of error messages.
 
-/// Where there is no Vulkan loader.
+/// If there is no Vulkan loader.
 pub const VULKAN_LOADER: &str = if cfg!(windows) {
     "install the current driver of the graphics card, from its maker's site"
 } else if cfg!(target_os = "macos") {
@@ -10,14 +10,14 @@ pub const VULKAN_LOADER: &str = if cfg!(windows) {
      (mesa-vulkan-drivers)"
 };
 
-/// Where the Vulkan loader is too old.
+/// If the Vulkan loader is too old.
 pub const NEWER_VULKAN_LOADER: &str = if cfg!(target_os = "linux") {
     "update libvulkan1 (Fedora: vulkan-loader)"
 } else {
     "install the current driver of the graphics card"
 };
 
-/// Where there is a loader and no device.
+/// If there is a loader but no device.
 pub const VULKAN_DRIVER: &str = if cfg!(target_os = "linux") {
     "install a driver (Debian, Ubuntu: mesa-vulkan-drivers, which also brings the software renderer \
      lavapipe)"
@@ -25,14 +25,14 @@ pub const VULKAN_DRIVER: &str = if cfg!(target_os = "linux") {
     VULKAN_LOADER
 };
 
-/// Where the validation layer is asked for and lacks.
+/// If the validation layer was requested but is not installed.
 pub const VALIDATION_LAYER: &str = if cfg!(target_os = "linux") {
     "install it (Debian, Ubuntu: vulkan-validationlayers)"
 } else {
     "install the Vulkan SDK"
 };
 
-/// Where there is no OpenXR loader.
+/// If there is no OpenXR loader.
 pub const OPENXR_LOADER: &str = if cfg!(windows) {
     "put openxr_loader.dll beside the program (it comes with the OpenXR SDK)"
 } else {
