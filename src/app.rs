@@ -398,7 +398,7 @@ impl ApplicationHandler<Wake> for App {
         match wake {
             Wake::Pad(news) => {
                 let now = news.at.saturating_duration_since(self.started);
-                self.workspace.hear_pad(news, now.as_secs_f64());
+                self.workspace.handle_pad(news, now.as_secs_f64());
                 self.redraw();
             }
             Wake::Headset(connection, event) => self.handle_headset(connection, event),
@@ -425,7 +425,7 @@ impl ApplicationHandler<Wake> for App {
         }
         if let Some(window) = self.detached.get_mut(id) {
             self.resting = false;
-            if window.pane.hear(&event) {
+            if window.pane.handle_event(&event) {
                 window.touch();
             }
             match event {
@@ -443,7 +443,7 @@ impl ApplicationHandler<Wake> for App {
             return;
         }
         let Some(view) = self.view.as_mut().filter(|view| view.pane.id() == id) else { return };
-        let repaint = view.pane.hear(&event);
+        let repaint = view.pane.handle_event(&event);
         match event {
             WindowEvent::RedrawRequested => {
                 self.resting = false;

@@ -248,7 +248,7 @@ impl Workspace {
         let catching = self.ui.dialogs.keys.is_catching();
         let start = self.picture().center();
         for event in self.controls.take_pad_events(now_s) {
-            // What is pressed is heard as a trigger and does nothing else.
+            // What is pressed is taken as a trigger and has no other effect.
             if catching && !matches!(event, PadEvent::Action(ActionEvent::End(_))) {
                 continue;
             }

@@ -55,7 +55,7 @@ impl Desk {
     }
 
     fn news(&mut self, change: PadChange) {
-        self.workspace.hear_pad(PadNews { pad: PAD, at: Instant::now(), change }, self.now_s);
+        self.workspace.handle_pad(PadNews { pad: PAD, at: Instant::now(), change }, self.now_s);
     }
 
     fn picture(&mut self, mut events: Vec<Event>) {

@@ -159,7 +159,7 @@ impl Pane {
         self.egui.egui_ctx()
     }
 
-    /// Lets the next pass hear events that come from no device of the window.
+    /// Adds events to the next pass that come from no device of the window.
     pub fn inject(&mut self, events: Vec<egui::Event>) {
         self.egui.egui_input_mut().events.extend(events);
     }
@@ -261,7 +261,7 @@ impl Pane {
     }
 
     /// Hears an event of the window; true if it calls for another picture.
-    pub fn hear(&mut self, event: &WindowEvent) -> bool {
+    pub fn handle_event(&mut self, event: &WindowEvent) -> bool {
         let unfolded = self.unfold(event);
         let event = unfolded.as_ref().unwrap_or(event);
         if let WindowEvent::Resized(size) = event {

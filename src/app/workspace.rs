@@ -167,9 +167,9 @@ impl Workspace {
     }
 
     /// Takes news of a pad at `now_s` seconds.
-    pub fn hear_pad(&mut self, news: PadNews, now_s: f64) {
+    pub fn handle_pad(&mut self, news: PadNews, now_s: f64) {
         let catching = self.ui.dialogs.keys.is_catching();
-        let report = self.controls.hear_pad(news, now_s, catching);
+        let report = self.controls.handle_pad(news, now_s, catching);
         self.ui.dialogs.keys.hear(report.caught);
         self.show_notices(report.notice);
     }
@@ -216,7 +216,7 @@ impl Workspace {
         };
         let (events, touched) =
             root.ctx().input(|input| (device_events(input, &area), is_touched(input)));
-        for event in self.controls.hear(Some(panel), &events) {
+        for event in self.controls.handle(Some(panel), &events) {
             self.answer_event(&event);
         }
         let mut requests = Vec::new();
@@ -308,8 +308,8 @@ impl Workspace {
             keyboard: self.has_keyboard(root),
         };
         let events = ctx.input(|input| device_events(input, &area));
-        let taps = ctx.input(|input| self.controls.hear_shift_taps(&input.events));
-        for event in self.controls.hear(None, &events) {
+        let taps = ctx.input(|input| self.controls.take_shift_taps(&input.events));
+        for event in self.controls.handle(None, &events) {
             self.answer_event(&event);
         }
         if area.keyboard {

@@ -79,7 +79,7 @@ impl Controls {
 
     /// What the events of a window mean: of a panel's, or of the main one. Each window holds keys of
     /// its own, so that one that loses the focus lets go of its own only.
-    pub fn hear(&mut self, panel: Option<Panel>, events: &[DeviceEvent]) -> Vec<ActionEvent> {
+    pub fn handle(&mut self, panel: Option<Panel>, events: &[DeviceEvent]) -> Vec<ActionEvent> {
         let Some(bindings) = self.presets.get(self.preset) else { return Vec::new() };
         let mapper = match panel {
             Some(panel) => self.panel_mappers.entry(panel).or_default(),
@@ -102,15 +102,15 @@ impl Controls {
     }
 
     /// The action that Shift pressed alone stands for, as often as it was pressed.
-    pub fn hear_shift_taps(&mut self, events: &[egui::Event]) -> Vec<Action> {
+    pub fn take_shift_taps(&mut self, events: &[egui::Event]) -> Vec<Action> {
         let taps = events.iter().filter(|event| self.shift_tap.feed(event)).count();
         let action = self.bindings().and_then(|bindings| bindings.action(Trigger::ShiftTap));
         action.into_iter().cycle().take(if action.is_some() { taps } else { 0 }).collect()
     }
 
-    /// Takes news of a pad; see [`Pads::hear`].
-    pub fn hear_pad(&mut self, news: PadNews, now_s: f64, catching: bool) -> PadReport {
-        self.pads.hear(news, now_s, self.presets.get(self.preset), catching)
+    /// Handles an event of a gamepad; see [`Pads::handle`].
+    pub fn handle_pad(&mut self, news: PadNews, now_s: f64, catching: bool) -> PadReport {
+        self.pads.handle(news, now_s, self.presets.get(self.preset), catching)
     }
 
     /// What the pads have asked for up to `now_s`, in order.
@@ -121,7 +121,7 @@ impl Controls {
 
     /// A panel's window has gone: what was held in it is let go.
     pub fn panel_closed(&mut self, panel: Panel) -> Vec<ActionEvent> {
-        let released = self.hear(Some(panel), &[DeviceEvent::FocusLost]);
+        let released = self.handle(Some(panel), &[DeviceEvent::FocusLost]);
         self.panel_mappers.remove(&panel);
         released
     }

@@ -70,7 +70,7 @@ impl Pads {
 
     /// Takes news of a pad at `now_s` seconds. With `catching` what is pressed is also returned as
     /// triggers, for a key table that waits for one.
-    pub fn hear(
+    pub fn handle(
         &mut self,
         news: PadNews,
         now_s: f64,
@@ -98,7 +98,7 @@ impl Pads {
                     report.caught = pressed.map(|button| Trigger::Pad { button });
                 }
                 if let Some(bindings) = bindings {
-                    self.mapper.hear(news.pad, state, now_s, bindings);
+                    self.mapper.update(news.pad, state, now_s, bindings);
                 }
             }
         }

@@ -1,8 +1,7 @@
-//! Tells movements from leaps of tracking: nothing that a person holds or wears moves faster than
-//! [`LIMIT_M_S`].
+//! Detects jumps of tracking: nothing that a person holds or wears moves faster than [`LIMIT_M_S`].
 //!
-//! [`Pace`] follows a hand, which is trusted again once it has been calm for [`CALM_S`]; [`ViewPace`]
-//! follows the tracked viewpoint of a window. Takes positions and times, in metres and seconds; knows
+//! [`Pace`] follows a hand, which is trusted again once it has been below the limit for [`CALM_S`];
+//! [`ViewPace`] follows the tracked viewpoint of a window. Takes positions and times, in metres and seconds; knows
 //! no tools.
 
 use glam::Vec3;
@@ -31,14 +30,14 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// Follows the hand, if it is tracked, to its present position. True if it has leapt.
+    /// Follows the hand, if it is tracked, to its present position. True if it has jumped.
     pub fn step(&mut self, to: Option<Vec3>, now_s: f64, dt_s: f64) -> bool {
         let from = std::mem::replace(&mut self.at, to);
-        let leapt = from.zip(to).is_some_and(|(from, to)| !is_way(from, to, dt_s));
-        if leapt {
+        let jumped = from.zip(to).is_some_and(|(from, to)| !is_way(from, to, dt_s));
+        if jumped {
             self.doubted_until_s = now_s + CALM_S;
         }
-        leapt
+        jumped
     }
 
     /// Whether its positions can be trusted.
@@ -65,8 +64,8 @@ pub struct ViewPace {
 }
 
 impl ViewPace {
-    /// Follows the viewpoint to its present position, if it is tracked. True if the change is no
-    /// movement: it has leapt, was lost or found, or another one has replaced it.
+    /// Follows the viewpoint to its present position, if it is tracked. True if the change is not
+    /// a movement: it has jumped, was lost or found, or another one has replaced it.
     pub fn step(&mut self, to: Option<(Viewpoint, Vec3)>, now_s: f64) -> bool {
         let Some((kind, to)) = to else { return self.last.take().is_some() };
         let Some((former, from, since_s)) = self.last else {
@@ -87,7 +86,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_leap_is_doubted_until_the_hand_is_calm() {
+    fn a_hand_that_jumped_is_not_trusted_until_it_is_slow() {
         let mut pace = Pace::default();
         let dt_s = 1.0 / 64.0;
         assert!(!pace.step(Some(Vec3::X), 1.0, dt_s), "it has only just been found");
@@ -103,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn a_viewpoint_that_leaps_or_is_lost_does_not_move() {
+    fn jumps_and_losses_of_a_viewpoint_are_not_movements() {
         let mut pace = ViewPace::default();
         let camera = |x: f32| Some((Viewpoint::Camera, Vec3::X * x));
         assert!(!pace.step(None, 0.0), "never tracked");
@@ -113,7 +112,7 @@ mod tests {
         assert!((1..8).all(|i| !pace.step(camera(0.1), 1.033 + 0.008 * f64::from(i))));
         assert!(!pace.step(camera(0.4), 1.1));
         assert!(pace.step(camera(0.9), 1.133), "15 m/s");
-        assert!(pace.step(camera(3.0), 9.0), "a pause excuses no leap");
+        assert!(pace.step(camera(3.0), 9.0), "a pause does not allow a jump");
         assert!(pace.step(camera(f32::NAN), 9.033) && pace.step(camera(3.0), 9.067));
         assert!(pace.step(Some((Viewpoint::Head, Vec3::X * 3.0)), 9.1), "another one");
         assert!(pace.step(None, 9.2) && !pace.step(None, 9.3), "lost");

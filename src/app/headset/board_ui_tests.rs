@@ -324,7 +324,7 @@ impl Ray {
         let main = &mut self.state.hands[HandSide::Right.index()];
         (main.aim, main.trigger) = (aim, trigger);
         self.state.time_s += 1.0 / 20.0;
-        for event in self.mapper.hear(&self.state, Some(&self.board)) {
+        for event in self.mapper.update(&self.state, Some(&self.board)) {
             hand.ui.handle(&event);
         }
         hand.now_s = self.state.time_s;

@@ -127,7 +127,7 @@ impl XrFrameLoop {
     /// Ends what the hands are doing: strokes, carrying, presses on the board.
     pub fn release_hands(&mut self, workspace: &mut Workspace) {
         let mut events = Vec::new();
-        self.mapper.let_go(&mut events);
+        self.mapper.release_all(&mut events);
         self.dispatch(workspace, &events);
         workspace.editor.hand.put_down();
     }
@@ -223,7 +223,7 @@ impl XrFrameLoop {
     fn handle_controllers(&mut self, workspace: &mut Workspace, hands: &HandsState) {
         let main = self.mapper.settings().main;
         let board = self.board.quad(Some(hands), main, workspace.ui.dialogs.is_modal());
-        let events = self.mapper.hear(hands, board.as_ref());
+        let events = self.mapper.update(hands, board.as_ref());
         self.dispatch(workspace, &events);
     }
 

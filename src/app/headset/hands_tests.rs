@@ -62,7 +62,7 @@ impl Person {
 
     fn frame(&mut self) {
         self.state.time_s += FRAME_S;
-        for event in self.mapper.hear(&self.state, None) {
+        for event in self.mapper.update(&self.state, None) {
             self.workspace.answer_hand(&event, &self.room);
         }
     }
@@ -295,7 +295,7 @@ fn a_million_nonsensical_poses_do_no_harm() {
         if !person.state.time_s.is_finite() {
             person.state.time_s = f64::from(frame);
         }
-        let events = person.mapper.hear(&person.state, None);
+        let events = person.mapper.update(&person.state, None);
         assert!(events.len() <= 12, "{events:?}");
         for event in &events {
             person.workspace.answer_hand(event, &person.room);

@@ -30,7 +30,7 @@ pub struct Hit {
     /// In metres of the room.
     pub point: Vec3,
     /// Distance from the hand, in metres.
-    pub way_m: f32,
+    pub distance_m: f32,
 }
 
 impl Hit {
@@ -50,21 +50,21 @@ impl Board {
 
     /// Where the ray of a hand hits the front of the board, if it does.
     pub fn hit(&self, aim: &Pose) -> Option<Hit> {
-        self.meet(aim).filter(Hit::is_inside)
+        self.hit_plane(aim).filter(Hit::is_inside)
     }
 
     /// Where the ray of a hand hits the plane of the board's front, also outside of the board.
-    fn meet(&self, aim: &Pose) -> Option<Hit> {
+    fn hit_plane(&self, aim: &Pose) -> Option<Hit> {
         let (origin, direction) = (self.pose.own(aim.position), aim.forward());
         let direction = self.pose.rotation.inverse() * direction;
-        // The back cannot be pressed.
+        // The back cannot be clicked.
         if !aim.is_plausible() || origin.z <= 0.0 || direction.z >= -1e-4 {
             return None;
         }
-        let way_m = -origin.z / direction.z;
-        let own = origin + direction * way_m;
+        let distance_m = -origin.z / direction.z;
+        let own = origin + direction * distance_m;
         let at = Vec2::new(own.x / self.size_m.x + 0.5, 0.5 - own.y / self.size_m.y);
-        (way_m <= REACH_M).then(|| Hit { at, point: self.pose.at(own), way_m })
+        (distance_m <= REACH_M).then(|| Hit { at, point: self.pose.at(own), distance_m })
     }
 }
 
@@ -86,32 +86,32 @@ impl Pointing {
     /// Travel of the trigger at which a pull begins.
     const BEGUN: f32 = 0.05;
 
-    /// Where the hand points on `board`. `way`: travel of the trigger, 0 to 1; `change`: what its
-    /// switch has just done; `down`: its present state.
+    /// Where the hand points on `board`. `travel`: of the trigger, 0 to 1; `change`: of its switch;
+    /// `down`: the present state of its switch.
     pub fn step(
         &mut self,
         board: &Board,
         aim: &Pose,
-        way: f32,
+        travel: f32,
         change: Option<Change>,
         down: bool,
     ) -> Option<Hit> {
-        let way = if way.is_finite() { way } else { 0.0 };
-        let now = board.meet(aim);
+        let travel = if travel.is_finite() { travel } else { 0.0 };
+        let now = board.hit_plane(aim);
         let hit = now.filter(Hit::is_inside);
         let before = std::mem::replace(&mut self.before, hit);
         let near = |kept: &Hit| {
             now.is_some_and(|now| {
                 let drift_m = ((now.at - kept.at) * board.size_m).length();
-                drift_m <= Self::DRIFT * kept.way_m
+                drift_m <= Self::DRIFT * kept.distance_m
             })
         };
         let held = down || change == Some(Change::Released);
         if !held {
             self.dragging = false;
-            self.least = self.least.min(way);
+            self.least = self.least.min(travel);
         }
-        let pulled = held || way >= self.least + Self::BEGUN;
+        let pulled = held || travel >= self.least + Self::BEGUN;
         if !pulled {
             self.kept = None;
         } else if self.kept.is_none() && (!held || change == Some(Change::Pressed)) {
@@ -124,9 +124,9 @@ impl Pointing {
                 self.dragging = true;
                 hit
             }
-            // The ray moves on to something else with the trigger half pulled.
+            // The ray moves to something else with the trigger half pulled.
             Some(_) => {
-                (self.kept, self.least) = (None, way);
+                (self.kept, self.least) = (None, travel);
                 hit
             }
             None => hit,
@@ -186,9 +186,9 @@ mod tests {
         let board = Board::on_hand(&grip, SIZE);
         assert!(board.pose.position.y > 1.2 + 0.15);
         let eye = Vec3::new(0.0, 1.6, 0.0);
-        assert!(board.pose.own(eye).z > 0.0, "its front is seen");
+        assert!(board.pose.own(eye).z > 0.0, "its front is visible");
         let turned = Pose { rotation: Quat::from_rotation_y(0.5), ..grip };
         let front = Board::on_hand(&turned, SIZE).pose.rotation * Vec3::Z;
-        assert!(front.x > 0.3, "it turns with the hand");
+        assert!(front.x > 0.3, "it rotates with the hand");
     }
 }

@@ -37,7 +37,7 @@ impl Grab {
             HandSide::ALL.map(|side| state.hand(side).grip.filter(|_| gripping[side.index()]));
         let before = std::mem::replace(&mut self.held, now);
         // A hand counts from the call after it has gripped, so that nothing jumps to it or follows
-        // a leap of tracking.
+        // a jump of tracking.
         let pair = |i: usize| {
             let (from, to) = (before[i]?, now[i]?);
             is_way(from.position, to.position, dt_s).then_some((from, to))
@@ -106,7 +106,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_one_hand_holds_stays_in_it(a in pose(), b in pose(), own in pose()) {
+        fn points_held_by_one_hand_stay_in_it(a in pose(), b in pose(), own in pose()) {
             let mut grab = Grab::default();
             prop_assert_eq!(grab.step([true, false], &at([Some(a), None]), DT_S), None);
             let moved = grab.step([true, false], &at([Some(b), None]), DT_S)
@@ -118,7 +118,7 @@ mod tests {
 
         /// Two points under two hands stay under them, however the hands move.
         #[test]
-        fn what_two_hands_hold_stays_under_both(
+        fn points_held_by_two_hands_stay_under_both(
             a in pose(), b in pose(), c in pose(), d in pose(),
         ) {
             prop_assume!(a.position.distance(b.position) > 0.1);
@@ -130,11 +130,11 @@ mod tests {
             prop_assert!(moved.apply(b.position).abs_diff_eq(d.position, 1e-3));
         }
 
-        /// Hands that move as one body carry it rigidly, twist and all.
+        /// Hands that move as one body carry the sculpture rigidly, including its twist.
         #[test]
-        fn two_hands_that_move_as_one_turn_it_as_one(a in pose(), b in pose(), way in pose()) {
+        fn two_hands_that_move_as_one_body_move_it_rigidly(a in pose(), b in pose(), motion in pose()) {
             prop_assume!(a.position.distance(b.position) > 0.1);
-            let by = Similarity { rotation: way.rotation, scale: 1.0, translation: way.position };
+            let by = Similarity { rotation: motion.rotation, scale: 1.0, translation: motion.position };
             let carried = |p: Pose| Pose {
                 position: by.apply(p.position),
                 rotation: by.rotation * p.rotation,
@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn letting_go_and_losing_track_move_nothing() {
+    fn releasing_and_losing_track_move_nothing() {
         let pose = |x| Some(Pose { position: Vec3::X * x, rotation: Quat::IDENTITY });
         let mut grab = Grab::default();
         assert_eq!(grab.step([false, true], &at([None, pose(0.0)]), DT_S), None);
@@ -159,8 +159,8 @@ mod tests {
         assert!(moved.translation.abs_diff_eq(Vec3::X * 0.1, 1e-6));
         assert_eq!(grab.step([false, true], &at([None, None]), DT_S), None, "not tracked");
         assert_eq!(grab.step([false, true], &at([None, pose(0.3)]), DT_S), None, "found again");
-        assert_eq!(grab.step([false, true], &at([None, pose(2.0)]), DT_S), None, "leapt");
-        assert_eq!(grab.step([false, false], &at([None, pose(2.1)]), DT_S), None, "let go");
+        assert_eq!(grab.step([false, true], &at([None, pose(2.0)]), DT_S), None, "jumped");
+        assert_eq!(grab.step([false, false], &at([None, pose(2.1)]), DT_S), None, "released");
         assert!(!grab.is_holding());
     }
 }

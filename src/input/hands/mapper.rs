@@ -1,9 +1,9 @@
-//! From the state of two hands to controller events: who holds the sculpture, where the tool is,
-//! what a press is for.
+//! Maps the state of two controllers to controller events: which hand holds the sculpture, where the
+//! tool is, what a press acts on.
 //!
 //! The **main** hand has the tool: its trigger uses it, its stick resizes it. The **off** hand has
 //! the board, undo and redo. Either grip holds the sculpture, both scale it; the off hand's trigger
-//! holds it, too, for controllers without a grip. A tap of the off trigger or of a menu button
+//! also holds it, for controllers without a grip. A tap of the off trigger or of a menu button
 //! toggles the board, a long press of a menu button brings everything in front of the person. Over
 //! the board the main trigger clicks and the main stick scrolls. A button of the main hand picks
 //! the colour that the tool touches.
@@ -19,20 +19,20 @@ use crate::view::{Pose, Similarity};
 
 /// A press shorter than this is a tap, in seconds.
 const TAP_S: f64 = 0.25;
-/// A menu button held this long brings everything before the person, in seconds.
+/// Duration of a long press of a menu button, in seconds.
 const LONG_S: f64 = 1.0;
-/// Notches of size a second with the stick at its end.
+/// Notches of size per second at full deflection of the stick.
 const RESIZE_PER_S: f32 = 8.0;
-/// Points of scrolling a second with the stick at its end.
+/// Points of scrolling per second at full deflection of the stick.
 const SCROLL_PER_S: f32 = 900.0;
-/// Seconds after which a stick that stays to the side asks again, and between asking again.
+/// Delay until a stick held to the side repeats, and the interval of repeats, in seconds.
 const REPEAT_AFTER_S: f64 = 0.5;
 const REPEAT_EVERY_S: f64 = 0.2;
-/// A hand that rests leaves the tool to the mouse: it leads again when it has moved this far.
+/// A hand at rest leaves the tool to the mouse, until it has moved this far.
 const REST_M: f32 = 0.002;
 const REST_RAD: f32 = 0.02;
 
-/// How hands are heard.
+/// How controllers are interpreted.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct HandSettings {
     /// The hand with the tool.
@@ -49,7 +49,7 @@ pub enum HandEvent {
     Carry(Similarity),
     /// The position of the tool in the room.
     Tool(Pose),
-    /// The use of the tool begins, or ends.
+    /// Use of the tool begins or ends.
     Press,
     Release,
     /// The tool becomes larger by notches, or smaller below 0.
@@ -66,17 +66,17 @@ pub enum HandEvent {
     Point(Vec2),
     /// The ray has left the board.
     PointAway,
-    /// The pointer's button goes down or up on the board.
+    /// The trigger is pressed or released as the button of the board's pointer.
     Click(bool),
-    /// Points of scrolling on the board; positive shows what is above and to the left.
+    /// Scrolls the board by points; positive values show what is above and to the left.
     Scroll(Vec2),
 }
 
-/// What a press of the main trigger is for, until it is released.
+/// What a press of the main trigger acts on until it is released.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Meant {
+enum PressTarget {
     Tool,
-    /// The tool, which is lifted until tracking of the hand is calm again.
+    /// The tool, which is lifted until the tracked hand is slow again.
     Lifted,
     Board,
 }
@@ -93,13 +93,13 @@ impl Flick {
     const BACK: f32 = 0.4;
 
     /// The side that was triggered, -1 or 1.
-    fn feed(&mut self, way: f32, now_s: f64) -> Option<f32> {
+    fn feed(&mut self, deflection: f32, now_s: f64) -> Option<f32> {
         match self.held {
-            None if way.abs() >= Self::PUSHED => {
-                self.held = Some((way.signum(), now_s + REPEAT_AFTER_S));
-                Some(way.signum())
+            None if deflection.abs() >= Self::PUSHED => {
+                self.held = Some((deflection.signum(), now_s + REPEAT_AFTER_S));
+                Some(deflection.signum())
             }
-            Some((side, _)) if way.is_nan() || way * side <= Self::BACK => {
+            Some((side, _)) if deflection.is_nan() || deflection * side <= Self::BACK => {
                 self.held = None;
                 None
             }
@@ -124,22 +124,22 @@ struct Hold {
 #[derive(Clone, PartialEq, Debug)]
 pub struct HandMapper {
     settings: HandSettings,
-    /// The time of the last call.
-    heard_s: Option<f64>,
+    /// The time of the last update.
+    last_s: Option<f64>,
     grab: Grab,
     /// By [`HandSide::index`].
     grips: [Switch; 2],
     menu: [Hold; 2],
     main_trigger: Switch,
     off_trigger: Hold,
-    meant: Option<Meant>,
+    press_target: Option<PressTarget>,
     pointing: bool,
     /// The position on the board.
     pointer: Pointing,
     undo: Flick,
-    /// The last position of the tool.
-    led: Option<Pose>,
-    /// The pace of the tool in the main hand.
+    /// The last pose of the tool.
+    last_tool: Option<Pose>,
+    /// Detects jumps of the tool in the main hand.
     pace: Pace,
 }
 
@@ -147,17 +147,17 @@ impl HandMapper {
     pub fn new(settings: HandSettings) -> HandMapper {
         HandMapper {
             settings,
-            heard_s: None,
+            last_s: None,
             grab: Grab::default(),
             grips: Default::default(),
             menu: Default::default(),
             main_trigger: Switch::default(),
             off_trigger: Hold::default(),
-            meant: None,
+            press_target: None,
             pointing: false,
             pointer: Pointing::default(),
             undo: Flick::default(),
-            led: None,
+            last_tool: None,
             pace: Pace::default(),
         }
     }
@@ -169,17 +169,17 @@ impl HandMapper {
     /// Moves the tool to a hand; everything held is released.
     pub fn set_main(&mut self, main: HandSide, events: &mut Vec<HandEvent>) {
         if self.settings.main != main {
-            self.let_go(events);
+            self.release_all(events);
             *self = HandMapper::new(HandSettings { main, ..self.settings });
         }
     }
 
-    /// The hands are no longer tracked: everything held is released.
-    pub fn let_go(&mut self, events: &mut Vec<HandEvent>) {
-        match self.meant.take() {
-            Some(Meant::Tool) => events.push(HandEvent::Release),
-            Some(Meant::Board) => events.push(HandEvent::Click(false)),
-            Some(Meant::Lifted) | None => {}
+    /// Releases everything held, since the controllers are no longer read.
+    pub fn release_all(&mut self, events: &mut Vec<HandEvent>) {
+        match self.press_target.take() {
+            Some(PressTarget::Tool) => events.push(HandEvent::Release),
+            Some(PressTarget::Board) => events.push(HandEvent::Click(false)),
+            Some(PressTarget::Lifted) | None => {}
         }
         if std::mem::take(&mut self.pointing) {
             events.push(HandEvent::PointAway);
@@ -192,17 +192,17 @@ impl HandMapper {
         self.grab.is_holding()
     }
 
-    /// The events of the hands. `board`: where the board is, while it is open.
-    pub fn hear(&mut self, state: &HandsState, board: Option<&Board>) -> Vec<HandEvent> {
+    /// The events since the last update. `board`: where the board is, while it is visible.
+    pub fn update(&mut self, state: &HandsState, board: Option<&Board>) -> Vec<HandEvent> {
         let mut events = Vec::new();
         let state = &state.plausible();
         let now_s = state.time_s;
-        let dt_s = self.heard_s.map_or(0.0, |heard| (now_s - heard).clamp(0.0, LONGEST_STEP_S));
-        self.heard_s = Some(now_s);
+        let dt_s = self.last_s.map_or(0.0, |last| (now_s - last).clamp(0.0, LONGEST_STEP_S));
+        self.last_s = Some(now_s);
         let (main, off) = (self.settings.main, self.settings.main.other());
 
-        self.hear_menus(state, &mut events);
-        let off_holds = self.hear_off_trigger(state.hand(off).trigger, now_s, &mut events);
+        self.update_menus(state, &mut events);
+        let off_holds = self.update_off_trigger(state.hand(off).trigger, now_s, &mut events);
         let mut gripping = HandSide::ALL.map(|side| {
             let switch = &mut self.grips[side.index()];
             switch.feed(state.hand(side).squeeze);
@@ -213,15 +213,17 @@ impl HandMapper {
         events.extend(carried.map(HandEvent::Carry));
 
         let aim = state.hand(main).aim;
-        self.follow_pace(aim, now_s, dt_s, &mut events);
-        // A stroke that has begun continues in front of the board, too.
-        let open = board.filter(|_| !matches!(self.meant, Some(Meant::Tool | Meant::Lifted)));
-        // A hand that is lost releases everything.
-        let way = if aim.is_some() { state.hand(main).trigger } else { 0.0 };
-        let change = self.main_trigger.feed(way);
+        self.lift_at_jump(aim, now_s, dt_s, &mut events);
+        // A stroke that has begun continues in front of the board.
+        let open = board.filter(|_| {
+            !matches!(self.press_target, Some(PressTarget::Tool | PressTarget::Lifted))
+        });
+        // A hand that is no longer tracked releases everything.
+        let travel = if aim.is_some() { state.hand(main).trigger } else { 0.0 };
+        let change = self.main_trigger.feed(travel);
         let hit = match open.zip(aim) {
             Some((board, aim)) => {
-                self.pointer.step(board, &aim, way, change, self.main_trigger.down)
+                self.pointer.step(board, &aim, travel, change, self.main_trigger.down)
             }
             None => {
                 self.pointer = Pointing::default();
@@ -235,10 +237,10 @@ impl HandMapper {
         }
         self.pointing = hit.is_some();
         if !self.pointing {
-            self.lead_tool(aim, carried.is_some(), &mut events);
+            self.move_tool(aim, carried.is_some(), &mut events);
         }
-        self.hear_main_trigger(change, aim, now_s, &mut events);
-        if state.hand(main).pick && !self.pointing && self.meant != Some(Meant::Tool) {
+        self.update_main_trigger(change, aim, now_s, &mut events);
+        if state.hand(main).pick && !self.pointing && self.press_target != Some(PressTarget::Tool) {
             events.push(HandEvent::Pick);
         }
 
@@ -256,7 +258,7 @@ impl HandMapper {
         events
     }
 
-    fn hear_menus(&mut self, state: &HandsState, events: &mut Vec<HandEvent>) {
+    fn update_menus(&mut self, state: &HandsState, events: &mut Vec<HandEvent>) {
         for side in HandSide::ALL {
             let hold = &mut self.menu[side.index()];
             match hold.switch.feed(f32::from(u8::from(state.hand(side).menu))) {
@@ -274,9 +276,9 @@ impl HandMapper {
     }
 
     /// True while the trigger of the off hand has been held long enough to carry the sculpture.
-    fn hear_off_trigger(&mut self, way: f32, now_s: f64, events: &mut Vec<HandEvent>) -> bool {
+    fn update_off_trigger(&mut self, travel: f32, now_s: f64, events: &mut Vec<HandEvent>) -> bool {
         let hold = &mut self.off_trigger;
-        match hold.switch.feed(way) {
+        match hold.switch.feed(travel) {
             Some(Change::Pressed) => hold.since_s = Some(now_s),
             Some(Change::Released) => {
                 let tapped = hold.since_s.take().is_some_and(|since| now_s - since < TAP_S);
@@ -295,8 +297,8 @@ impl HandMapper {
         Pose { position, rotation: aim.rotation }
     }
 
-    /// Lifts the tool from its stroke where tracking leaps, instead of cutting along the leap.
-    fn follow_pace(
+    /// Ends the stroke where tracking jumps, instead of cutting along the jump.
+    fn lift_at_jump(
         &mut self,
         aim: Option<Pose>,
         now_s: f64,
@@ -304,27 +306,27 @@ impl HandMapper {
         events: &mut Vec<HandEvent>,
     ) {
         let at = aim.map(|aim| self.tool_of(&aim).position);
-        if self.pace.step(at, now_s, dt_s) && self.meant == Some(Meant::Tool) {
-            self.meant = Some(Meant::Lifted);
+        if self.pace.step(at, now_s, dt_s) && self.press_target == Some(PressTarget::Tool) {
+            self.press_target = Some(PressTarget::Lifted);
             events.push(HandEvent::Release);
         }
     }
 
-    /// Moves the tool to the main hand, unless that rests.
-    fn lead_tool(&mut self, aim: Option<Pose>, carried: bool, events: &mut Vec<HandEvent>) {
+    /// Moves the tool to the main hand, unless the hand is at rest.
+    fn move_tool(&mut self, aim: Option<Pose>, carried: bool, events: &mut Vec<HandEvent>) {
         let Some(aim) = aim else { return };
         let tool = self.tool_of(&aim);
-        let rests = self.led.is_some_and(|led| {
-            led.position.distance(tool.position) < REST_M
-                && led.rotation.angle_between(tool.rotation) < REST_RAD
+        let rests = self.last_tool.is_some_and(|last| {
+            last.position.distance(tool.position) < REST_M
+                && last.rotation.angle_between(tool.rotation) < REST_RAD
         });
-        if !rests || carried || self.meant == Some(Meant::Tool) {
-            self.led = Some(tool);
+        if !rests || carried || self.press_target == Some(PressTarget::Tool) {
+            self.last_tool = Some(tool);
             events.push(HandEvent::Tool(tool));
         }
     }
 
-    fn hear_main_trigger(
+    fn update_main_trigger(
         &mut self,
         change: Option<Change>,
         aim: Option<Pose>,
@@ -333,22 +335,22 @@ impl HandMapper {
     ) {
         match change {
             Some(Change::Pressed) if self.pointing => {
-                self.meant = Some(Meant::Board);
+                self.press_target = Some(PressTarget::Board);
                 events.push(HandEvent::Click(true));
             }
-            Some(Change::Pressed) => self.meant = Some(Meant::Lifted),
-            Some(Change::Released) => match self.meant.take() {
-                Some(Meant::Tool) => events.push(HandEvent::Release),
-                Some(Meant::Board) => events.push(HandEvent::Click(false)),
-                Some(Meant::Lifted) | None => {}
+            Some(Change::Pressed) => self.press_target = Some(PressTarget::Lifted),
+            Some(Change::Released) => match self.press_target.take() {
+                Some(PressTarget::Tool) => events.push(HandEvent::Release),
+                Some(PressTarget::Board) => events.push(HandEvent::Click(false)),
+                Some(PressTarget::Lifted) | None => {}
             },
             None => {}
         }
-        if self.meant == Some(Meant::Lifted) && self.pace.is_calm(now_s) {
-            self.meant = Some(Meant::Tool);
-            // The tool starts where the hand is, however long it has rested.
-            self.led = None;
-            self.lead_tool(aim, false, events);
+        if self.press_target == Some(PressTarget::Lifted) && self.pace.is_calm(now_s) {
+            self.press_target = Some(PressTarget::Tool);
+            // The tool starts where the hand is, however long it was at rest.
+            self.last_tool = None;
+            self.move_tool(aim, false, events);
             events.push(HandEvent::Press);
         }
     }

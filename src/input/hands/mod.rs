@@ -1,6 +1,6 @@
-//! The hands of a headset: poses, triggers, grips and sticks with their times to controller events
-//! ([`mapper`]), carrying and scaling with the grips ([`grab`]), the board on the off hand and the
-//! ray that points at it ([`board`]).
+//! The controllers of a headset: poses, triggers, grips and sticks with their times to controller
+//! events ([`mapper`]), carrying and scaling with the grips ([`grab`]), the board on the off hand and
+//! the ray that points at it ([`board`]).
 //!
 //! Pure, in metres and seconds: knows no headset, no clock and no sculpture.
 
@@ -69,11 +69,11 @@ pub struct HandState {
 impl HandState {
     /// The same without invalid values: poses that are not finite, sticks out of range.
     fn plausible(&self) -> HandState {
-        let share = |x: f32| if x.is_finite() { x.clamp(-1.0, 1.0) } else { 0.0 };
+        let valid = |x: f32| if x.is_finite() { x.clamp(-1.0, 1.0) } else { 0.0 };
         HandState {
             grip: self.grip.filter(Pose::is_plausible),
             aim: self.aim.filter(Pose::is_plausible),
-            stick: Vec2::new(share(self.stick.x), share(self.stick.y)),
+            stick: Vec2::new(valid(self.stick.x), valid(self.stick.y)),
             ..*self
         }
     }
@@ -106,7 +106,7 @@ struct Switch {
     down: bool,
 }
 
-/// What a [`Switch`] has just done.
+/// A change of a [`Switch`].
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Change {
     Pressed,
@@ -117,9 +117,9 @@ impl Switch {
     const PRESS: f32 = 0.6;
     const RELEASE: f32 = 0.4;
 
-    /// `way`: 0 to 1; NaN is no press.
-    fn feed(&mut self, way: f32) -> Option<Change> {
-        let down = if self.down { way > Self::RELEASE } else { way >= Self::PRESS };
+    /// `travel`: 0 to 1; NaN is no press.
+    fn feed(&mut self, travel: f32) -> Option<Change> {
+        let down = if self.down { travel > Self::RELEASE } else { travel >= Self::PRESS };
         let change = match (self.down, down) {
             (false, true) => Some(Change::Pressed),
             (true, false) => Some(Change::Released),
@@ -137,8 +137,8 @@ mod tests {
     #[test]
     fn a_trembling_finger_presses_once() {
         let mut switch = Switch::default();
-        let ways = [0.0, 0.5, 0.61, 0.55, 0.65, 0.45, 0.39, 0.59, f32::NAN, 1.0, f32::NAN];
-        let changes: Vec<_> = ways.iter().filter_map(|&way| switch.feed(way)).collect();
+        let travels = [0.0, 0.5, 0.61, 0.55, 0.65, 0.45, 0.39, 0.59, f32::NAN, 1.0, f32::NAN];
+        let changes: Vec<_> = travels.iter().filter_map(|&travel| switch.feed(travel)).collect();
         use Change::{Pressed, Released};
         assert_eq!(changes, [Pressed, Released, Pressed, Released]);
     }

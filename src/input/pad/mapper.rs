@@ -162,7 +162,7 @@ impl PadMapper {
     }
 
     /// Processes the state of a pad at `now_s` seconds.
-    pub fn hear(&mut self, id: PadId, state: PadState, now_s: f64, bindings: &Bindings) {
+    pub fn update(&mut self, id: PadId, state: PadState, now_s: f64, bindings: &Bindings) {
         self.count(now_s, bindings);
         let Some(pad) = self.pads.iter_mut().find(|pad| pad.id == id) else { return };
         if self.deaf {

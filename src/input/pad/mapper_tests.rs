@@ -48,7 +48,7 @@ proptest! {
             let (mut now_s, mut picture_s, mut way) = (1.0, 1.0, Vec3::ZERO);
             let states = pushes.iter().map(|&(x, y, s)| (pushing(x, y), s));
             for (state, lasts_s) in states.chain([(PadState::default(), 1.0)]) {
-                mapper.hear(PAD, state, now_s, &bindings);
+                mapper.update(PAD, state, now_s, &bindings);
                 now_s += lasts_s;
                 while picture_s < now_s {
                     way += shift(&mapper.take(picture_s, &bindings));
@@ -73,8 +73,8 @@ fn three_modes_follow_one_another() {
     let mut modes = Vec::new();
     for i in 0..4 {
         modes.push(mapper.mode().label());
-        mapper.hear(PAD, holding(&[PadButton::East]), f64::from(i), &bindings);
-        mapper.hear(PAD, holding(&[]), f64::from(i) + 0.1, &bindings);
+        mapper.update(PAD, holding(&[PadButton::East]), f64::from(i), &bindings);
+        mapper.update(PAD, holding(&[]), f64::from(i) + 0.1, &bindings);
     }
     assert_eq!(modes, ["Pointer mode", "Tool mode", "Sculpture mode", "Pointer mode"]);
 }
@@ -84,11 +84,11 @@ fn the_tool_moves_before_between_and_after_press_and_release() {
     let bindings = bindings();
     let mut mapper = mapper(PadMode::UseTool);
     let mut pressing = pushing(1.0, 0.0);
-    mapper.hear(PAD, pressing, 1.0, &bindings);
+    mapper.update(PAD, pressing, 1.0, &bindings);
     pressing.held = PadButtons::NONE.with(PadButton::South);
-    mapper.hear(PAD, pressing, 1.1, &bindings);
+    mapper.update(PAD, pressing, 1.1, &bindings);
     assert!(mapper.is_holding() && mapper.is_active());
-    mapper.hear(PAD, pushing(1.0, 0.0), 1.2, &bindings);
+    mapper.update(PAD, pushing(1.0, 0.0), 1.2, &bindings);
     let events = mapper.take(1.4, &bindings);
     assert!(!mapper.is_holding());
     let [
@@ -103,7 +103,7 @@ fn the_tool_moves_before_between_and_after_press_and_release() {
     };
     let ways = [before, during, after].map(|glide| glide.shift.x);
     assert!(std::iter::zip(ways, [0.1, 0.1, 0.2]).all(|(a, b): (f32, f32)| (a - b).abs() < 1e-4));
-    mapper.hear(PAD, PadState::default(), 1.4, &bindings);
+    mapper.update(PAD, PadState::default(), 1.4, &bindings);
     assert!(!mapper.is_active(), "a pad at rest needs no pictures");
     assert_eq!(mapper.take(9.0, &bindings), []);
 }
@@ -113,7 +113,7 @@ fn sticks_and_shoulders_have_their_axes() {
     let bindings = bindings();
     let glide = |state: PadState| {
         let mut mapper = mapper(PadMode::MoveGrid);
-        mapper.hear(PAD, state, 1.0, &bindings);
+        mapper.update(PAD, state, 1.0, &bindings);
         match mapper.take(1.25, &bindings)[..] {
             [PadEvent::Glide(glide)] => (glide.shift * 4.0, glide.turn * 4.0),
             ref other => panic!("{other:?}"),
@@ -138,7 +138,7 @@ fn a_bound_shoulder_moves_nothing() {
     let bound = "name = \"t\"\ntext = \"\"\n[bindings]\nsave = [\"pad-left-shoulder\"]";
     let bindings = Bindings::parse(bound).unwrap();
     let mut mapper = mapper(PadMode::UseTool);
-    mapper.hear(PAD, holding(&[PadButton::LeftShoulder]), 1.0, &bindings);
+    mapper.update(PAD, holding(&[PadButton::LeftShoulder]), 1.0, &bindings);
     let events = mapper.take(1.2, &bindings);
     assert_eq!(events, [PadEvent::Action(ActionEvent::Tap(Action::Save))]);
     assert!(!mapper.is_active());
@@ -148,11 +148,11 @@ fn a_bound_shoulder_moves_nothing() {
 fn in_mouse_mode_two_buttons_click() {
     let bindings = bindings();
     let mut mapper = mapper(PadMode::OnlyMouse);
-    mapper.hear(PAD, holding(&[PadButton::South]), 1.0, &bindings);
-    mapper.hear(PAD, holding(&[PadButton::North]), 1.1, &bindings);
+    mapper.update(PAD, holding(&[PadButton::South]), 1.0, &bindings);
+    mapper.update(PAD, holding(&[PadButton::North]), 1.1, &bindings);
     assert!(mapper.is_holding());
-    mapper.hear(PAD, holding(&[PadButton::DpadLeft]), 1.2, &bindings);
-    mapper.hear(PAD, holding(&[]), 1.3, &bindings);
+    mapper.update(PAD, holding(&[PadButton::DpadLeft]), 1.2, &bindings);
+    mapper.update(PAD, holding(&[]), 1.3, &bindings);
     let undo = PadEvent::Action(ActionEvent::Tap(Action::Undo));
     let events = mapper.take(1.3, &bindings);
     assert_eq!(
@@ -166,7 +166,7 @@ fn held_buttons_ask_again_where_that_makes_sense() {
     let bindings = bindings();
     let taps = |button, seconds: f64| {
         let mut mapper = mapper(PadMode::UseTool);
-        mapper.hear(PAD, holding(&[button]), 1.0, &bindings);
+        mapper.update(PAD, holding(&[button]), 1.0, &bindings);
         let pictures = (0..(seconds * 60.0) as u32).map(|i| 1.0 + f64::from(i) / 60.0);
         pictures.map(|now_s| mapper.take(now_s, &bindings).len()).sum::<usize>()
     };
@@ -181,7 +181,7 @@ fn switching_going_and_losing_the_keyboard_release_what_is_held() {
     let end = PadEvent::Action(ActionEvent::End(APPLY));
     let held = || {
         let mut mapper = mapper(PadMode::UseTool);
-        mapper.hear(PAD, holding(&[PadButton::South]), 1.0, &bindings);
+        mapper.update(PAD, holding(&[PadButton::South]), 1.0, &bindings);
         assert_eq!(mapper.take(1.0, &bindings).len(), 1);
         mapper
     };
@@ -198,11 +198,11 @@ fn switching_going_and_losing_the_keyboard_release_what_is_held() {
     let mut deaf = held();
     deaf.set_listening(false);
     assert_eq!(deaf.take(1.1, &bindings), [end]);
-    deaf.hear(PAD, pushing(1.0, 0.0), 1.2, &bindings);
-    deaf.hear(PAD, holding(&[PadButton::South]), 1.3, &bindings);
+    deaf.update(PAD, pushing(1.0, 0.0), 1.2, &bindings);
+    deaf.update(PAD, holding(&[PadButton::South]), 1.3, &bindings);
     assert!(!deaf.is_active());
     deaf.set_listening(true);
-    deaf.hear(PAD, holding(&[PadButton::South]), 1.4, &bindings);
+    deaf.update(PAD, holding(&[PadButton::South]), 1.4, &bindings);
     assert_eq!(
         deaf.take(1.5, &bindings),
         [],
@@ -214,10 +214,10 @@ fn switching_going_and_losing_the_keyboard_release_what_is_held() {
 fn the_pad_used_last_leads() {
     let bindings = bindings();
     let mut mapper = mapper(PadMode::UseTool);
-    mapper.hear(PAD, holding(&[PadButton::South]), 1.0, &bindings);
-    mapper.hear(OTHER, pushing(0.05, 0.0), 1.1, &bindings);
+    mapper.update(PAD, holding(&[PadButton::South]), 1.0, &bindings);
+    mapper.update(OTHER, pushing(0.05, 0.0), 1.1, &bindings);
     assert_eq!(mapper.leader(), Some((PAD, "one")), "a stick that is not quite at rest");
-    mapper.hear(OTHER, pushing(1.0, 0.0), 1.2, &bindings);
+    mapper.update(OTHER, pushing(1.0, 0.0), 1.2, &bindings);
     assert_eq!(mapper.leader(), Some((OTHER, "two")));
     let events = mapper.take(1.3, &bindings);
     assert!(events.contains(&PadEvent::Action(ActionEvent::End(APPLY))));
@@ -228,11 +228,11 @@ fn the_pad_used_last_leads() {
 fn a_long_pause_between_pictures_does_not_fling_the_tool_away() {
     let bindings = bindings();
     let mut mapper = mapper(PadMode::UseTool);
-    mapper.hear(PAD, pushing(1.0, 0.0), 1.0, &bindings);
+    mapper.update(PAD, pushing(1.0, 0.0), 1.0, &bindings);
     for i in 0..100 {
         // A shaky thumb says much in that time.
         let x = if i % 2 == 0 { 1.0 } else { 1.0 - f32::EPSILON };
-        mapper.hear(PAD, pushing(x, 0.0), 1.0 + f64::from(i) * 0.2, &bindings);
+        mapper.update(PAD, pushing(x, 0.0), 1.0 + f64::from(i) * 0.2, &bindings);
     }
     let way = shift(&mapper.take(21.0, &bindings));
     assert!((way.x - 0.5).abs() < 1e-3, "{way}");
