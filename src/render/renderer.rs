@@ -192,7 +192,7 @@ impl Renderer {
         Ok(self.times)
     }
 
-    /// Forgets what was painted, but not the passes made for it.
+    /// Discards the cached picture and the device's copy of the document; keeps all passes.
     pub(super) fn forget_pictures(&mut self) -> Result<()> {
         self.cache = None;
         self.sampler.forget_copy();

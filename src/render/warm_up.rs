@@ -1,9 +1,9 @@
-//! Warming up a renderer: everything that its first picture would have to wait for, above all the
-//! compiling of pipelines, is done in advance, on whatever thread has the time.
+//! Warm-up of a renderer: compiles the pipelines of its first picture in advance, on a thread that
+//! may wait.
 //!
-//! Takes the properties of a picture that choose its pipelines; paints a small one like it and waits
-//! for it. That cannot miss a pass, and it reaches drivers that compile shaders when they are first
-//! drawn with. Knows no window and no headset.
+//! Takes the properties of a picture that select pipelines and specialization constants. Renders a
+//! small picture with them and waits for it. So no pass can be missed, and drivers that compile
+//! shaders at the first draw call have done so, too. Knows no window and no headset.
 
 use std::time::Instant;
 
@@ -24,18 +24,18 @@ const EDGE_VX: u32 = 16;
 const SIZE_PX: UVec2 = UVec2::splat(32);
 const GREY: Rgb = Rgb::new(128, 128, 128);
 
-/// What decides which pipelines pictures need.
+/// What determines the pipelines of a picture.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct WarmUp {
     pub mode: RenderMode,
     pub lighting: Lighting,
-    /// That of the sculpture.
+    /// Bits of colour per voxel of the sculpture.
     pub depth: ColourDepth,
 }
 
 impl Renderer {
-    /// Creates what pictures of `of` need, with tool and lines, of one eye or two, but without video.
-    /// Waits for the device. Pictures painted before are forgotten.
+    /// Creates all pipelines of pictures like `of`, for one eye or two, including the tool preview
+    /// and lines, but not video. Waits for the device. The next picture is drawn from scratch.
     pub fn warm_up(&mut self, of: &WarmUp) -> Result<()> {
         let begun = Instant::now();
         let mut document = document(of.depth)?;
@@ -81,7 +81,7 @@ impl Renderer {
     }
 }
 
-/// A cube of stone.
+/// A solid cube.
 fn document(depth: ColourDepth) -> Result<Document> {
     let limits = Limits::default();
     let mut grid = Grid::new(UVec3::splat(EDGE_VX), Vec3::ONE, limits.grid_bytes)
