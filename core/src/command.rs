@@ -356,6 +356,19 @@ pub const COMMANDS: &[CommandHelp] = &[
 ];
 
 impl Command {
+    /// What is left of an undo or redo of which `done` steps are done; none of other commands.
+    pub fn after_steps(&self, done: u32) -> Option<Command> {
+        let left = |steps: Option<u32>| match steps {
+            Some(steps) => (steps > done).then(|| Some(steps - done)),
+            None => Some(None),
+        };
+        match self {
+            Command::Undo { steps } => left(*steps).map(|steps| Command::Undo { steps }),
+            Command::Redo { steps } => left(*steps).map(|steps| Command::Redo { steps }),
+            _ => None,
+        }
+    }
+
     /// The verb of the text form.
     pub fn verb(&self) -> &'static str {
         match self {

@@ -309,8 +309,12 @@ impl Document {
                 Ok(Applied::default())
             }
             Command::Orient(orientation) => self.orient(*orientation, command),
-            Command::Undo { steps } => self.travel(*steps, "undo", Self::undo_step),
-            Command::Redo { steps } => self.travel(*steps, "redo", Self::redo_step),
+            Command::Undo { steps } => {
+                self.travel(*steps, "undo", |document| document.undo_step(None))
+            }
+            Command::Redo { steps } => {
+                self.travel(*steps, "redo", |document| document.redo_step(None))
+            }
             Command::Place(placement) => {
                 if !placement.rotation.is_finite() || !placement.rotation.is_normalized() {
                     return Err(CommandError::Placement("rotation"));

@@ -177,6 +177,30 @@ impl Session {
         command: &Command,
         progress: &dyn Progress,
     ) -> Result<Applied, SessionError> {
+        let mut rest = command.clone();
+        let mut done = Applied::default();
+        loop {
+            let leg = self.document.first_leg(&rest);
+            match self.execute_leg(&leg, progress) {
+                Ok(applied) => {
+                    done = Applied { steps: done.steps + applied.steps, ..applied };
+                    match rest.after_steps(applied.steps) {
+                        Some(next) if leg != rest && applied.steps > 0 => rest = next,
+                        _ => return Ok(done),
+                    }
+                }
+                Err(error) if done.steps == 0 => return Err(error),
+                // Earlier steps stay undone; the caller learns of the rest.
+                Err(_) => return Ok(done),
+            }
+        }
+    }
+
+    fn execute_leg(
+        &mut self,
+        command: &Command,
+        progress: &dyn Progress,
+    ) -> Result<Applied, SessionError> {
         if let Some(work) = self.prepare(command)? {
             return self.complete(work.run(progress)?);
         }
@@ -210,7 +234,8 @@ impl Session {
     }
 
     /// The long part of a command, to run separately. None for commands without one, which
-    /// [`Session::execute`] executes at once.
+    /// [`Session::execute`] executes at once. Of an undo or redo it is that of the next step alone:
+    /// see [`Document::first_leg`].
     pub fn prepare(&self, command: &Command) -> Result<Option<Work>, SessionError> {
         let limits = *self.document.limits();
         if matches!(command, Command::New(_) | Command::Open { .. }) {
@@ -220,6 +245,13 @@ impl Session {
         let task = match command.clone() {
             Command::Orient(orientation) if orientation != Orientation::UPRIGHT => {
                 self.document.require_can_orient(orientation)?;
+                let contents = self.document.share_contents();
+                Task::Orient { orientation, contents, limits, state: self.document.state() }
+            }
+            Command::Undo { .. } | Command::Redo { .. } => {
+                let Some(orientation) = self.document.next_orientation(command)? else {
+                    return Ok(None);
+                };
                 let contents = self.document.share_contents();
                 Task::Orient { orientation, contents, limits, state: self.document.state() }
             }
@@ -240,6 +272,7 @@ impl Session {
     /// Completes a command with the result of its long part.
     pub fn complete(&mut self, done: Done) -> Result<Applied, SessionError> {
         let Done { command, outcome } = done;
+        let mut applied = Applied::default();
         match outcome {
             Outcome::New(contents) => {
                 self.document.replace(*contents, "new")?;
@@ -248,10 +281,14 @@ impl Session {
             Outcome::Oriented { orientation, contents, state }
                 if state == self.document.state() =>
             {
-                self.document.put_oriented(*contents, orientation, &command)?;
+                if matches!(command, Command::Orient(_)) {
+                    self.document.put_oriented(*contents, orientation, &command)?;
+                } else {
+                    applied = self.document.travel_oriented(&command, *contents)?;
+                }
             }
             // It was changed meanwhile.
-            Outcome::Oriented { .. } => drop(self.document.apply(&command)?),
+            Outcome::Oriented { .. } => applied = self.document.apply(&command)?,
             Outcome::Opened { path, loaded } => {
                 let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
                 let Loaded { contents, texts, assumed_up, .. } = *loaded;
@@ -265,8 +302,8 @@ impl Session {
             Outcome::Saved { .. } => {}
         }
         self.files.keep_only(self.document.history().states().chain([self.document.state()]));
-        self.note(&command, Applied::default());
-        Ok(Applied::default())
+        self.note(&command, applied);
+        Ok(applied)
     }
 
     /// Writes an executed command to the journal. If that fails, the command still succeeds, and the

@@ -127,3 +127,43 @@ fn a_failure_is_an_error_on_screen_and_keeps_the_program() {
     assert!(!workspace.is_leaving() && workspace.session().modified());
     assert_eq!(tones(&workspace), [Tone::Error]);
 }
+
+#[test]
+fn undo_and_redo_of_an_orientation_are_work_and_go_on_with_the_other_steps() {
+    let mut workspace = workspace();
+    let contents = |workspace: &Workspace| workspace.session().document().contents().clone();
+    let undone = |workspace: &Workspace| workspace.session().document().history().redo_count();
+    let mut states = vec![contents(&workspace)];
+    for line in [
+        "subtract cuboid at=4,4,4 half=2",
+        "orient upright=z",
+        "subtract cuboid at=9,4,4 half=3",
+        "orient axes=z,x,y",
+        "clear",
+    ] {
+        workspace.run_now(&line.parse().unwrap());
+        states.push(contents(&workspace));
+    }
+
+    // Cancelled it leaves all as it is.
+    workspace.run_now(&"undo".parse().unwrap());
+    let go = start_slowly(&mut workspace, "undo");
+    assert_eq!(workspace.ui.dialogs.busy.as_ref().unwrap().what, "Undoing");
+    workspace.editor.cancel_job();
+    go.send(()).unwrap();
+    workspace.finish_job();
+    assert_eq!((undone(&workspace), contents(&workspace)), (1, states[4].clone()));
+
+    // From the end: the orientation is work, the next step is done at once, and so on.
+    workspace.run_now(&"redo".parse().unwrap());
+    for (line, stops) in [("undo all", [4, 2, 0]), ("redo all", [1, 3, 5]), ("undo 4", [4, 2, 1])] {
+        workspace.editor.run(line.parse().unwrap());
+        for at in stops {
+            assert_eq!(contents(&workspace), states[at], "{line}: {at}");
+            assert_eq!(workspace.editor.is_busy(), at != stops[2], "{line}: {at}");
+            workspace.finish_job();
+        }
+        assert!(!workspace.editor.is_busy());
+    }
+    assert!(tones(&workspace).iter().all(|tone| *tone == Tone::Note), "the cancelled one alone");
+}

@@ -111,7 +111,9 @@ impl Workspace {
     /// Uses from now on the modes that were fallen back to, and says so.
     pub(super) fn take_fallbacks(&mut self, fallbacks: &[Fallback]) {
         for Fallback { reason, to } in fallbacks {
-            self.ui.toasts.error(format!("{reason}; switched to {}", to.label()));
+            let text = format!("{reason}; switched to {}", to.label());
+            tracing::warn!("{text}");
+            self.ui.toasts.error(text);
             self.ui.view.mode = *to;
         }
     }

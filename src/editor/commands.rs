@@ -45,11 +45,18 @@ impl Editor {
     /// The same, and then what would lose unsaved work.
     pub fn run_then(&mut self, command: Command, then: Then) {
         self.end_stroke();
-        match self.session.prepare(&command) {
+        // A step of an undo that takes long is a job of its own.
+        let leg = self.session.document().first_leg(&command);
+        match self.session.prepare(&leg) {
             Ok(Some(_)) if self.jobs.is_busy() => self.refuse(&command),
-            Ok(Some(work)) => self.start_job(work, &command, then),
+            Ok(Some(work)) => {
+                let rest = command.after_steps(1).filter(|_| leg != command);
+                self.start_job(work, &leg, rest.map_or(then, |rest| Then::Go(Next::Run(rest))));
+            }
             Ok(None) => {
-                self.execute(&command);
+                if let Some(applied) = self.carry_out(&leg) {
+                    self.continue_steps(&command, applied);
+                }
             }
             Err(error) => self.tell(&command, error),
         }
@@ -85,9 +92,17 @@ impl Editor {
 
     /// Carries out a command that takes no time; says what went wrong. True if it was done.
     pub fn execute(&mut self, command: &Command) -> bool {
+        let applied = self.carry_out(command);
+        if let Some(applied) = applied {
+            self.continue_steps(command, applied);
+        }
+        applied.is_some()
+    }
+
+    fn carry_out(&mut self, command: &Command) -> Option<Applied> {
         if self.jobs.is_busy() && !matches!(command, Command::Place(_)) {
             self.refuse(command);
-            return false;
+            return None;
         }
         let dims = self.session.document().grid().dims();
         match self.session.execute(command, &()) {
@@ -99,35 +114,28 @@ impl Editor {
                     self.sculpture_replaced();
                 }
                 self.tell_journal_error();
-                self.continue_steps(command, applied);
-                true
+                Some(applied)
             }
             Err(error) => {
                 self.tell(command, error);
-                false
+                None
             }
         }
     }
 
-    /// Asks about the steps that are left of an undo or redo that stopped at one that the history
-    /// cannot keep.
+    /// Goes on with an undo or redo that has stopped before a step that takes long, or that the history
+    /// cannot keep; then the person is asked.
     fn continue_steps(&mut self, command: &Command, applied: Applied) {
         let history = self.session.document().history();
-        let left = |steps: &Option<u32>, there: usize| {
-            let left = steps.map(|steps| steps.saturating_sub(applied.steps));
-            (there > 0 && left != Some(0) && applied.steps > 0).then_some(left)
+        let there = match command {
+            Command::Undo { .. } => history.undo_count(),
+            _ => history.redo_count(),
         };
-        let rest = match command {
-            Command::Undo { steps } => {
-                left(steps, history.undo_count()).map(|steps| Command::Undo { steps })
-            }
-            Command::Redo { steps } => {
-                left(steps, history.redo_count()).map(|steps| Command::Redo { steps })
-            }
-            _ => None,
-        };
-        if let Some(rest) = rest {
-            self.execute(&rest);
+        if let Some(rest) = command.after_steps(applied.steps)
+            && applied.steps > 0
+            && there > 0
+        {
+            self.run(rest);
         }
     }
 

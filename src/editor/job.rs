@@ -1,4 +1,5 @@
-//! Long work under way: the part of a command that needs no session runs on a thread of its own,
+//! Long work under way: the part of a command that needs no session (an undo that must compute what
+//! it leads to among them) runs on a thread of its own,
 //! while the window stays alive, shows how far it is and can cancel it.
 //!
 //! The sculpture stays where it is. What is saved is shared with the thread, what is opened or
@@ -84,6 +85,8 @@ impl Job {
             Command::Open { .. } => "Opening",
             Command::Save { .. } => "Saving",
             Command::Orient(_) => "Rotating",
+            Command::Undo { .. } => "Undoing",
+            Command::Redo { .. } => "Redoing",
             _ => "Creating a new sculpture",
         };
         let report = Arc::new(Report::default());
@@ -189,6 +192,7 @@ impl Editor {
     /// Puts in place what came of long work. True if that went well.
     fn complete(&mut self, done: Done) -> bool {
         let command = done.command().clone();
+        let dims = self.document().grid().dims();
         if let Err(error) = self.session.complete(done) {
             tracing::warn!("{command}: {error}");
             self.error(error.to_string());
@@ -200,6 +204,8 @@ impl Editor {
                 self.note(format!("Saved {}", path.display()));
             }
             Command::Save { path, .. } => self.note(format!("Exported {}", path.display())),
+            Command::Undo { .. } | Command::Redo { .. }
+                if self.document().grid().dims() == dims => {}
             _ => self.sculpture_replaced(),
         }
         self.tell_journal_error();

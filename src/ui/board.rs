@@ -5,7 +5,7 @@ use egui::{CentralPanel, Frame, Margin, Panel as Side, RichText, ScrollArea, Ui}
 
 use super::{
     UiContext, UiRequest, UiState, busy, files, guide, history, light, new_dialog, options,
-    palette, theme, toolbox, top_bar, unkept, unsaved,
+    palette, theme, toolbox, top_bar, unkept, unsaved, upright,
 };
 use crate::input::hands::HandSide;
 
@@ -35,6 +35,7 @@ pub fn show(
 ) {
     theme::apply(root.ctx(), state.appearance.theme, state.appearance.scale);
     top_bar::show(root, state, context, requests);
+    upright::strip(root, state, context, requests);
     let enabled = !state.dialogs.is_modal();
     let frame = Frame::central_panel(root.style()).inner_margin(Margin::same(8));
     Side::left("board tools").exact_size(TOOLBOX_WIDTH).resizable(false).frame(frame).show(

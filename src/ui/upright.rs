@@ -1,13 +1,13 @@
 //! The question which axis of a volume points up, asked after opening a file that does not say so.
 //! One click turns the sculpture; files of that format are read that way from then on.
 //!
-//! Shows a small bar over the picture while the sculpture is as it was read. Takes and gives what is
-//! remembered by the ending of the file's name; reads no file.
+//! Shows a small bar over the picture, or in a headset above the options, while the sculpture is as it
+//! was read. Takes and gives what is remembered by the ending of the file's name; reads no file.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use egui::{Align2, Area, Button, Frame, Id, Order, Rect, Ui, vec2};
+use egui::{Align2, Area, Button, Frame, Id, Margin, Order, Panel, Rect, Ui, vec2};
 use glam::Vec3;
 
 use super::{UiContext, UiRequest, UiState};
@@ -68,7 +68,7 @@ pub fn label(up: Up) -> &'static str {
     }
 }
 
-/// Shows the bar at the upper edge of `within`, if there is anything to be asked.
+/// Shows the question in a bar at the upper edge of `within`, if it is to be asked.
 pub fn show(
     root: &Ui,
     state: &mut UiState,
@@ -76,52 +76,99 @@ pub fn show(
     requests: &mut Vec<UiRequest>,
     within: Rect,
 ) {
-    let (Some(assumed), Some(path)) = (context.assumed_up, context.path) else { return };
-    let now = context.document.state();
-    if state.known_files.upright.dismissed == Some(now) || state.dialogs.is_modal() {
-        return;
-    }
-    let ending = ending(path).unwrap_or_default();
-    let mut chosen = None;
-    let mut dismissed = false;
-    Area::new(Id::new("upright"))
+    let Some(asked) = Asked::now(state, context) else { return };
+    let area = Area::new(Id::new("upright"))
         .order(Order::Middle)
         .pivot(Align2::CENTER_TOP)
         .fixed_pos(within.center_top() + vec2(0.0, MARGIN))
-        .constrain_to(within)
-        .show(root.ctx(), |ui| {
-            Frame::popup(ui.style()).show(ui, |ui| {
-                ui.horizontal(|ui| {
-                    ui.label("Which axis points up?");
-                    for (up, _) in Up::NAMED {
-                        let button = Button::selectable(up == assumed, label(up));
-                        let what = match up == assumed {
-                            true => "It stands upright as it is",
-                            false => "Turn the sculpture so that this axis points up",
-                        };
-                        let hint = format!("{what}; .{ending} files open that way from now on");
-                        if ui.add(button).on_hover_text(hint).clicked() {
-                            chosen = Some(up);
-                        }
-                    }
-                    let close = ui.add(Button::new("✖").frame(false));
-                    dismissed = close.on_hover_text("Leave it as it is").clicked();
-                });
-            });
-        });
-    if let Some(up) = chosen {
-        state.known_files.upright.remember(path, up);
-        state.known_files.recent.set_upright(path, up);
-        state.toasts.note(format!(".{ending} files open with {} from now on", label(up)));
-        if up != assumed {
-            // What points up then is y.
-            state.view.up = Vec3::Y;
-            let lying = assumed.turned_upright().inverse();
-            requests.push(UiRequest::Run(Command::Orient(lying.then(up.turned_upright()))));
-        }
+        .constrain_to(within);
+    let answer = area.show(root.ctx(), |ui| {
+        Frame::popup(ui.style()).show(ui, |ui| ui.horizontal(|ui| asked.show(ui)).inner).inner
+    });
+    asked.take(answer.inner, state, requests);
+}
+
+/// Shows the question in a strip along the top of `root`, if it is to be asked.
+pub fn strip(
+    root: &mut Ui,
+    state: &mut UiState,
+    context: &UiContext,
+    requests: &mut Vec<UiRequest>,
+) {
+    let Some(asked) = Asked::now(state, context) else { return };
+    let frame = Frame::side_top_panel(root.style()).inner_margin(Margin::symmetric(8, 5));
+    let answer = Panel::top("upright")
+        .frame(frame)
+        .show(root, |ui| ui.horizontal(|ui| asked.show(ui)).inner)
+        .inner;
+    asked.take(answer, state, requests);
+}
+
+/// The question.
+struct Asked<'a> {
+    path: &'a Path,
+    ending: String,
+    assumed: Up,
+    /// The state of the sculpture that it is about.
+    sculpture: State,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Answer {
+    None,
+    Up(Up),
+    Dismissed,
+}
+
+impl<'a> Asked<'a> {
+    /// None where the file says it itself, the sculpture has been changed, or nobody wants to be
+    /// asked.
+    fn now(state: &UiState, context: &UiContext<'a>) -> Option<Asked<'a>> {
+        let (assumed, path) = (context.assumed_up?, context.path?);
+        let sculpture = context.document.state();
+        let put_off = state.known_files.upright.dismissed == Some(sculpture);
+        let ending = ending(path).unwrap_or_default();
+        let asked = !put_off && !state.dialogs.is_modal();
+        asked.then_some(Asked { path, ending, assumed, sculpture })
     }
-    if dismissed || chosen == Some(assumed) {
-        state.known_files.upright.dismissed = Some(now);
+
+    fn show(&self, ui: &mut Ui) -> Answer {
+        let mut answer = Answer::None;
+        ui.label("Which axis points up?");
+        for (up, _) in Up::NAMED {
+            let button = Button::selectable(up == self.assumed, label(up));
+            let what = match up == self.assumed {
+                true => "It stands upright as it is",
+                false => "Turn the sculpture so that this axis points up",
+            };
+            let hint = format!("{what}; .{} files open that way from now on", self.ending);
+            if ui.add(button).on_hover_text(hint).clicked() {
+                answer = Answer::Up(up);
+            }
+        }
+        let close = ui.add(Button::new("✖").frame(false));
+        if close.on_hover_text("Leave it as it is").clicked() {
+            answer = Answer::Dismissed;
+        }
+        answer
+    }
+
+    fn take(&self, answer: Answer, state: &mut UiState, requests: &mut Vec<UiRequest>) {
+        let Asked { path, ending, assumed, sculpture } = self;
+        if let Answer::Up(up) = answer {
+            state.known_files.upright.remember(path, up);
+            state.known_files.recent.set_upright(path, up);
+            state.toasts.note(format!(".{ending} files open with {} from now on", label(up)));
+            if up != *assumed {
+                // What points up then is y.
+                state.view.up = Vec3::Y;
+                let lying = assumed.turned_upright().inverse();
+                requests.push(UiRequest::Run(Command::Orient(lying.then(up.turned_upright()))));
+            }
+        }
+        if answer == Answer::Dismissed || answer == Answer::Up(*assumed) {
+            state.known_files.upright.dismissed = Some(*sculpture);
+        }
     }
 }
 

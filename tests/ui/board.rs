@@ -4,7 +4,10 @@ use egui::vec2;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use virtual_sculpture::app::Workspace;
+use virtual_sculpture::document::Limits;
+use virtual_sculpture::format::options::ImportOptions;
 use virtual_sculpture::input::Bindings;
+use virtual_sculpture::sculpture::orientation::Up;
 use virtual_sculpture::session::Session;
 
 use super::bench::{Bench, click, config, has};
@@ -12,7 +15,11 @@ use super::bench::{Bench, click, config, has};
 /// The board in the size that it has in a headset.
 fn board() -> Bench {
     let config = config(32);
-    let session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
+    board_of(Session::new(&config.new_sculpture(), config.limits()).unwrap())
+}
+
+fn board_of(session: Session) -> Bench {
+    let config = config(32);
     let bench = Workspace::new(session, &config, Bindings::presets().unwrap());
     Harness::builder()
         .with_size(vec2(1250.0, 800.0))
@@ -69,4 +76,27 @@ fn the_first_steps_are_those_of_hands_and_come_true() {
             harness.query_by_label_contains("Ctrl").or(harness.query_by_label_contains("mouse"));
         assert!(told.is_none(), "{title}");
     }
+}
+
+#[test]
+fn a_volume_is_turned_upright_on_the_board() {
+    let folder = tempfile::tempdir().unwrap();
+    let scan = folder.path().join("scan.pvm");
+    let mut bytes = b"PVM\n24 16 8\n1\n".to_vec();
+    bytes.extend((0..24 * 16 * 8).map(|i| if i < 24 * 16 * 2 { 200u8 } else { 0 }));
+    std::fs::write(&scan, bytes).unwrap();
+    let session = Session::open(&scan, &ImportOptions::default(), Limits::default(), &()).unwrap();
+    let mut harness = board_of(session);
+    harness.run();
+    harness.get_by_label("Which axis points up?");
+    // Nothing is covered by it.
+    let strip = harness.get_by_label("Z up").rect();
+    assert!(harness.get_by_label("Cuboid").rect().top() > strip.bottom());
+    click(&mut harness, "Z up");
+    harness.state_mut().finish_job();
+    harness.run();
+    let dims = harness.state().session().document().grid().dims();
+    assert_eq!(dims, glam::UVec3::new(24, 8, 16));
+    assert!(!has(&harness, "Which axis points up?"));
+    assert_eq!(harness.state().ui.known_files.upright.of(&scan), Some(Up::Z));
 }

@@ -5,13 +5,11 @@ use std::path::Path;
 
 use egui::{Key, Modifiers, PointerButton, vec2};
 use egui_kittest::kittest::Queryable;
-use glam::UVec3;
 use virtual_sculpture::app::Workspace;
 use virtual_sculpture::document::Limits;
 use virtual_sculpture::format;
 use virtual_sculpture::input::Bindings;
 use virtual_sculpture::session::Session;
-use virtual_sculpture::ui::toasts::Tone;
 
 use super::bench::{
     Bench, bench, bench_around, config, drag, key, middle, run_by_palette, undo_count, voxels,
@@ -198,6 +196,8 @@ fn an_opened_sculpture_is_saved_to_its_file_and_an_opened_volume_is_not() {
 #[cfg(unix)]
 #[test]
 fn a_recording_that_ends_is_said_once_and_no_stroke_stays_open() {
+    use virtual_sculpture::ui::toasts::Tone;
+
     let folder = tempfile::tempdir().unwrap();
     let pipe = folder.path().join("pipe");
     assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
@@ -225,7 +225,7 @@ fn bench_of_recorded(path: &Path) -> Bench {
     let config = config(64);
     let mut session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
     session.record_to(path).unwrap();
-    assert_eq!(session.document().grid().dims(), UVec3::splat(64));
+    assert_eq!(session.document().grid().dims(), glam::UVec3::splat(64));
     let bench = Workspace::new(session, &config, Bindings::presets().unwrap());
     bench_around(bench, vec2(1280.0, 800.0))
 }

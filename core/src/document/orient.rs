@@ -67,20 +67,25 @@ impl Document {
         Reorientation::new(&self.contents, orientation).is_exact()
     }
 
-    /// Reverses an orientation and returns the change that does it again.
+    /// Reverses an orientation and returns the change that does it again. `computed`: what it leads
+    /// to, if that is known already.
     ///
     /// # Errors
-    /// If it must be computed (`before` is none) and memory does not suffice.
+    /// If it must be computed and memory does not suffice.
     pub(super) fn reverse_orientation(
         &mut self,
         back: Orientation,
         before: Option<Box<Contents>>,
+        computed: Option<Contents>,
     ) -> Result<Change, CommandError> {
         match before {
             // What is left here is what the orientation makes of it again.
             Some(before) => Ok(self.swap_oriented(*before, back, true)),
             None => {
-                let contents = orient_contents(&self.contents, back, &self.limits, &())?;
+                let contents = match computed {
+                    Some(contents) => contents,
+                    None => orient_contents(&self.contents, back, &self.limits, &())?,
+                };
                 Ok(self.swap_oriented(contents, back, self.is_exact(back)))
             }
         }

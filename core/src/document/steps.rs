@@ -2,8 +2,10 @@
 //! redo.
 
 use super::{Applied, CommandError, Document};
+use crate::command::Command;
 use crate::sculpture::edit::EditStats;
-use crate::sculpture::history::{Change, Step};
+use crate::sculpture::history::{Change, Contents, Step};
+use crate::sculpture::orientation::Orientation;
 
 impl Document {
     /// Makes an undo step of the recorded changes, if there are any.
@@ -45,11 +47,65 @@ impl Document {
         self.require_room(label, self.contents.kept_bytes())
     }
 
+    /// The part of an undo or redo that is carried out in one go: the steps before one for which the
+    /// history keeps no values, so that the sculpture must be laid another way, or that step alone.
+    /// Other commands are a whole.
+    pub fn first_leg(&self, command: &Command) -> Command {
+        match (command, self.next_computed(command)) {
+            (Command::Undo { .. }, Some((before, ..))) => {
+                Command::Undo { steps: Some(before.max(1)) }
+            }
+            (Command::Redo { .. }, Some((before, ..))) => {
+                Command::Redo { steps: Some(before.max(1)) }
+            }
+            _ => command.clone(),
+        }
+    }
+
+    /// How the next step of an undo or redo lays the sculpture, if that must be computed. Refused where
+    /// the command would be.
+    pub fn next_orientation(&self, command: &Command) -> Result<Option<Orientation>, CommandError> {
+        let Some((0, step, orientation)) = self.next_computed(command) else { return Ok(None) };
+        let verb = command.verb();
+        self.require_no_stroke(verb)?;
+        let bytes = self.bytes_to_undo(orientation);
+        self.require_room(&format!("{verb} {}", step.label), bytes)?;
+        Ok(Some(orientation))
+    }
+
+    /// The first step of an undo or redo that must be computed, and how many come before it.
+    fn next_computed(&self, command: &Command) -> Option<(u32, &Step, Orientation)> {
+        let (steps, next): (_, &mut dyn Iterator<Item = &Step>) = match command {
+            Command::Undo { steps } => (steps, &mut self.history.undo_steps()),
+            Command::Redo { steps } => (steps, &mut self.history.redo_steps()),
+            _ => return None,
+        };
+        next.zip(0..steps.unwrap_or(u32::MAX)).find_map(|(step, before)| match step.change {
+            Change::Oriented { back, before: None } => Some((before, step, back)),
+            _ => None,
+        })
+    }
+
+    /// Carries out the next step of an undo or redo with the contents that were computed for it.
+    pub fn travel_oriented(
+        &mut self,
+        command: &Command,
+        contents: Contents,
+    ) -> Result<Applied, CommandError> {
+        let mut contents = Some(contents);
+        match command {
+            Command::Redo { .. } => {
+                self.travel(Some(1), "redo", |document| document.redo_step(contents.take()))
+            }
+            _ => self.travel(Some(1), "undo", |document| document.undo_step(contents.take())),
+        }
+    }
+
     pub(super) fn travel(
         &mut self,
         steps: Option<u32>,
         verb: &'static str,
-        step: impl Fn(&mut Self) -> Result<bool, CommandError>,
+        mut step: impl FnMut(&mut Self) -> Result<bool, CommandError>,
     ) -> Result<Applied, CommandError> {
         self.require_no_stroke(verb)?;
         let mut done = 0;
@@ -66,9 +122,9 @@ impl Document {
         Ok(Applied { stats: EditStats::default(), steps: done })
     }
 
-    pub(super) fn undo_step(&mut self) -> Result<bool, CommandError> {
+    pub(super) fn undo_step(&mut self, oriented: Option<Contents>) -> Result<bool, CommandError> {
         let Some(step) = self.history.take_undo() else { return Ok(false) };
-        let (step, refused) = self.reverse_if_kept(step, "undo");
+        let (step, refused) = self.reverse_if_kept(step, "undo", oriented);
         match refused {
             None => self.history.undone(step),
             Some(error) => {
@@ -79,9 +135,9 @@ impl Document {
         Ok(true)
     }
 
-    pub(super) fn redo_step(&mut self) -> Result<bool, CommandError> {
+    pub(super) fn redo_step(&mut self, oriented: Option<Contents>) -> Result<bool, CommandError> {
         let Some(step) = self.history.take_redo() else { return Ok(false) };
-        let (step, refused) = self.reverse_if_kept(step, "redo");
+        let (step, refused) = self.reverse_if_kept(step, "redo", oriented);
         match refused {
             None => self.history.redone(step),
             Some(error) => {
@@ -93,8 +149,14 @@ impl Document {
     }
 
     /// Swaps a step's values with the sculpture's and returns the reverse step. If the history cannot
-    /// keep that, nothing has changed and the step itself is returned.
-    fn reverse_if_kept(&mut self, step: Step, verb: &str) -> (Step, Option<CommandError>) {
+    /// keep that, nothing has changed and the step itself is returned. `oriented`: what an orientation
+    /// leads to, if it was computed before.
+    fn reverse_if_kept(
+        &mut self,
+        step: Step,
+        verb: &str,
+        oriented: Option<Contents>,
+    ) -> (Step, Option<CommandError>) {
         let bytes = match &step.change {
             Change::Bricks(record) => record.reverse_bytes(&self.contents),
             Change::Whole(_) => self.contents.kept_bytes(),
@@ -102,23 +164,25 @@ impl Document {
             Change::Oriented { back, before: None } => self.bytes_to_undo(*back),
         };
         match self.require_room(&format!("{verb} {}", step.label), bytes) {
-            Ok(()) => self.reverse(step),
+            Ok(()) => self.reverse(step, oriented),
             Err(error) => (step, Some(error)),
         }
     }
 
-    fn reverse(&mut self, step: Step) -> (Step, Option<CommandError>) {
+    fn reverse(&mut self, step: Step, oriented: Option<Contents>) -> (Step, Option<CommandError>) {
         let Step { label, change, state } = step;
         let change = match change {
             Change::Bricks(record) => Change::Bricks(self.swap_bricks(record)),
             Change::Whole(contents) => Change::Whole(Box::new(self.swap_contents(*contents))),
-            Change::Oriented { back, before } => match self.reverse_orientation(back, before) {
-                Ok(change) => change,
-                Err(error) => {
-                    let change = Change::Oriented { back, before: None };
-                    return (Step { label, change, state }, Some(error));
+            Change::Oriented { back, before } => {
+                match self.reverse_orientation(back, before, oriented) {
+                    Ok(change) => change,
+                    Err(error) => {
+                        let change = Change::Oriented { back, before: None };
+                        return (Step { label, change, state }, Some(error));
+                    }
                 }
-            },
+            }
         };
         let state = std::mem::replace(&mut self.state, state);
         self.settled = self.state;

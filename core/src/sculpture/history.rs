@@ -181,6 +181,16 @@ impl History {
         self.redo.iter().rev().map(|s| s.label.as_str())
     }
 
+    /// The steps that can be undone, the next one first.
+    pub fn undo_steps(&self) -> impl Iterator<Item = &Step> {
+        self.undo.iter().rev()
+    }
+
+    /// The steps that can be redone, the next one first.
+    pub fn redo_steps(&self) -> impl Iterator<Item = &Step> {
+        self.redo.iter().rev()
+    }
+
     /// The states that undo and redo can lead to.
     pub fn states(&self) -> impl Iterator<Item = State> {
         self.undo.iter().chain(&self.redo).map(|s| s.state)

@@ -100,7 +100,6 @@ fn is_recording(path: &Path) -> bool {
 #[cfg(test)]
 mod tests {
     use std::fs;
-    use std::io::{BufRead, BufReader};
 
     use super::*;
     use crate::document::Limits;
@@ -179,6 +178,44 @@ mod tests {
     }
 
     #[test]
+    fn undo_past_orientations_is_recorded_and_replays() {
+        let folder = tempfile::tempdir().unwrap();
+        let script = folder.path().join("made.sculpt");
+        let mut made = session();
+        made.record_to(&script).unwrap();
+        let lines = [
+            "recolour cuboid at=4,4,4 half=3 colour=#2040ff",
+            "orient upright=z",
+            "subtract cuboid at=4,4,4 half=2",
+            "orient axes=-x,y,z",
+            "orient axes=y,z,x",
+            "clear",
+        ];
+        let mut states = vec![made.document().contents().clone()];
+        for line in lines {
+            execute(&mut made, line);
+            states.push(made.document().contents().clone());
+        }
+        // Whatever way, and wherever it ends.
+        for (line, at) in [
+            ("undo 2", 4),
+            ("undo 3", 1),
+            ("redo 4", 5),
+            ("undo all", 0),
+            ("undo all", 0),
+            ("redo all", 6),
+            ("undo 5", 1),
+        ] {
+            let before = made.document().history().undo_count();
+            let applied = made.execute(&line.parse().unwrap(), &()).unwrap();
+            assert_eq!(applied.steps as usize, before.abs_diff(at), "{line}");
+            assert_eq!(made.document().contents(), &states[at], "{line}");
+        }
+        let again = replay(&fs::read_to_string(&script).unwrap());
+        assert_eq!(again.document().contents(), made.document().contents());
+    }
+
+    #[test]
     fn what_a_session_without_a_file_began_with_is_recorded_too() {
         let folder = tempfile::tempdir().unwrap();
         let script = folder.path().join("made.sculpt");
@@ -193,6 +230,8 @@ mod tests {
     #[cfg(unix)]
     #[test]
     fn a_recording_that_cannot_be_written_stops_no_work() {
+        use std::io::{BufRead, BufReader};
+
         let folder = tempfile::tempdir().unwrap();
         let pipe = folder.path().join("pipe");
         assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());

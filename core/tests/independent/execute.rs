@@ -10,7 +10,10 @@ impl Model {
     pub fn execute(&mut self, statement: &Statement) -> bool {
         let colours = self.now.bits != 0;
         match statement {
-            Statement::New { .. } | Statement::Begin | Statement::Array { .. }
+            Statement::New { .. }
+            | Statement::Begin
+            | Statement::Array { .. }
+            | Statement::Orient(_)
                 if self.stroke_open() =>
             {
                 false
@@ -122,6 +125,10 @@ impl Model {
             }
             Statement::Move { by, axes } => self.carry(*by, axes),
             Statement::Array { count, step } => self.array(*count, *step),
+            Statement::Orient(axes) => {
+                self.orient(axes);
+                true
+            }
             Statement::Undo(steps) => self.travel(*steps, true),
             Statement::Redo(steps) => self.travel(*steps, false),
         }

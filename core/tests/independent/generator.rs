@@ -6,10 +6,10 @@ use super::solid::{Placed, Shape, Turn};
 use super::statement::{Area, Axes, Colour, Mirror, Op, Ray, Statement};
 
 /// The verbs that must occur in a hundred scripts.
-pub const VERBS: [&str; 22] = [
+pub const VERBS: [&str; 23] = [
     "new", "begin", "end", "cancel", "add", "subtract", "recolour", "spray", "fill", "clear",
-    "dye", "mark", "select", "limit", "symmetry", "copy", "cut", "paste", "move", "array", "undo",
-    "redo",
+    "dye", "mark", "select", "limit", "symmetry", "copy", "cut", "paste", "move", "array",
+    "orient", "undo", "redo",
 ];
 
 pub struct Generator<'a> {
@@ -22,7 +22,7 @@ impl Generator<'_> {
         if first || self.random.one_in(60) {
             return self.new_sculpture();
         }
-        match self.random.below(66) {
+        match self.random.below(68) {
             0..20 => self.solid(),
             20..24 => self.symmetry(),
             24..27 => Statement::Fill {
@@ -59,7 +59,8 @@ impl Generator<'_> {
             60 if self.model.stroke_open() && self.random.one_in(2) => Statement::Cancel,
             60..62 => Statement::End,
             62..64 => Statement::Undo(self.steps()),
-            _ => Statement::Redo(self.steps()),
+            64..66 => Statement::Redo(self.steps()),
+            _ => Statement::Orient(self.axes()),
         }
     }
 

@@ -8,6 +8,7 @@
 mod execute;
 mod generator;
 mod model;
+mod orient;
 mod random;
 mod solid;
 mod statement;

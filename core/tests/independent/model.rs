@@ -2,6 +2,7 @@
 
 use std::rc::Rc;
 
+use super::orient::inverse;
 use super::statement::{Axes, Colour, Mirror, Op, Ray, Statement};
 
 #[derive(Clone, PartialEq, Debug)]
@@ -29,6 +30,13 @@ impl Box3 {
     }
 }
 
+/// A sculpture that undo or redo leads to.
+pub struct Past {
+    pub sculpture: Rc<Sculpture>,
+    /// How the present one is oriented to get there, if it is.
+    pub axes: Option<Axes>,
+}
+
 /// What was copied: its size, and the colours of the voxels in it.
 pub struct Copied {
     pub size: [i64; 3],
@@ -37,8 +45,8 @@ pub struct Copied {
 
 pub struct Model {
     pub now: Rc<Sculpture>,
-    pub undo: Vec<Rc<Sculpture>>,
-    pub redo: Vec<Rc<Sculpture>>,
+    pub undo: Vec<Past>,
+    pub redo: Vec<Past>,
     /// What was there before the open stroke, and whether it has changed anything.
     pub stroke: Option<(Rc<Sculpture>, bool)>,
     pub marker: Box3,
@@ -177,7 +185,7 @@ impl Model {
         match &mut self.stroke {
             Some((_, any)) => *any |= changed,
             None if changed => {
-                self.undo.push(before);
+                self.undo.push(Past { sculpture: before, axes: None });
                 self.redo.clear();
             }
             None => {}
@@ -260,8 +268,12 @@ impl Model {
         while left > 0 {
             let from = if back { &mut self.undo } else { &mut self.redo };
             let Some(next) = from.pop() else { break };
-            let last = self.now.clone();
-            self.begin_with((*next).clone());
+            let sculpture = self.now.clone();
+            match &next.axes {
+                Some(axes) => self.put_oriented(next.sculpture, axes),
+                None => self.begin_with((*next.sculpture).clone()),
+            }
+            let last = Past { sculpture, axes: next.axes.as_ref().map(inverse) };
             if back {
                 self.redo.push(last)
             } else {

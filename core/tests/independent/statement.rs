@@ -43,27 +43,66 @@ pub struct Ray {
 
 #[derive(Clone, Debug)]
 pub enum Statement {
-    New { dims: [usize; 3], size: [f64; 3], bits: u32, base: Colour, solid: bool },
+    New {
+        dims: [usize; 3],
+        size: [f64; 3],
+        bits: u32,
+        base: Colour,
+        solid: bool,
+    },
     Begin,
     End,
     Cancel,
-    Solid { op: Op, placed: Placed },
-    Brush { ray: Ray, colour: Colour },
-    Devour { ray: Ray, reach: f64 },
-    Fill { area: Area, colour: Option<Colour> },
-    Clear { area: Area },
-    Dye { area: Area, colour: Colour },
-    Mark { at: [i64; 3], size: [i64; 3] },
-    Select { adds: bool },
+    Solid {
+        op: Op,
+        placed: Placed,
+    },
+    Brush {
+        ray: Ray,
+        colour: Colour,
+    },
+    Devour {
+        ray: Ray,
+        reach: f64,
+    },
+    Fill {
+        area: Area,
+        colour: Option<Colour>,
+    },
+    Clear {
+        area: Area,
+    },
+    Dye {
+        area: Area,
+        colour: Colour,
+    },
+    Mark {
+        at: [i64; 3],
+        size: [i64; 3],
+    },
+    Select {
+        adds: bool,
+    },
     Drop,
     ClearSelection,
     Limit(bool),
     Symmetry([Mirror; 3]),
     Copy,
     Cut,
-    Paste { at: [i64; 3], axes: Axes },
-    Move { by: [i64; 3], axes: Axes },
-    Array { count: usize, step: [i64; 3] },
+    Paste {
+        at: [i64; 3],
+        axes: Axes,
+    },
+    Move {
+        by: [i64; 3],
+        axes: Axes,
+    },
+    Array {
+        count: usize,
+        step: [i64; 3],
+    },
+    /// Orients the whole sculpture.
+    Orient(Axes),
     Undo(Option<usize>),
     Redo(Option<usize>),
 }
@@ -159,6 +198,7 @@ impl fmt::Display for Statement {
             Statement::Array { count, step } => {
                 write!(f, "array count={count} step={}", list(step))
             }
+            Statement::Orient(a) => write!(f, "orient axes={}", axes(a)),
             Statement::Undo(n) => write!(f, "undo {}", steps(n)),
             Statement::Redo(n) => write!(f, "redo {}", steps(n)),
         }
