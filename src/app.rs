@@ -1,6 +1,7 @@
-//! The program in its windows: winit's events come in, pictures go out.
+//! The program in its windows: receives winit's events and draws the windows.
 //!
-//! [`App::frame`] is the program read aloud. What does not need a window is in [`Workspace`].
+//! [`App::frame`] is one iteration: input, interface, sculpture, presentation. Everything that needs no
+//! window is in [`Workspace`].
 
 mod detached;
 mod dispatch;
@@ -58,15 +59,15 @@ pub use workspace::Workspace;
 
 /// Smallest window in points for which the panels are laid out.
 const SMALLEST: LogicalSize<u32> = LogicalSize::new(640, 480);
-/// Lost devices within this time of one another are not worth another try.
+/// A device lost again within this time is an error.
 const RESTART_INTERVAL: Duration = Duration::from_secs(20);
-/// Longest wait for an image of the window; a compositor may give none to a hidden window.
+/// Longest wait for a swapchain image; a compositor may give none to a hidden window.
 const PATIENCE: Duration = Duration::from_millis(200);
-/// The same while a headset waits for its pictures, which come first.
+/// The same while a headset shows pictures, which have priority.
 const BRIEFLY: Duration = Duration::from_millis(2);
-/// When a window without a free image is asked again.
+/// When a window without a free image tries again.
 const ASK_AGAIN: Duration = Duration::from_millis(250);
-/// How often the window shows what is done in a headset.
+/// Interval of redraws of the window while a headset is used.
 const MIRROR_EVERY: Duration = Duration::from_millis(100);
 
 /// Why the program ended.
@@ -82,7 +83,7 @@ pub enum AppError {
     Bindings(#[from] BindingsError),
     #[error("{error}; the sculpture was saved to {path}")]
     Recovered { error: GpuError, path: PathBuf },
-    #[error("the validation layers complained {0} times")]
+    #[error("the validation layers reported {0} messages")]
     Validation(usize),
 }
 
@@ -128,7 +129,7 @@ pub fn run(
     app.finish()
 }
 
-/// What wakes the program up besides its window.
+/// Events from other threads.
 #[derive(Debug)]
 enum Wake {
     Pad(PadNews),
@@ -139,27 +140,27 @@ enum Wake {
 struct App {
     workspace: Workspace,
     headset: Option<Headset>,
-    /// When the window last showed what is done in the headset.
+    /// When the window was last redrawn for the headset.
     mirrored: Option<Instant>,
     config: Config,
     device: DeviceOptions,
     /// Windows of panels, on the device of the main one.
     detached: DetachedPanels,
     started: Instant,
-    /// The window that has the keyboard.
+    /// The window with the keyboard focus.
     focused: Option<WindowId>,
-    /// Window and device, once there is an event loop to make them with.
+    /// Window and device, once the event loop runs.
     view: Option<MainWindow>,
-    /// When the device was last made anew.
+    /// When the device was last recreated.
     restarted: Option<Instant>,
-    /// Nothing is to be done, as has been said in the log.
+    /// The program is idle, and has logged it.
     resting: bool,
     failed: Option<AppError>,
 }
 
 impl App {
-    /// One picture: get an image of the window, hear what the person wants and do it, bring the
-    /// picture of the sculpture up to date, put it and the interface into the window.
+    /// Draws the window: acquires an image, handles input, updates the picture of the sculpture,
+    /// composites the interface over it, and presents.
     fn frame(&mut self) -> Result<(), GpuError> {
         let Some(view) = &mut self.view else { return Ok(()) };
         if let Some(due) = view.pane.is_early(Instant::now()) {
@@ -169,15 +170,15 @@ impl App {
         let showing = self.headset.as_ref().is_some_and(Headset::is_showing);
         let patience = if showing { BRIEFLY } else { PATIENCE };
         let frame = view.begin(&mut self.workspace, patience)?;
-        self.attend(frame)
+        self.update(frame)
     }
 
-    /// The same for a window that may not be seen, without a picture: what the person wants is done
-    /// all the same, for it may come from another window, from a headset or a closing one.
-    fn attend(&mut self, frame: Option<Frame>) -> Result<(), GpuError> {
+    /// The same, but for a window that is not visible (`frame` is None) without drawing: requests may
+    /// come from another window, from a headset or a closing window, and are processed all the same.
+    fn update(&mut self, frame: Option<Frame>) -> Result<(), GpuError> {
         let Some(view) = &mut self.view else { return Ok(()) };
         let started = Instant::now();
-        view.pane.answer();
+        view.pane.begin_redraw();
         view.play_pad(&mut self.workspace, (started - self.started).as_secs_f64());
         self.workspace.on_screen(view.pane.monitor());
         self.workspace.track();
@@ -187,7 +188,7 @@ impl App {
         let mut again = pad_needs.unwrap_or(interface.repaint_after);
         if frame.is_none() {
             tracing::debug!("a picture is left out");
-            // A hidden window is asked again now and then.
+            // A hidden window tries again at intervals.
             let soon = if view.pane.is_minimised() { Duration::MAX } else { ASK_AGAIN };
             again = again.max(ASK_AGAIN).min(soon);
         }
@@ -204,21 +205,21 @@ impl App {
         }
         view.switch_fullscreen(&mut self.workspace);
         view.set_title(&self.workspace);
-        // What was done may show in the panels.
+        // The panels may have to show the changes.
         self.detached.touch();
         Ok(())
     }
 
-    /// What the window's own time has come for: another picture, or a look at what is to be done if
-    /// the window system asks for none.
-    fn look_after_window(&mut self) -> Result<(), GpuError> {
+    /// Draws the window when that is due, or updates without drawing if the window system does not ask
+    /// for a redraw.
+    fn poll_window(&mut self) -> Result<(), GpuError> {
         let now = Instant::now();
         let Some(view) = &mut self.view else { return Ok(()) };
         if view.pane.has_missed() {
             return self.frame();
         }
         if view.pane.is_unseen(now) {
-            return self.attend(None);
+            return self.update(None);
         }
         if view.pane.wake().is_some_and(|wake| wake <= now) {
             view.pane.wake_at(None);
@@ -227,16 +228,16 @@ impl App {
         Ok(())
     }
 
-    /// Opens and closes windows of panels as they are wanted, and brings them up to date.
+    /// Opens and closes the windows of detached panels, and updates them.
     fn panels(&mut self, event_loop: &ActiveEventLoop) -> Result<(), GpuError> {
         let Some(view) = &mut self.view else { return Ok(()) };
         let device = view.device().clone();
-        self.detached.follow(event_loop, view.pane.window(), &device, &mut self.workspace);
+        self.detached.sync(event_loop, view.pane.window(), &device, &mut self.workspace);
         let modal = self.workspace.ui.dialogs.is_modal();
         if self.detached.refresh(&mut self.workspace)? {
             view.pane.redraw();
             if self.workspace.ui.dialogs.is_modal() && !modal {
-                // What was opened from a panel is shown in the main window.
+                // A dialog opened from a panel is shown in the main window.
                 view.pane.window().focus_window();
             }
         }
@@ -246,7 +247,7 @@ impl App {
     fn open_window(&mut self, event_loop: &ActiveEventLoop) -> Result<(), AppError> {
         let windows = &self.workspace.ui.layout.windows;
         let mut size = windows.main.unwrap_or(self.config.window.size);
-        // It may have been on a larger screen last.
+        // The last size may be that of a larger screen.
         let screens = event_loop.available_monitors();
         let screens = screens.map(|screen| screen.size().to_logical::<u32>(screen.scale_factor()));
         if let Some(largest) =
@@ -267,8 +268,8 @@ impl App {
         Ok(())
     }
 
-    /// A lost device or surface is made anew, once; other failures end the program, with the
-    /// sculpture in safety.
+    /// Recreates a lost device or surface, once; other failures end the program, after the sculpture
+    /// was saved.
     fn recover(&mut self, error: GpuError) -> Result<(), AppError> {
         let lost = matches!(
             error,
@@ -314,13 +315,13 @@ impl App {
         }
     }
 
-    /// When the first window wants to be drawn by itself.
+    /// When the next window is to be redrawn.
     fn wake(&self) -> Option<Instant> {
         let main = self.view.as_ref().and_then(|view| view.pane.wake());
         main.into_iter().chain(self.detached.wake()).min()
     }
 
-    /// Goes on after a failure to draw, or ends the program.
+    /// Recovers from a failure to draw, or ends the program.
     fn survive(&mut self, event_loop: &ActiveEventLoop, result: Result<(), GpuError>) {
         if let Err(error) = result
             && let Err(error) = self.recover(error)
@@ -340,7 +341,7 @@ impl App {
         }
     }
 
-    /// Notes how large the windows are and where.
+    /// Records sizes and positions of the windows.
     fn note_windows(&mut self) {
         self.detached.note_places(&mut self.workspace.ui.layout.windows.panels);
         let Some(view) = &self.view else { return };
@@ -353,7 +354,7 @@ impl App {
         }
     }
 
-    /// Says when the program begins to wait, and when it no longer does, for those who wait for it.
+    /// Logs when the program becomes idle and when it is busy again, for tests that wait for it.
     fn note_rest(&mut self) {
         let soon = Instant::now() + Duration::from_secs(1);
         let pending = self.view.as_ref().is_some_and(|view| view.pane.is_pending());
@@ -371,22 +372,22 @@ impl App {
         self.resting = resting;
     }
 
-    /// After the event loop: the device goes, and what went wrong is said.
+    /// After the event loop: finishes jobs, drops the devices, and reports errors.
     fn finish(mut self) -> Result<(), AppError> {
-        // What is being saved is saved.
+        // A save in progress is completed.
         self.workspace.finish_job();
         self.note_windows();
         self.workspace.remember();
         let log = self.view.as_ref().map(MainWindow::validation_log);
-        let mut complaints = self.headset.as_ref().map_or(0, Headset::validation_messages);
+        let mut messages = self.headset.as_ref().map_or(0, Headset::validation_messages);
         self.headset = None;
         self.detached.close();
         self.view = None;
         if let Some(error) = self.failed {
             return Err(error);
         }
-        complaints += log.map_or(0, |log| log.messages().len());
-        match complaints {
+        messages += log.map_or(0, |log| log.messages().len());
+        match messages {
             0 => Ok(()),
             count => Err(AppError::Validation(count)),
         }
@@ -416,8 +417,8 @@ impl ApplicationHandler<Wake> for App {
 
     fn window_event(&mut self, event_loop: &ActiveEventLoop, id: WindowId, event: WindowEvent) {
         if let WindowEvent::Focused(focused) = event
-            // Going from one window of the program to another, either may hear of it first.
-            // Without a window manager no window ever has the keyboard to itself.
+            // When the focus moves between windows of the program, either event may come first.
+            // Without a window manager several windows may have the focus.
             && (focused || self.focused == Some(id))
         {
             self.focused = focused.then_some(id);
@@ -461,7 +462,7 @@ impl ApplicationHandler<Wake> for App {
     }
 
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
-        let result = self.panels(event_loop).and_then(|()| self.look_after_window());
+        let result = self.panels(event_loop).and_then(|()| self.poll_window());
         self.survive(event_loop, result);
         if self.workspace.is_leaving() {
             event_loop.exit();

@@ -1,10 +1,8 @@
-//! Owns the windows of panels that are detached off: one for each in the workspace's list, with the
-//! place where it was last.
+//! The windows of detached panels: one for each panel in the workspace's list, at its last position.
 //!
-//! A panel's pass is run whenever something happened in any window, for it costs little. If it gives
-//! another picture than the last, the window system is told, and the picture is made when that asks
-//! for it: for a window that cannot be seen, never. It never waits for its window, so that it does
-//! not hold up the main one.
+//! A panel's pass runs whenever something happened in any window, since it costs little. If its output
+//! has changed, a redraw is requested, and the window is drawn when the window system asks for it; for a
+//! window that is not visible, never. Nothing here waits for a window, so the main one is not delayed.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -22,11 +20,11 @@ use crate::input::Panel;
 use crate::ui::state::PanelPlace;
 use crate::ui::theme;
 
-/// When a window that has no free image is asked again, at first; twice as late each time after.
+/// When a window without a free image first tries again; doubled after each attempt.
 const RETRY: Duration = Duration::from_millis(8);
-/// The same at last, for a window that cannot be seen.
+/// The longest such delay, for a window that is not visible.
 const RETRY_AT_LAST: Duration = Duration::from_millis(500);
-/// From the main window's corner to that of a panel's first window, in points.
+/// Offset of a panel's first window from the main window's corner, in points.
 const OFFSET: f64 = 48.0;
 const SMALLEST: LogicalSize<f32> = LogicalSize::new(theme::TOOLBOX_WIDTH, 120.0);
 
@@ -40,19 +38,19 @@ pub struct DetachedPanels {
 pub struct PanelWindow {
     panel: Panel,
     pub pane: Pane,
-    /// Something happened that it may show.
+    /// Something happened that it may have to show.
     stale: bool,
-    /// What the last pass gave.
+    /// The output of the last pass.
     latest: Option<Interface>,
-    /// What the window shows is of this size; none if it does not show the latest.
+    /// The size at which the window shows the latest output; None if it does not show it.
     drawn: Option<PhysicalSize<u32>>,
     retry: Duration,
 }
 
 impl DetachedPanels {
-    /// Opens and closes windows as the workspace wants them. Without a window a panel goes back
-    /// to its place.
-    pub fn follow(
+    /// Opens and closes windows according to the workspace's list. A panel whose window cannot be opened
+    /// is docked.
+    pub fn sync(
         &mut self,
         event_loop: &ActiveEventLoop,
         main: &Window,
@@ -87,25 +85,25 @@ impl DetachedPanels {
         self.windows.iter_mut().find(|window| window.pane.id() == id)
     }
 
-    /// Something happened that panels may show.
+    /// Something happened that panels may have to show.
     pub fn touch(&mut self) {
         self.windows.iter_mut().for_each(PanelWindow::touch);
     }
 
-    /// Brings up to date the windows whose time has come. True if something was done in one that
-    /// the main window may show.
+    /// Updates the windows that are due. True if something was done in one that the main window may have
+    /// to show.
     pub fn refresh(&mut self, workspace: &mut Workspace) -> Result<bool, GpuError> {
         let now = Instant::now();
         let mut touched = false;
         for window in &mut self.windows {
             if window.pane.is_unseen(now) {
-                // The window system asks for the picture once somebody can see it.
-                window.pane.await_none();
+                // The window system asks for a redraw once the window is visible.
+                window.pane.cancel_redraw();
             }
             if window.stale || window.pane.wake().is_some_and(|wake| wake <= now) {
                 touched |= window.frame(workspace);
             }
-            // The window system waits for a picture that it did not get.
+            // The window system waits for a picture that was not presented.
             if window.pane.has_missed() {
                 window.draw()?;
             }
@@ -113,12 +111,12 @@ impl DetachedPanels {
         Ok(touched)
     }
 
-    /// When the first window wants to be brought up to date by itself.
+    /// When the next window is to be updated without an event.
     pub fn wake(&self) -> Option<Instant> {
         self.windows.iter().filter_map(|window| window.pane.wake()).min()
     }
 
-    /// Notes where the windows are.
+    /// Records the positions of the windows.
     pub fn note_places(&self, places: &mut BTreeMap<Panel, PanelPlace>) {
         let windows = self.windows.iter();
         places.extend(windows.map(|window| (window.panel, place_of(window.pane.window()))));
@@ -129,8 +127,8 @@ impl DetachedPanels {
         self.windows.iter().any(|window| window.pane.is_pending())
     }
 
-    /// Closes all windows; [`DetachedPanels::follow`] opens them again, with another device if need be,
-    /// where they were noted to be.
+    /// Closes all windows; [`DetachedPanels::sync`] opens them again at their recorded positions, possibly
+    /// on another device.
     pub fn close(&mut self) {
         self.windows.clear();
     }
@@ -141,7 +139,7 @@ fn place_of(window: &Window) -> PanelPlace {
     PanelPlace { corner_px, size_px: window.inner_size().into() }
 }
 
-/// Where a panel's first window goes: over the main one, where the panel has been.
+/// The initial position of a panel's window: over the main one, where the panel was docked.
 fn first_place(main: &Window, panel: Panel, scale: f32) -> PanelPlace {
     let (width, height) = match panel {
         Panel::Toolbox => (theme::TOOLBOX_WIDTH + 20.0, 620.0),
@@ -168,7 +166,7 @@ fn first_place(main: &Window, panel: Panel, scale: f32) -> PanelPlace {
     PanelPlace { corner_px: corner, size_px: size.into() }
 }
 
-/// Whether a corner lies on a screen that is there.
+/// Whether a corner is on a connected screen.
 fn is_on_screen(event_loop: &ActiveEventLoop, corner: [i32; 2]) -> bool {
     event_loop.available_monitors().any(|screen| {
         let (at, size) = (screen.position(), screen.size());
@@ -188,7 +186,7 @@ impl PanelWindow {
         place: Option<PanelPlace>,
         scale: f32,
     ) -> Result<PanelWindow, AppError> {
-        // The screen that it was on may be gone.
+        // Its last screen may no longer be connected.
         let place = place
             .filter(|place| place.corner_px.is_none_or(|corner| is_on_screen(event_loop, corner)));
         let place = place.unwrap_or_else(|| first_place(main, panel, scale));
@@ -213,8 +211,8 @@ impl PanelWindow {
         self.stale = true;
     }
 
-    /// Runs the panel's pass, and asks for a picture if it looks other than the last. True if
-    /// something was done in it that other windows may show.
+    /// Runs the panel's pass, and requests a redraw if its output has changed. True if something was done
+    /// in it that other windows may have to show.
     fn frame(&mut self, workspace: &mut Workspace) -> bool {
         let started = Instant::now();
         self.stale = false;
@@ -238,16 +236,16 @@ impl PanelWindow {
         touched
     }
 
-    /// Makes the picture that the window system asks for.
+    /// Draws the window, as requested by the window system.
     pub fn draw(&mut self) -> Result<(), GpuError> {
         let now = Instant::now();
-        self.pane.await_none();
+        self.pane.cancel_redraw();
         if let Some(due) = self.pane.is_early(now) {
             self.wake_by(due);
             return Ok(());
         }
         let size = self.pane.window().inner_size();
-        // A window without a size is shown again once it has one.
+        // A window without a size is drawn once it has one.
         let Some(interface) = self.latest.take().filter(|_| size.width > 0 && size.height > 0)
         else {
             return Ok(());

@@ -1,4 +1,4 @@
-//! Owns the memory that the program has been started before, so that the guide comes up once.
+//! Records that the program has been started before, so that the guide opens only once.
 
 use std::path::Path;
 
@@ -15,7 +15,7 @@ fn is_first_in(folder: &Path) -> bool {
         return false;
     }
     if let Err(error) = std::fs::create_dir_all(folder).and_then(|()| std::fs::write(&mark, "")) {
-        // Then the guide comes up again, which does no harm.
+        // Then the guide opens again, which does no harm.
         tracing::warn!("cannot write {}: {error}", mark.display());
     }
     true
@@ -26,11 +26,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_first_run_is_the_first_only() {
+    fn only_the_first_run_is_the_first() {
         let folder = tempfile::tempdir().unwrap();
         let folder = folder.path().join("state");
         assert!(is_first_in(&folder) && !is_first_in(&folder));
-        // Where nothing can be written it is the first time every time.
+        // Where nothing can be written, every run is the first.
         assert!(is_first_in(Path::new("/dev/null/state")));
     }
 }

@@ -1,5 +1,4 @@
-//! Owns the main window: the device made for it, and the picture of the sculpture below its
-//! interface.
+//! The main window: its device, and the picture of the sculpture below its interface.
 //!
 //! What is drawn is decided by the workspace.
 
@@ -16,11 +15,11 @@ use super::workspace::Workspace;
 use crate::gpu::{Device, DeviceOptions, GpuError, ValidationLog, WindowHost};
 use crate::view::StereoLayout;
 
-/// The main window with all that draws to it. Fields are dropped in this order.
+/// The main window with everything that draws to it. Fields are dropped in this order.
 pub struct MainWindow {
     painter: Painter,
     pub pane: Pane,
-    /// Where the picture lies in the window, in pixels.
+    /// The picture's rectangle in the window, in pixels.
     corner: UVec2,
     /// Pictures shown.
     shown: u64,
@@ -35,7 +34,7 @@ impl MainWindow {
         Ok(MainWindow { painter, pane, corner: UVec2::ZERO, shown: 0 })
     }
 
-    /// Gives everything back but the window.
+    /// Drops everything except the window.
     pub fn into_window(self) -> Arc<Window> {
         self.pane.into_window()
     }
@@ -74,8 +73,8 @@ impl MainWindow {
         self.pane.begin(patience)
     }
 
-    /// Lets the gamepad do its part. What it does with the pointer the next pass of the interface
-    /// hears as if it came from the mouse.
+    /// Applies the gamepad. Its movement of the pointer reaches the next pass of the interface as if it
+    /// came from the mouse.
     pub fn play_pad(&mut self, workspace: &mut Workspace, now_s: f64) {
         let events = workspace.play_pad(now_s, self.pane.context());
         let moved = events.iter().rev().find_map(|event| match event {
@@ -88,7 +87,7 @@ impl MainWindow {
         self.pane.inject(events);
     }
 
-    /// Runs a pass of the interface, in which the workspace does what the person wants.
+    /// Runs a pass of the interface, in which the workspace handles input.
     pub fn interface(&mut self, workspace: &mut Workspace) -> Interface {
         if workspace.display.device.is_empty() {
             workspace.display.device = self.device().device_name();
@@ -97,7 +96,7 @@ impl MainWindow {
         self.pane.interface(|root| workspace.show(root))
     }
 
-    /// Puts the picture of the sculpture into its place in the window.
+    /// Draws the picture of the sculpture into its rectangle of the window.
     pub fn draw_sculpture(
         &mut self,
         frame: &mut Frame,
@@ -108,7 +107,7 @@ impl MainWindow {
         let corner = (workspace.picture().min.to_vec2() * self.pane.pixels_per_point()).round();
         self.corner = UVec2::new(corner.x.max(0.0) as u32, corner.y.max(0.0) as u32);
         if let Some(pictures) = self.painter.pictures()
-            // Those of two eyes are put together with the interface.
+            // Those of two eyes are composited together with the interface.
             && pictures.colour.eyes() == 1
         {
             let picture = &pictures.colour;
@@ -133,7 +132,7 @@ impl MainWindow {
         }
     }
 
-    /// Saves the picture that was just shown, if that was asked for.
+    /// Saves the picture that was just shown, if that was requested.
     pub fn save_screenshot(&mut self, workspace: &mut Workspace) -> Result<(), GpuError> {
         if !std::mem::take(&mut workspace.ui.window_tasks.screenshot) {
             return Ok(());
@@ -148,13 +147,13 @@ impl MainWindow {
                 Err(error) => workspace.ui.toasts.error(error.to_string()),
             }
         }
-        // Tool and lines come back.
+        // Tool and lines are drawn again.
         self.pane.redraw();
         Ok(())
     }
 
-    /// Lets the window fill its screen, or no longer, if that was asked for. The system may have
-    /// changed it meanwhile, so the window itself is asked what it does now.
+    /// Toggles fullscreen, if that was requested. The system may have changed it meanwhile, so the window
+    /// is asked for its present state.
     pub fn switch_fullscreen(&self, workspace: &mut Workspace) {
         if std::mem::take(&mut workspace.ui.window_tasks.switch_fullscreen) {
             let window = self.pane.window();
@@ -163,7 +162,7 @@ impl MainWindow {
         }
     }
 
-    /// Hands the picture to the window.
+    /// Presents the picture.
     pub fn end(&mut self, frame: Frame) -> Result<(), GpuError> {
         if self.pane.end(frame)? {
             self.shown += 1;

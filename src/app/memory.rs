@@ -1,7 +1,7 @@
-//! The file in which the program remembers what a person finds again at the next start.
+//! The file with the state that is restored at the next start.
 //!
-//! It is written when it has changed: when a file was opened or saved, now and then at rest, and at
-//! the end. Without [`Workspace::remember_in`] nothing is read or written, as in tests.
+//! It is written when the state has changed: after a file was opened or saved, at intervals while the
+//! program is idle, and at the end. Without [`Workspace::remember_in`] nothing is read or written, as in tests.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -15,24 +15,23 @@ use crate::sculpture::orientation::Up;
 use crate::ui::state::folder_of;
 use crate::ui::{WindowOptions, memory};
 
-/// A longer file is none of this program's.
+/// A longer file is not one of this program.
 const LONGEST_BYTES: u64 = 1 << 20;
-/// At rest it is written no more often than this.
+/// Shortest interval of writes while idle.
 const EVERY: Duration = Duration::from_secs(30);
 
-/// The file and what it holds.
+/// The file and its contents.
 pub(super) struct MemoryFile {
     path: PathBuf,
     window: WindowOptions,
     written: String,
     at: Instant,
-    /// That it cannot be written has been said.
+    /// A failure to write it has been reported.
     complained: bool,
 }
 
 impl Workspace {
-    /// Remembers what the file holds, if there is one, and from now on writes what is to be
-    /// remembered to it.
+    /// Restores the state in the file, if there is one, and from now on saves the state there.
     pub fn remember_in(&mut self, path: PathBuf, window: &WindowOptions) {
         let read = read(&path);
         match &read {
@@ -62,14 +61,14 @@ impl Workspace {
         }
     }
 
-    /// The same, if some time has gone by since.
+    /// Saves the state, if some time has passed since the last time.
     pub fn remember_at_rest(&mut self) {
         if self.memory.as_ref().is_some_and(|memory| memory.at.elapsed() >= EVERY) {
             self.remember();
         }
     }
 
-    /// Writes what is to be remembered, if it has changed.
+    /// Saves the state, if it has changed.
     pub fn remember(&mut self) {
         let Some(file) = &mut self.memory else { return };
         let text = memory::to_text(&self.ui, &self.editor.tool, &file.window);
@@ -80,7 +79,7 @@ impl Workspace {
         match write(&file.path, &text) {
             Ok(()) => file.written = text,
             Err(error) => {
-                // The work is not in danger, so nobody is kept from it.
+                // The sculpture is not in danger, so this is no error dialog.
                 if !std::mem::replace(&mut file.complained, true) {
                     tracing::warn!("cannot write {}: {error}", file.path.display());
                 }
@@ -89,7 +88,7 @@ impl Workspace {
     }
 }
 
-/// The axis that the person has last found to point up in files of that format.
+/// The axis that was last chosen to point up for files of that format.
 pub fn remembered_up(path: &Path) -> Up {
     let text = read(&folders::state_folder().join("state.toml"));
     let up = text.ok().flatten().and_then(|text| memory::upright(&text).of(path));

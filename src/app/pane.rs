@@ -1,5 +1,5 @@
-//! Owns a pane: one window of the program with all that draws an interface into it, and when it
-//! is to be drawn again. The main window and every panel in a window of its own are panes.
+//! A pane: one window of the program with everything that draws an interface into it, and the time of
+//! its next redraw. The main window and every detached panel are panes.
 //!
 //! Each pane has an egui context, textures and a swapchain of its own; all share one device.
 
@@ -24,18 +24,18 @@ use crate::viewpoint::head::Monitor;
 
 use super::stereo_screen::StereoScreen;
 
-/// When a picture that was asked for and is not drawn is taken for one of a window that cannot be
-/// seen: Wayland asks for none of those.
+/// A window whose requested redraw does not come within this time is not visible: on Wayland such
+/// windows get no redraws.
 const UNSEEN_AFTER: Duration = Duration::from_millis(250);
-/// From picture to picture where the screen does not say how often it shows one.
+/// Time between two pictures where the refresh rate is unknown.
 const USUAL_PERIOD: Duration = Duration::from_micros(16_667);
-/// A picture may come so much before the screen's next one, for clocks are not that exact.
+/// A picture may be this much early, since clocks are not exact.
 const SLACK: Duration = Duration::from_millis(1);
 
 /// A window that an interface is drawn into. Fields are dropped in this order.
 pub struct Pane {
     gui: Gui,
-    /// What stereo needs, once it has been asked for.
+    /// Resources of stereo, once it was switched on.
     stereo: Option<StereoScreen>,
     frames: Frames,
     screen: WindowScreen,
@@ -46,19 +46,19 @@ pub struct Pane {
     layout: StereoLayout,
     /// The eye whose picture the pointer is in.
     pointing_eye: usize,
-    /// When the interface wants to be drawn again by itself.
+    /// When the interface is to be redrawn without an event.
     wake: Option<Instant>,
-    /// Since when a picture is asked for that has not been drawn.
+    /// Since when a redraw is requested that has not come.
     pending: Option<Instant>,
     /// When the last picture was begun.
     begun: Option<Instant>,
-    /// The last picture came too late for the window as it was: it is owed another.
+    /// The last picture could not be presented, since the window had changed: another one is due.
     missed: bool,
-    /// The interface's textures that are not yet brought over or freed.
+    /// Changes of the interface's textures that are not yet uploaded or freed.
     textures: TextureChanges,
 }
 
-/// A picture being made.
+/// A picture being recorded.
 pub struct Frame {
     pub recorder: Recorder,
     target: Target,
@@ -66,11 +66,11 @@ pub struct Frame {
     pasted: bool,
 }
 
-/// What an egui pass leaves to be drawn.
+/// The output of an egui pass, to be drawn.
 pub struct Interface {
     pub shapes: Vec<ClippedShape>,
     pub pixels_per_point: f32,
-    /// When the interface wants another picture by itself.
+    /// When the interface is to be redrawn without an event.
     pub repaint_after: Duration,
 }
 
@@ -110,12 +110,12 @@ impl Pane {
         })
     }
 
-    /// Gives everything back but the window.
+    /// Drops everything except the window.
     pub fn into_window(self) -> Arc<Window> {
         self.window
     }
 
-    /// Where the window is on its screen, if the system knows the screen.
+    /// The position of the window on its monitor, if the system knows it.
     pub fn monitor(&self) -> Option<Monitor> {
         let window = self.window();
         let monitor = window.current_monitor()?;
@@ -146,7 +146,7 @@ impl Pane {
         &self.screen
     }
 
-    /// Of the frame begun last ([`Frames::slot`]).
+    /// The slot of the frame begun last ([`Frames::slot`]).
     pub fn slot(&self) -> usize {
         self.frames.slot()
     }
@@ -164,7 +164,7 @@ impl Pane {
         self.egui.egui_input_mut().events.extend(events);
     }
 
-    /// Moves the system's pointer, where the system lets programs do that; true if it did.
+    /// Moves the system's pointer, where the system allows it; true if it did.
     pub fn move_pointer(&self, at: egui::Pos2) -> bool {
         let at = at.to_vec2() * self.pixels_per_point();
         self.window.set_cursor_position(PhysicalPosition::new(at.x, at.y)).is_ok()
@@ -174,61 +174,60 @@ impl Pane {
         self.window.is_minimized().unwrap_or(false)
     }
 
-    /// Asks for a picture. The window system says when it is to be made
-    /// (`WindowEvent::RedrawRequested`).
+    /// Requests a redraw. The window system decides when it comes (`WindowEvent::RedrawRequested`).
     pub fn redraw(&mut self) {
         self.pending.get_or_insert_with(Instant::now);
         self.window.request_redraw();
     }
 
-    /// What was asked for is being done.
-    pub fn answer(&mut self) {
+    /// The requested redraw is under way.
+    pub fn begin_redraw(&mut self) {
         self.wake = None;
         self.pending = None;
     }
 
-    /// The picture that was asked for is not awaited any more.
-    pub fn await_none(&mut self) {
+    /// Gives up waiting for the requested redraw.
+    pub fn cancel_redraw(&mut self) {
         self.pending = None;
     }
 
-    /// When the screen can show another picture, if that is after `now`. Without this a mailbox
-    /// would be filled as fast as the device can.
+    /// When the screen can show another picture, if that is after `now`. Without this, pictures would go
+    /// to the mailbox as fast as the device can draw.
     pub fn is_early(&self, now: Instant) -> Option<Instant> {
         let begun = self.begun.filter(|_| !self.screen.is_paced())?;
         let rate = self.window.current_monitor().and_then(|m| m.refresh_rate_millihertz());
         Some(begun + period(rate)).filter(|due| *due > now)
     }
 
-    /// Whether the window system does not ask for the picture that it has been told of.
+    /// Whether the window is not visible: the requested redraw does not come.
     pub fn is_unseen(&self, now: Instant) -> bool {
         self.pending.is_some_and(|since| since + UNSEEN_AFTER <= now)
     }
 
-    /// Whether the last picture was lost on its way to the window, so that the window system waits
-    /// for it before it asks for another.
+    /// Whether the last picture was not presented, so that the window system still waits for it before
+    /// it asks for another.
     pub fn has_missed(&self) -> bool {
         self.missed
     }
 
-    /// Asks for a picture later; with `None` not.
+    /// Sets the time of the next redraw without an event; none with `None`.
     pub fn wake_at(&mut self, wake: Option<Instant>) {
         self.wake = wake;
     }
 
-    /// When the pane wants attention by itself.
+    /// When the pane is to be updated without an event.
     pub fn wake(&self) -> Option<Instant> {
         let unseen = self.pending.map(|since| since + UNSEEN_AFTER);
         self.wake.into_iter().chain(unseen).min()
     }
 
-    /// Whether a picture was asked for and has not been drawn.
+    /// Whether a redraw was requested and has not come.
     pub fn is_pending(&self) -> bool {
         self.pending.is_some()
     }
 
-    /// Shows two eyes in another way from the next picture on. Layers are for windows that have
-    /// them ([`WindowScreen::can_layer`]).
+    /// Sets the stereo layout from the next picture on. Layers need a window that has them
+    /// ([`WindowScreen::can_layer`]).
     pub fn arrange(&mut self, layout: StereoLayout) {
         self.layout = layout;
         self.screen.set_layered(layout == StereoLayout::Layers);
@@ -239,7 +238,7 @@ impl Pane {
         self.pointing_eye
     }
 
-    /// The event with places in the window as they are seen by an eye.
+    /// The event with its position mapped to the picture of the eye that is seen there.
     fn unfold(&mut self, event: &WindowEvent) -> Option<WindowEvent> {
         let size: [u32; 2] = self.window.inner_size().into();
         let mut unfold = |at: PhysicalPosition<f64>| {
@@ -357,13 +356,13 @@ impl Pane {
         stereo.compose(recorder, self.frames.slot(), target, pictures, corner, self.layout)
     }
 
-    /// Hands the picture to the window. False if the window has changed too much to show it; then
-    /// another one is due at once ([`Pane::has_missed`]).
+    /// Presents the picture. False if the window has changed too much to show it; then another one is
+    /// due at once ([`Pane::has_missed`]).
     pub fn end(&mut self, frame: Frame) -> Result<bool, GpuError> {
         let Frame { recorder, target, .. } = frame;
         self.frames.submit(recorder, &[target.wait()], &[target.signal()])?;
         self.gui.free(&mut self.textures);
-        // Wayland asks for the next picture when this one has been seen.
+        // Wayland asks for the next picture when this one has become visible.
         self.window.pre_present_notify();
         let shown = self.screen.present(&target)?;
         self.missed = !shown;
@@ -371,14 +370,15 @@ impl Pane {
     }
 }
 
-/// The least time from picture to picture on a screen that shows so many in 1000 seconds.
+/// The shortest time between two pictures at a refresh rate.
 fn period(millihertz: Option<u32>) -> Duration {
-    let told = millihertz.filter(|rate| (10_000..=1_000_000).contains(rate));
-    let period = told.map_or(USUAL_PERIOD, |rate| Duration::from_secs(1000) / rate);
+    let rate = millihertz.filter(|rate| (10_000..=1_000_000).contains(rate));
+    let period = rate.map_or(USUAL_PERIOD, |rate| Duration::from_secs(1000) / rate);
     period.saturating_sub(SLACK)
 }
 
-/// Whether the key that pastes was pressed: V, or where V is on keyboards without Latin letters.
+/// Whether the key of pasting was pressed: V, or the key at its position on keyboards without Latin
+/// letters.
 fn is_paste_key(event: &WindowEvent) -> bool {
     let WindowEvent::KeyboardInput { event, is_synthetic: false, .. } = event else { return false };
     let latin = match &event.logical_key {
@@ -391,8 +391,8 @@ fn is_paste_key(event: &WindowEvent) -> bool {
 }
 
 impl Frame {
-    /// Puts a picture of `size` pixels, in the layout of [`Use::COPY_SOURCE`], below the
-    /// interface, its upper left corner at the pixel `at`.
+    /// Copies a picture of `size` pixels, in the layout of [`Use::COPY_SOURCE`], below the interface,
+    /// with its upper left corner at the pixel `at`.
     pub fn paste(&mut self, picture: ImagePart, size: [u32; 2], at: [u32; 2]) {
         self.recorder.image_barrier(self.target.part(), Target::FIRST, Use::COPY_TARGET);
         WindowScreen::paste(&mut self.recorder, picture, size, &self.target, at);
@@ -405,11 +405,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pictures_follow_one_another_as_the_screen_shows_them_and_never_without_end() {
+    fn the_period_follows_the_refresh_rate_and_is_never_zero() {
         let ms = |rate| period(rate).as_secs_f32() * 1e3;
         assert!((ms(Some(60_000)) - 15.67).abs() < 0.01);
         assert!((ms(Some(144_000)) - 5.94).abs() < 0.01);
-        // What is no rate counts as none, so that it does not become no wait at all.
+        // An implausible rate counts as unknown, or there would be no wait at all.
         for none in [None, Some(0), Some(1), Some(u32::MAX)] {
             assert!((ms(none) - 15.67).abs() < 0.01, "{none:?}");
         }

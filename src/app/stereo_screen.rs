@@ -1,7 +1,7 @@
-//! Owns what a window needs to show two eyes: the interface in an image of its own, and the pass
-//! that puts pictures and interface together.
+//! What a window needs to show two eyes: the interface in an image of its own, and the pass that
+//! composites pictures and interface.
 //!
-//! Made when stereo is first switched on. Knows no workspace.
+//! Created when stereo is first switched on. Knows no workspace.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use crate::render::{Stereo, StereoSources};
 use crate::screen::window::Target;
 use crate::view::StereoLayout;
 
-/// The interface of a window, drawn apart.
+/// The interface of a window in an image of its own, and the stereo pass.
 pub struct StereoScreen {
     pass: Stereo,
     interface: EyeImage,
@@ -32,8 +32,7 @@ impl StereoScreen {
         })
     }
 
-    /// Starts drawing the interface, over nothing; end it with
-    /// [`Recorder::end_rendering`].
+    /// Begins drawing the interface over a transparent image; [`Recorder::end_rendering`] ends it.
     pub fn begin_interface(&mut self, recorder: &mut Recorder, size: UVec2) -> Result<()> {
         if self.interface.size() != size {
             self.interface = image(&self.device, self.format, size)?;
@@ -45,7 +44,7 @@ impl StereoScreen {
         Ok(())
     }
 
-    /// Puts pictures and interface into the window's image, ready to be presented.
+    /// Composites pictures and interface into the window's image, ready to be presented.
     pub fn compose(
         &mut self,
         recorder: &mut Recorder,
