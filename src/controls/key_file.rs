@@ -1,4 +1,4 @@
-//! The person's own file of key tables: read at the start, written with every change.
+//! The person's file of key tables: read at the start, written after every change.
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -9,16 +9,16 @@ use crate::input::Personal;
 use crate::input::remap::KeyChange;
 use crate::notice::Notice;
 
-/// Where a person's tables are kept.
+/// The file of a person's key tables.
 pub(super) struct KeyFile {
     path: PathBuf,
-    /// It holds something that could not be used, and that must not be lost.
+    /// It could not be parsed, and must not be overwritten.
     unusable: bool,
 }
 
 impl Controls {
-    /// Uses the tables that a file holds, if there is one, and from now on writes every change
-    /// to it. A file that cannot be used is said to be so, and the presets are used as they are.
+    /// Uses the tables in a file, if it exists, and from now on writes every change to it. A file that
+    /// cannot be used is reported, and the presets are used as shipped.
     pub fn keep_keys_in(&mut self, path: PathBuf) -> Option<Notice> {
         let read = std::fs::read_to_string(&path);
         let parsed = match read {
@@ -59,13 +59,13 @@ impl Controls {
         }
     }
 
-    /// Uses another table from now on.
+    /// Switches to another table.
     pub fn use_preset(&mut self, preset: usize) -> Option<Notice> {
         self.preset = preset;
         self.save_keys()
     }
 
-    /// Writes the tables and which of them is in use.
+    /// Writes the tables, and the index of the one in use.
     fn save_keys(&mut self) -> Option<Notice> {
         let file = self.key_file.as_mut()?;
         let mine = Personal { tables: self.presets.clone(), in_use: self.preset };
@@ -84,7 +84,7 @@ impl Controls {
     }
 }
 
-/// Writes the file; one that could not be used is put aside, to the path that is returned.
+/// Writes the file; one that could not be used is renamed to the path that is returned.
 fn write(file: &mut KeyFile, text: &str) -> std::io::Result<Option<PathBuf>> {
     let KeyFile { path, unusable } = file;
     if let Some(folder) = path.parent().filter(|folder| *folder != Path::new("")) {

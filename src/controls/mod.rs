@@ -1,8 +1,8 @@
-//! From devices to action events: the tables of keys in use with their file, what is held in each
-//! window, and the gamepads.
+//! From device events to action events: the key tables with their file, the keys held in each window,
+//! and the gamepads.
 //!
-//! [`Controls`] takes device events and states of pads as values and returns [`ActionEvent`]s; what
-//! these mean is decided elsewhere. Knows no sculpture and no window.
+//! [`Controls`] takes device events and gamepad states as values and returns [`ActionEvent`]s, which are
+//! interpreted elsewhere. Knows no sculpture and no window.
 
 mod key_file;
 pub mod pads;
@@ -20,17 +20,17 @@ use pads::{PadReport, Pads};
 
 /// Everything that turns input into action events.
 pub struct Controls {
-    /// The tables of keys as the person has changed them.
+    /// The key tables with the person's changes.
     presets: Vec<Bindings>,
-    /// The same as the program brings them along.
+    /// The key tables as shipped.
     pristine: Vec<Bindings>,
     /// Index of the table in use.
     pub preset: usize,
-    /// Where changes to the tables are kept, if anywhere.
+    /// Where changes to the tables are saved, if anywhere.
     key_file: Option<KeyFile>,
-    /// What is held in the main window.
+    /// Keys and buttons held in the main window.
     mapper: Mapper,
-    /// What is held in the windows of panels.
+    /// Keys held in the windows of panels.
     panel_mappers: BTreeMap<Panel, Mapper>,
     shift_tap: ShiftTap,
     pub pads: Pads,
@@ -55,7 +55,7 @@ impl Controls {
         &self.presets
     }
 
-    /// The same as the program brings them along.
+    /// The key tables as shipped.
     pub fn pristine(&self) -> &[Bindings] {
         &self.pristine
     }
@@ -65,20 +65,19 @@ impl Controls {
         self.presets.get(self.preset)
     }
 
-    /// Whether the pointer holds something on the picture.
+    /// Whether a drag over the picture is in progress.
     pub fn is_dragging(&self) -> bool {
         self.mapper.captures_pointer()
     }
 
-    /// Whether the tool goes where the pointer is: in a table without `Sculpt` it is moved by drags
-    /// alone.
+    /// Whether the tool follows the pointer: in a table without `Sculpt` only drags move it.
     pub fn tool_follows_pointer(&self) -> bool {
         let table = self.bindings();
         table.is_some_and(|bindings| bindings.triggers(Action::Sculpt).next().is_some())
     }
 
-    /// What the events of a window mean: of a panel's, or of the main one. Each window holds keys of
-    /// its own, so that one that loses the focus lets go of its own only.
+    /// The action events for the device events of a window: a panel's, or the main one. Each window has
+    /// its own held keys, so that losing the focus releases only those.
     pub fn handle(&mut self, panel: Option<Panel>, events: &[DeviceEvent]) -> Vec<ActionEvent> {
         let Some(bindings) = self.presets.get(self.preset) else { return Vec::new() };
         let mapper = match panel {
@@ -89,7 +88,7 @@ impl Controls {
         for event in events {
             mapper.feed(event, bindings, &mut actions);
         }
-        // Of several moves without a button only the last is worth a look.
+        // Of several moves without a button only the last one matters.
         actions.dedup_by(|later, earlier| {
             let is_hover = |event: &ActionEvent| matches!(event, ActionEvent::Hover(_));
             let overtaken = is_hover(later) && is_hover(earlier);
@@ -101,7 +100,7 @@ impl Controls {
         actions
     }
 
-    /// The action that Shift pressed alone stands for, as often as it was pressed.
+    /// The action bound to a tap of Shift, once for each tap.
     pub fn take_shift_taps(&mut self, events: &[egui::Event]) -> Vec<Action> {
         let taps = events.iter().filter(|event| self.shift_tap.feed(event)).count();
         let action = self.bindings().and_then(|bindings| bindings.action(Trigger::ShiftTap));
@@ -113,13 +112,13 @@ impl Controls {
         self.pads.handle(news, now_s, self.presets.get(self.preset), catching)
     }
 
-    /// What the pads have asked for up to `now_s`, in order.
+    /// The gamepads' events up to `now_s`, in order.
     pub fn take_pad_events(&mut self, now_s: f64) -> Vec<PadEvent> {
         let bindings = self.presets.get(self.preset);
         bindings.map_or(Vec::new(), |bindings| self.pads.take(now_s, bindings))
     }
 
-    /// A panel's window has gone: what was held in it is let go.
+    /// A panel's window was closed: releases the keys held in it.
     pub fn panel_closed(&mut self, panel: Panel) -> Vec<ActionEvent> {
         let released = self.handle(Some(panel), &[DeviceEvent::FocusLost]);
         self.panel_mappers.remove(&panel);

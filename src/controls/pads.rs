@@ -1,8 +1,8 @@
-//! The gamepads: their states become events, the pointer is moved by a stick, and motors shake with
-//! what the tool changes.
+//! The gamepads: states to events, the pointer moved by a stick, and rumble by the voxels that the tool
+//! changes.
 //!
-//! Time comes in as seconds since the program's start; the pointer goes out as events for egui,
-//! by the same door as the mouse.
+//! Takes times in seconds since the program's start; the pointer's movements are returned as events for
+//! egui, like those of the mouse.
 
 use egui::{Color32, Context, Event, Id, LayerId, Order, PointerButton, Pos2, Stroke};
 
@@ -12,37 +12,37 @@ use crate::input::pad::{GamepadOptions, Glide, PadEvent, PadId, PadMapper, PadMo
 use crate::input::{Bindings, Trigger};
 use crate::notice::Notice;
 
-/// The pointer was moved by something else if it is farther than this from where the pad put it.
+/// If the pointer is farther than this from its last position by the pad, the mouse has moved it.
 const POINTER_SLACK: f32 = 2.0;
 
-/// Movements are done in steps of so many seconds at full speed: how far a step across goes
-/// depends on the depth, so the way would else depend on the rate of pictures.
+/// Movements are divided into steps of so many seconds at full speed: the length of a sideways step
+/// depends on the depth, so otherwise the path would depend on the frame rate.
 pub const STEP_S: f32 = 1.0 / 60.0;
 
-/// What the interface reads of a gamepad.
+/// The state of a gamepad for the interface.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct PadStatus<'a> {
     pub name: &'a str,
     pub mode: PadMode,
-    /// Whether it has motors.
+    /// Whether it has rumble motors.
     pub rumbles: bool,
-    /// Whether they may shake.
+    /// Whether rumble is switched on.
     pub rumble_on: bool,
 }
 
-/// The gamepads and what they need to know between pictures.
+/// The gamepads and their state between frames.
 pub struct Pads {
     settings: GamepadOptions,
     mapper: PadMapper,
     motors: Vec<(PadId, Box<dyn Motor>)>,
     rumble: Rumble,
-    /// Voxels that tools had changed in all when the pad last shook.
+    /// Voxels that tools had changed in total at the last update of the rumble.
     felt_voxels: u64,
-    /// When the pad was last given its strength, in seconds.
+    /// Time of the last update of the rumble, in seconds.
     shaken_s: f64,
-    /// Where the pad has put the pointer, in points: finer than the window keeps it.
+    /// Position of the pointer by the pad, in points: more precise than the window's.
     pointer: Option<Pos2>,
-    /// The system does not let its own pointer be moved, so that one is drawn.
+    /// The system's pointer cannot be moved, so one is drawn.
     draws_pointer: bool,
 }
 
@@ -60,7 +60,7 @@ impl Pads {
         }
     }
 
-    /// What the interface says of the pad that leads.
+    /// The state of the active pad for the interface.
     pub fn status(&self) -> Option<PadStatus<'_>> {
         let (id, name) = self.mapper.leader()?;
         let rumbles = self.motors.iter().any(|(motor, _)| *motor == id);
@@ -68,8 +68,8 @@ impl Pads {
         Some(PadStatus { name, mode: self.mapper.mode(), rumbles, rumble_on })
     }
 
-    /// Takes news of a pad at `now_s` seconds. With `catching` what is pressed is also returned as
-    /// triggers, for a key table that waits for one.
+    /// Handles an event of a pad at `now_s` seconds. With `catching`, newly pressed buttons are also returned
+    /// as triggers, for a key table that waits for one.
     pub fn handle(
         &mut self,
         news: PadNews,
@@ -105,41 +105,41 @@ impl Pads {
         report
     }
 
-    /// Takes whether pads are meant for this program, or for another that has the keyboard.
+    /// Sets whether pads act on this program: not while another one has the keyboard focus.
     pub fn set_listening(&mut self, listening: bool) {
         self.mapper.set_listening(listening);
     }
 
-    /// Whether the pad needs pictures in which nothing else happens.
+    /// Whether the pad needs frames even if nothing else happens.
     pub fn is_active(&self) -> bool {
         self.mapper.is_active() || self.rumble.is_shaking()
     }
 
-    /// Goes to the next mode of the pad, if there is a pad.
+    /// Switches to the next mode of the pad, if there is a pad.
     pub fn next_mode(&mut self) {
         if self.mapper.leader().is_some() {
             self.mapper.next_mode();
         }
     }
 
-    /// Lets pads shake, or no longer. Says whether they may from now on.
+    /// Toggles rumble; returns whether it is now on.
     pub fn toggle_rumble(&mut self) -> bool {
         self.settings.rumble ^= true;
         self.settings.rumble
     }
 
-    /// What the pads have asked for up to `now_s`, in order.
+    /// The pads' events up to `now_s`, in order.
     pub fn take(&mut self, now_s: f64, bindings: &Bindings) -> Vec<PadEvent> {
         self.mapper.take(now_s, bindings)
     }
 
-    /// How far and how fast a stick moves things.
+    /// The response curve and speeds of the sticks.
     pub fn settings(&self) -> &GamepadOptions {
         &self.settings
     }
 
-    /// Shakes the pad with what tools have changed since the last call. `voxels_changed`: in all
-    /// since the program's start; `felt`: a tool that the pad may feel is in use.
+    /// Updates the rumble by the voxels that tools have changed since the last call. `voxels_changed`: in
+    /// total since the program's start; `felt`: a tool that causes rumble is in use.
     pub fn shake(&mut self, now_s: f64, voxels_changed: u64, felt: bool) {
         let dt_s = (now_s - self.shaken_s).clamp(0.0, 1.0) as f32;
         self.shaken_s = now_s;
@@ -156,7 +156,7 @@ impl Pads {
         }
     }
 
-    /// Draws a pointer where the system does not move its own.
+    /// Draws a pointer where the system's cannot be moved.
     pub fn draw_pointer(&self, ctx: &Context) {
         if let (true, Some(at)) = (self.draws_pointer, self.pointer) {
             let painter = ctx.layer_painter(LayerId::new(Order::Debug, Id::new("pad pointer")));
@@ -166,13 +166,13 @@ impl Pads {
         }
     }
 
-    /// Takes whether the system has moved its own pointer to where the pad wants it.
+    /// Notes whether the system's pointer could be moved to the pad's position.
     pub fn pointer_follows(&mut self, follows: bool) {
         self.draws_pointer = !follows;
     }
 
-    /// Where the pad's pointer is, in points; `start` where no pointer has been yet. Where the mouse
-    /// has moved it since, the mouse is right.
+    /// The position of the pad's pointer, in points; `start` if there was no pointer yet. If the mouse has
+    /// moved since, its position counts.
     fn pointer_at(&mut self, ctx: &Context, start: Pos2) -> Pos2 {
         let latest = ctx.input(|input| input.pointer.latest_pos());
         let at = match (self.pointer, latest) {
@@ -185,7 +185,7 @@ impl Pads {
         at
     }
 
-    /// Moves the pointer within the window; returns where it is now.
+    /// Moves the pointer within the window; returns its new position.
     pub fn move_pointer(&mut self, glide: &Glide, ctx: &Context, start: Pos2) -> Event {
         let by = glide.shift.truncate() * self.settings.pointer_speed;
         let at = self.pointer_at(ctx, start) + egui::vec2(by.x, -by.y);
@@ -195,14 +195,14 @@ impl Pads {
         Event::PointerMoved(at)
     }
 
-    /// Presses and releases the primary button where the pointer is: adds to `events`.
+    /// Appends a press and a release of the primary button at the pointer's position to `events`.
     pub fn click(&mut self, presses: &[bool], ctx: &Context, start: Pos2, events: &mut Vec<Event>) {
         let modifiers = ctx.input(|input| input.modifiers);
         let pos = match events.last() {
             Some(Event::PointerMoved(at)) => *at,
             _ => self.pointer_at(ctx, start),
         };
-        // Where the mouse has never been the pointer comes first.
+        // Without a mouse position, egui first needs one.
         events.push(Event::PointerMoved(pos));
         let button = PointerButton::Primary;
         events.extend(presses.iter().map(|&pressed| Event::PointerButton {
@@ -214,10 +214,10 @@ impl Pads {
     }
 }
 
-/// What news of a pad led to.
+/// The effects of an event of a pad.
 #[derive(Default)]
 pub struct PadReport {
     pub notice: Option<Notice>,
-    /// While a key table waits for a trigger: what was newly pressed, if anything.
+    /// While a key table waits for a trigger: the newly pressed one, if any.
     pub caught: Option<Trigger>,
 }
