@@ -131,3 +131,55 @@ pub(super) fn background(theme: Theme) -> Background {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write;
+    use std::sync::Mutex;
+
+    use super::*;
+    use crate::config::Config;
+    use crate::gpu::GpuError;
+    use crate::input::Bindings;
+    use crate::render::RenderMode;
+    use crate::session::Session;
+    use crate::ui::toasts::Tone;
+
+    /// A log in memory.
+    #[derive(Clone, Default)]
+    struct Log(Arc<Mutex<Vec<u8>>>);
+
+    impl Write for Log {
+        fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+            self.0.lock().unwrap().write(bytes)
+        }
+
+        fn flush(&mut self) -> std::io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_mode_that_falls_back_is_logged_and_said_once() {
+        let mut config = Config::default();
+        config.new.dims = [8; 3];
+        let session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
+        let mut workspace = Workspace::new(session, &config, Bindings::presets().unwrap());
+        let (what, limit) = ("the bit image".to_string(), "maxImageDimension3D");
+        let reason = GpuError::Limit { what, needed: 4096, limit, allowed: 2048 };
+        let to = RenderMode::ALL[1];
+        let log = Log::default();
+        let writer = log.clone();
+        let lines = tracing_subscriber::fmt().with_writer(move || writer.clone()).finish();
+        tracing::subscriber::with_default(lines, || {
+            workspace.take_fallbacks(&[Fallback { reason, to }]);
+        });
+        assert_eq!(workspace.ui.view.mode, to);
+        let errors = workspace.ui.toasts.texts().filter(|(tone, _)| *tone == Tone::Error);
+        assert_eq!(errors.count(), 1);
+        let log = String::from_utf8(log.0.lock().unwrap().clone()).unwrap();
+        let told = log.lines().filter(|line| line.contains("WARN") && line.contains("switched to"));
+        assert_eq!(told.count(), 1, "{log}");
+        assert!(log.contains("4096") && log.contains(to.label()), "{log}");
+    }
+}
