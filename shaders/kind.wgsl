@@ -5,3 +5,5 @@ var<private> kind_lights: u32 = 0x5bec0000u;
 var<private> kind_occlusion: u32 = 0x5bec0001u;
 // Bytes of a voxel's colour; 0 if all voxels have the base colour.
 var<private> kind_colour_bytes: u32 = 0x5bec0002u;
+// Whether normals are incomplete, and estimates stand in for missing ones.
+var<private> kind_estimates: u32 = 0x5bec0003u;

@@ -4,11 +4,12 @@
 
 //!include "layout.wgsl"
 //!include "lighting.wgsl"
+//!include "packed_normal.wgsl"
 
 var<immediate> view: PointView;
 
-// As core/src/shade/points.rs packs them: x and y, z of the voxel in 16 bits each; normal and openness in signed
-// bytes; colour in bytes.
+// As core/src/shade/points.rs packs them: x and y, z of the voxel and its packed normal in 16 bits each; an
+// estimate of the normal and openness in signed bytes; colour in bytes.
 @group(0) @binding(6) var<storage, read> points: array<vec4<u32>>;
 
 // Enlargement of the box in voxels, to allow for rounding. The pixels that it adds are discarded.
@@ -29,7 +30,9 @@ fn main(
     let voxel = vec3<u32>(point.x & 0xffffu, point.x >> 16u, point.y & 0xffffu);
     // unpack4xI8 would need a feature that not every device has.
     let bytes = vec4<i32>(vec4<u32>(point.z) << vec4<u32>(24u, 16u, 8u, 0u));
-    let outwards = bytes >> vec4<u32>(24u);
+    let estimate = bytes >> vec4<u32>(24u);
+    let packed = point.y >> 16u;
+    let outwards = select(unpacked_normal(packed), vec3<f32>(estimate.xyz), packed == NO_NORMAL);
     let colour = unpack4x8unorm(point.w);
     let middle = vec3<f32>(voxel) + 0.5;
     let from_eye = middle - view.origin;
@@ -38,7 +41,7 @@ fn main(
     let nearest = w - reach * dot(abs(view.clip_w), vec3<f32>(1.0));
     // Corners of a triangle that contains the square from -1 to 1.
     let side = select(vec2<f32>(-1.0), vec2<f32>(3.0), vec2<bool>(corner == 1u, corner == 2u));
-    let seen = lit(middle, vec3<f32>(outwards.xyz), colour.xyz, f32(outwards.w) / 127.0);
+    let seen = lit(middle, outwards, colour.xyz, f32(estimate.w) / 127.0);
     // A box that reaches the plane of the eye may be anywhere.
     var position = side;
     if nearest > 0.0 {

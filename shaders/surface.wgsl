@@ -1,6 +1,7 @@
 // The shaded colour of a voxel: from its colour, normal and ambient occlusion.
 
 //!include "normal.wgsl"
+//!include "normal_field.wgsl"
 //!include "colours.wgsl"
 //!include "lighting.wgsl"
 
@@ -11,5 +12,13 @@ fn shaded(voxel: vec3<i32>) -> vec3<f32> {
     if kind_occlusion != 0u {
         open = openness(voxel, dims);
     }
-    return lit(vec3<f32>(voxel) + 0.5, gradient(voxel, dims), colour, open);
+    let packed = packed_normal(voxel, shading.bricks);
+    // Without a side that is outside: it faces the eye.
+    var outwards = vec3<f32>(0.0);
+    if packed != NO_NORMAL {
+        outwards = unpacked_normal(packed);
+    } else if kind_estimates != 0u {
+        outwards = gradient(voxel, dims);
+    }
+    return lit(vec3<f32>(voxel) + 0.5, outwards, colour, open);
 }

@@ -9,6 +9,7 @@ mod files;
 mod kernel;
 mod kernel_pictures;
 mod machine;
+mod normals;
 mod pictures;
 mod plot;
 mod report;
@@ -31,6 +32,7 @@ use crate::gpu::{Device, DeviceOptions, GpuError, Headless};
 use crate::progress::Progress;
 use crate::render::renderer::DeviceTimes;
 use crate::render::{RenderMode, Volume};
+use crate::sculpture::GridError;
 use crate::terminal::{self, OutputError};
 pub use kernel::Kernel;
 use machine::Machine;
@@ -99,6 +101,14 @@ impl Suite {
 /// Smallest number of runs, however long they take.
 const LEAST_RUNS: usize = 5;
 
+/// What can be measured alone.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Only {
+    Kernel(Kernel),
+    /// How exact normals are.
+    Normals,
+}
+
 /// The arguments of [`run`].
 #[derive(Debug)]
 pub struct BenchJob {
@@ -107,8 +117,8 @@ pub struct BenchJob {
     pub suite: Suite,
     /// The modes to measure; empty for all.
     pub modes: Vec<RenderMode>,
-    /// Runs only this kernel.
-    pub kernel: Option<Kernel>,
+    /// Measures nothing but this.
+    pub only: Option<Only>,
     pub repeat: usize,
     /// Size of the pictures in pixels.
     pub size: UVec2,
@@ -130,6 +140,8 @@ pub enum BenchError {
     Command(#[from] CommandError),
     #[error(transparent)]
     Gpu(#[from] GpuError),
+    #[error(transparent)]
+    Grid(#[from] GridError),
     #[error("cannot write {path}: {error}")]
     Write { path: PathBuf, error: std::io::Error },
     #[error("cannot write the figures as JSON: {0}")]
@@ -146,8 +158,10 @@ pub fn run(
     device: &DeviceOptions,
     progress: &dyn Progress,
 ) -> Result<(), BenchError> {
-    if let Some(kernel) = job.kernel {
-        return run_kernel(kernel, job, config, progress);
+    match job.only {
+        Some(Only::Kernel(kernel)) => return run_kernel(kernel, job, config, progress),
+        Some(Only::Normals) => return Ok(terminal::print_result(normals::report(progress)?)?),
+        None => {}
     }
     let device = Device::new(&mut Headless, device);
     let machine = Machine::survey(device.as_ref().map_err(|error| error.to_string()));

@@ -13,7 +13,7 @@ use clap::parser::ValueSource;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::app;
-use crate::bench::{self, BenchJob, Kernel, Suite};
+use crate::bench::{self, BenchJob, Kernel, Only, Suite};
 use crate::config::{Config, Profile};
 use crate::doctor;
 use crate::folders;
@@ -156,6 +156,9 @@ pub enum Job {
         /// Run only this kernel, for profilers
         #[arg(long, value_enum)]
         kernel: Option<Kernel>,
+        /// Only measure how exact normals are, over analytic shapes
+        #[arg(long, conflicts_with_all = ["kernel", "modes", "scenes", "json", "plot"])]
+        normals: bool,
         /// How often to run the kernel
         #[arg(long, default_value_t = 1, value_name = "N", requires = "kernel")]
         repeat: usize,
@@ -318,6 +321,7 @@ fn dispatch(cli: Cli) -> Result<(), ProgramError> {
             suite,
             modes,
             kernel,
+            normals,
             repeat,
             size,
             eyes,
@@ -325,8 +329,12 @@ fn dispatch(cli: Cli) -> Result<(), ProgramError> {
             import,
         }) => {
             let import = import.options();
+            let only = match (normals, kernel) {
+                (true, _) => Some(Only::Normals),
+                (false, kernel) => kernel.map(Only::Kernel),
+            };
             let job =
-                BenchJob { json, plot, suite, modes, kernel, repeat, size, eyes, scenes, import };
+                BenchJob { json, plot, suite, modes, only, repeat, size, eyes, scenes, import };
             Ok(bench::run(&job, &config, &device, &progress)?)
         }
         Some(Job::Commands) => Ok(headless::commands()?),

@@ -17,7 +17,7 @@ use crate::render::{Background, Fallback, FrameDesc, RenderMode, Renderer, Stere
 use crate::screen::offscreen;
 use crate::sculpture::Grid;
 use crate::sculpture::brick::BRICK_EDGE_VX;
-use crate::shade::{Lighting, Pixels, ShadePose, SoftwareShader};
+use crate::shade::{Lighting, NormalField, Pixels, ShadePose, ShadeSource, SoftwareShader};
 use crate::surface::{IndexMap, quickstep, raycast};
 use crate::view::{Camera, Eye, StereoLayout};
 
@@ -181,12 +181,14 @@ fn render_by_casting(
     world_from_grid: Affine3A,
     lighting: &Lighting,
 ) -> Vec<RgbImage> {
-    let cast = |eye| cast_eye(document, mode, eye, world_from_grid, lighting);
+    let normals = NormalField::of(document.grid());
+    let cast = |eye| cast_eye(document, &normals, mode, eye, world_from_grid, lighting);
     eyes.iter().map(cast).collect()
 }
 
 fn cast_eye(
     document: &Document,
+    normals: &NormalField,
     mode: RenderMode,
     eye: &Eye,
     world_from_grid: Affine3A,
@@ -200,8 +202,8 @@ fn cast_eye(
     }
     let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
     let mut pixels = Pixels::new(eye.size);
-    let (grid, material) = (document.grid(), document.material());
-    SoftwareShader::default().shade(&map, grid, material, &pose, lighting, &mut pixels);
+    let source = ShadeSource { grid: document.grid(), material: document.material(), normals };
+    SoftwareShader::default().shade(&map, &source, &pose, lighting, &mut pixels);
     over_background(&pixels)
 }
 

@@ -13,7 +13,9 @@ use virtual_sculpture::document::{Document, Limits};
 use virtual_sculpture::scenes;
 use virtual_sculpture::sculpture::edit::EditOp;
 use virtual_sculpture::sculpture::{ColourDepth, Grid, Material, Rgb};
-use virtual_sculpture::shade::{self, Lighting, NORMAL_REACH_VX, Pixels, ShadePose};
+use virtual_sculpture::shade::{
+    self, Lighting, NORMAL_REACH_VX, NormalField, Pixels, ShadePose, ShadeSource,
+};
 use virtual_sculpture::surface::{IndexMap, changed_pixels, quickstep, raycast};
 use virtual_sculpture::tools::construct::{Primitive, Solid};
 use virtual_sculpture::view::{Camera, Eye};
@@ -84,16 +86,18 @@ fn a_steady_frame_on_the_cpu_allocates_nothing() {
     let lighting = Lighting::default();
     let mut map = IndexMap::new(rays);
     let mut pixels = Pixels::default();
+    let normals = NormalField::of(&grid);
+    let source = ShadeSource { grid: &grid, material: &material, normals: &normals };
     assert_free("ray caster", || raycast::sample(&grid, &rays, &mut map));
     assert_free("Quickstep", || quickstep::sample(&grid, &rays, &mut map));
-    assert_free("shader", || shade::shade(&map, &grid, &material, &pose, &lighting, &mut pixels));
+    assert_free("shader", || shade::shade(&map, &source, &pose, &lighting, &mut pixels));
     let changed: Vec<u32> = (700..760).chain(900..930).collect();
     assert_free("partial update", || {
         let rects = changed_pixels(&grid, &changed, &rays, NORMAL_REACH_VX);
         assert!(!rects.is_empty());
         for &rect in rects.as_slice() {
             raycast::sample_rect(&grid, &mut map, rect);
-            shade::shade_rect(&map, &grid, &material, &pose, &lighting, rect, &mut pixels);
+            shade::shade_rect(&map, &source, &pose, &lighting, rect, &mut pixels);
         }
     });
 }

@@ -6,8 +6,8 @@ use std::hint::black_box;
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use glam::{Affine3A, UVec2, Vec3};
 use sculpture_core::scenes;
-use sculpture_core::sculpture::{ColourDepth, Grid, Material, Rgb};
-use sculpture_core::shade::{self, Lighting, NORMAL_REACH_VX, Pixels, ShadePose};
+use sculpture_core::sculpture::{Brick, ColourDepth, Grid, Material, Rgb};
+use sculpture_core::shade::{self, Lighting, NormalField, Pixels, ShadePose, ShadeSource};
 use sculpture_core::surface::{IndexMap, changed_pixels, quickstep, raycast};
 use sculpture_core::view::Camera;
 
@@ -22,7 +22,7 @@ fn subjects() -> Vec<(&'static str, Grid)> {
 }
 
 fn pictures(c: &mut Criterion) {
-    for (name, grid) in subjects() {
+    for (name, mut grid) in subjects() {
         let edge = grid.dims().x as f32;
         let world_from_grid = Affine3A::from_translation(Vec3::splat(-0.5 * edge));
         let camera = Camera {
@@ -38,6 +38,7 @@ fn pictures(c: &mut Criterion) {
         let lighting = Lighting::default();
         let mut map = IndexMap::new(rays);
         let mut pixels = Pixels::new(rays.size);
+        let mut normals = NormalField::of(&grid);
 
         let mut group = c.benchmark_group("picture");
         group.bench_function(BenchmarkId::new("quickstep", name), |b| {
@@ -47,7 +48,8 @@ fn pictures(c: &mut Criterion) {
             b.iter(|| raycast::sample(&grid, &rays, &mut map));
         });
         group.bench_function(BenchmarkId::new("shade", name), |b| {
-            b.iter(|| shade::shade(&map, &grid, &material, &pose, &lighting, &mut pixels));
+            let source = ShadeSource { grid: &grid, material: &material, normals: &normals };
+            b.iter(|| shade::shade(&map, &source, &pose, &lighting, &mut pixels));
         });
         // The bricks of a ball of radius 32 at the side of the grid that faces the eye.
         let middle = grid.brick_dims().as_vec3() * Vec3::new(0.5, 0.5, 1.0);
@@ -56,13 +58,33 @@ fn pictures(c: &mut Criterion) {
             .map(|index| index as u32)
             .collect();
         group.bench_function(BenchmarkId::new("partial_update", name), |b| {
+            let source = ShadeSource { grid: &grid, material: &material, normals: &normals };
             b.iter(|| {
-                let rects = changed_pixels(&grid, &changed, &rays, NORMAL_REACH_VX);
+                let rects = changed_pixels(&grid, &changed, &rays, 16);
                 for &rect in rects.as_slice() {
                     raycast::sample_rect(&grid, &mut map, rect);
-                    shade::shade_rect(&map, &grid, &material, &pose, &lighting, rect, &mut pixels);
+                    shade::shade_rect(&map, &source, &pose, &lighting, rect, &mut pixels);
                 }
                 black_box(rects)
+            });
+        });
+        group.bench_function(BenchmarkId::new("normals", name), |b| {
+            b.iter(|| NormalField::of(&grid));
+        });
+        // The same bricks without their voxels and with them, in turn.
+        let bricks: Vec<_> = changed.iter().map(|&index| *grid.brick_at(index as usize)).collect();
+        let mut is_carved = false;
+        group.bench_function(BenchmarkId::new("normals_of_edit", name), |b| {
+            b.iter(|| {
+                is_carved = !is_carved;
+                for (&index, brick) in changed.iter().zip(&bricks) {
+                    let brick = if is_carved { Brick::EMPTY } else { *brick };
+                    grid.set_brick(index as usize, brick);
+                }
+                normals.follow(&grid, Some(&changed));
+                let mut differs = Vec::new();
+                normals.update(&grid, &mut differs, || true);
+                differs
             });
         });
         group.finish();

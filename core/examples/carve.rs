@@ -9,7 +9,9 @@ use sculpture_core::command::NewSculpture;
 use sculpture_core::command_text::parse_script;
 use sculpture_core::document::{Document, Limits};
 use sculpture_core::sculpture::{ColourDepth, Rgb};
-use sculpture_core::shade::{Lighting, Pixels, ShadePose, Smoothing, SoftwareShader};
+use sculpture_core::shade::{
+    Lighting, NormalField, Pixels, ShadePose, ShadeSource, Smoothing, SoftwareShader,
+};
 use sculpture_core::surface::{IndexMap, raycast};
 use sculpture_core::view::Camera;
 
@@ -42,7 +44,8 @@ pub fn picture(size: UVec2) -> Result<RgbaImage, Box<dyn Error>> {
         Lighting { smooth_normals: Smoothing::Near, occlusion: true, ..Lighting::default() },
     );
     let (grid, material) = (document.grid(), document.material());
-    SoftwareShader::default().shade(&map, grid, material, &pose, &lighting, &mut pixels);
+    let source = ShadeSource { grid, material, normals: &NormalField::of(grid) };
+    SoftwareShader::default().shade(&map, &source, &pose, &lighting, &mut pixels);
     let large = RgbaImage::from_fn(size.x * 2, size.y * 2, |x, y| {
         let [r, g, b, alpha] = pixels.rgba[(x + y * size.x * 2) as usize];
         Rgba(if alpha == 0 { [230, 233, 238, 255] } else { [r, g, b, 255] })

@@ -103,7 +103,9 @@ impl MainWindow {
         workspace: &mut Workspace,
     ) -> Result<(), GpuError> {
         let slot = self.pane.slot();
-        self.painter.paint(&mut frame.recorder, slot, workspace)?;
+        if !self.painter.paint(&mut frame.recorder, slot, workspace)? {
+            self.pane.redraw();
+        }
         let corner = (workspace.picture().min.to_vec2() * self.pane.pixels_per_point()).round();
         self.corner = UVec2::new(corner.x.max(0.0) as u32, corner.y.max(0.0) as u32);
         if let Some(pictures) = self.painter.pictures()

@@ -2,6 +2,7 @@
 //! workspace takes from the renderer's report.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use ash::vk;
 use glam::Vec3;
@@ -15,6 +16,9 @@ use crate::shade::Pixels;
 use crate::ui::Theme;
 use crate::video::VideoOptions;
 
+/// How long a picture may be held up by the normals of a sculpture that was opened.
+const PATIENCE: Duration = Duration::from_millis(6);
+
 /// The pictures of the sculpture in the window.
 pub struct Painter {
     renderer: Renderer,
@@ -27,16 +31,17 @@ impl Painter {
     }
 
     /// Records what the workspace's next picture needs; then it is in [`Painter::pictures`].
-    /// `slot`: [`crate::gpu::Frames::slot`].
+    /// `slot`: [`crate::gpu::Frames::slot`]. False if another picture, of the same, will be more exact.
     pub fn paint(
         &mut self,
         recorder: &mut Recorder,
         slot: usize,
         workspace: &mut Workspace,
-    ) -> Result<()> {
+    ) -> Result<bool> {
         let scene = workspace.overlay_scene();
         // A picture to be saved shows the sculpture alone.
-        let (preview, lines) = match workspace.ui.window_tasks.screenshot {
+        let is_screenshot = workspace.ui.window_tasks.screenshot;
+        let (preview, lines) = match is_screenshot {
             true => (None, Vec::new()),
             false => (overlay::preview(&scene), overlay::lines(&scene)),
         };
@@ -61,10 +66,12 @@ impl Painter {
         // The renderer writes to the maps that nobody else holds.
         workspace.viewpoint.forget_pick_map();
         let document = workspace.session_mut().document_mut();
+        self.renderer.set_patience((!is_screenshot).then_some(PATIENCE));
         let report =
             self.renderer.paint_with_fallback(recorder, slot, document, &desc, |_| true)?;
+        let complete = report.complete;
         workspace.take_report(report);
-        Ok(())
+        Ok(complete)
     }
 
     /// What was painted last, in memory, with its format. Waits for the device.

@@ -11,7 +11,7 @@ use super::subjects::eye_of;
 use crate::command::Command;
 use crate::document::Document;
 use crate::sculpture::edit::EditOp;
-use crate::shade::{self, Lighting, Pixels, ShadePose};
+use crate::shade::{self, Lighting, NormalField, Pixels, ShadePose, ShadeSource};
 use crate::surface::{IndexMap, quickstep, raycast};
 use crate::tools::construct::{Primitive, Solid};
 
@@ -24,6 +24,8 @@ pub enum Kernel {
     Quickstep,
     /// Software shader, a whole picture
     Shade,
+    /// Normals of all surface voxels
+    Normals,
     /// Subtracting a ball of radius 64, and undo
     Sphere,
     /// Subtracting a turned ellipsoid, and undo
@@ -64,17 +66,25 @@ pub fn run(kernel: Kernel, document: &mut Document, size: UVec2, repeat: usize) 
         match kernel {
             Kernel::Sphere => edit(&ball),
             Kernel::Ellipsoid => edit(&ellipsoid),
-            Kernel::Ray | Kernel::Quickstep | Kernel::Shade => {}
+            Kernel::Ray | Kernel::Quickstep | Kernel::Shade | Kernel::Normals => {}
         }
         times.push(start.elapsed());
     }
     let (grid, material) = (document.grid(), document.material());
+    let normals = match kernel {
+        Kernel::Shade => NormalField::of(grid),
+        _ => NormalField::default(),
+    };
+    let source = ShadeSource { grid, material, normals: &normals };
     for time in &mut times {
         let start = Instant::now();
         match kernel {
             Kernel::Ray => raycast::sample(grid, &rays, &mut map),
             Kernel::Quickstep => quickstep::sample(grid, &rays, &mut map),
-            Kernel::Shade => shade::shade(&map, grid, material, &pose, &lighting, &mut pixels),
+            Kernel::Shade => shade::shade(&map, &source, &pose, &lighting, &mut pixels),
+            Kernel::Normals => {
+                std::hint::black_box(NormalField::of(grid));
+            }
             Kernel::Sphere | Kernel::Ellipsoid => {}
         }
         *time += start.elapsed();

@@ -10,8 +10,8 @@ use crate::document::Document;
 use crate::render::RenderMode;
 use crate::sculpture::Grid;
 use crate::sculpture::history::Contents;
-use crate::shade::{self, Lighting, NORMAL_REACH_VX, Pixels, ShadePose};
-use crate::surface::{IndexMap, PixelRect, changed_pixels, quickstep, raycast};
+use crate::shade::{self, Lighting, NormalField, Pixels, ShadePose, ShadeSource};
+use crate::surface::{IndexMap, PixelRect, PixelRects, changed_pixels, quickstep, raycast};
 use crate::view::{Eye, PixelRays};
 
 /// Pictures of one document in one mode.
@@ -19,6 +19,9 @@ pub struct KernelPictures {
     caster: Caster,
     lighting: Lighting,
     views: Vec<View>,
+    normals: NormalField,
+    /// Kept for its memory.
+    reshaded: Vec<u32>,
 }
 
 /// The view of an eye.
@@ -57,14 +60,24 @@ impl KernelPictures {
             View { eye: *eye, map: IndexMap::new(rays), pixels: Pixels::new(rays.size) }
         };
         let views = eyes.iter().map(view).collect();
-        let mut pictures = KernelPictures { caster: Caster::of(mode)?, lighting, views };
+        let mut pictures = KernelPictures {
+            caster: Caster::of(mode)?,
+            lighting,
+            views,
+            normals: NormalField::default(),
+            reshaded: Vec::new(),
+        };
         pictures.whole(document);
         Some(pictures)
     }
 
     /// Whole pictures.
     pub fn whole(&mut self, document: &mut Document) -> StageTimes {
-        document.drain_changes(|_, _| ());
+        let normals = &mut self.normals;
+        document.drain_changes(|contents, changed| {
+            normals.follow(&contents.grid, changed);
+            normals.update(&contents.grid, &mut Vec::new(), || true);
+        });
         let start = Instant::now();
         for View { map, .. } in &mut self.views {
             let rays = map.rays;
@@ -75,7 +88,7 @@ impl KernelPictures {
         let world_from_grid = document.world_from_grid();
         for view in &mut self.views {
             let whole = PixelRect::of_picture(view.map.rays.size);
-            view.shade(document.contents(), &world_from_grid, &self.lighting, whole);
+            view.shade(document.contents(), &self.normals, &world_from_grid, &self.lighting, whole);
         }
         StageTimes { sample, shade: start.elapsed(), ..StageTimes::default() }
     }
@@ -84,16 +97,27 @@ impl KernelPictures {
     pub fn after_edit(&mut self, document: &mut Document) -> AfterEdit {
         let start = Instant::now();
         let world_from_grid = document.world_from_grid();
-        let (views, caster, lighting) = (&mut self.views, self.caster, &self.lighting);
+        let KernelPictures { caster, lighting, views, normals, reshaded } = self;
         document.drain_changes(|contents, changed| {
+            let grid = &contents.grid;
+            reshaded.clear();
+            normals.follow(grid, changed);
+            normals.update(grid, reshaded, || true);
+            reshaded.extend_from_slice(changed.unwrap_or_default());
+            reshaded.sort_unstable();
+            reshaded.dedup();
             for view in views {
                 let rays = view.map.rays;
-                let rects = changed
-                    .map(|bricks| changed_pixels(&contents.grid, bricks, &rays, NORMAL_REACH_VX));
-                let whole = [PixelRect::of_picture(rays.size)];
-                for &rect in rects.as_ref().map_or(&whole[..], |rects| rects.as_slice()) {
-                    (caster.rect)(&contents.grid, &mut view.map, rect);
-                    view.shade(contents, &world_from_grid, lighting, rect);
+                let whole = PixelRects::of(PixelRect::of_picture(rays.size));
+                let pixels_of = |bricks: &[u32]| match changed {
+                    Some(_) => changed_pixels(grid, bricks, &rays, 0),
+                    None => whole,
+                };
+                for &rect in pixels_of(changed.unwrap_or_default()).as_slice() {
+                    (caster.rect)(grid, &mut view.map, rect);
+                }
+                for &rect in pixels_of(reshaded).as_slice() {
+                    view.shade(contents, normals, &world_from_grid, lighting, rect);
                 }
             }
         });
@@ -105,6 +129,7 @@ impl View {
     fn shade(
         &mut self,
         contents: &Contents,
+        normals: &NormalField,
         world_from_grid: &Affine3A,
         lighting: &Lighting,
         rect: PixelRect,
@@ -112,6 +137,7 @@ impl View {
         let world_from_grid = *world_from_grid;
         let pose = ShadePose { eye_from_world: self.eye.eye_from_world, world_from_grid };
         let Contents { grid, material } = contents;
-        shade::shade_rect(&self.map, grid, material, &pose, lighting, rect, &mut self.pixels);
+        let source = ShadeSource { grid, material, normals };
+        shade::shade_rect(&self.map, &source, &pose, lighting, rect, &mut self.pixels);
     }
 }

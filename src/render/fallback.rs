@@ -30,6 +30,8 @@ pub struct FrameReport {
     /// nobody holds.
     pub pick_maps: Vec<Arc<IndexMap>>,
     pub times: RenderTimes,
+    /// False while normals are missing: the next picture has more of them ([`Renderer::set_patience`]).
+    pub complete: bool,
     /// In the order in which they happened.
     pub fallbacks: Vec<Fallback>,
 }
@@ -50,7 +52,15 @@ impl Renderer {
         while paints(desc.mode) {
             let Err(reason) = self.paint(recorder, slot, document, &desc) else {
                 let (mode, pick_maps, times) = (desc.mode, self.maps().to_vec(), self.times());
-                return Ok(FrameReport { mode, painted: true, pick_maps, times, fallbacks });
+                let complete = self.is_complete();
+                return Ok(FrameReport {
+                    mode,
+                    painted: true,
+                    pick_maps,
+                    times,
+                    complete,
+                    fallbacks,
+                });
             };
             let too_large = matches!(reason, GpuError::Limit { .. } | GpuError::OutOfMemory(_));
             let Some(to) = desc.mode.fallback().filter(|_| too_large) else { return Err(reason) };
@@ -58,6 +68,7 @@ impl Renderer {
             desc.mode = to;
         }
         let (mode, times) = (desc.mode, self.times());
-        Ok(FrameReport { mode, painted: false, pick_maps: Vec::new(), times, fallbacks })
+        let pick_maps = Vec::new();
+        Ok(FrameReport { mode, painted: false, pick_maps, times, complete: true, fallbacks })
     }
 }

@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use glam::Affine3A;
 
+use super::normal_stage::NormalsChange;
 use super::overlay::{Line, ToolPreview};
 use super::overlay_pixels::PictureOfGrid;
 use super::renderer::FrameDesc;
@@ -94,6 +95,7 @@ impl RedrawPlan {
         document: &Document,
         desc: &FrameDesc,
         changes_known: bool,
+        normals: NormalsChange,
     ) -> RedrawPlan {
         let all = Some(Redraw::All);
         let Some(before) = before else {
@@ -108,10 +110,11 @@ impl RedrawPlan {
         let redraw_if = |partial: bool| if partial { Redraw::Changed } else { Redraw::All };
         let still = changes_known && before.sample.differs_by_edits_only(&sample);
         let resample = before.sample != sample;
-        let reshade = resample || !same_light;
+        let reshade = resample || !same_light || normals != NormalsChange::None;
         let recompose = reshade || !(same_back && same_tools);
         // Filters read the pixels around, occlusion a wide region around the voxel.
-        let shade_redraw = redraw_if(still && same_light && desc.lighting.is_local());
+        let is_local = desc.lighting.is_local() && normals != NormalsChange::All;
+        let shade_redraw = redraw_if(still && same_light && is_local);
         // Points cover more than their pixels.
         let within_pixels = desc.mode.shading() != Shading::Points;
         let compose_redraw = match reshade {
@@ -196,13 +199,20 @@ mod tests {
         };
         let steps = |sample, shade, compose| RedrawPlan { sample, shade, compose };
         let (all, some) = (Some(Redraw::All), Some(Redraw::Changed));
-        assert_eq!(RedrawPlan::new(None, &document, &desc, true), steps(all, all, all));
+        assert_eq!(
+            RedrawPlan::new(None, &document, &desc, true, NormalsChange::None),
+            steps(all, all, all)
+        );
 
         let shown = FrameCache::new(None, &document, &desc);
         let to = |document: &Document, desc: &FrameDesc| {
-            RedrawPlan::new(Some(&shown), document, desc, true)
+            RedrawPlan::new(Some(&shown), document, desc, true, NormalsChange::None)
         };
         assert_eq!(to(&document, &desc), steps(None, None, None));
+        for (normals, shaded) in [(NormalsChange::Some, some), (NormalsChange::All, all)] {
+            let plan = RedrawPlan::new(Some(&shown), &document, &desc, true, normals);
+            assert_eq!(plan, steps(None, shaded, shaded));
+        }
         let with_line = FrameDesc { lines: &[line], ..desc };
         assert_eq!(to(&document, &with_line), steps(None, None, some));
         let before_black = Background::Gradient { top: Vec3::ZERO, bottom: Vec3::ZERO };
@@ -216,20 +226,25 @@ mod tests {
 
         document.apply(&"add cuboid at=8,8,8 half=2,2,2 colour=#ffffff".parse().unwrap()).unwrap();
         assert_eq!(to(&document, &desc), steps(some, some, some));
-        assert_eq!(RedrawPlan::new(Some(&shown), &document, &desc, false), steps(all, all, all));
+        assert_eq!(
+            RedrawPlan::new(Some(&shown), &document, &desc, false, NormalsChange::None),
+            steps(all, all, all)
+        );
         assert_eq!(to(&document, &dark), steps(some, all, all));
         // Points cover more than their pixels.
         let points = FrameDesc { mode: RenderMode::RayPoints, ..desc };
         let of_points = FrameCache::new(None, &document, &points);
         let points = FrameDesc { lines: &[line], ..points };
-        let to_points = RedrawPlan::new(Some(&of_points), &document, &points, true);
+        let to_points =
+            RedrawPlan::new(Some(&of_points), &document, &points, true, NormalsChange::None);
         assert_eq!(to_points, steps(None, None, all));
         // Occlusion darkens voxels from a distance.
         let mut occluded = desc;
         occluded.lighting.occlusion = true;
         let shown = FrameCache::new(Some(shown), &document, &occluded);
         document.apply(&"undo 1".parse().unwrap()).unwrap();
-        let to_open = RedrawPlan::new(Some(&shown), &document, &occluded, true);
+        let to_open =
+            RedrawPlan::new(Some(&shown), &document, &occluded, true, NormalsChange::None);
         assert_eq!(to_open, steps(some, all, all));
     }
 }

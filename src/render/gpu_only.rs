@@ -14,7 +14,7 @@ use super::beam::Beams;
 use super::composite::{CompositeEye, constants};
 use super::pixel_pass::PixelStage;
 use super::screen_pass::{Input, ScreenPass};
-use super::shading::{COLOURS, KIND_CONSTANTS, Surface, UNIFORMS, Uniforms, VOLUME};
+use super::shading::{COLOURS, KIND_CONSTANTS, NORMALS, Surface, UNIFORMS, Uniforms, VOLUME};
 use super::specialised::Specialised;
 use crate::gpu::layout::CompositeView;
 use crate::gpu::{Depth, Device, Graphics, Pipeline, Recorder, Result, shaders};
@@ -38,6 +38,7 @@ impl GpuOnly {
         let bindings = [
             (VOLUME, vk::DescriptorType::SAMPLED_IMAGE, fragment),
             (COLOURS, vk::DescriptorType::STORAGE_BUFFER, fragment),
+            (NORMALS, vk::DescriptorType::STORAGE_BUFFER, fragment),
             (UNIFORMS, vk::DescriptorType::UNIFORM_BUFFER, fragment),
             (STARTS, vk::DescriptorType::SAMPLED_IMAGE, fragment),
         ];
@@ -92,7 +93,7 @@ impl GpuOnly {
         self.screen.write_inputs(eye, inputs);
         let set = self.screen.set(eye);
         self.uniforms.write(self.screen.sets(), set, surface)?;
-        self.uniforms.write_colours(self.screen.sets(), set, surface);
+        self.uniforms.write_surface(self.screen.sets(), set, surface);
         let pipeline = self.pipelines.get(surface.kind(), |constants| {
             let pass = self.screen.graphics(shaders::GPU_ONLY_FRAG, Depth::OVERWRITE);
             Pipeline::graphics(self.screen.device(), &Graphics { constants, ..pass })

@@ -7,13 +7,16 @@
 //! values.
 
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use ash::vk;
-use glam::{Affine3A, UVec2};
+use glam::UVec2;
 
+use super::Shading;
 use super::frame_cache::{FrameCache, Redraw, RedrawPlan, pixels_to_compose};
-use super::overlay::{Line, Overlay, Scene, ToolPreview};
+pub use super::frame_desc::FrameDesc;
+use super::normal_stage::NormalStage;
+use super::overlay::{Overlay, Scene};
 use super::pictures::pictures;
 pub use super::pictures::{DEPTH_FORMAT, Pictures};
 use super::pixel_pass::PixelStage;
@@ -22,31 +25,14 @@ use super::times::PictureTimer;
 pub use super::times::{DeviceTimes, RenderTimes};
 use super::{
     Backdrop, Background, Colours, Composite, CompositeEye, EyeTask, GpuOnly, IndexTarget,
-    MAX_EYES, Points, Surface, SurfaceShade, Video, Volume,
+    MAX_EYES, Points, Surface, SurfaceShade, Volume,
 };
-use super::{RenderMode, Shading};
 use crate::document::{ChangeSubscriber, Document};
 use crate::gpu::{Device, Recorder, Result, Use, read_image_once};
 use crate::shade::points::PointCloud;
-use crate::shade::{Lighting, NORMAL_REACH_VX, Pixels, ShadePose, SoftwareShader, shade_rect};
+use crate::shade::{NORMAL_REACH_VX, Pixels, ShadeSource, SoftwareShader, shade_rect};
 use crate::surface::{IndexMap, PixelRect, PixelRects, changed_pixels};
-use crate::view::{Eye, PixelRays};
-
-/// A frame description: how a sculpture is to be seen.
-#[derive(Clone, Copy, Debug)]
-pub struct FrameDesc<'a> {
-    /// One or two of the same size in pixels.
-    pub eyes: &'a [Eye],
-    pub world_from_grid: Affine3A,
-    pub mode: RenderMode,
-    pub lighting: Lighting,
-    pub background: Background,
-    /// Replaces the background.
-    pub video: Option<Video<'a>>,
-    /// The tool previews.
-    pub previews: &'a [ToolPreview],
-    pub lines: &'a [Line],
-}
+use crate::view::PixelRays;
 
 /// Renders one document.
 pub struct Renderer {
@@ -69,6 +55,7 @@ pub struct Renderer {
     subscriber: ChangeSubscriber,
     /// The bricks that changed since the last picture.
     changed: Vec<u32>,
+    normals: NormalStage,
     /// What the pictures were made of; none while they are incomplete.
     cache: Option<FrameCache>,
     times: RenderTimes,
@@ -95,6 +82,7 @@ impl Renderer {
             backdrop: None,
             subscriber: ChangeSubscriber::default(),
             changed: Vec::new(),
+            normals: NormalStage::default(),
             cache: None,
             times: RenderTimes::default(),
             timer: PictureTimer::new(device)?,
@@ -133,7 +121,9 @@ impl Renderer {
         // Only complete pictures are kept in the frame cache.
         let before = self.cache.take();
         let changes_known = self.drain_changes(document);
-        let plan = RedrawPlan::new(before.as_ref(), document, desc, changes_known);
+        let changed = changes_known.then_some(self.changed.as_slice());
+        let normals = self.normals.update(document.grid(), changed);
+        let plan = RedrawPlan::new(before.as_ref(), document, desc, changes_known, normals);
         if let Some(redraw) = plan.sample {
             self.sample(document, desc, redraw)?;
         }
@@ -215,6 +205,21 @@ impl Renderer {
         })
     }
 
+    /// How long a picture may be held up by the normals of a sculpture that was opened: until they are complete
+    /// ([`Renderer::is_complete`]), estimates stand in for them. None: until all are there.
+    pub fn set_patience(&mut self, patience: Option<Duration>) {
+        self.normals.patience = patience;
+    }
+
+    pub(super) fn patience(&self) -> Option<Duration> {
+        self.normals.patience
+    }
+
+    /// Whether the last pictures have all normals. If not, the next ones have more.
+    pub fn is_complete(&self) -> bool {
+        self.normals.field().is_complete()
+    }
+
     fn sample(&mut self, document: &mut Document, desc: &FrameDesc, redraw: Redraw) -> Result<()> {
         let start = Instant::now();
         let mut rays = [None; MAX_EYES];
@@ -247,12 +252,14 @@ impl Renderer {
         redraw: Redraw,
     ) -> Result<()> {
         let start = Instant::now();
+        self.normals.upload(&self.device, recorder, slot, desc.mode.shading())?;
         match desc.mode.shading() {
             Shading::Software => self.shade_in_software(recorder, document, desc, redraw)?,
             Shading::Points => {
                 let (grid, material) = (document.grid(), document.material());
+                let source = ShadeSource { grid, material, normals: self.normals.field() };
                 for (map, cloud) in self.maps.iter().zip(&mut self.clouds) {
-                    cloud.take(map, grid, material, desc.lighting.occlusion);
+                    cloud.take(map, &source, desc.lighting.occlusion);
                 }
             }
             Shading::Device => self.shade_on_device(recorder, slot, document, desc, redraw)?,
@@ -271,19 +278,21 @@ impl Renderer {
     ) -> Result<()> {
         self.pixels.resize_with(self.maps.len(), Pixels::default);
         let (grid, material) = (document.grid(), document.material());
+        let source = ShadeSource { grid, material, normals: self.normals.field() };
         let lighting = &desc.lighting;
         let visible = self.sampler.visible();
         for (i, (map, pixels)) in self.maps.iter().zip(&mut self.pixels).enumerate() {
             let pose = desc.pose(&desc.eyes[i]);
             let shaded = match redraw {
                 Redraw::All => {
-                    self.software.shade(map, grid, material, &pose, lighting, pixels);
+                    self.software.shade(map, &source, &pose, lighting, pixels);
                     None
                 }
                 Redraw::Changed => {
-                    let rects = changed_pixels(grid, &self.changed, &map.rays, NORMAL_REACH_VX);
+                    let rects =
+                        changed_pixels(grid, self.normals.reshaded(), &map.rays, NORMAL_REACH_VX);
                     for rect in rects.as_slice() {
-                        shade_rect(map, grid, material, &pose, lighting, *rect, pixels);
+                        shade_rect(map, &source, &pose, lighting, *rect, pixels);
                     }
                     Some(rects.bounds())
                 }
@@ -302,6 +311,7 @@ impl Renderer {
         redraw: Redraw,
     ) -> Result<()> {
         let visible = self.sampler.visible();
+        let estimates = !self.is_complete();
         let Some((maps, volume, colours)) = self.sampler.on_device() else { return Ok(()) };
         let pass = match &mut self.surface_shade {
             Some(pass) => pass,
@@ -317,10 +327,13 @@ impl Renderer {
             let mut task = EyeTask { visible: visible[i as usize], ..EyeTask::whole(i, map.rays) };
             if redraw == Redraw::Changed {
                 let (grid, rays) = (document.grid(), &map.rays);
-                task.scissor = changed_pixels(grid, &self.changed, rays, NORMAL_REACH_VX).bounds();
+                task.scissor =
+                    changed_pixels(grid, self.normals.reshaded(), rays, NORMAL_REACH_VX).bounds();
             }
             if !task.scissor.is_empty() {
-                let surface = Surface { colours, ..desc.surface(document, eye) };
+                let normals = self.normals.copy();
+                let surface =
+                    Surface { colours, normals, ..desc.surface(document, estimates, eye) };
                 pass.record(recorder, volume, &surface, maps, pictures, &task)?;
             }
         }
@@ -338,6 +351,7 @@ impl Renderer {
         desc: &FrameDesc,
         before: Option<&FrameCache>,
     ) -> Result<()> {
+        let estimates = !self.is_complete();
         let pictures = pictures(&self.device, &mut self.pictures, self.format, desc.eyes)?;
         let visible = self.sampler.visible();
         let mut sculpture = match desc.mode.shading() {
@@ -379,15 +393,20 @@ impl Renderer {
         for ((i, eye), map) in (0..).zip(desc.eyes).zip(&self.maps) {
             let background = if desc.video.is_some() { Background::Keep } else { desc.background };
             let rects = match before {
-                Some(before) => {
-                    pixels_to_compose(before, document, &self.changed, desc, eye, &map.rays)
-                }
+                Some(before) => pixels_to_compose(
+                    before,
+                    document,
+                    self.normals.reshaded(),
+                    desc,
+                    eye,
+                    &map.rays,
+                ),
                 None => PixelRects::of(PixelRect::of_picture(eye.size)),
             };
             if let Sculpture::Within(pass, volume, _) = &mut sculpture {
                 pass.prepare(recorder, volume, &map.rays, i)?;
             }
-            let surface = desc.surface(document, eye);
+            let surface = desc.surface(document, estimates, eye);
             let scene = Scene {
                 eye_from_grid: eye.eye_from_world * desc.world_from_grid,
                 projection: eye.projection,
@@ -414,7 +433,8 @@ impl Renderer {
                     Sculpture::Composite(pass, maps) => pass.draw(recorder, maps, i, &view),
                     Sculpture::Points(pass) => pass.draw(recorder, &surface, i, &view)?,
                     Sculpture::Within(pass, volume, colours) => {
-                        let surface = Surface { colours: *colours, ..surface };
+                        let normals = self.normals.copy();
+                        let surface = Surface { colours: *colours, normals, ..surface };
                         pass.draw(recorder, volume, &surface, i, &view)?;
                     }
                 }
@@ -442,23 +462,6 @@ impl Sculpture<'_> {
             Sculpture::Composite(..) => *rects,
             // Each draw writes uniforms.
             Sculpture::Points(_) | Sculpture::Within(..) => PixelRects::of(rects.bounds()),
-        }
-    }
-}
-
-impl FrameDesc<'_> {
-    fn pose(&self, eye: &Eye) -> ShadePose {
-        ShadePose { eye_from_world: eye.eye_from_world, world_from_grid: self.world_from_grid }
-    }
-
-    /// The surface of the document's sculpture in one colour.
-    fn surface(&self, document: &Document, eye: &Eye) -> Surface<'_> {
-        Surface {
-            dims: document.grid().dims(),
-            colours: None,
-            base: document.material().base(),
-            pose: self.pose(eye),
-            lighting: &self.lighting,
         }
     }
 }

@@ -11,7 +11,7 @@ use glam::UVec3;
 
 use crate::gpu::layout::Shading;
 use crate::gpu::{DescriptorSets, Device, Piece, Result, Staging};
-use crate::render::Colours;
+use crate::render::{Colours, Normals};
 use crate::sculpture::Rgb;
 use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::shade::{Illumination, LightSource, Lighting, ShadePose};
@@ -20,6 +20,7 @@ use crate::shade::{Illumination, LightSource, Lighting, ShadePose};
 pub(super) const VOLUME: u32 = 0;
 pub(super) const COLOURS: u32 = 4;
 pub(super) const UNIFORMS: u32 = 5;
+pub(super) const NORMALS: u32 = 7;
 
 /// A sculpture and how it is lit, for one eye.
 #[derive(Clone, Copy)]
@@ -29,12 +30,16 @@ pub struct Surface<'a> {
     /// None: every voxel has the base colour.
     pub colours: Option<&'a Colours>,
     pub base: Rgb,
+    /// What shades the surface on the device looks normals up here.
+    pub normals: Option<&'a Normals>,
+    /// Normals are incomplete, and estimates stand in for missing ones.
+    pub estimates: bool,
     pub pose: ShadePose,
     pub lighting: &'a Lighting,
 }
 
 /// Specialization constants of the shaders that light surfaces.
-pub(super) const KIND_CONSTANTS: usize = 3;
+pub(super) const KIND_CONSTANTS: usize = 4;
 
 impl Surface<'_> {
     /// The features of the shader that lights it (shaders/kind.wgsl).
@@ -43,6 +48,7 @@ impl Surface<'_> {
             self.lighting.lights.iter().flatten().count() as u32,
             self.lighting.occlusion.into(),
             self.colours.map_or(0, Colours::bytes_per_voxel),
+            self.estimates.into(),
         ]
     }
 }
@@ -52,7 +58,7 @@ pub(super) struct Uniforms {
     staging: Staging,
     align: u64,
     /// Bound where there are no colours.
-    no_colours: crate::gpu::Buffer,
+    nothing: crate::gpu::Buffer,
 }
 
 impl Uniforms {
@@ -63,9 +69,9 @@ impl Uniforms {
         Ok(Uniforms {
             staging: Staging::new(device, "lights", usage, bytes)?,
             align,
-            no_colours: crate::gpu::Buffer::new(
+            nothing: crate::gpu::Buffer::new(
                 device,
-                "no colours",
+                "nothing",
                 16,
                 vk::BufferUsageFlags::STORAGE_BUFFER,
                 crate::gpu::MemoryLocation::GpuOnly,
@@ -86,16 +92,18 @@ impl Uniforms {
         Ok(())
     }
 
-    /// Binds the colours of `surface` to `set`.
-    pub fn write_colours(&self, sets: &DescriptorSets, set: usize, surface: &Surface) {
-        let buffer = surface.colours.map_or(&self.no_colours, Colours::buffer);
+    /// Binds the colours and normals of `surface` to `set`.
+    pub fn write_surface(&self, sets: &DescriptorSets, set: usize, surface: &Surface) {
         let kind = vk::DescriptorType::STORAGE_BUFFER;
-        sets.write_buffer(set, COLOURS, kind, buffer.handle(), 0, buffer.bytes());
+        let colours = surface.colours.map_or(&self.nothing, Colours::buffer);
+        sets.write_buffer(set, COLOURS, kind, colours.handle(), 0, colours.bytes());
+        let normals = surface.normals.map_or(&self.nothing, Normals::buffer);
+        sets.write_buffer(set, NORMALS, kind, normals.handle(), 0, normals.bytes());
     }
 }
 
 fn uniforms(surface: &Surface) -> Shading {
-    let Surface { dims, colours: _, base, pose, lighting } = *surface;
+    let Surface { dims, base, pose, lighting, .. } = *surface;
     let light = Illumination::new(lighting, &pose.eye_from_world, &pose.world_from_grid);
     let mut shading = Shading {
         ambient: light.ambient.to_array(),

@@ -11,7 +11,7 @@ use ash::vk;
 use super::Volume;
 use super::composite::PICTURE_FORMAT;
 use super::pixel_pass::{PixelArea, PixelPass, PixelShaders, PixelStage};
-use super::shading::{COLOURS, KIND_CONSTANTS, Surface, UNIFORMS, Uniforms, VOLUME};
+use super::shading::{COLOURS, KIND_CONSTANTS, NORMALS, Surface, UNIFORMS, Uniforms, VOLUME};
 use super::specialised::Specialised;
 use super::target::{EyeTask, IndexTarget};
 use crate::gpu::{
@@ -50,6 +50,7 @@ impl SurfaceShade {
             (VOLUME, vk::DescriptorType::SAMPLED_IMAGE),
             (INDEX_MAP, vk::DescriptorType::SAMPLED_IMAGE),
             (COLOURS, vk::DescriptorType::STORAGE_BUFFER),
+            (NORMALS, vk::DescriptorType::STORAGE_BUFFER),
             (UNIFORMS, vk::DescriptorType::UNIFORM_BUFFER),
         ];
         let set_layout = SetLayout::new(device, SHADERS.name, &stage.bindings(&inputs, PICTURE))?;
@@ -100,7 +101,7 @@ impl SurfaceShade {
             }
         }
         self.uniforms.write(&self.sets, set, surface)?;
-        self.uniforms.write_colours(&self.sets, set, surface);
+        self.uniforms.write_surface(&self.sets, set, surface);
         let rest = Load::Colour([0.0; 4]);
         let area = PixelArea { scissor: task.scissor, visible: task.visible, rest };
         let set = self.sets.set(set);

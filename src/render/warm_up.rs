@@ -5,7 +5,7 @@
 //! small picture with them and waits for it. So no pass can be missed, and drivers that compile
 //! shaders at the first draw call have done so, too. Knows no window and no headset.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use glam::{Quat, UVec2, UVec3, Vec3};
 
@@ -71,10 +71,16 @@ impl Renderer {
         };
         let device = self.device().clone();
         let mut frames = Frames::new(&device)?;
-        let mut recorder = frames.begin()?;
-        self.paint_with_fallback(&mut recorder, frames.slot(), &mut document, &desc, |_| true)?;
-        let serial = frames.submit(recorder, &[], &[])?;
-        device.wait(serial)?;
+        let patience = self.patience();
+        // With estimates of normals, which are another pipeline, and with all normals.
+        for patience_here in [Some(Duration::ZERO), None] {
+            self.set_patience(patience_here);
+            let mut recorder = frames.begin()?;
+            let slot = frames.slot();
+            self.paint_with_fallback(&mut recorder, slot, &mut document, &desc, |_| true)?;
+            device.wait(frames.submit(recorder, &[], &[])?)?;
+        }
+        self.set_patience(patience);
         let taken_ms = begun.elapsed().as_secs_f64() * 1e3;
         tracing::debug!("warmed up for {:?} in {taken_ms:.0} ms", of.mode);
         self.forget_pictures()

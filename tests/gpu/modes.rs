@@ -15,7 +15,8 @@ use virtual_sculpture::screen::offscreen::FORMAT;
 use virtual_sculpture::sculpture::history::Contents;
 use virtual_sculpture::sculpture::{Brick, ColourDepth, Grid, Material, Placement, Rgb};
 use virtual_sculpture::shade::{
-    Light, LightFrame, LightSource, Lighting, Pixels, ShadePose, SoftwareShader,
+    Light, LightFrame, LightSource, Lighting, NormalField, Pixels, ShadePose, ShadeSource,
+    SoftwareShader,
 };
 use virtual_sculpture::surface::{IndexMap, raycast};
 use virtual_sculpture::view::{Camera, Eye};
@@ -91,7 +92,8 @@ fn expected(document: &Document, eye: &Eye, world: &Affine3A, lighting: &Lightin
     let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid: *world };
     let mut pixels = Pixels::default();
     let (grid, material) = (document.grid(), document.material());
-    SoftwareShader::default().shade(&map, grid, material, &pose, lighting, &mut pixels);
+    let source = ShadeSource { grid, material, normals: &NormalField::of(grid) };
+    SoftwareShader::default().shade(&map, &source, &pose, lighting, &mut pixels);
     for pixel in pixels.rgba.iter_mut().filter(|pixel| pixel[3] == 0) {
         *pixel = [255, 0, 0, 255];
     }

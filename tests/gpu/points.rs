@@ -13,7 +13,9 @@ use virtual_sculpture::scenes;
 use virtual_sculpture::screen::offscreen::FORMAT;
 use virtual_sculpture::sculpture::history::Contents;
 use virtual_sculpture::sculpture::{ColourDepth, Grid, Material, NO_VOXEL, Placement, Rgb};
-use virtual_sculpture::shade::{Lighting, Pixels, ShadePose, SoftwareShader};
+use virtual_sculpture::shade::{
+    Lighting, NormalField, Pixels, ShadePose, ShadeSource, SoftwareShader,
+};
 use virtual_sculpture::surface::{IndexMap, raycast};
 use virtual_sculpture::view::{Camera, Eye};
 
@@ -75,7 +77,8 @@ fn cast(document: &Document, eye: &Eye, world_from_grid: &Affine3A) -> (Pixels, 
     let (grid, material) = (document.grid(), document.material());
     let mut pixels = Pixels::default();
     let lighting = Lighting::default();
-    SoftwareShader::default().shade(&map, grid, material, &pose, &lighting, &mut pixels);
+    let source = ShadeSource { grid, material, normals: &NormalField::of(grid) };
+    SoftwareShader::default().shade(&map, &source, &pose, &lighting, &mut pixels);
     for pixel in pixels.rgba.iter_mut().filter(|pixel| pixel[3] == 0) {
         *pixel = BEHIND_RGBA;
     }

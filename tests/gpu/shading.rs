@@ -4,11 +4,13 @@
 use ash::vk;
 use glam::{Affine3A, UVec2, Vec3};
 use virtual_sculpture::gpu::{EyeImage, Staging, Use, read_image_once, run_once};
-use virtual_sculpture::render::{EyeTask, IndexTarget, PixelStage, Surface, SurfaceShade, Volume};
+use virtual_sculpture::render::{
+    EyeTask, IndexTarget, Normals, PixelStage, Surface, SurfaceShade, Volume,
+};
 use virtual_sculpture::scenes;
 use virtual_sculpture::sculpture::{ColourDepth, Grid, Material, Rgb};
 use virtual_sculpture::shade::{
-    Light, LightFrame, LightSource, Lighting, Pixels, ShadePose, shade,
+    Light, LightFrame, LightSource, Lighting, NormalField, Pixels, ShadePose, ShadeSource, shade,
 };
 use virtual_sculpture::surface::{IndexMap, pixels_of_grid, raycast};
 use virtual_sculpture::view::{Camera, Eye};
@@ -65,10 +67,13 @@ fn assert_shaders_agree(eye: &Eye, world_from_grid: Affine3A, lighting: &Lightin
     let mut map = IndexMap::new(rays);
     raycast::sample(&grid, &rays, &mut map);
     let mut expected = Pixels::new(SIZE);
-    shade(&map, &grid, &material, &pose, lighting, &mut expected);
+    let field = NormalField::of(&grid);
+    let source = ShadeSource { grid: &grid, material: &material, normals: &field };
+    shade(&map, &source, &pose, lighting, &mut expected);
 
     with_device(|device| {
         let volume = Volume::new(device, &grid).unwrap();
+        let normals = Normals::new(device, &field).unwrap();
         let format = vk::Format::R8G8B8A8_UNORM;
         use vk::ImageUsageFlags as Usage;
         let usage = Usage::SAMPLED | Usage::STORAGE | Usage::COLOR_ATTACHMENT | Usage::TRANSFER_SRC;
@@ -83,7 +88,10 @@ fn assert_shaders_agree(eye: &Eye, world_from_grid: Affine3A, lighting: &Lightin
                 let piece = staging.push(&map.voxels, 4)?;
                 maps.upload(recorder, 0, piece, 0..SIZE.y);
                 let dims = grid.dims();
-                let surface = Surface { dims, colours: None, base, pose, lighting };
+                let normals = Some(&normals);
+                let estimates = false;
+                let surface =
+                    Surface { dims, colours: None, base, normals, estimates, pose, lighting };
                 let visible = pixels_of_grid(&grid, &rays);
                 let task = EyeTask { visible, ..EyeTask::whole(0, rays) };
                 pass.record(recorder, &volume, &surface, &mut maps, &mut pictures, &task)

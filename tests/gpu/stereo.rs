@@ -12,7 +12,7 @@ use virtual_sculpture::scenes;
 use virtual_sculpture::screen::offscreen::FORMAT;
 use virtual_sculpture::sculpture::history::Contents;
 use virtual_sculpture::sculpture::{ColourDepth, Material, Rgb};
-use virtual_sculpture::shade::{Lighting, Pixels, ShadePose, shade};
+use virtual_sculpture::shade::{Lighting, NormalField, Pixels, ShadePose, ShadeSource, shade};
 use virtual_sculpture::surface::{IndexMap, raycast};
 use virtual_sculpture::view::{Camera, Eye, StereoLayout, StereoRig};
 
@@ -159,7 +159,8 @@ fn both_eyes_of_the_renderer_are_what_each_eye_sees() {
                 let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
                 let mut expected = Pixels::new(eye.size);
                 let (grid, material) = (document.grid(), document.material());
-                shade(&map, grid, material, &pose, &lighting, &mut expected);
+                let source = ShadeSource { grid, material, normals: &NormalField::of(grid) };
+                shade(&map, &source, &pose, &lighting, &mut expected);
                 let differ = picture.rgba.iter().zip(&expected.rgba).filter(|(is, should)| {
                     **is != if should[3] == 0 { [51, 102, 153, 255] } else { **should }
                 });

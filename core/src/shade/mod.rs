@@ -1,7 +1,7 @@
 //! Shading: from an index map to a picture. Pure CPU code.
 //!
-//! A pixel is shaded in two independent steps: what surface is there (its normal from [`normal`], its
-//! colour from the material), and what light it sends to the eye ([`illumination`]). Filters of normals
+//! A pixel is shaded in two independent steps: what surface is there (its normal from the
+//! [`normal_field`], its colour from the material), and what light it sends to the eye ([`illumination`]). Filters of normals
 //! and colours ([`smooth`]) and ambient occlusion ([`occlusion`]) come between the two, and cost time
 //! only where they are switched on ([`refined`]).
 
@@ -9,6 +9,7 @@ mod illumination;
 pub mod light;
 mod moments;
 pub mod normal;
+pub mod normal_field;
 pub mod occlusion;
 #[cfg(test)]
 mod partial_tests;
@@ -17,10 +18,13 @@ pub mod points;
 pub mod refined;
 mod smooth;
 pub mod software;
+mod source;
 
 pub use illumination::Illumination;
 pub use light::{Light, LightFrame, LightSource, Lighting, MAX_LIGHTS, MAX_SHININESS, Smoothing};
 pub use normal::NORMAL_REACH_VX;
+pub use normal_field::NormalField;
 pub use pixels::Pixels;
 pub use refined::SoftwareShader;
 pub use software::{ShadePose, shade, shade_rect};
+pub use source::ShadeSource;

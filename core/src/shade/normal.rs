@@ -1,7 +1,7 @@
-//! Surface normals: the gradient of existence in the neighbourhood of a voxel.
+//! Quick estimates of surface normals: the gradient of existence in the neighbourhood of a voxel, used
+//! until the [`super::normal_field`] is complete.
 //!
-//! From a grid and a voxel to a vector that points out of the solid, in grid coordinates; for one
-//! voxel, or for sixteen with vectors.
+//! From a grid and a voxel to a vector that points out of the solid, in grid coordinates.
 //!
 //! The gradient is the first moment of existence over the 81 voxels whose centre is at most
 //! `sqrt(6)` voxels away. Other neighbourhoods, by their mean error against the radial direction
@@ -9,12 +9,10 @@
 //! a ball of radius 3.3 comes to 2.4 but touches 27 words instead of 8. Weights within the 5^3
 //! gain nothing. How the moment is counted: [`super::moments`].
 
-use fearless_simd::{Simd, f32x16, i32x16, prelude::*};
 use glam::{UVec3, Vec3};
 
-use super::moments::{FoldedLanes, fold, moments, moments_of_many};
+use super::moments::{fold, moments};
 use crate::sculpture::Grid;
-use crate::sculpture::grid::WordReader;
 
 /// Reach, on each axis, of the neighbourhood that a voxel's normal depends on.
 pub const NORMAL_REACH_VX: u32 = 2;
@@ -28,49 +26,6 @@ pub fn gradient(grid: &Grid, voxel: UVec3) -> Vec3 {
     let at = (inside.x | inside.y << 2 | inside.z << 4) as usize;
     let (upper, lower) = fold(at, &bits);
     moments(at, upper, lower).as_vec3()
-}
-
-/// [`gradient`] of sixteen voxels. Only the lanes of the bits of `wanted` are computed.
-#[inline(always)]
-pub(super) fn gradients<S: Simd>(
-    simd: S,
-    words: &WordReader,
-    voxels: [i32x16<S>; 3],
-    wanted: u32,
-) -> [f32x16<S>; 3] {
-    let mut at = i32x16::splat(simd, 0);
-    let (mut near, mut far) = ([at; 3], [at; 3]);
-    for axis in 0..3 {
-        let low = voxels[axis] - 2;
-        at |= (low & 3) << (2 * axis as u32);
-        (near[axis], far[axis]) = words.parts(simd, axis, low >> 2);
-    }
-    let at_lanes = at.to_array();
-    let near = [near[0].to_array(), near[1].to_array(), near[2].to_array()];
-    let far = [far[0].to_array(), far[1].to_array(), far[2].to_array()];
-    let mut folded = FoldedLanes::default();
-    let mut rest = wanted;
-    while rest != 0 {
-        let lane = rest.trailing_zeros() as usize & 15;
-        rest &= rest - 1;
-        let of = |axis: usize| (near[axis][lane] as usize, far[axis][lane] as usize);
-        let ((x0, x1), (y0, y1), (z0, z1)) = (of(0), of(1), of(2));
-        let bits = [
-            words.word(x0 + y0 + z0),
-            words.word(x1 + y0 + z0),
-            words.word(x0 + y1 + z0),
-            words.word(x1 + y1 + z0),
-            words.word(x0 + y0 + z1),
-            words.word(x1 + y0 + z1),
-            words.word(x0 + y1 + z1),
-            words.word(x1 + y1 + z1),
-        ];
-        let (upper, lower) = fold(at_lanes[lane] as usize, &bits);
-        folded.upper[lane / 8][lane % 8] = upper;
-        folded.lower[lane / 8][lane % 8] = lower;
-    }
-    let [x, y, z] = moments_of_many(simd, at.bitcast(), &folded);
-    [x.to_float(), y.to_float(), z.to_float()]
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use glam::{Quat, UVec2, Vec3};
 use proptest::prelude::*;
 
-use super::{Lighting, NORMAL_REACH_VX, Pixels, ShadePose, shade, shade_rect};
+use super::{Lighting, NormalField, Pixels, ShadePose, ShadeSource, shade, shade_rect};
 use crate::scenes::{self, Random};
 use crate::sculpture::{ColourDepth, Grid, Material, Placement, Rgb};
 use crate::surface::{IndexMap, PixelRect, changed_pixels, quickstep, raycast};
@@ -49,7 +49,9 @@ proptest! {
             sample(&grid, &rays, map);
         }
         let mut pixels = Pixels::default();
-        shade(&maps[0], &grid, &material, &pose, &lighting, &mut pixels);
+        let mut normals = NormalField::of(&grid);
+        let source = ShadeSource { grid: &grid, material: &material, normals: &normals };
+        shade(&maps[0], &source, &pose, &lighting, &mut pixels);
 
         let mut changed = Vec::new();
         for _ in 0..spots {
@@ -72,12 +74,17 @@ proptest! {
             sample(&grid, &rays, &mut whole);
             prop_assert!(*map == whole);
         }
-        let to_shade = changed_pixels(&grid, &changed, &rays, NORMAL_REACH_VX);
+        normals.follow(&grid, Some(&changed));
+        normals.update(&grid, &mut changed, || true);
+        changed.sort_unstable();
+        changed.dedup();
+        let source = ShadeSource { grid: &grid, material: &material, normals: &normals };
+        let to_shade = changed_pixels(&grid, &changed, &rays, 0);
         for rect in to_shade.as_slice() {
-            shade_rect(&maps[0], &grid, &material, &pose, &lighting, *rect, &mut pixels);
+            shade_rect(&maps[0], &source, &pose, &lighting, *rect, &mut pixels);
         }
         let mut whole = Pixels::default();
-        shade(&maps[0], &grid, &material, &pose, &lighting, &mut whole);
+        shade(&maps[0], &source, &pose, &lighting, &mut whole);
         prop_assert!(pixels == whole);
     }
 }

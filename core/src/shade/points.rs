@@ -7,21 +7,23 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::normal::gradient;
+use super::normal_field::PackedNormal;
 use super::occlusion::openness;
-use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
-use crate::sculpture::{Grid, Material, NO_VOXEL};
+use super::source::ShadeSource;
+use crate::sculpture::NO_VOXEL;
 use crate::surface::IndexMap;
 
 /// A visible voxel, in the sixteen bytes that shaders/points.vert.wgsl reads.
 #[repr(C)]
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct SurfacePoint {
-    /// Coordinates in the grid, and 0.
-    pub voxel: [u16; 4],
-    /// Vector out of the solid, of any length, a covector of grid coordinates; then the share of the
-    /// ambient light that arrives, 0 to 127.
-    pub outwards: [i8; 4],
+    /// Coordinates in the grid.
+    pub voxel: [u16; 3],
+    /// Its normal.
+    pub normal: PackedNormal,
+    /// What stands in for a normal that is none: a vector out of the solid, of any length, a covector of
+    /// grid coordinates; then the share of the ambient light that arrives, 0 to 127.
+    pub estimate: [i8; 4],
     /// sRGB, and 255.
     pub colour: [u8; 4],
 }
@@ -35,7 +37,8 @@ pub struct PointCloud {
 
 impl PointCloud {
     /// Replaces the points by those of `map`. `occlusion`: whether to compute ambient occlusion.
-    pub fn take(&mut self, map: &IndexMap, grid: &Grid, material: &Material, occlusion: bool) {
+    pub fn take(&mut self, map: &IndexMap, source: &ShadeSource, occlusion: bool) {
+        let grid = source.grid;
         let width = map.rays.size.x as usize;
         self.indices.clear();
         let mut above: &[u32] = &[];
@@ -54,14 +57,18 @@ impl PointCloud {
         self.indices.dedup();
         let point = |&index: &u32| {
             let v = grid.voxel_coords(index);
+            let (normal, rgb) = source.surface(v);
+            let estimate = match normal {
+                PackedNormal::NONE => source.estimate(v),
+                _ => Vec3::ZERO,
+            };
             // Moments of 81 bits are below 40.
-            let [x, y, z] = gradient(grid, v).to_array().map(|c| c as i8);
+            let [x, y, z] = estimate.to_array().map(|c| c as i8);
             let open = if occlusion { (openness(grid, v) * 127.0).round() as i8 } else { 127 };
-            let local = local_index(v.x & 7, v.y & 7, v.z & 7);
-            let rgb = material.rgb(grid.brick_index(v / BRICK_EDGE_VX), local);
             SurfacePoint {
-                voxel: [v.x as u16, v.y as u16, v.z as u16, 0],
-                outwards: [x, y, z, open],
+                voxel: v.to_array().map(|c| c as u16),
+                normal,
+                estimate: [x, y, z, open],
                 colour: [rgb.0[0], rgb.0[1], rgb.0[2], 255],
             }
         };
@@ -77,8 +84,7 @@ impl PointCloud {
 impl SurfacePoint {
     /// Middle of the voxel, in grid coordinates.
     pub fn position(&self) -> Vec3 {
-        let [x, y, z, _] = self.voxel.map(f32::from);
-        Vec3::new(x, y, z) + 0.5
+        Vec3::from(self.voxel.map(f32::from)) + 0.5
     }
 }
 
@@ -86,7 +92,9 @@ impl SurfacePoint {
 mod tests {
     use super::*;
     use crate::scenes;
-    use crate::sculpture::{Brick, ColourDepth, Placement, Rgb};
+    use crate::sculpture::{Brick, ColourDepth, Material, Placement, Rgb};
+    use crate::shade::NormalField;
+    use crate::shade::normal::gradient;
     use crate::surface::raycast;
     use crate::view::Camera;
     use glam::UVec2;
@@ -105,18 +113,24 @@ mod tests {
         let mut map = IndexMap::new(rays);
         raycast::sample(&grid, &rays, &mut map);
         let seen: BTreeSet<u32> = map.voxels.iter().copied().filter(|&v| v != NO_VOXEL).collect();
+        let (complete, mut incomplete) = (NormalField::of(&grid), NormalField::default());
+        incomplete.follow(&grid, None);
         let mut cloud = PointCloud::default();
-        for occlusion in [false, true] {
-            cloud.take(&map, &grid, &material, occlusion);
+        for (normals, occlusion) in [(&complete, false), (&complete, true), (&incomplete, false)] {
+            let source = ShadeSource { grid: &grid, material: &material, normals };
+            cloud.take(&map, &source, occlusion);
             assert_eq!(cloud.points().len(), seen.len());
             for (point, &index) in cloud.points().iter().zip(&seen) {
                 let v = grid.voxel_coords(index);
                 assert_eq!(point.position(), v.as_vec3() + 0.5);
-                let [x, y, z, open] = point.outwards.map(f32::from);
-                assert_eq!(Vec3::new(x, y, z), gradient(&grid, v));
+                assert_eq!(point.normal.unpack(), normals.normal(&grid, v));
+                let [x, y, z, open] = point.estimate.map(f32::from);
+                if point.normal == PackedNormal::NONE && !normals.is_complete() {
+                    assert_eq!(Vec3::new(x, y, z), gradient(&grid, v));
+                }
                 let expected = if occlusion { openness(&grid, v) } else { 1.0 };
                 assert!((open / 127.0 - expected).abs() < 0.004);
-                let local = local_index(v.x & 7, v.y & 7, v.z & 7);
+                let local = crate::sculpture::brick::local_index(v.x & 7, v.y & 7, v.z & 7);
                 let rgb = material.rgb(grid.brick_index(v / 8), local).0;
                 assert_eq!(point.colour[..3], rgb);
             }

@@ -9,13 +9,12 @@ use rayon::prelude::*;
 
 use super::illumination::{Illumination, LANES, SurfacePoints};
 use super::light::{Lighting, Smoothing};
-use super::normal::gradient;
 use super::occlusion::openness;
 use super::pixels::Pixels;
 use super::smooth::{Shown, Surfaces};
 use super::software::{ShadePose, shade};
-use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
-use crate::sculpture::{Grid, Material, NO_VOXEL};
+use super::source::ShadeSource;
+use crate::sculpture::{Grid, NO_VOXEL};
 use crate::surface::IndexMap;
 
 /// The software shader with its buffers.
@@ -32,15 +31,14 @@ impl SoftwareShader {
     pub fn shade(
         &mut self,
         map: &IndexMap,
-        grid: &Grid,
-        material: &Material,
+        source: &ShadeSource,
         pose: &ShadePose,
         lighting: &Lighting,
         out: &mut Pixels,
     ) {
         let filters = [lighting.smooth_normals, lighting.smooth_colours];
         if lighting.is_local() {
-            return shade(map, grid, material, pose, lighting, out);
+            return shade(map, source, pose, lighting, out);
         }
         let illumination = Illumination::new(lighting, &pose.eye_from_world, &pose.world_from_grid);
         out.reset(map.rays.size);
@@ -48,7 +46,7 @@ impl SoftwareShader {
         if width == 0 || map.rays.size.y == 0 {
             return;
         }
-        self.look(map, grid, material, &illumination, lighting.occlusion);
+        self.look(map, source, &illumination, lighting.occlusion);
         let shown = match filters {
             [Smoothing::Off, Smoothing::Off] => &self.shown,
             [normals, colours] => {
@@ -72,7 +70,8 @@ impl SoftwareShader {
         let rows = out.rgba.par_chunks_mut(width).zip(map.voxels.par_chunks(width)).enumerate();
         rows.for_each(|(y, (out, voxels))| {
             let row = y * width..(y + 1) * width;
-            let row = Row { grid, voxels, shown: &shown[row.clone()], open: &open[row] };
+            let row =
+                Row { grid: source.grid, voxels, shown: &shown[row.clone()], open: &open[row] };
             dispatch!(Level::new(), simd => row.shade(simd, &illumination, &back, out));
         });
     }
@@ -81,11 +80,11 @@ impl SoftwareShader {
     fn look(
         &mut self,
         map: &IndexMap,
-        grid: &Grid,
-        material: &Material,
+        source: &ShadeSource,
         illumination: &Illumination,
         occlusion: bool,
     ) {
+        let grid = source.grid;
         let width = map.rays.size.x as usize;
         self.shown.resize(map.voxels.len(), Shown::default());
         self.open.resize(map.voxels.len(), 1.0);
@@ -99,7 +98,7 @@ impl SoftwareShader {
                 if voxel != last.0 {
                     let v = grid.voxel_coords(voxel);
                     let open = if occlusion { openness(grid, v) } else { 1.0 };
-                    last = (voxel, show(grid, material, illumination, v), open);
+                    last = (voxel, show(source, illumination, v), open);
                 }
                 (*shown, *open) = (last.1, last.2);
             }
@@ -107,10 +106,9 @@ impl SoftwareShader {
     }
 }
 
-fn show(grid: &Grid, material: &Material, illumination: &Illumination, v: UVec3) -> Shown {
-    let normal = illumination.normal_from_gradient * gradient(grid, v);
-    let local = local_index(v.x & 7, v.y & 7, v.z & 7);
-    let rgb = material.rgb(grid.brick_index(v / BRICK_EDGE_VX), local);
+fn show(source: &ShadeSource, illumination: &Illumination, v: UVec3) -> Shown {
+    let (normal, rgb) = source.surface(v);
+    let normal = illumination.normal_from_gradient * source.outwards(v, normal);
     let colour = Vec3::from(rgb.0.map(f32::from)) / 255.0;
     Shown {
         position: illumination.eye_from_grid.transform_point3(v.as_vec3() + 0.5),
@@ -172,7 +170,8 @@ impl Row<'_> {
 mod tests {
     use super::*;
     use crate::scenes;
-    use crate::sculpture::{ColourDepth, Placement, Rgb};
+    use crate::sculpture::{ColourDepth, Material, Placement, Rgb};
+    use crate::shade::NormalField;
     use crate::surface::raycast;
     use crate::view::Camera;
     use glam::UVec2;
@@ -187,7 +186,9 @@ mod tests {
         raycast::sample(grid, &rays, &mut map);
         let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
         let mut out = Pixels::default();
-        shader.shade(&map, grid, &material, &pose, lighting, &mut out);
+        let normals = NormalField::of(grid);
+        let source = ShadeSource { grid, material: &material, normals: &normals };
+        shader.shade(&map, &source, &pose, lighting, &mut out);
         out
     }
 

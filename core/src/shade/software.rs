@@ -1,4 +1,4 @@
-//! The software shader: from an index map, the grid, its colours and lights to a picture.
+//! The software shader: from an index map, the sculpture with its normals, and lights to a picture.
 //!
 //! The result is RGBA with alpha 0 where no voxel is seen. Runs on all cores, without allocating.
 
@@ -10,11 +10,10 @@ use rayon::prelude::*;
 
 use super::illumination::{Illumination, LANES, SurfacePoints};
 use super::light::Lighting;
-use super::normal::gradients;
+use super::normal_field::{PackedNormal, unpack_many};
 use super::pixels::Pixels;
-use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
-use crate::sculpture::grid::WordReader;
-use crate::sculpture::{Grid, Material, NO_VOXEL, Rgb};
+use super::source::ShadeSource;
+use crate::sculpture::{NO_VOXEL, Rgb};
 use crate::surface::{IndexMap, PixelRect};
 
 /// Rows of pixels that one parallel task shades.
@@ -34,29 +33,27 @@ pub struct ShadePose {
 /// Shades every pixel of `map`. `out` takes the size of the map and keeps its memory.
 pub fn shade(
     map: &IndexMap,
-    grid: &Grid,
-    material: &Material,
+    source: &ShadeSource,
     pose: &ShadePose,
     lighting: &Lighting,
     out: &mut Pixels,
 ) {
     out.reset(map.rays.size);
     let rect = PixelRect::of_picture(map.rays.size);
-    shade_rect(map, grid, material, pose, lighting, rect, out);
+    shade_rect(map, source, pose, lighting, rect, out);
 }
 
 /// Shades again the pixels of `rect` (cut to the picture). `out` must have the size of the map; a
 /// picture of another size is shaded as a whole.
 pub fn shade_rect(
     map: &IndexMap,
-    grid: &Grid,
-    material: &Material,
+    source: &ShadeSource,
     pose: &ShadePose,
     lighting: &Lighting,
     rect: PixelRect,
     out: &mut Pixels,
 ) {
-    shade_at(Level::new(), map, grid, material, pose, lighting, rect, out);
+    shade_at(Level::new(), map, source, pose, lighting, rect, out);
 }
 
 /// [`shade_rect`] with a choice of vector instructions.
@@ -64,8 +61,7 @@ pub fn shade_rect(
 fn shade_at(
     level: Level,
     map: &IndexMap,
-    grid: &Grid,
-    material: &Material,
+    source: &ShadeSource,
     pose: &ShadePose,
     lighting: &Lighting,
     rect: PixelRect,
@@ -78,11 +74,8 @@ fn shade_at(
         return;
     }
     let shader = Shader {
-        grid,
-        material,
-        painted: material.page_count() > 0,
-        words: grid.words(),
-        places: Places::of(grid.dims()),
+        source: *source,
+        places: Places::of(source.grid.dims()),
         illumination: Illumination::new(lighting, &pose.eye_from_world, &pose.world_from_grid),
     };
     let width = map.rays.size.x as usize;
@@ -99,11 +92,7 @@ fn shade_at(
 
 /// What all pixels of a picture share.
 struct Shader<'a> {
-    grid: &'a Grid,
-    material: &'a Material,
-    /// Whether any brick is painted.
-    painted: bool,
-    words: WordReader<'a>,
+    source: ShadeSource<'a>,
     places: Places,
     illumination: Illumination,
 }
@@ -119,8 +108,7 @@ impl Shader<'_> {
         voxels: &[u32],
         out: &mut [[u8; 4]],
     ) {
-        let colour = [packed(self.material.base()); LANES];
-        let mut points = SurfacePoints { colour, ..SurfacePoints::default() };
+        let mut points = SurfacePoints::default();
         for left in columns.clone().step_by(STRIP_PX) {
             let strip = left..columns.end.min(left + STRIP_PX);
             for (voxels, out) in voxels.chunks_exact(width).zip(out.chunks_exact_mut(width)) {
@@ -155,21 +143,39 @@ impl Shader<'_> {
         // Lanes without a voxel are computed as if they saw the first one.
         let nothing = u32x16::splat(simd, 0);
         let places = self.places.coords(simd, seen.select(voxels, nothing));
-        let seen_lanes = seen.to_bitmask() as u32;
         for (place, position) in places.iter().zip(&mut points.position) {
             (place.to_float::<f32x16<S>>() + 0.5).store_array(position);
         }
-        let gradients = gradients(simd, &self.words, places, seen_lanes);
-        for (gradient, out) in gradients.iter().zip(&mut points.gradient) {
-            gradient.store_array(out);
-        }
-        if self.painted {
-            let [x, y, z] = [places[0].to_array(), places[1].to_array(), places[2].to_array()];
-            for lane in 0..LANES {
+        let [x, y, z] = places.map(|axis| axis.to_array());
+        let voxels = voxels.to_array();
+        let mut normals = [0; LANES];
+        let mut last = NO_VOXEL;
+        for lane in 0..LANES {
+            let voxel = voxels[lane];
+            if voxel == last && lane > 0 {
+                // Neighbouring pixels often show the same voxel.
+                normals[lane] = normals[lane - 1];
+                points.colour[lane] = points.colour[lane - 1];
+            } else if voxel != NO_VOXEL {
                 let v = UVec3::new(x[lane] as u32, y[lane] as u32, z[lane] as u32);
-                let brick = self.grid.brick_index(v / BRICK_EDGE_VX);
-                let rgb = self.material.rgb(brick, local_index(v.x & 7, v.y & 7, v.z & 7));
+                let (normal, rgb) = self.source.surface(v);
+                normals[lane] = u32::from(normal.0);
                 points.colour[lane] = packed(rgb);
+            }
+            last = voxel;
+        }
+        let normals = u32x16::load_array(simd, normals);
+        for (component, out) in unpack_many(simd, normals).iter().zip(&mut points.gradient) {
+            component.store_array(out);
+        }
+        let none = normals.simd_eq(u32::from(PackedNormal::NONE.0));
+        if none.any_true() {
+            for lane in (0..LANES).filter(|lane| none.to_bitmask() >> lane & 1 != 0) {
+                let v = UVec3::new(x[lane] as u32, y[lane] as u32, z[lane] as u32);
+                let estimate = self.source.estimate(v).to_array();
+                for (axis, component) in estimate.into_iter().enumerate() {
+                    points.gradient[axis][lane] = component;
+                }
             }
         }
         let colours = seen.select(self.illumination.shade(simd, points), nothing);

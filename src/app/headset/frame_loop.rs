@@ -4,6 +4,7 @@
 //! the board, the haptics and the health of the session are each kept by a type of their own.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use ash::vk;
 use glam::Vec3;
@@ -33,6 +34,9 @@ type Result<T> = std::result::Result<T, HeadsetError>;
 /// Pictures are copied to the headset without conversion.
 const FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
 
+/// How long a picture may be held up by the normals of a sculpture that was opened.
+const PATIENCE: Duration = Duration::from_millis(2);
+
 /// An XR session with what renders to it. The session ends first, then fields are dropped in this
 /// order: renderers before their device.
 pub struct XrFrameLoop {
@@ -57,8 +61,10 @@ impl XrFrameLoop {
     ) -> Result<XrFrameLoop> {
         let session = XrSession::connect(connector, options, head)?;
         let device = session.device().clone();
+        let mut renderer = Renderer::new(&device, FORMAT)?;
+        renderer.set_patience(Some(PATIENCE));
         Ok(XrFrameLoop {
-            renderer: Renderer::new(&device, FORMAT)?,
+            renderer,
             board: BoardPanel::new(&device, options.board_px, settings)?,
             session,
             mapper: HandMapper::new(settings.hands()),

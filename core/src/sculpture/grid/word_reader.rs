@@ -1,11 +1,5 @@
 //! Looks up words of 4^3 voxels by their coordinates, for kernels that read small neighbourhoods.
-//!
-//! A word has a place, the sum of one part per axis, so that the places of sixteen neighbourhoods are
-//! computed at once with vectors and neighbours share the parts of their common coordinates. What lies
-//! outside of the grid has a place, too, at which nothing exists. What a place means is private to the
-//! grid: here an index into its words, in a table of chunks that of a chunk and of a word in it.
 
-use fearless_simd::{Simd, i32x16, prelude::*};
 use glam::IVec3;
 
 use super::Grid;
@@ -24,10 +18,6 @@ pub struct WordReader<'a> {
 /// From a word of a brick to the next along each axis, in words.
 const STEP: IVec3 = IVec3::new(1, 2, 4);
 
-/// Part of a place that lies outside of the grid: beyond any word that exists, also after other parts
-/// have been added.
-const OUTSIDE: i32 = 1 << 29;
-
 impl Grid {
     /// Read access by words of 4^3 voxels.
     #[inline]
@@ -39,25 +29,6 @@ impl Grid {
 }
 
 impl WordReader<'_> {
-    /// The word at `place`, the sum of three parts of [`WordReader::parts`]; 0 outside of the grid.
-    #[inline(always)]
-    pub fn word(&self, place: usize) -> u64 {
-        self.words.get(place).copied().unwrap_or(0)
-    }
-
-    /// The parts of places along `axis` of the words with coordinate `lower` on it, and of those with
-    /// `lower + 1`. `lower` must be at least -1 and less than the size of the grid in words.
-    #[inline(always)]
-    pub fn parts<S: Simd>(&self, simd: S, axis: usize, lower: i32x16<S>) -> (i32x16<S>, i32x16<S>) {
-        let outside = i32x16::splat(simd, OUTSIDE);
-        let (stride, step) = (self.stride[axis], STEP[axis]);
-        let upper = lower + 1;
-        (
-            lower.simd_lt(0).select(outside, part(lower, stride, step)),
-            upper.simd_ge(self.dims[axis]).select(outside, part(upper, stride, step)),
-        )
-    }
-
     /// The eight words of the cube whose lower corner is the word at `corner`, x fastest; 0 outside of
     /// the grid.
     #[inline]
@@ -69,11 +40,4 @@ impl WordReader<'_> {
             if exists { self.words[place.element_sum() as usize] } else { 0 }
         })
     }
-}
-
-/// The parts of words along an axis. A function and not a closure: what is not inlined loses the
-/// instructions that the dispatch chose.
-#[inline(always)]
-fn part<S: Simd>(word: i32x16<S>, stride: i32, step: i32) -> i32x16<S> {
-    (word >> 1) * stride + (word & 1) * step
 }

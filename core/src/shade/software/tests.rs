@@ -1,8 +1,9 @@
 use super::*;
 use crate::scenes::{self, Random};
-use crate::sculpture::{Brick, ColourDepth, Placement};
-use crate::shade::normal;
+use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
+use crate::sculpture::{Brick, ColourDepth, Grid, Material, Placement};
 use crate::shade::{Light, LightFrame, LightSource};
+use crate::shade::{NormalField, normal};
 use crate::surface::raycast;
 use crate::surface::raycast::tests::levels;
 use crate::view::Camera;
@@ -19,11 +20,13 @@ fn a_lit_face_is_brighter_than_its_ambient_light_and_nothing_is_transparent() {
     let mut map = IndexMap::new(rays);
     raycast::sample(&grid, &rays, &mut map);
     let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
+    let normals = NormalField::of(&grid);
+    let source = ShadeSource { grid: &grid, material: &material, normals: &normals };
     let mut lit = Pixels::default();
-    shade(&map, &grid, &material, &pose, &Lighting::default(), &mut lit);
+    shade(&map, &source, &pose, &Lighting::default(), &mut lit);
     let dark = Lighting { lights: [None; 4], ..Lighting::default() };
     let mut unlit = Pixels::default();
-    shade(&map, &grid, &material, &pose, &dark, &mut unlit);
+    shade(&map, &source, &pose, &dark, &mut unlit);
     let seen = lit.rgba.iter().filter(|p| p[3] == 255).count();
     assert_eq!(seen, map.covered());
     let centre = 24 * 64 + 32;
@@ -38,6 +41,8 @@ fn a_lit_face_is_brighter_than_its_ambient_light_and_nothing_is_transparent() {
 fn a_pixel_is_shaded_the_same_whatever_is_beside_it() {
     let grid = scenes::cheese(64, 30, 7).unwrap();
     let material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::new(200, 180, 160));
+    let normals = NormalField::of(&grid);
+    let source = ShadeSource { grid: &grid, material: &material, normals: &normals };
     let world_from_grid = Placement::default().world_from_grid(grid.dims(), grid.voxel_size());
     for direction in [Vec3::new(0.8, 0.6, 1.0), Vec3::new(-1.0, 0.1, 0.2)] {
         let eye = Camera::framing(50.0, direction, Vec3::Y).eye(UVec2::new(160, 120));
@@ -47,11 +52,11 @@ fn a_pixel_is_shaded_the_same_whatever_is_beside_it() {
         let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
         let lighting = Lighting::default();
         let mut whole = Pixels::default();
-        shade(&map, &grid, &material, &pose, &lighting, &mut whole);
+        shade(&map, &source, &pose, &lighting, &mut whole);
         let mut columns = Pixels::new(map.rays.size);
         for x in 0..160 {
             let rect = PixelRect { min: UVec2::new(x, 0), max: UVec2::new(x + 1, 120) };
-            shade_rect(&map, &grid, &material, &pose, &lighting, rect, &mut columns);
+            shade_rect(&map, &source, &pose, &lighting, rect, &mut columns);
         }
         assert!(columns == whole);
     }
@@ -79,20 +84,19 @@ fn places_are_those_of_the_grid() {
 }
 
 /// The picture by its definition, one pixel at a time in other words.
-fn reference(
-    grid: &Grid,
-    material: &Material,
-    pose: &ShadePose,
-    lighting: &Lighting,
-    voxel: u32,
-) -> [f32; 3] {
+fn reference(source: &ShadeSource, pose: &ShadePose, lighting: &Lighting, voxel: u32) -> [f32; 3] {
+    let ShadeSource { grid, material, normals } = *source;
     let linear = |c: Rgb| Vec3::from(c.0.map(|c| (f32::from(c) / 255.0).powi(2)));
     let v = grid.voxel_coords(voxel);
     let eye = pose.eye_from_world.inverse().translation;
     let position = pose.world_from_grid.transform_point3(v.as_vec3() + 0.5);
     let to_eye = (Vec3::from(eye) - position).normalize();
+    let normal = match normals.normal(grid, v) {
+        None if !normals.is_complete() => normal::gradient(grid, v),
+        normal => normal.unwrap_or_default(),
+    };
     let world_from_gradient = Mat3::from(pose.world_from_grid.matrix3).inverse().transpose();
-    let normal = (world_from_gradient * normal::gradient(grid, v)).normalize_or(to_eye);
+    let normal = (world_from_gradient * normal).normalize_or(to_eye);
     let normal = (normal - to_eye * normal.dot(to_eye).min(0.0)).normalize_or(to_eye);
     let albedo = linear(
         material.rgb(grid.brick_index(v / BRICK_EDGE_VX), local_index(v.x & 7, v.y & 7, v.z & 7)),
@@ -169,16 +173,21 @@ fn pictures_are_as_defined_for_all_lights_colours_and_voxel_shapes() {
     }
     assert!(map.covered() > 5000 && map.covered() < 203 * 150, "{}", map.covered());
     let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
-    for level in levels() {
+    let (complete, mut incomplete) = (NormalField::of(&grid), NormalField::default());
+    incomplete.follow(&grid, None);
+    let whole = PixelRect::of_picture(rays.size);
+    for (level, normals) in
+        levels().into_iter().flat_map(|level| [(level, &complete), (level, &incomplete)])
+    {
+        let source = ShadeSource { grid: &grid, material: &material, normals };
         let mut out = Pixels::default();
-        let whole = PixelRect::of_picture(rays.size);
-        shade_at(level, &map, &grid, &material, &pose, &lighting, whole, &mut out);
+        shade_at(level, &map, &source, &pose, &lighting, whole, &mut out);
         for (&voxel, pixel) in map.voxels.iter().zip(&out.rgba) {
             if voxel == NO_VOXEL {
                 assert_eq!(*pixel, [0; 4]);
                 continue;
             }
-            let expected = reference(&grid, &material, &pose, &lighting, voxel);
+            let expected = reference(&source, &pose, &lighting, voxel);
             assert_eq!(pixel[3], 255);
             for (&value, expected) in pixel.iter().zip(expected) {
                 let off = (f32::from(value) - expected).abs();

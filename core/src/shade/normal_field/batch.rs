@@ -1,0 +1,267 @@
+//! Computes the normals of bricks that lie close together, on all cores.
+//!
+//! Three stages, each for all bricks before the next: samples of the bricks and of those within two around them,
+//! filtered cells of the bricks and those next to them, normals of the bricks. Keeps its memory.
+
+use std::cell::RefCell;
+
+use fearless_simd::{Level, dispatch};
+use glam::{IVec3, UVec3};
+use rayon::prelude::*;
+
+use super::cells::{CellNormals, Cells, Neighbourhood, filter_cells, filter_voxels};
+use super::packed::PackedNormal;
+use super::window::{Samples, Sums, SurfaceMask, sample};
+use crate::sculpture::Grid;
+use crate::sculpture::brick::BrickKind;
+
+/// Bricks around the targets whose samples count.
+const MARGIN_BRICKS: i32 = 2;
+/// Most bricks in the box around a part, margins included: its index takes 4 bytes for each.
+const MOST_BRICKS: u64 = 40 * 40 * 40;
+/// Edge of the blocks into which larger parts are divided.
+const PART_EDGE_LOG2: u32 = 4;
+
+/// No place in the lists.
+const NONE: u32 = u32::MAX;
+
+/// How far a brick is computed.
+const SAMPLED: u8 = 1;
+const FILTERED: u8 = 2;
+const TARGET: u8 = 3;
+
+/// The bricks of a part, and the box around them.
+#[derive(Debug, Default)]
+pub struct Batch {
+    /// Lower corner and size of the box, in bricks.
+    low: IVec3,
+    size: IVec3,
+    /// For each brick of the box, how far it is computed; then its place in `bricks`.
+    stages: Vec<u8>,
+    places: Vec<u32>,
+    bricks: Vec<Place>,
+    samples: Vec<Sampled>,
+    filtered: Vec<CellNormals>,
+    normals: Vec<Normals>,
+    /// Targets without any surface.
+    bare: Vec<u32>,
+}
+
+/// A brick that is computed.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    brick: IVec3,
+    index: u32,
+    stage: u8,
+}
+
+#[derive(Debug, Default)]
+struct Sampled {
+    samples: Samples,
+    cells: Cells,
+}
+
+#[derive(Debug, Default)]
+struct Normals(Vec<PackedNormal>);
+
+/// What a thread needs for one brick.
+#[derive(Default)]
+struct Scratch {
+    sums: Sums,
+    neighbourhood: Neighbourhood,
+}
+
+thread_local! {
+    static SCRATCH: RefCell<Box<Scratch>> = RefCell::default();
+}
+
+impl Batch {
+    /// Calls `compute` with all of `targets` (linear indices, rising), or with parts of them that lie close
+    /// together.
+    pub fn for_each_part(
+        &mut self,
+        grid: &Grid,
+        targets: &[u32],
+        compute: &mut dyn FnMut(&mut Batch, &[u32]),
+    ) {
+        if targets.is_empty() {
+            return;
+        }
+        let (low, high) = bounds(grid, targets);
+        let size = (high - low + 2 * MARGIN_BRICKS).as_u64vec3();
+        if size.element_product() <= MOST_BRICKS {
+            return compute(self, targets);
+        }
+        let block = |&index: &u32| {
+            let UVec3 { x, y, z } = grid.brick_coords(index as usize) >> PART_EDGE_LOG2;
+            [z, y, x]
+        };
+        let mut sorted = targets.to_vec();
+        sorted.sort_by_key(block);
+        sorted.chunk_by(|a, b| block(a) == block(b)).for_each(|part| compute(self, part));
+    }
+
+    /// Computes the normals of `targets`.
+    pub fn compute(&mut self, level: Level, grid: &Grid, targets: &[u32]) {
+        self.plan(grid, targets);
+        let count = self.bricks.len();
+        let last = self.bricks.partition_point(|place| place.stage == TARGET);
+        let middle = self.bricks.partition_point(|place| place.stage >= FILTERED);
+        grow(&mut self.samples, count);
+        grow(&mut self.normals, last);
+        if self.filtered.len() < middle {
+            self.filtered.resize(middle, [[0.0; 64]; 3]);
+        }
+        let Batch { low, size, places, bricks, samples, filtered, normals, .. } = self;
+        let sampled = |place: &Place, out: &mut Sampled| {
+            SCRATCH.with_borrow_mut(|scratch| {
+                dispatch!(level, simd => {
+                    sample(simd, grid, place.brick, &mut scratch.sums, &mut out.samples);
+                    out.cells.merge(&out.samples);
+                })
+            });
+        };
+        for_each(&bricks[..count], &mut samples[..count], &sampled);
+
+        let place_of = |brick: IVec3| {
+            let at = brick - *low;
+            let inside = at.cmpge(IVec3::ZERO).all() && at.cmplt(*size).all();
+            let place = if inside { places[linear(at, *size)] } else { NONE };
+            (place != NONE).then_some(place as usize)
+        };
+        let samples = &samples[..count];
+        let filter = |place: &Place, out: &mut CellNormals| {
+            let around = |offset| Some(&samples[place_of(place.brick + offset)?].cells);
+            SCRATCH.with_borrow_mut(|scratch| {
+                let neighbourhood = &mut scratch.neighbourhood;
+                dispatch!(level, simd => filter_cells(simd, &around, neighbourhood, out));
+            });
+        };
+        for_each(&bricks[..middle], &mut filtered[..middle], &filter);
+
+        let filtered = &filtered[..middle];
+        let finish = |place: &Place, out: &mut Normals| {
+            out.0.clear();
+            let Some(own) = place_of(place.brick) else { return };
+            let own = &samples[own].samples;
+            out.0.resize(own.len(), PackedNormal::NONE);
+            let around = |offset| {
+                let place = place_of(place.brick + offset)?;
+                Some((&samples[place].cells, filtered.get(place)?))
+            };
+            SCRATCH.with_borrow_mut(|scratch| {
+                let neighbourhood = &mut scratch.neighbourhood;
+                dispatch!(level, simd => filter_voxels(
+                    simd,
+                    own,
+                    &around,
+                    neighbourhood,
+                    #[inline(always)]
+                    |i, normal| out.0[i] = PackedNormal::pack(normal),
+                ));
+            });
+        };
+        for_each(&bricks[..last], &mut normals[..last], &finish);
+    }
+
+    /// The targets of the last [`Batch::compute`]: brick, surface voxels and their normals.
+    pub fn results(&self) -> impl Iterator<Item = (u32, &SurfaceMask, &[PackedNormal])> {
+        const BARE: &SurfaceMask = &SurfaceMask { layers: [0; 8] };
+        let last = self.bricks.partition_point(|place| place.stage == TARGET);
+        let all = self.bricks[..last].iter().zip(&self.samples).zip(&self.normals);
+        let with_surface = all.map(|((place, sampled), normals)| {
+            (place.index, &sampled.samples.mask, normals.0.as_slice())
+        });
+        with_surface.chain(self.bare.iter().map(|index| (*index, BARE, [].as_slice())))
+    }
+
+    /// Lists what has to be computed for `targets`: targets first, then what is filtered, then the rest.
+    fn plan(&mut self, grid: &Grid, targets: &[u32]) {
+        let (low, high) = bounds(grid, targets);
+        self.low = low - MARGIN_BRICKS;
+        self.size = high - low + 2 * MARGIN_BRICKS;
+        let (corner, size) = (self.low, self.size);
+        let bricks = size.element_product() as usize;
+        self.stages.clear();
+        self.stages.resize(bricks, 0);
+        self.places.clear();
+        self.places.resize(bricks, NONE);
+        self.bricks.clear();
+        self.bare.clear();
+        for &index in targets {
+            let at = grid.brick_coords(index as usize).as_ivec3() - corner;
+            if !may_have_surface(grid, at + corner) {
+                self.bare.push(index);
+                continue;
+            }
+            for z in -2i32..=2 {
+                for y in -2i32..=2 {
+                    let row = linear(at + IVec3::new(-2, y, z), size);
+                    let far = y.abs().max(z.abs()) as u8;
+                    for (x, stage) in (-2i32..).zip(&mut self.stages[row..row + 5]) {
+                        *stage = (*stage).max(TARGET - far.max(x.unsigned_abs() as u8));
+                    }
+                }
+            }
+        }
+        let dims = grid.brick_dims().as_ivec3();
+        let (from, to) = (corner.max(IVec3::ZERO), (corner + size).min(dims));
+        for wanted in [TARGET, FILTERED, SAMPLED] {
+            for z in from.z..to.z {
+                for y in from.y..to.y {
+                    for x in from.x..to.x {
+                        let brick = IVec3::new(x, y, z);
+                        let at = linear(brick - corner, size);
+                        if self.stages[at] == wanted && may_have_surface(grid, brick) {
+                            self.places[at] = self.bricks.len() as u32;
+                            let index = grid.brick_index(brick.as_uvec3()) as u32;
+                            self.bricks.push(Place { brick, index, stage: wanted });
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Calls `compute` for each pair, on all cores. The closure comes as a pointer, so that the loop is compiled once.
+fn for_each<T: Send>(places: &[Place], out: &mut [T], compute: &(dyn Fn(&Place, &mut T) + Sync)) {
+    places.par_iter().zip(out).with_min_len(4).for_each(|(place, out)| compute(place, out));
+}
+
+fn grow<T: Default>(list: &mut Vec<T>, count: usize) {
+    if list.len() < count {
+        list.resize_with(count, T::default);
+    }
+}
+
+fn linear(at: IVec3, size: IVec3) -> usize {
+    (at.x + size.x * (at.y + size.y * at.z)) as usize
+}
+
+/// The box around bricks: its lower corner and one past its highest.
+fn bounds(grid: &Grid, bricks: &[u32]) -> (IVec3, IVec3) {
+    bricks.iter().fold((IVec3::MAX, IVec3::MIN), |(low, high), &index| {
+        let b = grid.brick_coords(index as usize).as_ivec3();
+        (low.min(b), high.max(b + 1))
+    })
+}
+
+/// Whether the brick at `b`, which must be inside, may have a surface voxel: it is neither empty nor full among
+/// full neighbours.
+fn may_have_surface(grid: &Grid, b: IVec3) -> bool {
+    let kind = |b: IVec3| grid.brick_kind(grid.brick_index(b.as_uvec3()));
+    match kind(b) {
+        BrickKind::Empty => false,
+        BrickKind::Mixed => true,
+        BrickKind::Full => {
+            let dims = grid.brick_dims().as_ivec3();
+            let at_border = b.cmpeq(IVec3::ZERO).any() || b.cmpeq(dims - 1).any();
+            let axes = [IVec3::X, IVec3::Y, IVec3::Z];
+            at_border
+                || axes.iter().any(|&axis| {
+                    kind(b - axis) != BrickKind::Full || kind(b + axis) != BrickKind::Full
+                })
+        }
+    }
+}

@@ -1,0 +1,331 @@
+//! Refined normals: means of first estimates over places of one surface, which keep edges.
+//!
+//! A cell is a cube of 2^3 voxels. Its samples are merged into one: place and normal are means, weighted by
+//! planarity to the power of 24, so that what lies on an edge has no say beside what lies on a face. The normal of
+//! a place is then a weighted mean over the cells around it. A cell's weight falls with its distance, with the
+//! distance of the place from the cell's plane, and with the angle between the normals: a bilateral filter
+//! (Fleishman, Drori and Cohen-Or, "Bilateral mesh denoising", 2003; Jones, Durand and Desbrun, "Non-iterative,
+//! feature-preserving mesh smoothing", 2003). It is applied to the cells, and with their new normals to the
+//! voxels.
+//!
+//! From the samples of bricks and of their neighbours to normals. Sums have a fixed order, so all vector
+//! instructions give the same normals.
+
+use fearless_simd::{Simd, f32x16, prelude::*};
+use glam::{IVec3, Vec3};
+
+use super::window::{Samples, SurfaceMask};
+
+/// Edge of a cell.
+const CELL_EDGE_VX: f32 = 2.0;
+/// Cells along the edge of a brick.
+const CELLS: i32 = 4;
+/// Cells in a brick.
+const BRICK_CELLS: usize = 64;
+
+/// Distance from a cell's plane at which its weight is 0.
+const PLANE_REACH_VX: f32 = 2.5;
+/// Distance of cells from cells, and of cells from voxels, at which the weight is 0.
+const CELL_REACH_VX: f32 = 4.0;
+const VOXEL_REACH_VX: f32 = 5.0;
+/// Cosine of the angle between normals at which the weight is 0.
+const LEAST_COSINE: f32 = 0.4;
+/// Weight of a sample without planarity: what has no plane nearby keeps its estimate.
+const LEAST_WEIGHT: f32 = 1e-9;
+/// Weight of the estimate of the voxel itself.
+const OWN_WEIGHT: f32 = 1e-4;
+
+/// Edge of the cube of cells in which a [`Neighbourhood`] is collected.
+const COLLECTED: i32 = 8;
+/// Most cells of a neighbourhood.
+const MOST: usize = (COLLECTED * COLLECTED * COLLECTED) as usize;
+const LANES: usize = 16;
+
+/// The merged samples of a brick. Cell (x, y, z) has number `x + 4 y + 16 z`.
+#[derive(Clone, Debug)]
+pub struct Cells {
+    /// The cells that have samples: a bit each.
+    pub used: u64,
+    /// In voxels from the lower corner of the brick.
+    positions: [[f32; BRICK_CELLS]; 3],
+    weights: [f32; BRICK_CELLS],
+    /// Of unit length, or 0.
+    normals: [[f32; BRICK_CELLS]; 3],
+}
+
+impl Default for Cells {
+    fn default() -> Cells {
+        Cells {
+            used: 0,
+            positions: [[0.0; BRICK_CELLS]; 3],
+            weights: [0.0; BRICK_CELLS],
+            normals: [[0.0; BRICK_CELLS]; 3],
+        }
+    }
+}
+
+/// New normals of the cells of a brick.
+pub type CellNormals = [[f32; BRICK_CELLS]; 3];
+
+impl Cells {
+    /// Merges the samples of a brick.
+    #[inline(always)]
+    pub fn merge(&mut self, samples: &Samples) {
+        let mut sums = [[0.0f32; 7]; BRICK_CELLS];
+        self.used = 0;
+        for (i, voxel) in voxels(&samples.mask).enumerate() {
+            let cell = voxel.dot(IVec3::new(1, 4, 16)) as usize;
+            self.used |= 1 << cell;
+            let squared = samples.planarity[i] * samples.planarity[i];
+            let to_8 = squared * squared * squared * squared;
+            let weight = to_8 * to_8 * to_8 + LEAST_WEIGHT;
+            let (at, normal) = (samples.position(i), samples.normal(i));
+            let values = [at.x, at.y, at.z, normal.x, normal.y, normal.z, 1.0];
+            for (sum, value) in sums[cell].iter_mut().zip(values) {
+                *sum += weight * value;
+            }
+        }
+        for cell in bits(self.used) {
+            let [x, y, z, normal_x, normal_y, normal_z, weight] = sums[cell];
+            let at = Vec3::new(x, y, z) / weight;
+            let normal = Vec3::new(normal_x, normal_y, normal_z) / weight;
+            set(&mut self.positions, cell, at);
+            set(&mut self.normals, cell, normal.normalize_or_zero());
+            self.weights[cell] = weight;
+        }
+    }
+}
+
+/// The cells of the voxels of a mask, in order.
+#[inline(always)]
+fn voxels(mask: &SurfaceMask) -> impl Iterator<Item = IVec3> {
+    (0..).zip(mask.layers).flat_map(|(z, layer)| {
+        bits(layer).map(move |bit| IVec3::new((bit & 7) as i32, (bit >> 3) as i32, z) >> 1)
+    })
+}
+
+#[inline(always)]
+fn bits(mut word: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let bit = word.trailing_zeros() as usize;
+        (word != 0).then(|| {
+            word &= word - 1;
+            bit & 63
+        })
+    })
+}
+
+#[inline(always)]
+fn set(vectors: &mut [[f32; BRICK_CELLS]; 3], cell: usize, v: Vec3) {
+    for (axis, value) in v.to_array().into_iter().enumerate() {
+        vectors[axis][cell] = value;
+    }
+}
+
+#[inline(always)]
+fn get(vectors: &[[f32; BRICK_CELLS]; 3], cell: usize) -> Vec3 {
+    Vec3::new(vectors[0][cell], vectors[1][cell], vectors[2][cell])
+}
+
+/// The cells around some place of a brick, as lists for vectors.
+pub struct Neighbourhood {
+    positions: [[f32; MOST]; 3],
+    normals: [[f32; MOST]; 3],
+    weights: [f32; MOST],
+    count: usize,
+}
+
+/// Where weighted means are wanted: a box in voxels from the lower corner of a brick, and the distance at which
+/// weights become 0.
+struct Places {
+    low: Vec3,
+    high: Vec3,
+    reach_vx: f32,
+}
+
+impl Places {
+    /// The places on the surface of all voxels of a cube: at most one outside of their middles.
+    fn of_cube(corner_vx: IVec3, edge_vx: f32, reach_vx: f32) -> Places {
+        let low = corner_vx.as_vec3() - 0.5;
+        Places { low, high: low + (edge_vx + 1.0), reach_vx }
+    }
+}
+
+impl Default for Neighbourhood {
+    fn default() -> Neighbourhood {
+        let vectors = [[0.0; MOST]; 3];
+        Neighbourhood { positions: vectors, normals: vectors, weights: [0.0; MOST], count: 0 }
+    }
+}
+
+impl Neighbourhood {
+    /// Collects the cells of the cube of 8^3 cells from `low` on, in cells from the lower corner of a brick, that
+    /// have weight for any place in `places`. `around` gives the cells of a brick by its offset from that one,
+    /// with the normals to use.
+    #[inline(always)]
+    fn collect<'a>(
+        &mut self,
+        low: IVec3,
+        places: &Places,
+        around: &impl Fn(IVec3) -> Option<(&'a Cells, &'a CellNormals)>,
+    ) {
+        self.count = 0;
+        for z in -1..=1 {
+            let part_z = part(low.z, z);
+            for y in -1..=1 {
+                let part_y = part(low.y, y);
+                for x in -1..=1 {
+                    let parts = mask(part(low.x, x), part_y, part_z);
+                    if parts == 0 {
+                        continue;
+                    }
+                    let offset = IVec3::new(x, y, z);
+                    let Some((cells, normals)) = around(offset) else { continue };
+                    self.append(cells, normals, cells.used & parts, offset, places);
+                }
+            }
+        }
+        // What fills the last vector has no weight.
+        let end = self.count.next_multiple_of(LANES).min(MOST);
+        self.weights[self.count..end].fill(0.0);
+    }
+
+    #[inline(always)]
+    fn append(
+        &mut self,
+        cells: &Cells,
+        normals: &CellNormals,
+        used: u64,
+        offset: IVec3,
+        places: &Places,
+    ) {
+        let corner = offset.as_vec3() * (CELLS as f32 * CELL_EDGE_VX);
+        for cell in bits(used) {
+            let at = get(&cells.positions, cell) + corner;
+            if at.distance_squared(at.clamp(places.low, places.high)) >= places.reach_vx.powi(2) {
+                continue;
+            }
+            let i = self.count;
+            for axis in 0..3 {
+                self.positions[axis][i] = at[axis];
+                self.normals[axis][i] = normals[axis][cell];
+            }
+            self.weights[i] = cells.weights[cell];
+            self.count = i + 1;
+        }
+    }
+
+    /// The weighted sum of normals for a place with an estimate of its normal.
+    #[inline(always)]
+    fn sum<S: Simd>(&self, simd: S, at: Vec3, estimate: Vec3, reach_vx: f32) -> Vec3 {
+        let zero = f32x16::splat(simd, 0.0);
+        let mut sums = [zero; 3];
+        for i in (0..self.count).step_by(LANES) {
+            let load = |values: &[f32; MOST]| f32x16::from_slice(simd, &values[i..i + LANES]);
+            let offset = [
+                load(&self.positions[0]) - at.x,
+                load(&self.positions[1]) - at.y,
+                load(&self.positions[2]) - at.z,
+            ];
+            let normal = self.normals.each_ref().map(load);
+            let height = offset[0] * normal[0] + offset[1] * normal[1] + offset[2] * normal[2];
+            let distance = offset[0] * offset[0] + offset[1] * offset[1] + offset[2] * offset[2];
+            let cosine = normal[0] * estimate.x + normal[1] * estimate.y + normal[2] * estimate.z;
+            let near = (distance * (-1.0 / (reach_vx * reach_vx)) + 1.0).max(0.0);
+            let flat =
+                (height * height * (-1.0 / (PLANE_REACH_VX * PLANE_REACH_VX)) + 1.0).max(0.0);
+            let alike = (cosine - LEAST_COSINE).max(0.0) * (1.0 / (1.0 - LEAST_COSINE));
+            let both = flat * alike;
+            let weight = load(&self.weights) * near * (both * both);
+            for axis in 0..3 {
+                sums[axis] += weight * normal[axis];
+            }
+        }
+        Vec3::from(sums.map(sum_of))
+    }
+}
+
+/// The sum of all lanes, in an order that no vector instructions change.
+#[inline(always)]
+fn sum_of<S: Simd>(values: f32x16<S>) -> f32 {
+    let mut lanes = values.to_array();
+    for half in [8, 4, 2, 1] {
+        for i in 0..half {
+            lanes[i] += lanes[i + half];
+        }
+    }
+    lanes[0]
+}
+
+/// The cells of a brick at `offset` bricks on an axis that lie in the cube from `low` on: four bits.
+#[inline(always)]
+fn part(low: i32, offset: i32) -> u32 {
+    let first = (low - offset * CELLS).clamp(0, CELLS);
+    let end = (low + COLLECTED - offset * CELLS).clamp(0, CELLS);
+    ((1 << end) - 1) & !((1 << first) - 1)
+}
+
+/// The cells of a brick that lie in the given ones along each axis.
+#[inline(always)]
+fn mask(x: u32, y: u32, z: u32) -> u64 {
+    let row = u64::from(x);
+    let layer = (0..4).filter(|i| y >> i & 1 != 0).fold(0, |layer, i| layer | row << (4 * i));
+    (0..4).filter(|i| z >> i & 1 != 0).fold(0, |all, i| all | layer << (16 * i))
+}
+
+/// Filters the normals of the cells of a brick. `around` gives the cells of a brick by its offset from this one.
+#[inline(always)]
+pub fn filter_cells<'a, S: Simd>(
+    simd: S,
+    around: &impl Fn(IVec3) -> Option<&'a Cells>,
+    neighbourhood: &mut Neighbourhood,
+    out: &mut CellNormals,
+) {
+    let Some(cells) = around(IVec3::ZERO) else { return };
+    let estimates = |offset| around(offset).map(|cells| (cells, &cells.normals));
+    let places = Places::of_cube(IVec3::ZERO, 8.0, CELL_REACH_VX);
+    neighbourhood.collect(IVec3::splat(-2), &places, &estimates);
+    for cell in bits(cells.used) {
+        let (at, estimate) = (get(&cells.positions, cell), get(&cells.normals, cell));
+        let sum = neighbourhood.sum(simd, at, estimate, CELL_REACH_VX);
+        set(out, cell, sum.try_normalize().unwrap_or(estimate));
+    }
+}
+
+/// Computes the normals of the surface voxels of a brick: calls `out` with each, in the order of the samples; 0
+/// where there is none. `around` gives cells and filtered normals of a brick by its offset from this one.
+#[inline(always)]
+pub fn filter_voxels<'a, S: Simd>(
+    simd: S,
+    samples: &Samples,
+    around: &impl Fn(IVec3) -> Option<(&'a Cells, &'a CellNormals)>,
+    neighbourhood: &mut Neighbourhood,
+    mut out: impl FnMut(usize, Vec3),
+) {
+    // By cubes of 4^3 voxels, so that the lists are short.
+    for word in 0..8 {
+        let corner = IVec3::new(word & 1, word >> 1 & 1, word >> 2);
+        let square = 0x0F0F_0F0Fu64 << (4 * corner.x + 32 * corner.y);
+        let layers = 4 * corner.z as usize..4 * corner.z as usize + 4;
+        if samples.mask.layers[layers.clone()].iter().all(|layer| layer & square == 0) {
+            continue;
+        }
+        let places = Places::of_cube(4 * corner, 4.0, VOXEL_REACH_VX);
+        neighbourhood.collect(2 * corner - 3, &places, around);
+        let mut first = samples.mask.layers[..layers.start].iter().map(count).sum::<usize>();
+        for layer in &samples.mask.layers[layers] {
+            for bit in bits(layer & square) {
+                let i = first + count(&(layer & ((1 << bit) - 1)));
+                let (at, estimate) = (samples.position(i), samples.normal(i));
+                let sum = neighbourhood.sum(simd, at, estimate, VOXEL_REACH_VX);
+                out(i, sum + estimate * OWN_WEIGHT);
+            }
+            first += count(layer);
+        }
+    }
+}
+
+#[inline(always)]
+fn count(layer: &u64) -> usize {
+    layer.count_ones() as usize
+}

@@ -1,0 +1,224 @@
+//! The normals of all surface voxels of a sculpture, computed once and looked up by every shader.
+//!
+//! A normal depends on the voxels within two bricks of its own: [`window`] estimates it from the smoothed bits,
+//! [`cells`] refines it by what lies around on the same surface. After an edit only the bricks around it are
+//! computed again, on all cores; after opening a sculpture all are, in portions, so that no picture waits. Until
+//! then, and for voxels that are no surface, shaders use [`super::normal`].
+//!
+//! Takes a grid and what changed in it; knows no document. Brick-wise results do not depend on the order in which
+//! bricks are computed, nor on threads or vector instructions.
+
+mod batch;
+mod cells;
+mod packed;
+mod pages;
+mod window;
+
+use fearless_simd::Level;
+use glam::{UVec3, Vec3};
+
+use batch::Batch;
+pub use packed::{PackedNormal, unpack_many};
+pub use pages::{NO_PAGE, Pages, Unit};
+
+use crate::sculpture::Grid;
+use crate::sculpture::brick::{BRICK_EDGE_VX, Brick};
+use crate::sculpture::brick_set::BrickSet;
+
+/// Bricks by which a changed brick affects others, on every axis.
+const REACH_BRICKS: u32 = 2;
+/// Most bricks that are computed at once after an edit, whatever else waits.
+const MOST_AT_ONCE: usize = 4096;
+/// Edge of the blocks of bricks in which a whole sculpture is computed.
+const BLOCK_EDGE_BRICKS_LOG2: u32 = 4;
+
+/// The normals of one grid.
+#[derive(Debug, Default)]
+pub struct NormalField {
+    /// The page of each brick.
+    table: Vec<u32>,
+    pages: Pages,
+    /// A hash of the bits of each brick that the normals follow: an edit of colours alone changes no normal.
+    hashes: Vec<u64>,
+    /// Bricks to compute; those from `fresh` on are of the last edits and come first.
+    queue: Vec<u32>,
+    fresh: usize,
+    queued: BrickSet,
+    batch: Batch,
+    generation: u64,
+}
+
+impl NormalField {
+    /// The field of `grid`, complete.
+    pub fn of(grid: &Grid) -> NormalField {
+        let mut field = NormalField::default();
+        field.follow(grid, None);
+        field.update(grid, &mut Vec::new(), || true);
+        field
+    }
+
+    /// Notes that bricks (linear indices) may have changed since the last call; `None`: all, of a grid perhaps of
+    /// another size.
+    pub fn follow(&mut self, grid: &Grid, changed: Option<&[u32]>) {
+        let Some(changed) = changed.filter(|_| self.table.len() == grid.brick_count()) else {
+            return self.follow_all(grid);
+        };
+        for &index in changed {
+            let hash = hash(grid.brick_at(index as usize));
+            if std::mem::replace(&mut self.hashes[index as usize], hash) != hash {
+                self.queue_around(grid, index);
+            }
+        }
+    }
+
+    fn follow_all(&mut self, grid: &Grid) {
+        let count = grid.brick_count();
+        self.generation += 1;
+        self.pages.clear();
+        self.table.clear();
+        self.table.resize(count, NO_PAGE);
+        self.hashes.clear();
+        self.hashes.resize(count, hash(&Brick::EMPTY));
+        self.queued = BrickSet::new(count);
+        self.queue.clear();
+        for (b, brick) in grid.nonempty_bricks() {
+            let index = grid.brick_index(b);
+            self.hashes[index] = hash(brick);
+            self.queue.push(index as u32);
+        }
+        self.queue.sort_by_cached_key(|index| block(grid, *index));
+        self.queue.iter().for_each(|index| self.queued.insert(*index));
+        self.fresh = self.queue.len();
+    }
+
+    fn queue_around(&mut self, grid: &Grid, index: u32) {
+        let b = grid.brick_coords(index as usize);
+        let low = b.saturating_sub(UVec3::splat(REACH_BRICKS));
+        let high = (b + REACH_BRICKS).min(grid.brick_dims() - 1);
+        for z in low.z..=high.z {
+            for y in low.y..=high.y {
+                let first = grid.brick_index(UVec3::new(low.x, y, z)) as u32;
+                for index in first..=first + (high.x - low.x) {
+                    if !self.queued.contains(index) {
+                        self.queued.insert(index);
+                        self.queue.push(index);
+                    }
+                }
+            }
+        }
+    }
+
+    /// A number that changes when [`NormalField::follow`] begins anew, with no page.
+    pub fn generation(&self) -> u64 {
+        self.generation
+    }
+
+    /// Whether every normal is that of the grid as it was at the last [`NormalField::follow`].
+    pub fn is_complete(&self) -> bool {
+        self.queue.is_empty()
+    }
+
+    /// Computes what is outstanding: first what edits have changed, then the rest for as long as `go_on` returns
+    /// true. An edit of very many bricks is part of the rest; it leaves them without normals meanwhile. Appends the bricks whose normals differ from before, rising, each once. `grid` must be that
+    /// of the last [`NormalField::follow`].
+    pub fn update(&mut self, grid: &Grid, changed: &mut Vec<u32>, mut go_on: impl FnMut() -> bool) {
+        if self.queue.is_empty() {
+            return;
+        }
+        let (first, level) = (changed.len(), Level::new());
+        let mut fresh = self.queue.split_off(self.fresh);
+        if fresh.len() <= MOST_AT_ONCE {
+            fresh.sort_unstable();
+            self.compute(level, grid, &fresh, changed);
+        } else {
+            self.forget(&fresh, changed);
+            fresh.sort_by_cached_key(|index| block(grid, *index));
+            self.queue.append(&mut fresh);
+        }
+        while !self.queue.is_empty() && go_on() {
+            let last = self.queue.last().map(|index| block(grid, *index));
+            let from = self.queue.iter().rposition(|index| Some(block(grid, *index)) != last);
+            let portion = self.queue.split_off(from.map_or(0, |i| i + 1));
+            self.compute(level, grid, &portion, changed);
+        }
+        self.fresh = self.queue.len();
+        self.queued.clear();
+        self.queue.iter().for_each(|index| self.queued.insert(*index));
+        let mut own = changed.split_off(first);
+        own.sort_unstable();
+        own.dedup();
+        changed.append(&mut own);
+    }
+
+    /// Removes the normals of `bricks`.
+    fn forget(&mut self, bricks: &[u32], changed: &mut Vec<u32>) {
+        for &index in bricks {
+            let page = std::mem::replace(&mut self.table[index as usize], NO_PAGE);
+            if page != NO_PAGE {
+                self.pages.free(page);
+                changed.push(index);
+            }
+        }
+    }
+
+    /// Computes `targets`, in parts if they are far from each other.
+    fn compute(&mut self, level: Level, grid: &Grid, targets: &[u32], changed: &mut Vec<u32>) {
+        let NormalField { table, pages, batch, .. } = self;
+        batch.for_each_part(grid, targets, &mut |batch, part| {
+            batch.compute(level, grid, part);
+            for (index, mask, normals) in batch.results() {
+                let (page, differs) = pages.store(table[index as usize], mask, normals);
+                table[index as usize] = page;
+                if differs {
+                    changed.push(index);
+                }
+            }
+        });
+    }
+
+    /// The normal of a voxel; none if it is no surface voxel, lies in the middle of a symmetric neighbourhood, or
+    /// was not computed yet.
+    #[inline(always)]
+    pub fn packed(&self, brick: usize, local: UVec3) -> PackedNormal {
+        match self.table.get(brick) {
+            None | Some(&NO_PAGE) => PackedNormal::NONE,
+            Some(&page) => self.pages.normal(page, local.z as usize, local.x | local.y << 3),
+        }
+    }
+
+    /// The unit normal of a voxel in grid coordinates, where there is one.
+    pub fn normal(&self, grid: &Grid, voxel: UVec3) -> Option<Vec3> {
+        let brick = grid.brick_index(voxel / BRICK_EDGE_VX);
+        self.packed(brick, voxel % BRICK_EDGE_VX).unpack()
+    }
+
+    /// The page of each brick, by linear index; [`NO_PAGE`] for none.
+    pub fn table(&self) -> &[u32] {
+        &self.table
+    }
+
+    /// The pages and blocks of normals, and which of them were written.
+    pub fn pages(&self) -> &Pages {
+        &self.pages
+    }
+
+    /// [`Pages::take_written`]; of this generation.
+    pub fn take_written(&mut self, target: &mut Vec<u32>) {
+        self.pages.take_written(target);
+    }
+}
+
+/// A number for the block of bricks around the brick of a linear index.
+fn block(grid: &Grid, index: u32) -> u64 {
+    let UVec3 { x, y, z } = grid.brick_coords(index as usize) >> BLOCK_EDGE_BRICKS_LOG2;
+    u64::from(z) << 40 | u64::from(y) << 20 | u64::from(x)
+}
+
+/// A hash of the bits of a brick.
+fn hash(brick: &Brick) -> u64 {
+    const FACTOR: u64 = 0x9E37_79B9_7F4A_7C15;
+    brick.words.iter().fold(0, |hash: u64, word| (hash.rotate_left(23) ^ word).wrapping_mul(FACTOR))
+}
+
+#[cfg(test)]
+mod tests;

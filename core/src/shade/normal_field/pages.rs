@@ -1,0 +1,209 @@
+//! Storage of packed normals: a page for each brick with surface voxels, and blocks of 64 normals.
+//!
+//! A page has the mask of its surface voxels; a voxel's normal has the number of surface voxels before it. So
+//! memory follows the surface: 128 bytes a brick and 2 to 4 a voxel. Pages and blocks are both 128 bytes, numbers
+//! in one array that a device holds in the same form. What is freed is used again.
+
+use bytemuck::{Pod, Zeroable};
+
+use super::packed::PackedNormal;
+use super::window::SurfaceMask;
+use crate::sculpture::brick::BRICK_VOXELS;
+
+/// Normals in a block.
+const BLOCK_NORMALS: usize = 64;
+/// Most blocks of a page.
+const PAGE_BLOCKS: usize = BRICK_VOXELS as usize / BLOCK_NORMALS;
+
+/// The entry of a brick without a page.
+pub const NO_PAGE: u32 = u32::MAX;
+
+/// A page or a block.
+#[repr(C, align(64))]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Pod, Zeroable)]
+pub struct Unit(pub [u32; 32]);
+
+/// The normals of one brick.
+#[repr(C)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Pod, Zeroable)]
+struct Page {
+    /// The surface voxels: a word per z, bit `x + 8 y`.
+    layers: [u64; 8],
+    /// Surface voxels before each layer.
+    before: [u16; 8],
+    /// The blocks of the normals, in order.
+    blocks: [u32; PAGE_BLOCKS],
+    unused: [u32; 4],
+}
+
+/// Packed normals of 64 voxels.
+type Block = [PackedNormal; BLOCK_NORMALS];
+
+/// Pages and blocks.
+#[derive(Debug, Default)]
+pub struct Pages {
+    units: Vec<Unit>,
+    free: Vec<u32>,
+    /// The units that were written since they were last asked for.
+    written: Vec<u32>,
+}
+
+impl Pages {
+    /// All units, free ones included.
+    pub fn units(&self) -> &[Unit] {
+        &self.units
+    }
+
+    /// Moves the numbers of the units that were written since the last call to `target`: rising, each once.
+    pub fn take_written(&mut self, target: &mut Vec<u32>) {
+        target.clear();
+        target.append(&mut self.written);
+        target.sort_unstable();
+        target.dedup();
+    }
+
+    fn page(&self, page: u32) -> &Page {
+        bytemuck::cast_ref(&self.units[page as usize])
+    }
+
+    fn block(&self, block: u32) -> &Block {
+        bytemuck::cast_ref(&self.units[block as usize])
+    }
+
+    /// The normal of the voxel at `bit` (`x + 8 y`) of layer `z` of a page.
+    #[inline(always)]
+    pub fn normal(&self, page: u32, z: usize, bit: u32) -> PackedNormal {
+        let page = self.page(page);
+        let layer = page.layers[z];
+        if layer >> bit & 1 == 0 {
+            return PackedNormal::NONE;
+        }
+        let before = (layer & ((1 << bit) - 1)).count_ones() as usize;
+        let i = usize::from(page.before[z]) + before;
+        self.block(page.blocks[i / BLOCK_NORMALS])[i % BLOCK_NORMALS]
+    }
+
+    /// Stores the normals of a brick, in the order of `mask`, in place of those of `page`, which may be
+    /// [`NO_PAGE`]. Returns the page, and whether it differs from what there was. Without surface voxels there is
+    /// no page.
+    pub fn store(
+        &mut self,
+        page: u32,
+        mask: &SurfaceMask,
+        normals: &[PackedNormal],
+    ) -> (u32, bool) {
+        if normals.is_empty() {
+            self.free(page);
+            return (NO_PAGE, page != NO_PAGE);
+        }
+        let is_new = page == NO_PAGE;
+        let page = if is_new { self.new_unit() } else { page };
+        let former = if is_new { Page::default() } else { *self.page(page) };
+        let mut content = Page { layers: mask.layers, ..former };
+        let (had, need) = (former.block_count(), normals.len().div_ceil(BLOCK_NORMALS));
+        self.free.extend_from_slice(&former.blocks[need.min(had)..had]);
+        for block in &mut content.blocks[had.min(need)..need] {
+            *block = self.new_unit();
+        }
+        content.blocks[need..].fill(0);
+        let mut before = 0;
+        for (count, layer) in content.before.iter_mut().zip(mask.layers) {
+            *count = before;
+            before += layer.count_ones() as u16;
+        }
+        let mut differs = is_new || content != former;
+        if differs {
+            self.units[page as usize] = bytemuck::cast(content);
+            self.written.push(page);
+        }
+        for (normals, block) in normals.chunks(BLOCK_NORMALS).zip(content.blocks) {
+            let stored: &mut Block = bytemuck::cast_mut(&mut self.units[block as usize]);
+            if &stored[..normals.len()] != normals {
+                stored[..normals.len()].copy_from_slice(normals);
+                self.written.push(block);
+                differs = true;
+            }
+        }
+        (page, differs)
+    }
+
+    /// Frees a page, which may be [`NO_PAGE`].
+    pub fn free(&mut self, page: u32) {
+        if page != NO_PAGE {
+            let content = *self.page(page);
+            self.free.extend_from_slice(&content.blocks[..content.block_count()]);
+            self.free.push(page);
+        }
+    }
+
+    /// Frees everything.
+    pub fn clear(&mut self) {
+        *self = Pages::default();
+    }
+
+    fn new_unit(&mut self) -> u32 {
+        self.free.pop().unwrap_or_else(|| {
+            self.units.push(Unit::default());
+            self.units.len() as u32 - 1
+        })
+    }
+}
+
+impl Page {
+    fn block_count(&self) -> usize {
+        let count = usize::from(self.before[7]) + self.layers[7].count_ones() as usize;
+        count.div_ceil(BLOCK_NORMALS)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenes::Random;
+
+    /// Random pages, replaced and freed, always give back what was stored last, and freed memory is used again. A
+    /// copy that follows by what was written is the same.
+    #[test]
+    fn pages_keep_what_was_stored_last() {
+        let mut random = Random(9);
+        let mut pages = Pages::default();
+        let (mut copy, mut written) = (Vec::<Unit>::new(), Vec::new());
+        let mut stored: Vec<(u32, SurfaceMask, Vec<PackedNormal>)> =
+            vec![(NO_PAGE, SurfaceMask::default(), Vec::new()); 20];
+        for round in 0..2000 {
+            let brick = random.next_u64() as usize % stored.len();
+            let density = random.next_u64() % 5;
+            let layers = std::array::from_fn(|_| match density {
+                0 => 0,
+                1 => u64::MAX,
+                2 => random.next_u64() & random.next_u64() & random.next_u64(),
+                _ => random.next_u64(),
+            });
+            let mask = SurfaceMask { layers };
+            let normals: Vec<_> =
+                (0..mask.count()).map(|_| PackedNormal(random.next_u64() as u16)).collect();
+            let (page, former_mask, former) = &mut stored[brick];
+            let differs = (&*former_mask, &*former) != (&mask, &normals);
+            let (new_page, found) = pages.store(*page, &mask, &normals);
+            assert_eq!(found, differs, "round {round}");
+            assert_eq!(pages.store(new_page, &mask, &normals), (new_page, false));
+            (*page, *former_mask, *former) = (new_page, mask, normals);
+            pages.take_written(&mut written);
+            copy.resize(pages.units().len(), Unit::default());
+            written.iter().for_each(|&i| copy[i as usize] = pages.units()[i as usize]);
+            assert!(copy == pages.units(), "round {round}");
+        }
+        for (page, mask, normals) in &stored {
+            let mut expected = normals.iter();
+            for (z, layer) in mask.layers.iter().enumerate().filter(|_| *page != NO_PAGE) {
+                for bit in 0..64 {
+                    let exists = layer >> bit & 1 != 0;
+                    let normal =
+                        if exists { *expected.next().unwrap() } else { PackedNormal::NONE };
+                    assert_eq!(pages.normal(*page, z, bit), normal);
+                }
+            }
+        }
+        assert!(pages.units().len() <= 20 * 9);
+    }
+}

@@ -1,0 +1,432 @@
+//! The field against its definition, against analytic surfaces, and after edits against a new one.
+
+use glam::{IVec3, Mat3, Quat, UVec3, Vec3};
+use proptest::prelude::*;
+
+use super::*;
+use crate::scenes::{self, Random};
+
+/// A grid of the voxels whose middles are in a solid.
+fn grid_of(edge_vx: u32, inside: impl Fn(Vec3) -> bool + Sync) -> Grid {
+    let mut grid = Grid::new(UVec3::splat(edge_vx), Vec3::ONE, 1 << 30).unwrap();
+    grid.fill_bricks(|b| {
+        let mut brick = Brick::EMPTY;
+        for i in 0..512 {
+            let [x, y, z] = crate::sculpture::brick::local_coords(i);
+            brick.set(x, y, z, inside((b * 8 + UVec3::new(x, y, z)).as_vec3() + 0.5));
+        }
+        brick
+    });
+    grid
+}
+
+/// All surface voxels with their normals.
+fn surface(grid: &Grid, field: &NormalField) -> Vec<(UVec3, Option<Vec3>)> {
+    let mut all = Vec::new();
+    for (b, brick) in grid.nonempty_bricks() {
+        brick.for_each(|i| {
+            let v = b * 8 + UVec3::from(crate::sculpture::brick::local_coords(i));
+            let at = v.as_ivec3();
+            let axes = [IVec3::X, IVec3::Y, IVec3::Z];
+            if axes.iter().any(|&axis| !grid.get(at - axis) || !grid.get(at + axis)) {
+                all.push((v, field.normal(grid, v)));
+            }
+        });
+    }
+    all
+}
+
+/// Mean and 99th percentile.
+fn spread(mut errors: Vec<f32>) -> (f32, f32) {
+    errors.sort_by(f32::total_cmp);
+    let mean = errors.iter().sum::<f32>() / errors.len() as f32;
+    (mean, errors[errors.len() * 99 / 100])
+}
+
+fn direction(random: &mut Random) -> Vec3 {
+    loop {
+        let v = Vec3::new(random.unit(), random.unit(), random.unit()) * 2.0 - 1.0;
+        if (0.01..1.0).contains(&v.length_squared()) {
+            return v.normalize();
+        }
+    }
+}
+
+#[test]
+fn balls_and_planes_have_normals_within_a_degree() {
+    let mut random = Random(1);
+    for radius in [16.0f32, 40.0] {
+        let mut errors = Vec::new();
+        for _ in 0..3 {
+            let edge = 2 * radius as u32 + 8;
+            let centre = Vec3::splat(edge as f32 / 2.0)
+                + Vec3::new(random.unit(), random.unit(), random.unit());
+            let grid = grid_of(edge, |p| p.distance(centre) <= radius);
+            for (v, normal) in surface(&grid, &NormalField::of(&grid)) {
+                let out = v.as_vec3() + 0.5 - centre;
+                errors.push(normal.unwrap().angle_between(out).to_degrees());
+            }
+        }
+        let (mean, most) = spread(errors);
+        assert!(mean <= 1.0 && most <= 3.0, "radius {radius}: {mean} {most}");
+    }
+    let mut errors = Vec::new();
+    for _ in 0..12 {
+        let out = direction(&mut random);
+        let at = Vec3::splat(32.0) + random.unit();
+        let grid = grid_of(64, |p| (p - at).dot(out) <= 0.0);
+        for (v, normal) in surface(&grid, &NormalField::of(&grid)) {
+            if v.cmpge(UVec3::splat(18)).all() && v.cmplt(UVec3::splat(46)).all() {
+                errors.push(normal.unwrap().angle_between(out).to_degrees());
+            }
+        }
+    }
+    let (mean, most) = spread(errors);
+    assert!(mean <= 1.0 && most <= 3.0, "planes: {mean} {most}");
+}
+
+#[test]
+fn the_faces_of_cubes_are_flat_up_to_two_voxels_from_their_edges() {
+    let mut random = Random(2);
+    let (mut far, mut near) = (Vec::new(), Vec::new());
+    for turn in 0..4 {
+        let axes = match turn {
+            0 => Mat3::IDENTITY,
+            _ => Mat3::from_quat(Quat::from_rotation_arc(
+                direction(&mut random),
+                direction(&mut random),
+            )),
+        };
+        let (centre, half) = (Vec3::splat(32.0) + random.unit(), 15.3);
+        let grid = grid_of(64, |p| (axes.transpose() * (p - centre)).abs().max_element() <= half);
+        for (v, normal) in surface(&grid, &NormalField::of(&grid)) {
+            let local = axes.transpose() * (v.as_vec3() + 0.5 - centre);
+            let face = local.abs().max_position();
+            let mut out = Vec3::ZERO;
+            out[face] = local[face].signum();
+            let error = normal.unwrap().angle_between(axes * out).to_degrees();
+            let mut others = local.abs();
+            others[face] = 0.0;
+            match half - others.max_element() {
+                3.0.. => far.push(error),
+                2.0.. => near.push(error),
+                _ => {}
+            }
+        }
+    }
+    let ((mean, most), (near_mean, _)) = (spread(far), spread(near));
+    assert!(mean <= 1.0 && most <= 3.0, "faces: {mean} {most}");
+    assert!(near_mean <= 3.0, "beside edges: {near_mean}");
+}
+
+#[test]
+fn both_sides_of_thin_walls_and_wires_face_outwards() {
+    let mut random = Random(3);
+    for turn in 0..8 {
+        let out = if turn < 3 { Vec3::AXES[turn] } else { direction(&mut random) };
+        let centre = Vec3::splat(24.0) + Vec3::new(random.unit(), random.unit(), random.unit());
+        for wire in [false, true] {
+            let across = |p: Vec3| match wire {
+                true => (p - centre).reject_from_normalized(out),
+                false => (p - centre).project_onto_normalized(out),
+            };
+            let grid = grid_of(48, |p| across(p).length() <= if wire { 1.6 } else { 1.0 });
+            for (v, normal) in surface(&grid, &NormalField::of(&grid)) {
+                let off = across(v.as_vec3() + 0.5);
+                let inner = v.cmpge(UVec3::splat(12)).all() && v.cmplt(UVec3::splat(36)).all();
+                if inner && off.length() > 0.5 {
+                    let normal = normal.unwrap();
+                    assert!(normal.dot(off) > 0.0, "{v} of {out}: {normal} {off}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_face_along_the_axes_has_its_exact_normal_and_borders_of_the_grid_are_faces() {
+    let grid = scenes::solid_cube(32).unwrap();
+    let field = NormalField::of(&grid);
+    for axis in 0..3 {
+        for (at, sign) in [(0, -1.0), (31, 1.0)] {
+            let mut v = UVec3::new(15, 16, 17);
+            v[axis] = at;
+            assert_eq!(field.normal(&grid, v), Some(Vec3::AXES[axis] * sign));
+        }
+    }
+    assert_eq!(field.normal(&grid, UVec3::splat(16)), None);
+    let mut one = Grid::new(UVec3::splat(9), Vec3::ONE, 1 << 20).unwrap();
+    one.set(IVec3::splat(4), true);
+    assert_eq!(NormalField::of(&one).normal(&one, UVec3::splat(4)), None, "no side is outside");
+}
+
+/// Every value of the definition, voxel by voxel and in f64.
+mod naive {
+    use super::*;
+    use glam::{DVec3, I64Vec3};
+
+    const WEIGHTS: [f64; 9] = [1.0, 5.0, 24.0, 58.0, 78.0, 58.0, 24.0, 5.0, 1.0];
+
+    pub struct Sample {
+        pub voxel: I64Vec3,
+        pub at: DVec3,
+        pub normal: DVec3,
+        pub planarity: f64,
+    }
+
+    /// The cumulative normal distribution, by a sum.
+    fn half_space(share: f64) -> (f64, f64) {
+        let deviation = (430.0f64 / 254.0).sqrt();
+        let (mut x, mut sum) = (-5.0, 0.0);
+        let density = |x: f64| (-x * x / 2.0).exp() / std::f64::consts::TAU.sqrt();
+        while sum < share && x < 5.0 {
+            sum += density(x) * 1e-4;
+            x += 1e-4;
+        }
+        ((x * deviation).clamp(0.0, 1.0), density(x) / deviation)
+    }
+
+    pub fn sample(grid: &Grid, voxel: UVec3) -> Sample {
+        let (mut sum, mut slope) = (0.0, DVec3::ZERO);
+        for z in -4i32..=4 {
+            for y in -4i32..=4 {
+                for x in -4i32..=4 {
+                    let offset = IVec3::new(x, y, z);
+                    if grid.get(voxel.as_ivec3() + offset) {
+                        let weights = (offset + 4).to_array().map(|i| WEIGHTS[i as usize]);
+                        let weight: f64 = weights.iter().product();
+                        sum += weight;
+                        slope += offset.as_dvec3() * weight;
+                    }
+                }
+            }
+        }
+        // As the table of the field has it, in steps.
+        let share = (sum / 254f64.powi(3) * 1024.0).floor() / 1024.0;
+        let (depth, density) = half_space(share);
+        let normal = -slope / slope.length().max(1.0);
+        Sample {
+            voxel: voxel.as_i64vec3(),
+            at: voxel.as_dvec3() + 0.5 + normal * depth,
+            normal,
+            planarity: (slope.length() / (430.0 * 254.0 * 254.0) / density).min(1.0),
+        }
+    }
+
+    struct Cell {
+        cell: I64Vec3,
+        at: DVec3,
+        normal: DVec3,
+        weight: f64,
+    }
+
+    fn cells(samples: &[Sample]) -> Vec<Cell> {
+        let mut by_cell = std::collections::BTreeMap::<[i64; 3], Vec<&Sample>>::new();
+        for sample in samples {
+            by_cell.entry((sample.voxel / 2).to_array()).or_default().push(sample);
+        }
+        let merge = |(cell, samples): ([i64; 3], Vec<&Sample>)| {
+            let weights: Vec<f64> = samples.iter().map(|s| s.planarity.powi(24) + 1e-9).collect();
+            let weight = weights.iter().sum::<f64>();
+            let mean = |of: &dyn Fn(&Sample) -> DVec3| {
+                samples.iter().zip(&weights).map(|(s, w)| of(s) * *w).sum::<DVec3>() / weight
+            };
+            let normal = mean(&|s| s.normal).normalize_or_zero();
+            Cell { cell: cell.into(), at: mean(&|s| s.at), normal, weight }
+        };
+        by_cell.into_iter().map(merge).collect()
+    }
+
+    fn sum<'a>(
+        cells: impl Iterator<Item = (&'a Cell, DVec3)>,
+        at: DVec3,
+        estimate: DVec3,
+        reach: f64,
+    ) -> DVec3 {
+        cells.fold(DVec3::ZERO, |sum, (cell, normal)| {
+            let offset = cell.at - at;
+            let near = (1.0 - offset.length_squared() / (reach * reach)).max(0.0);
+            let flat = (1.0 - (offset.dot(normal) / 2.5).powi(2)).max(0.0);
+            let alike = ((normal.dot(estimate) - 0.4) / 0.6).max(0.0);
+            sum + normal * (cell.weight * near * (flat * alike).powi(2))
+        })
+    }
+
+    /// The normals of all surface voxels, 0 for none.
+    pub fn normals(grid: &Grid, voxels: &[UVec3]) -> Vec<DVec3> {
+        let samples: Vec<_> = voxels.iter().map(|v| sample(grid, *v)).collect();
+        let cells = cells(&samples);
+        // Cells see the cube of 8^3 cells that begins two before their brick.
+        let filtered: Vec<DVec3> = cells
+            .iter()
+            .map(|own| {
+                let low = own.cell / 4 * 4 - 2;
+                let near = cells.iter().filter(|c| {
+                    (c.cell - low).cmpge(I64Vec3::ZERO).all()
+                        && (c.cell - low).cmplt(I64Vec3::splat(8)).all()
+                });
+                let sum = sum(near.map(|c| (c, c.normal)), own.at, own.normal, 4.0);
+                sum.try_normalize().unwrap_or(own.normal)
+            })
+            .collect();
+        samples
+            .iter()
+            .map(|own| {
+                let low = own.voxel / 4 * 2 - 3;
+                let near = cells.iter().zip(&filtered).filter(|(c, _)| {
+                    (c.cell - low).cmpge(I64Vec3::ZERO).all()
+                        && (c.cell - low).cmplt(I64Vec3::splat(8)).all()
+                });
+                let sum = sum(near.map(|(c, n)| (c, *n)), own.at, own.normal, 5.0);
+                (sum + own.normal * 1e-4).normalize_or_zero()
+            })
+            .collect()
+    }
+}
+
+#[test]
+fn the_field_is_its_definition() {
+    let mut random = Random(4);
+    let noise = grid_of(21, |p| (p.x * 7.0 + p.y * 13.0 + p.z * 29.0).sin() > 0.3);
+    let thin = grid_of(24, |p| (p.x - p.y * 0.7).abs() < 1.0 || (p.z - 11.0).abs() < 1.0);
+    for grid in [scenes::cheese(40, 12, 5).unwrap(), noise, thin] {
+        let field = NormalField::of(&grid);
+        let surface = surface(&grid, &field);
+        let voxels: Vec<_> = surface.iter().map(|(v, _)| *v).collect();
+        let expected = naive::normals(&grid, &voxels);
+        let mut errors = Vec::new();
+        for ((v, found), expected) in surface.iter().zip(&expected) {
+            let expected = expected.as_vec3();
+            match found {
+                None => assert!(expected.length() < 0.5, "{v}: none, not {expected}"),
+                Some(found) if expected.length() < 0.5 => {
+                    panic!("{v}: {found}, where there is none")
+                }
+                Some(found) => errors.push(found.angle_between(expected).to_degrees()),
+            }
+        }
+        let (mean, most) = spread(errors.clone());
+        let worst = errors.into_iter().fold(0.0, f32::max);
+        // What packing costs; a step of the table at its very edge may cost a little more.
+        assert!(mean < 0.4 && most < 1.0 && worst < 3.0, "{mean} {most} {worst}");
+        let _ = random.unit();
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    /// Whatever is edited, and however far apart: the field that follows is that of the grid as it is.
+    #[test]
+    fn a_field_that_follows_edits_is_that_of_the_grid(
+        dims in prop::array::uniform3(1u32..90),
+        edits in prop::collection::vec(
+            (prop::array::uniform3(any::<prop::sample::Index>()), 0u32..14, any::<bool>(), any::<bool>()),
+            1..8,
+        ),
+    ) {
+        let dims = UVec3::from(dims);
+        let mut grid = Grid::new(dims, Vec3::ONE, 1 << 30).unwrap();
+        let mut field = NormalField::of(&grid);
+        for (at, radius, exists, at_once) in edits {
+            let centre = IVec3::from_array(std::array::from_fn(|i| at[i].index(dims[i] as usize) as i32));
+            let mut changed = std::collections::BTreeSet::new();
+            let r = radius as i32;
+            for offset in (-r..=r).flat_map(|z| (-r..=r).flat_map(move |y| (-r..=r).map(move |x| IVec3::new(x, y, z)))) {
+                let v = centre + offset;
+                if offset.length_squared() <= r * r && grid.contains(v) {
+                    grid.set(v, exists);
+                    changed.insert(grid.brick_index(v.as_uvec3() / 8) as u32);
+                }
+            }
+            let changed: Vec<u32> = changed.into_iter().collect();
+            field.follow(&grid, Some(&changed));
+            if at_once {
+                let before = pictures(&grid, &field);
+                let mut differs = Vec::new();
+                field.update(&grid, &mut differs, || true);
+                prop_assert!(differs.windows(2).all(|pair| pair[0] < pair[1]));
+                let after = pictures(&grid, &field);
+                for (index, (before, after)) in before.iter().zip(&after).enumerate() {
+                    if before != after {
+                        prop_assert!(differs.contains(&(index as u32)));
+                    }
+                }
+            }
+        }
+        field.update(&grid, &mut Vec::new(), || true);
+        prop_assert!(field.is_complete());
+        prop_assert_eq!(pictures(&grid, &field), pictures(&grid, &NormalField::of(&grid)));
+    }
+}
+
+/// The packed normals of all voxels, by brick.
+fn pictures(grid: &Grid, field: &NormalField) -> Vec<Vec<PackedNormal>> {
+    let local = |i: u32| UVec3::from(crate::sculpture::brick::local_coords(i));
+    (0..grid.brick_count()).map(|b| (0..512).map(|i| field.packed(b, local(i))).collect()).collect()
+}
+
+#[test]
+fn work_in_portions_ends_where_work_at_once_does() {
+    let before = scenes::cheese(300, 60, 7).unwrap();
+    let mut grid = scenes::cheese(300, 60, 7).unwrap();
+    let mut field = NormalField::default();
+    let mut changed = Vec::new();
+    // Opened, and edited all over: the normals there were are gone at once.
+    for edited in [false, true] {
+        let all: Vec<u32> = (0..grid.brick_count() as u32).collect();
+        if edited {
+            let other = scenes::cheese(300, 90, 8).unwrap();
+            grid.fill_bricks(|b| *other.brick(b));
+        }
+        field.follow(&grid, edited.then_some(&all));
+        changed.clear();
+        let mut portions = 0;
+        while !field.is_complete() {
+            let mut once = portions > 0;
+            field.update(&grid, &mut changed, || std::mem::take(&mut once));
+            if edited && portions == 0 {
+                let differ = |index: &usize| before.brick_at(*index) != grid.brick_at(*index);
+                let mut differing = (0..grid.brick_count()).filter(differ);
+                assert!(differing.all(|index| field.table()[index] == NO_PAGE));
+            }
+            portions += 1;
+        }
+        assert!(portions > 4, "{portions}");
+    }
+    let whole = NormalField::of(&grid);
+    assert_eq!(pictures(&grid, &field), pictures(&grid, &whole));
+}
+
+#[test]
+fn normals_do_not_depend_on_the_vector_instructions() {
+    let grid = scenes::cheese(96, 30, 3).unwrap();
+    let of = |level: Level| {
+        let mut field = NormalField::default();
+        field.follow(&grid, None);
+        let queue = std::mem::take(&mut field.queue);
+        let mut sorted = queue.clone();
+        sorted.sort_unstable();
+        field.compute(level, &grid, &sorted, &mut Vec::new());
+        pictures(&grid, &field)
+    };
+    let expected = of(Level::new());
+    for level in crate::surface::raycast::tests::levels() {
+        assert!(of(level) == expected, "{level:?}");
+    }
+}
+
+#[test]
+fn an_edit_of_colours_changes_no_normal_and_another_size_begins_anew() {
+    let grid = scenes::cheese(64, 20, 3).unwrap();
+    let mut field = NormalField::of(&grid);
+    field.follow(&grid, Some(&[1, 5, 9]));
+    assert!(field.is_complete());
+    let other = scenes::solid_cube(40).unwrap();
+    field.follow(&other, Some(&[0]));
+    let mut changed = Vec::new();
+    field.update(&other, &mut changed, || true);
+    assert_eq!(pictures(&other, &field), pictures(&other, &NormalField::of(&other)));
+    field.follow(&Grid::new(UVec3::splat(40), Vec3::ONE, 1 << 20).unwrap(), None);
+    assert!(field.table().iter().all(|page| *page == NO_PAGE));
+}

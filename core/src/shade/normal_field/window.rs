@@ -1,0 +1,336 @@
+//! First estimate of normals: the gradient of smoothed existence at the surface voxels of a brick, how planar the
+//! surface is around each of them, and how deep each lies in it.
+//!
+//! Existence is smoothed with a Gaussian of 1.3 voxels, as whole numbers and separable: nine voxels along each
+//! axis. So a brick depends on the cube of 16^3 voxels around it, which is 4^3 words. In a half space the smoothed
+//! value of a voxel tells its depth below the surface, and the length of the gradient follows from the depth. The
+//! length found, over the one that follows, is the planarity: 1 on planes, little on edges and in noise.
+//!
+//! From the bits around a brick to one sample for each of its surface voxels. Sums are whole numbers below 2^24,
+//! so they do not depend on the vector instructions in use.
+
+use std::sync::LazyLock;
+
+use fearless_simd::{Simd, f32x16, prelude::*};
+use glam::{IVec3, Vec3};
+
+use crate::sculpture::Grid;
+use crate::sculpture::brick::BRICK_EDGE_VX;
+
+/// Reach of the smoothing along each axis.
+pub const WINDOW_REACH_VX: usize = 4;
+
+/// Edge of the cube of voxels that the samples of a brick depend on.
+const CUBE: usize = 16;
+/// Edge of a brick.
+const EDGE: usize = BRICK_EDGE_VX as usize;
+const TAPS: usize = 2 * WINDOW_REACH_VX + 1;
+
+/// The Gaussian, of 1.3 voxels.
+const WEIGHTS: [f32; TAPS] = [1.0, 5.0, 24.0, 58.0, 78.0, 58.0, 24.0, 5.0, 1.0];
+/// Its sum, its second moment, and the standard deviation of these whole numbers.
+const SUM: f64 = 254.0;
+const SECOND_MOMENT: f64 = 430.0;
+/// Number of intervals of the table of half spaces.
+const INTERVALS: usize = 1024;
+
+/// Weights of offsets times the offsets: a derivative.
+const SLOPES: [f32; TAPS] = {
+    let mut slopes = [0.0; TAPS];
+    let mut i = 0;
+    while i < TAPS {
+        slopes[i] = WEIGHTS[i] * (i as f32 - WINDOW_REACH_VX as f32);
+        i += 1;
+    }
+    slopes
+};
+
+/// What a row of sixteen voxels adds to the smoothed values and to the derivatives of the eight in its middle, for
+/// each value of its lower and of its upper half.
+struct RowTable {
+    sums: [[[f32; EDGE]; 256]; 2],
+    slopes: [[[f32; EDGE]; 256]; 2],
+}
+
+static ROWS: LazyLock<Box<RowTable>> = LazyLock::new(|| {
+    let of = |weights: &[f32; TAPS], half: usize, bits: usize, x: usize| {
+        let set = (0..EDGE).filter(|i| bits >> i & 1 != 0).map(|i| i + EDGE * half);
+        set.filter_map(|i| weights.get(i.checked_sub(x)?)).sum()
+    };
+    let table = |weights: &[f32; TAPS]| {
+        std::array::from_fn(|half| {
+            std::array::from_fn(|bits| std::array::from_fn(|x| of(weights, half, bits, x)))
+        })
+    };
+    Box::new(RowTable { sums: table(&WEIGHTS), slopes: table(&SLOPES) })
+});
+
+/// What a half space looks like where its smoothed value is that of the interval: the depth of the voxel in
+/// voxels, and the factor from the length of the gradient to the planarity.
+static HALF_SPACE: LazyLock<[[f32; 2]; INTERVALS + 1]> = LazyLock::new(half_space);
+
+/// Basic operations only, so that all machines have the same numbers: the normal distribution is summed in small
+/// steps.
+fn half_space() -> [[f32; 2]; INTERVALS + 1] {
+    const STEP: f64 = 1.0 / 4096.0;
+    let deviation = (SECOND_MOMENT / SUM).sqrt();
+    // From -5 to 5 standard deviations. exp(-x^2/2) by a product: its factor falls by a factor itself.
+    let mut table = [[0.0; 2]; INTERVALS + 1];
+    let (mut x, mut share, mut next) = (-5.0f64, 0.0f64, 0);
+    while next <= INTERVALS {
+        let density = bell(x) / (std::f64::consts::TAU.sqrt() * deviation);
+        if share * INTERVALS as f64 >= next as f64 || x >= 5.0 {
+            // A surface voxel is at most a diagonal deep, and its middle not outside.
+            let depth = (x * deviation).clamp(0.0, 1.0);
+            let scale = SECOND_MOMENT * SUM * SUM;
+            table[next] = [depth as f32, (1.0 / (density * scale)) as f32];
+            next += 1;
+        } else {
+            share += density * deviation * STEP;
+            x += STEP;
+        }
+    }
+    table
+}
+
+/// `exp(-x^2 / 2)` by its series, halved until it converges fast.
+fn bell(x: f64) -> f64 {
+    let y = x * x / 2.0 / 1024.0;
+    let once = 1.0 - y * (1.0 - y / 2.0 * (1.0 - y / 3.0 * (1.0 - y / 4.0)));
+    (0..10).fold(once, |v, _| v * v)
+}
+
+/// The surface voxels of a brick: existing ones that have an empty neighbour across a face. What lies outside of
+/// the grid is empty.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct SurfaceMask {
+    /// A word per z; bit `x + 8 y`.
+    pub layers: [u64; EDGE],
+}
+
+impl SurfaceMask {
+    /// Number of voxels.
+    pub fn count(&self) -> usize {
+        self.layers.iter().map(|layer| layer.count_ones() as usize).sum()
+    }
+}
+
+/// First estimates of a brick, in the order of the bits of its [`SurfaceMask`].
+#[derive(Debug, Default)]
+pub struct Samples {
+    pub mask: SurfaceMask,
+    /// Places on the surface, in voxels from the lower corner of the brick: middles of voxels, moved outwards by
+    /// their depth.
+    pub positions: [Vec<f32>; 3],
+    /// Out of the solid; of unit length, or 0.
+    pub normals: [Vec<f32>; 3],
+    /// 0 to 1.
+    pub planarity: Vec<f32>,
+}
+
+impl Samples {
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.planarity.len()
+    }
+
+    pub fn normal(&self, i: usize) -> Vec3 {
+        Vec3::new(self.normals[0][i], self.normals[1][i], self.normals[2][i])
+    }
+
+    pub fn position(&self, i: usize) -> Vec3 {
+        Vec3::new(self.positions[0][i], self.positions[1][i], self.positions[2][i])
+    }
+
+    fn clear(&mut self) {
+        self.positions.iter_mut().chain(&mut self.normals).for_each(Vec::clear);
+        self.planarity.clear();
+    }
+}
+
+/// Sums over the cube, smoothed or derived along x, then y: memory for [`sample`].
+#[derive(Debug)]
+pub struct Sums {
+    /// Along x: `[z][y][x]` over the cube's y and z and the brick's x.
+    row: [[[f32; EDGE]; CUBE]; CUBE],
+    row_slope: [[[f32; EDGE]; CUBE]; CUBE],
+    /// Along x and y, over the cube's z.
+    layer: [[[f32; EDGE]; EDGE]; CUBE],
+    layer_slope_x: [[[f32; EDGE]; EDGE]; CUBE],
+    layer_slope_y: [[[f32; EDGE]; EDGE]; CUBE],
+}
+
+impl Default for Sums {
+    fn default() -> Sums {
+        let layers = [[[0.0; EDGE]; EDGE]; CUBE];
+        let rows = [[[0.0; EDGE]; CUBE]; CUBE];
+        Sums {
+            row: rows,
+            row_slope: rows,
+            layer: layers,
+            layer_slope_x: layers,
+            layer_slope_y: layers,
+        }
+    }
+}
+
+/// Replaces `samples` by those of the brick at brick coordinates `brick`.
+#[inline(always)]
+pub fn sample<S: Simd>(simd: S, grid: &Grid, brick: IVec3, sums: &mut Sums, samples: &mut Samples) {
+    samples.clear();
+    let rows = rows_around(grid, brick);
+    samples.mask = surface_mask(&rows);
+    if samples.mask == SurfaceMask::default() {
+        return;
+    }
+    sum_rows(&rows, sums);
+    sum_layers(simd, sums);
+    for (z, layer) in (0..).zip(samples.mask.layers) {
+        for pair in 0..EDGE / 2 {
+            let bits = layer >> (16 * pair) & 0xFFFF;
+            if bits != 0 {
+                sum_columns(simd, sums, [2 * pair, z], bits as u32, samples);
+            }
+        }
+    }
+}
+
+/// The bits of the 16^3 voxels around a brick: a row along x for each y and z.
+#[inline(always)]
+fn rows_around(grid: &Grid, brick: IVec3) -> [[u16; CUBE]; CUBE] {
+    // The middle two of the four words along an axis are the brick's.
+    const FROM: [(i32, usize); 4] = [(-1, 1), (0, 0), (0, 1), (1, 0)];
+    let mut rows = [[0; CUBE]; CUBE];
+    let dims = grid.brick_dims().as_ivec3();
+    for (wz, (dz, half_z)) in FROM.into_iter().enumerate() {
+        for (wy, (dy, half_y)) in FROM.into_iter().enumerate() {
+            let mut words = [0u64; 4];
+            for (word, (dx, half_x)) in words.iter_mut().zip(FROM) {
+                let b = brick + IVec3::new(dx, dy, dz);
+                if b.cmpge(IVec3::ZERO).all() && b.cmplt(dims).all() {
+                    *word = grid.brick(b.as_uvec3()).words[half_x + 2 * half_y + 4 * half_z];
+                }
+            }
+            for z in 0..4 {
+                let mut four = 0u64;
+                for (i, word) in words.iter().enumerate() {
+                    four |= spread_nibbles(word >> (16 * z) & 0xFFFF) << (4 * i);
+                }
+                for y in 0..4 {
+                    rows[4 * wz + z][4 * wy + y] = (four >> (16 * y)) as u16;
+                }
+            }
+        }
+    }
+    rows
+}
+
+/// The four nibbles of 16 bits, each in the lowest bits of 16.
+#[inline(always)]
+fn spread_nibbles(bits: u64) -> u64 {
+    let pairs = (bits | bits << 24) & 0x0000_00FF_0000_00FF;
+    (pairs | pairs << 12) & 0x000F_000F_000F_000F
+}
+
+#[inline(always)]
+fn surface_mask(rows: &[[u16; CUBE]; CUBE]) -> SurfaceMask {
+    let mut mask = SurfaceMask::default();
+    for z in 0..EDGE {
+        for y in 0..EDGE {
+            let (z_in, y_in) = (z + WINDOW_REACH_VX, y + WINDOW_REACH_VX);
+            let row = rows[z_in][y_in];
+            let buried = row << 1
+                & row >> 1
+                & rows[z_in][y_in - 1]
+                & rows[z_in][y_in + 1]
+                & rows[z_in - 1][y_in]
+                & rows[z_in + 1][y_in];
+            let surface = (row & !buried) >> WINDOW_REACH_VX & 0xFF;
+            mask.layers[z] |= u64::from(surface) << (EDGE * y);
+        }
+    }
+    mask
+}
+
+#[inline(always)]
+fn sum_rows(rows: &[[u16; CUBE]; CUBE], sums: &mut Sums) {
+    let table = &**ROWS;
+    for z in 0..CUBE {
+        for y in 0..CUBE {
+            let [lower, upper] = rows[z][y].to_le_bytes().map(usize::from);
+            for x in 0..EDGE {
+                sums.row[z][y][x] = table.sums[0][lower][x] + table.sums[1][upper][x];
+                sums.row_slope[z][y][x] = table.slopes[0][lower][x] + table.slopes[1][upper][x];
+            }
+        }
+    }
+}
+
+/// Sums along y; two rows at a time.
+#[inline(always)]
+fn sum_layers<S: Simd>(simd: S, sums: &mut Sums) {
+    for z in 0..CUBE {
+        let row = sums.row[z].as_flattened();
+        let row_slope = sums.row_slope[z].as_flattened();
+        for y in (0..EDGE).step_by(2) {
+            let zero = f32x16::splat(simd, 0.0);
+            let (mut sum, mut slope_x, mut slope_y) = (zero, zero, zero);
+            for tap in 0..TAPS {
+                let at = EDGE * (y + tap);
+                let values = f32x16::from_slice(simd, &row[at..at + 16]);
+                let slopes = f32x16::from_slice(simd, &row_slope[at..at + 16]);
+                sum += values * WEIGHTS[tap];
+                slope_y += values * SLOPES[tap];
+                slope_x += slopes * WEIGHTS[tap];
+            }
+            let at = EDGE * y..EDGE * y + 16;
+            sum.store_slice(&mut sums.layer[z].as_flattened_mut()[at.clone()]);
+            slope_x.store_slice(&mut sums.layer_slope_x[z].as_flattened_mut()[at.clone()]);
+            slope_y.store_slice(&mut sums.layer_slope_y[z].as_flattened_mut()[at]);
+        }
+    }
+}
+
+/// Sums along z for two rows of voxels from `y` on, and appends the samples of those whose bits are set.
+#[inline(always)]
+fn sum_columns<S: Simd>(
+    simd: S,
+    sums: &Sums,
+    [y, z]: [usize; 2],
+    bits: u32,
+    samples: &mut Samples,
+) {
+    let zero = f32x16::splat(simd, 0.0);
+    let (mut sum, mut slopes) = (zero, [zero; 3]);
+    let at = EDGE * y..EDGE * y + 16;
+    for tap in 0..TAPS {
+        let load = |of: &[[[f32; EDGE]; EDGE]; CUBE]| {
+            f32x16::from_slice(simd, &of[z + tap].as_flattened()[at.clone()])
+        };
+        let values = load(&sums.layer);
+        sum += values * WEIGHTS[tap];
+        slopes[0] += load(&sums.layer_slope_x) * WEIGHTS[tap];
+        slopes[1] += load(&sums.layer_slope_y) * WEIGHTS[tap];
+        slopes[2] += values * SLOPES[tap];
+    }
+    let length = (slopes[0] * slopes[0] + slopes[1] * slopes[1] + slopes[2] * slopes[2]).sqrt();
+    // Whole numbers: a gradient that is not zero is at least 1 long.
+    let outwards = f32x16::splat(simd, -1.0) / length.max(1.0);
+    let interval = (sum * (INTERVALS as f64 / (SUM * SUM * SUM)) as f32).to_array();
+    let length = length.to_array();
+    let normals = slopes.map(|slope| (slope * outwards).to_array());
+    let table = &*HALF_SPACE;
+    let mut rest = bits;
+    while rest != 0 {
+        let lane = rest.trailing_zeros() as usize & 15;
+        rest &= rest - 1;
+        let [depth, factor] = table[(interval[lane] as usize).min(INTERVALS)];
+        let voxel = [lane % EDGE, y + lane / EDGE, z];
+        for axis in 0..3 {
+            let normal = normals[axis][lane];
+            samples.normals[axis].push(normal);
+            samples.positions[axis].push(voxel[axis] as f32 + 0.5 + normal * depth);
+        }
+        samples.planarity.push((length[lane] * factor).min(1.0));
+    }
+}

@@ -1,0 +1,41 @@
+//! A sculpture as shaders see it: voxels, colours, and the normals of its surface.
+
+use glam::{UVec3, Vec3};
+
+use super::normal::gradient;
+use super::normal_field::{NormalField, PackedNormal};
+use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
+use crate::sculpture::{Grid, Material, Rgb};
+
+/// What is shaded.
+#[derive(Clone, Copy, Debug)]
+pub struct ShadeSource<'a> {
+    /// The voxels.
+    pub grid: &'a Grid,
+    /// Their colours.
+    pub material: &'a Material,
+    /// The normals of `grid`. While they are incomplete, estimates stand in for missing ones.
+    pub normals: &'a NormalField,
+}
+
+impl ShadeSource<'_> {
+    /// The packed normal of a voxel, and its colour.
+    #[inline(always)]
+    pub(super) fn surface(&self, voxel: UVec3) -> (PackedNormal, Rgb) {
+        let (brick, local) = (self.grid.brick_index(voxel / BRICK_EDGE_VX), voxel % BRICK_EDGE_VX);
+        let rgb = self.material.rgb(brick, local_index(local.x, local.y, local.z));
+        (self.normals.packed(brick, local), rgb)
+    }
+
+    /// The vector out of the solid at a voxel with this packed normal: a covector of grid coordinates, of any
+    /// length. 0 where no side is outside: such a voxel faces the eye.
+    #[inline(always)]
+    pub(super) fn outwards(&self, voxel: UVec3, normal: PackedNormal) -> Vec3 {
+        normal.unpack().unwrap_or_else(|| self.estimate(voxel))
+    }
+
+    /// The vector out of the solid at a voxel that has no normal.
+    pub(super) fn estimate(&self, voxel: UVec3) -> Vec3 {
+        if self.normals.is_complete() { Vec3::ZERO } else { gradient(self.grid, voxel) }
+    }
+}

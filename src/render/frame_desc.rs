@@ -1,0 +1,44 @@
+//! The frame description: how a sculpture is to be seen, as values. What a renderer takes beside the document.
+
+use glam::Affine3A;
+
+use super::overlay::{Line, ToolPreview};
+use super::{Background, RenderMode, Surface, Video};
+use crate::document::Document;
+use crate::shade::{Lighting, ShadePose};
+use crate::view::Eye;
+
+/// A frame description: how a sculpture is to be seen.
+#[derive(Clone, Copy, Debug)]
+pub struct FrameDesc<'a> {
+    /// One or two of the same size in pixels.
+    pub eyes: &'a [Eye],
+    pub world_from_grid: Affine3A,
+    pub mode: RenderMode,
+    pub lighting: Lighting,
+    pub background: Background,
+    /// Replaces the background.
+    pub video: Option<Video<'a>>,
+    /// The tool previews.
+    pub previews: &'a [ToolPreview],
+    pub lines: &'a [Line],
+}
+
+impl FrameDesc<'_> {
+    pub(super) fn pose(&self, eye: &Eye) -> ShadePose {
+        ShadePose { eye_from_world: eye.eye_from_world, world_from_grid: self.world_from_grid }
+    }
+
+    /// The surface of the document's sculpture in one colour. `estimates`: see [`Surface::estimates`].
+    pub(super) fn surface(&self, document: &Document, estimates: bool, eye: &Eye) -> Surface<'_> {
+        Surface {
+            dims: document.grid().dims(),
+            colours: None,
+            base: document.material().base(),
+            normals: None,
+            estimates,
+            pose: self.pose(eye),
+            lighting: &self.lighting,
+        }
+    }
+}

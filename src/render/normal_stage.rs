@@ -1,0 +1,97 @@
+//! The normals of a renderer's pictures: which are computed before a picture, which bricks are shaded again for
+//! them, and the device's copy.
+//!
+//! Follows the grid of one document. Normals that edits change are computed before the next picture; those of a
+//! sculpture that was opened take as much of each picture's time as its caller allows, and estimates stand in for
+//! the rest.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use super::{Normals, Shading};
+use crate::gpu::{Device, Recorder, Result};
+use crate::sculpture::Grid;
+use crate::shade::NormalField;
+
+/// What has become of the normals since the last picture.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum NormalsChange {
+    None,
+    /// Those of known bricks differ.
+    Some,
+    /// Any may differ.
+    All,
+}
+
+/// See the module text.
+#[derive(Default)]
+pub(super) struct NormalStage {
+    field: NormalField,
+    /// How long a picture may be held up; none: until all is there.
+    pub patience: Option<Duration>,
+    /// Bricks that changed or have other normals than in the last picture, rising.
+    reshaded: Vec<u32>,
+    /// Only while a mode uses it.
+    copy: Option<Normals>,
+    /// What was written to the field since the last picture.
+    written: Vec<u32>,
+}
+
+impl NormalStage {
+    /// Computes normals for a picture of `grid`, of which these bricks have changed since the last one; `None`:
+    /// all may have.
+    pub fn update(&mut self, grid: &Grid, changed: Option<&[u32]>) -> NormalsChange {
+        let was_complete = self.field.is_complete();
+        self.field.follow(grid, changed);
+        let (start, patience) = (Instant::now(), self.patience);
+        self.reshaded.clear();
+        self.field.update(grid, &mut self.reshaded, || {
+            patience.is_none_or(|patience| start.elapsed() < patience)
+        });
+        let differ = !self.reshaded.is_empty();
+        self.reshaded.extend_from_slice(changed.unwrap_or_default());
+        self.reshaded.sort_unstable();
+        self.reshaded.dedup();
+        match differ {
+            // Estimates come or go everywhere.
+            _ if was_complete != self.field.is_complete() => NormalsChange::All,
+            true => NormalsChange::Some,
+            false => NormalsChange::None,
+        }
+    }
+
+    /// Brings the device's copy up to date if `shading` uses it, or else drops it. Recorded in `recorder`, for
+    /// frame `slot`, after [`NormalStage::update`] and once per frame.
+    pub fn upload(
+        &mut self,
+        device: &Arc<Device>,
+        recorder: &mut Recorder,
+        slot: usize,
+        shading: Shading,
+    ) -> Result<()> {
+        let field = &mut self.field;
+        field.take_written(&mut self.written);
+        match (shading, &mut self.copy) {
+            (Shading::Software | Shading::Points, copy) => *copy = None,
+            (Shading::Device | Shading::Within, Some(copy)) => {
+                copy.update(recorder, slot, field, &self.written, &self.reshaded)?;
+            }
+            (Shading::Device | Shading::Within, none) => *none = Some(Normals::new(device, field)?),
+        }
+        Ok(())
+    }
+
+    pub fn field(&self) -> &NormalField {
+        &self.field
+    }
+
+    /// The bricks to shade again.
+    pub fn reshaded(&self) -> &[u32] {
+        &self.reshaded
+    }
+
+    /// The device's copy, after [`NormalStage::upload`] for a mode that uses it.
+    pub fn copy(&self) -> Option<&Normals> {
+        self.copy.as_ref()
+    }
+}
