@@ -95,6 +95,8 @@ pub struct PictureRequest {
     pub zoom: f32,
     /// None: the layout of the settings.
     pub stereo: Option<StereoLayout>,
+    /// Whose mean is the picture; 1 is without antialiasing.
+    pub samples: u32,
 }
 
 impl PictureRequest {
@@ -112,6 +114,7 @@ impl Default for PictureRequest {
             turn_deg: 0.0,
             zoom: 1.0,
             stereo: None,
+            samples: 1,
         }
     }
 }
@@ -300,6 +303,7 @@ fn render_session(
         zoom: request.zoom,
         fov_y_rad: config.render.fov_deg.to_radians(),
         stereo: request.stereo.unwrap_or(config.stereo.layout),
+        samples: request.samples,
     };
     let options = config.picture_options(context.device);
     for name in picture::render_to_file(session.document_mut(), &view, &options, out)? {

@@ -1,5 +1,6 @@
 //! Pictures of a document without a screen: sample, shade, compose with the background, write.
 //!
+//! An antialiased picture is the mean ([`mean`]) of samples, each a picture of its own by the same mode.
 //! Uses the samplers and the software shader of the window. A mode that samples on the GPU needs a
 //! Vulkan device; the ray casters need none.
 
@@ -10,9 +11,10 @@ use image::codecs::jpeg::JpegEncoder;
 use image::{ImageError, Rgb, RgbImage};
 use thiserror::Error;
 
+use self::mean::Mean;
 use crate::document::Document;
 use crate::format::store;
-use crate::gpu::{Device, DeviceOptions, Frames, GpuError, Headless};
+use crate::gpu::{Device, DeviceOptions, Frames, GpuError, Headless, Readback};
 use crate::render::{Background, Fallback, FrameDesc, RenderMode, Renderer, StereoOptions};
 use crate::screen::offscreen;
 use crate::sculpture::Grid;
@@ -20,6 +22,8 @@ use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::shade::{Lighting, NormalField, Pixels, ShadePose, ShadeSource, SoftwareShader};
 use crate::surface::{IndexMap, quickstep, raycast};
 use crate::view::{Camera, Eye, StereoLayout};
+
+mod mean;
 
 /// Colours of the background at the upper and the lower edge, sRGB.
 pub const BACKGROUND: [[u8; 3]; 2] = [[58, 64, 76], [24, 26, 31]];
@@ -68,6 +72,8 @@ pub struct View {
     pub fov_y_rad: f32,
     /// The layout of two eyes, which are those of [`PictureOptions::stereo`].
     pub stereo: StereoLayout,
+    /// The samples whose mean is the picture: 1, without antialiasing, to [`crate::view::MAX_SAMPLES`].
+    pub samples: u32,
 }
 
 impl View {
@@ -127,7 +133,7 @@ pub fn render(
     };
     let pictures = match view.mode.needs_device() {
         true => render_on_device(document, view, &eyes, world_from_grid, options)?,
-        false => render_by_casting(document, view.mode, &eyes, world_from_grid, &options.lighting),
+        false => render_by_casting(document, view, view.mode, &eyes, world_from_grid, options),
     };
     Ok(match (view.stereo, pictures.as_slice()) {
         (StereoLayout::Mono | StereoLayout::Layers, _) => pictures,
@@ -173,38 +179,36 @@ fn encoded(picture: &RgbImage, ending: &str) -> Result<Vec<u8>, ImageError> {
     Ok(file.into_inner())
 }
 
-/// Renders without Vulkan.
+/// Renders without Vulkan, by `mode`.
 fn render_by_casting(
     document: &Document,
+    view: &View,
     mode: RenderMode,
     eyes: &[Eye],
     world_from_grid: Affine3A,
-    lighting: &Lighting,
+    options: &PictureOptions,
 ) -> Vec<RgbImage> {
-    let normals = NormalField::of(document.grid());
-    let cast = |eye| cast_eye(document, &normals, mode, eye, world_from_grid, lighting);
-    eyes.iter().map(cast).collect()
-}
-
-fn cast_eye(
-    document: &Document,
-    normals: &NormalField,
-    mode: RenderMode,
-    eye: &Eye,
-    world_from_grid: Affine3A,
-    lighting: &Lighting,
-) -> RgbImage {
-    let rays = eye.pixel_rays(&world_from_grid);
-    let mut map = IndexMap::new(rays);
-    match mode {
-        RenderMode::Quickstep => quickstep::sample(document.grid(), &rays, &mut map),
-        _ => raycast::sample(document.grid(), &rays, &mut map),
-    }
-    let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
-    let mut pixels = Pixels::new(eye.size);
-    let source = ShadeSource { grid: document.grid(), material: document.material(), normals };
-    SoftwareShader::default().shade(&map, &source, &pose, lighting, &mut pixels);
-    over_background(&pixels)
+    let grid = document.grid();
+    let normals = NormalField::of(grid);
+    let source = ShadeSource { grid, material: document.material(), normals: &normals };
+    let mut shader = SoftwareShader::default();
+    let mut pixels = Pixels::default();
+    let picture_of = |eye: &Eye| {
+        let mut map = IndexMap::new(eye.pixel_rays(&world_from_grid));
+        let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
+        let mut mean = Mean::new(eye.size);
+        for sample in 0..view.samples {
+            let rays = eye.sample(sample).pixel_rays(&world_from_grid);
+            match mode {
+                RenderMode::Quickstep => quickstep::sample(grid, &rays, &mut map),
+                _ => raycast::sample(grid, &rays, &mut map),
+            }
+            shader.shade(&map, &source, &pose, &options.lighting, &mut pixels);
+            mean.add(over_background(&pixels));
+        }
+        mean.picture()
+    };
+    eyes.iter().map(picture_of).collect()
 }
 
 /// Renders on a device made for this picture. A sculpture that is too large for the device in this
@@ -230,38 +234,44 @@ fn render_on_device(
         previews: &[],
         lines: &[],
     };
-    let mut recorder = frames.begin()?;
-    // What needs no device is cast without the limits of this one.
-    let paints = RenderMode::needs_device;
-    let slot = frames.slot();
-    let report = renderer.paint_with_fallback(&mut recorder, slot, document, &desc, paints)?;
-    for Fallback { reason, to } in &report.fallbacks {
-        tracing::warn!("{reason}; rendering by {}", to.label());
+    let mut means: Vec<Mean> = eyes.iter().map(|eye| Mean::new(eye.size)).collect();
+    let mut readbacks: Vec<Readback> =
+        eyes.iter().map(|_| Readback::new(&device, "samples of a picture")).collect();
+    let mut shifted = eyes.to_vec();
+    let mut mode = view.mode;
+    for sample in 0..view.samples {
+        shifted.iter_mut().zip(eyes).for_each(|(shifted, eye)| *shifted = eye.sample(sample));
+        let desc = FrameDesc { eyes: &shifted, mode, ..desc };
+        let mut recorder = frames.begin()?;
+        // What needs no device is cast without the limits of this one.
+        let paints = RenderMode::needs_device;
+        let slot = frames.slot();
+        let report = renderer.paint_with_fallback(&mut recorder, slot, document, &desc, paints)?;
+        for Fallback { reason, to } in &report.fallbacks {
+            tracing::warn!("{reason}; rendering by {}", to.label());
+        }
+        mode = report.mode;
+        if !report.painted {
+            return Ok(render_by_casting(document, view, mode, eyes, world_from_grid, options));
+        }
+        if let Some(pictures) = renderer.pictures() {
+            let image = pictures.colour.image();
+            for (eye, readback) in (0..).zip(&mut readbacks) {
+                readback.record(&mut recorder, slot, image.layer(eye), image.size(), 4)?;
+            }
+        }
+        let serial = frames.submit(recorder, &[], &[])?;
+        for (readback, mean) in readbacks.iter_mut().zip(&mut means) {
+            readback.submitted(slot, serial);
+            let bytes = readback.wait(slot)?;
+            mean.add(bytes.chunks_exact(4).map(|rgba| [rgba[0], rgba[1], rgba[2]]));
+        }
     }
-    if !report.painted {
-        return Ok(render_by_casting(
-            document,
-            report.mode,
-            eyes,
-            world_from_grid,
-            &options.lighting,
-        ));
-    }
-    frames.submit(recorder, &[], &[])?;
-    let pictures = renderer.read_back()?;
     match device.validation_messages() {
         messages if messages.is_empty() => {}
         messages => return Err(PictureError::Validation(messages.join("\n"))),
     }
-    Ok(pictures.iter().map(without_alpha).collect())
-}
-
-fn without_alpha(pixels: &Pixels) -> RgbImage {
-    let UVec2 { x: width, y: height } = pixels.size;
-    RgbImage::from_fn(width, height, |x, y| {
-        let [r, g, b, _] = pixels.rgba[(x + y * width) as usize];
-        Rgb([r, g, b])
-    })
+    Ok(means.iter().map(Mean::picture).collect())
 }
 
 /// The centre of the bounding box, in grid coordinates.
@@ -271,19 +281,20 @@ fn outline_middle(grid: &Grid) -> Vec3 {
 }
 
 /// Composes shaded pixels with the background gradient.
-fn over_background(pixels: &Pixels) -> RgbImage {
+fn over_background(pixels: &Pixels) -> impl Iterator<Item = [u8; 3]> {
     let UVec2 { x: width, y: height } = pixels.size;
-    RgbImage::from_fn(width, height, |x, y| {
-        let [r, g, b, a] = pixels.rgba[(x + y * width) as usize];
+    pixels.rgba.chunks(width.max(1) as usize).zip(0..height).flat_map(move |(row, y)| {
         let share = (y as f32 + 0.5) / height as f32;
-        let behind = |c: usize| {
+        let behind = [0, 1, 2].map(|c| {
             let [top, bottom] = BACKGROUND.map(|colour| f32::from(colour[c]));
             (top + (bottom - top) * share).round() as u8
-        };
-        let mix = |front: u8, c: usize| {
-            let (front, behind, a) = (u32::from(front), u32::from(behind(c)), u32::from(a));
+        });
+        let mix = |front: u8, behind: u8, a: u8| {
+            let (front, behind, a) = (u32::from(front), u32::from(behind), u32::from(a));
             ((front * a + behind * (255 - a) + 127) / 255) as u8
         };
-        Rgb([mix(r, 0), mix(g, 1), mix(b, 2)])
+        row.iter().map(move |&[r, g, b, a]| {
+            [mix(r, behind[0], a), mix(g, behind[1], a), mix(b, behind[2], a)]
+        })
     })
 }

@@ -12,7 +12,7 @@ use crate::headless::PictureRequest;
 use crate::render::RenderMode;
 use crate::sculpture::ColourDepth;
 use crate::sculpture::orientation::Up;
-use crate::view::StereoLayout;
+use crate::view::{MAX_SAMPLES, StereoLayout};
 
 /// How a file becomes a sculpture.
 #[derive(Args, Debug, Clone)]
@@ -87,6 +87,10 @@ pub struct PictureArgs {
     /// Stereo layout (default: stereo.layout in the settings); `layers` writes two pictures
     #[arg(long, value_enum)]
     pub stereo: Option<StereoLayout>,
+    /// Antialiasing: average this many pictures, each shifted by a fraction of a pixel, 1 to 64
+    #[arg(long, default_value_t = 1, value_name = "N",
+          value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SAMPLES)))]
+    pub samples: u32,
 }
 
 impl PictureArgs {
@@ -99,6 +103,7 @@ impl PictureArgs {
             turn_deg: self.turn,
             zoom: self.zoom,
             stereo: self.stereo,
+            samples: self.samples,
         }
     }
 }

@@ -4,11 +4,13 @@ pub mod camera;
 pub mod eye;
 pub mod off_axis;
 pub mod room;
+pub mod samples;
 pub mod stereo;
 pub mod stereo_layout;
 
 pub use camera::Camera;
 pub use eye::{Eye, PixelRays};
 pub use room::{Pose, Room, RoomView, Similarity};
+pub use samples::{MAX_SAMPLES, sample_offset_px};
 pub use stereo::StereoRig;
 pub use stereo_layout::StereoLayout;
