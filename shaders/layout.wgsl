@@ -67,6 +67,11 @@ struct StereoView {
     eye: u32,
 }
 
+struct MeanView {
+    weight: f32,
+    linear: u32,
+}
+
 struct BackdropView {
     scale: vec2<f32>,
     offset: vec2<f32>,

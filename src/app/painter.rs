@@ -19,6 +19,9 @@ use crate::video::VideoOptions;
 /// How long a picture may be held up by the normals of a sculpture that was opened.
 const PATIENCE: Duration = Duration::from_millis(6);
 
+/// The samples of a pixel that a resting picture is refined to.
+const REFINED_SAMPLES: u32 = 16;
+
 /// The pictures of the sculpture in the window.
 pub struct Painter {
     renderer: Renderer,
@@ -31,7 +34,7 @@ impl Painter {
     }
 
     /// Records what the workspace's next picture needs; then it is in [`Painter::pictures`].
-    /// `slot`: [`crate::gpu::Frames::slot`]. False if another picture, of the same, will be more exact.
+    /// `slot`: [`crate::gpu::Frames::slot`]. False if another picture, of the same, will be better.
     pub fn paint(
         &mut self,
         recorder: &mut Recorder,
@@ -63,10 +66,13 @@ impl Painter {
             previews: preview.as_slice(),
             lines: &lines,
         };
+        let refines = workspace.ui.view.refine;
         // The renderer writes to the maps that nobody else holds.
         workspace.viewpoint.forget_pick_map();
         let document = workspace.session_mut().document_mut();
         self.renderer.set_patience((!is_screenshot).then_some(PATIENCE));
+        let refines = refines && !is_screenshot;
+        self.renderer.set_refinement(if refines { REFINED_SAMPLES } else { 1 });
         let report =
             self.renderer.paint_with_fallback(recorder, slot, document, &desc, |_| true)?;
         let complete = report.complete;

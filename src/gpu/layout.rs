@@ -160,6 +160,16 @@ shared! {
 }
 
 shared! {
+    /// Push constants of the passes of the mean of pictures.
+    MeanView {
+        /// The share of the picture in the mean.
+        weight: f32,
+        /// 1 if the device decodes and encodes the pictures.
+        linear: u32,
+    }
+}
+
+shared! {
     /// Push constants of the backdrop pass: a video frame and its lens.
     BackdropView {
         /// Position in the frame (0 to 1) is this times that on the screen, plus `offset`.
@@ -277,6 +287,10 @@ mod tests {
         }
         let (members, bytes) = (StereoView::members(), size_of::<StereoView>());
         compare(stage!("stereo.frag.wgsl"), "StereoView", members, bytes);
+        let (members, bytes) = (MeanView::members(), size_of::<MeanView>());
+        for text in [stage!("mean_add.frag.wgsl"), stage!("mean_resolve.frag.wgsl")] {
+            compare(text, "MeanView", members.clone(), bytes);
+        }
         let (members, bytes) = (BackdropView::members(), size_of::<BackdropView>());
         compare(stage!("backdrop.frag.wgsl"), "BackdropView", members, bytes);
         let (members, bytes) = (MarchView::members(), size_of::<MarchView>());

@@ -64,6 +64,13 @@ impl CompositeEye {
 const INDEX: u32 = 0;
 const PICTURE: u32 = 1;
 
+/// Shaded pictures on the device, and which of their rows are there.
+#[derive(Default)]
+pub(super) struct ShadedPictures {
+    pictures: Option<EyeImage>,
+    uploaded: Vec<Range<u32>>,
+}
+
 /// Draws sculptures to a target.
 pub struct Composite {
     screen: ScreenPass,
@@ -128,6 +135,13 @@ impl Composite {
                     | vk::ImageUsageFlags::TRANSFER_DST,
             )?),
         })
+    }
+
+    /// Exchanges the pictures for others.
+    pub(super) fn swap_pictures(&mut self, other: &mut ShadedPictures) {
+        other.uploaded.resize(self.uploaded.len(), 0..0);
+        std::mem::swap(&mut self.pictures, &mut other.pictures);
+        std::mem::swap(&mut self.uploaded, &mut other.uploaded);
     }
 
     /// Uploads the rows of `visible` of the picture of `eye`; only those of `changed`, if nothing else

@@ -88,6 +88,12 @@ pub(super) struct RedrawPlan {
 }
 
 impl RedrawPlan {
+    /// Whether the pictures stay as they are.
+    pub fn is_nothing(&self) -> bool {
+        let RedrawPlan { sample, shade, compose } = self;
+        sample.is_none() && shade.is_none() && compose.is_none()
+    }
+
     /// The plan from the pictures of `before` to those of `desc`. `changes_known`: it is known which bricks
     /// have changed since.
     pub fn new(

@@ -17,6 +17,8 @@ pub struct RenderOptions {
     pub smooth_normals: Smoothing,
     pub smooth_colours: Smoothing,
     pub occlusion: bool,
+    /// In the window: smooth edges while nothing moves.
+    pub refine: bool,
 }
 
 impl Default for RenderOptions {
@@ -27,6 +29,7 @@ impl Default for RenderOptions {
             smooth_normals: Smoothing::Off,
             smooth_colours: Smoothing::Off,
             occlusion: false,
+            refine: true,
         }
     }
 }

@@ -20,6 +20,7 @@ use super::overlay::{Overlay, Scene};
 use super::pictures::pictures;
 pub use super::pictures::{DEPTH_FORMAT, Pictures};
 use super::pixel_pass::PixelStage;
+use super::refine::Refinement;
 use super::sampler::Sampler;
 use super::times::PictureTimer;
 pub use super::times::{DeviceTimes, RenderTimes};
@@ -36,16 +37,16 @@ use crate::view::PixelRays;
 
 /// Renders one document.
 pub struct Renderer {
-    sampler: Sampler,
-    composite: Composite,
+    pub(super) sampler: Sampler,
+    pub(super) composite: Composite,
     overlay: Overlay,
-    pictures: Option<Pictures>,
-    format: vk::Format,
+    pub(super) pictures: Option<Pictures>,
+    pub(super) format: vk::Format,
     /// One per eye. Shared with picking.
-    maps: Vec<Arc<IndexMap>>,
-    pixels: Vec<Pixels>,
+    pub(super) maps: Vec<Arc<IndexMap>>,
+    pub(super) pixels: Vec<Pixels>,
     software: SoftwareShader,
-    clouds: [PointCloud; MAX_EYES],
+    pub(super) clouds: [PointCloud; MAX_EYES],
     /// The passes of some modes, made when first needed.
     points: Option<Points>,
     surface_shade: Option<SurfaceShade>,
@@ -58,9 +59,10 @@ pub struct Renderer {
     normals: NormalStage,
     /// What the pictures were made of; none while they are incomplete.
     cache: Option<FrameCache>,
-    times: RenderTimes,
-    timer: PictureTimer,
-    device: Arc<Device>,
+    pub(super) refinement: Refinement,
+    pub(super) times: RenderTimes,
+    pub(super) timer: PictureTimer,
+    pub(super) device: Arc<Device>,
 }
 
 impl Renderer {
@@ -84,6 +86,7 @@ impl Renderer {
             changed: Vec::new(),
             normals: NormalStage::default(),
             cache: None,
+            refinement: Refinement::default(),
             times: RenderTimes::default(),
             timer: PictureTimer::new(device)?,
             device: device.clone(),
@@ -138,6 +141,8 @@ impl Renderer {
             let before = before.as_ref().filter(|_| redraw == Redraw::Changed);
             self.compose(recorder, slot, document, desc, before)?;
         }
+        let rests = plan.is_nothing() && self.is_complete();
+        self.refine_if(rests, recorder, slot, document, desc)?;
         self.cache = Some(FrameCache::new(before, document, desc));
         let pictures = pictures(&self.device, &mut self.pictures, self.format, desc.eyes)?;
         for eye in 0..pictures.colour.eyes() {
@@ -148,12 +153,13 @@ impl Renderer {
 
     /// The pictures painted last.
     pub fn pictures(&mut self) -> Option<&mut Pictures> {
-        self.pictures.as_mut()
+        self.refinement.pictures_mut().or(self.pictures.as_mut())
     }
 
     /// The pixels of the pictures painted last, once the recording has been submitted. Waits.
     pub fn read_back(&self) -> Result<Vec<Pixels>> {
-        let Some(pictures) = &self.pictures else { return Ok(Vec::new()) };
+        let pictures = self.refinement.pictures().or(self.pictures.as_ref());
+        let Some(pictures) = pictures else { return Ok(Vec::new()) };
         let (image, size) = (pictures.colour.image(), pictures.colour.size());
         let read = |eye| {
             let part = image.layer(eye);
@@ -185,6 +191,7 @@ impl Renderer {
     /// Discards the cached picture and the device's copy of the document; keeps all passes.
     pub(super) fn forget_pictures(&mut self) -> Result<()> {
         self.cache = None;
+        self.refinement.forget();
         self.sampler.forget_copy();
         self.times = RenderTimes::default();
         self.timer = PictureTimer::new(&self.device)?;
@@ -220,7 +227,12 @@ impl Renderer {
         self.normals.field().is_complete()
     }
 
-    fn sample(&mut self, document: &mut Document, desc: &FrameDesc, redraw: Redraw) -> Result<()> {
+    pub(super) fn sample(
+        &mut self,
+        document: &mut Document,
+        desc: &FrameDesc,
+        redraw: Redraw,
+    ) -> Result<()> {
         let start = Instant::now();
         let mut rays = [None; MAX_EYES];
         for (rays, eye) in rays.iter_mut().zip(desc.eyes) {
@@ -243,7 +255,7 @@ impl Renderer {
         result
     }
 
-    fn shade(
+    pub(super) fn shade(
         &mut self,
         recorder: &mut Recorder,
         slot: usize,
@@ -343,7 +355,7 @@ impl Renderer {
 
     /// Composes the pictures back to front: only what differs from those of `before`, if they are
     /// known.
-    fn compose(
+    pub(super) fn compose(
         &mut self,
         recorder: &mut Recorder,
         slot: usize,

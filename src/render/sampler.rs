@@ -65,6 +65,23 @@ impl Pending {
     }
 }
 
+/// Maps on the device, and what is known of them.
+pub(super) struct DeviceMaps {
+    maps: Option<IndexTarget>,
+    pending: [Pending; MAX_EYES],
+    visible: [PixelRect; MAX_EYES],
+}
+
+impl Default for DeviceMaps {
+    fn default() -> DeviceMaps {
+        DeviceMaps {
+            maps: None,
+            pending: [Pending::Nothing; MAX_EYES],
+            visible: [PixelRect::EMPTY; MAX_EYES],
+        }
+    }
+}
+
 /// The device's copy of a document, and the frames that update and sample it.
 struct DeviceCopy {
     volume: Volume,
@@ -130,6 +147,13 @@ impl Sampler {
     pub fn on_device(&mut self) -> Option<(&mut IndexTarget, &Volume, Option<&Colours>)> {
         let copy = self.copy.as_ref()?;
         Some((self.maps.as_mut()?, &copy.volume, copy.colours.as_ref()))
+    }
+
+    /// Exchanges the maps sampled last for others.
+    pub(super) fn swap_maps(&mut self, other: &mut DeviceMaps) {
+        std::mem::swap(&mut self.maps, &mut other.maps);
+        std::mem::swap(&mut self.pending, &mut other.pending);
+        std::mem::swap(&mut self.visible, &mut other.visible);
     }
 
     /// The visible rect of each eye.

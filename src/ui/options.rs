@@ -174,6 +174,11 @@ fn view(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Ve
     explain(bounds, context, Action::ToggleBounds);
     ui.checkbox(&mut state.view.tool, "Tool");
     ui.checkbox(&mut state.view.line, "Line from centre to tool");
+    if !context.in_headset {
+        ui.checkbox(&mut state.view.refine, "Smooth edges at rest").on_hover_text(
+            "While nothing moves, the picture is refined to 16 samples a pixel, so that its edges are smooth",
+        );
+    }
 }
 
 const AXES: [(&str, Vec3); 6] = [

@@ -62,6 +62,8 @@ pub struct ViewState {
     pub mode_is_automatic: bool,
     pub light: LightOptions,
     pub finish: Finish,
+    /// Smooth edges while nothing moves.
+    pub refine: bool,
     pub stereo: StereoOptions,
     pub video: VideoOptions,
     /// The axis of the grid that is up when the view is reset.
@@ -233,6 +235,7 @@ impl UiState {
                 mode_is_automatic: options.render.mode.is_none(),
                 light: options.light.clone(),
                 finish: options.render.finish(),
+                refine: options.render.refine,
                 stereo: *options.stereo,
                 video: options.video.clone(),
                 up: Vec3::Y,

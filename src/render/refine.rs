@@ -1,0 +1,197 @@
+//! Refining a resting picture: while a renderer's pictures stay the same, each frame adds a sample, a picture
+//! through eyes that are shifted by a fraction of a pixel, and shows the mean of all so far.
+//!
+//! The samples have buffers of their own (index maps, shaded pixels, pictures), so that picking and partial redraws
+//! go on with the unshifted picture as if there had been no samples, and whatever moves is shown at once. When a
+//! picture counts as resting is decided here; that it is the same is known from the redraw plan.
+
+use std::sync::Arc;
+
+use super::composite::ShadedPictures;
+use super::frame_cache::Redraw;
+use super::mean::Mean;
+use super::pictures::Pictures;
+use super::renderer::{FrameDesc, Renderer};
+use super::sampler::DeviceMaps;
+use super::{Background, MAX_EYES};
+use crate::document::Document;
+use crate::gpu::{GpuError, Recorder, Result, Use};
+use crate::shade::Pixels;
+use crate::shade::points::PointCloud;
+use crate::surface::IndexMap;
+
+/// The frames that a picture stays the same before it is refined. While a person works, pictures change more often,
+/// and edges that become smooth now and then would flicker.
+const REST_FRAMES: u32 = 6;
+
+/// What a picture is made in.
+#[derive(Default)]
+pub(super) struct Buffers {
+    pub maps: Vec<Arc<IndexMap>>,
+    pub pixels: Vec<Pixels>,
+    pub clouds: [PointCloud; MAX_EYES],
+    pub pictures: Option<Pictures>,
+    pub device_maps: DeviceMaps,
+    pub shaded: ShadedPictures,
+}
+
+/// The refinement of a renderer's pictures.
+#[derive(Default)]
+pub(super) struct Refinement {
+    /// The samples of a refined picture; 0 and 1: pictures are not refined.
+    samples: u32,
+    /// How many frames in a row had the same pictures.
+    rested: u32,
+    /// The samples in the mean.
+    taken: u32,
+    /// The present pictures can be refined.
+    possible: bool,
+    /// There was no memory for it.
+    given_up: bool,
+    buffers: Buffers,
+    mean: Option<Mean>,
+}
+
+impl Refinement {
+    fn restart(&mut self) {
+        (self.rested, self.taken) = (0, 0);
+    }
+
+    /// Frees what samples are made in.
+    pub fn forget(&mut self) {
+        *self = Refinement { samples: self.samples, ..Refinement::default() };
+    }
+
+    /// The mean of the samples so far, once it is better than the unshifted picture.
+    pub fn pictures(&self) -> Option<&Pictures> {
+        self.buffers.pictures.as_ref().filter(|_| self.taken > 1)
+    }
+
+    /// [`Refinement::pictures`], mutable.
+    pub fn pictures_mut(&mut self) -> Option<&mut Pictures> {
+        self.buffers.pictures.as_mut().filter(|_| self.taken > 1)
+    }
+
+    /// Whether the next frame of the same pictures has nothing to add.
+    pub fn is_complete(&self) -> bool {
+        !self.possible || self.taken >= self.samples
+    }
+}
+
+impl Renderer {
+    /// Refines pictures that rest to the mean of this many samples, one more each frame, until the report of a frame
+    /// says that they are complete. 0 and 1: pictures are not refined.
+    pub fn set_refinement(&mut self, samples: u32) {
+        if samples != self.refinement.samples {
+            self.refinement.samples = samples;
+            self.refinement.restart();
+        }
+    }
+
+    /// Adds a sample to the mean of the pictures of `desc` if it is time for one. `rests`: they are the same as in the
+    /// last frame.
+    pub(super) fn refine_if(
+        &mut self,
+        rests: bool,
+        recorder: &mut Recorder,
+        slot: usize,
+        document: &mut Document,
+        desc: &FrameDesc,
+    ) -> Result<()> {
+        // What is transparent has no light to average.
+        let opaque = desc.video.is_some() || !matches!(desc.background, Background::Keep);
+        let refinement = &mut self.refinement;
+        refinement.possible =
+            refinement.samples > 1 && !refinement.given_up && opaque && !desc.eyes.is_empty();
+        if !(rests && refinement.possible) {
+            refinement.restart();
+            return Ok(());
+        }
+        refinement.rested += 1;
+        if refinement.rested <= REST_FRAMES || refinement.is_complete() {
+            return Ok(());
+        }
+        match self.refine(recorder, slot, document, desc) {
+            Err(reason @ (GpuError::OutOfMemory(_) | GpuError::Limit { .. })) => {
+                // The picture stays as it is.
+                tracing::warn!("pictures are not refined: {reason}");
+                recorder.end_rendering_if_begun();
+                self.refinement.forget();
+                (self.refinement.given_up, self.refinement.possible) = (true, false);
+                Ok(())
+            }
+            result => result,
+        }
+    }
+
+    /// Adds a sample to the mean.
+    fn refine(
+        &mut self,
+        recorder: &mut Recorder,
+        slot: usize,
+        document: &mut Document,
+        desc: &FrameDesc,
+    ) -> Result<()> {
+        let refinement = &mut self.refinement;
+        let mean = match &mut refinement.mean {
+            Some(mean) => mean,
+            none => none.insert(Mean::new(&self.device, self.format)?),
+        };
+        mean.begin(slot);
+        if refinement.taken == 0 {
+            // Sample 0 is the picture itself.
+            if let Some(pictures) = &mut self.pictures {
+                mean.add(recorder, &mut pictures.colour, 1)?;
+                refinement.taken = 1;
+            }
+            return Ok(());
+        }
+        let index = refinement.taken;
+        let mut eyes = [desc.eyes[0]; MAX_EYES];
+        for (shifted, eye) in eyes.iter_mut().zip(desc.eyes) {
+            *shifted = eye.sample(index);
+        }
+        let desc = FrameDesc { eyes: &eyes[..desc.eyes.len().min(MAX_EYES)], ..*desc };
+        self.swap_buffers();
+        let result = self.add_sample(recorder, slot, document, &desc, index);
+        self.swap_buffers();
+        // Without this sample there is no mean to show.
+        self.refinement.taken = if result.is_ok() { index + 1 } else { 0 };
+        result
+    }
+
+    /// Makes a sample in the present buffers, and then the mean.
+    fn add_sample(
+        &mut self,
+        recorder: &mut Recorder,
+        slot: usize,
+        document: &mut Document,
+        desc: &FrameDesc,
+        index: u32,
+    ) -> Result<()> {
+        self.sample(document, desc, Redraw::All)?;
+        self.timer.begin(recorder, slot, desc.mode, &mut self.times.device)?;
+        self.shade(recorder, slot, document, desc, Redraw::All)?;
+        self.compose(recorder, slot, document, desc, None)?;
+        if let (Some(mean), Some(pictures)) = (&mut self.refinement.mean, &mut self.pictures) {
+            mean.add(recorder, &mut pictures.colour, index + 1)?;
+            mean.resolve(recorder, &mut pictures.colour);
+            for eye in 0..pictures.colour.eyes() {
+                pictures.colour.transition(recorder, eye, Use::COPY_SOURCE);
+            }
+        }
+        Ok(())
+    }
+
+    /// Exchanges the buffers of the unshifted picture for those of the samples.
+    fn swap_buffers(&mut self) {
+        let Buffers { maps, pixels, clouds, pictures, device_maps, shaded } =
+            &mut self.refinement.buffers;
+        std::mem::swap(&mut self.maps, maps);
+        std::mem::swap(&mut self.pixels, pixels);
+        std::mem::swap(&mut self.clouds, clouds);
+        std::mem::swap(&mut self.pictures, pictures);
+        self.sampler.swap_maps(device_maps);
+        self.composite.swap_pictures(shaded);
+    }
+}
