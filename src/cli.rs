@@ -16,6 +16,7 @@ use crate::app;
 use crate::bench::{self, BenchJob, Kernel, Only, Suite};
 use crate::config::{Config, Profile};
 use crate::doctor;
+use crate::film;
 use crate::folders;
 use crate::format;
 use crate::format::options::ExportForm;
@@ -31,9 +32,11 @@ use crate::track::{self, TrackArgs};
 
 mod arguments;
 mod error;
+mod film_arguments;
 
 pub use arguments::{ImportArgs, PictureArgs};
 pub use error::ProgramError;
+pub use film_arguments::FilmArgs;
 
 use arguments::{named, parse_marker_mm, parse_size};
 
@@ -80,6 +83,8 @@ pub enum Job {
         #[command(flatten)]
         import: ImportArgs,
     },
+    /// Make a film: a sculpture that turns once around, or the time lapse of a script
+    Film(FilmArgs),
     /// Run a script of commands, without a display
     Run {
         /// Script with one command per line; see `virtual-sculpture commands`
@@ -301,6 +306,7 @@ fn dispatch(cli: Cli) -> Result<(), ProgramError> {
             let (picture, import) = (picture.request(), import.options());
             Ok(headless::render(&file, &out, &picture, &import, &context)?)
         }
+        Some(Job::Film(args)) => Ok(film::run(&args.job(), &context)?),
         Some(Job::Run { script, input, output, render, picture, import }) => {
             let (picture, import) = (picture.request(), import.options());
             let job = RunJob { script, input, output, render, picture, import };

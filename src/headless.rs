@@ -69,11 +69,17 @@ pub struct Context<'a> {
 }
 
 impl Context<'_> {
-    fn new_session(&self) -> Result<Session, SessionError> {
+    /// A session with the new sculpture of the settings.
+    pub fn new_session(&self) -> Result<Session, SessionError> {
         Session::new(&self.config.new_sculpture(), self.config.limits())
     }
 
-    fn open_session(&self, file: &Path, import: &ImportOptions) -> Result<Session, SessionError> {
+    /// A session with the contents of a file.
+    pub fn open_session(
+        &self,
+        file: &Path,
+        import: &ImportOptions,
+    ) -> Result<Session, SessionError> {
         Session::open(file, import, self.config.limits(), self.progress)
     }
 }
@@ -102,6 +108,21 @@ pub struct PictureRequest {
 impl PictureRequest {
     /// From the upper right in front: the view in which most shapes are easiest to read.
     pub const THREE_QUARTER: Vec3 = Vec3::new(0.8, 0.6, 1.0);
+
+    /// The view, with what the request leaves to the settings.
+    pub fn view(&self, config: &Config) -> picture::View {
+        picture::View {
+            size: self.size,
+            mode: self.mode.or(config.render.mode).unwrap_or_default(),
+            direction: self.camera,
+            up: self.up,
+            turn_rad: self.turn_deg.to_radians(),
+            zoom: self.zoom,
+            fov_y_rad: config.render.fov_deg.to_radians(),
+            stereo: self.stereo.unwrap_or(config.stereo.layout),
+            samples: self.samples,
+        }
+    }
 }
 
 impl Default for PictureRequest {
@@ -177,8 +198,7 @@ pub fn marker(id: u32, size_mm: f64, out: &Path) -> Result<(), JobError> {
 
 /// Runs a script; saves and renders the result if requested.
 pub fn run(job: &RunJob, context: &Context) -> Result<(), JobError> {
-    let text = store::read_text(&job.script)
-        .map_err(|error| JobError::ReadScript { path: job.script.clone(), error })?;
+    let text = read_script(&job.script)?;
     let mut session = match &job.input {
         Some(input) => context.open_session(input, &job.import)?,
         None => context.new_session()?,
@@ -253,23 +273,41 @@ pub fn commands() -> Result<(), JobError> {
     Ok(())
 }
 
+/// The text of a script.
+pub fn read_script(path: &Path) -> Result<String, JobError> {
+    store::read_text(path).map_err(|error| JobError::ReadScript { path: path.to_path_buf(), error })
+}
+
+/// The commands of a script, with their lines; `path` is for messages.
+pub fn script_commands(text: &str, path: &Path) -> Result<Vec<(usize, Command)>, JobError> {
+    parse_script(text).map_err(|error| JobError::Script { path: path.to_path_buf(), error })
+}
+
+/// Executes a command of the script at `path`.
+pub fn execute_command(
+    session: &mut Session,
+    (line, command): &(usize, Command),
+    path: &Path,
+) -> Result<(), JobError> {
+    session.execute(command, &()).map(drop).map_err(|error| JobError::Command {
+        path: path.to_path_buf(),
+        line: *line,
+        command: command.to_string(),
+        error: Box::new(error),
+    })
+}
+
 fn execute_script(
     session: &mut Session,
     text: &str,
     path: &Path,
     progress: &dyn Progress,
 ) -> Result<(), JobError> {
-    let commands =
-        parse_script(text).map_err(|error| JobError::Script { path: path.to_path_buf(), error })?;
+    let commands = script_commands(text, path)?;
     let count = commands.len().max(1) as f32;
     progress.begin("running the script");
-    for (i, (line, command)) in commands.iter().enumerate() {
-        session.execute(command, &()).map_err(|error| JobError::Command {
-            path: path.to_path_buf(),
-            line: *line,
-            command: command.to_string(),
-            error: Box::new(error),
-        })?;
+    for (i, command) in commands.iter().enumerate() {
+        execute_command(session, command, path)?;
         progress.advance(i as f32 / count);
     }
     progress.end();
@@ -293,19 +331,8 @@ fn render_session(
     request: &PictureRequest,
     context: &Context,
 ) -> Result<(), JobError> {
-    let config = context.config;
-    let view = picture::View {
-        size: request.size,
-        mode: request.mode.or(config.render.mode).unwrap_or_default(),
-        direction: request.camera,
-        up: request.up,
-        turn_rad: request.turn_deg.to_radians(),
-        zoom: request.zoom,
-        fov_y_rad: config.render.fov_deg.to_radians(),
-        stereo: request.stereo.unwrap_or(config.stereo.layout),
-        samples: request.samples,
-    };
-    let options = config.picture_options(context.device);
+    let view = request.view(context.config);
+    let options = context.config.picture_options(context.device);
     for name in picture::render_to_file(session.document_mut(), &view, &options, out)? {
         let UVec2 { x, y } = view.size;
         terminal::print_done(format_args!("wrote {} ({x}x{y})", name.display()));

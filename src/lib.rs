@@ -13,6 +13,7 @@ pub mod controls;
 pub mod doctor;
 pub mod editor;
 pub mod fiducial;
+pub mod film;
 pub mod folders;
 pub mod gpu;
 pub mod head_tracking;

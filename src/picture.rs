@@ -11,19 +11,23 @@ use image::codecs::jpeg::JpegEncoder;
 use image::{ImageError, Rgb, RgbImage};
 use thiserror::Error;
 
-use self::mean::Mean;
 use crate::document::Document;
 use crate::format::store;
-use crate::gpu::{Device, DeviceOptions, Frames, GpuError, Headless, Readback};
-use crate::render::{Background, Fallback, FrameDesc, RenderMode, Renderer, StereoOptions};
-use crate::screen::offscreen;
+use crate::gpu::{DeviceOptions, GpuError, Readback};
+use crate::render::{Background, Fallback, FrameDesc, RenderMode, StereoOptions};
 use crate::sculpture::Grid;
 use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::shade::{Lighting, NormalField, Pixels, ShadePose, ShadeSource, SoftwareShader};
 use crate::surface::{IndexMap, quickstep, raycast};
 use crate::view::{Camera, Eye, StereoLayout};
 
+mod maker;
 mod mean;
+
+pub use maker::PictureMaker;
+
+use maker::{FollowedNormals, Painter};
+use mean::Mean;
 
 /// Colours of the background at the upper and the lower edge, sRGB.
 pub const BACKGROUND: [[u8; 3]; 2] = [[58, 64, 76], [24, 26, 31]];
@@ -76,24 +80,40 @@ pub struct View {
     pub samples: u32,
 }
 
+/// Where a picture is taken from.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Shot {
+    /// In a stereo picture the one between the two.
+    pub eye: Eye,
+    pub world_from_grid: Affine3A,
+    /// From the eye to the middle of the sculpture, along the line of sight.
+    pub distance: f32,
+}
+
 impl View {
-    /// The eye that frames the sculpture of `document`, and the pose of its grid.
-    fn frame(&self, document: &Document) -> (Eye, Affine3A) {
+    /// The shot that frames the sculpture of `document`.
+    pub fn shot(&self, document: &Document) -> Shot {
         let world_from_grid = Affine3A::from_quat(Quat::from_axis_angle(self.up, self.turn_rad))
             * document.world_from_grid();
         let mut corners = outline(document.grid());
         corners.iter_mut().for_each(|corner| *corner = world_from_grid.transform_point3(*corner));
+        let eye = self.camera(&corners).eye(self.size);
+        let centre = world_from_grid.transform_point3(outline_middle(document.grid()));
+        Shot { eye, world_from_grid, distance: -eye.eye_from_world.transform_point3(centre).z }
+    }
+
+    /// The camera that frames points of the world.
+    pub fn camera(&self, points: &[Vec3]) -> Camera {
         let direction = Quat::from_rotation_arc(Vec3::Y, self.up) * self.direction;
         let aspect = self.size.x as f32 / self.size.y as f32;
         let (up, fov) = (self.up, self.fov_y_rad);
-        let camera = Camera::framing_points(&corners, direction, up, fov, aspect, self.zoom);
-        (camera.eye(self.size), world_from_grid)
+        Camera::framing_points(points, direction, up, fov, aspect, self.zoom)
     }
 }
 
 /// Points around the sculpture, in grid coordinates: the corners of the first and the last brick in
 /// use of every row, clipped to the bounding box. The corners of the grid if it is empty.
-fn outline(grid: &Grid) -> Vec<Vec3> {
+pub fn outline(grid: &Grid) -> Vec<Vec3> {
     let (min, max) = grid.opaque_bounds().unwrap_or((UVec3::ZERO, grid.dims()));
     let corners = |low: UVec3, high: UVec3| {
         (0..8).map(move |i| {
@@ -122,20 +142,12 @@ pub fn render(
     view: &View,
     options: &PictureOptions,
 ) -> Result<Vec<RgbImage>, PictureError> {
-    let (mono, world_from_grid) = view.frame(document);
-    let eyes = match view.stereo {
-        StereoLayout::Mono => vec![mono],
-        _ => {
-            let centre = world_from_grid.transform_point3(outline_middle(document.grid()));
-            let distance = -mono.eye_from_world.transform_point3(centre).z;
-            options.stereo.rig(distance.max(f32::MIN_POSITIVE)).eyes(&mono).to_vec()
-        }
-    };
-    let pictures = match view.mode.needs_device() {
-        true => render_on_device(document, view, &eyes, world_from_grid, options)?,
-        false => render_by_casting(document, view, view.mode, &eyes, world_from_grid, options),
-    };
-    Ok(match (view.stereo, pictures.as_slice()) {
+    PictureMaker::new(options).make(document, view, &view.shot(document))
+}
+
+/// One picture of those of two eyes, unless the layout keeps them apart.
+fn compose_eyes(pictures: Vec<RgbImage>, view: &View) -> Vec<RgbImage> {
+    match (view.stereo, pictures.as_slice()) {
         (StereoLayout::Mono | StereoLayout::Layers, _) => pictures,
         (layout, [left, right]) => {
             let seen = |eye: usize, at: UVec2| [left, right][eye].get_pixel(at.x, at.y).0;
@@ -143,7 +155,7 @@ pub fn render(
             vec![RgbImage::from_fn(view.size.x, view.size.y, pixel)]
         }
         _ => pictures,
-    })
+    }
 }
 
 /// Renders to a file, PNG or JPEG by its extension, or to two with `.left` and `.right` before it;
@@ -168,7 +180,8 @@ pub fn render_to_file(
     Ok(names)
 }
 
-fn encoded(picture: &RgbImage, ending: &str) -> Result<Vec<u8>, ImageError> {
+/// The bytes of a picture file of this extension.
+pub fn encoded(picture: &RgbImage, ending: &str) -> Result<Vec<u8>, ImageError> {
     let mut file = std::io::Cursor::new(Vec::new());
     match ending.to_ascii_lowercase().as_str() {
         "jpg" | "jpeg" => {
@@ -181,16 +194,17 @@ fn encoded(picture: &RgbImage, ending: &str) -> Result<Vec<u8>, ImageError> {
 
 /// Renders without Vulkan, by `mode`.
 fn render_by_casting(
-    document: &Document,
+    document: &mut Document,
+    followed: &mut FollowedNormals,
     view: &View,
     mode: RenderMode,
     eyes: &[Eye],
     world_from_grid: Affine3A,
     options: &PictureOptions,
 ) -> Vec<RgbImage> {
+    let normals = followed.of(document);
     let grid = document.grid();
-    let normals = NormalField::of(grid);
-    let source = ShadeSource { grid, material: document.material(), normals: &normals };
+    let source = ShadeSource { grid, material: document.material(), normals };
     let mut shader = SoftwareShader::default();
     let mut pixels = Pixels::default();
     let picture_of = |eye: &Eye| {
@@ -211,18 +225,18 @@ fn render_by_casting(
     eyes.iter().map(picture_of).collect()
 }
 
-/// Renders on a device made for this picture. A sculpture that is too large for the device in this
+/// Renders on the painter's device. A sculpture that is too large for the device in this
 /// mode is rendered in the fallback mode.
 fn render_on_device(
     document: &mut Document,
+    painter: &mut Painter,
+    followed: &mut FollowedNormals,
     view: &View,
     eyes: &[Eye],
     world_from_grid: Affine3A,
     options: &PictureOptions,
 ) -> Result<Vec<RgbImage>, PictureError> {
-    let device = Device::new(&mut Headless, &options.device)?;
-    let mut renderer = Renderer::new(&device, offscreen::FORMAT)?;
-    let mut frames = Frames::new(&device)?;
+    let Painter { device, renderer, frames, warned } = painter;
     let [top, bottom] = BACKGROUND.map(|rgb| Vec3::from(rgb.map(f32::from)) / 255.0);
     let desc = FrameDesc {
         eyes,
@@ -236,7 +250,7 @@ fn render_on_device(
     };
     let mut means: Vec<Mean> = eyes.iter().map(|eye| Mean::new(eye.size)).collect();
     let mut readbacks: Vec<Readback> =
-        eyes.iter().map(|_| Readback::new(&device, "samples of a picture")).collect();
+        eyes.iter().map(|_| Readback::new(device, "samples of a picture")).collect();
     let mut shifted = eyes.to_vec();
     let mut mode = view.mode;
     for sample in 0..view.samples {
@@ -247,12 +261,21 @@ fn render_on_device(
         let paints = RenderMode::needs_device;
         let slot = frames.slot();
         let report = renderer.paint_with_fallback(&mut recorder, slot, document, &desc, paints)?;
-        for Fallback { reason, to } in &report.fallbacks {
+        for Fallback { reason, to } in report.fallbacks.iter().filter(|_| !*warned) {
             tracing::warn!("{reason}; rendering by {}", to.label());
         }
+        *warned |= !report.fallbacks.is_empty();
         mode = report.mode;
         if !report.painted {
-            return Ok(render_by_casting(document, view, mode, eyes, world_from_grid, options));
+            return Ok(render_by_casting(
+                document,
+                followed,
+                view,
+                mode,
+                eyes,
+                world_from_grid,
+                options,
+            ));
         }
         if let Some(pictures) = renderer.pictures() {
             let image = pictures.colour.image();
@@ -275,7 +298,7 @@ fn render_on_device(
 }
 
 /// The centre of the bounding box, in grid coordinates.
-fn outline_middle(grid: &Grid) -> Vec3 {
+pub fn outline_middle(grid: &Grid) -> Vec3 {
     let (min, max) = grid.opaque_bounds().unwrap_or((UVec3::ZERO, grid.dims()));
     (min.as_vec3() + max.as_vec3()) * 0.5
 }

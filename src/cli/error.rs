@@ -5,6 +5,7 @@ use thiserror::Error;
 use crate::app::AppError;
 use crate::bench::BenchError;
 use crate::config::ConfigError;
+use crate::film::FilmError;
 use crate::head_tracking::SourceError;
 use crate::headless::JobError;
 use crate::picture::PictureError;
@@ -28,9 +29,11 @@ pub enum ProgramError {
     #[error(transparent)]
     Bench(#[from] BenchError),
     #[error(transparent)]
+    Film(#[from] FilmError),
+    #[error(transparent)]
     Output(#[from] OutputError),
     #[error(
-        "there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); `render`, `run`, `convert`, `info`, `demo` and `bench` need none"
+        "there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); `render`, `film`, `run`, `convert`, `info`, `demo` and `bench` need none"
     )]
     NoDisplay,
 }
@@ -39,31 +42,26 @@ impl ProgramError {
     /// The exit code that the header of [`crate::cli`] documents.
     pub fn exit_code(&self) -> u8 {
         match self {
+            ProgramError::Job(error) | ProgramError::Film(FilmError::Job(error)) => job_code(error),
             ProgramError::Config(_)
             | ProgramError::Session(SessionError::Open { .. })
-            | ProgramError::Job(
-                JobError::Session(SessionError::Open { .. })
-                | JobError::Info { .. }
-                | JobError::ReadScript { .. }
-                | JobError::Script { .. }
-                | JobError::Command { .. },
-            )
             | ProgramError::Bench(BenchError::Subject { .. })
             | ProgramError::Track(TrackError::Source(
                 SourceError::ReadScript(..) | SourceError::Script(..),
             )) => 3,
             ProgramError::Track(TrackError::NoSource)
-            | ProgramError::Job(JobError::NoMarker(_)) => 2,
-            ProgramError::Job(JobError::Picture(PictureError::Gpu(_)))
-            | ProgramError::App(AppError::EventLoop(_) | AppError::Window(_) | AppError::Gpu(_))
+            | ProgramError::Film(
+                FilmError::Form(_)
+                | FilmError::Range { .. }
+                | FilmError::Layers
+                | FilmError::NoScript(_)
+                | FilmError::OverInput(_),
+            ) => 2,
+            ProgramError::App(AppError::EventLoop(_) | AppError::Window(_) | AppError::Gpu(_))
             | ProgramError::NoDisplay => 4,
             ProgramError::Session(_)
-            | ProgramError::Job(
-                JobError::Session(_)
-                | JobError::Folder { .. }
-                | JobError::WriteMarker { .. }
-                | JobError::Picture(_)
-                | JobError::Output(_),
+            | ProgramError::Film(
+                FilmError::Folder { .. } | FilmError::Write { .. } | FilmError::Cancelled,
             )
             | ProgramError::Track(_)
             | ProgramError::Bench(_)
@@ -82,5 +80,22 @@ impl ProgramError {
             _ => return false,
         };
         matches!(error, OutputError::ReaderGone)
+    }
+}
+
+fn job_code(error: &JobError) -> u8 {
+    match error {
+        JobError::Session(SessionError::Open { .. })
+        | JobError::Info { .. }
+        | JobError::ReadScript { .. }
+        | JobError::Script { .. }
+        | JobError::Command { .. } => 3,
+        JobError::NoMarker(_) => 2,
+        JobError::Picture(PictureError::Gpu(_)) => 4,
+        JobError::Session(_)
+        | JobError::Folder { .. }
+        | JobError::WriteMarker { .. }
+        | JobError::Picture(_)
+        | JobError::Output(_) => 1,
     }
 }

@@ -2,6 +2,7 @@
 //! messages.
 
 mod files;
+mod film;
 mod samples;
 #[cfg(target_os = "linux")]
 mod streams;

@@ -85,34 +85,68 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
 
 /// [`write_atomically`] with progress. Cannot be cancelled.
 pub(super) fn write_with(path: &Path, bytes: &[u8], progress: &dyn Progress) -> Result<()> {
-    let target = followed(path)?;
-    let old = replaceable(&target)?;
-    let folder = match target.parent() {
-        Some(parent) if parent != Path::new("") => parent.to_path_buf(),
-        _ => PathBuf::from("."),
-    };
-    let mut temporary = unfinished_in(&folder)?;
-    // A lock tells a file that is being written from one that was left behind. Where there are no locks
-    // none is held for abandoned.
-    let _ = temporary.as_file().try_lock();
-    // The file itself, as errors of the named one name the temporary name.
-    let file = temporary.as_file_mut();
+    let mut file = AtomicFile::create(path)?;
     let mut written = 0;
     for portion in bytes.chunks(PORTION_BYTES as usize) {
         file.write_all(portion)?;
         written += portion.len();
         progress.advance(written as f32 / bytes.len() as f32);
     }
-    if let Some(old) = old {
-        file.set_permissions(old.permissions())?;
+    file.finish()
+}
+
+/// A file that is written piece by piece and appears under its name when it is finished, as
+/// [`write_atomically`] says. Dropped before, it leaves nothing behind, and the old file as it was.
+#[derive(Debug)]
+pub struct AtomicFile {
+    temporary: NamedTempFile,
+    folder: PathBuf,
+    target: PathBuf,
+    old: Option<fs::Metadata>,
+}
+
+impl AtomicFile {
+    /// Begins a file that is to be named `path`.
+    pub fn create(path: &Path) -> Result<AtomicFile> {
+        let target = followed(path)?;
+        let old = replaceable(&target)?;
+        let folder = match target.parent() {
+            Some(parent) if parent != Path::new("") => parent.to_path_buf(),
+            _ => PathBuf::from("."),
+        };
+        let temporary = unfinished_in(&folder)?;
+        // A lock tells a file that is being written from one that was left behind. Where there are no locks
+        // none is held for abandoned.
+        let _ = temporary.as_file().try_lock();
+        Ok(AtomicFile { temporary, folder, target, old })
     }
-    file.sync_all()?;
-    rename(temporary, &target)?;
-    // Only now is the new name sure to survive a crash. Other systems cannot sync folders.
-    #[cfg(unix)]
-    File::open(&folder)?.sync_all()?;
-    remove_abandoned(&folder);
-    Ok(())
+
+    /// Gives the file its name.
+    pub fn finish(self) -> Result<()> {
+        let AtomicFile { temporary, folder, target, old } = self;
+        let file = temporary.as_file();
+        if let Some(old) = old {
+            file.set_permissions(old.permissions())?;
+        }
+        file.sync_all()?;
+        rename(temporary, &target)?;
+        // Only now is the new name sure to survive a crash. Other systems cannot sync folders.
+        #[cfg(unix)]
+        File::open(&folder)?.sync_all()?;
+        remove_abandoned(&folder);
+        Ok(())
+    }
+}
+
+/// Writes to the file itself, as errors of the named one name the temporary name.
+impl Write for AtomicFile {
+    fn write(&mut self, bytes: &[u8]) -> Result<usize> {
+        self.temporary.as_file_mut().write(bytes)
+    }
+
+    fn flush(&mut self) -> Result<()> {
+        self.temporary.as_file_mut().flush()
+    }
 }
 
 /// The file that `path` resolves to, which need not exist.

@@ -132,3 +132,25 @@ fn reading_is_bounded_and_refuses_folders() {
     ));
     assert!(matches!(read(folder.path(), 1, |_| Ok(()), &()), Err(FormatError::NotAFile)));
 }
+
+#[test]
+fn a_file_written_in_pieces_appears_when_it_is_finished_or_not_at_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.y4m");
+    fs::write(&path, "old").unwrap();
+    let begun = || {
+        let mut file = AtomicFile::create(&path).unwrap();
+        file.write_all(b"first, ").unwrap();
+        file.write_all(b"second").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(names(folder.path()).len(), 2);
+        file
+    };
+    drop(begun());
+    assert_eq!(names(folder.path()), ["a.y4m"]);
+    assert_eq!(fs::read(&path).unwrap(), b"old");
+    begun().finish().unwrap();
+    assert_eq!(names(folder.path()), ["a.y4m"]);
+    assert_eq!(fs::read(&path).unwrap(), b"first, second");
+    assert!(AtomicFile::create(&folder.path().join("none/a.y4m")).is_err());
+}

@@ -1,0 +1,136 @@
+//! The job `film`: a turntable of a sculpture, or the time lapse of a script, frame by frame.
+//!
+//! Frame i depends on nothing but the sculpture or the script, the options, and i, so that any part of a film can be
+//! made anywhere. One frame is in memory at a time. Takes a [`FilmJob`]; writes a folder of pictures, an animated PNG
+//! or raw video. Must not know windows.
+
+mod framing;
+mod lapse;
+mod output;
+mod stage;
+mod timing;
+mod y4m;
+
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use crate::format::options::ImportOptions;
+use crate::headless::{Context, JobError, PictureRequest};
+use crate::terminal;
+use crate::view::StereoLayout;
+pub use output::Form;
+use output::{Format, Output};
+use stage::Stage;
+pub use timing::FrameRange;
+use timing::Timing;
+
+/// Extension of scripts, of which a film is a time lapse.
+pub const SCRIPT_ENDING: &str = "sculpt";
+
+/// A film to make.
+#[derive(Debug)]
+pub struct FilmJob {
+    /// A sculpture or volume, or a script by its extension.
+    pub subject: PathBuf,
+    /// What a script starts from.
+    pub input: Option<PathBuf>,
+    pub out: PathBuf,
+    /// Of the whole film.
+    pub frames: u32,
+    /// The part to make.
+    pub range: FrameRange,
+    /// Per second.
+    pub fps: u16,
+    /// How far the sculpture turns in the film; none: once around in a turntable, not at all in a time lapse.
+    pub spin_deg: Option<f32>,
+    /// Its turn is that of the first frame.
+    pub picture: PictureRequest,
+    pub import: ImportOptions,
+}
+
+impl FilmJob {
+    fn is_lapse(&self) -> bool {
+        self.subject.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(SCRIPT_ENDING))
+    }
+}
+
+/// Why a film could not be made.
+#[derive(Debug, Error)]
+pub enum FilmError {
+    #[error(transparent)]
+    Job(#[from] JobError),
+    #[error("{0}")]
+    Form(String),
+    #[error("there are no frames {range} in a film with the frames 1 to {frames}")]
+    Range { range: FrameRange, frames: u32 },
+    #[error(
+        "the stereo layout `layers` makes two pictures of a frame; choose another with `--stereo`"
+    )]
+    Layers,
+    #[error("`--in` is what a script starts from, and {0} is no script (.{SCRIPT_ENDING})")]
+    NoScript(PathBuf),
+    #[error("{0} is needed for the film and would be overwritten by it; choose another name")]
+    OverInput(PathBuf),
+    #[error("cannot create the folder {path}: {error}")]
+    Folder { path: PathBuf, error: std::io::Error },
+    #[error("cannot write {path}: {error}")]
+    Write { path: PathBuf, error: std::io::Error },
+    #[error("the film was cancelled")]
+    Cancelled,
+}
+
+/// Makes a film, or a part of one.
+pub fn run(job: &FilmJob, context: &Context) -> Result<(), FilmError> {
+    let view = job.picture.view(context.config);
+    if view.stereo == StereoLayout::Layers {
+        return Err(FilmError::Layers);
+    }
+    if job.input.is_some() && !job.is_lapse() {
+        return Err(FilmError::NoScript(job.subject.clone()));
+    }
+    let outside = || FilmError::Range { range: job.range, frames: job.frames };
+    let part = job.range.within(job.frames).ok_or_else(outside)?;
+    let form = Form::of(&job.out).map_err(FilmError::Form)?;
+    let spin_deg = job.spin_deg.unwrap_or(if job.is_lapse() { 0.0 } else { 360.0 });
+    let timing = Timing { frames: job.frames, turn_deg: job.picture.turn_deg, spin_deg };
+    let format = Format { size: view.size, fps: job.fps, frames: job.frames, part: part.clone() };
+
+    let script = job.is_lapse().then(|| lapse::Lapse::read(&job.subject)).transpose()?;
+    let of_script = script.iter().flat_map(lapse::Lapse::inputs);
+    let inputs = [&job.subject].into_iter().chain(&job.input).map(PathBuf::as_path);
+    refuse_inputs(&form.paths(&job.out, &format), inputs.chain(of_script))?;
+    let session = stage::begin(job, context)?;
+    // Before the work, which may be long.
+    let output = Output::create(form, &job.out, format)?;
+
+    let mut stage = Stage::new(job, session, script, view, timing, context)?;
+    let progress = context.progress;
+    progress.begin("filming");
+    let count = part.len() as f32;
+    let picture = &mut |frame: u32| {
+        progress.advance((frame - part.start) as f32 / count);
+        stage.picture(frame)
+    };
+    let written = output.write(picture);
+    progress.end();
+    written?;
+    let (glam::UVec2 { x, y }, out) = (view.size, job.out.display());
+    let (first, last) = (part.start + 1, part.end);
+    terminal::print_done(format_args!("wrote frames {first} to {last} to {out} ({x}x{y})"));
+    Ok(())
+}
+
+/// Refuses outputs that are inputs, by whatever name.
+fn refuse_inputs<'a>(
+    outputs: &[PathBuf],
+    inputs: impl Iterator<Item = &'a Path>,
+) -> Result<(), FilmError> {
+    let real = |path: &Path| path.canonicalize().ok();
+    let inputs: Vec<PathBuf> = inputs.filter_map(real).collect();
+    let is_input = |path: &&PathBuf| real(path).is_some_and(|path| inputs.contains(&path));
+    match outputs.iter().find(is_input) {
+        Some(path) => Err(FilmError::OverInput(path.clone())),
+        None => Ok(()),
+    }
+}

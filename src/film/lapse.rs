@@ -1,0 +1,143 @@
+//! A script as a time lapse: which of its commands have been executed in each frame.
+//!
+//! Time is counted in *steps*, the commands that change what is seen, so that a film does not stand still while a
+//! script only moves its marker. What stands before the first step belongs to the beginning, also a new or opened
+//! sculpture. `save` is left out: a film writes no other file.
+
+use std::path::{Path, PathBuf};
+
+use crate::command::Command;
+use crate::headless::{self, JobError};
+
+/// The commands of a script and where its steps end.
+#[derive(Debug)]
+pub struct Lapse {
+    pub path: PathBuf,
+    /// With their lines.
+    pub commands: Vec<(usize, Command)>,
+    /// The number of commands at the beginning, and after each step.
+    ends: Vec<usize>,
+}
+
+impl Lapse {
+    pub fn read(path: &Path) -> Result<Lapse, JobError> {
+        let text = headless::read_script(path)?;
+        Ok(Lapse::new(path, headless::script_commands(&text, path)?))
+    }
+
+    fn new(path: &Path, mut commands: Vec<(usize, Command)>) -> Lapse {
+        commands.retain(|(_, command)| !matches!(command, Command::Save { .. }));
+        let mut ends = vec![0];
+        for (i, (_, command)) in commands.iter().enumerate() {
+            let begins = matches!(command, Command::New(_) | Command::Open { .. });
+            if begins && ends.len() == 1 {
+                ends[0] = i + 1;
+            } else if is_step(command) {
+                ends.push(i + 1);
+            }
+        }
+        if let Some(last) = ends.last_mut() {
+            *last = commands.len();
+        }
+        Lapse { path: path.to_path_buf(), commands, ends }
+    }
+
+    /// The files that its commands read.
+    pub fn inputs(&self) -> impl Iterator<Item = &Path> {
+        self.commands.iter().filter_map(|(_, command)| match command {
+            Command::Open { path, .. } | Command::Texture { picture: path, .. } => {
+                Some(path.as_path())
+            }
+            _ => None,
+        })
+    }
+
+    /// How many commands are executed in a frame, counted from 0, of `frames`: the first shows the beginning, the
+    /// last one all.
+    pub fn commands_at(&self, frame: u32, frames: u32) -> usize {
+        let (steps, last) = (self.ends.len() as u64 - 1, u64::from(frames) - 1);
+        let step = match last {
+            0 => steps,
+            last => (2 * u64::from(frame) * steps + last) / (2 * last),
+        };
+        self.ends[step as usize]
+    }
+}
+
+/// Whether a command changes what is seen.
+fn is_step(command: &Command) -> bool {
+    match command {
+        Command::New(_)
+        | Command::Open { .. }
+        | Command::Cancel
+        | Command::Construct { .. }
+        | Command::Spray { .. }
+        | Command::Texture { .. }
+        | Command::Fill { .. }
+        | Command::Clear { .. }
+        | Command::Dye { .. }
+        | Command::Cut
+        | Command::Paste { .. }
+        | Command::Move { .. }
+        | Command::Array { .. }
+        | Command::Orient(_)
+        | Command::Undo { .. }
+        | Command::Redo { .. } => true,
+        // The pose of a film is that of its last frame.
+        Command::Place(_)
+        | Command::Save { .. }
+        | Command::Begin { .. }
+        | Command::End
+        | Command::Mark(_)
+        | Command::Select(_)
+        | Command::Limit(_)
+        | Command::Irreversible(_)
+        | Command::Symmetry(_)
+        | Command::Copy => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lapse(text: &str) -> Lapse {
+        let path = Path::new("s.sculpt");
+        Lapse::new(path, headless::script_commands(text, path).unwrap())
+    }
+
+    const BALL: &str = "add ellipsoid at=4,4,4 half=2\n";
+
+    #[test]
+    fn the_first_frame_shows_the_beginning_and_the_last_all() {
+        let text = format!(
+            "new dims=8,8,8\nmark at=0,0,0 size=2,2,2\nbegin\n{BALL}{BALL}end\ncopy\n{BALL}copy\n"
+        );
+        let lapse = lapse(&text);
+        let shown = |frames| (0..frames).map(|f| lapse.commands_at(f, frames)).collect::<Vec<_>>();
+        // Three steps end after 4, 5 and 8 commands; the last includes the trailing ones.
+        assert_eq!(shown(4), [1, 4, 5, 9]);
+        assert_eq!(shown(2), [1, 9]);
+        assert_eq!(shown(1), [9], "a film of one frame shows the end");
+        assert_eq!(shown(7), [1, 4, 4, 5, 5, 9, 9]);
+    }
+
+    #[test]
+    fn many_steps_are_spread_evenly() {
+        let lapse = lapse(&format!("new dims=8,8,8\n{}", BALL.repeat(1000)));
+        let shown: Vec<usize> = (0..11).map(|frame| lapse.commands_at(frame, 11)).collect();
+        let expected: Vec<usize> = (0..11).map(|frame| 1 + 100 * frame).collect();
+        assert_eq!(shown, expected);
+    }
+
+    #[test]
+    fn scripts_without_steps_stand_still_and_saves_are_left_out() {
+        let quiet = lapse("new dims=8,8,8\nsave \"a.vsc\"\ncopy\n");
+        assert_eq!(quiet.commands.len(), 2);
+        assert_eq!([0, 1, 2].map(|frame| quiet.commands_at(frame, 3)), [2; 3]);
+        assert_eq!(lapse("").commands_at(5, 10), 0);
+        let reads =
+            lapse("open \"a.vsc\"\ntexture \"b.png\" cuboid at=4,4,4 half=1\nsave \"c.vsc\"\n");
+        assert_eq!(reads.inputs().collect::<Vec<_>>(), [Path::new("a.vsc"), Path::new("b.png")]);
+    }
+}

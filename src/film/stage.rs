@@ -1,0 +1,115 @@
+//! What a film shows: the sculpture of each frame before the camera at rest.
+//!
+//! A script is executed twice: to its end, for the camera, and again as the frames go on. So a part of a film needs no
+//! other part. Frames are asked for in rising order.
+
+use std::sync::Arc;
+
+use image::RgbImage;
+
+use super::framing::Framing;
+use super::lapse::Lapse;
+use super::timing::Timing;
+use super::{FilmError, FilmJob};
+use crate::headless::{Context, JobError, execute_command};
+use crate::picture::{PictureMaker, View};
+use crate::progress::Progress;
+use crate::session::Session;
+
+/// See the module text.
+pub struct Stage<'a> {
+    session: Session,
+    lapse: Option<Lapse>,
+    /// How many commands have been executed.
+    executed: usize,
+    view: View,
+    timing: Timing,
+    framing: Framing,
+    maker: PictureMaker,
+    progress: &'a dyn Progress,
+    /// The picture made last, with its turn and number of commands: nothing may happen for some frames.
+    last: Option<(usize, f32, Arc<RgbImage>)>,
+}
+
+/// The sculpture of a turntable, or the one that a script starts from.
+pub fn begin(job: &FilmJob, context: &Context) -> Result<Session, FilmError> {
+    let file = if job.is_lapse() { job.input.as_ref() } else { Some(&job.subject) };
+    let session = match file {
+        Some(file) => context.open_session(file, &job.import),
+        None => context.new_session(),
+    };
+    Ok(session.map_err(JobError::from)?)
+}
+
+impl<'a> Stage<'a> {
+    /// `session` is as it [begins](begin).
+    pub fn new(
+        job: &FilmJob,
+        mut session: Session,
+        lapse: Option<Lapse>,
+        view: View,
+        timing: Timing,
+        context: &Context<'a>,
+    ) -> Result<Stage<'a>, FilmError> {
+        let progress = context.progress;
+        if let Some(lapse) = &lapse {
+            let count = lapse.commands.len().max(1) as f32;
+            progress.begin("running the script");
+            for (i, command) in lapse.commands.iter().enumerate() {
+                go_on(progress)?;
+                execute_command(&mut session, command, &lapse.path)?;
+                progress.advance(i as f32 / count);
+            }
+            progress.end();
+        }
+        let framing = Framing::new(&view, session.document(), timing.spins());
+        if lapse.is_some() {
+            // The first one goes before the second one comes.
+            drop(session);
+            session = begin(job, context)?;
+        }
+        let maker = PictureMaker::new(&context.config.picture_options(context.device));
+        Ok(Stage {
+            session,
+            lapse,
+            executed: 0,
+            view,
+            timing,
+            framing,
+            maker,
+            progress,
+            last: None,
+        })
+    }
+
+    /// The picture of a frame, counted from 0, which is not before that of the last call.
+    pub fn picture(&mut self, frame: u32) -> Result<Arc<RgbImage>, FilmError> {
+        go_on(self.progress)?;
+        if let Some(lapse) = &self.lapse {
+            for command in
+                &lapse.commands[self.executed..lapse.commands_at(frame, self.timing.frames)]
+            {
+                go_on(self.progress)?;
+                execute_command(&mut self.session, command, &lapse.path)?;
+                self.executed += 1;
+            }
+        }
+        let turn_rad = self.timing.turn_rad(frame);
+        if let Some((executed, turn, picture)) = &self.last
+            && (*executed, *turn) == (self.executed, turn_rad)
+        {
+            return Ok(picture.clone());
+        }
+        let shot = self.framing.shot(self.session.document(), turn_rad);
+        let pictures = self.maker.make(self.session.document_mut(), &self.view, &shot);
+        let mut pictures = pictures.map_err(JobError::from)?;
+        // No layout but `layers`, which films refuse, makes more.
+        let picture = Arc::new(pictures.swap_remove(0));
+        self.last = Some((self.executed, turn_rad, picture.clone()));
+        Ok(picture)
+    }
+}
+
+fn go_on(progress: &dyn Progress) -> Result<(), FilmError> {
+    if progress.is_cancelled() { Err(FilmError::Cancelled) } else { Ok(()) }
+}

@@ -1,0 +1,96 @@
+//! Makes pictures of one document, one after the other, and keeps between them what need not be made again: the
+//! device with its renderer, and the normals, which follow the document's changes.
+//!
+//! A picture does not depend on those made before it. Knows no files.
+
+use std::sync::Arc;
+
+use image::RgbImage;
+
+use super::{
+    PictureError, PictureOptions, Shot, View, compose_eyes, render_by_casting, render_on_device,
+};
+use crate::document::{ChangeSubscriber, Document};
+use crate::gpu::{Device, DeviceOptions, Frames, Headless};
+use crate::render::Renderer;
+use crate::screen::offscreen;
+use crate::shade::NormalField;
+use crate::view::StereoLayout;
+
+/// See the module text.
+pub struct PictureMaker {
+    options: PictureOptions,
+    followed: FollowedNormals,
+    /// Made for the first picture that needs it.
+    painter: Option<Painter>,
+}
+
+impl PictureMaker {
+    /// For pictures of one document; another one needs a maker of its own.
+    pub fn new(options: &PictureOptions) -> PictureMaker {
+        let followed = FollowedNormals::default();
+        PictureMaker { options: options.clone(), followed, painter: None }
+    }
+
+    /// Renders `document` as `shot` says: one picture, or with [`StereoLayout::Layers`] one for each eye. Of `view`
+    /// all counts but what has become part of the shot.
+    pub fn make(
+        &mut self,
+        document: &mut Document,
+        view: &View,
+        shot: &Shot,
+    ) -> Result<Vec<RgbImage>, PictureError> {
+        let PictureMaker { options, followed, painter } = self;
+        let eyes = match view.stereo {
+            StereoLayout::Mono => vec![shot.eye],
+            _ => options.stereo.rig(shot.distance.max(f32::MIN_POSITIVE)).eyes(&shot.eye).to_vec(),
+        };
+        let pose = shot.world_from_grid;
+        let pictures = if view.mode.needs_device() {
+            let painter = match painter {
+                Some(painter) => painter,
+                none => none.insert(Painter::new(&options.device)?),
+            };
+            render_on_device(document, painter, followed, view, &eyes, pose, options)?
+        } else {
+            render_by_casting(document, followed, view, view.mode, &eyes, pose, options)
+        };
+        Ok(compose_eyes(pictures, view))
+    }
+}
+
+/// The normals of a document for the software shader.
+#[derive(Default)]
+pub(super) struct FollowedNormals {
+    field: NormalField,
+    subscriber: ChangeSubscriber,
+}
+
+impl FollowedNormals {
+    /// All normals of the document as it is now.
+    pub fn of(&mut self, document: &mut Document) -> &NormalField {
+        let field = &mut self.field;
+        document.drain_changes_for(&self.subscriber, |contents, changed| {
+            field.follow(&contents.grid, changed);
+        });
+        field.update(document.grid(), &mut Vec::new(), || true);
+        field
+    }
+}
+
+/// A device and what renders on it.
+pub(super) struct Painter {
+    pub frames: Frames,
+    pub renderer: Renderer,
+    pub device: Arc<Device>,
+    /// Whether fallbacks were reported: those of one picture are enough.
+    pub warned: bool,
+}
+
+impl Painter {
+    fn new(options: &DeviceOptions) -> Result<Painter, PictureError> {
+        let device = Device::new(&mut Headless, options)?;
+        let renderer = Renderer::new(&device, offscreen::FORMAT)?;
+        Ok(Painter { renderer, frames: Frames::new(&device)?, device, warned: false })
+    }
+}
