@@ -17,7 +17,7 @@ use crate::gpu::{DeviceOptions, GpuError, Readback};
 use crate::render::{Background, Fallback, FrameDesc, RenderMode, StereoOptions};
 use crate::sculpture::Grid;
 use crate::sculpture::brick::BRICK_EDGE_VX;
-use crate::shade::{Lighting, NormalField, Pixels, ShadePose, ShadeSource, SoftwareShader};
+use crate::shade::{Lighting, Pixels, ShadePose, ShadeSource, SoftwareShader};
 use crate::surface::{IndexMap, quickstep, raycast};
 use crate::view::{Camera, Eye, StereoLayout};
 

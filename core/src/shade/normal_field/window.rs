@@ -255,13 +255,13 @@ fn surface_mask(rows: &[[u16; CUBE]; CUBE]) -> SurfaceMask {
 #[inline(always)]
 fn sum_rows(rows: &[[u16; CUBE]; CUBE], sums: &mut Sums) {
     let table = &**ROWS;
-    for z in 0..CUBE {
-        for y in 0..CUBE {
-            let [lower, upper] = rows[z][y].to_le_bytes().map(usize::from);
-            for x in 0..EDGE {
-                sums.row[z][y][x] = table.sums[0][lower][x] + table.sums[1][upper][x];
-                sums.row_slope[z][y][x] = table.slopes[0][lower][x] + table.slopes[1][upper][x];
-            }
+    let sums_of_rows = sums.row.as_flattened_mut().iter_mut();
+    let slopes_of_rows = sums.row_slope.as_flattened_mut().iter_mut();
+    for ((row, sums), slopes) in rows.as_flattened().iter().zip(sums_of_rows).zip(slopes_of_rows) {
+        let [lower, upper] = row.to_le_bytes().map(usize::from);
+        for x in 0..EDGE {
+            sums[x] = table.sums[0][lower][x] + table.sums[1][upper][x];
+            slopes[x] = table.slopes[0][lower][x] + table.slopes[1][upper][x];
         }
     }
 }
