@@ -295,8 +295,9 @@ fn a_film_that_is_interrupted_leaves_no_half_film_and_the_next_one_tidies_up() {
         assert!(start.elapsed().as_secs() < 60 && child.try_wait().unwrap().is_none());
         std::thread::sleep(std::time::Duration::from_millis(5));
     }
+    // Not SIGINT, which what shells start in the background ignores.
     let interrupt =
-        std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+        std::process::Command::new("kill").args(["-TERM", &child.id().to_string()]).status();
     assert!(interrupt.unwrap().success());
     assert!(!child.wait().unwrap().success());
     assert!(!path.join("a.y4m").exists());
