@@ -35,6 +35,8 @@ pub(super) struct NormalStage {
     copy: Option<Normals>,
     /// What was written to the field since the last picture.
     written: Vec<u32>,
+    /// The time that the last [`NormalStage::update`] took.
+    pub took: Duration,
 }
 
 impl NormalStage {
@@ -42,12 +44,13 @@ impl NormalStage {
     /// all may have.
     pub fn update(&mut self, grid: &Grid, changed: Option<&[u32]>) -> NormalsChange {
         let was_complete = self.field.is_complete();
-        self.field.follow(grid, changed);
         let (start, patience) = (Instant::now(), self.patience);
+        self.field.follow(grid, changed);
         self.reshaded.clear();
         self.field.update(grid, &mut self.reshaded, || {
             patience.is_none_or(|patience| start.elapsed() < patience)
         });
+        self.took = start.elapsed();
         let differ = !self.reshaded.is_empty();
         self.reshaded.extend_from_slice(changed.unwrap_or_default());
         self.reshaded.sort_unstable();
