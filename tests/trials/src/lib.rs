@@ -91,10 +91,11 @@ pub fn is_verbose() -> bool {
 /// `crate_folder` that of its crate.
 pub fn run(main: &str, crate_folder: &str) -> ! {
     let mut arguments = Arguments::from_args();
-    if arguments.test_threads.is_none()
-        && let Ok(text) = std::env::var("RUST_TEST_THREADS")
-    {
-        arguments.test_threads = Some(text.parse().expect("RUST_TEST_THREADS is a number"));
+    if arguments.test_threads.is_none() {
+        arguments.test_threads = Some(match std::env::var("RUST_TEST_THREADS") {
+            Ok(text) => text.parse().expect("RUST_TEST_THREADS is a number"),
+            Err(_) => usual_threads(),
+        });
     }
     refuse_unused_files(&Path::new(crate_folder).join("tests"), main);
     let mut tests: Vec<&Test> = inventory::iter::<Test>().collect();
@@ -103,6 +104,11 @@ pub fn run(main: &str, crate_folder: &str) -> ! {
     let trials = tests.into_iter().map(trial).collect();
     print_names_of_panicking_tests();
     libtest_mimic::run(&arguments, trials).exit()
+}
+
+/// Two tests a core: many of them start programs and wait for them.
+fn usual_threads() -> usize {
+    2 * std::thread::available_parallelism().map_or(1, usize::from)
 }
 
 fn trial(test: &'static Test) -> Trial {
