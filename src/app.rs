@@ -200,7 +200,7 @@ impl App {
                 self.workspace.ui.toasts.error(lack.to_string());
             }
             view.end(frame)?;
-            view.save_screenshot(&mut self.workspace)?;
+            view.take_screenshot(&mut self.workspace)?;
             self.workspace.display.times.total_ms = started.elapsed().as_secs_f32() * 1e3;
         }
         view.switch_fullscreen(&mut self.workspace);

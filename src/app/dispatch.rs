@@ -18,8 +18,8 @@ use crate::input::{Action, ActionEvent, Side};
 use crate::notice::Notice;
 use crate::render::RenderMode;
 use crate::sculpture::Placement;
-use crate::ui::UiRequest;
 use crate::ui::files::FileTask;
+use crate::ui::{ScreenshotTo, UiRequest};
 use crate::view::{Room, StereoLayout};
 
 /// Notches of the wheel for one press of a key that zooms.
@@ -88,7 +88,11 @@ impl Workspace {
             Action::Lights => self.ui.dialogs.light.open = !self.ui.dialogs.light.open,
             Action::ToggleTheme => self.ui.appearance.theme = self.ui.appearance.theme.other(),
             Action::Fullscreen => self.ui.window_tasks.switch_fullscreen = true,
-            Action::Screenshot => self.ui.window_tasks.screenshot = true,
+            Action::TogglePanels => self.toggle_panels(),
+            Action::Screenshot => self.ui.window_tasks.screenshot = Some(ScreenshotTo::File),
+            Action::CopyScreenshot => {
+                self.ui.window_tasks.screenshot = Some(ScreenshotTo::Clipboard);
+            }
             Action::Detach(panel) => self.ui.layout.toggle_detached(panel),
             Action::ScaleUp => self.ui.appearance.scale.change_by(1.0),
             Action::ScaleDown => self.ui.appearance.scale.change_by(-1.0),
@@ -175,6 +179,19 @@ impl Workspace {
         let placement = *self.editor.document().placement();
         if let Some(to) = self.viewpoint.zoomed(&placement, notches, at) {
             self.editor.place(to);
+        }
+    }
+
+    /// Hides the panels of the main window and says how they come back, or shows them again.
+    fn toggle_panels(&mut self) {
+        self.ui.layout.hidden ^= true;
+        if self.ui.layout.hidden {
+            let table = self.controls.bindings();
+            let keys = table.and_then(|table| table.shortcut(Action::TogglePanels));
+            let keys = keys.map_or(String::new(), |keys| format!("{keys}, or "));
+            self.ui.toasts.note(format!(
+                "Panels are hidden; {keys}the pointer at the top of the window, brings them back"
+            ));
         }
     }
 

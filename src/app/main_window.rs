@@ -8,12 +8,16 @@ use std::time::Duration;
 use glam::UVec2;
 use winit::window::{Fullscreen, Window};
 
-use super::painter::Painter;
+use super::painter::{Painter, REFINED_SAMPLES};
 use super::pane::{Frame, Interface, Pane};
 use super::screenshot;
 use super::workspace::Workspace;
 use crate::gpu::{Device, DeviceOptions, GpuError, ValidationLog, WindowHost};
+use crate::ui::ScreenshotTo;
 use crate::view::StereoLayout;
+
+/// The frames after which a picture that is to be saved or copied is taken as it is, since the view keeps moving.
+const MOST_FRAMES: u32 = 2 * REFINED_SAMPLES;
 
 /// The main window with everything that draws to it. Fields are dropped in this order.
 pub struct MainWindow {
@@ -23,6 +27,12 @@ pub struct MainWindow {
     corner: UVec2,
     /// Pictures shown.
     shown: u64,
+    /// The next picture, of the same, will not be better.
+    complete: bool,
+    /// Frames since a picture was asked for that is to be saved or copied.
+    waited: u32,
+    /// The system's clipboard, once something was copied to it. On some systems what was copied lasts as long as this.
+    clipboard: Option<arboard::Clipboard>,
 }
 
 impl MainWindow {
@@ -31,7 +41,15 @@ impl MainWindow {
         let device = Device::new(&mut host, options)?;
         let pane = Pane::new(window, host.into_surface()?, &device)?;
         let painter = Painter::new(&device, pane.screen().format())?;
-        Ok(MainWindow { painter, pane, corner: UVec2::ZERO, shown: 0 })
+        Ok(MainWindow {
+            painter,
+            pane,
+            corner: UVec2::ZERO,
+            shown: 0,
+            complete: true,
+            waited: 0,
+            clipboard: None,
+        })
     }
 
     /// Drops everything except the window.
@@ -103,7 +121,8 @@ impl MainWindow {
         workspace: &mut Workspace,
     ) -> Result<(), GpuError> {
         let slot = self.pane.slot();
-        if !self.painter.paint(&mut frame.recorder, slot, workspace)? {
+        self.complete = self.painter.paint(&mut frame.recorder, slot, workspace)?;
+        if !self.complete {
             self.pane.redraw();
         }
         let corner = (workspace.picture().min.to_vec2() * self.pane.pixels_per_point()).round();
@@ -134,19 +153,24 @@ impl MainWindow {
         }
     }
 
-    /// Saves the picture that was just shown, if that was requested.
-    pub fn save_screenshot(&mut self, workspace: &mut Workspace) -> Result<(), GpuError> {
-        if !std::mem::take(&mut workspace.ui.window_tasks.screenshot) {
+    /// Saves or copies the picture that was just shown, if that was requested and it is complete.
+    pub fn take_screenshot(&mut self, workspace: &mut Workspace) -> Result<(), GpuError> {
+        let Some(to) = workspace.ui.window_tasks.screenshot else { return Ok(()) };
+        self.waited += 1;
+        if !self.complete && self.waited < MOST_FRAMES {
             return Ok(());
         }
+        (self.waited, workspace.ui.window_tasks.screenshot) = (0, None);
         if let Some((format, eyes)) = self.painter.read_back()? {
-            match screenshot::save(workspace.session().path(), format, &eyes) {
-                Ok(paths) => {
-                    let names: Vec<String> =
-                        paths.iter().map(|path| path.display().to_string()).collect();
-                    workspace.ui.toasts.note(format!("Saved {}", names.join(" and ")));
-                }
-                Err(error) => workspace.ui.toasts.error(error.to_string()),
+            let taken = match to {
+                ScreenshotTo::File => screenshot::save(workspace.session().path(), format, &eyes)
+                    .map_err(|error| error.to_string()),
+                ScreenshotTo::Clipboard => screenshot::copy(&mut self.clipboard, format, &eyes)
+                    .map_err(|error| format!("The picture cannot be copied: {error}")),
+            };
+            match taken {
+                Ok(text) => workspace.ui.toasts.note(text),
+                Err(text) => workspace.ui.toasts.error(text),
             }
         }
         // Tool and lines are drawn again.

@@ -20,7 +20,7 @@ use crate::video::VideoOptions;
 const PATIENCE: Duration = Duration::from_millis(6);
 
 /// The samples of a pixel that a resting picture is refined to.
-const REFINED_SAMPLES: u32 = 16;
+pub(super) const REFINED_SAMPLES: u32 = 16;
 
 /// The pictures of the sculpture in the window.
 pub struct Painter {
@@ -43,7 +43,7 @@ impl Painter {
     ) -> Result<bool> {
         let scene = workspace.overlay_scene();
         // A picture to be saved shows the sculpture alone.
-        let is_screenshot = workspace.ui.window_tasks.screenshot;
+        let is_screenshot = workspace.ui.window_tasks.screenshot.is_some();
         let (preview, lines) = match is_screenshot {
             true => (None, Vec::new()),
             false => (overlay::preview(&scene), overlay::lines(&scene)),
@@ -66,13 +66,15 @@ impl Painter {
             previews: preview.as_slice(),
             lines: &lines,
         };
-        let refines = workspace.ui.view.refine;
+        // A view that trackers or cameras move never rests.
+        let rests = !is_screenshot || workspace.viewpoint.repaint_after().is_none();
+        let refines = workspace.ui.view.refine && rests;
         // The renderer writes to the maps that nobody else holds.
         workspace.viewpoint.forget_pick_map();
         let document = workspace.session_mut().document_mut();
         self.renderer.set_patience((!is_screenshot).then_some(PATIENCE));
-        let refines = refines && !is_screenshot;
         self.renderer.set_refinement(if refines { REFINED_SAMPLES } else { 1 });
+        self.renderer.refine_at_once(is_screenshot);
         let report =
             self.renderer.paint_with_fallback(recorder, slot, document, &desc, |_| true)?;
         let complete = report.complete;

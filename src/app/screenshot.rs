@@ -1,14 +1,16 @@
-//! Pictures of the view, saved as PNG files when a person asks for one: the sculpture over its
-//! background, without tool, lines and panels.
+//! Pictures of the view, saved as PNG files or copied to the system's clipboard when a person asks
+//! for one: the sculpture over its background, without tool, lines and panels.
 //!
-//! Takes pixels as they were read back from the device; gives the names of the files. Knows no
+//! Takes pixels as they were read back from the device; returns what to tell the person. Knows no
 //! window.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
+use arboard::{Clipboard, ImageData};
 use ash::vk;
 use directories::UserDirs;
-use image::{ImageFormat, Rgb, RgbImage};
+use image::{DynamicImage, ImageFormat, Rgb, RgbImage};
 
 use crate::format::store;
 use crate::picture::PictureError;
@@ -18,8 +20,52 @@ use crate::shade::Pixels;
 const MOST: u32 = 10_000;
 
 /// Saves the pictures of one view, one an eye, beside the sculpture's file, or among the person's
-/// pictures while there is none, where no other file is.
+/// pictures while there is none, where no other file is. Returns what was done, as a sentence.
 pub fn save(
+    sculpture: Option<&Path>,
+    format: vk::Format,
+    eyes: &[Pixels],
+) -> Result<String, PictureError> {
+    let paths = save_beside(sculpture, format, eyes)?;
+    let names: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
+    Ok(format!("Saved {}", names.join(" and ")))
+}
+
+/// Copies the pictures of one view to the system's clipboard, those of two eyes side by side. Returns
+/// what was done, as a sentence. The clipboard is opened if it is not: egui's own copies pictures, too,
+/// but does not say whether it could.
+pub fn copy(
+    clipboard: &mut Option<Clipboard>,
+    format: vk::Format,
+    eyes: &[Pixels],
+) -> Result<String, arboard::Error> {
+    let clipboard = match clipboard {
+        Some(clipboard) => clipboard,
+        none => none.insert(Clipboard::new()?),
+    };
+    let picture = DynamicImage::from(side_by_side(format, eyes)).into_rgba8();
+    let (width, height) = picture.dimensions();
+    let bytes = Cow::Owned(picture.into_raw());
+    clipboard.set_image(ImageData { width: width as usize, height: height as usize, bytes })?;
+    Ok(format!("Copied a picture of {width} × {height} pixels"))
+}
+
+/// The pictures of the eyes in one, from left to right.
+fn side_by_side(format: vk::Format, eyes: &[Pixels]) -> RgbImage {
+    let width = eyes.iter().map(|pixels| pixels.size.x).sum();
+    let height = eyes.iter().map(|pixels| pixels.size.y).max().unwrap_or(0);
+    let mut all = RgbImage::new(width, height);
+    let mut left = 0;
+    for pixels in eyes {
+        for (x, y, rgb) in picture(format, pixels).enumerate_pixels() {
+            all.put_pixel(left + x, y, *rgb);
+        }
+        left += pixels.size.x;
+    }
+    all
+}
+
+fn save_beside(
     sculpture: Option<&Path>,
     format: vk::Format,
     eyes: &[Pixels],
@@ -91,20 +137,28 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let sculpture = folder.path().join("head.vsc");
         let format = vk::Format::R8G8B8A8_UNORM;
-        let one = save(Some(&sculpture), format, &[pixels([1, 2, 3, 255])]).unwrap();
-        let two = save(Some(&sculpture), format, &[pixels([4, 5, 6, 255])]).unwrap();
+        let one = save_beside(Some(&sculpture), format, &[pixels([1, 2, 3, 255])]).unwrap();
+        let two = save_beside(Some(&sculpture), format, &[pixels([4, 5, 6, 255])]).unwrap();
         assert_eq!(
             [&one[..], &two[..]].concat(),
             ["head-1.png", "head-2.png"].map(|name| folder.path().join(name))
         );
         assert_eq!((seen(&one[0]), seen(&two[0])), ([1, 2, 3], [4, 5, 6]));
         let eyes = [pixels([7, 7, 7, 255]), pixels([8, 8, 8, 255])];
-        let both = save(Some(&sculpture), format, &eyes).unwrap();
+        let both = save_beside(Some(&sculpture), format, &eyes).unwrap();
         assert_eq!(
             both,
             ["head-1.left.png", "head-1.right.png"].map(|name| folder.path().join(name))
         );
         assert_eq!((seen(&both[0]), seen(&both[1])), ([7; 3], [8; 3]));
+    }
+
+    #[test]
+    fn a_copy_has_both_eyes_side_by_side() {
+        let eyes = [pixels([7, 8, 9, 255]), pixels([1, 2, 3, 255])];
+        let both = side_by_side(vk::Format::B8G8R8A8_UNORM, &eyes);
+        assert_eq!(both.dimensions(), (4, 1));
+        assert_eq!([0, 1, 2, 3].map(|x| both.get_pixel(x, 0).0[0]), [9, 9, 3, 3]);
     }
 
     #[test]
@@ -119,7 +173,7 @@ mod tests {
 
     #[test]
     fn a_folder_that_is_not_there_is_named() {
-        let error = save(
+        let error = save_beside(
             Some(Path::new("/there/is/no.vsc")),
             vk::Format::R8G8B8A8_UNORM,
             &[pixels([0; 4])],

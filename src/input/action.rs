@@ -198,8 +198,12 @@ pub enum Action {
     ToggleTheme,
     /// Toggles full screen of the main window.
     Fullscreen,
+    /// Hides the panels of the main window, or shows them again.
+    TogglePanels,
     /// Saves a screenshot of the view to a file.
     Screenshot,
+    /// Copies a screenshot of the view to the clipboard of the system.
+    CopyScreenshot,
     /// Detaches a panel to a window of its own, or docks it.
     Detach(Panel),
     ScaleUp,
@@ -350,6 +354,7 @@ impl Action {
         Action::CalibrateHead,
         Action::ToggleAr,
         Action::Fullscreen,
+        Action::TogglePanels,
         Action::ToggleTheme,
         Action::Detach(Panel::Toolbox),
         Action::Detach(Panel::Options),
@@ -364,6 +369,7 @@ impl Action {
         Action::Save,
         Action::SaveAs,
         Action::Screenshot,
+        Action::CopyScreenshot,
         Action::Export,
         Action::Palette,
         Action::Help,

@@ -187,7 +187,11 @@ impl Action {
             Action::ToggleBounds => ("toggle-bounds", Tap, "Grid outline on or off"),
             Action::ToggleTheme => ("toggle-theme", Tap, "Dark or light theme"),
             Action::Fullscreen => ("fullscreen", Tap, "Full screen on or off"),
+            Action::TogglePanels => ("toggle-panels", Tap, "Hide all panels, or show them again"),
             Action::Screenshot => ("screenshot", Tap, "Save a picture of the view"),
+            Action::CopyScreenshot => {
+                ("copy-screenshot", Tap, "Copy a picture of the view, for other programs")
+            }
             Action::NextRenderMode => ("next-render-mode", Tap, "Next render mode"),
             Action::NextStereo => ("next-stereo", Tap, "Next stereo layout"),
             Action::ToggleVideo => ("toggle-video", Tap, "Video background on or off"),

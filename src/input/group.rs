@@ -56,11 +56,10 @@ impl Group {
             Undo | Redo | Fill | Clear | TurnUpright(_) | RotateGrid(_) => Group::History,
             ResetView | LookFrom(_) | ZoomIn | ZoomOut | ToggleBounds | NextRenderMode
             | NextStereo | SwapEyes | ToggleVideo | ToggleHead | CalibrateHead | ToggleAr
-            | Lights | Fullscreen => Group::View,
+            | Lights | Fullscreen | TogglePanels => Group::View,
             ScaleUp | ScaleDown | ScaleReset | ToggleTheme | Detach(_) | ToggleRumble | New
-            | Open | Save | SaveAs | Export | Screenshot | Palette | Help | Guide | Quit => {
-                Group::Program
-            }
+            | Open | Save | SaveAs | Export | Screenshot | CopyScreenshot | Palette | Help
+            | Guide | Quit => Group::Program,
         }
     }
 }

@@ -20,7 +20,13 @@ impl Action {
             Action::SaveAs => "convert copy rename file",
             Action::Export => "write convert volume pvm raw other programs file",
             Action::Screenshot => "screenshot capture snapshot photo image png export render",
+            Action::CopyScreenshot => {
+                "screenshot capture snapshot photo image clipboard system paste"
+            }
             Action::Fullscreen => "fullscreen maximise window",
+            Action::TogglePanels => {
+                "interface toolbars distraction free zen clean presentation tab maximise"
+            }
             Action::Quit => "exit leave end close program",
             Action::Help => {
                 "shortcuts hotkeys keys keyboard mouse gamepad keybindings bindings keymap \

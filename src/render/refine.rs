@@ -40,6 +40,8 @@ pub(super) struct Buffers {
 pub(super) struct Refinement {
     /// The samples of a refined picture; 0 and 1: pictures are not refined.
     samples: u32,
+    /// Whether a picture need not rest before it is refined.
+    at_once: bool,
     /// How many frames in a row had the same pictures.
     rested: u32,
     /// The samples in the mean.
@@ -59,7 +61,8 @@ impl Refinement {
 
     /// Frees what samples are made in.
     pub fn forget(&mut self) {
-        *self = Refinement { samples: self.samples, ..Refinement::default() };
+        let Refinement { samples, at_once, .. } = *self;
+        *self = Refinement { samples, at_once, ..Refinement::default() };
     }
 
     /// The mean of the samples so far, once it is better than the unshifted picture.
@@ -88,6 +91,12 @@ impl Renderer {
         }
     }
 
+    /// Whether refinement begins with the first frame that has the same pictures, for pictures that are to be saved,
+    /// and not only when nobody seems to be working.
+    pub fn refine_at_once(&mut self, at_once: bool) {
+        self.refinement.at_once = at_once;
+    }
+
     /// Adds a sample to the mean of the pictures of `desc` if it is time for one. `rests`: they are the same as in the
     /// last frame.
     pub(super) fn refine_if(
@@ -108,7 +117,8 @@ impl Renderer {
             return Ok(());
         }
         refinement.rested += 1;
-        if refinement.rested <= REST_FRAMES || refinement.is_complete() {
+        let rest_frames = if refinement.at_once { 0 } else { REST_FRAMES };
+        if refinement.rested <= rest_frames || refinement.is_complete() {
             return Ok(());
         }
         match self.refine(recorder, slot, document, desc) {

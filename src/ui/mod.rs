@@ -56,7 +56,7 @@ use crate::viewpoint::ar::ArStatus;
 use crate::viewpoint::camera::VideoStatus;
 use crate::viewpoint::head::HeadStatus;
 
-pub use state::{UiOptions, UiRequest, UiState, ViewState};
+pub use state::{ScreenshotTo, UiOptions, UiRequest, UiState, ViewState};
 pub use window_options::{SCALE_RANGE, Theme, WindowOptions};
 
 /// How long the last picture took, in milliseconds.
@@ -125,10 +125,12 @@ pub fn show(
 ) -> Response {
     theme::apply(root.ctx(), state.appearance.theme, state.appearance.scale);
     key_catch::listen(root, state, context, requests);
-    top_bar::show(root, state, context, requests);
-    status::show(root, context);
-    toolbox::show(root, state, context, requests);
-    options::show(root, state, context, requests);
+    if !state.layout.hidden {
+        top_bar::show(root, state, context, requests);
+        status::show(root, context);
+        toolbox::show(root, state, context, requests);
+        options::show(root, state, context, requests);
+    }
     let picture = CentralPanel::default()
         .frame(Frame::NONE)
         .show(root, |ui| {
@@ -136,6 +138,9 @@ pub fn show(
             ui.allocate_rect(rect, Sense::hover())
         })
         .inner;
+    if state.layout.hidden {
+        panels::way_back(root, context, requests, picture.rect);
+    }
     upright::show(root, state, context, requests, picture.rect);
     guide::show(root, state, context, requests);
     light::show(root, state);

@@ -161,6 +161,8 @@ pub struct PanelLayout {
     /// The panels that are windows of their own.
     pub detached: BTreeSet<Panel>,
     pub windows: Windows,
+    /// Nothing but the picture is shown in the main window. Not remembered.
+    pub hidden: bool,
     /// The sections of the options that were opened or closed.
     pub sections: BTreeMap<String, bool>,
 }
@@ -179,8 +181,17 @@ impl PanelLayout {
 pub struct WindowTasks {
     /// It is to fill its screen, or no longer.
     pub switch_fullscreen: bool,
-    /// The next picture of the view is to be saved to a file.
-    pub screenshot: bool,
+    /// What is to be done with a picture of the view.
+    pub screenshot: Option<ScreenshotTo>,
+}
+
+/// Where a picture of the view goes.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum ScreenshotTo {
+    /// A file with a name of its own.
+    File,
+    /// The clipboard of the system.
+    Clipboard,
 }
 
 /// What is known of files that were opened or saved.

@@ -159,9 +159,12 @@ fn at_the_desk(
         ui.separator();
         action_button(ui, context, "Edit controls …", Action::Help, true, requests);
     });
-    for (label, action) in
-        [("Full screen", Action::Fullscreen), ("Save picture", Action::Screenshot)]
-    {
+    for (label, action) in [
+        ("Full screen", Action::Fullscreen),
+        ("Hide panels", Action::TogglePanels),
+        ("Save picture", Action::Screenshot),
+        ("Copy picture", Action::CopyScreenshot),
+    ] {
         action_button(ui, context, label, action, true, requests);
     }
     ui.menu_button("Panels", |ui| {

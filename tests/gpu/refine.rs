@@ -273,6 +273,26 @@ fn what_is_switched_off_or_transparent_is_not_refined() {
 }
 
 #[test]
+fn what_is_refined_at_once_need_not_rest_first() {
+    with_device(|device| {
+        let mut document = sculpture();
+        let eyes = eyes();
+        let desc = desc(RenderMode::Ray, &eyes);
+        let mut painter = Painter::refining(device);
+        let (_, refined) = painter.rest(&mut document, &desc);
+        let mut painter = Painter::refining(device);
+        painter.renderer.refine_at_once(true);
+        // The picture itself, and then the samples, of which it is the first.
+        for frame in 0..SAMPLES {
+            let (report, _) = painter.paint(&mut document, &desc);
+            assert!(!report.complete, "frame {frame}");
+        }
+        let (report, pictures) = painter.paint(&mut document, &desc);
+        assert!(report.complete && pictures == refined);
+    });
+}
+
+#[test]
 fn on_a_target_that_encodes_light_is_what_the_device_decodes() {
     with_device(|device| {
         let format = vk::Format::R8G8B8A8_SRGB;

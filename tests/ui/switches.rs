@@ -2,13 +2,15 @@
 //! source.
 
 use egui::accesskit::Role;
-use egui::{Event, Key, Modifiers, vec2};
+use egui::{Event, Key, Modifiers, PointerButton, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
-use virtual_sculpture::ui::Theme;
 use virtual_sculpture::ui::toasts::Tone;
+use virtual_sculpture::ui::{ScreenshotTo, Theme};
 use virtual_sculpture::view::StereoLayout;
 
-use super::bench::{Bench, bench, bench_of, click, config, has, key, send};
+use super::bench::{
+    Bench, bench, bench_of, click, config, drag, has, key, look, middle, send, voxels,
+};
 
 fn layout(harness: &Bench) -> StereoLayout {
     harness.state().ui.view.stereo.layout
@@ -118,23 +120,57 @@ fn the_view_is_zoomed_framed_and_saved_by_key_and_by_the_menu() {
     assert_eq!(harness.state().ui.appearance.theme, Theme::Light);
     let asked = |harness: &mut Bench| {
         let ui = &mut harness.state_mut().ui;
-        let asked = (ui.window_tasks.switch_fullscreen, ui.window_tasks.screenshot);
-        (ui.window_tasks.switch_fullscreen, ui.window_tasks.screenshot) = (false, false);
-        asked
+        let tasks = std::mem::take(&mut ui.window_tasks);
+        (tasks.switch_fullscreen, tasks.screenshot)
     };
     key(&mut harness, Modifiers::NONE, Key::F11);
-    assert_eq!(asked(&mut harness), (true, false));
+    assert_eq!(asked(&mut harness), (true, None));
     key(&mut harness, Modifiers::NONE, Key::F12);
-    assert_eq!(asked(&mut harness), (false, true));
+    assert_eq!(asked(&mut harness), (false, Some(ScreenshotTo::File)));
+    key(&mut harness, Modifiers::COMMAND, Key::F12);
+    assert_eq!(asked(&mut harness), (false, Some(ScreenshotTo::Clipboard)));
 
     click(&mut harness, "Menu");
     click(&mut harness, "Full screen");
-    assert_eq!(asked(&mut harness), (true, false));
+    assert_eq!(asked(&mut harness), (true, None));
     click(&mut harness, "Menu");
     click(&mut harness, "Save picture");
-    assert_eq!(asked(&mut harness), (false, true));
+    assert_eq!(asked(&mut harness), (false, Some(ScreenshotTo::File)));
+    click(&mut harness, "Menu");
+    click(&mut harness, "Copy picture");
+    assert_eq!(asked(&mut harness), (false, Some(ScreenshotTo::Clipboard)));
     click(&mut harness, "Menu");
     click(&mut harness, "View ⏵");
     click(&mut harness, "Zoom in");
     assert!((distance(&harness) - near).abs() < 1e-3 * near);
+}
+
+#[test]
+fn hidden_panels_leave_the_window_to_the_picture_until_they_are_wanted_again() {
+    let mut harness = bench();
+    let whole = egui::Rect::from_min_size(egui::Pos2::ZERO, vec2(1280.0, 800.0));
+    let beside_panels = harness.state().picture();
+    assert!(beside_panels.area() < 0.8 * whole.area());
+    click(&mut harness, "Menu");
+    click(&mut harness, "Hide panels");
+    assert_eq!(harness.state().picture(), whole);
+    assert!(!has(&harness, "Menu") && !has(&harness, "Ellipsoid"));
+    let toasts: Vec<_> = harness.state().ui.toasts.texts().collect();
+    assert!(toasts.iter().any(|(_, text)| text.contains("F10")), "{toasts:?}");
+    // Tools work as before.
+    let before = voxels(&harness);
+    look(&mut harness);
+    let at = middle(&harness);
+    drag(&mut harness, PointerButton::Primary, Modifiers::NONE, &[at]);
+    assert!(voxels(&harness) < before);
+    // Without keys: a button at the upper edge, where the pointer is near.
+    assert!(!has(&harness, "Show panels"));
+    send(&mut harness, Event::PointerMoved(egui::pos2(700.0, 20.0)));
+    harness.run();
+    click(&mut harness, "Show panels");
+    assert_eq!(harness.state().picture(), beside_panels);
+    key(&mut harness, Modifiers::NONE, Key::F10);
+    assert_eq!(harness.state().picture(), whole);
+    key(&mut harness, Modifiers::NONE, Key::F10);
+    assert_eq!(harness.state().picture(), beside_panels);
 }

@@ -126,6 +126,27 @@ fn a_picture_of_the_view_is_saved_by_key_without_tool_and_lines() {
     assert!(count(&shown, red) > 100, "the tool is red, and nothing else");
     assert_eq!(count(&saved, red), 0);
     assert!(count(&saved, stone) > 20_000);
+
+    // The same picture goes to the clipboard.
+    program.key(&["Control_L", "F12"]);
+    program.settle();
+    let copied: Vec<[u8; 3]> = program.copied_picture().pixels().map(|pixel| pixel.0).collect();
+    assert_eq!(copied.len(), saved.len());
+    assert!(copied == saved, "the copied picture differs from the saved one");
+    program.close();
+    program.expect_clean_exit();
+
+    // It is the refined one: without refinement its edges are others, and nothing else.
+    let display = self::display();
+    let settings =
+        "[new]\ndims = [96, 96, 96]\n[window]\nguide = false\n[render]\nrefine = false\n";
+    let program = Program::start_with(&display, &[], settings);
+    program.settle();
+    program.key(&["F12"]);
+    program.settle();
+    let plain = image::open(program.folder().join("sculpture-1.png")).unwrap().to_rgb8();
+    let differing = plain.pixels().zip(&saved).filter(|(a, b)| a.0 != **b).count();
+    assert!((200..saved.len() / 20).contains(&differing), "{differing} pixels were refined");
     program.close();
     program.expect_clean_exit();
 }

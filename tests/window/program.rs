@@ -10,7 +10,7 @@ use x11rb::connection::Connection;
 use x11rb::protocol::Event;
 use x11rb::protocol::xproto::{
     AtomEnum, ChangeWindowAttributesAux, ClientMessageEvent, ConfigureWindowAux,
-    ConnectionExt as _, EventMask, InputFocus, Keysym, Window,
+    ConnectionExt as _, CreateWindowAux, EventMask, InputFocus, Keysym, Window, WindowClass,
 };
 
 use super::display::Display;
@@ -177,6 +177,31 @@ impl<'a> Program<'a> {
     pub fn panel_place(&self, title: &str) -> [u32; 4] {
         let place = self.display.x.get_geometry(self.panel(title)).unwrap().reply().unwrap();
         [place.x as u32, place.y as u32, place.width.into(), place.height.into()]
+    }
+
+    /// The picture that was copied to the clipboard.
+    pub fn copied_picture(&self) -> image::RgbImage {
+        let x = &self.display.x;
+        let atom = |name: &[u8]| x.intern_atom(false, name).unwrap().reply().unwrap().atom;
+        let (clipboard, png) = (atom(b"CLIPBOARD"), atom(b"image/png"));
+        let window = x.generate_id().unwrap();
+        let (class, depth) = (WindowClass::INPUT_ONLY, x11rb::COPY_FROM_PARENT as u8);
+        let aux = CreateWindowAux::new();
+        x.create_window(depth, window, self.display.root, 0, 0, 1, 1, 0, class, 0, &aux).unwrap();
+        x.convert_selection(window, clipboard, png, png, x11rb::CURRENT_TIME).unwrap();
+        self.display.sync();
+        let given = std::cell::Cell::new(None);
+        self.until("the clipboard answers", || {
+            while let Some(event) = x.poll_for_event().unwrap() {
+                if let Event::SelectionNotify(answer) = event {
+                    given.set(Some(answer.property));
+                }
+            }
+            given.get().is_some()
+        });
+        assert_eq!(given.get(), Some(png), "there is a picture on the clipboard");
+        let bytes = x.get_property(true, window, png, AtomEnum::ANY, 0, u32::MAX).unwrap();
+        image::load_from_memory(&bytes.reply().unwrap().value).unwrap().to_rgb8()
     }
 
     /// Asks the window of a panel to close.
