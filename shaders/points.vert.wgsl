@@ -14,6 +14,8 @@ var<immediate> view: PointView;
 
 // Enlargement of the box in voxels, to allow for rounding. The pixels that it adds are discarded.
 const MARGIN_VX: f32 = 0.01;
+// The same for each voxel of the distance from the eye, for eyes that are far away.
+const MARGIN_PER_VX: f32 = 4e-7;
 
 struct Corner {
     @builtin(position) position: vec4<f32>,
@@ -37,7 +39,8 @@ fn main(
     let middle = vec3<f32>(voxel) + 0.5;
     let from_eye = middle - view.origin;
     let w = dot(view.clip_w, from_eye);
-    let reach = 0.5 + MARGIN_VX;
+    let distance = max(max(abs(from_eye.x), abs(from_eye.y)), abs(from_eye.z));
+    let reach = 0.5 + MARGIN_VX + MARGIN_PER_VX * distance;
     let nearest = w - reach * dot(abs(view.clip_w), vec3<f32>(1.0));
     // Corners of a triangle that contains the square from -1 to 1.
     let side = select(vec2<f32>(-1.0), vec2<f32>(3.0), vec2<bool>(corner == 1u, corner == 2u));

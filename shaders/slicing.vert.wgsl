@@ -8,6 +8,8 @@ var<immediate> view: SliceView;
 
 // Enlargement of the outline in voxels, to allow for rounding. The pixels that it adds are discarded.
 const MARGIN_VX: f32 = 0.02;
+// The same for each voxel of the distance from the eye, for eyes that are far away.
+const MARGIN_PER_VX: f32 = 4e-7;
 
 struct Corner {
     @builtin(position) position: vec4<f32>,
@@ -49,7 +51,8 @@ fn main(
     let outline = vec2<f32>(select(rect.xz, rect.yw, upper));
     let near = eye + (outline - eye) * scale.x;
     let far = eye + (outline - eye) * scale.y;
-    let seen = select(min(near, far) - MARGIN_VX, max(near, far) + MARGIN_VX, upper);
+    let rounding = MARGIN_VX + MARGIN_PER_VX * abs(middle - view.origin[d]);
+    let seen = select(min(near, far) - rounding, max(near, far) + rounding, upper);
     var from_eye = vec3<f32>(0.0);
     from_eye[d] = middle - view.origin[d];
     from_eye[u] = seen.x - eye.x;

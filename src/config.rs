@@ -23,7 +23,7 @@ use crate::picture::PictureOptions;
 use crate::render::{LightOptions, RenderOptions, StereoOptions};
 use crate::screen::headset::HeadsetOptions;
 use crate::shade::Lighting;
-use crate::ui::{UiOptions, WindowOptions};
+use crate::ui::{UiOptions, ViewOptions, WindowOptions};
 use crate::video::VideoOptions;
 
 mod model;
@@ -56,6 +56,7 @@ pub struct Config {
     pub light: LightOptions,
     pub gpu: GpuOptions,
     pub window: WindowOptions,
+    pub view: ViewOptions,
     pub stereo: StereoOptions,
     pub video: VideoOptions,
     pub gamepad: GamepadOptions,
@@ -143,6 +144,7 @@ impl Config {
     pub fn ui_options(&self) -> UiOptions<'_> {
         UiOptions {
             window: &self.window,
+            view: &self.view,
             new: self.new_sculpture(),
             render: &self.render,
             light: &self.light,

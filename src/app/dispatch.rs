@@ -103,6 +103,7 @@ impl Workspace {
             }
             Action::NextPadMode => self.controls.pads.next_mode(),
             Action::ToggleBounds => self.ui.view.bounds ^= true,
+            Action::ToggleOrthographic => self.ui.view.orthographic ^= true,
             Action::ToggleVideo => self.ui.view.video.on ^= true,
             Action::SwapEyes => self.ui.view.stereo.swap_eyes ^= true,
             Action::NextRenderMode => self.ui.view.choose_mode(next_mode(self.ui.view.mode)),
@@ -315,7 +316,7 @@ impl Workspace {
                 self.editor.drag_tool(Vec2::new(0.0, pixels.z), true, &picker);
             }
         } else {
-            let turntable = &self.viewpoint.turntable;
+            let turntable = &mut self.viewpoint.turntable;
             let placement = self.editor.document().placement();
             let mut to = turntable.shifted(placement, Vec2::new(pixels.x, -pixels.y));
             to = turntable.brought_nearer(&to, pixels.z);
@@ -374,6 +375,7 @@ impl Workspace {
             }
             outcomes.into_iter().for_each(|outcome| self.react(outcome));
         }
+        self.viewpoint.turntable.set_orthographic(self.ui.view.orthographic);
         self.ui.dialogs.busy = self.editor.busy();
         self.ui.dialogs.calibrating = self.viewpoint.head.is_calibrating();
     }

@@ -192,6 +192,8 @@ pub enum Action {
     CalibrateHead,
     /// Toggles the sculpture on the printed marker in the video.
     ToggleAr,
+    /// Toggles between parallel rays and perspective.
+    ToggleOrthographic,
     /// Toggles the edges of the grid.
     ToggleBounds,
     /// Toggles between the dark and the light theme.
@@ -344,6 +346,7 @@ impl Action {
         Action::LookFrom(Side::Bottom),
         Action::ZoomIn,
         Action::ZoomOut,
+        Action::ToggleOrthographic,
         Action::ToggleBounds,
         Action::NextRenderMode,
         Action::Lights,

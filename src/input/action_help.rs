@@ -184,6 +184,11 @@ impl Action {
             Action::ToggleRumble => ("toggle-rumble", Tap, "Gamepad rumble on or off"),
             Action::ZoomIn => ("zoom-in", Tap, "Zoom in"),
             Action::ZoomOut => ("zoom-out", Tap, "Zoom out"),
+            Action::ToggleOrthographic => (
+                "toggle-orthographic",
+                Tap,
+                "Orthographic view (parallel lines stay parallel), or perspective",
+            ),
             Action::ToggleBounds => ("toggle-bounds", Tap, "Grid outline on or off"),
             Action::ToggleTheme => ("toggle-theme", Tap, "Dark or light theme"),
             Action::Fullscreen => ("fullscreen", Tap, "Full screen on or off"),

@@ -99,6 +99,9 @@ impl Action {
             Action::ToggleHead => "tracker webcam opentrack",
             Action::CalibrateHead => "tracking",
             Action::ToggleAr => "augmented reality webcam ar",
+            Action::ToggleOrthographic => {
+                "projection ortho isometric axonometric numpad flat camera"
+            }
             Action::ToggleBounds => "bounds box edges frame",
             Action::ToggleTheme => "mode appearance skin colours",
             Action::Detach(Panel::Toolbox) => "tools panel undock float tear window",

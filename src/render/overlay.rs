@@ -25,6 +25,9 @@ const LINE_DEPTH: f32 = 1.002;
 /// The same for the faces of tools, below their lines: more than depths of the surface and of the
 /// rasterizer differ by rounding.
 const FACE_DEPTH: f32 = 1.0004;
+/// Half heights of pictures at distance 1 below which these factors shrink in proportion: a narrow view is one from
+/// afar, in which the same part of the depth is a longer way.
+const NARROW: f32 = 0.2;
 /// Pixels, in units of the rasterizer's sub-pixel precision, by which a face may be displaced on the
 /// screen: a vertex is rounded by up to one unit in x and in y. Seen at a flat angle, a fraction of
 /// a pixel makes more difference in depth than [`FACE_DEPTH`].
@@ -62,6 +65,14 @@ pub struct Scene<'a> {
     /// The tools.
     pub previews: &'a [ToolPreview],
     pub lines: &'a [Line],
+}
+
+impl Scene<'_> {
+    /// The factor on depths that is `usual` for views of usual angles.
+    fn nearer(&self, usual: f32) -> f32 {
+        let half_height = self.projection.y_axis.y.abs().recip();
+        1.0 + (usual - 1.0) * (half_height / NARROW).min(1.0)
+    }
 }
 
 /// Push constants of the `overlay_solid` stages.
@@ -209,7 +220,7 @@ impl Overlay {
         let rows = normals.transpose();
         let row = |axis: Vec3| axis.extend(0.0).to_array();
         // Clip z is the near distance everywhere.
-        let nearer = Mat4::from_scale(Vec3::new(1.0, 1.0, FACE_DEPTH));
+        let nearer = Mat4::from_scale(Vec3::new(1.0, 1.0, scene.nearer(FACE_DEPTH)));
         let constants = SolidConstants {
             clip_from_tool: (nearer * scene.projection * Mat4::from(eye_from_tool)).to_cols_array(),
             eye_from_normal: [row(rows.x_axis), row(rows.y_axis), row(rows.z_axis)],
@@ -241,7 +252,7 @@ impl Overlay {
         let [width, height] = scene.size.map(|n| n as f32);
         let constants = LineConstants {
             clip_from_grid: (scene.projection * Mat4::from(scene.eye_from_grid)).to_cols_array(),
-            picture: [width, height, 1.0, LINE_DEPTH],
+            picture: [width, height, 1.0, scene.nearer(LINE_DEPTH)],
         };
         let pipeline = &self.lines[side];
         recorder.bind_pipeline(pipeline);

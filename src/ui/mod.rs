@@ -40,6 +40,7 @@ pub mod unkept;
 pub mod unsaved;
 pub mod upright;
 pub mod video;
+pub mod view_options;
 pub mod window_options;
 
 use std::path::Path;
@@ -57,6 +58,7 @@ use crate::viewpoint::camera::VideoStatus;
 use crate::viewpoint::head::HeadStatus;
 
 pub use state::{ScreenshotTo, UiOptions, UiRequest, UiState, ViewState};
+pub use view_options::ViewOptions;
 pub use window_options::{SCALE_RANGE, Theme, WindowOptions};
 
 /// How long the last picture took, in milliseconds.

@@ -170,6 +170,10 @@ fn view(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Ve
     if !context.in_headset {
         stereo_options::show(ui, state, context);
     }
+    if !context.in_headset {
+        let parallel = ui.checkbox(&mut state.view.orthographic, "Orthographic");
+        explain(parallel, context, Action::ToggleOrthographic);
+    }
     let bounds = ui.checkbox(&mut state.view.bounds, "Grid outline");
     explain(bounds, context, Action::ToggleBounds);
     ui.checkbox(&mut state.view.tool, "Tool");

@@ -14,7 +14,7 @@ use super::dialogs::Dialogs;
 use super::recent::Recent;
 use super::toasts::Toasts;
 use super::upright::Upright;
-use super::{SCALE_RANGE, Theme, WindowOptions};
+use super::{SCALE_RANGE, Theme, ViewOptions, WindowOptions};
 use crate::command::{Command, NewSculpture};
 use crate::editor::questions::Next;
 use crate::editor::tool::ToolEdit;
@@ -66,6 +66,8 @@ pub struct ViewState {
     pub refine: bool,
     pub stereo: StereoOptions,
     pub video: VideoOptions,
+    /// Parallel lines stay parallel; not before a tracked head or a printed marker.
+    pub orthographic: bool,
     /// The axis of the grid that is up when the view is reset.
     pub up: Vec3,
     /// The edges of the grid.
@@ -228,6 +230,7 @@ pub struct UiState {
 #[derive(Clone, Debug)]
 pub struct UiOptions<'a> {
     pub window: &'a WindowOptions,
+    pub view: &'a ViewOptions,
     /// The default of the dialog for a new sculpture.
     pub new: NewSculpture,
     pub render: &'a RenderOptions,
@@ -249,6 +252,7 @@ impl UiState {
                 refine: options.render.refine,
                 stereo: *options.stereo,
                 video: options.video.clone(),
+                orthographic: options.view.orthographic,
                 up: Vec3::Y,
                 bounds: true,
                 line: true,

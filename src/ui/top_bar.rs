@@ -98,6 +98,8 @@ fn menu(
             if !context.in_headset {
                 action_button(ui, context, "Zoom in", Action::ZoomIn, true, requests);
                 action_button(ui, context, "Zoom out", Action::ZoomOut, true, requests);
+                let parallel = ui.checkbox(&mut state.view.orthographic, "Orthographic");
+                explain(parallel, context, Action::ToggleOrthographic);
             }
         });
         action_button(ui, context, "Search actions …", Action::Palette, true, requests);

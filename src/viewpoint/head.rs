@@ -233,7 +233,7 @@ impl Head {
             rotation: Quat::IDENTITY,
             units_per_m: turntable.window_height() / plane.height_m.max(1e-3),
         };
-        let near = turntable.camera().near;
+        let near = turntable.near();
         Some(plane.eyes(&head, &world, turntable.eye().size, near))
     }
 

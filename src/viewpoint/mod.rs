@@ -103,7 +103,7 @@ impl Viewpoint {
         let middle = document.grid().dims().as_vec3() * 0.5;
         let centre = document.world_from_grid().transform_point3(middle);
         let depth = -mono.eye_from_world.transform_point3(centre).z;
-        stereo.rig(depth.max(self.turntable.camera().near)).eyes(&mono).to_vec()
+        stereo.rig(depth.max(self.turntable.near())).eyes(&mono).to_vec()
     }
 
     /// The eye whose picture the pointer is in.

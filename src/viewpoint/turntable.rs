@@ -27,6 +27,10 @@ pub struct Turntable {
     distance: f32,
     /// Of the ball around the grid, in world units.
     radius: f32,
+    /// The same, in voxels.
+    radius_vx: f32,
+    /// The rays are parallel. Distances are those of a perspective camera that shows as much.
+    orthographic: bool,
     fov_y_rad: f32,
     /// Pixels of the picture.
     size: UVec2,
@@ -35,8 +39,14 @@ pub struct Turntable {
 impl Turntable {
     /// A camera that shows the whole of `grid`.
     pub fn new(grid: &Grid, fov_deg: f32, size: UVec2) -> Turntable {
-        let mut turntable =
-            Turntable { distance: 1.0, radius: 1.0, fov_y_rad: fov_deg.to_radians(), size };
+        let mut turntable = Turntable {
+            distance: 1.0,
+            radius: 1.0,
+            radius_vx: 1.0,
+            orthographic: false,
+            fov_y_rad: fov_deg.to_radians(),
+            size,
+        };
         turntable.show_all(grid, &Placement::default());
         turntable
     }
@@ -45,14 +55,28 @@ impl Turntable {
         self.size = size.max(UVec2::ONE);
     }
 
+    /// Whether parallel lines stay parallel in the picture.
+    pub fn set_orthographic(&mut self, orthographic: bool) {
+        self.orthographic = orthographic;
+    }
+
     pub fn camera(&self) -> Camera {
-        Camera {
+        let camera = Camera {
             eye: Vec3::new(0.0, 0.0, self.distance),
             target: Vec3::ZERO,
             up: Vec3::Y,
             fov_y_rad: self.fov_y_rad,
-            near: self.distance.min(self.radius) * 1e-3,
+            near: self.near(),
+        };
+        match self.orthographic {
+            true => camera.orthographic(2.0 * self.radius, 2.0 * self.radius_vx),
+            false => camera,
         }
+    }
+
+    /// Distance of the near plane of a camera among what is seen.
+    pub fn near(&self) -> f32 {
+        self.distance.min(self.radius) * 1e-3
     }
 
     pub fn eye(&self) -> Eye {
@@ -73,6 +97,7 @@ impl Turntable {
     pub fn show_all(&mut self, grid: &Grid, placement: &Placement) {
         let extent = grid.dims().as_vec3() * grid.voxel_size() * placement.scale;
         self.radius = 0.5 * extent.length();
+        self.radius_vx = 0.5 * grid.dims().as_vec3().length();
         let aspect = self.size.x as f32 / self.size.y as f32;
         let half_angle = (0.5 * self.fov_y_rad).tan() * aspect.min(1.0);
         self.distance = MARGIN * self.radius / half_angle.atan().sin();
@@ -112,8 +137,15 @@ impl Turntable {
     }
 
     /// Brings the sculpture nearer by as much as a drag of `pixels` across would move it, no
-    /// closer than can be seen.
-    pub fn brought_nearer(&self, placement: &Placement, pixels: f32) -> Placement {
+    /// closer than can be seen. Before parallel rays, where that would change nothing, the picture grows
+    /// instead.
+    pub fn brought_nearer(&mut self, placement: &Placement, pixels: f32) -> Placement {
+        if self.orthographic {
+            let range = self.radius * NEAREST..=self.radius * FARTHEST;
+            let to = self.distance - pixels * self.world_per_pixel(placement);
+            self.distance = to.clamp(*range.start(), *range.end());
+            return *placement;
+        }
         let nearest = self.distance - self.radius * NEAREST;
         let farthest = self.distance - self.radius * FARTHEST;
         let z = placement.translation.z;
@@ -136,6 +168,9 @@ impl Turntable {
 
     /// World units per pixel at the depth of the sculpture's centre.
     fn world_per_pixel(&self, placement: &Placement) -> f32 {
+        if self.orthographic {
+            return self.window_height() / self.size.y as f32;
+        }
         let depth = (self.distance - placement.translation.z).max(self.radius * 1e-3);
         2.0 * (0.5 * self.fov_y_rad).tan() * depth / self.size.y as f32
     }
@@ -236,7 +271,14 @@ mod tests {
 
     #[test]
     fn zooming_and_shifting_keep_what_is_under_the_pointer() {
-        let (grid, mut turntable) = turntable();
+        let (grid, perspective) = turntable();
+        keep_what_is_under_the_pointer(&grid, perspective);
+        let mut parallel = perspective;
+        parallel.set_orthographic(true);
+        keep_what_is_under_the_pointer(&grid, parallel);
+    }
+
+    fn keep_what_is_under_the_pointer(grid: &Grid, mut turntable: Turntable) {
         let placement = Placement { translation: Vec3::new(1.0, 2.0, 0.0), ..Default::default() };
         let centre = grid.dims().as_vec3() * 0.5;
         let pixel = |turntable: &Turntable, placement: &Placement| {
@@ -249,5 +291,27 @@ mod tests {
         assert!(pixel(&turntable, &zoomed).abs_diff_eq(at, 0.1));
         let shifted = turntable.shifted(&zoomed, Vec2::new(30.0, -12.0));
         assert!(pixel(&turntable, &shifted).abs_diff_eq(at + Vec2::new(30.0, -12.0), 0.1));
+    }
+
+    #[test]
+    fn what_comes_nearer_grows_in_either_projection() {
+        let (grid, mut turntable) = turntable();
+        for orthographic in [false, true] {
+            turntable.set_orthographic(orthographic);
+            turntable.show_all(&grid, &Placement::default());
+            let width = |turntable: &Turntable, placement: &Placement| {
+                let world_from_grid = placement.world_from_grid(grid.dims(), grid.voxel_size());
+                let clip_from_grid = turntable.eye().clip_from_grid(&world_from_grid);
+                let [a, b] = [0.0, 20.0].map(|x| {
+                    let clip = clip_from_grid * Vec3::new(x, 5.0, 15.0).extend(1.0);
+                    clip.x / clip.w * 320.0
+                });
+                b - a
+            };
+            let before = width(&turntable, &Placement::default());
+            let nearer = turntable.brought_nearer(&Placement::default(), 60.0);
+            let after = width(&turntable, &nearer);
+            assert!((1.1..1.3).contains(&(after / before)), "{before} {after}");
+        }
     }
 }

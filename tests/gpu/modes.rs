@@ -62,8 +62,8 @@ fn lighting(occlusion: bool) -> Lighting {
 }
 
 /// Pairs of eyes: at the usual distance and so near that a voxel covers dozens of pixels; so far that
-/// a pixel covers several voxels, and a little beside that.
-fn eyes(document: &Document, world: &Affine3A) -> [[Eye; 2]; 2] {
+/// a pixel covers several voxels, and a little beside that; orthographic, all and a part.
+fn eyes(document: &Document, world: &Affine3A) -> [[Eye; 2]; 3] {
     let scale = world.matrix3.determinant().cbrt();
     let radius = scale * 0.5 * document.grid().dims().as_vec3().length();
     let direction = Vec3::new(0.8, 0.6, 1.0);
@@ -80,7 +80,11 @@ fn eyes(document: &Document, world: &Affine3A) -> [[Eye; 2]; 2] {
     };
     let far = Camera { eye: usual.eye * 9.0, fov_y_rad: 0.5 * usual.fov_y_rad, ..usual };
     let beside = Camera { eye: far.eye + Vec3::X * 0.3 * scale, ..far };
-    [[usual, near], [far, beside]].map(|pair| pair.map(|camera| camera.eye(SIZE)))
+    let parallel = usual.orthographic(2.0 * radius, 2.0 * radius / scale);
+    let nearer = Camera { eye: usual.eye * 0.2, ..usual };
+    let magnified = nearer.orthographic(2.0 * radius, 2.0 * radius / scale);
+    [[usual, near], [far, beside], [parallel, magnified]]
+        .map(|pair| pair.map(|camera| camera.eye(SIZE)))
 }
 
 /// The picture of the ray caster and the software shader, over red.

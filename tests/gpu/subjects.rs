@@ -120,13 +120,21 @@ fn outside(grid: &Grid, seed: u64) -> Vec<View> {
     directions.extend((0..4).map(|_| {
         Vec3::from(std::array::from_fn(|_| range(&mut random, -1.0, 1.0))) + Vec3::splat(1e-3)
     }));
-    directions
-        .into_iter()
-        .map(|direction| View {
-            eye: Camera::framing(radius, direction, Vec3::Y).eye(SIZE),
-            world_from_grid: placed(grid, Placement::default()),
-        })
-        .collect()
+    let camera = |direction| Camera::framing(radius, direction, Vec3::Y);
+    let diameter_vx = grid.dims().as_vec3().length();
+    let parallel = directions.clone().into_iter().skip(2).step_by(2).map(|direction| {
+        // With parallel rays: all of it, and a part.
+        let camera = camera(direction);
+        let nearer = if direction.x < 0.5 { 1.0 } else { 0.1 };
+        Camera { eye: camera.eye * nearer, ..camera }.orthographic(2.0 * radius, diameter_vx)
+    });
+    let cameras: Vec<Camera> =
+        directions.iter().map(|direction| camera(*direction)).chain(parallel).collect();
+    let view = |camera: Camera| View {
+        eye: camera.eye(SIZE),
+        world_from_grid: placed(grid, Placement::default()),
+    };
+    cameras.into_iter().map(view).collect()
 }
 
 /// Turned, moved and scaled, seen from fixed eyes.

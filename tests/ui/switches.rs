@@ -4,12 +4,13 @@
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
+use glam::Vec3;
 use virtual_sculpture::ui::toasts::Tone;
 use virtual_sculpture::ui::{ScreenshotTo, Theme};
 use virtual_sculpture::view::StereoLayout;
 
 use super::bench::{
-    Bench, bench, bench_of, click, config, drag, has, key, look, middle, send, voxels,
+    Bench, bench, bench_of, click, config, drag, has, key, look, middle, screen, send, voxels,
 };
 
 fn layout(harness: &Bench) -> StereoLayout {
@@ -173,4 +174,35 @@ fn hidden_panels_leave_the_window_to_the_picture_until_they_are_wanted_again() {
     assert_eq!(harness.state().picture(), whole);
     key(&mut harness, Modifiers::NONE, Key::F10);
     assert_eq!(harness.state().picture(), beside_panels);
+}
+
+#[test]
+fn in_an_orthographic_view_equal_things_are_equally_large_and_tools_work_where_one_points() {
+    let mut harness = bench();
+    key(&mut harness, Modifiers::NONE, Key::Num7);
+    let width = |harness: &Bench, z: f32| {
+        screen(harness, Vec3::new(64.0, 32.0, z)).x - screen(harness, Vec3::new(0.0, 32.0, z)).x
+    };
+    let (far, near) = (width(&harness, 0.0), width(&harness, 64.0));
+    assert!(near > 1.2 * far);
+    key(&mut harness, Modifiers::NONE, Key::O);
+    assert!(harness.state().ui.view.orthographic);
+    let (parallel_far, parallel_near) = (width(&harness, 0.0), width(&harness, 64.0));
+    assert!((parallel_near - parallel_far).abs() < 2.0, "{parallel_far} {parallel_near}");
+    assert!((far..near).contains(&parallel_near), "what is in the middle keeps its size");
+
+    // A press near a corner of the front face cuts there.
+    let corner = Vec3::new(60.0, 60.0, 64.0);
+    let at = screen(&harness, corner);
+    drag(&mut harness, PointerButton::Primary, Modifiers::NONE, &[at]);
+    let grid = harness.state().session().document().grid();
+    assert!(!grid.get(glam::IVec3::new(60, 60, 63)) && grid.get(glam::IVec3::new(32, 32, 63)));
+    let centre = harness.state().editor.tool.centre_vx;
+    assert!(centre.distance(corner) < 1.0, "{centre}");
+
+    click(&mut harness, "Menu");
+    click(&mut harness, "View ⏵");
+    click(&mut harness, "Orthographic");
+    assert!(!harness.state().ui.view.orthographic);
+    assert!((width(&harness, 64.0) - near).abs() < 0.5);
 }

@@ -5,6 +5,12 @@ use glam::{UVec2, Vec3};
 
 use super::eye::{Eye, Frustum};
 
+/// How far a camera is that stands for an orthographic one, in diameters of what it sees: at 640x480 no point is
+/// then farther than a quarter of a pixel from its place.
+const AFAR_DIAMETERS: f32 = 220.0;
+/// The same in voxels at most. A picture of single precision has rays that are off by some millionths of their length.
+const AFAR_VX: f32 = 240_000.0;
+
 /// A perspective camera in world coordinates.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Camera {
@@ -83,6 +89,27 @@ impl Camera {
         Camera { eye, target, near: distance * 1e-3, ..camera }
     }
 
+    /// An orthographic camera, up to a fraction of a pixel: so far away and with so narrow an angle that its rays are
+    /// parallel for whoever looks at what is around the target, `diameter` world units and `diameter_vx` voxels in
+    /// size. So samplers and picking, whose rays all start in the eye, need to know nothing of it.
+    ///
+    /// The picture shows the same of the plane through the target as this camera's does. The more it magnifies, the
+    /// nearer the eye is: small details then need exact rays more than parallel ones.
+    pub fn orthographic(&self, diameter: f32, diameter_vx: f32) -> Camera {
+        let from_target = self.eye - self.target;
+        let half_height = from_target.length() * (0.5 * self.fov_y_rad).tan();
+        let magnification = (0.5 * diameter / half_height).max(1.0);
+        let diameters = (AFAR_DIAMETERS / magnification.sqrt()).min(AFAR_VX / diameter_vx.max(1.0));
+        // Never within what it looks at.
+        let distance = diameter * diameters.max(2.0);
+        Camera {
+            eye: self.target + from_target.normalize_or(Vec3::Z) * distance,
+            fov_y_rad: 2.0 * (half_height / distance).atan(),
+            near: 1e-3 * distance,
+            ..*self
+        }
+    }
+
     /// The eye for a picture of `size` pixels.
     pub fn eye(&self, size: UVec2) -> Eye {
         let aspect = size.x as f32 / size.y.max(1) as f32;
@@ -97,6 +124,64 @@ impl Camera {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sculpture::Placement;
+    use glam::{DVec2, EulerRot, Quat, Vec2};
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Points of a sculpture, projected and by the rays of their pixels, are where parallel rays see them.
+        #[test]
+        fn an_orthographic_camera_is_a_parallel_projection_within_a_quarter_pixel(
+            turn in prop::array::uniform3(-3.0f32..3.0),
+            at in prop::array::uniform3(0.0f32..1.0),
+            edge in 8u32..512, scale in 0.1f32..10.0,
+        ) {
+            let size = UVec2::new(640, 480);
+            let dims = glam::UVec3::new(edge, edge / 2 + 1, edge);
+            let rotation = Quat::from_euler(EulerRot::XYZ, turn[0], turn[1], turn[2]);
+            let placement = Placement { rotation, scale, ..Placement::default() };
+            let world_from_grid = placement.world_from_grid(dims, Vec3::ONE);
+            let diameter_vx = dims.as_vec3().length();
+            let usual = Camera::framing(0.5 * scale * diameter_vx, Vec3::Z, Vec3::Y);
+            let camera = usual.orthographic(scale * diameter_vx, diameter_vx);
+            let eye = camera.eye(size);
+            let point = dims.as_vec3() * Vec3::from(at);
+            // Parallel, in double precision.
+            let world = world_from_grid.as_daffine3().transform_point3(point.as_dvec3());
+            let height = 2.0 * (0.5 * f64::from(usual.fov_y_rad)).tan() * f64::from(usual.eye.z);
+            let px_per_unit = 480.0 / height;
+            let expected = DVec2::new(320.0 + world.x * px_per_unit, 240.0 - world.y * px_per_unit);
+            let clip = eye.clip_from_grid(&world_from_grid) * point.extend(1.0);
+            let projected = (Vec2::new(clip.x, clip.y) / clip.w * 0.5 + 0.5) * size.as_vec2();
+            let off = projected.as_dvec2().distance(expected);
+            prop_assert!(off < 0.25, "projected at {projected}, not {expected}: {off}");
+            // The ray through that place passes the point as closely.
+            let rays = eye.pixel_rays(&world_from_grid);
+            let direction = rays.direction_at(expected.x as f32, expected.y as f32);
+            let met = rays.origin + direction * (clip.w);
+            let passes = f64::from(met.distance(point) * scale) * px_per_unit;
+            prop_assert!(passes < 0.25, "the ray passes at {passes} px");
+        }
+    }
+
+    #[test]
+    fn an_orthographic_camera_shows_the_same_window_and_comes_nearer_as_it_magnifies() {
+        let usual = Camera::framing(100.0, Vec3::new(1.0, 2.0, 3.0), Vec3::Y);
+        let window = |camera: &Camera| {
+            2.0 * (0.5 * camera.fov_y_rad).tan() * camera.eye.distance(camera.target)
+        };
+        let mut before = f32::INFINITY;
+        for nearer in [1.0, 0.3, 0.05, 0.01] {
+            let camera = Camera { eye: usual.eye * nearer, ..usual };
+            let afar = camera.orthographic(200.0, 200.0);
+            assert!((window(&afar) / window(&camera) - 1.0).abs() < 1e-3, "{nearer}");
+            let distance = afar.eye.length();
+            assert!(distance < before && distance > 1000.0, "{distance}");
+            before = distance;
+        }
+        // However large the grid, rays are exact to parts of a voxel.
+        assert!(usual.orthographic(200.0, 7094.0).eye.length() < 200.0 / 7094.0 * 1.001 * AFAR_VX);
+    }
 
     #[test]
     fn framed_points_are_in_the_picture_and_touch_its_rim() {
