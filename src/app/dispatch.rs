@@ -42,6 +42,10 @@ impl Workspace {
         match request {
             UiRequest::Do(action) => self.act(action),
             UiRequest::Run(command) => editor.run_unless_work_is_lost(command),
+            UiRequest::Turn(angle) => {
+                let (placement, up) = (*editor.document().placement(), self.ui.view.up);
+                editor.place(self.viewpoint.turntable.turned_by(&placement, angle, up));
+            }
             UiRequest::Tool(edit) => editor.tool.edit(edit),
             UiRequest::Keys(change) => {
                 let notice = self.controls.change_keys(change);
@@ -104,6 +108,7 @@ impl Workspace {
             Action::NextPadMode => self.controls.pads.next_mode(),
             Action::ToggleBounds => self.ui.view.bounds ^= true,
             Action::ToggleOrthographic => self.ui.view.orthographic ^= true,
+            Action::ToggleGizmo => self.ui.view.gizmo ^= true,
             Action::ToggleVideo => self.ui.view.video.on ^= true,
             Action::SwapEyes => self.ui.view.stereo.swap_eyes ^= true,
             Action::NextRenderMode => self.ui.view.choose_mode(next_mode(self.ui.view.mode)),

@@ -273,6 +273,7 @@ impl Workspace {
             blends: &self.display.blends,
             quad_buffered: self.display.quad_buffered,
             device: &self.display.device,
+            axes_in_picture: picker.sight().axes_in_picture(),
             pointed_vx: self.editor.pointer().and_then(|at| picker.voxel(document.grid(), at)),
             pad: self.controls.pads.status(),
             head: self.viewpoint.head.status(),

@@ -194,6 +194,8 @@ pub enum Action {
     ToggleAr,
     /// Toggles between parallel rays and perspective.
     ToggleOrthographic,
+    /// Toggles the axis gizmo.
+    ToggleGizmo,
     /// Toggles the edges of the grid.
     ToggleBounds,
     /// Toggles between the dark and the light theme.
@@ -347,6 +349,7 @@ impl Action {
         Action::ZoomIn,
         Action::ZoomOut,
         Action::ToggleOrthographic,
+        Action::ToggleGizmo,
         Action::ToggleBounds,
         Action::NextRenderMode,
         Action::Lights,

@@ -189,6 +189,7 @@ impl Action {
                 Tap,
                 "Orthographic view (parallel lines stay parallel), or perspective",
             ),
+            Action::ToggleGizmo => ("toggle-gizmo", Tap, "Axis gizmo on or off"),
             Action::ToggleBounds => ("toggle-bounds", Tap, "Grid outline on or off"),
             Action::ToggleTheme => ("toggle-theme", Tap, "Dark or light theme"),
             Action::Fullscreen => ("fullscreen", Tap, "Full screen on or off"),

@@ -102,6 +102,7 @@ impl Action {
             Action::ToggleOrthographic => {
                 "projection ortho isometric axonometric numpad flat camera"
             }
+            Action::ToggleGizmo => "axes navigation compass orientation cube",
             Action::ToggleBounds => "bounds box edges frame",
             Action::ToggleTheme => "mode appearance skin colours",
             Action::Detach(Panel::Toolbox) => "tools panel undock float tear window",

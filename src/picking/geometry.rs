@@ -150,6 +150,12 @@ impl Sight {
         }
     }
 
+    /// Where the axes of the grid point in the picture, as unit vectors: x right, y up, z to the viewer.
+    pub fn axes_in_picture(&self) -> [Vec3; 3] {
+        let m = self.eye_from_grid.matrix3;
+        [m.x_axis, m.y_axis, m.z_axis].map(|column| Vec3::from(column).normalize_or_zero())
+    }
+
     /// Distance of a point of the grid from the eye plane, in world units.
     pub fn depth(&self, point: Vec3) -> f32 {
         -self.eye_from_grid.transform_point3(point).z
@@ -170,8 +176,7 @@ impl Sight {
     /// The assignment of grid axes to screen axes that fits best: of the six, the one with the
     /// largest sum of cosines.
     pub fn screen_axes(&self) -> ScreenAxes {
-        let m = self.eye_from_grid.matrix3;
-        let columns = [m.x_axis, m.y_axis, m.z_axis].map(|c| Vec3::from(c).normalize_or_zero());
+        let columns = self.axes_in_picture();
         let cosine = |grid: usize, screen: usize| columns[grid][screen];
         let orders = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
         let fit = |order: &[usize; 3]| -> f32 {

@@ -11,6 +11,7 @@ pub mod dialogs;
 pub mod files;
 pub mod filter;
 pub mod gamepad;
+pub mod gizmo;
 pub mod guide;
 pub mod head;
 pub mod history;
@@ -96,6 +97,8 @@ pub struct UiContext<'a> {
     pub quad_buffered: bool,
     /// Name of the Vulkan device.
     pub device: &'a str,
+    /// Where the axes of the grid point in the picture: x right, y up, z to the viewer.
+    pub axes_in_picture: [glam::Vec3; 3],
     /// The voxel that the pointer points at.
     pub pointed_vx: Option<glam::UVec3>,
     /// The gamepad that leads, if there is one.
@@ -142,6 +145,8 @@ pub fn show(
         .inner;
     if state.layout.hidden {
         panels::way_back(root, context, requests, picture.rect);
+    } else if state.view.gizmo {
+        gizmo::show(root, state, context, requests, picture.rect);
     }
     upright::show(root, state, context, requests, picture.rect);
     guide::show(root, state, context, requests);

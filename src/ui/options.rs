@@ -173,6 +173,8 @@ fn view(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Ve
     if !context.in_headset {
         let parallel = ui.checkbox(&mut state.view.orthographic, "Orthographic");
         explain(parallel, context, Action::ToggleOrthographic);
+        let gizmo = ui.checkbox(&mut state.view.gizmo, "Axis gizmo");
+        explain(gizmo, context, Action::ToggleGizmo);
     }
     let bounds = ui.checkbox(&mut state.view.bounds, "Grid outline");
     explain(bounds, context, Action::ToggleBounds);

@@ -4,7 +4,7 @@
 //! Knows no window: whoever owns windows makes one for each panel in [`UiState::detached`] and has it
 //! filled by [`show`].
 
-use egui::{Align2, Area, CentralPanel, Frame, Id, Margin, Order, Rect, Response, ScrollArea};
+use egui::{Area, CentralPanel, Frame, Id, Margin, Order, Rect, Response, ScrollArea};
 use egui::{Sense, Ui, pos2, vec2};
 use egui::{WidgetInfo, WidgetType};
 
@@ -16,7 +16,7 @@ const BUTTON: f32 = 18.0;
 /// Height of the strip along the top of the picture in which the pointer brings up the way back.
 const WAY_BACK_HEIGHT: f32 = 64.0;
 
-/// A button in the upper right corner of `within` that shows the hidden panels again, for those who
+/// A button in the upper left corner of `within` that shows the hidden panels again, for those who
 /// have no keys. It is there while the pointer is near the top, so that it is in no picture.
 pub fn way_back(root: &Ui, context: &UiContext, requests: &mut Vec<UiRequest>, within: Rect) {
     let strip = Rect::from_min_size(within.min, vec2(within.width(), WAY_BACK_HEIGHT));
@@ -26,8 +26,7 @@ pub fn way_back(root: &Ui, context: &UiContext, requests: &mut Vec<UiRequest>, w
     }
     Area::new(Id::new("way back"))
         .order(Order::Middle)
-        .pivot(Align2::RIGHT_TOP)
-        .fixed_pos(within.right_top() + vec2(-8.0, 8.0))
+        .fixed_pos(within.left_top() + vec2(8.0, 8.0))
         .constrain_to(within)
         .show(root.ctx(), |ui| {
             action_button(ui, context, "Show panels", Action::TogglePanels, true, requests);

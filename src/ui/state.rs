@@ -7,7 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
 use super::dialogs::Dialogs;
@@ -34,6 +34,8 @@ pub enum UiRequest {
     Do(Action),
     /// A command whose arguments were chosen in a window.
     Run(Command),
+    /// Rotate the sculpture by angles in radians: to the right, and down.
+    Turn(Vec2),
     /// Change the tool.
     Tool(ToolEdit),
     /// Stop the long work under way, where it can be stopped.
@@ -68,6 +70,8 @@ pub struct ViewState {
     pub video: VideoOptions,
     /// Parallel lines stay parallel; not before a tracked head or a printed marker.
     pub orthographic: bool,
+    /// The axis gizmo.
+    pub gizmo: bool,
     /// The axis of the grid that is up when the view is reset.
     pub up: Vec3,
     /// The edges of the grid.
@@ -253,6 +257,7 @@ impl UiState {
                 stereo: *options.stereo,
                 video: options.video.clone(),
                 orthographic: options.view.orthographic,
+                gizmo: options.view.gizmo,
                 up: Vec3::Y,
                 bounds: true,
                 line: true,

@@ -2,9 +2,17 @@
 
 use serde::Deserialize;
 
-#[derive(Clone, PartialEq, Debug, Default, Deserialize)]
+#[derive(Clone, PartialEq, Debug, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ViewOptions {
     /// Parallel lines stay parallel.
     pub orthographic: bool,
+    /// The axes of the grid in a corner of the picture.
+    pub gizmo: bool,
+}
+
+impl Default for ViewOptions {
+    fn default() -> Self {
+        ViewOptions { orthographic: false, gizmo: true }
+    }
 }

@@ -176,6 +176,12 @@ impl Turntable {
     }
 }
 
+/// The side from which one looks against an axis of the grid, `up` of the grid upwards.
+pub fn side_facing(axis: Vec3, up: Vec3) -> Option<Side> {
+    let sides = Side::ALL.into_iter().filter(|side| *side != Side::Corner);
+    sides.into_iter().find(|side| (facing(*side, up) * axis).z > 0.99)
+}
+
 /// The rotation that turns a side of the grid to the viewer, `up` of the grid upwards.
 fn facing(side: Side, up: Vec3) -> Quat {
     // A right-handed frame of the grid with `up` upwards; `front` is what the front looks along.
@@ -231,6 +237,19 @@ mod tests {
         let corner = turntable.looking_from(Side::Corner, Vec3::Y, &placement).rotation;
         let seen = corner * Vec3::new(0.8, 0.6, 1.0).normalize();
         assert!(seen.abs_diff_eq(Vec3::Z, 1e-5));
+    }
+
+    #[test]
+    fn every_axis_has_the_side_from_which_it_points_to_the_viewer() {
+        for up in [Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z, Vec3::X, Vec3::NEG_X] {
+            for axis in Vec3::AXES.into_iter().flat_map(|axis| [axis, -axis]) {
+                let side = side_facing(axis, up).unwrap();
+                assert!((facing(side, up) * axis).abs_diff_eq(Vec3::Z, 1e-5), "{up} {axis}");
+            }
+        }
+        assert_eq!(side_facing(Vec3::Y, Vec3::Y), Some(Side::Top));
+        assert_eq!(side_facing(Vec3::NEG_X, Vec3::Y), Some(Side::Left));
+        assert_eq!(side_facing(Vec3::ONE.normalize(), Vec3::Y), None);
     }
 
     #[test]

@@ -206,3 +206,46 @@ fn in_an_orthographic_view_equal_things_are_equally_large_and_tools_work_where_o
     assert!(!harness.state().ui.view.orthographic);
     assert!((width(&harness, 64.0) - near).abs() < 0.5);
 }
+
+#[test]
+fn a_click_on_the_axis_gizmo_looks_from_that_side_and_a_drag_rotates() {
+    let mut harness = bench();
+    let rotation = |h: &Bench| h.state().session().document().placement().rotation;
+    for (label, towards) in [
+        ("+X", Vec3::X),
+        ("+Y", Vec3::Y),
+        ("+Z", Vec3::Z),
+        ("−X", Vec3::NEG_X),
+        ("−Y", Vec3::NEG_Y),
+    ] {
+        // Seen from a corner, no end hides another.
+        key(&mut harness, Modifiers::NONE, Key::Num5);
+        harness.run();
+        click(&mut harness, label);
+        assert!((rotation(&harness) * towards).abs_diff_eq(Vec3::Z, 1e-4), "{label}");
+    }
+    key(&mut harness, Modifiers::NONE, Key::Num5);
+    harness.run();
+    let before = rotation(&harness);
+    let middle = harness
+        .get_by_label("+Z")
+        .rect()
+        .center()
+        .lerp(harness.get_by_label("−Z").rect().center(), 0.5);
+    // Neither the tool nor the sculpture is touched below it.
+    drag(
+        &mut harness,
+        PointerButton::Primary,
+        Modifiers::NONE,
+        &[middle, middle + vec2(16.0, 0.0)],
+    );
+    let turned = rotation(&harness);
+    assert!((turned.angle_between(before) - 0.5).abs() < 0.1, "{}", turned.angle_between(before));
+    assert!(((turned * Vec3::Z).x - (before * Vec3::Z).x) > 0.1, "the front follows the pointer");
+    assert_eq!(voxels(&harness), 64u64.pow(3));
+
+    assert!(harness.state().ui.view.gizmo);
+    key(&mut harness, Modifiers::ALT, Key::O);
+    harness.run();
+    assert!(!harness.state().ui.view.gizmo && !has(&harness, "+X"));
+}
