@@ -6,6 +6,7 @@
 mod detached;
 mod dispatch;
 mod first_run;
+mod floor;
 pub mod headset;
 mod main_window;
 mod memory;

@@ -109,6 +109,7 @@ impl Workspace {
             Action::ToggleBounds => self.ui.view.bounds ^= true,
             Action::ToggleOrthographic => self.ui.view.orthographic ^= true,
             Action::ToggleGizmo => self.ui.view.gizmo ^= true,
+            Action::ToggleFloor => self.ui.view.floor ^= true,
             Action::ToggleVideo => self.ui.view.video.on ^= true,
             Action::SwapEyes => self.ui.view.stereo.swap_eyes ^= true,
             Action::NextRenderMode => self.ui.view.choose_mode(next_mode(self.ui.view.mode)),

@@ -7,6 +7,7 @@ use std::time::Duration;
 use ash::vk;
 use glam::Vec3;
 
+use super::floor;
 use super::overlay::{self, OverlayScene};
 use super::workspace::Workspace;
 use crate::gpu::{Device, Recorder, Result};
@@ -44,10 +45,15 @@ impl Painter {
         let scene = workspace.overlay_scene();
         // A picture to be saved shows the sculpture alone.
         let is_screenshot = workspace.ui.window_tasks.screenshot.is_some();
-        let (preview, lines) = match is_screenshot {
+        let (preview, mut lines) = match is_screenshot {
             true => (None, Vec::new()),
             false => (overlay::preview(&scene), overlay::lines(&scene)),
         };
+        if !is_screenshot && workspace.shows_floor() {
+            let dims = workspace.editor.document().grid().dims();
+            let (up, theme) = (workspace.ui.view.up, workspace.ui.appearance.theme);
+            lines.extend(floor::lines(dims, up, theme));
+        }
         let eyes = workspace.eyes();
         let settings = &workspace.ui.view.video;
         // Kept for as long as the renderer looks at it, whatever the workspace does.
@@ -110,6 +116,11 @@ impl Workspace {
             pointer: self.editor.pointer(),
             depth: picker.sight().depth(target.unwrap_or(grid.dims().as_vec3() * 0.5)),
         }
+    }
+
+    /// Whether the next picture has a floor grid: not in a video, which shows a real one.
+    fn shows_floor(&self) -> bool {
+        self.ui.view.floor && self.viewpoint.video(&self.ui.view.video).is_none()
     }
 
     /// Takes what the renderer reports of the window's picture.

@@ -196,6 +196,8 @@ pub enum Action {
     ToggleOrthographic,
     /// Toggles the axis gizmo.
     ToggleGizmo,
+    /// Toggles the floor grid.
+    ToggleFloor,
     /// Toggles the edges of the grid.
     ToggleBounds,
     /// Toggles between the dark and the light theme.
@@ -350,6 +352,7 @@ impl Action {
         Action::ZoomOut,
         Action::ToggleOrthographic,
         Action::ToggleGizmo,
+        Action::ToggleFloor,
         Action::ToggleBounds,
         Action::NextRenderMode,
         Action::Lights,

@@ -103,6 +103,7 @@ impl Action {
                 "projection ortho isometric axonometric numpad flat camera"
             }
             Action::ToggleGizmo => "axes navigation compass orientation cube",
+            Action::ToggleFloor => "ground plane lines scale ruler",
             Action::ToggleBounds => "bounds box edges frame",
             Action::ToggleTheme => "mode appearance skin colours",
             Action::Detach(Panel::Toolbox) => "tools panel undock float tear window",

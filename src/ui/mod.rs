@@ -46,7 +46,7 @@ pub mod window_options;
 
 use std::path::Path;
 
-use egui::{CentralPanel, Frame, Response, Sense, Ui};
+use egui::{Align2, CentralPanel, Frame, Rect, Response, Sense, TextStyle, Ui, vec2};
 
 use crate::controls::pads::PadStatus;
 use crate::document::Document;
@@ -97,6 +97,8 @@ pub struct UiContext<'a> {
     pub quad_buffered: bool,
     /// Name of the Vulkan device.
     pub device: &'a str,
+    /// Between two lines of the floor grid.
+    pub floor_spacing_vx: u32,
     /// Where the axes of the grid point in the picture: x right, y up, z to the viewer.
     pub axes_in_picture: [glam::Vec3; 3],
     /// The voxel that the pointer points at.
@@ -149,6 +151,9 @@ pub fn show(
         gizmo::show(root, state, context, requests, picture.rect);
     }
     upright::show(root, state, context, requests, picture.rect);
+    if state.view.floor {
+        floor_scale(root, context, picture.rect);
+    }
     guide::show(root, state, context, requests);
     light::show(root, state);
     key_table::show(root, state, context, requests);
@@ -162,4 +167,21 @@ pub fn show(
     state.toasts.show(root, picture.rect);
     busy::show(root, state, requests);
     picture
+}
+
+/// Says in a corner of `within` how far apart the lines of the floor grid are.
+fn floor_scale(root: &Ui, context: &UiContext, within: Rect) {
+    let font = TextStyle::Small.resolve(root.style());
+    let text = format!("Floor grid: {}", floor_spacing(context));
+    let at = within.left_bottom() + vec2(10.0, -8.0);
+    let colour = root.visuals().text_color().gamma_multiply(0.8);
+    root.painter().text(at, Align2::LEFT_BOTTOM, text, font, colour);
+}
+
+/// The distance of the lines of the floor grid in words.
+fn floor_spacing(context: &UiContext) -> String {
+    match context.floor_spacing_vx {
+        1 => "1 voxel".to_string(),
+        spacing => format!("{spacing} voxels"),
+    }
 }

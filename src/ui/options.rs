@@ -176,6 +176,11 @@ fn view(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Ve
         let gizmo = ui.checkbox(&mut state.view.gizmo, "Axis gizmo");
         explain(gizmo, context, Action::ToggleGizmo);
     }
+    if !context.in_headset {
+        let text = format!("Floor grid ({})", super::floor_spacing(context));
+        let floor = ui.checkbox(&mut state.view.floor, text);
+        explain(floor, context, Action::ToggleFloor);
+    }
     let bounds = ui.checkbox(&mut state.view.bounds, "Grid outline");
     explain(bounds, context, Action::ToggleBounds);
     ui.checkbox(&mut state.view.tool, "Tool");

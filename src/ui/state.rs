@@ -72,6 +72,8 @@ pub struct ViewState {
     pub orthographic: bool,
     /// The axis gizmo.
     pub gizmo: bool,
+    /// The floor grid.
+    pub floor: bool,
     /// The axis of the grid that is up when the view is reset.
     pub up: Vec3,
     /// The edges of the grid.
@@ -258,6 +260,7 @@ impl UiState {
                 video: options.video.clone(),
                 orthographic: options.view.orthographic,
                 gizmo: options.view.gizmo,
+                floor: options.view.floor,
                 up: Vec3::Y,
                 bounds: true,
                 line: true,

@@ -9,10 +9,12 @@ pub struct ViewOptions {
     pub orthographic: bool,
     /// The axes of the grid in a corner of the picture.
     pub gizmo: bool,
+    /// Lines below the sculpture, a round number of voxels apart.
+    pub floor: bool,
 }
 
 impl Default for ViewOptions {
     fn default() -> Self {
-        ViewOptions { orthographic: false, gizmo: true }
+        ViewOptions { orthographic: false, gizmo: true, floor: false }
     }
 }

@@ -249,3 +249,13 @@ fn a_click_on_the_axis_gizmo_looks_from_that_side_and_a_drag_rotates() {
     harness.run();
     assert!(!harness.state().ui.view.gizmo && !has(&harness, "+X"));
 }
+
+#[test]
+fn the_floor_grid_says_its_scale_in_the_options() {
+    let mut harness = bench();
+    click(&mut harness, "View");
+    click(&mut harness, "Floor grid (5 voxels)");
+    assert!(harness.state().ui.view.floor);
+    key(&mut harness, Modifiers::SHIFT, Key::G);
+    assert!(!harness.state().ui.view.floor);
+}
