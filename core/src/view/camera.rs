@@ -7,7 +7,7 @@ use super::eye::{Eye, Frustum};
 
 /// How far a camera is that stands for an orthographic one, in diameters of what it sees: at 640x480 no point is
 /// then farther than a quarter of a pixel from its place.
-const AFAR_DIAMETERS: f32 = 220.0;
+const AFAR_DIAMETERS: f32 = 240.0;
 /// The same in voxels at most. A picture of single precision has rays that are off by some millionths of their length.
 const AFAR_VX: f32 = 240_000.0;
 
