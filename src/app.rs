@@ -13,6 +13,7 @@ mod memory;
 mod overlay;
 mod painter;
 mod pane;
+mod references;
 mod screenshot;
 mod stereo_screen;
 pub mod workspace;

@@ -42,6 +42,7 @@ impl Workspace {
         match request {
             UiRequest::Do(action) => self.act(action),
             UiRequest::Run(command) => editor.run_unless_work_is_lost(command),
+            UiRequest::AddReference(path) => self.add_reference(path),
             UiRequest::Turn(angle) => {
                 let (placement, up) = (*editor.document().placement(), self.ui.view.up);
                 editor.place(self.viewpoint.turntable.turned_by(&placement, angle, up));
@@ -89,6 +90,7 @@ impl Workspace {
             Action::Palette => self.ui.dialogs.palette.open(),
             Action::Help => self.ui.dialogs.keys.open = !self.ui.dialogs.keys.open,
             Action::Guide => self.ui.dialogs.guide.open = !self.ui.dialogs.guide.open,
+            Action::References => self.ui.dialogs.references_open ^= true,
             Action::Lights => self.ui.dialogs.light.open = !self.ui.dialogs.light.open,
             Action::ToggleTheme => self.ui.appearance.theme = self.ui.appearance.theme.other(),
             Action::Fullscreen => self.ui.window_tasks.switch_fullscreen = true,

@@ -39,6 +39,7 @@ impl Workspace {
             Ok(None) => {}
             Err(error) => tracing::warn!("cannot read {}: {error}", path.display()),
         }
+        self.read_references();
         self.editor.leave_ground();
         let session = self.editor.session();
         if let Some(path) = session.path() {

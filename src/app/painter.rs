@@ -10,7 +10,7 @@ use glam::Vec3;
 use super::floor;
 use super::overlay::{self, OverlayScene};
 use super::workspace::Workspace;
-use crate::gpu::{Device, Recorder, Result};
+use crate::gpu::{Device, GpuError, Recorder, Result};
 use crate::render::renderer::{FrameDesc, Pictures};
 use crate::render::{Background, Fallback, FrameReport, Renderer, Video, VideoView};
 use crate::shade::Pixels;
@@ -75,6 +75,7 @@ impl Painter {
         // A view that trackers or cameras move never rests.
         let rests = !is_screenshot || workspace.viewpoint.repaint_after().is_none();
         let refines = workspace.ui.view.refine && rests;
+        self.take_references(recorder, slot, workspace, is_screenshot)?;
         // The renderer writes to the maps that nobody else holds.
         workspace.viewpoint.forget_pick_map();
         let document = workspace.session_mut().document_mut();
@@ -86,6 +87,27 @@ impl Painter {
         let complete = report.complete;
         workspace.take_report(report);
         Ok(complete)
+    }
+
+    /// Gives the renderer the reference pictures; without memory for them there are none.
+    fn take_references(
+        &mut self,
+        recorder: &mut Recorder,
+        slot: usize,
+        workspace: &mut Workspace,
+        is_screenshot: bool,
+    ) -> Result<()> {
+        let mut pictures = workspace.reference_pictures();
+        if is_screenshot {
+            pictures.iter_mut().for_each(|picture| picture.opacity = 0.0);
+        }
+        match self.renderer.set_references(recorder, slot, &pictures) {
+            Err(reason @ (GpuError::OutOfMemory(_) | GpuError::Limit { .. })) => {
+                workspace.hide_references(&reason.to_string());
+                Ok(())
+            }
+            result => result,
+        }
     }
 
     /// What was painted last, in memory, with its format. Waits for the device.
@@ -165,7 +187,6 @@ mod tests {
 
     use super::*;
     use crate::config::Config;
-    use crate::gpu::GpuError;
     use crate::input::Bindings;
     use crate::render::RenderMode;
     use crate::session::Session;

@@ -196,6 +196,8 @@ pub enum Action {
     ToggleOrthographic,
     /// Toggles the axis gizmo.
     ToggleGizmo,
+    /// Toggles the window of reference pictures.
+    References,
     /// Toggles the floor grid.
     ToggleFloor,
     /// Toggles the edges of the grid.
@@ -353,6 +355,7 @@ impl Action {
         Action::ToggleOrthographic,
         Action::ToggleGizmo,
         Action::ToggleFloor,
+        Action::References,
         Action::ToggleBounds,
         Action::NextRenderMode,
         Action::Lights,

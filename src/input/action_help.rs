@@ -190,6 +190,9 @@ impl Action {
                 "Orthographic view (parallel lines stay parallel), or perspective",
             ),
             Action::ToggleGizmo => ("toggle-gizmo", Tap, "Axis gizmo on or off"),
+            Action::References => {
+                ("references", Tap, "Show or hide the reference pictures' window")
+            }
             Action::ToggleFloor => ("toggle-floor", Tap, "Floor grid on or off"),
             Action::ToggleBounds => ("toggle-bounds", Tap, "Grid outline on or off"),
             Action::ToggleTheme => ("toggle-theme", Tap, "Dark or light theme"),

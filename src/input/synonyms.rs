@@ -103,6 +103,9 @@ impl Action {
                 "projection ortho isometric axonometric numpad flat camera"
             }
             Action::ToggleGizmo => "axes navigation compass orientation cube",
+            Action::References => {
+                "image plane background blueprint template tracing drawing photo png canvas"
+            }
             Action::ToggleFloor => "ground plane lines scale ruler",
             Action::ToggleBounds => "bounds box edges frame",
             Action::ToggleTheme => "mode appearance skin colours",

@@ -10,6 +10,7 @@ use std::sync::Arc;
 use ash::vk;
 use glam::{Affine3A, Mat3, Mat4, Vec3};
 
+use super::reference::References;
 use super::slicing::corner_margin_px;
 use crate::gpu::{
     Attribute, Blend, Buffer, Depth, Device, Graphics, MemoryLocation, Pipeline, PipelineLayout,
@@ -118,6 +119,8 @@ pub struct Overlay {
     /// First byte and number of vertices of each solid in the mesh.
     ranges: [(u64, u32); 3],
     instances: Staging,
+    /// Made when there are any.
+    pub(super) references: Option<References>,
 }
 
 impl Overlay {
@@ -184,16 +187,23 @@ impl Overlay {
                 vk::BufferUsageFlags::VERTEX_BUFFER,
                 64 * size_of::<LineInstance>() as u64,
             )?,
+            references: None,
         })
     }
 
     /// Starts a frame that uses `slot` ([`crate::gpu::Frames::slot`]).
     pub fn begin(&mut self, slot: usize) {
         self.instances.begin(slot);
+        if let Some(references) = &mut self.references {
+            references.begin(slot);
+        }
     }
 
     /// Records the overlay of an eye into a target with the depth of the sculpture.
     pub fn draw(&mut self, recorder: &mut Recorder, scene: &Scene) -> Result<()> {
+        if let Some(references) = &mut self.references {
+            references.draw(recorder, scene);
+        }
         // What is behind comes first, as it is farther.
         for side in [1, 0] {
             self.draw_lines(recorder, scene, side)?;

@@ -39,7 +39,7 @@ use crate::view::PixelRays;
 pub struct Renderer {
     pub(super) sampler: Sampler,
     pub(super) composite: Composite,
-    overlay: Overlay,
+    pub(super) overlay: Overlay,
     pub(super) pictures: Option<Pictures>,
     pub(super) format: vk::Format,
     /// One per eye. Shared with picking.
@@ -58,7 +58,7 @@ pub struct Renderer {
     changed: Vec<u32>,
     normals: NormalStage,
     /// What the pictures were made of; none while they are incomplete.
-    cache: Option<FrameCache>,
+    pub(super) cache: Option<FrameCache>,
     pub(super) refinement: Refinement,
     pub(super) times: RenderTimes,
     pub(super) timer: PictureTimer,

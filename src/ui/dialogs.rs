@@ -19,6 +19,8 @@ pub struct Dialogs {
     /// The window of keys and mouse.
     pub keys: KeyTable,
     pub light: LightWindow,
+    /// The window of reference pictures.
+    pub references_open: bool,
     pub palette: Palette,
     pub new: NewDialog,
     pub files: Files,
@@ -39,6 +41,7 @@ impl Dialogs {
             guide: Guide::default(),
             keys: KeyTable::default(),
             light: LightWindow::default(),
+            references_open: false,
             palette: Palette::default(),
             new: NewDialog::new(new),
             files: Files::new(),
@@ -66,8 +69,13 @@ impl Dialogs {
         if self.unkept.take().is_some() || self.unsaved.take().is_some() {
             return true;
         }
-        let open =
-            [&mut self.new.open, &mut self.keys.open, &mut self.light.open, &mut self.guide.open];
+        let open = [
+            &mut self.new.open,
+            &mut self.keys.open,
+            &mut self.references_open,
+            &mut self.light.open,
+            &mut self.guide.open,
+        ];
         match open.into_iter().find(|open| **open) {
             Some(open) => {
                 *open = false;

@@ -29,6 +29,8 @@ pub enum FileTask {
     Export,
     /// Choose a picture for solids to paint with.
     Picture,
+    /// Choose a picture to sculpt from.
+    Reference,
 }
 
 /// The file dialog and what it is open for.
@@ -96,6 +98,9 @@ impl Files {
             FileTask::Picture => {
                 dialog.title("Choose an image to paint with").default_file_filter(PICTURES)
             }
+            FileTask::Reference => {
+                dialog.title("Choose an image to sculpt from").default_file_filter(PICTURES)
+            }
             FileTask::SaveAs(_) => dialog
                 .title("Save as")
                 .add_save_extension("Sculpture", ENDING)
@@ -109,7 +114,7 @@ impl Files {
                 .default_file_name(&format!("{name}.{EXPORT_ENDING}")),
         };
         match task {
-            FileTask::Open | FileTask::Picture => dialog.pick_file(),
+            FileTask::Open | FileTask::Picture | FileTask::Reference => dialog.pick_file(),
             FileTask::SaveAs(_) | FileTask::Export => dialog.save_file(),
         }
         self.dialog = dialog;
@@ -140,11 +145,15 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
             FileTask::Picture => {
                 ui.label("The image is wrapped around the tool in Paint mode.");
             }
+            FileTask::Reference => {
+                ui.label("The image stands in the scene, on the side that you look along.");
+            }
         }
     });
     let Some(path) = dialog.take_picked() else { return };
     match task {
         FileTask::Picture => requests.push(UiRequest::Tool(ToolEdit::Picture(Some(path)))),
+        FileTask::Reference => requests.push(UiRequest::AddReference(path)),
         FileTask::Open => {
             let upright = state.known_files.upright.of(&path).unwrap_or_default();
             let import = ImportOptions { upright, ..choice.import };

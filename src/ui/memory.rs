@@ -10,6 +10,7 @@ use std::path::PathBuf;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer, Serialize};
 
+use super::memory_references;
 use super::recent::Recent;
 use super::state::PanelPlace;
 use super::upright::Upright;
@@ -63,6 +64,8 @@ struct Kept {
     tool: Option<KeptTool>,
     #[serde(deserialize_with = "lenient")]
     sprays: Option<BTreeMap<String, KeptSpray>>,
+    #[serde(deserialize_with = "lenient")]
+    references: Option<Vec<toml::Value>>,
 }
 
 #[derive(Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -147,6 +150,7 @@ pub fn to_text(state: &UiState, tool: &ToolState, window: &WindowOptions) -> Str
                 .map(|kind| (kind.name().to_string(), kept_spray(tool.sprays.of(kind))))
                 .collect(),
         ),
+        references: Some(memory_references::to_values(&state.references)),
     };
     match toml::to_string(&kept) {
         Ok(text) => format!("{HEAD}{text}"),
@@ -193,6 +197,7 @@ pub fn recall(text: &str, state: &mut UiState, tool: &mut ToolState, window: &Wi
     let lines = kept.recent.iter().flatten().filter_map(toml::Value::as_str);
     state.known_files.recent = Recent::from_lines(lines);
     state.known_files.upright = kept.upright.as_ref().map(Upright::from_texts).unwrap_or_default();
+    state.references = memory_references::from_values(kept.references.unwrap_or_default());
     state.layout.sections.extend(kept.sections.into_iter().flatten().take(64));
     recall_tool(&kept.tool.unwrap_or_default(), tool);
     for kind in SprayKind::ALL {

@@ -5,6 +5,8 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::config::Config;
+use crate::input::Side;
+use crate::ui::references::Reference;
 
 fn state() -> (UiState, ToolState) {
     (UiState::new(&Config::default().ui_options()), ToolState::new(UVec3::splat(64)))
@@ -22,6 +24,7 @@ fn changed() -> (UiState, ToolState) {
     state.layout.sections.insert("Light".to_string(), true);
     state.dialogs.files.set_folder(PathBuf::from("/a folder/\"of\" mine"));
     state.known_files.recent.note(&"open \"/a/ä b.vsc\"".parse().unwrap());
+    state.references.push(Reference::new("/a/plan.png".into(), None, Side::Top, 50.0));
     tool.kind = ToolKind::Spray(SprayKind::Clay);
     tool.solid = Solid::Pyramid;
     tool.mode = ToolMode::Recolour;
@@ -50,6 +53,7 @@ fn what_was_chosen_is_found_again() {
     );
     assert_eq!(after.dialogs.files.folder(), before.dialogs.files.folder());
     assert_eq!(after.known_files.recent, before.known_files.recent);
+    assert_eq!(after.references, before.references);
     assert_eq!(tool, tool_before);
     assert_eq!(to_text(&after, &tool, &config.window), text);
     // The scale of the settings is still what "as in the settings" means.

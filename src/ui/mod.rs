@@ -22,11 +22,13 @@ pub mod keyboard;
 pub mod light;
 pub mod marker_options;
 pub mod memory;
+mod memory_references;
 pub mod new_dialog;
 pub mod options;
 pub mod palette;
 pub mod panels;
 pub mod recent;
+pub mod references;
 pub mod spray_options;
 pub mod state;
 pub mod status;
@@ -156,6 +158,7 @@ pub fn show(
     }
     guide::show(root, state, context, requests);
     light::show(root, state);
+    references::show(root, state, context.path);
     key_table::show(root, state, context, requests);
     key_catch::show(root, state, requests);
     palette::show(root, state, context, requests);

@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::dialogs::Dialogs;
 use super::recent::Recent;
+use super::references::Reference;
 use super::toasts::Toasts;
 use super::upright::Upright;
 use super::{SCALE_RANGE, Theme, ViewOptions, WindowOptions};
@@ -34,6 +35,8 @@ pub enum UiRequest {
     Do(Action),
     /// A command whose arguments were chosen in a window.
     Run(Command),
+    /// Add a reference picture from a file.
+    AddReference(PathBuf),
     /// Rotate the sculpture by angles in radians: to the right, and down.
     Turn(Vec2),
     /// Change the tool.
@@ -228,6 +231,8 @@ pub struct UiState {
     pub window_tasks: WindowTasks,
     pub known_files: KnownFiles,
     pub headset: HeadsetChoices,
+    /// Pictures in the scene to sculpt from.
+    pub references: Vec<Reference>,
     pub dialogs: Dialogs,
     pub toasts: Toasts,
 }
@@ -277,6 +282,7 @@ impl UiState {
                 hand_side: options.headset.hand,
                 blend: options.headset.blend,
             },
+            references: Vec::new(),
             dialogs: Dialogs::new(&options.new),
             toasts: Toasts::default(),
         }

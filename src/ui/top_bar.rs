@@ -100,6 +100,8 @@ fn menu(
                 action_button(ui, context, "Zoom out", Action::ZoomOut, true, requests);
                 let parallel = ui.checkbox(&mut state.view.orthographic, "Orthographic");
                 explain(parallel, context, Action::ToggleOrthographic);
+                let text = "Reference pictures …";
+                action_button(ui, context, text, Action::References, true, requests);
             }
         });
         action_button(ui, context, "Search actions …", Action::Palette, true, requests);

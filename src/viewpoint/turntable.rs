@@ -184,6 +184,11 @@ pub fn side_facing(axis: Vec3, up: Vec3) -> Option<Side> {
 
 /// The rotation that turns a side of the grid to the viewer, `up` of the grid upwards.
 fn facing(side: Side, up: Vec3) -> Quat {
+    Quat::from_mat3(&side_frame(side, up).transpose()).normalize()
+}
+
+/// What is right, up and towards the viewer who looks from `side`, `up` of the grid upwards, as axes of the grid.
+pub fn side_frame(side: Side, up: Vec3) -> Mat3 {
     // A right-handed frame of the grid with `up` upwards; `front` is what the front looks along.
     let front = if up.z.abs() > 0.5 { Vec3::NEG_Y * up.z.signum() } else { Vec3::Z };
     let right = up.cross(front);
@@ -198,8 +203,7 @@ fn facing(side: Side, up: Vec3) -> Quat {
     };
     let z = towards.normalize();
     let x = upwards.cross(z).normalize();
-    let grid_from_world = Mat3::from_cols(x, z.cross(x), z);
-    Quat::from_mat3(&grid_from_world.transpose()).normalize()
+    Mat3::from_cols(x, z.cross(x), z)
 }
 
 #[cfg(test)]

@@ -14,6 +14,7 @@ mod modes;
 mod partial;
 mod points;
 mod ray_march;
+mod reference;
 mod refine;
 mod shading;
 mod slicing;

@@ -1,0 +1,129 @@
+//! Reference pictures: reads their files, and gives the renderer those of the window's next picture.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use image::{DynamicImage, ImageReader, Limits};
+
+use super::workspace::Workspace;
+use crate::input::Side;
+use crate::render::ReferencePicture;
+use crate::shade::Pixels;
+use crate::ui::references::{Reference, side_seen};
+
+/// The longest side of a file that is read, in pixels.
+const MAX_FILE_SIDE: u32 = 16_384;
+/// The longest side that is shown; larger ones are made smaller.
+const MAX_SIDE: u32 = 2048;
+
+impl Workspace {
+    /// Adds a picture on the side that one looks along, else the front. A file that cannot be read is said.
+    pub(super) fn add_reference(&mut self, path: PathBuf) {
+        match read(&path) {
+            Ok(pixels) => {
+                let side = side_seen(self.ui.view.up, &self.picker().sight().axes_in_picture());
+                let height = self.editor.document().grid().dims().max_element() as f32;
+                let side = side.unwrap_or(Side::Front);
+                let reference = Reference::new(path, Some(pixels), side, height);
+                self.ui.references.push(reference);
+                self.ui.dialogs.references_open = true;
+            }
+            Err(text) => self.ui.toasts.error(text),
+        }
+    }
+
+    /// Reads the files of pictures that were remembered.
+    pub(super) fn read_references(&mut self) {
+        for reference in &mut self.ui.references {
+            match read(&reference.path) {
+                Ok(pixels) => reference.pixels = Some(pixels),
+                Err(text) => self.ui.toasts.error(text),
+            }
+        }
+    }
+
+    /// Those of the window's next picture.
+    pub(super) fn reference_pictures(&self) -> Vec<ReferencePicture> {
+        let grid = self.editor.document().grid();
+        let axes = self.picker().sight().axes_in_picture();
+        let up = self.ui.view.up;
+        let list = self.ui.references.iter();
+        list.filter_map(|one| one.placed(grid.dims(), grid.voxel_size(), up, &axes)).collect()
+    }
+
+    /// The device has no memory for them: none is shown any more.
+    pub(super) fn hide_references(&mut self, reason: &str) {
+        self.ui.references.iter_mut().for_each(|reference| reference.pixels = None);
+        self.ui.toasts.error(format!("The reference pictures cannot be shown: {reason}"));
+    }
+}
+
+/// Reads a PNG or JPEG file, made smaller if it is large.
+fn read(path: &Path) -> Result<Arc<Pixels>, String> {
+    let failed = |error: &dyn std::fmt::Display| format!("Cannot read {}: {error}", path.display());
+    let mut reader = ImageReader::open(path)
+        .and_then(ImageReader::with_guessed_format)
+        .map_err(|error| failed(&error))?;
+    let mut limits = Limits::default();
+    (limits.max_image_width, limits.max_image_height) = (Some(MAX_FILE_SIDE), Some(MAX_FILE_SIDE));
+    reader.limits(limits);
+    let mut picture: DynamicImage = reader.decode().map_err(|error| failed(&error))?;
+    if picture.width().max(picture.height()) > MAX_SIDE {
+        picture = picture.thumbnail(MAX_SIDE, MAX_SIDE);
+    }
+    let picture = picture.into_rgba8();
+    let size = glam::UVec2::new(picture.width(), picture.height());
+    let rgba = picture.pixels().map(|pixel| pixel.0).collect();
+    Ok(Arc::new(Pixels { size, rgba }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::Config;
+    use crate::input::{Action, Bindings};
+    use crate::session::Session;
+    use crate::ui::toasts::Tone;
+
+    fn workspace() -> Workspace {
+        let mut config = Config::default();
+        config.new.dims = [32; 3];
+        let session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
+        Workspace::new(session, &config, Bindings::presets().unwrap())
+    }
+
+    #[test]
+    fn a_picture_is_added_on_the_side_that_is_seen_and_made_smaller_if_it_is_large() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("plan.png");
+        image::RgbaImage::from_pixel(3000, 30, image::Rgba([9, 8, 7, 255])).save(&path).unwrap();
+        let mut workspace = workspace();
+        workspace.act(Action::LookFrom(Side::Top));
+        workspace.add_reference(path.clone());
+        let [reference] = &workspace.ui.references[..] else { panic!("one picture") };
+        assert_eq!((reference.side, reference.height_vx), (Side::Top, 32.0));
+        let pixels = reference.pixels.as_ref().unwrap();
+        assert_eq!((pixels.size.x, pixels.rgba[5]), (MAX_SIDE, [9, 8, 7, 255]));
+        assert_eq!(workspace.reference_pictures().len(), 1);
+        assert!(workspace.reference_pictures() == workspace.reference_pictures());
+    }
+
+    #[test]
+    fn a_file_that_cannot_be_read_is_said_and_a_remembered_one_keeps_its_place() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("none.png");
+        let mut workspace = workspace();
+        workspace.add_reference(path.clone());
+        assert!(workspace.ui.references.is_empty());
+        workspace.ui.references.push(Reference::new(path, None, Side::Left, 9.0));
+        workspace.read_references();
+        assert_eq!(workspace.ui.references.len(), 1);
+        assert!(workspace.reference_pictures().is_empty());
+        let errors = workspace
+            .ui
+            .toasts
+            .texts()
+            .filter(|(tone, text)| *tone == Tone::Error && text.contains("none.png"));
+        assert!(errors.count() >= 1);
+    }
+}
