@@ -48,7 +48,8 @@ pub mod window_options;
 
 use std::path::Path;
 
-use egui::{Align2, CentralPanel, Frame, Rect, Response, Sense, TextStyle, Ui, vec2};
+use egui::{Align2, Area, CentralPanel, Frame, Id, Label, Order, Rect, Response, RichText, Sense};
+use egui::{Ui, vec2};
 
 use crate::controls::pads::PadStatus;
 use crate::document::Document;
@@ -174,17 +175,17 @@ pub fn show(
 
 /// Says in a corner of `within` how far apart the lines of the floor grid are.
 fn floor_scale(root: &Ui, context: &UiContext, within: Rect) {
-    let font = TextStyle::Small.resolve(root.style());
-    let text = format!("Floor grid: {}", floor_spacing(context));
-    let at = within.left_bottom() + vec2(10.0, -8.0);
-    let colour = root.visuals().text_color().gamma_multiply(0.8);
-    root.painter().text(at, Align2::LEFT_BOTTOM, text, font, colour);
-}
-
-/// The distance of the lines of the floor grid in words.
-fn floor_spacing(context: &UiContext) -> String {
-    match context.floor_spacing_vx {
+    let spacing = match context.floor_spacing_vx {
         1 => "1 voxel".to_string(),
         spacing => format!("{spacing} voxels"),
-    }
+    };
+    Area::new(Id::new("floor scale"))
+        .order(Order::Background)
+        .interactable(false)
+        .pivot(Align2::LEFT_BOTTOM)
+        .fixed_pos(within.left_bottom() + vec2(10.0, -6.0))
+        .show(root.ctx(), |ui| {
+            let text = RichText::new(format!("Floor grid: {spacing}")).small();
+            ui.add(Label::new(text).extend().selectable(false));
+        });
 }

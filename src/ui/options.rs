@@ -170,22 +170,23 @@ fn view(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Ve
     if !context.in_headset {
         stereo_options::show(ui, state, context);
     }
-    if !context.in_headset {
-        let parallel = ui.checkbox(&mut state.view.orthographic, "Orthographic");
-        explain(parallel, context, Action::ToggleOrthographic);
-        let gizmo = ui.checkbox(&mut state.view.gizmo, "Axis gizmo");
-        explain(gizmo, context, Action::ToggleGizmo);
-    }
-    if !context.in_headset {
-        let text = format!("Floor grid ({})", super::floor_spacing(context));
-        let floor = ui.checkbox(&mut state.view.floor, text);
-        explain(floor, context, Action::ToggleFloor);
-    }
-    let bounds = ui.checkbox(&mut state.view.bounds, "Grid outline");
-    explain(bounds, context, Action::ToggleBounds);
+    ui.horizontal(|ui| {
+        let bounds = ui.checkbox(&mut state.view.bounds, "Grid outline");
+        explain(bounds, context, Action::ToggleBounds);
+        if !context.in_headset {
+            let floor = ui.checkbox(&mut state.view.floor, "Floor grid");
+            explain(floor, context, Action::ToggleFloor);
+        }
+    });
     ui.checkbox(&mut state.view.tool, "Tool");
     ui.checkbox(&mut state.view.line, "Line from centre to tool");
     if !context.in_headset {
+        ui.horizontal(|ui| {
+            let parallel = ui.checkbox(&mut state.view.orthographic, "Orthographic");
+            explain(parallel, context, Action::ToggleOrthographic);
+            let gizmo = ui.checkbox(&mut state.view.gizmo, "Axis gizmo");
+            explain(gizmo, context, Action::ToggleGizmo);
+        });
         ui.checkbox(&mut state.view.refine, "Smooth edges at rest").on_hover_text(
             "While nothing moves, the picture is refined to 16 samples a pixel, so that its edges are smooth",
         );

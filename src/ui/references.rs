@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use egui::{ComboBox, DragValue, RichText, Slider, Ui, Window, pos2};
+use egui::{ComboBox, DragValue, RichText, ScrollArea, Slider, Ui, Window, pos2};
 use glam::{Affine3A, Mat3, UVec3, Vec2, Vec3};
 
 use super::files::FileTask;
@@ -17,6 +17,8 @@ use crate::shade::Pixels;
 use crate::viewpoint::turntable::side_frame;
 
 const WIDTH: f32 = 270.0;
+/// Of the list, at most.
+const HEIGHT: f32 = 420.0;
 /// Cosine of the angle between the view and a side up to which one looks along it: 5 degrees.
 const ALONG: f32 = 0.9962;
 /// Of pictures behind and in front, from the grid, in voxels.
@@ -155,10 +157,11 @@ pub fn show(root: &Ui, state: &mut UiState, path: Option<&Path>) {
         .resizable(false)
         .default_width(WIDTH)
         .default_pos(pos2(theme::TOOLBOX_WIDTH + 32.0, 60.0))
-        .vscroll(true)
         .show(root.ctx(), |ui| {
             ui.set_width(WIDTH);
-            list(ui, &mut state.references);
+            ScrollArea::vertical().max_height(HEIGHT).show(ui, |ui| {
+                list(ui, &mut state.references);
+            });
             let room = state.references.len() < MAX_REFERENCES;
             let add = ui.add_enabled(room, egui::Button::new("Add …"));
             let add = add.on_hover_text("Choose a PNG or JPEG image to sculpt from");
@@ -230,10 +233,11 @@ fn place(ui: &mut Ui, reference: &mut Reference) {
             .labelled_by(label.id)
             .on_hover_text("In voxels");
         ui.label("Offset");
-        for (value, prefix) in [(0, "→ "), (1, "↑ ")] {
+        for (value, prefix) in [(0, "X "), (1, "Y ")] {
             let value = DragValue::new(&mut reference.offset_vx[value]).range(OFFSET_RANGE_VX);
-            ui.add(value.prefix(prefix).speed(0.5))
-                .on_hover_text("Of its middle from that of the grid, in voxels");
+            ui.add(value.prefix(prefix).speed(0.5)).on_hover_text(
+                "Of its middle from that of the grid, to the right (X) and up (Y), in voxels",
+            );
         }
     });
 }

@@ -199,7 +199,7 @@ fn bits_and_colours_follow_edits_undo_and_other_sculptures_in_every_mode() {
         let mut frames = Frames::new(device).unwrap();
         let mut renderer = Renderer::new(device, FORMAT).unwrap();
         let start = Placement::default().world_from_grid(document.grid().dims(), Vec3::ONE);
-        let [[eye, _], _] = eyes(&document, &start);
+        let [[eye, _], ..] = eyes(&document, &start);
         let commands = [
             "recolour ellipsoid at=60,60,80 half=20 colour=#ff0010",
             "subtract cuboid at=70,80,70 half=16",
@@ -248,7 +248,7 @@ fn a_window_of_10_bits_a_colour_shows_the_same_picture() {
     with_device(|device| {
         let mut document = document(ColourDepth::Bits24, Vec3::ONE);
         let world = Placement::default().world_from_grid(document.grid().dims(), Vec3::ONE);
-        let [[eye, _], _] = eyes(&document, &world);
+        let [[eye, _], ..] = eyes(&document, &world);
         let modes = [
             RenderMode::Slicing,
             RenderMode::SlicingPoints,

@@ -14,6 +14,7 @@ mod panels;
 mod process;
 mod program;
 mod stereo;
+mod view;
 mod wayland;
 
 use std::time::Duration;

@@ -340,6 +340,7 @@ fn symbol(name: &str) -> Keysym {
         "bracketright" => 0x5d,
         "F3" => 0xffc0,
         "F8" => 0xffc5,
+        "F10" => 0xffc7,
         "F12" => 0xffc9,
         "equal" => 0x3d,
         "comma" => 0x2c,

@@ -1,0 +1,70 @@
+//! What helps to see in the window: orthographic view, axis gizmo, floor grid, reference pictures, hidden panels.
+
+use super::display::Picture;
+use super::program::Program;
+use super::{display, shot, tool_home};
+
+const SETTINGS: &str = "[new]\ndims = [96, 96, 96]\n[window]\nguide = false\n";
+/// The picture of the sculpture without the lower part, in which messages are shown.
+const UPPER: [u32; 4] = [120, 50, 900, 520];
+/// Around the axis gizmo.
+const GIZMO: [u32; 4] = [900, 50, 120, 120];
+/// The top of the window, where the menu is.
+const TOP: [u32; 4] = [0, 0, 1280, 30];
+
+fn blue(picture: &Picture) -> usize {
+    picture.pixels().iter().filter(|[r, _, b]| *b > r.saturating_add(60)).count()
+}
+
+#[test]
+fn the_view_has_parallel_rays_a_gizmo_a_floor_and_reference_pictures() {
+    let display = display();
+    // A blue picture behind the front, as a run before has left it.
+    let folder = tempfile::tempdir().unwrap().keep();
+    let plan = folder.join("plan.png");
+    image::RgbImage::from_pixel(300, 200, image::Rgb([20, 60, 250])).save(&plan).unwrap();
+    let state = folder.join(".local/state/virtual-sculpture");
+    std::fs::create_dir_all(&state).unwrap();
+    let text = format!(
+        "[[references]]\npath = {:?}\nside = \"front\"\nlayer = \"behind\"\nshown = true\n\
+         locked = false\nopacity = 0.6\nheight_vx = 130.0\noffset_vx = [0.0, 10.0]\n",
+        plan.display().to_string(),
+    );
+    std::fs::write(state.join("state.toml"), text).unwrap();
+    let program = Program::start_in(&display, folder, &[], SETTINGS);
+    program.leave_picture();
+    program.settle();
+    tool_home(&program);
+    let start = shot(&program, "view-10-start");
+    assert!(blue(&start.part(UPPER)) > 10_000, "the remembered picture is shown");
+
+    program.key(&["o"]);
+    let parallel = shot(&program, "view-11-orthographic");
+    assert!(start.part(UPPER).differing(&parallel.part(UPPER)) > 10_000);
+    program.key(&["Shift_L", "g"]);
+    let floor = shot(&program, "view-12-floor");
+    let lines = parallel.part(UPPER).differing(&floor.part(UPPER));
+    assert!((2000..100_000).contains(&lines), "{lines}");
+    program.key(&["Alt_L", "o"]);
+    let without = shot(&program, "view-13-no-gizmo");
+    let gizmo = floor.part(GIZMO).differing(&without.part(GIZMO));
+    assert!((500..8000).contains(&gizmo), "{gizmo}");
+    assert_eq!(floor.part(UPPER).differing(&without.part(UPPER)), gizmo, "nothing else changes");
+
+    program.key(&["F10"]);
+    let hidden = shot(&program, "view-14-hidden");
+    assert!(without.part(TOP).differing(&hidden.part(TOP)) > 30_000, "no bar at the top");
+    program.key(&["F10"]);
+    let back = shot(&program, "view-15-back");
+    assert_eq!(without.part(UPPER).differing(&back.part(UPPER)), 0);
+
+    program.key(&["7"]);
+    program.settle();
+    shot(&program, "view-16-front");
+    program.key(&["Control_L", "Alt_L", "r"]);
+    let window = shot(&program, "view-17-references");
+    assert!(back.differing(&window) > 20_000, "their window is shown");
+    program.key(&["Escape"]);
+    program.close();
+    program.expect_clean_exit();
+}
