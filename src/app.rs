@@ -5,6 +5,7 @@
 
 mod detached;
 mod dispatch;
+mod final_picture;
 mod first_run;
 mod floor;
 pub mod headset;

@@ -33,10 +33,13 @@ use crate::track::{self, TrackArgs};
 mod arguments;
 mod error;
 mod film_arguments;
+mod final_arguments;
 
 pub use arguments::{ImportArgs, PictureArgs};
 pub use error::ProgramError;
 pub use film_arguments::FilmArgs;
+
+use final_arguments::FinalArgs;
 
 use arguments::{named, parse_marker_mm, parse_size};
 
@@ -75,13 +78,15 @@ pub enum Job {
     /// Render a file to a picture, without a display
     Render {
         file: PathBuf,
-        /// The picture to write (.png, .jpg)
-        #[arg(long, value_parser = named(&picture::ENDINGS))]
+        /// The picture to write (.png, .jpg; of final quality also .exr)
+        #[arg(long, value_parser = named(&picture::FINAL_ENDINGS))]
         out: PathBuf,
         #[command(flatten)]
         picture: PictureArgs,
         #[command(flatten)]
         import: ImportArgs,
+        #[command(flatten)]
+        last: FinalArgs,
     },
     /// Make a film: a sculpture that turns once around, or the time lapse of a script
     Film(FilmArgs),
@@ -302,13 +307,20 @@ fn dispatch(cli: Cli) -> Result<(), ProgramError> {
     let progress = Bar::new(cli.quiet);
     let context = Context { config: &config, device: &device, progress: &progress };
     match cli.job {
-        Some(Job::Render { file, out, picture, import }) => {
-            let (picture, import) = (picture.request(), import.options());
-            Ok(headless::render(&file, &out, &picture, &import, &context)?)
+        Some(Job::Render { file, out, picture, import, last }) => {
+            let import = import.options();
+            match last.options(&picture, &out)? {
+                Some(options) => {
+                    let picture = PictureArgs { samples: None, ..picture }.request()?;
+                    headless::render_final(&file, &out, &picture, &options, &import, &context)?;
+                }
+                None => headless::render(&file, &out, &picture.request()?, &import, &context)?,
+            }
+            Ok(())
         }
-        Some(Job::Film(args)) => Ok(film::run(&args.job(), &context)?),
+        Some(Job::Film(args)) => Ok(film::run(&args.job()?, &context)?),
         Some(Job::Run { script, input, output, render, picture, import }) => {
-            let (picture, import) = (picture.request(), import.options());
+            let (picture, import) = (picture.request()?, import.options());
             let job = RunJob { script, input, output, render, picture, import };
             Ok(headless::run(&job, &context)?)
         }
@@ -317,7 +329,7 @@ fn dispatch(cli: Cli) -> Result<(), ProgramError> {
         }
         Some(Job::Info { file, import }) => Ok(headless::info(&file, &import.options(), &context)?),
         Some(Job::Demo { scene, out, picture }) => {
-            Ok(headless::demo(scene, &out, &picture.request(), &context)?)
+            Ok(headless::demo(scene, &out, &picture.request()?, &context)?)
         }
         Some(Job::Track(args)) => Ok(track::run(&args, &config)?),
         Some(Job::Marker { out, id, size_mm }) => Ok(headless::marker(id, size_mm, &out)?),

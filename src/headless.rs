@@ -16,11 +16,12 @@ use crate::fiducial::{family, sheet};
 use crate::format::options::{ExportForm, ImportOptions};
 use crate::format::{self, FormatError, store};
 use crate::gpu::DeviceOptions;
-use crate::picture::{self, PictureError};
+use crate::picture::{self, FinalOptions, PictureError};
 use crate::progress::Progress;
 use crate::render::RenderMode;
 use crate::session::{Session, SessionError};
 use crate::terminal::{self, OutputError};
+use crate::trace::TraceShot;
 use crate::view::StereoLayout;
 
 /// A scene that the program builds from a script.
@@ -175,6 +176,25 @@ pub fn render(
 ) -> Result<(), JobError> {
     let session = context.open_session(file, import)?;
     render_session(session, out, picture, context)
+}
+
+/// Renders a file to a final picture, by tracing light.
+pub fn render_final(
+    file: &Path,
+    out: &Path,
+    request: &PictureRequest,
+    options: &FinalOptions,
+    import: &ImportOptions,
+    context: &Context,
+) -> Result<(), JobError> {
+    let session = context.open_session(file, import)?;
+    let (view, document) = (request.view(context.config), session.document());
+    let shot = view.shot(document);
+    let shot = TraceShot { eye: shot.eye, world_from_grid: shot.world_from_grid, up: view.up };
+    picture::write_final(document.contents(), &shot, options, out, context.progress)?;
+    let UVec2 { x, y } = view.size;
+    terminal::print_done(format_args!("wrote {} ({x}x{y})", out.display()));
+    Ok(())
 }
 
 /// Draws a marker whose black square is `size_mm` wide: an SVG if the name says so, otherwise a

@@ -35,5 +35,5 @@ pub mod viewpoint;
 
 pub use sculpture_core::{
     command, command_text, document, format, progress, scenes, sculpture, session, shade, surface,
-    tools, view,
+    tools, trace, view,
 };

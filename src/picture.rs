@@ -19,11 +19,15 @@ use crate::sculpture::Grid;
 use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::shade::{Lighting, Pixels, ShadePose, ShadeSource, SoftwareShader};
 use crate::surface::{IndexMap, quickstep, raycast};
+use crate::trace::TraceError;
 use crate::view::{Camera, Eye, StereoLayout};
 
+mod exr;
+mod final_picture;
 mod maker;
 mod mean;
 
+pub use final_picture::{FinalOptions, LINEAR_ENDING, write_final};
 pub use maker::PictureMaker;
 
 use maker::{FollowedNormals, Painter};
@@ -34,6 +38,9 @@ pub const BACKGROUND: [[u8; 3]; 2] = [[58, 64, 76], [24, 26, 31]];
 
 /// Extensions of picture files.
 pub const ENDINGS: [&str; 3] = ["png", "jpg", "jpeg"];
+
+/// Extensions of files of final pictures.
+pub const FINAL_ENDINGS: [&str; 4] = ["png", "jpg", "jpeg", LINEAR_ENDING];
 
 /// JPEG quality, of 100: keeps lines clean.
 const JPEG_QUALITY: u8 = 92;
@@ -49,6 +56,8 @@ pub enum PictureError {
     Write { path: PathBuf, error: std::io::Error },
     #[error("cannot encode the picture: {0}")]
     Encode(#[from] ImageError),
+    #[error(transparent)]
+    Trace(#[from] TraceError),
 }
 
 /// What pictures depend on besides document and view.

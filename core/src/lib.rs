@@ -12,4 +12,5 @@ pub mod session;
 pub mod shade;
 pub mod surface;
 pub mod tools;
+pub mod trace;
 pub mod view;

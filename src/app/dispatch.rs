@@ -16,6 +16,7 @@ use crate::input::hands::HandEvent;
 use crate::input::pad::{Glide, PadEvent, PadMode};
 use crate::input::{Action, ActionEvent, Side};
 use crate::notice::Notice;
+use crate::picture::FinalOptions;
 use crate::render::RenderMode;
 use crate::sculpture::Placement;
 use crate::ui::files::FileTask;
@@ -99,6 +100,7 @@ impl Workspace {
             Action::CopyScreenshot => {
                 self.ui.window_tasks.screenshot = Some(ScreenshotTo::Clipboard);
             }
+            Action::FinalPicture => self.start_final_picture(FinalOptions::default()),
             Action::Detach(panel) => self.ui.layout.toggle_detached(panel),
             Action::ScaleUp => self.ui.appearance.scale.change_by(1.0),
             Action::ScaleDown => self.ui.appearance.scale.change_by(-1.0),

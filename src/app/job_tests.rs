@@ -6,9 +6,11 @@ use super::Workspace;
 use crate::command::Command;
 use crate::config::Config;
 use crate::editor::job::Then;
-use crate::input::Bindings;
+use crate::input::{Action, Bindings};
+use crate::picture::FinalOptions;
 use crate::progress::{Progress, Report};
 use crate::session::Session;
+use crate::trace::MAX_FINAL_SAMPLES;
 use crate::ui::toasts::Tone;
 
 fn workspace() -> Workspace {
@@ -166,4 +168,55 @@ fn undo_and_redo_of_an_orientation_are_work_and_go_on_with_the_other_steps() {
         assert!(!workspace.editor.is_busy());
     }
     assert!(tones(&workspace).iter().all(|tone| *tone == Tone::Note), "the cancelled one alone");
+}
+
+#[test]
+fn a_final_picture_is_work_that_changes_nothing_and_leaves_a_file_only_when_it_is_done() {
+    let mut workspace = workspace();
+    let folder = tempfile::tempdir().unwrap();
+    let sculpture = folder.path().join("a.vsc");
+    workspace.run_now(&"subtract cuboid at=4,4,4 half=2".parse().unwrap());
+    workspace.run_now(&format!("save {sculpture:?}").parse().unwrap());
+    workspace.finish_job();
+    let revision = workspace.session().document().revision();
+    let files = || std::fs::read_dir(folder.path()).unwrap().count();
+    let mut options = FinalOptions::default();
+
+    // By its key, and cancelled at once.
+    let keys = workspace.controls.bindings().and_then(|table| table.shortcut(Action::FinalPicture));
+    assert_eq!(keys.as_deref(), Some("Shift+F12"));
+    workspace.act(Action::FinalPicture);
+    assert_eq!(workspace.ui.dialogs.busy.as_ref().map(|busy| busy.what), Some("Final picture"));
+    workspace.editor.cancel_job();
+    workspace.finish_job();
+    assert_eq!((tones(&workspace).last(), files()), (Some(&Tone::Note), 1));
+
+    // Cancelled it leaves no file, whenever that is.
+    options.trace.samples = MAX_FINAL_SAMPLES;
+    workspace.start_final_picture(options);
+    while workspace.editor.busy().unwrap().stage.what != "tracing light" {
+        std::thread::yield_now();
+    }
+    assert_eq!(workspace.editor.busy().unwrap().what, "Final picture");
+    assert!(!workspace.run_now(&"clear".parse().unwrap()));
+    workspace.start_final_picture(options);
+    workspace.follow_job();
+    assert_eq!(tones(&workspace).last(), Some(&Tone::Error), "one at a time");
+    workspace.editor.cancel_job();
+    workspace.finish_job();
+    assert_eq!((tones(&workspace).last(), files()), (Some(&Tone::Note), 1));
+
+    options.trace.samples = 2;
+    for name in ["a-final-1.png", "a-final-2.png"] {
+        workspace.start_final_picture(options);
+        workspace.finish_job();
+        let picture = image::open(folder.path().join(name)).unwrap();
+        let size = workspace.eyes()[0].size;
+        assert_eq!((picture.width(), picture.height()), (size.x, size.y));
+        let texts: Vec<String> =
+            workspace.ui.toasts.texts().map(|(_, text)| text.to_string()).collect();
+        assert!(texts.last().unwrap().contains(name), "{texts:?}");
+    }
+    assert_eq!(workspace.session().document().revision(), revision);
+    assert!(!workspace.session().modified());
 }

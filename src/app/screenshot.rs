@@ -70,10 +70,23 @@ fn save_beside(
     format: vk::Format,
     eyes: &[Pixels],
 ) -> Result<Vec<PathBuf>, PictureError> {
+    let (folder, name) = place(sculpture);
+    save_in(&folder, &name, format, eyes)
+}
+
+/// Where no other file is: a name for a picture that takes time to make.
+pub fn free_path(sculpture: Option<&Path>, kind: &str, ending: &str) -> PathBuf {
+    let (folder, name) = place(sculpture);
+    let path = |n: u32| folder.join(format!("{name}-{kind}-{n}.{ending}"));
+    (1..MOST).map(path).find(|path| !path.exists()).unwrap_or_else(|| path(MOST))
+}
+
+/// The folder for pictures of a sculpture, and how their names begin.
+fn place(sculpture: Option<&Path>) -> (PathBuf, String) {
     let beside = sculpture.and_then(Path::parent).filter(|folder| *folder != Path::new(""));
     let folder = beside.map_or_else(pictures_folder, Path::to_path_buf);
     let name = sculpture.and_then(Path::file_stem).map(|name| name.to_string_lossy().into_owned());
-    save_in(&folder, name.as_deref().unwrap_or("sculpture"), format, eyes)
+    (folder, name.unwrap_or_else(|| "sculpture".to_string()))
 }
 
 fn save_in(

@@ -12,7 +12,10 @@ use crate::headless::PictureRequest;
 use crate::render::RenderMode;
 use crate::sculpture::ColourDepth;
 use crate::sculpture::orientation::Up;
+use crate::trace::MAX_FINAL_SAMPLES;
 use crate::view::{MAX_SAMPLES, StereoLayout};
+
+use super::error::ArgumentError;
 
 /// How a file becomes a sculpture.
 #[derive(Args, Debug, Clone)]
@@ -87,15 +90,19 @@ pub struct PictureArgs {
     /// Stereo layout (default: stereo.layout in the settings); `layers` writes two pictures
     #[arg(long, value_enum)]
     pub stereo: Option<StereoLayout>,
-    /// Antialiasing: average this many pictures, each shifted by a fraction of a pixel, 1 to 64
-    #[arg(long, default_value_t = 1, value_name = "N",
-          value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SAMPLES)))]
-    pub samples: u32,
+    /// Antialiasing: average this many pictures, each shifted by a fraction of a pixel, 1 to 64 (default: 1)
+    #[arg(long, value_name = "N",
+          value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_FINAL_SAMPLES)))]
+    pub samples: Option<u32>,
 }
 
 impl PictureArgs {
-    pub fn request(&self) -> PictureRequest {
-        PictureRequest {
+    pub fn request(&self) -> Result<PictureRequest, ArgumentError> {
+        let samples = self.samples.unwrap_or(1);
+        if samples > MAX_SAMPLES {
+            return Err(ArgumentError::Samples(samples));
+        }
+        Ok(PictureRequest {
             size: self.size,
             mode: self.mode,
             camera: self.camera,
@@ -103,8 +110,8 @@ impl PictureArgs {
             turn_deg: self.turn,
             zoom: self.zoom,
             stereo: self.stereo,
-            samples: self.samples,
-        }
+            samples,
+        })
     }
 }
 
@@ -182,6 +189,6 @@ mod tests {
     #[test]
     fn the_default_arguments_are_the_default_request() {
         let arguments = Arguments::parse_from(["program"]);
-        assert_eq!(arguments.picture.request(), PictureRequest::default());
+        assert_eq!(arguments.picture.request().unwrap(), PictureRequest::default());
     }
 }

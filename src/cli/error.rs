@@ -8,14 +8,34 @@ use crate::config::ConfigError;
 use crate::film::FilmError;
 use crate::head_tracking::SourceError;
 use crate::headless::JobError;
-use crate::picture::PictureError;
+use crate::picture::{LINEAR_ENDING, PictureError};
 use crate::session::SessionError;
 use crate::terminal::OutputError;
 use crate::track::TrackError;
+use crate::view::MAX_SAMPLES;
+
+/// Why arguments cannot be used together.
+#[derive(Debug, Error, PartialEq, Eq)]
+pub enum ArgumentError {
+    #[error(
+        "--samples {0}: a picture is the mean of 1 to {MAX_SAMPLES} samples; only `render --quality final` takes more"
+    )]
+    Samples(u32),
+    #[error("--{0} applies to final pictures only; add `--quality final`")]
+    FinalOnly(&'static str),
+    #[error("--{0} does not apply to final pictures; leave it out, or `--quality final`")]
+    NotFinal(&'static str),
+    #[error(
+        "only final pictures are written as .{LINEAR_ENDING}; add `--quality final`, or use .png"
+    )]
+    LinearFile,
+}
 
 /// Why the program failed.
 #[derive(Debug, Error)]
 pub enum ProgramError {
+    #[error(transparent)]
+    Arguments(#[from] ArgumentError),
     #[error(transparent)]
     Config(#[from] ConfigError),
     #[error(transparent)]
@@ -49,7 +69,8 @@ impl ProgramError {
             | ProgramError::Track(TrackError::Source(
                 SourceError::ReadScript(..) | SourceError::Script(..),
             )) => 3,
-            ProgramError::Track(TrackError::NoSource)
+            ProgramError::Arguments(_)
+            | ProgramError::Track(TrackError::NoSource)
             | ProgramError::Film(
                 FilmError::Form(_)
                 | FilmError::Range { .. }

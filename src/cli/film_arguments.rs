@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::error::ArgumentError;
 use super::{ImportArgs, PictureArgs};
 use crate::film::{FilmJob, FrameRange};
 
@@ -39,8 +40,8 @@ pub struct FilmArgs {
 }
 
 impl FilmArgs {
-    pub fn job(&self) -> FilmJob {
-        FilmJob {
+    pub fn job(&self) -> Result<FilmJob, ArgumentError> {
+        Ok(FilmJob {
             subject: self.subject.clone(),
             input: self.input.clone(),
             out: self.out.clone(),
@@ -48,9 +49,9 @@ impl FilmArgs {
             range: self.range.unwrap_or_default(),
             fps: self.fps,
             spin_deg: self.spin,
-            picture: self.picture.request(),
+            picture: self.picture.request()?,
             import: self.import.options(),
-        }
+        })
     }
 }
 

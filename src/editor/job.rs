@@ -4,7 +4,8 @@
 //!
 //! The sculpture stays where it is. What is saved is shared with the thread, what is opened or
 //! made is made apart and put in place at the end; until then the editor refuses to change
-//! anything.
+//! anything. Work that changes nothing, such as a final picture, runs likewise
+//! ([`Editor::start_side_work`]).
 
 use std::sync::Arc;
 use std::thread::JoinHandle;
@@ -54,9 +55,32 @@ impl Jobs {
     }
 }
 
+/// What came of work.
+#[derive(Debug)]
+enum Product {
+    /// The result of a command, to be put in place.
+    Change(Done),
+    /// Nothing changes; the person is told.
+    Note(String),
+}
+
+/// Why nothing came of work.
+#[derive(Debug)]
+pub enum Failure {
+    Cancelled,
+    /// The reason, for the person.
+    Error(String),
+}
+
+impl From<SessionError> for Failure {
+    fn from(error: SessionError) -> Failure {
+        if error.is_cancelled() { Failure::Cancelled } else { Failure::Error(error.to_string()) }
+    }
+}
+
 /// Work on a thread.
 struct Job {
-    thread: JoinHandle<Result<Done, SessionError>>,
+    thread: JoinHandle<Result<Product, Failure>>,
     report: Arc<Report>,
     sign: &'static str,
     started: Instant,
@@ -76,19 +100,10 @@ pub enum Then {
 }
 
 impl Job {
-    /// Starts `work`, the long part of `command`.
-    fn start<W>(work: W, command: &Command, then: Then) -> Job
+    fn start<W>(work: W, sign: &'static str, is_save: bool, then: Then) -> Job
     where
-        W: FnOnce(&Report) -> Result<Done, SessionError> + Send + 'static,
+        W: FnOnce(&Report) -> Result<Product, Failure> + Send + 'static,
     {
-        let sign = match command {
-            Command::Open { .. } => "Opening",
-            Command::Save { .. } => "Saving",
-            Command::Orient(_) => "Rotating",
-            Command::Undo { .. } => "Undoing",
-            Command::Redo { .. } => "Redoing",
-            _ => "Creating a new sculpture",
-        };
         let report = Arc::new(Report::default());
         let told = report.clone();
         Job {
@@ -96,7 +111,7 @@ impl Job {
             report,
             sign,
             started: Instant::now(),
-            is_save: matches!(command, Command::Save { .. }),
+            is_save,
             then,
         }
     }
@@ -126,7 +141,30 @@ impl Editor {
     where
         W: FnOnce(&Report) -> Result<Done, SessionError> + Send + 'static,
     {
-        self.jobs.job = Some(Job::start(work, command, then));
+        let sign = match command {
+            Command::Open { .. } => "Opening",
+            Command::Save { .. } => "Saving",
+            Command::Orient(_) => "Rotating",
+            Command::Undo { .. } => "Undoing",
+            Command::Redo { .. } => "Redoing",
+            _ => "Creating a new sculpture",
+        };
+        let is_save = matches!(command, Command::Save { .. });
+        let work = move |report: &Report| Ok(Product::Change(work(report)?));
+        self.jobs.job = Some(Job::start(work, sign, is_save, then));
+    }
+
+    /// Runs work that changes nothing of the sculpture on a thread, and tells what it returns. Refused while there
+    /// is other work.
+    pub fn start_side_work<W>(&mut self, work: W, sign: &'static str)
+    where
+        W: FnOnce(&Report) -> Result<String, Failure> + Send + 'static,
+    {
+        if let Some(job) = &self.jobs.job {
+            return self.error(format!("{sign}: wait until this is done: {}", job.sign));
+        }
+        let work = move |report: &Report| work(report).map(Product::Note);
+        self.jobs.job = Some(Job::start(work, sign, false, Then::Stay));
     }
 
     /// Puts in place what came of long work, once it is done.
@@ -141,14 +179,18 @@ impl Editor {
         let Some(job) = self.jobs.job.take() else { return };
         let result = job.thread.join();
         let done = match result {
-            Ok(Ok(done)) => self.complete(done),
-            Ok(Err(error)) if error.is_cancelled() => {
+            Ok(Ok(Product::Change(done))) => self.complete(done),
+            Ok(Ok(Product::Note(text))) => {
+                self.note(text);
+                true
+            }
+            Ok(Err(Failure::Cancelled)) => {
                 self.note(format!("{}: cancelled", job.sign));
                 job.then == Then::LeaveAnyway
             }
-            Ok(Err(error)) => {
+            Ok(Err(Failure::Error(error))) => {
                 tracing::warn!("{error}");
-                self.error(error.to_string());
+                self.error(error);
                 false
             }
             Err(_) => {

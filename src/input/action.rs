@@ -212,6 +212,8 @@ pub enum Action {
     Screenshot,
     /// Copies a screenshot of the view to the clipboard of the system.
     CopyScreenshot,
+    /// Makes a final picture of the view, by tracing light, and saves it.
+    FinalPicture,
     /// Detaches a panel to a window of its own, or docks it.
     Detach(Panel),
     ScaleUp,
@@ -382,6 +384,7 @@ impl Action {
         Action::SaveAs,
         Action::Screenshot,
         Action::CopyScreenshot,
+        Action::FinalPicture,
         Action::Export,
         Action::Palette,
         Action::Help,

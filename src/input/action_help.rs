@@ -202,6 +202,11 @@ impl Action {
             Action::CopyScreenshot => {
                 ("copy-screenshot", Tap, "Copy a picture of the view, for other programs")
             }
+            Action::FinalPicture => (
+                "final-picture",
+                Tap,
+                "Save a picture of the view with shadows and reflected light",
+            ),
             Action::NextRenderMode => ("next-render-mode", Tap, "Next render mode"),
             Action::NextStereo => ("next-stereo", Tap, "Next stereo layout"),
             Action::ToggleVideo => ("toggle-video", Tap, "Video background on or off"),

@@ -59,8 +59,8 @@ impl Group {
             | ToggleVideo | ToggleHead | CalibrateHead | ToggleAr | Lights | Fullscreen
             | TogglePanels => Group::View,
             ScaleUp | ScaleDown | ScaleReset | ToggleTheme | Detach(_) | ToggleRumble | New
-            | Open | Save | SaveAs | Export | Screenshot | CopyScreenshot | Palette | Help
-            | Guide | Quit => Group::Program,
+            | Open | Save | SaveAs | Export | Screenshot | CopyScreenshot | FinalPicture
+            | Palette | Help | Guide | Quit => Group::Program,
         }
     }
 }

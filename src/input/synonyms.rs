@@ -23,6 +23,7 @@ impl Action {
             Action::CopyScreenshot => {
                 "screenshot capture snapshot photo image clipboard system paste"
             }
+            Action::FinalPicture => "final render raytrace path trace shadow sun photo image",
             Action::Fullscreen => "fullscreen maximise window",
             Action::TogglePanels => {
                 "interface toolbars distraction free zen clean presentation tab maximise"

@@ -101,6 +101,8 @@ fn what_people_type_finds_the_action() {
         ("screenshot", Action::Screenshot),
         ("snapshot", Action::Screenshot),
         ("picture", Action::Screenshot),
+        ("final picture", Action::FinalPicture),
+        ("path trace", Action::FinalPicture),
         ("dark mode", Action::ToggleTheme),
         ("theme", Action::ToggleTheme),
         ("font", Action::ScaleUp),

@@ -168,6 +168,7 @@ fn at_the_desk(
         ("Hide panels", Action::TogglePanels),
         ("Save picture", Action::Screenshot),
         ("Copy picture", Action::CopyScreenshot),
+        ("Final picture", Action::FinalPicture),
     ] {
         action_button(ui, context, label, action, true, requests);
     }

@@ -3,6 +3,7 @@
 
 mod files;
 mod film;
+mod final_picture;
 mod samples;
 #[cfg(target_os = "linux")]
 mod streams;

@@ -1,0 +1,92 @@
+//! Paths of light: what a surface sends to the eye.
+//!
+//! Backwards from the surface that the eye sees: at each surface the light of sun and lamp, unless something is in
+//! the way, then on in a random direction, until the sky is met or the light is too weak to matter (Russian
+//! roulette). Surfaces are matt, and directions are distributed as the cosine around the smooth normal, so that
+//! light is neither lost nor gained at any of them. Each light is found in one way alone, sun and lamp from the
+//! surface and the sky by chance, so nothing is counted twice and no weights are needed.
+//!
+//! Knows no pictures.
+
+use std::f32::consts::FRAC_1_PI;
+
+use glam::{Vec2, Vec3};
+
+use super::environment::{Environment, cosine_direction, disc_point};
+use super::sampling::Sampler;
+use super::scene::{Met, Scene, Surface};
+
+/// The bounce from which on roulette decides whether a path goes on.
+const ROULETTE_FROM: u32 = 1;
+
+/// See the module text.
+pub(super) struct Tracer<'a> {
+    pub scene: Scene<'a>,
+    pub environment: Environment,
+    /// Radiance of the ground where no shadow falls.
+    pub open_ground: Vec3,
+    /// Most surfaces on a path after the one seen.
+    pub bounces: u32,
+}
+
+impl Tracer<'_> {
+    /// The radiance that `seen` sends to the eye.
+    pub fn radiance(&self, seen: &Surface, sampler: &mut Sampler) -> Vec3 {
+        let (mut surface, mut radiance) = (*seen, Vec3::ZERO);
+        let mut throughput = surface.albedo;
+        for bounce in 0.. {
+            radiance += throughput * (FRAC_1_PI * self.direct(&surface, sampler));
+            let direction = cosine_direction(surface.normal, sampler.next_2d());
+            let next = match self.scene.meet(surface.start, direction) {
+                Met::Nothing => return radiance + throughput * self.environment.sky(direction),
+                Met::OpenGround => return radiance + throughput * self.open_ground,
+                Met::Voxel(next) | Met::Ground(next) => next,
+            };
+            if bounce >= self.bounces {
+                break;
+            }
+            surface = next;
+            throughput *= surface.albedo;
+            if bounce >= ROULETTE_FROM {
+                let survival = throughput.max_element().min(1.0);
+                if sampler.next_1d() >= survival {
+                    break;
+                }
+                throughput /= survival;
+            }
+        }
+        radiance
+    }
+
+    /// The irradiance of sun and lamp.
+    fn direct(&self, surface: &Surface, sampler: &mut Sampler) -> Vec3 {
+        let mut irradiance = Vec3::ZERO;
+        if let Some(sun) = &self.environment.sun {
+            let at = sampler.next_2d();
+            let direction = cone_direction(sun.direction, sun.sin_radius, at);
+            let cosine = direction.dot(surface.normal);
+            if cosine > 0.0 && !self.scene.is_blocked(surface.start, direction, f32::INFINITY) {
+                irradiance += sun.irradiance * cosine;
+            }
+        }
+        if let Some(lamp) = &self.environment.lamp {
+            let at = sampler.next_2d() * 2.0 - 1.0;
+            let from = self.scene.world_from_grid.transform_point3(surface.start);
+            let to_lamp = lamp.centre + lamp.half_u * at.x + lamp.half_v * at.y - from;
+            let squared = to_lamp.length_squared();
+            let (cosine, facing) = (to_lamp.dot(surface.normal), -to_lamp.dot(lamp.normal));
+            if cosine > 0.0 && facing > 0.0 && !self.scene.is_blocked(surface.start, to_lamp, 1.0) {
+                let area = 4.0 * lamp.half_u.length() * lamp.half_v.length();
+                irradiance += lamp.radiance * (area * cosine * facing / (squared * squared));
+            }
+        }
+        irradiance
+    }
+}
+
+/// A direction within the cone around `axis`, evenly distributed over the disc that it cuts from the sky.
+fn cone_direction(axis: Vec3, sin_radius: f32, at: Vec2) -> Vec3 {
+    let disc = disc_point(at) * sin_radius;
+    let (u, v) = axis.any_orthonormal_pair();
+    u * disc.x + v * disc.y + axis * (1.0 - disc.length_squared()).max(0.0).sqrt()
+}

@@ -1,0 +1,84 @@
+//! The numbers of a final picture for a device that traces it: what a tracer on the CPU works with, as plain values.
+//!
+//! Takes what [`super::trace`] takes. A device adds samples to [`PixelSum`]s as this room does, pass by pass, and gets
+//! its film from [`Film::of_sums`](super::Film::of_sums). Knows no device.
+
+use glam::{Affine3A, Mat3, Vec3};
+
+use super::environment::{Gradient, Lamp, SunDisc};
+use super::lens::Pupil;
+use super::{TraceOptions, TraceShot, pupil, tracer};
+use crate::shade::ShadeSource;
+use crate::view::{PixelRays, sample_offset_px};
+
+/// See the module text.
+#[derive(Clone, Copy, Debug)]
+pub struct Prepared {
+    /// The placement of the grid.
+    pub world_from_grid: Affine3A,
+    /// Its inverse for directions.
+    pub grid_from_world: Mat3,
+    /// Maps normals of the grid to the world.
+    pub world_from_normal: Mat3,
+    /// Up in the world.
+    pub up: Vec3,
+    /// Of the ball about the sculpture, in the world.
+    pub radius: f32,
+    /// The box around all voxels, in grid coordinates.
+    pub bounds: (Vec3, Vec3),
+    /// The middle of that box.
+    pub middle: Vec3,
+    /// The ground, if there is one.
+    pub ground: Option<PreparedGround>,
+    /// What ground sends on which no shadow falls.
+    pub open_ground: Vec3,
+    /// The sun, if it is up.
+    pub sun: Option<SunDisc>,
+    /// Where it would be.
+    pub towards_sun: Vec3,
+    /// The sky.
+    pub sky: Gradient,
+    /// The lamp, if there is one.
+    pub lamp: Option<Lamp>,
+    /// The pupil of a lens with an opening.
+    pub pupil: Option<Pupil>,
+}
+
+/// The ground: where the height over it is 0.
+#[derive(Clone, Copy, Debug)]
+pub struct PreparedGround {
+    /// With `offset` gives the height over the ground, in the world, of points of the grid.
+    pub height: Vec3,
+    /// The height of the grid's origin.
+    pub offset: f32,
+    /// Share of light that it reflects.
+    pub albedo: Vec3,
+}
+
+/// The numbers of a final picture; `source` has all its normals.
+pub fn prepare(source: &ShadeSource, shot: &TraceShot, options: &TraceOptions) -> Prepared {
+    let tracer = tracer(source, shot, options);
+    let (scene, environment) = (&tracer.scene, &tracer.environment);
+    let rays = shot.eye.pixel_rays(&shot.world_from_grid);
+    Prepared {
+        world_from_grid: scene.world_from_grid,
+        grid_from_world: scene.grid_from_world,
+        world_from_normal: scene.world_from_normal,
+        up: scene.up,
+        radius: scene.radius,
+        bounds: scene.bounds,
+        middle: scene.middle,
+        ground: scene.ground,
+        open_ground: tracer.open_ground,
+        sun: environment.sun,
+        towards_sun: environment.towards_sun,
+        sky: environment.gradient,
+        lamp: environment.lamp,
+        pupil: pupil(scene, shot, &rays, &options.lens),
+    }
+}
+
+/// The rays of a pass.
+pub fn pass_rays(shot: &TraceShot, index: u32) -> PixelRays {
+    shot.eye.shifted_by_px(sample_offset_px(index)).pixel_rays(&shot.world_from_grid)
+}

@@ -1,0 +1,249 @@
+//! What rays of a final picture meet: voxels and the ground.
+//!
+//! From rays to the nearest surface: where on it further rays start, its normal and its colour. Points are in grid
+//! coordinates, directions and normals in the world, so that voxels may have edges of different lengths and angles
+//! are true.
+//!
+//! A surface of voxels has terraces. Light is meant to fall on the surface that they stand for, whose normal is that of
+//! the [`crate::shade::NormalField`]; rays to and from terraces would darken them by each other. So further rays start
+//! above the steps: along the normal by up to [`CLEARANCE_VX`], less where the surface follows the grid and has no steps.
+//! Shadows of details that are smaller than that are lost.
+//!
+//! Knows no light.
+
+use glam::{Affine3A, IVec3, Mat3, UVec3, Vec3};
+
+use super::Ground;
+use super::prepared::PreparedGround;
+use super::tone::linear_colour;
+use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
+use crate::shade::ShadeSource;
+use crate::surface::raycast::cast;
+
+/// How far above a sloping surface rays start: above the highest corner of its steps.
+const CLEARANCE_VX: f32 = 1.5;
+/// Points of a face stay this far from its edges.
+const EDGE_VX: f32 = 0.01;
+/// Where there is no room for that, and on surfaces along the grid.
+const LEAST_CLEARANCE_VX: f32 = 0.02;
+/// Clearance over the slope against the grid.
+const CLEARANCE_PER_SLOPE: f32 = 30.0;
+/// A normal that points away from the face seen by more than this is that of another side: a thin wall.
+const OTHER_SIDE: f32 = -0.2;
+/// Distance from the sculpture, in its radii, beyond which indirect light takes the ground as lit by all of the sky.
+const OPEN_GROUND_RADII: f32 = 4.0;
+
+/// A surface on a path.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Surface {
+    /// Where further rays start, in grid coordinates.
+    pub start: Vec3,
+    /// Unit vector out of the surface, in the world.
+    pub normal: Vec3,
+    /// Share of light that it reflects.
+    pub albedo: Vec3,
+}
+
+/// What a ray meets.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Met {
+    Nothing,
+    Voxel(Surface),
+    Ground(Surface),
+    /// Ground on which no shadow of the sculpture falls.
+    OpenGround,
+}
+
+/// See the module text.
+pub(super) struct Scene<'a> {
+    source: ShadeSource<'a>,
+    pub world_from_grid: Affine3A,
+    pub grid_from_world: Mat3,
+    pub world_from_normal: Mat3,
+    /// The box around all voxels.
+    pub bounds: (Vec3, Vec3),
+    pub middle: Vec3,
+    pub radius: f32,
+    pub up: Vec3,
+    pub ground: Option<PreparedGround>,
+}
+
+impl PreparedGround {
+    fn height_of(&self, point: Vec3) -> f32 {
+        self.height.dot(point) + self.offset
+    }
+}
+
+impl<'a> Scene<'a> {
+    /// `lowest`: the least height of the sculpture along `up`.
+    pub fn new(
+        source: ShadeSource<'a>,
+        world_from_grid: Affine3A,
+        up: Vec3,
+        bounds: (Vec3, Vec3),
+        lowest: f32,
+        ground: Option<Ground>,
+    ) -> Scene<'a> {
+        let linear = Mat3::from(world_from_grid.matrix3);
+        let grid_from_world = linear.inverse();
+        let plane = |ground: Ground| PreparedGround {
+            height: linear.transpose() * up,
+            offset: up.dot(world_from_grid.translation.into()) - lowest,
+            albedo: linear_colour(ground.colour),
+        };
+        let middle = (bounds.0 + bounds.1) * 0.5;
+        let radius = (linear * ((bounds.1 - bounds.0) * 0.5)).length().max(f32::MIN_POSITIVE);
+        Scene {
+            source,
+            world_from_grid,
+            grid_from_world,
+            world_from_normal: grid_from_world.transpose(),
+            bounds,
+            middle,
+            radius,
+            up,
+            ground: ground.map(plane),
+        }
+    }
+
+    pub fn ground_albedo(&self) -> Vec3 {
+        self.ground.map_or(Vec3::ZERO, |ground| ground.albedo)
+    }
+
+    /// Distance of a point from the sculpture's middle, in its radii.
+    pub fn distance_radii(&self, point: Vec3) -> f32 {
+        let away = self.world_from_grid.transform_vector3(point - self.middle);
+        away.length() / self.radius
+    }
+
+    /// What a ray from a surface meets; `direction` is in the world.
+    pub fn meet(&self, origin: Vec3, direction: Vec3) -> Met {
+        let along = self.grid_from_world * direction;
+        if let Some((voxel, face, t)) = self.voxel_on(origin, along, f32::INFINITY) {
+            return Met::Voxel(self.surface(voxel, face, origin + along * t));
+        }
+        match self.ground_on(origin, direction.dot(self.up)) {
+            None => Met::Nothing,
+            Some((_, t)) if self.distance_radii(origin + along * t) > OPEN_GROUND_RADII => {
+                Met::OpenGround
+            }
+            Some((ground, t)) => Met::Ground(self.on_ground(ground, origin + along * t)),
+        }
+    }
+
+    /// Whether something lies between `origin` and `origin + direction * reach`.
+    pub fn is_blocked(&self, origin: Vec3, direction: Vec3, reach: f32) -> bool {
+        let along = self.grid_from_world * direction;
+        self.voxel_on(origin, along, reach).is_some()
+            || self.ground_on(origin, direction.dot(self.up)).is_some_and(|(_, t)| t < reach)
+    }
+
+    /// What the eye sees along a ray of a picture, where `voxel` is the first voxel on it, and how far away.
+    pub fn seen(&self, origin: Vec3, along: Vec3, voxel: Option<UVec3>) -> (Met, f32) {
+        if let Some(voxel) = voxel {
+            let (t, face) = self.entry(origin, along, voxel);
+            return (Met::Voxel(self.surface(voxel, face, origin + along * t)), t);
+        }
+        let climb = self.ground.map_or(0.0, |ground| ground.height.dot(along));
+        let above = self.ground.is_some_and(|ground| ground.height_of(origin) > 0.0);
+        match self.ground_on(origin, climb).filter(|_| above) {
+            Some((ground, t)) => (Met::Ground(self.on_ground(ground, origin + along * t)), t),
+            None => (Met::Nothing, f32::INFINITY),
+        }
+    }
+
+    /// The first voxel on any ray of a picture.
+    pub fn first_voxel(&self, origin: Vec3, along: Vec3) -> Option<UVec3> {
+        self.voxel_on(origin, along, f32::INFINITY).map(|(voxel, _, _)| voxel)
+    }
+
+    fn voxel_on(&self, origin: Vec3, along: Vec3, reach: f32) -> Option<(UVec3, IVec3, f32)> {
+        // Most rays that leave the sculpture pass the box around it.
+        let per_t = 1.0 / along;
+        let (a, b) = ((self.bounds.0 - origin) * per_t, (self.bounds.1 - origin) * per_t);
+        let (first, last) = (a.min(b).max_element(), a.max(b).min_element());
+        if first > last.min(reach) || last < 0.0 {
+            return None;
+        }
+        let hit = cast(self.source.grid, origin, along)?;
+        (hit.t < reach).then_some((hit.voxel, hit.face, hit.t))
+    }
+
+    fn ground_on(&self, origin: Vec3, climb: f32) -> Option<(PreparedGround, f32)> {
+        let ground = self.ground?;
+        (climb < 0.0).then(|| (ground, (ground.height_of(origin) / -climb).max(0.0)))
+    }
+
+    fn on_ground(&self, ground: PreparedGround, point: Vec3) -> Surface {
+        let start = point + self.grid_from_world * self.up * (1e-4 * self.radius);
+        Surface { start, normal: self.up, albedo: ground.albedo }
+    }
+
+    /// Where a ray enters a voxel that it is known to meet first, and the face: one without a voxel before it, whatever
+    /// rounding says at an edge.
+    fn entry(&self, origin: Vec3, along: Vec3, voxel: UVec3) -> (f32, IVec3) {
+        let near = voxel.as_vec3() + Vec3::select(along.cmplt(Vec3::ZERO), Vec3::ONE, Vec3::ZERO);
+        let (mut t, mut face, mut found) = (0.0, -along.signum().as_ivec3(), false);
+        for axis in (0..3).filter(|axis| along[*axis] != 0.0) {
+            let crossing = (near[axis] - origin[axis]) / along[axis];
+            let mut outwards = IVec3::ZERO;
+            outwards[axis] = if along[axis] < 0.0 { 1 } else { -1 };
+            let is_later = !found || crossing > t;
+            if is_later && !self.source.grid.get(voxel.as_ivec3() + outwards) {
+                (t, face, found) = (crossing.max(0.0), outwards, true);
+            }
+        }
+        (t, face)
+    }
+
+    /// The surface at a point of a face of a voxel.
+    fn surface(&self, voxel: UVec3, face: IVec3, point: Vec3) -> Surface {
+        // Rounding must put it neither off the face nor in front of the voxel beside.
+        let low = voxel.as_vec3();
+        let plane = low + face.max(IVec3::ZERO).as_vec3();
+        let within = point.clamp(low + EDGE_VX, low + (1.0 - EDGE_VX));
+        let point = Vec3::select(face.cmpeq(IVec3::ZERO), within, plane);
+        let ShadeSource { grid, material, normals } = self.source;
+        let (brick, local) = (grid.brick_index(voxel / BRICK_EDGE_VX), voxel % BRICK_EDGE_VX);
+        let albedo = linear_colour(material.rgb(brick, local_index(local.x, local.y, local.z)));
+        let face = face.as_vec3();
+        let smooth = normals.packed(brick, local).unpack();
+        let normal = smooth.filter(|normal| normal.dot(face) >= OTHER_SIDE).unwrap_or(face);
+        let start = self.clear_of_steps(point, face, normal);
+        Surface { start, normal: (self.world_from_normal * normal).normalize_or(self.up), albedo }
+    }
+
+    fn clear_of_steps(&self, point: Vec3, face: Vec3, normal: Vec3) -> Vec3 {
+        let size = normal.abs();
+        let slope = size.x.max(size.y).min(size.x.min(size.y).max(size.z));
+        let clearance = CLEARANCE_VX.min(CLEARANCE_PER_SLOPE * slope);
+        let near = point + face * LEAST_CLEARANCE_VX;
+        if clearance <= LEAST_CLEARANCE_VX {
+            return near;
+        }
+        let free = self.free_way(near, normal, clearance);
+        near + normal * if free < clearance { 0.5 * free } else { clearance }
+    }
+
+    /// How far the way from `origin` is free of voxels, up to `reach`: few voxels, so without skipping any.
+    fn free_way(&self, origin: Vec3, direction: Vec3, reach: f32) -> f32 {
+        let mut cell = origin.floor();
+        let step = Vec3::select(direction.cmplt(Vec3::ZERO), Vec3::NEG_ONE, Vec3::ONE);
+        let per_t = 1.0 / direction;
+        let mut next = (cell + step.max(Vec3::ZERO) - origin) * per_t;
+        // Along an axis that it does not follow, the way crosses nothing.
+        next = Vec3::select(direction.cmpeq(Vec3::ZERO), Vec3::INFINITY, next);
+        loop {
+            let axis = next.min_position();
+            let t = next[axis];
+            if t >= reach {
+                return reach;
+            }
+            cell[axis] += step[axis];
+            next[axis] += per_t[axis].abs();
+            if self.source.grid.get(cell.as_ivec3()) {
+                return t;
+            }
+        }
+    }
+}
