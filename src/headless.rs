@@ -92,6 +92,8 @@ pub struct PictureRequest {
     pub size: UVec2,
     /// None: the mode of the settings.
     pub mode: Option<RenderMode>,
+    /// The voxels' cubes, whatever the settings say, instead of the smooth surface between them.
+    pub voxels: bool,
     /// From the centre to the eye.
     pub camera: Vec3,
     /// The axis of the grid that points up in the picture.
@@ -115,6 +117,7 @@ impl PictureRequest {
         picture::View {
             size: self.size,
             mode: self.mode.or(config.render.mode).unwrap_or_default(),
+            smooth_surface: config.render.smooth_surface && !self.voxels,
             direction: self.camera,
             up: self.up,
             turn_rad: self.turn_deg.to_radians(),
@@ -131,6 +134,7 @@ impl Default for PictureRequest {
         PictureRequest {
             size: UVec2::new(640, 480),
             mode: None,
+            voxels: false,
             camera: PictureRequest::THREE_QUARTER,
             up: Vec3::Y,
             turn_deg: 0.0,

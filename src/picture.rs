@@ -17,7 +17,9 @@ use crate::gpu::{DeviceOptions, GpuError, Readback};
 use crate::render::{Background, Fallback, FrameDesc, RenderMode, StereoOptions};
 use crate::sculpture::Grid;
 use crate::sculpture::brick::BRICK_EDGE_VX;
-use crate::shade::{Lighting, Pixels, ShadePose, ShadeSource, SoftwareShader};
+use crate::shade::{
+    LevelSampler, LevelSet, Lighting, Pixels, ShadePose, ShadeSource, SoftwareShader,
+};
 use crate::surface::{IndexMap, quickstep, raycast};
 use crate::trace::TraceError;
 use crate::view::{Camera, Eye, StereoLayout};
@@ -74,6 +76,8 @@ pub struct PictureOptions {
 pub struct View {
     pub size: UVec2,
     pub mode: RenderMode,
+    /// Draw the surface between the voxels where a voxel covers more than a pixel, in modes that can.
+    pub smooth_surface: bool,
     /// From the centre of the bounding box to the eye, where `up` is y.
     pub direction: Vec3,
     /// The axis that points up in the picture.
@@ -211,19 +215,26 @@ fn render_by_casting(
     world_from_grid: Affine3A,
     options: &PictureOptions,
 ) -> Vec<RgbImage> {
-    let normals = followed.of(document);
+    let smooth = view.smooth_surface
+        && mode.can_be_smooth()
+        && eyes
+            .iter()
+            .any(|eye| LevelSet::shows(document.grid(), &eye.pixel_rays(&world_from_grid)));
+    let (normals, levels) = followed.of(document, smooth);
     let grid = document.grid();
     let source = ShadeSource { grid, material: document.material(), normals };
     let mut shader = SoftwareShader::default();
     let mut pixels = Pixels::default();
-    let picture_of = |eye: &Eye| {
+    let mut sampler = LevelSampler::default();
+    let mut picture_of = |eye: &Eye| {
         let mut map = IndexMap::new(eye.pixel_rays(&world_from_grid));
         let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
         let mut mean = Mean::new(eye.size);
         for sample in 0..view.samples {
             let rays = eye.sample(sample).pixel_rays(&world_from_grid);
-            match mode {
-                RenderMode::Quickstep => quickstep::sample(grid, &rays, &mut map),
+            match (mode, levels) {
+                (_, Some(levels)) => sampler.sample(grid, normals, levels, &rays, &mut map),
+                (RenderMode::Quickstep, None) => quickstep::sample(grid, &rays, &mut map),
                 _ => raycast::sample(grid, &rays, &mut map),
             }
             shader.shade(&map, &source, &pose, &options.lighting, &mut pixels);
@@ -231,7 +242,7 @@ fn render_by_casting(
         }
         mean.picture()
     };
-    eyes.iter().map(picture_of).collect()
+    eyes.iter().map(&mut picture_of).collect()
 }
 
 /// Renders on the painter's device. A sculpture that is too large for the device in this
@@ -251,6 +262,7 @@ fn render_on_device(
         eyes,
         world_from_grid,
         mode: view.mode,
+        smooth_surface: view.smooth_surface,
         lighting: options.lighting,
         background: Background::Gradient { top, bottom },
         video: None,

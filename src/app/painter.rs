@@ -66,6 +66,7 @@ impl Painter {
             eyes: &eyes,
             world_from_grid: workspace.world_from_grid(),
             mode: workspace.ui.view.mode,
+            smooth_surface: workspace.ui.view.smooth_surface,
             lighting: workspace.ui.view.lighting(),
             background: background(workspace.ui.appearance.theme),
             video,

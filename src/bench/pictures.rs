@@ -180,6 +180,7 @@ impl Rendered {
             eyes: if self.is_beside { &self.beside } else { &self.eyes },
             world_from_grid: document.world_from_grid(),
             mode: self.mode,
+            smooth_surface: false,
             lighting: self.lighting,
             background: Background::Gradient { top, bottom },
             video: None,

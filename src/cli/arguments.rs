@@ -75,6 +75,9 @@ pub struct PictureArgs {
     /// How to render (default: render.mode in the settings)
     #[arg(long, value_enum)]
     pub mode: Option<RenderMode>,
+    /// Draw the cubes of near voxels instead of the smooth surface between them
+    #[arg(long)]
+    pub voxels: bool,
     /// 3/4, front, back, left, right, top, bottom, or a direction X,Y,Z from the centre to the eye
     #[arg(long, default_value = "3/4", value_name = "VIEW", value_parser = parse_direction, allow_hyphen_values = true)]
     pub camera: Vec3,
@@ -105,6 +108,7 @@ impl PictureArgs {
         Ok(PictureRequest {
             size: self.size,
             mode: self.mode,
+            voxels: self.voxels,
             camera: self.camera,
             up: self.up,
             turn_deg: self.turn,

@@ -100,6 +100,7 @@ mod tests {
     fn view(up: Vec3) -> View {
         View {
             size: UVec2::new(320, 200),
+            smooth_surface: true,
             mode: RenderMode::Ray,
             direction: PictureRequest::THREE_QUARTER,
             up,

@@ -14,7 +14,8 @@ use crate::document::{ChangeSubscriber, Document};
 use crate::gpu::{Device, DeviceOptions, Frames, Headless};
 use crate::render::Renderer;
 use crate::screen::offscreen;
-use crate::shade::NormalField;
+use crate::sculpture::Limits;
+use crate::shade::{LevelSet, NormalField};
 use crate::view::StereoLayout;
 
 /// See the module text.
@@ -59,22 +60,45 @@ impl PictureMaker {
     }
 }
 
-/// The normals of a document for the software shader.
+/// The normals of a document for the software shader, and its smooth surface.
 #[derive(Default)]
 pub(super) struct FollowedNormals {
     field: NormalField,
+    /// Once it was wanted.
+    levels: Option<LevelSet>,
     subscriber: ChangeSubscriber,
 }
 
 impl FollowedNormals {
-    /// All normals of the document as it is now.
-    pub fn of(&mut self, document: &mut Document) -> &NormalField {
-        let field = &mut self.field;
-        document.drain_changes_for(&self.subscriber, |contents, changed| {
-            field.follow(&contents.grid, changed);
+    /// All normals of the document as it is now, and if `smooth`, its smooth surface. A grid that is too large for it
+    /// has none.
+    pub fn of(
+        &mut self,
+        document: &mut Document,
+        smooth: bool,
+    ) -> (&NormalField, Option<&LevelSet>) {
+        let FollowedNormals { field, levels, subscriber } = self;
+        let mut changed = Vec::new();
+        document.drain_changes_for(subscriber, |contents, bricks| {
+            field.follow(&contents.grid, bricks);
+            changed.extend_from_slice(bricks.unwrap_or_default());
+            levels.take_if(|levels| bricks.is_none() || !levels.fits(&contents.grid));
         });
-        field.update(document.grid(), &mut Vec::new(), || true);
-        field
+        let grid = document.grid();
+        field.update(grid, &mut changed, || true);
+        if let Some(levels) = levels {
+            levels.follow(grid, &changed);
+        }
+        if !smooth {
+            return (field, None);
+        }
+        if levels.is_none() {
+            *levels = LevelSet::new(grid, Limits::default().grid_bytes).ok();
+        }
+        if let Some(levels) = levels {
+            levels.update(grid, field, &mut Vec::new());
+        }
+        (field, levels.as_ref())
     }
 }
 

@@ -25,13 +25,15 @@ struct SampleKey {
     eyes: [Option<Eye>; MAX_EYES],
     world_from_grid: Affine3A,
     mode: RenderMode,
+    smooth: bool,
 }
 
 impl SampleKey {
     /// Whether both differ by edits of the sculpture only.
     fn differs_by_edits_only(&self, other: &SampleKey) -> bool {
-        let SampleKey { revision: _, eyes, world_from_grid, mode } = other;
-        (&self.eyes, &self.world_from_grid, &self.mode) == (eyes, world_from_grid, mode)
+        let SampleKey { revision: _, eyes, world_from_grid, mode, smooth } = other;
+        (&self.eyes, &self.world_from_grid, &self.mode, &self.smooth)
+            == (eyes, world_from_grid, mode, smooth)
     }
 }
 
@@ -47,7 +49,13 @@ pub(super) struct FrameCache {
 
 impl FrameCache {
     /// The key of the pictures of `desc`, reusing the allocations of a former one.
-    pub fn new(former: Option<FrameCache>, document: &Document, desc: &FrameDesc) -> FrameCache {
+    /// `smooth`: they show the smooth surface.
+    pub fn new(
+        former: Option<FrameCache>,
+        document: &Document,
+        desc: &FrameDesc,
+        smooth: bool,
+    ) -> FrameCache {
         let (mut previews, mut lines) =
             former.map_or_else(Default::default, |f| (f.previews, f.lines));
         previews.clear();
@@ -57,7 +65,7 @@ impl FrameCache {
         let FrameDesc { lighting, background, .. } = *desc;
         let video = desc.video.map(|video| video.key());
         FrameCache {
-            sample: sample_key(document, desc),
+            sample: sample_key(document, desc, smooth),
             lighting,
             background,
             video,
@@ -95,19 +103,20 @@ impl RedrawPlan {
     }
 
     /// The plan from the pictures of `before` to those of `desc`. `changes_known`: it is known which bricks
-    /// have changed since.
+    /// have changed since. `smooth`: [`super::level_stage::LevelStage::state`].
     pub fn new(
         before: Option<&FrameCache>,
         document: &Document,
         desc: &FrameDesc,
         changes_known: bool,
         normals: NormalsChange,
+        smooth: Option<bool>,
     ) -> RedrawPlan {
         let all = Some(Redraw::All);
         let Some(before) = before else {
             return RedrawPlan { sample: all, shade: all, compose: all };
         };
-        let sample = sample_key(document, desc);
+        let sample = sample_key(document, desc, smooth.is_some());
         let same_light = before.lighting == desc.lighting;
         let same_back = before.background == desc.background
             && before.video == desc.video.map(|video| video.key());
@@ -115,7 +124,7 @@ impl RedrawPlan {
         // While the view is still, an edit changes only some of the pixels.
         let redraw_if = |partial: bool| if partial { Redraw::Changed } else { Redraw::All };
         let still = changes_known && before.sample.differs_by_edits_only(&sample);
-        let resample = before.sample != sample;
+        let resample = before.sample != sample || smooth == Some(true);
         let reshade = resample || !same_light || normals != NormalsChange::None;
         let recompose = reshade || !(same_back && same_tools);
         // Filters read the pixels around, occlusion a wide region around the voxel.
@@ -157,7 +166,7 @@ pub(super) fn pixels_to_compose(
     rects.without_overlap()
 }
 
-fn sample_key(document: &Document, desc: &FrameDesc) -> SampleKey {
+fn sample_key(document: &Document, desc: &FrameDesc, smooth: bool) -> SampleKey {
     let mut eyes = [None; MAX_EYES];
     for (key, eye) in eyes.iter_mut().zip(desc.eyes) {
         *key = Some(*eye);
@@ -167,6 +176,7 @@ fn sample_key(document: &Document, desc: &FrameDesc) -> SampleKey {
         eyes,
         world_from_grid: desc.world_from_grid,
         mode: desc.mode,
+        smooth,
     }
 }
 
@@ -197,6 +207,7 @@ mod tests {
             eyes: &eyes,
             world_from_grid: Affine3A::IDENTITY,
             mode: RenderMode::Ray,
+            smooth_surface: false,
             lighting: Lighting::default(),
             background: Background::Keep,
             video: None,
@@ -206,19 +217,28 @@ mod tests {
         let steps = |sample, shade, compose| RedrawPlan { sample, shade, compose };
         let (all, some) = (Some(Redraw::All), Some(Redraw::Changed));
         assert_eq!(
-            RedrawPlan::new(None, &document, &desc, true, NormalsChange::None),
+            RedrawPlan::new(None, &document, &desc, true, NormalsChange::None, None),
             steps(all, all, all)
         );
 
-        let shown = FrameCache::new(None, &document, &desc);
+        let shown = FrameCache::new(None, &document, &desc, false);
         let to = |document: &Document, desc: &FrameDesc| {
-            RedrawPlan::new(Some(&shown), document, desc, true, NormalsChange::None)
+            RedrawPlan::new(Some(&shown), document, desc, true, NormalsChange::None, None)
         };
         assert_eq!(to(&document, &desc), steps(None, None, None));
         for (normals, shaded) in [(NormalsChange::Some, some), (NormalsChange::All, all)] {
-            let plan = RedrawPlan::new(Some(&shown), &document, &desc, true, normals);
+            let plan = RedrawPlan::new(Some(&shown), &document, &desc, true, normals, None);
             assert_eq!(plan, steps(None, shaded, shaded));
         }
+        // The levels of the smooth surface follow the normals; showing it at all is another picture.
+        let smooth = |before: &FrameCache, smooth| {
+            RedrawPlan::new(Some(before), &document, &desc, true, NormalsChange::None, smooth)
+        };
+        let shown_smooth = FrameCache::new(None, &document, &desc, true);
+        assert_eq!(smooth(&shown_smooth, Some(false)), steps(None, None, None));
+        assert_eq!(smooth(&shown_smooth, Some(true)), steps(some, some, some));
+        assert_eq!(smooth(&shown, Some(true)), steps(all, all, all));
+        assert_eq!(smooth(&shown_smooth, None), steps(all, all, all));
         let with_line = FrameDesc { lines: &[line], ..desc };
         assert_eq!(to(&document, &with_line), steps(None, None, some));
         let before_black = Background::Gradient { top: Vec3::ZERO, bottom: Vec3::ZERO };
@@ -233,24 +253,24 @@ mod tests {
         document.apply(&"add cuboid at=8,8,8 half=2,2,2 colour=#ffffff".parse().unwrap()).unwrap();
         assert_eq!(to(&document, &desc), steps(some, some, some));
         assert_eq!(
-            RedrawPlan::new(Some(&shown), &document, &desc, false, NormalsChange::None),
+            RedrawPlan::new(Some(&shown), &document, &desc, false, NormalsChange::None, None),
             steps(all, all, all)
         );
         assert_eq!(to(&document, &dark), steps(some, all, all));
         // Points cover more than their pixels.
         let points = FrameDesc { mode: RenderMode::RayPoints, ..desc };
-        let of_points = FrameCache::new(None, &document, &points);
+        let of_points = FrameCache::new(None, &document, &points, false);
         let points = FrameDesc { lines: &[line], ..points };
         let to_points =
-            RedrawPlan::new(Some(&of_points), &document, &points, true, NormalsChange::None);
+            RedrawPlan::new(Some(&of_points), &document, &points, true, NormalsChange::None, None);
         assert_eq!(to_points, steps(None, None, all));
         // Occlusion darkens voxels from a distance.
         let mut occluded = desc;
         occluded.lighting.occlusion = true;
-        let shown = FrameCache::new(Some(shown), &document, &occluded);
+        let shown = FrameCache::new(Some(shown), &document, &occluded, false);
         document.apply(&"undo 1".parse().unwrap()).unwrap();
         let to_open =
-            RedrawPlan::new(Some(&shown), &document, &occluded, true, NormalsChange::None);
+            RedrawPlan::new(Some(&shown), &document, &occluded, true, NormalsChange::None, None);
         assert_eq!(to_open, steps(some, all, all));
     }
 }

@@ -5,7 +5,8 @@ use glam::Affine3A;
 use super::overlay::{Line, ToolPreview};
 use super::{Background, RenderMode, Surface, Video};
 use crate::document::Document;
-use crate::shade::{Lighting, ShadePose};
+use crate::sculpture::Grid;
+use crate::shade::{LevelSet, Lighting, ShadePose};
 use crate::view::Eye;
 
 /// A frame description: how a sculpture is to be seen.
@@ -15,6 +16,8 @@ pub struct FrameDesc<'a> {
     pub eyes: &'a [Eye],
     pub world_from_grid: Affine3A,
     pub mode: RenderMode,
+    /// Draw the surface between the voxels where a voxel covers more than a pixel, in modes that can.
+    pub smooth_surface: bool,
     pub lighting: Lighting,
     pub background: Background,
     /// Replaces the background.
@@ -25,6 +28,14 @@ pub struct FrameDesc<'a> {
 }
 
 impl FrameDesc<'_> {
+    /// Whether the pictures show the smooth surface of `grid`.
+    pub(super) fn shows_smooth_surface(&self, grid: &Grid) -> bool {
+        let rays = |eye: &Eye| eye.pixel_rays(&self.world_from_grid);
+        self.smooth_surface
+            && self.mode.can_be_smooth()
+            && self.eyes.iter().any(|eye| LevelSet::shows(grid, &rays(eye)))
+    }
+
     pub(super) fn pose(&self, eye: &Eye) -> ShadePose {
         ShadePose { eye_from_world: eye.eye_from_world, world_from_grid: self.world_from_grid }
     }

@@ -14,6 +14,7 @@ mod frame_cache;
 mod frame_desc;
 pub mod gpu_only;
 pub mod gui;
+mod level_stage;
 pub mod light;
 mod mean;
 pub mod mode;

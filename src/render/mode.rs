@@ -99,6 +99,11 @@ impl RenderMode {
         matches!(self, RenderMode::GpuColour | RenderMode::MarchGpu)
     }
 
+    /// Whether the mode can show the smooth surface: where the software shader lights what is seen.
+    pub fn can_be_smooth(self) -> bool {
+        self.shading() == Shading::Software
+    }
+
     /// Whether a picture without a screen needs Vulkan.
     pub fn needs_device(self) -> bool {
         !matches!(self, RenderMode::Ray | RenderMode::Quickstep)

@@ -84,6 +84,13 @@ impl NormalStage {
         Ok(())
     }
 
+    /// Adds bricks to those that are shaded again.
+    pub fn reshade(&mut self, bricks: &[u32]) {
+        self.reshaded.extend_from_slice(bricks);
+        self.reshaded.sort_unstable();
+        self.reshaded.dedup();
+    }
+
     pub fn field(&self) -> &NormalField {
         &self.field
     }

@@ -14,6 +14,8 @@ pub struct RenderOptions {
     #[serde(deserialize_with = "mode_or_auto")]
     pub mode: Option<RenderMode>,
     pub fov_deg: f32,
+    /// The surface between near voxels instead of their cubes.
+    pub smooth_surface: bool,
     pub smooth_normals: Smoothing,
     pub smooth_colours: Smoothing,
     pub occlusion: bool,
@@ -26,6 +28,7 @@ impl Default for RenderOptions {
         RenderOptions {
             mode: None,
             fov_deg: 45.0,
+            smooth_surface: true,
             smooth_normals: Smoothing::Off,
             smooth_colours: Smoothing::Off,
             occlusion: false,

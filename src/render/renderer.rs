@@ -15,6 +15,7 @@ use glam::UVec2;
 use super::Shading;
 use super::frame_cache::{FrameCache, Redraw, RedrawPlan, pixels_to_compose};
 pub use super::frame_desc::FrameDesc;
+use super::level_stage::LevelStage;
 use super::normal_stage::NormalStage;
 use super::overlay::{Overlay, Scene};
 use super::pictures::pictures;
@@ -57,6 +58,7 @@ pub struct Renderer {
     /// The bricks that changed since the last picture.
     changed: Vec<u32>,
     normals: NormalStage,
+    levels: LevelStage,
     /// What the pictures were made of; none while they are incomplete.
     pub(super) cache: Option<FrameCache>,
     pub(super) refinement: Refinement,
@@ -85,6 +87,7 @@ impl Renderer {
             subscriber: ChangeSubscriber::default(),
             changed: Vec::new(),
             normals: NormalStage::default(),
+            levels: LevelStage::default(),
             cache: None,
             refinement: Refinement::default(),
             times: RenderTimes::default(),
@@ -126,7 +129,12 @@ impl Renderer {
         let changes_known = self.drain_changes(document);
         let changed = changes_known.then_some(self.changed.as_slice());
         let normals = self.normals.update(document.grid(), changed);
-        let plan = RedrawPlan::new(before.as_ref(), document, desc, changes_known, normals);
+        let known = changes_known.then_some(self.normals.reshaded());
+        let smooth = desc.shows_smooth_surface(document.grid());
+        self.levels.update(document.grid(), self.normals.field(), known, smooth);
+        self.normals.reshade(self.levels.changed());
+        let smooth = self.levels.state();
+        let plan = RedrawPlan::new(before.as_ref(), document, desc, changes_known, normals, smooth);
         if let Some(redraw) = plan.sample {
             self.sample(document, desc, redraw)?;
         }
@@ -143,7 +151,7 @@ impl Renderer {
         }
         let rests = plan.is_nothing() && self.is_complete();
         self.refine_if(rests, recorder, slot, document, desc)?;
-        self.cache = Some(FrameCache::new(before, document, desc));
+        self.cache = Some(FrameCache::new(before, document, desc, smooth.is_some()));
         let pictures = pictures(&self.device, &mut self.pictures, self.format, desc.eyes)?;
         for eye in 0..pictures.colour.eyes() {
             pictures.colour.transition(recorder, eye, Use::COPY_SOURCE);
@@ -239,12 +247,14 @@ impl Renderer {
             *rays = Some(eye.pixel_rays(&desc.world_from_grid));
         }
         let count = desc.eyes.len().min(MAX_EYES);
-        let nothing = eye_rays_of_nothing();
+        let nothing = PixelRays::of_nothing();
         let rays = rays.map(|rays| rays.unwrap_or(nothing));
         self.maps.resize_with(count, || Arc::new(IndexMap::new(nothing)));
         let result = {
             let changed = (redraw == Redraw::Changed).then_some(self.changed.as_slice());
-            self.sampler.sample(document, &rays[..count], desc.mode, changed, &mut self.maps)
+            let smooth = self.levels.surface(self.normals.field());
+            let rays = &rays[..count];
+            self.sampler.sample(document, rays, desc.mode, smooth, changed, &mut self.maps)
         };
         if result.is_err() {
             self.sampler.forget_copy();
@@ -476,18 +486,6 @@ impl Sculpture<'_> {
             // Each draw writes uniforms.
             Sculpture::Points(_) | Sculpture::Within(..) => PixelRects::of(rects.bounds()),
         }
-    }
-}
-
-/// The rays of a picture without pixels.
-fn eye_rays_of_nothing() -> PixelRays {
-    use glam::Vec3;
-    PixelRays {
-        origin: Vec3::ZERO,
-        corner: Vec3::NEG_Z,
-        step_x: Vec3::X,
-        step_y: Vec3::NEG_Y,
-        size: UVec2::ZERO,
     }
 }
 

@@ -9,6 +9,7 @@ use std::time::Instant;
 
 use ash::vk;
 
+use super::level_stage::SmoothSurface;
 use super::pixel_pass::PixelStage;
 use super::{Colours, EyeTask, IndexReadback, IndexTarget, MAX_EYES, RayMarch, Slicing, Volume};
 use super::{RenderMode, Sampling, Shading};
@@ -171,19 +172,34 @@ impl Sampler {
     /// same size in pixels. A map without other owners keeps its allocation. Where the device also
     /// shades, the maps are not known in memory ([`IndexMap::is_known`]).
     ///
+    /// `smooth`: the surface to sample instead of the voxels, whatever the mode's own sampling is.
+    ///
     /// `changed`: the only bricks that have changed since `maps` were sampled with the same rays in
     /// the same mode; then only the pixels that may see them are sampled.
-    pub fn sample(
+    pub(super) fn sample(
         &mut self,
         document: &mut Document,
         rays: &[PixelRays],
         mode: RenderMode,
+        smooth: Option<SmoothSurface>,
         changed: Option<&[u32]>,
         maps: &mut [Arc<IndexMap>],
     ) -> Result<()> {
         self.read_back_ms = None;
-        let stays = stays_on_device(mode);
         let grid = document.grid();
+        if let Some(mut smooth) = smooth {
+            self.device_ms = None;
+            for (i, (rays, map)) in rays.iter().zip(maps.iter_mut()).enumerate() {
+                let visible = smooth.visible(rays);
+                let same_visible = std::mem::replace(&mut self.visible[i], visible) == visible;
+                let map = Arc::make_mut(map);
+                let rects = smooth.sample(grid, rays, changed.is_some(), map);
+                let sampled = rects.map(|rects| rects.bounds()).filter(|_| same_visible);
+                self.pending[i] = sampled.map_or(Pending::All, |rect| self.pending[i].and(rect));
+            }
+            return Ok(());
+        }
+        let stays = stays_on_device(mode);
         for (i, (rays, map)) in rays.iter().zip(maps.iter_mut()).enumerate() {
             let visible = pixels_of_grid(grid, rays);
             // Only the visible rect of the map is uploaded.

@@ -63,6 +63,7 @@ impl Renderer {
             world_from_grid: Placement::default()
                 .world_from_grid(document.grid().dims(), document.grid().voxel_size()),
             mode: of.mode,
+            smooth_surface: false,
             lighting: of.lighting,
             background: Background::Gradient { top: grey, bottom: grey },
             video: None,

@@ -1,6 +1,6 @@
 //! The column on the right: options of the tool, the light and the view, and the history.
 
-use egui::{CollapsingHeader, ComboBox, DragValue, Frame, Margin, ScrollArea, Ui};
+use egui::{Checkbox, CollapsingHeader, ComboBox, DragValue, Frame, Margin, ScrollArea, Ui};
 use glam::Vec3;
 
 use super::buttons::{action_button, explain};
@@ -187,6 +187,12 @@ fn view(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Ve
             let gizmo = ui.checkbox(&mut state.view.gizmo, "Axis gizmo");
             explain(gizmo, context, Action::ToggleGizmo);
         });
+        let can = state.view.mode.can_be_smooth();
+        ui.add_enabled(can, Checkbox::new(&mut state.view.smooth_surface, "Smooth surface"))
+            .on_hover_text(
+                "Draw the surface between the voxels, not their cubes, where a voxel covers more than a pixel",
+            )
+            .on_disabled_hover_text("Only available with the software shader");
         ui.checkbox(&mut state.view.refine, "Smooth edges at rest").on_hover_text(
             "While nothing moves, the picture is refined to 16 samples a pixel, so that its edges are smooth",
         );

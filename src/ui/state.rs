@@ -67,6 +67,8 @@ pub struct ViewState {
     pub mode_is_automatic: bool,
     pub light: LightOptions,
     pub finish: Finish,
+    /// The surface between near voxels instead of their cubes.
+    pub smooth_surface: bool,
     /// Smooth edges while nothing moves.
     pub refine: bool,
     pub stereo: StereoOptions,
@@ -260,6 +262,7 @@ impl UiState {
                 mode_is_automatic: options.render.mode.is_none(),
                 light: options.light.clone(),
                 finish: options.render.finish(),
+                smooth_surface: options.render.smooth_surface,
                 refine: options.render.refine,
                 stereo: *options.stereo,
                 video: options.video.clone(),

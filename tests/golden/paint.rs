@@ -34,6 +34,7 @@ impl Painter {
         let desc = FrameDesc {
             eyes: scene.eyes,
             world_from_grid: scene.world_from_grid,
+            smooth_surface: false,
             mode: scene.mode,
             lighting: Lighting::default(),
             background: BACKGROUND,

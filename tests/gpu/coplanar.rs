@@ -92,6 +92,7 @@ impl Painter {
         let desc = FrameDesc {
             eyes: std::slice::from_ref(eye),
             world_from_grid: Affine3A::IDENTITY,
+            smooth_surface: false,
             mode,
             lighting: even,
             background: Background::Gradient { top: Vec3::ZERO, bottom: Vec3::ZERO },

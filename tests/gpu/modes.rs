@@ -154,6 +154,7 @@ fn compare_all(device: &Arc<Device>, document: &mut Document, lighting: Lighting
         let desc = FrameDesc {
             eyes: &eyes,
             world_from_grid: world,
+            smooth_surface: false,
             mode,
             lighting,
             background: Background::Gradient { top: RED, bottom: RED },
@@ -226,6 +227,7 @@ fn bits_and_colours_follow_edits_undo_and_other_sculptures_in_every_mode() {
                 let desc = FrameDesc {
                     eyes: &[eye],
                     world_from_grid: world,
+                    smooth_surface: false,
                     mode,
                     lighting: lighting(false),
                     background: Background::Gradient { top: RED, bottom: RED },
@@ -259,6 +261,7 @@ fn a_window_of_10_bits_a_colour_shows_the_same_picture() {
             let desc = FrameDesc {
                 eyes: &[eye],
                 world_from_grid: world,
+                smooth_surface: false,
                 mode,
                 lighting: lighting(false),
                 background: Background::Gradient { top: RED, bottom: RED },

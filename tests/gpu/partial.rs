@@ -24,12 +24,17 @@ const SIZE: UVec2 = UVec2::new(120, 90);
 struct Painter {
     renderer: Renderer,
     frames: Frames,
+    smooth_surface: bool,
 }
 
 impl Painter {
     fn new(device: &Arc<Device>) -> Painter {
         let renderer = Renderer::new(device, FORMAT).unwrap();
-        Painter { renderer, frames: Frames::new(device).unwrap() }
+        Painter { renderer, frames: Frames::new(device).unwrap(), smooth_surface: false }
+    }
+
+    fn smooth(device: &Arc<Device>) -> Painter {
+        Painter { smooth_surface: true, ..Painter::new(device) }
     }
 
     fn paint(
@@ -44,6 +49,7 @@ impl Painter {
         let desc = FrameDesc {
             eyes,
             world_from_grid: Affine3A::from_translation(Vec3::splat(-40.0)),
+            smooth_surface: self.smooth_surface,
             mode,
             lighting,
             background: Background::Gradient { top: grey, bottom: grey },
@@ -88,45 +94,70 @@ fn sculpture() -> Document {
 #[test]
 fn a_picture_followed_through_edits_is_the_picture_of_the_result() {
     with_device(|device| {
-        let eyes = [Vec3::new(0.8, 0.6, 1.0), Vec3::new(0.7, 0.6, 1.1)]
-            .map(|from| Camera::framing(69.0, from, Vec3::Y).eye(SIZE));
-        let edits = [
-            "subtract ellipsoid at=50,60,62 half=12,9,14 turn=20,30,40",
-            "add cuboid at=50,60,71 half=6,4,6 colour=#c03020",
-            "recolour ellipsoid at=60,60,68 half=14,14,14 colour=#2060c0",
-            "undo 1",
-            "symmetry x=even",
-            "subtract pyramid at=20,70,60 half=10,10,10 turn=0,45,0",
-            "undo all",
-            "redo all",
-        ];
-        // The frame stays; the second line and the tool move.
-        let frame = line(Vec3::ZERO, Vec3::splat(80.0));
         for mode in RenderMode::ALL {
-            let mut document = sculpture();
-            let mut follower = Painter::new(device);
-            let mut before = follower.paint(&eyes, mode, (&[], &[frame]), &mut document);
-            for (i, text) in edits.into_iter().enumerate() {
-                let command: Command = text.parse().unwrap();
-                document.apply(&command).unwrap();
-                let place = Vec3::new(10.0 + 9.0 * i as f32, 40.0, 70.0);
-                let previews = &[preview(place)][..usize::from(i % 3 != 1)];
-                let lines = [frame, line(place, place + Vec3::Y * 20.0)];
-                let tools = (previews, lines.as_slice());
-                let followed = follower.paint(&eyes, mode, tools, &mut document);
-                assert!(followed != before, "{mode:?}: {text} is seen");
-                let anew = Painter::new(device).paint(&eyes, mode, tools, &mut document);
-                assert!(followed == anew, "{mode:?}: {text}");
-                before = followed;
-            }
-            // Nothing stale remains when the eye moves, either.
-            let turn = Affine3A::from_quat(Quat::from_rotation_y(0.4));
-            let moved = eyes.map(|eye| Eye { eye_from_world: eye.eye_from_world * turn, ..eye });
-            let tools: (&[ToolPreview], &[Line]) = (&[], &[frame]);
-            let followed = follower.paint(&moved, mode, tools, &mut document);
-            assert!(followed == Painter::new(device).paint(&moved, mode, tools, &mut document));
+            follow_edits(&|| Painter::new(device), mode, SIZE);
         }
     });
+}
+
+/// So large that a voxel covers more than a pixel.
+#[test]
+fn a_smooth_surface_followed_through_edits_is_that_of_the_result() {
+    with_device(|device| {
+        follow_edits(&|| Painter::smooth(device), RenderMode::Ray, 3 * SIZE);
+        let eyes = [eye(3 * SIZE, Vec3::X)];
+        let [smooth, voxels] = [Painter::smooth(device), Painter::new(device)]
+            .map(|mut painter| painter.paint(&eyes, RenderMode::Ray, (&[], &[]), &mut sculpture()));
+        assert!(smooth != voxels);
+        // From afar there is nothing to be smoothed.
+        let eyes = [eye(SIZE / 2, Vec3::X)];
+        let [smooth, voxels] = [Painter::smooth(device), Painter::new(device)]
+            .map(|mut painter| painter.paint(&eyes, RenderMode::Ray, (&[], &[]), &mut sculpture()));
+        assert!(smooth == voxels);
+    });
+}
+
+fn eye(size: UVec2, from: Vec3) -> Eye {
+    Camera::framing(69.0, from, Vec3::Y).eye(size)
+}
+
+/// Compares pictures of a painter that follows edits with those of new ones.
+fn follow_edits(new_painter: &dyn Fn() -> Painter, mode: RenderMode, size: UVec2) {
+    let eyes = [Vec3::new(0.8, 0.6, 1.0), Vec3::new(0.7, 0.6, 1.1)].map(|from| eye(size, from));
+    let edits = [
+        "subtract ellipsoid at=50,60,62 half=12,9,14 turn=20,30,40",
+        "add cuboid at=50,60,71 half=6,4,6 colour=#c03020",
+        "recolour ellipsoid at=60,60,68 half=14,14,14 colour=#2060c0",
+        "undo 1",
+        "symmetry x=even",
+        "subtract pyramid at=20,70,60 half=10,10,10 turn=0,45,0",
+        "undo all",
+        "redo all",
+    ];
+    // The frame stays; the second line and the tool move.
+    let frame = line(Vec3::ZERO, Vec3::splat(80.0));
+    let mut document = sculpture();
+    let mut follower = new_painter();
+    let mut before = follower.paint(&eyes, mode, (&[], &[frame]), &mut document);
+    for (i, text) in edits.into_iter().enumerate() {
+        let command: Command = text.parse().unwrap();
+        document.apply(&command).unwrap();
+        let place = Vec3::new(10.0 + 9.0 * i as f32, 40.0, 70.0);
+        let previews = &[preview(place)][..usize::from(i % 3 != 1)];
+        let lines = [frame, line(place, place + Vec3::Y * 20.0)];
+        let tools = (previews, lines.as_slice());
+        let followed = follower.paint(&eyes, mode, tools, &mut document);
+        assert!(followed != before, "{mode:?}: {text} is seen");
+        let anew = new_painter().paint(&eyes, mode, tools, &mut document);
+        assert!(followed == anew, "{mode:?}: {text}");
+        before = followed;
+    }
+    // Nothing stale remains when the eye moves, either.
+    let turn = Affine3A::from_quat(Quat::from_rotation_y(0.4));
+    let moved = eyes.map(|eye| Eye { eye_from_world: eye.eye_from_world * turn, ..eye });
+    let tools: (&[ToolPreview], &[Line]) = (&[], &[frame]);
+    let followed = follower.paint(&moved, mode, tools, &mut document);
+    assert!(followed == new_painter().paint(&moved, mode, tools, &mut document));
 }
 
 #[test]

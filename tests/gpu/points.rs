@@ -56,6 +56,7 @@ impl Screen {
         let desc = FrameDesc {
             eyes: &[eye],
             world_from_grid: *world_from_grid,
+            smooth_surface: false,
             mode,
             lighting: Lighting::default(),
             background: Background::Gradient { top: BEHIND, bottom: BEHIND },

@@ -117,6 +117,7 @@ fn desc<'a>(mode: RenderMode, eyes: &'a [Eye]) -> FrameDesc<'a> {
     FrameDesc {
         eyes,
         world_from_grid: Affine3A::from_translation(Vec3::splat(-40.0)),
+        smooth_surface: false,
         mode,
         lighting: Lighting::default(),
         background: Background::Gradient { top: Vec3::ONE, bottom: grey },

@@ -38,7 +38,8 @@ fn slice(
             let size = [SIZE.x, SIZE.y, 1];
             let part = target.index().image().layer(eye);
             let bytes = read_image_once(device, part, size, 4, Use::COLOUR_TARGET).unwrap();
-            IndexMap { rays: *rays, voxels: bytemuck::pod_collect_to_vec(&bytes) }
+            let voxels = bytemuck::pod_collect_to_vec(&bytes);
+            IndexMap { rays: *rays, voxels, normals: Vec::new() }
         })
         .collect()
 }

@@ -130,6 +130,7 @@ fn both_eyes_of_the_renderer_are_what_each_eye_sees() {
             let desc = FrameDesc {
                 eyes,
                 world_from_grid,
+                smooth_surface: false,
                 mode,
                 lighting,
                 background: Background::Gradient { top: background, bottom: background },

@@ -6,6 +6,7 @@
 //! only where they are switched on ([`refined`]).
 
 mod illumination;
+pub mod level_set;
 pub mod light;
 mod moments;
 pub mod normal;
@@ -21,6 +22,7 @@ pub mod software;
 mod source;
 
 pub use illumination::Illumination;
+pub use level_set::{LevelSampler, LevelSet};
 pub use light::{Light, LightFrame, LightSource, Lighting, MAX_LIGHTS, MAX_SHININESS, Smoothing};
 pub use normal::NORMAL_REACH_VX;
 pub use normal_field::NormalField;

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use super::illumination::{Illumination, LANES, SurfacePoints};
 use super::light::{Lighting, Smoothing};
+use super::normal_field::PackedNormal;
 use super::occlusion::openness;
 use super::pixels::Pixels;
 use super::smooth::{Shown, Surfaces};
@@ -89,20 +90,30 @@ impl SoftwareShader {
         self.shown.resize(map.voxels.len(), Shown::default());
         self.open.resize(map.voxels.len(), 1.0);
         let rows = self.shown.par_chunks_mut(width).zip(self.open.par_chunks_mut(width));
-        rows.zip(map.voxels.par_chunks(width)).for_each(|((shown, open), voxels)| {
-            let mut last = (NO_VOXEL, Shown::default(), 1.0);
-            for ((shown, open), &voxel) in shown.iter_mut().zip(open).zip(voxels) {
-                if voxel == NO_VOXEL {
-                    continue;
+        rows.zip(map.voxels.par_chunks(width)).enumerate().for_each(
+            |(y, ((shown, open), voxels))| {
+                let normals = map.normals.get(y * width..(y + 1) * width);
+                let mut last = (NO_VOXEL, Shown::default(), 1.0);
+                for (x, ((shown, open), &voxel)) in
+                    shown.iter_mut().zip(open).zip(voxels).enumerate()
+                {
+                    if voxel == NO_VOXEL {
+                        continue;
+                    }
+                    if voxel != last.0 {
+                        let v = grid.voxel_coords(voxel);
+                        let open = if occlusion { openness(grid, v) } else { 1.0 };
+                        last = (voxel, show(source, illumination, v), open);
+                    }
+                    (*shown, *open) = (last.1, last.2);
+                    let own = normals.and_then(|normals| PackedNormal(normals[x]).unpack());
+                    if let Some(normal) = own {
+                        shown.normal =
+                            (illumination.normal_from_gradient * normal).normalize_or_zero();
+                    }
                 }
-                if voxel != last.0 {
-                    let v = grid.voxel_coords(voxel);
-                    let open = if occlusion { openness(grid, v) } else { 1.0 };
-                    last = (voxel, show(source, illumination, v), open);
-                }
-                (*shown, *open) = (last.1, last.2);
-            }
-        });
+            },
+        );
     }
 }
 

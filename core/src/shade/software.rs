@@ -82,12 +82,33 @@ fn shade_at(
     let columns = rect.min.x as usize..rect.max.x as usize;
     let pixels = rect.min.y as usize * width..rect.max.y as usize * width;
     let band = width * BAND_ROWS;
+    let normals = map.normals.get(pixels.clone());
     out.rgba[pixels.clone()]
         .par_chunks_mut(band)
         .zip(map.voxels[pixels].par_chunks(band))
-        .for_each(|(out, voxels)| {
-            dispatch!(level, simd => shader.shade(simd, width, columns.clone(), voxels, out));
+        .enumerate()
+        .for_each(|(i, (out, voxels))| {
+            let normals = normals.map(|normals| &normals[i * band..][..voxels.len()]);
+            let seen = Seen { voxels, normals };
+            dispatch!(level, simd => shader.shade(simd, width, columns.clone(), seen, out));
         });
+}
+
+/// Pixels of an index map.
+#[derive(Clone, Copy)]
+struct Seen<'a> {
+    voxels: &'a [u32],
+    normals: Option<&'a [u16]>,
+}
+
+impl<'a> Seen<'a> {
+    #[inline(always)]
+    fn part(&self, range: Range<usize>) -> Seen<'a> {
+        Seen {
+            voxels: &self.voxels[range.clone()],
+            normals: self.normals.map(|normals| &normals[range]),
+        }
+    }
 }
 
 /// What all pixels of a picture share.
@@ -105,34 +126,38 @@ impl Shader<'_> {
         simd: S,
         width: usize,
         columns: Range<usize>,
-        voxels: &[u32],
+        seen: Seen,
         out: &mut [[u8; 4]],
     ) {
         let mut points = SurfacePoints::default();
         for left in columns.clone().step_by(STRIP_PX) {
             let strip = left..columns.end.min(left + STRIP_PX);
-            for (voxels, out) in voxels.chunks_exact(width).zip(out.chunks_exact_mut(width)) {
-                let (voxels, rest) = voxels[strip.clone()].as_chunks();
+            for (y, out) in out.chunks_exact_mut(width).enumerate() {
+                let row = seen.part(y * width + strip.start..y * width + strip.end);
+                let (voxels, rest) = row.voxels.as_chunks();
                 let (out, out_rest) = out[strip.clone()].as_chunks_mut();
-                for (voxels, out) in voxels.iter().zip(out) {
-                    *out = self.shade_few(simd, voxels, &mut points);
+                let normals = |i: usize| row.normals.map(|normals| &normals[i * LANES..]);
+                for (i, (voxels, out)) in voxels.iter().zip(out).enumerate() {
+                    *out = self.shade_few(simd, voxels, normals(i), &mut points);
                 }
                 if !rest.is_empty() {
+                    let own = normals(voxels.len());
                     let mut voxels = [NO_VOXEL; LANES];
                     voxels[..rest.len()].copy_from_slice(rest);
-                    let pixels = self.shade_few(simd, &voxels, &mut points);
+                    let pixels = self.shade_few(simd, &voxels, own, &mut points);
                     out_rest.copy_from_slice(&pixels[..rest.len()]);
                 }
             }
         }
     }
 
-    /// Shades sixteen pixels.
+    /// Shades sixteen pixels. `own`: normals of their own, which the voxels' stand in for where there is none.
     #[inline(always)]
     fn shade_few<S: Simd>(
         &self,
         simd: S,
         voxels: &[u32; LANES],
+        own: Option<&[u16]>,
         points: &mut SurfacePoints,
     ) -> [[u8; 4]; LANES] {
         let voxels = u32x16::load_array_ref(simd, voxels);
@@ -163,6 +188,11 @@ impl Shader<'_> {
                 points.colour[lane] = packed(rgb);
             }
             last = voxel;
+        }
+        for (normal, own) in normals.iter_mut().zip(own.unwrap_or_default()) {
+            if *own != PackedNormal::NONE.0 {
+                *normal = u32::from(*own);
+            }
         }
         let normals = u32x16::load_array(simd, normals);
         for (component, out) in unpack_many(simd, normals).iter().zip(&mut points.gradient) {

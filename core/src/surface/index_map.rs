@@ -16,19 +16,31 @@ pub struct IndexMap {
     pub rays: PixelRays,
     /// `rays.size.x * rays.size.y` values, or none ([`IndexMap::forget`]).
     pub voxels: Vec<u32>,
+    /// The normal of each pixel, packed as [`crate::shade::normal_field::PackedNormal`], from a sampler that knows
+    /// the surface between voxels; else none, and the voxels have theirs.
+    pub normals: Vec<u16>,
 }
 
 impl IndexMap {
     /// A map in which nothing is seen.
     pub fn new(rays: PixelRays) -> IndexMap {
         let pixels = rays.size.x as usize * rays.size.y as usize;
-        IndexMap { rays, voxels: vec![NO_VOXEL; pixels] }
+        IndexMap { rays, voxels: vec![NO_VOXEL; pixels], normals: Vec::new() }
     }
 
     /// Gives the map another view, keeping its memory. The values are left as they are.
     pub fn reset(&mut self, rays: PixelRays) {
         self.rays = rays;
         self.voxels.resize(rays.size.x as usize * rays.size.y as usize, NO_VOXEL);
+        self.normals.clear();
+    }
+
+    /// [`IndexMap::reset`] for a map that has normals.
+    pub fn reset_with_normals(&mut self, rays: PixelRays) {
+        let normals = std::mem::take(&mut self.normals);
+        self.reset(rays);
+        self.normals = normals;
+        self.normals.resize(self.voxels.len(), u16::MAX);
     }
 
     /// Gives the map another view of which only the rays are kept in memory: the voxels are on the
@@ -36,6 +48,7 @@ impl IndexMap {
     pub fn forget(&mut self, rays: PixelRays) {
         self.rays = rays;
         self.voxels.clear();
+        self.normals.clear();
     }
 
     /// Whether the voxels are in memory.

@@ -67,6 +67,17 @@ pub struct PixelRays {
 }
 
 impl PixelRays {
+    /// The rays of a picture without pixels.
+    pub fn of_nothing() -> PixelRays {
+        PixelRays {
+            origin: Vec3::ZERO,
+            corner: Vec3::NEG_Z,
+            step_x: Vec3::X,
+            step_y: Vec3::NEG_Y,
+            size: UVec2::ZERO,
+        }
+    }
+
     /// Direction of the ray through the centre of pixel (x, y), y counted downwards.
     #[inline(always)]
     pub fn direction(&self, x: u32, y: u32) -> Vec3 {

@@ -280,6 +280,7 @@ impl XrFrameLoop {
             eyes: &eyes,
             world_from_grid: workspace.world_from_grid(),
             mode: workspace.ui.view.mode,
+            smooth_surface: workspace.ui.view.smooth_surface,
             lighting: workspace.ui.view.lighting(),
             background: match see_through {
                 true => Background::Keep,

@@ -10,7 +10,7 @@ use glam::{IVec3, UVec3};
 use rayon::prelude::*;
 
 use super::cells::{CellNormals, Cells, Neighbourhood, filter_cells, filter_voxels};
-use super::packed::PackedNormal;
+use super::packed::{PackedDepth, PackedNormal};
 use super::window::{Samples, Sums, SurfaceMask, sample};
 use crate::sculpture::Grid;
 use crate::sculpture::brick::BrickKind;
@@ -62,7 +62,10 @@ struct Sampled {
 }
 
 #[derive(Debug, Default)]
-struct Normals(Vec<PackedNormal>);
+struct Normals {
+    normals: Vec<PackedNormal>,
+    depths: Vec<PackedDepth>,
+}
 
 /// What a thread needs for one brick.
 #[derive(Default)]
@@ -141,10 +144,12 @@ impl Batch {
 
         let filtered = &filtered[..middle];
         let finish = |place: &Place, out: &mut Normals| {
-            out.0.clear();
+            out.normals.clear();
+            out.depths.clear();
             let Some(own) = place_of(place.brick) else { return };
             let own = &samples[own].samples;
-            out.0.resize(own.len(), PackedNormal::NONE);
+            out.normals.resize(own.len(), PackedNormal::NONE);
+            out.depths.resize(own.len(), PackedDepth::default());
             let around = |offset| {
                 let place = place_of(place.brick + offset)?;
                 Some((&samples[place].cells, filtered.get(place)?))
@@ -157,22 +162,29 @@ impl Batch {
                     &around,
                     neighbourhood,
                     #[inline(always)]
-                    |i, normal| out.0[i] = PackedNormal::pack(normal),
+                    |i, normal, depth_vx| {
+                        out.normals[i] = PackedNormal::pack(normal);
+                        out.depths[i] = PackedDepth::pack(depth_vx);
+                    },
                 ));
             });
         };
         for_each(&bricks[..last], &mut normals[..last], &finish);
     }
 
-    /// The targets of the last [`Batch::compute`]: brick, surface voxels and their normals.
-    pub fn results(&self) -> impl Iterator<Item = (u32, &SurfaceMask, &[PackedNormal])> {
+    /// The targets of the last [`Batch::compute`]: brick, surface voxels, their normals and depths.
+    pub fn results(
+        &self,
+    ) -> impl Iterator<Item = (u32, &SurfaceMask, (&[PackedNormal], &[PackedDepth]))> {
         const BARE: &SurfaceMask = &SurfaceMask { layers: [0; 8] };
         let last = self.bricks.partition_point(|place| place.stage == TARGET);
         let all = self.bricks[..last].iter().zip(&self.samples).zip(&self.normals);
         let with_surface = all.map(|((place, sampled), normals)| {
-            (place.index, &sampled.samples.mask, normals.0.as_slice())
+            let values = (normals.normals.as_slice(), normals.depths.as_slice());
+            (place.index, &sampled.samples.mask, values)
         });
-        with_surface.chain(self.bare.iter().map(|index| (*index, BARE, [].as_slice())))
+        with_surface
+            .chain(self.bare.iter().map(|index| (*index, BARE, ([].as_slice(), [].as_slice()))))
     }
 
     /// Lists what has to be computed for `targets`: targets first, then what is filtered, then the rest.

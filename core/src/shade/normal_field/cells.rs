@@ -35,6 +35,11 @@ const LEAST_WEIGHT: f32 = 1e-9;
 /// Weight of the estimate of the voxel itself.
 const OWN_WEIGHT: f32 = 1e-4;
 
+/// How far the smoothing of bits moves a curved surface inwards, over the difference of the two mean heights of the
+/// cells around a place (see [`depth`]). A Gaussian of variance s^2 moves a ball of radius r by s^2 / r; the heights
+/// of what lies a distance d away differ by d^2 / r, with a mean d^2 of a third of the squared reach.
+const CURVATURE_SHIFT: f32 = 1.69 / (VOXEL_REACH_VX * VOXEL_REACH_VX / 3.0);
+
 /// Edge of the cube of cells in which a [`Neighbourhood`] is collected.
 const COLLECTED: i32 = 8;
 /// Most cells of a neighbourhood.
@@ -62,6 +67,16 @@ impl Default for Cells {
             normals: [[0.0; BRICK_CELLS]; 3],
         }
     }
+}
+
+/// Weighted sums over the cells around a place.
+struct Sums {
+    weight: f32,
+    normal: Vec3,
+    /// Of the offsets of the cells from the place.
+    offset: Vec3,
+    /// Of the heights of the cells above the place, each along its own normal.
+    height: f32,
 }
 
 /// New normals of the cells of a brick.
@@ -215,11 +230,12 @@ impl Neighbourhood {
         }
     }
 
-    /// The weighted sum of normals for a place with an estimate of its normal.
+    /// The weighted sums for a place with an estimate of its normal.
     #[inline(always)]
-    fn sum<S: Simd>(&self, simd: S, at: Vec3, estimate: Vec3, reach_vx: f32) -> Vec3 {
+    fn sum<S: Simd>(&self, simd: S, at: Vec3, estimate: Vec3, reach_vx: f32) -> Sums {
         let zero = f32x16::splat(simd, 0.0);
-        let mut sums = [zero; 3];
+        let (mut normals, mut offsets) = ([zero; 3], [zero; 3]);
+        let (mut weights, mut heights) = (zero, zero);
         for i in (0..self.count).step_by(LANES) {
             let load = |values: &[f32; MOST]| f32x16::from_slice(simd, &values[i..i + LANES]);
             let offset = [
@@ -237,11 +253,19 @@ impl Neighbourhood {
             let alike = (cosine - LEAST_COSINE).max(0.0) * (1.0 / (1.0 - LEAST_COSINE));
             let both = flat * alike;
             let weight = load(&self.weights) * near * (both * both);
+            weights += weight;
+            heights += weight * height;
             for axis in 0..3 {
-                sums[axis] += weight * normal[axis];
+                normals[axis] += weight * normal[axis];
+                offsets[axis] += weight * offset[axis];
             }
         }
-        Vec3::from(sums.map(sum_of))
+        Sums {
+            weight: sum_of(weights),
+            normal: Vec3::from(normals.map(sum_of)),
+            offset: Vec3::from(offsets.map(sum_of)),
+            height: sum_of(heights),
+        }
     }
 }
 
@@ -287,20 +311,21 @@ pub fn filter_cells<'a, S: Simd>(
     neighbourhood.collect(IVec3::splat(-2), &places, &estimates);
     for cell in bits(cells.used) {
         let (at, estimate) = (get(&cells.positions, cell), get(&cells.normals, cell));
-        let sum = neighbourhood.sum(simd, at, estimate, CELL_REACH_VX);
-        set(out, cell, sum.try_normalize().unwrap_or(estimate));
+        let sums = neighbourhood.sum(simd, at, estimate, CELL_REACH_VX);
+        set(out, cell, sums.normal.try_normalize().unwrap_or(estimate));
     }
 }
 
-/// Computes the normals of the surface voxels of a brick: calls `out` with each, in the order of the samples; 0
-/// where there is none. `around` gives cells and filtered normals of a brick by its offset from this one.
+/// Computes the normals and depths of the surface voxels of a brick: calls `out` with each, in the order of the
+/// samples; the normal is of any length, and 0 where there is none. The depth of a voxel's middle below the surface
+/// is along its normal, in voxels. `around` gives cells and filtered normals of a brick by its offset from this one.
 #[inline(always)]
 pub fn filter_voxels<'a, S: Simd>(
     simd: S,
     samples: &Samples,
     around: &impl Fn(IVec3) -> Option<(&'a Cells, &'a CellNormals)>,
     neighbourhood: &mut Neighbourhood,
-    mut out: impl FnMut(usize, Vec3),
+    mut out: impl FnMut(usize, Vec3, f32),
 ) {
     // By cubes of 4^3 voxels, so that the lists are short.
     for word in 0..8 {
@@ -313,16 +338,34 @@ pub fn filter_voxels<'a, S: Simd>(
         let places = Places::of_cube(4 * corner, 4.0, VOXEL_REACH_VX);
         neighbourhood.collect(2 * corner - 3, &places, around);
         let mut first = samples.mask.layers[..layers.start].iter().map(count).sum::<usize>();
-        for layer in &samples.mask.layers[layers] {
+        for (z, layer) in layers.clone().zip(&samples.mask.layers[layers]) {
             for bit in bits(layer & square) {
                 let i = first + count(&(layer & ((1 << bit) - 1)));
                 let (at, estimate) = (samples.position(i), samples.normal(i));
-                let sum = neighbourhood.sum(simd, at, estimate, VOXEL_REACH_VX);
-                out(i, sum + estimate * OWN_WEIGHT);
+                let sums = neighbourhood.sum(simd, at, estimate, VOXEL_REACH_VX);
+                let normal = sums.normal + estimate * OWN_WEIGHT;
+                let voxel = Vec3::new((bit & 7) as f32, (bit >> 3) as f32, z as f32) + 0.5;
+                out(i, normal, depth(voxel, at, normal, &sums));
             }
             first += count(layer);
         }
     }
+}
+
+/// The depth of `voxel` below the surface around `at`, along `normal`, which has any length.
+///
+/// The mean of two heights of the cells above `at`: along this normal, and along theirs. On a curved surface cells lie
+/// below the one plane by as much as `at` lies below the other, so the mean has no bias. Their difference tells the
+/// curvature, and with it how far smoothing the bits has moved the surface.
+#[inline(always)]
+fn depth(voxel: Vec3, at: Vec3, normal: Vec3, sums: &Sums) -> f32 {
+    let normal = normal.normalize_or_zero();
+    if sums.weight <= LEAST_WEIGHT {
+        return (at - voxel).dot(normal);
+    }
+    let (along_theirs, along_this) = (sums.height, normal.dot(sums.offset));
+    let height = 0.5 * (along_theirs + along_this) + CURVATURE_SHIFT * (along_theirs - along_this);
+    (at - voxel).dot(normal) + height / sums.weight
 }
 
 #[inline(always)]

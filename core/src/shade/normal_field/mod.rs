@@ -1,4 +1,5 @@
-//! The normals of all surface voxels of a sculpture, computed once and looked up by every shader.
+//! The normals of all surface voxels of a sculpture, computed once and looked up by every shader; and the depth of
+//! each voxel below the surface, from which [`super::level_set`] makes the smooth surface.
 //!
 //! A normal depends on the voxels within two bricks of its own: [`window`] estimates it from the smoothed bits,
 //! [`cells`] refines it by what lies around on the same surface. After an edit only the bricks around it are
@@ -18,7 +19,7 @@ use fearless_simd::Level;
 use glam::{UVec3, Vec3};
 
 use batch::Batch;
-pub use packed::{PackedNormal, unpack_many};
+pub use packed::{PackedDepth, PackedNormal, unpack_many};
 pub use pages::{NO_PAGE, Pages, Unit};
 
 use crate::sculpture::Grid;
@@ -166,8 +167,8 @@ impl NormalField {
         let NormalField { table, pages, batch, .. } = self;
         batch.for_each_part(grid, targets, &mut |batch, part| {
             batch.compute(level, grid, part);
-            for (index, mask, normals) in batch.results() {
-                let (page, differs) = pages.store(table[index as usize], mask, normals);
+            for (index, mask, values) in batch.results() {
+                let (page, differs) = pages.store(table[index as usize], mask, values);
                 table[index as usize] = page;
                 if differs {
                     changed.push(index);
@@ -190,6 +191,16 @@ impl NormalField {
     pub fn normal(&self, grid: &Grid, voxel: UVec3) -> Option<Vec3> {
         let brick = grid.brick_index(voxel / BRICK_EDGE_VX);
         self.packed(brick, voxel % BRICK_EDGE_VX).unpack()
+    }
+
+    /// The plane of the surface at a voxel of a brick that has a page: its unit normal (0 for none), and the depth of
+    /// the voxel's middle below it in units of [`PackedDepth::PER_VX`]. None if it is no surface voxel.
+    #[inline(always)]
+    pub(super) fn plane(&self, page: u32, local: UVec3) -> Option<(Vec3, f32)> {
+        let (z, bit) = (local.z as usize, local.x | local.y << 3);
+        let depth = self.pages.depth(page, z, bit)?;
+        let normal = self.pages.normal(page, z, bit).unpack();
+        Some((normal.unwrap_or(Vec3::ZERO), f32::from(depth.0)))
     }
 
     /// The page of each brick, by linear index; [`NO_PAGE`] for none.

@@ -13,6 +13,25 @@ use glam::{Vec2, Vec3};
 #[derive(Clone, Copy, PartialEq, Eq, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct PackedNormal(pub u16);
 
+/// The depth of a surface voxel's middle below the surface, in a byte: 0 to 2 voxels.
+#[repr(transparent)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct PackedDepth(pub u8);
+
+impl PackedDepth {
+    /// Units of a voxel.
+    pub const PER_VX: f32 = 64.0;
+    /// A voxel that exists is not outside, and a surface has no depth beyond the voxels next to it.
+    const RANGE: [f32; 2] = [3.0, 127.0];
+
+    /// Packs a depth in voxels, limited to what a surface voxel can have.
+    #[inline(always)]
+    pub fn pack(depth_vx: f32) -> PackedDepth {
+        let [least, most] = Self::RANGE;
+        PackedDepth((depth_vx * Self::PER_VX + 0.5).clamp(least, most) as u8)
+    }
+}
+
 /// Steps to either side of 0.
 const STEPS: f32 = 127.0;
 

@@ -1,19 +1,23 @@
-//! Storage of packed normals: a page for each brick with surface voxels, and blocks of 64 normals.
+//! Storage of packed normals and depths: a page for each brick with surface voxels, blocks of 64 normals, and blocks
+//! of 128 depths.
 //!
 //! A page has the mask of its surface voxels; a voxel's normal has the number of surface voxels before it. So
-//! memory follows the surface: 128 bytes a brick and 2 to 4 a voxel. Pages and blocks are both 128 bytes, numbers
+//! memory follows the surface: 128 bytes a brick and 3 to 6 a voxel. Pages and blocks are all 128 bytes, numbers
 //! in one array that a device holds in the same form. What is freed is used again.
 
 use bytemuck::{Pod, Zeroable};
 
-use super::packed::PackedNormal;
+use super::packed::{PackedDepth, PackedNormal};
 use super::window::SurfaceMask;
 use crate::sculpture::brick::BRICK_VOXELS;
 
 /// Normals in a block.
 const BLOCK_NORMALS: usize = 64;
+/// Depths in a block.
+const BLOCK_DEPTHS: usize = 128;
 /// Most blocks of a page.
 const PAGE_BLOCKS: usize = BRICK_VOXELS as usize / BLOCK_NORMALS;
+const PAGE_DEPTH_BLOCKS: usize = BRICK_VOXELS as usize / BLOCK_DEPTHS;
 
 /// The entry of a brick without a page.
 pub const NO_PAGE: u32 = u32::MAX;
@@ -33,7 +37,8 @@ struct Page {
     before: [u16; 8],
     /// The blocks of the normals, in order.
     blocks: [u32; PAGE_BLOCKS],
-    unused: [u32; 4],
+    /// Those of the depths.
+    depths: [u32; PAGE_DEPTH_BLOCKS],
 }
 
 /// Packed normals of 64 voxels.
@@ -74,23 +79,34 @@ impl Pages {
     #[inline(always)]
     pub fn normal(&self, page: u32, z: usize, bit: u32) -> PackedNormal {
         let page = self.page(page);
-        let layer = page.layers[z];
-        if layer >> bit & 1 == 0 {
-            return PackedNormal::NONE;
+        match page.place(z, bit) {
+            Some(i) => self.block(page.blocks[i / BLOCK_NORMALS])[i % BLOCK_NORMALS],
+            None => PackedNormal::NONE,
         }
-        let before = (layer & ((1 << bit) - 1)).count_ones() as usize;
-        let i = usize::from(page.before[z]) + before;
-        self.block(page.blocks[i / BLOCK_NORMALS])[i % BLOCK_NORMALS]
     }
 
-    /// Stores the normals of a brick, in the order of `mask`, in place of those of `page`, which may be
+    /// The depth of the voxel at `bit` of layer `z` of a page; none if it is no surface voxel.
+    #[inline(always)]
+    pub fn depth(&self, page: u32, z: usize, bit: u32) -> Option<PackedDepth> {
+        let page = self.page(page);
+        let i = page.place(z, bit)?;
+        let block = bytemuck::bytes_of(&self.units[page.depths[i / BLOCK_DEPTHS] as usize]);
+        Some(PackedDepth(block[i % BLOCK_DEPTHS]))
+    }
+
+    /// The surface voxels of a page: a word per z, bit `x + 8 y`.
+    pub fn layers(&self, page: u32) -> &[u64; 8] {
+        &self.page(page).layers
+    }
+
+    /// Stores the normals and depths of a brick, in the order of `mask`, in place of those of `page`, which may be
     /// [`NO_PAGE`]. Returns the page, and whether it differs from what there was. Without surface voxels there is
     /// no page.
     pub fn store(
         &mut self,
         page: u32,
         mask: &SurfaceMask,
-        normals: &[PackedNormal],
+        (normals, depths): (&[PackedNormal], &[PackedDepth]),
     ) -> (u32, bool) {
         if normals.is_empty() {
             self.free(page);
@@ -100,12 +116,9 @@ impl Pages {
         let page = if is_new { self.new_unit() } else { page };
         let former = if is_new { Page::default() } else { *self.page(page) };
         let mut content = Page { layers: mask.layers, ..former };
-        let (had, need) = (former.block_count(), normals.len().div_ceil(BLOCK_NORMALS));
-        self.free.extend_from_slice(&former.blocks[need.min(had)..had]);
-        for block in &mut content.blocks[had.min(need)..need] {
-            *block = self.new_unit();
-        }
-        content.blocks[need..].fill(0);
+        let had = former.count();
+        self.fit(&mut content.blocks, [had, normals.len()], BLOCK_NORMALS);
+        self.fit(&mut content.depths, [had, normals.len()], BLOCK_DEPTHS);
         let mut before = 0;
         for (count, layer) in content.before.iter_mut().zip(mask.layers) {
             *count = before;
@@ -117,21 +130,42 @@ impl Pages {
             self.written.push(page);
         }
         for (normals, block) in normals.chunks(BLOCK_NORMALS).zip(content.blocks) {
-            let stored: &mut Block = bytemuck::cast_mut(&mut self.units[block as usize]);
-            if &stored[..normals.len()] != normals {
-                stored[..normals.len()].copy_from_slice(normals);
-                self.written.push(block);
-                differs = true;
-            }
+            differs |= self.write(block, bytemuck::cast_slice(normals));
+        }
+        for (depths, block) in depths.chunks(BLOCK_DEPTHS).zip(content.depths) {
+            differs |= self.write(block, bytemuck::cast_slice(depths));
         }
         (page, differs)
+    }
+
+    /// Gives a page as many blocks as it needs, where it had those for another number of values.
+    fn fit(&mut self, blocks: &mut [u32], [had, need]: [usize; 2], block_values: usize) {
+        let [had, need] = [had, need].map(|values| values.div_ceil(block_values));
+        self.free.extend_from_slice(&blocks[need.min(had)..had]);
+        for block in &mut blocks[had.min(need)..need] {
+            *block = self.new_unit();
+        }
+        blocks[need..].fill(0);
+    }
+
+    /// Writes the beginning of a block; returns whether it was different.
+    fn write(&mut self, block: u32, bytes: &[u8]) -> bool {
+        let stored = &mut bytemuck::bytes_of_mut(&mut self.units[block as usize])[..bytes.len()];
+        let differs = stored != bytes;
+        if differs {
+            stored.copy_from_slice(bytes);
+            self.written.push(block);
+        }
+        differs
     }
 
     /// Frees a page, which may be [`NO_PAGE`].
     pub fn free(&mut self, page: u32) {
         if page != NO_PAGE {
             let content = *self.page(page);
-            self.free.extend_from_slice(&content.blocks[..content.block_count()]);
+            let count = content.count();
+            self.free.extend_from_slice(&content.blocks[..count.div_ceil(BLOCK_NORMALS)]);
+            self.free.extend_from_slice(&content.depths[..count.div_ceil(BLOCK_DEPTHS)]);
             self.free.push(page);
         }
     }
@@ -150,9 +184,17 @@ impl Pages {
 }
 
 impl Page {
-    fn block_count(&self) -> usize {
-        let count = usize::from(self.before[7]) + self.layers[7].count_ones() as usize;
-        count.div_ceil(BLOCK_NORMALS)
+    /// The number of surface voxels before that at `bit` of layer `z`, if it is one.
+    #[inline(always)]
+    fn place(&self, z: usize, bit: u32) -> Option<usize> {
+        let layer = self.layers[z];
+        let before = (layer & ((1 << bit) - 1)).count_ones() as usize;
+        (layer >> bit & 1 != 0).then_some(usize::from(self.before[z]) + before)
+    }
+
+    /// Number of surface voxels.
+    fn count(&self) -> usize {
+        usize::from(self.before[7]) + self.layers[7].count_ones() as usize
     }
 }
 
@@ -168,8 +210,9 @@ mod tests {
         let mut random = Random(9);
         let mut pages = Pages::default();
         let (mut copy, mut written) = (Vec::<Unit>::new(), Vec::new());
-        let mut stored: Vec<(u32, SurfaceMask, Vec<PackedNormal>)> =
-            vec![(NO_PAGE, SurfaceMask::default(), Vec::new()); 20];
+        type Values = (Vec<PackedNormal>, Vec<PackedDepth>);
+        let mut stored: Vec<(u32, SurfaceMask, Values)> = vec![Default::default(); 20];
+        stored.iter_mut().for_each(|(page, ..)| *page = NO_PAGE);
         for round in 0..2000 {
             let brick = random.next_u64() as usize % stored.len();
             let density = random.next_u64() % 5;
@@ -182,28 +225,33 @@ mod tests {
             let mask = SurfaceMask { layers };
             let normals: Vec<_> =
                 (0..mask.count()).map(|_| PackedNormal(random.next_u64() as u16)).collect();
+            let depths: Vec<_> =
+                (0..mask.count()).map(|_| PackedDepth(random.next_u64() as u8)).collect();
             let (page, former_mask, former) = &mut stored[brick];
-            let differs = (&*former_mask, &*former) != (&mask, &normals);
-            let (new_page, found) = pages.store(*page, &mask, &normals);
+            let values = (normals, depths);
+            let differs = (&*former_mask, &*former) != (&mask, &values);
+            let slices = (values.0.as_slice(), values.1.as_slice());
+            let (new_page, found) = pages.store(*page, &mask, slices);
             assert_eq!(found, differs, "round {round}");
-            assert_eq!(pages.store(new_page, &mask, &normals), (new_page, false));
-            (*page, *former_mask, *former) = (new_page, mask, normals);
+            assert_eq!(pages.store(new_page, &mask, slices), (new_page, false));
+            (*page, *former_mask, *former) = (new_page, mask, values);
             pages.take_written(&mut written);
             copy.resize(pages.units().len(), Unit::default());
             written.iter().for_each(|&i| copy[i as usize] = pages.units()[i as usize]);
             assert!(copy == pages.units(), "round {round}");
         }
-        for (page, mask, normals) in &stored {
-            let mut expected = normals.iter();
+        for (page, mask, (normals, depths)) in &stored {
+            let mut expected = normals.iter().zip(depths);
             for (z, layer) in mask.layers.iter().enumerate().filter(|_| *page != NO_PAGE) {
                 for bit in 0..64 {
                     let exists = layer >> bit & 1 != 0;
-                    let normal =
-                        if exists { *expected.next().unwrap() } else { PackedNormal::NONE };
+                    let value = exists.then(|| expected.next().unwrap());
+                    let normal = value.map_or(PackedNormal::NONE, |value| *value.0);
                     assert_eq!(pages.normal(*page, z, bit), normal);
+                    assert_eq!(pages.depth(*page, z, bit), value.map(|value| *value.1));
                 }
             }
         }
-        assert!(pages.units().len() <= 20 * 9);
+        assert!(pages.units().len() <= 20 * 13);
     }
 }

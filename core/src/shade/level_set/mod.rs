@@ -1,0 +1,260 @@
+//! The smooth surface of a sculpture: the zero of a field of signed distances.
+//!
+//! Every voxel near the surface has a level: the distance of its middle from the surface, negative inside, in units
+//! of [`PackedDepth::PER_VX`] of a voxel. Between the middles of eight voxels the field is trilinear, and the surface
+//! is where it is 0. A surface voxel's level is its depth in the [`NormalField`]; [`band`] gives the voxels beside it
+//! the distance from the planes of surface voxels next to them. An existing voxel is always inside and an empty one
+//! outside (constrained smoothing: Gibson, "Constrained elastic surface nets", 1998), so nothing vanishes, and a
+//! mesh of the zero has the voxels' topology.
+//!
+//! A *cell* is the cube between the middles of eight voxels. Cell `c` has the voxels `c - 1` to `c`; cells with any
+//! existing voxel are kept as a grid of their own, one voxel larger than the sculpture, in which [`ray`] finds the
+//! first cells of a ray. [`sample`] makes index maps.
+//!
+//! Takes a grid and its normals, and follows their changes; knows no document. Levels do not depend on the order in
+//! which bricks are computed, nor on threads.
+
+mod band;
+mod ray;
+mod sample;
+#[cfg(test)]
+mod tests;
+
+use glam::{IVec3, UVec3, Vec3};
+use rayon::prelude::*;
+
+use self::band::{Band, cells_at};
+use super::NormalField;
+use super::normal_field::PackedDepth;
+use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, BrickKind};
+use crate::sculpture::brick_set::BrickSet;
+use crate::sculpture::{Grid, GridError};
+use crate::view::PixelRays;
+
+pub use self::sample::LevelSampler;
+
+/// The level of what is far outside; its negative is that of what is far inside.
+pub const FAR: i8 = 127;
+/// The smallest level outside; its negative is the largest inside.
+const LEAST: i8 = 3;
+
+/// The entry of a brick without a page: all its voxels are far from the surface.
+const NO_PAGE: u32 = u32::MAX;
+
+/// The levels of the voxels of a brick: `x + 8 y + 64 z`.
+type Levels = [i8; BRICK_VOXELS as usize];
+
+/// The smooth surface of one grid.
+#[derive(Debug)]
+pub struct LevelSet {
+    /// The page of each brick, by linear index.
+    table: Vec<u32>,
+    pages: Vec<Levels>,
+    free: Vec<u32>,
+    /// Cells with an existing voxel.
+    cells: Grid,
+    /// Bricks whose levels may be out of date.
+    stale: BrickSet,
+}
+
+impl LevelSet {
+    /// For a grid of this size, within `budget_bytes`; all levels are outstanding.
+    pub fn new(grid: &Grid, budget_bytes: u64) -> Result<LevelSet, GridError> {
+        let count = grid.brick_count();
+        let cells = Grid::new(grid.dims() + 1, grid.voxel_size(), budget_bytes)?;
+        let mut stale = BrickSet::new(count);
+        (0..count as u32).for_each(|index| stale.insert(index));
+        Ok(LevelSet {
+            table: vec![NO_PAGE; count],
+            pages: Vec::new(),
+            free: Vec::new(),
+            cells,
+            stale,
+        })
+    }
+
+    /// Whether the levels are those of a grid of this size.
+    pub fn fits(&self, grid: &Grid) -> bool {
+        self.cells.dims() == grid.dims() + 1
+    }
+
+    /// Notes that voxels, normals or depths of bricks (linear indices) have changed.
+    pub fn follow(&mut self, grid: &Grid, changed: &[u32]) {
+        let last = grid.brick_dims() - 1;
+        for &index in changed {
+            let b = grid.brick_coords(index as usize);
+            let (low, high) = (b.saturating_sub(UVec3::ONE), (b + 1).min(last));
+            for z in low.z..=high.z {
+                for y in low.y..=high.y {
+                    let first = grid.brick_index(UVec3::new(low.x, y, z)) as u32;
+                    (first..=first + (high.x - low.x)).for_each(|index| self.stale.insert(index));
+                }
+            }
+        }
+    }
+
+    /// Computes what is outstanding, on all cores. Appends the bricks whose levels or cells differ from before, rising.
+    /// `grid` and `normals` must be those that changes were last noted of.
+    pub fn update(&mut self, grid: &Grid, normals: &NormalField, changed: &mut Vec<u32>) {
+        let mut stale = Vec::new();
+        self.stale.collect_into(&mut stale);
+        self.stale.clear();
+        // In portions, so that memory stays bounded.
+        for portion in stale.chunks(4096) {
+            let compute = |&index: &u32| Band::of(grid, normals, index).map(|band| band.levels());
+            let levels: Vec<Option<Levels>> = portion.par_iter().map(compute).collect();
+            for (&index, levels) in portion.iter().zip(&levels) {
+                let differs = self.store(index, levels.as_ref());
+                if self.update_cells(grid, index) || differs {
+                    changed.push(index);
+                }
+            }
+        }
+    }
+
+    /// Stores the levels of a brick; returns whether they differ.
+    fn store(&mut self, index: u32, levels: Option<&Levels>) -> bool {
+        let page = &mut self.table[index as usize];
+        match levels {
+            None if *page == NO_PAGE => false,
+            None => {
+                self.free.push(std::mem::replace(page, NO_PAGE));
+                true
+            }
+            Some(levels) => {
+                let is_new = *page == NO_PAGE;
+                if is_new {
+                    *page = self.free.pop().unwrap_or_else(|| {
+                        self.pages.push([0; BRICK_VOXELS as usize]);
+                        self.pages.len() as u32 - 1
+                    });
+                }
+                let stored = &mut self.pages[*page as usize];
+                let differs = is_new || stored != levels;
+                if differs {
+                    *stored = *levels;
+                }
+                differs
+            }
+        }
+    }
+
+    /// Updates the cells of a brick, and of those beyond the grid's border next to it; returns whether any differ.
+    fn update_cells(&mut self, grid: &Grid, index: u32) -> bool {
+        let b = grid.brick_coords(index as usize);
+        let at_end = b.cmpeq(grid.brick_dims() - 1);
+        let end = self.cells.brick_dims();
+        let mut differs = false;
+        for i in 0..8u32 {
+            let beyond = UVec3::new(i & 1, i >> 1 & 1, i >> 2);
+            let at = b + beyond;
+            if (beyond.cmpeq(UVec3::ONE) & !at_end).any() || at.cmpge(end).any() {
+                continue;
+            }
+            let cells = cells_at(grid, at.as_ivec3());
+            let place = self.cells.brick_index(at);
+            if *self.cells.brick_at(place) != cells {
+                self.cells.set_brick(place, cells);
+                differs = true;
+            }
+        }
+        differs
+    }
+
+    /// The level of a voxel of `grid`, or of a place outside. There a voxel at the border continues by one voxel.
+    #[inline(always)]
+    pub fn level(&self, grid: &Grid, v: IVec3) -> i8 {
+        let inside = v.clamp(IVec3::ZERO, grid.dims().as_ivec3() - 1);
+        let level = self.level_inside(grid, inside.as_uvec3());
+        match level {
+            _ if inside == v => level,
+            level if level < 0 => {
+                (level as i32 + PackedDepth::PER_VX as i32).max(LEAST.into()) as i8
+            }
+            _ => FAR,
+        }
+    }
+
+    #[inline(always)]
+    fn level_inside(&self, grid: &Grid, v: UVec3) -> i8 {
+        let index = grid.brick_index(v / BRICK_EDGE_VX);
+        match self.table[index] {
+            NO_PAGE => self.far(grid, index),
+            page => {
+                let UVec3 { x, y, z } = v % BRICK_EDGE_VX;
+                self.pages[page as usize][place(x, y, z)]
+            }
+        }
+    }
+
+    /// The level of a brick without a page.
+    #[inline(always)]
+    fn far(&self, grid: &Grid, index: usize) -> i8 {
+        if grid.brick_kind(index) == BrickKind::Full { -FAR } else { FAR }
+    }
+
+    /// The levels of the corners of a cell: corner `x + 2 y + 4 z`.
+    #[inline(always)]
+    fn corners(&self, grid: &Grid, cell: IVec3) -> [f32; 8] {
+        let low = cell - 1;
+        let local = low & 7;
+        let inside = low.cmpge(IVec3::ZERO).all() && cell.cmplt(grid.dims().as_ivec3()).all();
+        if inside && local.max_element() < 7 {
+            let index = grid.brick_index(low.as_uvec3() / BRICK_EDGE_VX);
+            return match self.table[index] {
+                NO_PAGE => [self.far(grid, index).into(); 8],
+                page => {
+                    let page = &self.pages[page as usize];
+                    let first = place(local.x as u32, local.y as u32, local.z as u32);
+                    std::array::from_fn(|i| {
+                        page[first + (i & 1) + 8 * (i >> 1 & 1) + 64 * (i >> 2)].into()
+                    })
+                }
+            };
+        }
+        std::array::from_fn(|i| self.level(grid, low + corner(i)).into())
+    }
+
+    /// Cells with an existing voxel. Its coordinates are those of the grid plus one half.
+    pub fn cells(&self) -> &Grid {
+        &self.cells
+    }
+
+    /// The rays of a picture in the coordinates of [`LevelSet::cells`].
+    pub fn rays_of_cells(rays: &PixelRays) -> PixelRays {
+        PixelRays { origin: in_cells(rays.origin), ..*rays }
+    }
+
+    /// Whether a voxel of `grid` covers more than a pixel in the picture of `rays`, at least where the grid is
+    /// nearest to the eye: only then can the smooth surface be told from the voxels.
+    pub fn shows(grid: &Grid, rays: &PixelRays) -> bool {
+        let middle = rays.direction_at(rays.size.x as f32 * 0.5, rays.size.y as f32 * 0.5);
+        let nearest = rays.origin.clamp(Vec3::ZERO, grid.dims().as_vec3());
+        let distance = (nearest - rays.origin).dot(middle) / middle.length_squared();
+        rays.step_x.length().max(rays.step_y.length()) * distance.max(0.0) < 1.0
+    }
+
+    /// Memory in use, in bytes.
+    pub fn heap_bytes(&self) -> u64 {
+        let pages = (self.pages.len() * size_of::<Levels>() + self.table.len() * 4) as u64;
+        pages + self.cells.heap_bytes()
+    }
+}
+
+/// The place of a voxel in [`Levels`].
+#[inline(always)]
+fn place(x: u32, y: u32, z: u32) -> usize {
+    (x | y << 3 | z << 6) as usize
+}
+
+/// The offset of a corner of a cell from its first.
+#[inline(always)]
+fn corner(i: usize) -> IVec3 {
+    IVec3::new(i as i32 & 1, i as i32 >> 1 & 1, i as i32 >> 2)
+}
+
+/// The coordinates of cells from those of the grid.
+#[inline(always)]
+fn in_cells(point: Vec3) -> Vec3 {
+    point + 0.5
+}

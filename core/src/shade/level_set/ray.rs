@@ -1,0 +1,227 @@
+//! Where a ray meets the smooth surface.
+//!
+//! A ray goes from cell to cell. Within a cell the field along it is a polynomial of degree three: between its
+//! extrema a change of sign is searched, and the root refined (Marmitt, Kleer, Wald, Friedrich and Slusallek, "Fast
+//! and accurate ray-voxel intersection techniques for iso-surface ray tracing", 2004). shaders/level_set.wgsl is
+//! the twin of this file.
+
+use glam::{IVec3, UVec3, Vec3};
+
+use super::{LevelSet, corner};
+use crate::sculpture::Grid;
+use crate::sculpture::brick::BRICK_EDGE_VX;
+use crate::shade::NormalField;
+use crate::shade::normal_field::{NO_PAGE, PackedNormal};
+use crate::surface::raycast;
+
+/// Most cells of a ray that are looked into; a ray along a rough surface goes through many. Beyond, nothing is seen.
+const MOST_CELLS: u32 = 1024;
+/// The part of a ray in an empty cell from which on the next existing cell is searched by the ray caster, in voxels.
+const LEAST_WAY: f32 = 0.02;
+/// Steps of the search for a root: far below a hundredth of a voxel.
+const ROOT_STEPS: u32 = 6;
+/// Weight of a corner beyond its share, so that a place in a corner of the cell has a normal, too.
+const LEAST_SHARE: f32 = 1e-3;
+
+/// A place on the smooth surface.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct SurfaceHit {
+    /// The existing voxel nearest to it, of those whose middles are the corners of its cell.
+    pub voxel: UVec3,
+    pub normal: PackedNormal,
+    /// In lengths of the direction.
+    pub t: f32,
+}
+
+/// What a ray is traced through.
+#[derive(Clone, Copy)]
+pub(super) struct Scene<'a> {
+    pub grid: &'a Grid,
+    pub normals: &'a NormalField,
+    pub levels: &'a LevelSet,
+}
+
+/// The cell that was looked into last, with its corners: neighbouring pixels often ask for the same.
+pub(super) struct Cell {
+    at: IVec3,
+    corners: [f32; 8],
+}
+
+impl Default for Cell {
+    fn default() -> Cell {
+        Cell { at: IVec3::MIN, corners: [0.0; 8] }
+    }
+}
+
+impl Scene<'_> {
+    /// The first place on the surface along a ray in coordinates of cells, of which `first` is the first that exists.
+    #[inline(always)]
+    pub fn hit(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        first: UVec3,
+        last: &mut Cell,
+    ) -> Option<SurfaceHit> {
+        let cells = self.levels.cells();
+        let dims = cells.dims().as_ivec3();
+        let inverse = direction.recip();
+        let step = IVec3::select(direction.cmplt(Vec3::ZERO), IVec3::NEG_ONE, IVec3::ONE);
+        let long_enough = LEAST_WAY / direction.length();
+        let mut cell = first.as_ivec3();
+        for _ in 0..MOST_CELLS {
+            let low = cell.as_vec3();
+            // A ray within a plane of an axis crosses none of its planes: NaN and infinities lose.
+            let (a, b) = ((low - origin) * inverse, (low + 1.0 - origin) * inverse);
+            let from = a.min(b).max_element().max(0.0);
+            let leaves = a.max(b);
+            let to = leaves.min_element().max(from);
+            if cells.get(cell) {
+                if last.at != cell {
+                    *last = Cell { at: cell, corners: self.levels.corners(self.grid, cell) };
+                }
+                let place = |t: f32| (origin + direction * t - low).clamp(Vec3::ZERO, Vec3::ONE);
+                let (begin, end) = (place(from), place(to));
+                if let Some(share) = first_root(&last.corners, begin, end) {
+                    let t = from + (to - from) * share;
+                    return Some(self.shown(cell, &last.corners, begin.lerp(end, share), t));
+                }
+            } else if to - from > long_enough {
+                // From well within the empty cell: rounding must not lead back to the one before.
+                let middle = origin + direction * (0.5 * (from + to));
+                cell = raycast::cast(cells, middle, direction)?.voxel.as_ivec3();
+                continue;
+            }
+            let axis = if leaves.x <= leaves.y && leaves.x <= leaves.z {
+                0
+            } else if leaves.y <= leaves.z {
+                1
+            } else {
+                2
+            };
+            cell[axis] += step[axis];
+            if cell[axis] < 0 || cell[axis] >= dims[axis] {
+                return None;
+            }
+        }
+        None
+    }
+
+    /// The voxel and the normal at a place of a cell.
+    #[inline(always)]
+    fn shown(&self, cell: IVec3, corners: &[f32; 8], place: Vec3, t: f32) -> SurfaceHit {
+        let mut normal = Vec3::ZERO;
+        let (mut nearest, mut most) = (IVec3::ZERO, -1.0);
+        for i in (0..8).filter(|&i| corners[i] < 0.0) {
+            let offset = corner(i);
+            let share = share(place, offset) + LEAST_SHARE;
+            let voxel = cell - 1 + offset;
+            let Some(own) = self.normal(voxel.as_uvec3()) else { continue };
+            normal += own * share;
+            if share > most {
+                (nearest, most) = (voxel, share);
+            }
+        }
+        if most < 0.0 {
+            // The normals are not complete: any existing corner.
+            let i = (0..8).find(|&i| corners[i] < 0.0).unwrap_or_default();
+            nearest = (cell - 1 + corner(i)).max(IVec3::ZERO);
+        }
+        SurfaceHit { voxel: nearest.as_uvec3(), normal: PackedNormal::pack(normal), t }
+    }
+
+    #[inline(always)]
+    fn normal(&self, voxel: UVec3) -> Option<Vec3> {
+        let page = self.normals.table()[self.grid.brick_index(voxel / BRICK_EDGE_VX)];
+        if page == NO_PAGE {
+            return None;
+        }
+        Some(self.normals.plane(page, voxel % BRICK_EDGE_VX)?.0)
+    }
+}
+
+/// The weight of a corner at a place of a cell.
+#[inline(always)]
+fn share(place: Vec3, corner: IVec3) -> f32 {
+    let shares = Vec3::select(corner.cmpeq(IVec3::ONE), place, 1.0 - place);
+    shares.x * shares.y * shares.z
+}
+
+#[inline(always)]
+fn trilinear(corners: &[f32; 8], place: Vec3) -> f32 {
+    let mix = |a: f32, b: f32, share: f32| a + (b - a) * share;
+    let along_x: [f32; 4] =
+        std::array::from_fn(|i| mix(corners[2 * i], corners[2 * i + 1], place.x));
+    let along_y = [mix(along_x[0], along_x[1], place.y), mix(along_x[2], along_x[3], place.y)];
+    mix(along_y[0], along_y[1], place.z)
+}
+
+/// Where on the way from `begin` to `end` in a cell, as a share of it, the field is 0 or less for the first time.
+#[inline(always)]
+pub(super) fn first_root(corners: &[f32; 8], begin: Vec3, end: Vec3) -> Option<f32> {
+    if corners.iter().all(|&level| level > 0.0) {
+        return None;
+    }
+    let [f0, f1, f2, f3] =
+        [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(|s| trilinear(corners, begin.lerp(end, s)));
+    if f0 <= 0.0 {
+        return Some(0.0);
+    }
+    // The polynomial through the four values.
+    let cubic = 4.5 * (f3 - f0) + 13.5 * (f1 - f2);
+    let square = 9.0 * f0 - 22.5 * f1 + 18.0 * f2 - 4.5 * f3;
+    let linear = -5.5 * f0 + 9.0 * f1 - 4.5 * f2 + f3;
+    let value = |s: f32| ((cubic * s + square) * s + linear) * s + f0;
+    let mut ends = extrema(3.0 * cubic, 2.0 * square, linear);
+    ends.sort_unstable_by(f32::total_cmp);
+    let (mut low, mut at_low) = (0.0, f0);
+    for high in [ends[0], ends[1], 1.0] {
+        if high <= low || high > 1.0 {
+            continue;
+        }
+        let at_high = value(high);
+        if at_high <= 0.0 {
+            return Some(root([low, high], [at_low, at_high], value));
+        }
+        (low, at_low) = (high, at_high);
+    }
+    None
+}
+
+/// The roots of `a s^2 + b s + c`; 2 where there are none.
+#[inline(always)]
+fn extrema(a: f32, b: f32, c: f32) -> [f32; 2] {
+    let discriminant = b * b - 4.0 * a * c;
+    if discriminant < 0.0 {
+        return [2.0; 2];
+    }
+    // Without cancellation (Press et al., "Numerical Recipes", 5.6).
+    let q = -0.5 * (b + discriminant.sqrt().copysign(b));
+    [q / a, c / q].map(|root| if root.is_finite() { root } else { 2.0 })
+}
+
+/// The root between two places with values of different signs: regula falsi with Illinois steps.
+#[inline(always)]
+fn root(places: [f32; 2], values: [f32; 2], value: impl Fn(f32) -> f32) -> f32 {
+    let ([mut low, mut high], [mut at_low, mut at_high]) = (places, values);
+    let mut middle = high;
+    let mut side = 0;
+    for _ in 0..ROOT_STEPS {
+        middle = low + (high - low) * (at_low / (at_low - at_high));
+        let at_middle = value(middle);
+        if at_middle > 0.0 {
+            (low, at_low) = (middle, at_middle);
+            if side == 1 {
+                at_high *= 0.5;
+            }
+            side = 1;
+        } else {
+            (high, at_high) = (middle, at_middle);
+            if side == -1 {
+                at_low *= 0.5;
+            }
+            side = -1;
+        }
+    }
+    middle
+}
