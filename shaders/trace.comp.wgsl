@@ -119,6 +119,11 @@ fn lamp_on(origin: vec3<f32>, step: vec3<f32>) -> f32 {
     return select(3e38, t, t > 0.0 && inside);
 }
 
+// The first sample does not find anything.
+fn add_number(place: u32, number: f32) {
+    film[place] = select(film[place], 0.0, rays.index == 0u) + number;
+}
+
 fn add(pixel: u32, light: vec3<f32>, at: Met) {
     let first = pixel * PIXEL_NUMBERS;
     let surface = select(0.0, 1.0, at.what != NOTHING);
@@ -126,15 +131,15 @@ fn add(pixel: u32, light: vec3<f32>, at: Met) {
     let divided = light / max(at.albedo + (1.0 - surface), vec3<f32>(LEAST_ALBEDO));
     let brightness = dot(divided, vec3<f32>(0.2126, 0.7152, 0.0722));
     for (var i = 0u; i < 3u; i++) {
-        film[first + i] += light[i];
-        film[first + 3u + i] += at.albedo[i];
-        film[first + 6u + i] += at.normal[i];
+        add_number(first + i, light[i]);
+        add_number(first + 3u + i, at.albedo[i]);
+        add_number(first + 6u + i, at.normal[i]);
     }
-    film[first + 9u] += depth;
-    film[first + 10u] += surface;
-    film[first + 11u] += select(0.0, 1.0, at.what == SCULPTURE);
-    film[first + 12u] += brightness;
-    film[first + 13u] += brightness * brightness;
+    add_number(first + 9u, depth);
+    add_number(first + 10u, surface);
+    add_number(first + 11u, select(0.0, 1.0, at.what == SCULPTURE));
+    add_number(first + 12u, brightness);
+    add_number(first + 13u, brightness * brightness);
 }
 
 @compute @workgroup_size(64)

@@ -39,7 +39,7 @@ pub use arguments::{ImportArgs, PictureArgs};
 pub use error::ProgramError;
 pub use film_arguments::FilmArgs;
 
-use final_arguments::FinalArgs;
+use final_arguments::{FinalArgs, Tracer};
 
 use arguments::{named, parse_marker_mm, parse_size};
 
@@ -312,7 +312,8 @@ fn dispatch(cli: Cli) -> Result<(), ProgramError> {
             match last.options(&picture, &out)? {
                 Some(options) => {
                     let picture = PictureArgs { samples: None, ..picture }.request()?;
-                    headless::render_final(&file, &out, &picture, &options, &import, &context)?;
+                    let options = (&options, last.trace_on == Some(Tracer::Gpu));
+                    headless::render_final(&file, &out, &picture, options, &import, &context)?;
                 }
                 None => headless::render(&file, &out, &picture.request()?, &import, &context)?,
             }

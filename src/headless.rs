@@ -16,7 +16,7 @@ use crate::fiducial::{family, sheet};
 use crate::format::options::{ExportForm, ImportOptions};
 use crate::format::{self, FormatError, store};
 use crate::gpu::DeviceOptions;
-use crate::picture::{self, FinalOptions, PictureError};
+use crate::picture::{self, FinalOptions, PictureError, TraceOn};
 use crate::progress::Progress;
 use crate::render::RenderMode;
 use crate::session::{Session, SessionError};
@@ -182,12 +182,12 @@ pub fn render(
     render_session(session, out, picture, context)
 }
 
-/// Renders a file to a final picture, by tracing light.
+/// Renders a file to a final picture, by tracing light on the CPU or on a device.
 pub fn render_final(
     file: &Path,
     out: &Path,
     request: &PictureRequest,
-    options: &FinalOptions,
+    (options, on_gpu): (&FinalOptions, bool),
     import: &ImportOptions,
     context: &Context,
 ) -> Result<(), JobError> {
@@ -195,7 +195,8 @@ pub fn render_final(
     let (view, document) = (request.view(context.config), session.document());
     let shot = view.shot(document);
     let shot = TraceShot { eye: shot.eye, world_from_grid: shot.world_from_grid, up: view.up };
-    picture::write_final(document.contents(), &shot, options, out, context.progress)?;
+    let on = if on_gpu { TraceOn::Gpu(context.device.clone()) } else { TraceOn::Cpu };
+    picture::write_final(document.contents(), &shot, options, &on, out, context.progress)?;
     let UVec2 { x, y } = view.size;
     terminal::print_done(format_args!("wrote {} ({x}x{y})", out.display()));
     Ok(())

@@ -29,7 +29,7 @@ mod final_picture;
 mod maker;
 mod mean;
 
-pub use final_picture::{FinalOptions, LINEAR_ENDING, write_final};
+pub use final_picture::{FinalOptions, LINEAR_ENDING, TraceOn, write_final};
 pub use maker::PictureMaker;
 
 use maker::{FollowedNormals, Painter};
@@ -60,6 +60,9 @@ pub enum PictureError {
     Encode(#[from] ImageError),
     #[error(transparent)]
     Trace(#[from] TraceError),
+    /// `--trace-on gpu` without a device that can.
+    #[error("{0}; `--trace-on cpu` needs no Vulkan")]
+    TraceDevice(GpuError),
 }
 
 /// What pictures depend on besides document and view.

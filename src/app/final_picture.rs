@@ -5,7 +5,7 @@
 use super::screenshot;
 use super::workspace::Workspace;
 use crate::editor::job::Failure;
-use crate::picture::{self, FinalOptions, PictureError};
+use crate::picture::{self, FinalOptions, PictureError, TraceOn};
 use crate::progress::Report;
 use crate::trace::{TraceError, TraceShot};
 
@@ -20,7 +20,12 @@ impl Workspace {
         let shot = TraceShot { eye, world_from_grid: document.world_from_grid(), up };
         let path = screenshot::free_path(self.session().path(), "final", "png");
         let work = move |report: &Report| match picture::write_final(
-            &contents, &shot, &options, &path, report,
+            &contents,
+            &shot,
+            &options,
+            &TraceOn::Cpu,
+            &path,
+            report,
         ) {
             Ok(()) => Ok(format!("Saved {}", path.display())),
             Err(PictureError::Trace(TraceError::Cancelled)) => Err(Failure::Cancelled),

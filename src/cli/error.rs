@@ -112,7 +112,7 @@ fn job_code(error: &JobError) -> u8 {
         | JobError::Script { .. }
         | JobError::Command { .. } => 3,
         JobError::NoMarker(_) => 2,
-        JobError::Picture(PictureError::Gpu(_)) => 4,
+        JobError::Picture(PictureError::Gpu(_) | PictureError::TraceDevice(_)) => 4,
         JobError::Session(_)
         | JobError::Folder { .. }
         | JobError::WriteMarker { .. }

@@ -21,6 +21,15 @@ pub enum Quality {
     Final,
 }
 
+/// What traces light.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
+pub enum Tracer {
+    /// All cores: the same picture on every run
+    Cpu,
+    /// The Vulkan device of the settings: the same picture but for rounding
+    Gpu,
+}
+
 /// A final picture.
 #[derive(Args, Debug, Clone, Default)]
 #[command(next_help_heading = "Final picture")]
@@ -63,6 +72,9 @@ pub struct FinalArgs {
     #[arg(long, value_name = "EV", allow_hyphen_values = true,
           value_parser = |text: &str| parse_number(text, -10.0, 10.0))]
     pub exposure: Option<f32>,
+    /// What traces light (default: cpu)
+    #[arg(long, value_enum)]
+    pub trace_on: Option<Tracer>,
     /// Keep the noise that remains
     #[arg(long)]
     pub no_denoise: bool,
@@ -140,6 +152,7 @@ impl FinalArgs {
             (self.focus.is_some(), "focus"),
             (self.bounces.is_some(), "bounces"),
             (self.exposure.is_some(), "exposure"),
+            (self.trace_on.is_some(), "trace-on"),
             (self.no_denoise, "no-denoise"),
         ];
         given.into_iter().find(|(given, _)| *given).map(|(_, name)| name)
@@ -235,6 +248,7 @@ mod tests {
     fn what_makes_no_sense_is_refused_by_name() {
         for (arguments, why) in [
             ("--sun 1,2", "--sun applies to final pictures only"),
+            ("--trace-on gpu", "--trace-on applies to final pictures only"),
             ("--no-denoise", "--no-denoise applies to final pictures only"),
             ("--quality final --mode ray", "--mode does not apply to final pictures"),
             ("--quality final --stereo anaglyph", "--stereo does not apply"),

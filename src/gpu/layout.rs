@@ -236,6 +236,101 @@ pub struct SliceInstance {
     pub layer: [u16; 4],
 }
 
+shared! {
+    /// Uniforms of the tracer of final pictures: [`crate::trace::Prepared`], and the grid.
+    TraceScene {
+        /// Rows of the placement of the grid.
+        world_from_grid: [[f32; 4]; 3],
+        /// Rows of its inverse, for directions.
+        grid_from_world: [[f32; 4]; 3],
+        /// Rows that map normals of the grid to the world.
+        world_from_normal: [[f32; 4]; 3],
+        /// Up in the world.
+        up: [f32; 3],
+        /// Of the ball about the sculpture, in the world.
+        radius: f32,
+        /// The box around all voxels.
+        low: [f32; 3],
+        /// Height of the grid's origin over the ground.
+        ground_offset: f32,
+        high: [f32; 3],
+        /// Sine of the angular radius of the sun.
+        sun_sine: f32,
+        /// The middle of the box.
+        middle: [f32; 3],
+        /// In the world.
+        lamp_area: f32,
+        /// Gives the height of points of the grid over the ground.
+        ground_height: [f32; 3],
+        /// Distance of what is sharp, in lengths of the rays' directions.
+        focus: f32,
+        ground_albedo: [f32; 3],
+        pad_0: u32,
+        /// What ground sends on which no shadow falls.
+        open_ground: [f32; 3],
+        pad_1: u32,
+        towards_sun: [f32; 3],
+        pad_2: u32,
+        sun_irradiance: [f32; 3],
+        pad_3: u32,
+        sun_radiance: [f32; 3],
+        pad_4: u32,
+        /// The sky: see `trace::Gradient`.
+        zenith: [f32; 3],
+        pad_5: u32,
+        horizon: [f32; 3],
+        pad_6: u32,
+        glow: [f32; 3],
+        pad_7: u32,
+        below: [f32; 3],
+        pad_8: u32,
+        /// The lamp: see `trace::Lamp`.
+        lamp_centre: [f32; 3],
+        pad_9: u32,
+        lamp_u: [f32; 3],
+        pad_10: u32,
+        lamp_v: [f32; 3],
+        pad_11: u32,
+        lamp_normal: [f32; 3],
+        pad_12: u32,
+        lamp_radiance: [f32; 3],
+        pad_13: u32,
+        /// Radii of the pupil, in grid coordinates.
+        pupil_right: [f32; 3],
+        pad_14: u32,
+        pupil_up: [f32; 3],
+        pad_15: u32,
+        /// sRGB, 0 to 1.
+        base: [f32; 3],
+        pad_16: u32,
+        /// Size of the grid in voxels.
+        dims: [u32; 3],
+        pad_17: u32,
+        bricks: [u32; 3],
+        pad_18: u32,
+    }
+}
+
+shared! {
+    /// Push constants of the tracer: the rays of a pass, and the first row of a band.
+    TraceRays {
+        /// The eye.
+        origin: [f32; 3],
+        /// The number of the pass.
+        index: u32,
+        /// Direction through the picture's upper left corner.
+        corner: [f32; 3],
+        /// Of the picture, in pixels.
+        width: u32,
+        /// Change of direction per pixel to the right.
+        step_x: [f32; 3],
+        height: u32,
+        /// Change of direction per pixel downwards.
+        step_y: [f32; 3],
+        first_row: u32,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -291,6 +386,9 @@ mod tests {
         for text in [stage!("mean_add.frag.wgsl"), stage!("mean_resolve.frag.wgsl")] {
             compare(text, "MeanView", members.clone(), bytes);
         }
+        let text = stage!("trace.comp.wgsl");
+        compare(text, "TraceScene", TraceScene::members(), size_of::<TraceScene>());
+        compare(text, "TraceRays", TraceRays::members(), size_of::<TraceRays>());
         let (members, bytes) = (BackdropView::members(), size_of::<BackdropView>());
         compare(stage!("backdrop.frag.wgsl"), "BackdropView", members, bytes);
         let (members, bytes) = (MarchView::members(), size_of::<MarchView>());

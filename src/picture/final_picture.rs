@@ -10,13 +10,25 @@ use image::RgbImage;
 use super::exr::{self, Channel, Samples};
 use super::{PictureError, encoded};
 use crate::format::store;
+use crate::gpu::{Device, DeviceOptions, Headless};
 use crate::progress::Progress;
+use crate::render::{DeviceTraceError, trace_on_device};
 use crate::sculpture::history::Contents;
 use crate::shade::{NormalField, ShadeSource};
 use crate::trace::{self, Film, PixelSum, TraceError, TraceOptions, TraceShot};
 
 /// The extension of pictures of linear light.
 pub const LINEAR_ENDING: &str = "exr";
+
+/// What traces light.
+#[derive(Clone, Debug, Default)]
+pub enum TraceOn {
+    /// All cores: the same picture on every run.
+    #[default]
+    Cpu,
+    /// A Vulkan device: the same picture but for rounding.
+    Gpu(DeviceOptions),
+}
 
 /// How a final picture is made.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -39,13 +51,17 @@ pub fn write_final(
     contents: &Contents,
     shot: &TraceShot,
     options: &FinalOptions,
+    on: &TraceOn,
     path: &Path,
     progress: &dyn Progress,
 ) -> Result<(), PictureError> {
     let normals = normals_of(contents, progress)?;
     let Contents { grid, material } = contents;
     let source = ShadeSource { grid, material, normals: &normals };
-    let mut film = trace::trace(&source, shot, &options.trace, progress)?;
+    let mut film = match on {
+        TraceOn::Cpu => trace::trace(&source, shot, &options.trace, progress)?,
+        TraceOn::Gpu(device) => on_device(&source, shot, &options.trace, device, progress)?,
+    };
     if options.denoise {
         progress.begin("removing noise");
         film = trace::denoise(film);
@@ -61,6 +77,25 @@ pub fn write_final(
     }
     store::write_atomically(path, &bytes)
         .map_err(|error| PictureError::Write { path: path.to_path_buf(), error })
+}
+
+fn on_device(
+    source: &ShadeSource,
+    shot: &TraceShot,
+    options: &TraceOptions,
+    device: &DeviceOptions,
+    progress: &dyn Progress,
+) -> Result<Film, PictureError> {
+    let device = Device::new(&mut Headless, device).map_err(PictureError::TraceDevice)?;
+    let film =
+        trace_on_device(&device, source, shot, options, progress).map_err(|error| match error {
+            DeviceTraceError::Gpu(error) => PictureError::TraceDevice(error),
+            DeviceTraceError::Trace(error) => PictureError::Trace(error),
+        })?;
+    match device.validation_messages() {
+        messages if messages.is_empty() => Ok(film),
+        messages => Err(PictureError::Validation(messages.join("\n"))),
+    }
 }
 
 fn normals_of(contents: &Contents, progress: &dyn Progress) -> Result<NormalField, TraceError> {
@@ -133,7 +168,7 @@ mod tests {
         let (contents, shot) = subject();
         let [png, exr] = ["a.png", "a.EXR"].map(|name| folder.path().join(name));
         for path in [&png, &exr] {
-            write_final(&contents, &shot, &options(4), path, &()).unwrap();
+            write_final(&contents, &shot, &options(4), &TraceOn::Cpu, path, &()).unwrap();
         }
         let (size, channels) = exr::tests::read(&std::fs::read(&exr).unwrap());
         assert_eq!(size, shot.eye.size);
@@ -162,7 +197,7 @@ mod tests {
         let report = Report::default();
         report.cancel();
         let path = folder.path().join("a.png");
-        let result = write_final(&contents, &shot, &options(4), &path, &report);
+        let result = write_final(&contents, &shot, &options(4), &TraceOn::Cpu, &path, &report);
         assert!(matches!(result, Err(PictureError::Trace(TraceError::Cancelled))), "{result:?}");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
     }

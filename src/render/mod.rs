@@ -40,6 +40,7 @@ pub mod stereo_options;
 pub mod surface_shade;
 pub mod target;
 pub mod times;
+mod trace_pass;
 pub mod volume;
 mod warm_up;
 
@@ -65,6 +66,7 @@ pub use stereo::{Stereo, StereoSources};
 pub use stereo_options::StereoOptions;
 pub use surface_shade::SurfaceShade;
 pub use target::{EyeTask, IndexReadback, IndexTarget};
+pub use trace_pass::{DeviceTraceError, trace_on_device};
 pub use volume::Volume;
 pub use warm_up::WarmUp;
 

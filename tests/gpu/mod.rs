@@ -21,5 +21,6 @@ mod slicing;
 mod stereo;
 mod subjects;
 mod timing;
+mod trace;
 mod volume;
 mod warm_up;

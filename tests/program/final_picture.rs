@@ -5,6 +5,7 @@ use std::path::Path;
 use image::RgbImage;
 
 use super::{bytes, fail, folder, picture, succeed};
+use crate::gpu::fixture::need_device;
 
 /// A block on its edge of the ground, with a tower behind it.
 const SCRIPT: &str = "new dims=40,40,40 colour=24 base=#c8beaa fill=empty
@@ -103,4 +104,25 @@ fn what_makes_no_final_picture_is_refused_and_nothing_written() {
     let nowhere = ["--out", "no/a.png", "--quality", "final", "--size", "8x8"];
     assert!(fail(path, &[&["render", "a.vsc"][..], &nowhere].concat(), 1).contains("no/a.png"));
     assert_eq!(std::fs::read_dir(path).unwrap().count(), 2);
+}
+
+#[test]
+fn a_device_traces_the_same_picture() {
+    need_device();
+    let folder = folder();
+    let path = folder.path();
+    subject(path);
+    render(path, "cpu.png", &["--trace-on", "cpu"]);
+    render(path, "gpu.png", &["--trace-on", "gpu"]);
+    let [cpu, gpu] = ["cpu.png", "gpu.png"].map(|name| picture(path.join(name)));
+    let (a, b) = (brightness(&cpu), brightness(&gpu));
+    assert!((a - b).abs() < 0.5, "{a} {b}");
+    let far = cpu.iter().zip(gpu.iter()).filter(|(a, b)| a.abs_diff(**b) > 24).count();
+    assert!(far * 50 < cpu.len(), "{far} values differ");
+    std::fs::write(path.join("none.toml"), "[gpu]\ndevice = \"none such\"\n").unwrap();
+    let arguments =
+        ["render", "a.vsc", "--quality", "final", "--trace-on", "gpu", "--out", "x.png"];
+    let error = fail(path, &[&arguments[..], &["--config", "none.toml"]].concat(), 4);
+    assert!(error.contains("none such") && error.contains("--trace-on cpu"), "{error}");
+    assert!(!path.join("x.png").exists());
 }

@@ -167,7 +167,7 @@ fn tracer<'a>(source: &ShadeSource<'a>, shot: &TraceShot, options: &TraceOptions
 
 /// The least height of the voxels along `up`, in the world.
 fn lowest_along(source: &ShadeSource, world_from_grid: &Affine3A, up: Vec3) -> f32 {
-    let slope = Vec3::from(world_from_grid.matrix3.transpose() * up);
+    let slope = world_from_grid.matrix3.transpose() * up;
     let mut lowest = f32::INFINITY;
     for (brick, voxels) in source.grid.nonempty_bricks() {
         let corner = (brick * BRICK_EDGE_VX).as_vec3();

@@ -215,7 +215,7 @@ fn what_lies_in_focus_is_sharp_and_the_rest_is_not() {
     let size = UVec2::new(96, 96);
     let mut subject = subject(grid, WHITE, size);
     for index in 0..subject.grid.brick_count() {
-        let dark = subject.grid.brick_coords(index).x % 2 == 0;
+        let dark = subject.grid.brick_coords(index).x.is_multiple_of(2);
         if dark {
             subject.material.paint(index, &crate::sculpture::Brick::FULL, Rgb::new(0, 0, 0));
         }
