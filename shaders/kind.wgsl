@@ -7,3 +7,5 @@ var<private> kind_occlusion: u32 = 0x5bec0001u;
 var<private> kind_colour_bytes: u32 = 0x5bec0002u;
 // Whether normals are incomplete, and estimates stand in for missing ones.
 var<private> kind_estimates: u32 = 0x5bec0003u;
+// Whether a matcap replaces all light.
+var<private> kind_matcap: u32 = 0x5bec0004u;

@@ -57,7 +57,11 @@ struct Shading {
     base: vec3<f32>,
     shininess: u32,
     dims: vec3<u32>,
+    tone_floor: f32,
     bricks: vec3<u32>,
+    ambient_slope: vec3<f32>,
+    up: vec3<f32>,
+    tone: vec4<f32>,
 }
 
 struct StereoView {

@@ -85,7 +85,7 @@ fn gradient(voxel: vec3<i32>, dims: vec3<i32>) -> vec3<f32> {
     return vec3<f32>(-moment);
 }
 
-// Ambient openness of the voxel, 0 to 1: twice the empty share of the cube of 8^3 voxels around its centre, in
+// Ambient openness of the voxel, 0 to 1: 2.36 times the empty share of the cube of 8^3 voxels around its centre, in
 // which each word counts by its part inside.
 fn openness(voxel: vec3<i32>, dims: vec3<i32>) -> f32 {
     let low = voxel - vec3<i32>(4);
@@ -108,5 +108,5 @@ fn openness(voxel: vec3<i32>, dims: vec3<i32>) -> f32 {
             }
         }
     }
-    return clamp(2.0 - filled * (2.0 / 32768.0), 0.0, 1.0);
+    return clamp(2.36 - filled * (2.36 / 32768.0), 0.0, 1.0);
 }

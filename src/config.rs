@@ -14,12 +14,13 @@ use crate::command::NewSculpture;
 use crate::document::Limits;
 use crate::fiducial::ArOptions;
 use crate::folders;
-use crate::format::store;
+use crate::format::{FormatError, load_matcap, store};
 use crate::gpu::{DeviceOptions, GpuOptions};
 use crate::head_tracking::{ScreenOptions, TrackingOptions};
 use crate::input::pad::GamepadOptions;
 use crate::options::InvalidOption;
 use crate::picture::PictureOptions;
+use crate::render::light::MatcapFile;
 use crate::render::{LightOptions, RenderOptions, StereoOptions};
 use crate::screen::headset::HeadsetOptions;
 use crate::shade::Lighting;
@@ -44,6 +45,8 @@ pub enum ConfigError {
     Parse { path: PathBuf, error: Box<toml::de::Error> },
     #[error("the settings {path}: {key} = {value}: {rule}")]
     Value { path: PathBuf, key: String, value: String, rule: &'static str },
+    #[error("the settings {path}: light.matcap = {}: {error}", file.display())]
+    Matcap { path: PathBuf, file: PathBuf, error: FormatError },
 }
 
 /// All settings, a field a section.
@@ -95,8 +98,21 @@ impl Config {
     pub fn parse(text: &str, path: &Path) -> Result<Config, ConfigError> {
         let config: Config = toml::from_str(text)
             .map_err(|error| ConfigError::Parse { path: path.into(), error: Box::new(error) })?;
-        config.check(path)?;
-        Ok(config)
+        config.completed(path)
+    }
+
+    /// Checks all values and reads the files that they name.
+    fn completed(mut self, path: &Path) -> Result<Config, ConfigError> {
+        self.check(path)?;
+        if let Some(file) = self.light.matcap.path().map(PathBuf::from) {
+            let image = load_matcap(&file);
+            let image = image.map_err(|error| {
+                let (path, file) = (path.into(), file.clone());
+                ConfigError::Matcap { path, file, error }
+            })?;
+            self.light.matcap = MatcapFile::new(file, image);
+        }
+        Ok(self)
     }
 
     fn check(&self, path: &Path) -> Result<(), ConfigError> {
@@ -220,6 +236,11 @@ mod tests {
             ("[light]\nlamps = [{}, {}, {}, {}, {}]", "light.lamps = 5"),
             ("[render]\nsmooth_normals = \"much\"", "much"),
             ("[light]\nambient = 2.0", "light.ambient"),
+            ("[light]\nexposure = 9.0", "light.exposure"),
+            ("[light]\nsky = \"blue\"", "`blue` is not a colour"),
+            ("[light]\ntone = \"loud\"", "loud"),
+            ("[light]\nlook = \"gold\"", "gold"),
+            ("[light]\nmatcap = \"/nowhere/ball.png\"", "light.matcap = /nowhere/ball.png"),
             ("[window]\nscale = 9.0", "window.scale"),
             ("[gamepad]\ndead_zone = 1.0", "gamepad.dead_zone"),
             ("[gamepad]\nmove_speed = nan", "gamepad.move_speed"),

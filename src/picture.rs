@@ -83,7 +83,7 @@ pub struct View {
     pub smooth_surface: bool,
     /// From the centre of the bounding box to the eye, where `up` is y.
     pub direction: Vec3,
-    /// The axis that points up in the picture.
+    /// The axis that points up in the picture, where the sky is.
     pub up: Vec3,
     /// The angle by which the sculpture is turned about `up`.
     pub turn_rad: f32,
@@ -116,6 +116,11 @@ impl View {
         let eye = self.camera(&corners).eye(self.size);
         let centre = world_from_grid.transform_point3(outline_middle(document.grid()));
         Shot { eye, world_from_grid, distance: -eye.eye_from_world.transform_point3(centre).z }
+    }
+
+    /// The lighting of the options, with the sky where this view has it.
+    fn lighting(&self, options: &PictureOptions) -> Lighting {
+        Lighting { up: self.up, ..options.lighting }
     }
 
     /// The camera that frames points of the world.
@@ -226,6 +231,7 @@ fn render_by_casting(
     let (normals, levels) = followed.of(document, smooth);
     let grid = document.grid();
     let source = ShadeSource { grid, material: document.material(), normals };
+    let lighting = view.lighting(options);
     let mut shader = SoftwareShader::default();
     let mut pixels = Pixels::default();
     let mut sampler = LevelSampler::default();
@@ -240,7 +246,7 @@ fn render_by_casting(
                 (RenderMode::Quickstep, None) => quickstep::sample(grid, &rays, &mut map),
                 _ => raycast::sample(grid, &rays, &mut map),
             }
-            shader.shade(&map, &source, &pose, &options.lighting, &mut pixels);
+            shader.shade(&map, &source, &pose, &lighting, &mut pixels);
             mean.add(over_background(&pixels));
         }
         mean.picture()
@@ -266,7 +272,7 @@ fn render_on_device(
         world_from_grid,
         mode: view.mode,
         smooth_surface: view.smooth_surface,
-        lighting: options.lighting,
+        lighting: view.lighting(options),
         background: Background::Gradient { top, bottom },
         video: None,
         previews: &[],

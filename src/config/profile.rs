@@ -52,8 +52,7 @@ pub(super) fn layered(profile: Profile, own: Option<(&str, &Path)>) -> Result<Co
     let mut table: Table = profile.text().parse().map_err(parse_error)?;
     merge(&mut table, text.parse().map_err(parse_error)?);
     let config: Config = table.try_into().map_err(parse_error)?;
-    config.check(path)?;
-    Ok(config)
+    config.completed(path)
 }
 
 /// Merges sections and replaces keys, so that a table of bindings comes from one file alone.

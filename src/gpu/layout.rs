@@ -129,7 +129,7 @@ shared! {
         sources: [[f32; 4]; 4],
         /// Their linear colours times intensity.
         radiances: [[f32; 4]; 4],
-        /// Linear.
+        /// Linear, on a surface that faces the horizon.
         ambient: [f32; 3],
         specular: f32,
         /// Colour of voxels that are not painted, sRGB.
@@ -137,10 +137,19 @@ shared! {
         shininess: u32,
         /// Size of the grid in voxels.
         dims: [u32; 3],
-        pad_0: u32,
+        /// The last coefficient of the tone curve.
+        tone_floor: f32,
         /// Size of the grid in bricks.
         bricks: [u32; 3],
+        pad_0: u32,
+        /// How much more ambient light there is on a surface that faces the sky.
+        ambient_slope: [f32; 3],
         pad_1: u32,
+        /// Towards the sky, in eye space.
+        up: [f32; 3],
+        pad_2: u32,
+        /// The other coefficients of the tone curve.
+        tone: [f32; 4],
     }
 }
 

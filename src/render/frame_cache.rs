@@ -14,7 +14,7 @@ use super::renderer::FrameDesc;
 use super::{Background, MAX_EYES, VideoView};
 use super::{RenderMode, Shading};
 use crate::document::Document;
-use crate::shade::{Lighting, NORMAL_REACH_VX};
+use crate::shade::Lighting;
 use crate::surface::{PixelRects, changed_pixels};
 use crate::view::{Eye, PixelRays};
 
@@ -127,8 +127,8 @@ impl RedrawPlan {
         let resample = before.sample != sample || smooth == Some(true);
         let reshade = resample || !same_light || normals != NormalsChange::None;
         let recompose = reshade || !(same_back && same_tools);
-        // Filters read the pixels around, occlusion a wide region around the voxel.
-        let is_local = desc.lighting.is_local() && normals != NormalsChange::All;
+        // Filters read the pixels around.
+        let is_local = desc.lighting.reach_vx().is_some() && normals != NormalsChange::All;
         let shade_redraw = redraw_if(still && same_light && is_local);
         // Points cover more than their pixels.
         let within_pixels = desc.mode.shading() != Shading::Points;
@@ -158,7 +158,7 @@ pub(super) fn pixels_to_compose(
     eye: &Eye,
     rays: &PixelRays,
 ) -> PixelRects {
-    let mut rects = changed_pixels(document.grid(), changed, rays, NORMAL_REACH_VX);
+    let mut rects = changed_pixels(document.grid(), changed, rays, desc.reach_vx());
     let clip_from_grid = eye.clip_from_grid(&desc.world_from_grid);
     let picture = PictureOfGrid { clip_from_grid, size: eye.size };
     let former = (before.previews.as_slice(), before.lines.as_slice());
@@ -188,6 +188,7 @@ mod tests {
     use crate::document::Limits;
     use crate::sculpture::history::Contents;
     use crate::sculpture::{ColourDepth, Grid, Material, Rgb};
+    use crate::shade::Smoothing;
     use crate::view::Camera;
 
     #[test]
@@ -245,7 +246,7 @@ mod tests {
         let shot_before_black = FrameDesc { background: before_black, lines: &[line], ..desc };
         assert_eq!(to(&document, &shot_before_black), steps(None, None, all));
         let mut dark = desc;
-        dark.lighting.ambient = Rgb::default();
+        dark.lighting.ambient = 0.0;
         assert_eq!(to(&document, &dark), steps(None, all, all));
         let moved = FrameDesc { world_from_grid: Affine3A::from_translation(Vec3::X), ..desc };
         assert_eq!(to(&document, &moved), steps(all, all, all));
@@ -264,13 +265,17 @@ mod tests {
         let to_points =
             RedrawPlan::new(Some(&of_points), &document, &points, true, NormalsChange::None, None);
         assert_eq!(to_points, steps(None, None, all));
-        // Occlusion darkens voxels from a distance.
-        let mut occluded = desc;
+        // Occlusion reaches voxels around the changed ones, filters whatever lies beside them in the picture.
+        let (mut occluded, mut filtered) = (desc, desc);
         occluded.lighting.occlusion = true;
-        let shown = FrameCache::new(Some(shown), &document, &occluded, false);
+        filtered.lighting.smooth_normals = Smoothing::Near;
+        let shown =
+            [&occluded, &filtered].map(|desc| FrameCache::new(None, &document, desc, false));
         document.apply(&"undo 1".parse().unwrap()).unwrap();
-        let to_open =
-            RedrawPlan::new(Some(&shown), &document, &occluded, true, NormalsChange::None, None);
-        assert_eq!(to_open, steps(some, all, all));
+        for (shown, (desc, part)) in shown.iter().zip([(&occluded, some), (&filtered, all)]) {
+            let plan =
+                RedrawPlan::new(Some(shown), &document, desc, true, NormalsChange::None, None);
+            assert_eq!(plan, steps(some, part, part));
+        }
     }
 }

@@ -6,7 +6,7 @@ use super::overlay::{Line, ToolPreview};
 use super::{Background, RenderMode, Surface, Video};
 use crate::document::Document;
 use crate::sculpture::Grid;
-use crate::shade::{LevelSet, Lighting, ShadePose};
+use crate::shade::{LevelSet, Lighting, NORMAL_REACH_VX, ShadePose};
 use crate::view::Eye;
 
 /// A frame description: how a sculpture is to be seen.
@@ -38,6 +38,11 @@ impl FrameDesc<'_> {
 
     pub(super) fn pose(&self, eye: &Eye) -> ShadePose {
         ShadePose { eye_from_world: eye.eye_from_world, world_from_grid: self.world_from_grid }
+    }
+
+    /// How far from a changed voxel those are whose shade may differ, where that is local.
+    pub(super) fn reach_vx(&self) -> u32 {
+        self.lighting.reach_vx().unwrap_or(NORMAL_REACH_VX)
     }
 
     /// The surface of the document's sculpture in one colour. `estimates`: see [`Surface::estimates`].

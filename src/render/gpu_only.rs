@@ -14,7 +14,9 @@ use super::beam::Beams;
 use super::composite::{CompositeEye, constants};
 use super::pixel_pass::PixelStage;
 use super::screen_pass::{Input, ScreenPass};
-use super::shading::{COLOURS, KIND_CONSTANTS, NORMALS, Surface, UNIFORMS, Uniforms, VOLUME};
+use super::shading::{
+    COLOURS, KIND_CONSTANTS, MATCAP, NORMALS, Surface, UNIFORMS, Uniforms, VOLUME,
+};
 use super::specialised::Specialised;
 use crate::gpu::layout::CompositeView;
 use crate::gpu::{Depth, Device, Graphics, Pipeline, Recorder, Result, shaders};
@@ -39,6 +41,7 @@ impl GpuOnly {
             (VOLUME, vk::DescriptorType::SAMPLED_IMAGE, fragment),
             (COLOURS, vk::DescriptorType::STORAGE_BUFFER, fragment),
             (NORMALS, vk::DescriptorType::STORAGE_BUFFER, fragment),
+            (MATCAP, vk::DescriptorType::STORAGE_BUFFER, fragment),
             (UNIFORMS, vk::DescriptorType::UNIFORM_BUFFER, fragment),
             (STARTS, vk::DescriptorType::SAMPLED_IMAGE, fragment),
         ];

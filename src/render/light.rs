@@ -1,26 +1,76 @@
-//! Options of lighting: up to four lamps, ambient light, and the specular highlight of the surface.
-//! Converts them to the [`Lighting`] of the shaders.
+//! Options of lighting: the look of the surface, up to four lamps, ambient light of sky and ground, the specular highlight of the
+//! surface, exposure and tone mapping. Converts them to the [`Lighting`] of the shaders.
+
+use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 use serde::Deserialize;
 
 use crate::options::{self, InvalidOption, require_in};
 use crate::sculpture::Rgb;
-use crate::shade::{Light, LightFrame, LightSource, Lighting, MAX_LIGHTS};
+use crate::shade::{
+    Light, LightFrame, LightSource, Lighting, Look, MAX_LIGHTS, Matcap, ToneMapping,
+};
 
 /// Largest intensity of a lamp.
 pub const MAX_INTENSITY: f32 = 4.0;
+/// Largest exposure to either side, as a power of two.
+pub const MAX_EXPOSURE_EV: f32 = 4.0;
 
 /// The light on a sculpture.
 #[derive(Clone, PartialEq, Debug, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LightOptions {
-    /// Share of the linear light.
+    pub look: Look,
+    pub matcap: MatcapFile,
+    /// Factor on the linear light of sky and ground.
     pub ambient: f32,
+    /// Ambient light from above and from below.
+    #[serde(deserialize_with = "options::from_text")]
+    pub sky: Rgb,
+    #[serde(deserialize_with = "options::from_text")]
+    pub ground: Rgb,
+    /// Factor on all light, as a power of two.
+    pub exposure: f32,
+    pub tone: ToneMapping,
     pub specular: f32,
     pub shininess: u32,
     /// At most [`MAX_LIGHTS`].
     pub lamps: Vec<Lamp>,
+}
+
+/// A matcap and the file that it was read from.
+#[derive(Clone, PartialEq, Default, Deserialize)]
+#[serde(from = "PathBuf")]
+pub struct MatcapFile {
+    /// Empty: the matcap is the program's own.
+    path: PathBuf,
+    image: Matcap,
+}
+
+impl MatcapFile {
+    /// `image` as it was read from `path`.
+    pub fn new(path: PathBuf, image: Matcap) -> MatcapFile {
+        MatcapFile { path, image }
+    }
+
+    /// None: the matcap is the program's own.
+    pub fn path(&self) -> Option<&Path> {
+        Some(self.path.as_path()).filter(|path| !path.as_os_str().is_empty())
+    }
+}
+
+impl From<PathBuf> for MatcapFile {
+    /// Of a file that is still to be read: whoever reads settings replaces it by [`MatcapFile::new`].
+    fn from(path: PathBuf) -> MatcapFile {
+        MatcapFile { path, image: Matcap::built_in() }
+    }
+}
+
+impl std::fmt::Debug for MatcapFile {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.path.fmt(f)
+    }
 }
 
 /// What the place of a lamp means.
@@ -72,22 +122,37 @@ impl Default for Lamp {
 
 impl Default for LightOptions {
     fn default() -> Self {
-        LightOptions { ambient: 0.25, specular: 0.25, shininess: 32, lamps: vec![Lamp::default()] }
+        LightOptions {
+            look: Look::Colours,
+            matcap: MatcapFile::default(),
+            ambient: 0.4,
+            sky: Rgb::new(200, 215, 235),
+            ground: Rgb::new(120, 110, 100),
+            exposure: -0.5,
+            tone: ToneMapping::Filmic,
+            specular: 0.25,
+            shininess: 32,
+            lamps: vec![Lamp::default()],
+        }
     }
 }
 
 impl LightOptions {
     /// The input of the shaders.
     pub fn lighting(&self) -> Lighting {
-        // The shader squares colours to get linear light.
-        let grey = (self.ambient.sqrt() * 255.0).round() as u8;
         let mut lights = [None; MAX_LIGHTS];
         for (light, lamp) in lights.iter_mut().zip(&self.lamps) {
             *light = lamp.on.then(|| lamp.light());
         }
         Lighting {
             lights,
-            ambient: Rgb::new(grey, grey, grey),
+            look: self.look,
+            matcap: self.matcap.image,
+            ambient: self.ambient,
+            sky: self.sky,
+            ground: self.ground,
+            exposure_ev: self.exposure,
+            tone: self.tone,
             specular: self.specular,
             shininess: self.shininess,
             ..Lighting::default()
@@ -98,6 +163,8 @@ impl LightOptions {
     pub fn check(&self) -> Result<(), InvalidOption> {
         let share = "must be 0 to 1";
         require_in(0.0..=1.0, "ambient", self.ambient, share)?;
+        let ev = -MAX_EXPOSURE_EV..=MAX_EXPOSURE_EV;
+        require_in(ev, "exposure", self.exposure, "must be -4 to 4")?;
         require_in(0.0..=1.0, "specular", self.specular, share)?;
         require_in(1..=1024, "shininess", self.shininess, "must be 1 to 1024")?;
         let count = self.lamps.len();

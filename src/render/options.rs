@@ -31,7 +31,7 @@ impl Default for RenderOptions {
             smooth_surface: true,
             smooth_normals: Smoothing::Off,
             smooth_colours: Smoothing::Off,
-            occlusion: false,
+            occlusion: true,
             refine: true,
         }
     }
@@ -61,11 +61,17 @@ impl RenderOptions {
 }
 
 /// Refinements of the shading that do not depend on the lamps.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Finish {
     pub smooth_normals: Smoothing,
     pub smooth_colours: Smoothing,
     pub occlusion: bool,
+}
+
+impl Default for Finish {
+    fn default() -> Self {
+        RenderOptions::default().finish()
+    }
 }
 
 impl Finish {

@@ -13,7 +13,7 @@ use ash::vk;
 
 use super::composite::{CompositeEye, constants};
 use super::screen_pass::ScreenPass;
-use super::shading::{KIND_CONSTANTS, Surface, UNIFORMS, Uniforms};
+use super::shading::{KIND_CONSTANTS, MATCAP, Surface, UNIFORMS, Uniforms};
 use super::slicing::{clip_rows, corner_margin_px};
 use super::specialised::Specialised;
 use crate::gpu::layout::{CompositeView, PointView};
@@ -46,6 +46,7 @@ impl Points {
         let bindings = [
             (UNIFORMS, vk::DescriptorType::UNIFORM_BUFFER, vertex),
             (POINTS, vk::DescriptorType::STORAGE_BUFFER, vertex),
+            (MATCAP, vk::DescriptorType::STORAGE_BUFFER, vertex),
         ];
         let (name, stages) = ("points", vertex | fragment);
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER;

@@ -32,7 +32,7 @@ use super::{
 use crate::document::{ChangeSubscriber, Document};
 use crate::gpu::{Device, Recorder, Result, Use, read_image_once};
 use crate::shade::points::PointCloud;
-use crate::shade::{NORMAL_REACH_VX, Pixels, ShadeSource, SoftwareShader, shade_rect};
+use crate::shade::{Pixels, ShadeSource, SoftwareShader, shade_rect};
 use crate::surface::{IndexMap, PixelRect, PixelRects, changed_pixels};
 use crate::view::PixelRays;
 
@@ -281,7 +281,7 @@ impl Renderer {
                 let (grid, material) = (document.grid(), document.material());
                 let source = ShadeSource { grid, material, normals: self.normals.field() };
                 for (map, cloud) in self.maps.iter().zip(&mut self.clouds) {
-                    cloud.take(map, &source, desc.lighting.occlusion);
+                    cloud.take(map, &source, &desc.lighting);
                 }
             }
             Shading::Device => self.shade_on_device(recorder, slot, document, desc, redraw)?,
@@ -312,8 +312,8 @@ impl Renderer {
                     None
                 }
                 Redraw::Changed => {
-                    let rects =
-                        changed_pixels(grid, self.normals.reshaded(), &map.rays, NORMAL_REACH_VX);
+                    let reach_vx = desc.reach_vx();
+                    let rects = changed_pixels(grid, self.normals.reshaded(), &map.rays, reach_vx);
                     for rect in rects.as_slice() {
                         shade_rect(map, &source, &pose, lighting, *rect, pixels);
                     }
@@ -351,7 +351,7 @@ impl Renderer {
             if redraw == Redraw::Changed {
                 let (grid, rays) = (document.grid(), &map.rays);
                 task.scissor =
-                    changed_pixels(grid, self.normals.reshaded(), rays, NORMAL_REACH_VX).bounds();
+                    changed_pixels(grid, self.normals.reshaded(), rays, desc.reach_vx()).bounds();
             }
             if !task.scissor.is_empty() {
                 let normals = self.normals.copy();

@@ -10,17 +10,20 @@ use ash::vk;
 use glam::UVec3;
 
 use crate::gpu::layout::Shading;
-use crate::gpu::{DescriptorSets, Device, Piece, Result, Staging};
+use crate::gpu::{
+    Buffer, DescriptorSets, Device, MemoryLocation, Piece, Result, Staging, Use, run_once,
+};
 use crate::render::{Colours, Normals};
 use crate::sculpture::Rgb;
 use crate::sculpture::brick::BRICK_EDGE_VX;
-use crate::shade::{Illumination, LightSource, Lighting, ShadePose};
+use crate::shade::{Illumination, LightSource, Lighting, Look, Matcap, ShadePose};
 
 /// Bindings that the shaders of these passes share (shaders/lighting.wgsl and the others).
 pub(super) const VOLUME: u32 = 0;
 pub(super) const COLOURS: u32 = 4;
 pub(super) const UNIFORMS: u32 = 5;
 pub(super) const NORMALS: u32 = 7;
+pub(super) const MATCAP: u32 = 8;
 
 /// A sculpture and how it is lit, for one eye.
 #[derive(Clone, Copy)]
@@ -39,7 +42,7 @@ pub struct Surface<'a> {
 }
 
 /// Specialization constants of the shaders that light surfaces.
-pub(super) const KIND_CONSTANTS: usize = 4;
+pub(super) const KIND_CONSTANTS: usize = 5;
 
 impl Surface<'_> {
     /// The features of the shader that lights it (shaders/kind.wgsl).
@@ -47,8 +50,12 @@ impl Surface<'_> {
         [
             self.lighting.lights.iter().flatten().count() as u32,
             self.lighting.occlusion.into(),
-            self.colours.map_or(0, Colours::bytes_per_voxel),
+            match self.lighting.look.substance() {
+                Some(_) => 0,
+                None => self.colours.map_or(0, Colours::bytes_per_voxel),
+            },
             self.estimates.into(),
+            (self.lighting.look == Look::Matcap).into(),
         ]
     }
 }
@@ -58,7 +65,10 @@ pub(super) struct Uniforms {
     staging: Staging,
     align: u64,
     /// Bound where there are no colours.
-    nothing: crate::gpu::Buffer,
+    nothing: Buffer,
+    /// Those in use since the start: few, as [`Matcap`] says.
+    matcaps: Vec<(Matcap, Buffer)>,
+    device: Arc<Device>,
 }
 
 impl Uniforms {
@@ -69,13 +79,15 @@ impl Uniforms {
         Ok(Uniforms {
             staging: Staging::new(device, "lights", usage, bytes)?,
             align,
-            nothing: crate::gpu::Buffer::new(
+            nothing: Buffer::new(
                 device,
                 "nothing",
                 16,
                 vk::BufferUsageFlags::STORAGE_BUFFER,
-                crate::gpu::MemoryLocation::GpuOnly,
+                MemoryLocation::GpuOnly,
             )?,
+            matcaps: Vec::new(),
+            device: device.clone(),
         })
     }
 
@@ -84,12 +96,30 @@ impl Uniforms {
         self.staging.begin(slot);
     }
 
-    /// Uploads the uniforms of `surface` and binds them to `set`.
+    /// Uploads the uniforms of `surface` and binds them to `set`, with the matcap if it has one.
     pub fn write(&mut self, sets: &DescriptorSets, set: usize, surface: &Surface) -> Result<()> {
         let piece: Piece = self.staging.push(&[uniforms(surface)], self.align)?;
         let kind = vk::DescriptorType::UNIFORM_BUFFER;
         sets.write_buffer(set, UNIFORMS, kind, piece.buffer, piece.offset, piece.bytes);
+        let matcap = match surface.lighting.look {
+            Look::Matcap => self.matcap(surface.lighting.matcap)?,
+            _ => &self.nothing,
+        };
+        let kind = vk::DescriptorType::STORAGE_BUFFER;
+        sets.write_buffer(set, MATCAP, kind, matcap.handle(), 0, matcap.bytes());
         Ok(())
+    }
+
+    /// The device's copy of a matcap. Waits for its upload when it is first used.
+    fn matcap(&mut self, matcap: Matcap) -> Result<&Buffer> {
+        let place = match self.matcaps.iter().position(|(known, _)| *known == matcap) {
+            Some(place) => place,
+            None => {
+                self.matcaps.push((matcap, upload(&self.device, matcap)?));
+                self.matcaps.len() - 1
+            }
+        };
+        Ok(&self.matcaps[place].1)
     }
 
     /// Binds the colours and normals of `surface` to `set`.
@@ -102,16 +132,39 @@ impl Uniforms {
     }
 }
 
+fn upload(device: &Arc<Device>, matcap: Matcap) -> Result<Buffer> {
+    use vk::BufferUsageFlags as Usage;
+    let name = "matcap";
+    let texels: &[u8] = bytemuck::cast_slice(matcap.texels());
+    let bytes = texels.len() as u64;
+    let mut source =
+        Buffer::new(device, name, bytes, Usage::TRANSFER_SRC, MemoryLocation::CpuToGpu)?;
+    source.write(0, texels)?;
+    let usage = Usage::STORAGE_BUFFER | Usage::TRANSFER_DST;
+    let target = Buffer::new(device, name, bytes, usage, MemoryLocation::GpuOnly)?;
+    run_once(device, |recorder| {
+        let copy = vk::BufferCopy { src_offset: 0, dst_offset: 0, size: bytes };
+        recorder.copy_buffer(source.handle(), target.handle(), &[copy]);
+        recorder.buffer_barrier(Use::COPY_TARGET, Use::SHADER_READ);
+        Ok(())
+    })?;
+    Ok(target)
+}
+
 fn uniforms(surface: &Surface) -> Shading {
     let Surface { dims, base, pose, lighting, .. } = *surface;
     let light = Illumination::new(lighting, &pose.eye_from_world, &pose.world_from_grid);
     let mut shading = Shading {
         ambient: light.ambient.to_array(),
         specular: light.specular,
-        base: base.0.map(|c| f32::from(c) / 255.0),
+        base: light.colour.unwrap_or(base).0.map(|c| f32::from(c) / 255.0),
         shininess: light.shininess,
         dims: dims.to_array(),
+        tone_floor: light.tone.floor,
         bricks: ((dims + (BRICK_EDGE_VX - 1)) / BRICK_EDGE_VX).to_array(),
+        ambient_slope: light.ambient_slope.to_array(),
+        up: light.up.to_array(),
+        tone: light.tone.factors,
         ..Shading::default()
     };
     let matrix = light.eye_from_grid.matrix3;

@@ -11,7 +11,9 @@ use ash::vk;
 use super::Volume;
 use super::composite::PICTURE_FORMAT;
 use super::pixel_pass::{PixelArea, PixelPass, PixelShaders, PixelStage};
-use super::shading::{COLOURS, KIND_CONSTANTS, NORMALS, Surface, UNIFORMS, Uniforms, VOLUME};
+use super::shading::{
+    COLOURS, KIND_CONSTANTS, MATCAP, NORMALS, Surface, UNIFORMS, Uniforms, VOLUME,
+};
 use super::specialised::Specialised;
 use super::target::{EyeTask, IndexTarget};
 use crate::gpu::{
@@ -51,6 +53,7 @@ impl SurfaceShade {
             (INDEX_MAP, vk::DescriptorType::SAMPLED_IMAGE),
             (COLOURS, vk::DescriptorType::STORAGE_BUFFER),
             (NORMALS, vk::DescriptorType::STORAGE_BUFFER),
+            (MATCAP, vk::DescriptorType::STORAGE_BUFFER),
             (UNIFORMS, vk::DescriptorType::UNIFORM_BUFFER),
         ];
         let set_layout = SetLayout::new(device, SHADERS.name, &stage.bindings(&inputs, PICTURE))?;

@@ -8,7 +8,7 @@ use egui_file_dialog::{DialogState, FileDialog};
 
 use super::state::folder_of;
 use super::top_bar::capital;
-use super::{UiRequest, UiState, theme};
+use super::{UiRequest, UiState, look, theme};
 use crate::command::Command;
 use crate::editor::questions::Next;
 use crate::editor::tool::ToolEdit;
@@ -31,6 +31,8 @@ pub enum FileTask {
     Picture,
     /// Choose a picture to sculpt from.
     Reference,
+    /// Choose a picture of a lit ball to shade with.
+    Matcap,
 }
 
 /// The file dialog and what it is open for.
@@ -101,6 +103,7 @@ impl Files {
             FileTask::Reference => {
                 dialog.title("Choose an image to sculpt from").default_file_filter(PICTURES)
             }
+            FileTask::Matcap => dialog.title("Choose a matcap").default_file_filter(PICTURES),
             FileTask::SaveAs(_) => dialog
                 .title("Save as")
                 .add_save_extension("Sculpture", ENDING)
@@ -114,7 +117,9 @@ impl Files {
                 .default_file_name(&format!("{name}.{EXPORT_ENDING}")),
         };
         match task {
-            FileTask::Open | FileTask::Picture | FileTask::Reference => dialog.pick_file(),
+            FileTask::Open | FileTask::Picture | FileTask::Reference | FileTask::Matcap => {
+                dialog.pick_file();
+            }
             FileTask::SaveAs(_) | FileTask::Export => dialog.save_file(),
         }
         self.dialog = dialog;
@@ -148,12 +153,16 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
             FileTask::Reference => {
                 ui.label("The image stands in the scene, on the side that you look along.");
             }
+            FileTask::Matcap => {
+                ui.label("A square image of a lit ball that touches all four edges.");
+            }
         }
     });
     let Some(path) = dialog.take_picked() else { return };
     match task {
         FileTask::Picture => requests.push(UiRequest::Tool(ToolEdit::Picture(Some(path)))),
         FileTask::Reference => requests.push(UiRequest::AddReference(path)),
+        FileTask::Matcap => look::take_matcap(state, path),
         FileTask::Open => {
             let upright = state.known_files.upright.of(&path).unwrap_or_default();
             let import = ImportOptions { upright, ..choice.import };

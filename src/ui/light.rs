@@ -1,12 +1,12 @@
-//! The window of lights: up to four lamps, the light from everywhere, and the look of the surface.
+//! The window of lights: up to four lamps, the light of sky and ground, exposure, and the look of the surface.
 
-use egui::{Button, ComboBox, DragValue, Grid, RichText, Slider, Ui, Window, pos2};
+use egui::{Button, ComboBox, DragValue, Grid, Response, RichText, Slider, Ui, Window, pos2};
 use glam::Vec3;
 
-use super::{UiState, theme};
+use super::{UiState, look, theme};
 use crate::render::LightOptions;
-use crate::render::light::{Lamp, LampFrame, LampKind, MAX_INTENSITY};
-use crate::shade::{MAX_LIGHTS, Smoothing};
+use crate::render::light::{Lamp, LampFrame, LampKind, MAX_EXPOSURE_EV, MAX_INTENSITY};
+use crate::shade::{MAX_LIGHTS, Smoothing, ToneMapping};
 
 const WIDTH: f32 = 270.0;
 
@@ -43,15 +43,36 @@ pub fn show(root: &Ui, state: &mut UiState) {
 
 /// The light from everywhere, how stone shines, and how fine it is shaded.
 pub fn surface(ui: &mut Ui, state: &mut UiState) {
+    look::show(ui, state);
+    ui.add_space(4.0);
     let light = &mut state.view.light;
     let finish = &mut state.view.finish;
     let software = state.view.mode.shading() == crate::render::Shading::Software;
     Grid::new("surface").num_columns(2).show(ui, |ui| {
-        percent(ui, "Ambient", &mut light.ambient, 1.0);
-        percent(ui, "Specular", &mut light.specular, 1.0);
+        percent(ui, "Ambient", &mut light.ambient, 1.0)
+            .on_hover_text("Light from everywhere: the sky's from above, the ground's from below");
+        ui.label("Sky, ground");
+        ui.horizontal(|ui| {
+            let sky = ui.color_edit_button_srgb(&mut light.sky.0);
+            sky.on_hover_text("Colour of the ambient light on surfaces that face up");
+            let ground = ui.color_edit_button_srgb(&mut light.ground.0);
+            ground.on_hover_text("Colour of the ambient light on surfaces that face down");
+        });
+        ui.end_row();
+        let label = ui.label("Exposure");
+        let range = -MAX_EXPOSURE_EV..=MAX_EXPOSURE_EV;
+        let exposure = Slider::new(&mut light.exposure, range).suffix(" EV").max_decimals(2);
+        ui.add(exposure)
+            .labelled_by(label.id)
+            .on_hover_text("Brightness of the whole picture: each step doubles the light");
+        ui.end_row();
+        percent(ui, "Specular", &mut light.specular, 1.0)
+            .on_hover_text("Strength of the highlights");
         let label = ui.label("Shininess");
         let slider = Slider::new(&mut light.shininess, 1..=256).logarithmic(true);
-        ui.add(slider).labelled_by(label.id);
+        ui.add(slider)
+            .labelled_by(label.id)
+            .on_hover_text("The larger, the smaller the highlights");
         ui.end_row();
     });
     let filters = ui.add_enabled_ui(software, |ui| {
@@ -76,6 +97,13 @@ pub fn surface(ui: &mut Ui, state: &mut UiState) {
         }
     });
     filters.response.on_disabled_hover_text("Only available with the software shader");
+    let mut filmic = light.tone == ToneMapping::Filmic;
+    let tone = ui.checkbox(&mut filmic, "Filmic tone mapping").on_hover_text(
+        "Lifts dark tones and lets bright light fade into white; without it, bright light is cut off",
+    );
+    if tone.changed() {
+        light.tone = if filmic { ToneMapping::Filmic } else { ToneMapping::Off };
+    }
     ui.checkbox(&mut finish.occlusion, "Ambient occlusion")
         .on_hover_text("Darkens corners and crevices, which get less ambient light");
 }
@@ -186,14 +214,16 @@ fn direction(ui: &mut Ui, place: &mut [f32; 3]) {
 }
 
 /// A row for a share, up to `most`.
-fn percent(ui: &mut Ui, title: &str, share: &mut f32, most: f32) {
+fn percent(ui: &mut Ui, title: &str, share: &mut f32, most: f32) -> Response {
     let mut shown = *share * 100.0;
     let label = ui.label(title);
     let slider = Slider::new(&mut shown, 0.0..=most * 100.0).custom_formatter(whole).suffix("%");
-    if ui.add(slider).labelled_by(label.id).changed() {
+    let response = ui.add(slider).labelled_by(label.id);
+    if response.changed() {
         *share = shown / 100.0;
     }
     ui.end_row();
+    response
 }
 
 /// A value as it is shown. (A slider with fixed decimals would round what nobody touches.)

@@ -20,6 +20,7 @@ pub mod key_catch;
 pub mod key_table;
 pub mod keyboard;
 pub mod light;
+pub mod look;
 pub mod marker_options;
 pub mod memory;
 mod memory_references;

@@ -88,7 +88,7 @@ impl Painter {
         previews: &[ToolPreview],
     ) -> Pixels {
         let white = Rgb::new(255, 255, 255);
-        let even = Lighting { lights: [None; 4], ambient: white, ..Lighting::default() };
+        let even = Lighting { lights: [None; 4], sky: white, ground: white, ..Lighting::default() };
         let desc = FrameDesc {
             eyes: std::slice::from_ref(eye),
             world_from_grid: Affine3A::IDENTITY,

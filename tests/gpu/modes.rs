@@ -15,8 +15,8 @@ use virtual_sculpture::screen::offscreen::FORMAT;
 use virtual_sculpture::sculpture::history::Contents;
 use virtual_sculpture::sculpture::{Brick, ColourDepth, Grid, Material, Placement, Rgb};
 use virtual_sculpture::shade::{
-    Light, LightFrame, LightSource, Lighting, NormalField, Pixels, ShadePose, ShadeSource,
-    SoftwareShader,
+    Light, LightFrame, LightSource, Lighting, Look, NormalField, Pixels, ShadePose, ShadeSource,
+    SoftwareShader, ToneMapping,
 };
 use virtual_sculpture::surface::{IndexMap, raycast};
 use virtual_sculpture::view::{Camera, Eye};
@@ -42,7 +42,7 @@ fn document(depth: ColourDepth, voxel_size: Vec3) -> Document {
     Document::from_contents(Contents { grid, material }, Limits::default())
 }
 
-fn lighting(occlusion: bool) -> Lighting {
+fn lighting(occlusion: bool, look: Look) -> Lighting {
     let light = |frame, source, colour: [u8; 3]| {
         Some(Light { frame, source, colour: Rgb(colour), intensity: 0.7 })
     };
@@ -55,6 +55,13 @@ fn lighting(occlusion: bool) -> Lighting {
             light(LightFrame::World, towards, [0, 200, 90]),
             light(LightFrame::World, lamp, [200, 90, 0]),
         ],
+        look,
+        ambient: 0.5,
+        sky: Rgb::new(150, 190, 255),
+        ground: Rgb::new(120, 80, 40),
+        up: Vec3::new(0.2, 3.0, -1.0),
+        exposure_ev: 0.6,
+        tone: if occlusion { ToneMapping::Filmic } else { ToneMapping::Off },
         shininess: 21,
         occlusion,
         ..Lighting::default()
@@ -180,15 +187,15 @@ fn compare_all(device: &Arc<Device>, document: &mut Document, lighting: Lighting
 #[test]
 fn what_the_device_shades_is_the_software_shaders_picture() {
     with_device(|device| {
-        for (depth, occlusion, voxel_size, scale) in [
-            (ColourDepth::Bits24, false, Vec3::ONE, 1.0),
-            (ColourDepth::Bits16, true, Vec3::new(1.0, 1.4, 0.6), 0.01),
-            (ColourDepth::Bits8, false, Vec3::ONE, 1.0),
-            (ColourDepth::None, true, Vec3::ONE, 30.0),
+        for (depth, occlusion, look, voxel_size, scale) in [
+            (ColourDepth::Bits24, false, Look::Colours, Vec3::ONE, 1.0),
+            (ColourDepth::Bits16, true, Look::Colours, Vec3::new(1.0, 1.4, 0.6), 0.01),
+            (ColourDepth::Bits8, false, Look::Clay, Vec3::ONE, 1.0),
+            (ColourDepth::None, true, Look::Matcap, Vec3::ONE, 30.0),
         ] {
             trials::note!("{depth:?}");
             let mut document = document(depth, voxel_size);
-            compare_all(device, &mut document, lighting(occlusion), scale);
+            compare_all(device, &mut document, lighting(occlusion, look), scale);
         }
     });
 }
@@ -229,7 +236,7 @@ fn bits_and_colours_follow_edits_undo_and_other_sculptures_in_every_mode() {
                     world_from_grid: world,
                     smooth_surface: false,
                     mode,
-                    lighting: lighting(false),
+                    lighting: lighting(false, Look::Colours),
                     background: Background::Gradient { top: RED, bottom: RED },
                     video: None,
                     previews: &[],
@@ -263,7 +270,7 @@ fn a_window_of_10_bits_a_colour_shows_the_same_picture() {
                 world_from_grid: world,
                 smooth_surface: false,
                 mode,
-                lighting: lighting(false),
+                lighting: lighting(false, Look::Colours),
                 background: Background::Gradient { top: RED, bottom: RED },
                 video: None,
                 previews: &[],

@@ -44,7 +44,10 @@ impl Painter {
         (previews, lines): (&[ToolPreview], &[Line]),
         document: &mut Document,
     ) -> Vec<Pixels> {
-        let lighting = Lighting::default();
+        // Occlusion reaches farther than normals; half of the modes are drawn with it.
+        let occlusion =
+            RenderMode::ALL.iter().position(|of| *of == mode).is_some_and(|i| i % 2 == 0);
+        let lighting = Lighting { occlusion, ..Lighting::default() };
         let grey = Vec3::splat(0.2);
         let desc = FrameDesc {
             eyes,

@@ -219,7 +219,7 @@ fn whatever_moves_is_shown_at_once_and_refined_anew() {
             let mut follower = Painter::refining(device);
             let still = desc(mode, &eyes);
             let mut dark = still;
-            dark.lighting.ambient = Rgb::default();
+            dark.lighting.ambient = 0.0;
             let black = Background::Gradient { top: Vec3::ZERO, bottom: Vec3::ZERO };
             follower.rest(&mut document, &still);
             let edit = "subtract ellipsoid at=50,60,70 half=12,9,14 turn=20,30,40";

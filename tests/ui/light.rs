@@ -3,7 +3,10 @@
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use virtual_sculpture::render::{RenderMode, Shading};
-use virtual_sculpture::shade::{LightFrame, LightSource, Lighting, Smoothing};
+use virtual_sculpture::shade::{
+    LightFrame, LightSource, Lighting, Look, Matcap, Smoothing, ToneMapping,
+};
+use virtual_sculpture::ui::look;
 
 use super::bench::{Bench, bench, click, key};
 
@@ -51,8 +54,12 @@ fn lamps_are_added_placed_and_taken_away() {
 fn the_finish_is_chosen_where_it_can_be_had() {
     let mut harness = bench();
     key(&mut harness, Modifiers::NONE, Key::F4);
+    assert!(lighting(&harness).occlusion, "on unless somebody switches it off");
     click(&mut harness, "Ambient occlusion");
-    assert!(lighting(&harness).occlusion);
+    assert!(!lighting(&harness).occlusion);
+    assert_eq!(lighting(&harness).tone, ToneMapping::Filmic);
+    click(&mut harness, "Filmic tone mapping");
+    assert_eq!(lighting(&harness).tone, ToneMapping::Off);
     click(&mut harness, "Smooth normals");
     click(&mut harness, "5 × 5");
     assert_eq!(lighting(&harness).smooth_normals, Smoothing::Wide);
@@ -62,6 +69,43 @@ fn the_finish_is_chosen_where_it_can_be_had() {
     harness.run();
     click(&mut harness, "Smooth normals");
     assert!(harness.query_by_label("3 × 3").is_none());
+}
+
+#[test]
+fn a_look_is_chosen_and_a_matcap_read_or_refused_with_its_reason() {
+    let mut harness = bench();
+    key(&mut harness, Modifiers::NONE, Key::F4);
+    assert_eq!(lighting(&harness).look, Look::Colours);
+    assert!(harness.query_by_label("Choose a matcap …").is_none());
+    for (label, look) in [("Clay", Look::Clay), ("Stone", Look::Stone), ("Matcap", Look::Matcap)] {
+        // A brush is called Clay, too; the window of lights comes after it.
+        harness.get_all_by_label(label).last().unwrap().click();
+        harness.run();
+        assert_eq!(lighting(&harness).look, look);
+    }
+    assert_eq!(lighting(&harness).matcap, Matcap::built_in());
+
+    let folder = tempfile::tempdir().unwrap();
+    let (good, bad) = (folder.path().join("ball.png"), folder.path().join("strip.png"));
+    image::RgbImage::from_pixel(64, 64, image::Rgb([90, 200, 30])).save(&good).unwrap();
+    image::RgbImage::from_pixel(64, 32, image::Rgb([90, 200, 30])).save(&bad).unwrap();
+    for path in [&good, &bad] {
+        let ui = &mut harness.state_mut().ui;
+        look::take_matcap(ui, path.clone());
+        harness.run();
+        assert_eq!(lighting(&harness).matcap.texels()[0].to_le_bytes(), [90, 200, 30, 255]);
+        assert_eq!(harness.state().ui.view.light.matcap.path(), Some(good.as_path()));
+    }
+    let said: Vec<String> =
+        harness.state().ui.toasts.texts().map(|(_, text)| text.to_string()).collect();
+    assert!(
+        said.iter().any(|text| text.contains("strip.png") && text.contains("64 x 32")),
+        "{said:?}"
+    );
+    click(&mut harness, "Built-in");
+    assert_eq!(lighting(&harness).matcap, Matcap::built_in());
+    click(&mut harness, "True colours");
+    assert_eq!(lighting(&harness).look, Look::Colours);
 }
 
 #[test]

@@ -30,7 +30,7 @@ use glam::{UVec3, Vec3};
 pub use self::error::FormatError;
 pub use self::histogram::Histogram;
 use self::options::{ExportForm, ImportOptions};
-pub use self::picture::load_picture;
+pub use self::picture::{load_matcap, load_picture};
 pub use self::signature::Signature;
 pub use self::volume::{Samples, Texts, Volume};
 use crate::progress::Progress;

@@ -1,5 +1,9 @@
-//! The lighting formula: Blinn-Phong with ambient light (Blinn, "Models of light reflection
-//! for computer synthesized pictures", 1977), for sixteen surface points at once.
+//! The lighting formula: Blinn-Phong (Blinn, "Models of light reflection for computer synthesized
+//! pictures", 1977) with ambient light from a hemisphere, for sixteen surface points at once.
+//!
+//! The ambient light on a surface is that of an even sky above an even ground: their mean, weighted
+//! by the part of each that the surface faces, (1 + cos) / 2 of the sky for the cosine between its
+//! normal and the direction up.
 //!
 //! Colours are sRGB; light is added in linear space. Gamma 2.0 stands for the sRGB curve (square
 //! to linear, square root back): it costs a multiplication where the true curve costs a power
@@ -11,6 +15,8 @@ use fearless_simd::{Simd, f32x16, prelude::*, u32x16};
 use glam::{Affine3A, Mat3, Vec3};
 
 use super::light::{Light, LightFrame, LightSource, Lighting, MAX_LIGHTS, MAX_SHININESS};
+use super::look::{Look, MATCAP_EDGE, MATCAP_RADIUS, Matcap};
+use super::tone::ToneCurve;
 use crate::sculpture::Rgb;
 
 /// Number of points lit at once.
@@ -62,8 +68,18 @@ pub struct Illumination {
     pub normal_from_gradient: Mat3,
     /// The lights; `None` is an unused slot.
     pub lights: [Option<EyeLight>; MAX_LIGHTS],
-    /// Linear.
+    /// Ambient light on a surface that faces the horizon, linear.
     pub ambient: Vec3,
+    /// How much more of it there is on one that faces the sky.
+    pub ambient_slope: Vec3,
+    /// Towards the sky, in eye space.
+    pub up: Vec3,
+    /// From the light of the surface to that of the picture.
+    pub tone: ToneCurve,
+    /// The colour of all voxels, sRGB, if it is not their own.
+    pub colour: Option<Rgb>,
+    /// Replaces all light.
+    pub matcap: Option<Matcap>,
     /// Share of light in the highlight, 0 to 1.
     pub specular: f32,
     /// Exponent of highlights.
@@ -81,13 +97,26 @@ impl Illumination {
         let covectors = Mat3::from(eye_from_grid.matrix3).inverse().transpose();
         // Of a size with the gradients, whatever that of a voxel is.
         let largest = covectors.to_cols_array().into_iter().fold(0f32, |a, b| a.max(b.abs()));
+        let substance = lighting.look.substance();
+        let exposure = lighting.exposure_ev.exp2();
+        let [sky, ground] =
+            [lighting.sky, lighting.ground].map(|c| linear(c) * (lighting.ambient * exposure));
+        let up = eye_from_world.transform_vector3(lighting.up);
+        let in_eye_space = |light| in_eye_space(light, eye_from_world, exposure);
         Illumination {
             eye_from_grid,
             normal_from_gradient: covectors * (1.0 / largest),
-            lights: lighting.lights.map(|light| Some(in_eye_space(light?, eye_from_world))),
-            ambient: linear(lighting.ambient),
-            specular: lighting.specular,
-            shininess: lighting.shininess.min(MAX_SHININESS),
+            lights: lighting.lights.map(|light| light.map(in_eye_space)),
+            ambient: (sky + ground) * 0.5,
+            ambient_slope: (sky - ground) * 0.5,
+            up: up.try_normalize().unwrap_or(Vec3::Y),
+            tone: lighting.tone.curve(),
+            colour: substance.map(|substance| substance.colour),
+            matcap: (lighting.look == Look::Matcap).then_some(lighting.matcap),
+            specular: substance.map_or(lighting.specular, |substance| substance.specular),
+            shininess: substance
+                .map_or(lighting.shininess, |substance| substance.shininess)
+                .min(MAX_SHININESS),
         }
     }
 
@@ -111,20 +140,24 @@ impl Illumination {
         };
         let gradient = transform(simd, &self.normal_from_gradient, load(&points.gradient));
         let normal = facing(simd, gradient, to_eye);
+        let open = f32x16::load_array_ref(simd, &points.open);
+        if let Some(matcap) = &self.matcap {
+            return from_matcap(simd, matcap, normal, to_eye, open);
+        }
         let cos_eye = dot(normal, to_eye);
 
-        let colours = u32x16::load_array_ref(simd, &points.colour);
+        let colours = match self.colour {
+            None => u32x16::load_array_ref(simd, &points.colour),
+            Some(Rgb([r, g, b])) => u32x16::splat(simd, u32::from_le_bytes([r, g, b, 0])),
+        };
         let channel = |shift: u32| {
             let v = (colours >> shift & 255).to_float::<f32x16<S>>() * (1.0 / 255.0);
             v * v
         };
         let albedo = [channel(0), channel(8), channel(16)];
-        let open = f32x16::load_array_ref(simd, &points.open);
-        let mut sum = [
-            albedo[0] * (open * self.ambient.x),
-            albedo[1] * (open * self.ambient.y),
-            albedo[2] * (open * self.ambient.z),
-        ];
+        let upwards = dot(normal, [splat(self.up.x), splat(self.up.y), splat(self.up.z)]);
+        let ambient = |axis: usize| upwards * self.ambient_slope[axis] + self.ambient[axis];
+        let mut sum = [0, 1, 2].map(|i| albedo[i] * (open * ambient(i)));
         for light in self.lights.iter().flatten() {
             let to_light = match light.source {
                 LightSource::Direction(d) => [splat(d.x), splat(d.y), splat(d.z)],
@@ -145,11 +178,47 @@ impl Illumination {
                 sum[i] += (albedo[i] * lambert + highlight) * radiance;
             }
         }
-        srgb(sum[0]) | srgb(sum[1]) << 8 | srgb(sum[2]) << 16 | 0xFF00_0000
+        let [r, g, b] = sum.map(|light| srgb(self.tone.map(light)));
+        r | g << 8 | b << 16 | 0xFF00_0000
     }
 }
 
-fn in_eye_space(light: Light, eye_from_world: &Affine3A) -> EyeLight {
+/// The light of the points of a matcap's ball that are turned to the eye as these surfaces are: the ball's axes are
+/// those of the picture, turned as the line of sight.
+#[inline(always)]
+fn from_matcap<S: Simd>(
+    simd: S,
+    matcap: &Matcap,
+    normal: [f32x16<S>; 3],
+    to_eye: [f32x16<S>; 3],
+    open: f32x16<S>,
+) -> u32x16<S> {
+    let splat = |v: f32| f32x16::splat(simd, v);
+    let [zero, one] = [0.0, 1.0].map(splat);
+    // Horizontal, and across the line of sight.
+    let right = unit_or(simd, [to_eye[2], zero, -to_eye[0]], [one, zero, zero]);
+    let up = [
+        to_eye[1] * right[2] - to_eye[2] * right[1],
+        to_eye[2] * right[0] - to_eye[0] * right[2],
+        to_eye[0] * right[1] - to_eye[1] * right[0],
+    ];
+    const LAST: f32 = (MATCAP_EDGE - 1) as f32;
+    let place = |across: f32x16<S>| {
+        (across * (0.5 * MATCAP_RADIUS * LAST) + 0.5 * LAST).max(0.0).min(LAST).to_array()
+    };
+    let (x, y) = (place(dot(normal, right)), place(-dot(normal, up)));
+    let mut light = [[0.0; LANES]; 3];
+    for lane in 0..LANES {
+        let texel = matcap.sample(x[lane], y[lane]);
+        for (axis, light) in light.iter_mut().enumerate() {
+            light[lane] = texel[axis];
+        }
+    }
+    let [r, g, b] = light.map(|light| srgb(f32x16::load_array_ref(simd, &light) * open));
+    r | g << 8 | b << 16 | 0xFF00_0000
+}
+
+fn in_eye_space(light: Light, eye_from_world: &Affine3A, exposure: f32) -> EyeLight {
     let to_eye = match light.frame {
         LightFrame::World => *eye_from_world,
         LightFrame::Eye => Affine3A::IDENTITY,
@@ -160,7 +229,7 @@ fn in_eye_space(light: Light, eye_from_world: &Affine3A) -> EyeLight {
         }
         LightSource::Position(p) => LightSource::Position(to_eye.transform_point3(p)),
     };
-    EyeLight { source, radiance: linear(light.colour) * light.intensity }
+    EyeLight { source, radiance: linear(light.colour) * (light.intensity * exposure) }
 }
 
 /// sRGB to linear by gamma 2.0, 0 to 1.

@@ -2,6 +2,10 @@
 
 use glam::Vec3;
 
+use super::look::{Look, Matcap};
+use super::normal::NORMAL_REACH_VX;
+use super::occlusion::OCCLUSION_REACH_VX;
+use super::tone::ToneMapping;
 use crate::sculpture::Rgb;
 
 /// Most lights of a picture.
@@ -43,9 +47,23 @@ pub struct Light {
 pub struct Lighting {
     /// The lights; `None` is an unused slot.
     pub lights: [Option<Light>; MAX_LIGHTS],
-    /// Ambient light.
-    pub ambient: Rgb,
-    /// Share of light in the highlight, 0 to 1.
+    /// What the surface is made of.
+    pub look: Look,
+    /// Used by [`Look::Matcap`].
+    pub matcap: Matcap,
+    /// Factor on the light of sky and ground.
+    pub ambient: f32,
+    /// Ambient light from above, in sRGB.
+    pub sky: Rgb,
+    /// Ambient light from below, in sRGB.
+    pub ground: Rgb,
+    /// The direction of the sky, in the world.
+    pub up: Vec3,
+    /// Factor on all light, as a power of two.
+    pub exposure_ev: f32,
+    /// From the light of the surface to that of the picture.
+    pub tone: ToneMapping,
+    /// Share of light in the highlight, 0 to 1; of true colours, as is the shininess.
     pub specular: f32,
     /// Exponent of the highlight: the larger, the smaller and sharper. At most [`MAX_SHININESS`].
     pub shininess: u32,
@@ -89,16 +107,19 @@ impl Smoothing {
 }
 
 impl Lighting {
-    /// Whether a pixel's shade depends on nothing but the voxel seen and those within
-    /// [`super::NORMAL_REACH_VX`] of it.
-    pub fn is_local(&self) -> bool {
-        let filters = [self.smooth_normals, self.smooth_colours];
-        filters == [Smoothing::Off; 2] && !self.occlusion
+    /// How far from the voxel seen the voxels may be, on each axis, that its pixel's shade depends on; `None`
+    /// if the pixels around matter, too.
+    pub fn reach_vx(&self) -> Option<u32> {
+        match [self.smooth_normals, self.smooth_colours] {
+            [Smoothing::Off, Smoothing::Off] if self.occlusion => Some(OCCLUSION_REACH_VX),
+            [Smoothing::Off, Smoothing::Off] => Some(NORMAL_REACH_VX),
+            _ => None,
+        }
     }
 }
 
 impl Default for Lighting {
-    /// One white lamp above the left shoulder.
+    /// One white lamp above the left shoulder, and the same ambient light from everywhere.
     fn default() -> Self {
         let lamp = Light {
             frame: LightFrame::Eye,
@@ -108,7 +129,14 @@ impl Default for Lighting {
         };
         Lighting {
             lights: [Some(lamp), None, None, None],
-            ambient: Rgb::new(80, 80, 88),
+            look: Look::Colours,
+            matcap: Matcap::built_in(),
+            ambient: 1.0,
+            sky: Rgb::new(80, 80, 88),
+            ground: Rgb::new(80, 80, 88),
+            up: Vec3::Y,
+            exposure_ev: 0.0,
+            tone: ToneMapping::Off,
             specular: 0.25,
             shininess: 32,
             occlusion: false,

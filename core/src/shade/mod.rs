@@ -1,13 +1,15 @@
 //! Shading: from an index map to a picture. Pure CPU code.
 //!
 //! A pixel is shaded in two independent steps: what surface is there (its normal from the
-//! [`normal_field`], its colour from the material), and what light it sends to the eye ([`illumination`]). Filters of normals
-//! and colours ([`smooth`]) and ambient occlusion ([`occlusion`]) come between the two, and cost time
-//! only where they are switched on ([`refined`]).
+//! [`normal_field`], its colour from the material, its share of ambient light by [`occlusion`]), and what light it
+//! sends to the eye ([`illumination`]), as a picture shows it ([`tone`]). Filters of normals and colours
+//! ([`smooth`]) come between the two, and cost time only where they are switched on ([`refined`]).
 
+pub mod ball;
 mod illumination;
 pub mod level_set;
 pub mod light;
+pub mod look;
 mod moments;
 pub mod normal;
 pub mod normal_field;
@@ -20,13 +22,16 @@ pub mod refined;
 mod smooth;
 pub mod software;
 mod source;
+pub mod tone;
 
 pub use illumination::Illumination;
 pub use level_set::{LevelSampler, LevelSet};
 pub use light::{Light, LightFrame, LightSource, Lighting, MAX_LIGHTS, MAX_SHININESS, Smoothing};
+pub use look::{Look, Matcap};
 pub use normal::NORMAL_REACH_VX;
 pub use normal_field::NormalField;
 pub use pixels::Pixels;
 pub use refined::SoftwareShader;
 pub use software::{ShadePose, shade, shade_rect};
 pub use source::ShadeSource;
+pub use tone::ToneMapping;

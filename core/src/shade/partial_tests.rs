@@ -3,6 +3,7 @@
 use glam::{Quat, UVec2, Vec3};
 use proptest::prelude::*;
 
+use super::occlusion::OCCLUSION_REACH_VX;
 use super::{Lighting, NormalField, Pixels, ShadePose, ShadeSource, shade, shade_rect};
 use crate::scenes::{self, Random};
 use crate::sculpture::{ColourDepth, Grid, Material, Placement, Rgb};
@@ -25,6 +26,7 @@ proptest! {
         eye in prop::array::uniform3(-1.2f32..1.2),
         turn in prop::array::uniform3(-3f32..3.0),
         fov_y_deg in 20f32..110.0,
+        occlusion: bool,
     ) {
         let mut random = Random(seed);
         let mut grid = scenes::cheese(80, 20, seed).unwrap();
@@ -43,7 +45,7 @@ proptest! {
         let eye = camera.eye(UVec2::new(203, 149));
         let rays = eye.pixel_rays(&world_from_grid);
         let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
-        let lighting = Lighting::default();
+        let lighting = Lighting { occlusion, ..Lighting::default() };
         let mut maps = [(); 2].map(|()| IndexMap::new(rays));
         for (map, (sample, _)) in maps.iter_mut().zip(SAMPLERS) {
             sample(&grid, &rays, map);
@@ -79,7 +81,8 @@ proptest! {
         changed.sort_unstable();
         changed.dedup();
         let source = ShadeSource { grid: &grid, material: &material, normals: &normals };
-        let to_shade = changed_pixels(&grid, &changed, &rays, 0);
+        let reach_vx = if occlusion { OCCLUSION_REACH_VX } else { 0 };
+        let to_shade = changed_pixels(&grid, &changed, &rays, reach_vx);
         for rect in to_shade.as_slice() {
             shade_rect(&maps[0], &source, &pose, &lighting, *rect, &mut pixels);
         }

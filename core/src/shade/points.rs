@@ -7,8 +7,9 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
+use super::light::Lighting;
 use super::normal_field::PackedNormal;
-use super::occlusion::openness;
+use super::occlusion::OpennessTables;
 use super::source::ShadeSource;
 use crate::sculpture::NO_VOXEL;
 use crate::surface::IndexMap;
@@ -36,8 +37,10 @@ pub struct PointCloud {
 }
 
 impl PointCloud {
-    /// Replaces the points by those of `map`. `occlusion`: whether to compute ambient occlusion.
-    pub fn take(&mut self, map: &IndexMap, source: &ShadeSource, occlusion: bool) {
+    /// Replaces the points by those of `map`, with the occlusion and the colours that `lighting` has them lit with.
+    pub fn take(&mut self, map: &IndexMap, source: &ShadeSource, lighting: &Lighting) {
+        let occlusion = lighting.occlusion;
+        let colour = lighting.look.substance().map(|substance| substance.colour);
         let grid = source.grid;
         let width = map.rays.size.x as usize;
         self.indices.clear();
@@ -55,24 +58,26 @@ impl PointCloud {
         }
         self.indices.par_sort_unstable();
         self.indices.dedup();
-        let point = |&index: &u32| {
+        let point = |tables: &mut OpennessTables, &index: &u32| {
             let v = grid.voxel_coords(index);
-            let (normal, rgb) = source.surface(v);
+            let (normal, own) = source.surface(v);
+            let rgb = colour.unwrap_or(own);
             let estimate = match normal {
                 PackedNormal::NONE => source.estimate(v),
                 _ => Vec3::ZERO,
             };
             // Moments of 81 bits are below 40.
             let [x, y, z] = estimate.to_array().map(|c| c as i8);
-            let open = if occlusion { (openness(grid, v) * 127.0).round() as i8 } else { 127 };
+            let open = if occlusion { tables.openness(grid, v) } else { 1.0 };
             SurfacePoint {
                 voxel: v.to_array().map(|c| c as u16),
                 normal,
-                estimate: [x, y, z, open],
+                estimate: [x, y, z, (open * 127.0).round() as i8],
                 colour: [rgb.0[0], rgb.0[1], rgb.0[2], 255],
             }
         };
-        self.indices.par_iter().with_min_len(256).map(point).collect_into_vec(&mut self.points);
+        let indices = self.indices.par_iter().with_min_len(256);
+        indices.map_init(OpennessTables::default, point).collect_into_vec(&mut self.points);
     }
 
     /// The points of the last call.
@@ -116,9 +121,10 @@ mod tests {
         let (complete, mut incomplete) = (NormalField::of(&grid), NormalField::default());
         incomplete.follow(&grid, None);
         let mut cloud = PointCloud::default();
+        let mut open_tables = OpennessTables::default();
         for (normals, occlusion) in [(&complete, false), (&complete, true), (&incomplete, false)] {
             let source = ShadeSource { grid: &grid, material: &material, normals };
-            cloud.take(&map, &source, occlusion);
+            cloud.take(&map, &source, &Lighting { occlusion, ..Lighting::default() });
             assert_eq!(cloud.points().len(), seen.len());
             for (point, &index) in cloud.points().iter().zip(&seen) {
                 let v = grid.voxel_coords(index);
@@ -128,7 +134,7 @@ mod tests {
                 if point.normal == PackedNormal::NONE && !normals.is_complete() {
                     assert_eq!(Vec3::new(x, y, z), gradient(&grid, v));
                 }
-                let expected = if occlusion { openness(&grid, v) } else { 1.0 };
+                let expected = if occlusion { open_tables.openness(&grid, v) } else { 1.0 };
                 assert!((open / 127.0 - expected).abs() < 0.004);
                 let local = crate::sculpture::brick::local_index(v.x & 7, v.y & 7, v.z & 7);
                 let rgb = material.rgb(grid.brick_index(v / 8), local).0;

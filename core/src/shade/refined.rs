@@ -1,5 +1,5 @@
-//! The software shader with its options: ambient occlusion, and filters of normals and colours. Without
-//! any it is [`super::shade`], which needs neither memory nor a second pass.
+//! The software shader with its filters of normals and colours. Without any it is [`super::shade`], which needs
+//! neither memory nor a second pass.
 //!
 //! Has the inputs and outputs of [`super::shade`]. Keeps its memory from picture to picture.
 
@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::illumination::{Illumination, LANES, SurfacePoints};
 use super::light::{Lighting, Smoothing};
 use super::normal_field::PackedNormal;
-use super::occlusion::openness;
+use super::occlusion::OpennessTables;
 use super::pixels::Pixels;
 use super::smooth::{Shown, Surfaces};
 use super::software::{ShadePose, shade};
@@ -38,7 +38,7 @@ impl SoftwareShader {
         out: &mut Pixels,
     ) {
         let filters = [lighting.smooth_normals, lighting.smooth_colours];
-        if lighting.is_local() {
+        if filters == [Smoothing::Off; 2] {
             return shade(map, source, pose, lighting, out);
         }
         let illumination = Illumination::new(lighting, &pose.eye_from_world, &pose.world_from_grid);
@@ -48,24 +48,20 @@ impl SoftwareShader {
             return;
         }
         self.look(map, source, &illumination, lighting.occlusion);
-        let shown = match filters {
-            [Smoothing::Off, Smoothing::Off] => &self.shown,
-            [normals, colours] => {
-                let edges = illumination.eye_from_grid.matrix3;
-                let volume = edges.determinant().abs();
-                let distance = edges * glam::Vec3A::from(map.rays.corner);
-                let pixel = edges * glam::Vec3A::from(map.rays.step_x);
-                let surfaces = Surfaces {
-                    size: map.rays.size,
-                    voxels: &map.voxels,
-                    shown: &self.shown,
-                    voxel_edge: volume.cbrt(),
-                    pixel_at_1: pixel.length() / distance.z.abs(),
-                };
-                surfaces.smooth(normals, colours, &mut self.smooth);
-                &self.smooth
-            }
+        let edges = illumination.eye_from_grid.matrix3;
+        let volume = edges.determinant().abs();
+        let distance = edges * glam::Vec3A::from(map.rays.corner);
+        let pixel = edges * glam::Vec3A::from(map.rays.step_x);
+        let surfaces = Surfaces {
+            size: map.rays.size,
+            voxels: &map.voxels,
+            shown: &self.shown,
+            voxel_edge: volume.cbrt(),
+            pixel_at_1: pixel.length() / distance.z.abs(),
         };
+        let [normals, colours] = filters;
+        surfaces.smooth(normals, colours, &mut self.smooth);
+        let shown = &self.smooth;
         let open = &self.open;
         let back = illumination.normal_from_gradient.inverse();
         let rows = out.rgba.par_chunks_mut(width).zip(map.voxels.par_chunks(width)).enumerate();
@@ -94,6 +90,7 @@ impl SoftwareShader {
             |(y, ((shown, open), voxels))| {
                 let normals = map.normals.get(y * width..(y + 1) * width);
                 let mut last = (NO_VOXEL, Shown::default(), 1.0);
+                let mut tables = OpennessTables::default();
                 for (x, ((shown, open), &voxel)) in
                     shown.iter_mut().zip(open).zip(voxels).enumerate()
                 {
@@ -102,7 +99,7 @@ impl SoftwareShader {
                     }
                     if voxel != last.0 {
                         let v = grid.voxel_coords(voxel);
-                        let open = if occlusion { openness(grid, v) } else { 1.0 };
+                        let open = if occlusion { tables.openness(grid, v) } else { 1.0 };
                         last = (voxel, show(source, illumination, v), open);
                     }
                     (*shown, *open) = (last.1, last.2);
@@ -208,7 +205,7 @@ mod tests {
         pairs.map(|(a, b)| u32::from(a.abs_diff(*b))).sum()
     }
 
-    /// The passes for filters and occlusion, with nothing to do, give the plain shader's picture.
+    /// The passes for filters, and occlusion, with nothing to do, give the plain shader's picture.
     #[test]
     fn open_surroundings_and_equal_neighbours_change_nothing() {
         let mut grid = Grid::new(UVec3::splat(64), Vec3::ONE, 1 << 20).unwrap();

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use super::illumination::{Illumination, LANES, SurfacePoints};
 use super::light::Lighting;
 use super::normal_field::{PackedNormal, unpack_many};
+use super::occlusion::OpennessTables;
 use super::pixels::Pixels;
 use super::source::ShadeSource;
 use crate::sculpture::{NO_VOXEL, Rgb};
@@ -77,6 +78,7 @@ fn shade_at(
         source: *source,
         places: Places::of(source.grid.dims()),
         illumination: Illumination::new(lighting, &pose.eye_from_world, &pose.world_from_grid),
+        occlusion: lighting.occlusion,
     };
     let width = map.rays.size.x as usize;
     let columns = rect.min.x as usize..rect.max.x as usize;
@@ -116,6 +118,14 @@ struct Shader<'a> {
     source: ShadeSource<'a>,
     places: Places,
     illumination: Illumination,
+    occlusion: bool,
+}
+
+/// What one task works with.
+#[derive(Default)]
+struct Scratch {
+    points: SurfacePoints,
+    tables: OpennessTables,
 }
 
 impl Shader<'_> {
@@ -129,7 +139,7 @@ impl Shader<'_> {
         seen: Seen,
         out: &mut [[u8; 4]],
     ) {
-        let mut points = SurfacePoints::default();
+        let mut scratch = Scratch::default();
         for left in columns.clone().step_by(STRIP_PX) {
             let strip = left..columns.end.min(left + STRIP_PX);
             for (y, out) in out.chunks_exact_mut(width).enumerate() {
@@ -138,13 +148,13 @@ impl Shader<'_> {
                 let (out, out_rest) = out[strip.clone()].as_chunks_mut();
                 let normals = |i: usize| row.normals.map(|normals| &normals[i * LANES..]);
                 for (i, (voxels, out)) in voxels.iter().zip(out).enumerate() {
-                    *out = self.shade_few(simd, voxels, normals(i), &mut points);
+                    *out = self.shade_few(simd, voxels, normals(i), &mut scratch);
                 }
                 if !rest.is_empty() {
                     let own = normals(voxels.len());
                     let mut voxels = [NO_VOXEL; LANES];
                     voxels[..rest.len()].copy_from_slice(rest);
-                    let pixels = self.shade_few(simd, &voxels, own, &mut points);
+                    let pixels = self.shade_few(simd, &voxels, own, &mut scratch);
                     out_rest.copy_from_slice(&pixels[..rest.len()]);
                 }
             }
@@ -158,7 +168,7 @@ impl Shader<'_> {
         simd: S,
         voxels: &[u32; LANES],
         own: Option<&[u16]>,
-        points: &mut SurfacePoints,
+        Scratch { points, tables }: &mut Scratch,
     ) -> [[u8; 4]; LANES] {
         let voxels = u32x16::load_array_ref(simd, voxels);
         let seen = voxels.simd_ne(NO_VOXEL);
@@ -181,11 +191,15 @@ impl Shader<'_> {
                 // Neighbouring pixels often show the same voxel.
                 normals[lane] = normals[lane - 1];
                 points.colour[lane] = points.colour[lane - 1];
+                points.open[lane] = points.open[lane - 1];
             } else if voxel != NO_VOXEL {
                 let v = UVec3::new(x[lane] as u32, y[lane] as u32, z[lane] as u32);
                 let (normal, rgb) = self.source.surface(v);
                 normals[lane] = u32::from(normal.0);
                 points.colour[lane] = packed(rgb);
+                if self.occlusion {
+                    points.open[lane] = tables.openness(self.source.grid, v);
+                }
             }
             last = voxel;
         }

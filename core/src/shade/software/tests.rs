@@ -2,7 +2,7 @@ use super::*;
 use crate::scenes::{self, Random};
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
 use crate::sculpture::{Brick, ColourDepth, Grid, Material, Placement};
-use crate::shade::{Light, LightFrame, LightSource};
+use crate::shade::{Light, LightFrame, LightSource, ToneMapping};
 use crate::shade::{NormalField, normal};
 use crate::surface::raycast;
 use crate::surface::raycast::tests::levels;
@@ -101,7 +101,9 @@ fn reference(source: &ShadeSource, pose: &ShadePose, lighting: &Lighting, voxel:
     let albedo = linear(
         material.rgb(grid.brick_index(v / BRICK_EDGE_VX), local_index(v.x & 7, v.y & 7, v.z & 7)),
     );
-    let mut sum = albedo * linear(lighting.ambient);
+    let upwards = 0.5 + 0.5 * normal.dot(lighting.up.normalize());
+    let sky = linear(lighting.ground).lerp(linear(lighting.sky), upwards);
+    let mut sum = albedo * sky * lighting.ambient;
     for light in lighting.lights.iter().flatten() {
         let to_world = match light.frame {
             LightFrame::World => Affine3A::IDENTITY,
@@ -119,7 +121,14 @@ fn reference(source: &ShadeSource, pose: &ShadePose, lighting: &Lighting, voxel:
             sum += reflected * linear(light.colour) * light.intensity;
         }
     }
-    sum.to_array().map(|c| c.clamp(0.0, 1.0).sqrt() * 255.0)
+    let tone = |light: f32| match lighting.tone {
+        ToneMapping::Off => light,
+        ToneMapping::Filmic => {
+            light * (2.51 * light + 0.03) / (light * (2.43 * light + 0.59) + 0.14)
+        }
+    };
+    let exposed = sum * 2f32.powf(lighting.exposure_ev);
+    exposed.to_array().map(|c| tone(c).clamp(0.0, 1.0).sqrt() * 255.0)
 }
 
 #[test]
@@ -138,7 +147,7 @@ fn pictures_are_as_defined_for_all_lights_colours_and_voxel_shapes() {
     };
     let towards = LightSource::Direction(Vec3::new(0.3, 2.0, 1.0));
     let lamp = LightSource::Position(Vec3::new(30.0, 50.0, -10.0));
-    let lighting = Lighting {
+    let one_colour = Lighting {
         lights: [
             light(LightFrame::Eye, towards, [255, 255, 255]),
             light(LightFrame::World, towards, [0, 200, 90]),
@@ -147,6 +156,15 @@ fn pictures_are_as_defined_for_all_lights_colours_and_voxel_shapes() {
         ],
         shininess: 21,
         ..Lighting::default()
+    };
+    let filmic = Lighting {
+        ambient: 0.6,
+        sky: Rgb::new(150, 190, 255),
+        ground: Rgb::new(120, 80, 40),
+        up: Vec3::new(0.2, 3.0, -1.0),
+        exposure_ev: 0.7,
+        tone: ToneMapping::Filmic,
+        ..one_colour
     };
     let placement = Placement {
         rotation: Quat::from_scaled_axis(Vec3::new(0.4, 1.1, -0.5)),
@@ -176,9 +194,13 @@ fn pictures_are_as_defined_for_all_lights_colours_and_voxel_shapes() {
     let (complete, mut incomplete) = (NormalField::of(&grid), NormalField::default());
     incomplete.follow(&grid, None);
     let whole = PixelRect::of_picture(rays.size);
-    for (level, normals) in
-        levels().into_iter().flat_map(|level| [(level, &complete), (level, &incomplete)])
-    {
+    for (level, normals, lighting) in levels().into_iter().flat_map(|level| {
+        [
+            (level, &complete, one_colour),
+            (level, &incomplete, one_colour),
+            (level, &complete, filmic),
+        ]
+    }) {
         let source = ShadeSource { grid: &grid, material: &material, normals };
         let mut out = Pixels::default();
         shade_at(level, &map, &source, &pose, &lighting, whole, &mut out);
