@@ -2,9 +2,10 @@
 //!
 //! Frame i depends on nothing but the sculpture or the script, the options, and i, so that any part of a film can be
 //! made anywhere. One frame is in memory at a time. Takes a [`FilmJob`]; writes a folder of pictures, an animated PNG
-//! or raw video. Must not know windows.
+//! or GIF, or raw video. Must not know windows.
 
 mod framing;
+mod gif;
 mod lapse;
 mod output;
 mod stage;

@@ -13,7 +13,7 @@ use crate::film::{FilmJob, FrameRange};
 pub struct FilmArgs {
     /// Sculpture or volume for a turntable, or script (.sculpt) for a time lapse
     pub subject: PathBuf,
-    /// The film to write: a folder for pictures, an animated picture (.apng, .png), or raw video (.y4m)
+    /// The film to write: a folder for pictures, an animated picture (.apng, .png, .gif), or raw video (.y4m)
     #[arg(long)]
     pub out: PathBuf,
     /// Sculpture or volume that the script starts from

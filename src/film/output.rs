@@ -1,4 +1,4 @@
-//! The files of a film: a folder of pictures, an animated PNG, or raw video.
+//! The files of a film: a folder of pictures, an animated PNG or GIF, or raw video.
 //!
 //! Takes pictures one by one, each written before the next is asked for. A file appears under its name when it is
 //! complete: a film that fails or is cancelled leaves whole pictures in its folder, or no file.
@@ -13,12 +13,12 @@ use glam::UVec2;
 use image::RgbImage;
 use png::{BitDepth, ColorType, Encoder, EncodingError};
 
-use super::{FilmError, y4m};
+use super::{FilmError, gif, y4m};
 use crate::format::store::{self, AtomicFile};
 use crate::picture;
 
 /// Bytes that are written at once.
-const BUFFER_BYTES: usize = 1 << 20;
+pub(super) const BUFFER_BYTES: usize = 1 << 20;
 
 /// What a film becomes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -26,6 +26,7 @@ pub enum Form {
     /// A PNG for each frame.
     Folder,
     AnimatedPng,
+    Gif,
     Y4m,
 }
 
@@ -50,6 +51,7 @@ pub struct Output {
 enum Target {
     Folder,
     AnimatedPng(AtomicFile),
+    Gif(AtomicFile),
     Y4m(AtomicFile),
 }
 
@@ -64,10 +66,13 @@ impl Form {
         match ending.map(|ending| ending.to_string_lossy().to_ascii_lowercase()).as_deref() {
             None => Ok(Form::Folder),
             Some("png" | "apng") => Ok(Form::AnimatedPng),
+            Some("gif") => Ok(Form::Gif),
             Some("y4m") => Ok(Form::Y4m),
-            Some(_) => Err("the name must end in .png or .apng (animated) or .y4m, or be that of \
+            Some(_) => {
+                Err("the name must end in .png or .apng (animated), .gif or .y4m, or be that of \
                             a folder for pictures: without an ending, or with a slash"
-                .to_string()),
+                    .to_string())
+            }
         }
     }
 
@@ -75,7 +80,7 @@ impl Form {
     pub fn paths(self, path: &Path, format: &Format) -> Vec<PathBuf> {
         match self {
             Form::Folder => format.part.clone().map(|f| format.frame_path(path, f)).collect(),
-            Form::AnimatedPng | Form::Y4m => vec![path.to_path_buf()],
+            Form::AnimatedPng | Form::Gif | Form::Y4m => vec![path.to_path_buf()],
         }
     }
 }
@@ -101,6 +106,10 @@ impl Output {
                 Target::Folder
             }
             Form::AnimatedPng => Target::AnimatedPng(begin(path)?),
+            Form::Gif => {
+                gif::check(&format).map_err(|rule| FilmError::Form(rule.to_string()))?;
+                Target::Gif(begin(path)?)
+            }
             Form::Y4m => Target::Y4m(begin(path)?),
         };
         Ok(Output { target, path: path.to_path_buf(), format })
@@ -112,6 +121,7 @@ impl Output {
         match target {
             Target::Folder => write_folder(&path, &format, next),
             Target::AnimatedPng(file) => write_animated_png(file, &path, &format, next),
+            Target::Gif(file) => gif::write(file, &path, &format, next),
             Target::Y4m(file) => write_y4m(file, &path, &format, next),
         }
     }
@@ -171,12 +181,12 @@ fn write_y4m(
     finish(buffer, path)
 }
 
-fn finish(buffer: BufWriter<AtomicFile>, path: &Path) -> Result<(), FilmError> {
+pub(super) fn finish(buffer: BufWriter<AtomicFile>, path: &Path) -> Result<(), FilmError> {
     let file = buffer.into_inner().map_err(|error| error.into_error());
     file.and_then(AtomicFile::finish).map_err(|error| cannot_write(path, error))
 }
 
-fn cannot_write(path: &Path, error: Error) -> FilmError {
+pub(super) fn cannot_write(path: &Path, error: Error) -> FilmError {
     FilmError::Write { path: path.to_path_buf(), error }
 }
 
@@ -214,6 +224,7 @@ mod tests {
             (&dotted, Form::Folder),
             (Path::new("a.apng"), Form::AnimatedPng),
             (Path::new("b/a.PNG"), Form::AnimatedPng),
+            (Path::new("a.gif"), Form::Gif),
             (Path::new("a.y4m"), Form::Y4m),
         ] {
             assert_eq!(Form::of(path), Ok(form), "{path:?}");
@@ -261,6 +272,33 @@ mod tests {
     }
 
     #[test]
+    fn a_gif_has_every_frame_with_its_time() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.gif");
+        let write = || {
+            let output = Output::create(Form::Gif, &path, FORMAT).unwrap();
+            output.write(&mut |number| Ok(frame(number))).unwrap();
+            fs::read(&path).unwrap()
+        };
+        let bytes = write();
+        assert_eq!(bytes, write(), "the same film has the same bytes");
+        let mut options = ::gif::DecodeOptions::new();
+        options.set_color_output(::gif::ColorOutput::RGBA);
+        let mut decoder = options.read_info(Cursor::new(&bytes)).unwrap();
+        assert_eq!((decoder.width(), decoder.height()), (5, 3));
+        for number in 3..7 {
+            let read = decoder.read_next_frame().unwrap().unwrap();
+            assert_eq!(read.delay, 4);
+            for (read, pixel) in read.buffer.chunks(4).zip(frame(number).pixels()) {
+                let [r, g, b] = pixel.0;
+                assert_eq!(read, [r, g, b, 255], "{number}: few colours are kept");
+            }
+        }
+        assert!(decoder.read_next_frame().unwrap().is_none());
+        assert_eq!(decoder.repeat(), ::gif::Repeat::Infinite);
+    }
+
+    #[test]
     fn raw_video_is_a_header_and_frames() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.y4m");
@@ -280,9 +318,12 @@ mod tests {
 
     #[test]
     fn a_cancelled_film_leaves_whole_pictures_or_the_old_file() {
-        for (form, name) in
-            [(Form::Folder, "a"), (Form::AnimatedPng, "a.apng"), (Form::Y4m, "a.y4m")]
-        {
+        for (form, name) in [
+            (Form::Folder, "a"),
+            (Form::AnimatedPng, "a.apng"),
+            (Form::Gif, "a.gif"),
+            (Form::Y4m, "a.y4m"),
+        ] {
             let folder = tempfile::tempdir().unwrap();
             let path = folder.path().join(name);
             if form != Form::Folder {

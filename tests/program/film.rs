@@ -4,7 +4,7 @@ use std::io::Cursor;
 use std::path::Path;
 
 use image::codecs::png::PngDecoder;
-use image::{AnimationDecoder, DynamicImage, RgbImage};
+use image::{AnimationDecoder, DynamicImage, RgbImage, RgbaImage};
 
 use super::{bytes, fail, folder, picture, program, succeed};
 use crate::gpu::fixture::need_device;
@@ -165,7 +165,7 @@ fn animated_pictures_and_raw_video_have_the_frames_of_the_folder() {
     let path = folder.path();
     subjects(path);
     let more = ["--frames", "7", "--range", "2..6", "--fps", "10"];
-    for out in ["frames", "a.apng", "a.png", "a.y4m"] {
+    for out in ["frames", "a.apng", "a.png", "a.gif", "a.y4m"] {
         film(path, "a.vsc", out, &more);
     }
     let frames = frames(&path.join("frames"));
@@ -177,6 +177,20 @@ fn animated_pictures_and_raw_video_have_the_frames_of_the_folder() {
     assert_eq!(delays, [(100, 1); 5]);
     let read = animated.into_iter().map(|f| DynamicImage::from(f.into_buffer()).to_rgb8());
     assert!(read.eq(frames.iter().cloned()));
+    // A GIF has 256 colours a frame.
+    let mut options = gif::DecodeOptions::new();
+    options.set_color_output(gif::ColorOutput::RGBA);
+    let mut decoder = options.read_info(Cursor::new(bytes(path.join("a.gif")))).unwrap();
+    for (number, frame) in frames.iter().enumerate() {
+        let read = decoder.read_next_frame().unwrap().unwrap();
+        assert_eq!(read.delay, 10);
+        let seen = RgbaImage::from_raw(96, 72, read.buffer.to_vec()).unwrap();
+        let off = difference(frame, &DynamicImage::from(seen).to_rgb8());
+        assert!(off < 2.0, "frame {number} is {off} levels off");
+    }
+    assert!(decoder.read_next_frame().unwrap().is_none());
+    let fast = fail(path, &["film", "a.vsc", "--out", "b.gif", "--fps", "60"], 2);
+    assert!(fast.contains("50 frames a second"), "{fast}");
     // The program reads its own video.
     let mut source = crate::video::open(path.join("a.y4m").to_str().unwrap());
     let start = std::time::Instant::now();
