@@ -12,3 +12,4 @@ mod switches;
 mod toasts;
 mod tools;
 mod upright;
+mod view;
