@@ -9,3 +9,5 @@ var<private> kind_colour_bytes: u32 = 0x5bec0002u;
 var<private> kind_estimates: u32 = 0x5bec0003u;
 // Whether a matcap replaces all light.
 var<private> kind_matcap: u32 = 0x5bec0004u;
+// Whether a light throws shadows.
+var<private> kind_shadow: u32 = 0x5bec0005u;

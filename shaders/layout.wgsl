@@ -60,8 +60,13 @@ struct Shading {
     tone_floor: f32,
     bricks: vec3<u32>,
     ambient_slope: vec3<f32>,
+    sun_light: u32,
     up: vec3<f32>,
+    sun_sample: u32,
     tone: vec4<f32>,
+    sun_towards: vec3<f32>,
+    sun_right: vec3<f32>,
+    sun_up: vec3<f32>,
 }
 
 struct StereoView {

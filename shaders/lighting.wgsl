@@ -60,8 +60,15 @@ fn from_matcap(normal: vec3<f32>, to_eye: vec3<f32>) -> vec3<f32> {
 }
 
 // The light, as sRGB, that the surface at `point` (grid coordinates) sends to the eye. `outwards` is a covector
-// in grid coordinates, of any length; `colour` is sRGB; `open` is a factor on the ambient light.
-fn lit(point: vec3<f32>, outwards: vec3<f32>, colour: vec3<f32>, open: f32) -> vec3<f32> {
+// in grid coordinates, of any length; `colour` is sRGB; `open` and `sunlit` are factors on the ambient
+// light and on the sun's.
+fn lit(
+    point: vec3<f32>,
+    outwards: vec3<f32>,
+    colour: vec3<f32>,
+    open: f32,
+    sunlit: f32,
+) -> vec3<f32> {
     let position = rows_times(shading.eye_from_grid, vec4<f32>(point, 1.0));
     let to_eye = -position / sqrt(max(dot(position, position), LEAST_SQUARE));
     let turned = rows_times(shading.normal_from_gradient, vec4<f32>(outwards, 0.0));
@@ -85,7 +92,8 @@ fn lit(point: vec3<f32>, outwards: vec3<f32>, colour: vec3<f32>, open: f32) -> v
         let cos_half = max((cos_light + cos_eye) / between, 0.0);
         let highlight = power(cos_half, shading.shininess) * shading.specular;
         let reflected = albedo * max(cos_light, 0.0) + select(0.0, highlight, cos_light > 0.0);
-        sum += reflected * shading.radiances[i].xyz;
+        let share = select(1.0, sunlit, i == shading.sun_light);
+        sum += reflected * (share * shading.radiances[i].xyz);
     }
     // core/src/shade/tone.rs
     let tone = shading.tone;

@@ -9,7 +9,7 @@
 var<immediate> view: PointView;
 
 // As core/src/shade/points.rs packs them: x and y, z of the voxel and its packed normal in 16 bits each; an
-// estimate of the normal and openness in signed bytes; colour in bytes.
+// estimate of the normal and openness in signed bytes, the last one inverted in shadow; colour in bytes.
 @group(0) @binding(6) var<storage, read> points: array<vec4<u32>>;
 
 // Enlargement of the box in voxels, to allow for rounding. The pixels that it adds are discarded.
@@ -44,7 +44,9 @@ fn main(
     let nearest = w - reach * dot(abs(view.clip_w), vec3<f32>(1.0));
     // Corners of a triangle that contains the square from -1 to 1.
     let side = select(vec2<f32>(-1.0), vec2<f32>(3.0), vec2<bool>(corner == 1u, corner == 2u));
-    let seen = lit(middle, outwards, colour.xyz, f32(estimate.w) / 127.0);
+    let is_dark = estimate.w < 0;
+    let open = f32(select(estimate.w, -1 - estimate.w, is_dark)) / 127.0;
+    let seen = lit(middle, outwards, colour.xyz, open, select(1.0, 0.0, is_dark));
     // A box that reaches the plane of the eye may be anywhere.
     var position = side;
     if nearest > 0.0 {

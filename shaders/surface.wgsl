@@ -1,9 +1,10 @@
-// The shaded colour of a voxel: from its colour, normal and ambient occlusion.
+// The shaded colour of a voxel: from its colour, normal, ambient occlusion and shadow.
 
 //!include "normal.wgsl"
 //!include "normal_field.wgsl"
 //!include "colours.wgsl"
 //!include "lighting.wgsl"
+//!include "shadow.wgsl"
 
 fn shaded(voxel: vec3<i32>) -> vec3<f32> {
     let dims = vec3<i32>(shading.dims);
@@ -20,5 +21,9 @@ fn shaded(voxel: vec3<i32>) -> vec3<f32> {
     } else if kind_estimates != 0u {
         outwards = gradient(voxel, dims);
     }
-    return lit(vec3<f32>(voxel) + 0.5, outwards, colour, open);
+    var sunlit = 1.0;
+    if kind_shadow != 0u {
+        sunlit = sun_reaching(voxel, outwards, dims);
+    }
+    return lit(vec3<f32>(voxel) + 0.5, outwards, colour, open, sunlit);
 }

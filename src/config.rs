@@ -240,6 +240,7 @@ mod tests {
             ("[light]\nsky = \"blue\"", "`blue` is not a colour"),
             ("[light]\ntone = \"loud\"", "loud"),
             ("[light]\nlook = \"gold\"", "gold"),
+            ("[light]\nsun_deg = 90.0", "light.sun_deg"),
             ("[light]\nmatcap = \"/nowhere/ball.png\"", "light.matcap = /nowhere/ball.png"),
             ("[window]\nscale = 9.0", "window.scale"),
             ("[gamepad]\ndead_zone = 1.0", "gamepad.dead_zone"),

@@ -246,7 +246,7 @@ fn render_by_casting(
                 (RenderMode::Quickstep, None) => quickstep::sample(grid, &rays, &mut map),
                 _ => raycast::sample(grid, &rays, &mut map),
             }
-            shader.shade(&map, &source, &pose, &lighting, &mut pixels);
+            shader.shade(&map, &source, &pose, &lighting.of_sample(sample), &mut pixels);
             mean.add(over_background(&pixels));
         }
         mean.picture()
@@ -285,7 +285,8 @@ fn render_on_device(
     let mut mode = view.mode;
     for sample in 0..view.samples {
         shifted.iter_mut().zip(eyes).for_each(|(shifted, eye)| *shifted = eye.sample(sample));
-        let desc = FrameDesc { eyes: &shifted, mode, ..desc };
+        let lighting = desc.lighting.of_sample(sample);
+        let desc = FrameDesc { eyes: &shifted, mode, lighting, ..desc };
         let mut recorder = frames.begin()?;
         // What needs no device is cast without the limits of this one.
         let paints = RenderMode::needs_device;

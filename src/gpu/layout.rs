@@ -144,12 +144,21 @@ shared! {
         pad_0: u32,
         /// How much more ambient light there is on a surface that faces the sky.
         ambient_slope: [f32; 3],
-        pad_1: u32,
+        /// The light that throws shadows; all ones for none.
+        sun_light: u32,
         /// Towards the sky, in eye space.
         up: [f32; 3],
-        pad_2: u32,
+        /// The number of the sample of an antialiased picture.
+        sun_sample: u32,
         /// The other coefficients of the tone curve.
         tone: [f32; 4],
+        /// Towards the middle of the sun's disc, and from there to its edge, in grid coordinates.
+        sun_towards: [f32; 3],
+        pad_1: u32,
+        sun_right: [f32; 3],
+        pad_2: u32,
+        sun_up: [f32; 3],
+        pad_3: u32,
     }
 }
 

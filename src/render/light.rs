@@ -9,13 +9,15 @@ use serde::Deserialize;
 use crate::options::{self, InvalidOption, require_in};
 use crate::sculpture::Rgb;
 use crate::shade::{
-    Light, LightFrame, LightSource, Lighting, Look, MAX_LIGHTS, Matcap, ToneMapping,
+    Light, LightFrame, LightSource, Lighting, Look, MAX_LIGHTS, Matcap, Shadow, ToneMapping,
 };
 
 /// Largest intensity of a lamp.
 pub const MAX_INTENSITY: f32 = 4.0;
 /// Largest exposure to either side, as a power of two.
 pub const MAX_EXPOSURE_EV: f32 = 4.0;
+/// Largest angle of the sun's disc.
+pub const MAX_SUN_DEG: f32 = 45.0;
 
 /// The light on a sculpture.
 #[derive(Clone, PartialEq, Debug, Deserialize)]
@@ -33,6 +35,10 @@ pub struct LightOptions {
     /// Factor on all light, as a power of two.
     pub exposure: f32,
     pub tone: ToneMapping,
+    /// The first distant lamp throws shadows.
+    pub shadow: bool,
+    /// The angle that it takes in the sky, in degrees.
+    pub sun_deg: f32,
     pub specular: f32,
     pub shininess: u32,
     /// At most [`MAX_LIGHTS`].
@@ -130,6 +136,8 @@ impl Default for LightOptions {
             ground: Rgb::new(120, 110, 100),
             exposure: -0.5,
             tone: ToneMapping::Filmic,
+            shadow: false,
+            sun_deg: 4.0,
             specular: 0.25,
             shininess: 32,
             lamps: vec![Lamp::default()],
@@ -153,6 +161,7 @@ impl LightOptions {
             ground: self.ground,
             exposure_ev: self.exposure,
             tone: self.tone,
+            shadow: self.shadow.then_some(Shadow { sun_deg: self.sun_deg, sample: 0 }),
             specular: self.specular,
             shininess: self.shininess,
             ..Lighting::default()
@@ -165,6 +174,7 @@ impl LightOptions {
         require_in(0.0..=1.0, "ambient", self.ambient, share)?;
         let ev = -MAX_EXPOSURE_EV..=MAX_EXPOSURE_EV;
         require_in(ev, "exposure", self.exposure, "must be -4 to 4")?;
+        require_in(0.0..=MAX_SUN_DEG, "sun_deg", self.sun_deg, "must be 0 to 45 degrees")?;
         require_in(0.0..=1.0, "specular", self.specular, share)?;
         require_in(1..=1024, "shininess", self.shininess, "must be 1 to 1024")?;
         let count = self.lamps.len();

@@ -161,7 +161,8 @@ impl Renderer {
         for (shifted, eye) in eyes.iter_mut().zip(desc.eyes) {
             *shifted = eye.sample(index);
         }
-        let desc = FrameDesc { eyes: &eyes[..desc.eyes.len().min(MAX_EYES)], ..*desc };
+        let eyes = &eyes[..desc.eyes.len().min(MAX_EYES)];
+        let desc = FrameDesc { eyes, lighting: desc.lighting.of_sample(index), ..*desc };
         self.swap_buffers();
         let result = self.add_sample(recorder, slot, document, &desc, index);
         self.swap_buffers();

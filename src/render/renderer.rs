@@ -280,8 +280,8 @@ impl Renderer {
             Shading::Points => {
                 let (grid, material) = (document.grid(), document.material());
                 let source = ShadeSource { grid, material, normals: self.normals.field() };
-                for (map, cloud) in self.maps.iter().zip(&mut self.clouds) {
-                    cloud.take(map, &source, &desc.lighting);
+                for ((map, cloud), eye) in self.maps.iter().zip(&mut self.clouds).zip(desc.eyes) {
+                    cloud.take(map, &source, &desc.pose(eye), &desc.lighting);
                 }
             }
             Shading::Device => self.shade_on_device(recorder, slot, document, desc, redraw)?,

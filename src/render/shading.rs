@@ -42,7 +42,7 @@ pub struct Surface<'a> {
 }
 
 /// Specialization constants of the shaders that light surfaces.
-pub(super) const KIND_CONSTANTS: usize = 5;
+pub(super) const KIND_CONSTANTS: usize = 6;
 
 impl Surface<'_> {
     /// The features of the shader that lights it (shaders/kind.wgsl).
@@ -56,6 +56,7 @@ impl Surface<'_> {
             },
             self.estimates.into(),
             (self.lighting.look == Look::Matcap).into(),
+            self.lighting.shadow.is_some().into(),
         ]
     }
 }
@@ -165,8 +166,14 @@ fn uniforms(surface: &Surface) -> Shading {
         ambient_slope: light.ambient_slope.to_array(),
         up: light.up.to_array(),
         tone: light.tone.factors,
+        sun_light: u32::MAX,
         ..Shading::default()
     };
+    if let Some(sun) = &light.sun {
+        (shading.sun_light, shading.sun_sample) = (sun.light as u32, sun.sample);
+        shading.sun_towards = sun.towards.to_array();
+        [shading.sun_right, shading.sun_up] = sun.across.map(|axis| axis.to_array());
+    }
     let matrix = light.eye_from_grid.matrix3;
     let translation = light.eye_from_grid.translation;
     let turn = light.normal_from_gradient;

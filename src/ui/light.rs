@@ -5,7 +5,9 @@ use glam::Vec3;
 
 use super::{UiState, look, theme};
 use crate::render::LightOptions;
-use crate::render::light::{Lamp, LampFrame, LampKind, MAX_EXPOSURE_EV, MAX_INTENSITY};
+use crate::render::light::{
+    Lamp, LampFrame, LampKind, MAX_EXPOSURE_EV, MAX_INTENSITY, MAX_SUN_DEG,
+};
 use crate::shade::{MAX_LIGHTS, Smoothing, ToneMapping};
 
 const WIDTH: f32 = 270.0;
@@ -103,6 +105,19 @@ pub fn surface(ui: &mut Ui, state: &mut UiState) {
     );
     if tone.changed() {
         light.tone = if filmic { ToneMapping::Filmic } else { ToneMapping::Off };
+    }
+    ui.checkbox(&mut light.shadow, "Shadows").on_hover_text(
+        "The first distant light throws shadows: sharp while something moves, soft in the refined picture",
+    );
+    if light.shadow {
+        ui.horizontal(|ui| {
+            let label = ui.label("Size of the sun");
+            let slider =
+                Slider::new(&mut light.sun_deg, 0.0..=MAX_SUN_DEG).max_decimals(1).suffix("°");
+            ui.add(slider)
+                .labelled_by(label.id)
+                .on_hover_text("The larger, the softer the shadows");
+        });
     }
     ui.checkbox(&mut finish.occlusion, "Ambient occlusion")
         .on_hover_text("Darkens corners and crevices, which get less ambient light");

@@ -16,7 +16,7 @@ use virtual_sculpture::sculpture::history::Contents;
 use virtual_sculpture::sculpture::{Brick, ColourDepth, Grid, Material, Placement, Rgb};
 use virtual_sculpture::shade::{
     Light, LightFrame, LightSource, Lighting, Look, NormalField, Pixels, ShadePose, ShadeSource,
-    SoftwareShader, ToneMapping,
+    Shadow, SoftwareShader, ToneMapping,
 };
 use virtual_sculpture::surface::{IndexMap, raycast};
 use virtual_sculpture::view::{Camera, Eye};
@@ -64,6 +64,7 @@ fn lighting(occlusion: bool, look: Look) -> Lighting {
         tone: if occlusion { ToneMapping::Filmic } else { ToneMapping::Off },
         shininess: 21,
         occlusion,
+        shadow: (look == Look::Clay).then_some(Shadow { sun_deg: 20.0, sample: 5 }),
         ..Lighting::default()
     }
 }

@@ -60,6 +60,9 @@ fn the_finish_is_chosen_where_it_can_be_had() {
     assert_eq!(lighting(&harness).tone, ToneMapping::Filmic);
     click(&mut harness, "Filmic tone mapping");
     assert_eq!(lighting(&harness).tone, ToneMapping::Off);
+    assert_eq!(lighting(&harness).shadow, None);
+    click(&mut harness, "Shadows");
+    assert!(lighting(&harness).shadow.is_some_and(|shadow| shadow.sun_deg == 4.0));
     click(&mut harness, "Smooth normals");
     click(&mut harness, "5 × 5");
     assert_eq!(lighting(&harness).smooth_normals, Smoothing::Wide);

@@ -16,6 +16,7 @@ use glam::{Affine3A, Mat3, Vec3};
 
 use super::light::{Light, LightFrame, LightSource, Lighting, MAX_LIGHTS, MAX_SHININESS};
 use super::look::{Look, MATCAP_EDGE, MATCAP_RADIUS, Matcap};
+use super::shadow::Sun;
 use super::tone::ToneCurve;
 use crate::sculpture::Rgb;
 
@@ -37,6 +38,8 @@ pub struct SurfacePoints {
     pub colour: [u32; LANES],
     /// Share of the ambient light that arrives, 0 to 1.
     pub open: [f32; LANES],
+    /// Share of the sun's light that arrives, 0 to 1.
+    pub sunlit: [f32; LANES],
 }
 
 impl Default for SurfacePoints {
@@ -46,6 +49,7 @@ impl Default for SurfacePoints {
             gradient: Default::default(),
             colour: [0; LANES],
             open: [1.0; LANES],
+            sunlit: [1.0; LANES],
         }
     }
 }
@@ -78,6 +82,8 @@ pub struct Illumination {
     pub tone: ToneCurve,
     /// The colour of all voxels, sRGB, if it is not their own.
     pub colour: Option<Rgb>,
+    /// The light that throws shadows.
+    pub sun: Option<Sun>,
     /// Replaces all light.
     pub matcap: Option<Matcap>,
     /// Share of light in the highlight, 0 to 1.
@@ -103,10 +109,14 @@ impl Illumination {
             [lighting.sky, lighting.ground].map(|c| linear(c) * (lighting.ambient * exposure));
         let up = eye_from_world.transform_vector3(lighting.up);
         let in_eye_space = |light| in_eye_space(light, eye_from_world, exposure);
+        let lights = lighting.lights.map(|light| light.map(in_eye_space));
+        let sources = lights.iter().flatten().map(|light| light.source);
+        let shadow = lighting.shadow.filter(|_| lighting.look != Look::Matcap);
         Illumination {
+            sun: shadow.and_then(|shadow| Sun::new(&shadow, sources, &eye_from_grid)),
             eye_from_grid,
             normal_from_gradient: covectors * (1.0 / largest),
-            lights: lighting.lights.map(|light| light.map(in_eye_space)),
+            lights,
             ambient: (sky + ground) * 0.5,
             ambient_slope: (sky - ground) * 0.5,
             up: up.try_normalize().unwrap_or(Vec3::Y),
@@ -158,7 +168,9 @@ impl Illumination {
         let upwards = dot(normal, [splat(self.up.x), splat(self.up.y), splat(self.up.z)]);
         let ambient = |axis: usize| upwards * self.ambient_slope[axis] + self.ambient[axis];
         let mut sum = [0, 1, 2].map(|i| albedo[i] * (open * ambient(i)));
-        for light in self.lights.iter().flatten() {
+        let sunlit = f32x16::load_array_ref(simd, &points.sunlit);
+        let sun = self.sun.map(|sun| sun.light);
+        for (i, light) in self.lights.iter().flatten().enumerate() {
             let to_light = match light.source {
                 LightSource::Direction(d) => [splat(d.x), splat(d.y), splat(d.z)],
                 LightSource::Position(p) => {
@@ -174,8 +186,9 @@ impl Illumination {
             let highlight = power(simd, cos_half, self.shininess) * self.specular;
             let highlight = lit.select(highlight, splat(0.0));
             let lambert = cos_light.max(0.0);
+            let share = if sun == Some(i) { sunlit } else { splat(1.0) };
             for (i, radiance) in light.radiance.to_array().into_iter().enumerate() {
-                sum[i] += (albedo[i] * lambert + highlight) * radiance;
+                sum[i] += (albedo[i] * lambert + highlight) * (share * radiance);
             }
         }
         let [r, g, b] = sum.map(|light| srgb(self.tone.map(light)));

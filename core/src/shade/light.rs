@@ -42,6 +42,15 @@ pub struct Light {
     pub intensity: f32,
 }
 
+/// The shadow of the first distant light.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Shadow {
+    /// Angle that the disc of the sun takes in the sky. The larger, the softer the mean of samples.
+    pub sun_deg: f32,
+    /// The number of the sample, of those that make up an antialiased picture.
+    pub sample: u32,
+}
+
 /// All lights of a picture, and how the surface reflects them.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Lighting {
@@ -69,6 +78,8 @@ pub struct Lighting {
     pub shininess: u32,
     /// Whether ambient light is occluded by voxels nearby ([`super::occlusion`]).
     pub occlusion: bool,
+    /// Whether the first distant light throws shadows ([`super::shadow`]).
+    pub shadow: Option<Shadow>,
     /// How far normals are averaged over neighbours, by the software shader ([`super::smooth`]).
     pub smooth_normals: Smoothing,
     /// How far colours are averaged over neighbours, likewise.
@@ -108,13 +119,22 @@ impl Smoothing {
 
 impl Lighting {
     /// How far from the voxel seen the voxels may be, on each axis, that its pixel's shade depends on; `None`
-    /// if the pixels around matter, too.
+    /// if others matter, too: those that throw shadows, or that the pixels around show.
     pub fn reach_vx(&self) -> Option<u32> {
         match [self.smooth_normals, self.smooth_colours] {
+            _ if self.shadow.is_some() => None,
             [Smoothing::Off, Smoothing::Off] if self.occlusion => Some(OCCLUSION_REACH_VX),
             [Smoothing::Off, Smoothing::Off] => Some(NORMAL_REACH_VX),
             _ => None,
         }
+    }
+}
+
+impl Lighting {
+    /// This lighting in one of the samples of an antialiased picture.
+    pub fn of_sample(self, sample: u32) -> Lighting {
+        let shadow = self.shadow.map(|shadow| Shadow { sample, ..shadow });
+        Lighting { shadow, ..self }
     }
 }
 
@@ -140,6 +160,7 @@ impl Default for Lighting {
             specular: 0.25,
             shininess: 32,
             occlusion: false,
+            shadow: None,
             smooth_normals: Smoothing::Off,
             smooth_colours: Smoothing::Off,
         }

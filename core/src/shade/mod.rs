@@ -19,6 +19,7 @@ mod partial_tests;
 pub mod pixels;
 pub mod points;
 pub mod refined;
+pub mod shadow;
 mod smooth;
 pub mod software;
 mod source;
@@ -26,7 +27,9 @@ pub mod tone;
 
 pub use illumination::Illumination;
 pub use level_set::{LevelSampler, LevelSet};
-pub use light::{Light, LightFrame, LightSource, Lighting, MAX_LIGHTS, MAX_SHININESS, Smoothing};
+pub use light::{
+    Light, LightFrame, LightSource, Lighting, MAX_LIGHTS, MAX_SHININESS, Shadow, Smoothing,
+};
 pub use look::{Look, Matcap};
 pub use normal::NORMAL_REACH_VX;
 pub use normal_field::NormalField;

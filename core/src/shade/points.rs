@@ -7,9 +7,11 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
+use super::illumination::Illumination;
 use super::light::Lighting;
 use super::normal_field::PackedNormal;
 use super::occlusion::OpennessTables;
+use super::software::ShadePose;
 use super::source::ShadeSource;
 use crate::sculpture::NO_VOXEL;
 use crate::surface::IndexMap;
@@ -23,7 +25,8 @@ pub struct SurfacePoint {
     /// Its normal.
     pub normal: PackedNormal,
     /// What stands in for a normal that is none: a vector out of the solid, of any length, a covector of
-    /// grid coordinates; then the share of the ambient light that arrives, 0 to 127.
+    /// grid coordinates; then the share of the ambient light that arrives, 0 to 127, all bits inverted in the
+    /// shadow of the sun.
     pub estimate: [i8; 4],
     /// sRGB, and 255.
     pub colour: [u8; 4],
@@ -38,7 +41,14 @@ pub struct PointCloud {
 
 impl PointCloud {
     /// Replaces the points by those of `map`, with the occlusion and the colours that `lighting` has them lit with.
-    pub fn take(&mut self, map: &IndexMap, source: &ShadeSource, lighting: &Lighting) {
+    pub fn take(
+        &mut self,
+        map: &IndexMap,
+        source: &ShadeSource,
+        pose: &ShadePose,
+        lighting: &Lighting,
+    ) {
+        let illumination = Illumination::new(lighting, &pose.eye_from_world, &pose.world_from_grid);
         let occlusion = lighting.occlusion;
         let colour = lighting.look.substance().map(|substance| substance.colour);
         let grid = source.grid;
@@ -69,10 +79,14 @@ impl PointCloud {
             // Moments of 81 bits are below 40.
             let [x, y, z] = estimate.to_array().map(|c| c as i8);
             let open = if occlusion { tables.openness(grid, v) } else { 1.0 };
+            let open = (open * 127.0).round() as i8;
+            let is_sunlit = illumination
+                .sun
+                .is_none_or(|sun| sun.reaching(grid, v, source.outwards(v, normal)) > 0.0);
             SurfacePoint {
                 voxel: v.to_array().map(|c| c as u16),
                 normal,
-                estimate: [x, y, z, (open * 127.0).round() as i8],
+                estimate: [x, y, z, if is_sunlit { open } else { !open }],
                 colour: [rgb.0[0], rgb.0[1], rgb.0[2], 255],
             }
         };
@@ -114,7 +128,9 @@ mod tests {
         }
         let camera = Camera::framing(40.0, Vec3::new(1.0, 0.5, 0.7), Vec3::Y);
         let world_from_grid = Placement::default().world_from_grid(grid.dims(), Vec3::ONE);
-        let rays = camera.eye(UVec2::new(150, 90)).pixel_rays(&world_from_grid);
+        let eye = camera.eye(UVec2::new(150, 90));
+        let rays = eye.pixel_rays(&world_from_grid);
+        let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
         let mut map = IndexMap::new(rays);
         raycast::sample(&grid, &rays, &mut map);
         let seen: BTreeSet<u32> = map.voxels.iter().copied().filter(|&v| v != NO_VOXEL).collect();
@@ -124,7 +140,7 @@ mod tests {
         let mut open_tables = OpennessTables::default();
         for (normals, occlusion) in [(&complete, false), (&complete, true), (&incomplete, false)] {
             let source = ShadeSource { grid: &grid, material: &material, normals };
-            cloud.take(&map, &source, &Lighting { occlusion, ..Lighting::default() });
+            cloud.take(&map, &source, &pose, &Lighting { occlusion, ..Lighting::default() });
             assert_eq!(cloud.points().len(), seen.len());
             for (point, &index) in cloud.points().iter().zip(&seen) {
                 let v = grid.voxel_coords(index);

@@ -23,7 +23,8 @@ use crate::surface::IndexMap;
 pub struct SoftwareShader {
     shown: Vec<Shown>,
     smooth: Vec<Shown>,
-    open: Vec<f32>,
+    /// Shares of the ambient light and of the sun's.
+    reaching: Vec<[f32; 2]>,
 }
 
 impl SoftwareShader {
@@ -62,13 +63,17 @@ impl SoftwareShader {
         let [normals, colours] = filters;
         surfaces.smooth(normals, colours, &mut self.smooth);
         let shown = &self.smooth;
-        let open = &self.open;
+        let reaching = &self.reaching;
         let back = illumination.normal_from_gradient.inverse();
         let rows = out.rgba.par_chunks_mut(width).zip(map.voxels.par_chunks(width)).enumerate();
         rows.for_each(|(y, (out, voxels))| {
             let row = y * width..(y + 1) * width;
-            let row =
-                Row { grid: source.grid, voxels, shown: &shown[row.clone()], open: &open[row] };
+            let row = Row {
+                grid: source.grid,
+                voxels,
+                shown: &shown[row.clone()],
+                reaching: &reaching[row],
+            };
             dispatch!(Level::new(), simd => row.shade(simd, &illumination, &back, out));
         });
     }
@@ -84,15 +89,15 @@ impl SoftwareShader {
         let grid = source.grid;
         let width = map.rays.size.x as usize;
         self.shown.resize(map.voxels.len(), Shown::default());
-        self.open.resize(map.voxels.len(), 1.0);
-        let rows = self.shown.par_chunks_mut(width).zip(self.open.par_chunks_mut(width));
+        self.reaching.resize(map.voxels.len(), [1.0; 2]);
+        let rows = self.shown.par_chunks_mut(width).zip(self.reaching.par_chunks_mut(width));
         rows.zip(map.voxels.par_chunks(width)).enumerate().for_each(
-            |(y, ((shown, open), voxels))| {
+            |(y, ((shown, reaching), voxels))| {
                 let normals = map.normals.get(y * width..(y + 1) * width);
-                let mut last = (NO_VOXEL, Shown::default(), 1.0);
+                let mut last = (NO_VOXEL, Shown::default(), [1.0; 2]);
                 let mut tables = OpennessTables::default();
-                for (x, ((shown, open), &voxel)) in
-                    shown.iter_mut().zip(open).zip(voxels).enumerate()
+                for (x, ((shown, reaching), &voxel)) in
+                    shown.iter_mut().zip(reaching).zip(voxels).enumerate()
                 {
                     if voxel == NO_VOXEL {
                         continue;
@@ -100,9 +105,12 @@ impl SoftwareShader {
                     if voxel != last.0 {
                         let v = grid.voxel_coords(voxel);
                         let open = if occlusion { tables.openness(grid, v) } else { 1.0 };
-                        last = (voxel, show(source, illumination, v), open);
+                        let sunlit = illumination.sun.map_or(1.0, |sun| {
+                            sun.reaching(grid, v, source.outwards(v, source.surface(v).0))
+                        });
+                        last = (voxel, show(source, illumination, v), [open, sunlit]);
                     }
-                    (*shown, *open) = (last.1, last.2);
+                    (*shown, *reaching) = (last.1, last.2);
                     let own = normals.and_then(|normals| PackedNormal(normals[x]).unpack());
                     if let Some(normal) = own {
                         shown.normal =
@@ -130,7 +138,7 @@ struct Row<'a> {
     grid: &'a Grid,
     voxels: &'a [u32],
     shown: &'a [Shown],
-    open: &'a [f32],
+    reaching: &'a [[f32; 2]],
 }
 
 impl Row<'_> {
@@ -163,7 +171,7 @@ impl Row<'_> {
                 }
                 let [r, g, b] = shown.colour.to_array().map(|c| (c.sqrt() * 255.0 + 0.5) as u8);
                 points.colour[lane] = u32::from_le_bytes([r, g, b, 0]);
-                points.open[lane] = self.open[i];
+                [points.open[lane], points.sunlit[lane]] = self.reaching[i];
             }
             let colours = illumination.shade(simd, &points).to_array();
             for (lane, i) in lanes.enumerate() {

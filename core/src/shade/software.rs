@@ -192,6 +192,7 @@ impl Shader<'_> {
                 normals[lane] = normals[lane - 1];
                 points.colour[lane] = points.colour[lane - 1];
                 points.open[lane] = points.open[lane - 1];
+                points.sunlit[lane] = points.sunlit[lane - 1];
             } else if voxel != NO_VOXEL {
                 let v = UVec3::new(x[lane] as u32, y[lane] as u32, z[lane] as u32);
                 let (normal, rgb) = self.source.surface(v);
@@ -199,6 +200,10 @@ impl Shader<'_> {
                 points.colour[lane] = packed(rgb);
                 if self.occlusion {
                     points.open[lane] = tables.openness(self.source.grid, v);
+                }
+                if let Some(sun) = &self.illumination.sun {
+                    let outwards = self.source.outwards(v, normal);
+                    points.sunlit[lane] = sun.reaching(self.source.grid, v, outwards);
                 }
             }
             last = voxel;
