@@ -160,7 +160,7 @@ const OPTICAL_DEPTH: Vec3 = Vec3::new(0.10, 0.17, 0.32);
 const SUN_OVER_SKY: f32 = 5.0;
 /// The radiance of a white surface that faces the sun: a little more than the white of a screen, which tone mapping
 /// compresses.
-const WHITE: f32 = 1.2;
+pub(super) const WHITE: f32 = 1.2;
 
 impl Environment {
     /// The light of `options` around this standpoint.
@@ -190,7 +190,7 @@ impl Environment {
         let towards_sun = at.towards(sun.azimuth_deg, sun.elevation_deg);
         let height = sun.elevation_deg.clamp(0.0, 90.0);
         let mass = 1.0 / (height.to_radians().sin() + 0.505_72 * (height + 6.079_95).powf(-1.6364));
-        let sunlight = (-OPTICAL_DEPTH * (mass - 1.0)).map(f32::exp);
+        let sunlight = (-OPTICAL_DEPTH * (mass - 1.0).max(0.0)).map(f32::exp);
         // Towards evening the horizon takes the colour of the sunlight, and all is darker.
         let day = sunlight.element_sum() / 3.0;
         let gradient = Gradient {

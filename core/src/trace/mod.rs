@@ -11,6 +11,8 @@
 
 mod denoise;
 mod environment;
+#[cfg(test)]
+mod environment_tests;
 mod film;
 mod lens;
 mod path;
