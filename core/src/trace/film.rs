@@ -85,7 +85,8 @@ impl PixelSum {
         self.variance += light * light;
     }
 
-    fn close(&mut self, share: f32) {
+    fn close(&mut self, count: u32) {
+        let share = 1.0 / count as f32;
         let depth = if self.surface > 0.0 { self.depth / self.surface } else { 0.0 };
         self.radiance *= share;
         self.albedo *= share;
@@ -94,8 +95,10 @@ impl PixelSum {
         self.surface *= share;
         self.alpha *= share;
         self.light *= share;
-        let spread = self.variance * share - self.light * self.light;
-        self.variance = spread.max(0.0) * share;
+        let squared = self.light * self.light;
+        let spread = self.variance * share - squared;
+        // A single sample says nothing of others.
+        self.variance = if count > 1 { spread.max(0.0) / (count - 1) as f32 } else { squared };
     }
 }
 
@@ -151,7 +154,6 @@ impl Film {
 
     /// Makes means of the sums of `count` samples.
     pub(super) fn close(&mut self, count: u32) {
-        let share = 1.0 / count as f32;
-        self.pixels.par_iter_mut().for_each(|pixel| pixel.close(share));
+        self.pixels.par_iter_mut().for_each(|pixel| pixel.close(count));
     }
 }

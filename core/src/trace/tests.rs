@@ -266,6 +266,10 @@ fn the_filter_keeps_an_even_picture_and_removes_noise_without_edges() {
     };
     let (before, after) = (error(&rough), error(&denoise(rough.clone())));
     assert!(after < 0.75 * before, "{before} to {after}");
+    // Even where the noise cannot be known.
+    let one = noisy.trace(&options(1));
+    let (before, after) = (error(&one), error(&denoise(one.clone())));
+    assert!(after < 0.75 * before, "{before} to {after}");
     // Much less is done where there is less noise.
     let fine = noisy.trace(&options(256));
     let (before, after) = (error(&fine), error(&denoise(fine.clone())));
