@@ -14,7 +14,7 @@ use thiserror::Error;
 use crate::document::Document;
 use crate::format::store;
 use crate::gpu::{DeviceOptions, GpuError, Readback};
-use crate::render::{Background, Fallback, FrameDesc, RenderMode, StereoOptions};
+use crate::render::{Background, Fallback, FrameDesc, RenderMode, SmoothSurface, StereoOptions};
 use crate::sculpture::Grid;
 use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::shade::{
@@ -271,7 +271,10 @@ fn render_on_device(
         eyes,
         world_from_grid,
         mode: view.mode,
-        smooth_surface: view.smooth_surface,
+        smooth_surface: match view.smooth_surface {
+            true => SmoothSurface::Always,
+            false => SmoothSurface::Never,
+        },
         lighting: view.lighting(options),
         background: Background::Gradient { top, bottom },
         video: None,

@@ -12,7 +12,7 @@ use super::overlay::{self, OverlayScene};
 use super::workspace::Workspace;
 use crate::gpu::{Device, GpuError, Recorder, Result};
 use crate::render::renderer::{FrameDesc, Pictures};
-use crate::render::{Background, Fallback, FrameReport, Renderer, Video, VideoView};
+use crate::render::{Background, Fallback, FrameReport, Renderer, SmoothSurface, Video, VideoView};
 use crate::shade::Pixels;
 use crate::ui::Theme;
 use crate::video::VideoOptions;
@@ -66,7 +66,10 @@ impl Painter {
             eyes: &eyes,
             world_from_grid: workspace.world_from_grid(),
             mode: workspace.ui.view.mode,
-            smooth_surface: workspace.ui.view.smooth_surface,
+            smooth_surface: match workspace.ui.view.smooth_surface {
+                true => SmoothSurface::AtRest,
+                false => SmoothSurface::Never,
+            },
             lighting: workspace.ui.view.lighting(),
             background: background(workspace.ui.appearance.theme),
             video,

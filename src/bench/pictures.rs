@@ -14,7 +14,7 @@ use crate::document::Document;
 use crate::gpu::{Device, Frames, Result};
 use crate::picture::BACKGROUND;
 use crate::render::renderer::DeviceTimes;
-use crate::render::{Background, FrameDesc, RenderMode, Renderer, Shading};
+use crate::render::{Background, FrameDesc, RenderMode, Renderer, Shading, SmoothSurface};
 use crate::screen::offscreen::FORMAT;
 use crate::shade::Lighting;
 use crate::view::{Eye, PixelRays};
@@ -180,7 +180,7 @@ impl Rendered {
             eyes: if self.is_beside { &self.beside } else { &self.eyes },
             world_from_grid: document.world_from_grid(),
             mode: self.mode,
-            smooth_surface: false,
+            smooth_surface: SmoothSurface::Never,
             lighting: self.lighting,
             background: Background::Gradient { top, bottom },
             video: None,

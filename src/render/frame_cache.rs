@@ -184,6 +184,7 @@ fn sample_key(document: &Document, desc: &FrameDesc, smooth: bool) -> SampleKey 
 mod tests {
     use glam::{UVec2, Vec3};
 
+    use super::super::SmoothSurface;
     use super::*;
     use crate::document::Limits;
     use crate::sculpture::history::Contents;
@@ -208,7 +209,7 @@ mod tests {
             eyes: &eyes,
             world_from_grid: Affine3A::IDENTITY,
             mode: RenderMode::Ray,
-            smooth_surface: false,
+            smooth_surface: SmoothSurface::Never,
             lighting: Lighting::default(),
             background: Background::Keep,
             video: None,

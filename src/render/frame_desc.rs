@@ -9,6 +9,16 @@ use crate::sculpture::Grid;
 use crate::shade::{LevelSet, Lighting, NORMAL_REACH_VX, ShadePose};
 use crate::view::Eye;
 
+/// When pictures show the surface between the voxels, where a voxel covers more than a pixel, in modes that can.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum SmoothSurface {
+    #[default]
+    Never,
+    /// Once a picture is refined ([`super::Renderer::set_refinement`]): it takes many times as long as the voxels.
+    AtRest,
+    Always,
+}
+
 /// A frame description: how a sculpture is to be seen.
 #[derive(Clone, Copy, Debug)]
 pub struct FrameDesc<'a> {
@@ -16,8 +26,7 @@ pub struct FrameDesc<'a> {
     pub eyes: &'a [Eye],
     pub world_from_grid: Affine3A,
     pub mode: RenderMode,
-    /// Draw the surface between the voxels where a voxel covers more than a pixel, in modes that can.
-    pub smooth_surface: bool,
+    pub smooth_surface: SmoothSurface,
     pub lighting: Lighting,
     pub background: Background,
     /// Replaces the background.
@@ -28,10 +37,10 @@ pub struct FrameDesc<'a> {
 }
 
 impl FrameDesc<'_> {
-    /// Whether the pictures show the smooth surface of `grid`.
-    pub(super) fn shows_smooth_surface(&self, grid: &Grid) -> bool {
+    /// Whether pictures of `grid` that show the smooth surface `when` do so.
+    pub(super) fn is_smooth(&self, when: SmoothSurface, grid: &Grid) -> bool {
         let rays = |eye: &Eye| eye.pixel_rays(&self.world_from_grid);
-        self.smooth_surface
+        self.smooth_surface == when
             && self.mode.can_be_smooth()
             && self.eyes.iter().any(|eye| LevelSet::shows(grid, &rays(eye)))
     }

@@ -32,12 +32,17 @@ impl LevelStage {
         reshaded: Option<&[u32]>,
         wanted: bool,
     ) {
-        self.changed.clear();
-        self.active = wanted;
         match (reshaded, &mut self.levels) {
             (Some(changed), Some(levels)) if levels.fits(grid) => levels.follow(grid, changed),
             (_, levels) => *levels = None,
         }
+        self.show(grid, normals, wanted);
+    }
+
+    /// Decides whether the next pictures show the surface, and if so, brings it up to date.
+    pub fn show(&mut self, grid: &Grid, normals: &NormalField, wanted: bool) {
+        self.changed.clear();
+        self.active = wanted;
         if !wanted {
             return;
         }
@@ -63,21 +68,21 @@ impl LevelStage {
     }
 
     /// The surface, if the picture shows it.
-    pub fn surface<'a>(&'a mut self, normals: &'a NormalField) -> Option<SmoothSurface<'a>> {
+    pub fn surface<'a>(&'a mut self, normals: &'a NormalField) -> Option<SampledLevels<'a>> {
         let levels = self.levels.as_ref().filter(|_| self.active)?;
-        Some(SmoothSurface { levels, normals, changed: &self.changed, sampler: &mut self.sampler })
+        Some(SampledLevels { levels, normals, changed: &self.changed, sampler: &mut self.sampler })
     }
 }
 
 /// The smooth surface, ready to be sampled.
-pub(super) struct SmoothSurface<'a> {
+pub(super) struct SampledLevels<'a> {
     levels: &'a LevelSet,
     normals: &'a NormalField,
     changed: &'a [u32],
     sampler: &'a mut LevelSampler,
 }
 
-impl SmoothSurface<'_> {
+impl SampledLevels<'_> {
     /// The pixels in which anything can be seen.
     pub fn visible(&self, rays: &PixelRays) -> PixelRect {
         pixels_of_grid(self.levels.cells(), &LevelSet::rays_of_cells(rays))
@@ -91,7 +96,7 @@ impl SmoothSurface<'_> {
         partially: bool,
         map: &mut IndexMap,
     ) -> Option<PixelRects> {
-        let SmoothSurface { levels, normals, changed, sampler } = self;
+        let SampledLevels { levels, normals, changed, sampler } = self;
         if !partially {
             sampler.sample(grid, normals, levels, rays, map);
             return None;

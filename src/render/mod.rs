@@ -50,6 +50,7 @@ pub use beam::Beams;
 pub use colours::Colours;
 pub use composite::{Composite, CompositeEye};
 pub use fallback::{Fallback, FrameReport};
+pub use frame_desc::SmoothSurface;
 pub use gpu_only::GpuOnly;
 pub use light::LightOptions;
 pub use mode::{RenderMode, Sampling, Shading};

@@ -13,7 +13,7 @@ use super::mean::Mean;
 use super::pictures::Pictures;
 use super::renderer::{FrameDesc, Renderer};
 use super::sampler::DeviceMaps;
-use super::{Background, MAX_EYES};
+use super::{Background, MAX_EYES, SmoothSurface};
 use crate::document::Document;
 use crate::gpu::{GpuError, Recorder, Result, Use};
 use crate::shade::Pixels;
@@ -148,7 +148,8 @@ impl Renderer {
             none => none.insert(Mean::new(&self.device, self.format)?),
         };
         mean.begin(slot);
-        if refinement.taken == 0 {
+        let smooth = desc.is_smooth(SmoothSurface::AtRest, document.grid());
+        if refinement.taken == 0 && !smooth {
             // Sample 0 is the picture itself.
             if let Some(pictures) = &mut self.pictures {
                 mean.add(recorder, &mut pictures.colour, 1)?;
@@ -163,9 +164,15 @@ impl Renderer {
         }
         let eyes = &eyes[..desc.eyes.len().min(MAX_EYES)];
         let desc = FrameDesc { eyes, lighting: desc.lighting.of_sample(index), ..*desc };
+        if smooth {
+            self.levels.show(document.grid(), self.normals.field(), true);
+        }
         self.swap_buffers();
         let result = self.add_sample(recorder, slot, document, &desc, index);
         self.swap_buffers();
+        if smooth {
+            self.levels.show(document.grid(), self.normals.field(), false);
+        }
         // Without this sample there is no mean to show.
         self.refinement.taken = if result.is_ok() { index + 1 } else { 0 };
         result

@@ -27,7 +27,7 @@ use super::times::PictureTimer;
 pub use super::times::{DeviceTimes, RenderTimes};
 use super::{
     Backdrop, Background, Colours, Composite, CompositeEye, EyeTask, GpuOnly, IndexTarget,
-    MAX_EYES, Points, Surface, SurfaceShade, Volume,
+    MAX_EYES, Points, SmoothSurface, Surface, SurfaceShade, Volume,
 };
 use crate::document::{ChangeSubscriber, Document};
 use crate::gpu::{Device, Recorder, Result, Use, read_image_once};
@@ -57,8 +57,8 @@ pub struct Renderer {
     subscriber: ChangeSubscriber,
     /// The bricks that changed since the last picture.
     changed: Vec<u32>,
-    normals: NormalStage,
-    levels: LevelStage,
+    pub(super) normals: NormalStage,
+    pub(super) levels: LevelStage,
     /// What the pictures were made of; none while they are incomplete.
     pub(super) cache: Option<FrameCache>,
     pub(super) refinement: Refinement,
@@ -130,7 +130,7 @@ impl Renderer {
         let changed = changes_known.then_some(self.changed.as_slice());
         let normals = self.normals.update(document.grid(), changed);
         let known = changes_known.then_some(self.normals.reshaded());
-        let smooth = desc.shows_smooth_surface(document.grid());
+        let smooth = desc.is_smooth(SmoothSurface::Always, document.grid());
         self.levels.update(document.grid(), self.normals.field(), known, smooth);
         self.normals.reshade(self.levels.changed());
         let smooth = self.levels.state();

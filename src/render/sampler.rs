@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use ash::vk;
 
-use super::level_stage::SmoothSurface;
+use super::level_stage::SampledLevels;
 use super::pixel_pass::PixelStage;
 use super::{Colours, EyeTask, IndexReadback, IndexTarget, MAX_EYES, RayMarch, Slicing, Volume};
 use super::{RenderMode, Sampling, Shading};
@@ -181,7 +181,7 @@ impl Sampler {
         document: &mut Document,
         rays: &[PixelRays],
         mode: RenderMode,
-        smooth: Option<SmoothSurface>,
+        smooth: Option<SampledLevels>,
         changed: Option<&[u32]>,
         maps: &mut [Arc<IndexMap>],
     ) -> Result<()> {

@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use glam::{Quat, UVec2, UVec3, Vec3};
 
+use super::SmoothSurface;
 use super::overlay::{Line, ToolPreview};
 use super::{Background, FrameDesc, RenderMode, Renderer};
 use crate::document::{Document, Limits};
@@ -63,7 +64,7 @@ impl Renderer {
             world_from_grid: Placement::default()
                 .world_from_grid(document.grid().dims(), document.grid().voxel_size()),
             mode: of.mode,
-            smooth_surface: false,
+            smooth_surface: SmoothSurface::Never,
             lighting: of.lighting,
             background: Background::Gradient { top: grey, bottom: grey },
             video: None,

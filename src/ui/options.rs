@@ -187,15 +187,16 @@ fn view(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Ve
             let gizmo = ui.checkbox(&mut state.view.gizmo, "Axis gizmo");
             explain(gizmo, context, Action::ToggleGizmo);
         });
-        let can = state.view.mode.can_be_smooth();
-        ui.add_enabled(can, Checkbox::new(&mut state.view.smooth_surface, "Smooth surface"))
-            .on_hover_text(
-                "Draw the surface between the voxels, not their cubes, where a voxel covers more than a pixel",
-            )
-            .on_disabled_hover_text("Only available with the software shader");
         ui.checkbox(&mut state.view.refine, "Smooth edges at rest").on_hover_text(
             "While nothing moves, the picture is refined to 16 samples a pixel, so that its edges are smooth",
         );
+        let can = state.view.refine && state.view.mode.can_be_smooth();
+        ui.add_enabled(can, Checkbox::new(&mut state.view.smooth_surface, "Smooth surface at rest"))
+            .on_hover_text(
+                "Where a voxel covers more than a pixel, the refined picture shows the surface between the voxels \
+                 instead of their cubes",
+            )
+            .on_disabled_hover_text("Needs smooth edges at rest, and a mode with the software shader");
     }
 }
 

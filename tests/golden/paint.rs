@@ -9,7 +9,7 @@ use virtual_sculpture::document::{Document, Limits};
 use virtual_sculpture::gpu::{Device, Frames};
 use virtual_sculpture::render::RenderMode;
 use virtual_sculpture::render::overlay::ToolPreview;
-use virtual_sculpture::render::{Background, FrameDesc, Renderer, Video};
+use virtual_sculpture::render::{Background, FrameDesc, Renderer, SmoothSurface, Video};
 use virtual_sculpture::screen::offscreen::FORMAT;
 use virtual_sculpture::shade::{Lighting, Pixels};
 use virtual_sculpture::view::Eye;
@@ -34,7 +34,7 @@ impl Painter {
         let desc = FrameDesc {
             eyes: scene.eyes,
             world_from_grid: scene.world_from_grid,
-            smooth_surface: false,
+            smooth_surface: SmoothSurface::Never,
             mode: scene.mode,
             lighting: Lighting::default(),
             background: BACKGROUND,

@@ -9,7 +9,7 @@ use virtual_sculpture::document::{Document, Limits};
 use virtual_sculpture::gpu::{Device, Frames};
 use virtual_sculpture::render::RenderMode;
 use virtual_sculpture::render::overlay::ToolPreview;
-use virtual_sculpture::render::{Background, FrameDesc, Renderer};
+use virtual_sculpture::render::{Background, FrameDesc, Renderer, SmoothSurface};
 use virtual_sculpture::scenes::Random;
 use virtual_sculpture::screen::offscreen::FORMAT;
 use virtual_sculpture::sculpture::history::Contents;
@@ -92,7 +92,7 @@ impl Painter {
         let desc = FrameDesc {
             eyes: std::slice::from_ref(eye),
             world_from_grid: Affine3A::IDENTITY,
-            smooth_surface: false,
+            smooth_surface: SmoothSurface::Never,
             mode,
             lighting: even,
             background: Background::Gradient { top: Vec3::ZERO, bottom: Vec3::ZERO },

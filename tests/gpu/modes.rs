@@ -8,7 +8,7 @@ use glam::{Affine3A, Quat, UVec2, UVec3, Vec3};
 use virtual_sculpture::command::Command;
 use virtual_sculpture::document::{Document, Limits};
 use virtual_sculpture::gpu::{Device, Frames};
-use virtual_sculpture::render::{Background, FrameDesc, Renderer};
+use virtual_sculpture::render::{Background, FrameDesc, Renderer, SmoothSurface};
 use virtual_sculpture::render::{RenderMode, Shading};
 use virtual_sculpture::scenes;
 use virtual_sculpture::screen::offscreen::FORMAT;
@@ -162,7 +162,7 @@ fn compare_all(device: &Arc<Device>, document: &mut Document, lighting: Lighting
         let desc = FrameDesc {
             eyes: &eyes,
             world_from_grid: world,
-            smooth_surface: false,
+            smooth_surface: SmoothSurface::Never,
             mode,
             lighting,
             background: Background::Gradient { top: RED, bottom: RED },
@@ -235,7 +235,7 @@ fn bits_and_colours_follow_edits_undo_and_other_sculptures_in_every_mode() {
                 let desc = FrameDesc {
                     eyes: &[eye],
                     world_from_grid: world,
-                    smooth_surface: false,
+                    smooth_surface: SmoothSurface::Never,
                     mode,
                     lighting: lighting(false, Look::Colours),
                     background: Background::Gradient { top: RED, bottom: RED },
@@ -269,7 +269,7 @@ fn a_window_of_10_bits_a_colour_shows_the_same_picture() {
             let desc = FrameDesc {
                 eyes: &[eye],
                 world_from_grid: world,
-                smooth_surface: false,
+                smooth_surface: SmoothSurface::Never,
                 mode,
                 lighting: lighting(false, Look::Colours),
                 background: Background::Gradient { top: RED, bottom: RED },

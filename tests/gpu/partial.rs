@@ -8,7 +8,7 @@ use virtual_sculpture::document::{Document, Limits};
 use virtual_sculpture::gpu::{Device, Frames};
 use virtual_sculpture::render::RenderMode;
 use virtual_sculpture::render::overlay::{Line, ToolPreview};
-use virtual_sculpture::render::{Background, FrameDesc, Renderer};
+use virtual_sculpture::render::{Background, FrameDesc, Renderer, SmoothSurface};
 use virtual_sculpture::scenes;
 use virtual_sculpture::screen::offscreen::FORMAT;
 use virtual_sculpture::sculpture::history::Contents;
@@ -24,17 +24,21 @@ const SIZE: UVec2 = UVec2::new(120, 90);
 struct Painter {
     renderer: Renderer,
     frames: Frames,
-    smooth_surface: bool,
+    smooth_surface: SmoothSurface,
 }
 
 impl Painter {
     fn new(device: &Arc<Device>) -> Painter {
         let renderer = Renderer::new(device, FORMAT).unwrap();
-        Painter { renderer, frames: Frames::new(device).unwrap(), smooth_surface: false }
+        Painter {
+            renderer,
+            frames: Frames::new(device).unwrap(),
+            smooth_surface: SmoothSurface::Never,
+        }
     }
 
     fn smooth(device: &Arc<Device>) -> Painter {
-        Painter { smooth_surface: true, ..Painter::new(device) }
+        Painter { smooth_surface: SmoothSurface::Always, ..Painter::new(device) }
     }
 
     fn paint(

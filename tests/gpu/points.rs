@@ -8,7 +8,7 @@ use glam::{Affine3A, Quat, UVec2, Vec3};
 use virtual_sculpture::document::{Document, Limits};
 use virtual_sculpture::gpu::{Device, Frames};
 use virtual_sculpture::render::RenderMode;
-use virtual_sculpture::render::{Background, FrameDesc, Renderer};
+use virtual_sculpture::render::{Background, FrameDesc, Renderer, SmoothSurface};
 use virtual_sculpture::scenes;
 use virtual_sculpture::screen::offscreen::FORMAT;
 use virtual_sculpture::sculpture::history::Contents;
@@ -56,7 +56,7 @@ impl Screen {
         let desc = FrameDesc {
             eyes: &[eye],
             world_from_grid: *world_from_grid,
-            smooth_surface: false,
+            smooth_surface: SmoothSurface::Never,
             mode,
             lighting: Lighting::default(),
             background: Background::Gradient { top: BEHIND, bottom: BEHIND },

@@ -6,7 +6,9 @@ use glam::{Affine3A, UVec2, UVec3, Vec3};
 use virtual_sculpture::command::NewSculpture;
 use virtual_sculpture::document::{Document, Limits};
 use virtual_sculpture::gpu::Frames;
-use virtual_sculpture::render::{Background, FrameDesc, ReferencePicture, RenderMode, Renderer};
+use virtual_sculpture::render::{
+    Background, FrameDesc, ReferencePicture, RenderMode, Renderer, SmoothSurface,
+};
 use virtual_sculpture::screen::offscreen::FORMAT;
 use virtual_sculpture::sculpture::{ColourDepth, Placement, Rgb};
 use virtual_sculpture::shade::{Lighting, Pixels};
@@ -52,7 +54,7 @@ fn a_reference_picture_stands_in_the_scene_and_is_hidden_by_what_is_before_it() 
         let desc = FrameDesc {
             eyes: &eyes,
             world_from_grid,
-            smooth_surface: false,
+            smooth_surface: SmoothSurface::Never,
             mode: RenderMode::Ray,
             lighting: Lighting::default(),
             background: Background::Gradient { top: grey, bottom: grey },

@@ -8,7 +8,9 @@ use glam::{Affine3A, Quat, UVec2, Vec3};
 use virtual_sculpture::document::{Document, Limits};
 use virtual_sculpture::gpu::{Device, Frames};
 use virtual_sculpture::render::overlay::{Line, ToolPreview};
-use virtual_sculpture::render::{Background, FrameDesc, FrameReport, RenderMode, Renderer};
+use virtual_sculpture::render::{
+    Background, FrameDesc, FrameReport, RenderMode, Renderer, SmoothSurface,
+};
 use virtual_sculpture::scenes;
 use virtual_sculpture::screen::offscreen::FORMAT;
 use virtual_sculpture::sculpture::history::Contents;
@@ -117,7 +119,7 @@ fn desc<'a>(mode: RenderMode, eyes: &'a [Eye]) -> FrameDesc<'a> {
     FrameDesc {
         eyes,
         world_from_grid: Affine3A::from_translation(Vec3::splat(-40.0)),
-        smooth_surface: false,
+        smooth_surface: SmoothSurface::Never,
         mode,
         lighting: Lighting::default(),
         background: Background::Gradient { top: Vec3::ONE, bottom: grey },
@@ -197,6 +199,37 @@ fn a_resting_picture_becomes_the_mean_of_its_samples_in_every_mode() {
                 &format!("{mode:?}"),
                 &refined,
                 &mean(device, FORMAT, &mut document, &desc),
+            );
+        }
+    });
+}
+
+/// While it moves the picture shows the voxels, at rest the surface between them; what is picked stays.
+#[test]
+fn a_resting_picture_becomes_smooth() {
+    with_device(|device| {
+        // So near that a voxel covers some pixels.
+        let near = [Camera::framing(12.0, Vec3::new(0.3, 0.5, 1.0), Vec3::Y).eye(SIZE)];
+        let at = Affine3A::from_translation(Vec3::new(-50.0, -44.0, -76.0));
+        for mode in [RenderMode::Ray, RenderMode::Slicing] {
+            let mut document = sculpture();
+            let voxels = FrameDesc { world_from_grid: at, ..desc(mode, &near) };
+            let at_rest = FrameDesc { smooth_surface: SmoothSurface::AtRest, ..voxels };
+            let always = FrameDesc { smooth_surface: SmoothSurface::Always, ..voxels };
+            let mut painter = Painter::refining(device);
+            let (first, refined) = painter.rest(&mut document, &at_rest);
+            let (_, plain) = Painter::new(device, FORMAT).paint(&mut document, &voxels);
+            assert!(first == plain, "{mode:?}: refinement begins with the voxels");
+            let expected = mean(device, FORMAT, &mut document, &always);
+            assert!(expected != mean(device, FORMAT, &mut document, &voxels));
+            assert_near(&format!("{mode:?}"), &refined, &expected);
+            // An edit is followed.
+            document.apply(&"add ellipsoid at=46,46,80 half=6,6,6".parse().unwrap()).unwrap();
+            let (_, refined) = painter.rest(&mut document, &at_rest);
+            assert_near(
+                &format!("{mode:?}"),
+                &refined,
+                &mean(device, FORMAT, &mut document, &always),
             );
         }
     });

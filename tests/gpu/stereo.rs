@@ -7,7 +7,9 @@ use virtual_sculpture::gpu::{
     Attachment, EyeImage, Frames, Load, Staging, Use, read_image_once, run_once,
 };
 use virtual_sculpture::render::RenderMode;
-use virtual_sculpture::render::{Background, FrameDesc, Renderer, Stereo, StereoSources};
+use virtual_sculpture::render::{
+    Background, FrameDesc, Renderer, SmoothSurface, Stereo, StereoSources,
+};
 use virtual_sculpture::scenes;
 use virtual_sculpture::screen::offscreen::FORMAT;
 use virtual_sculpture::sculpture::history::Contents;
@@ -130,7 +132,7 @@ fn both_eyes_of_the_renderer_are_what_each_eye_sees() {
             let desc = FrameDesc {
                 eyes,
                 world_from_grid,
-                smooth_surface: false,
+                smooth_surface: SmoothSurface::Never,
                 mode,
                 lighting,
                 background: Background::Gradient { top: background, bottom: background },

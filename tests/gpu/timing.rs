@@ -6,7 +6,7 @@ use glam::{UVec2, Vec3};
 use virtual_sculpture::document::{Document, Limits};
 use virtual_sculpture::gpu::{FRAMES_IN_FLIGHT, Frames, Timer, run_once};
 use virtual_sculpture::render::renderer::DeviceTimes;
-use virtual_sculpture::render::{Background, FrameDesc, Renderer};
+use virtual_sculpture::render::{Background, FrameDesc, Renderer, SmoothSurface};
 use virtual_sculpture::render::{RenderMode, Sampling, Shading};
 use virtual_sculpture::scenes;
 use virtual_sculpture::screen::offscreen::FORMAT;
@@ -33,7 +33,7 @@ fn desc<'a>(document: &Document, eyes: &'a [Eye], mode: RenderMode) -> FrameDesc
     FrameDesc {
         eyes,
         world_from_grid: document.world_from_grid(),
-        smooth_surface: false,
+        smooth_surface: SmoothSurface::Never,
         mode,
         lighting: Lighting::default(),
         background: Background::Gradient { top: Vec3::ONE, bottom: Vec3::ZERO },

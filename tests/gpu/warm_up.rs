@@ -4,7 +4,9 @@ use glam::{Quat, UVec2, UVec3, Vec3};
 use virtual_sculpture::document::{Document, Limits};
 use virtual_sculpture::gpu::Frames;
 use virtual_sculpture::render::overlay::{Line, ToolPreview};
-use virtual_sculpture::render::{Background, FrameDesc, RenderMode, Renderer, WarmUp};
+use virtual_sculpture::render::{
+    Background, FrameDesc, RenderMode, Renderer, SmoothSurface, WarmUp,
+};
 use virtual_sculpture::scenes;
 use virtual_sculpture::screen::offscreen::FORMAT;
 use virtual_sculpture::sculpture::history::Contents;
@@ -75,7 +77,7 @@ fn the_first_picture_after_warming_up_creates_no_pipeline_in_any_mode() {
             let desc = FrameDesc {
                 eyes: &eyes,
                 world_from_grid: Placement::default().world_from_grid(dims, Vec3::ONE),
-                smooth_surface: false,
+                smooth_surface: SmoothSurface::Never,
                 mode,
                 lighting: lighting(),
                 background: Background::Gradient { top: Vec3::ONE, bottom: Vec3::X },

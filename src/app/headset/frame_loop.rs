@@ -19,6 +19,7 @@ use crate::app::painter::background;
 use crate::app::workspace::Workspace;
 use crate::gpu::{Recorder, ValidationLog};
 use crate::input::hands::{HandEvent, HandMapper, HandsState};
+use crate::render::SmoothSurface;
 use crate::render::renderer::FrameDesc;
 use crate::render::{Background, Renderer, WarmUp};
 use crate::screen::headset::{
@@ -280,7 +281,7 @@ impl XrFrameLoop {
             eyes: &eyes,
             world_from_grid: workspace.world_from_grid(),
             mode: workspace.ui.view.mode,
-            smooth_surface: workspace.ui.view.smooth_surface,
+            smooth_surface: SmoothSurface::Never,
             lighting: workspace.ui.view.lighting(),
             background: match see_through {
                 true => Background::Keep,
