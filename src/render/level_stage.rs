@@ -59,7 +59,7 @@ impl LevelStage {
 
     /// Whether the picture shows the smooth surface; if so, whether it differs from that of the last picture.
     pub fn state(&self) -> Option<bool> {
-        self.active.then(|| !self.changed.is_empty())
+        self.active.then_some(!self.changed.is_empty())
     }
 
     /// The bricks whose levels differ from those of the last picture.

@@ -64,7 +64,7 @@ impl OpennessTables {
             self.tables[place] = table(grid, b);
         }
         let table = &self.tables[place];
-        let [x, y, z] = (voxel / WORD_EDGE_VX & 1).to_array().map(|c| c as usize);
+        let [x, y, z] = ((voxel / WORD_EDGE_VX) & 1).to_array().map(|c| c as usize);
         let share = ((voxel % WORD_EDGE_VX).as_vec3() + 0.5) / WORD_EDGE_VX as f32;
         let mix = |a: f32, b: f32, share: f32| a + (b - a) * share;
         let along_x = |y: usize, z: usize| {

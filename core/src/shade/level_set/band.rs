@@ -165,7 +165,7 @@ impl Band<'_> {
 fn joined(bricks: &[[u64; 8]; 27]) -> Rows {
     let mut rows = Rows::default();
     // Along an axis: the brick, and the voxel in it.
-    let at = |i: usize| ((i + 7) / 8, (i + 7) % 8);
+    let at = |i: usize| (i.div_ceil(8), (i + 7) % 8);
     for (z, rows) in rows.iter_mut().enumerate() {
         let (brick_z, z) = at(z);
         for (y, row) in rows.iter_mut().enumerate() {

@@ -142,7 +142,7 @@ fn signs_are_those_of_the_voxels() {
     let turn = Quat::from_euler(glam::EulerRot::XYZ, 0.4, 0.7, 0.2);
     let wall = grid_of(40, |p| (turn * (p - 20.0)).x.abs() < 1.0);
     let mut random = scenes::Random(3);
-    let noise = grid_of(24, |_| random.next_u64() % 3 == 0);
+    let noise = grid_of(24, |_| random.next_u64().is_multiple_of(3));
     let full = grid_of(24, |_| true);
     let empty = grid_of(24, |_| false);
     let one = grid_of(17, |p| p.floor() == Vec3::splat(16.0));
