@@ -20,6 +20,9 @@ use super::screenshot::Screenshot;
 /// Longest wait for anything, even on a slow machine.
 pub const PATIENCE: Duration = Duration::from_secs(120);
 const PROGRAM: &str = env!("CARGO_BIN_EXE_virtual-sculpture");
+/// Light in which stone has the colours that screenshots are searched for.
+const LIGHT: &str =
+    "[light]\nambient = 0.25\nsky = '#ffffff'\nground = '#ffffff'\nexposure = 0.0\ntone = 'off'\n";
 
 pub struct Program {
     child: Child,
@@ -34,7 +37,7 @@ impl Program {
     pub fn start(runtime: &Runtime, dims: u32, settings: &str) -> Program {
         let folder = tempfile::tempdir().unwrap();
         let config = folder.path().join("config.toml");
-        let text = format!("[new]\ndims = [{dims}, {dims}, {dims}]\n{settings}");
+        let text = format!("[new]\ndims = [{dims}, {dims}, {dims}]\n{LIGHT}{settings}");
         std::fs::write(&config, text).unwrap();
         let mut child = runtime
             .command(Path::new(PROGRAM))

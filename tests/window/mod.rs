@@ -22,7 +22,7 @@ use std::time::Duration;
 use crate::gpu::fixture::need_device;
 
 use display::{Display, Picture};
-use program::Program;
+use program::{Program, VOXELS};
 
 const LEFT: u8 = 1;
 const MIDDLE: u8 = 2;
@@ -33,7 +33,10 @@ const PICTURE: [u32; 4] = [120, 50, 900, 700];
 
 /// The program on a display of its own, idle, with a sculpture of 96^3 voxels.
 fn start<'a>(display: &'a Display, arguments: &[&str]) -> Program<'a> {
-    let program = Program::start(display, arguments);
+    ready(Program::start(display, arguments))
+}
+
+fn ready(program: Program) -> Program {
     program.leave_picture();
     program.settle();
     program
@@ -66,7 +69,7 @@ fn shot(program: &Program, name: &str) -> Picture {
 #[test]
 fn a_stroke_changes_the_picture_and_undo_restores_it() {
     let display = display();
-    let program = start(&display, &[]);
+    let program = ready(Program::start_with(&display, &[], VOXELS));
     tool_home(&program);
     let before = shot(&program, "1-before").part(PICTURE);
     let colours = before.colours();

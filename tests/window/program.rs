@@ -19,6 +19,9 @@ use crate::faults::Faults;
 
 /// A small sculpture, and no introduction.
 const SETTINGS: &str = "[new]\ndims = [96, 96, 96]\n[window]\nguide = false\n";
+/// The usual ones, with voxels at rest, too: what all modes show.
+pub const VOXELS: &str =
+    "[new]\ndims = [96, 96, 96]\n[window]\nguide = false\n[render]\nsmooth_surface = false\n";
 /// Part of the title of the main window only.
 const MAIN: &str = "Virtual Sculpture";
 const KEY: u8 = 2;
