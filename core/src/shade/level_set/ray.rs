@@ -41,15 +41,36 @@ pub(super) struct Scene<'a> {
     pub levels: &'a LevelSet,
 }
 
-/// The cell that was looked into last, with its corners: neighbouring pixels often ask for the same.
-pub(super) struct Cell {
+/// A cell with what is known at its corners.
+#[derive(Clone)]
+struct Cell {
     at: IVec3,
-    corners: [f32; 8],
+    levels: [f32; 8],
+    /// 0 where there is none; of the existing corners, once they were asked for.
+    normals: [Vec3; 8],
+    has_normals: bool,
 }
 
-impl Default for Cell {
-    fn default() -> Cell {
-        Cell { at: IVec3::MIN, corners: [0.0; 8] }
+/// The cells that were looked into last: pixels next to each other look into the same.
+#[derive(Clone)]
+pub(super) struct CellCache(Vec<Cell>);
+
+const CACHED_CELLS: usize = 1 << 9;
+
+impl Default for CellCache {
+    fn default() -> CellCache {
+        let nothing =
+            Cell { at: IVec3::MIN, levels: [0.0; 8], normals: [Vec3::ZERO; 8], has_normals: false };
+        CellCache(vec![nothing; CACHED_CELLS])
+    }
+}
+
+impl CellCache {
+    #[inline(always)]
+    fn slot(&mut self, at: IVec3) -> &mut Cell {
+        let hash = (at.x as usize) ^ (at.y as usize) << 3 ^ (at.z as usize) << 6;
+        let hash = hash ^ hash >> 9;
+        &mut self.0[hash % CACHED_CELLS]
     }
 }
 
@@ -61,7 +82,7 @@ impl Scene<'_> {
         origin: Vec3,
         direction: Vec3,
         first: UVec3,
-        last: &mut Cell,
+        cache: &mut CellCache,
     ) -> Option<SurfaceHit> {
         let cells = self.levels.cells();
         let dims = cells.dims().as_ivec3();
@@ -77,14 +98,16 @@ impl Scene<'_> {
             let leaves = a.max(b);
             let to = leaves.min_element().max(from);
             if cells.get(cell) {
-                if last.at != cell {
-                    *last = Cell { at: cell, corners: self.levels.corners(self.grid, cell) };
+                let known = cache.slot(cell);
+                if known.at != cell {
+                    known.levels = self.levels.corners(self.grid, cell);
+                    (known.at, known.has_normals) = (cell, false);
                 }
                 let place = |t: f32| (origin + direction * t - low).clamp(Vec3::ZERO, Vec3::ONE);
                 let (begin, end) = (place(from), place(to));
-                if let Some(share) = first_root(&last.corners, begin, end) {
+                if let Some(share) = first_root(&known.levels, begin, end) {
                     let t = from + (to - from) * share;
-                    return Some(self.shown(cell, &last.corners, begin.lerp(end, share), t));
+                    return Some(self.shown(known, begin.lerp(end, share), t));
                 }
             } else if to - from > long_enough {
                 // From well within the empty cell: rounding must not lead back to the one before.
@@ -109,25 +132,29 @@ impl Scene<'_> {
 
     /// The voxel and the normal at a place of a cell.
     #[inline(always)]
-    fn shown(&self, cell: IVec3, corners: &[f32; 8], place: Vec3, t: f32) -> SurfaceHit {
+    fn shown(&self, cell: &mut Cell, place: Vec3, t: f32) -> SurfaceHit {
+        let voxel = |i: usize| cell.at - 1 + corner(i);
+        if !cell.has_normals {
+            for i in 0..8 {
+                let normal = (cell.levels[i] < 0.0).then(|| self.normal(voxel(i).as_uvec3()));
+                cell.normals[i] = normal.flatten().unwrap_or(Vec3::ZERO);
+            }
+            cell.has_normals = true;
+        }
         let mut normal = Vec3::ZERO;
-        let (mut nearest, mut most) = (IVec3::ZERO, -1.0);
-        for i in (0..8).filter(|&i| corners[i] < 0.0) {
-            let offset = corner(i);
-            let share = share(place, offset) + LEAST_SHARE;
-            let voxel = cell - 1 + offset;
-            let Some(own) = self.normal(voxel.as_uvec3()) else { continue };
+        // While normals are not complete, any existing corner will do.
+        let (mut nearest, mut most) = (0, -1.0);
+        for i in 0..8 {
+            let own = cell.normals[i];
+            let known = if own == Vec3::ZERO { 0.0 } else { 1.0 };
+            let share = share(place, corner(i)) + LEAST_SHARE;
             normal += own * share;
-            if share > most {
-                (nearest, most) = (voxel, share);
+            if cell.levels[i] < 0.0 && share + known > most {
+                (nearest, most) = (i, share + known);
             }
         }
-        if most < 0.0 {
-            // The normals are not complete: any existing corner.
-            let i = (0..8).find(|&i| corners[i] < 0.0).unwrap_or_default();
-            nearest = (cell - 1 + corner(i)).max(IVec3::ZERO);
-        }
-        SurfaceHit { voxel: nearest.as_uvec3(), normal: PackedNormal::pack(normal), t }
+        let voxel = voxel(nearest).max(IVec3::ZERO).as_uvec3();
+        SurfaceHit { voxel, normal: PackedNormal::pack(normal), t }
     }
 
     #[inline(always)]

@@ -3,16 +3,20 @@
 //! The exact ray caster finds the first cell of every pixel, [`super::ray`] the place on the surface from there on.
 //! A map names the nearest voxel of each pixel, as any other sampler's does, and has the normals between voxels.
 
-use glam::Vec3;
 use rayon::prelude::*;
 
 use super::LevelSet;
-use super::ray::{Cell, Scene};
+use super::ray::{CellCache, Scene};
 use crate::sculpture::{Grid, NO_VOXEL};
 use crate::shade::NormalField;
 use crate::shade::normal_field::PackedNormal;
 use crate::surface::{IndexMap, PixelRect, raycast};
 use crate::view::PixelRays;
+
+/// Rows of pixels that one parallel task samples, and width of the strips in which it does: pixels of a strip look into
+/// the same cells.
+const BAND_ROWS: usize = 16;
+const STRIP_PX: usize = 64;
 
 /// Samples pictures of one eye. Keeps its memory.
 #[derive(Debug)]
@@ -58,27 +62,31 @@ impl LevelSampler {
         raycast::sample_rect(levels.cells(), &mut self.cells, rect);
         let scene = Scene { grid, normals, levels };
         let rays = self.cells.rays;
-        let width = map.rays.size.x;
-        let rows = rect.rows_of_mut(&mut map.voxels, width).par_chunks_mut(width as usize);
-        let rows =
-            rows.zip(rect.rows_of_mut(&mut map.normals, width).par_chunks_mut(width as usize));
-        let cells = rect.rows_of(&self.cells.voxels, width).par_chunks(width as usize);
-        rows.zip(cells).zip(rect.rows()).for_each(|(((voxels, normals), cells), y)| {
-            let mut last = Cell::default();
-            for x in rect.min.x..rect.max.x {
-                let i = x as usize;
-                let seen = match cells[i] {
-                    NO_VOXEL => None,
-                    cell => {
-                        let cell = levels.cells().voxel_coords(cell);
-                        let direction: Vec3 = rays.direction(x, y);
-                        scene.hit(rays.origin, direction, cell, &mut last)
-                    }
-                };
-                (voxels[i], normals[i]) = match seen {
-                    Some(hit) => (grid.voxel_index(hit.voxel), hit.normal.0),
-                    None => (NO_VOXEL, PackedNormal::NONE.0),
-                };
+        let (width, band) = (map.rays.size.x, map.rays.size.x as usize * BAND_ROWS);
+        let voxels = rect.rows_of_mut(&mut map.voxels, width).par_chunks_mut(band);
+        let normals = rect.rows_of_mut(&mut map.normals, width).par_chunks_mut(band);
+        let cells = rect.rows_of(&self.cells.voxels, width).par_chunks(band);
+        let bands = voxels.zip(normals).zip(cells).enumerate();
+        bands.for_each_init(CellCache::default, |cache, (band, ((voxels, normals), cells))| {
+            let first_y = rect.min.y + (band * BAND_ROWS) as u32;
+            let rows = 0..(cells.len() / width as usize) as u32;
+            for left in (rect.min.x..rect.max.x).step_by(STRIP_PX) {
+                let strip = left..rect.max.x.min(left + STRIP_PX as u32);
+                for (row, x) in rows.clone().flat_map(|row| strip.clone().map(move |x| (row, x))) {
+                    let i = (row * width + x) as usize;
+                    let seen = match cells[i] {
+                        NO_VOXEL => None,
+                        cell => {
+                            let cell = levels.cells().voxel_coords(cell);
+                            let direction = rays.direction(x, first_y + row);
+                            scene.hit(rays.origin, direction, cell, cache)
+                        }
+                    };
+                    (voxels[i], normals[i]) = match seen {
+                        Some(hit) => (grid.voxel_index(hit.voxel), hit.normal.0),
+                        None => (NO_VOXEL, PackedNormal::NONE.0),
+                    };
+                }
             }
         });
     }
