@@ -88,6 +88,11 @@ impl SampledLevels<'_> {
         pixels_of_grid(self.levels.cells(), &LevelSet::rays_of_cells(rays))
     }
 
+    /// Samples the pixels of `rect` of a map that has its rays.
+    pub fn sample_rect(&mut self, grid: &Grid, rect: PixelRect, map: &mut IndexMap) {
+        self.sampler.sample_rect(grid, self.normals, self.levels, rect, map);
+    }
+
     /// Samples `map` with `rays`, or only what has changed since it was sampled with them; returns the pixels then.
     pub fn sample(
         &mut self,

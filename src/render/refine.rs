@@ -19,10 +19,14 @@ use crate::gpu::{GpuError, Recorder, Result, Use};
 use crate::shade::Pixels;
 use crate::shade::points::PointCloud;
 use crate::surface::IndexMap;
+use crate::view::PixelRays;
 
 /// The frames that a picture stays the same before it is refined. While a person works, pictures change more often,
 /// and edges that become smooth now and then would flicker.
 const REST_FRAMES: u32 = 6;
+
+/// Pixels of the smooth surface that are sampled in a frame: some 15 ms on two cores.
+const SMOOTH_PIXELS: u32 = 1 << 16;
 
 /// What a picture is made in.
 #[derive(Default)]
@@ -46,6 +50,8 @@ pub(super) struct Refinement {
     rested: u32,
     /// The samples in the mean.
     taken: u32,
+    /// Rows of pixels of the next sample, of all eyes, in which the smooth surface has been found.
+    rows: u32,
     /// The present pictures can be refined.
     possible: bool,
     /// There was no memory for it.
@@ -56,7 +62,7 @@ pub(super) struct Refinement {
 
 impl Refinement {
     fn restart(&mut self) {
-        (self.rested, self.taken) = (0, 0);
+        (self.rested, self.taken, self.rows) = (0, 0, 0);
     }
 
     /// Frees what samples are made in.
@@ -168,17 +174,50 @@ impl Renderer {
             self.levels.show(document.grid(), self.normals.field(), true);
         }
         self.swap_buffers();
-        let result = self.add_sample(recorder, slot, document, &desc, index);
+        let result = match smooth && !self.find_smooth_rows(document, &desc) {
+            // The rest of it in the next frames.
+            true => Ok(false),
+            false => self.add_sample(recorder, slot, document, &desc, index, smooth).map(|()| true),
+        };
         self.swap_buffers();
         if smooth {
             self.levels.show(document.grid(), self.normals.field(), false);
         }
-        // Without this sample there is no mean to show.
-        self.refinement.taken = if result.is_ok() { index + 1 } else { 0 };
-        result
+        match &result {
+            Ok(true) => (self.refinement.taken, self.refinement.rows) = (index + 1, 0),
+            Ok(false) => {}
+            // Without this sample there is no mean to show.
+            Err(_) => (self.refinement.taken, self.refinement.rows) = (0, 0),
+        }
+        result.map(|_| ())
     }
 
-    /// Makes a sample in the present buffers, and then the mean.
+    /// Samples the smooth surface in as many more rows of the present maps as a frame has time for; returns whether
+    /// that were all.
+    fn find_smooth_rows(&mut self, document: &Document, desc: &FrameDesc) -> bool {
+        let Some(eye) = desc.eyes.first() else { return true };
+        let (width, height) = (eye.size.x.max(1), eye.size.y);
+        let all = height * desc.eyes.len() as u32;
+        let from = self.refinement.rows;
+        // Of one eye at a time.
+        let to = (from + (SMOOTH_PIXELS / width).max(1))
+            .min((from / height.max(1) + 1) * height)
+            .min(all);
+        if from < to {
+            let (i, rows) = ((from / height) as usize, from % height..from % height + (to - from));
+            self.maps
+                .resize_with(desc.eyes.len(), || Arc::new(IndexMap::new(PixelRays::of_nothing())));
+            let rays = desc.eyes[i].pixel_rays(&desc.world_from_grid);
+            if let Some(mut smooth) = self.levels.surface(self.normals.field()) {
+                let map = Arc::make_mut(&mut self.maps[i]);
+                self.sampler.sample_rows(document.grid(), i, &rays, rows, &mut smooth, map);
+            }
+        }
+        self.refinement.rows = to;
+        to == all
+    }
+
+    /// Makes a sample in the present buffers, whose maps may have been sampled, and then the mean.
     fn add_sample(
         &mut self,
         recorder: &mut Recorder,
@@ -186,8 +225,11 @@ impl Renderer {
         document: &mut Document,
         desc: &FrameDesc,
         index: u32,
+        is_sampled: bool,
     ) -> Result<()> {
-        self.sample(document, desc, Redraw::All)?;
+        if !is_sampled {
+            self.sample(document, desc, Redraw::All)?;
+        }
         self.timer.begin(recorder, slot, desc.mode, &mut self.times.device)?;
         self.shade(recorder, slot, document, desc, Redraw::All)?;
         self.compose(recorder, slot, document, desc, None)?;

@@ -4,10 +4,12 @@
 //! The maps end up both in memory, for the software shader and for picking, and on the device, for
 //! the composite, with a layer per eye. Where the device also shades, they stay there.
 
+use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
 use ash::vk;
+use glam::UVec2;
 
 use super::level_stage::SampledLevels;
 use super::pixel_pass::PixelStage;
@@ -240,6 +242,26 @@ impl Sampler {
                 self.sample_on_device(document, mode, changed, maps)
             }
         }
+    }
+
+    /// Samples some rows of the map of an eye with the smooth surface, from row 0 on with new rays.
+    pub(super) fn sample_rows(
+        &mut self,
+        grid: &Grid,
+        eye: usize,
+        rays: &PixelRays,
+        rows: Range<u32>,
+        smooth: &mut SampledLevels,
+        map: &mut IndexMap,
+    ) {
+        if rows.start == 0 {
+            map.reset_with_normals(*rays);
+        }
+        let rect =
+            PixelRect { min: UVec2::new(0, rows.start), max: UVec2::new(rays.size.x, rows.end) };
+        smooth.sample_rect(grid, rect, map);
+        (self.visible[eye], self.pending[eye]) = (smooth.visible(rays), Pending::All);
+        (self.device_ms, self.read_back_ms) = (None, None);
     }
 
     fn sample_on_device(

@@ -148,7 +148,7 @@ fn mean(
         false => light.sqrt(),
     };
     let mut painter = Painter::new(device, format);
-    let pixels = (SIZE.x * SIZE.y) as usize;
+    let pixels = desc.eyes[0].size.element_product() as usize;
     let mut sums = vec![vec![[0f64; 3]; pixels]; desc.eyes.len()];
     for index in 0..SAMPLES {
         let shifted: Vec<Eye> = desc.eyes.iter().map(|eye| eye.sample(index)).collect();
@@ -170,7 +170,7 @@ fn assert_near(what: &str, found: &[Pixels], expected: &[Vec<[u8; 3]>]) {
     for (found, expected) in found.iter().zip(expected) {
         for (i, ([r, g, b, a], expected)) in found.rgba.iter().zip(expected).enumerate() {
             let off = [r, g, b].into_iter().zip(expected).map(|(f, e)| f.abs_diff(*e)).max();
-            let at = UVec2::new(i as u32 % SIZE.x, i as u32 / SIZE.x);
+            let at = UVec2::new(i as u32 % found.size.x, i as u32 / found.size.x);
             assert!(off <= Some(1) && *a == 255, "{what} at {at}: {r} {g} {b}, {expected:?}");
         }
     }
@@ -208,8 +208,8 @@ fn a_resting_picture_becomes_the_mean_of_its_samples_in_every_mode() {
 #[test]
 fn a_resting_picture_becomes_smooth() {
     with_device(|device| {
-        // So near that a voxel covers some pixels.
-        let near = [Camera::framing(12.0, Vec3::new(0.3, 0.5, 1.0), Vec3::Y).eye(SIZE)];
+        // So near that a voxel covers some pixels, and so large that a sample takes two frames.
+        let near = [Camera::framing(12.0, Vec3::new(0.3, 0.5, 1.0), Vec3::Y).eye(3 * SIZE)];
         let at = Affine3A::from_translation(Vec3::new(-50.0, -44.0, -76.0));
         for mode in [RenderMode::Ray, RenderMode::Slicing] {
             let mut document = sculpture();
