@@ -1,7 +1,8 @@
 //! A device that runs out of memory: a software device in a process whose memory is limited. The test runs itself again
 //! in a process of its own.
 
-use std::process::Command;
+use std::io::{BufReader, Read, Write};
+use std::process::{Child, ChildStdout, Command, Stdio};
 use std::sync::Arc;
 
 use ash::vk;
@@ -14,18 +15,57 @@ use virtual_sculpture::render::gui::Gui;
 
 use super::fixture::with_device;
 
-/// Limits the address space of this process to this much more than it uses, in MiB.
-fn limit(more_mib: Option<u64>) {
-    let Some(mib) = more_mib else { return set_limit("unlimited") };
-    // A thread of the driver that has just started reserves 64 MiB for its heap. If it does so after the size was read,
-    // nothing is left: the limit is right once the size has not changed around it.
-    loop {
-        let used_kib = address_space_kib();
-        set_limit(&(used_kib * 1024 + (mib << 20)).to_string());
-        if address_space_kib() == used_kib {
-            return;
+/// Limits the address space of this process. A process of its own does so: once there is a limit, this one may have no
+/// memory to start another.
+struct Limiter {
+    shell: Child,
+    done: BufReader<ChildStdout>,
+}
+
+impl Limiter {
+    fn start() -> Limiter {
+        let set = format!("prlimit --pid {} --as=$most:unlimited && echo done", std::process::id());
+        let mut shell = Command::new("sh")
+            .args(["-c", &format!("while read most; do {set}; done")])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let done = BufReader::new(shell.stdout.take().unwrap());
+        Limiter { shell, done }
+    }
+
+    /// Allows this much more than is in use, in MiB.
+    fn limit(&mut self, more_mib: u64) {
+        // A thread of the driver that has just started reserves 64 MiB for its heap. If it does so after the size was
+        // read, nothing is left: the limit is right once the size has not changed around it.
+        loop {
+            let used_kib = address_space_kib();
+            self.set(&(used_kib * 1024 + (more_mib << 20)).to_string());
+            if address_space_kib() == used_kib {
+                return;
+            }
+            self.lift();
         }
-        set_limit("unlimited");
+    }
+
+    fn lift(&mut self) {
+        self.set("unlimited");
+    }
+
+    fn set(&mut self, most: &str) {
+        writeln!(self.shell.stdin.as_ref().unwrap(), "{most}").unwrap();
+        let mut answer = [0; 5];
+        self.done.read_exact(&mut answer).unwrap();
+        assert_eq!(&answer, b"done\n");
+    }
+}
+
+impl Drop for Limiter {
+    fn drop(&mut self) {
+        // The end of its input ends the shell.
+        drop(self.shell.stdin.take());
+        let _ = self.shell.wait();
     }
 }
 
@@ -33,14 +73,6 @@ fn address_space_kib() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap();
     let line = status.lines().find(|line| line.starts_with("VmSize")).unwrap();
     line.split_whitespace().nth(1).unwrap().parse().unwrap()
-}
-
-fn set_limit(bytes: &str) {
-    let done = Command::new("prlimit")
-        .args(["--pid", &std::process::id().to_string(), &format!("--as={bytes}:unlimited")])
-        .status()
-        .unwrap();
-    assert!(done.success());
 }
 
 fn texture(side: usize) -> TexturesDelta {
@@ -64,14 +96,15 @@ fn where_no_block_fits_there_is_room_for_one_thing_and_a_texture_waits() {
         if !device.device_name().contains("llvmpipe") {
             trials::skip(&format!("{} has memory of its own", device.device_name()));
         }
-        room_for_one(device);
-        a_texture_waits(device);
+        let mut limiter = Limiter::start();
+        room_for_one(device, &mut limiter);
+        a_texture_waits(device, &mut limiter);
     });
 }
 
-fn room_for_one(device: &Arc<Device>) {
+fn room_for_one(device: &Arc<Device>, limiter: &mut Limiter) {
     // Less than any block, enough for one image of 16 MiB.
-    limit(Some(60));
+    limiter.limit(60);
     let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
     let info = ImageInfo::plane("picture", [2048, 2048], vk::Format::R8G8B8A8_UNORM, usage);
     let image = Image::new(device, &info).unwrap();
@@ -79,14 +112,14 @@ fn room_for_one(device: &Arc<Device>) {
     let small = Buffer::new(device, "words", 4096, usage, MemoryLocation::CpuToGpu).unwrap();
     // An allocation that exceeds what is left is an error that says what to do.
     let large = Buffer::new(device, "volume", 1 << 30, usage, MemoryLocation::CpuToGpu);
-    limit(None);
+    limiter.lift();
     let error = large.err().unwrap();
     assert!(matches!(error, GpuError::OutOfMemory(_)), "{error}");
     drop((image, small));
 }
 
 /// An interface texture without memory is reported once, and created later.
-fn a_texture_waits(device: &Arc<Device>) {
+fn a_texture_waits(device: &Arc<Device>, limiter: &mut Limiter) {
     let mut gui = Gui::new(device, vk::Format::R8G8B8A8_UNORM).unwrap();
     let mut upload = |delta: &mut TexturesDelta| {
         run_once(device, |recorder| gui.upload(recorder, 0, delta)).unwrap();
@@ -94,10 +127,10 @@ fn a_texture_waits(device: &Arc<Device>) {
     };
     // 64 MiB.
     let mut delta = texture(4096);
-    limit(Some(40));
+    limiter.limit(40);
     let lack = upload(&mut delta);
     let again = upload(&mut TexturesDelta::default());
-    limit(None);
+    limiter.lift();
     assert!(matches!(lack, Some(GpuError::OutOfMemory(_))), "{lack:?}");
     assert!(again.is_none(), "{again:?}");
     assert!(upload(&mut TexturesDelta::default()).is_none());
