@@ -154,7 +154,12 @@ impl Renderer {
             none => none.insert(Mean::new(&self.device, self.format)?),
         };
         mean.begin(slot);
-        let smooth = desc.is_smooth(SmoothSurface::AtRest, document.grid());
+        let mut smooth = desc.is_smooth(SmoothSurface::AtRest, document.grid());
+        if smooth {
+            self.levels.show(document.grid(), self.normals.field(), true);
+            // A grid that is too large for it shows its voxels.
+            smooth = self.levels.state().is_some();
+        }
         if refinement.taken == 0 && !smooth {
             // Sample 0 is the picture itself.
             if let Some(pictures) = &mut self.pictures {
@@ -170,9 +175,6 @@ impl Renderer {
         }
         let eyes = &eyes[..desc.eyes.len().min(MAX_EYES)];
         let desc = FrameDesc { eyes, lighting: desc.lighting.of_sample(index), ..*desc };
-        if smooth {
-            self.levels.show(document.grid(), self.normals.field(), true);
-        }
         self.swap_buffers();
         let result = match smooth && !self.find_smooth_rows(document, &desc) {
             // The rest of it in the next frames.

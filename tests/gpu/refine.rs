@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use ash::vk;
-use glam::{Affine3A, Quat, UVec2, Vec3};
+use glam::{Affine3A, IVec3, Quat, UVec2, UVec3, Vec3};
 use virtual_sculpture::document::{Document, Limits};
 use virtual_sculpture::gpu::{Device, Frames};
 use virtual_sculpture::render::overlay::{Line, ToolPreview};
@@ -13,8 +13,9 @@ use virtual_sculpture::render::{
 };
 use virtual_sculpture::scenes;
 use virtual_sculpture::screen::offscreen::FORMAT;
+use virtual_sculpture::sculpture::grid::MAX_AXIS_VX;
 use virtual_sculpture::sculpture::history::Contents;
-use virtual_sculpture::sculpture::{ColourDepth, Material, Rgb};
+use virtual_sculpture::sculpture::{ColourDepth, Grid, Material, Rgb};
 use virtual_sculpture::shade::{Lighting, Pixels};
 use virtual_sculpture::surface::IndexMap;
 use virtual_sculpture::tools::construct::{Primitive, Solid};
@@ -232,6 +233,28 @@ fn a_resting_picture_becomes_smooth() {
                 &mean(device, FORMAT, &mut document, &always),
             );
         }
+    });
+}
+
+/// The cells of a grid with the longest axis there is would be one too many.
+#[test]
+fn a_grid_too_large_for_the_smooth_surface_shows_its_voxels() {
+    with_device(|device| {
+        let mut grid = Grid::new(UVec3::new(MAX_AXIS_VX, 8, 8), Vec3::ONE, 1 << 24).unwrap();
+        for i in 0..60 {
+            grid.set(IVec3::new(i % 8, i / 2 % 8, i / 8), true);
+        }
+        let material = Material::for_grid(&grid, ColourDepth::None, Rgb::new(200, 180, 160));
+        let mut document = Document::from_contents(Contents { grid, material }, Limits::default());
+        let near = [Camera::framing(8.0, Vec3::new(0.3, 0.5, 1.0), Vec3::Y).eye(SIZE)];
+        let at = Affine3A::from_translation(Vec3::splat(-4.0));
+        let voxels = FrameDesc { world_from_grid: at, ..desc(RenderMode::Ray, &near) };
+        let expected = mean(device, FORMAT, &mut document, &voxels);
+        let at_rest = FrameDesc { smooth_surface: SmoothSurface::AtRest, ..voxels };
+        let (_, refined) = Painter::refining(device).rest(&mut document, &at_rest);
+        assert_near("at rest", &refined, &expected);
+        let always = FrameDesc { smooth_surface: SmoothSurface::Always, ..voxels };
+        assert_near("always", &refined, &mean(device, FORMAT, &mut document, &always));
     });
 }
 
