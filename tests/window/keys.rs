@@ -1,13 +1,11 @@
 //! Key bindings changed in the window and used at once, the command palette, and copies by key with an
 //! empty clipboard.
 
-use super::program::Program;
+use super::program::{Program, REFINED};
 use super::{PICTURE, display, shot, tool_home};
 
 fn start<'a>(display: &'a super::Display, theme: &str) -> Program<'a> {
-    let settings =
-        format!("[new]\ndims = [96, 96, 96]\n[window]\nguide = false\ntheme = \"{theme}\"\n");
-    let program = Program::start_with(display, &[], &settings);
+    let program = Program::start_themed(display, theme);
     program.leave_picture();
     program.settle();
     program
@@ -108,7 +106,9 @@ const ADD: [i16; 2] = [639, 250];
 #[test]
 fn a_picture_of_the_view_is_saved_by_key_without_tool_and_lines() {
     let display = display();
-    let program = start(&display, "dark");
+    let program = Program::start_with(&display, &[], REFINED);
+    program.leave_picture();
+    program.settle();
     tool_home(&program);
     let before = shot(&program, "keys-30-before");
     program.key(&["F12"]);
@@ -138,10 +138,7 @@ fn a_picture_of_the_view_is_saved_by_key_without_tool_and_lines() {
 
     // It is the refined one: without refinement its edges are others, and nothing else.
     let display = self::display();
-    let settings =
-        "[new]\ndims = [96, 96, 96]\n[window]\nguide = false\n[render]\nrefine = false\n";
-    let program = Program::start_with(&display, &[], settings);
-    program.settle();
+    let program = self::start(&display, "dark");
     program.key(&["F12"]);
     program.settle();
     let plain = image::open(program.folder().join("sculpture-1.png")).unwrap().to_rgb8();

@@ -1,6 +1,6 @@
 //! State kept between runs: the program is used, closed and started again, and looks as before.
 
-use super::program::Program;
+use super::program::{Program, SETTINGS};
 use super::{LEFT, display_of, shot};
 
 /// Room for the main window and that of a panel.
@@ -8,7 +8,6 @@ const SCREEN: [u32; 2] = [1700, 800];
 const HISTORY: [u32; 4] = [1300, 20, 250, 500];
 /// A point outside of all windows.
 const NOWHERE: [i16; 2] = [1690, 790];
-const SETTINGS: &str = "[new]\ndims = [96, 96, 96]\n[window]\nguide = false\n";
 
 #[test]
 fn the_program_restores_its_state() {

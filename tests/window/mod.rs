@@ -22,7 +22,7 @@ use std::time::Duration;
 use crate::gpu::fixture::need_device;
 
 use display::{Display, Picture};
-use program::{Program, VOXELS};
+use program::Program;
 
 const LEFT: u8 = 1;
 const MIDDLE: u8 = 2;
@@ -69,7 +69,7 @@ fn shot(program: &Program, name: &str) -> Picture {
 #[test]
 fn a_stroke_changes_the_picture_and_undo_restores_it() {
     let display = display();
-    let program = ready(Program::start_with(&display, &[], VOXELS));
+    let program = ready(Program::start(&display, &[]));
     tool_home(&program);
     let before = shot(&program, "1-before").part(PICTURE);
     let colours = before.colours();

@@ -18,9 +18,7 @@ const CUBOID: [i16; 2] = [1379, 95];
 const NOWHERE: [i16; 2] = [1690, 790];
 
 fn start<'a>(display: &'a super::Display, theme: &str) -> Program<'a> {
-    let settings =
-        format!("[new]\ndims = [96, 96, 96]\n[window]\nguide = false\ntheme = \"{theme}\"\n");
-    let program = Program::start_with(display, &[], &settings);
+    let program = Program::start_themed(display, theme);
     display.device(6, 0, NOWHERE);
     program.settle();
     program
@@ -107,7 +105,7 @@ fn a_detached_toolbox_works_with_the_main_window_and_docks() {
 fn the_window_stays_responsive_while_a_large_sculpture_is_saved() {
     let display = display_of([1280, 800]);
     let settings = "[new]\ndims = [448, 448, 448]\ncolour_bits = 0\n\
-                    [window]\ntheme = \"light\"\n";
+                    [window]\ntheme = \"light\"\n[render]\nrefine = false\n";
     let program = Program::start_with(&display, &[], settings);
     program.leave_picture();
     program.settle();

@@ -17,11 +17,12 @@ use super::display::Display;
 use super::process::Process;
 use crate::faults::Faults;
 
-/// A small sculpture, and no introduction.
-const SETTINGS: &str = "[new]\ndims = [96, 96, 96]\n[window]\nguide = false\n";
-/// The usual ones, with voxels at rest, too: what all modes show.
-pub const VOXELS: &str =
-    "[new]\ndims = [96, 96, 96]\n[window]\nguide = false\n[render]\nsmooth_surface = false\n";
+/// A small sculpture, no introduction, and pictures that are complete with their first frame: refining them takes a
+/// debug build seconds for each.
+pub const SETTINGS: &str =
+    "[new]\ndims = [96, 96, 96]\n[window]\nguide = false\n[render]\nrefine = false\n";
+/// The same with refined pictures.
+pub const REFINED: &str = "[new]\ndims = [96, 96, 96]\n[window]\nguide = false\n";
 /// Part of the title of the main window only.
 const MAIN: &str = "Virtual Sculpture";
 const KEY: u8 = 2;
@@ -46,6 +47,12 @@ impl<'a> Program<'a> {
     /// Starts the program on a display with a small sculpture.
     pub fn start(display: &'a Display, arguments: &[&str]) -> Program<'a> {
         Program::start_with(display, arguments, SETTINGS)
+    }
+
+    /// The same in a theme.
+    pub fn start_themed(display: &'a Display, theme: &str) -> Program<'a> {
+        let settings = SETTINGS.replace("[window]\n", &format!("[window]\ntheme = \"{theme}\"\n"));
+        Program::start_with(display, &[], &settings)
     }
 
     /// The same with other settings.

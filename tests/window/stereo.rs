@@ -10,8 +10,7 @@ const PICTURE: [u32; 4] = [150, 50, 800, 680];
 #[test]
 fn a_stroke_in_the_right_eyes_half_cuts_where_it_is_seen() {
     let display = display_of(SCREEN);
-    let settings = "[new]\ndims = [96, 96, 96]\n[window]\nguide = false\n";
-    let program = Program::start_with(&display, &[], settings);
+    let program = Program::start(&display, &[]);
     program.leave_picture();
     program.settle();
     tool_home(&program);

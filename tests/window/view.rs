@@ -1,10 +1,9 @@
 //! What helps to see in the window: orthographic view, axis gizmo, floor grid, reference pictures, hidden panels.
 
 use super::display::Picture;
-use super::program::Program;
+use super::program::{Program, SETTINGS};
 use super::{display, shot, tool_home};
 
-const SETTINGS: &str = "[new]\ndims = [96, 96, 96]\n[window]\nguide = false\n";
 /// The picture of the sculpture without the lower part, in which messages are shown.
 const UPPER: [u32; 4] = [120, 50, 900, 520];
 /// Around the axis gizmo.
