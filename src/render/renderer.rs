@@ -10,30 +10,24 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use ash::vk;
-use glam::UVec2;
 
-use super::Shading;
-use super::frame_cache::{FrameCache, Redraw, RedrawPlan, pixels_to_compose};
+use super::frame_cache::{FrameCache, Redraw, RedrawPlan};
 pub use super::frame_desc::FrameDesc;
 use super::level_stage::LevelStage;
 use super::normal_stage::NormalStage;
-use super::overlay::{Overlay, Scene};
+use super::overlay::Overlay;
 use super::pictures::pictures;
 pub use super::pictures::{DEPTH_FORMAT, Pictures};
-use super::pixel_pass::PixelStage;
 use super::refine::Refinement;
 use super::sampler::Sampler;
 use super::times::PictureTimer;
 pub use super::times::{DeviceTimes, RenderTimes};
-use super::{
-    Backdrop, Background, Colours, Composite, CompositeEye, EyeTask, GpuOnly, IndexTarget,
-    MAX_EYES, Points, SmoothSurface, Surface, SurfaceShade, Volume,
-};
+use super::{Backdrop, Composite, GpuOnly, MAX_EYES, Points, SmoothSurface, SurfaceShade};
 use crate::document::{ChangeSubscriber, Document};
 use crate::gpu::{Device, Recorder, Result, Use, read_image_once};
 use crate::shade::points::PointCloud;
-use crate::shade::{Pixels, ShadeSource, SoftwareShader, shade_rect};
-use crate::surface::{IndexMap, PixelRect, PixelRects, changed_pixels};
+use crate::shade::{Pixels, SoftwareShader};
+use crate::surface::IndexMap;
 use crate::view::PixelRays;
 
 /// Renders one document.
@@ -46,13 +40,13 @@ pub struct Renderer {
     /// One per eye. Shared with picking.
     pub(super) maps: Vec<Arc<IndexMap>>,
     pub(super) pixels: Vec<Pixels>,
-    software: SoftwareShader,
+    pub(super) software: SoftwareShader,
     pub(super) clouds: [PointCloud; MAX_EYES],
     /// The passes of some modes, made when first needed.
-    points: Option<Points>,
-    surface_shade: Option<SurfaceShade>,
-    gpu_only: Option<GpuOnly>,
-    backdrop: Option<Backdrop>,
+    pub(super) points: Option<Points>,
+    pub(super) surface_shade: Option<SurfaceShade>,
+    pub(super) gpu_only: Option<GpuOnly>,
+    pub(super) backdrop: Option<Backdrop>,
     /// Drains the bricks that change between two pictures.
     subscriber: ChangeSubscriber,
     /// The bricks that changed since the last picture.
@@ -264,231 +258,8 @@ impl Renderer {
         self.times.device.sample_ms = self.sampler.device_ms();
         result
     }
-
-    pub(super) fn shade(
-        &mut self,
-        recorder: &mut Recorder,
-        slot: usize,
-        document: &Document,
-        desc: &FrameDesc,
-        redraw: Redraw,
-    ) -> Result<()> {
-        let start = Instant::now();
-        self.normals.upload(&self.device, recorder, slot, desc.mode.shading())?;
-        match desc.mode.shading() {
-            Shading::Software => self.shade_in_software(recorder, document, desc, redraw)?,
-            Shading::Points => {
-                let (grid, material) = (document.grid(), document.material());
-                let source = ShadeSource { grid, material, normals: self.normals.field() };
-                for ((map, cloud), eye) in self.maps.iter().zip(&mut self.clouds).zip(desc.eyes) {
-                    cloud.take(map, &source, &desc.pose(eye), &desc.lighting);
-                }
-            }
-            Shading::Device => self.shade_on_device(recorder, slot, document, desc, redraw)?,
-            Shading::Within => {}
-        }
-        // The normals of what is shaded are part of it.
-        self.times.shade_ms = ms_since(start) + self.normals.took.as_secs_f32() * 1e3;
-        Ok(())
-    }
-
-    fn shade_in_software(
-        &mut self,
-        recorder: &mut Recorder,
-        document: &Document,
-        desc: &FrameDesc,
-        redraw: Redraw,
-    ) -> Result<()> {
-        self.pixels.resize_with(self.maps.len(), Pixels::default);
-        let (grid, material) = (document.grid(), document.material());
-        let source = ShadeSource { grid, material, normals: self.normals.field() };
-        let lighting = &desc.lighting;
-        let visible = self.sampler.visible();
-        for (i, (map, pixels)) in self.maps.iter().zip(&mut self.pixels).enumerate() {
-            let pose = desc.pose(&desc.eyes[i]);
-            let shaded = match redraw {
-                Redraw::All => {
-                    self.software.shade(map, &source, &pose, lighting, pixels);
-                    None
-                }
-                Redraw::Changed => {
-                    let reach_vx = desc.reach_vx();
-                    let rects = changed_pixels(grid, self.normals.reshaded(), &map.rays, reach_vx);
-                    for rect in rects.as_slice() {
-                        shade_rect(map, &source, &pose, lighting, *rect, pixels);
-                    }
-                    Some(rects.bounds())
-                }
-            };
-            self.composite.upload(recorder, i as u32, pixels, visible[i], shaded)?;
-        }
-        Ok(())
-    }
-
-    fn shade_on_device(
-        &mut self,
-        recorder: &mut Recorder,
-        slot: usize,
-        document: &Document,
-        desc: &FrameDesc,
-        redraw: Redraw,
-    ) -> Result<()> {
-        let visible = self.sampler.visible();
-        let estimates = !self.is_complete();
-        let Some((maps, volume, colours)) = self.sampler.on_device() else { return Ok(()) };
-        let pass = match &mut self.surface_shade {
-            Some(pass) => pass,
-            none => {
-                let stage = PixelStage::of(&self.device);
-                none.insert(SurfaceShade::new(&self.device, stage, MAX_EYES as u32)?)
-            }
-        };
-        pass.begin(slot);
-        let pictures = self.composite.pictures(maps.size())?;
-        self.timer.start(recorder, PictureTimer::SHADE);
-        for ((i, eye), map) in (0..).zip(desc.eyes).zip(&self.maps) {
-            let mut task = EyeTask { visible: visible[i as usize], ..EyeTask::whole(i, map.rays) };
-            if redraw == Redraw::Changed {
-                let (grid, rays) = (document.grid(), &map.rays);
-                task.scissor =
-                    changed_pixels(grid, self.normals.reshaded(), rays, desc.reach_vx()).bounds();
-            }
-            if !task.scissor.is_empty() {
-                let normals = self.normals.copy();
-                let surface =
-                    Surface { colours, normals, ..desc.surface(document, estimates, eye) };
-                pass.record(recorder, volume, &surface, maps, pictures, &task)?;
-            }
-        }
-        self.timer.stop(recorder, PictureTimer::SHADE);
-        Ok(())
-    }
-
-    /// Composes the pictures back to front: only what differs from those of `before`, if they are
-    /// known.
-    pub(super) fn compose(
-        &mut self,
-        recorder: &mut Recorder,
-        slot: usize,
-        document: &Document,
-        desc: &FrameDesc,
-        before: Option<&FrameCache>,
-    ) -> Result<()> {
-        let estimates = !self.is_complete();
-        let pictures = pictures(&self.device, &mut self.pictures, self.format, desc.eyes)?;
-        let visible = self.sampler.visible();
-        let mut sculpture = match desc.mode.shading() {
-            Shading::Software | Shading::Device => {
-                let maps = self.sampler.maps(recorder, slot, &self.maps)?;
-                Sculpture::Composite(&mut self.composite, maps)
-            }
-            Shading::Points => {
-                let pass = match &mut self.points {
-                    Some(pass) => pass,
-                    none => none.insert(Points::new(&self.device, self.format, MAX_EYES as u32)?),
-                };
-                pass.begin(slot);
-                for (eye, cloud) in (0..).zip(&self.clouds[..self.maps.len()]) {
-                    pass.upload(eye, cloud)?;
-                }
-                Sculpture::Points(pass)
-            }
-            Shading::Within => {
-                let pass = match &mut self.gpu_only {
-                    Some(pass) => pass,
-                    none => none.insert(GpuOnly::new(&self.device, self.format, MAX_EYES as u32)?),
-                };
-                pass.begin(slot);
-                let Some((volume, colours)) = self.sampler.copy() else { return Ok(()) };
-                Sculpture::Within(pass, volume, colours)
-            }
-        };
-        if let Some(video) = &desc.video {
-            let pass = match &mut self.backdrop {
-                Some(pass) => pass,
-                none => none.insert(Backdrop::new(&self.device, self.format)?),
-            };
-            pass.begin(slot);
-            pass.bring(recorder, video.frame)?;
-        }
-        self.overlay.begin(slot);
-        self.timer.start(recorder, PictureTimer::COMPOSE);
-        for ((i, eye), map) in (0..).zip(desc.eyes).zip(&self.maps) {
-            let background = if desc.video.is_some() { Background::Keep } else { desc.background };
-            let rects = match before {
-                Some(before) => pixels_to_compose(
-                    before,
-                    document,
-                    self.normals.reshaded(),
-                    desc,
-                    eye,
-                    &map.rays,
-                ),
-                None => PixelRects::of(PixelRect::of_picture(eye.size)),
-            };
-            if let Sculpture::Within(pass, volume, _) = &mut sculpture {
-                pass.prepare(recorder, volume, &map.rays, i)?;
-            }
-            let surface = desc.surface(document, estimates, eye);
-            let scene = Scene {
-                eye_from_grid: eye.eye_from_world * desc.world_from_grid,
-                projection: eye.projection,
-                size: eye.size.to_array(),
-                previews: desc.previews,
-                lines: desc.lines,
-            };
-            for scissor in sculpture.areas(&rects).as_slice() {
-                let view = CompositeEye {
-                    rays: map.rays,
-                    projection: eye.projection,
-                    dims: document.grid().dims(),
-                    corner: UVec2::ZERO,
-                    size: eye.size,
-                    background,
-                    scissor: *scissor,
-                    visible: visible[i as usize],
-                };
-                pictures.begin(recorder, i, background, *scissor);
-                if let (Some(video), Some(pass)) = (&desc.video, &mut self.backdrop) {
-                    pass.draw(recorder, eye.size, &video.view);
-                }
-                match &mut sculpture {
-                    Sculpture::Composite(pass, maps) => pass.draw(recorder, maps, i, &view),
-                    Sculpture::Points(pass) => pass.draw(recorder, &surface, i, &view)?,
-                    Sculpture::Within(pass, volume, colours) => {
-                        let normals = self.normals.copy();
-                        let surface = Surface { colours: *colours, normals, ..surface };
-                        pass.draw(recorder, volume, &surface, i, &view)?;
-                    }
-                }
-                recorder.set_scissor(view.pixels_of(*scissor));
-                self.overlay.draw(recorder, &scene)?;
-                recorder.end_rendering();
-            }
-        }
-        self.timer.stop(recorder, PictureTimer::COMPOSE);
-        Ok(())
-    }
 }
 
-/// The pass that draws the sculpture, and its inputs.
-enum Sculpture<'a> {
-    Composite(&'a mut Composite, &'a IndexTarget),
-    Points(&'a mut Points),
-    Within(&'a mut GpuOnly, &'a Volume, Option<&'a Colours>),
-}
-
-impl Sculpture<'_> {
-    /// The rectangles to draw one by one so that `rects` are drawn.
-    fn areas(&self, rects: &PixelRects) -> PixelRects {
-        match self {
-            Sculpture::Composite(..) => *rects,
-            // Each draw writes uniforms.
-            Sculpture::Points(_) | Sculpture::Within(..) => PixelRects::of(rects.bounds()),
-        }
-    }
-}
-
-fn ms_since(start: Instant) -> f32 {
+pub(super) fn ms_since(start: Instant) -> f32 {
     start.elapsed().as_secs_f32() * 1e3
 }
