@@ -5,6 +5,7 @@
 //! as by commands. Times are measured here alone.
 
 mod edits;
+mod features;
 mod files;
 mod kernel;
 mod kernel_pictures;
@@ -59,7 +60,7 @@ impl Suite {
         }
     }
 
-    /// Pictures per mode and scene.
+    /// Pictures per mode and scene, and per feature.
     fn frames(self) -> usize {
         match self {
             Suite::Quick => 20,
@@ -336,6 +337,8 @@ fn measure_mode(
         let times: Vec<Duration> = ms.map(|ms| Duration::from_secs_f32(ms * 1e-3)).collect();
         Times::of(&times)
     };
+    let lighting = config.lighting();
+    let features = features::features(mode, &lighting, document, pictures, suite)?;
     let [strokes_32, strokes_64] = suite.strokes();
     let mut edits = |radius, strokes| {
         edits::edit_to_image(document, pictures, radius, strokes, suite.patience())
@@ -354,6 +357,7 @@ fn measure_mode(
             shade: of_device(|d| d.shade_ms),
             compose: of_device(|d| d.compose_ms),
         },
+        features,
         edit_32: edit_32.map(|edit| edit.shaded),
         edit_32_composite: edit_32.and_then(|edit| edit.composite),
         edit_64: edit_64.map(|edit| edit.shaded),

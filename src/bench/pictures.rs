@@ -7,7 +7,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Mat4, Vec3};
 
 use super::kernel_pictures::KernelPictures;
 use crate::document::Document;
@@ -69,9 +69,20 @@ pub struct Scene<'a> {
     pub lighting: Lighting,
 }
 
+/// How the sculpture is lit and seen, for comparisons.
+#[derive(Clone, Copy, Debug)]
+pub struct Look {
+    pub lighting: Lighting,
+    pub smooth_surface: SmoothSurface,
+    /// Factor on the size of everything in the picture.
+    pub magnification: f32,
+}
+
 /// The renderer of the window, offscreen.
 struct Rendered {
     mode: RenderMode,
+    /// Instead of the scene's.
+    look: Option<Look>,
     eyes: Vec<Eye>,
     /// The same eyes, displaced by a tiny distance.
     beside: Vec<Eye>,
@@ -113,6 +124,17 @@ impl Pictures {
         }
     }
 
+    /// Sets how further pictures look; none: as the scene says. False where there is no device.
+    pub fn set_look(&mut self, look: Option<&Look>) -> bool {
+        match &mut self.maker {
+            Maker::Renderer(rendered) => {
+                rendered.look = look.copied();
+                true
+            }
+            Maker::Kernels(_) => false,
+        }
+    }
+
     /// The rays of the first eye.
     pub fn rays(&self) -> &PixelRays {
         &self.rays
@@ -143,6 +165,7 @@ impl Rendered {
         };
         Ok(Rendered {
             mode: scene.mode,
+            look: None,
             eyes: scene.eyes.to_vec(),
             beside: scene.eyes.iter().map(aside).collect(),
             lighting: scene.lighting,
@@ -176,12 +199,23 @@ impl Rendered {
     /// Renders a picture and waits for it.
     fn draw(&mut self, document: &mut Document) -> Result<StageTimes> {
         let [top, bottom] = BACKGROUND.map(|c| Vec3::from(c.map(f32::from)) / 255.0);
+        let look = self.look.unwrap_or(Look {
+            lighting: self.lighting,
+            smooth_surface: SmoothSurface::Never,
+            magnification: 1.0,
+        });
+        let magnified = |eye: &Eye| {
+            let scale = Vec3::new(look.magnification, look.magnification, 1.0);
+            Eye { projection: Mat4::from_scale(scale) * eye.projection, ..*eye }
+        };
+        let eyes = if self.is_beside { &self.beside } else { &self.eyes };
+        let eyes: Vec<Eye> = eyes.iter().map(magnified).collect();
         let desc = FrameDesc {
-            eyes: if self.is_beside { &self.beside } else { &self.eyes },
+            eyes: &eyes,
             world_from_grid: document.world_from_grid(),
             mode: self.mode,
-            smooth_surface: SmoothSurface::Never,
-            lighting: self.lighting,
+            smooth_surface: look.smooth_surface,
+            lighting: look.lighting,
             background: Background::Gradient { top, bottom },
             video: None,
             previews: &[],

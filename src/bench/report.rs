@@ -5,6 +5,7 @@ use std::fmt;
 use serde::Serialize;
 
 use super::edits::EditReport;
+use super::features::FeatureReport;
 use super::files::FileReport;
 use super::machine::Machine;
 use super::statistics::Times;
@@ -52,6 +53,8 @@ pub struct ModeReport {
     /// The median frame, divided by that of the exact ray caster.
     pub to_ray: Option<f64>,
     pub device: DeviceReport,
+    /// What features of the picture cost; none without a device.
+    pub features: Vec<FeatureReport>,
     /// From subtracting a ball of radius 32 to the shaded picture.
     pub edit_32: Option<Times>,
     /// From there to the finished picture; none if the device shades.
@@ -125,6 +128,7 @@ impl fmt::Display for Report {
             }
         }
         self.write_device_times(f)?;
+        self.write_features(f)?;
         writeln!(f, "\n{:<11} {:>14} {:>10} {:>20} files", "scene", "voxels", "MiB", "upload ms")?;
         for scene in &self.scenes {
             let mib = scene.memory_bytes as f64 / f64::from(1 << 20);
@@ -169,6 +173,35 @@ impl Report {
             let [sample, shade, compose] = mode.device.stages().map(three);
             write!(f, "{:<11} {:<14}", scene.name, mode.mode)?;
             writeln!(f, " {sample:>20} {shade:>20} {compose:>20}")?;
+        }
+        Ok(())
+    }
+
+    /// A column for each feature that any mode has.
+    fn write_features(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let modes = || self.scenes.iter().flat_map(|s| s.modes.iter().map(move |mode| (s, mode)));
+        let mut names: Vec<&str> = Vec::new();
+        for feature in modes().flat_map(|(_, mode)| &mode.features) {
+            if !names.contains(&feature.name.as_str()) {
+                names.push(&feature.name);
+            }
+        }
+        if names.is_empty() {
+            return Ok(());
+        }
+        writeln!(f, "\nwhat features add to a whole picture, median ms")?;
+        write!(f, "{:<11} {:<14}", "scene", "mode")?;
+        names.iter().try_for_each(|name| write!(f, " {name:>14}"))?;
+        writeln!(f)?;
+        for (scene, mode) in modes() {
+            write!(f, "{:<11} {:<14}", scene.name, mode.mode)?;
+            for name in &names {
+                match mode.features.iter().find(|feature| feature.name == *name) {
+                    Some(feature) => write!(f, " {:>14.2}", feature.more_ms)?,
+                    None => write!(f, " {:>14}", "-")?,
+                }
+            }
+            writeln!(f)?;
         }
         Ok(())
     }

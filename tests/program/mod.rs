@@ -302,6 +302,10 @@ fn a_sculpture_in_the_own_format_is_as_good_as_a_volume() {
     assert!(why.contains("damaged"), "{why}");
 }
 
+fn name_of(entry: &serde_json::Value) -> &str {
+    entry["name"].as_str().unwrap()
+}
+
 #[test]
 fn the_benchmark_reports_as_table_json_and_plot() {
     need_device();
@@ -333,6 +337,9 @@ fn the_benchmark_reports_as_table_json_and_plot() {
         assert!(0.0 < least && least <= median && median <= most, "{times}");
     }
     assert_eq!((ray["to_ray"].as_f64(), modes.len()), (Some(1.0), 2));
+    let features: Vec<&str> = ray["features"].as_array().unwrap().iter().map(name_of).collect();
+    assert_eq!(features, ["occlusion", "shadow", "smooth surface"]);
+    assert!(said.contains("what features add"), "{said}");
     // What the device says of itself, where it can, is within what the clock says.
     let march = modes.iter().find(|mode| mode["mode"] == "march").unwrap();
     let (on_device, ray_on_device) = (&march["device"], &ray["device"]);

@@ -1,0 +1,94 @@
+//! What features of pictures cost: whole pictures with a feature and without it, in turn.
+//!
+//! Takes the pictures of a mode; gives, for each feature that the mode has, the times of pictures with it, and how
+//! many milliseconds longer these take than those without it. Needs a Vulkan device: without one there are only
+//! kernels.
+
+use std::time::{Duration, Instant};
+
+use serde::Serialize;
+
+use super::pictures::{Look, Pictures};
+use super::statistics::Times;
+use super::{LEAST_RUNS, Suite};
+use crate::document::Document;
+use crate::gpu::Result;
+use crate::render::{RenderMode, SmoothSurface};
+use crate::shade::{Lighting, Shadow};
+
+/// Factor by which pictures of the smooth surface are magnified: seen from the usual distance, voxels of the larger
+/// scenes cover less than a pixel.
+const MAGNIFICATION: f32 = 4.0;
+
+/// Of the sun, in degrees.
+const SHADOW: Shadow = Shadow { sun_deg: 0.5, sample: 0 };
+
+/// The times of pictures with a feature.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct FeatureReport {
+    pub name: String,
+    /// Pictures with the feature.
+    pub frame: Times,
+    /// The median of these, less that of pictures without it.
+    pub more_ms: f64,
+}
+
+/// Measures all features of a mode.
+pub fn features(
+    mode: RenderMode,
+    lighting: &Lighting,
+    document: &mut Document,
+    pictures: &mut Pictures,
+    suite: Suite,
+) -> Result<Vec<FeatureReport>> {
+    let plain = Look {
+        lighting: Lighting { occlusion: false, shadow: None, ..*lighting },
+        smooth_surface: SmoothSurface::Never,
+        magnification: 1.0,
+    };
+    let near = Look { magnification: MAGNIFICATION, ..plain };
+    let lit = |lighting| Look { lighting, ..plain };
+    let mut pairs = vec![
+        ("occlusion", plain, lit(Lighting { occlusion: true, ..plain.lighting })),
+        ("shadow", plain, lit(Lighting { shadow: Some(SHADOW), ..plain.lighting })),
+    ];
+    if mode.can_be_smooth() {
+        let smooth = Look { smooth_surface: SmoothSurface::Always, ..near };
+        pairs.push(("smooth surface", near, smooth));
+    }
+    let mut reports = Vec::new();
+    for (name, without, with) in pairs {
+        reports.extend(compare(name, [&without, &with], document, pictures, suite)?);
+    }
+    pictures.set_look(None);
+    Ok(reports)
+}
+
+/// Pictures of two looks in turn, so that whatever else the machine does slows both.
+fn compare(
+    name: &str,
+    looks: [&Look; 2],
+    document: &mut Document,
+    pictures: &mut Pictures,
+    suite: Suite,
+) -> Result<Option<FeatureReport>> {
+    let mut times: [Vec<Duration>; 2] = Default::default();
+    let begun = Instant::now();
+    // The first of each is not counted: it may have to prepare something.
+    while times[0].len() <= suite.frames()
+        && (times[0].len() <= LEAST_RUNS || begun.elapsed() < suite.patience())
+    {
+        for (look, times) in looks.iter().zip(&mut times) {
+            if !pictures.set_look(Some(look)) {
+                return Ok(None);
+            }
+            times.push(pictures.whole(document)?.whole());
+        }
+    }
+    let [without, with] = times.map(|times| Times::of(&times[1..]));
+    Ok(without.zip(with).map(|(without, with)| FeatureReport {
+        name: name.to_string(),
+        frame: with,
+        more_ms: with.median_ms - without.median_ms,
+    }))
+}
