@@ -81,6 +81,13 @@ struct MeanView {
     linear: u32,
 }
 
+struct GroundView {
+    rows: array<vec4<f32>, 3>,
+    light: array<vec4<f32>, 3>,
+    tone: vec4<f32>,
+    lines: vec4<f32>,
+}
+
 struct BackdropView {
     scale: vec2<f32>,
     offset: vec2<f32>,

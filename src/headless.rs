@@ -19,7 +19,10 @@ use crate::gpu::DeviceOptions;
 use crate::picture::{self, FinalOptions, PictureError, TraceOn};
 use crate::progress::Progress;
 use crate::render::RenderMode;
+use crate::sculpture::Rgb;
 use crate::session::{Session, SessionError};
+use crate::shade::Ground;
+use crate::shade::ground::line_spacing_vx;
 use crate::terminal::{self, OutputError};
 use crate::trace::TraceShot;
 use crate::view::StereoLayout;
@@ -104,6 +107,8 @@ pub struct PictureRequest {
     pub zoom: f32,
     /// None: the layout of the settings.
     pub stereo: Option<StereoLayout>,
+    /// The colour of the ground, if there is one.
+    pub ground: Option<Rgb>,
     /// Whose mean is the picture; 1 is without antialiasing.
     pub samples: u32,
 }
@@ -124,6 +129,13 @@ impl PictureRequest {
             zoom: self.zoom,
             fov_y_rad: config.render.fov_deg.to_radians(),
             stereo: self.stereo.unwrap_or(config.stereo.layout),
+            ground: self.ground.map(|colour| Ground {
+                up: self.up,
+                colour,
+                shadow_only: false,
+                sun_deg: config.light.sun_deg,
+                sample: 0,
+            }),
             samples: self.samples,
         }
     }
@@ -140,6 +152,7 @@ impl Default for PictureRequest {
             turn_deg: 0.0,
             zoom: 1.0,
             stereo: None,
+            ground: None,
             samples: 1,
         }
     }
@@ -361,6 +374,10 @@ fn render_session(
     for name in picture::render_to_file(session.document_mut(), &view, &options, out)? {
         let UVec2 { x, y } = view.size;
         terminal::print_done(format_args!("wrote {} ({x}x{y})", name.display()));
+    }
+    if view.ground.is_some() {
+        let spacing = line_spacing_vx(session.document().grid().dims());
+        terminal::print_done(format_args!("lines on the ground: every {spacing} voxels"));
     }
     Ok(())
 }

@@ -17,8 +17,9 @@ use crate::gpu::{DeviceOptions, GpuError, Readback};
 use crate::render::{Background, Fallback, FrameDesc, RenderMode, SmoothSurface, StereoOptions};
 use crate::sculpture::Grid;
 use crate::sculpture::brick::BRICK_EDGE_VX;
+use crate::shade::ground::GroundShader;
 use crate::shade::{
-    LevelSampler, LevelSet, Lighting, Pixels, ShadePose, ShadeSource, SoftwareShader,
+    Ground, LevelSampler, LevelSet, Lighting, Pixels, ShadePose, ShadeSource, SoftwareShader,
 };
 use crate::surface::{IndexMap, quickstep, raycast};
 use crate::trace::TraceError;
@@ -92,6 +93,8 @@ pub struct View {
     pub fov_y_rad: f32,
     /// The layout of two eyes, which are those of [`PictureOptions::stereo`].
     pub stereo: StereoLayout,
+    /// The ground below the sculpture.
+    pub ground: Option<Ground>,
     /// The samples whose mean is the picture: 1, without antialiasing, to [`crate::view::MAX_SAMPLES`].
     pub samples: u32,
 }
@@ -235,6 +238,8 @@ fn render_by_casting(
     let mut shader = SoftwareShader::default();
     let mut pixels = Pixels::default();
     let mut sampler = LevelSampler::default();
+    let mut ground =
+        view.ground.and_then(|ground| Some((ground, GroundShader::new(grid, ground.up)?)));
     let mut picture_of = |eye: &Eye| {
         let mut map = IndexMap::new(eye.pixel_rays(&world_from_grid));
         let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid };
@@ -246,7 +251,12 @@ fn render_by_casting(
                 (RenderMode::Quickstep, None) => quickstep::sample(grid, &rays, &mut map),
                 _ => raycast::sample(grid, &rays, &mut map),
             }
-            shader.shade(&map, &source, &pose, &lighting.of_sample(sample), &mut pixels);
+            let lighting = lighting.of_sample(sample);
+            shader.shade(&map, &source, &pose, &lighting, &mut pixels);
+            if let Some((ground, below)) = &mut ground {
+                let ground = ground.of_sample(sample);
+                below.put_behind(grid, &ground, &lighting, &pose, &rays, &mut pixels);
+            }
             mean.add(over_background(&pixels));
         }
         mean.picture()
@@ -277,6 +287,7 @@ fn render_on_device(
         },
         lighting: view.lighting(options),
         background: Background::Gradient { top, bottom },
+        ground: view.ground,
         video: None,
         previews: &[],
         lines: &[],
@@ -288,8 +299,7 @@ fn render_on_device(
     let mut mode = view.mode;
     for sample in 0..view.samples {
         shifted.iter_mut().zip(eyes).for_each(|(shifted, eye)| *shifted = eye.sample(sample));
-        let lighting = desc.lighting.of_sample(sample);
-        let desc = FrameDesc { eyes: &shifted, mode, lighting, ..desc };
+        let desc = FrameDesc { mode, ..desc.of_sample(&shifted, sample) };
         let mut recorder = frames.begin()?;
         // What needs no device is cast without the limits of this one.
         let paints = RenderMode::needs_device;

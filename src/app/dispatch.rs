@@ -113,6 +113,7 @@ impl Workspace {
             Action::ToggleBounds => self.ui.view.bounds ^= true,
             Action::ToggleOrthographic => self.ui.view.orthographic ^= true,
             Action::ToggleGizmo => self.ui.view.gizmo ^= true,
+            Action::ToggleGround => self.ui.view.ground ^= true,
             Action::ToggleFloor => self.ui.view.floor ^= true,
             Action::ToggleVideo => self.ui.view.video.on ^= true,
             Action::SwapEyes => self.ui.view.stereo.swap_eyes ^= true,

@@ -6,24 +6,13 @@ use glam::{UVec3, Vec3};
 
 use crate::render::overlay::Line;
 use crate::sculpture::Rgb;
+use crate::shade::ground::line_spacing_vx;
 use crate::ui::Theme;
 
-/// At most so many lines cross the longest side of the grid.
-const MOST_ACROSS: u32 = 16;
 /// Every so many lines one is stronger.
 const MAJOR: i32 = 5;
 /// The plane's distance below the grid, in voxels, so that it never lies in a face of the sculpture.
 const BELOW_VX: f32 = 0.5;
-
-/// The distance between two lines: 1, 2 or 5 voxels, or ten, a hundred, ... times that.
-pub fn spacing_vx(dims: UVec3) -> u32 {
-    let least = dims.max_element().div_ceil(MOST_ACROSS);
-    let decades = (0..).map(|power| 10u32.pow(power));
-    decades
-        .flat_map(|ten| [ten, 2 * ten, 5 * ten])
-        .find(|spacing| *spacing >= least)
-        .unwrap_or(least)
-}
 
 /// The lines below a grid of `dims` voxels whose axis `up` points up. They reach half as far beyond the
 /// grid as it is large, and one is at its lower corner.
@@ -31,7 +20,7 @@ pub fn lines(dims: UVec3, up: Vec3, theme: Theme) -> Vec<Line> {
     let axis = up.abs().max_position();
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let height = if up[axis] < 0.0 { dims[axis] as f32 + BELOW_VX } else { -BELOW_VX };
-    let spacing = spacing_vx(dims) as i32;
+    let spacing = line_spacing_vx(dims) as i32;
     let beyond = dims.max_element() as i32 / 2;
     let range = |axis: usize| {
         let last = dims[axis] as i32 + beyond;
@@ -64,13 +53,6 @@ pub fn lines(dims: UVec3, up: Vec3, theme: Theme) -> Vec<Line> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_spacing_is_round_and_neither_dense_nor_coarse() {
-        let spacing = |edge| spacing_vx(UVec3::new(edge, 1, edge / 2));
-        assert_eq!([1, 16, 17, 32, 33, 96].map(spacing), [1, 1, 2, 2, 5, 10]);
-        assert_eq!([256, 512, 1024, 4096].map(spacing), [20, 50, 100, 500]);
-    }
 
     #[test]
     fn the_floor_lies_below_whatever_points_up_and_beyond_the_grid() {

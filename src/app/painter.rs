@@ -13,7 +13,9 @@ use super::workspace::Workspace;
 use crate::gpu::{Device, GpuError, Recorder, Result};
 use crate::render::renderer::{FrameDesc, Pictures};
 use crate::render::{Background, Fallback, FrameReport, Renderer, SmoothSurface, Video, VideoView};
-use crate::shade::Pixels;
+use crate::sculpture::Rgb;
+use crate::shade::ground::GROUND_COLOUR;
+use crate::shade::{Ground, Pixels};
 use crate::ui::Theme;
 use crate::video::VideoOptions;
 
@@ -72,6 +74,7 @@ impl Painter {
             },
             lighting: workspace.ui.view.lighting(),
             background: background(workspace.ui.appearance.theme),
+            ground: workspace.ground(video.is_some()),
             video,
             previews: preview.as_slice(),
             lines: &lines,
@@ -144,9 +147,27 @@ impl Workspace {
         }
     }
 
-    /// Whether the next picture has a floor grid: not in a video, which shows a real one.
+    /// Whether the next picture has a floor grid: not in a video, which shows a real one, and not with a ground, which
+    /// has lines of its own.
     fn shows_floor(&self) -> bool {
-        self.ui.view.floor && self.viewpoint.video(&self.ui.view.video).is_none()
+        let view = &self.ui.view;
+        view.floor && !view.ground && self.viewpoint.video(&view.video).is_none()
+    }
+
+    /// The ground of the next picture; in a video only the shadow on the ground that it shows.
+    fn ground(&self, in_video: bool) -> Option<Ground> {
+        let view = &self.ui.view;
+        view.ground.then(|| Ground {
+            up: view.up,
+            colour: match self.ui.appearance.theme {
+                // Quieter before a dark background.
+                Theme::Dark => Rgb::new(0x90, 0x93, 0x98),
+                Theme::Light => GROUND_COLOUR,
+            },
+            shadow_only: in_video,
+            sun_deg: view.light.sun_deg,
+            sample: 0,
+        })
     }
 
     /// Takes what the renderer reports of the window's picture.

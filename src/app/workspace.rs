@@ -9,7 +9,6 @@ use std::path::PathBuf;
 use egui::{CursorIcon, Id, Rect, Sense, Ui};
 use glam::{Affine3A, Vec2};
 
-use super::floor;
 use super::memory::MemoryFile;
 use crate::config::Config;
 use crate::controls::Controls;
@@ -20,6 +19,7 @@ use crate::input::{Action, Bindings, Panel, Side};
 use crate::picking::Picker;
 use crate::screen::headset::Blend;
 use crate::session::Session;
+use crate::shade::ground::line_spacing_vx;
 use crate::ui::{self, FrameTimes, UiContext, UiRequest, UiState};
 use crate::view::Eye;
 use crate::viewpoint::ar::Ar;
@@ -274,7 +274,7 @@ impl Workspace {
             blends: &self.display.blends,
             quad_buffered: self.display.quad_buffered,
             device: &self.display.device,
-            floor_spacing_vx: floor::spacing_vx(document.grid().dims()),
+            line_spacing_vx: line_spacing_vx(document.grid().dims()),
             axes_in_picture: picker.sight().axes_in_picture(),
             pointed_vx: self.editor.pointer().and_then(|at| picker.voxel(document.grid(), at)),
             pad: self.controls.pads.status(),

@@ -217,6 +217,7 @@ impl Rendered {
             smooth_surface: look.smooth_surface,
             lighting: look.lighting,
             background: Background::Gradient { top, bottom },
+            ground: None,
             video: None,
             previews: &[],
             lines: &[],

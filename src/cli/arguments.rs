@@ -10,8 +10,9 @@ use glam::Vec3;
 use crate::format::options::{Colouring, Existence, ImportOptions, RawLayout};
 use crate::headless::PictureRequest;
 use crate::render::RenderMode;
-use crate::sculpture::ColourDepth;
 use crate::sculpture::orientation::Up;
+use crate::sculpture::{ColourDepth, Rgb};
+use crate::shade::ground::GROUND_COLOUR;
 use crate::trace::MAX_FINAL_SAMPLES;
 use crate::view::{MAX_SAMPLES, StereoLayout};
 
@@ -93,10 +94,42 @@ pub struct PictureArgs {
     /// Stereo layout (default: stereo.layout in the settings); `layers` writes two pictures
     #[arg(long, value_enum)]
     pub stereo: Option<StereoLayout>,
+    /// A ground below the sculpture, which catches its shadow: its colour #rrggbb, `on` for #c8c6c2, or none (default:
+    /// none; in final pictures on). Lines are a round number of voxels apart, which is said; final pictures have none
+    #[arg(long, value_name = "COLOUR", value_parser = parse_ground)]
+    pub ground: Option<GroundChoice>,
     /// Antialiasing: average this many pictures, each shifted by a fraction of a pixel, 1 to 64 (default: 1)
     #[arg(long, value_name = "N",
           value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_FINAL_SAMPLES)))]
     pub samples: Option<u32>,
+}
+
+/// The value of `--ground`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum GroundChoice {
+    None,
+    Colour(Rgb),
+}
+
+impl GroundChoice {
+    /// The colour of the ground, if there is to be one.
+    pub fn colour(self) -> Option<Rgb> {
+        match self {
+            GroundChoice::None => None,
+            GroundChoice::Colour(colour) => Some(colour),
+        }
+    }
+}
+
+fn parse_ground(text: &str) -> Result<GroundChoice, String> {
+    match text {
+        "none" => Ok(GroundChoice::None),
+        "on" => Ok(GroundChoice::Colour(GROUND_COLOUR)),
+        _ => {
+            let colour = text.parse().map(GroundChoice::Colour);
+            colour.map_err(|error: String| format!("{error}, on, or none"))
+        }
+    }
 }
 
 impl PictureArgs {
@@ -114,6 +147,7 @@ impl PictureArgs {
             turn_deg: self.turn,
             zoom: self.zoom,
             stereo: self.stereo,
+            ground: self.ground.and_then(GroundChoice::colour),
             samples,
         })
     }

@@ -8,7 +8,6 @@ use glam::Vec2;
 use super::PictureArgs;
 use super::error::ArgumentError;
 use crate::picture::{FinalOptions, LINEAR_ENDING};
-use crate::sculpture::Rgb;
 use crate::trace::{AreaLight, Ground, Lens, LightOptions, Sun, TraceOptions};
 
 /// How much time a picture may take.
@@ -55,9 +54,6 @@ pub struct FinalArgs {
     #[arg(long, value_name = "AZIMUTH,ELEVATION,SIZE,STRENGTH", allow_hyphen_values = true,
           value_parser = parse_area_light)]
     pub area_light: Option<AreaLight>,
-    /// Colour of the ground, #rrggbb, or none (default: #c8c6c2)
-    #[arg(long, value_name = "COLOUR", value_parser = parse_ground)]
-    pub ground: Option<GroundArg>,
     /// Depth of field: diameter of the lens in percent of the distance of what is sharp, 0 to 50 (default: 0)
     #[arg(long, value_name = "PERCENT", value_parser = |text: &str| parse_number(text, 0.0, 50.0))]
     pub aperture: Option<f32>,
@@ -78,13 +74,6 @@ pub struct FinalArgs {
     /// Keep the noise that remains
     #[arg(long)]
     pub no_denoise: bool,
-}
-
-/// The value of `--ground`.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum GroundArg {
-    None,
-    Colour(Rgb),
 }
 
 impl FinalArgs {
@@ -113,10 +102,8 @@ impl FinalArgs {
         let TraceOptions { samples, bounces, ground, lens, light } = &mut options.trace;
         *samples = picture.samples.unwrap_or(*samples);
         *bounces = self.bounces.unwrap_or(*bounces);
-        match self.ground {
-            Some(GroundArg::None) => *ground = None,
-            Some(GroundArg::Colour(colour)) => *ground = Some(Ground { colour }),
-            None => {}
+        if let Some(choice) = picture.ground {
+            *ground = choice.colour().map(|colour| Ground { colour });
         }
         *lens = Lens {
             aperture: self.aperture.map_or(lens.aperture, |percent| percent / 100.0),
@@ -147,7 +134,6 @@ impl FinalArgs {
             (self.sun_strength.is_some(), "sun-strength"),
             (self.sky.is_some(), "sky"),
             (self.area_light.is_some(), "area-light"),
-            (self.ground.is_some(), "ground"),
             (self.aperture.is_some(), "aperture"),
             (self.focus.is_some(), "focus"),
             (self.bounces.is_some(), "bounces"),
@@ -189,15 +175,6 @@ fn parse_area_light(text: &str) -> Result<AreaLight, String> {
     let [azimuth_deg, elevation_deg, size, strength] =
         parse_numbers(text, ranges).ok_or_else(|| wrong.to_string())?;
     Ok(AreaLight { azimuth_deg, elevation_deg, size, strength })
-}
-
-fn parse_ground(text: &str) -> Result<GroundArg, String> {
-    match text {
-        "none" => Ok(GroundArg::None),
-        _ => {
-            text.parse().map(GroundArg::Colour).map_err(|error: String| format!("{error}, or none"))
-        }
-    }
 }
 
 fn parse_focus(text: &str) -> Result<Vec2, String> {

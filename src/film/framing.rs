@@ -108,6 +108,7 @@ mod tests {
             zoom: 1.0,
             fov_y_rad: 0.8,
             stereo: StereoLayout::Mono,
+            ground: None,
             samples: 1,
         }
     }

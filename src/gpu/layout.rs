@@ -188,6 +188,16 @@ shared! {
 }
 
 shared! {
+    /// Push constants of the ground pass: see [`crate::shade::GroundPicture`].
+    GroundView {
+        rows: [[f32; 4]; 3],
+        light: [[f32; 4]; 3],
+        tone: [f32; 4],
+        lines: [f32; 4],
+    }
+}
+
+shared! {
     /// Push constants of the backdrop pass: a video frame and its lens.
     BackdropView {
         /// Position in the frame (0 to 1) is this times that on the screen, plus `offset`.
@@ -407,6 +417,10 @@ mod tests {
         let text = stage!("trace.comp.wgsl");
         compare(text, "TraceScene", TraceScene::members(), size_of::<TraceScene>());
         compare(text, "TraceRays", TraceRays::members(), size_of::<TraceRays>());
+        let (members, bytes) = (GroundView::members(), size_of::<GroundView>());
+        for text in [stage!("ground.frag.wgsl"), stage!("ground_linear.frag.wgsl")] {
+            compare(text, "GroundView", members.clone(), bytes);
+        }
         let (members, bytes) = (BackdropView::members(), size_of::<BackdropView>());
         compare(stage!("backdrop.frag.wgsl"), "BackdropView", members, bytes);
         let (members, bytes) = (MarchView::members(), size_of::<MarchView>());

@@ -200,6 +200,8 @@ pub enum Action {
     References,
     /// Toggles the floor grid.
     ToggleFloor,
+    /// Toggles the ground with the sculpture's shadow.
+    ToggleGround,
     /// Toggles the edges of the grid.
     ToggleBounds,
     /// Toggles between the dark and the light theme.
@@ -357,6 +359,7 @@ impl Action {
         Action::ToggleOrthographic,
         Action::ToggleGizmo,
         Action::ToggleFloor,
+        Action::ToggleGround,
         Action::References,
         Action::ToggleBounds,
         Action::NextRenderMode,

@@ -193,6 +193,11 @@ impl Action {
             Action::References => {
                 ("references", Tap, "Show or hide the reference pictures' window")
             }
+            Action::ToggleGround => (
+                "toggle-ground",
+                Tap,
+                "Ground below the sculpture, which catches its shadow, on or off",
+            ),
             Action::ToggleFloor => ("toggle-floor", Tap, "Floor grid on or off"),
             Action::ToggleBounds => ("toggle-bounds", Tap, "Grid outline on or off"),
             Action::ToggleTheme => ("toggle-theme", Tap, "Dark or light theme"),

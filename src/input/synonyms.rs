@@ -107,7 +107,8 @@ impl Action {
             Action::References => {
                 "image plane background blueprint template tracing drawing photo png canvas"
             }
-            Action::ToggleFloor => "ground plane lines scale ruler",
+            Action::ToggleFloor => "plane lines scale ruler",
+            Action::ToggleGround => "plane shadow catcher contact floor lines scale",
             Action::ToggleBounds => "bounds box edges frame",
             Action::ToggleTheme => "mode appearance skin colours",
             Action::Detach(Panel::Toolbox) => "tools panel undock float tear window",

@@ -25,6 +25,7 @@ impl Renderer {
         desc: &FrameDesc,
         before: Option<&FrameCache>,
     ) -> Result<()> {
+        self.prepare_ground(recorder, slot, document, desc)?;
         let estimates = !self.is_complete();
         let pictures = pictures(&self.device, &mut self.pictures, self.format, desc.eyes)?;
         let visible = self.sampler.visible();
@@ -113,6 +114,9 @@ impl Renderer {
                     }
                 }
                 recorder.set_scissor(view.pixels_of(*scissor));
+                if let Some(ground) = &self.ground {
+                    ground.draw(recorder, document, desc, eye, &map.rays);
+                }
                 self.overlay.draw(recorder, &scene)?;
                 recorder.end_rendering();
             }

@@ -14,7 +14,7 @@ use super::renderer::FrameDesc;
 use super::{Background, MAX_EYES, VideoView};
 use super::{RenderMode, Shading};
 use crate::document::Document;
-use crate::shade::Lighting;
+use crate::shade::{Ground, Lighting};
 use crate::surface::{PixelRects, changed_pixels};
 use crate::view::{Eye, PixelRays};
 
@@ -42,6 +42,7 @@ pub(super) struct FrameCache {
     sample: SampleKey,
     lighting: Lighting,
     background: Background,
+    ground: Option<Ground>,
     video: Option<(Instant, VideoView)>,
     previews: Vec<ToolPreview>,
     lines: Vec<Line>,
@@ -62,12 +63,13 @@ impl FrameCache {
         previews.extend_from_slice(desc.previews);
         lines.clear();
         lines.extend_from_slice(desc.lines);
-        let FrameDesc { lighting, background, .. } = *desc;
+        let FrameDesc { lighting, background, ground, .. } = *desc;
         let video = desc.video.map(|video| video.key());
         FrameCache {
             sample: sample_key(document, desc, smooth),
             lighting,
             background,
+            ground,
             video,
             previews,
             lines,
@@ -118,7 +120,11 @@ impl RedrawPlan {
         };
         let sample = sample_key(document, desc, smooth.is_some());
         let same_light = before.lighting == desc.lighting;
+        // Whatever changes may throw another shadow.
+        let same_ground = before.ground == desc.ground
+            && (desc.ground.is_none() || before.sample.revision == sample.revision);
         let same_back = before.background == desc.background
+            && same_ground
             && before.video == desc.video.map(|video| video.key());
         let same_tools = before.previews == desc.previews && before.lines == desc.lines;
         // While the view is still, an edit changes only some of the pixels.
@@ -212,6 +218,7 @@ mod tests {
             smooth_surface: SmoothSurface::Never,
             lighting: Lighting::default(),
             background: Background::Keep,
+            ground: None,
             video: None,
             previews: &[],
             lines: &[],

@@ -6,7 +6,7 @@ use super::overlay::{Line, ToolPreview};
 use super::{Background, RenderMode, Surface, Video};
 use crate::document::Document;
 use crate::sculpture::Grid;
-use crate::shade::{LevelSet, Lighting, NORMAL_REACH_VX, ShadePose};
+use crate::shade::{Ground, LevelSet, Lighting, NORMAL_REACH_VX, ShadePose};
 use crate::view::Eye;
 
 /// When pictures show the surface between the voxels, where a voxel covers more than a pixel, in modes that can.
@@ -29,11 +29,21 @@ pub struct FrameDesc<'a> {
     pub smooth_surface: SmoothSurface,
     pub lighting: Lighting,
     pub background: Background,
+    /// The ground below the sculpture.
+    pub ground: Option<Ground>,
     /// Replaces the background.
     pub video: Option<Video<'a>>,
     /// The tool previews.
     pub previews: &'a [ToolPreview],
     pub lines: &'a [Line],
+}
+
+impl<'a> FrameDesc<'a> {
+    /// This description of one of the samples of an antialiased picture, which these eyes take.
+    pub fn of_sample(self, eyes: &'a [Eye], sample: u32) -> FrameDesc<'a> {
+        let lighting = self.lighting.of_sample(sample);
+        FrameDesc { eyes, lighting, ground: self.ground.map(|g| g.of_sample(sample)), ..self }
+    }
 }
 
 impl FrameDesc<'_> {

@@ -70,6 +70,11 @@ impl Mean {
         self.slot = slot % FRAMES_IN_FLIGHT;
     }
 
+    /// Frees the mean.
+    pub fn forget(&mut self) {
+        self.mean = None;
+    }
+
     /// Adds the layers of `pictures`, the `count`-th to be added; the first replaces what was there. Leaves them in
     /// the layout of [`Use::SHADER_READ`]. Once per frame.
     pub fn add(

@@ -65,10 +65,17 @@ impl Refinement {
         (self.rested, self.taken, self.rows) = (0, 0, 0);
     }
 
-    /// Frees what samples are made in.
+    /// Frees what samples are made in, and their mean; keeps its pipelines.
     pub fn forget(&mut self) {
         let Refinement { samples, at_once, .. } = *self;
-        *self = Refinement { samples, at_once, ..Refinement::default() };
+        let mut mean = self.mean.take();
+        mean.iter_mut().for_each(Mean::forget);
+        *self = Refinement { samples, at_once, mean, ..Refinement::default() };
+    }
+
+    /// How many samples are wanted, and whether at once.
+    pub fn policy(&self) -> (u32, bool) {
+        (self.samples, self.at_once)
     }
 
     /// The mean of the samples so far, once it is better than the unshifted picture.
@@ -174,7 +181,7 @@ impl Renderer {
             *shifted = eye.sample(index);
         }
         let eyes = &eyes[..desc.eyes.len().min(MAX_EYES)];
-        let desc = FrameDesc { eyes, lighting: desc.lighting.of_sample(index), ..*desc };
+        let desc = desc.of_sample(eyes, index);
         self.swap_buffers();
         let result = match smooth && !self.find_smooth_rows(document, &desc) {
             // The rest of it in the next frames.

@@ -22,7 +22,9 @@ use super::refine::Refinement;
 use super::sampler::Sampler;
 use super::times::PictureTimer;
 pub use super::times::{DeviceTimes, RenderTimes};
-use super::{Backdrop, Composite, GpuOnly, MAX_EYES, Points, SmoothSurface, SurfaceShade};
+use super::{
+    Backdrop, Composite, GpuOnly, GroundPass, MAX_EYES, Points, SmoothSurface, SurfaceShade,
+};
 use crate::document::{ChangeSubscriber, Document};
 use crate::gpu::{Device, Recorder, Result, Use, read_image_once};
 use crate::shade::points::PointCloud;
@@ -47,6 +49,7 @@ pub struct Renderer {
     pub(super) surface_shade: Option<SurfaceShade>,
     pub(super) gpu_only: Option<GpuOnly>,
     pub(super) backdrop: Option<Backdrop>,
+    pub(super) ground: Option<GroundPass>,
     /// Drains the bricks that change between two pictures.
     subscriber: ChangeSubscriber,
     /// The bricks that changed since the last picture.
@@ -78,6 +81,7 @@ impl Renderer {
             surface_shade: None,
             gpu_only: None,
             backdrop: None,
+            ground: None,
             subscriber: ChangeSubscriber::default(),
             changed: Vec::new(),
             normals: NormalStage::default(),
@@ -195,6 +199,9 @@ impl Renderer {
         self.cache = None;
         self.refinement.forget();
         self.sampler.forget_copy();
+        if let Some(ground) = &mut self.ground {
+            ground.forget();
+        }
         self.times = RenderTimes::default();
         self.timer = PictureTimer::new(&self.device)?;
         Ok(())

@@ -36,7 +36,8 @@ pub struct WarmUp {
 
 impl Renderer {
     /// Creates all pipelines of pictures like `of`, for one eye or two, including the tool preview
-    /// and lines, but not video. Waits for the device. The next picture is drawn from scratch.
+    /// and lines, and of refining them, but not of video and ground. Waits for the device. The next picture is drawn
+    /// from scratch.
     pub fn warm_up(&mut self, of: &WarmUp) -> Result<()> {
         let begun = Instant::now();
         let mut document = document(of.depth)?;
@@ -67,6 +68,7 @@ impl Renderer {
             smooth_surface: SmoothSurface::Never,
             lighting: of.lighting,
             background: Background::Gradient { top: grey, bottom: grey },
+            ground: None,
             video: None,
             previews: &[tool],
             lines: &[line],
@@ -74,8 +76,11 @@ impl Renderer {
         let device = self.device().clone();
         let mut frames = Frames::new(&device)?;
         let patience = self.patience();
-        // With estimates of normals, which are another pipeline, and with all normals.
-        for patience_here in [Some(Duration::ZERO), None] {
+        let (samples, at_once) = self.refinement.policy();
+        self.set_refinement(2);
+        self.refine_at_once(true);
+        // With estimates of normals, which are another pipeline, with all normals, and the samples of the mean.
+        for patience_here in [Some(Duration::ZERO), None, None, None] {
             self.set_patience(patience_here);
             let mut recorder = frames.begin()?;
             let slot = frames.slot();
@@ -83,6 +88,8 @@ impl Renderer {
             device.wait(frames.submit(recorder, &[], &[])?)?;
         }
         self.set_patience(patience);
+        self.set_refinement(samples);
+        self.refine_at_once(at_once);
         let taken_ms = begun.elapsed().as_secs_f64() * 1e3;
         tracing::debug!("warmed up for {:?} in {taken_ms:.0} ms", of.mode);
         self.forget_pictures()

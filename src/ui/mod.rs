@@ -101,8 +101,8 @@ pub struct UiContext<'a> {
     pub quad_buffered: bool,
     /// Name of the Vulkan device.
     pub device: &'a str,
-    /// Between two lines of the floor grid.
-    pub floor_spacing_vx: u32,
+    /// Between two lines of the floor grid and of the ground.
+    pub line_spacing_vx: u32,
     /// Where the axes of the grid point in the picture: x right, y up, z to the viewer.
     pub axes_in_picture: [glam::Vec3; 3],
     /// The voxel that the pointer points at.
@@ -155,8 +155,8 @@ pub fn show(
         gizmo::show(root, state, context, requests, picture.rect);
     }
     upright::show(root, state, context, requests, picture.rect);
-    if state.view.floor {
-        floor_scale(root, context, picture.rect);
+    if let Some(what) = state.view.has_lines() {
+        line_scale(root, what, context, picture.rect);
     }
     guide::show(root, state, context, requests);
     light::show(root, state);
@@ -174,19 +174,19 @@ pub fn show(
     picture
 }
 
-/// Says in a corner of `within` how far apart the lines of the floor grid are.
-fn floor_scale(root: &Ui, context: &UiContext, within: Rect) {
-    let spacing = match context.floor_spacing_vx {
+/// Says in a corner of `within` how far apart the lines of ground or floor grid are.
+fn line_scale(root: &Ui, what: &str, context: &UiContext, within: Rect) {
+    let spacing = match context.line_spacing_vx {
         1 => "1 voxel".to_string(),
         spacing => format!("{spacing} voxels"),
     };
-    Area::new(Id::new("floor scale"))
+    Area::new(Id::new("line scale"))
         .order(Order::Background)
         .interactable(false)
         .pivot(Align2::LEFT_BOTTOM)
         .fixed_pos(within.left_bottom() + vec2(10.0, -6.0))
         .show(root.ctx(), |ui| {
-            let text = RichText::new(format!("Floor grid: {spacing}")).small();
+            let text = RichText::new(format!("{what}: {spacing}")).small();
             ui.add(Label::new(text).extend().selectable(false));
         });
 }

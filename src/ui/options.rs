@@ -176,6 +176,8 @@ fn view(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Ve
         if !context.in_headset {
             let floor = ui.checkbox(&mut state.view.floor, "Floor grid");
             explain(floor, context, Action::ToggleFloor);
+            let ground = ui.checkbox(&mut state.view.ground, "Ground");
+            explain(ground, context, Action::ToggleGround);
         }
     });
     ui.checkbox(&mut state.view.tool, "Tool");

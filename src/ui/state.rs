@@ -79,6 +79,8 @@ pub struct ViewState {
     pub gizmo: bool,
     /// The floor grid.
     pub floor: bool,
+    /// The ground with the sculpture's shadow; it has lines of its own.
+    pub ground: bool,
     /// The axis of the grid that is up when the view is reset.
     pub up: Vec3,
     /// The edges of the grid.
@@ -101,6 +103,15 @@ impl ViewState {
     pub fn suit_device(&mut self, software: bool) {
         if self.mode_is_automatic && !software {
             self.choose_mode(RenderMode::usual(software));
+        }
+    }
+
+    /// What has lines below the sculpture, if anything has.
+    pub fn has_lines(&self) -> Option<&'static str> {
+        match (self.ground, self.floor) {
+            (true, _) => Some("Ground"),
+            (false, true) => Some("Floor grid"),
+            (false, false) => None,
         }
     }
 
@@ -269,6 +280,7 @@ impl UiState {
                 orthographic: options.view.orthographic,
                 gizmo: options.view.gizmo,
                 floor: options.view.floor,
+                ground: options.view.ground,
                 up: Vec3::Y,
                 bounds: true,
                 line: true,

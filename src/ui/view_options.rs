@@ -11,10 +11,12 @@ pub struct ViewOptions {
     pub gizmo: bool,
     /// Lines below the sculpture, a round number of voxels apart.
     pub floor: bool,
+    /// A ground below the sculpture, with its shadow.
+    pub ground: bool,
 }
 
 impl Default for ViewOptions {
     fn default() -> Self {
-        ViewOptions { orthographic: false, gizmo: true, floor: false }
+        ViewOptions { orthographic: false, gizmo: true, floor: false, ground: false }
     }
 }

@@ -38,6 +38,7 @@ impl Painter {
             mode: scene.mode,
             lighting: Lighting::default(),
             background: BACKGROUND,
+            ground: None,
             video: scene.video,
             previews: scene.previews,
             lines: &[],

@@ -96,6 +96,7 @@ impl Painter {
             mode,
             lighting: even,
             background: Background::Gradient { top: Vec3::ZERO, bottom: Vec3::ZERO },
+            ground: None,
             video: None,
             previews,
             lines: &[],

@@ -7,6 +7,7 @@ mod composite;
 mod coplanar;
 mod device;
 pub mod fixture;
+mod ground;
 mod gui;
 #[cfg(target_os = "linux")]
 mod memory;

@@ -60,6 +60,7 @@ impl Painter {
             mode,
             lighting,
             background: Background::Gradient { top: grey, bottom: grey },
+            ground: None,
             video: None,
             previews,
             lines,

@@ -60,6 +60,7 @@ impl Screen {
             mode,
             lighting: Lighting::default(),
             background: Background::Gradient { top: BEHIND, bottom: BEHIND },
+            ground: None,
             video: None,
             previews: &[],
             lines: &[],

@@ -16,7 +16,7 @@ use virtual_sculpture::screen::offscreen::FORMAT;
 use virtual_sculpture::sculpture::grid::MAX_AXIS_VX;
 use virtual_sculpture::sculpture::history::Contents;
 use virtual_sculpture::sculpture::{ColourDepth, Grid, Material, Rgb};
-use virtual_sculpture::shade::{Lighting, Pixels};
+use virtual_sculpture::shade::{Ground, Lighting, Pixels, Shadow};
 use virtual_sculpture::surface::IndexMap;
 use virtual_sculpture::tools::construct::{Primitive, Solid};
 use virtual_sculpture::view::{Camera, Eye};
@@ -124,6 +124,7 @@ fn desc<'a>(mode: RenderMode, eyes: &'a [Eye]) -> FrameDesc<'a> {
         mode,
         lighting: Lighting::default(),
         background: Background::Gradient { top: Vec3::ONE, bottom: grey },
+        ground: None,
         video: None,
         previews: &[],
         lines: &[],
@@ -153,7 +154,10 @@ fn mean(
     let mut sums = vec![vec![[0f64; 3]; pixels]; desc.eyes.len()];
     for index in 0..SAMPLES {
         let shifted: Vec<Eye> = desc.eyes.iter().map(|eye| eye.sample(index)).collect();
-        let (_, pictures) = painter.paint(document, &FrameDesc { eyes: &shifted, ..*desc });
+        let lighting = desc.lighting.of_sample(index);
+        let ground = desc.ground.map(|ground| ground.of_sample(index));
+        let desc = FrameDesc { eyes: &shifted, lighting, ground, ..*desc };
+        let (_, pictures) = painter.paint(document, &desc);
         for (sums, picture) in sums.iter_mut().zip(&pictures) {
             for (sum, rgba) in sums.iter_mut().zip(&picture.rgba) {
                 for (sum, value) in sum.iter_mut().zip(rgba) {
@@ -201,6 +205,40 @@ fn a_resting_picture_becomes_the_mean_of_its_samples_in_every_mode() {
                 &refined,
                 &mean(device, FORMAT, &mut document, &desc),
             );
+        }
+    });
+}
+
+/// Shadows are those of the same point of the sun in the first picture, and of other points in each sample.
+#[test]
+fn shadows_of_a_resting_picture_become_soft() {
+    with_device(|device| {
+        let mut document = sculpture();
+        let eyes = &eyes()[..1];
+        let light = |sun_deg| {
+            let mut lighting = Lighting::default();
+            lighting.shadow = Some(Shadow { sun_deg, sample: 0 });
+            let (up, colour) = (Vec3::Y, Rgb::new(200, 200, 200));
+            (lighting, Some(Ground { up, colour, shadow_only: false, sun_deg, sample: 0 }))
+        };
+        for mode in [RenderMode::Ray, RenderMode::MarchGpu, RenderMode::GpuColour] {
+            let [soft, sharp] = [14.0, 0.0].map(|sun_deg| {
+                let (lighting, ground) = light(sun_deg);
+                FrameDesc { lighting, ground, ..desc(mode, eyes) }
+            });
+            let (first, refined) = Painter::refining(device).rest(&mut document, &soft);
+            let (_, plain) = Painter::new(device, FORMAT).paint(&mut document, &sharp);
+            assert!(first == plain, "{mode:?}: the first picture has the middle of the sun");
+            let name = format!("{mode:?}");
+            let means = [&soft, &sharp].map(|desc| mean(device, FORMAT, &mut document, desc));
+            assert_near(&name, &refined, &means[0]);
+            let differ = |on_ground: bool| {
+                let pairs = means[0][0].iter().zip(&means[1][0]).enumerate();
+                let rows =
+                    pairs.filter(|(i, _)| (*i as u32 / SIZE.x > SIZE.y * 3 / 4) == on_ground);
+                rows.filter(|(_, (a, b))| a[0].abs_diff(b[0]) > 8).count()
+            };
+            assert!(differ(false) > 50 && differ(true) > 20, "{name}: the shadows are sharp");
         }
     });
 }

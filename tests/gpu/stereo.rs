@@ -136,6 +136,7 @@ fn both_eyes_of_the_renderer_are_what_each_eye_sees() {
                 mode,
                 lighting,
                 background: Background::Gradient { top: background, bottom: background },
+                ground: None,
                 video: None,
                 previews: &[],
                 lines: &[],

@@ -37,6 +37,7 @@ fn desc<'a>(document: &Document, eyes: &'a [Eye], mode: RenderMode) -> FrameDesc
         mode,
         lighting: Lighting::default(),
         background: Background::Gradient { top: Vec3::ONE, bottom: Vec3::ZERO },
+        ground: None,
         video: None,
         previews: &[],
         lines: &[],

@@ -81,6 +81,7 @@ fn the_first_picture_after_warming_up_creates_no_pipeline_in_any_mode() {
                 mode,
                 lighting: lighting(),
                 background: Background::Gradient { top: Vec3::ONE, bottom: Vec3::X },
+                ground: None,
                 video: None,
                 previews: &[tool],
                 lines: &[line],
@@ -93,15 +94,25 @@ fn the_first_picture_after_warming_up_creates_no_pipeline_in_any_mode() {
                 }
                 let before = device.pipelines_created();
                 let pictures = painted(&mut frames, &mut renderer, &mut document, &desc);
-                (pictures, device.pipelines_created() - before)
+                let created = device.pipelines_created() - before;
+                // The samples of the refined picture, one a frame.
+                renderer.set_refinement(2);
+                renderer.refine_at_once(true);
+                let mut refined = Vec::new();
+                for _ in 0..2 {
+                    refined = painted(&mut frames, &mut renderer, &mut document, &desc);
+                }
+                assert!(refined != pictures, "{mode:?}: not refined");
+                let in_all = device.pipelines_created() - before;
+                ([pictures, refined], [created, in_all])
             };
             let (cold, warm) = (first_picture(false), first_picture(true));
-            trials::note!("{mode:?}: {} pipelines in the first picture", cold.1);
-            assert_eq!(warm.1, 0, "{mode:?}");
+            trials::note!("{mode:?}: {:?} pipelines in the first and the refined picture", cold.1);
+            assert_eq!(warm.1, [0, 0], "{mode:?}");
             assert!(cold.0 == warm.0, "{mode:?}: another picture");
             // What the CPU samples and shades is only composed, which every mode needs.
             let composed_only = matches!(mode, RenderMode::Ray | RenderMode::Quickstep);
-            assert_eq!(cold.1 == 0, composed_only, "{mode:?}");
+            assert_eq!(cold.1[0] == 0, composed_only, "{mode:?}");
         }
     });
 }

@@ -262,3 +262,18 @@ fn the_floor_grid_says_its_scale() {
     click(&mut harness, "Floor grid");
     assert!(!harness.state().ui.view.floor && !has(&harness, "Floor grid: 5 voxels"));
 }
+
+#[test]
+fn the_ground_has_lines_of_the_same_scale() {
+    let mut harness = bench();
+    key(&mut harness, Modifiers::CTRL | Modifiers::ALT, Key::G);
+    harness.run();
+    assert!(harness.state().ui.view.ground && has(&harness, "Ground: 5 voxels"));
+    // One says it for both.
+    key(&mut harness, Modifiers::SHIFT, Key::G);
+    harness.run();
+    assert!(has(&harness, "Ground: 5 voxels") && !has(&harness, "Floor grid: 5 voxels"));
+    click(&mut harness, "View");
+    click(&mut harness, "Ground");
+    assert!(!harness.state().ui.view.ground && has(&harness, "Floor grid: 5 voxels"));
+}

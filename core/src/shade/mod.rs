@@ -6,6 +6,7 @@
 //! ([`smooth`]) come between the two, and cost time only where they are switched on ([`refined`]).
 
 pub mod ball;
+pub mod ground;
 mod illumination;
 pub mod level_set;
 pub mod light;
@@ -25,6 +26,7 @@ pub mod software;
 mod source;
 pub mod tone;
 
+pub use ground::{Ground, GroundLight, GroundPicture, GroundPlane};
 pub use illumination::Illumination;
 pub use level_set::{LevelSampler, LevelSet};
 pub use light::{

@@ -64,7 +64,7 @@ impl Sun {
 }
 
 /// A point of the unit disc; its middle for sample 0.
-fn on_disc(voxel: UVec3, sample: u32) -> Vec2 {
+pub(super) fn on_disc(voxel: UVec3, sample: u32) -> Vec2 {
     if sample == 0 {
         return Vec2::ZERO;
     }

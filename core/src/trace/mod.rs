@@ -38,6 +38,7 @@ use crate::progress::Progress;
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_coords};
 use crate::sculpture::{NO_VOXEL, Rgb};
 use crate::shade::ShadeSource;
+use crate::shade::ground::GROUND_COLOUR;
 use crate::surface::{IndexMap, raycast};
 use crate::view::{Eye, PixelRays};
 use environment::{Environment, Standpoint, disc_point};
@@ -88,7 +89,7 @@ impl Default for TraceOptions {
             samples: 64,
             bounces: 8,
             light: LightOptions::default(),
-            ground: Some(Ground { colour: Rgb::new(200, 198, 194) }),
+            ground: Some(Ground { colour: GROUND_COLOUR }),
             lens: Lens { aperture: 0.0, focus: Vec2::splat(0.5) },
         }
     }

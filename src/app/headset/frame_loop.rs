@@ -287,6 +287,7 @@ impl XrFrameLoop {
                 true => Background::Keep,
                 false => background(workspace.ui.appearance.theme),
             },
+            ground: None,
             video: None,
             previews: preview.as_slice(),
             lines: &lines,
