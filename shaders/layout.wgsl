@@ -81,6 +81,12 @@ struct MeanView {
     linear: u32,
 }
 
+struct EdgesView {
+    size: vec2<u32>,
+    leap: f32,
+    linear: u32,
+}
+
 struct GroundView {
     rows: array<vec4<f32>, 3>,
     light: array<vec4<f32>, 3>,

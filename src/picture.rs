@@ -288,6 +288,7 @@ fn render_on_device(
         lighting: view.lighting(options),
         background: Background::Gradient { top, bottom },
         ground: view.ground,
+        smooth_edges: false,
         video: None,
         previews: &[],
         lines: &[],

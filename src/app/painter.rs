@@ -75,6 +75,7 @@ impl Painter {
             lighting: workspace.ui.view.lighting(),
             background: background(workspace.ui.appearance.theme),
             ground: workspace.ground(video.is_some()),
+            smooth_edges: workspace.ui.view.smooth_edges,
             video,
             previews: preview.as_slice(),
             lines: &lines,

@@ -6,6 +6,7 @@
 
 use std::time::{Duration, Instant};
 
+use glam::Vec3;
 use serde::Serialize;
 
 use super::pictures::{Look, Pictures};
@@ -14,7 +15,8 @@ use super::{LEAST_RUNS, Suite};
 use crate::document::Document;
 use crate::gpu::Result;
 use crate::render::{RenderMode, SmoothSurface};
-use crate::shade::{Lighting, Shadow};
+use crate::shade::ground::GROUND_COLOUR;
+use crate::shade::{Ground, Lighting, Shadow};
 
 /// Factor by which pictures of the smooth surface are magnified: seen from the usual distance, voxels of the larger
 /// scenes cover less than a pixel.
@@ -22,6 +24,15 @@ const MAGNIFICATION: f32 = 4.0;
 
 /// Of the sun, in degrees.
 const SHADOW: Shadow = Shadow { sun_deg: 0.5, sample: 0 };
+
+/// The light on it is known after the first picture: the eye is displaced, and the lamp does not turn.
+const GROUND: Ground = Ground {
+    up: Vec3::Y,
+    colour: GROUND_COLOUR,
+    shadow_only: false,
+    sun_deg: SHADOW.sun_deg,
+    sample: 0,
+};
 
 /// The times of pictures with a feature.
 #[derive(Clone, PartialEq, Debug, Serialize)]
@@ -44,6 +55,8 @@ pub fn features(
     let plain = Look {
         lighting: Lighting { occlusion: false, shadow: None, ..*lighting },
         smooth_surface: SmoothSurface::Never,
+        ground: None,
+        smooth_edges: false,
         magnification: 1.0,
     };
     let near = Look { magnification: MAGNIFICATION, ..plain };
@@ -51,6 +64,8 @@ pub fn features(
     let mut pairs = vec![
         ("occlusion", plain, lit(Lighting { occlusion: true, ..plain.lighting })),
         ("shadow", plain, lit(Lighting { shadow: Some(SHADOW), ..plain.lighting })),
+        ("ground", plain, Look { ground: Some(GROUND), ..plain }),
+        ("smooth edges", plain, Look { smooth_edges: true, ..plain }),
     ];
     if mode.can_be_smooth() {
         let smooth = Look { smooth_surface: SmoothSurface::Always, ..near };

@@ -16,7 +16,7 @@ use crate::picture::BACKGROUND;
 use crate::render::renderer::DeviceTimes;
 use crate::render::{Background, FrameDesc, RenderMode, Renderer, Shading, SmoothSurface};
 use crate::screen::offscreen::FORMAT;
-use crate::shade::Lighting;
+use crate::shade::{Ground, Lighting};
 use crate::view::{Eye, PixelRays};
 
 /// The times of the stages of a picture.
@@ -74,6 +74,8 @@ pub struct Scene<'a> {
 pub struct Look {
     pub lighting: Lighting,
     pub smooth_surface: SmoothSurface,
+    pub ground: Option<Ground>,
+    pub smooth_edges: bool,
     /// Factor on the size of everything in the picture.
     pub magnification: f32,
 }
@@ -202,6 +204,8 @@ impl Rendered {
         let look = self.look.unwrap_or(Look {
             lighting: self.lighting,
             smooth_surface: SmoothSurface::Never,
+            ground: None,
+            smooth_edges: false,
             magnification: 1.0,
         });
         let magnified = |eye: &Eye| {
@@ -217,7 +221,8 @@ impl Rendered {
             smooth_surface: look.smooth_surface,
             lighting: look.lighting,
             background: Background::Gradient { top, bottom },
-            ground: None,
+            ground: look.ground,
+            smooth_edges: look.smooth_edges,
             video: None,
             previews: &[],
             lines: &[],

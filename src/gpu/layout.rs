@@ -188,6 +188,18 @@ shared! {
 }
 
 shared! {
+    /// Push constants of the pass that smooths edges.
+    EdgesView {
+        /// Of the picture in pixels.
+        size: [u32; 2],
+        /// Times the square of the nearness of a surface: the least change of it to another one.
+        leap: f32,
+        /// 1 if the device decodes and encodes the picture.
+        linear: u32,
+    }
+}
+
+shared! {
     /// Push constants of the ground pass: see [`crate::shade::GroundPicture`].
     GroundView {
         rows: [[f32; 4]; 3],
@@ -417,6 +429,8 @@ mod tests {
         let text = stage!("trace.comp.wgsl");
         compare(text, "TraceScene", TraceScene::members(), size_of::<TraceScene>());
         compare(text, "TraceRays", TraceRays::members(), size_of::<TraceRays>());
+        let (members, bytes) = (EdgesView::members(), size_of::<EdgesView>());
+        compare(stage!("smooth_edges.frag.wgsl"), "EdgesView", members, bytes);
         let (members, bytes) = (GroundView::members(), size_of::<GroundView>());
         for text in [stage!("ground.frag.wgsl"), stage!("ground_linear.frag.wgsl")] {
             compare(text, "GroundView", members.clone(), bytes);

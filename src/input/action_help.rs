@@ -196,7 +196,7 @@ impl Action {
             Action::ToggleGround => (
                 "toggle-ground",
                 Tap,
-                "Ground below the sculpture, which catches its shadow, on or off",
+                "Ground below the sculpture, dark where this takes the light, on or off",
             ),
             Action::ToggleFloor => ("toggle-floor", Tap, "Floor grid on or off"),
             Action::ToggleBounds => ("toggle-bounds", Tap, "Grid outline on or off"),

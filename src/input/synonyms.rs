@@ -108,7 +108,7 @@ impl Action {
                 "image plane background blueprint template tracing drawing photo png canvas"
             }
             Action::ToggleFloor => "plane lines scale ruler",
-            Action::ToggleGround => "plane shadow catcher contact floor lines scale",
+            Action::ToggleGround => "plane catcher contact lines scale",
             Action::ToggleBounds => "bounds box edges frame",
             Action::ToggleTheme => "mode appearance skin colours",
             Action::Detach(Panel::Toolbox) => "tools panel undock float tear window",

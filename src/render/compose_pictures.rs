@@ -5,6 +5,7 @@ use glam::UVec2;
 use super::frame_cache::{FrameCache, pixels_to_compose};
 use super::overlay::Scene;
 use super::pictures::pictures;
+use super::smooth_edges::{REACH_PX, SmoothEdges};
 use super::times::PictureTimer;
 use super::{
     Backdrop, Background, Colours, Composite, CompositeEye, FrameDesc, GpuOnly, IndexTarget,
@@ -63,6 +64,14 @@ impl Renderer {
             pass.begin(slot);
             pass.bring(recorder, video.frame)?;
         }
+        let mut edges = match (desc.smooth_edges, &mut self.smooth_edges) {
+            (false, _) => None,
+            (true, Some(pass)) => Some(pass),
+            (true, none) => Some(none.insert(SmoothEdges::new(&self.device, self.format)?)),
+        };
+        if let Some(edges) = &mut edges {
+            edges.begin(slot, pictures)?;
+        }
         self.overlay.begin(slot);
         self.timer.start(recorder, PictureTimer::COMPOSE);
         for ((i, eye), map) in (0..).zip(desc.eyes).zip(&self.maps) {
@@ -89,7 +98,11 @@ impl Renderer {
                 previews: desc.previews,
                 lines: desc.lines,
             };
-            for scissor in sculpture.areas(&rects).as_slice() {
+            let mut areas = sculpture.areas(&rects);
+            if edges.is_some() {
+                areas = with_edges(&areas, PixelRect::of_picture(eye.size));
+            }
+            for scissor in areas.as_slice() {
                 let view = CompositeEye {
                     rays: map.rays,
                     projection: eye.projection,
@@ -100,7 +113,12 @@ impl Renderer {
                     scissor: *scissor,
                     visible: visible[i as usize],
                 };
-                pictures.begin(recorder, i, background, *scissor);
+                match &mut edges {
+                    Some(edges) => {
+                        edges.begin_sculpture(recorder, pictures, i, background, *scissor)
+                    }
+                    None => pictures.begin(recorder, i, background, *scissor),
+                }
                 if let (Some(video), Some(pass)) = (&desc.video, &mut self.backdrop) {
                     pass.draw(recorder, eye.size, &video.view);
                 }
@@ -117,6 +135,11 @@ impl Renderer {
                 if let Some(ground) = &self.ground {
                     ground.draw(recorder, document, desc, eye, &map.rays);
                 }
+                if let Some(edges) = &mut edges {
+                    let (projection, placed) = (&eye.projection, &desc.world_from_grid);
+                    edges.finish(recorder, pictures, i, *scissor, projection, placed);
+                    recorder.set_scissor(view.pixels_of(*scissor));
+                }
                 self.overlay.draw(recorder, &scene)?;
                 recorder.end_rendering();
             }
@@ -124,6 +147,15 @@ impl Renderer {
         self.timer.stop(recorder, PictureTimer::COMPOSE);
         Ok(())
     }
+}
+
+/// The rectangles of a `picture` whose colours depend on those of `areas` once edges are smooth.
+fn with_edges(areas: &PixelRects, picture: PixelRect) -> PixelRects {
+    let mut grown = PixelRects::NONE;
+    for area in areas.as_slice().iter().filter(|area| !area.is_empty()) {
+        grown.add(area.grown(REACH_PX).intersect(picture));
+    }
+    grown.without_overlap()
 }
 
 /// The pass that draws the sculpture, and its inputs.

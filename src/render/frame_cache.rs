@@ -43,6 +43,7 @@ pub(super) struct FrameCache {
     lighting: Lighting,
     background: Background,
     ground: Option<Ground>,
+    smooth_edges: bool,
     video: Option<(Instant, VideoView)>,
     previews: Vec<ToolPreview>,
     lines: Vec<Line>,
@@ -63,13 +64,14 @@ impl FrameCache {
         previews.extend_from_slice(desc.previews);
         lines.clear();
         lines.extend_from_slice(desc.lines);
-        let FrameDesc { lighting, background, ground, .. } = *desc;
+        let FrameDesc { lighting, background, ground, smooth_edges, .. } = *desc;
         let video = desc.video.map(|video| video.key());
         FrameCache {
             sample: sample_key(document, desc, smooth),
             lighting,
             background,
             ground,
+            smooth_edges,
             video,
             previews,
             lines,
@@ -125,6 +127,7 @@ impl RedrawPlan {
             && (desc.ground.is_none() || before.sample.revision == sample.revision);
         let same_back = before.background == desc.background
             && same_ground
+            && before.smooth_edges == desc.smooth_edges
             && before.video == desc.video.map(|video| video.key());
         let same_tools = before.previews == desc.previews && before.lines == desc.lines;
         // While the view is still, an edit changes only some of the pixels.
@@ -219,6 +222,7 @@ mod tests {
             lighting: Lighting::default(),
             background: Background::Keep,
             ground: None,
+            smooth_edges: false,
             video: None,
             previews: &[],
             lines: &[],

@@ -27,6 +27,8 @@ pub struct FrameDesc<'a> {
     pub world_from_grid: Affine3A,
     pub mode: RenderMode,
     pub smooth_surface: SmoothSurface,
+    /// Edges are smooth in pictures that are not refined.
+    pub smooth_edges: bool,
     pub lighting: Lighting,
     pub background: Background,
     /// The ground below the sculpture.
@@ -39,10 +41,11 @@ pub struct FrameDesc<'a> {
 }
 
 impl<'a> FrameDesc<'a> {
-    /// This description of one of the samples of an antialiased picture, which these eyes take.
+    /// This description of one of the samples of an antialiased picture, which these eyes take; each has sharp edges.
     pub fn of_sample(self, eyes: &'a [Eye], sample: u32) -> FrameDesc<'a> {
         let lighting = self.lighting.of_sample(sample);
-        FrameDesc { eyes, lighting, ground: self.ground.map(|g| g.of_sample(sample)), ..self }
+        let ground = self.ground.map(|ground| ground.of_sample(sample));
+        FrameDesc { eyes, lighting, ground, smooth_edges: false, ..self }
     }
 }
 

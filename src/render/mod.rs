@@ -37,6 +37,7 @@ mod screen_pass;
 mod shade_pictures;
 pub mod shading;
 pub mod slicing;
+mod smooth_edges;
 mod specialised;
 pub mod stereo;
 pub mod stereo_options;

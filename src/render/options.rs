@@ -21,6 +21,9 @@ pub struct RenderOptions {
     pub occlusion: bool,
     /// In the window: smooth edges while nothing moves.
     pub refine: bool,
+    /// Smooth edges while something moves, and in the headset. None: where the device is a GPU.
+    #[serde(deserialize_with = "switch_or_auto")]
+    pub smooth_edges: Option<bool>,
 }
 
 impl Default for RenderOptions {
@@ -33,6 +36,7 @@ impl Default for RenderOptions {
             smooth_colours: Smoothing::Off,
             occlusion: true,
             refine: true,
+            smooth_edges: None,
         }
     }
 }
@@ -43,6 +47,21 @@ fn mode_or_auto<'de, D: Deserializer<'de>>(from: D) -> Result<Option<RenderMode>
         "auto" => Ok(None),
         _ => RenderMode::deserialize(text.into_deserializer()).map(Some),
     }
+}
+
+fn switch_or_auto<'de, D: Deserializer<'de>>(from: D) -> Result<Option<bool>, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(rename_all = "lowercase")]
+    enum Switch {
+        Auto,
+        On,
+        Off,
+    }
+    Ok(match Switch::deserialize(from)? {
+        Switch::Auto => None,
+        Switch::On => Some(true),
+        Switch::Off => Some(false),
+    })
 }
 
 impl RenderOptions {
@@ -92,6 +111,10 @@ mod tests {
         assert_eq!(mode("").unwrap(), None);
         assert_eq!(mode("mode = \"auto\"").unwrap(), None);
         assert_eq!(mode("mode = \"gpu-colour\"").unwrap(), Some(RenderMode::GpuColour));
+        let edges = |text: &str| toml::from_str::<RenderOptions>(text).map(|o| o.smooth_edges);
+        let switch = |text: &str| edges(&format!("smooth_edges = \"{text}\"")).unwrap();
+        assert_eq!(["auto", "on", "off"].map(switch), [None, Some(true), Some(false)]);
+        assert_eq!(edges("").unwrap(), None);
         let error = mode("mode = \"automatic\"").unwrap_err().to_string();
         assert!(error.contains("automatic") && error.contains("slicing-points"), "{error}");
     }

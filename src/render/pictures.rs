@@ -26,7 +26,7 @@ impl Pictures {
         use vk::ImageUsageFlags as Usage;
         let usage = Usage::COLOR_ATTACHMENT | Usage::TRANSFER_SRC | Usage::SAMPLED;
         let colour = EyeImage::new(device, "picture", size, eyes, format, usage)?;
-        let usage = Usage::DEPTH_STENCIL_ATTACHMENT | Usage::TRANSFER_SRC;
+        let usage = Usage::DEPTH_STENCIL_ATTACHMENT | Usage::TRANSFER_SRC | Usage::SAMPLED;
         let depth = EyeImage::new(device, "picture depth", size, eyes, DEPTH_FORMAT, usage)?;
         Ok(Pictures { colour, depth })
     }

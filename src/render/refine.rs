@@ -167,7 +167,7 @@ impl Renderer {
             // A grid that is too large for it shows its voxels.
             smooth = self.levels.state().is_some();
         }
-        if refinement.taken == 0 && !smooth {
+        if refinement.taken == 0 && !smooth && !desc.smooth_edges {
             // Sample 0 is the picture itself.
             if let Some(pictures) = &mut self.pictures {
                 mean.add(recorder, &mut pictures.colour, 1)?;

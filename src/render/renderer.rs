@@ -20,6 +20,7 @@ use super::pictures::pictures;
 pub use super::pictures::{DEPTH_FORMAT, Pictures};
 use super::refine::Refinement;
 use super::sampler::Sampler;
+use super::smooth_edges::SmoothEdges;
 use super::times::PictureTimer;
 pub use super::times::{DeviceTimes, RenderTimes};
 use super::{
@@ -50,6 +51,7 @@ pub struct Renderer {
     pub(super) gpu_only: Option<GpuOnly>,
     pub(super) backdrop: Option<Backdrop>,
     pub(super) ground: Option<GroundPass>,
+    pub(super) smooth_edges: Option<SmoothEdges>,
     /// Drains the bricks that change between two pictures.
     subscriber: ChangeSubscriber,
     /// The bricks that changed since the last picture.
@@ -82,6 +84,7 @@ impl Renderer {
             gpu_only: None,
             backdrop: None,
             ground: None,
+            smooth_edges: None,
             subscriber: ChangeSubscriber::default(),
             changed: Vec::new(),
             normals: NormalStage::default(),

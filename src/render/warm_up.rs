@@ -30,6 +30,8 @@ const GREY: Rgb = Rgb::new(128, 128, 128);
 pub struct WarmUp {
     pub mode: RenderMode,
     pub lighting: Lighting,
+    /// [`FrameDesc::smooth_edges`].
+    pub smooth_edges: bool,
     /// Bits of colour per voxel of the sculpture.
     pub depth: ColourDepth,
 }
@@ -69,6 +71,7 @@ impl Renderer {
             lighting: of.lighting,
             background: Background::Gradient { top: grey, bottom: grey },
             ground: None,
+            smooth_edges: of.smooth_edges,
             video: None,
             previews: &[tool],
             lines: &[line],

@@ -182,6 +182,11 @@ fn view(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Ve
     });
     ui.checkbox(&mut state.view.tool, "Tool");
     ui.checkbox(&mut state.view.line, "Line from centre to tool");
+    let edges = ui.checkbox(&mut state.view.smooth_edges, "Smooth edges in motion").on_hover_text(
+        "Smooths outlines while something moves, and in the headset, by one pass over the picture; colours of the \
+         surface stay sharp",
+    );
+    state.view.smooth_edges_is_automatic &= !edges.changed();
     if !context.in_headset {
         ui.horizontal(|ui| {
             let parallel = ui.checkbox(&mut state.view.orthographic, "Orthographic");

@@ -101,7 +101,6 @@ fn what_people_type_finds_the_action() {
         ("gizmo", Action::ToggleGizmo),
         ("ground", Action::ToggleGround),
         ("floor", Action::ToggleFloor),
-        ("shadow", Action::ToggleGround),
         ("blueprint", Action::References),
         ("reference", Action::References),
         ("hide panels", Action::TogglePanels),

@@ -71,6 +71,10 @@ pub struct ViewState {
     pub smooth_surface: bool,
     /// Smooth edges while nothing moves.
     pub refine: bool,
+    /// Smooth edges in pictures that are not refined.
+    pub smooth_edges: bool,
+    /// The person has not chosen that.
+    pub smooth_edges_is_automatic: bool,
     pub stereo: StereoOptions,
     pub video: VideoOptions,
     /// Parallel lines stay parallel; not before a tracked head or a printed marker.
@@ -98,12 +102,13 @@ impl ViewState {
         self.mode_is_automatic = false;
     }
 
-    /// Takes the mode that suits a device to draw with, unless the person has chosen one. What suits
+    /// Takes the mode that suits a device to draw with, unless the person has chosen one, and likewise smooth edges. What suits
     /// a GPU stays: the window may draw without one while a headset has one.
     pub fn suit_device(&mut self, software: bool) {
         if self.mode_is_automatic && !software {
             self.choose_mode(RenderMode::usual(software));
         }
+        self.smooth_edges |= self.smooth_edges_is_automatic && !software;
     }
 
     /// What has lines below the sculpture, if anything has.
@@ -275,6 +280,8 @@ impl UiState {
                 finish: options.render.finish(),
                 smooth_surface: options.render.smooth_surface,
                 refine: options.render.refine,
+                smooth_edges: options.render.smooth_edges.unwrap_or(false),
+                smooth_edges_is_automatic: options.render.smooth_edges.is_none(),
                 stereo: *options.stereo,
                 video: options.video.clone(),
                 orthographic: options.view.orthographic,

@@ -39,6 +39,7 @@ impl Painter {
             lighting: Lighting::default(),
             background: BACKGROUND,
             ground: None,
+            smooth_edges: false,
             video: scene.video,
             previews: scene.previews,
             lines: &[],

@@ -97,6 +97,7 @@ impl Painter {
             lighting: even,
             background: Background::Gradient { top: Vec3::ZERO, bottom: Vec3::ZERO },
             ground: None,
+            smooth_edges: false,
             video: None,
             previews,
             lines: &[],

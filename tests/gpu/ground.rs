@@ -46,6 +46,7 @@ fn desc(mode: RenderMode, eyes: &[Eye], ground: Option<Ground>) -> FrameDesc<'_>
         lighting: Lighting::default(),
         background: Background::Gradient { top: Vec3::new(0.1, 0.2, 0.4), bottom: Vec3::ZERO },
         ground,
+        smooth_edges: false,
         video: None,
         previews: &[],
         lines: &[],

@@ -61,6 +61,7 @@ impl Painter {
             lighting,
             background: Background::Gradient { top: grey, bottom: grey },
             ground: None,
+            smooth_edges: false,
             video: None,
             previews,
             lines,

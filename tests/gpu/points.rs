@@ -61,6 +61,7 @@ impl Screen {
             lighting: Lighting::default(),
             background: Background::Gradient { top: BEHIND, bottom: BEHIND },
             ground: None,
+            smooth_edges: false,
             video: None,
             previews: &[],
             lines: &[],

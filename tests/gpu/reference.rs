@@ -59,6 +59,7 @@ fn a_reference_picture_stands_in_the_scene_and_is_hidden_by_what_is_before_it() 
             lighting: Lighting::default(),
             background: Background::Gradient { top: grey, bottom: grey },
             ground: None,
+            smooth_edges: false,
             video: None,
             previews: &[],
             lines: &[],

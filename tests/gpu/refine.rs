@@ -125,6 +125,7 @@ fn desc<'a>(mode: RenderMode, eyes: &'a [Eye]) -> FrameDesc<'a> {
         lighting: Lighting::default(),
         background: Background::Gradient { top: Vec3::ONE, bottom: grey },
         ground: None,
+        smooth_edges: false,
         video: None,
         previews: &[],
         lines: &[],
@@ -199,6 +200,11 @@ fn a_resting_picture_becomes_the_mean_of_its_samples_in_every_mode() {
             let (first, refined) = Painter::refining(device).rest(&mut document, &desc);
             let (_, plain) = Painter::new(device, FORMAT).paint(&mut document, &desc);
             assert!(first == plain, "{mode:?}: refinement begins with the picture itself");
+            if matches!(mode, RenderMode::Ray | RenderMode::GpuColour) {
+                let smooth = FrameDesc { smooth_edges: true, ..desc };
+                let (first, same) = Painter::refining(device).rest(&mut document, &smooth);
+                assert!(first != plain && same == refined, "{mode:?}: samples have sharp edges");
+            }
             assert!(refined != plain, "{mode:?}");
             assert_near(
                 &format!("{mode:?}"),

@@ -137,6 +137,7 @@ fn both_eyes_of_the_renderer_are_what_each_eye_sees() {
                 lighting,
                 background: Background::Gradient { top: background, bottom: background },
                 ground: None,
+                smooth_edges: false,
                 video: None,
                 previews: &[],
                 lines: &[],

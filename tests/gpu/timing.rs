@@ -38,6 +38,7 @@ fn desc<'a>(document: &Document, eyes: &'a [Eye], mode: RenderMode) -> FrameDesc
         lighting: Lighting::default(),
         background: Background::Gradient { top: Vec3::ONE, bottom: Vec3::ZERO },
         ground: None,
+        smooth_edges: false,
         video: None,
         previews: &[],
         lines: &[],

@@ -338,7 +338,8 @@ fn the_benchmark_reports_as_table_json_and_plot() {
     }
     assert_eq!((ray["to_ray"].as_f64(), modes.len()), (Some(1.0), 2));
     let features: Vec<&str> = ray["features"].as_array().unwrap().iter().map(name_of).collect();
-    assert_eq!(features, ["occlusion", "shadow", "smooth surface"]);
+    let expected = ["occlusion", "shadow", "ground", "smooth edges", "smooth surface"];
+    assert_eq!(features, expected);
     assert!(said.contains("what features add"), "{said}");
     // What the device says of itself, where it can, is within what the clock says.
     let march = modes.iter().find(|mode| mode["mode"] == "march").unwrap();

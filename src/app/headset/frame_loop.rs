@@ -79,7 +79,8 @@ impl XrFrameLoop {
     /// [`XrFrameLoop::start`], while nothing else uses the device.
     pub fn warm_up(&mut self, mut view: ViewState, depth: ColourDepth) -> Result<()> {
         view.suit_device(self.is_software());
-        let of = WarmUp { mode: view.mode, lighting: view.lighting(), depth };
+        let (mode, smooth_edges) = (view.mode, view.smooth_edges);
+        let of = WarmUp { mode, lighting: view.lighting(), smooth_edges, depth };
         Ok(self.renderer.warm_up(&of)?)
     }
 
@@ -288,6 +289,7 @@ impl XrFrameLoop {
                 false => background(workspace.ui.appearance.theme),
             },
             ground: None,
+            smooth_edges: workspace.ui.view.smooth_edges,
             video: None,
             previews: preview.as_slice(),
             lines: &lines,

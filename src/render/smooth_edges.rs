@@ -1,0 +1,137 @@
+//! Smooths the edges of pictures that are not refined: those of moving ones, and of a headset. One pass between the
+//! sculpture, which is drawn to an image of its own, and tools and lines, which stay sharp.
+//!
+//! Edges are where the depth leaps by more than some voxels, so colours of the surface are not blurred. Works on the
+//! pictures of every render mode, and on each eye alone.
+
+use std::sync::Arc;
+
+use ash::vk;
+use glam::{Affine3A, Mat3, Mat4};
+
+use super::composite::is_srgb;
+use super::pictures::Pictures;
+use super::{Background, MAX_EYES};
+use crate::gpu::layout::EdgesView;
+use crate::gpu::{
+    Attachment, DescriptorSets, Device, EyeImage, FRAMES_IN_FLIGHT, Graphics, Load, Pipeline,
+    PipelineLayout, Recorder, Result, SetLayout, Use, shaders,
+};
+use crate::surface::PixelRect;
+
+/// How far from a pixel those are that its colour depends on.
+pub(super) const REACH_PX: u32 = 14;
+/// Two surfaces are at least so many voxels apart.
+const LEAP_VX: f32 = 10.0;
+
+/// The pass, and the pictures before it.
+pub(super) struct SmoothEdges {
+    pipeline: Pipeline,
+    sets: DescriptorSets,
+    /// The images that each set names.
+    named: Vec<[u64; 2]>,
+    /// Pictures with sharp edges.
+    sharp: Option<EyeImage>,
+    slot: usize,
+    linear: bool,
+    device: Arc<Device>,
+}
+
+impl SmoothEdges {
+    /// For pictures of `format`.
+    pub fn new(device: &Arc<Device>, format: vk::Format) -> Result<SmoothEdges> {
+        let fragment = vk::ShaderStageFlags::FRAGMENT;
+        let name = "smooth edges";
+        let image = vk::DescriptorType::SAMPLED_IMAGE;
+        let set_layout =
+            SetLayout::new(device, name, &[(0, image, fragment), (1, image, fragment)])?;
+        let push = Some((fragment, size_of::<EdgesView>()));
+        let layout = PipelineLayout::new(device, name, Some(&set_layout), push)?;
+        let pass = Graphics::screen(name, shaders::SMOOTH_EDGES_FRAG, &layout, format, None);
+        let count = FRAMES_IN_FLIGHT * MAX_EYES;
+        Ok(SmoothEdges {
+            pipeline: Pipeline::graphics(device, &pass)?,
+            sets: DescriptorSets::new(device, name, &set_layout, count)?,
+            named: vec![[0; 2]; count],
+            sharp: None,
+            slot: 0,
+            linear: is_srgb(format),
+            device: device.clone(),
+        })
+    }
+
+    /// Starts a frame that uses `slot` ([`crate::gpu::Frames::slot`]) and makes `pictures`.
+    pub fn begin(&mut self, slot: usize, pictures: &Pictures) -> Result<()> {
+        self.slot = slot % FRAMES_IN_FLIGHT;
+        let (size, eyes) = (pictures.colour.size(), pictures.colour.eyes());
+        let fits = |sharp: &EyeImage| sharp.size() == size && sharp.eyes() == eyes;
+        if !self.sharp.as_ref().is_some_and(fits) {
+            use vk::ImageUsageFlags as Usage;
+            let (device, format) = (&self.device, pictures.colour.image().format());
+            let usage = Usage::COLOR_ATTACHMENT | Usage::SAMPLED;
+            let name = "picture with sharp edges";
+            self.sharp = Some(EyeImage::new(device, name, size, eyes, format, usage)?);
+        }
+        Ok(())
+    }
+
+    /// Starts drawing the sculpture of `eye` to `area`, with the depth of `pictures`, as [`Pictures::begin`].
+    pub fn begin_sculpture(
+        &mut self,
+        recorder: &mut Recorder,
+        pictures: &mut Pictures,
+        eye: u32,
+        background: Background,
+        area: PixelRect,
+    ) {
+        let Some(sharp) = &mut self.sharp else { return };
+        std::mem::swap(sharp, &mut pictures.colour);
+        pictures.begin(recorder, eye, background, area);
+        std::mem::swap(sharp, &mut pictures.colour);
+    }
+
+    /// Ends it, draws `area` with smooth edges to `pictures`, and goes on drawing over it.
+    pub fn finish(
+        &mut self,
+        recorder: &mut Recorder,
+        pictures: &mut Pictures,
+        eye: u32,
+        area: PixelRect,
+        projection: &Mat4,
+        world_from_grid: &Affine3A,
+    ) {
+        recorder.end_rendering();
+        let Some(sharp) = &mut self.sharp else { return };
+        let Pictures { colour, depth } = pictures;
+        sharp.transition(recorder, eye, Use::SHADER_READ);
+        depth.transition(recorder, eye, Use::SHADER_READ);
+        let set = self.slot * MAX_EYES + eye as usize;
+        let names = [sharp.image().id(), depth.image().id()];
+        if self.named[set] != names {
+            self.named[set] = names;
+            self.sets.write_sampled(set, 0, sharp.image().layer_view(eye));
+            self.sets.write_sampled(set, 1, depth.image().layer_view(eye));
+        }
+        let place = area.corner_and_size();
+        let size = colour.size();
+        colour.begin_overwrite_area(recorder, eye, place, Use::COLOUR_TARGET);
+        let attachment = |image: &EyeImage, load| {
+            Some(Attachment { view: image.image().layer_view(eye), load, store: true })
+        };
+        recorder.begin_rendering_in(size.to_array(), place, attachment(colour, Load::Forget), None);
+        recorder.bind_pipeline(&self.pipeline);
+        recorder.bind_set(&self.pipeline, self.sets.set(set));
+        let columns = Mat3::from(world_from_grid.matrix3).to_cols_array_2d();
+        let voxel = columns.map(|column| glam::Vec3::from(column).length()).into_iter();
+        // A way through the depth changes the nearness by its square over the near plane's distance.
+        let leap = LEAP_VX * voxel.fold(0.0, f32::max) / projection.w_axis.z;
+        let view = EdgesView { size: size.to_array(), leap, linear: self.linear.into() };
+        recorder.push(self.pipeline.layout(), &view);
+        recorder.draw(3, 1);
+        recorder.end_rendering();
+        colour.begin_overwrite_area(recorder, eye, ([0, 0], [0, 0]), Use::COLOUR_TARGET);
+        depth.transition(recorder, eye, Use::DEPTH_TARGET);
+        let (colour, depth) = (attachment(colour, Load::Keep), attachment(depth, Load::Keep));
+        recorder.begin_rendering_in(size.to_array(), place, colour, depth);
+    }
+}
