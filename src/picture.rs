@@ -246,6 +246,7 @@ fn render_by_casting(
         let mut mean = Mean::new(eye.size);
         for sample in 0..view.samples {
             let rays = eye.sample(sample).pixel_rays(&world_from_grid);
+            sampler.sample = sample;
             match (mode, levels) {
                 (_, Some(levels)) => sampler.sample(grid, normals, levels, &rays, &mut map),
                 (RenderMode::Quickstep, None) => quickstep::sample(grid, &rays, &mut map),
@@ -281,6 +282,7 @@ fn render_on_device(
         eyes,
         world_from_grid,
         mode: view.mode,
+        sample: 0,
         smooth_surface: match view.smooth_surface {
             true => SmoothSurface::Always,
             false => SmoothSurface::Never,

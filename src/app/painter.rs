@@ -68,6 +68,7 @@ impl Painter {
             eyes: &eyes,
             world_from_grid: workspace.world_from_grid(),
             mode: workspace.ui.view.mode,
+            sample: 0,
             smooth_surface: match workspace.ui.view.smooth_surface {
                 true => SmoothSurface::AtRest,
                 false => SmoothSurface::Never,

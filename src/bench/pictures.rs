@@ -219,6 +219,7 @@ impl Rendered {
             world_from_grid: document.world_from_grid(),
             mode: self.mode,
             smooth_surface: look.smooth_surface,
+            sample: 0,
             lighting: look.lighting,
             background: Background::Gradient { top, bottom },
             ground: look.ground,

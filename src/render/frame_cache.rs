@@ -219,6 +219,7 @@ mod tests {
             world_from_grid: Affine3A::IDENTITY,
             mode: RenderMode::Ray,
             smooth_surface: SmoothSurface::Never,
+            sample: 0,
             lighting: Lighting::default(),
             background: Background::Keep,
             ground: None,

@@ -29,6 +29,8 @@ pub struct FrameDesc<'a> {
     pub smooth_surface: SmoothSurface,
     /// Edges are smooth in pictures that are not refined.
     pub smooth_edges: bool,
+    /// Which of the samples of antialiased pictures this is ([`FrameDesc::of_sample`]); 0 for other pictures.
+    pub sample: u32,
     pub lighting: Lighting,
     pub background: Background,
     /// The ground below the sculpture.
@@ -45,7 +47,7 @@ impl<'a> FrameDesc<'a> {
     pub fn of_sample(self, eyes: &'a [Eye], sample: u32) -> FrameDesc<'a> {
         let lighting = self.lighting.of_sample(sample);
         let ground = self.ground.map(|ground| ground.of_sample(sample));
-        FrameDesc { eyes, lighting, ground, smooth_edges: false, ..self }
+        FrameDesc { eyes, sample, lighting, ground, smooth_edges: false, ..self }
     }
 }
 

@@ -67,9 +67,14 @@ impl LevelStage {
         &self.changed
     }
 
-    /// The surface, if the picture shows it.
-    pub fn surface<'a>(&'a mut self, normals: &'a NormalField) -> Option<SampledLevels<'a>> {
+    /// The surface, if the picture shows it, for a sample of antialiased pictures ([`super::FrameDesc::sample`]).
+    pub fn surface<'a>(
+        &'a mut self,
+        normals: &'a NormalField,
+        sample: u32,
+    ) -> Option<SampledLevels<'a>> {
         let levels = self.levels.as_ref().filter(|_| self.active)?;
+        self.sampler.sample = sample;
         Some(SampledLevels { levels, normals, changed: &self.changed, sampler: &mut self.sampler })
     }
 }

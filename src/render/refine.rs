@@ -217,7 +217,7 @@ impl Renderer {
             self.maps
                 .resize_with(desc.eyes.len(), || Arc::new(IndexMap::new(PixelRays::of_nothing())));
             let rays = desc.eyes[i].pixel_rays(&desc.world_from_grid);
-            if let Some(mut smooth) = self.levels.surface(self.normals.field()) {
+            if let Some(mut smooth) = self.levels.surface(self.normals.field(), desc.sample) {
                 let map = Arc::make_mut(&mut self.maps[i]);
                 self.sampler.sample_rows(document.grid(), i, &rays, rows, &mut smooth, map);
             }

@@ -256,7 +256,7 @@ impl Renderer {
         self.maps.resize_with(count, || Arc::new(IndexMap::new(nothing)));
         let result = {
             let changed = (redraw == Redraw::Changed).then_some(self.changed.as_slice());
-            let smooth = self.levels.surface(self.normals.field());
+            let smooth = self.levels.surface(self.normals.field(), desc.sample);
             let rays = &rays[..count];
             self.sampler.sample(document, rays, desc.mode, smooth, changed, &mut self.maps)
         };

@@ -68,6 +68,7 @@ impl Renderer {
                 .world_from_grid(document.grid().dims(), document.grid().voxel_size()),
             mode: of.mode,
             smooth_surface: SmoothSurface::Never,
+            sample: 0,
             lighting: of.lighting,
             background: Background::Gradient { top: grey, bottom: grey },
             ground: None,

@@ -35,6 +35,7 @@ impl Painter {
             eyes: scene.eyes,
             world_from_grid: scene.world_from_grid,
             smooth_surface: SmoothSurface::Never,
+            sample: 0,
             mode: scene.mode,
             lighting: Lighting::default(),
             background: BACKGROUND,

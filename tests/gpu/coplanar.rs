@@ -93,6 +93,7 @@ impl Painter {
             eyes: std::slice::from_ref(eye),
             world_from_grid: Affine3A::IDENTITY,
             smooth_surface: SmoothSurface::Never,
+            sample: 0,
             mode,
             lighting: even,
             background: Background::Gradient { top: Vec3::ZERO, bottom: Vec3::ZERO },

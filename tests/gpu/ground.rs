@@ -42,6 +42,7 @@ fn desc(mode: RenderMode, eyes: &[Eye], ground: Option<Ground>) -> FrameDesc<'_>
         eyes,
         world_from_grid: Affine3A::from_translation(Vec3::splat(-32.0)),
         smooth_surface: SmoothSurface::Never,
+        sample: 0,
         mode,
         lighting: Lighting::default(),
         background: Background::Gradient { top: Vec3::new(0.1, 0.2, 0.4), bottom: Vec3::ZERO },

@@ -57,6 +57,7 @@ impl Painter {
             eyes,
             world_from_grid: Affine3A::from_translation(Vec3::splat(-40.0)),
             smooth_surface: self.smooth_surface,
+            sample: 0,
             mode,
             lighting,
             background: Background::Gradient { top: grey, bottom: grey },

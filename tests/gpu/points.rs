@@ -57,6 +57,7 @@ impl Screen {
             eyes: &[eye],
             world_from_grid: *world_from_grid,
             smooth_surface: SmoothSurface::Never,
+            sample: 0,
             mode,
             lighting: Lighting::default(),
             background: Background::Gradient { top: BEHIND, bottom: BEHIND },

@@ -55,6 +55,7 @@ fn a_reference_picture_stands_in_the_scene_and_is_hidden_by_what_is_before_it() 
             eyes: &eyes,
             world_from_grid,
             smooth_surface: SmoothSurface::Never,
+            sample: 0,
             mode: RenderMode::Ray,
             lighting: Lighting::default(),
             background: Background::Gradient { top: grey, bottom: grey },

@@ -121,6 +121,7 @@ fn desc<'a>(mode: RenderMode, eyes: &'a [Eye]) -> FrameDesc<'a> {
         eyes,
         world_from_grid: Affine3A::from_translation(Vec3::splat(-40.0)),
         smooth_surface: SmoothSurface::Never,
+        sample: 0,
         mode,
         lighting: Lighting::default(),
         background: Background::Gradient { top: Vec3::ONE, bottom: grey },
@@ -157,7 +158,7 @@ fn mean(
         let shifted: Vec<Eye> = desc.eyes.iter().map(|eye| eye.sample(index)).collect();
         let lighting = desc.lighting.of_sample(index);
         let ground = desc.ground.map(|ground| ground.of_sample(index));
-        let desc = FrameDesc { eyes: &shifted, lighting, ground, ..*desc };
+        let desc = FrameDesc { eyes: &shifted, sample: index, lighting, ground, ..*desc };
         let (_, pictures) = painter.paint(document, &desc);
         for (sums, picture) in sums.iter_mut().zip(&pictures) {
             for (sum, rgba) in sums.iter_mut().zip(&picture.rgba) {

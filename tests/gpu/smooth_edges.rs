@@ -45,6 +45,7 @@ fn desc(mode: RenderMode, eyes: &[Eye], smooth_edges: bool) -> FrameDesc<'_> {
         eyes,
         world_from_grid: Affine3A::from_translation(Vec3::splat(-48.0)),
         smooth_surface: SmoothSurface::Never,
+        sample: 0,
         mode,
         lighting: Lighting::default(),
         background: Background::Gradient { top: Vec3::new(0.1, 0.2, 0.4), bottom: Vec3::ZERO },

@@ -133,6 +133,7 @@ fn both_eyes_of_the_renderer_are_what_each_eye_sees() {
                 eyes,
                 world_from_grid,
                 smooth_surface: SmoothSurface::Never,
+                sample: 0,
                 mode,
                 lighting,
                 background: Background::Gradient { top: background, bottom: background },

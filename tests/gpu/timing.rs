@@ -34,6 +34,7 @@ fn desc<'a>(document: &Document, eyes: &'a [Eye], mode: RenderMode) -> FrameDesc
         eyes,
         world_from_grid: document.world_from_grid(),
         smooth_surface: SmoothSurface::Never,
+        sample: 0,
         mode,
         lighting: Lighting::default(),
         background: Background::Gradient { top: Vec3::ONE, bottom: Vec3::ZERO },

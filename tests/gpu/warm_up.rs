@@ -78,6 +78,7 @@ fn the_first_picture_after_warming_up_creates_no_pipeline_in_any_mode() {
                 eyes: &eyes,
                 world_from_grid: Placement::default().world_from_grid(dims, Vec3::ONE),
                 smooth_surface: SmoothSurface::Never,
+                sample: 0,
                 mode,
                 lighting: lighting(),
                 background: Background::Gradient { top: Vec3::ONE, bottom: Vec3::X },

@@ -283,6 +283,7 @@ impl XrFrameLoop {
             world_from_grid: workspace.world_from_grid(),
             mode: workspace.ui.view.mode,
             smooth_surface: SmoothSurface::Never,
+            sample: 0,
             lighting: workspace.ui.view.lighting(),
             background: match see_through {
                 true => Background::Keep,

@@ -33,6 +33,14 @@ pub struct SurfaceHit {
     pub t: f32,
 }
 
+/// Which of the existing corners of its cell is named for a place on the surface.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Naming {
+    Nearest,
+    /// The nearer, the more often, for numbers from 0 to 1: in the mean of many, colours are interpolated.
+    ByShare(f32),
+}
+
 /// What a ray is traced through.
 #[derive(Clone, Copy)]
 pub(super) struct Scene<'a> {
@@ -79,6 +87,7 @@ impl Scene<'_> {
     #[inline(always)]
     pub fn hit(
         &self,
+        naming: Naming,
         origin: Vec3,
         direction: Vec3,
         first: UVec3,
@@ -107,7 +116,7 @@ impl Scene<'_> {
                 let (begin, end) = (place(from), place(to));
                 if let Some(share) = first_root(&known.levels, begin, end) {
                     let t = from + (to - from) * share;
-                    return Some(self.shown(known, begin.lerp(end, share), t));
+                    return Some(self.shown(naming, known, begin.lerp(end, share), t));
                 }
             } else if to - from > long_enough {
                 // From well within the empty cell: rounding must not lead back to the one before.
@@ -132,7 +141,7 @@ impl Scene<'_> {
 
     /// The voxel and the normal at a place of a cell.
     #[inline(always)]
-    fn shown(&self, cell: &mut Cell, place: Vec3, t: f32) -> SurfaceHit {
+    fn shown(&self, naming: Naming, cell: &mut Cell, place: Vec3, t: f32) -> SurfaceHit {
         let voxel = |i: usize| cell.at - 1 + corner(i);
         if !cell.has_normals {
             for i in 0..8 {
@@ -143,17 +152,23 @@ impl Scene<'_> {
         }
         let mut normal = Vec3::ZERO;
         // While normals are not complete, any existing corner will do.
-        let (mut nearest, mut most) = (0, -1.0);
+        let (mut named, mut most) = (0, -1.0);
+        // Of the corners with normals: the voxels of the surface.
+        let mut shares = [0.0; 8];
         for i in 0..8 {
             let own = cell.normals[i];
             let known = if own == Vec3::ZERO { 0.0 } else { 1.0 };
             let share = share(place, corner(i)) + LEAST_SHARE;
             normal += own * share;
+            shares[i] = share * known;
             if cell.levels[i] < 0.0 && share + known > most {
-                (nearest, most) = (i, share + known);
+                (named, most) = (i, share + known);
             }
         }
-        let voxel = voxel(nearest).max(IVec3::ZERO).as_uvec3();
+        if let Naming::ByShare(number) = naming {
+            named = by_share(&shares, number).unwrap_or(named);
+        }
+        let voxel = voxel(named).max(IVec3::ZERO).as_uvec3();
         SurfaceHit { voxel, normal: PackedNormal::pack(normal), t }
     }
 
@@ -165,6 +180,21 @@ impl Scene<'_> {
         }
         Some(self.normals.plane(page, voxel % BRICK_EDGE_VX)?.0)
     }
+}
+
+/// The one of `shares` in which `number` lies, from 0 to 1 of their sum; none if there is none.
+#[inline(always)]
+fn by_share(shares: &[f32; 8], number: f32) -> Option<usize> {
+    let mut rest = number * shares.iter().sum::<f32>();
+    let mut last = None;
+    for (i, &share) in shares.iter().enumerate().filter(|(_, share)| **share > 0.0) {
+        last = Some(i);
+        rest -= share;
+        if rest < 0.0 {
+            break;
+        }
+    }
+    last
 }
 
 /// The weight of a corner at a place of a cell.

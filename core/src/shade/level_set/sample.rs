@@ -1,12 +1,14 @@
 //! Index maps of the smooth surface.
 //!
 //! The exact ray caster finds the first cell of every pixel, [`super::ray`] the place on the surface from there on.
-//! A map names the nearest voxel of each pixel, as any other sampler's does, and has the normals between voxels.
+//! A map names the nearest voxel of each pixel, as any other sampler's does, and has the normals between voxels. The
+//! further samples of an antialiased picture name any voxel next to the place, the nearer, the more often: in their
+//! mean whatever is shaded by voxels, such as colours, changes gradually from one voxel to the next.
 
 use rayon::prelude::*;
 
 use super::LevelSet;
-use super::ray::{CellCache, Scene};
+use super::ray::{CellCache, Naming, Scene};
 use crate::sculpture::{Grid, NO_VOXEL};
 use crate::shade::NormalField;
 use crate::shade::normal_field::PackedNormal;
@@ -18,16 +20,34 @@ use crate::view::PixelRays;
 const BAND_ROWS: usize = 16;
 const STRIP_PX: usize = 64;
 
+/// How a sample of a pixel names voxels: with other numbers for each pixel, and evenly distributed ones over its
+/// samples (multiples of the golden ratio).
+#[inline(always)]
+fn naming(sample: u32, [x, y]: [u32; 2]) -> Naming {
+    const GOLDEN: u32 = 0x9E37_79B9;
+    if sample == 0 {
+        return Naming::Nearest;
+    }
+    // Finaliser of MurmurHash3.
+    let mut hash = x ^ y << 16 ^ y >> 16;
+    hash = (hash ^ hash >> 16).wrapping_mul(0x85EB_CA6B);
+    hash = (hash ^ hash >> 13).wrapping_mul(0xC2B2_AE35);
+    let number = (hash ^ hash >> 16).wrapping_add(sample.wrapping_mul(GOLDEN));
+    Naming::ByShare((number >> 8) as f32 / (1 << 24) as f32)
+}
+
 /// Samples pictures of one eye. Keeps its memory.
 #[derive(Debug)]
 pub struct LevelSampler {
     /// The first cell of each pixel.
     cells: IndexMap,
+    /// The sample of an antialiased picture that is made; 0 names the nearest voxels.
+    pub sample: u32,
 }
 
 impl Default for LevelSampler {
     fn default() -> LevelSampler {
-        LevelSampler { cells: IndexMap::new(PixelRays::of_nothing()) }
+        LevelSampler { cells: IndexMap::new(PixelRays::of_nothing()), sample: 0 }
     }
 }
 
@@ -61,7 +81,7 @@ impl LevelSampler {
         self.cells.reset(LevelSet::rays_of_cells(&map.rays));
         raycast::sample_rect(levels.cells(), &mut self.cells, rect);
         let scene = Scene { grid, normals, levels };
-        let rays = self.cells.rays;
+        let (rays, sample) = (self.cells.rays, self.sample);
         let (width, band) = (map.rays.size.x, map.rays.size.x as usize * BAND_ROWS);
         let voxels = rect.rows_of_mut(&mut map.voxels, width).par_chunks_mut(band);
         let normals = rect.rows_of_mut(&mut map.normals, width).par_chunks_mut(band);
@@ -79,7 +99,8 @@ impl LevelSampler {
                         cell => {
                             let cell = levels.cells().voxel_coords(cell);
                             let direction = rays.direction(x, first_y + row);
-                            scene.hit(rays.origin, direction, cell, cache)
+                            let naming = naming(sample, [x, first_y + row]);
+                            scene.hit(naming, rays.origin, direction, cell, cache)
                         }
                     };
                     (voxels[i], normals[i]) = match seen {

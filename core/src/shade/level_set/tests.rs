@@ -1,7 +1,7 @@
 use glam::{IVec3, Quat, UVec2, UVec3, Vec3};
 use proptest::prelude::*;
 
-use super::ray::first_root;
+use super::ray::{Naming, first_root};
 use super::*;
 use crate::scenes;
 use crate::sculpture::{NO_VOXEL, Placement};
@@ -52,7 +52,13 @@ fn errors(grid: &Grid, rays: &PixelRays, distance: impl Fn(Vec3) -> f32) -> [f32
         for x in 0..rays.size.x {
             let Some(cell) = cells.get(x, y) else { continue };
             let (cell, direction) = (levels.cells().voxel_coords(cell), rays.direction(x, y));
-            let hit = scene.hit(cells.rays.origin, direction, cell, &mut Default::default());
+            let hit = scene.hit(
+                Naming::Nearest,
+                cells.rays.origin,
+                direction,
+                cell,
+                &mut Default::default(),
+            );
             found.extend(hit.map(|hit| distance(rays.origin + direction * hit.t)));
         }
     }
@@ -111,8 +117,15 @@ fn faces_of_cubes_stay_in_their_planes_even_at_the_border_of_the_grid() {
                 let cell =
                     crate::surface::raycast::cast(levels.cells(), in_cells(origin), direction);
                 let first = cell.unwrap().voxel;
-                let hit =
-                    scene.hit(in_cells(origin), direction, first, &mut Default::default()).unwrap();
+                let hit = scene
+                    .hit(
+                        Naming::Nearest,
+                        in_cells(origin),
+                        direction,
+                        first,
+                        &mut Default::default(),
+                    )
+                    .unwrap();
                 let place = origin + direction * hit.t;
                 let expected = if side > 0.0 { high } else { low } as f32;
                 assert!((place[axis] - expected).abs() < 0.05, "{low} {axis} {side}: {place}");
@@ -238,6 +251,38 @@ fn maps_name_existing_voxels_near_the_ray() {
         }
         assert!(map == whole);
     }
+}
+
+/// On a flat face of cubes the voxels named over many samples have their mean in the place that is seen, so that
+/// colours are interpolated; those of sample 0 are the nearest.
+#[test]
+fn samples_name_voxels_by_their_share() {
+    let grid = grid_of(32, |at| (at - 16.0).abs().max_element() < 8.0);
+    let (normals, levels) = smooth(&grid);
+    let rays = rays_at(&grid, 16.0, Vec3::Z);
+    let mut sampler = LevelSampler::default();
+    let mut maps = [(); 17].map(|()| IndexMap::new(rays));
+    for (i, map) in (0..).zip(&mut maps) {
+        sampler.sample = i;
+        sampler.sample(&grid, &normals, &levels, &rays, map);
+    }
+    let (nearest, others) = maps.split_first().unwrap();
+    let mut worst = 0f32;
+    let mut count = 0;
+    for i in 0..nearest.voxels.len() {
+        let direction = rays.direction(i as u32 % rays.size.x, i as u32 / rays.size.x);
+        // The upper face lies at a height of 24 voxels.
+        let seen = rays.origin + direction * ((24.0 - rays.origin.z) / direction.z);
+        if (seen.truncate() - 16.0).abs().max_element() > 4.0 {
+            continue;
+        }
+        count += 1;
+        let middle = |map: &IndexMap| grid.voxel_coords(map.voxels[i]).as_vec3() + 0.5;
+        assert!((middle(nearest) - seen).truncate().abs().max_element() < 0.51, "{seen}");
+        let mean = others.iter().map(middle).sum::<Vec3>() / others.len() as f32;
+        worst = worst.max((mean - seen).truncate().abs().max_element());
+    }
+    assert!(count > 500 && worst < 0.2, "{count} pixels, {worst}");
 }
 
 proptest! {
