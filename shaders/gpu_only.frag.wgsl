@@ -31,6 +31,6 @@ fn main(@builtin(position) position: vec4<f32>) -> Pixel {
     let t = max(max(enter.x, enter.y), enter.z);
     // An eye inside the voxel sees it at the near plane.
     let depth = select(1.0, (view.depth_slope * t + view.depth_at_0) / t, t > 0.0);
-    let colour = decoded(shaded(low), view.linear != 0u);
+    let colour = decoded(shaded(low, NO_NORMAL), view.linear != 0u);
     return Pixel(vec4<f32>(colour, 1.0), clamp(depth, 0.0, 1.0));
 }

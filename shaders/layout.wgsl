@@ -44,6 +44,7 @@ struct MarchView {
     step_x: vec3<f32>,
     tile_log2: u32,
     step_y: vec3<f32>,
+    sample: u32,
     dims: vec3<u32>,
 }
 

@@ -6,14 +6,18 @@
 //!include "lighting.wgsl"
 //!include "shadow.wgsl"
 
-fn shaded(voxel: vec3<i32>) -> vec3<f32> {
+// `between`: the packed normal of the place that is seen, if it is not that of the voxel.
+fn shaded(voxel: vec3<i32>, between: u32) -> vec3<f32> {
     let dims = vec3<i32>(shading.dims);
     let colour = colour_of(voxel, shading.base, shading.bricks);
     var open = 1.0;
     if kind_occlusion != 0u {
         open = openness(voxel, dims);
     }
-    let packed = packed_normal(voxel, shading.bricks);
+    var packed = between;
+    if packed == NO_NORMAL {
+        packed = packed_normal(voxel, shading.bricks);
+    }
     // Without a side that is outside: it faces the eye.
     var outwards = vec3<f32>(0.0);
     if packed != NO_NORMAL {

@@ -68,11 +68,8 @@ impl Painter {
             eyes: &eyes,
             world_from_grid: workspace.world_from_grid(),
             mode: workspace.ui.view.mode,
+            smooth_surface: SmoothSurface::on_screen(workspace.ui.view.smooth_surface),
             sample: 0,
-            smooth_surface: match workspace.ui.view.smooth_surface {
-                true => SmoothSurface::AtRest,
-                false => SmoothSurface::Never,
-            },
             lighting: workspace.ui.view.lighting(),
             background: background(workspace.ui.appearance.theme),
             ground: workspace.ground(video.is_some()),

@@ -94,7 +94,7 @@ shared! {
 }
 
 shared! {
-    /// Push constants of beams and ray march: one eye's rays, in grid coordinates.
+    /// Push constants of beams and marches: one eye's rays, in coordinates of the grid or of its cells.
     MarchView {
         /// The eye.
         origin: [f32; 3],
@@ -110,10 +110,11 @@ shared! {
         tile_log2: u32,
         /// Change of direction per pixel downwards.
         step_y: [f32; 3],
-        pad_0: u32,
+        /// Which of the samples of an antialiased picture this is.
+        sample: u32,
         /// Size of the grid in voxels.
         dims: [u32; 3],
-        pad_1: u32,
+        pad_0: u32,
     }
 }
 
@@ -443,6 +444,7 @@ mod tests {
             stage!("beam.frag.wgsl"),
             stage!("ray_march.comp.wgsl"),
             stage!("ray_march.frag.wgsl"),
+            stage!("level_march.frag.wgsl"),
         ] {
             compare(text, "MarchView", members.clone(), bytes);
         }

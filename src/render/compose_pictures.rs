@@ -28,9 +28,10 @@ impl Renderer {
     ) -> Result<()> {
         self.prepare_ground(recorder, slot, document, desc)?;
         let estimates = !self.is_complete();
+        let shading = self.shading(desc.mode);
         let pictures = pictures(&self.device, &mut self.pictures, self.format, desc.eyes)?;
         let visible = self.sampler.visible();
-        let mut sculpture = match desc.mode.shading() {
+        let mut sculpture = match shading {
             Shading::Software | Shading::Device => {
                 let maps = self.sampler.maps(recorder, slot, &self.maps)?;
                 Sculpture::Composite(&mut self.composite, maps)

@@ -30,8 +30,8 @@ pub struct FrameReport {
     /// nobody holds.
     pub pick_maps: Vec<Arc<IndexMap>>,
     pub times: RenderTimes,
-    /// False if the next picture, of the same, will be better: while normals are missing ([`Renderer::set_patience`])
-    /// or samples ([`Renderer::set_refinement`]).
+    /// False if the next picture, of the same, will be better: while normals or the smooth surface are missing
+    /// ([`Renderer::set_patience`]) or samples ([`Renderer::set_refinement`]).
     pub complete: bool,
     /// In the order in which they happened.
     pub fallbacks: Vec<Fallback>,
@@ -53,7 +53,9 @@ impl Renderer {
         while paints(desc.mode) {
             let Err(reason) = self.paint(recorder, slot, document, &desc) else {
                 let (mode, pick_maps, times) = (desc.mode, self.maps().to_vec(), self.times());
-                let complete = self.is_complete() && self.refinement.is_complete();
+                let complete = self.is_complete()
+                    && !self.levels.is_pending()
+                    && self.refinement.is_complete();
                 return Ok(FrameReport {
                     mode,
                     painted: true,

@@ -14,9 +14,26 @@ use crate::view::Eye;
 pub enum SmoothSurface {
     #[default]
     Never,
-    /// Once a picture is refined ([`super::Renderer::set_refinement`]): it takes many times as long as the voxels.
+    /// At once where a GPU finds it; elsewhere it takes many times as long as the voxels, and is shown once a picture
+    /// is refined ([`super::Renderer::set_refinement`]).
     AtRest,
     Always,
+}
+
+impl SmoothSurface {
+    /// What a window or a headset shows: the smooth surface, if it is asked for.
+    pub fn on_screen(asked_for: bool) -> SmoothSurface {
+        if asked_for { SmoothSurface::AtRest } else { SmoothSurface::Never }
+    }
+
+    /// When pictures of `mode` show it on a device, which is a GPU or `software`.
+    fn of_mode(self, mode: RenderMode, software: bool) -> SmoothSurface {
+        match self {
+            _ if !mode.can_be_smooth() => SmoothSurface::Never,
+            SmoothSurface::AtRest if mode.shades_on_device() && !software => SmoothSurface::Always,
+            asked => asked,
+        }
+    }
 }
 
 /// A frame description: how a sculpture is to be seen.
@@ -52,11 +69,10 @@ impl<'a> FrameDesc<'a> {
 }
 
 impl FrameDesc<'_> {
-    /// Whether pictures of `grid` that show the smooth surface `when` do so.
-    pub(super) fn is_smooth(&self, when: SmoothSurface, grid: &Grid) -> bool {
+    /// Whether pictures of `grid` that show the smooth surface `when` do so on a device, a GPU or `software`.
+    pub(super) fn is_smooth(&self, when: SmoothSurface, grid: &Grid, software: bool) -> bool {
         let rays = |eye: &Eye| eye.pixel_rays(&self.world_from_grid);
-        self.smooth_surface == when
-            && self.mode.can_be_smooth()
+        self.smooth_surface.of_mode(self.mode, software) == when
             && self.eyes.iter().any(|eye| LevelSet::shows(grid, &rays(eye)))
     }
 
@@ -79,6 +95,36 @@ impl FrameDesc<'_> {
             estimates,
             pose: self.pose(eye),
             lighting: &self.lighting,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The headset's pictures are never refined, so it shows the surface where this is `Always`.
+    #[test]
+    fn gpus_show_the_smooth_surface_always_and_processors_at_rest() {
+        use SmoothSurface::{Always, AtRest, Never};
+        let asked = SmoothSurface::on_screen(true);
+        // The mode that windows and headsets have on a GPU, if nobody chooses another.
+        assert_eq!(asked.of_mode(RenderMode::usual(false), false), Always);
+        for mode in RenderMode::ALL {
+            let (on_gpu, on_cpu) = match mode {
+                RenderMode::MarchGpu | RenderMode::Gpu | RenderMode::GpuColour => (Always, AtRest),
+                RenderMode::SlicingPoints | RenderMode::RayPoints => (Never, Never),
+                _ => (AtRest, AtRest),
+            };
+            assert_eq!(
+                [false, true].map(|software| asked.of_mode(mode, software)),
+                [on_gpu, on_cpu]
+            );
+            let not_asked = SmoothSurface::on_screen(false);
+            assert_eq!(not_asked.of_mode(mode, false), Never);
+            // Pictures in files wait for it.
+            let in_files = if on_gpu == Never { Never } else { Always };
+            assert_eq!(Always.of_mode(mode, true), in_files);
         }
     }
 }

@@ -1,8 +1,16 @@
-//! The smooth surface of a renderer's pictures: when it is drawn, and what has changed of it.
+//! The smooth surface of a renderer's pictures: when it is drawn, what has changed of it, and the device's copy.
 //!
 //! Follows the grid and the normals of one document. The surface between voxels is drawn where a voxel covers more
-//! than a pixel of any picture; farther away nobody could see it. It is computed when it is first drawn.
+//! than a pixel of any picture; farther away nobody could see it. It is computed when it is first drawn: for a sculpture
+//! that was opened in portions, before which the voxels are shown. Modes that shade on the device find it there, all
+//! others on the CPU. A sculpture that is too large for it shows its voxels.
 
+use std::fmt::Display;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use super::{EyeTask, IndexTarget, LevelMarch, Levels, MAX_EYES, Normals};
+use crate::gpu::{Device, GpuError, Recorder, Result};
 use crate::sculpture::{Grid, Limits};
 use crate::shade::{LevelSampler, LevelSet, NormalField};
 use crate::surface::{IndexMap, PixelRect, PixelRects, changed_pixels, pixels_of_grid};
@@ -11,6 +19,16 @@ use crate::view::PixelRays;
 /// Reach of a voxel's level beyond the voxel: cells lie between the middles of voxels.
 const LEVEL_REACH_VX: u32 = 1;
 
+/// What the next picture needs of the surface.
+pub(super) struct LevelWish {
+    /// Its mode can show the surface, and it is to.
+    pub wanted: bool,
+    /// The device on which its mode shades, if it does.
+    pub device: Option<Arc<Device>>,
+    /// How long it may be held up by a surface that has never been complete; none: until it is.
+    pub patience: Option<Duration>,
+}
+
 /// See the module text.
 #[derive(Default)]
 pub(super) struct LevelStage {
@@ -18,43 +36,109 @@ pub(super) struct LevelStage {
     sampler: LevelSampler,
     /// The present picture shows the smooth surface.
     active: bool,
-    /// Bricks whose levels differ from those of the last picture, rising.
+    /// It will, once the surface is complete.
+    pending: bool,
+    /// The surface was complete, and follows edits at once.
+    was_complete: bool,
+    /// There is no memory for the surface of this sculpture.
+    given_up: bool,
+    /// Bricks whose levels, or normals between voxels, differ from those of the last picture, rising.
     changed: Vec<u32>,
+    /// Only while a mode uses it.
+    copy: Option<Levels>,
+    march: Option<LevelMarch>,
+    /// The parts of maps on the device that are still to be found, and for which sample.
+    tasks: [Option<(EyeTask, u32)>; MAX_EYES],
 }
 
 impl LevelStage {
-    /// Brings the surface up to date for a picture of `grid`, if it shows it. `wanted`: its mode can, and it is to.
+    /// Brings the surface up to date for a picture of `grid`, if it shows it.
     /// `reshaded`: the bricks that have changed, or have other normals, since the last call; none: all may have.
     pub fn update(
         &mut self,
         grid: &Grid,
         normals: &NormalField,
         reshaded: Option<&[u32]>,
-        wanted: bool,
-    ) {
+        wish: &LevelWish,
+    ) -> Result<()> {
         match (reshaded, &mut self.levels) {
             (Some(changed), Some(levels)) if levels.fits(grid) => levels.follow(grid, changed),
-            (_, levels) => *levels = None,
+            _ => self.forget(),
         }
-        self.show(grid, normals, wanted);
+        if reshaded.is_none() {
+            self.given_up = false;
+        }
+        self.show(grid, normals, wish)?;
+        if let (true, Some(reshaded)) = (self.active, reshaded) {
+            // Between voxels, normals may differ where levels do not.
+            self.changed.extend_from_slice(reshaded);
+            self.changed.sort_unstable();
+            self.changed.dedup();
+        }
+        Ok(())
+    }
+
+    fn forget(&mut self) {
+        (self.levels, self.copy, self.was_complete) = (None, None, false);
     }
 
     /// Decides whether the next pictures show the surface, and if so, brings it up to date.
-    pub fn show(&mut self, grid: &Grid, normals: &NormalField, wanted: bool) {
+    pub fn show(&mut self, grid: &Grid, normals: &NormalField, wish: &LevelWish) -> Result<()> {
         self.changed.clear();
-        self.active = wanted;
-        if !wanted {
-            return;
+        self.tasks = [None; MAX_EYES];
+        (self.active, self.pending) = (false, false);
+        if wish.device.is_none() {
+            self.copy = None;
         }
-        let levels = match &mut self.levels {
-            Some(levels) => levels,
-            // A grid that is too large for it shows its voxels.
-            none => match LevelSet::new(grid, Limits::default().grid_bytes) {
-                Ok(levels) => none.insert(levels),
-                Err(_) => return self.active = false,
-            },
-        };
-        levels.update(grid, normals, &mut self.changed);
+        if !wish.wanted || self.given_up {
+            return Ok(());
+        }
+        if self.levels.is_none() {
+            match LevelSet::new(grid, Limits::default().grid_bytes) {
+                Ok(levels) => self.levels = Some(levels),
+                Err(reason) => {
+                    self.give_up(&reason);
+                    return Ok(());
+                }
+            }
+        }
+        match self.complete(grid, normals, wish) {
+            Ok(complete) => (self.active, self.pending) = (complete, !complete),
+            Err(reason @ (GpuError::Limit { .. } | GpuError::OutOfMemory(_))) => {
+                self.give_up(&reason);
+            }
+            Err(error) => return Err(error),
+        }
+        Ok(())
+    }
+
+    fn give_up(&mut self, reason: &dyn Display) {
+        tracing::warn!("voxels are shown instead of the smooth surface: {reason}");
+        self.forget();
+        self.given_up = true;
+    }
+
+    /// Computes what is outstanding, on the device, too; returns whether that was all.
+    fn complete(&mut self, grid: &Grid, normals: &NormalField, wish: &LevelWish) -> Result<bool> {
+        let Some(levels) = &mut self.levels else { return Ok(false) };
+        let start = Instant::now();
+        let patience = wish.patience.filter(|_| !self.was_complete);
+        levels.update_while(grid, normals, &mut self.changed, || {
+            patience.is_none_or(|patience| start.elapsed() < patience)
+        });
+        if !levels.is_complete() {
+            return Ok(false);
+        }
+        self.was_complete = true;
+        if let Some(device) = &wish.device {
+            let copy = self.copy.as_mut();
+            if !copy.is_some_and(|copy| copy.follow(grid, levels, &self.changed)) {
+                // The old one first, since both may not fit.
+                self.copy = None;
+                self.copy = Some(Levels::new(device, grid, levels)?);
+            }
+        }
+        Ok(true)
     }
 
     /// Whether the picture shows the smooth surface; if so, whether it differs from that of the last picture.
@@ -62,7 +146,17 @@ impl LevelStage {
         self.active.then_some(!self.changed.is_empty())
     }
 
-    /// The bricks whose levels differ from those of the last picture.
+    /// Whether pictures will show the smooth surface once it is complete.
+    pub fn is_pending(&self) -> bool {
+        self.pending
+    }
+
+    /// Whether the picture shows the smooth surface, and the device finds it.
+    pub fn is_on_device(&self) -> bool {
+        self.active && self.copy.is_some()
+    }
+
+    /// The bricks whose levels or normals differ from those of the last picture.
     pub fn changed(&self) -> &[u32] {
         &self.changed
     }
@@ -73,9 +167,50 @@ impl LevelStage {
         normals: &'a NormalField,
         sample: u32,
     ) -> Option<SampledLevels<'a>> {
+        let is_on_device = self.is_on_device();
         let levels = self.levels.as_ref().filter(|_| self.active)?;
         self.sampler.sample = sample;
-        Some(SampledLevels { levels, normals, changed: &self.changed, sampler: &mut self.sampler })
+        let (changed, sampler) = (self.changed.as_slice(), &mut self.sampler);
+        Some(SampledLevels { levels, normals, changed, sampler, is_on_device })
+    }
+
+    /// Notes that the device is to find the surface in the pixels of a task, for that sample.
+    pub fn ask_device(&mut self, task: EyeTask, sample: u32) {
+        self.tasks[task.eye as usize] = Some((task, sample));
+    }
+
+    /// Takes back what else was asked for.
+    pub fn ask_device_only(&mut self, task: EyeTask, sample: u32) {
+        self.tasks = [None; MAX_EYES];
+        self.ask_device(task, sample);
+    }
+
+    /// Records what the device was asked for: brings its copy up to date, and fills the parts of maps. Once per frame.
+    pub fn march(
+        &mut self,
+        device: &Arc<Device>,
+        recorder: &mut Recorder,
+        slot: usize,
+        (grid, normals): (&Grid, &Normals),
+        target: &mut IndexTarget,
+    ) -> Result<()> {
+        let tasks = std::mem::take(&mut self.tasks);
+        let (Some(copy), Some(levels)) = (&mut self.copy, &self.levels) else { return Ok(()) };
+        let march = match &mut self.march {
+            Some(march) => march,
+            none => none.insert(LevelMarch::new(device, MAX_EYES as u32)?),
+        };
+        copy.update(recorder, slot, grid, levels)?;
+        march.begin(slot);
+        for (task, sample) in tasks.iter().flatten() {
+            march.record(recorder, copy, normals, task, *sample, target)?;
+        }
+        Ok(())
+    }
+
+    /// Whether the device was asked for anything since the last march.
+    pub fn has_tasks(&self) -> bool {
+        self.tasks.iter().any(Option::is_some)
     }
 }
 
@@ -85,9 +220,15 @@ pub(super) struct SampledLevels<'a> {
     normals: &'a NormalField,
     changed: &'a [u32],
     sampler: &'a mut LevelSampler,
+    is_on_device: bool,
 }
 
 impl SampledLevels<'_> {
+    /// Whether the device finds it, and not the methods that sample.
+    pub fn is_on_device(&self) -> bool {
+        self.is_on_device
+    }
+
     /// The pixels in which anything can be seen.
     pub fn visible(&self, rays: &PixelRays) -> PixelRect {
         pixels_of_grid(self.levels.cells(), &LevelSet::rays_of_cells(rays))
@@ -106,15 +247,19 @@ impl SampledLevels<'_> {
         partially: bool,
         map: &mut IndexMap,
     ) -> Option<PixelRects> {
-        let SampledLevels { levels, normals, changed, sampler } = self;
         if !partially {
-            sampler.sample(grid, normals, levels, rays, map);
+            self.sampler.sample(grid, self.normals, self.levels, rays, map);
             return None;
         }
-        let rects = changed_pixels(grid, changed, rays, LEVEL_REACH_VX);
+        let rects = changed_levels(grid, self.changed, rays);
         for rect in rects.as_slice() {
-            sampler.sample_rect(grid, normals, levels, *rect, map);
+            self.sample_rect(grid, *rect, map);
         }
         Some(rects)
     }
+}
+
+/// The pixels that see levels of `changed` bricks.
+pub(super) fn changed_levels(grid: &Grid, changed: &[u32], rays: &PixelRays) -> PixelRects {
+    changed_pixels(grid, changed, rays, LEVEL_REACH_VX)
 }

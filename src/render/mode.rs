@@ -99,9 +99,14 @@ impl RenderMode {
         matches!(self, RenderMode::GpuColour | RenderMode::MarchGpu)
     }
 
-    /// Whether the mode can show the smooth surface: where the software shader lights what is seen.
+    /// Whether the mode can show the smooth surface: a point stands for a voxel and its box.
     pub fn can_be_smooth(self) -> bool {
-        self.shading() == Shading::Software
+        self.shading() != Shading::Points
+    }
+
+    /// Whether what is seen never leaves the device.
+    pub fn shades_on_device(self) -> bool {
+        matches!(self.shading(), Shading::Device | Shading::Within)
     }
 
     /// Whether a picture without a screen needs Vulkan.

@@ -14,7 +14,7 @@ pub struct RenderOptions {
     #[serde(deserialize_with = "mode_or_auto")]
     pub mode: Option<RenderMode>,
     pub fov_deg: f32,
-    /// The surface between near voxels instead of their cubes: in the window at rest.
+    /// The surface between near voxels instead of their cubes: in the window at rest, on a GPU always.
     pub smooth_surface: bool,
     pub smooth_normals: Smoothing,
     pub smooth_colours: Smoothing,

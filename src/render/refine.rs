@@ -155,18 +155,23 @@ impl Renderer {
         document: &mut Document,
         desc: &FrameDesc,
     ) -> Result<()> {
+        let software = self.device.is_software();
+        let mut smooth = desc.is_smooth(SmoothSurface::AtRest, document.grid(), software);
+        if smooth {
+            self.show_surface(document, desc, true)?;
+            if self.levels.is_pending() {
+                // More of it in the next frame.
+                return Ok(());
+            }
+            // A grid that is too large for it shows its voxels.
+            smooth = self.levels.state().is_some();
+        }
         let refinement = &mut self.refinement;
         let mean = match &mut refinement.mean {
             Some(mean) => mean,
             none => none.insert(Mean::new(&self.device, self.format)?),
         };
         mean.begin(slot);
-        let mut smooth = desc.is_smooth(SmoothSurface::AtRest, document.grid());
-        if smooth {
-            self.levels.show(document.grid(), self.normals.field(), true);
-            // A grid that is too large for it shows its voxels.
-            smooth = self.levels.state().is_some();
-        }
         if refinement.taken == 0 && !smooth && !desc.smooth_edges {
             // Sample 0 is the picture itself.
             if let Some(pictures) = &mut self.pictures {
@@ -183,14 +188,20 @@ impl Renderer {
         let eyes = &eyes[..desc.eyes.len().min(MAX_EYES)];
         let desc = desc.of_sample(eyes, index);
         self.swap_buffers();
-        let result = match smooth && !self.find_smooth_rows(document, &desc) {
+        let found = match smooth {
+            true => self.find_smooth_rows(recorder, slot, document, &desc),
+            false => Ok(true),
+        };
+        let result = match found {
+            Ok(true) => {
+                self.add_sample(recorder, slot, document, &desc, index, smooth).map(|()| true)
+            }
             // The rest of it in the next frames.
-            true => Ok(false),
-            false => self.add_sample(recorder, slot, document, &desc, index, smooth).map(|()| true),
+            unfinished => unfinished,
         };
         self.swap_buffers();
         if smooth {
-            self.levels.show(document.grid(), self.normals.field(), false);
+            self.show_surface(document, &desc, false)?;
         }
         match &result {
             Ok(true) => (self.refinement.taken, self.refinement.rows) = (index + 1, 0),
@@ -203,8 +214,14 @@ impl Renderer {
 
     /// Samples the smooth surface in as many more rows of the present maps as a frame has time for; returns whether
     /// that were all.
-    fn find_smooth_rows(&mut self, document: &Document, desc: &FrameDesc) -> bool {
-        let Some(eye) = desc.eyes.first() else { return true };
+    fn find_smooth_rows(
+        &mut self,
+        recorder: &mut Recorder,
+        slot: usize,
+        document: &mut Document,
+        desc: &FrameDesc,
+    ) -> Result<bool> {
+        let Some(eye) = desc.eyes.first() else { return Ok(true) };
         let (width, height) = (eye.size.x.max(1), eye.size.y);
         let all = height * desc.eyes.len() as u32;
         let from = self.refinement.rows;
@@ -217,13 +234,20 @@ impl Renderer {
             self.maps
                 .resize_with(desc.eyes.len(), || Arc::new(IndexMap::new(PixelRays::of_nothing())));
             let rays = desc.eyes[i].pixel_rays(&desc.world_from_grid);
-            if let Some(mut smooth) = self.levels.surface(self.normals.field(), desc.sample) {
+            if self.levels.is_on_device() {
+                if from == 0 {
+                    self.sample(document, desc, Redraw::All)?;
+                }
+                self.ask_for_rows(i, rays, rows, desc.sample);
+                self.march_to_surface(recorder, slot, document)?;
+            } else if let Some(mut smooth) = self.levels.surface(self.normals.field(), desc.sample)
+            {
                 let map = Arc::make_mut(&mut self.maps[i]);
                 self.sampler.sample_rows(document.grid(), i, &rays, rows, &mut smooth, map);
             }
         }
         self.refinement.rows = to;
-        to == all
+        Ok(to == all)
     }
 
     /// Makes a sample in the present buffers, whose maps may have been sampled, and then the mean.

@@ -23,9 +23,7 @@ use super::sampler::Sampler;
 use super::smooth_edges::SmoothEdges;
 use super::times::PictureTimer;
 pub use super::times::{DeviceTimes, RenderTimes};
-use super::{
-    Backdrop, Composite, GpuOnly, GroundPass, MAX_EYES, Points, SmoothSurface, SurfaceShade,
-};
+use super::{Backdrop, Composite, GpuOnly, GroundPass, MAX_EYES, Points, SurfaceShade};
 use crate::document::{ChangeSubscriber, Document};
 use crate::gpu::{Device, Recorder, Result, Use, read_image_once};
 use crate::shade::points::PointCloud;
@@ -130,11 +128,7 @@ impl Renderer {
         let changes_known = self.drain_changes(document);
         let changed = changes_known.then_some(self.changed.as_slice());
         let normals = self.normals.update(document.grid(), changed);
-        let known = changes_known.then_some(self.normals.reshaded());
-        let smooth = desc.is_smooth(SmoothSurface::Always, document.grid());
-        self.levels.update(document.grid(), self.normals.field(), known, smooth);
-        self.normals.reshade(self.levels.changed());
-        let smooth = self.levels.state();
+        let smooth = self.follow_surface(document, desc, changes_known)?;
         let plan = RedrawPlan::new(before.as_ref(), document, desc, changes_known, normals, smooth);
         if let Some(redraw) = plan.sample {
             self.sample(document, desc, redraw)?;
@@ -150,7 +144,7 @@ impl Renderer {
             let before = before.as_ref().filter(|_| redraw == Redraw::Changed);
             self.compose(recorder, slot, document, desc, before)?;
         }
-        let rests = plan.is_nothing() && self.is_complete();
+        let rests = plan.is_nothing() && self.is_complete() && !self.levels.is_pending();
         self.refine_if(rests, recorder, slot, document, desc)?;
         self.cache = Some(FrameCache::new(before, document, desc, smooth.is_some()));
         let pictures = pictures(&self.device, &mut self.pictures, self.format, desc.eyes)?;
@@ -262,6 +256,8 @@ impl Renderer {
         };
         if result.is_err() {
             self.sampler.forget_copy();
+        } else if self.levels.is_on_device() {
+            self.ask_for_surface(document, redraw, desc.sample);
         }
         self.times.sample_ms = ms_since(start);
         self.times.read_back_ms = self.sampler.read_back_ms();

@@ -14,7 +14,7 @@ use glam::UVec2;
 use super::level_stage::SampledLevels;
 use super::pixel_pass::PixelStage;
 use super::{Colours, EyeTask, IndexReadback, IndexTarget, MAX_EYES, RayMarch, Slicing, Volume};
-use super::{RenderMode, Sampling, Shading};
+use super::{RenderMode, Sampling};
 use crate::document::{ChangeSubscriber, Document};
 use crate::gpu::{Device, Frames, Recorder, Result, Staging, Timer};
 use crate::sculpture::Grid;
@@ -123,7 +123,10 @@ impl Sampler {
         slot: usize,
         maps: &[Arc<IndexMap>],
     ) -> Result<&mut IndexTarget> {
-        let target = target(&self.device, &mut self.maps, maps)?;
+        // Maps from memory have their normals there.
+        let has_normals = self.pending.iter().all(|pending| matches!(pending, Pending::Nothing))
+            && self.maps.as_ref().is_some_and(IndexTarget::has_normals);
+        let target = target(&self.device, &mut self.maps, maps, has_normals)?;
         self.staging.begin(slot);
         for ((eye, map), pending) in (0..).zip(maps).zip(&mut self.pending) {
             let visible = self.visible[eye as usize];
@@ -152,6 +155,11 @@ impl Sampler {
         Some((self.maps.as_mut()?, &copy.volume, copy.colours.as_ref()))
     }
 
+    /// The maps on the device, for the pass that finds the smooth surface there.
+    pub(super) fn smooth_maps(&mut self, maps: &[Arc<IndexMap>]) -> Result<&mut IndexTarget> {
+        target(&self.device, &mut self.maps, maps, true)
+    }
+
     /// Exchanges the maps sampled last for others.
     pub(super) fn swap_maps(&mut self, other: &mut DeviceMaps) {
         std::mem::swap(&mut self.maps, &mut other.maps);
@@ -174,7 +182,8 @@ impl Sampler {
     /// same size in pixels. A map without other owners keeps its allocation. Where the device also
     /// shades, the maps are not known in memory ([`IndexMap::is_known`]).
     ///
-    /// `smooth`: the surface to sample instead of the voxels, whatever the mode's own sampling is.
+    /// `smooth`: the surface to sample instead of the voxels, whatever the mode's own sampling is. Where it is on the
+    /// device, this brings only the copy of the document up to date, and the passes that draw do the rest.
     ///
     /// `changed`: the only bricks that have changed since `maps` were sampled with the same rays in
     /// the same mode; then only the pixels that may see them are sampled.
@@ -189,6 +198,13 @@ impl Sampler {
     ) -> Result<()> {
         self.read_back_ms = None;
         let grid = document.grid();
+        if let Some(smooth) = smooth.as_ref().filter(|smooth| smooth.is_on_device()) {
+            for (i, (rays, map)) in rays.iter().zip(maps.iter_mut()).enumerate() {
+                (self.visible[i], self.pending[i]) = (smooth.visible(rays), Pending::Nothing);
+                Arc::make_mut(map).forget(*rays);
+            }
+            return self.sample_on_device(document, mode, Sampling::Within, None, maps);
+        }
         if let Some(mut smooth) = smooth {
             self.device_ms = None;
             for (i, (rays, map)) in rays.iter().zip(maps.iter_mut()).enumerate() {
@@ -201,7 +217,7 @@ impl Sampler {
             }
             return Ok(());
         }
-        let stays = stays_on_device(mode);
+        let stays = mode.shades_on_device();
         for (i, (rays, map)) in rays.iter().zip(maps.iter_mut()).enumerate() {
             let visible = pixels_of_grid(grid, rays);
             // Only the visible rect of the map is uploaded.
@@ -239,7 +255,7 @@ impl Sampler {
                 Ok(())
             }
             Sampling::Slicing | Sampling::March | Sampling::Within => {
-                self.sample_on_device(document, mode, changed, maps)
+                self.sample_on_device(document, mode, mode.sampling(), changed, maps)
             }
         }
     }
@@ -268,6 +284,7 @@ impl Sampler {
         &mut self,
         document: &mut Document,
         mode: RenderMode,
+        sampling: Sampling,
         changed: Option<&[u32]>,
         maps: &mut [Arc<IndexMap>],
     ) -> Result<()> {
@@ -280,7 +297,7 @@ impl Sampler {
             }
             *task = Some(eye_task).filter(|task| !task.scissor.is_empty());
         }
-        let read_back = !stays_on_device(mode);
+        let read_back = !mode.shades_on_device();
         let device = &self.device;
         let copy = match &mut self.copy {
             Some(copy) => copy,
@@ -303,18 +320,18 @@ impl Sampler {
         let mut recorder = copy.frames.begin()?;
         let slot = copy.frames.slot();
         copy.update(device, &mut recorder, slot, document, mode)?;
-        if mode.sampling() == Sampling::Within {
+        if sampling == Sampling::Within {
             copy.frames.submit(recorder, &[], &[])?;
             self.device_ms = None;
             return Ok(());
         }
-        let target = target(device, &mut self.maps, maps)?;
+        let target = target(device, &mut self.maps, maps, false)?;
         if let Some(timer) = &mut copy.timer {
             let [former] = timer.begin(&mut recorder, slot)?;
             self.device_ms = former.or(self.device_ms);
             timer.start(&mut recorder, 0);
         }
-        match mode.sampling() {
+        match sampling {
             Sampling::March => {
                 let pass = match &mut self.march {
                     Some(pass) => pass,
@@ -425,24 +442,20 @@ impl DeviceCopy {
     }
 }
 
-/// Whether the maps in memory are not needed.
-fn stays_on_device(mode: RenderMode) -> bool {
-    matches!(mode.shading(), Shading::Device | Shading::Within)
-}
-
-/// The target for maps of the number and size of `maps`.
+/// The target for maps of the number and size of `maps`, with normals or without.
 fn target<'a>(
     device: &Arc<Device>,
     target: &'a mut Option<IndexTarget>,
     maps: &[Arc<IndexMap>],
+    has_normals: bool,
 ) -> Result<&'a mut IndexTarget> {
     let eyes = maps.len() as u32;
     let size = maps.first().map_or(glam::UVec2::ONE, |map| map.rays.size);
-    if target.as_ref().is_none_or(|target| target.size() != size || target.eyes() != eyes) {
-        *target = None;
-    }
+    let wanted = (size, eyes, has_normals);
+    target.take_if(|found| (found.size(), found.eyes(), found.has_normals()) != wanted);
     Ok(match target {
         Some(target) => target,
+        none if has_normals => none.insert(IndexTarget::with_normals(device, size, eyes)?),
         none => none.insert(IndexTarget::new(device, size, eyes)?),
     })
 }

@@ -23,7 +23,7 @@ impl Renderer {
     ) -> Result<()> {
         let start = Instant::now();
         self.normals.upload(&self.device, recorder, slot, desc.mode.shading())?;
-        match desc.mode.shading() {
+        match self.shading(desc.mode) {
             Shading::Software => self.shade_in_software(recorder, document, desc, redraw)?,
             Shading::Points => {
                 let (grid, material) = (document.grid(), document.material());
@@ -32,7 +32,12 @@ impl Renderer {
                     cloud.take(map, &source, &desc.pose(eye), &desc.lighting);
                 }
             }
-            Shading::Device => self.shade_on_device(recorder, slot, document, desc, redraw)?,
+            Shading::Device => {
+                self.timer.start(recorder, PictureTimer::SHADE);
+                self.march_to_surface(recorder, slot, document)?;
+                self.shade_on_device(recorder, slot, document, desc, redraw)?;
+                self.timer.stop(recorder, PictureTimer::SHADE);
+            }
             Shading::Within => {}
         }
         // The normals of what is shaded are part of it.
@@ -93,7 +98,6 @@ impl Renderer {
         };
         pass.begin(slot);
         let pictures = self.composite.pictures(maps.size())?;
-        self.timer.start(recorder, PictureTimer::SHADE);
         for ((i, eye), map) in (0..).zip(desc.eyes).zip(&self.maps) {
             let mut task = EyeTask { visible: visible[i as usize], ..EyeTask::whole(i, map.rays) };
             if redraw == Redraw::Changed {
@@ -108,7 +112,6 @@ impl Renderer {
                 pass.record(recorder, volume, &surface, maps, pictures, &task)?;
             }
         }
-        self.timer.stop(recorder, PictureTimer::SHADE);
         Ok(())
     }
 }

@@ -37,23 +37,44 @@ impl EyeTask {
 pub struct IndexTarget {
     index: EyeImage,
     depth: EyeImage,
+    has_normals: bool,
 }
+
+/// The format of maps that have a normal beside each voxel (shaders/level_march.frag.wgsl).
+pub(super) const MAP_WITH_NORMALS: vk::Format = vk::Format::R32G32_UINT;
 
 impl IndexTarget {
     /// For pictures of `size` pixels and `eyes` layers.
     pub fn new(device: &Arc<Device>, size: UVec2, eyes: u32) -> Result<IndexTarget> {
+        let usage = vk::ImageUsageFlags::STORAGE | vk::ImageUsageFlags::TRANSFER_DST;
+        IndexTarget::of(device, size, eyes, vk::Format::R32_UINT, usage)
+    }
+
+    /// For maps of the smooth surface, which the device alone makes and reads.
+    pub fn with_normals(device: &Arc<Device>, size: UVec2, eyes: u32) -> Result<IndexTarget> {
+        IndexTarget::of(device, size, eyes, MAP_WITH_NORMALS, vk::ImageUsageFlags::empty())
+    }
+
+    fn of(
+        device: &Arc<Device>,
+        size: UVec2,
+        eyes: u32,
+        format: vk::Format,
+        usage: vk::ImageUsageFlags,
+    ) -> Result<IndexTarget> {
         use vk::ImageUsageFlags as Usage;
-        let usage = Usage::COLOR_ATTACHMENT
-            | Usage::STORAGE
-            | Usage::SAMPLED
-            | Usage::TRANSFER_SRC
-            | Usage::TRANSFER_DST;
-        let format = vk::Format::R32_UINT;
+        let usage = usage | Usage::COLOR_ATTACHMENT | Usage::SAMPLED | Usage::TRANSFER_SRC;
         let index = EyeImage::new(device, "index map", size, eyes, format, usage)?;
+        let has_normals = format == MAP_WITH_NORMALS;
         let usage = Usage::DEPTH_STENCIL_ATTACHMENT;
         let format = vk::Format::D32_SFLOAT;
         let depth = EyeImage::new(device, "index map depth", size, eyes, format, usage)?;
-        Ok(IndexTarget { index, depth })
+        Ok(IndexTarget { index, depth, has_normals })
+    }
+
+    /// Whether maps have normals beside voxels.
+    pub fn has_normals(&self) -> bool {
+        self.has_normals
     }
 
     /// Pixels.

@@ -83,8 +83,17 @@ impl Renderer {
         let (samples, at_once) = self.refinement.policy();
         self.set_refinement(2);
         self.refine_at_once(true);
-        // With estimates of normals, which are another pipeline, with all normals, and the samples of the mean.
-        for patience_here in [Some(Duration::ZERO), None, None, None] {
+        // With estimates of normals, which are another pipeline, with all normals, and the samples of the mean; last
+        // the smooth surface.
+        let (never, smooth) = (SmoothSurface::Never, SmoothSurface::on_screen(true));
+        for (patience_here, smooth_surface) in [
+            (Some(Duration::ZERO), never),
+            (None, never),
+            (None, never),
+            (None, never),
+            (None, smooth),
+        ] {
+            let desc = FrameDesc { smooth_surface, ..desc };
             self.set_patience(patience_here);
             let mut recorder = frames.begin()?;
             let slot = frames.slot();

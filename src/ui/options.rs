@@ -197,14 +197,17 @@ fn view(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Ve
         ui.checkbox(&mut state.view.refine, "Smooth edges at rest").on_hover_text(
             "While nothing moves, the picture is refined to 16 samples a pixel, so that its edges are smooth",
         );
-        let can = state.view.refine && state.view.mode.can_be_smooth();
-        ui.add_enabled(can, Checkbox::new(&mut state.view.smooth_surface, "Smooth surface at rest"))
-            .on_hover_text(
-                "Where a voxel covers more than a pixel, the refined picture shows the surface between the voxels \
-                 instead of their cubes",
-            )
-            .on_disabled_hover_text("Needs smooth edges at rest, and a mode with the software shader");
     }
+    // In the headset pictures are never refined.
+    let mode = state.view.mode;
+    let refines = state.view.refine && !context.in_headset;
+    let can = mode.can_be_smooth() && (refines || mode.shades_on_device());
+    ui.add_enabled(can, Checkbox::new(&mut state.view.smooth_surface, "Smooth surface"))
+        .on_hover_text(
+            "Where a voxel covers more than a pixel, the surface between the voxels is shown instead of their cubes: \
+             always in modes in which a GPU does everything, else in the picture that is refined at rest",
+        )
+        .on_disabled_hover_text("Needs another mode than points, and smooth edges at rest or a GPU");
 }
 
 const AXES: [(&str, Vec3); 6] = [

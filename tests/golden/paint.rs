@@ -21,12 +21,14 @@ pub const BACKGROUND: Background =
 pub struct Painter {
     pub renderer: Renderer,
     pub frames: Frames,
+    pub smooth_surface: SmoothSurface,
 }
 
 impl Painter {
     pub fn new(device: &Arc<Device>) -> Painter {
         let renderer = Renderer::new(device, FORMAT).unwrap();
-        Painter { renderer, frames: Frames::new(device).unwrap() }
+        let frames = Frames::new(device).unwrap();
+        Painter { renderer, frames, smooth_surface: SmoothSurface::Never }
     }
 
     /// Renders what the eyes see of a document.
@@ -34,7 +36,7 @@ impl Painter {
         let desc = FrameDesc {
             eyes: scene.eyes,
             world_from_grid: scene.world_from_grid,
-            smooth_surface: SmoothSurface::Never,
+            smooth_surface: self.smooth_surface,
             sample: 0,
             mode: scene.mode,
             lighting: Lighting::default(),

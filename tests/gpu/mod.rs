@@ -19,6 +19,7 @@ mod reference;
 mod refine;
 mod shading;
 mod slicing;
+mod smooth;
 mod smooth_edges;
 mod stereo;
 mod subjects;

@@ -114,16 +114,45 @@ fn a_picture_followed_through_edits_is_the_picture_of_the_result() {
 #[test]
 fn a_smooth_surface_followed_through_edits_is_that_of_the_result() {
     with_device(|device| {
-        follow_edits(&|| Painter::smooth(device), RenderMode::Ray, 3 * SIZE);
-        let eyes = [eye(3 * SIZE, Vec3::X)];
-        let [smooth, voxels] = [Painter::smooth(device), Painter::new(device)]
-            .map(|mut painter| painter.paint(&eyes, RenderMode::Ray, (&[], &[]), &mut sculpture()));
-        assert!(smooth != voxels);
-        // From afar there is nothing to be smoothed.
-        let eyes = [eye(SIZE / 2, Vec3::X)];
-        let [smooth, voxels] = [Painter::smooth(device), Painter::new(device)]
-            .map(|mut painter| painter.paint(&eyes, RenderMode::Ray, (&[], &[]), &mut sculpture()));
-        assert!(smooth == voxels);
+        for mode in [RenderMode::Ray, RenderMode::MarchGpu] {
+            follow_edits(&|| Painter::smooth(device), mode, 3 * SIZE);
+            let eyes = [eye(3 * SIZE, Vec3::X)];
+            let [smooth, voxels] = [Painter::smooth(device), Painter::new(device)]
+                .map(|mut painter| painter.paint(&eyes, mode, (&[], &[]), &mut sculpture()));
+            assert!(smooth != voxels, "{mode:?}");
+            // From afar there is nothing to be smoothed.
+            let eyes = [eye(SIZE / 2, Vec3::X)];
+            let [smooth, voxels] = [Painter::smooth(device), Painter::new(device)]
+                .map(|mut painter| painter.paint(&eyes, mode, (&[], &[]), &mut sculpture()));
+            assert!(smooth == voxels, "{mode:?}");
+        }
+    });
+}
+
+/// Whether the CPU or the device finds and lights the smooth surface, in whichever mode.
+#[test]
+fn smooth_pictures_of_all_modes_are_alike() {
+    with_device(|device| {
+        let eyes = [eye(3 * SIZE, Vec3::new(0.8, 0.6, 1.0))];
+        let paint = |mode| {
+            let mut painter = Painter::smooth(device);
+            let mut document = sculpture();
+            let first = painter.paint(&eyes, mode, (&[], &[]), &mut document);
+            // A mode before it leaves nothing behind.
+            painter.paint(&eyes, RenderMode::March, (&[], &[]), &mut document);
+            assert!(painter.paint(&eyes, mode, (&[], &[]), &mut document) == first, "{mode:?}");
+            first
+        };
+        // Pairs with the same light, see `Painter::paint`.
+        for pair in
+            [[RenderMode::MarchGpu, RenderMode::GpuColour], [RenderMode::Gpu, RenderMode::Ray]]
+        {
+            let [a, b] = pair.map(paint);
+            let differs =
+                |(a, b): &(&[u8; 4], &[u8; 4])| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 4);
+            let strays = a[0].rgba.iter().zip(&b[0].rgba).filter(differs).count();
+            assert!(100 * strays <= a[0].rgba.len(), "{pair:?}: {strays} pixels");
+        }
     });
 }
 

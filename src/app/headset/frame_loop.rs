@@ -282,7 +282,7 @@ impl XrFrameLoop {
             eyes: &eyes,
             world_from_grid: workspace.world_from_grid(),
             mode: workspace.ui.view.mode,
-            smooth_surface: SmoothSurface::Never,
+            smooth_surface: SmoothSurface::on_screen(workspace.ui.view.smooth_surface),
             sample: 0,
             lighting: workspace.ui.view.lighting(),
             background: match see_through {

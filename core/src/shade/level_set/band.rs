@@ -7,7 +7,7 @@
 
 use glam::{IVec3, UVec3, Vec3};
 
-use super::{FAR, LEAST, Levels, place};
+use super::{FAR, LEAST, PageLevels, place};
 use crate::sculpture::Grid;
 use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, BrickKind};
 use crate::shade::NormalField;
@@ -95,7 +95,7 @@ impl Band<'_> {
     }
 
     /// The levels of the brick's voxels.
-    pub fn levels(&self) -> Levels {
+    pub fn levels(&self) -> PageLevels {
         let mut levels = [FAR; 512];
         for z in 0..8 {
             for y in 0..8 {

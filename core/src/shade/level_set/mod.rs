@@ -39,17 +39,20 @@ pub const FAR: i8 = 127;
 const LEAST: i8 = 3;
 
 /// The entry of a brick without a page: all its voxels are far from the surface.
-const NO_PAGE: u32 = u32::MAX;
+pub const NO_PAGE: u32 = u32::MAX;
+
+/// Bricks that are computed at once, so that memory stays bounded and the time can be looked at in between.
+const PORTION: usize = 1024;
 
 /// The levels of the voxels of a brick: `x + 8 y + 64 z`.
-type Levels = [i8; BRICK_VOXELS as usize];
+pub type PageLevels = [i8; BRICK_VOXELS as usize];
 
 /// The smooth surface of one grid.
 #[derive(Debug)]
 pub struct LevelSet {
     /// The page of each brick, by linear index.
     table: Vec<u32>,
-    pages: Vec<Levels>,
+    pages: Vec<PageLevels>,
     free: Vec<u32>,
     /// Cells with an existing voxel.
     cells: Grid,
@@ -96,13 +99,25 @@ impl LevelSet {
     /// Computes what is outstanding, on all cores. Appends the bricks whose levels or cells differ from before, rising.
     /// `grid` and `normals` must be those that changes were last noted of.
     pub fn update(&mut self, grid: &Grid, normals: &NormalField, changed: &mut Vec<u32>) {
+        self.update_while(grid, normals, changed, || true);
+    }
+
+    /// [`LevelSet::update`], but only while `goes_on` says so. The rest remains outstanding.
+    pub fn update_while(
+        &mut self,
+        grid: &Grid,
+        normals: &NormalField,
+        changed: &mut Vec<u32>,
+        mut goes_on: impl FnMut() -> bool,
+    ) {
         let mut stale = Vec::new();
         self.stale.collect_into(&mut stale);
         self.stale.clear();
-        // In portions, so that memory stays bounded.
-        for portion in stale.chunks(4096) {
+        let mut portions = stale.chunks(PORTION);
+        while goes_on() {
+            let Some(portion) = portions.next() else { break };
             let compute = |&index: &u32| Band::of(grid, normals, index).map(|band| band.levels());
-            let levels: Vec<Option<Levels>> = portion.par_iter().map(compute).collect();
+            let levels: Vec<Option<PageLevels>> = portion.par_iter().map(compute).collect();
             for (&index, levels) in portion.iter().zip(&levels) {
                 let differs = self.store(index, levels.as_ref());
                 if self.update_cells(grid, index) || differs {
@@ -110,10 +125,16 @@ impl LevelSet {
                 }
             }
         }
+        portions.flatten().for_each(|&index| self.stale.insert(index));
+    }
+
+    /// Whether nothing is outstanding.
+    pub fn is_complete(&self) -> bool {
+        self.stale.is_empty()
     }
 
     /// Stores the levels of a brick; returns whether they differ.
-    fn store(&mut self, index: u32, levels: Option<&Levels>) -> bool {
+    fn store(&mut self, index: u32, levels: Option<&PageLevels>) -> bool {
         let page = &mut self.table[index as usize];
         match levels {
             None if *page == NO_PAGE => false,
@@ -141,18 +162,12 @@ impl LevelSet {
 
     /// Updates the cells of a brick, and of those beyond the grid's border next to it; returns whether any differ.
     fn update_cells(&mut self, grid: &Grid, index: u32) -> bool {
-        let b = grid.brick_coords(index as usize);
-        let at_end = b.cmpeq(grid.brick_dims() - 1);
-        let end = self.cells.brick_dims();
+        let mut places = [u32::MAX; 8];
+        places.iter_mut().zip(self.cell_bricks(grid, index)).for_each(|(to, place)| *to = place);
         let mut differs = false;
-        for i in 0..8u32 {
-            let beyond = UVec3::new(i & 1, i >> 1 & 1, i >> 2);
-            let at = b + beyond;
-            if (beyond.cmpeq(UVec3::ONE) & !at_end).any() || at.cmpge(end).any() {
-                continue;
-            }
-            let cells = cells_at(grid, at.as_ivec3());
-            let place = self.cells.brick_index(at);
+        for place in places.into_iter().take_while(|&place| place != u32::MAX) {
+            let place = place as usize;
+            let cells = cells_at(grid, self.cells.brick_coords(place).as_ivec3());
             if *self.cells.brick_at(place) != cells {
                 self.cells.set_brick(place, cells);
                 differs = true;
@@ -215,6 +230,30 @@ impl LevelSet {
         std::array::from_fn(|i| self.level(grid, low + corner(i)).into())
     }
 
+    /// The page of each brick, by linear index; [`NO_PAGE`] where all voxels are far inside (a full brick) or outside.
+    pub fn table(&self) -> &[u32] {
+        &self.table
+    }
+
+    /// The levels of bricks, by page.
+    pub fn pages(&self) -> &[PageLevels] {
+        &self.pages
+    }
+
+    /// The bricks of [`LevelSet::cells`], by linear index, that depend on the voxels of a brick of `grid` and the one
+    /// before it along each axis: its own, and at the grid's end those beyond.
+    pub fn cell_bricks(&self, grid: &Grid, index: u32) -> impl Iterator<Item = u32> {
+        let b = grid.brick_coords(index as usize);
+        let at_end = b.cmpeq(grid.brick_dims() - 1);
+        let (cells, end) = (&self.cells, self.cells.brick_dims());
+        (0..8u32).filter_map(move |i| {
+            let beyond = UVec3::new(i & 1, i >> 1 & 1, i >> 2);
+            let at = b + beyond;
+            let is_there = !(beyond.cmpeq(UVec3::ONE) & !at_end).any() && at.cmplt(end).all();
+            is_there.then(|| cells.brick_index(at) as u32)
+        })
+    }
+
     /// Cells with an existing voxel. Its coordinates are those of the grid plus one half.
     pub fn cells(&self) -> &Grid {
         &self.cells
@@ -236,12 +275,12 @@ impl LevelSet {
 
     /// Memory in use, in bytes.
     pub fn heap_bytes(&self) -> u64 {
-        let pages = (self.pages.len() * size_of::<Levels>() + self.table.len() * 4) as u64;
+        let pages = (self.pages.len() * size_of::<PageLevels>() + self.table.len() * 4) as u64;
         pages + self.cells.heap_bytes()
     }
 }
 
-/// The place of a voxel in [`Levels`].
+/// The place of a voxel in [`PageLevels`].
 #[inline(always)]
 fn place(x: u32, y: u32, z: u32) -> usize {
     (x | y << 3 | z << 6) as usize

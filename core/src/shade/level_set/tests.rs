@@ -207,6 +207,26 @@ fn edits_are_followed() {
     }
 }
 
+/// What was computed in portions is what is computed at once.
+#[test]
+fn portions_add_up() {
+    let grid = scenes::cheese(96, 20, 4).unwrap();
+    let (normals, whole) = smooth(&grid);
+    let mut levels = LevelSet::new(&grid, 1 << 30).unwrap();
+    let mut portions = 0;
+    while !levels.is_complete() {
+        let mut asked = 0;
+        levels.update_while(&grid, &normals, &mut Vec::new(), || {
+            asked += 1;
+            asked == 1
+        });
+        portions += 1;
+    }
+    assert_eq!(portions, 12usize.pow(3).div_ceil(PORTION));
+    assert!(levels.cells() == whole.cells());
+    assert!(voxels(&grid).all(|v| levels.level(&grid, v) == whole.level(&grid, v)));
+}
+
 fn voxels(grid: &Grid) -> impl Iterator<Item = IVec3> + use<> {
     let dims = grid.dims().as_ivec3();
     (0..dims.element_product())
