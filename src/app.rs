@@ -5,6 +5,7 @@
 
 mod detached;
 mod dispatch;
+mod film;
 mod final_picture;
 mod first_run;
 mod floor;
@@ -102,6 +103,7 @@ pub fn run(
     let proxy = event_loop.create_proxy();
     pad_device::listen(move |news| proxy.send_event(Wake::Pad(news)).is_ok());
     let mut workspace = Workspace::new(session, &config, Bindings::presets()?);
+    workspace.render_device = device.clone();
     workspace.ui.dialogs.guide.open = config.window.guide && first_run::is_first_run();
     if let Some(folder) = folders::personal_folder() {
         workspace.keep_keys_in(folder.join("bindings.toml"));

@@ -7,6 +7,7 @@
 mod edits;
 mod features;
 mod files;
+mod final_pictures;
 mod kernel;
 mod kernel_pictures;
 mod machine;
@@ -35,6 +36,7 @@ use crate::render::renderer::DeviceTimes;
 use crate::render::{RenderMode, Volume};
 use crate::sculpture::GridError;
 use crate::terminal::{self, OutputError};
+use crate::trace::TraceError;
 pub use kernel::Kernel;
 use machine::Machine;
 use pictures::{Pictures, Scene};
@@ -91,6 +93,14 @@ impl Suite {
         }
     }
 
+    /// Samples of a final picture.
+    fn final_samples(self) -> u32 {
+        match self {
+            Suite::Quick => 2,
+            Suite::Full => 64,
+        }
+    }
+
     fn files(self) -> usize {
         match self {
             Suite::Quick => 3,
@@ -143,6 +153,8 @@ pub enum BenchError {
     Gpu(#[from] GpuError),
     #[error(transparent)]
     Grid(#[from] GridError),
+    #[error(transparent)]
+    Trace(#[from] TraceError),
     #[error("cannot write {path}: {error}")]
     Write { path: PathBuf, error: std::io::Error },
     #[error("cannot write the figures as JSON: {0}")]
@@ -273,6 +285,10 @@ fn measure_scene(
         })?,
         None => None,
     };
+    progress.begin("tracing a final picture");
+    let eye = subjects::eye_of(&document, job.size);
+    let final_picture = final_pictures::final_picture(&document, &eye, job.suite)?;
+    progress.end();
     progress.begin("measuring files");
     let contents = document.contents();
     // Few runs of the slow formats, which differ by little.
@@ -292,6 +308,7 @@ fn measure_scene(
         memory_bytes: grid.heap_bytes() + document.material().heap_bytes(),
         modes,
         upload,
+        final_picture,
         files,
     })
 }

@@ -12,12 +12,17 @@ mod stage;
 mod timing;
 mod y4m;
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
+use glam::UVec2;
 use thiserror::Error;
 
 use crate::format::options::ImportOptions;
 use crate::headless::{Context, JobError, PictureRequest};
+use crate::sculpture::Placement;
+use crate::sculpture::history::Contents;
 use crate::terminal;
 use crate::view::StereoLayout;
 pub use output::Form;
@@ -29,11 +34,19 @@ use timing::Timing;
 /// Extension of scripts, of which a film is a time lapse.
 pub const SCRIPT_ENDING: &str = "sculpt";
 
+/// What a film shows.
+#[derive(Clone, Debug)]
+pub enum Subject {
+    /// A sculpture or volume, or a script by its extension.
+    File(PathBuf),
+    /// A sculpture that is open.
+    Sculpture { contents: Arc<Contents>, placement: Placement },
+}
+
 /// A film to make.
 #[derive(Debug)]
 pub struct FilmJob {
-    /// A sculpture or volume, or a script by its extension.
-    pub subject: PathBuf,
+    pub subject: Subject,
     /// What a script starts from.
     pub input: Option<PathBuf>,
     pub out: PathBuf,
@@ -52,7 +65,17 @@ pub struct FilmJob {
 
 impl FilmJob {
     fn is_lapse(&self) -> bool {
-        self.subject.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(SCRIPT_ENDING))
+        self.file().is_some_and(|file| {
+            file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(SCRIPT_ENDING))
+        })
+    }
+
+    /// The file of the subject, if it has one.
+    fn file(&self) -> Option<&PathBuf> {
+        match &self.subject {
+            Subject::File(file) => Some(file),
+            Subject::Sculpture { .. } => None,
+        }
     }
 }
 
@@ -81,14 +104,24 @@ pub enum FilmError {
     Cancelled,
 }
 
-/// Makes a film, or a part of one.
+/// Makes a film, or a part of one, and says so.
 pub fn run(job: &FilmJob, context: &Context) -> Result<(), FilmError> {
+    let frames = make(job, context)?;
+    let (UVec2 { x, y }, out) = (job.picture.size, job.out.display());
+    let (first, last) = (frames.start + 1, frames.end);
+    terminal::print_done(format_args!("wrote frames {first} to {last} to {out} ({x}x{y})"));
+    Ok(())
+}
+
+/// Makes a film, or a part of one. Gives the frames that it made, counted from 0.
+pub fn make(job: &FilmJob, context: &Context) -> Result<Range<u32>, FilmError> {
     let view = job.picture.view(context.config);
     if view.stereo == StereoLayout::Layers {
         return Err(FilmError::Layers);
     }
     if job.input.is_some() && !job.is_lapse() {
-        return Err(FilmError::NoScript(job.subject.clone()));
+        let subject = job.file().cloned().unwrap_or_default();
+        return Err(FilmError::NoScript(subject));
     }
     let outside = || FilmError::Range { range: job.range, frames: job.frames };
     let part = job.range.within(job.frames).ok_or_else(outside)?;
@@ -97,15 +130,16 @@ pub fn run(job: &FilmJob, context: &Context) -> Result<(), FilmError> {
     let timing = Timing { frames: job.frames, turn_deg: job.picture.turn_deg, spin_deg };
     let format = Format { size: view.size, fps: job.fps, frames: job.frames, part: part.clone() };
 
-    let script = job.is_lapse().then(|| lapse::Lapse::read(&job.subject)).transpose()?;
+    let script = job.file().filter(|_| job.is_lapse());
+    let script = script.map(|file| lapse::Lapse::read(file)).transpose()?;
     let of_script = script.iter().flat_map(lapse::Lapse::inputs);
-    let inputs = [&job.subject].into_iter().chain(&job.input).map(PathBuf::as_path);
+    let inputs = job.file().into_iter().chain(&job.input).map(PathBuf::as_path);
     refuse_inputs(&form.paths(&job.out, &format), inputs.chain(of_script))?;
-    let session = stage::begin(job, context)?;
+    let scene = stage::begin(job, context)?;
     // Before the work, which may be long.
     let output = Output::create(form, &job.out, format)?;
 
-    let mut stage = Stage::new(job, session, script, view, timing, context)?;
+    let mut stage = Stage::new(job, scene, script, view, timing, context)?;
     let progress = context.progress;
     progress.begin("filming");
     let count = part.len() as f32;
@@ -115,11 +149,7 @@ pub fn run(job: &FilmJob, context: &Context) -> Result<(), FilmError> {
     };
     let written = output.write(picture);
     progress.end();
-    written?;
-    let (glam::UVec2 { x, y }, out) = (view.size, job.out.display());
-    let (first, last) = (part.start + 1, part.end);
-    terminal::print_done(format_args!("wrote frames {first} to {last} to {out} ({x}x{y})"));
-    Ok(())
+    written.map(|()| part)
 }
 
 /// Refuses outputs that are inputs, by whatever name.

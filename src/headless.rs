@@ -105,6 +105,8 @@ pub struct PictureRequest {
     pub turn_deg: f32,
     /// 1 fits the whole sculpture.
     pub zoom: f32,
+    /// Parallel lines stay parallel.
+    pub orthographic: bool,
     /// None: the layout of the settings.
     pub stereo: Option<StereoLayout>,
     /// The colour of the ground, if there is one.
@@ -127,6 +129,7 @@ impl PictureRequest {
             up: self.up,
             turn_rad: self.turn_deg.to_radians(),
             zoom: self.zoom,
+            orthographic: self.orthographic,
             fov_y_rad: config.render.fov_deg.to_radians(),
             stereo: self.stereo.unwrap_or(config.stereo.layout),
             ground: self.ground.map(|colour| Ground {
@@ -151,6 +154,7 @@ impl Default for PictureRequest {
             up: Vec3::Y,
             turn_deg: 0.0,
             zoom: 1.0,
+            orthographic: false,
             stereo: None,
             ground: None,
             samples: 1,
@@ -209,7 +213,9 @@ pub fn render_final(
     let shot = view.shot(document);
     let shot = TraceShot { eye: shot.eye, world_from_grid: shot.world_from_grid, up: view.up };
     let on = if on_gpu { TraceOn::Gpu(context.device.clone()) } else { TraceOn::Cpu };
-    picture::write_final(document.contents(), &shot, options, &on, out, context.progress)?;
+    let options = FinalOptions { smooth_surface: view.smooth_surface, ..*options };
+    let (contents, progress) = (document.contents(), context.progress);
+    picture::write_final(contents, &shot, &options, &on, out, progress, &mut |_, _| {})?;
     let UVec2 { x, y } = view.size;
     terminal::print_done(format_args!("wrote {} ({x}x{y})", out.display()));
     Ok(())

@@ -6,7 +6,7 @@
 
 use std::path::{Path, PathBuf};
 
-use glam::{Affine3A, Quat, UVec2, UVec3, Vec3};
+use glam::{Affine3A, Quat, UVec2, UVec3, Vec2, Vec3};
 use image::codecs::jpeg::JpegEncoder;
 use image::{ImageError, Rgb, RgbImage};
 use thiserror::Error;
@@ -23,7 +23,7 @@ use crate::shade::{
 };
 use crate::surface::{IndexMap, quickstep, raycast};
 use crate::trace::TraceError;
-use crate::view::{Camera, Eye, StereoLayout};
+use crate::view::{Camera, Eye, FRAME_MARGIN, StereoLayout};
 
 mod exr;
 mod final_picture;
@@ -64,6 +64,10 @@ pub enum PictureError {
     /// `--trace-on gpu` without a device that can.
     #[error("{0}; `--trace-on cpu` needs no Vulkan")]
     TraceDevice(GpuError),
+    #[error(
+        "`--trace-on gpu` traces voxels, not the smooth surface between them; add `--voxels`, or trace on the CPU"
+    )]
+    SmoothOnDevice,
 }
 
 /// What pictures depend on besides document and view.
@@ -90,6 +94,8 @@ pub struct View {
     pub turn_rad: f32,
     /// 1 fits the bounding box; more is closer.
     pub zoom: f32,
+    /// Parallel lines stay parallel.
+    pub orthographic: bool,
     pub fov_y_rad: f32,
     /// The layout of two eyes, which are those of [`PictureOptions::stereo`].
     pub stereo: StereoLayout,
@@ -116,7 +122,7 @@ impl View {
             * document.world_from_grid();
         let mut corners = outline(document.grid());
         corners.iter_mut().for_each(|corner| *corner = world_from_grid.transform_point3(*corner));
-        let eye = self.camera(&corners).eye(self.size);
+        let eye = self.camera(&corners, voxel_edge(&world_from_grid)).eye(self.size);
         let centre = world_from_grid.transform_point3(outline_middle(document.grid()));
         Shot { eye, world_from_grid, distance: -eye.eye_from_world.transform_point3(centre).z }
     }
@@ -126,13 +132,38 @@ impl View {
         Lighting { up: self.up, ..options.lighting }
     }
 
-    /// The camera that frames points of the world.
-    pub fn camera(&self, points: &[Vec3]) -> Camera {
+    /// The camera that frames points of the world, where voxels have edges of this length.
+    pub fn camera(&self, points: &[Vec3], voxel_edge: f32) -> Camera {
         let direction = Quat::from_rotation_arc(Vec3::Y, self.up) * self.direction;
         let aspect = self.size.x as f32 / self.size.y as f32;
         let (up, fov) = (self.up, self.fov_y_rad);
-        Camera::framing_points(points, direction, up, fov, aspect, self.zoom)
+        let camera = Camera::framing_points(points, direction, up, fov, aspect, self.zoom);
+        match self.orthographic {
+            true => self.orthographic_camera(&camera, points, voxel_edge),
+            false => camera,
+        }
     }
+
+    /// The orthographic camera that looks as `camera` does and frames the same points: with parallel rays those behind
+    /// the middle look as large as those before it.
+    fn orthographic_camera(&self, camera: &Camera, points: &[Vec3], voxel_edge: f32) -> Camera {
+        let Eye { eye_from_world, projection, .. } = camera.eye(self.size);
+        let scale = Vec2::new(projection.x_axis.x, projection.y_axis.y).abs();
+        let reach = |point: &Vec3| {
+            (eye_from_world.transform_point3(*point).truncate().abs() * scale).max_element()
+        };
+        let distance = points.iter().map(reach).fold(f32::MIN_POSITIVE, f32::max);
+        let towards_eye = (camera.eye - camera.target).normalize_or(Vec3::Z);
+        let eye = camera.target + towards_eye * (distance * FRAME_MARGIN / self.zoom);
+        let radii = points.iter().map(|point| point.distance(camera.target));
+        let diameter = 2.0 * radii.fold(f32::MIN_POSITIVE, f32::max);
+        Camera { eye, ..*camera }.orthographic(diameter, diameter / voxel_edge)
+    }
+}
+
+/// The mean length of a voxel's edges in the world.
+pub fn voxel_edge(world_from_grid: &Affine3A) -> f32 {
+    world_from_grid.matrix3.determinant().abs().cbrt().max(f32::MIN_POSITIVE)
 }
 
 /// Points around the sculpture, in grid coordinates: the corners of the first and the last brick in

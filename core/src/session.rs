@@ -166,6 +166,11 @@ impl Session {
         Ok(())
     }
 
+    /// The script that is being recorded.
+    pub fn recording(&self) -> Option<&Path> {
+        self.journal.as_ref().map(Journal::path)
+    }
+
     /// Why the recording has ended early, returned once. The sculpture is not affected.
     pub fn take_journal_error(&mut self) -> Option<SessionError> {
         self.journal_error.take()

@@ -16,7 +16,6 @@ use crate::input::hands::HandEvent;
 use crate::input::pad::{Glide, PadEvent, PadMode};
 use crate::input::{Action, ActionEvent, Side};
 use crate::notice::Notice;
-use crate::picture::FinalOptions;
 use crate::render::RenderMode;
 use crate::sculpture::Placement;
 use crate::ui::files::FileTask;
@@ -61,6 +60,8 @@ impl Workspace {
                 let notice = self.viewpoint.head.calibrate(step);
                 self.show_notices(notice);
             }
+            UiRequest::FinalPicture(wanted) => self.start_final_picture(&wanted),
+            UiRequest::Film(wanted) => self.start_film(&wanted),
             UiRequest::StopWork => editor.cancel_job(),
             // If something is being written, leaving waits for its success.
             UiRequest::Go(Next::Leave) if editor.is_busy() => editor.leave_after_job(),
@@ -100,7 +101,8 @@ impl Workspace {
             Action::CopyScreenshot => {
                 self.ui.window_tasks.screenshot = Some(ScreenshotTo::Clipboard);
             }
-            Action::FinalPicture => self.start_final_picture(FinalOptions::default()),
+            Action::FinalPicture => self.ui.dialogs.final_picture.open = true,
+            Action::Film => self.ui.dialogs.film.open = true,
             Action::Detach(panel) => self.ui.layout.toggle_detached(panel),
             Action::ScaleUp => self.ui.appearance.scale.change_by(1.0),
             Action::ScaleDown => self.ui.appearance.scale.change_by(-1.0),
@@ -388,6 +390,7 @@ impl Workspace {
         }
         self.viewpoint.turntable.set_orthographic(self.ui.view.orthographic);
         self.ui.dialogs.busy = self.editor.busy();
+        self.ui.dialogs.preview.take_if(|_| !self.editor.is_busy());
         self.ui.dialogs.calibrating = self.viewpoint.head.is_calibrating();
     }
 

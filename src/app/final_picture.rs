@@ -1,36 +1,128 @@
-//! The final picture of the view, made on a thread while the window stays alive, and saved as a file.
+//! The final picture of the view, made on a thread while the window stays alive and shows it, and saved as a file.
 //!
 //! Takes the view as it is at the start; what changes later does not matter to it. Knows no window.
+
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use glam::{Mat4, UVec2, Vec3};
 
 use super::screenshot;
 use super::workspace::Workspace;
 use crate::editor::job::Failure;
 use crate::picture::{self, FinalOptions, PictureError, TraceOn};
 use crate::progress::Report;
-use crate::trace::{TraceError, TraceShot};
+use crate::shade::Pixels;
+use crate::trace::{Film, TraceError, TraceShot, preview_pixels};
+use crate::ui::final_dialog::{FinalRequest, Preview};
+use crate::view::Eye;
+
+/// Between two pictures of what is done so far.
+const SHOW_EVERY: Duration = Duration::from_millis(200);
+/// Share of the time that showing may take.
+const SHOW_SHARE: u32 = 20;
+/// The longest side of what is shown, in pixels.
+const SHOWN_PX: u32 = 640;
 
 impl Workspace {
     /// Starts a final picture of the view: as the eye of the window, of two the left one, sees it.
-    pub(super) fn start_final_picture(&mut self, options: FinalOptions) {
+    pub(super) fn start_final_picture(&mut self, wanted: &FinalRequest) {
         let eyes = self.eyes();
-        let Some(&eye) = eyes.first() else { return };
+        let Some(eye) = eyes.first() else { return };
         let document = self.session().document();
         let contents = document.share_contents();
         let up = document.placement().rotation * self.ui.view.up;
+        let eye = of_size(eye, wanted.size);
         let shot = TraceShot { eye, world_from_grid: document.world_from_grid(), up };
-        let path = screenshot::free_path(self.session().path(), "final", "png");
-        let work = move |report: &Report| match picture::write_final(
-            &contents,
-            &shot,
-            &options,
-            &TraceOn::Cpu,
-            &path,
-            report,
-        ) {
-            Ok(()) => Ok(format!("Saved {}", path.display())),
-            Err(PictureError::Trace(TraceError::Cancelled)) => Err(Failure::Cancelled),
-            Err(error) => Err(Failure::Error(error.to_string())),
+        let path = screenshot::free_path(self.session().path(), "final", wanted.file.ending());
+        let options = FinalOptions {
+            trace: wanted.trace,
+            smooth_surface: self.ui.view.smooth_surface && !wanted.on_gpu,
+            denoise: wanted.denoise,
+            exposure_ev: wanted.exposure_ev,
         };
-        self.editor.start_side_work(work, "Final picture");
+        let on = match wanted.on_gpu {
+            true => TraceOn::Gpu(self.render_device.clone()),
+            false => TraceOn::Cpu,
+        };
+        let preview = Preview::default();
+        let mut watcher =
+            Watcher { news: preview.news(), exposure_ev: wanted.exposure_ev, due: Instant::now() };
+        let work = move |report: &Report| {
+            let watch = &mut |film: &Film, samples| watcher.watch(film, samples);
+            match picture::write_final(&contents, &shot, &options, &on, &path, report, watch) {
+                Ok(()) => Ok(format!("Saved {}", path.display())),
+                Err(PictureError::Trace(TraceError::Cancelled)) => Err(Failure::Cancelled),
+                Err(error) => Err(Failure::Error(error.to_string())),
+            }
+        };
+        if self.editor.start_side_work(work, "Final picture") {
+            self.ui.dialogs.preview = Some(preview);
+        }
+    }
+}
+
+/// An eye that sees as much of the world from top to bottom in a picture of another size.
+fn of_size(eye: &Eye, size: UVec2) -> Eye {
+    let aspect = |size: UVec2| size.x as f32 / size.y.max(1) as f32;
+    let wider = Vec3::new(aspect(eye.size) / aspect(size), 1.0, 1.0);
+    Eye { projection: Mat4::from_scale(wider) * eye.projection, size, ..*eye }
+}
+
+/// Puts the picture so far where the interface finds it, from time to time.
+struct Watcher {
+    news: std::sync::Arc<Mutex<Option<Pixels>>>,
+    exposure_ev: f32,
+    due: Instant,
+}
+
+impl Watcher {
+    fn watch(&mut self, film: &Film, samples: u32) {
+        let begun = Instant::now();
+        if begun < self.due {
+            return;
+        }
+        let pixels = reduced(preview_pixels(film, samples, self.exposure_ev));
+        *self.news.lock().unwrap_or_else(PoisonError::into_inner) = Some(pixels);
+        self.due = Instant::now() + SHOW_EVERY.max(begun.elapsed() * SHOW_SHARE);
+    }
+}
+
+/// Every second, third or further pixel of a picture that is larger than what is shown.
+fn reduced(pixels: Pixels) -> Pixels {
+    let step = pixels.size.max_element().div_ceil(SHOWN_PX).max(1);
+    let mut out = Pixels::new(pixels.size.map(|edge| edge.div_ceil(step)));
+    let width = out.size.x as usize;
+    for (i, rgba) in out.rgba.iter_mut().enumerate() {
+        let at = UVec2::new((i % width) as u32, (i / width) as u32) * step;
+        *rgba = pixels.rgba[(at.x + at.y * pixels.size.x) as usize];
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::view::Camera;
+
+    #[test]
+    fn another_size_shows_the_same_height_of_the_world() {
+        let eye = Camera::default().eye(UVec2::new(300, 200));
+        for size in [UVec2::new(200, 200), UVec2::new(640, 100)] {
+            let other = of_size(&eye, size);
+            let expected = Camera::default().eye(size);
+            assert!(other.projection.abs_diff_eq(expected.projection, 1e-5), "{size}");
+            assert_eq!(other.size, size);
+        }
+    }
+
+    #[test]
+    fn large_previews_are_reduced_evenly() {
+        let mut pixels = Pixels::new(UVec2::new(1500, 4));
+        pixels.rgba.iter_mut().enumerate().for_each(|(i, rgba)| rgba[0] = (i % 1500 / 3) as u8);
+        let small = reduced(pixels);
+        assert_eq!(small.size, UVec2::new(500, 2));
+        let expected = |i: usize| (i % 500) as u8;
+        assert!(small.rgba.iter().enumerate().all(|(i, rgba)| rgba[0] == expected(i)));
     }
 }

@@ -2,15 +2,19 @@
 
 use std::sync::mpsc::{Sender, channel};
 
+use glam::UVec2;
+
 use super::Workspace;
 use crate::command::Command;
 use crate::config::Config;
 use crate::editor::job::Then;
 use crate::input::{Action, Bindings};
-use crate::picture::FinalOptions;
 use crate::progress::{Progress, Report};
 use crate::session::Session;
 use crate::trace::MAX_FINAL_SAMPLES;
+use crate::ui::UiRequest;
+use crate::ui::film_dialog::{FilmForm, FilmKind, FilmRequest};
+use crate::ui::final_dialog::{FinalFile, FinalRequest};
 use crate::ui::toasts::Tone;
 
 fn workspace() -> Workspace {
@@ -180,43 +184,153 @@ fn a_final_picture_is_work_that_changes_nothing_and_leaves_a_file_only_when_it_i
     workspace.finish_job();
     let revision = workspace.session().document().revision();
     let files = || std::fs::read_dir(folder.path()).unwrap().count();
-    let mut options = FinalOptions::default();
+    let mut wanted = final_request(UVec2::new(24, 16));
 
-    // By its key, and cancelled at once.
+    // By its key it is asked for.
     let keys = workspace.controls.bindings().and_then(|table| table.shortcut(Action::FinalPicture));
     assert_eq!(keys.as_deref(), Some("Shift+F12"));
     workspace.act(Action::FinalPicture);
-    assert_eq!(workspace.ui.dialogs.busy.as_ref().map(|busy| busy.what), Some("Final picture"));
-    workspace.editor.cancel_job();
-    workspace.finish_job();
-    assert_eq!((tones(&workspace).last(), files()), (Some(&Tone::Note), 1));
+    assert!(workspace.ui.dialogs.final_picture.open && !workspace.editor.is_busy());
+    workspace.act(Action::Cancel);
+    assert!(!workspace.ui.dialogs.final_picture.open);
 
     // Cancelled it leaves no file, whenever that is.
-    options.trace.samples = MAX_FINAL_SAMPLES;
-    workspace.start_final_picture(options);
+    wanted.trace.samples = MAX_FINAL_SAMPLES;
+    workspace.start_final_picture(&wanted);
     while workspace.editor.busy().unwrap().stage.what != "tracing light" {
         std::thread::yield_now();
     }
     assert_eq!(workspace.editor.busy().unwrap().what, "Final picture");
     assert!(!workspace.run_now(&"clear".parse().unwrap()));
-    workspace.start_final_picture(options);
+    workspace.start_final_picture(&wanted);
     workspace.follow_job();
     assert_eq!(tones(&workspace).last(), Some(&Tone::Error), "one at a time");
+    let news = workspace.ui.dialogs.preview.as_ref().unwrap().news();
+    while news.lock().unwrap().is_none() {
+        std::thread::yield_now();
+    }
+    let shown = news.lock().unwrap().take().unwrap();
+    assert_eq!(shown.size, UVec2::new(24, 16));
+    assert!(shown.rgba.iter().any(|rgba| rgba[..3] != shown.rgba[0][..3]), "a picture already");
     workspace.editor.cancel_job();
     workspace.finish_job();
     assert_eq!((tones(&workspace).last(), files()), (Some(&Tone::Note), 1));
 
-    options.trace.samples = 2;
-    for name in ["a-final-1.png", "a-final-2.png"] {
-        workspace.start_final_picture(options);
+    assert!(workspace.ui.dialogs.preview.is_none(), "it goes with its work");
+    wanted.trace.samples = 2;
+    let names = ["a-final-1.png", "a-final-2.png", "a-final-1.jpg", "a-final-1.exr"];
+    for (name, file) in
+        names.into_iter().zip([FinalFile::Png, FinalFile::Png, FinalFile::Jpeg, FinalFile::Exr])
+    {
+        wanted.file = file;
+        workspace.start_final_picture(&wanted);
         workspace.finish_job();
-        let picture = image::open(folder.path().join(name)).unwrap();
-        let size = workspace.eyes()[0].size;
-        assert_eq!((picture.width(), picture.height()), (size.x, size.y));
+        let path = folder.path().join(name);
+        if file == FinalFile::Exr {
+            assert_eq!(std::fs::read(path).unwrap()[..4], 20_000_630u32.to_le_bytes());
+        } else {
+            let picture = image::open(path).unwrap();
+            assert_eq!((picture.width(), picture.height()), (24, 16));
+        }
         let texts: Vec<String> =
             workspace.ui.toasts.texts().map(|(_, text)| text.to_string()).collect();
         assert!(texts.last().unwrap().contains(name), "{texts:?}");
     }
     assert_eq!(workspace.session().document().revision(), revision);
     assert!(!workspace.session().modified());
+}
+
+fn final_request(size: UVec2) -> FinalRequest {
+    FinalRequest {
+        size,
+        trace: Default::default(),
+        denoise: true,
+        exposure_ev: 0.0,
+        file: FinalFile::Png,
+        on_gpu: false,
+    }
+}
+
+fn film_request(kind: FilmKind, form: FilmForm) -> FilmRequest {
+    let size = UVec2::new(40, 32);
+    FilmRequest { kind, frames: 4, fps: 10, spin_deg: 360.0, size, samples: 1, form }
+}
+
+#[test]
+fn a_film_is_work_that_changes_nothing_and_leaves_what_was_asked_for() {
+    let mut workspace = workspace();
+    let folder = tempfile::tempdir().unwrap();
+    let sculpture = folder.path().join("a.vsc");
+    workspace.run_now(&"subtract cuboid at=4,4,4 half=6".parse().unwrap());
+    workspace.run_now(&format!("save {sculpture:?}").parse().unwrap());
+    workspace.finish_job();
+    workspace.ui.view.mode = crate::render::RenderMode::Ray;
+    let revision = workspace.session().document().revision();
+    let film = |workspace: &mut Workspace, wanted| {
+        workspace.answer_requests(vec![UiRequest::Film(wanted)]);
+        workspace.finish_job();
+        workspace.ui.toasts.texts().last().map(|(tone, text)| (tone, text.to_string())).unwrap()
+    };
+    for (form, name) in [
+        (FilmForm::AnimatedPng, "a-film-1.apng"),
+        (FilmForm::Gif, "a-film-1.gif"),
+        (FilmForm::Y4m, "a-film-1.y4m"),
+        (FilmForm::Folder, "a-film-1"),
+    ] {
+        let (tone, text) = film(&mut workspace, film_request(FilmKind::Turntable, form));
+        assert!(tone == Tone::Note && text.contains(name), "{text}");
+        assert!(folder.path().join(name).exists(), "{name}");
+    }
+    let frame = |n| {
+        let path = folder.path().join(format!("a-film-1/frame-000{n}.png"));
+        image::open(path).unwrap().to_rgb8()
+    };
+    assert_eq!(frame(1).dimensions(), (40, 32));
+    assert!(frame(1) != frame(2) && frame(2) != frame(3), "it turns");
+    assert!(!folder.path().join("a-film-1/frame-0005.png").exists());
+    // The side that the view shows is the one that the film begins with.
+    workspace.look_from(crate::input::Side::Back);
+    film(&mut workspace, film_request(FilmKind::Turntable, FilmForm::Folder));
+    let from_behind = image::open(folder.path().join("a-film-2/frame-0001.png")).unwrap().to_rgb8();
+    assert!(from_behind != frame(1));
+
+    // Nothing was recorded, so there is no time lapse.
+    let (tone, text) = film(&mut workspace, film_request(FilmKind::Lapse, FilmForm::Gif));
+    assert!(tone == Tone::Error && text.contains("Nothing is recorded"), "{text}");
+    assert_eq!(workspace.session().document().revision(), revision, "the view alone");
+
+    // Cancelled it leaves no file.
+    let long = FilmRequest { frames: 100_000, ..film_request(FilmKind::Turntable, FilmForm::Gif) };
+    workspace.answer_requests(vec![UiRequest::Film(long)]);
+    while workspace.editor.busy().unwrap().stage.what != "filming" {
+        std::thread::yield_now();
+    }
+    workspace.answer_requests(vec![UiRequest::StopWork]);
+    workspace.finish_job();
+    assert!(!folder.path().join("a-film-2.gif").exists());
+    assert_eq!(workspace.ui.toasts.texts().last().unwrap().1, "Film: cancelled");
+}
+
+#[test]
+fn what_was_recorded_becomes_a_time_lapse() {
+    let mut workspace = workspace();
+    let folder = tempfile::tempdir().unwrap();
+    let script = folder.path().join("session.sculpt");
+    workspace.session_mut().record_to(&script).unwrap();
+    let sculpture = folder.path().join("a.vsc");
+    for line in ["subtract cuboid at=12,16,4 half=6", "subtract cuboid at=4,4,4 half=6"] {
+        workspace.run_now(&line.parse().unwrap());
+    }
+    workspace.run_now(&format!("save {sculpture:?}").parse().unwrap());
+    workspace.finish_job();
+    workspace.ui.view.mode = crate::render::RenderMode::Ray;
+    let wanted = film_request(FilmKind::Lapse, FilmForm::Folder);
+    let wanted = FilmRequest { frames: 3, spin_deg: 0.0, ..wanted };
+    workspace.answer_requests(vec![UiRequest::Film(wanted)]);
+    workspace.finish_job();
+    let frames = [1, 2, 3].map(|n| {
+        let path = folder.path().join(format!("a-film-1/frame-000{n}.png"));
+        image::open(path).unwrap().to_rgb8()
+    });
+    assert!(frames[0] != frames[1] && frames[1] != frames[2]);
 }

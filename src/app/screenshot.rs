@@ -77,7 +77,8 @@ fn save_beside(
 /// Where no other file is: a name for a picture that takes time to make.
 pub fn free_path(sculpture: Option<&Path>, kind: &str, ending: &str) -> PathBuf {
     let (folder, name) = place(sculpture);
-    let path = |n: u32| folder.join(format!("{name}-{kind}-{n}.{ending}"));
+    let dot = if ending.is_empty() { "" } else { "." };
+    let path = |n: u32| folder.join(format!("{name}-{kind}-{n}{dot}{ending}"));
     (1..MOST).map(path).find(|path| !path.exists()).unwrap_or_else(|| path(MOST))
 }
 

@@ -13,6 +13,7 @@ use super::memory::MemoryFile;
 use crate::config::Config;
 use crate::controls::Controls;
 use crate::editor::{Editor, job};
+use crate::gpu::DeviceOptions;
 use crate::input::events::{Viewport as InputArea, device_events};
 use crate::input::pad::device::PadNews;
 use crate::input::{Action, Bindings, Panel, Side};
@@ -49,6 +50,10 @@ pub struct Workspace {
     /// Where it is remembered how the program was left, if anywhere.
     pub(super) memory: Option<MemoryFile>,
     pub(super) leaving: bool,
+    /// The settings that films and pictures without a window start from.
+    pub(super) config: Config,
+    /// The device that these make.
+    pub render_device: DeviceOptions,
 }
 
 impl Workspace {
@@ -72,6 +77,8 @@ impl Workspace {
             },
             memory: None,
             leaving: false,
+            config: config.clone(),
+            render_device: DeviceOptions::default(),
         };
         workspace.look_from(Side::Corner);
         workspace.settle();
@@ -263,6 +270,8 @@ impl Workspace {
         let context = UiContext {
             document,
             path: self.editor.session().path(),
+            recording: self.editor.session().recording(),
+            picture_px: self.viewpoint.turntable.eye().size,
             assumed_up: self.editor.session().assumed_up(),
             modified: self.editor.session().modified(),
             tool: &self.editor.tool,

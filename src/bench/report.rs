@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::edits::EditReport;
 use super::features::FeatureReport;
 use super::files::FileReport;
+use super::final_pictures::FinalReport;
 use super::machine::Machine;
 use super::statistics::Times;
 
@@ -35,6 +36,7 @@ pub struct SceneReport {
     pub modes: Vec<ModeReport>,
     /// Upload of all bits.
     pub upload: Option<Times>,
+    pub final_picture: FinalReport,
     pub files: Vec<FileReport>,
 }
 
@@ -129,6 +131,7 @@ impl fmt::Display for Report {
         }
         self.write_device_times(f)?;
         self.write_features(f)?;
+        self.write_final_pictures(f)?;
         writeln!(f, "\n{:<11} {:>14} {:>10} {:>20} files", "scene", "voxels", "MiB", "upload ms")?;
         for scene in &self.scenes {
             let mib = scene.memory_bytes as f64 / f64::from(1 << 20);
@@ -173,6 +176,21 @@ impl Report {
             let [sample, shade, compose] = mode.device.stages().map(three);
             write!(f, "{:<11} {:<14}", scene.name, mode.mode)?;
             writeln!(f, " {sample:>20} {shade:>20} {compose:>20}")?;
+        }
+        Ok(())
+    }
+
+    fn write_final_pictures(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "\nfinal pictures; s")?;
+        let columns = ["samples", "prepare", "trace", "denoise"];
+        write!(f, "{:<11} {:<14}", "scene", "surface")?;
+        columns.iter().try_for_each(|column| write!(f, " {column:>8}"))?;
+        writeln!(f)?;
+        for SceneReport { name, final_picture, .. } in &self.scenes {
+            let FinalReport { samples, smooth, prepare_s, trace_s, denoise_s } = final_picture;
+            let surface = if *smooth { "smooth" } else { "voxels" };
+            write!(f, "{name:<11} {surface:<14} {samples:>8} {prepare_s:>8.2} {trace_s:>8.2}")?;
+            writeln!(f, " {denoise_s:>8.2}")?;
         }
         Ok(())
     }

@@ -91,6 +91,9 @@ pub struct PictureArgs {
     /// Zoom factor; 1 fits the whole sculpture
     #[arg(long, default_value_t = 1.0, value_name = "FACTOR", value_parser = parse_zoom)]
     pub zoom: f32,
+    /// Draw parallel lines parallel, without perspective
+    #[arg(long)]
+    pub orthographic: bool,
     /// Stereo layout (default: stereo.layout in the settings); `layers` writes two pictures
     #[arg(long, value_enum)]
     pub stereo: Option<StereoLayout>,
@@ -146,6 +149,7 @@ impl PictureArgs {
             up: self.up,
             turn_deg: self.turn,
             zoom: self.zoom,
+            orthographic: self.orthographic,
             stereo: self.stereo,
             ground: self.ground.and_then(GroundChoice::colour),
             samples,

@@ -111,7 +111,7 @@ fn job_code(error: &JobError) -> u8 {
         | JobError::ReadScript { .. }
         | JobError::Script { .. }
         | JobError::Command { .. } => 3,
-        JobError::NoMarker(_) => 2,
+        JobError::NoMarker(_) | JobError::Picture(PictureError::SmoothOnDevice) => 2,
         JobError::Picture(PictureError::Gpu(_) | PictureError::TraceDevice(_)) => 4,
         JobError::Session(_)
         | JobError::Folder { .. }

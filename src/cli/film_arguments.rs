@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::error::ArgumentError;
 use super::{ImportArgs, PictureArgs};
-use crate::film::{FilmJob, FrameRange};
+use crate::film::{FilmJob, FrameRange, Subject};
 
 /// A film to make.
 #[derive(Args, Debug)]
@@ -42,7 +42,7 @@ pub struct FilmArgs {
 impl FilmArgs {
     pub fn job(&self) -> Result<FilmJob, ArgumentError> {
         Ok(FilmJob {
-            subject: self.subject.clone(),
+            subject: Subject::File(self.subject.clone()),
             input: self.input.clone(),
             out: self.out.clone(),
             frames: self.frames,

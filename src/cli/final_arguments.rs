@@ -25,7 +25,7 @@ pub enum Quality {
 pub enum Tracer {
     /// All cores: the same picture on every run
     Cpu,
-    /// The Vulkan device of the settings: the same picture but for rounding
+    /// The Vulkan device of the settings, with --voxels: the same picture but for rounding
     Gpu,
 }
 
@@ -68,7 +68,7 @@ pub struct FinalArgs {
     #[arg(long, value_name = "EV", allow_hyphen_values = true,
           value_parser = |text: &str| parse_number(text, -10.0, 10.0))]
     pub exposure: Option<f32>,
-    /// What traces light (default: cpu)
+    /// What traces light (default: cpu); a GPU traces voxels only: add --voxels
     #[arg(long, value_enum)]
     pub trace_on: Option<Tracer>,
     /// Keep the noise that remains

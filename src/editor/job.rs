@@ -155,16 +155,18 @@ impl Editor {
     }
 
     /// Runs work that changes nothing of the sculpture on a thread, and tells what it returns. Refused while there
-    /// is other work.
-    pub fn start_side_work<W>(&mut self, work: W, sign: &'static str)
+    /// is other work; returns whether it began.
+    pub fn start_side_work<W>(&mut self, work: W, sign: &'static str) -> bool
     where
         W: FnOnce(&Report) -> Result<String, Failure> + Send + 'static,
     {
         if let Some(job) = &self.jobs.job {
-            return self.error(format!("{sign}: wait until this is done: {}", job.sign));
+            self.error(format!("{sign}: wait until this is done: {}", job.sign));
+            return false;
         }
         let work = move |report: &Report| work(report).map(Product::Note);
         self.jobs.job = Some(Job::start(work, sign, false, Then::Stay));
+        true
     }
 
     /// Puts in place what came of long work, once it is done.

@@ -5,7 +5,7 @@
 use glam::{Affine3A, Quat, Vec3};
 
 use crate::document::Document;
-use crate::picture::{Shot, View, outline, outline_middle};
+use crate::picture::{Shot, View, outline, outline_middle, voxel_edge};
 use crate::sculpture::Placement;
 use crate::view::Eye;
 
@@ -37,7 +37,7 @@ impl Framing {
         let pivot = world_from_grid.transform_point3(outline_middle(document.grid()));
         let points = outline(document.grid());
         let points = points.iter().map(|point| world_from_grid.transform_point3(*point));
-        let camera = view.camera(&swept(points, up, pivot));
+        let camera = view.camera(&swept(points, up, pivot), voxel_edge(&world_from_grid));
         let (eye, distance) = (camera.eye(view.size), camera.eye.distance(camera.target));
         Framing { eye, distance, placement, up, pivot }
     }
@@ -106,6 +106,7 @@ mod tests {
             up,
             turn_rad: 0.3,
             zoom: 1.0,
+            orthographic: false,
             fov_y_rad: 0.8,
             stereo: StereoLayout::Mono,
             ground: None,
@@ -156,6 +157,17 @@ mod tests {
             let most = reaches.iter().copied().fold(0.0, f32::max);
             assert!((0.80..0.94).contains(&most), "{up}: {most}");
         }
+    }
+
+    #[test]
+    fn a_turn_in_parallel_rays_is_framed_as_well() {
+        let document = document();
+        let view = View { orthographic: true, ..view(Vec3::Y) };
+        let framing = Framing::new(&view, &document, true);
+        let turns = (0..36).map(|frame| (10.0 * frame as f32).to_radians());
+        let most = turns.map(|turn| reach(&framing.shot(&document, turn), &document));
+        let most = most.fold(0.0, f32::max);
+        assert!((0.86..0.935).contains(&most), "{most}");
     }
 
     #[test]

@@ -3,6 +3,7 @@
 //! A script is executed twice: to its end, for the camera, and again as the frames go on. So a part of a film needs no
 //! other part. Frames are asked for in rising order.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use image::RgbImage;
@@ -10,15 +11,50 @@ use image::RgbImage;
 use super::framing::Framing;
 use super::lapse::Lapse;
 use super::timing::Timing;
-use super::{FilmError, FilmJob};
+use super::{FilmError, FilmJob, Subject};
+use crate::command::Command;
+use crate::document::Document;
 use crate::headless::{Context, JobError, execute_command};
 use crate::picture::{PictureMaker, View};
 use crate::progress::Progress;
-use crate::session::Session;
+use crate::sculpture::history::Contents;
+use crate::session::{Session, SessionError};
+
+/// The sculpture of a film.
+pub enum Scene {
+    /// With files, as scripts need it.
+    Session(Box<Session>),
+    Document(Box<Document>),
+}
+
+impl Scene {
+    fn document(&self) -> &Document {
+        match self {
+            Scene::Session(session) => session.document(),
+            Scene::Document(document) => document,
+        }
+    }
+
+    fn document_mut(&mut self) -> &mut Document {
+        match self {
+            Scene::Session(session) => session.document_mut(),
+            Scene::Document(document) => document,
+        }
+    }
+
+    /// Executes a command of the script at `path`.
+    fn execute(&mut self, command: &(usize, Command), path: &Path) -> Result<(), JobError> {
+        match self {
+            Scene::Session(session) => execute_command(session, command, path),
+            // A film of a sculpture has no script.
+            Scene::Document(_) => Ok(()),
+        }
+    }
+}
 
 /// See the module text.
 pub struct Stage<'a> {
-    session: Session,
+    scene: Scene,
     lapse: Option<Lapse>,
     /// How many commands have been executed.
     executed: usize,
@@ -32,20 +68,30 @@ pub struct Stage<'a> {
 }
 
 /// The sculpture of a turntable, or the one that a script starts from.
-pub fn begin(job: &FilmJob, context: &Context) -> Result<Session, FilmError> {
-    let file = if job.is_lapse() { job.input.as_ref() } else { Some(&job.subject) };
+pub fn begin(job: &FilmJob, context: &Context) -> Result<Scene, FilmError> {
+    let file = match &job.subject {
+        Subject::Sculpture { contents, placement } => {
+            let limits = context.config.limits();
+            let mut document = Document::from_contents(Contents::clone(contents), limits);
+            let placed = document.apply(&Command::Place(*placement));
+            placed.map_err(|error| JobError::from(SessionError::from(error)))?;
+            return Ok(Scene::Document(Box::new(document)));
+        }
+        Subject::File(_) if job.is_lapse() => job.input.as_ref(),
+        Subject::File(file) => Some(file),
+    };
     let session = match file {
         Some(file) => context.open_session(file, &job.import),
         None => context.new_session(),
     };
-    Ok(session.map_err(JobError::from)?)
+    Ok(Scene::Session(Box::new(session.map_err(JobError::from)?)))
 }
 
 impl<'a> Stage<'a> {
-    /// `session` is as it [begins](begin).
+    /// `scene` is as it [begins](begin).
     pub fn new(
         job: &FilmJob,
-        mut session: Session,
+        mut scene: Scene,
         lapse: Option<Lapse>,
         view: View,
         timing: Timing,
@@ -57,29 +103,19 @@ impl<'a> Stage<'a> {
             progress.begin("running the script");
             for (i, command) in lapse.commands.iter().enumerate() {
                 go_on(progress)?;
-                execute_command(&mut session, command, &lapse.path)?;
+                scene.execute(command, &lapse.path)?;
                 progress.advance(i as f32 / count);
             }
             progress.end();
         }
-        let framing = Framing::new(&view, session.document(), timing.spins());
+        let framing = Framing::new(&view, scene.document(), timing.spins());
         if lapse.is_some() {
             // The first one goes before the second one comes.
-            drop(session);
-            session = begin(job, context)?;
+            drop(scene);
+            scene = begin(job, context)?;
         }
         let maker = PictureMaker::new(&context.config.picture_options(context.device));
-        Ok(Stage {
-            session,
-            lapse,
-            executed: 0,
-            view,
-            timing,
-            framing,
-            maker,
-            progress,
-            last: None,
-        })
+        Ok(Stage { scene, lapse, executed: 0, view, timing, framing, maker, progress, last: None })
     }
 
     /// The picture of a frame, counted from 0, which is not before that of the last call.
@@ -90,7 +126,7 @@ impl<'a> Stage<'a> {
                 &lapse.commands[self.executed..lapse.commands_at(frame, self.timing.frames)]
             {
                 go_on(self.progress)?;
-                execute_command(&mut self.session, command, &lapse.path)?;
+                self.scene.execute(command, &lapse.path)?;
                 self.executed += 1;
             }
         }
@@ -100,8 +136,8 @@ impl<'a> Stage<'a> {
         {
             return Ok(picture.clone());
         }
-        let shot = self.framing.shot(self.session.document(), turn_rad);
-        let pictures = self.maker.make(self.session.document_mut(), &self.view, &shot);
+        let shot = self.framing.shot(self.scene.document(), turn_rad);
+        let pictures = self.maker.make(self.scene.document_mut(), &self.view, &shot);
         let mut pictures = pictures.map_err(JobError::from)?;
         // No layout but `layers`, which films refuse, makes more.
         let picture = Arc::new(pictures.swap_remove(0));

@@ -214,8 +214,10 @@ pub enum Action {
     Screenshot,
     /// Copies a screenshot of the view to the clipboard of the system.
     CopyScreenshot,
-    /// Makes a final picture of the view, by tracing light, and saves it.
+    /// Asks for a final picture of the view, made by tracing light.
     FinalPicture,
+    /// Asks for a film of the sculpture.
+    Film,
     /// Detaches a panel to a window of its own, or docks it.
     Detach(Panel),
     ScaleUp,
@@ -388,6 +390,7 @@ impl Action {
         Action::Screenshot,
         Action::CopyScreenshot,
         Action::FinalPicture,
+        Action::Film,
         Action::Export,
         Action::Palette,
         Action::Help,

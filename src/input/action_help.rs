@@ -210,8 +210,11 @@ impl Action {
             Action::FinalPicture => (
                 "final-picture",
                 Tap,
-                "Save a picture of the view with shadows and reflected light",
+                "Make a picture of the view with shadows and reflected light",
             ),
+            Action::Film => {
+                ("film", Tap, "Make a film: a turntable, or a time lapse of the recording")
+            }
             Action::NextRenderMode => ("next-render-mode", Tap, "Next render mode"),
             Action::NextStereo => ("next-stereo", Tap, "Next stereo layout"),
             Action::ToggleVideo => ("toggle-video", Tap, "Video background on or off"),

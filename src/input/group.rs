@@ -59,7 +59,7 @@ impl Group {
             | NextStereo | SwapEyes | ToggleVideo | ToggleHead | CalibrateHead | ToggleAr
             | Lights | Fullscreen | TogglePanels => Group::View,
             ScaleUp | ScaleDown | ScaleReset | ToggleTheme | Detach(_) | ToggleRumble | New
-            | Open | Save | SaveAs | Export | Screenshot | CopyScreenshot | FinalPicture
+            | Open | Save | SaveAs | Export | Screenshot | CopyScreenshot | FinalPicture | Film
             | Palette | Help | Guide | Quit => Group::Program,
         }
     }

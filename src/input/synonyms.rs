@@ -24,6 +24,9 @@ impl Action {
                 "screenshot capture snapshot photo image clipboard system paste"
             }
             Action::FinalPicture => "final render raytrace path trace shadow sun photo image",
+            Action::Film => {
+                "movie video animation turntable spin rotate time lapse gif apng export"
+            }
             Action::Fullscreen => "fullscreen maximise window",
             Action::TogglePanels => {
                 "interface toolbars distraction free zen clean presentation tab maximise"

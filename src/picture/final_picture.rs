@@ -14,7 +14,8 @@ use crate::gpu::{Device, DeviceOptions, Headless};
 use crate::progress::Progress;
 use crate::render::{DeviceTraceError, trace_on_device};
 use crate::sculpture::history::Contents;
-use crate::shade::{NormalField, ShadeSource};
+use crate::sculpture::{Grid, Limits};
+use crate::shade::{LevelSet, NormalField, ShadeSource};
 use crate::trace::{self, Film, PixelSum, TraceError, TraceOptions, TraceShot};
 
 /// The extension of pictures of linear light.
@@ -34,6 +35,8 @@ pub enum TraceOn {
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct FinalOptions {
     pub trace: TraceOptions,
+    /// Show the surface between the voxels where a voxel covers more than a pixel. Not on a device.
+    pub smooth_surface: bool,
     /// Whether the noise that remains is removed.
     pub denoise: bool,
     /// Doubles the light of PNG and JPEG with each unit.
@@ -42,11 +45,13 @@ pub struct FinalOptions {
 
 impl Default for FinalOptions {
     fn default() -> Self {
-        FinalOptions { trace: TraceOptions::default(), denoise: true, exposure_ev: 0.0 }
+        let trace = TraceOptions::default();
+        FinalOptions { trace, smooth_surface: true, denoise: true, exposure_ev: 0.0 }
     }
 }
 
-/// Makes a final picture of `contents` and writes it to `path`, in the format of its extension.
+/// Makes a final picture of `contents` and writes it to `path`, in the format of its extension. `watch` sees the sums
+/// so far and their number of samples after each pass on the CPU.
 pub fn write_final(
     contents: &Contents,
     shot: &TraceShot,
@@ -54,12 +59,22 @@ pub fn write_final(
     on: &TraceOn,
     path: &Path,
     progress: &dyn Progress,
+    watch: &mut dyn FnMut(&Film, u32),
 ) -> Result<(), PictureError> {
+    if options.smooth_surface && matches!(on, TraceOn::Gpu(_)) {
+        return Err(PictureError::SmoothOnDevice);
+    }
     let normals = normals_of(contents, progress)?;
     let Contents { grid, material } = contents;
     let source = ShadeSource { grid, material, normals: &normals };
     let mut film = match on {
-        TraceOn::Cpu => trace::trace(&source, shot, &options.trace, progress)?,
+        TraceOn::Cpu => {
+            let rays = shot.eye.pixel_rays(&shot.world_from_grid);
+            let is_smooth = options.smooth_surface && LevelSet::shows(grid, &rays);
+            let levels = if is_smooth { smooth_surface(grid, &normals) } else { None };
+            let subject = (&source, levels.as_ref());
+            trace::trace_watched(subject, shot, &options.trace, progress, watch)?
+        }
         TraceOn::Gpu(device) => on_device(&source, shot, &options.trace, device, progress)?,
     };
     if options.denoise {
@@ -105,6 +120,15 @@ fn normals_of(contents: &Contents, progress: &dyn Progress) -> Result<NormalFiel
     normals.update(&contents.grid, &mut Vec::new(), || !progress.is_cancelled());
     progress.end();
     if normals.is_complete() { Ok(normals) } else { Err(TraceError::Cancelled) }
+}
+
+/// The smooth surface; none of a grid that is too large for it, as in pictures of the window.
+fn smooth_surface(grid: &Grid, normals: &NormalField) -> Option<LevelSet> {
+    let made = LevelSet::new(grid, Limits::default().grid_bytes);
+    let mut levels =
+        made.inspect_err(|error| tracing::warn!("{error}; the final picture shows voxels")).ok()?;
+    levels.update(grid, normals, &mut Vec::new());
+    Some(levels)
 }
 
 fn screen_picture(film: &Film, exposure_ev: f32) -> RgbImage {
@@ -157,6 +181,16 @@ mod tests {
         (Contents { grid, material }, TraceShot { eye, world_from_grid, up: Vec3::Y })
     }
 
+    fn write(
+        path: &Path,
+        options: &FinalOptions,
+        on: &TraceOn,
+        progress: &dyn Progress,
+    ) -> Result<(), PictureError> {
+        let (contents, shot) = subject();
+        write_final(&contents, &shot, options, on, path, progress, &mut |_, _| {})
+    }
+
     fn options(samples: u32) -> FinalOptions {
         let trace = TraceOptions { samples, ..TraceOptions::default() };
         FinalOptions { trace, ..FinalOptions::default() }
@@ -165,10 +199,10 @@ mod tests {
     #[test]
     fn the_linear_file_has_the_light_that_the_other_shows() {
         let folder = tempfile::tempdir().unwrap();
-        let (contents, shot) = subject();
+        let (_, shot) = subject();
         let [png, exr] = ["a.png", "a.EXR"].map(|name| folder.path().join(name));
         for path in [&png, &exr] {
-            write_final(&contents, &shot, &options(4), &TraceOn::Cpu, path, &()).unwrap();
+            write(path, &options(4), &TraceOn::Cpu, &()).unwrap();
         }
         let (size, channels) = exr::tests::read(&std::fs::read(&exr).unwrap());
         assert_eq!(size, shot.eye.size);
@@ -193,12 +227,43 @@ mod tests {
     #[test]
     fn a_cancelled_picture_leaves_no_file() {
         let folder = tempfile::tempdir().unwrap();
-        let (contents, shot) = subject();
         let report = Report::default();
         report.cancel();
         let path = folder.path().join("a.png");
-        let result = write_final(&contents, &shot, &options(4), &TraceOn::Cpu, &path, &report);
+        let result = write(&path, &options(4), &TraceOn::Cpu, &report);
         assert!(matches!(result, Err(PictureError::Trace(TraceError::Cancelled))), "{result:?}");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn each_pass_is_shown_and_the_last_is_the_picture() {
+        let folder = tempfile::tempdir().unwrap();
+        let (contents, shot) = subject();
+        let options = FinalOptions { denoise: false, ..options(3) };
+        let path = folder.path().join("a.png");
+        let mut shown = Vec::new();
+        let watch = &mut |film: &Film, samples| {
+            shown.push((samples, trace::preview_pixels(film, samples, 0.0)));
+        };
+        write_final(&contents, &shot, &options, &TraceOn::Cpu, &path, &(), watch).unwrap();
+        assert_eq!(shown.iter().map(|(samples, _)| *samples).collect::<Vec<_>>(), [1, 2, 3]);
+        let file = image::open(&path).unwrap().to_rgb8();
+        let differs = |preview: &crate::shade::Pixels| {
+            let pairs = preview.rgba.iter().zip(file.pixels());
+            pairs.filter(|(a, b)| (0..3).any(|c| a[c].abs_diff(b[c]) > 1)).count()
+        };
+        assert_eq!(differs(&shown[2].1), 0);
+        assert!(differs(&shown[0].1) > 100);
+    }
+
+    #[test]
+    fn a_device_refuses_the_smooth_surface_by_naming_what_helps() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        let on = TraceOn::Gpu(DeviceOptions::default());
+        let error = write(&path, &options(1), &on, &()).unwrap_err();
+        assert!(matches!(error, PictureError::SmoothOnDevice));
+        assert!(error.to_string().contains("--voxels"), "{error}");
+        assert!(!path.exists());
     }
 }

@@ -4,8 +4,8 @@
 use egui::{CentralPanel, Frame, Margin, Panel as Side, RichText, ScrollArea, Ui};
 
 use super::{
-    UiContext, UiRequest, UiState, busy, files, guide, history, light, new_dialog, options,
-    palette, theme, toolbox, top_bar, unkept, unsaved, upright,
+    UiContext, UiRequest, UiState, busy, files, film_dialog, final_dialog, guide, history, light,
+    new_dialog, options, palette, theme, toolbox, top_bar, unkept, unsaved, upright,
 };
 use crate::input::hands::HandSide;
 
@@ -89,9 +89,11 @@ pub fn show(
     light::show(root, state);
     palette::show(root, state, context, requests);
     new_dialog::show(root, state, context, requests);
+    final_dialog::show(root, state, context, requests);
+    film_dialog::show(root, state, context, requests);
     unsaved::show(root, state, requests);
     unkept::show(root, state, requests);
     files::show(root, state, requests);
     state.toasts.show(root, middle.response.rect);
-    busy::show(root, state, requests);
+    busy::show(root, state, context, requests);
 }

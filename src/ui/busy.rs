@@ -1,19 +1,24 @@
-//! The sign over everything while long work is under way: what is done, how far it is, and the
-//! button that stops it.
+//! The sign over everything while long work is under way: what is done, how far it is, the picture that is
+//! being made, and the button that stops it.
 
 use egui::{Color32, Id, Key, Modal, ProgressBar, Ui};
 
 use super::top_bar::capital;
-use super::{UiRequest, UiState};
+use super::{UiContext, UiRequest, UiState};
 
 const WIDTH: f32 = 320.0;
 
-pub fn show(root: &Ui, state: &UiState, requests: &mut Vec<UiRequest>) {
+pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let Some(busy) = state.dialogs.busy.as_ref().filter(|busy| busy.shown) else { return };
+    // A texture belongs to one interface: that of the window.
+    let preview = state.dialogs.preview.as_mut().filter(|_| !context.in_headset);
     let stop = Modal::new(Id::new("busy")).show(root.ctx(), |ui| {
         ui.set_width(WIDTH);
         ui.heading(busy.what);
         ui.add_space(4.0);
+        if let Some(preview) = preview {
+            preview.show(ui);
+        }
         ui.label(capital(&busy.stage.what));
         ui.add(match busy.stage.done {
             Some(done) => ProgressBar::new(done).show_percentage(),

@@ -4,6 +4,8 @@
 //! Takes and gives values; shows nothing itself. Who shows what is in the module of each dialog.
 
 use super::files::Files;
+use super::film_dialog::FilmDialog;
+use super::final_dialog::{FinalDialog, Preview};
 use super::guide::Guide;
 use super::key_table::KeyTable;
 use super::light::LightWindow;
@@ -23,6 +25,8 @@ pub struct Dialogs {
     pub references_open: bool,
     pub palette: Palette,
     pub new: NewDialog,
+    pub final_picture: FinalDialog,
+    pub film: FilmDialog,
     pub files: Files,
     /// Asks what to do with unsaved work before this.
     pub unsaved: Option<Next>,
@@ -32,6 +36,8 @@ pub struct Dialogs {
     pub calibrating: bool,
     /// Long work under way, as the editor says; nothing else can be asked for meanwhile.
     pub busy: Option<Busy>,
+    /// The picture that this work makes.
+    pub preview: Option<Preview>,
 }
 
 impl Dialogs {
@@ -44,11 +50,14 @@ impl Dialogs {
             references_open: false,
             palette: Palette::default(),
             new: NewDialog::new(new),
+            final_picture: FinalDialog::default(),
+            film: FilmDialog::default(),
             files: Files::new(),
             unsaved: None,
             unkept: None,
             calibrating: false,
             busy: None,
+            preview: None,
         }
     }
 
@@ -58,6 +67,8 @@ impl Dialogs {
             || self.unkept.is_some()
             || self.calibrating
             || self.new.open
+            || self.final_picture.open
+            || self.film.open
             || self.palette.open
             || self.keys.is_catching()
             || self.files.is_open()
@@ -71,6 +82,8 @@ impl Dialogs {
         }
         let open = [
             &mut self.new.open,
+            &mut self.final_picture.open,
+            &mut self.film.open,
             &mut self.keys.open,
             &mut self.references_open,
             &mut self.light.open,

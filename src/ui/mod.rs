@@ -9,7 +9,9 @@ pub mod busy;
 pub mod buttons;
 pub mod dialogs;
 pub mod files;
+pub mod film_dialog;
 pub mod filter;
+pub mod final_dialog;
 pub mod gamepad;
 pub mod gizmo;
 pub mod guide;
@@ -28,6 +30,7 @@ pub mod new_dialog;
 pub mod options;
 pub mod palette;
 pub mod panels;
+pub mod picture_size;
 pub mod recent;
 pub mod references;
 pub mod spray_options;
@@ -80,6 +83,10 @@ pub struct FrameTimes {
 pub struct UiContext<'a> {
     pub document: &'a Document,
     pub path: Option<&'a Path>,
+    /// The script that is recorded, if one is.
+    pub recording: Option<&'a Path>,
+    /// Size of the picture of the view, in pixels.
+    pub picture_px: glam::UVec2,
     /// The axis that was taken for the one that points up in a file that does not say so; none once
     /// the sculpture has been changed.
     pub assumed_up: Option<Up>,
@@ -165,12 +172,14 @@ pub fn show(
     key_catch::show(root, state, requests);
     palette::show(root, state, context, requests);
     new_dialog::show(root, state, context, requests);
+    final_dialog::show(root, state, context, requests);
+    film_dialog::show(root, state, context, requests);
     head::calibration(root, context, requests);
     unsaved::show(root, state, requests);
     unkept::show(root, state, requests);
     files::show(root, state, requests);
     state.toasts.show(root, picture.rect);
-    busy::show(root, state, requests);
+    busy::show(root, state, context, requests);
     picture
 }
 

@@ -11,6 +11,8 @@ use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
 use super::dialogs::Dialogs;
+use super::film_dialog::FilmRequest;
+use super::final_dialog::FinalRequest;
 use super::recent::Recent;
 use super::references::Reference;
 use super::toasts::Toasts;
@@ -41,6 +43,10 @@ pub enum UiRequest {
     Turn(Vec2),
     /// Change the tool.
     Tool(ToolEdit),
+    /// Make a final picture of the view.
+    FinalPicture(Box<FinalRequest>),
+    /// Make a film.
+    Film(FilmRequest),
     /// Stop the long work under way, where it can be stopped.
     StopWork,
     /// A step of the calibration of the tracker.

@@ -168,7 +168,8 @@ fn at_the_desk(
         ("Hide panels", Action::TogglePanels),
         ("Save picture", Action::Screenshot),
         ("Copy picture", Action::CopyScreenshot),
-        ("Final picture", Action::FinalPicture),
+        ("Final picture …", Action::FinalPicture),
+        ("Film …", Action::Film),
     ] {
         action_button(ui, context, label, action, true, requests);
     }

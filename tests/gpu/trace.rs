@@ -50,7 +50,7 @@ impl Subject {
     }
 
     fn on_cpu(&self, options: &TraceOptions) -> Film {
-        trace(&self.source(), &self.shot, options, &()).unwrap()
+        trace((&self.source(), None), &self.shot, options, &()).unwrap()
     }
 }
 

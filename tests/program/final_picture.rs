@@ -70,6 +70,43 @@ fn a_final_picture_shows_light_and_shadow_and_is_the_same_each_time() {
 }
 
 #[test]
+fn a_final_picture_shows_the_smooth_surface_unless_voxels_are_asked_for() {
+    let folder = folder();
+    let path = folder.path();
+    std::fs::write(
+        path.join("ball.sculpt"),
+        "new dims=24,24,24 colour=0 base=#c03020 fill=empty\nadd ellipsoid at=12,12,12 half=10\n",
+    )
+    .unwrap();
+    succeed(path, &["run", "ball.sculpt", "--out", "ball.vsc"]);
+    let arguments = ["render", "ball.vsc", "--quality", "final", "--ground", "none"];
+    let render = |out: &str, more: &[&str]| {
+        let size = ["--out", out, "--size", "120x120", "--samples", "8"];
+        succeed(path, &[&arguments[..], &size, more].concat());
+        picture(path.join(out))
+    };
+    // Pixels on the wrong side of the circle with as many pixels about the same middle.
+    let beside_circle = |picture: &RgbImage| {
+        let is_ball = |p: &image::Rgb<u8>| 2 * u32::from(p[0]) > 3 * u32::from(p[2]);
+        let ball: Vec<[f64; 2]> = picture
+            .enumerate_pixels()
+            .filter(|(_, _, p)| is_ball(p))
+            .map(|(x, y, _)| [f64::from(x), f64::from(y)])
+            .collect();
+        let count = ball.len() as f64;
+        let middle = [0, 1].map(|axis| ball.iter().map(|at| at[axis]).sum::<f64>() / count);
+        let squared = count / std::f64::consts::PI;
+        let inside =
+            |at: &&[f64; 2]| (at[0] - middle[0]).powi(2) + (at[1] - middle[1]).powi(2) < squared;
+        assert!(count > 2500.0, "{count}");
+        ball.len() - ball.iter().filter(inside).count()
+    };
+    let [smooth, voxels] =
+        [render("smooth.png", &[]), render("voxels.png", &["--voxels"])].map(|p| beside_circle(&p));
+    assert!(2 * smooth < voxels, "{smooth} {voxels}");
+}
+
+#[test]
 fn linear_light_goes_to_an_exr_file() {
     let folder = folder();
     subject(folder.path());
@@ -94,6 +131,7 @@ fn what_makes_no_final_picture_is_refused_and_nothing_written() {
         (&["--out", "a.png", "--quality", "final", "--mode", "ray"], "--mode does not apply"),
         (&["--out", "a.png", "--quality", "final", "--focus", "2,2"], "0 to 1 each"),
         (&["--out", "a.txt", "--quality", "final"], ".exr"),
+        (&["--out", "a.png", "--quality", "final", "--trace-on", "gpu"], "add `--voxels`"),
     ] {
         let error = fail(path, &[&["render", "a.vsc"], arguments].concat(), 2);
         assert!(error.contains(why), "{arguments:?}: {error}");
@@ -112,16 +150,25 @@ fn a_device_traces_the_same_picture() {
     let folder = folder();
     let path = folder.path();
     subject(path);
-    render(path, "cpu.png", &["--trace-on", "cpu"]);
-    render(path, "gpu.png", &["--trace-on", "gpu"]);
+    render(path, "cpu.png", &["--trace-on", "cpu", "--voxels"]);
+    render(path, "gpu.png", &["--trace-on", "gpu", "--voxels"]);
     let [cpu, gpu] = ["cpu.png", "gpu.png"].map(|name| picture(path.join(name)));
     let (a, b) = (brightness(&cpu), brightness(&gpu));
     assert!((a - b).abs() < 0.5, "{a} {b}");
     let far = cpu.iter().zip(gpu.iter()).filter(|(a, b)| a.abs_diff(**b) > 24).count();
     assert!(far * 50 < cpu.len(), "{far} values differ");
     std::fs::write(path.join("none.toml"), "[gpu]\ndevice = \"none such\"\n").unwrap();
-    let arguments =
-        ["render", "a.vsc", "--quality", "final", "--trace-on", "gpu", "--out", "x.png"];
+    let arguments = [
+        "render",
+        "a.vsc",
+        "--quality",
+        "final",
+        "--trace-on",
+        "gpu",
+        "--voxels",
+        "--out",
+        "x.png",
+    ];
     let error = fail(path, &[&arguments[..], &["--config", "none.toml"]].concat(), 4);
     assert!(error.contains("none such") && error.contains("--trace-on cpu"), "{error}");
     assert!(!path.join("x.png").exists());

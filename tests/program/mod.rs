@@ -4,6 +4,7 @@
 mod files;
 mod film;
 mod final_picture;
+mod orthographic;
 mod samples;
 #[cfg(target_os = "linux")]
 mod streams;
@@ -337,6 +338,9 @@ fn the_benchmark_reports_as_table_json_and_plot() {
         assert!(0.0 < least && least <= median && median <= most, "{times}");
     }
     assert_eq!((ray["to_ray"].as_f64(), modes.len()), (Some(1.0), 2));
+    let last = &report["scenes"][0]["final_picture"];
+    assert!(last["trace_s"].as_f64().unwrap() > 0.0 && last["samples"] == 2, "{last}");
+    assert!(said.contains("final pictures; s"), "{said}");
     let features: Vec<&str> = ray["features"].as_array().unwrap().iter().map(name_of).collect();
     let expected = ["occlusion", "shadow", "ground", "smooth edges", "smooth surface"];
     assert_eq!(features, expected);

@@ -7,6 +7,7 @@ mod keys;
 mod light;
 mod memory;
 mod panels;
+mod pictures;
 mod surface;
 mod switches;
 mod toasts;

@@ -11,6 +11,7 @@ mod house;
 mod keys;
 mod memory;
 mod panels;
+mod pictures;
 mod process;
 mod program;
 mod stereo;
@@ -198,6 +199,8 @@ fn every_window_opens_by_key_and_closes_by_escape() {
     for (name, keys) in [
         ("help", &["F1"][..]),
         ("new", &["Control_L", "n"]),
+        ("final-picture", &["Shift_L", "F12"]),
+        ("film", &["Alt_L", "F12"]),
         ("open", &["Control_L", "o"]),
         ("save-as", &["Control_L", "Shift_L", "s"]),
     ] {

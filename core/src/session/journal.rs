@@ -48,6 +48,10 @@ impl Journal {
         Ok(journal)
     }
 
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// Adds an executed command with its effect.
     pub fn write(&mut self, command: &Command, applied: Applied) -> Result<(), SessionError> {
         let Some(line) = line_of(command, applied) else { return Ok(()) };

@@ -1,4 +1,4 @@
-//! The final picture: path tracing of the voxels with sun, sky, a square lamp and a lens.
+//! The final picture: path tracing of the sculpture with sun, sky, a square lamp and a lens.
 //!
 //! From a sculpture, a shot and options to a [`Film`] of linear light: [`scene`] says what rays meet, [`path`] what
 //! light comes along them, [`environment`] where it comes from, [`sampling`] which of many directions is tried. A
@@ -19,6 +19,7 @@ mod path;
 mod prepared;
 mod sampling;
 mod scene;
+mod smooth;
 mod tone;
 
 use std::f32::consts::FRAC_1_PI;
@@ -32,13 +33,14 @@ pub use environment::{AreaLight, Gradient, Lamp, LightOptions, Sun, SunDisc};
 pub use film::{Film, MAX_PIXELS, PixelSum};
 pub use lens::Pupil;
 pub use prepared::{Prepared, PreparedGround, pass_rays, prepare};
-pub use tone::display_pixels;
+pub use tone::{display_pixels, preview_pixels};
 
 use crate::progress::Progress;
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_coords};
 use crate::sculpture::{NO_VOXEL, Rgb};
-use crate::shade::ShadeSource;
 use crate::shade::ground::GROUND_COLOUR;
+use crate::shade::level_set::CellCache;
+use crate::shade::{LevelSet, ShadeSource};
 use crate::surface::{IndexMap, raycast};
 use crate::view::{Eye, PixelRays};
 use environment::{Environment, Standpoint, disc_point};
@@ -119,40 +121,61 @@ pub enum TraceError {
     TooLarge(u32, u32),
 }
 
-/// Makes a final picture; `source` has all its normals.
+/// Makes a final picture of the smooth surface, or of voxels if there are no `levels`; `source` has all its normals.
 pub fn trace(
-    source: &ShadeSource,
+    (source, levels): (&ShadeSource, Option<&LevelSet>),
     shot: &TraceShot,
     options: &TraceOptions,
     progress: &dyn Progress,
 ) -> Result<Film, TraceError> {
+    trace_watched((source, levels), shot, options, progress, &mut |_, _| {})
+}
+
+/// [`trace`], which shows the sums so far and their number of samples after each pass.
+pub fn trace_watched(
+    (source, levels): (&ShadeSource, Option<&LevelSet>),
+    shot: &TraceShot,
+    options: &TraceOptions,
+    progress: &dyn Progress,
+    watch: &mut dyn FnMut(&Film, u32),
+) -> Result<Film, TraceError> {
     let size = shot.eye.size;
     let mut film = Film::new(size).ok_or(TraceError::TooLarge(size.x, size.y))?;
-    let tracer = tracer(source, shot, options);
-    let mut map = IndexMap::new(shot.eye.pixel_rays(&shot.world_from_grid));
-    let pupil = pupil(&tracer.scene, shot, &map.rays, &options.lens);
+    let tracer = tracer((source, levels), shot, options);
+    let rays = shot.eye.pixel_rays(&shot.world_from_grid);
+    let mut map = IndexMap::new(rays);
+    let pupil = pupil(&tracer.scene, shot, &rays, &options.lens);
     progress.begin("tracing light");
     let passes = options.samples.clamp(1, MAX_FINAL_SAMPLES);
     for index in 0..passes {
         let rays = pass_rays(shot, index);
-        match pupil {
-            None => raycast::sample(source.grid, &rays, &mut map),
-            Some(_) => map.reset(rays),
+        match (pupil, levels) {
+            (Some(_), _) => map.forget(rays),
+            (None, None) => raycast::sample(source.grid, &rays, &mut map),
+            (None, Some(levels)) => {
+                raycast::sample(levels.cells(), &LevelSet::rays_of_cells(&rays), &mut map);
+            }
         }
-        let pass = Pass { tracer: &tracer, source, pupil, map: &map, index, progress };
-        film.par_rows_mut().for_each(|(y, row)| pass.add_row(y, row));
+        let pass = Pass { tracer: &tracer, source, pupil, rays, map: &map, index, progress };
+        film.par_rows_mut()
+            .for_each_init(CellCache::default, |cache, (y, row)| pass.add_row(y, row, cache));
         if progress.is_cancelled() {
             progress.end();
             return Err(TraceError::Cancelled);
         }
         progress.advance((index + 1) as f32 / passes as f32);
+        watch(&film, index + 1);
     }
     progress.end();
     film.close(passes);
     Ok(film)
 }
 
-fn tracer<'a>(source: &ShadeSource<'a>, shot: &TraceShot, options: &TraceOptions) -> Tracer<'a> {
+fn tracer<'a>(
+    (source, levels): (&ShadeSource<'a>, Option<&'a LevelSet>),
+    shot: &TraceShot,
+    options: &TraceOptions,
+) -> Tracer<'a> {
     let (low, high) = source.grid.opaque_bounds().unwrap_or((UVec3::ZERO, source.grid.dims()));
     let bounds = (low.as_vec3(), high.as_vec3());
     let up = shot.up.normalize_or(Vec3::Y);
@@ -163,7 +186,8 @@ fn tracer<'a>(source: &ShadeSource<'a>, shot: &TraceShot, options: &TraceOptions
     let at = Standpoint { up, to_viewer, middle, radius };
     let environment = Environment::new(&options.light, &at);
     let lowest = lowest_along(source, &shot.world_from_grid, up);
-    let scene = Scene::new(*source, shot.world_from_grid, up, bounds, lowest, options.ground);
+    let scene =
+        Scene::new((*source, levels), shot.world_from_grid, up, bounds, lowest, options.ground);
     let open_ground = scene.ground_albedo() * (FRAC_1_PI * environment.open_irradiance(up));
     Tracer { scene, environment, open_ground, bounces: options.bounces }
 }
@@ -196,7 +220,8 @@ fn pupil(scene: &Scene, shot: &TraceShot, rays: &PixelRays, lens: &Lens) -> Opti
     }
     let at = lens.focus * rays.size.as_vec2();
     let along = rays.direction_at(at.x, at.y);
-    let (met, t) = scene.seen(rays.origin, along, scene.first_voxel(rays.origin, along));
+    let first = scene.first(rays.origin, along);
+    let (met, t) = scene.seen(rays.origin, along, first, &mut CellCache::default());
     let grid_from_eye = (shot.eye.eye_from_world * shot.world_from_grid).inverse();
     let focus = match met {
         Met::Nothing => -grid_from_eye.inverse().transform_point3(scene.middle).z,
@@ -213,38 +238,41 @@ struct Pass<'a> {
     tracer: &'a Tracer<'a>,
     source: &'a ShadeSource<'a>,
     pupil: Option<Pupil>,
-    /// What the eye sees; with a pupil the rays alone.
+    /// Those of the eye.
+    rays: PixelRays,
+    /// The first voxel or cell on each; with a pupil none.
     map: &'a IndexMap,
     index: u32,
     progress: &'a dyn Progress,
 }
 
 impl Pass<'_> {
-    fn add_row(&self, y: u32, row: &mut [film::PixelSum]) {
+    fn add_row(&self, y: u32, row: &mut [film::PixelSum], cache: &mut CellCache) {
         if self.progress.is_cancelled() {
             return;
         }
-        let width = self.map.rays.size.x;
+        let width = self.rays.size.x;
         for (x, pixel) in (0..).zip(row) {
             let mut sampler = Sampler::new(x + y * width, self.index);
-            pixel.add(&self.sample(x, y, &mut sampler));
+            pixel.add(&self.sample(x, y, &mut sampler, cache));
         }
     }
 
-    fn sample(&self, x: u32, y: u32, sampler: &mut Sampler) -> Sample {
-        let (rays, scene) = (&self.map.rays, &self.tracer.scene);
-        let (origin, along, voxel) = match &self.pupil {
+    fn sample(&self, x: u32, y: u32, sampler: &mut Sampler, cache: &mut CellCache) -> Sample {
+        let (rays, scene) = (&self.rays, &self.tracer.scene);
+        let (origin, along, first) = match &self.pupil {
             None => {
                 let index = self.map.voxels[(x + y * rays.size.x) as usize];
-                let voxel = (index != NO_VOXEL).then(|| self.source.grid.voxel_coords(index));
-                (rays.origin, rays.direction(x, y), voxel)
+                let grid = scene.levels.map_or(self.source.grid, LevelSet::cells);
+                let first = (index != NO_VOXEL).then(|| grid.voxel_coords(index));
+                (rays.origin, rays.direction(x, y), first)
             }
             Some(pupil) => {
                 let (origin, along) = pupil.ray(rays, x, y, disc_point(sampler.next_2d()));
-                (origin, along, scene.first_voxel(origin, along))
+                (origin, along, scene.first(origin, along))
             }
         };
-        let (met, t) = scene.seen(origin, along, voxel);
+        let (met, t) = scene.seen(origin, along, first, cache);
         let direction = scene.world_from_grid.transform_vector3(along).normalize_or(Vec3::Z);
         let environment = &self.tracer.environment;
         if let Some(lamp) = &environment.lamp {
@@ -255,15 +283,15 @@ impl Pass<'_> {
             }
         }
         match met {
-            Met::Voxel(surface) => {
-                let radiance = self.tracer.radiance(&surface, sampler);
+            Met::Sculpture(surface) => {
+                let radiance = self.tracer.radiance(&surface, sampler, cache);
                 Sample::of_surface(&surface, radiance, t, 1.0)
             }
             Met::Ground(surface) => {
                 let away = scene.distance_radii(origin + along * t) / HALF_FADED_RADII;
                 let fade = away * away / (1.0 + away * away);
                 let horizon = environment.horizon(direction);
-                let radiance = self.tracer.radiance(&surface, sampler);
+                let radiance = self.tracer.radiance(&surface, sampler, cache);
                 Sample::of_surface(&surface, radiance.lerp(horizon, fade), t, 0.0)
             }
             Met::Nothing | Met::OpenGround => Sample::background(environment.seen(direction)),
@@ -271,5 +299,7 @@ impl Pass<'_> {
     }
 }
 
+#[cfg(test)]
+mod smooth_tests;
 #[cfg(test)]
 mod tests;

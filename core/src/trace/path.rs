@@ -15,6 +15,7 @@ use glam::{Vec2, Vec3};
 use super::environment::{Environment, cosine_direction, disc_point};
 use super::sampling::Sampler;
 use super::scene::{Met, Scene, Surface};
+use crate::shade::level_set::CellCache;
 
 /// The bounce from which on roulette decides whether a path goes on.
 const ROULETTE_FROM: u32 = 1;
@@ -31,16 +32,16 @@ pub(super) struct Tracer<'a> {
 
 impl Tracer<'_> {
     /// The radiance that `seen` sends to the eye.
-    pub fn radiance(&self, seen: &Surface, sampler: &mut Sampler) -> Vec3 {
+    pub fn radiance(&self, seen: &Surface, sampler: &mut Sampler, cache: &mut CellCache) -> Vec3 {
         let (mut surface, mut radiance) = (*seen, Vec3::ZERO);
         let mut throughput = surface.albedo;
         for bounce in 0.. {
-            radiance += throughput * (FRAC_1_PI * self.direct(&surface, sampler));
+            radiance += throughput * (FRAC_1_PI * self.direct(&surface, sampler, cache));
             let direction = cosine_direction(surface.normal, sampler.next_2d());
-            let next = match self.scene.meet(surface.start, direction) {
+            let next = match self.scene.meet(surface.start, direction, cache) {
                 Met::Nothing => return radiance + throughput * self.environment.sky(direction),
                 Met::OpenGround => return radiance + throughput * self.open_ground,
-                Met::Voxel(next) | Met::Ground(next) => next,
+                Met::Sculpture(next) | Met::Ground(next) => next,
             };
             if bounce >= self.bounces {
                 break;
@@ -59,13 +60,15 @@ impl Tracer<'_> {
     }
 
     /// The irradiance of sun and lamp.
-    fn direct(&self, surface: &Surface, sampler: &mut Sampler) -> Vec3 {
+    fn direct(&self, surface: &Surface, sampler: &mut Sampler, cache: &mut CellCache) -> Vec3 {
         let mut irradiance = Vec3::ZERO;
         if let Some(sun) = &self.environment.sun {
             let at = sampler.next_2d();
             let direction = cone_direction(sun.direction, sun.sin_radius, at);
             let cosine = direction.dot(surface.normal);
-            if cosine > 0.0 && !self.scene.is_blocked(surface.start, direction, f32::INFINITY) {
+            let mut is_blocked =
+                || self.scene.is_blocked(surface.start, direction, f32::INFINITY, cache);
+            if cosine > 0.0 && !is_blocked() {
                 irradiance += sun.irradiance * cosine;
             }
         }
@@ -75,7 +78,8 @@ impl Tracer<'_> {
             let to_lamp = lamp.centre + lamp.half_u * at.x + lamp.half_v * at.y - from;
             let squared = to_lamp.length_squared();
             let (cosine, facing) = (to_lamp.dot(surface.normal), -to_lamp.dot(lamp.normal));
-            if cosine > 0.0 && facing > 0.0 && !self.scene.is_blocked(surface.start, to_lamp, 1.0) {
+            let mut is_blocked = || self.scene.is_blocked(surface.start, to_lamp, 1.0, cache);
+            if cosine > 0.0 && facing > 0.0 && !is_blocked() {
                 let area = 4.0 * lamp.half_u.length() * lamp.half_v.length();
                 irradiance += lamp.radiance * (area * cosine * facing / (squared * squared));
             }

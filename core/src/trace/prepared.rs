@@ -55,9 +55,9 @@ pub struct PreparedGround {
     pub albedo: Vec3,
 }
 
-/// The numbers of a final picture; `source` has all its normals.
+/// The numbers of a final picture of voxels; `source` has all its normals.
 pub fn prepare(source: &ShadeSource, shot: &TraceShot, options: &TraceOptions) -> Prepared {
-    let tracer = tracer(source, shot, options);
+    let tracer = tracer((source, None), shot, options);
     let (scene, environment) = (&tracer.scene, &tracer.environment);
     let rays = shot.eye.pixel_rays(&shot.world_from_grid);
     Prepared {

@@ -1,4 +1,4 @@
-//! What rays of a final picture meet: voxels and the ground.
+//! What rays of a final picture meet: the sculpture and the ground.
 //!
 //! From rays to the nearest surface: where on it further rays start, its normal and its colour. Points are in grid
 //! coordinates, directions and normals in the world, so that voxels may have edges of different lengths and angles
@@ -7,7 +7,8 @@
 //! A surface of voxels has terraces. Light is meant to fall on the surface that they stand for, whose normal is that of
 //! the [`crate::shade::NormalField`]; rays to and from terraces would darken them by each other. So further rays start
 //! above the steps: along the normal by up to [`CLEARANCE_VX`], less where the surface follows the grid and has no steps.
-//! Shadows of details that are smaller than that are lost.
+//! Shadows of details that are smaller than that are lost. With a [`LevelSet`] rays meet the smooth surface itself
+//! ([`super::smooth`]) and none of this is needed.
 //!
 //! Knows no light.
 
@@ -17,7 +18,8 @@ use super::Ground;
 use super::prepared::PreparedGround;
 use super::tone::linear_colour;
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
-use crate::shade::ShadeSource;
+use crate::shade::level_set::{BEYOND_VOXELS_VX, CellCache};
+use crate::shade::{LevelSet, ShadeSource};
 use crate::surface::raycast::cast;
 
 /// How far above a sloping surface rays start: above the highest corner of its steps.
@@ -29,7 +31,7 @@ const LEAST_CLEARANCE_VX: f32 = 0.02;
 /// Clearance over the slope against the grid.
 const CLEARANCE_PER_SLOPE: f32 = 30.0;
 /// A normal that points away from the face seen by more than this is that of another side: a thin wall.
-const OTHER_SIDE: f32 = -0.2;
+pub(super) const OTHER_SIDE: f32 = -0.2;
 /// Distance from the sculpture, in its radii, beyond which indirect light takes the ground as lit by all of the sky.
 const OPEN_GROUND_RADII: f32 = 4.0;
 
@@ -48,7 +50,7 @@ pub(super) struct Surface {
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Met {
     Nothing,
-    Voxel(Surface),
+    Sculpture(Surface),
     Ground(Surface),
     /// Ground on which no shadow of the sculpture falls.
     OpenGround,
@@ -56,7 +58,9 @@ pub(super) enum Met {
 
 /// See the module text.
 pub(super) struct Scene<'a> {
-    source: ShadeSource<'a>,
+    pub source: ShadeSource<'a>,
+    /// The smooth surface, unless voxels are shown.
+    pub levels: Option<&'a LevelSet>,
     pub world_from_grid: Affine3A,
     pub grid_from_world: Mat3,
     pub world_from_normal: Mat3,
@@ -77,7 +81,7 @@ impl PreparedGround {
 impl<'a> Scene<'a> {
     /// `lowest`: the least height of the sculpture along `up`.
     pub fn new(
-        source: ShadeSource<'a>,
+        (source, levels): (ShadeSource<'a>, Option<&'a LevelSet>),
         world_from_grid: Affine3A,
         up: Vec3,
         bounds: (Vec3, Vec3),
@@ -95,6 +99,7 @@ impl<'a> Scene<'a> {
         let radius = (linear * ((bounds.1 - bounds.0) * 0.5)).length().max(f32::MIN_POSITIVE);
         Scene {
             source,
+            levels,
             world_from_grid,
             grid_from_world,
             world_from_normal: grid_from_world.transpose(),
@@ -117,10 +122,18 @@ impl<'a> Scene<'a> {
     }
 
     /// What a ray from a surface meets; `direction` is in the world.
-    pub fn meet(&self, origin: Vec3, direction: Vec3) -> Met {
+    pub fn meet(&self, origin: Vec3, direction: Vec3, cache: &mut CellCache) -> Met {
         let along = self.grid_from_world * direction;
-        if let Some((voxel, face, t)) = self.voxel_on(origin, along, f32::INFINITY) {
-            return Met::Voxel(self.surface(voxel, face, origin + along * t));
+        let sculpture = match self.levels {
+            Some(levels) => self
+                .smooth_on(levels, (origin, along), f32::INFINITY, cache)
+                .map(|hit| self.smooth_surface(levels, &hit, origin + along * hit.t, cache)),
+            None => self
+                .voxel_on(origin, along, f32::INFINITY)
+                .map(|(voxel, face, t)| self.surface(voxel, face, origin + along * t)),
+        };
+        if let Some(surface) = sculpture {
+            return Met::Sculpture(surface);
         }
         match self.ground_on(origin, direction.dot(self.up)) {
             None => Met::Nothing,
@@ -132,17 +145,43 @@ impl<'a> Scene<'a> {
     }
 
     /// Whether something lies between `origin` and `origin + direction * reach`.
-    pub fn is_blocked(&self, origin: Vec3, direction: Vec3, reach: f32) -> bool {
+    pub fn is_blocked(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        reach: f32,
+        cache: &mut CellCache,
+    ) -> bool {
         let along = self.grid_from_world * direction;
-        self.voxel_on(origin, along, reach).is_some()
+        let by_sculpture = match self.levels {
+            Some(levels) => self.smooth_on(levels, (origin, along), reach, cache).is_some(),
+            None => self.voxel_on(origin, along, reach).is_some(),
+        };
+        by_sculpture
             || self.ground_on(origin, direction.dot(self.up)).is_some_and(|(_, t)| t < reach)
     }
 
-    /// What the eye sees along a ray of a picture, where `voxel` is the first voxel on it, and how far away.
-    pub fn seen(&self, origin: Vec3, along: Vec3, voxel: Option<UVec3>) -> (Met, f32) {
-        if let Some(voxel) = voxel {
-            let (t, face) = self.entry(origin, along, voxel);
-            return (Met::Voxel(self.surface(voxel, face, origin + along * t)), t);
+    /// What the eye sees along a ray of a picture, where `first` is what [`Scene::first`] says of it, and how far away.
+    pub fn seen(
+        &self,
+        origin: Vec3,
+        along: Vec3,
+        first: Option<UVec3>,
+        cache: &mut CellCache,
+    ) -> (Met, f32) {
+        let sculpture = first.and_then(|first| match self.levels {
+            Some(levels) => {
+                let ShadeSource { grid, normals, .. } = self.source;
+                let hit = levels.hit((grid, normals), (origin, along), first, cache)?;
+                Some((self.smooth_surface(levels, &hit, origin + along * hit.t, cache), hit.t))
+            }
+            None => {
+                let (t, face) = self.entry(origin, along, first);
+                Some((self.surface(first, face, origin + along * t), t))
+            }
+        });
+        if let Some((surface, t)) = sculpture {
+            return (Met::Sculpture(surface), t);
         }
         let climb = self.ground.map_or(0.0, |ground| ground.height.dot(along));
         let above = self.ground.is_some_and(|ground| ground.height_of(origin) > 0.0);
@@ -152,17 +191,26 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// The first voxel on any ray of a picture.
-    pub fn first_voxel(&self, origin: Vec3, along: Vec3) -> Option<UVec3> {
-        self.voxel_on(origin, along, f32::INFINITY).map(|(voxel, _, _)| voxel)
+    /// The first voxel on any ray of a picture, or the first cell of the smooth surface.
+    pub fn first(&self, origin: Vec3, along: Vec3) -> Option<UVec3> {
+        match self.levels {
+            Some(levels) => levels.first_cell(origin, along),
+            None => self.voxel_on(origin, along, f32::INFINITY).map(|(voxel, _, _)| voxel),
+        }
+    }
+
+    /// Whether a ray passes the box around the sculpture, as most rays that leave it do.
+    pub fn passes_box(&self, origin: Vec3, along: Vec3, reach: f32) -> bool {
+        let beyond = if self.levels.is_some() { BEYOND_VOXELS_VX } else { 0.0 };
+        let (low, high) = (self.bounds.0 - beyond, self.bounds.1 + beyond);
+        let per_t = 1.0 / along;
+        let (a, b) = ((low - origin) * per_t, (high - origin) * per_t);
+        let (first, last) = (a.min(b).max_element(), a.max(b).min_element());
+        first > last.min(reach) || last < 0.0
     }
 
     fn voxel_on(&self, origin: Vec3, along: Vec3, reach: f32) -> Option<(UVec3, IVec3, f32)> {
-        // Most rays that leave the sculpture pass the box around it.
-        let per_t = 1.0 / along;
-        let (a, b) = ((self.bounds.0 - origin) * per_t, (self.bounds.1 - origin) * per_t);
-        let (first, last) = (a.min(b).max_element(), a.max(b).min_element());
-        if first > last.min(reach) || last < 0.0 {
+        if self.passes_box(origin, along, reach) {
             return None;
         }
         let hit = cast(self.source.grid, origin, along)?;
@@ -203,14 +251,21 @@ impl<'a> Scene<'a> {
         let plane = low + face.max(IVec3::ZERO).as_vec3();
         let within = point.clamp(low + EDGE_VX, low + (1.0 - EDGE_VX));
         let point = Vec3::select(face.cmpeq(IVec3::ZERO), within, plane);
-        let ShadeSource { grid, material, normals } = self.source;
-        let (brick, local) = (grid.brick_index(voxel / BRICK_EDGE_VX), voxel % BRICK_EDGE_VX);
-        let albedo = linear_colour(material.rgb(brick, local_index(local.x, local.y, local.z)));
+        let ShadeSource { grid, normals, .. } = self.source;
+        let brick = grid.brick_index(voxel / BRICK_EDGE_VX);
         let face = face.as_vec3();
-        let smooth = normals.packed(brick, local).unpack();
+        let smooth = normals.packed(brick, voxel % BRICK_EDGE_VX).unpack();
         let normal = smooth.filter(|normal| normal.dot(face) >= OTHER_SIDE).unwrap_or(face);
         let start = self.clear_of_steps(point, face, normal);
-        Surface { start, normal: (self.world_from_normal * normal).normalize_or(self.up), albedo }
+        let normal = (self.world_from_normal * normal).normalize_or(self.up);
+        Surface { start, normal, albedo: self.albedo(voxel) }
+    }
+
+    /// The share of light that a voxel reflects.
+    pub fn albedo(&self, voxel: UVec3) -> Vec3 {
+        let ShadeSource { grid, material, .. } = self.source;
+        let (brick, local) = (grid.brick_index(voxel / BRICK_EDGE_VX), voxel % BRICK_EDGE_VX);
+        linear_colour(material.rgb(brick, local_index(local.x, local.y, local.z)))
     }
 
     fn clear_of_steps(&self, point: Vec3, face: Vec3, normal: Vec3) -> Vec3 {

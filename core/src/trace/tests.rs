@@ -9,14 +9,14 @@ use crate::sculpture::{ColourDepth, Grid, Material, Placement};
 use crate::shade::NormalField;
 use crate::view::Camera;
 
-struct Subject {
-    grid: Grid,
-    material: Material,
-    normals: NormalField,
-    shot: TraceShot,
+pub(super) struct Subject {
+    pub grid: Grid,
+    pub material: Material,
+    pub normals: NormalField,
+    pub shot: TraceShot,
 }
 
-fn subject(grid: Grid, colour: Rgb, size: UVec2) -> Subject {
+pub(super) fn subject(grid: Grid, colour: Rgb, size: UVec2) -> Subject {
     let material = Material::for_grid(&grid, ColourDepth::Bits24, colour);
     let normals = NormalField::of(&grid);
     let world_from_grid = Placement::default().world_from_grid(grid.dims(), grid.voxel_size());
@@ -27,24 +27,24 @@ fn subject(grid: Grid, colour: Rgb, size: UVec2) -> Subject {
 }
 
 impl Subject {
-    fn source(&self) -> ShadeSource<'_> {
+    pub fn source(&self) -> ShadeSource<'_> {
         ShadeSource { grid: &self.grid, material: &self.material, normals: &self.normals }
     }
 
-    fn trace(&self, options: &TraceOptions) -> Film {
-        trace(&self.source(), &self.shot, options, &()).unwrap()
+    pub fn trace(&self, options: &TraceOptions) -> Film {
+        trace((&self.source(), None), &self.shot, options, &()).unwrap()
     }
 }
 
-const WHITE: Rgb = Rgb::new(255, 255, 255);
-const SIZE: UVec2 = UVec2::new(80, 60);
+pub(super) const WHITE: Rgb = Rgb::new(255, 255, 255);
+pub(super) const SIZE: UVec2 = UVec2::new(80, 60);
 
-fn cheese() -> Grid {
+pub(super) fn cheese() -> Grid {
     scenes::cheese(64, 40, 3).unwrap()
 }
 
 /// Voxels that are three times as high as wide, in steps of all slopes.
-fn stretched_ball() -> Grid {
+pub(super) fn stretched_ball() -> Grid {
     let mut grid = Grid::new(UVec3::new(60, 24, 60), Vec3::new(1.0, 2.5, 1.0), 1 << 20).unwrap();
     grid.fill_bricks(|brick| {
         let mut voxels = crate::sculpture::Brick::EMPTY;
@@ -140,7 +140,7 @@ fn a_surface_in_the_open_is_as_bright_as_its_light_says() {
     let light = LightOptions::Outdoors { sun, sky: 1.0, area_light: None };
     let options = TraceOptions { samples: 64, light, ground: None, ..TraceOptions::default() };
     let film = subject.trace(&options);
-    let tracer = tracer(&subject.source(), &subject.shot, &options);
+    let tracer = tracer((&subject.source(), None), &subject.shot, &options);
     let expected = tracer.environment.open_irradiance(Vec3::Y) * FRAC_1_PI;
     for pixel in film.pixels() {
         let ratio = pixel.radiance / expected;
@@ -150,7 +150,8 @@ fn a_surface_in_the_open_is_as_bright_as_its_light_says() {
     let sun = Sun { strength: 2.0, ..sun };
     let light = LightOptions::Outdoors { sun, sky: 0.0, area_light: None };
     let options = TraceOptions { light, ..options };
-    let facing = self::tracer(&subject.source(), &subject.shot, &options).environment.sun.unwrap();
+    let facing = self::tracer((&subject.source(), None), &subject.shot, &options);
+    let facing = facing.environment.sun.unwrap();
     let expected = facing.irradiance * 50f32.to_radians().sin() * FRAC_1_PI;
     for pixel in subject.trace(&options).pixels() {
         let ratio = pixel.radiance / expected;
@@ -282,11 +283,11 @@ fn a_cancelled_picture_is_none_and_too_large_ones_are_refused() {
     let report = Report::default();
     report.cancel();
     let options = TraceOptions::default();
-    let cancelled = trace(&subject.source(), &subject.shot, &options, &report);
+    let cancelled = trace((&subject.source(), None), &subject.shot, &options, &report);
     assert_eq!(cancelled.unwrap_err(), TraceError::Cancelled);
     let mut shot = subject.shot;
     shot.eye.size = UVec2::new(16384, 16384);
-    let refused = trace(&subject.source(), &shot, &options, &()).unwrap_err();
+    let refused = trace((&subject.source(), None), &shot, &options, &()).unwrap_err();
     assert_eq!(refused, TraceError::TooLarge(16384, 16384));
     assert!(refused.to_string().contains("67108864"));
 }

@@ -18,7 +18,15 @@ const DESATURATION: f32 = 0.15;
 
 /// The picture for a screen, opaque; `exposure_ev` doubles the light with each unit.
 pub fn display_pixels(film: &Film, exposure_ev: f32) -> Pixels {
-    let gain = exposure_ev.exp2();
+    display_with_gain(film, exposure_ev.exp2())
+}
+
+/// [`display_pixels`] of a film that still has the sums of `samples` samples.
+pub fn preview_pixels(film: &Film, samples: u32, exposure_ev: f32) -> Pixels {
+    display_with_gain(film, exposure_ev.exp2() / samples.max(1) as f32)
+}
+
+fn display_with_gain(film: &Film, gain: f32) -> Pixels {
     let mut pixels = Pixels::new(film.size());
     pixels.rgba.par_iter_mut().zip(film.pixels().par_iter()).for_each(|(rgba, pixel)| {
         let [r, g, b] = neutral(pixel.radiance * gain).to_array().map(srgb);

@@ -11,6 +11,9 @@ const AFAR_DIAMETERS: f32 = 240.0;
 /// The same in voxels at most. A picture of single precision has rays that are off by some millionths of their length.
 const AFAR_VX: f32 = 240_000.0;
 
+/// Width of a picture over that of the points framed in it.
+pub const FRAME_MARGIN: f32 = 1.08;
+
 /// A perspective camera in world coordinates.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Camera {
@@ -75,7 +78,7 @@ impl Camera {
         let target = (low + high) * 0.5;
         let camera = Camera { fov_y_rad, ..Camera::framing(1.0, direction, up) };
         let turn = rh::view::look_at_affine3a(camera.eye, Vec3::ZERO, camera.up).matrix3;
-        let slope_y = (0.5 * fov_y_rad).tan() / 1.08;
+        let slope_y = (0.5 * fov_y_rad).tan() / FRAME_MARGIN;
         let slope_x = slope_y * aspect;
         // A point (x, y, z) as seen from the target is in the picture of an eye `distance` away
         // if |x| <= slope_x (distance - z), and so for y.

@@ -8,7 +8,7 @@ pub mod samples;
 pub mod stereo;
 pub mod stereo_layout;
 
-pub use camera::Camera;
+pub use camera::{Camera, FRAME_MARGIN};
 pub use eye::{Eye, PixelRays};
 pub use room::{Pose, Room, RoomView, Similarity};
 pub use samples::{MAX_SAMPLES, sample_offset_px};

@@ -15,6 +15,7 @@
 //! which bricks are computed, nor on threads.
 
 mod band;
+mod light_ray;
 mod ray;
 mod sample;
 #[cfg(test)]
@@ -31,6 +32,8 @@ use crate::sculpture::brick_set::BrickSet;
 use crate::sculpture::{Grid, GridError};
 use crate::view::PixelRays;
 
+pub use self::light_ray::BEYOND_VOXELS_VX;
+pub use self::ray::{CellCache, SurfaceHit};
 pub use self::sample::LevelSampler;
 
 /// The level of what is far outside; its negative is that of what is far inside.

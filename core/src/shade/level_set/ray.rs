@@ -28,6 +28,7 @@ const LEAST_SHARE: f32 = 1e-3;
 pub struct SurfaceHit {
     /// The existing voxel nearest to it, of those whose middles are the corners of its cell.
     pub voxel: UVec3,
+    /// Out of the surface; none where no corner of the cell has one.
     pub normal: PackedNormal,
     /// In lengths of the direction.
     pub t: f32,
@@ -59,9 +60,9 @@ struct Cell {
     has_normals: bool,
 }
 
-/// The cells that were looked into last: pixels next to each other look into the same.
+/// The cells that were looked into last: pixels next to each other look into the same. What it holds changes no result.
 #[derive(Clone)]
-pub(super) struct CellCache(Vec<Cell>);
+pub struct CellCache(Vec<Cell>);
 
 const CACHED_CELLS: usize = 1 << 9;
 
@@ -79,6 +80,23 @@ impl CellCache {
         let hash = (at.x as usize) ^ (at.y as usize) << 3 ^ (at.z as usize) << 6;
         let hash = hash ^ hash >> 9;
         &mut self.0[hash % CACHED_CELLS]
+    }
+
+    /// A cell with its levels.
+    #[inline(always)]
+    fn cell(&mut self, grid: &Grid, levels: &LevelSet, at: IVec3) -> &mut Cell {
+        let known = self.slot(at);
+        if known.at != at {
+            known.levels = levels.corners(grid, at);
+            (known.at, known.has_normals) = (at, false);
+        }
+        known
+    }
+
+    /// The levels of the corners of a cell.
+    #[inline(always)]
+    pub(super) fn levels(&mut self, grid: &Grid, levels: &LevelSet, at: IVec3) -> &[f32; 8] {
+        &self.cell(grid, levels, at).levels
     }
 }
 
@@ -107,11 +125,7 @@ impl Scene<'_> {
             let leaves = a.max(b);
             let to = leaves.min_element().max(from);
             if cells.get(cell) {
-                let known = cache.slot(cell);
-                if known.at != cell {
-                    known.levels = self.levels.corners(self.grid, cell);
-                    (known.at, known.has_normals) = (cell, false);
-                }
+                let known = cache.cell(self.grid, self.levels, cell);
                 let place = |t: f32| (origin + direction * t - low).clamp(Vec3::ZERO, Vec3::ONE);
                 let (begin, end) = (place(from), place(to));
                 if let Some(share) = first_root(&known.levels, begin, end) {
@@ -205,7 +219,7 @@ fn share(place: Vec3, corner: IVec3) -> f32 {
 }
 
 #[inline(always)]
-fn trilinear(corners: &[f32; 8], place: Vec3) -> f32 {
+pub(super) fn trilinear(corners: &[f32; 8], place: Vec3) -> f32 {
     let mix = |a: f32, b: f32, share: f32| a + (b - a) * share;
     let along_x: [f32; 4] =
         std::array::from_fn(|i| mix(corners[2 * i], corners[2 * i + 1], place.x));
