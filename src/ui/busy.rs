@@ -7,13 +7,14 @@ use super::top_bar::capital;
 use super::{UiContext, UiRequest, UiState};
 
 const WIDTH: f32 = 320.0;
+const WIDTH_WITH_PREVIEW: f32 = 420.0;
 
 pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let Some(busy) = state.dialogs.busy.as_ref().filter(|busy| busy.shown) else { return };
     // A texture belongs to one interface: that of the window.
     let preview = state.dialogs.preview.as_mut().filter(|_| !context.in_headset);
     let stop = Modal::new(Id::new("busy")).show(root.ctx(), |ui| {
-        ui.set_width(WIDTH);
+        ui.set_width(if preview.is_some() { WIDTH_WITH_PREVIEW } else { WIDTH });
         ui.heading(busy.what);
         ui.add_space(4.0);
         if let Some(preview) = preview {

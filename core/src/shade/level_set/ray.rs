@@ -169,12 +169,12 @@ impl Scene<'_> {
         let (mut named, mut most) = (0, -1.0);
         // Of the corners with normals: the voxels of the surface.
         let mut shares = [0.0; 8];
-        for i in 0..8 {
+        for (i, of_surface) in shares.iter_mut().enumerate() {
             let own = cell.normals[i];
             let known = if own == Vec3::ZERO { 0.0 } else { 1.0 };
             let share = share(place, corner(i)) + LEAST_SHARE;
             normal += own * share;
-            shares[i] = share * known;
+            *of_surface = share * known;
             if cell.levels[i] < 0.0 && share + known > most {
                 (named, most) = (i, share + known);
             }
