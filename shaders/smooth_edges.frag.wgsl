@@ -90,16 +90,19 @@ fn main(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     if !any(differ) {
         return own;
     }
+    // Of the two neighbours on each axis the one that differs more.
+    let leaps = abs(beside - here);
+    let over_x = vec2<i32>(select(-1, 1, leaps.x >= leaps.y), 0);
+    let over_y = vec2<i32>(0, select(-1, 1, leaps.z >= leaps.w));
     var share = 0.0;
-    var chosen = vec2<i32>(0);
-    for (var i = 0; i < 4; i++) {
-        let sign = select(1, -1, (i & 1) != 0);
-        let over = select(vec2<i32>(sign, 0), vec2<i32>(0, sign), i >= 2);
-        if differ[i] {
-            let found = share_of(at, over);
-            chosen = select(chosen, over, found > share);
-            share = max(share, found);
-        }
+    var chosen = over_x;
+    if differ.x || differ.y {
+        share = share_of(at, over_x);
+    }
+    if differ.z || differ.w {
+        let found = share_of(at, over_y);
+        chosen = select(chosen, over_y, found > share);
+        share = max(share, found);
     }
     if share <= 0.0 {
         return own;

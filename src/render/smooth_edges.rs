@@ -2,7 +2,8 @@
 //! sculpture, which is drawn to an image of its own, and tools and lines, which stay sharp.
 //!
 //! Edges are where the depth leaps by more than some voxels, so colours of the surface are not blurred. Works on the
-//! pictures of every render mode, and on each eye alone.
+//! pictures of every render mode, and on each eye alone. For GPUs: lavapipe runs the search for the ends of steps at
+//! every pixel, not only at edges, which takes some 60 ms for 640x480 pixels on two cores.
 
 use std::sync::Arc;
 

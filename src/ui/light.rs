@@ -11,6 +11,8 @@ use crate::render::light::{
 use crate::shade::{MAX_LIGHTS, Smoothing, ToneMapping};
 
 const WIDTH: f32 = 270.0;
+/// Least width of the names before sliders, so that the sliders of all groups are below each other.
+const NAME_WIDTH: f32 = 72.0;
 
 /// Where the lamps that are added stand: behind each other's backs.
 const PLACES: [[f32; 3]; MAX_LIGHTS] =
@@ -47,10 +49,11 @@ pub fn show(root: &Ui, state: &mut UiState) {
 pub fn surface(ui: &mut Ui, state: &mut UiState) {
     look::show(ui, state);
     ui.add_space(4.0);
+    let on_ground = state.view.ground;
     let light = &mut state.view.light;
     let finish = &mut state.view.finish;
     let software = state.view.mode.shading() == crate::render::Shading::Software;
-    Grid::new("surface").num_columns(2).show(ui, |ui| {
+    Grid::new("light").num_columns(2).min_col_width(NAME_WIDTH).show(ui, |ui| {
         percent(ui, "Ambient", &mut light.ambient, 1.0)
             .on_hover_text("Light from everywhere: the sky's from above, the ground's from below");
         ui.label("Sky, ground");
@@ -68,6 +71,31 @@ pub fn surface(ui: &mut Ui, state: &mut UiState) {
             .labelled_by(label.id)
             .on_hover_text("Brightness of the whole picture: each step doubles the light");
         ui.end_row();
+    });
+    let mut filmic = light.tone == ToneMapping::Filmic;
+    let tone = ui.checkbox(&mut filmic, "Filmic tone mapping").on_hover_text(
+        "Lifts dark tones and lets bright light fade into white; without it, bright light is cut off",
+    );
+    if tone.changed() {
+        light.tone = if filmic { ToneMapping::Filmic } else { ToneMapping::Off };
+    }
+    ui.checkbox(&mut finish.occlusion, "Ambient occlusion")
+        .on_hover_text("Darkens corners and crevices, which get less ambient light");
+    ui.checkbox(&mut light.shadow, "Shadows").on_hover_text(
+        "The first distant light throws shadows: sharp while something moves, soft in the refined picture",
+    );
+    if light.shadow || on_ground {
+        ui.horizontal(|ui| {
+            let label = ui.label("Size of the sun");
+            let slider =
+                Slider::new(&mut light.sun_deg, 0.0..=MAX_SUN_DEG).max_decimals(1).suffix("°");
+            ui.add(slider)
+                .labelled_by(label.id)
+                .on_hover_text("The larger, the softer the shadows, also that on the ground");
+        });
+    }
+    ui.add_space(4.0);
+    Grid::new("surface").num_columns(2).min_col_width(NAME_WIDTH).show(ui, |ui| {
         percent(ui, "Specular", &mut light.specular, 1.0)
             .on_hover_text("Strength of the highlights");
         let label = ui.label("Shininess");
@@ -78,11 +106,11 @@ pub fn surface(ui: &mut Ui, state: &mut UiState) {
         ui.end_row();
     });
     let filters = ui.add_enabled_ui(software, |ui| {
-        for (title, smoothing) in [
-            ("Smooth normals", &mut finish.smooth_normals),
-            ("Smooth colours", &mut finish.smooth_colours),
-        ] {
-            ui.horizontal(|ui| {
+        Grid::new("filters").num_columns(2).show(ui, |ui| {
+            for (title, smoothing) in [
+                ("Smooth normals", &mut finish.smooth_normals),
+                ("Smooth colours", &mut finish.smooth_colours),
+            ] {
                 let label = ui.label(title);
                 ComboBox::from_id_salt(title)
                     .width(96.0)
@@ -95,32 +123,11 @@ pub fn surface(ui: &mut Ui, state: &mut UiState) {
                     .response
                     .labelled_by(label.id)
                     .on_hover_text("Average over neighbouring pixels of the same surface");
-            });
-        }
+                ui.end_row();
+            }
+        });
     });
     filters.response.on_disabled_hover_text("Only available with the software shader");
-    let mut filmic = light.tone == ToneMapping::Filmic;
-    let tone = ui.checkbox(&mut filmic, "Filmic tone mapping").on_hover_text(
-        "Lifts dark tones and lets bright light fade into white; without it, bright light is cut off",
-    );
-    if tone.changed() {
-        light.tone = if filmic { ToneMapping::Filmic } else { ToneMapping::Off };
-    }
-    ui.checkbox(&mut light.shadow, "Shadows").on_hover_text(
-        "The first distant light throws shadows: sharp while something moves, soft in the refined picture",
-    );
-    if light.shadow {
-        ui.horizontal(|ui| {
-            let label = ui.label("Size of the sun");
-            let slider =
-                Slider::new(&mut light.sun_deg, 0.0..=MAX_SUN_DEG).max_decimals(1).suffix("°");
-            ui.add(slider)
-                .labelled_by(label.id)
-                .on_hover_text("The larger, the softer the shadows");
-        });
-    }
-    ui.checkbox(&mut finish.occlusion, "Ambient occlusion")
-        .on_hover_text("Darkens corners and crevices, which get less ambient light");
 }
 
 fn name(smoothing: Smoothing) -> &'static str {
@@ -136,20 +143,25 @@ fn lamps(ui: &mut Ui, state: &mut UiState) {
     let (mut removed, mut reset) = (None, false);
     ui.horizontal(|ui| {
         let add = ui.add_enabled(lamps.len() < MAX_LIGHTS, Button::new("Add light"));
+        let add = add.on_hover_text("One more lamp, behind the others' backs");
         if add.on_disabled_hover_text("There can be at most four lights").clicked() {
             let place = PLACES[lamps.len()];
             *chosen = lamps.len();
             lamps.push(Lamp { place, intensity: 0.5, ..Lamp::default() });
         }
-        reset = ui.button("Reset lights").clicked();
+        let all = ui.button("Reset lights");
+        reset =
+            all.on_hover_text("Lamps, look and everything below as at the first start").clicked();
     });
     for (i, lamp) in lamps.iter_mut().enumerate() {
         ui.push_id(i, |ui| {
             ui.horizontal(|ui| {
-                ui.checkbox(&mut lamp.on, RichText::new(format!("Light {}", i + 1)).strong());
-                ui.color_edit_button_srgb(&mut lamp.colour.0);
-                ui.selectable_value(chosen, i, "Edit");
-                if ui.button("Remove").clicked() {
+                ui.checkbox(&mut lamp.on, RichText::new(format!("Light {}", i + 1)).strong())
+                    .on_hover_text("This lamp on or off");
+                ui.color_edit_button_srgb(&mut lamp.colour.0).on_hover_text("Colour of its light");
+                ui.selectable_value(chosen, i, "Edit")
+                    .on_hover_text("Shows below where it stands and how bright it is");
+                if ui.button("Remove").on_hover_text("Takes this lamp away").clicked() {
                     removed = Some(i);
                 }
             });
@@ -174,8 +186,10 @@ fn lamps(ui: &mut Ui, state: &mut UiState) {
 fn one(ui: &mut Ui, lamp: &mut Lamp) {
     ui.horizontal(|ui| {
         let before = lamp.kind;
-        ui.radio_value(&mut lamp.kind, LampKind::Direction, "Distant");
-        ui.radio_value(&mut lamp.kind, LampKind::Position, "Point");
+        ui.radio_value(&mut lamp.kind, LampKind::Direction, "Distant")
+            .on_hover_text("As far as the sun: its light comes from one direction");
+        ui.radio_value(&mut lamp.kind, LampKind::Position, "Point")
+            .on_hover_text("Near the sculpture: its light comes from one place");
         if lamp.kind != before {
             // Where it can be seen to be: about as far as the sculpture is large, or back.
             let towards = Vec3::from(lamp.place).normalize_or(Vec3::Z);
@@ -185,10 +199,12 @@ fn one(ui: &mut Ui, lamp: &mut Lamp) {
     });
     ui.horizontal(|ui| {
         ui.label("Fixed to");
-        ui.radio_value(&mut lamp.frame, LampFrame::Eye, "viewer");
-        ui.radio_value(&mut lamp.frame, LampFrame::World, "world");
+        ui.radio_value(&mut lamp.frame, LampFrame::Eye, "viewer")
+            .on_hover_text("The lamp goes with the eye, as a headlamp");
+        ui.radio_value(&mut lamp.frame, LampFrame::World, "world")
+            .on_hover_text("The lamp stays where it is when the eye moves");
     });
-    Grid::new("place").num_columns(2).show(ui, |ui| {
+    Grid::new("place").num_columns(2).min_col_width(NAME_WIDTH).show(ui, |ui| {
         match lamp.kind {
             LampKind::Direction => direction(ui, &mut lamp.place),
             LampKind::Position => {
@@ -196,13 +212,15 @@ fn one(ui: &mut Ui, lamp: &mut Lamp) {
                 ui.horizontal(|ui| {
                     for (value, axis) in lamp.place.iter_mut().zip(["x ", "y ", "z "]) {
                         let range = -1e5..=1e5;
-                        ui.add(DragValue::new(value).prefix(axis).range(range).speed(1.0));
+                        ui.add(DragValue::new(value).prefix(axis).range(range).speed(1.0))
+                            .on_hover_text("In voxel edges from the middle of the world");
                     }
                 });
                 ui.end_row();
             }
         }
-        percent(ui, "Brightness", &mut lamp.intensity, MAX_INTENSITY);
+        percent(ui, "Brightness", &mut lamp.intensity, MAX_INTENSITY)
+            .on_hover_text("Strength of this lamp");
     });
 }
 
@@ -213,14 +231,14 @@ fn direction(ui: &mut Ui, place: &mut [f32; 3]) {
     let mut side_deg = direction.x.atan2(direction.z).to_degrees().clamp(-180.0, 180.0);
     let mut height_deg = direction.y.clamp(-1.0, 1.0).asin().to_degrees().clamp(-89.0, 89.0);
     let mut moved = false;
-    let mut row = |label: &str, value: &mut f32, range| {
+    let mut row = |label: &str, meaning: &str, value: &mut f32, range| {
         let label = ui.label(label);
         let slider = Slider::new(value, range).custom_formatter(whole).suffix("°");
-        moved |= ui.add(slider).labelled_by(label.id).changed();
+        moved |= ui.add(slider).labelled_by(label.id).on_hover_text(meaning).changed();
         ui.end_row();
     };
-    row("Azimuth", &mut side_deg, -180.0..=180.0);
-    row("Elevation", &mut height_deg, -89.0..=89.0);
+    row("Azimuth", "To the right of straight ahead", &mut side_deg, -180.0..=180.0);
+    row("Elevation", "Above the horizon", &mut height_deg, -89.0..=89.0);
     if moved {
         let (side, height) = (side_deg.to_radians(), height_deg.to_radians());
         let across = height.cos();

@@ -18,7 +18,8 @@ use crate::shade::{Lighting, Look};
 const PICTURE: f32 = 32.0;
 const PICTURE_PX: u32 = 64;
 const COLUMNS: usize = 2;
-const BUTTON_WIDTH: f32 = 108.0;
+/// Of the longest name, so that the columns are even.
+const BUTTON_WIDTH: f32 = 127.0;
 
 /// Buttons for all looks, and for the picture of the matcap while that is the look.
 pub fn show(ui: &mut Ui, state: &mut UiState) {

@@ -120,7 +120,7 @@ impl ViewState {
     /// What has lines below the sculpture, if anything has.
     pub fn has_lines(&self) -> Option<&'static str> {
         match (self.ground, self.floor) {
-            (true, _) => Some("Ground"),
+            (true, _) => Some("Ground lines"),
             (false, true) => Some("Floor grid"),
             (false, false) => None,
         }

@@ -223,8 +223,8 @@ fn shadows_of_a_resting_picture_become_soft() {
         let mut document = sculpture();
         let eyes = &eyes()[..1];
         let light = |sun_deg| {
-            let mut lighting = Lighting::default();
-            lighting.shadow = Some(Shadow { sun_deg, sample: 0 });
+            let shadow = Some(Shadow { sun_deg, sample: 0 });
+            let lighting = Lighting { shadow, ..Lighting::default() };
             let (up, colour) = (Vec3::Y, Rgb::new(200, 200, 200));
             (lighting, Some(Ground { up, colour, shadow_only: false, sun_deg, sample: 0 }))
         };

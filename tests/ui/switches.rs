@@ -268,11 +268,11 @@ fn the_ground_has_lines_of_the_same_scale() {
     let mut harness = bench();
     key(&mut harness, Modifiers::CTRL | Modifiers::ALT, Key::G);
     harness.run();
-    assert!(harness.state().ui.view.ground && has(&harness, "Ground: 5 voxels"));
+    assert!(harness.state().ui.view.ground && has(&harness, "Ground lines: 5 voxels"));
     // One says it for both.
     key(&mut harness, Modifiers::SHIFT, Key::G);
     harness.run();
-    assert!(has(&harness, "Ground: 5 voxels") && !has(&harness, "Floor grid: 5 voxels"));
+    assert!(has(&harness, "Ground lines: 5 voxels") && !has(&harness, "Floor grid: 5 voxels"));
     click(&mut harness, "View");
     click(&mut harness, "Ground");
     assert!(!harness.state().ui.view.ground && has(&harness, "Floor grid: 5 voxels"));

@@ -9,6 +9,7 @@ mod failures;
 mod head;
 mod house;
 mod keys;
+mod light;
 mod memory;
 mod panels;
 mod pictures;
