@@ -73,7 +73,8 @@ impl Levels {
         levels: &LevelSet,
     ) -> Result<()> {
         let Levels { pages, table, cells, outdated, written, cell_bricks } = self;
-        (written.clear(), cell_bricks.clear());
+        written.clear();
+        cell_bricks.clear();
         for &brick in outdated.iter() {
             let entry = entry(grid, levels, brick);
             table[brick as usize] = entry;
