@@ -46,6 +46,10 @@ pub struct Intrinsics {
 
 /// Largest number of Newton steps; four are enough for typical lenses.
 const MAX_STEPS: usize = 30;
+/// How often one of them is halved.
+const MAX_HALVINGS: usize = 20;
+/// Of the derivative of the distortion: below, the picture is taken to fold.
+const LEAST_DETERMINANT: f64 = 1e-3;
 /// Tolerance of an inverted position, in pixels.
 const TOLERANCE_PX: f64 = 1e-6;
 
@@ -124,20 +128,30 @@ impl Intrinsics {
         Some(ray)
     }
 
-    /// Newton's method for `distort(ray) = aim`.
+    /// Newton's method for `distort(ray) = aim`. Where the distortion hardly grows, a whole step may lead far beyond the
+    /// solution and over a fold: steps are halved until they lead nearer to it on this side.
     fn invert(&self, aim: DVec2, start: DVec2, tolerance: f64) -> Option<DVec2> {
-        let mut ray = start;
-        for _ in 0..MAX_STEPS {
+        // The error at a ray and the derivative there; none beyond a fold.
+        let at = |ray: DVec2| {
             let (distorted, change) = self.distort(ray);
-            let determinant = change.determinant();
-            if determinant.is_nan() || determinant <= 1e-3 {
-                return None;
-            }
-            let error = distorted - aim;
+            (change.determinant() > LEAST_DETERMINANT).then_some((distorted - aim, change))
+        };
+        let mut ray = start;
+        let (mut error, mut change) = at(ray)?;
+        for _ in 0..MAX_STEPS {
             if error.length() <= tolerance {
                 return Some(ray);
             }
-            ray -= change.inverse() * error;
+            let mut step = change.inverse() * error;
+            let mut halvings = 0..MAX_HALVINGS;
+            (error, change) = loop {
+                match at(ray - step) {
+                    Some(next) if next.0.length() < error.length() => break next,
+                    _ => halvings.next()?,
+                };
+                step *= 0.5;
+            };
+            ray -= step;
         }
         None
     }

@@ -101,6 +101,22 @@ fn bad_lenses_are_refused() {
     assert!(Intrinsics::parse("").is_err());
 }
 
+/// Half way to the corner the distortion hardly grows, but it does not fold.
+#[test]
+fn a_lens_that_nearly_folds_is_accepted() {
+    let lens = Intrinsics {
+        k1: -0.246_795_487,
+        k2: 0.034_515_794,
+        k3: -0.001_490_531,
+        ..Intrinsics::pinhole(800, 600, 1.147_862_105)
+    };
+    lens.check().unwrap();
+    for corner in [DVec2::ZERO, DVec2::new(799.0, 599.0)] {
+        let ray = lens.ray_from_pixel(corner).unwrap();
+        assert!(lens.pixel_from_ray(ray).distance(corner) < 1e-4);
+    }
+}
+
 proptest! {
     #[test]
     fn ray_and_pixel_are_inverses(
