@@ -216,6 +216,7 @@ impl LevelSet {
     fn corners(&self, grid: &Grid, cell: IVec3) -> [f32; 8] {
         let low = cell - 1;
         let local = low & 7;
+        let mut levels = [0.0; 8];
         let inside = low.cmpge(IVec3::ZERO).all() && cell.cmplt(grid.dims().as_ivec3()).all();
         if inside && local.max_element() < 7 {
             let index = grid.brick_index(low.as_uvec3() / BRICK_EDGE_VX);
@@ -224,13 +225,17 @@ impl LevelSet {
                 page => {
                     let page = &self.pages[page as usize];
                     let first = place(local.x as u32, local.y as u32, local.z as u32);
-                    std::array::from_fn(|i| {
-                        page[first + (i & 1) + 8 * (i >> 1 & 1) + 64 * (i >> 2)].into()
-                    })
+                    for (i, level) in levels.iter_mut().enumerate() {
+                        *level = page[first + (i & 1) + 8 * (i >> 1 & 1) + 64 * (i >> 2)].into();
+                    }
+                    levels
                 }
             };
         }
-        std::array::from_fn(|i| self.level(grid, low + corner(i)).into())
+        for (i, level) in levels.iter_mut().enumerate() {
+            *level = self.level(grid, low + corner(i)).into();
+        }
+        levels
     }
 
     /// The page of each brick, by linear index; [`NO_PAGE`] where all voxels are far inside (a full brick) or outside.

@@ -221,10 +221,11 @@ fn share(place: Vec3, corner: IVec3) -> f32 {
 #[inline(always)]
 pub(super) fn trilinear(corners: &[f32; 8], place: Vec3) -> f32 {
     let mix = |a: f32, b: f32, share: f32| a + (b - a) * share;
-    let along_x: [f32; 4] =
-        std::array::from_fn(|i| mix(corners[2 * i], corners[2 * i + 1], place.x));
-    let along_y = [mix(along_x[0], along_x[1], place.y), mix(along_x[2], along_x[3], place.y)];
-    mix(along_y[0], along_y[1], place.z)
+    let [c0, c1, c2, c3, c4, c5, c6, c7] = *corners;
+    let (x, y) = (place.x, place.y);
+    let low = mix(mix(c0, c1, x), mix(c2, c3, x), y);
+    let high = mix(mix(c4, c5, x), mix(c6, c7, x), y);
+    mix(low, high, place.z)
 }
 
 /// Where on the way from `begin` to `end` in a cell, as a share of it, the field is 0 or less for the first time.

@@ -40,11 +40,14 @@ impl<'a> Walk<'a> {
         if (0..3).any(missed) {
             return None;
         }
-        let cell = IVec3::from(std::array::from_fn(|axis| {
+        // Loops instead of `array::from_fn`, which is not inlined.
+        let mut cell = IVec3::ZERO;
+        for axis in 0..3 {
             let first = ray.cell_after(axis, ray.near_plane(axis, 0, dims[axis]));
             let last = dims[axis] - 1 - first;
-            if event.axis == axis { first } else { ray.cell_at(axis, event, first, last) }
-        }));
+            let between = event.axis != axis;
+            cell[axis] = if between { ray.cell_at(axis, event, first, last) } else { first };
+        }
         Some(Walk { grid, ray, dims, cell, event })
     }
 
@@ -131,7 +134,10 @@ impl<'a> Walk<'a> {
         let ray = &self.ray;
         let size = 1 << level;
         let low = self.cell & -size;
-        let far: [i32; 3] = std::array::from_fn(|axis| ray.far_plane(axis, low[axis], size));
+        let mut far = [0; 3];
+        for (axis, far) in far.iter_mut().enumerate() {
+            *far = ray.far_plane(axis, low[axis], size);
+        }
         let mut event = ray.crossing(0, far[0]);
         for axis in [1, 2] {
             let other = ray.crossing(axis, far[axis]);
@@ -139,16 +145,15 @@ impl<'a> Walk<'a> {
                 event = other;
             }
         }
-        let cell = std::array::from_fn(|axis| {
+        let mut cell = self.cell;
+        for axis in 0..3 {
             let next = ray.cell_after(axis, far[axis]);
             if axis == event.axis {
-                next
-            } else if level == VOXEL {
-                self.cell[axis]
-            } else {
-                ray.cell_at(axis, event, self.cell[axis], next - ray.step[axis])
+                cell[axis] = next;
+            } else if level != VOXEL {
+                cell[axis] = ray.cell_at(axis, event, cell[axis], next - ray.step[axis]);
             }
-        });
-        (event, IVec3::from(cell))
+        }
+        (event, cell)
     }
 }
