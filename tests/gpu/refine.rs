@@ -9,7 +9,7 @@ use virtual_sculpture::document::{Document, Limits};
 use virtual_sculpture::gpu::{Device, Frames};
 use virtual_sculpture::render::overlay::{Line, ToolPreview};
 use virtual_sculpture::render::{
-    Background, FrameDesc, FrameReport, RenderMode, Renderer, SmoothSurface,
+    Background, FrameDesc, FrameReport, RenderMode, Renderer, SmoothSurface, Volume,
 };
 use virtual_sculpture::scenes;
 use virtual_sculpture::screen::offscreen::FORMAT;
@@ -296,7 +296,11 @@ fn a_grid_too_large_for_the_smooth_surface_shows_its_voxels() {
         let mut document = Document::from_contents(Contents { grid, material }, Limits::default());
         let near = [Camera::framing(8.0, Vec3::new(0.3, 0.5, 1.0), Vec3::Y).eye(SIZE)];
         let at = Affine3A::from_translation(Vec3::splat(-4.0));
-        for mode in [RenderMode::Ray, RenderMode::MarchGpu] {
+        // Some devices have no images of this length, so that all modes cast rays.
+        let fits = Volume::new(device, document.grid()).is_ok();
+        let modes: &[RenderMode] =
+            if fits { &[RenderMode::Ray, RenderMode::MarchGpu] } else { &[RenderMode::Ray] };
+        for &mode in modes {
             let voxels = FrameDesc { world_from_grid: at, ..desc(mode, &near) };
             let expected = mean(device, FORMAT, &mut document, &voxels);
             let at_rest = FrameDesc { smooth_surface: SmoothSurface::AtRest, ..voxels };
