@@ -192,6 +192,23 @@ fn voxel_key(v: UVec3) -> u64 {
     u64::from(v.x) | u64::from(v.y) << 20 | u64::from(v.z) << 40
 }
 
+/// A cube of `edge_vx` voxels an edge, of which those exist whose middles are `inside`. For tests.
+#[cfg(test)]
+pub(crate) fn grid_of(edge_vx: u32, mut inside: impl FnMut(Vec3) -> bool) -> Grid {
+    let mut grid = Grid::new(UVec3::splat(edge_vx), Vec3::ONE, 1 << 24).unwrap();
+    for z in 0..edge_vx {
+        for y in 0..edge_vx {
+            for x in 0..edge_vx {
+                let v = UVec3::new(x, y, z);
+                if inside(v.as_vec3() + 0.5) {
+                    grid.set(v.as_ivec3(), true);
+                }
+            }
+        }
+    }
+    grid
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,10 +1,10 @@
 //! Light on the smooth surface: energy, walls that let none through, no shadows of the surface's own waves.
 
-use glam::{Quat, UVec2, UVec3, Vec3};
+use glam::{Quat, UVec2, Vec3};
 
 use super::tests::{SIZE, Subject, WHITE, cheese, stretched_ball, subject};
 use super::*;
-use crate::scenes;
+use crate::scenes::{self, grid_of};
 use crate::sculpture::Grid;
 use crate::view::Camera;
 
@@ -17,21 +17,6 @@ fn smooth(subject: &Subject) -> LevelSet {
 fn traced(subject: &Subject, options: &TraceOptions) -> Film {
     let levels = smooth(subject);
     trace((&subject.source(), Some(&levels)), &subject.shot, options, &()).unwrap()
-}
-
-fn grid_of(edge_vx: u32, inside: impl Fn(Vec3) -> bool) -> Grid {
-    let mut grid = Grid::new(UVec3::splat(edge_vx), Vec3::ONE, 1 << 24).unwrap();
-    for z in 0..edge_vx {
-        for y in 0..edge_vx {
-            for x in 0..edge_vx {
-                let v = UVec3::new(x, y, z);
-                if inside(v.as_vec3() + 0.5) {
-                    grid.set(v.as_ivec3(), true);
-                }
-            }
-        }
-    }
-    grid
 }
 
 /// A hollow box, turned, whose walls are two voxels thick.

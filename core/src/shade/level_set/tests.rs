@@ -1,27 +1,12 @@
-use glam::{IVec3, Quat, UVec2, UVec3, Vec3};
+use glam::{IVec3, Quat, UVec2, Vec3};
 use proptest::prelude::*;
 
 use super::ray::{Naming, first_root};
 use super::*;
-use crate::scenes;
+use crate::scenes::{self, grid_of};
 use crate::sculpture::{NO_VOXEL, Placement};
 use crate::surface::{IndexMap, PixelRect};
 use crate::view::{Camera, PixelRays};
-
-fn grid_of(edge_vx: u32, mut inside: impl FnMut(Vec3) -> bool) -> Grid {
-    let mut grid = Grid::new(UVec3::splat(edge_vx), Vec3::ONE, 1 << 24).unwrap();
-    for z in 0..edge_vx {
-        for y in 0..edge_vx {
-            for x in 0..edge_vx {
-                let v = UVec3::new(x, y, z);
-                if inside(v.as_vec3() + 0.5) {
-                    grid.set(v.as_ivec3(), true);
-                }
-            }
-        }
-    }
-    grid
-}
 
 fn smooth(grid: &Grid) -> (NormalField, LevelSet) {
     let normals = NormalField::of(grid);
