@@ -241,8 +241,8 @@ fn faces_in_the_surface_show_in_every_mode_and_on_large_sculptures() {
             let half = 0.5 * (high - low) as f32;
             let boxes = markers(low, high)[1];
             let mut document = document(edge, boxes.0);
+            let mut painter = painter(device);
             for mode in RenderMode::ALL {
-                let mut painter = painter(device);
                 for (seed, (distance, near, fov)) in (10..).zip([VIEWS[0], VIEWS[1], VIEWS[4]]) {
                     let eyes = eyes(boxes.0, distance * half, near * half, fov, seed);
                     for eye in eyes.iter().step_by(5) {

@@ -96,7 +96,12 @@ fn eyes(document: &Document, world: &Affine3A) -> [[Eye; 2]; 3] {
 }
 
 /// The picture of the ray caster and the software shader, over red.
-fn expected(document: &Document, eye: &Eye, world: &Affine3A, lighting: &Lighting) -> Pixels {
+fn expected(
+    (document, normals): (&Document, &NormalField),
+    eye: &Eye,
+    world: &Affine3A,
+    lighting: &Lighting,
+) -> Pixels {
     let rays = eye.pixel_rays(world);
     let mut map = IndexMap::new(rays);
     raycast::sample(document.grid(), &rays, &mut map);
@@ -104,7 +109,7 @@ fn expected(document: &Document, eye: &Eye, world: &Affine3A, lighting: &Lightin
     let pose = ShadePose { eye_from_world: eye.eye_from_world, world_from_grid: *world };
     let mut pixels = Pixels::default();
     let (grid, material) = (document.grid(), document.material());
-    let source = ShadeSource { grid, material, normals: &NormalField::of(grid) };
+    let source = ShadeSource { grid, material, normals };
     SoftwareShader::default().shade(&map, &source, &pose, lighting, &mut pixels);
     for pixel in pixels.rgba.iter_mut().filter(|pixel| pixel[3] == 0) {
         *pixel = [255, 0, 0, 255];
@@ -156,34 +161,36 @@ fn compare_all(device: &Arc<Device>, document: &mut Document, lighting: Lighting
         scale,
     };
     let world = placement.world_from_grid(document.grid().dims(), document.grid().voxel_size());
-    let modes = RenderMode::ALL.into_iter().filter(on_device);
-    let pairs = eyes(document, &world);
-    for (mode, eyes) in modes.flat_map(|mode| pairs.map(|eyes| (mode, eyes))) {
-        let desc = FrameDesc {
-            eyes: &eyes,
-            world_from_grid: world,
-            smooth_surface: SmoothSurface::Never,
-            sample: 0,
-            mode,
-            lighting,
-            background: Background::Gradient { top: RED, bottom: RED },
-            ground: None,
-            smooth_edges: false,
-            video: None,
-            previews: &[],
-            lines: &[],
-        };
-        let one_colour = Document::from_contents(
-            Contents { grid: document.grid().clone(), material: plain(document) },
-            Limits::default(),
-        );
-        let pictures = painted(&mut frames, &mut renderer, document, &desc);
-        for (i, (picture, eye)) in pictures.iter().zip(&eyes).enumerate() {
-            let twin = if mode == RenderMode::Gpu { &one_colour } else { &*document };
-            let expected = expected(twin, eye, &world, &lighting);
-            let what = format!("{mode:?}, eye {i}");
-            let share = share_off(&what, picture, &expected, 1);
-            assert!(share <= 1e-3, "{what}: {share} of the pixels are off");
+    let one_colour = Document::from_contents(
+        Contents { grid: document.grid().clone(), material: plain(document) },
+        Limits::default(),
+    );
+    let normals = NormalField::of(document.grid());
+    for eyes in eyes(document, &world) {
+        let [in_colour, in_one] = [&*document, &one_colour]
+            .map(|of| eyes.map(|eye| expected((of, &normals), &eye, &world, &lighting)));
+        for mode in RenderMode::ALL.into_iter().filter(on_device) {
+            let desc = FrameDesc {
+                eyes: &eyes,
+                world_from_grid: world,
+                smooth_surface: SmoothSurface::Never,
+                sample: 0,
+                mode,
+                lighting,
+                background: Background::Gradient { top: RED, bottom: RED },
+                ground: None,
+                smooth_edges: false,
+                video: None,
+                previews: &[],
+                lines: &[],
+            };
+            let pictures = painted(&mut frames, &mut renderer, document, &desc);
+            let expected = if mode == RenderMode::Gpu { &in_one } else { &in_colour };
+            for (i, (picture, expected)) in pictures.iter().zip(expected).enumerate() {
+                let what = format!("{mode:?}, eye {i}");
+                let share = share_off(&what, picture, expected, 1);
+                assert!(share <= 1e-3, "{what}: {share} of the pixels are off");
+            }
         }
     }
 }
@@ -250,7 +257,8 @@ fn bits_and_colours_follow_edits_undo_and_other_sculptures_in_every_mode() {
                     lines: &[],
                 };
                 let picture = painted(&mut frames, &mut renderer, &mut document, &desc);
-                let expected = expected(&document, &eye, &world, &desc.lighting);
+                let normals = NormalField::of(document.grid());
+                let expected = expected((&document, &normals), &eye, &world, &desc.lighting);
                 let share =
                     share_off(&format!("{mode:?} after {command}"), &picture[0], &expected, 1);
                 assert!(share <= 1e-3, "{mode:?} after {command}: {share}");

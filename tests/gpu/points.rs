@@ -72,8 +72,13 @@ impl Screen {
     }
 }
 
-/// The picture of the ray caster and the software shader.
-fn cast(document: &Document, eye: &Eye, world_from_grid: &Affine3A) -> (Pixels, IndexMap) {
+/// The picture of the ray caster and the software shader. `normals` are those of the document's grid.
+fn cast(
+    document: &Document,
+    normals: &NormalField,
+    eye: &Eye,
+    world_from_grid: &Affine3A,
+) -> (Pixels, IndexMap) {
     let rays = eye.pixel_rays(world_from_grid);
     let mut map = IndexMap::new(rays);
     raycast::sample(document.grid(), &rays, &mut map);
@@ -81,7 +86,7 @@ fn cast(document: &Document, eye: &Eye, world_from_grid: &Affine3A) -> (Pixels, 
     let (grid, material) = (document.grid(), document.material());
     let mut pixels = Pixels::default();
     let lighting = Lighting::default();
-    let source = ShadeSource { grid, material, normals: &NormalField::of(grid) };
+    let source = ShadeSource { grid, material, normals };
     SoftwareShader::default().shade(&map, &source, &pose, &lighting, &mut pixels);
     for pixel in pixels.rgba.iter_mut().filter(|pixel| pixel[3] == 0) {
         *pixel = BEHIND_RGBA;
@@ -110,6 +115,7 @@ fn mean_colour(picture: &Pixels) -> [f64; 3] {
 fn near_by_points_leave_no_gaps() {
     with_device(|device| {
         let mut document = document(scenes::cheese(96, 60, 8).unwrap());
+        let normals = NormalField::of(document.grid());
         let mut screen = Screen::new(device);
         let size = UVec2::new(320, 240);
         let placement = Placement {
@@ -132,7 +138,7 @@ fn near_by_points_leave_no_gaps() {
                     let target = surface + Vec3::new(0.2, 0.1, -0.1) * scale;
                     let near = 0.01 * scale;
                     let eye = Camera { eye, target, fov_y_rad: 1.0, near, ..usual }.eye(size);
-                    let (_, seen) = cast(&document, &eye, &world);
+                    let (_, seen) = cast(&document, &normals, &eye, &world);
                     let voxels: BTreeSet<u32> =
                         seen.voxels.iter().copied().filter(|&v| v != NO_VOXEL).collect();
                     let of_a_voxel = seen.covered() / voxels.len().max(1);
@@ -158,6 +164,7 @@ fn largest_change(values: &[f64]) -> f64 {
 fn far_away_points_are_all_drawn_and_do_not_shimmer() {
     with_device(|device| {
         let mut document = document(scenes::cheese(96, 60, 8).unwrap());
+        let normals = NormalField::of(document.grid());
         let mut screen = Screen::new(device);
         let world = Placement::default().world_from_grid(document.grid().dims(), Vec3::ONE);
         let views = [
@@ -188,7 +195,7 @@ fn far_away_points_are_all_drawn_and_do_not_shimmer() {
                 let eye =
                     Camera { eye: camera.eye + aside, target: camera.target + aside, ..camera };
                 let eye = eye.eye(size);
-                let (expected, seen) = cast(&document, &eye, &world);
+                let (expected, seen) = cast(&document, &normals, &eye, &world);
                 let (picture, map) = screen.points(&mut document, eye, &world, mode);
                 let what = format!("{mode:?}, {size} pixels, voxels of {voxel_px}, step {step}");
                 assert!(seen.covered() > 15, "{what}: {} pixels", seen.covered());
