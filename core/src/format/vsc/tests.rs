@@ -1,3 +1,5 @@
+use std::sync::LazyLock;
+
 use super::*;
 use crate::scenes::{self, Random};
 use crate::sculpture::brick::{Brick, BrickKind};
@@ -124,8 +126,10 @@ proptest! {
         early: bool,
         signed: bool,
     ) {
-        let original = write(&sculpture([40, 30, 20], ColourDepth::Bits16, 4), &texts(), &()).unwrap();
-        let mut file = original.clone();
+        static ORIGINAL: LazyLock<Vec<u8>> = LazyLock::new(|| {
+            write(&sculpture([40, 30, 20], ColourDepth::Bits16, 4), &texts(), &()).unwrap()
+        });
+        let mut file = ORIGINAL.clone();
         for (at, value) in changes {
             let len = if early { 120.min(file.len()) } else { file.len() };
             file[at.index(len)] = value;
@@ -137,7 +141,7 @@ proptest! {
         match read(&file, &limits, &()) {
             Err(error) => prop_assert!(error.to_string().len() < 300),
             Ok((Contents { grid, material }, _)) => {
-                prop_assert!(signed || file == original);
+                prop_assert!(signed || file == *ORIGINAL);
                 for index in 0..grid.brick_count() {
                     let brick = grid.brick_at(index);
                     prop_assert_eq!(grid.brick_kind(index), BrickKind::of_count(brick.count()));
