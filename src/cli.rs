@@ -97,8 +97,8 @@ pub enum Job {
         /// Sculpture or volume to start from
         #[arg(long = "in", value_name = "FILE")]
         input: Option<PathBuf>,
-        /// Where to save the result (.vsc, .pvm, .raw)
-        #[arg(long = "out", value_name = "FILE", value_parser = named(&format::ENDINGS))]
+        /// Where to save the result (.vsc, .pvm, .raw, .vox, .qb)
+        #[arg(long = "out", value_name = "FILE", value_parser = named(&format::WRITE_ENDINGS))]
         output: Option<PathBuf>,
         /// Also render the result to this picture (.png, .jpg)
         #[arg(long, value_name = "PICTURE", value_parser = named(&picture::ENDINGS))]
@@ -111,8 +111,8 @@ pub enum Job {
     /// Convert a file to another format
     Convert {
         input: PathBuf,
-        /// The file to write (.vsc, .pvm, .raw)
-        #[arg(value_parser = named(&format::ENDINGS))]
+        /// The file to write (.vsc, .pvm, .raw, .vox, .qb)
+        #[arg(value_parser = named(&format::WRITE_ENDINGS))]
         output: PathBuf,
         /// How voxels are written: auto, densities, rgba or packed
         #[arg(long, default_value_t, value_name = "FORM")]

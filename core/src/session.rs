@@ -99,6 +99,8 @@ pub struct Session {
     journal: Option<Journal>,
     /// Why the journal has ended.
     journal_error: Option<SessionError>,
+    /// What reading the last file left out, for the person to know.
+    notes: Vec<String>,
 }
 
 impl Session {
@@ -114,19 +116,28 @@ impl Session {
         limits: Limits,
         progress: &dyn Progress,
     ) -> Result<Session, SessionError> {
-        let Loaded { contents, texts, assumed_up, .. } = load(path, import, &limits, progress)?;
+        let Loaded { contents, texts, assumed_up, notes, .. } =
+            load(path, import, &limits, progress)?;
         let document = Document::from_contents(contents, limits);
         let beginning = Command::Open { path: path.to_path_buf(), import: *import };
         let mut session = Session::with_document(document, beginning);
         let state = session.document.state();
         session.files.opened(state, path.to_path_buf(), texts, assumed_up);
+        session.notes = notes;
         Ok(session)
     }
 
     fn with_document(document: Document, beginning: Command) -> Session {
         let mut files = Files::default();
         files.made(document.state());
-        Session { document, files, beginning, journal: None, journal_error: None }
+        Session {
+            document,
+            files,
+            beginning,
+            journal: None,
+            journal_error: None,
+            notes: Vec::new(),
+        }
     }
 
     /// The document.
@@ -169,6 +180,11 @@ impl Session {
     /// The script that is being recorded.
     pub fn recording(&self) -> Option<&Path> {
         self.journal.as_ref().map(Journal::path)
+    }
+
+    /// What reading the last file left out or took otherwise, returned once.
+    pub fn take_notes(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.notes)
     }
 
     /// Why the recording has ended early, returned once. The sculpture is not affected.
@@ -296,8 +312,9 @@ impl Session {
             Outcome::Oriented { .. } => applied = self.document.apply(&command)?,
             Outcome::Opened { path, loaded } => {
                 let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-                let Loaded { contents, texts, assumed_up, .. } = *loaded;
+                let Loaded { contents, texts, assumed_up, notes, .. } = *loaded;
                 self.document.replace(contents, &format!("open {name}"))?;
+                self.notes = notes;
                 self.files.opened(self.document.state(), path, texts, assumed_up);
             }
             // Volumes are for other programs: what they cannot hold would be lost.

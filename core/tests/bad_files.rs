@@ -31,7 +31,8 @@ fn bad_files_are_accepted_or_refused_as_listed() {
     for line in std::fs::read_to_string(&manifest).unwrap().lines() {
         let fields: Vec<&str> = line.split('\t').collect();
         let [name, _, expected, reason] = fields[..] else { panic!("manifest line {line}") };
-        if !name.ends_with(".pvm") {
+        let ending = name.rsplit('.').next().unwrap();
+        if !["pvm", "vox", "qb", "binvox"].contains(&ending) {
             continue;
         }
         seen += 1;
@@ -48,7 +49,7 @@ fn bad_files_are_accepted_or_refused_as_listed() {
             trials::note!("{name}: {message}");
         }
     }
-    assert!(seen >= 55, "only {seen} files");
+    assert!(seen >= 80, "only {seen} files");
     // The largest accepted one is a volume of 32 MiB; nothing may take much more.
     if let Some(peak) = peak_mib() {
         assert!(peak < 250, "{peak} MiB");
@@ -101,7 +102,6 @@ fn damage(file: &[u8], dice: &mut Dice) -> Vec<u8> {
 #[test]
 fn damaged_files_never_cause_a_panic() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("damaged.pvm");
     // Small limits, so that large claims are refused rather than tried.
     let limits = Limits { grid_bytes: 1 << 20, colour_bytes: 8 << 20, ..Limits::default() };
     let mut dice = Dice(20261121);
@@ -115,10 +115,16 @@ fn damaged_files_never_cause_a_panic() {
         "derived/syn_pvm1_dds_5comps.pvm",
         "derived/syn_dds_skip2_on_u8.pvm",
         "derived/syn_pvm1_dds_1x1x1.pvm",
+        "voxel/vox_character.vox",
+        "voxel/rgb.vox",
+        "voxel/chr_knight.qb",
+        "voxel/rgb.qb",
     ] {
         let original = shared_file(&format!("data/{name}"));
         let file = std::fs::read(original).unwrap();
-        for _ in 0..400 {
+        let path = folder.path().join("damaged").with_extension(name.rsplit('.').next().unwrap());
+        let rounds = if name.ends_with(".pvm") { 400 } else { 100 };
+        for _ in 0..rounds {
             std::fs::write(&path, damage(&file, &mut dice)).unwrap();
             let result = format::load(&path, &ImportOptions::default(), &limits, &());
             outcomes[usize::from(result.is_ok())] += 1;

@@ -15,5 +15,6 @@ mod formats;
 mod independent;
 mod sprays;
 mod upright;
+mod voxel_models;
 
 trials::main!();

@@ -252,6 +252,7 @@ impl Editor {
                 if self.document().grid().dims() == dims => {}
             _ => self.sculpture_replaced(),
         }
+        self.session.take_notes().into_iter().for_each(|note| self.note(note));
         self.tell_journal_error();
         true
     }

@@ -79,10 +79,10 @@ impl Files {
 
     /// Opens the dialog, in the folder of `path` if there is one.
     pub fn open(&mut self, task: FileTask, path: Option<&Path>) {
-        const VOLUMES: &str = "Sculptures and volumes (.vsc, .pvm, .raw)";
+        const VOLUMES: &str = "Sculptures, volumes and voxel models";
         const PICTURES: &str = "Images (.png, .jpg)";
         let mut dialog = FileDialog::new()
-            .add_file_filter_extensions(VOLUMES, crate::format::ENDINGS.to_vec())
+            .add_file_filter_extensions(VOLUMES, crate::format::READ_ENDINGS.to_vec())
             .add_file_filter_extensions(PICTURES, vec!["png", "jpg", "jpeg"])
             .default_size([720.0, 400.0])
             .anchor(egui::Align2::CENTER_CENTER, egui::Vec2::ZERO)
@@ -113,6 +113,8 @@ impl Files {
                 .title("Export")
                 .add_save_extension("Volume", EXPORT_ENDING)
                 .add_save_extension("Raw voxels", "raw")
+                .add_save_extension("MagicaVoxel", "vox")
+                .add_save_extension("Qubicle", "qb")
                 .default_save_extension("Volume")
                 .default_file_name(&format!("{name}.{EXPORT_ENDING}")),
         };
@@ -178,7 +180,9 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
         }
         FileTask::Export => {
             let path = with_ending(path, EXPORT_ENDING);
-            requests.push(UiRequest::Run(Command::Save { path, form: choice.form }));
+            // Others have only one form.
+            let form = if is_volume(&path) { choice.form } else { ExportForm::Auto };
+            requests.push(UiRequest::Run(Command::Save { path, form }));
         }
     }
 }
@@ -237,6 +241,12 @@ fn export_options(ui: &mut Ui, choice: &mut Choice) {
     ] {
         ui.radio_value(&mut choice.form, form, capital(&form.to_string())).on_hover_text(text);
     }
+}
+
+/// Whether the name is that of a volume, whose contents can be chosen.
+fn is_volume(path: &Path) -> bool {
+    let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
+    ending.is_some_and(|ending| ending == EXPORT_ENDING || ending == "raw")
 }
 
 /// The path with an ending, if it was typed without one.

@@ -21,10 +21,10 @@ pub enum FormatError {
     #[error("this is a folder, a pipe or a device, not a file; choose a file")]
     NotAFile,
     /// No format has this file extension.
-    #[error("the file extension `{0}` is unknown; use .vsc, .pvm or .raw")]
+    #[error("the file extension `{0}` is unknown; known are .{list}", list = super::READ_ENDINGS.join(", ."))]
     UnknownEnding(String),
     /// The path has no file extension to choose the format by.
-    #[error("the file name has no extension; add .vsc, .pvm or .raw")]
+    #[error("the file name has no extension; add one of .{list}", list = super::READ_ENDINGS.join(", ."))]
     NoEnding,
     /// Reading needs more memory than the limits allow.
     #[error(
@@ -119,6 +119,40 @@ pub enum FormatError {
         "a .vsc file always stores the whole sculpture; leave out `{0}`, or save as .pvm or .raw"
     )]
     FormOfVsc(ExportForm),
+
+    /// A model of another program is damaged, at a place.
+    #[error("{place}: {what}; the file is damaged or cut: copy it again, or export it once more")]
+    Malformed {
+        /// Where in the file.
+        place: String,
+        /// What is wrong there.
+        what: String,
+    },
+    /// A file named .vox that is neither MagicaVoxel's nor Voxlap's.
+    #[error(
+        "this is neither a MagicaVoxel nor a Voxlap file: it begins with `{0}`; export it as .vox again"
+    )]
+    NotVox(String),
+    /// A model in which no voxel exists and that says no size.
+    #[error("the file holds no visible voxels; show hidden objects and export it again")]
+    NoVoxels,
+    /// A model whose copies of copies are too many.
+    #[error("the file places more than 2^32 voxels, most of them copies; export it with fewer")]
+    TooManyVoxels,
+    /// An export form was given for a format that has only one.
+    #[error("files of this kind have only one form; leave out `{0}`, or save as .pvm or .raw")]
+    FormOfModel(ExportForm),
+    /// A format that can only be read.
+    #[error(
+        "files of this kind can only be read; choose one of .{list}",
+        list = super::WRITE_ENDINGS.join(", .")
+    )]
+    ReadOnly,
+    /// A .vox file cannot store so many voxels.
+    #[error(
+        "the sculpture has more voxels than the 2^29 that a .vox file can hold; save it as .qb"
+    )]
+    TooLargeForVox,
 
     /// A .raw file without a layout.
     #[error(

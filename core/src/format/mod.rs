@@ -3,9 +3,10 @@
 //!
 //! The entry points are [`load`], [`save`] and [`info`]. Below them: `store` (disk), `vsc` (sculptures
 //! without loss), `pvm` and `dds`, `raw` (volumes), `import` and `export` (volume <-> sculpture),
-//! `threshold`, `ramp` and `signature` (the meaning of voxels). Errors say what is wrong and what to do;
+//! `threshold`, `ramp` and `signature` (the meaning of voxels), `voxel` (models of other voxel editors). Errors say what is wrong and what to do;
 //! callers add the name of the file.
 
+mod bytes;
 mod dds;
 mod error;
 mod export;
@@ -20,9 +21,11 @@ mod signature;
 pub mod store;
 mod threshold;
 mod volume;
+mod voxel;
 mod vsc;
 
 use std::fmt;
+use std::io::BufWriter;
 use std::path::Path;
 
 use glam::{UVec3, Vec3};
@@ -39,14 +42,17 @@ use crate::sculpture::orient::Reorientation;
 use crate::sculpture::orientation::Up;
 use crate::sculpture::{Grid, Limits};
 
-/// Extensions of the files that can be read and written.
-pub const ENDINGS: [&str; 3] = ["vsc", "pvm", "raw"];
+/// Extensions of the files that can be read.
+pub const READ_ENDINGS: [&str; 7] = ["vsc", "pvm", "raw", "vox", "qb", "gox", "binvox"];
+/// Extensions of the files that can be written.
+pub const WRITE_ENDINGS: [&str; 5] = ["vsc", "pvm", "raw", "vox", "qb"];
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Format {
     Vsc,
     Pvm,
     Raw,
+    Voxel(voxel::Kind),
 }
 
 impl Format {
@@ -56,6 +62,10 @@ impl Format {
             "vsc" => Ok(Format::Vsc),
             "pvm" => Ok(Format::Pvm),
             "raw" => Ok(Format::Raw),
+            "vox" => Ok(Format::Voxel(voxel::Kind::Vox)),
+            "qb" => Ok(Format::Voxel(voxel::Kind::Qb)),
+            "gox" => Ok(Format::Voxel(voxel::Kind::Gox)),
+            "binvox" => Ok(Format::Voxel(voxel::Kind::Binvox)),
             _ => Err(FormatError::UnknownEnding(format!(".{ending}"))),
         }
     }
@@ -77,6 +87,15 @@ pub struct Loaded {
     pub texts: Texts,
     /// The axis that was taken for the one that points up; none where the file says so itself.
     pub assumed_up: Option<Up>,
+    /// What of the file was left out or taken otherwise, for the person to know.
+    pub notes: Vec<String>,
+}
+
+impl Loaded {
+    /// A sculpture from a file that holds no volume and says which way is up.
+    fn model(contents: Contents, texts: Texts, notes: Vec<String>) -> Loaded {
+        Loaded { contents, samples: None, texts, assumed_up: None, notes }
+    }
 }
 
 /// Reads a sculpture. Meanwhile the file and its volume together may take as much memory as the limits
@@ -87,10 +106,21 @@ pub fn load(
     limits: &Limits,
     progress: &dyn Progress,
 ) -> Result<Loaded, FormatError> {
-    if Format::of(path)? == Format::Vsc {
-        let file = read_file(path, limits, progress)?;
-        let (contents, texts) = vsc::read(&file, limits, progress)?;
-        return Ok(Loaded { contents, samples: None, texts, assumed_up: None });
+    match Format::of(path)? {
+        Format::Vsc => {
+            let file = read_file(path, limits, progress)?;
+            let (contents, texts) = vsc::read(&file, limits, progress)?;
+            return Ok(Loaded::model(contents, texts, Vec::new()));
+        }
+        Format::Voxel(kind) => {
+            let file = read_file(path, limits, progress)?;
+            let model = voxel::read(kind, &file)?;
+            let contents = voxel::to_contents(&*model, options, limits, progress)?;
+            let notes = model.notes();
+            notes.iter().for_each(|note| tracing::warn!("{}: {note}", path.display()));
+            return Ok(Loaded::model(contents, Texts::default(), notes));
+        }
+        Format::Pvm | Format::Raw => {}
     }
     let (volume, _) = read_volume(path, options, limits, progress)?;
     let signature = import::trusted_signature(&volume);
@@ -102,7 +132,7 @@ pub fn load(
         let turn = up.turned_upright();
         contents = Reorientation::new(&contents, turn).run(limits, progress)?;
     }
-    Ok(Loaded { contents, samples: Some(samples), texts, assumed_up })
+    Ok(Loaded { contents, samples: Some(samples), texts, assumed_up, notes: Vec::new() })
 }
 
 /// Reads the voxels of a file unconverted, within the same limits as [`load`].
@@ -143,6 +173,19 @@ pub fn save_with_texts(
     let bytes = match Format::of(path)? {
         Format::Vsc if form != ExportForm::Auto => return Err(FormatError::FormOfVsc(form)),
         Format::Vsc => vsc::write(contents, &texts, progress)?,
+        Format::Voxel(_) if form != ExportForm::Auto => return Err(FormatError::FormOfModel(form)),
+        Format::Voxel(kind) => {
+            let write = match kind {
+                voxel::Kind::Vox => voxel::write_vox,
+                voxel::Kind::Qb => voxel::write_qb,
+                voxel::Kind::Gox | voxel::Kind::Binvox => return Err(FormatError::ReadOnly),
+            };
+            let mut out = BufWriter::new(store::AtomicFile::create(path)?);
+            write(contents, &mut out, progress)?;
+            go_on(progress)?;
+            let file = out.into_inner().map_err(std::io::IntoInnerError::into_error)?;
+            return Ok(file.finish()?);
+        }
         Format::Pvm => pvm::write(volume(texts)?, progress)?,
         Format::Raw => volume(texts)?.data,
     };
@@ -178,6 +221,8 @@ pub struct Info {
     pub densities: Option<Densities>,
     /// What this program noted when it wrote the file.
     pub signature: Option<Signature>,
+    /// What opening the file leaves out or takes otherwise.
+    pub notes: Vec<String>,
 }
 
 /// Statistics of a volume of densities.
@@ -215,6 +260,23 @@ pub fn info_with(
             densities: None,
             signature: Some(signature),
             texts,
+            notes: Vec::new(),
+        });
+    }
+    if let Format::Voxel(kind) = Format::of(path)? {
+        let file = read_file(path, limits, progress)?;
+        let model = voxel::read(kind, &file)?;
+        let contents = voxel::to_contents(&*model, options, limits, progress)?;
+        return Ok(Info {
+            kind: model.kind(),
+            file_bytes: file.len() as u64,
+            dims: contents.grid.dims(),
+            voxel_size: contents.grid.voxel_size(),
+            samples: None,
+            densities: None,
+            signature: None,
+            texts: Texts::default(),
+            notes: model.notes(),
         });
     }
     let (volume, source) = read_volume(path, options, limits, progress)?;
@@ -230,6 +292,7 @@ pub fn info_with(
         samples: Some(volume.samples),
         densities,
         signature: import::trusted_signature(&volume),
+        notes: Vec::new(),
         texts: volume.texts,
     })
 }
@@ -256,6 +319,9 @@ impl fmt::Display for Info {
         if let Some(signature) = &self.signature {
             let bits = signature.colour_depth.bits();
             write!(f, "\nsculpture: {bits} bits of colour, base {}", signature.base)?;
+        }
+        for note in &self.notes {
+            write!(f, "\nnote: {note}")?;
         }
         for (name, text) in self.texts.named() {
             if !text.is_empty() {
@@ -294,11 +360,11 @@ fn read_volume(
     let budget = budget_bytes(limits);
     let check_grid = |dims, voxel_size| Grid::check(dims, voxel_size, limits.grid_bytes);
     match Format::of(path)? {
-        Format::Vsc => {
+        Format::Vsc | Format::Voxel(_) => {
             let loaded = load(path, options, limits, progress)?;
             let volume = export::to_volume(&loaded.contents, ExportForm::Auto, loaded.texts)?;
             let file_bytes = std::fs::metadata(path)?.len();
-            Ok((volume, Source { kind: "VSC".to_string(), file_bytes }))
+            Ok((volume, Source { kind: "sculpture".to_string(), file_bytes }))
         }
         Format::Pvm => {
             let file = store::read(path, budget, |_| Ok(()), progress)?;

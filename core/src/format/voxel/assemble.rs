@@ -1,0 +1,159 @@
+//! From a [`Model`] to a sculpture: measures its voxels in one walk, checks the memory, and writes them in another.
+//!
+//! One brick with its colours is kept at hand, since neighbours in a file mostly are neighbours in the grid.
+
+use glam::{I64Vec3, UVec3, Vec3};
+
+use super::Model;
+use crate::format::options::{Colouring, ImportOptions};
+use crate::format::volume::Samples;
+use crate::format::{FormatError, go_on};
+use crate::progress::Progress;
+use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
+use crate::sculpture::history::Contents;
+use crate::sculpture::material::Page;
+use crate::sculpture::{Brick, ColourDepth, Grid, Limits, Material, Rgb};
+
+/// Voxels between two looks at whether the work is cancelled.
+const PORTION: u64 = 1 << 18;
+/// Voxels that are read at most, those in the same place counted again: so that copies of copies end.
+const MOST_VOXELS: u64 = 1 << 32;
+
+/// Makes a sculpture of the voxels of a model. Its grid is the model's canvas where that can be, else the
+/// smallest box around the voxels.
+pub fn to_contents(
+    model: &dyn Model,
+    options: &ImportOptions,
+    limits: &Limits,
+    progress: &dyn Progress,
+) -> Result<Contents, FormatError> {
+    let depth = match options.colouring {
+        Colouring::None => ColourDepth::None,
+        Colouring::Auto => options.colour_depth.unwrap_or(ColourDepth::Bits24),
+        Colouring::Packed => return Err(FormatError::NotPacked(Samples::Rgb8)),
+        colouring => {
+            return Err(FormatError::NotDensities { colouring, samples: Samples::Rgb8 });
+        }
+    };
+    let found = survey(model, progress)?;
+    let tight = found.bounds();
+    let fits = |(low, high)| Grid::check(dims_of(low, high), Vec3::ONE, limits.grid_bytes);
+    let holds_all = |(low, high): &(I64Vec3, I64Vec3)| {
+        tight.is_none_or(|(least, most)| low.cmple(least).all() && high.cmpge(most).all())
+    };
+    let canvas = model.canvas().filter(holds_all).filter(|canvas| fits(*canvas).is_ok());
+    let (low, high) = canvas.or(tight).ok_or(FormatError::NoVoxels)?;
+    let grid = Grid::new(dims_of(low, high), Vec3::ONE, limits.grid_bytes)?;
+    let base = found.only_colour.unwrap_or(Rgb::STONE);
+    let material = Material::for_grid(&grid, depth, base);
+    let mut filler = Filler { grid, material, at_hand: None, budget: limits.colour_bytes };
+    progress.begin("filling the grid");
+    let mut done = 0;
+    model.walk(&mut |v, rgb| {
+        done += 1;
+        if u64::is_multiple_of(done, PORTION) {
+            go_on(progress)?;
+            progress.advance(done as f32 / found.voxels as f32);
+        }
+        filler.put((v - low).as_uvec3(), rgb)
+    })?;
+    filler.put_back();
+    progress.end();
+    let Filler { grid, material, .. } = filler;
+    Ok(Contents { grid, material })
+}
+
+/// The size of a box; beyond all limits where it cannot be counted.
+fn dims_of(low: I64Vec3, high: I64Vec3) -> UVec3 {
+    (high - low).clamp(I64Vec3::ZERO, I64Vec3::splat(i64::from(u32::MAX))).as_uvec3()
+}
+
+/// What the first walk finds.
+struct Survey {
+    low: I64Vec3,
+    high: I64Vec3,
+    voxels: u64,
+    /// The colour of all voxels, if they have the same.
+    only_colour: Option<Rgb>,
+}
+
+impl Survey {
+    fn bounds(&self) -> Option<(I64Vec3, I64Vec3)> {
+        (self.voxels > 0).then_some((self.low, self.high + 1))
+    }
+}
+
+fn survey(model: &dyn Model, progress: &dyn Progress) -> Result<Survey, FormatError> {
+    let (low, high) = (I64Vec3::MAX, I64Vec3::MIN);
+    let mut found = Survey { low, high, voxels: 0, only_colour: None };
+    let mut colours = 0;
+    model.walk(&mut |v, rgb| {
+        found.low = found.low.min(v);
+        found.high = found.high.max(v);
+        if found.only_colour != Some(rgb) && colours < 2 {
+            colours += 1;
+            found.only_colour = Some(rgb);
+        }
+        found.voxels += 1;
+        if found.voxels.is_multiple_of(PORTION) {
+            go_on(progress)?;
+            if found.voxels > MOST_VOXELS {
+                return Err(FormatError::TooManyVoxels);
+            }
+        }
+        Ok(())
+    })?;
+    found.only_colour = found.only_colour.filter(|_| colours == 1);
+    Ok(found)
+}
+
+struct Filler {
+    grid: Grid,
+    material: Material,
+    at_hand: Option<(usize, Brick, Option<Page>)>,
+    budget: u64,
+}
+
+impl Filler {
+    fn put(&mut self, v: UVec3, rgb: Rgb) -> Result<(), FormatError> {
+        let index = self.grid.brick_index(v / BRICK_EDGE_VX);
+        if self.at_hand.as_ref().is_none_or(|(at_hand, ..)| *at_hand != index) {
+            self.put_back();
+            let page = self.material.swap_page(index, None);
+            self.at_hand = Some((index, *self.grid.brick_at(index), page));
+        }
+        let Some((_, brick, page)) = &mut self.at_hand else { return Ok(()) };
+        let UVec3 { x, y, z } = v % BRICK_EDGE_VX;
+        brick.set(x, y, z, true);
+        let depth = self.material.depth();
+        if depth == ColourDepth::None {
+            return Ok(());
+        }
+        if page.is_none() && depth.quantise(rgb) != self.material.base() {
+            let needed = self.material.bytes_with(1);
+            if needed > self.budget {
+                return Err(FormatError::ColourMemory {
+                    needed_mib: needed.div_ceil(1 << 20),
+                    budget_mib: self.budget >> 20,
+                });
+            }
+            let mut blank = vec![0; self.material.page_bytes()].into_boxed_slice();
+            let base = self.material.base();
+            blank.chunks_exact_mut(depth.bytes()).for_each(|colour| depth.write(base, colour));
+            *page = Some(blank);
+        }
+        if let Some(page) = page {
+            depth.write(rgb, &mut page[local_index(x, y, z) as usize * depth.bytes()..]);
+        }
+        Ok(())
+    }
+
+    fn put_back(&mut self) {
+        if let Some((index, brick, page)) = self.at_hand.take() {
+            self.grid.set_brick(index, brick);
+            if page.is_some() {
+                self.material.swap_page(index, page);
+            }
+        }
+    }
+}

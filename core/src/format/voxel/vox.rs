@@ -1,0 +1,239 @@
+//! Reads MagicaVoxel's `.vox` (versions 150 and 200): models, palette, and the scene that places them.
+//!
+//! The voxels stay in the file's bytes. Of animations the first frame is read; hidden objects and layers are left
+//! out. `scene.rs` places the models.
+
+use std::collections::{HashMap, HashSet};
+
+use glam::I64Vec3;
+
+use super::palette::default_palette;
+use super::scene::{self, Instance, Node, Turn};
+use super::{Model, Sink, upright, upright_box};
+use crate::format::FormatError;
+use crate::format::bytes::Bytes;
+use crate::sculpture::Rgb;
+
+pub const MAGIC: &[u8] = b"VOX ";
+/// Longest axis of a model.
+pub const MAX_EDGE_VX: u32 = 256;
+
+/// A model as it lies in the file: four bytes a voxel, x, y, z and colour, z up.
+#[derive(Debug)]
+pub struct Part<'a> {
+    pub size: I64Vec3,
+    voxels: &'a [[u8; 4]],
+}
+
+/// A file: models, where they stand, and their colours.
+#[derive(Debug)]
+pub struct Vox<'a> {
+    version: u32,
+    parts: Vec<Part<'a>>,
+    instances: Vec<Instance>,
+    palette: [Rgb; 256],
+    notes: Vec<String>,
+}
+
+/// What the chunks hold, before the scene is followed.
+#[derive(Default)]
+struct Chunks<'a> {
+    parts: Vec<Part<'a>>,
+    size: Option<I64Vec3>,
+    palette: Option<[Rgb; 256]>,
+    nodes: HashMap<i32, Node>,
+    root: Option<i32>,
+    hidden_layers: HashSet<i32>,
+}
+
+/// Reads a file as far as its structure.
+pub fn read(file: &[u8]) -> Result<Vox<'_>, FormatError> {
+    let mut bytes = Bytes::new(file);
+    bytes.take(MAGIC.len())?;
+    let version = bytes.u32()?;
+    let mut chunks = Chunks::default();
+    let start = bytes;
+    if bytes.take(4)? != b"MAIN" {
+        return Err(start.fault("the chunk MAIN is missing"));
+    }
+    let (own, _children) = (bytes.count("bytes")?, bytes.count("bytes")?);
+    bytes.take(own)?;
+    while !bytes.is_empty() {
+        let id = bytes.take(4)?;
+        let (own, children) = (bytes.count("bytes")?, bytes.count("bytes")?);
+        let content = bytes.part(own)?;
+        bytes.take(children)?;
+        chunks.take(id, content)?;
+    }
+    let mut notes = Vec::new();
+    let Chunks { parts, nodes, root, hidden_layers, palette, .. } = chunks;
+    let instances = match root {
+        Some(root) => {
+            let placed = scene::place(&nodes, root, &hidden_layers, parts.len())?;
+            if placed.hidden > 0 {
+                notes.push(format!("{} hidden objects or groups were left out", placed.hidden));
+            }
+            if placed.has_frames {
+                notes.push("of its animation only the first frame was read".to_string());
+            }
+            placed.instances
+        }
+        None => {
+            if parts.len() > 1 {
+                notes.push(format!("of {} models, or frames, the first was read", parts.len()));
+            }
+            (0..parts.len().min(1)).map(Instance::alone).collect()
+        }
+    };
+    Ok(Vox { version, parts, instances, palette: palette.unwrap_or(default_palette()), notes })
+}
+
+impl<'a> Chunks<'a> {
+    fn take(&mut self, id: &[u8], mut chunk: Bytes<'a>) -> Result<(), FormatError> {
+        match id {
+            b"SIZE" => {
+                let start = chunk;
+                let size = [chunk.u32()?, chunk.u32()?, chunk.u32()?];
+                if size.iter().any(|&edge| edge == 0 || edge > MAX_EDGE_VX) {
+                    let [x, y, z] = size;
+                    let rule = format!("but an axis has 1 to {MAX_EDGE_VX} voxels");
+                    return Err(start.fault(format!("a model of {x}x{y}x{z} voxels, {rule}")));
+                }
+                self.size = Some(I64Vec3::from_array(size.map(i64::from)));
+            }
+            b"XYZI" => {
+                let start = chunk;
+                let size = self.size.take();
+                let size = size.ok_or_else(|| start.fault("voxels without a chunk SIZE before"))?;
+                let count = chunk.count("voxels")?;
+                let (voxels, _) = chunk.take(count.saturating_mul(4))?.as_chunks();
+                let is_outside = |v: &&[u8; 4]| (0..3).any(|axis| i64::from(v[axis]) >= size[axis]);
+                if let Some([x, y, z, _]) = voxels.iter().find(is_outside) {
+                    return Err(start.fault(format!("voxel {x},{y},{z} is outside its model")));
+                }
+                self.parts.push(Part { size, voxels });
+            }
+            b"RGBA" => {
+                let start = chunk;
+                let (colours, _) = chunk.rest().as_chunks::<4>();
+                if colours.len() < 256 {
+                    return Err(start.fault(format!("{} colours instead of 256", colours.len())));
+                }
+                let mut palette = [Rgb::default(); 256];
+                // Entry k is colour k + 1; 0 is no voxel.
+                palette[1..].iter_mut().zip(colours).for_each(|(to, from)| {
+                    *to = Rgb([from[0], from[1], from[2]]);
+                });
+                self.palette = Some(palette);
+            }
+            b"nTRN" => {
+                let node = chunk.i32()?;
+                let is_hidden = is_hidden(&dictionary(&mut chunk)?);
+                let (child, _, layer) = (chunk.i32()?, chunk.i32()?, chunk.i32()?);
+                let frames = chunk.count("frames")?;
+                let start = chunk;
+                let frame = if frames > 0 { dictionary(&mut chunk)? } else { HashMap::new() };
+                let turn = Turn::parse(frame.get(&b"_r"[..]).copied())
+                    .ok_or_else(|| start.fault("the rotation is not one"))?;
+                let shift = parse_shift(frame.get(&b"_t"[..]).copied())
+                    .ok_or_else(|| start.fault("the translation is not three whole numbers"))?;
+                let has_frames = frames > 1;
+                let transform =
+                    Node::Transform { child, layer, is_hidden, turn, shift, has_frames };
+                self.nodes.insert(node, transform);
+                self.root.get_or_insert(node);
+            }
+            b"nGRP" => {
+                let node = chunk.i32()?;
+                dictionary(&mut chunk)?;
+                let count = chunk.count("children")?;
+                let (ids, _) = chunk.take(count.saturating_mul(4))?.as_chunks();
+                let children = ids.iter().map(|id| i32::from_le_bytes(*id)).collect();
+                self.nodes.insert(node, Node::Group { children });
+                self.root.get_or_insert(node);
+            }
+            b"nSHP" => {
+                let node = chunk.i32()?;
+                dictionary(&mut chunk)?;
+                let count = chunk.count("models")?;
+                if count == 0 {
+                    return Err(chunk.fault("a shape without a model"));
+                }
+                let start = chunk;
+                let part = chunk.count("as the number of a model")?;
+                self.nodes.insert(node, Node::Shape { part, has_frames: count > 1 });
+                self.root.get_or_insert(node);
+                dictionary(&mut chunk).map_err(|_| start.fault("the shape's text is cut"))?;
+            }
+            b"LAYR" => {
+                let layer = chunk.i32()?;
+                if is_hidden(&dictionary(&mut chunk)?) {
+                    self.hidden_layers.insert(layer);
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+}
+
+/// Texts by their names.
+type Dictionary<'a> = HashMap<&'a [u8], &'a [u8]>;
+
+fn dictionary<'a>(chunk: &mut Bytes<'a>) -> Result<Dictionary<'a>, FormatError> {
+    let pairs = chunk.count("texts")?;
+    let mut texts = HashMap::new();
+    for _ in 0..pairs {
+        let length = chunk.count("bytes")?;
+        let key = chunk.take(length)?;
+        let length = chunk.count("bytes")?;
+        texts.insert(key, chunk.take(length)?);
+    }
+    Ok(texts)
+}
+
+fn is_hidden(texts: &Dictionary<'_>) -> bool {
+    texts.get(&b"_hidden"[..]).is_some_and(|text| *text == b"1")
+}
+
+/// Three whole numbers of 32 bits; none at all are zeros.
+fn parse_shift(text: Option<&[u8]>) -> Option<I64Vec3> {
+    let Some(text) = text else { return Some(I64Vec3::ZERO) };
+    let mut numbers = std::str::from_utf8(text).ok()?.split_ascii_whitespace();
+    let mut next = || numbers.next()?.parse::<i32>().ok().map(i64::from);
+    Some(I64Vec3::new(next()?, next()?, next()?))
+}
+
+impl Model for Vox<'_> {
+    fn kind(&self) -> String {
+        let (models, objects) = (self.parts.len(), self.instances.len());
+        let version = self.version;
+        format!("MagicaVoxel, version {version}, models: {models}, objects: {objects}")
+    }
+
+    fn canvas(&self) -> Option<(I64Vec3, I64Vec3)> {
+        let boxes = self.instances.iter().map(|instance| {
+            let size = self.parts[instance.part].size;
+            let [a, b] = [I64Vec3::ZERO, size - 1].map(|v| instance.place(v, size));
+            (a.min(b), a.max(b) + 1)
+        });
+        boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).map(upright_box)
+    }
+
+    fn walk(&self, sink: &mut Sink<'_>) -> Result<(), FormatError> {
+        for instance in &self.instances {
+            let Part { size, voxels } = self.parts[instance.part];
+            for &[x, y, z, colour] in voxels {
+                if colour > 0 {
+                    let v = instance.place(I64Vec3::new(x.into(), y.into(), z.into()), size);
+                    sink(upright(v), self.palette[usize::from(colour)])?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn notes(&self) -> Vec<String> {
+        self.notes.clone()
+    }
+}
