@@ -104,6 +104,27 @@ impl EyeImage {
         self.copy_rows(recorder, eye, piece, rows);
     }
 
+    /// Copies `piece` to `area` of the layer of `eye`, row by row without gaps. The other pixels keep their contents.
+    pub fn update_area(
+        &mut self,
+        recorder: &mut Recorder,
+        eye: u32,
+        piece: Piece,
+        area: CornerAndSize,
+    ) {
+        self.begin_overwrite_area(recorder, eye, area, Use::COPY_TARGET);
+        let ([x, y], [width, height]) = area;
+        let part = self.image.layer(eye);
+        let copy = vk::BufferImageCopy::default()
+            .buffer_offset(piece.offset)
+            .image_subresource(part.copy_layers())
+            .image_offset(vk::Offset3D { x: x as i32, y: y as i32, z: 0 })
+            .image_extent(vk::Extent3D { width, height, depth: 1 });
+        if width * height > 0 {
+            recorder.copy_to_image(piece.buffer, part, &[copy]);
+        }
+    }
+
     fn copy_rows(&mut self, recorder: &mut Recorder, eye: u32, piece: Piece, rows: Range<u32>) {
         let [width, ..] = self.image.size();
         let copy = vk::BufferImageCopy::default()

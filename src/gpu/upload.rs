@@ -19,6 +19,14 @@ pub struct Piece {
     pub bytes: u64,
 }
 
+impl Piece {
+    /// Both halves of the range.
+    pub fn halves(self) -> [Piece; 2] {
+        let bytes = self.bytes / 2;
+        [Piece { bytes, ..self }, Piece { offset: self.offset + bytes, bytes, ..self }]
+    }
+}
+
 /// Blocks that the CPU writes and the device reads, one per frame slot.
 pub struct Staging {
     name: String,

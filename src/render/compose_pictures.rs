@@ -1,4 +1,5 @@
-//! Composition of a renderer's pictures back to front: background, sculpture, overlay.
+//! Composition of a renderer's pictures back to front: background, sculpture, overlay. On a device that is this
+//! processor, background and sculpture are computed and copied where they can be ([`super::software_composite`]).
 
 use glam::UVec2;
 
@@ -6,6 +7,7 @@ use super::frame_cache::{FrameCache, pixels_to_compose};
 use super::overlay::Scene;
 use super::pictures::pictures;
 use super::smooth_edges::{REACH_PX, SmoothEdges};
+use super::software_composite::{SoftwareComposite, layout_of};
 use super::times::PictureTimer;
 use super::{
     Backdrop, Background, Colours, Composite, CompositeEye, FrameDesc, GpuOnly, IndexTarget,
@@ -13,6 +15,7 @@ use super::{
 };
 use crate::document::Document;
 use crate::gpu::{Recorder, Result};
+use crate::shade::composed::Composition;
 use crate::surface::{PixelRect, PixelRects};
 
 impl Renderer {
@@ -31,8 +34,27 @@ impl Renderer {
         let shading = self.shading(desc.mode);
         let pictures = pictures(&self.device, &mut self.pictures, self.format, desc.eyes)?;
         let visible = self.sampler.visible();
+        let can_be_composed = self.device.is_software()
+            && desc.video.is_none()
+            && !desc.smooth_edges
+            && self.maps.iter().all(|map| map.is_known());
+        let composed = layout_of(self.format).filter(|_| can_be_composed);
         let mut sculpture = match shading {
+            Shading::Software if let Some((is_bgra, is_linear)) = composed => {
+                let pass = match &mut self.software_composite {
+                    Some(pass) => pass,
+                    none => none.insert(SoftwareComposite::new(&self.device)?),
+                };
+                pass.begin(slot);
+                Sculpture::Composed(pass, is_bgra, is_linear)
+            }
             Shading::Software | Shading::Device => {
+                if shading == Shading::Software {
+                    for (i, pixels) in (0..).zip(&self.pixels[..self.maps.len()]) {
+                        let visible = visible[i as usize];
+                        self.composite.upload_shaded(recorder, i, pixels, visible)?;
+                    }
+                }
                 let maps = self.sampler.maps(recorder, slot, &self.maps)?;
                 Sculpture::Composite(&mut self.composite, maps)
             }
@@ -114,6 +136,31 @@ impl Renderer {
                     scissor: *scissor,
                     visible: visible[i as usize],
                 };
+                if let Sculpture::Composed(pass, is_bgra, is_linear) = &mut sculpture {
+                    let composition = Composition {
+                        map,
+                        pixels: &self.pixels[i as usize],
+                        dims: view.dims,
+                        projection: view.projection,
+                        background: match background {
+                            Background::Keep => None,
+                            Background::Gradient { top, bottom } => Some([top, bottom]),
+                        },
+                        is_linear: *is_linear,
+                        is_bgra: *is_bgra,
+                        visible: view.visible,
+                    };
+                    pass.compose(recorder, pictures, i, &composition, *scissor)?;
+                    if desc.ground.is_some() || self.overlay.draws(&scene) {
+                        pictures.begin_over(recorder, i, *scissor);
+                        if let Some(ground) = &self.ground {
+                            ground.draw(recorder, document, desc, eye, &map.rays);
+                        }
+                        self.overlay.draw(recorder, &scene)?;
+                        recorder.end_rendering();
+                    }
+                    continue;
+                }
                 match &mut edges {
                     Some(edges) => {
                         edges.begin_sculpture(recorder, pictures, i, background, *scissor)
@@ -124,6 +171,7 @@ impl Renderer {
                     pass.draw(recorder, eye.size, &video.view);
                 }
                 match &mut sculpture {
+                    Sculpture::Composed(..) => {}
                     Sculpture::Composite(pass, maps) => pass.draw(recorder, maps, i, &view),
                     Sculpture::Points(pass) => pass.draw(recorder, &surface, i, &view)?,
                     Sculpture::Within(pass, volume, colours) => {
@@ -161,6 +209,8 @@ fn with_edges(areas: &PixelRects, picture: PixelRect) -> PixelRects {
 
 /// The pass that draws the sculpture, and its inputs.
 enum Sculpture<'a> {
+    /// With the order of channels, and whether the device encodes them.
+    Composed(&'a mut SoftwareComposite, bool, bool),
     Composite(&'a mut Composite, &'a IndexTarget),
     Points(&'a mut Points),
     Within(&'a mut GpuOnly, &'a Volume, Option<&'a Colours>),
@@ -170,7 +220,7 @@ impl Sculpture<'_> {
     /// The rectangles to draw one by one so that `rects` are drawn.
     fn areas(&self, rects: &PixelRects) -> PixelRects {
         match self {
-            Sculpture::Composite(..) => *rects,
+            Sculpture::Composed(..) | Sculpture::Composite(..) => *rects,
             // Each draw writes uniforms.
             Sculpture::Points(_) | Sculpture::Within(..) => PixelRects::of(rects.bounds()),
         }

@@ -12,6 +12,7 @@ use glam::{Mat4, U64Vec2, UVec2, UVec3, Vec3};
 
 use super::background::Background;
 use super::beam::TILE_LOG2;
+use super::pending::Pending;
 use super::screen_pass::{Input, ScreenPass};
 use super::target::IndexTarget;
 use crate::gpu::layout::CompositeView;
@@ -69,6 +70,7 @@ const PICTURE: u32 = 1;
 pub(super) struct ShadedPictures {
     pictures: Option<EyeImage>,
     uploaded: Vec<Range<u32>>,
+    pending: Vec<Pending>,
 }
 
 /// Draws sculptures to a target.
@@ -78,6 +80,8 @@ pub struct Composite {
     pictures: Option<EyeImage>,
     /// The rows of each eye's picture that are on the device.
     uploaded: Vec<Range<u32>>,
+    /// What is shaded and was not uploaded since, of each eye.
+    pending: Vec<Pending>,
     staging: Staging,
 }
 
@@ -100,6 +104,7 @@ impl Composite {
             pipeline,
             pictures: None,
             uploaded: vec![0..0; eyes as usize],
+            pending: vec![Pending::Nothing; eyes as usize],
             staging: Staging::new(
                 device,
                 "shaded pictures",
@@ -140,8 +145,31 @@ impl Composite {
     /// Exchanges the pictures for others.
     pub(super) fn swap_pictures(&mut self, other: &mut ShadedPictures) {
         other.uploaded.resize(self.uploaded.len(), 0..0);
+        other.pending.resize(self.pending.len(), Pending::Nothing);
         std::mem::swap(&mut self.pictures, &mut other.pictures);
         std::mem::swap(&mut self.uploaded, &mut other.uploaded);
+        std::mem::swap(&mut self.pending, &mut other.pending);
+    }
+
+    /// Notes that the picture of `eye` was shaded, or only these pixels of it.
+    pub(super) fn note_shaded(&mut self, eye: u32, changed: Option<PixelRect>) {
+        let pending = &mut self.pending[eye as usize];
+        *pending = pending.and(changed);
+    }
+
+    /// Uploads what was shaded of the picture of `eye` since it was uploaded last. Before rendering begins.
+    pub(super) fn upload_shaded(
+        &mut self,
+        recorder: &mut Recorder,
+        eye: u32,
+        pixels: &Pixels,
+        visible: PixelRect,
+    ) -> Result<()> {
+        match std::mem::take(&mut self.pending[eye as usize]) {
+            Pending::Nothing => Ok(()),
+            Pending::Changed(rect) => self.upload(recorder, eye, pixels, visible, Some(rect)),
+            Pending::All => self.upload(recorder, eye, pixels, visible, None),
+        }
     }
 
     /// Uploads the rows of `visible` of the picture of `eye`; only those of `changed`, if nothing else

@@ -199,6 +199,12 @@ impl Overlay {
         }
     }
 
+    /// Whether there is anything of `scene` to draw.
+    pub fn draws(&self, scene: &Scene) -> bool {
+        let Scene { previews, lines, .. } = scene;
+        self.references.is_some() || !(previews.is_empty() && lines.is_empty())
+    }
+
     /// Records the overlay of an eye into a target with the depth of the sculpture.
     pub fn draw(&mut self, recorder: &mut Recorder, scene: &Scene) -> Result<()> {
         if let Some(references) = &mut self.references {

@@ -24,9 +24,14 @@ pub struct Pictures {
 impl Pictures {
     fn new(device: &Arc<Device>, size: UVec2, eyes: u32, format: vk::Format) -> Result<Pictures> {
         use vk::ImageUsageFlags as Usage;
-        let usage = Usage::COLOR_ATTACHMENT | Usage::TRANSFER_SRC | Usage::SAMPLED;
+        // Composed pictures are copied to them (super::software_composite).
+        let copied = match device.is_software() {
+            true => Usage::TRANSFER_DST,
+            false => Usage::empty(),
+        };
+        let usage = copied | Usage::COLOR_ATTACHMENT | Usage::TRANSFER_SRC | Usage::SAMPLED;
         let colour = EyeImage::new(device, "picture", size, eyes, format, usage)?;
-        let usage = Usage::DEPTH_STENCIL_ATTACHMENT | Usage::TRANSFER_SRC | Usage::SAMPLED;
+        let usage = copied | Usage::DEPTH_STENCIL_ATTACHMENT | Usage::TRANSFER_SRC | Usage::SAMPLED;
         let depth = EyeImage::new(device, "picture depth", size, eyes, DEPTH_FORMAT, usage)?;
         Ok(Pictures { colour, depth })
     }
@@ -57,6 +62,19 @@ impl Pictures {
         let colour = attachment(&self.colour, colours);
         let depth = attachment(&self.depth, Load::Depth(0.0));
         recorder.begin_rendering_in(size.to_array(), area.corner_and_size(), colour, depth);
+    }
+
+    /// Starts drawing over what is in `area` of the picture of `eye`.
+    pub(super) fn begin_over(&mut self, recorder: &mut Recorder, eye: u32, area: PixelRect) {
+        self.colour.transition(recorder, eye, Use::COLOUR_TARGET);
+        self.depth.transition(recorder, eye, Use::DEPTH_TARGET);
+        let attachment = |image: &EyeImage| {
+            let view = image.image().layer_view(eye);
+            Some(Attachment { view, load: Load::Keep, store: true })
+        };
+        let (colour, depth) = (attachment(&self.colour), attachment(&self.depth));
+        let size = self.colour.size().to_array();
+        recorder.begin_rendering_in(size, area.corner_and_size(), colour, depth);
     }
 }
 

@@ -21,6 +21,7 @@ pub use super::pictures::{DEPTH_FORMAT, Pictures};
 use super::refine::Refinement;
 use super::sampler::Sampler;
 use super::smooth_edges::SmoothEdges;
+use super::software_composite::SoftwareComposite;
 use super::times::PictureTimer;
 pub use super::times::{DeviceTimes, RenderTimes};
 use super::{Backdrop, Composite, GpuOnly, GroundPass, MAX_EYES, Points, SurfaceShade};
@@ -35,6 +36,8 @@ use crate::view::PixelRays;
 pub struct Renderer {
     pub(super) sampler: Sampler,
     pub(super) composite: Composite,
+    /// Made when first needed.
+    pub(super) software_composite: Option<SoftwareComposite>,
     pub(super) overlay: Overlay,
     pub(super) pictures: Option<Pictures>,
     pub(super) format: vk::Format,
@@ -70,6 +73,7 @@ impl Renderer {
         Ok(Renderer {
             sampler: Sampler::new(device)?,
             composite: Composite::new(device, format, MAX_EYES as u32)?,
+            software_composite: None,
             overlay: Overlay::new(device, format, DEPTH_FORMAT)?,
             pictures: None,
             format,

@@ -12,6 +12,7 @@ use ash::vk;
 use glam::UVec2;
 
 use super::level_stage::SampledLevels;
+use super::pending::Pending;
 use super::pixel_pass::PixelStage;
 use super::{Colours, EyeTask, IndexReadback, IndexTarget, MAX_EYES, RayMarch, Slicing, Volume};
 use super::{RenderMode, Sampling};
@@ -44,28 +45,6 @@ pub struct Sampler {
     read_back_ms: Option<f32>,
     device_ms: Option<f32>,
     device: Arc<Device>,
-}
-
-/// The part of a map to upload.
-#[derive(Clone, Copy, Default)]
-enum Pending {
-    #[default]
-    Nothing,
-    /// The rows of these pixels; the others on the device are up to date.
-    Changed(PixelRect),
-    All,
-}
-
-impl Pending {
-    /// The union with more pixels that were sampled.
-    fn and(self, more: PixelRect) -> Pending {
-        match self {
-            Pending::Changed(rect) if more.is_empty() => Pending::Changed(rect),
-            Pending::Changed(rect) if !rect.is_empty() => Pending::Changed(rect.union(more)),
-            Pending::Nothing | Pending::Changed(_) => Pending::Changed(more),
-            Pending::All => Pending::All,
-        }
-    }
 }
 
 /// Maps on the device, and what is known of them.
@@ -213,7 +192,7 @@ impl Sampler {
                 let map = Arc::make_mut(map);
                 let rects = smooth.sample(grid, rays, changed.is_some(), map);
                 let sampled = rects.map(|rects| rects.bounds()).filter(|_| same_visible);
-                self.pending[i] = sampled.map_or(Pending::All, |rect| self.pending[i].and(rect));
+                self.pending[i] = self.pending[i].and(sampled);
             }
             return Ok(());
         }
@@ -247,7 +226,7 @@ impl Sampler {
                     None
                 }
             };
-            self.pending[i] = sampled.map_or(Pending::All, |rect| self.pending[i].and(rect));
+            self.pending[i] = self.pending[i].and(sampled);
         }
         match mode.sampling() {
             Sampling::Cast | Sampling::Quickstep => {

@@ -24,7 +24,7 @@ impl Renderer {
         let start = Instant::now();
         self.normals.upload(&self.device, recorder, slot, desc.mode.shading())?;
         match self.shading(desc.mode) {
-            Shading::Software => self.shade_in_software(recorder, document, desc, redraw)?,
+            Shading::Software => self.shade_in_software(document, desc, redraw),
             Shading::Points => {
                 let (grid, material) = (document.grid(), document.material());
                 let source = ShadeSource { grid, material, normals: self.normals.field() };
@@ -45,18 +45,11 @@ impl Renderer {
         Ok(())
     }
 
-    fn shade_in_software(
-        &mut self,
-        recorder: &mut Recorder,
-        document: &Document,
-        desc: &FrameDesc,
-        redraw: Redraw,
-    ) -> Result<()> {
+    fn shade_in_software(&mut self, document: &Document, desc: &FrameDesc, redraw: Redraw) {
         self.pixels.resize_with(self.maps.len(), Pixels::default);
         let (grid, material) = (document.grid(), document.material());
         let source = ShadeSource { grid, material, normals: self.normals.field() };
         let lighting = &desc.lighting;
-        let visible = self.sampler.visible();
         for (i, (map, pixels)) in self.maps.iter().zip(&mut self.pixels).enumerate() {
             let pose = desc.pose(&desc.eyes[i]);
             let shaded = match redraw {
@@ -73,9 +66,8 @@ impl Renderer {
                     Some(rects.bounds())
                 }
             };
-            self.composite.upload(recorder, i as u32, pixels, visible[i], shaded)?;
+            self.composite.note_shaded(i as u32, shaded);
         }
-        Ok(())
     }
 
     fn shade_on_device(

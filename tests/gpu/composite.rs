@@ -14,6 +14,7 @@ use virtual_sculpture::scenes;
 use virtual_sculpture::screen::offscreen::{FORMAT, Offscreen};
 use virtual_sculpture::sculpture::Grid;
 use virtual_sculpture::shade::Pixels;
+use virtual_sculpture::shade::composed::Composition;
 use virtual_sculpture::surface::slices::SliceAreas;
 use virtual_sculpture::surface::{IndexMap, PixelRect, raycast};
 use virtual_sculpture::view::{Camera, Eye};
@@ -220,6 +221,48 @@ fn the_depth_is_that_of_the_surface() {
                         None => assert_eq!((colours[i], depths[i]), ([255, 0, 0, 255], 0.0)),
                     }
                 }
+            }
+        }
+    });
+}
+
+/// The pictures of the CPU are those that are drawn: colours to a level, depths to rounding.
+#[test]
+fn what_is_composed_without_a_rasterizer_is_what_the_device_draws() {
+    with_device(|device| {
+        let grid = scenes::cheese(64, 12, 3).unwrap();
+        let eye = eye_at(Vec3::new(0.7, 0.6, 1.0), &grid);
+        let map = sampled(&grid, &eye);
+        let pixels = colours_of(&map);
+        let (top, bottom) = (Vec3::new(0.1, 0.5, 0.9), Vec3::new(1.0, 0.3, 0.0));
+        for (format, is_bgra, is_linear) in [
+            (FORMAT, false, false),
+            (vk::Format::R8G8B8A8_SRGB, false, true),
+            (vk::Format::B8G8R8A8_UNORM, true, false),
+        ] {
+            let background = Background::Gradient { top, bottom };
+            let (colours, depths) = composite_once(device, format, &grid, &map, &eye, background);
+            let picture = PixelRect::of_picture(SIZE);
+            let composition = Composition {
+                map: &map,
+                pixels: &pixels,
+                dims: grid.dims(),
+                projection: eye.projection,
+                background: Some([top, bottom]),
+                is_linear,
+                is_bgra,
+                visible: picture,
+            };
+            let mut composed = vec![[0; 4]; colours.len()];
+            let mut composed_depths = vec![0.0; depths.len()];
+            composition.compose(picture, &mut composed, &mut composed_depths);
+            for (drawn, composed) in colours.iter().zip(&composed) {
+                for (a, b) in drawn.iter().zip(composed) {
+                    assert!(a.abs_diff(*b) <= 1, "{format:?}: {composed:?}, not {drawn:?}");
+                }
+            }
+            for (drawn, composed) in depths.iter().zip(&composed_depths) {
+                assert!((drawn - composed).abs() <= 1e-6 * drawn, "{composed}, not {drawn}");
             }
         }
     });

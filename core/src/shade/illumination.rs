@@ -19,6 +19,7 @@ use super::look::{Look, MATCAP_EDGE, MATCAP_RADIUS, Matcap};
 use super::shadow::Sun;
 use super::tone::ToneCurve;
 use crate::sculpture::Rgb;
+use crate::sculpture::vectors::for_axes;
 
 /// Number of points lit at once.
 pub(super) const LANES: usize = 16;
@@ -134,21 +135,14 @@ impl Illumination {
     #[inline(always)]
     pub fn shade<S: Simd>(&self, simd: S, points: &SurfacePoints) -> u32x16<S> {
         let splat = |v: f32| f32x16::splat(simd, v);
-        let load = |v: &[[f32; LANES]; 3]| {
-            [
-                f32x16::load_array_ref(simd, &v[0]),
-                f32x16::load_array_ref(simd, &v[1]),
-                f32x16::load_array_ref(simd, &v[2]),
-            ]
-        };
         let map = Mat3::from(self.eye_from_grid.matrix3);
         let offset = Vec3::from(self.eye_from_grid.translation);
-        let position = add(simd, transform(simd, &map, load(&points.position)), offset);
+        let position = add(simd, transform(simd, &map, load(simd, &points.position)), offset);
         let to_eye = {
             let away_by = dot(position, position).max(LEAST_SQUARE).sqrt();
             scale(position, splat(-1.0) / away_by)
         };
-        let gradient = transform(simd, &self.normal_from_gradient, load(&points.gradient));
+        let gradient = transform(simd, &self.normal_from_gradient, load(simd, &points.gradient));
         let normal = facing(simd, gradient, to_eye);
         let open = f32x16::load_array_ref(simd, &points.open);
         if let Some(matcap) = &self.matcap {
@@ -160,14 +154,18 @@ impl Illumination {
             None => u32x16::load_array_ref(simd, &points.colour),
             Some(Rgb([r, g, b])) => u32x16::splat(simd, u32::from_le_bytes([r, g, b, 0])),
         };
-        let channel = |shift: u32| {
-            let v = (colours >> shift & 255).to_float::<f32x16<S>>() * (1.0 / 255.0);
-            v * v
-        };
-        let albedo = [channel(0), channel(8), channel(16)];
+        let albedo = for_axes(
+            #[inline(always)]
+            |i| {
+                let v = (colours >> (8 * i as u32) & 255).to_float::<f32x16<S>>() * (1.0 / 255.0);
+                v * v
+            },
+        );
         let upwards = dot(normal, [splat(self.up.x), splat(self.up.y), splat(self.up.z)]);
-        let ambient = |axis: usize| upwards * self.ambient_slope[axis] + self.ambient[axis];
-        let mut sum = [0, 1, 2].map(|i| albedo[i] * (open * ambient(i)));
+        let mut sum = for_axes(
+            #[inline(always)]
+            |i| albedo[i] * (open * (upwards * self.ambient_slope[i] + self.ambient[i])),
+        );
         let sunlit = f32x16::load_array_ref(simd, &points.sunlit);
         let sun = self.sun.map(|sun| sun.light);
         for (i, light) in self.lights.iter().flatten().enumerate() {
@@ -191,7 +189,10 @@ impl Illumination {
                 sum[i] += (albedo[i] * lambert + highlight) * (share * radiance);
             }
         }
-        let [r, g, b] = sum.map(|light| srgb(self.tone.map(light)));
+        let [r, g, b] = for_axes(
+            #[inline(always)]
+            |i| srgb(self.tone.map(sum[i])),
+        );
         r | g << 8 | b << 16 | 0xFF00_0000
     }
 }
@@ -216,10 +217,13 @@ fn from_matcap<S: Simd>(
         to_eye[0] * right[1] - to_eye[1] * right[0],
     ];
     const LAST: f32 = (MATCAP_EDGE - 1) as f32;
-    let place = |across: f32x16<S>| {
-        (across * (0.5 * MATCAP_RADIUS * LAST) + 0.5 * LAST).max(0.0).min(LAST).to_array()
-    };
-    let (x, y) = (place(dot(normal, right)), place(-dot(normal, up)));
+    let [x, y, _] = for_axes(
+        #[inline(always)]
+        |i| {
+            let across = if i == 0 { dot(normal, right) } else { -dot(normal, up) };
+            (across * (0.5 * MATCAP_RADIUS * LAST) + 0.5 * LAST).max(0.0).min(LAST).to_array()
+        },
+    );
     let mut light = [[0.0; LANES]; 3];
     for lane in 0..LANES {
         let texel = matcap.sample(x[lane], y[lane]);
@@ -227,7 +231,10 @@ fn from_matcap<S: Simd>(
             light[lane] = texel[axis];
         }
     }
-    let [r, g, b] = light.map(|light| srgb(f32x16::load_array_ref(simd, &light) * open));
+    let [r, g, b] = for_axes(
+        #[inline(always)]
+        |i| srgb(f32x16::load_array_ref(simd, &light[i]) * open),
+    );
     r | g << 8 | b << 16 | 0xFF00_0000
 }
 
@@ -313,12 +320,22 @@ fn scale<S: Simd>(v: [f32x16<S>; 3], factor: f32x16<S>) -> [f32x16<S>; 3] {
 }
 
 #[inline(always)]
+fn load<S: Simd>(simd: S, v: &[[f32; LANES]; 3]) -> [f32x16<S>; 3] {
+    for_axes(
+        #[inline(always)]
+        |axis| f32x16::load_array_ref(simd, &v[axis]),
+    )
+}
+
+#[inline(always)]
 fn add<S: Simd>(_: S, v: [f32x16<S>; 3], offset: Vec3) -> [f32x16<S>; 3] {
     [v[0] + offset.x, v[1] + offset.y, v[2] + offset.z]
 }
 
 #[inline(always)]
 fn transform<S: Simd>(_: S, m: &Mat3, v: [f32x16<S>; 3]) -> [f32x16<S>; 3] {
-    let row = |i: usize| v[0] * m.x_axis[i] + v[1] * m.y_axis[i] + v[2] * m.z_axis[i];
-    [row(0), row(1), row(2)]
+    for_axes(
+        #[inline(always)]
+        |i| v[0] * m.x_axis[i] + v[1] * m.y_axis[i] + v[2] * m.z_axis[i],
+    )
 }

@@ -6,6 +6,7 @@
 //! ([`smooth`]) come between the two, and cost time only where they are switched on ([`refined`]).
 
 pub mod ball;
+pub mod composed;
 pub mod ground;
 mod illumination;
 pub mod level_set;

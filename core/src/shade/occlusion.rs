@@ -9,15 +9,15 @@
 //!
 //! Between the corners of words that count is trilinear. So it needs to be known there only, where the
 //! cube consists of eight whole words: the 27 corners in and around a brick are the **table** of that
-//! brick, and a voxel takes eight of its values. Tables are made when a picture first meets a brick
-//! ([`OpennessTables`]).
+//! brick, and a voxel takes eight of its values. The [`super::normal_field`] keeps the tables of bricks with surface;
+//! the others are made when a picture first meets a brick ([`OpennessTables`]).
 
-use std::array::from_fn;
-
+use fearless_simd::{Simd, f32x16, prelude::*, u32x16};
 use glam::{IVec3, UVec3};
 
 use crate::sculpture::Grid;
 use crate::sculpture::brick::{BRICK_EDGE_VX, WORD_EDGE_VX};
+use crate::sculpture::vectors::for_axes;
 
 /// How far from a voxel the voxels may be, on each axis, that its occlusion depends on.
 pub const OCCLUSION_REACH_VX: u32 = 2 * WORD_EDGE_VX - 1;
@@ -26,6 +26,9 @@ pub const OCCLUSION_REACH_VX: u32 = 2 * WORD_EDGE_VX - 1;
 /// the cube are filled at a face: that is as open as it gets, with some reserve for the steps of slanted faces.
 const OPENNESS_OF_NOTHING: f32 = 2.36;
 
+/// By how much a voxel makes it less.
+const PER_VOXEL: f32 = OPENNESS_OF_NOTHING / (8 * WORD_EDGE_VX.pow(3)) as f32;
+
 /// Corners of words along an axis of a brick.
 const CORNERS: usize = 3;
 
@@ -33,8 +36,11 @@ const CORNERS: usize = 3;
 const KEPT: usize = 64;
 const KEPT_LOG2_PER_AXIS: u32 = 2;
 
-/// Existing voxels of the cubes about the corners of a brick's words.
-type Table = [[[u16; CORNERS]; CORNERS]; CORNERS];
+/// Existing voxels of the cubes about the corners of a brick's words: `[z][y][x]`.
+pub type Table = [[[u16; CORNERS]; CORNERS]; CORNERS];
+
+/// The 4^3 words in and around a brick: `[z][y][x]`.
+pub type WordsAround = [[[u64; 4]; 4]; 4];
 
 /// The tables of the bricks that were met last. They are those of one grid, while it stays as it is.
 #[derive(Clone, Debug)]
@@ -63,42 +69,110 @@ impl OpennessTables {
             self.bricks[place] = brick;
             self.tables[place] = table(grid, b);
         }
-        let table = &self.tables[place];
-        let [x, y, z] = ((voxel / WORD_EDGE_VX) & 1).to_array().map(|c| c as usize);
-        let share = ((voxel % WORD_EDGE_VX).as_vec3() + 0.5) / WORD_EDGE_VX as f32;
-        let mix = |a: f32, b: f32, share: f32| a + (b - a) * share;
-        let along_x = |y: usize, z: usize| {
-            let row = &table[z][y];
-            mix(f32::from(row[x]), f32::from(row[x + 1]), share.x)
-        };
-        let in_plane = |z: usize| mix(along_x(y, z), along_x(y + 1, z), share.y);
-        let filled = mix(in_plane(z), in_plane(z + 1), share.z);
-        const PER_VOXEL: f32 = OPENNESS_OF_NOTHING / (8 * WORD_EDGE_VX.pow(3)) as f32;
-        (OPENNESS_OF_NOTHING - filled * PER_VOXEL).clamp(0.0, 1.0)
+        openness_in(&self.tables[place], voxel)
     }
 }
 
-/// Of brick `b`: sums of eight of the 4^3 words in and around it.
+/// The share of ambient light that reaches a voxel of the brick with this table.
 #[inline(always)]
-fn table(grid: &Grid, b: UVec3) -> Table {
+pub fn openness_in(table: &Table, voxel: UVec3) -> f32 {
+    let [x, y, z] = ((voxel / WORD_EDGE_VX) & 1).to_array().map(|c| c as usize);
+    let share = ((voxel % WORD_EDGE_VX).as_vec3() + 0.5) / WORD_EDGE_VX as f32;
+    let mix = |a: f32, b: f32, share: f32| a + (b - a) * share;
+    let along_x = |y: usize, z: usize| {
+        let row = &table[z][y];
+        mix(f32::from(row[x]), f32::from(row[x + 1]), share.x)
+    };
+    let in_plane = |z: usize| mix(along_x(y, z), along_x(y + 1, z), share.y);
+    let filled = mix(in_plane(z), in_plane(z + 1), share.z);
+    (OPENNESS_OF_NOTHING - filled * PER_VOXEL).clamp(0.0, 1.0)
+}
+
+/// The eight values of a table that [`openness_in`] mixes for a voxel: x changes first, then y.
+#[inline(always)]
+pub fn corners_of(table: &Table, local: UVec3) -> [u32; 8] {
+    let [x, y, z] = ((local / WORD_EDGE_VX) & 1).to_array();
+    let first = x + 3 * y + 9 * z;
+    let flat = table.as_flattened().as_flattened();
+    let mut corners = [0; 8];
+    for (corner, offset) in corners.iter_mut().zip([0, 1, 3, 4, 9, 10, 12, 13]) {
+        *corner = u32::from(flat[(first + offset) as usize]);
+    }
+    corners
+}
+
+/// [`openness_in`] for many voxels, from their coordinates and the values of [`corners_of`].
+#[inline(always)]
+pub fn openness_of_many<S: Simd>(
+    simd: S,
+    voxels: [u32x16<S>; 3],
+    corners: &[[u32; 16]; 8],
+) -> f32x16<S> {
+    const EDGE: f32 = WORD_EDGE_VX as f32;
+    let share = for_axes(
+        #[inline(always)]
+        |axis| {
+            let within = (voxels[axis] & (WORD_EDGE_VX - 1)).to_float::<f32x16<S>>();
+            (within + 0.5) * (1.0 / EDGE)
+        },
+    );
+    let mut values = [f32x16::splat(simd, 0.0); 8];
+    for (value, corner) in values.iter_mut().zip(corners) {
+        *value = u32x16::load_array_ref(simd, corner).to_float::<f32x16<S>>();
+    }
+    let [a, b, c, d, e, f, g, h] = values;
+    let low = mix(mix(a, b, share[0]), mix(c, d, share[0]), share[1]);
+    let high = mix(mix(e, f, share[0]), mix(g, h, share[0]), share[1]);
+    let filled = mix(low, high, share[2]);
+    (f32x16::splat(simd, OPENNESS_OF_NOTHING) - filled * PER_VOXEL).max(0.0).min(1.0)
+}
+
+#[inline(always)]
+fn mix<S: Simd>(a: f32x16<S>, b: f32x16<S>, share: f32x16<S>) -> f32x16<S> {
+    a + (b - a) * share
+}
+
+/// The table of brick `b`.
+#[inline(always)]
+pub(super) fn table(grid: &Grid, b: UVec3) -> Table {
     let (words, first) = (grid.words(), b.as_ivec3() * 2 - 1);
-    let mut counts = [[[0; 4]; 4]; 4];
+    let mut around: WordsAround = [[[0; 4]; 4]; 4];
     for part in 0..8usize {
         let [x, y, z] = [part << 1 & 2, part & 2, part >> 1 & 2];
         let cube = words.cube(first + IVec3::new(x as i32, y as i32, z as i32));
         for (i, word) in cube.into_iter().enumerate() {
-            counts[z + (i >> 2)][y + (i >> 1 & 1)][x + (i & 1)] = word.count_ones() as u16;
+            around[z + (i >> 2)][y + (i >> 1 & 1)][x + (i & 1)] = word;
         }
     }
-    let along_x = counts.map(|plane| plane.map(|row| from_fn(|x| row[x] + row[x + 1])));
-    let in_planes: [[[u16; 3]; 3]; 4] =
-        along_x.map(|plane: [[u16; 3]; 4]| from_fn(|y| sum(plane[y], plane[y + 1])));
-    from_fn(|z| from_fn(|y| sum(in_planes[z][y], in_planes[z + 1][y])))
+    table_of(&around)
 }
 
+/// The table of a brick: sums of eight of the words in and around it.
 #[inline(always)]
-fn sum(a: [u16; CORNERS], b: [u16; CORNERS]) -> [u16; CORNERS] {
-    from_fn(|i| a[i] + b[i])
+pub fn table_of(around: &WordsAround) -> Table {
+    let mut in_planes = [[[0; CORNERS]; CORNERS]; 4];
+    for (plane, sums) in around.iter().zip(&mut in_planes) {
+        let mut along_x = [[0; CORNERS]; 4];
+        for (row, sums) in plane.iter().zip(&mut along_x) {
+            for x in 0..CORNERS {
+                sums[x] = (row[x].count_ones() + row[x + 1].count_ones()) as u16;
+            }
+        }
+        for y in 0..CORNERS {
+            for x in 0..CORNERS {
+                sums[y][x] = along_x[y][x] + along_x[y + 1][x];
+            }
+        }
+    }
+    let mut table = Table::default();
+    for z in 0..CORNERS {
+        for y in 0..CORNERS {
+            for x in 0..CORNERS {
+                table[z][y][x] = in_planes[z][y][x] + in_planes[z + 1][y][x];
+            }
+        }
+    }
+    table
 }
 
 #[cfg(test)]

@@ -78,7 +78,7 @@ impl PointCloud {
             };
             // Moments of 81 bits are below 40.
             let [x, y, z] = estimate.to_array().map(|c| c as i8);
-            let open = if occlusion { tables.openness(grid, v) } else { 1.0 };
+            let open = if occlusion { source.openness(tables, v) } else { 1.0 };
             let open = (open * 127.0).round() as i8;
             let is_sunlit = illumination
                 .sun

@@ -104,7 +104,7 @@ impl SoftwareShader {
                     }
                     if voxel != last.0 {
                         let v = grid.voxel_coords(voxel);
-                        let open = if occlusion { tables.openness(grid, v) } else { 1.0 };
+                        let open = if occlusion { source.openness(&mut tables, v) } else { 1.0 };
                         let sunlit = illumination.sun.map_or(1.0, |sun| {
                             sun.reaching(grid, v, source.outwards(v, source.surface(v).0))
                         });

@@ -10,10 +10,11 @@ use rayon::prelude::*;
 
 use super::illumination::{Illumination, LANES, SurfacePoints};
 use super::light::Lighting;
-use super::normal_field::{PackedNormal, unpack_many};
-use super::occlusion::OpennessTables;
+use super::normal_field::{NO_PAGE, PackedNormal, PlaceOfNormal, unpack_many};
+use super::occlusion::{OpennessTables, corners_of, openness_of_many};
 use super::pixels::Pixels;
 use super::source::ShadeSource;
+use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
 use crate::sculpture::{NO_VOXEL, Rgb};
 use crate::surface::{IndexMap, PixelRect};
 
@@ -21,6 +22,9 @@ use crate::surface::{IndexMap, PixelRect};
 const BAND_ROWS: usize = 32;
 /// Width of the strips of a band: the bricks of a strip stay in the first-level cache.
 const STRIP_PX: usize = 64;
+
+/// The part of a voxel's coordinates that tells its place in its brick.
+const IN_BRICK: u32 = BRICK_EDGE_VX - 1;
 
 /// Poses of the sculpture and the eye.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -181,32 +185,40 @@ impl Shader<'_> {
         for (place, position) in places.iter().zip(&mut points.position) {
             (place.to_float::<f32x16<S>>() + 0.5).store_array(position);
         }
-        let [x, y, z] = places.map(|axis| axis.to_array());
+        let coords: [u32x16<S>; 3] =
+            [places[0].bitcast(), places[1].bitcast(), places[2].bitcast()];
+        let [x, y, z] = [coords[0].to_array(), coords[1].to_array(), coords[2].to_array()];
+        let bricks = self.places.bricks(coords).to_array();
         let voxels = voxels.to_array();
-        let mut normals = [0; LANES];
-        let mut last = NO_VOXEL;
+        // The pixels whose voxel is not that of the one before, as it often is.
+        let mut others = seen.to_bitmask() as u32;
+        for lane in 1..LANES {
+            others &= !(u32::from(voxels[lane] == voxels[lane - 1]) << lane);
+        }
+        let mut normals = self.normals(others, &bricks, [&x, &y, &z]);
+        let material = self.source.material;
+        let mut last = 0;
         for lane in 0..LANES {
-            let voxel = voxels[lane];
-            if voxel == last && lane > 0 {
-                // Neighbouring pixels often show the same voxel.
-                normals[lane] = normals[lane - 1];
-                points.colour[lane] = points.colour[lane - 1];
-                points.open[lane] = points.open[lane - 1];
-                points.sunlit[lane] = points.sunlit[lane - 1];
-            } else if voxel != NO_VOXEL {
-                let v = UVec3::new(x[lane] as u32, y[lane] as u32, z[lane] as u32);
-                let (normal, rgb) = self.source.surface(v);
-                normals[lane] = u32::from(normal.0);
-                points.colour[lane] = packed(rgb);
-                if self.occlusion {
-                    points.open[lane] = tables.openness(self.source.grid, v);
-                }
-                if let Some(sun) = &self.illumination.sun {
-                    let outwards = self.source.outwards(v, normal);
+            if others >> lane & 1 != 0 {
+                let [x, y, z] = [x[lane] & IN_BRICK, y[lane] & IN_BRICK, z[lane] & IN_BRICK];
+                let rgb = material.rgb(bricks[lane] as usize, local_index(x, y, z));
+                last = packed(rgb);
+            }
+            points.colour[lane] = last;
+        }
+        if self.occlusion {
+            self.openness(simd, others, coords, &bricks, points, tables);
+        }
+        if let Some(sun) = &self.illumination.sun {
+            for lane in 0..LANES {
+                if others >> lane & 1 != 0 {
+                    let v = UVec3::new(x[lane], y[lane], z[lane]);
+                    let outwards = self.source.outwards(v, PackedNormal(normals[lane] as u16));
                     points.sunlit[lane] = sun.reaching(self.source.grid, v, outwards);
+                } else if lane > 0 {
+                    points.sunlit[lane] = points.sunlit[lane - 1];
                 }
             }
-            last = voxel;
         }
         for (normal, own) in normals.iter_mut().zip(own.unwrap_or_default()) {
             if *own != PackedNormal::NONE.0 {
@@ -220,7 +232,7 @@ impl Shader<'_> {
         let none = normals.simd_eq(u32::from(PackedNormal::NONE.0));
         if none.any_true() {
             for lane in (0..LANES).filter(|lane| none.to_bitmask() >> lane & 1 != 0) {
-                let v = UVec3::new(x[lane] as u32, y[lane] as u32, z[lane] as u32);
+                let v = UVec3::new(x[lane], y[lane], z[lane]);
                 let estimate = self.source.estimate(v).to_array();
                 for (axis, component) in estimate.into_iter().enumerate() {
                     points.gradient[axis][lane] = component;
@@ -232,27 +244,116 @@ impl Shader<'_> {
     }
 }
 
+impl Shader<'_> {
+    /// The packed normals of the voxels of sixteen pixels; those of `others` are looked up, the rest are as before
+    /// them. In steps for all, so that the memory that one needs is waited for together with that of the others.
+    #[inline(always)]
+    fn normals(
+        &self,
+        others: u32,
+        bricks: &[u32; LANES],
+        [x, y, z]: [&[u32; LANES]; 3],
+    ) -> [u32; LANES] {
+        let field = self.source.normals;
+        let mut pages = [NO_PAGE; LANES];
+        for lane in 0..LANES {
+            pages[lane] = field.page(bricks[lane] as usize);
+        }
+        let mut places = [PlaceOfNormal::NONE; LANES];
+        for lane in 0..LANES {
+            if others >> lane & 1 != 0 {
+                let bit = x[lane] & IN_BRICK | (y[lane] & IN_BRICK) << 3;
+                let layer = (z[lane] & IN_BRICK) as usize;
+                places[lane] = field.pages().place_of_normal(pages[lane], layer, bit);
+            }
+        }
+        let mut normals = [0; LANES];
+        let mut last = 0;
+        for lane in 0..LANES {
+            if others >> lane & 1 != 0 {
+                last = u32::from(field.pages().normal_at(places[lane]).0);
+            }
+            normals[lane] = last;
+        }
+        normals
+    }
+
+    /// The openness of the voxels of sixteen pixels, from the tables that are kept of their bricks, or those made
+    /// here.
+    #[inline(always)]
+    fn openness<S: Simd>(
+        &self,
+        simd: S,
+        others: u32,
+        coords: [u32x16<S>; 3],
+        bricks: &[u32; LANES],
+        points: &mut SurfacePoints,
+        tables: &mut OpennessTables,
+    ) {
+        let [x, y, z] = [coords[0].to_array(), coords[1].to_array(), coords[2].to_array()];
+        let mut corners = [[0; LANES]; 8];
+        let mut missing = 0;
+        let mut last = [0; 8];
+        for lane in 0..LANES {
+            if others >> lane & 1 != 0 {
+                match self.source.normals.openness(bricks[lane] as usize) {
+                    Some(table) => {
+                        let local = UVec3::new(x[lane], y[lane], z[lane]) & IN_BRICK;
+                        last = corners_of(table, local);
+                    }
+                    None => missing |= 1 << lane,
+                }
+            }
+            for (corner, value) in corners.iter_mut().zip(last) {
+                corner[lane] = value;
+            }
+        }
+        openness_of_many(simd, coords, &corners).store_array(&mut points.open);
+        if missing != 0 {
+            for lane in 0..LANES {
+                if missing >> lane & 1 != 0 {
+                    let v = UVec3::new(x[lane], y[lane], z[lane]);
+                    points.open[lane] = tables.openness(self.source.grid, v);
+                } else if others >> lane & 1 == 0 && lane > 0 {
+                    points.open[lane] = points.open[lane - 1];
+                }
+            }
+        }
+    }
+}
+
 /// A colour as [`SurfacePoints`] takes it.
 fn packed(Rgb([r, g, b]): Rgb) -> u32 {
     u32::from_le_bytes([r, g, b, 0])
 }
 
-/// Coordinates of voxels from their index.
-struct Places {
+/// Coordinates of voxels from their index, and of bricks.
+pub(super) struct Places {
     row: u32,
     slice: u32,
+    brick_dims: UVec3,
 }
 
 impl Places {
-    fn of(dims: UVec3) -> Places {
-        Places { row: dims.x, slice: dims.x * dims.y }
+    pub fn of(dims: UVec3) -> Places {
+        let brick_dims = dims.map(|edge| edge.div_ceil(BRICK_EDGE_VX));
+        Places { row: dims.x, slice: dims.x * dims.y, brick_dims }
     }
 
+    /// The linear indices of the bricks of voxels at these coordinates.
     #[inline(always)]
-    fn coords<S: Simd>(&self, simd: S, voxels: u32x16<S>) -> [i32x16<S>; 3] {
+    fn bricks<S: Simd>(&self, coords: [u32x16<S>; 3]) -> u32x16<S> {
+        const LOG2: u32 = BRICK_EDGE_VX.trailing_zeros();
+        let [x, y, z] = coords;
+        (x >> LOG2) + ((y >> LOG2) + (z >> LOG2) * self.brick_dims.y) * self.brick_dims.x
+    }
+
+    /// Of voxels.
+    #[inline(always)]
+    pub fn coords<S: Simd>(&self, simd: S, voxels: u32x16<S>) -> [i32x16<S>; 3] {
         let (z, in_slice) = divide(simd, voxels, self.slice);
         let (y, x) = divide(simd, in_slice, self.row);
-        [x, y, z].map(|v| v.bitcast())
+        [x.bitcast(), y.bitcast(), z.bitcast()]
     }
 }
 

@@ -4,6 +4,7 @@ use glam::{UVec3, Vec3};
 
 use super::normal::gradient;
 use super::normal_field::{NormalField, PackedNormal};
+use super::occlusion::{OpennessTables, openness_in};
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
 use crate::sculpture::{Grid, Material, Rgb};
 
@@ -25,6 +26,15 @@ impl ShadeSource<'_> {
         let (brick, local) = (self.grid.brick_index(voxel / BRICK_EDGE_VX), voxel % BRICK_EDGE_VX);
         let rgb = self.material.rgb(brick, local_index(local.x, local.y, local.z));
         (self.normals.packed(brick, local), rgb)
+    }
+
+    /// The share of ambient light that reaches a voxel.
+    #[inline(always)]
+    pub(super) fn openness(&self, tables: &mut OpennessTables, voxel: UVec3) -> f32 {
+        match self.normals.openness(self.grid.brick_index(voxel / BRICK_EDGE_VX)) {
+            Some(table) => openness_in(table, voxel),
+            None => tables.openness(self.grid, voxel),
+        }
     }
 
     /// The vector out of the solid at a voxel with this packed normal: a covector of grid coordinates, of any

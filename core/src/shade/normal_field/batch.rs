@@ -14,6 +14,7 @@ use super::packed::{PackedDepth, PackedNormal};
 use super::window::{Samples, Sums, SurfaceMask, sample};
 use crate::sculpture::Grid;
 use crate::sculpture::brick::BrickKind;
+use crate::shade::occlusion::Table;
 
 /// Bricks around the targets whose samples count.
 const MARGIN_BRICKS: i32 = 2;
@@ -65,6 +66,27 @@ struct Sampled {
 struct Normals {
     normals: Vec<PackedNormal>,
     depths: Vec<PackedDepth>,
+}
+
+/// What was found of the surface in a brick.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfaceOf<'a> {
+    pub mask: &'a SurfaceMask,
+    /// In the order of the mask.
+    pub normals: &'a [PackedNormal],
+    pub depths: &'a [PackedDepth],
+    /// No meaning without surface voxels.
+    pub openness: &'a Table,
+}
+
+impl SurfaceOf<'_> {
+    /// No surface.
+    const NONE: SurfaceOf<'static> = SurfaceOf {
+        mask: &SurfaceMask { layers: [0; 8] },
+        normals: &[],
+        depths: &[],
+        openness: &[[[0; 3]; 3]; 3],
+    };
 }
 
 /// What a thread needs for one brick.
@@ -119,7 +141,15 @@ impl Batch {
         let sampled = |place: &Place, out: &mut Sampled| {
             SCRATCH.with_borrow_mut(|scratch| {
                 dispatch!(level, simd => {
-                    sample(simd, grid, place.brick, &mut scratch.sums, &mut out.samples);
+                    let is_target = place.stage == TARGET;
+                    sample(
+                        simd,
+                        grid,
+                        place.brick,
+                        is_target,
+                        &mut scratch.sums,
+                        &mut out.samples,
+                    );
                     out.cells.merge(&out.samples);
                 })
             });
@@ -172,19 +202,20 @@ impl Batch {
         for_each(&bricks[..last], &mut normals[..last], &finish);
     }
 
-    /// The targets of the last [`Batch::compute`]: brick, surface voxels, their normals and depths.
-    pub fn results(
-        &self,
-    ) -> impl Iterator<Item = (u32, &SurfaceMask, (&[PackedNormal], &[PackedDepth]))> {
-        const BARE: &SurfaceMask = &SurfaceMask { layers: [0; 8] };
+    /// The targets of the last [`Batch::compute`]: brick and surface.
+    pub fn results(&self) -> impl Iterator<Item = (u32, SurfaceOf<'_>)> {
         let last = self.bricks.partition_point(|place| place.stage == TARGET);
         let all = self.bricks[..last].iter().zip(&self.samples).zip(&self.normals);
-        let with_surface = all.map(|((place, sampled), normals)| {
-            let values = (normals.normals.as_slice(), normals.depths.as_slice());
-            (place.index, &sampled.samples.mask, values)
+        let with_surface = all.map(|((place, Sampled { samples, .. }), values)| {
+            let surface = SurfaceOf {
+                mask: &samples.mask,
+                normals: &values.normals,
+                depths: &values.depths,
+                openness: &samples.openness,
+            };
+            (place.index, surface)
         });
-        with_surface
-            .chain(self.bare.iter().map(|index| (*index, BARE, ([].as_slice(), [].as_slice()))))
+        with_surface.chain(self.bare.iter().map(|index| (*index, SurfaceOf::NONE)))
     }
 
     /// Lists what has to be computed for `targets`: targets first, then what is filtered, then the rest.

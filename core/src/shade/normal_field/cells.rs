@@ -15,6 +15,7 @@ use fearless_simd::{Simd, f32x16, prelude::*};
 use glam::{IVec3, Vec3};
 
 use super::window::{Samples, SurfaceMask};
+use crate::sculpture::vectors::for_axes;
 
 /// Edge of a cell.
 const CELL_EDGE_VX: f32 = 2.0;
@@ -237,13 +238,14 @@ impl Neighbourhood {
         let (mut normals, mut offsets) = ([zero; 3], [zero; 3]);
         let (mut weights, mut heights) = (zero, zero);
         for i in (0..self.count).step_by(LANES) {
-            let load = |values: &[f32; MOST]| f32x16::from_slice(simd, &values[i..i + LANES]);
-            let offset = [
-                load(&self.positions[0]) - at.x,
-                load(&self.positions[1]) - at.y,
-                load(&self.positions[2]) - at.z,
-            ];
-            let normal = self.normals.each_ref().map(load);
+            let offset = for_axes(
+                #[inline(always)]
+                |axis| load(simd, &self.positions[axis], i) - at[axis],
+            );
+            let normal = for_axes(
+                #[inline(always)]
+                |axis| load(simd, &self.normals[axis], i),
+            );
             let height = offset[0] * normal[0] + offset[1] * normal[1] + offset[2] * normal[2];
             let distance = offset[0] * offset[0] + offset[1] * offset[1] + offset[2] * offset[2];
             let cosine = normal[0] * estimate.x + normal[1] * estimate.y + normal[2] * estimate.z;
@@ -252,7 +254,7 @@ impl Neighbourhood {
                 (height * height * (-1.0 / (PLANE_REACH_VX * PLANE_REACH_VX)) + 1.0).max(0.0);
             let alike = (cosine - LEAST_COSINE).max(0.0) * (1.0 / (1.0 - LEAST_COSINE));
             let both = flat * alike;
-            let weight = load(&self.weights) * near * (both * both);
+            let weight = load(simd, &self.weights, i) * near * (both * both);
             weights += weight;
             heights += weight * height;
             for axis in 0..3 {
@@ -262,11 +264,16 @@ impl Neighbourhood {
         }
         Sums {
             weight: sum_of(weights),
-            normal: Vec3::from(normals.map(sum_of)),
-            offset: Vec3::from(offsets.map(sum_of)),
+            normal: Vec3::new(sum_of(normals[0]), sum_of(normals[1]), sum_of(normals[2])),
+            offset: Vec3::new(sum_of(offsets[0]), sum_of(offsets[1]), sum_of(offsets[2])),
             height: sum_of(heights),
         }
     }
+}
+
+#[inline(always)]
+fn load<S: Simd>(simd: S, values: &[f32; MOST], first: usize) -> f32x16<S> {
+    f32x16::from_slice(simd, &values[first..first + LANES])
 }
 
 /// The sum of all lanes, in an order that no vector instructions change.

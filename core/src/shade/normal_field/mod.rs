@@ -1,5 +1,6 @@
-//! The normals of all surface voxels of a sculpture, computed once and looked up by every shader; and the depth of
-//! each voxel below the surface, from which [`super::level_set`] makes the smooth surface.
+//! The normals of all surface voxels of a sculpture, computed once and looked up by every shader; the depth of each
+//! voxel below the surface, from which [`super::level_set`] makes the smooth surface; and the tables of openness of
+//! the bricks with surface ([`super::occlusion`]), which come of the same bits.
 //!
 //! A normal depends on the voxels within two bricks of its own: [`window`] estimates it from the smoothed bits,
 //! [`cells`] refines it by what lies around on the same surface. After an edit only the bricks around it are
@@ -11,6 +12,7 @@
 
 mod batch;
 mod cells;
+mod openness;
 mod packed;
 mod pages;
 mod window;
@@ -19,9 +21,11 @@ use fearless_simd::Level;
 use glam::{UVec3, Vec3};
 
 use batch::Batch;
+use openness::KeptOpenness;
 pub use packed::{PackedDepth, PackedNormal, unpack_many};
-pub use pages::{NO_PAGE, Pages, Unit};
+pub use pages::{NO_PAGE, Pages, PlaceOfNormal, Unit};
 
+use super::occlusion::Table;
 use crate::sculpture::Grid;
 use crate::sculpture::brick::{BRICK_EDGE_VX, Brick};
 use crate::sculpture::brick_set::BrickSet;
@@ -39,6 +43,8 @@ pub struct NormalField {
     /// The page of each brick.
     table: Vec<u32>,
     pages: Pages,
+    /// Of the bricks that have a page.
+    openness: KeptOpenness,
     /// A hash of the bits of each brick that the normals follow: an edit of colours alone changes no normal.
     hashes: Vec<u64>,
     /// Bricks to compute; those from `fresh` on are of the last edits and come first.
@@ -78,6 +84,7 @@ impl NormalField {
         self.pages.clear();
         self.table.clear();
         self.table.resize(count, NO_PAGE);
+        self.openness.clear(count);
         self.hashes.clear();
         self.hashes.resize(count, hash(&Brick::EMPTY));
         self.queued = BrickSet::new(count);
@@ -157,6 +164,7 @@ impl NormalField {
             let page = std::mem::replace(&mut self.table[index as usize], NO_PAGE);
             if page != NO_PAGE {
                 self.pages.free(page);
+                self.openness.store(index as usize, None);
                 changed.push(index);
             }
         }
@@ -164,12 +172,15 @@ impl NormalField {
 
     /// Computes `targets`, in parts if they are far from each other.
     fn compute(&mut self, level: Level, grid: &Grid, targets: &[u32], changed: &mut Vec<u32>) {
-        let NormalField { table, pages, batch, .. } = self;
+        let NormalField { table, pages, openness, batch, .. } = self;
         batch.for_each_part(grid, targets, &mut |batch, part| {
             batch.compute(level, grid, part);
-            for (index, mask, values) in batch.results() {
-                let (page, differs) = pages.store(table[index as usize], mask, values);
+            for (index, surface) in batch.results() {
+                let values = (surface.normals, surface.depths);
+                let (page, differs) = pages.store(table[index as usize], surface.mask, values);
                 table[index as usize] = page;
+                let has_page = page != NO_PAGE;
+                openness.store(index as usize, has_page.then_some(surface.openness));
                 if differs {
                     changed.push(index);
                 }
@@ -185,6 +196,18 @@ impl NormalField {
             None | Some(&NO_PAGE) => PackedNormal::NONE,
             Some(&page) => self.pages.normal(page, local.z as usize, local.x | local.y << 3),
         }
+    }
+
+    /// The page of a brick, or [`NO_PAGE`].
+    #[inline(always)]
+    pub(super) fn page(&self, brick: usize) -> u32 {
+        self.table.get(brick).copied().unwrap_or(NO_PAGE)
+    }
+
+    /// The table of openness of a brick, if it has a page; see [`super::occlusion`].
+    #[inline(always)]
+    pub(super) fn openness(&self, brick: usize) -> Option<&Table> {
+        self.openness.table(brick)
     }
 
     /// The unit normal of a voxel in grid coordinates, where there is one.

@@ -49,7 +49,8 @@ impl PackedNormal {
         }
         let flat = Vec2::new(v.x, v.y) / sum;
         let flat = if v.z < 0.0 { folded(flat) } else { flat };
-        let [x, y] = flat.to_array().map(|c| (c * STEPS + (STEPS + 0.5)) as u16);
+        let [x, y] = [flat.x, flat.y];
+        let [x, y] = [(x * STEPS + (STEPS + 0.5)) as u16, (y * STEPS + (STEPS + 0.5)) as u16];
         PackedNormal(x | y << 8)
     }
 
@@ -81,14 +82,20 @@ fn folded(v: Vec2) -> Vec2 {
 /// have no meaning.
 #[inline(always)]
 pub fn unpack_many<S: Simd>(simd: S, packed: u32x16<S>) -> [f32x16<S>; 3] {
-    let flat = |bits: u32x16<S>| (bits & 255).to_float::<f32x16<S>>() * (1.0 / STEPS) - 1.0;
-    let (x, y) = (flat(packed), flat(packed >> 8));
+    let x = (packed & 255).to_float::<f32x16<S>>() * (1.0 / STEPS) - 1.0;
+    let y = (packed >> 8 & 255).to_float::<f32x16<S>>() * (1.0 / STEPS) - 1.0;
     let (x_size, y_size) = (x.abs(), y.abs());
     let one = f32x16::splat(simd, 1.0);
     let z = one - x_size - y_size;
     let outer = z.simd_lt(0.0);
-    let signed = |size: f32x16<S>, of: f32x16<S>| of.simd_lt(0.0).select(-size, size);
-    [outer.select(signed(one - y_size, x), x), outer.select(signed(one - x_size, y), y), z]
+    let (folded_x, folded_y) = (signed(one - y_size, x), signed(one - x_size, y));
+    [outer.select(folded_x, x), outer.select(folded_y, y), z]
+}
+
+/// `size` with the sign of `of`.
+#[inline(always)]
+fn signed<S: Simd>(size: f32x16<S>, of: f32x16<S>) -> f32x16<S> {
+    of.simd_lt(0.0).select(-size, size)
 }
 
 #[cfg(test)]

@@ -22,6 +22,18 @@ const PAGE_DEPTH_BLOCKS: usize = BRICK_VOXELS as usize / BLOCK_DEPTHS;
 /// The entry of a brick without a page.
 pub const NO_PAGE: u32 = u32::MAX;
 
+/// Where a normal is kept: its block, and its number in it.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct PlaceOfNormal {
+    block: u32,
+    i: u32,
+}
+
+impl PlaceOfNormal {
+    /// No normal.
+    pub const NONE: PlaceOfNormal = PlaceOfNormal { block: u32::MAX, i: 0 };
+}
+
 /// A page or a block.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Pod, Zeroable)]
@@ -73,6 +85,31 @@ impl Pages {
 
     fn block(&self, block: u32) -> &Block {
         bytemuck::cast_ref(&self.units[block as usize])
+    }
+
+    /// Where the normal of the voxel at `bit` (`x + 8 y`) of layer `z` of a page is kept, for [`Pages::normal_at`]: in
+    /// two steps, so that the memory that one voxel needs is waited for together with that of others. No block, if it
+    /// is no surface voxel.
+    #[inline(always)]
+    pub fn place_of_normal(&self, page: u32, z: usize, bit: u32) -> PlaceOfNormal {
+        let Some(unit) = self.units.get(page as usize) else { return PlaceOfNormal::NONE };
+        let page: &Page = bytemuck::cast_ref(unit);
+        match page.place(z, bit) {
+            Some(i) => PlaceOfNormal {
+                block: page.blocks[i / BLOCK_NORMALS],
+                i: (i % BLOCK_NORMALS) as u32,
+            },
+            None => PlaceOfNormal::NONE,
+        }
+    }
+
+    /// The normal at a place.
+    #[inline(always)]
+    pub fn normal_at(&self, place: PlaceOfNormal) -> PackedNormal {
+        match self.units.get(place.block as usize) {
+            Some(unit) => bytemuck::cast_ref::<Unit, Block>(unit)[place.i as usize % BLOCK_NORMALS],
+            None => PackedNormal::NONE,
+        }
     }
 
     /// The normal of the voxel at `bit` (`x + 8 y`) of layer `z` of a page.
@@ -248,6 +285,7 @@ mod tests {
                     let value = exists.then(|| expected.next().unwrap());
                     let normal = value.map_or(PackedNormal::NONE, |value| *value.0);
                     assert_eq!(pages.normal(*page, z, bit), normal);
+                    assert_eq!(pages.normal_at(pages.place_of_normal(*page, z, bit)), normal);
                     assert_eq!(pages.depth(*page, z, bit), value.map(|value| *value.1));
                 }
             }

@@ -356,7 +356,14 @@ proptest! {
         }
         field.update(&grid, &mut Vec::new(), || true);
         prop_assert!(field.is_complete());
-        prop_assert_eq!(pictures(&grid, &field), pictures(&grid, &NormalField::of(&grid)));
+        let whole = NormalField::of(&grid);
+        prop_assert_eq!(pictures(&grid, &field), pictures(&grid, &whole));
+        for brick in 0..grid.brick_count() {
+            prop_assert_eq!(field.openness(brick), whole.openness(brick));
+            let kept = field.openness(brick).copied();
+            let expected = crate::shade::occlusion::table(&grid, grid.brick_coords(brick));
+            prop_assert_eq!(kept, (field.table()[brick] != NO_PAGE).then_some(expected));
+        }
     }
 }
 

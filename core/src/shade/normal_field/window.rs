@@ -15,7 +15,8 @@ use fearless_simd::{Simd, f32x16, prelude::*};
 use glam::{IVec3, Vec3};
 
 use crate::sculpture::Grid;
-use crate::sculpture::brick::BRICK_EDGE_VX;
+use crate::sculpture::brick::{BRICK_EDGE_VX, Brick};
+use crate::shade::occlusion::{self, WordsAround};
 
 /// Reach of the smoothing along each axis.
 pub const WINDOW_REACH_VX: usize = 4;
@@ -126,6 +127,8 @@ pub struct Samples {
     pub normals: [Vec<f32>; 3],
     /// 0 to 1.
     pub planarity: Vec<f32>,
+    /// Of a brick with surface, where it was asked for.
+    pub openness: occlusion::Table,
 }
 
 impl Samples {
@@ -174,14 +177,25 @@ impl Default for Sums {
     }
 }
 
-/// Replaces `samples` by those of the brick at brick coordinates `brick`.
+/// Replaces `samples` by those of the brick at brick coordinates `brick`. `with_openness`: its table of openness, too.
 #[inline(always)]
-pub fn sample<S: Simd>(simd: S, grid: &Grid, brick: IVec3, sums: &mut Sums, samples: &mut Samples) {
+pub fn sample<S: Simd>(
+    simd: S,
+    grid: &Grid,
+    brick: IVec3,
+    with_openness: bool,
+    sums: &mut Sums,
+    samples: &mut Samples,
+) {
     samples.clear();
-    let rows = rows_around(grid, brick);
+    let words = words_around(grid, brick);
+    let rows = rows_of(&words);
     samples.mask = surface_mask(&rows);
     if samples.mask == SurfaceMask::default() {
         return;
+    }
+    if with_openness {
+        samples.openness = occlusion::table_of(&words);
     }
     sum_rows(&rows, sums);
     sum_layers(simd, sums);
@@ -195,22 +209,36 @@ pub fn sample<S: Simd>(simd: S, grid: &Grid, brick: IVec3, sums: &mut Sums, samp
     }
 }
 
+/// The words around a brick, of which the middle two along each axis are the brick's.
+#[inline(always)]
+fn words_around(grid: &Grid, brick: IVec3) -> WordsAround {
+    // For each word along an axis: in which of three bricks, and which half of it.
+    const FROM: [(usize, usize); 4] = [(0, 1), (1, 0), (1, 1), (2, 0)];
+    let dims = grid.brick_dims().as_ivec3();
+    let mut bricks = [&Brick::EMPTY; 27];
+    for (i, found) in (0..).zip(&mut bricks) {
+        let b = brick + IVec3::new(i % 3, i / 3 % 3, i / 9) - 1;
+        if b.cmpge(IVec3::ZERO).all() && b.cmplt(dims).all() {
+            *found = grid.brick(b.as_uvec3());
+        }
+    }
+    let mut words = WordsAround::default();
+    for (plane, (z, half_z)) in words.iter_mut().zip(FROM) {
+        for (row, (y, half_y)) in plane.iter_mut().zip(FROM) {
+            for (word, (x, half_x)) in row.iter_mut().zip(FROM) {
+                *word = bricks[x + 3 * y + 9 * z].words[half_x + 2 * half_y + 4 * half_z];
+            }
+        }
+    }
+    words
+}
+
 /// The bits of the 16^3 voxels around a brick: a row along x for each y and z.
 #[inline(always)]
-fn rows_around(grid: &Grid, brick: IVec3) -> [[u16; CUBE]; CUBE] {
-    // The middle two of the four words along an axis are the brick's.
-    const FROM: [(i32, usize); 4] = [(-1, 1), (0, 0), (0, 1), (1, 0)];
+fn rows_of(words: &WordsAround) -> [[u16; CUBE]; CUBE] {
     let mut rows = [[0; CUBE]; CUBE];
-    let dims = grid.brick_dims().as_ivec3();
-    for (wz, (dz, half_z)) in FROM.into_iter().enumerate() {
-        for (wy, (dy, half_y)) in FROM.into_iter().enumerate() {
-            let mut words = [0u64; 4];
-            for (word, (dx, half_x)) in words.iter_mut().zip(FROM) {
-                let b = brick + IVec3::new(dx, dy, dz);
-                if b.cmpge(IVec3::ZERO).all() && b.cmplt(dims).all() {
-                    *word = grid.brick(b.as_uvec3()).words[half_x + 2 * half_y + 4 * half_z];
-                }
-            }
+    for (wz, plane) in words.iter().enumerate() {
+        for (wy, words) in plane.iter().enumerate() {
             for z in 0..4 {
                 let mut four = 0u64;
                 for (i, word) in words.iter().enumerate() {
@@ -258,7 +286,7 @@ fn sum_rows(rows: &[[u16; CUBE]; CUBE], sums: &mut Sums) {
     let sums_of_rows = sums.row.as_flattened_mut().iter_mut();
     let slopes_of_rows = sums.row_slope.as_flattened_mut().iter_mut();
     for ((row, sums), slopes) in rows.as_flattened().iter().zip(sums_of_rows).zip(slopes_of_rows) {
-        let [lower, upper] = row.to_le_bytes().map(usize::from);
+        let [lower, upper] = [usize::from(row & 255), usize::from(row >> 8)];
         for x in 0..EDGE {
             sums[x] = table.sums[0][lower][x] + table.sums[1][upper][x];
             slopes[x] = table.slopes[0][lower][x] + table.slopes[1][upper][x];
@@ -291,6 +319,11 @@ fn sum_layers<S: Simd>(simd: S, sums: &mut Sums) {
     }
 }
 
+#[inline(always)]
+fn load<S: Simd>(simd: S, layer: &[[f32; EDGE]; EDGE], first: usize) -> f32x16<S> {
+    f32x16::from_slice(simd, &layer.as_flattened()[first..first + 16])
+}
+
 /// Sums along z for two rows of voxels from `y` on, and appends the samples of those whose bits are set.
 #[inline(always)]
 fn sum_columns<S: Simd>(
@@ -302,15 +335,12 @@ fn sum_columns<S: Simd>(
 ) {
     let zero = f32x16::splat(simd, 0.0);
     let (mut sum, mut slopes) = (zero, [zero; 3]);
-    let at = EDGE * y..EDGE * y + 16;
     for tap in 0..TAPS {
-        let load = |of: &[[[f32; EDGE]; EDGE]; CUBE]| {
-            f32x16::from_slice(simd, &of[z + tap].as_flattened()[at.clone()])
-        };
-        let values = load(&sums.layer);
+        let layer = z + tap;
+        let values = load(simd, &sums.layer[layer], EDGE * y);
         sum += values * WEIGHTS[tap];
-        slopes[0] += load(&sums.layer_slope_x) * WEIGHTS[tap];
-        slopes[1] += load(&sums.layer_slope_y) * WEIGHTS[tap];
+        slopes[0] += load(simd, &sums.layer_slope_x[layer], EDGE * y) * WEIGHTS[tap];
+        slopes[1] += load(simd, &sums.layer_slope_y[layer], EDGE * y) * WEIGHTS[tap];
         slopes[2] += values * SLOPES[tap];
     }
     let length = (slopes[0] * slopes[0] + slopes[1] * slopes[1] + slopes[2] * slopes[2]).sqrt();
@@ -318,7 +348,11 @@ fn sum_columns<S: Simd>(
     let outwards = f32x16::splat(simd, -1.0) / length.max(1.0);
     let interval = (sum * (INTERVALS as f64 / (SUM * SUM * SUM)) as f32).to_array();
     let length = length.to_array();
-    let normals = slopes.map(|slope| (slope * outwards).to_array());
+    let normals = [
+        (slopes[0] * outwards).to_array(),
+        (slopes[1] * outwards).to_array(),
+        (slopes[2] * outwards).to_array(),
+    ];
     let table = &*HALF_SPACE;
     let mut rest = bits;
     while rest != 0 {

@@ -9,6 +9,7 @@ use glam::{IVec3, Vec3};
 use super::projection::TileFrame;
 use super::ray::STANDSTILL;
 use crate::sculpture::Brick;
+use crate::sculpture::vectors::for_axes;
 use crate::view::PixelRays;
 
 /// Rays in a packet.
@@ -175,13 +176,6 @@ pub(super) fn cast_packet<S: Simd>(
     }
     let voxels = [found & 7, found >> FIELD & 7, found >> (2 * FIELD) & 7];
     PacketHit { lanes: hit.to_bitmask() as u32, voxels }
-}
-
-/// `f` of the three axes, always inlined: other functions would not be compiled for the instructions
-/// that the dispatch chose.
-#[inline(always)]
-fn for_axes<T>(mut f: impl FnMut(usize) -> T) -> [T; 3] {
-    [f(0), f(1), f(2)]
 }
 
 /// The bytes of a table at the given indices (0..64); only the lowest byte of a result counts.

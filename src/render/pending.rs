@@ -1,0 +1,26 @@
+//! What of a picture in memory is not yet on the device.
+
+use crate::surface::PixelRect;
+
+/// The part of a picture to upload.
+#[derive(Clone, Copy, Default)]
+pub(super) enum Pending {
+    #[default]
+    Nothing,
+    /// The rows of these pixels; the others on the device are up to date.
+    Changed(PixelRect),
+    All,
+}
+
+impl Pending {
+    /// The union with more pixels that have changed; none: all may have.
+    pub fn and(self, more: Option<PixelRect>) -> Pending {
+        let Some(more) = more else { return Pending::All };
+        match self {
+            Pending::Changed(rect) if more.is_empty() => Pending::Changed(rect),
+            Pending::Changed(rect) if !rect.is_empty() => Pending::Changed(rect.union(more)),
+            Pending::Nothing | Pending::Changed(_) => Pending::Changed(more),
+            Pending::All => Pending::All,
+        }
+    }
+}
