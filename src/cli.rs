@@ -34,6 +34,7 @@ mod arguments;
 mod error;
 mod film_arguments;
 mod final_arguments;
+mod shell;
 
 pub use arguments::{ImportArgs, PictureArgs};
 pub use error::ProgramError;
@@ -92,7 +93,8 @@ pub enum Job {
     Film(FilmArgs),
     /// Run a script of commands, without a display
     Run {
-        /// Script with one command per line; see `virtual-sculpture commands`
+        /// Script with one command per line; see `virtual-sculpture commands`. `-`: from standard input, each line
+        /// answered by a line of JSON
         script: PathBuf,
         /// Sculpture or volume to start from
         #[arg(long = "in", value_name = "FILE")]
@@ -123,6 +125,9 @@ pub enum Job {
     /// Show what a file contains
     Info {
         file: PathBuf,
+        /// Print one line of JSON, for programs
+        #[arg(long)]
+        json: bool,
         #[command(flatten)]
         import: ImportArgs,
     },
@@ -188,6 +193,17 @@ pub enum Job {
     Commands,
     /// Show what was found on this machine: Vulkan devices, gamepads, cameras, OpenXR, settings
     Doctor,
+    /// Print a script that completes commands and options in a shell
+    Completions {
+        #[arg(value_enum)]
+        shell: clap_complete::Shell,
+    },
+    /// Print the manual page, for `man -l -`
+    Man {
+        /// The command whose page is printed instead of that of the program
+        #[arg(value_name = "COMMAND")]
+        of: Option<String>,
+    },
 }
 
 /// Parses arguments. Those of the window are refused beside a job; global ones may be anywhere.
@@ -328,7 +344,9 @@ fn dispatch(cli: Cli) -> Result<(), ProgramError> {
         Some(Job::Convert { input, output, form, import }) => {
             Ok(headless::convert(&input, &output, form, &import.options(), &context)?)
         }
-        Some(Job::Info { file, import }) => Ok(headless::info(&file, &import.options(), &context)?),
+        Some(Job::Info { file, json, import }) => {
+            Ok(headless::info(&file, &import.options(), json, &context)?)
+        }
         Some(Job::Demo { scene, out, picture }) => {
             Ok(headless::demo(scene, &out, &picture.request()?, &context)?)
         }
@@ -358,6 +376,11 @@ fn dispatch(cli: Cli) -> Result<(), ProgramError> {
         }
         Some(Job::Commands) => Ok(headless::commands()?),
         Some(Job::Doctor) => Ok(terminal::print_result(doctor::report())?),
+        Some(Job::Completions { shell }) => Ok(shell::completions(shell, Cli::command())?),
+        Some(Job::Man { of }) => match shell::manual(Cli::command(), of.as_deref())? {
+            true => Ok(()),
+            false => Err(ProgramError::NoJob(of.unwrap_or_default())),
+        },
         None => window_or_demo(cli, config, device, &progress),
     }
 }

@@ -3,6 +3,9 @@
 //! Results go to stdout, one fact per line; progress and errors to stderr. Files are written before
 //! they are reported, so that a closed stdout costs none.
 
+mod info;
+mod pipe;
+
 use std::path::{Path, PathBuf};
 
 use glam::{UVec2, UVec3, Vec3};
@@ -14,7 +17,7 @@ use crate::config::Config;
 use crate::document::Document;
 use crate::fiducial::{family, sheet};
 use crate::format::options::{ExportForm, ImportOptions};
-use crate::format::{self, FormatError, store};
+use crate::format::{FormatError, store};
 use crate::gpu::DeviceOptions;
 use crate::picture::{self, FinalOptions, PictureError, TraceOn};
 use crate::progress::Progress;
@@ -26,6 +29,8 @@ use crate::shade::ground::line_spacing_vx;
 use crate::terminal::{self, OutputError};
 use crate::trace::TraceShot;
 use crate::view::StereoLayout;
+
+pub use info::info;
 
 /// A scene that the program builds from a script.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, clap::ValueEnum)]
@@ -175,6 +180,10 @@ pub enum JobError {
     Script { path: PathBuf, error: ScriptError },
     #[error("script {path}, line {line} (`{command}`): {error}")]
     Command { path: PathBuf, line: usize, command: String, error: Box<SessionError> },
+    #[error("cannot read commands from the standard input: {0}")]
+    Input(std::io::Error),
+    #[error("{0} of the commands from the standard input failed; their answers say why")]
+    Refused(usize),
     #[error("cannot create the folder {path}: {error}")]
     Folder { path: PathBuf, error: std::io::Error },
     #[error(transparent)]
@@ -240,13 +249,14 @@ pub fn marker(id: u32, size_mm: f64, out: &Path) -> Result<(), JobError> {
     Ok(())
 }
 
-/// Runs a script; saves and renders the result if requested.
+/// Runs a script; saves and renders the result if requested. The script `-` is standard input, whose lines
+/// are answered; of them, those that fail do not keep the others from being executed.
 pub fn run(job: &RunJob, context: &Context) -> Result<(), JobError> {
+    if pipe::reads_input(job) {
+        return run_piped(job, context);
+    }
     let text = read_script(&job.script)?;
-    let mut session = match &job.input {
-        Some(input) => context.open_session(input, &job.import)?,
-        None => context.new_session()?,
-    };
+    let mut session = job.session(context)?;
     execute_script(&mut session, &text, &job.script, context.progress)?;
     if let Some(output) = &job.output {
         save(&mut session, output, ExportForm::Auto, context.progress)?;
@@ -258,6 +268,22 @@ pub fn run(job: &RunJob, context: &Context) -> Result<(), JobError> {
     }
 }
 
+/// [`run`] for standard input. Nothing but answers is printed on standard output.
+fn run_piped(job: &RunJob, context: &Context) -> Result<(), JobError> {
+    let mut session = job.session(context)?;
+    let refused = pipe::converse(&mut session, &())?;
+    if let Some(path) = &job.output {
+        let save = Command::Save { path: path.clone(), form: ExportForm::Auto };
+        session.execute(&save, context.progress)?;
+    }
+    if let Some(out) = &job.render {
+        let view = job.picture.view(context.config);
+        let options = context.config.picture_options(context.device);
+        picture::render_to_file(session.document_mut(), &view, &options, out)?;
+    }
+    if refused > 0 { Err(JobError::Refused(refused)) } else { Ok(()) }
+}
+
 /// The arguments of [`run`].
 #[derive(Debug)]
 pub struct RunJob {
@@ -267,6 +293,15 @@ pub struct RunJob {
     pub render: Option<PathBuf>,
     pub picture: PictureRequest,
     pub import: ImportOptions,
+}
+
+impl RunJob {
+    fn session(&self, context: &Context) -> Result<Session, SessionError> {
+        match &self.input {
+            Some(input) => context.open_session(input, &self.import),
+            None => context.new_session(),
+        }
+    }
 }
 
 /// Converts a file to the format of the extension of `output`.
@@ -281,14 +316,6 @@ pub fn convert(
     save(&mut session, output, form, context.progress)?;
     describe(session.document());
     Ok(())
-}
-
-/// Prints the contents of a file.
-pub fn info(file: &Path, import: &ImportOptions, context: &Context) -> Result<(), JobError> {
-    let failed = |error| JobError::Info { path: file.to_path_buf(), error };
-    let info = format::info_with(file, import, &context.config.limits(), context.progress)
-        .map_err(failed)?;
-    Ok(terminal::print_result(info)?)
 }
 
 /// Builds a scene and writes a picture and the sculpture into `folder`.

@@ -52,6 +52,8 @@ pub enum ProgramError {
     Film(#[from] FilmError),
     #[error(transparent)]
     Output(#[from] OutputError),
+    #[error("there is no command '{0}'; `virtual-sculpture --help` lists them")]
+    NoJob(String),
     #[error(
         "there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); `render`, `film`, `run`, `convert`, `info`, `demo` and `bench` need none"
     )]
@@ -70,6 +72,7 @@ impl ProgramError {
                 SourceError::ReadScript(..) | SourceError::Script(..),
             )) => 3,
             ProgramError::Arguments(_)
+            | ProgramError::NoJob(_)
             | ProgramError::Track(TrackError::NoSource)
             | ProgramError::Film(
                 FilmError::Form(_)
@@ -110,10 +113,12 @@ fn job_code(error: &JobError) -> u8 {
         | JobError::Info { .. }
         | JobError::ReadScript { .. }
         | JobError::Script { .. }
-        | JobError::Command { .. } => 3,
+        | JobError::Command { .. }
+        | JobError::Refused(_) => 3,
         JobError::NoMarker(_) | JobError::Picture(PictureError::SmoothOnDevice) => 2,
         JobError::Picture(PictureError::Gpu(_) | PictureError::TraceDevice(_)) => 4,
         JobError::Session(_)
+        | JobError::Input(_)
         | JobError::Folder { .. }
         | JobError::WriteMarker { .. }
         | JobError::Picture(_)

@@ -5,6 +5,7 @@ mod files;
 mod film;
 mod final_picture;
 mod orthographic;
+mod pipe;
 mod samples;
 #[cfg(target_os = "linux")]
 mod streams;

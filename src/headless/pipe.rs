@@ -1,0 +1,213 @@
+//! `run -`: commands from standard input, each answered by one line of JSON on standard output, so that
+//! another program can drive this one through a pipe.
+//!
+//! Takes a session and lines of the script language; gives an [`Answer`] a line, empty lines and comments
+//! included. A command that fails changes nothing, and the next one is read. Does not know what the driver
+//! does with the answers.
+
+use std::io::{BufRead, ErrorKind, Read};
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::{JobError, RunJob};
+use crate::command::Command;
+use crate::progress::Progress;
+use crate::session::Session;
+use crate::terminal::{self, OutputError};
+
+/// The script that stands for standard input.
+pub const STANDARD_INPUT: &str = "-";
+
+/// The longest line read, in bytes: more than a stroke of hours. A longer one is no script.
+const LONGEST_LINE: u64 = 64 << 20;
+
+/// The answer to a line.
+#[derive(Debug, Serialize)]
+struct Answer<'a> {
+    /// Of standard input, counted from 1.
+    line: usize,
+    ok: bool,
+    /// Why the command was refused.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error: Option<String>,
+    /// Steps that `undo` and `redo` went.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    steps: Option<u32>,
+    /// Size of the sculpture in voxels.
+    dims: [u32; 3],
+    /// How many of them exist.
+    voxels: u64,
+    /// The file of the sculpture.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    file: Option<&'a Path>,
+    /// Whether there are changes that are not in that file.
+    modified: bool,
+}
+
+/// Whether the job reads its commands from standard input.
+pub fn reads_input(job: &RunJob) -> bool {
+    job.script == Path::new(STANDARD_INPUT)
+}
+
+/// Executes the lines of standard input until it ends. Returns how many were refused.
+pub fn converse(session: &mut Session, progress: &dyn Progress) -> Result<usize, JobError> {
+    answer_lines(session, std::io::stdin().lock(), progress, &mut |answer| {
+        terminal::print_result(answer)
+    })
+}
+
+fn answer_lines(
+    session: &mut Session,
+    mut input: impl BufRead,
+    progress: &dyn Progress,
+    answer: &mut dyn FnMut(&str) -> Result<(), OutputError>,
+) -> Result<usize, JobError> {
+    let (mut line, mut refused, mut bytes) = (0, 0, Vec::new());
+    loop {
+        bytes.clear();
+        match input.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut bytes) {
+            Ok(0) => return Ok(refused),
+            Ok(read) if read as u64 == LONGEST_LINE && !bytes.ends_with(b"\n") => {
+                let what = format!("line {} is longer than {} MiB", line + 1, LONGEST_LINE >> 20);
+                return Err(JobError::Input(std::io::Error::new(ErrorKind::InvalidData, what)));
+            }
+            Ok(_) => line += 1,
+            Err(error) => return Err(JobError::Input(error)),
+        }
+        let first = line == 1;
+        let (steps, error) = match execute(session, &bytes, first, progress) {
+            Ok(steps) => (steps, None),
+            Err(error) => (None, Some(error)),
+        };
+        refused += usize::from(error.is_some());
+        let grid = session.document().grid();
+        let said = Answer {
+            line,
+            ok: error.is_none(),
+            error,
+            steps,
+            dims: grid.dims().to_array(),
+            voxels: grid.opaque_count(),
+            file: session.path(),
+            modified: session.modified(),
+        };
+        // Paths that are no Unicode are the only values that JSON cannot hold.
+        let said = serde_json::to_string(&said)
+            .or_else(|_| serde_json::to_string(&Answer { file: None, ..said }))
+            .map_err(|error| JobError::Input(error.into()))?;
+        answer(&said)?;
+    }
+}
+
+/// Executes one line. Returns the steps that an undo or redo went, or what is wrong.
+fn execute(
+    session: &mut Session,
+    line: &[u8],
+    first: bool,
+    progress: &dyn Progress,
+) -> Result<Option<u32>, String> {
+    let text = str::from_utf8(line).map_err(|_| "the line is not UTF-8 text".to_owned())?;
+    let text = if first { text.strip_prefix('\u{feff}').unwrap_or(text) } else { text }.trim();
+    if text.is_empty() || text.starts_with('#') {
+        return Ok(None);
+    }
+    let command: Command = text.parse().map_err(|error| format!("{error}"))?;
+    let applied = session.execute(&command, progress).map_err(|error| error.to_string())?;
+    let travels = matches!(command, Command::Undo { .. } | Command::Redo { .. });
+    Ok(travels.then_some(applied.steps))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::command::NewSculpture;
+    use crate::document::Limits;
+    use crate::sculpture::{ColourDepth, Rgb};
+
+    fn answers(input: &[u8]) -> (Vec<serde_json::Value>, Result<usize, JobError>) {
+        let new = NewSculpture {
+            dims: glam::UVec3::new(16, 8, 4),
+            voxel_size: glam::Vec3::ONE,
+            colour_depth: ColourDepth::Bits24,
+            base: Rgb::STONE,
+            solid: true,
+        };
+        let mut session = Session::new(&new, Limits::default()).unwrap();
+        let mut lines = Vec::new();
+        let ended = answer_lines(&mut session, input, &(), &mut |line| {
+            assert!(!line.contains('\n'));
+            lines.push(serde_json::from_str(line).unwrap());
+            Ok(())
+        });
+        (lines, ended)
+    }
+
+    #[test]
+    fn each_line_has_one_answer_and_a_refused_one_changes_nothing() {
+        let input = "\u{feff}# begins\r\n\nsubtract cuboid at=4,4,2 half=4\nfrobnicate\nend\n\
+                     undo 3\nundo\nredo\nopen \"missing.vsc\"\nclear";
+        let (lines, ended) = answers(input.as_bytes());
+        assert_eq!(ended.unwrap(), 3, "{lines:#?}");
+        let numbers: Vec<u64> = lines.iter().map(|l| l["line"].as_u64().unwrap()).collect();
+        assert_eq!(numbers, (1..=10).collect::<Vec<u64>>());
+        let voxels: Vec<u64> = lines.iter().map(|l| l["voxels"].as_u64().unwrap()).collect();
+        assert_eq!(voxels, [512, 512, 256, 256, 256, 512, 512, 256, 256, 0]);
+        let ok: Vec<bool> = lines.iter().map(|l| l["ok"].as_bool().unwrap()).collect();
+        assert_eq!(ok, [true, true, true, false, false, true, true, true, false, true]);
+        assert!(lines.iter().all(|l| l["ok"] == l["error"].is_null()));
+        assert!(lines[8]["error"].as_str().unwrap().contains("missing.vsc"));
+        let steps = [5, 6, 7, 9].map(|i| lines[i]["steps"].as_u64());
+        assert_eq!(steps, [Some(1), Some(0), Some(1), None]);
+        assert_eq!(lines[2]["dims"], serde_json::json!([16, 8, 4]));
+        assert_eq!(lines[0]["modified"], lines[1]["modified"]);
+        assert_eq!(lines[2]["modified"], true);
+    }
+
+    #[test]
+    fn bytes_that_are_no_text_are_answered() {
+        let (lines, ended) = answers(b"\xff\xfe\x00\nclear\n");
+        assert_eq!((ended.unwrap(), lines.len()), (1, 2));
+        assert!(lines[0]["error"].as_str().unwrap().contains("UTF-8"));
+        assert_eq!(lines[1]["voxels"], 0);
+        assert!(answers(b"").0.is_empty());
+    }
+
+    #[test]
+    fn a_reader_that_is_gone_ends_the_work() {
+        let mut session = Session::new(
+            &NewSculpture {
+                dims: glam::UVec3::splat(8),
+                voxel_size: glam::Vec3::ONE,
+                colour_depth: ColourDepth::None,
+                base: Rgb::STONE,
+                solid: false,
+            },
+            Limits::default(),
+        )
+        .unwrap();
+        let input = &b"fill all\nclear\n"[..];
+        let ended = answer_lines(&mut session, input, &(), &mut |_| Err(OutputError::ReaderGone));
+        assert!(matches!(ended, Err(JobError::Output(OutputError::ReaderGone))));
+    }
+
+    #[test]
+    fn an_endless_line_is_refused() {
+        let endless = std::io::BufReader::new(std::io::repeat(b'x'));
+        let mut session = Session::new(
+            &NewSculpture {
+                dims: glam::UVec3::splat(8),
+                voxel_size: glam::Vec3::ONE,
+                colour_depth: ColourDepth::None,
+                base: Rgb::STONE,
+                solid: false,
+            },
+            Limits::default(),
+        )
+        .unwrap();
+        let ended = answer_lines(&mut session, endless, &(), &mut |_| Ok(()));
+        assert!(
+            matches!(ended, Err(JobError::Input(error)) if error.to_string().contains("64 MiB"))
+        );
+    }
+}
