@@ -28,7 +28,8 @@ pub fn info(
 
 /// The same facts as in the text. What the file does not have is null.
 fn value_of(info: &Info) -> Value {
-    let Info { kind, file_bytes, dims, voxel_size, samples, texts, densities, signature } = info;
+    let Info { kind, file_bytes, dims, voxel_size, samples, texts, densities, signature, notes } =
+        info;
     let named = texts.named().map(|(name, text)| {
         let text = (!text.is_empty()).then(|| Texts::legible(text));
         (name.to_owned(), json!(text))
@@ -49,6 +50,7 @@ fn value_of(info: &Info) -> Value {
             "colour_bits": signature.colour_depth.bits(),
             "base": signature.base.to_string(),
         })),
+        "notes": notes,
         "texts": Value::Object(named.into_iter().collect()),
     })
 }
