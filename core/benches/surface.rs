@@ -1,13 +1,18 @@
 //! Measures the kernels of a picture on the CPU, by scene: exact ray caster, Quickstep, software
-//! shader, and all of a partial update. The view is that of `virtual-sculpture bench`.
+//! shader, and all of a partial update; and meshes of the voxels' faces and of a smooth surface that is known. The
+//! view is that of `virtual-sculpture bench`.
 
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use glam::{Affine3A, UVec2, Vec3};
+use sculpture_core::mesh::{Mesh, MeshKind};
 use sculpture_core::scenes;
-use sculpture_core::sculpture::{Brick, ColourDepth, Grid, Material, Rgb};
-use sculpture_core::shade::{self, Lighting, NormalField, Pixels, ShadePose, ShadeSource};
+use sculpture_core::sculpture::history::Contents;
+use sculpture_core::sculpture::{Brick, ColourDepth, Grid, Limits, Material, Rgb};
+use sculpture_core::shade::{
+    self, LevelSet, Lighting, NormalField, Pixels, ShadePose, ShadeSource,
+};
 use sculpture_core::surface::{IndexMap, changed_pixels, quickstep, raycast};
 use sculpture_core::view::Camera;
 
@@ -51,6 +56,16 @@ fn pictures(c: &mut Criterion) {
             let source = ShadeSource { grid: &grid, material: &material, normals: &normals };
             b.iter(|| shade::shade(&map, &source, &pose, &lighting, &mut pixels));
         });
+        let contents = Contents { grid: grid.clone(), material: material.clone() };
+        group.bench_function(BenchmarkId::new("mesh_faces", name), |b| {
+            b.iter(|| Mesh::of(&contents, MeshKind::Faces, &Limits::default(), &()));
+        });
+        let mut levels = LevelSet::new(&grid, u64::MAX).expect("the scenes are small");
+        levels.update(&grid, &normals, &mut Vec::new());
+        group.bench_function(BenchmarkId::new("mesh_smooth", name), |b| {
+            b.iter(|| Mesh::smooth(&contents, &levels, &()));
+        });
+        drop((contents, levels));
         // The bricks of a ball of radius 32 at the side of the grid that faces the eye.
         let middle = grid.brick_dims().as_vec3() * Vec3::new(0.5, 0.5, 1.0);
         let changed: Vec<u32> = (0..grid.brick_count())

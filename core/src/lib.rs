@@ -5,6 +5,7 @@ pub mod command;
 pub mod command_text;
 pub mod document;
 pub mod format;
+pub mod mesh;
 pub mod progress;
 pub mod scenes;
 pub mod sculpture;

@@ -213,7 +213,7 @@ impl LevelSet {
 
     /// The levels of the corners of a cell: corner `x + 2 y + 4 z`.
     #[inline(always)]
-    fn corners(&self, grid: &Grid, cell: IVec3) -> [f32; 8] {
+    pub fn corners(&self, grid: &Grid, cell: IVec3) -> [f32; 8] {
         let low = cell - 1;
         let local = low & 7;
         let mut levels = [0.0; 8];

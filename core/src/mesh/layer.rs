@@ -1,0 +1,255 @@
+//! The vertices of one layer of the lattice of voxel corners, and their numbers.
+//!
+//! A layer numbers its vertices: first one for each corner of the surface, row by row; then the further fans of
+//! corners that have several, and the vertices in the middle of pinched edges along x and y; then those of pinched
+//! edges along z. An edge is *pinched* if four faces meet in it and neither of its corners tells their two pairs
+//! apart: without vertices of its own, one for each pair, four faces would share one edge of the mesh.
+//!
+//! Takes rows of bits; knows no positions.
+
+use super::contact::{CORNERS, Corner};
+use super::rows::{Rows, for_each_bit, moved_down, moved_up};
+
+/// Numbers of the places of a corner in the keys of further vertices: fans 1 to 3, then two for the edge along each
+/// axis.
+const PLACES: u32 = 16;
+/// Place of the vertices in the edge along x.
+const EDGE_PLACE: u32 = 4;
+
+/// The vertices of the lattice's layer between the voxel layers `z - 1` and `z`.
+pub struct Layer {
+    /// Words of a row of corners.
+    pub width: usize,
+    /// Corners of the surface, a bit each.
+    pub corners: Vec<u64>,
+    /// Corners with several fans or at the lower end of a pinched edge.
+    pub odd: Vec<u64>,
+    /// Rank of the first corner of each row.
+    row_starts: Vec<u32>,
+    /// The octants of each corner, by rank.
+    pub octants: Vec<u8>,
+    /// Keys of the further vertices, rising; those of pinched edges along z by themselves.
+    further: Vec<u32>,
+    further_z: Vec<u32>,
+    has_odd: bool,
+}
+
+/// What a vertex beyond the first of its corner is.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Further {
+    /// The fan of this number.
+    Fan(usize),
+    /// In the middle of the edge from the corner along an axis; of the existing voxel with this bit along the
+    /// second axis after it.
+    Middle { axis: usize, side: usize },
+}
+
+impl Layer {
+    /// The layer below the voxel layer `z` of a grid of `height` rows; without the pinched edges along z.
+    pub fn new(rows: &Rows, width: usize, height: usize, z: i64) -> Layer {
+        let mut layer = Layer {
+            width,
+            corners: vec![0; width * (height + 1)],
+            odd: vec![0; width * (height + 1)],
+            row_starts: Vec::with_capacity(height + 1),
+            octants: Vec::new(),
+            further: Vec::new(),
+            further_z: Vec::new(),
+            has_odd: false,
+        };
+        let table = &*CORNERS;
+        for y in 0..=height {
+            layer.row_starts.push(layer.octants.len() as u32);
+            let [a, b] = [y as i64 - 1, y as i64];
+            let around = [rows.row(a, z - 1), rows.row(b, z - 1), rows.row(a, z), rows.row(b, z)];
+            for i in 0..width {
+                let high = around.map(|row| row[i]);
+                let low = around.map(|row| moved_up(row, i));
+                let any = high.iter().chain(&low).fold(0, |all, bits| all | bits);
+                let all = high.iter().chain(&low).fold(u64::MAX, |all, bits| all & bits);
+                let corners = any & !all;
+                if corners == 0 {
+                    continue;
+                }
+                layer.corners[y * width + i] = corners;
+                layer.octants.reserve(64);
+                let mut odd = 0;
+                for_each_bit(corners, |bit| {
+                    let octants = (0..4).fold(0, |octants, j| {
+                        let pair = (low[j] >> bit & 1) | (high[j] >> bit & 1) << 1;
+                        octants | (pair as u8) << (2 * j)
+                    });
+                    layer.octants.push(octants);
+                    let corner = &table[octants as usize];
+                    odd |= u64::from(corner.count > 1 || corner.pinched != [0; 3]) << bit;
+                });
+                layer.odd[y * width + i] = odd;
+                layer.has_odd |= odd != 0;
+            }
+        }
+        if layer.has_odd {
+            layer.find_further();
+        }
+        layer
+    }
+
+    /// Lists the further vertices of the layer's own corners and of its edges along x and y.
+    fn find_further(&mut self) {
+        for y in 0..self.row_starts.len() {
+            for i in 0..self.width {
+                let odd = self.odd[y * self.width + i];
+                let mut kept = 0;
+                for_each_bit(odd, |bit| {
+                    let x = 64 * i + bit;
+                    let Some(corner) = self.corner(x, y) else { return };
+                    let key = self.key(x, y);
+                    let before = self.further.len();
+                    self.further.extend((1..u32::from(corner.count)).map(|fan| key + fan));
+                    for (axis, end) in [(0, self.corner(x + 1, y)), (1, self.corner(x, y + 1))] {
+                        if is_pinched(Some(corner), end, axis) {
+                            let first = key + EDGE_PLACE + 2 * axis as u32;
+                            self.further.extend([first, first + 1]);
+                        }
+                    }
+                    // An edge along z may yet be.
+                    let may_be = corner.pinched[2] & 2 != 0;
+                    kept |= u64::from(may_be || self.further.len() > before) << bit;
+                });
+                self.odd[y * self.width + i] = kept;
+            }
+        }
+    }
+
+    /// Lists the pinched edges from here to the layer above.
+    pub fn find_edges_to(&mut self, above: &Layer) {
+        if !self.has_odd {
+            return;
+        }
+        for y in 0..self.row_starts.len() {
+            for i in 0..self.width {
+                for_each_bit(
+                    self.odd[y * self.width + i] & above.corners[y * self.width + i],
+                    |bit| {
+                        let x = 64 * i + bit;
+                        if is_pinched(self.corner(x, y), above.corner(x, y), 2) {
+                            let first = self.key(x, y) + EDGE_PLACE + 4;
+                            self.further_z.extend([first, first + 1]);
+                        }
+                    },
+                );
+            }
+        }
+    }
+
+    /// Number of vertices.
+    pub fn count(&self) -> usize {
+        self.octants.len() + self.further.len() + self.further_z.len()
+    }
+
+    /// Whether all vertices are first ones and no edge of the layer is pinched.
+    pub fn is_plain(&self) -> bool {
+        !self.has_odd
+    }
+
+    fn key(&self, x: usize, y: usize) -> u32 {
+        (x + y * (64 * self.width)) as u32 * PLACES
+    }
+
+    /// The rank of the corner at (x, y), which must be of the surface.
+    fn rank(&self, x: usize, y: usize) -> usize {
+        let row = &self.corners[y * self.width..];
+        let before: u32 = row[..x / 64].iter().map(|word| word.count_ones()).sum();
+        let last = (row[x / 64] & ((1 << (x % 64)) - 1)).count_ones();
+        (self.row_starts[y] + before + last) as usize
+    }
+
+    /// Whether the lattice has corners at y.
+    pub fn has_row(&self, y: usize) -> bool {
+        y < self.row_starts.len()
+    }
+
+    /// The octants of the corner at (x, y), which must be of the surface.
+    pub fn octants_at(&self, x: usize, y: usize) -> u8 {
+        self.octants[self.rank(x, y)]
+    }
+
+    /// The corner at (x, y), if the surface passes through it.
+    pub fn corner(&self, x: usize, y: usize) -> Option<&'static Corner> {
+        let word = (self.has_row(y) && x / 64 < self.width)
+            .then(|| self.corners[y * self.width + x / 64])?;
+        (word >> (x % 64) & 1 != 0).then(|| &CORNERS[self.octants[self.rank(x, y)] as usize])
+    }
+
+    /// The number in the layer of the vertex of a fan of the corner at (x, y), which must be of the surface.
+    pub fn fan(&self, x: usize, y: usize, fan: usize) -> usize {
+        match fan {
+            0 => self.rank(x, y),
+            _ => self.find(&self.further, self.key(x, y) + fan as u32, self.octants.len()),
+        }
+    }
+
+    /// The number of the vertex in the edge from (x, y) along `axis`, on the side of the existing voxel with this bit
+    /// along the second axis after it. None if the edge is not pinched.
+    pub fn middle(&self, x: usize, y: usize, axis: usize, side: usize) -> Option<usize> {
+        let key = self.key(x, y) + EDGE_PLACE + 2 * axis as u32 + side as u32;
+        let (keys, before) = match axis {
+            2 => (&self.further_z, self.octants.len() + self.further.len()),
+            _ => (&self.further, self.octants.len()),
+        };
+        keys.binary_search(&key).ok().map(|at| before + at)
+    }
+
+    fn find(&self, keys: &[u32], key: u32, before: usize) -> usize {
+        before + keys.partition_point(|&other| other < key)
+    }
+
+    /// The further vertices in the order of their numbers: their corner, and which they are.
+    pub fn further(&self) -> impl Iterator<Item = ([usize; 2], Further)> {
+        self.further.iter().chain(&self.further_z).map(|&key| {
+            let (at, place) = ((key / PLACES) as usize, (key % PLACES) as usize);
+            let row = 64 * self.width;
+            let further = match place.checked_sub(EDGE_PLACE as usize) {
+                None => Further::Fan(place),
+                Some(edge) => Further::Middle { axis: edge / 2, side: edge % 2 },
+            };
+            ([at % row, at / row], further)
+        })
+    }
+
+    /// Calls `f` with place and octants of each corner, in the order of their numbers.
+    #[inline(always)]
+    pub fn for_each_corner(&self, mut f: impl FnMut([usize; 2], u8)) {
+        let mut rank = 0;
+        for (i, &word) in self.corners.iter().enumerate() {
+            for_each_bit(word, |bit| {
+                f([i % self.width * 64 + bit, i / self.width], self.octants[rank]);
+                rank += 1;
+            });
+        }
+    }
+
+    /// Writes the numbers of the corners of row `y` to their places in `numbers`, from `base` on.
+    #[inline(always)]
+    pub fn number_row(&self, y: usize, base: u32, numbers: &mut [u32]) {
+        let mut next = base + self.row_starts[y];
+        let words = &self.corners[y * self.width..(y + 1) * self.width];
+        for (i, &word) in words.iter().enumerate() {
+            for_each_bit(word, |bit| {
+                numbers[64 * i + bit] = next;
+                next += 1;
+            });
+        }
+    }
+
+    /// Bits of the places of row `y` whose corner, or the next one, is odd.
+    pub fn odd_beside(&self, y: usize, i: usize) -> u64 {
+        let row = &self.odd[y * self.width..(y + 1) * self.width];
+        row[i] | moved_down(row, i)
+    }
+}
+
+/// Whether an edge between two corners has four faces, in two pairs that neither of them tells apart.
+fn is_pinched(low: Option<&Corner>, high: Option<&Corner>, axis: usize) -> bool {
+    let (Some(low), Some(high)) = (low, high) else { return false };
+    low.pinched[axis] & 2 != 0 && high.pinched[axis] & 1 != 0
+}

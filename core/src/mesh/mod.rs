@@ -1,0 +1,264 @@
+//! Meshes of a sculpture: closed surfaces around its voxels, of triangles.
+//!
+//! Every mesh is watertight and 2-manifold: each edge has two triangles of opposite directions, and the triangles
+//! around a vertex form one fan. Voxels that touch in an edge or a corner only are parted ([`contact`]): there the
+//! surfaces have vertices of their own. Meshes at the voxels' faces move these apart by [`GAP_VX`], so that this holds
+//! also for files that store no more than positions; except for that their volume is the number of voxels.
+//!
+//! Slabs of the lattice of voxel corners are meshed independently ([`slab`]), so a mesh consists of parts and is the
+//! same for any number of threads. Takes contents, gives a [`Mesh`] in grid coordinates; knows no files, no units.
+
+mod contact;
+mod layer;
+mod place;
+mod rows;
+mod slab;
+#[cfg(test)]
+mod tests;
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use self::place::{AtCorners, OnSurface, Place};
+use self::slab::Slab;
+use crate::progress::Progress;
+use crate::sculpture::history::Contents;
+use crate::sculpture::{GridError, Limits, Rgb};
+use crate::shade::{LevelSet, NormalField};
+
+pub use self::place::GAP_VX;
+
+/// Layers of the lattice in a part: a multiple of a brick's.
+const PART_LAYERS: u32 = 16;
+
+/// Which surface a mesh follows.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, clap::ValueEnum)]
+pub enum MeshKind {
+    /// Each exposed face of a voxel.
+    Faces,
+    /// The smooth surface that pictures show.
+    #[default]
+    Smooth,
+}
+
+/// Why there is no mesh.
+#[derive(Debug, thiserror::Error)]
+pub enum MeshError {
+    /// [`Progress::is_cancelled`] returned true.
+    #[error("the work was cancelled")]
+    Cancelled,
+    /// More vertices than a mesh can number.
+    #[error(
+        "the mesh would have {0} vertices, more than the 2^32 that it can number; export a smaller part of the sculpture"
+    )]
+    TooLarge(u64),
+    /// The smooth surface does not fit into memory.
+    #[error(transparent)]
+    Grid(#[from] GridError),
+}
+
+/// Some vertices of a mesh, and faces.
+#[derive(Clone, PartialEq, Default, Debug)]
+pub struct Part {
+    /// Positions of the vertices in grid coordinates.
+    pub positions: Vec<Vec3>,
+    /// Their colours; empty if all have the colour of the mesh.
+    pub colours: Vec<Rgb>,
+    /// Faces of four vertices, counter-clockwise from outside. Numbers count from the part's first vertex and may
+    /// reach into the parts that follow.
+    pub quads: Vec<[u32; 4]>,
+    /// Faces of three.
+    pub triangles: Vec<[u32; 3]>,
+    /// Number of the first vertex in the mesh.
+    pub first_vertex: u32,
+}
+
+/// A closed surface.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Mesh {
+    /// In the order of their vertices.
+    pub parts: Vec<Part>,
+    /// The colour of vertices without one of their own.
+    pub base: Rgb,
+}
+
+impl Mesh {
+    /// Meshes `contents`. The smooth surface is computed first, within `limits`.
+    pub fn of(
+        contents: &Contents,
+        kind: MeshKind,
+        limits: &Limits,
+        progress: &dyn Progress,
+    ) -> Result<Mesh, MeshError> {
+        match kind {
+            MeshKind::Faces => Mesh::placed(contents, &AtCorners, progress),
+            MeshKind::Smooth => {
+                let levels = smooth_surface(contents, limits, progress)?;
+                Mesh::smooth(contents, &levels, progress)
+            }
+        }
+    }
+
+    /// The mesh of a smooth surface that is known.
+    pub fn smooth(
+        contents: &Contents,
+        levels: &LevelSet,
+        progress: &dyn Progress,
+    ) -> Result<Mesh, MeshError> {
+        Mesh::placed(contents, &OnSurface { grid: &contents.grid, levels }, progress)
+    }
+
+    fn placed(
+        contents: &Contents,
+        place: &impl Place,
+        progress: &dyn Progress,
+    ) -> Result<Mesh, MeshError> {
+        progress.begin("making the mesh");
+        let coloured = contents.material.page_count() > 0;
+        let slab = Slab { contents, place, coloured };
+        let end = contents.grid.dims().z + 1;
+        let starts: Vec<u32> = (0..end).step_by(PART_LAYERS as usize).collect();
+        let part = |&start: &u32| match progress.is_cancelled() {
+            true => Part::default(),
+            false => slab.part(start..(start + PART_LAYERS).min(end)),
+        };
+        let parts: Vec<Part> = starts.par_iter().map(part).collect();
+        progress.end();
+        if progress.is_cancelled() {
+            return Err(MeshError::Cancelled);
+        }
+        Mesh::joined(parts, contents.material.base())
+    }
+
+    /// A mesh of parts whose faces count from their own vertices.
+    fn joined(mut parts: Vec<Part>, base: Rgb) -> Result<Mesh, MeshError> {
+        let count: u64 = parts.iter().map(|part| part.positions.len() as u64).sum();
+        if count > u64::from(u32::MAX) {
+            return Err(MeshError::TooLarge(count));
+        }
+        let mut first = 0;
+        for part in &mut parts {
+            part.first_vertex = first;
+            first += part.positions.len() as u32;
+        }
+        Ok(Mesh { parts, base })
+    }
+
+    /// Number of vertices.
+    pub fn vertex_count(&self) -> u64 {
+        self.parts.iter().map(|part| part.positions.len() as u64).sum()
+    }
+
+    /// Number of triangles; a quad counts as two.
+    pub fn triangle_count(&self) -> u64 {
+        self.parts.iter().map(|part| (2 * part.quads.len() + part.triangles.len()) as u64).sum()
+    }
+
+    /// Whether vertices have colours of their own.
+    pub fn is_coloured(&self) -> bool {
+        self.parts.iter().any(|part| !part.colours.is_empty())
+    }
+
+    /// The position of a vertex.
+    pub fn position(&self, vertex: u32) -> Vec3 {
+        let part = self.part_of(vertex);
+        part.positions[(vertex - part.first_vertex) as usize]
+    }
+
+    fn part_of(&self, vertex: u32) -> &Part {
+        let after = self.parts.partition_point(|part| part.first_vertex <= vertex);
+        &self.parts[after - 1]
+    }
+
+    /// Positions of all vertices.
+    pub fn positions(&self) -> impl Iterator<Item = Vec3> {
+        self.parts.iter().flat_map(|part| part.positions.iter().copied())
+    }
+
+    /// Colours of all vertices.
+    pub fn colours(&self) -> impl Iterator<Item = Rgb> {
+        self.parts.iter().flat_map(|part| {
+            let own = part.colours.iter().copied();
+            let missing = part.positions.len() - part.colours.len();
+            own.chain(std::iter::repeat_n(self.base, missing))
+        })
+    }
+
+    /// The triangles by the numbers of their vertices, counter-clockwise from outside.
+    pub fn triangles(&self) -> impl Iterator<Item = [u32; 3]> {
+        (0..self.parts.len()).flat_map(|part| self.triangles_of(part))
+    }
+
+    /// The triangles of a part. Quads are cut along their shorter diagonal.
+    pub fn triangles_of(&self, part: usize) -> impl Iterator<Item = [u32; 3]> {
+        let (number, part) = (part, &self.parts[part]);
+        let first = part.first_vertex;
+        let position = move |vertex: u32| match part.positions.get(vertex as usize) {
+            Some(position) => *position,
+            None => self.position_beyond(number, vertex),
+        };
+        let quads = part.quads.iter().flat_map(move |&[a, b, c, d]| {
+            let ac = position(a).distance_squared(position(c));
+            let bd = position(b).distance_squared(position(d));
+            if ac <= bd { [[a, b, c], [a, c, d]] } else { [[b, c, d], [b, d, a]] }
+        });
+        let triangles = quads.chain(part.triangles.iter().copied());
+        triangles.map(move |triangle| triangle.map(|vertex| first + vertex))
+    }
+
+    /// The position of a vertex of a part that follows, by its number in `part`.
+    #[cold]
+    fn position_beyond(&self, part: usize, vertex: u32) -> Vec3 {
+        self.position(self.parts[part].first_vertex + vertex)
+    }
+
+    /// The volume inside, in voxels.
+    pub fn volume_vx(&self) -> f64 {
+        let sums = (0..self.parts.len()).into_par_iter().map(|part| {
+            let corners = |[a, b, c]: [u32; 3]| [a, b, c].map(|v| self.position(v).as_dvec3());
+            let volume = |[a, b, c]: [glam::DVec3; 3]| a.dot(b.cross(c)) / 6.0;
+            self.triangles_of(part).map(|triangle| volume(corners(triangle))).sum::<f64>()
+        });
+        sums.collect::<Vec<_>>().into_iter().sum()
+    }
+
+    /// Bytes in memory.
+    pub fn heap_bytes(&self) -> u64 {
+        let of_part = |part: &Part| {
+            part.positions.capacity() * size_of::<Vec3>()
+                + part.colours.capacity() * size_of::<Rgb>()
+                + part.quads.capacity() * size_of::<[u32; 4]>()
+                + part.triangles.capacity() * size_of::<[u32; 3]>()
+        };
+        self.parts.iter().map(|part| of_part(part) as u64).sum()
+    }
+}
+
+/// Adds a face of any number of vertices, as triangles from the first if they are more than four.
+fn push_polygon(part: &mut Part, vertices: &[u32]) {
+    if let &[a, b, c, d] = vertices {
+        part.quads.push([a, b, c, d]);
+        return;
+    }
+    part.triangles.extend(vertices[1..].windows(2).map(|pair| [vertices[0], pair[0], pair[1]]));
+}
+
+/// The smooth surface of a sculpture, as pictures show it.
+fn smooth_surface(
+    contents: &Contents,
+    limits: &Limits,
+    progress: &dyn Progress,
+) -> Result<LevelSet, MeshError> {
+    let grid = &contents.grid;
+    progress.begin("smoothing");
+    let mut normals = NormalField::default();
+    normals.follow(grid, None);
+    normals.update(grid, &mut Vec::new(), || !progress.is_cancelled());
+    let mut levels = LevelSet::new(grid, limits.grid_bytes)?;
+    levels.update_while(grid, &normals, &mut Vec::new(), || !progress.is_cancelled());
+    progress.end();
+    match levels.is_complete() {
+        true => Ok(levels),
+        false => Err(MeshError::Cancelled),
+    }
+}

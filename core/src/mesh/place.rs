@@ -1,0 +1,110 @@
+//! Where the vertices of a mesh lie, and their colours.
+//!
+//! All meshes that follow the voxels have the same faces; they differ in where their vertices are: at the corners
+//! of the voxels, or on the smooth surface, as in surface nets (Gibson, "Constrained elastic surface nets", 1998).
+//! Takes corners of the lattice with the octants around them; gives positions in grid coordinates.
+
+use glam::{IVec3, UVec3, Vec3};
+
+use super::contact::{CORNERS, Fan, beside, voxel_of};
+use crate::sculpture::history::Contents;
+use crate::sculpture::{Grid, Rgb};
+use crate::shade::LevelSet;
+
+/// How far vertices that share a corner of the lattice are moved apart, so that a mesh without shared vertices, as
+/// in an .stl file, is a manifold, too.
+pub const GAP_VX: f32 = 1.0 / 64.0;
+
+/// Places the vertices of a mesh.
+pub trait Place: Sync {
+    /// The vertex of a fan of the corner at `corner`, around which `octants` exist.
+    fn fan(&self, corner: IVec3, octants: u8, fan: usize) -> Vec3;
+    /// The vertex in the middle of the pinched edge from `corner` along `axis`, on the side of the existing `octant`.
+    fn middle(&self, corner: IVec3, axis: usize, octant: usize) -> Vec3;
+}
+
+/// At the corners of the voxels.
+pub struct AtCorners;
+
+impl Place for AtCorners {
+    #[inline(always)]
+    fn fan(&self, corner: IVec3, octants: u8, fan: usize) -> Vec3 {
+        let table = &CORNERS[octants as usize];
+        match table.count {
+            1 => corner.as_vec3(),
+            _ => corner.as_vec3() + table.fans[fan].apart * GAP_VX,
+        }
+    }
+
+    fn middle(&self, corner: IVec3, axis: usize, octant: usize) -> Vec3 {
+        let mut towards = voxel_of(octant).as_vec3() + 0.5;
+        towards[axis] = 0.0;
+        let mut middle = corner.as_vec3() + towards.normalize() * GAP_VX;
+        middle[axis] += 0.5;
+        middle
+    }
+}
+
+/// On the smooth surface: in the mean of the places where it crosses the edges of a cell between voxel centres.
+pub struct OnSurface<'a> {
+    /// The voxels.
+    pub grid: &'a Grid,
+    /// Their smooth surface.
+    pub levels: &'a LevelSet,
+}
+
+impl OnSurface<'_> {
+    /// How far the surface is from octant `from` on the way to `to`, as a share of it.
+    #[inline(always)]
+    fn share(levels: &[f32; 8], from: usize, to: usize) -> f32 {
+        let (a, b) = (levels[from].abs(), levels[to].abs());
+        a / (a + b)
+    }
+}
+
+impl Place for OnSurface<'_> {
+    #[inline(always)]
+    fn fan(&self, corner: IVec3, octants: u8, fan: usize) -> Vec3 {
+        let levels = self.levels.corners(self.grid, corner);
+        let faces = CORNERS[octants as usize].fans[fan].faces;
+        let mut sum = Vec3::ZERO;
+        let mut rest = faces;
+        while rest != 0 {
+            let face = rest.trailing_zeros() as usize;
+            rest &= rest - 1;
+            let [low, high] = beside(face);
+            sum += (voxel_of(low) + 1).as_vec3();
+            sum[face / 4] += Self::share(&levels, low, high);
+        }
+        corner.as_vec3() - 0.5 + sum / faces.count_ones() as f32
+    }
+
+    fn middle(&self, corner: IVec3, axis: usize, octant: usize) -> Vec3 {
+        let levels = self.levels.corners(self.grid, corner);
+        let mut middle = (voxel_of(octant) + 1).as_vec3();
+        for other in [(axis + 1) % 3, (axis + 2) % 3] {
+            let share = Self::share(&levels, octant, octant ^ 1 << other);
+            let step = if octant >> other & 1 != 0 { -share } else { share };
+            middle[other] += 0.5 * step;
+        }
+        corner.as_vec3() - 0.5 + middle
+    }
+}
+
+/// The colour of a vertex: the mean of the existing voxels beside its faces.
+pub fn colour(contents: &Contents, corner: IVec3, solid: u8) -> Rgb {
+    let mut sum = [0u32; 3];
+    let count = solid.count_ones();
+    for octant in (0..8).filter(|octant| solid >> octant & 1 != 0) {
+        let voxel: UVec3 = (corner + voxel_of(octant)).as_uvec3();
+        let Rgb(rgb) = contents.rgb(voxel);
+        sum.iter_mut().zip(rgb).for_each(|(sum, channel)| *sum += u32::from(channel));
+    }
+    Rgb(sum.map(|sum| ((sum + count / 2) / count.max(1)) as u8))
+}
+
+/// The existing voxels beside the faces of a fan.
+pub fn solid_of(octants: u8, fan: usize) -> u8 {
+    let Fan { solid, .. } = CORNERS[octants as usize].fans[fan];
+    solid
+}

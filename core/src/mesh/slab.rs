@@ -1,0 +1,225 @@
+//! The part of a mesh of some layers of the lattice, a face of it for each exposed face of a voxel.
+//!
+//! Takes the contents, where vertices are placed, and a range of layers; gives a [`Part`] that owns the vertices of
+//! these layers. Its faces also name vertices of the layer that follows, which the next part begins with: their
+//! numbers go on from its own, so parts that were made independently fit together.
+
+use std::ops::Range;
+
+use glam::IVec3;
+
+use super::layer::{Further, Layer};
+use super::place::{Place, colour, solid_of};
+use super::rows::{Rows, for_each_bit, moved_up, row_words};
+use super::{Part, push_polygon};
+use crate::sculpture::history::Contents;
+
+/// What a slab is made from.
+pub struct Slab<'a, P> {
+    /// The sculpture.
+    pub contents: &'a Contents,
+    /// Where vertices are.
+    pub place: &'a P,
+    /// Whether vertices have colours.
+    pub coloured: bool,
+}
+
+/// Faces of one direction: their axis, and whether they look up along it.
+type Direction = (usize, bool);
+
+/// A layer and the number of its first vertex.
+struct Numbered<'a> {
+    layer: &'a Layer,
+    base: u32,
+}
+
+impl<P: Place> Slab<'_, P> {
+    /// The part of the layers `layers` of the lattice.
+    pub fn part(&self, layers: Range<u32>) -> Part {
+        let dims = self.contents.grid.dims();
+        let (width, height) = (row_words(dims), dims.y as usize);
+        let (first, end) = (i64::from(layers.start), i64::from(layers.end));
+        let rows = Rows::of(&self.contents.grid, first - 1..end + 1);
+        let mut part = Part::default();
+        let mut layer = Layer::new(&rows, width, height, first);
+        let mut base = 0;
+        for z in layers {
+            let above = Layer::new(&rows, width, height, i64::from(z) + 1);
+            layer.find_edges_to(&above);
+            let base_above = base + layer.count() as u32;
+            self.put_vertices(&layer, z as i32, &mut part);
+            let both =
+                [Numbered { layer: &layer, base }, Numbered { layer: &above, base: base_above }];
+            put_faces(&rows, height, z, both, &mut part);
+            (layer, base) = (above, base_above);
+        }
+        part
+    }
+
+    fn put_vertices(&self, layer: &Layer, z: i32, part: &mut Part) {
+        let Part { positions, colours, .. } = part;
+        positions.reserve(layer.count());
+        layer.for_each_corner(|[x, y], octants| {
+            let corner = IVec3::new(x as i32, y as i32, z);
+            positions.push(self.place.fan(corner, octants, 0));
+        });
+        if self.coloured {
+            colours.reserve(layer.count());
+            layer.for_each_corner(|[x, y], octants| {
+                let corner = IVec3::new(x as i32, y as i32, z);
+                colours.push(colour(self.contents, corner, solid_of(octants, 0)));
+            });
+        }
+        for ([x, y], further) in layer.further() {
+            let corner = IVec3::new(x as i32, y as i32, z);
+            let octants = layer.octants_at(x, y);
+            let (position, solid) = match further {
+                Further::Fan(fan) => (self.place.fan(corner, octants, fan), solid_of(octants, fan)),
+                Further::Middle { axis, side } => {
+                    let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
+                    let of_side = |octant: &usize| {
+                        octants >> octant & 1 != 0
+                            && octant >> axis & 1 == 1
+                            && octant >> v & 1 == side
+                    };
+                    let octant = (0..8).find(of_side).unwrap_or(1 << axis | side << v);
+                    debug_assert!(octants >> (octant ^ 1 << u) & 1 == 0, "{octants:08b}");
+                    (self.place.middle(corner, axis, octant), 1 << octant)
+                }
+            };
+            positions.push(position);
+            if self.coloured {
+                colours.push(colour(self.contents, corner, solid));
+            }
+        }
+    }
+}
+
+/// Adds the faces in a layer of the lattice, and those between it and the layer above.
+fn put_faces(rows: &Rows, height: usize, z: u32, layers: [Numbered; 2], part: &mut Part) {
+    let width = layers[0].layer.width;
+    let is_plain = layers.iter().all(|numbered| numbered.layer.is_plain());
+    // The numbers of the corners of rows y and y + 1, here and above.
+    let mut numbers: [Vec<u32>; 4] = std::array::from_fn(|_| vec![0; 64 * width + 1]);
+    for (i, Numbered { layer, base }) in layers.iter().enumerate() {
+        layer.number_row(0, *base, &mut numbers[2 * i]);
+    }
+    for y in 0..=height {
+        if y < height {
+            for (i, Numbered { layer, base }) in layers.iter().enumerate() {
+                layer.number_row(y + 1, *base, &mut numbers[2 * i + 1]);
+            }
+        }
+        let (row, depth) = (y as i64, i64::from(z));
+        let [here, below, before] = [(row, depth), (row, depth - 1), (row - 1, depth)];
+        let [here, below, before] = [here, below, before].map(|(y, z)| rows.row(y, z));
+        let [a, b, c, d] = &numbers;
+        let quads = &mut part.quads;
+        for i in 0..width {
+            let left = moved_up(here, i);
+            let (here, below, before) = (here[i], below[i], before[i]);
+            if here == left && here == below && here == before {
+                continue;
+            }
+            let mut odd = 0;
+            if !is_plain {
+                for Numbered { layer, .. } in &layers {
+                    odd |= layer.odd_beside(y, i);
+                    odd |= if y < height { layer.odd_beside(y + 1, i) } else { 0 };
+                }
+            }
+            let plain = !odd;
+            for_each_bit(left & !here & plain, |bit| {
+                let x = 64 * i + bit;
+                quads.push([a[x], b[x], d[x], c[x]]);
+            });
+            for_each_bit(here & !left & plain, |bit| {
+                let x = 64 * i + bit;
+                quads.push([a[x], c[x], d[x], b[x]]);
+            });
+            for_each_bit(before & !here & plain, |bit| {
+                let x = 64 * i + bit;
+                quads.push([a[x], c[x], c[x] + 1, a[x] + 1]);
+            });
+            for_each_bit(here & !before & plain, |bit| {
+                let x = 64 * i + bit;
+                quads.push([a[x], a[x] + 1, c[x] + 1, c[x]]);
+            });
+            for_each_bit(below & !here & plain, |bit| {
+                let x = 64 * i + bit;
+                quads.push([a[x], a[x] + 1, b[x] + 1, b[x]]);
+            });
+            for_each_bit(here & !below & plain, |bit| {
+                let x = 64 * i + bit;
+                quads.push([a[x], b[x], b[x] + 1, a[x] + 1]);
+            });
+        }
+        if !is_plain {
+            put_odd_faces(rows, [y, z as usize], &layers, part);
+        }
+        numbers.swap(0, 1);
+        numbers.swap(2, 3);
+    }
+}
+
+/// Adds the faces of a row that [`put_faces`] leaves: those with an odd corner.
+fn put_odd_faces(rows: &Rows, [y, z]: [usize; 2], layers: &[Numbered; 2], part: &mut Part) {
+    let height = y as i64;
+    let here = rows.row(height, z as i64);
+    let below = rows.row(height, z as i64 - 1);
+    let before = rows.row(height - 1, z as i64);
+    for i in 0..layers[0].layer.width {
+        let mut odd = 0;
+        for Numbered { layer, .. } in layers {
+            odd |= layer.odd_beside(y, i);
+            odd |= if layer.has_row(y + 1) { layer.odd_beside(y + 1, i) } else { 0 };
+        }
+        if odd == 0 {
+            continue;
+        }
+        for (axis, other) in [moved_up(here, i), before[i], below[i]].into_iter().enumerate() {
+            for (is_up, faces) in [(true, other & !here[i]), (false, here[i] & !other)] {
+                for_each_bit(faces & odd, |bit| {
+                    let corner = [64 * i + bit, y, z];
+                    put_face(corner, (axis, is_up), layers, part);
+                });
+            }
+        }
+    }
+}
+
+/// Adds one face with any vertices that it has. `corner` is its lowest.
+fn put_face(corner: [usize; 3], (axis, is_up): Direction, layers: &[Numbered; 2], part: &mut Part) {
+    let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
+    let mut voxel = corner.map(|at| at as i64);
+    voxel[axis] -= i64::from(is_up);
+    let (mut vertices, mut middles) = (Vec::with_capacity(8), Vec::new());
+    // The corners in turn, each with the axis and the lower end of the edge to the next.
+    let turn = [([0, 0], u, [0, 0]), ([1, 0], v, [1, 0]), ([1, 1], u, [0, 1]), ([0, 1], v, [0, 0])];
+    for ([du, dv], along, start) in turn {
+        let moved = |[du, dv]: [usize; 2]| {
+            let mut at = corner;
+            at[u] += du;
+            at[v] += dv;
+            let Numbered { layer, base } = &layers[at[2] - corner[2]];
+            (at, *layer, *base)
+        };
+        let ([x, y, _], layer, base) = moved([du, dv]);
+        let face = 4 * axis + (1 - du) + 2 * (1 - dv);
+        let fan = layer.corner(x, y).map_or(0, |corner| corner.fan_of[face] as usize);
+        vertices.push(base + layer.fan(x, y, fan) as u32);
+        let (at, layer, base) = moved(start);
+        let across = (along + 2) % 3;
+        let side = (voxel[across] - at[across] as i64 + 1) as usize;
+        if let Some(middle) = layer.middle(at[0], at[1], along, side) {
+            middles.push(vertices.len());
+            vertices.push(base + middle as u32);
+        }
+    }
+    // Triangles from a vertex in the middle of an edge have an area each.
+    vertices.rotate_left(middles.first().copied().unwrap_or(0));
+    if !is_up {
+        vertices[1..].reverse();
+    }
+    push_polygon(part, &vertices);
+}
