@@ -34,6 +34,7 @@ mod arguments;
 mod error;
 mod film_arguments;
 mod final_arguments;
+mod mesh_arguments;
 mod shell;
 
 pub use arguments::{ImportArgs, PictureArgs};
@@ -41,6 +42,7 @@ pub use error::ProgramError;
 pub use film_arguments::FilmArgs;
 
 use final_arguments::{FinalArgs, Tracer};
+use mesh_arguments::MeshArgs;
 
 use arguments::{named, parse_marker_mm, parse_size};
 
@@ -99,7 +101,7 @@ pub enum Job {
         /// Sculpture or volume to start from
         #[arg(long = "in", value_name = "FILE")]
         input: Option<PathBuf>,
-        /// Where to save the result (.vsc, .pvm, .raw, .vox, .qb)
+        /// Where to save the result (.vsc, .pvm, .raw, .vox, .qb, or a mesh: .stl, .ply, .obj, .glb, .3mf)
         #[arg(long = "out", value_name = "FILE", value_parser = named(&format::WRITE_ENDINGS))]
         output: Option<PathBuf>,
         /// Also render the result to this picture (.png, .jpg)
@@ -113,12 +115,14 @@ pub enum Job {
     /// Convert a file to another format
     Convert {
         input: PathBuf,
-        /// The file to write (.vsc, .pvm, .raw, .vox, .qb)
+        /// The file to write (.vsc, .pvm, .raw, .vox, .qb, or a mesh: .stl, .ply, .obj, .glb, .3mf)
         #[arg(value_parser = named(&format::WRITE_ENDINGS))]
         output: PathBuf,
         /// How voxels are written: auto, densities, rgba or packed
         #[arg(long, default_value_t, value_name = "FORM")]
         form: ExportForm,
+        #[command(flatten)]
+        mesh: MeshArgs,
         #[command(flatten)]
         import: ImportArgs,
     },
@@ -341,8 +345,9 @@ fn dispatch(cli: Cli) -> Result<(), ProgramError> {
             let job = RunJob { script, input, output, render, picture, import };
             Ok(headless::run(&job, &context)?)
         }
-        Some(Job::Convert { input, output, form, import }) => {
-            Ok(headless::convert(&input, &output, form, &import.options(), &context)?)
+        Some(Job::Convert { input, output, form, mesh, import }) => {
+            let mesh = mesh.options(&output, form);
+            Ok(headless::convert(&input, &output, form, mesh, &import.options(), &context)?)
         }
         Some(Job::Info { file, json, import }) => {
             Ok(headless::info(&file, &import.options(), json, &context)?)

@@ -17,7 +17,7 @@ use crate::config::Config;
 use crate::document::Document;
 use crate::fiducial::{family, sheet};
 use crate::format::options::{ExportForm, ImportOptions};
-use crate::format::{FormatError, store};
+use crate::format::{self, FormatError, MeshOptions, store};
 use crate::gpu::DeviceOptions;
 use crate::picture::{self, FinalOptions, PictureError, TraceOn};
 use crate::progress::Progress;
@@ -304,16 +304,26 @@ impl RunJob {
     }
 }
 
-/// Converts a file to the format of the extension of `output`.
+/// Converts a file to the format of the extension of `output`; to a mesh as `mesh` says, if that is one.
 pub fn convert(
     input: &Path,
     output: &Path,
     form: ExportForm,
+    mesh: Option<MeshOptions>,
     import: &ImportOptions,
     context: &Context,
 ) -> Result<(), JobError> {
     let mut session = context.open_session(input, import)?;
-    save(&mut session, output, form, context.progress)?;
+    match mesh {
+        Some(options) => {
+            let (contents, limits) = (session.document().contents(), context.config.limits());
+            let written = format::save_mesh(output, contents, &options, &limits, context.progress);
+            let failed = |error| SessionError::Save { path: output.to_path_buf(), error };
+            let summary = written.map_err(failed)?;
+            terminal::print_done(format_args!("wrote {} ({summary})", output.display()));
+        }
+        None => save(&mut session, output, form, context.progress)?,
+    }
     describe(session.document());
     Ok(())
 }

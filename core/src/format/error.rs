@@ -5,6 +5,7 @@ use thiserror::Error;
 
 use super::options::{Colouring, ExportForm};
 use super::volume::Samples;
+use crate::mesh::MeshError;
 use crate::sculpture::GridError;
 use crate::sculpture::orient::OrientError;
 
@@ -213,9 +214,54 @@ pub enum FormatError {
     /// A text cannot be stored since PVM ends texts with NUL.
     #[error("the {0} text contains a NUL, which ends a text in PVM; remove it")]
     NulInText(&'static str),
+    /// A mesh was asked for under a name of another format.
+    #[error("a mesh is written to a .stl, .ply, .obj, .glb or .3mf file; choose such a name")]
+    NotAMeshFile,
+    /// An export form of volumes was given for a mesh.
+    #[error("`{0}` is a form of volumes; leave it out for a mesh, or save as .pvm or .raw")]
+    FormOfMesh(ExportForm),
+    /// The y axis points up in every .glb file.
+    #[error(
+        "a .glb file always has the y axis up, which programs turn as they need; leave out `--up z`"
+    )]
+    UpOfGlb,
+    /// Points alone, but not in a .ply file.
+    #[error("only .ply files hold points without triangles; choose a name that ends in .ply")]
+    PointsInPlyOnly,
+    /// A voxel size that is no length.
+    #[error("a voxel of {0} mm is not possible; give a positive length in millimetres")]
+    VoxelMillimetres(f32),
+    /// A mesh of an empty sculpture.
+    #[error("the sculpture has no voxels, so it has no surface; there is nothing to export")]
+    NoSurface,
+    /// More vertices or triangles than the format can count.
+    #[error(
+        "the mesh has {0} vertices or triangles, more than the format can count; \
+         limit it with `--triangles`, or export a smaller part of the sculpture"
+    )]
+    TooLargeForMesh(u64),
+    /// A .glb file must stay below 4 GiB.
+    #[error(
+        "the mesh takes {0} bytes, but a .glb file must stay below 2^32; \
+         limit it with `--triangles`, or choose .ply"
+    )]
+    TooLargeForGlb(u64),
+    /// There is no mesh.
+    #[error(transparent)]
+    Mesh(MeshError),
     /// An export form of colours, but the sculpture stores none.
     #[error("the sculpture has no colours; save it as densities")]
     NoColours,
+}
+
+impl From<MeshError> for FormatError {
+    fn from(error: MeshError) -> FormatError {
+        match error {
+            MeshError::Cancelled => FormatError::Cancelled,
+            MeshError::Grid(error) => FormatError::Grid(error),
+            MeshError::TooLarge(_) => FormatError::Mesh(error),
+        }
+    }
 }
 
 impl From<OrientError> for FormatError {

@@ -3,7 +3,8 @@
 //!
 //! The entry points are [`load`], [`save`] and [`info`]. Below them: `store` (disk), `vsc` (sculptures
 //! without loss), `pvm` and `dds`, `raw` (volumes), `import` and `export` (volume <-> sculpture),
-//! `threshold`, `ramp` and `signature` (the meaning of voxels), `voxel` (models of other voxel editors). Errors say what is wrong and what to do;
+//! `threshold`, `ramp` and `signature` (the meaning of voxels), `voxel` (models of other voxel editors), `mesh_out`
+//! (meshes for other programs). Errors say what is wrong and what to do;
 //! callers add the name of the file.
 
 mod bytes;
@@ -12,6 +13,7 @@ mod error;
 mod export;
 mod histogram;
 mod import;
+mod mesh_out;
 pub mod options;
 mod picture;
 mod pvm;
@@ -32,6 +34,7 @@ use glam::{UVec3, Vec3};
 
 pub use self::error::FormatError;
 pub use self::histogram::Histogram;
+pub use self::mesh_out::{MeshOptions, MeshSummary, MeshUp, is_mesh, save_mesh};
 use self::options::{ExportForm, ImportOptions};
 pub use self::picture::{load_matcap, load_picture};
 pub use self::signature::Signature;
@@ -45,7 +48,8 @@ use crate::sculpture::{Grid, Limits};
 /// Extensions of the files that can be read.
 pub const READ_ENDINGS: [&str; 7] = ["vsc", "pvm", "raw", "vox", "qb", "gox", "binvox"];
 /// Extensions of the files that can be written.
-pub const WRITE_ENDINGS: [&str; 5] = ["vsc", "pvm", "raw", "vox", "qb"];
+pub const WRITE_ENDINGS: [&str; 10] =
+    ["vsc", "pvm", "raw", "vox", "qb", "stl", "ply", "obj", "glb", "3mf"];
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Format {
@@ -145,7 +149,8 @@ pub fn load_volume(
     read_volume(path, options, limits, progress).map(|(volume, _)| volume)
 }
 
-/// Writes a sculpture, atomically: an existing file is replaced when the new one is complete.
+/// Writes a sculpture, atomically: an existing file is replaced when the new one is complete. A mesh is written with
+/// the default options; see [`save_mesh`].
 pub fn save(
     path: &Path,
     contents: &Contents,
@@ -163,6 +168,13 @@ pub fn save_with_texts(
     texts: Texts,
     progress: &dyn Progress,
 ) -> Result<(), FormatError> {
+    if is_mesh(path) {
+        if form != ExportForm::Auto {
+            return Err(FormatError::FormOfMesh(form));
+        }
+        let (options, limits) = (MeshOptions::default(), Limits::default());
+        return save_mesh(path, contents, &options, &limits, progress).map(|_| ());
+    }
     let volume = |texts| {
         progress.begin("making the volume");
         let volume = export::to_volume(contents, form, texts);

@@ -4,7 +4,7 @@
 //! Knows no format.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{Error, ErrorKind, Read, Result, Write};
+use std::io::{Error, ErrorKind, Read, Result, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -146,6 +146,13 @@ impl Write for AtomicFile {
 
     fn flush(&mut self) -> Result<()> {
         self.temporary.as_file_mut().flush()
+    }
+}
+
+/// For formats that note lengths before what they count.
+impl Seek for AtomicFile {
+    fn seek(&mut self, to: SeekFrom) -> Result<u64> {
+        self.temporary.as_file_mut().seek(to)
     }
 }
 

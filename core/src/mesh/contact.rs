@@ -156,7 +156,7 @@ fn connected(all: u8, a: u8, b: u8) -> bool {
     loop {
         let x = (reached & 0x55) << 1 | (reached & 0xAA) >> 1;
         let y = (reached & 0x33) << 2 | (reached & 0xCC) >> 2;
-        let z = reached << 4 | reached >> 4;
+        let z = reached.rotate_left(4);
         let next = (reached | x | y | z) & all;
         if next == reached {
             return reached & b != 0;

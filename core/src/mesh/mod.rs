@@ -14,7 +14,7 @@ mod place;
 mod rows;
 mod slab;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 use glam::Vec3;
 use rayon::prelude::*;

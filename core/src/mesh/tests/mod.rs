@@ -1,4 +1,4 @@
 //! Tests of meshes, by a checker of its own and by counting voxels.
 
-mod check;
+pub(crate) mod check;
 mod surfaces;

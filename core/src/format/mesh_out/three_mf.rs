@@ -1,0 +1,85 @@
+//! 3MF, the format of printers: a zip archive with the mesh as XML, in millimetres. Colours of vertices are a colour
+//! group of the materials extension, which programs that do not know it skip.
+
+use std::collections::HashMap;
+use std::io::Write;
+use std::path::Path;
+
+use zip::ZipWriter;
+use zip::write::SimpleFileOptions;
+
+use super::{Job, create, finish};
+use crate::format::FormatError;
+use crate::sculpture::Rgb;
+
+const TYPES: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types"><Default Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/><Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/></Types>
+"#;
+const RELATIONS: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Target="/3D/3dmodel.model" Id="rel0" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>
+"#;
+const MODEL: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<model unit="millimeter" xml:lang="en-US" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02" xmlns:m="http://schemas.microsoft.com/3dmanufacturing/material/2015/02">
+<metadata name="Application">Virtual Sculpture</metadata>
+<resources>
+"#;
+const END: &str = r#"</triangles></mesh></object>
+</resources>
+<build><item objectid="1"/></build>
+</model>
+"#;
+/// Id of the colours; 1 is the object.
+const COLOURS_ID: u32 = 2;
+/// Upper bound of the bytes of a vertex or triangle in XML, to know whether the archive needs 64-bit sizes.
+const ELEMENT_BYTES: u64 = 96;
+
+pub(super) fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
+    let mesh = job.mesh;
+    let elements = mesh.vertex_count() + mesh.triangle_count();
+    let options = SimpleFileOptions::default()
+        .large_file(elements.saturating_mul(ELEMENT_BYTES) > u64::from(u32::MAX) / 2);
+    let mut zip = ZipWriter::new(create(path)?);
+    for (name, text) in [("[Content_Types].xml", TYPES), ("_rels/.rels", RELATIONS)] {
+        zip.start_file(name, options).map_err(std::io::Error::from)?;
+        zip.write_all(text.as_bytes())?;
+    }
+    zip.start_file("3D/3dmodel.model", options).map_err(std::io::Error::from)?;
+    zip.write_all(MODEL.as_bytes())?;
+
+    let mut steps = job.steps(1);
+    // The number of each vertex's colour, of all different ones.
+    let mut numbers: HashMap<Rgb, u32> = HashMap::new();
+    let mut colours = Vec::new();
+    if mesh.is_coloured() {
+        write!(zip, "<m:colorgroup id=\"{COLOURS_ID}\">")?;
+        colours.reserve_exact(mesh.vertex_count() as usize);
+        for colour in mesh.colours() {
+            let next = numbers.len() as u32;
+            let number = *numbers.entry(colour).or_insert(next);
+            if number == next {
+                let Rgb([r, g, b]) = colour;
+                write!(zip, "<m:color color=\"#{r:02X}{g:02X}{b:02X}FF\"/>")?;
+            }
+            colours.push(number);
+        }
+        writeln!(zip, "</m:colorgroup>")?;
+    }
+    write!(zip, "<object id=\"1\" type=\"model\" name=\"sculpture\"><mesh><vertices>")?;
+    for position in job.positions() {
+        let [x, y, z] = position.to_array();
+        writeln!(zip, "<vertex x=\"{x}\" y=\"{y}\" z=\"{z}\"/>")?;
+        steps.step()?;
+    }
+    write!(zip, "</vertices><triangles>")?;
+    for [a, b, c] in mesh.triangles() {
+        write!(zip, "<triangle v1=\"{a}\" v2=\"{b}\" v3=\"{c}\"")?;
+        if !colours.is_empty() {
+            let [p, q, r] = [a, b, c].map(|vertex| colours[vertex as usize]);
+            write!(zip, " pid=\"{COLOURS_ID}\" p1=\"{p}\" p2=\"{q}\" p3=\"{r}\"")?;
+        }
+        writeln!(zip, "/>")?;
+        steps.step()?;
+    }
+    zip.write_all(END.as_bytes())?;
+    finish(zip.finish().map_err(std::io::Error::from)?)
+}

@@ -1,0 +1,40 @@
+//! The arguments of `convert` that say how a sculpture becomes a mesh.
+
+use std::path::Path;
+
+use clap::Args;
+
+use crate::format::options::ExportForm;
+use crate::format::{MeshOptions, MeshUp, is_mesh};
+use crate::mesh::MeshKind;
+
+/// How a mesh is made.
+#[derive(Args, Debug, Clone)]
+pub struct MeshArgs {
+    /// Surface of a mesh (default: smooth)
+    #[arg(long, value_enum, value_name = "SURFACE")]
+    pub mesh: Option<MeshKind>,
+    /// Write the vertices of a mesh alone (.ply)
+    #[arg(long)]
+    pub points: bool,
+    /// Axis that points up in a mesh (default: z in .stl, .ply and .3mf, y in .obj and .glb)
+    #[arg(long, value_enum, value_name = "AXIS")]
+    pub up: Option<MeshUp>,
+    /// Length of a voxel in a mesh in millimetres (default: the sculpture's voxel size)
+    #[arg(long, alias = "millimeters", value_name = "MM", allow_negative_numbers = true)]
+    pub millimetres: Option<f32>,
+}
+
+impl MeshArgs {
+    /// The options of the mesh that `output` is to be; none if it is no mesh and no option of meshes was given.
+    pub fn options(&self, output: &Path, form: ExportForm) -> Option<MeshOptions> {
+        let MeshArgs { mesh, points, up, millimetres } = *self;
+        let is_asked_for = mesh.is_some() || points || up.is_some() || millimetres.is_some();
+        (is_asked_for || is_mesh(output) && form == ExportForm::Auto).then(|| MeshOptions {
+            kind: mesh.unwrap_or_default(),
+            points_only: points,
+            up,
+            voxel_mm: millimetres,
+        })
+    }
+}
