@@ -14,6 +14,9 @@ pub struct MeshArgs {
     /// Surface of a mesh (default: smooth)
     #[arg(long, value_enum, value_name = "SURFACE")]
     pub mesh: Option<MeshKind>,
+    /// Simplify a mesh to so many triangles
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u64).range(4..))]
+    pub triangles: Option<u64>,
     /// Write the vertices of a mesh alone (.ply)
     #[arg(long)]
     pub points: bool,
@@ -28,13 +31,15 @@ pub struct MeshArgs {
 impl MeshArgs {
     /// The options of the mesh that `output` is to be; none if it is no mesh and no option of meshes was given.
     pub fn options(&self, output: &Path, form: ExportForm) -> Option<MeshOptions> {
-        let MeshArgs { mesh, points, up, millimetres } = *self;
-        let is_asked_for = mesh.is_some() || points || up.is_some() || millimetres.is_some();
+        let MeshArgs { mesh, triangles, points, up, millimetres } = *self;
+        let is_asked_for = mesh.is_some() || points || triangles.is_some();
+        let is_asked_for = is_asked_for || up.is_some() || millimetres.is_some();
         (is_asked_for || is_mesh(output) && form == ExportForm::Auto).then(|| MeshOptions {
             kind: mesh.unwrap_or_default(),
             points_only: points,
             up,
             voxel_mm: millimetres,
+            triangles,
         })
     }
 }

@@ -24,6 +24,8 @@ pub struct Layer {
     pub corners: Vec<u64>,
     /// Corners with several fans or at the lower end of a pinched edge.
     pub odd: Vec<u64>,
+    /// Corners with several fans or at either end of an edge that may be pinched.
+    pub ambiguous: Vec<u64>,
     /// Rank of the first corner of each row.
     row_starts: Vec<u32>,
     /// The octants of each corner, by rank.
@@ -51,6 +53,7 @@ impl Layer {
             width,
             corners: vec![0; width * (height + 1)],
             odd: vec![0; width * (height + 1)],
+            ambiguous: Vec::new(),
             row_starts: Vec::with_capacity(height + 1),
             octants: Vec::new(),
             further: Vec::new(),
@@ -88,6 +91,7 @@ impl Layer {
             }
         }
         if layer.has_odd {
+            layer.ambiguous = layer.odd.clone();
             layer.find_further();
         }
         layer

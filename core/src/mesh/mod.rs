@@ -9,9 +9,11 @@
 //! same for any number of threads. Takes contents, gives a [`Mesh`] in grid coordinates; knows no files, no units.
 
 mod contact;
+mod greedy;
 mod layer;
 mod place;
 mod rows;
+mod simplify;
 mod slab;
 #[cfg(test)]
 pub(crate) mod tests;
@@ -27,6 +29,7 @@ use crate::sculpture::{GridError, Limits, Rgb};
 use crate::shade::{LevelSet, NormalField};
 
 pub use self::place::GAP_VX;
+pub use self::simplify::simplified;
 
 /// Layers of the lattice in a part: a multiple of a brick's.
 const PART_LAYERS: u32 = 16;
@@ -36,6 +39,8 @@ const PART_LAYERS: u32 = 16;
 pub enum MeshKind {
     /// Each exposed face of a voxel.
     Faces,
+    /// The exposed faces, merged to rectangles where they lie in a plane.
+    Greedy,
     /// The smooth surface that pictures show.
     #[default]
     Smooth,
@@ -92,6 +97,7 @@ impl Mesh {
     ) -> Result<Mesh, MeshError> {
         match kind {
             MeshKind::Faces => Mesh::placed(contents, &AtCorners, progress),
+            MeshKind::Greedy => greedy::mesh(contents, progress),
             MeshKind::Smooth => {
                 let levels = smooth_surface(contents, limits, progress)?;
                 Mesh::smooth(contents, &levels, progress)

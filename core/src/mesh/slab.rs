@@ -9,7 +9,7 @@ use std::ops::Range;
 use glam::IVec3;
 
 use super::layer::{Further, Layer};
-use super::place::{Place, colour, solid_of};
+use super::place::{Place, colour, octant_of_edge, solid_of};
 use super::rows::{Rows, for_each_bit, moved_up, row_words};
 use super::{Part, push_polygon};
 use crate::sculpture::history::Contents;
@@ -76,14 +76,7 @@ impl<P: Place> Slab<'_, P> {
             let (position, solid) = match further {
                 Further::Fan(fan) => (self.place.fan(corner, octants, fan), solid_of(octants, fan)),
                 Further::Middle { axis, side } => {
-                    let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
-                    let of_side = |octant: &usize| {
-                        octants >> octant & 1 != 0
-                            && octant >> axis & 1 == 1
-                            && octant >> v & 1 == side
-                    };
-                    let octant = (0..8).find(of_side).unwrap_or(1 << axis | side << v);
-                    debug_assert!(octants >> (octant ^ 1 << u) & 1 == 0, "{octants:08b}");
+                    let octant = octant_of_edge(octants, axis, side);
                     (self.place.middle(corner, axis, octant), 1 << octant)
                 }
             };

@@ -1,6 +1,6 @@
 //! Writes meshes for other programs: .stl, .ply, .obj with .mtl, .glb and .3mf.
 //!
-//! Takes contents and [`MeshOptions`]; makes the mesh and streams it to the file piece by piece, so that it is in
+//! Takes contents and [`MeshOptions`]; makes the mesh, simplifies it if wanted, and streams it to the file piece by piece, so that it is in
 //! memory once. Lengths are millimetres but in .glb, whose unit is the metre. A file appears when it is complete.
 
 mod glb;
@@ -19,7 +19,7 @@ use glam::{Mat3, Vec3};
 
 use super::store::AtomicFile;
 use super::{FormatError, go_on};
-use crate::mesh::{Mesh, MeshKind};
+use crate::mesh::{Mesh, MeshKind, simplified};
 use crate::progress::Progress;
 use crate::sculpture::Limits;
 use crate::sculpture::history::Contents;
@@ -49,6 +49,8 @@ pub struct MeshOptions {
     pub up: Option<MeshUp>,
     /// Length of a voxel along x in millimetres; none for the sculpture's voxel size.
     pub voxel_mm: Option<f32>,
+    /// Most triangles, as far as the surface's topology allows; none for all.
+    pub triangles: Option<u64>,
 }
 
 /// What was written.
@@ -123,7 +125,10 @@ pub fn save_mesh(
     if contents.grid.opaque_count() == 0 {
         return Err(FormatError::NoSurface);
     }
-    let mesh = Mesh::of(contents, options.kind, limits, progress)?;
+    let mut mesh = Mesh::of(contents, options.kind, limits, progress)?;
+    if let Some(triangles) = options.triangles {
+        mesh = simplified(mesh, triangles, progress)?;
+    }
     let job = Job { mesh: &mesh, space, options, progress };
     progress.begin("writing");
     let written = match format {

@@ -12,14 +12,14 @@ use crate::sculpture::brick::{Brick, local_index};
 use crate::sculpture::history::Contents;
 use crate::sculpture::{ColourDepth, Grid, Limits, Material, Rgb};
 
-const KINDS: [MeshKind; 2] = [MeshKind::Faces, MeshKind::Smooth];
+const KINDS: [MeshKind; 3] = [MeshKind::Faces, MeshKind::Greedy, MeshKind::Smooth];
 
-fn contents(grid: Grid) -> Contents {
+pub fn contents(grid: Grid) -> Contents {
     let material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::STONE);
     Contents { grid, material }
 }
 
-fn mesh(contents: &Contents, kind: MeshKind) -> Mesh {
+pub fn mesh(contents: &Contents, kind: MeshKind) -> Mesh {
     Mesh::of(contents, kind, &Limits::default(), &()).unwrap()
 }
 
@@ -55,7 +55,7 @@ fn of_bits(dims: UVec3, mut exists: impl FnMut(IVec3) -> bool) -> Grid {
     grid
 }
 
-fn noise(dims: UVec3, share: f32, seed: u64) -> Grid {
+pub fn noise(dims: UVec3, share: f32, seed: u64) -> Grid {
     let mut random = Random(seed);
     of_bits(dims, |_| random.unit() < share)
 }
@@ -229,6 +229,26 @@ fn vertices_have_the_mean_colour_of_their_voxels() {
         let mixed = [(255 + u32::from(r)).div_ceil(2) as u8, g.div_ceil(2), b.div_ceil(2)];
         assert_eq!(count, BTreeMap::from([(red.0, 4), (Rgb::STONE.0, 4), (mixed, 4)]));
     }
+}
+
+#[test]
+fn faces_are_not_merged_where_colours_change() {
+    let mut contents = contents(of_bits(UVec3::new(16, 16, 8), |_| true));
+    contents.material.paint(0, &Brick::FULL, Rgb::new(0, 0, 255));
+    let colours = |kind| {
+        let mesh = mesh(&contents, kind);
+        let all = mesh.positions().zip(mesh.colours());
+        all.map(|(position, colour)| (position.to_array().map(f32::to_bits), colour.0))
+            .collect::<BTreeMap<_, _>>()
+    };
+    let (merged, faces) = (colours(MeshKind::Greedy), colours(MeshKind::Faces));
+    assert!(merged.len() * 2 < faces.len(), "{} of {}", merged.len(), faces.len());
+    assert!(merged.iter().all(|(position, colour)| faces[position] == *colour));
+    // Every mixed colour is still there.
+    let mixed = |all: &BTreeMap<[u32; 3], [u8; 3]>| {
+        all.values().filter(|colour| ![[0, 0, 255], Rgb::STONE.0].contains(colour)).count()
+    };
+    assert_eq!(mixed(&merged), mixed(&faces));
 }
 
 #[test]

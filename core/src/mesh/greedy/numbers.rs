@@ -1,0 +1,157 @@
+//! Which corners of the lattice are vertices of merged faces, and their numbers.
+//!
+//! Layer by layer: first the corners of rectangles and those with several fans, row by row; then the further
+//! vertices of the layer ([`Layer`]). Layers in which no corner is odd are not kept.
+
+use glam::IVec3;
+use rayon::prelude::*;
+
+use super::rectangles::Rectangle;
+use crate::mesh::Part;
+use crate::mesh::layer::{Further, Layer};
+use crate::mesh::place::{AtCorners, Place, colour, octant_of_edge, octants_around, solid_of};
+use crate::mesh::rows::{Rows, for_each_bit, row_words};
+use crate::sculpture::history::Contents;
+
+/// Layers that a thread looks at together.
+const PORTION: u32 = 16;
+
+/// The vertices and their numbers.
+pub struct Numbers {
+    width: usize,
+    /// Rows of a layer.
+    height: usize,
+    /// The corners that are vertices, a bit each.
+    kept: Vec<u64>,
+    /// The number of the first vertex of each row of corners.
+    row_starts: Vec<u32>,
+    /// Layers with odd corners, with the number of their first further vertex.
+    odd: Vec<Option<(Layer, u32)>>,
+    count: u64,
+}
+
+impl Numbers {
+    /// Of the corners of `rectangles`, and all that must be kept.
+    pub fn new(contents: &Contents, rectangles: &[Rectangle]) -> Numbers {
+        let grid = &contents.grid;
+        let dims = grid.dims();
+        let (width, height) = (row_words(dims), dims.y as usize + 1);
+        let layers = dims.z + 1;
+        let starts: Vec<u32> = (0..layers).step_by(PORTION as usize).collect();
+        let odd: Vec<Vec<Option<Layer>>> = starts
+            .par_iter()
+            .map(|&start| {
+                let end = (start + PORTION).min(layers);
+                let rows = Rows::of(grid, i64::from(start) - 1..i64::from(end) + 1);
+                let layer = |z: u32| Layer::new(&rows, width, height - 1, z.into());
+                let mut next = layer(start);
+                let made = (start..end).map(|z| {
+                    let above = layer(z + 1);
+                    next.find_edges_to(&above);
+                    let own = std::mem::replace(&mut next, above);
+                    (!own.is_plain()).then_some(own)
+                });
+                made.collect()
+            })
+            .collect();
+        let mut kept = vec![0; width * height * layers as usize];
+        let odd: Vec<Option<Layer>> = odd.into_iter().flatten().collect();
+        let mut keep = |x: usize, y: usize, z: usize| {
+            kept[(z * height + y) * width + x / 64] |= 1 << (x % 64);
+        };
+        for Rectangle { axis, low, high, .. } in rectangles {
+            let [u, v] = [(axis + 1) % 3, (axis + 2) % 3].map(usize::from);
+            for corner in 0..4 {
+                let mut at = *low;
+                at[u] = if corner & 1 != 0 { high[u] } else { low[u] };
+                at[v] = if corner & 2 != 0 { high[v] } else { low[v] };
+                let [x, y, z] = at.map(usize::from);
+                keep(x, y, z);
+            }
+        }
+        for (layer, kept) in odd.iter().zip(kept.chunks_mut(width * height)) {
+            for (kept, odd) in kept.iter_mut().zip(layer.iter().flat_map(|layer| &layer.ambiguous))
+            {
+                *kept |= odd;
+            }
+        }
+        let (mut row_starts, mut numbered) = (Vec::new(), Vec::new());
+        let mut count = 0u64;
+        for (layer, kept) in odd.into_iter().zip(kept.chunks(width * height)) {
+            for row in kept.chunks(width) {
+                row_starts.push(count as u32);
+                count += row.iter().map(|word| u64::from(word.count_ones())).sum::<u64>();
+            }
+            let further = layer.as_ref().map_or(0, |layer| layer.further().count());
+            numbered.push(layer.map(|layer| (layer, count as u32)));
+            count += further as u64;
+        }
+        Numbers { width, height, kept, row_starts, odd: numbered, count }
+    }
+
+    /// Whether the corner is a vertex.
+    #[inline(always)]
+    pub fn is_kept(&self, [x, y, z]: [usize; 3]) -> bool {
+        self.kept[(z * self.height + y) * self.width + x / 64] >> (x % 64) & 1 != 0
+    }
+
+    /// The vertex of the fan with `face` at a corner that is one.
+    pub fn vertex(&self, [x, y, z]: [usize; 3], face: usize) -> u32 {
+        if let Some((layer, further)) = &self.odd[z] {
+            let fan = layer.corner(x, y).map_or(0, |corner| corner.fan_of[face] as usize);
+            if fan > 0 {
+                return further + (layer.fan(x, y, fan) - layer.octants.len()) as u32;
+            }
+        }
+        let row = z * self.height + y;
+        let words = &self.kept[row * self.width..(row + 1) * self.width];
+        let before: u32 = words[..x / 64].iter().map(|word| word.count_ones()).sum();
+        self.row_starts[row] + before + (words[x / 64] & ((1 << (x % 64)) - 1)).count_ones()
+    }
+
+    /// The vertex in the middle of an edge, as [`Layer::middle`].
+    pub fn middle(&self, [x, y, z]: [usize; 3], axis: usize, side: usize) -> Option<u32> {
+        let (layer, further) = self.odd[z].as_ref()?;
+        let at = layer.middle(x, y, axis, side)?;
+        Some(further + (at - layer.octants.len()) as u32)
+    }
+
+    /// Adds all vertices.
+    pub fn put_vertices(&self, contents: &Contents, part: &mut Part) {
+        let coloured = contents.material.page_count() > 0;
+        let per_layer = self.width * self.height;
+        part.positions.reserve(self.count as usize);
+        let mut put = |corner: IVec3, octants: u8, position, solid| {
+            part.positions.push(position);
+            debug_assert!(octants != 0 && octants != u8::MAX, "{corner}");
+            if coloured {
+                part.colours.push(colour(contents, corner, solid));
+            }
+        };
+        for (z, kept) in self.kept.chunks(per_layer).enumerate() {
+            for (i, &word) in kept.iter().enumerate() {
+                for_each_bit(word, |bit| {
+                    let (x, y) = (64 * (i % self.width) + bit, i / self.width);
+                    let corner = IVec3::new(x as i32, y as i32, z as i32);
+                    let octants = octants_around(&contents.grid, corner);
+                    put(corner, octants, AtCorners.fan(corner, octants, 0), solid_of(octants, 0));
+                });
+            }
+            let Some((layer, _)) = &self.odd[z] else { continue };
+            for ([x, y], further) in layer.further() {
+                let corner = IVec3::new(x as i32, y as i32, z as i32);
+                let octants = layer.octants_at(x, y);
+                let (position, solid) = match further {
+                    Further::Fan(fan) => {
+                        (AtCorners.fan(corner, octants, fan), solid_of(octants, fan))
+                    }
+                    Further::Middle { axis, side } => {
+                        let octant = octant_of_edge(octants, axis, side);
+                        (AtCorners.middle(corner, axis, octant), 1 << octant)
+                    }
+                };
+                put(corner, octants, position, solid);
+            }
+        }
+    }
+}
