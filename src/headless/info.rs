@@ -52,5 +52,6 @@ fn value_of(info: &Info) -> Value {
         })),
         "notes": notes,
         "texts": Value::Object(named.into_iter().collect()),
+        "notes": notes,
     })
 }
