@@ -48,6 +48,14 @@ pub struct Corner {
 pub static CORNERS: LazyLock<[Corner; 256]> =
     LazyLock::new(|| std::array::from_fn(|octants| Corner::new(octants as u8)));
 
+/// Whether a corner has several fans or an edge that may be pinched, by the octants that exist.
+pub static IS_ODD: LazyLock<[bool; 256]> = LazyLock::new(|| {
+    std::array::from_fn(|octants| {
+        let corner = &CORNERS[octants];
+        corner.count > 1 || corner.pinched != [0; 3]
+    })
+});
+
 /// The octant with bit `at` along `axis`, `u` and `v` along the two that follow.
 const fn octant(axis: usize, at: usize, u: usize, v: usize) -> usize {
     at << axis | u << ((axis + 1) % 3) | v << ((axis + 2) % 3)

@@ -7,7 +7,7 @@
 //!
 //! Takes rows of bits; knows no positions.
 
-use super::contact::{CORNERS, Corner};
+use super::contact::{CORNERS, Corner, IS_ODD};
 use super::rows::{Rows, for_each_bit, moved_down, moved_up};
 
 /// Numbers of the places of a corner in the keys of further vertices: fans 1 to 3, then two for the edge along each
@@ -60,7 +60,7 @@ impl Layer {
             further_z: Vec::new(),
             has_odd: false,
         };
-        let table = &*CORNERS;
+        let is_odd = &*IS_ODD;
         for y in 0..=height {
             layer.row_starts.push(layer.octants.len() as u32);
             let [a, b] = [y as i64 - 1, y as i64];
@@ -83,8 +83,7 @@ impl Layer {
                         octants | (pair as u8) << (2 * j)
                     });
                     layer.octants.push(octants);
-                    let corner = &table[octants as usize];
-                    odd |= u64::from(corner.count > 1 || corner.pinched != [0; 3]) << bit;
+                    odd |= u64::from(is_odd[octants as usize]) << bit;
                 });
                 layer.odd[y * width + i] = odd;
                 layer.has_odd |= odd != 0;
@@ -224,11 +223,13 @@ impl Layer {
     #[inline(always)]
     pub fn for_each_corner(&self, mut f: impl FnMut([usize; 2], u8)) {
         let mut rank = 0;
-        for (i, &word) in self.corners.iter().enumerate() {
-            for_each_bit(word, |bit| {
-                f([i % self.width * 64 + bit, i / self.width], self.octants[rank]);
-                rank += 1;
-            });
+        for (y, row) in self.corners.chunks_exact(self.width).enumerate() {
+            for (i, &word) in row.iter().enumerate() {
+                for_each_bit(word, |bit| {
+                    f([64 * i + bit, y], self.octants[rank]);
+                    rank += 1;
+                });
+            }
         }
     }
 
@@ -237,9 +238,9 @@ impl Layer {
     pub fn number_row(&self, y: usize, base: u32, numbers: &mut [u32]) {
         let mut next = base + self.row_starts[y];
         let words = &self.corners[y * self.width..(y + 1) * self.width];
-        for (i, &word) in words.iter().enumerate() {
+        for (&word, numbers) in words.iter().zip(numbers.as_chunks_mut::<64>().0) {
             for_each_bit(word, |bit| {
-                numbers[64 * i + bit] = next;
+                numbers[bit % 64] = next;
                 next += 1;
             });
         }

@@ -111,7 +111,7 @@ impl Mesh {
         levels: &LevelSet,
         progress: &dyn Progress,
     ) -> Result<Mesh, MeshError> {
-        Mesh::placed(contents, &OnSurface { grid: &contents.grid, levels }, progress)
+        Mesh::placed(contents, &OnSurface::new(&contents.grid, levels), progress)
     }
 
     fn placed(

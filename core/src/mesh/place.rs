@@ -6,7 +6,7 @@
 
 use glam::{IVec3, UVec3, Vec3};
 
-use super::contact::{CORNERS, Fan, beside, voxel_of};
+use super::contact::{CORNERS, Corner, Fan, beside, voxel_of};
 use crate::sculpture::history::Contents;
 use crate::sculpture::{Grid, Rgb};
 use crate::shade::LevelSet;
@@ -17,6 +17,10 @@ pub const GAP_VX: f32 = 1.0 / 64.0;
 
 /// Places the vertices of a mesh.
 pub trait Place: Sync {
+    /// The vertex of a corner with one fan.
+    fn only(&self, corner: IVec3, octants: u8) -> Vec3 {
+        self.fan(corner, octants, 0)
+    }
     /// The vertex of a fan of the corner at `corner`, around which `octants` exist.
     fn fan(&self, corner: IVec3, octants: u8, fan: usize) -> Vec3;
     /// The vertex in the middle of the pinched edge from `corner` along `axis`, on the side of the existing `octant`.
@@ -27,6 +31,11 @@ pub trait Place: Sync {
 pub struct AtCorners;
 
 impl Place for AtCorners {
+    #[inline(always)]
+    fn only(&self, corner: IVec3, _: u8) -> Vec3 {
+        corner.as_vec3()
+    }
+
     #[inline(always)]
     fn fan(&self, corner: IVec3, octants: u8, fan: usize) -> Vec3 {
         let table = &CORNERS[octants as usize];
@@ -45,15 +54,44 @@ impl Place for AtCorners {
     }
 }
 
+/// The edge of a cell that crosses a face: its octants, and where it begins and leads.
+#[derive(Clone, Copy)]
+struct Edge {
+    low: u8,
+    high: u8,
+    start: Vec3,
+    step: Vec3,
+}
+
+/// The edges across the twelve faces; the last four are no faces.
+const EDGES: [Edge; 16] = {
+    let mut edges = [Edge { low: 0, high: 0, start: Vec3::ZERO, step: Vec3::ZERO }; 16];
+    let mut face = 0;
+    while face < 12 {
+        let [low, high] = beside(face);
+        let start = Vec3::new((low & 1) as f32, (low >> 1 & 1) as f32, (low >> 2) as f32);
+        let step = [Vec3::X, Vec3::Y, Vec3::Z][face / 4];
+        edges[face] = Edge { low: low as u8, high: high as u8, start, step };
+        face += 1;
+    }
+    edges
+};
+
 /// On the smooth surface: in the mean of the places where it crosses the edges of a cell between voxel centres.
 pub struct OnSurface<'a> {
     /// The voxels.
     pub grid: &'a Grid,
     /// Their smooth surface.
     pub levels: &'a LevelSet,
+    corners: &'static [Corner; 256],
 }
 
-impl OnSurface<'_> {
+impl<'a> OnSurface<'a> {
+    /// On the smooth surface of `grid`.
+    pub fn new(grid: &'a Grid, levels: &'a LevelSet) -> OnSurface<'a> {
+        OnSurface { grid, levels, corners: &CORNERS }
+    }
+
     /// How far the surface is from octant `from` on the way to `to`, as a share of it.
     #[inline(always)]
     fn share(levels: &[f32; 8], from: usize, to: usize) -> f32 {
@@ -66,17 +104,17 @@ impl Place for OnSurface<'_> {
     #[inline(always)]
     fn fan(&self, corner: IVec3, octants: u8, fan: usize) -> Vec3 {
         let levels = self.levels.corners(self.grid, corner);
-        let faces = CORNERS[octants as usize].fans[fan].faces;
-        let mut sum = Vec3::ZERO;
+        let faces = self.corners[octants as usize].fans[fan].faces;
+        let (mut sum, mut count) = (Vec3::ZERO, 0.0);
         let mut rest = faces;
         while rest != 0 {
-            let face = rest.trailing_zeros() as usize;
+            let Edge { low, high, start, step } = &EDGES[rest.trailing_zeros() as usize % 16];
             rest &= rest - 1;
-            let [low, high] = beside(face);
-            sum += (voxel_of(low) + 1).as_vec3();
-            sum[face / 4] += Self::share(&levels, low, high);
+            let (a, b) = (levels[*low as usize % 8].abs(), levels[*high as usize % 8].abs());
+            sum += *start + *step * (a / (a + b));
+            count += 1.0;
         }
-        corner.as_vec3() - 0.5 + sum / faces.count_ones() as f32
+        corner.as_vec3() - 0.5 + sum / count
     }
 
     fn middle(&self, corner: IVec3, axis: usize, octant: usize) -> Vec3 {

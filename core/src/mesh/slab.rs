@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use glam::IVec3;
 
+use super::contact::IS_ODD;
 use super::layer::{Further, Layer};
 use super::place::{Place, colour, octant_of_edge, solid_of};
 use super::rows::{Rows, for_each_bit, moved_up, row_words};
@@ -59,9 +60,13 @@ impl<P: Place> Slab<'_, P> {
     fn put_vertices(&self, layer: &Layer, z: i32, part: &mut Part) {
         let Part { positions, colours, .. } = part;
         positions.reserve(layer.count());
+        let is_odd = &*IS_ODD;
         layer.for_each_corner(|[x, y], octants| {
             let corner = IVec3::new(x as i32, y as i32, z);
-            positions.push(self.place.fan(corner, octants, 0));
+            positions.push(match is_odd[octants as usize] {
+                true => self.place.fan(corner, octants, 0),
+                false => self.place.only(corner, octants),
+            });
         });
         if self.coloured {
             colours.reserve(layer.count());
@@ -93,7 +98,7 @@ fn put_faces(rows: &Rows, height: usize, z: u32, layers: [Numbered; 2], part: &m
     let width = layers[0].layer.width;
     let is_plain = layers.iter().all(|numbered| numbered.layer.is_plain());
     // The numbers of the corners of rows y and y + 1, here and above.
-    let mut numbers: [Vec<u32>; 4] = std::array::from_fn(|_| vec![0; 64 * width + 1]);
+    let mut numbers: [Vec<u32>; 4] = std::array::from_fn(|_| vec![0; 64 * width]);
     for (i, Numbered { layer, base }) in layers.iter().enumerate() {
         layer.number_row(0, *base, &mut numbers[2 * i]);
     }
@@ -106,7 +111,7 @@ fn put_faces(rows: &Rows, height: usize, z: u32, layers: [Numbered; 2], part: &m
         let (row, depth) = (y as i64, i64::from(z));
         let [here, below, before] = [(row, depth), (row, depth - 1), (row - 1, depth)];
         let [here, below, before] = [here, below, before].map(|(y, z)| rows.row(y, z));
-        let [a, b, c, d] = &numbers;
+        let [a, b, c, d] = numbers.each_ref().map(|row| row.as_chunks::<64>().0);
         let quads = &mut part.quads;
         for i in 0..width {
             let left = moved_up(here, i);
@@ -122,29 +127,24 @@ fn put_faces(rows: &Rows, height: usize, z: u32, layers: [Numbered; 2], part: &m
                 }
             }
             let plain = !odd;
-            for_each_bit(left & !here & plain, |bit| {
-                let x = 64 * i + bit;
-                quads.push([a[x], b[x], d[x], c[x]]);
+            let [a, b, c, d] = [&a[i], &b[i], &c[i], &d[i]];
+            // Faces that look down have their second and fourth vertex swapped.
+            let mut put = |bit: usize, up: u64, [first, second, third, fourth]: [u32; 4]| {
+                let down = ((up >> bit & 1) as u32).wrapping_sub(1);
+                let swapped = (second ^ fourth) & down;
+                quads.push([first, second ^ swapped, third, fourth ^ swapped]);
+            };
+            for_each_bit((left ^ here) & plain, |bit| {
+                let x = bit % 64;
+                put(bit, left, [a[x], b[x], d[x], c[x]]);
             });
-            for_each_bit(here & !left & plain, |bit| {
-                let x = 64 * i + bit;
-                quads.push([a[x], c[x], d[x], b[x]]);
+            for_each_bit((before ^ here) & plain, |bit| {
+                let x = bit % 64;
+                put(bit, before, [a[x], c[x], c[x] + 1, a[x] + 1]);
             });
-            for_each_bit(before & !here & plain, |bit| {
-                let x = 64 * i + bit;
-                quads.push([a[x], c[x], c[x] + 1, a[x] + 1]);
-            });
-            for_each_bit(here & !before & plain, |bit| {
-                let x = 64 * i + bit;
-                quads.push([a[x], a[x] + 1, c[x] + 1, c[x]]);
-            });
-            for_each_bit(below & !here & plain, |bit| {
-                let x = 64 * i + bit;
-                quads.push([a[x], a[x] + 1, b[x] + 1, b[x]]);
-            });
-            for_each_bit(here & !below & plain, |bit| {
-                let x = 64 * i + bit;
-                quads.push([a[x], b[x], b[x] + 1, a[x] + 1]);
+            for_each_bit((below ^ here) & plain, |bit| {
+                let x = bit % 64;
+                put(bit, below, [a[x], a[x] + 1, b[x] + 1, b[x]]);
             });
         }
         if !is_plain {

@@ -8,21 +8,48 @@
 mod quadric;
 mod surface;
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
-
 use glam::Vec3;
 
-use self::surface::{Collapse, Surface};
+use self::surface::Surface;
 use super::{Mesh, MeshError, Part};
 use crate::progress::Progress;
 
 /// Collapses between two looks at whether the work is cancelled.
 const PORTION: u64 = 1 << 14;
 
-/// An edge that may be collapsed: its error, its vertices, and the sum of their versions, by which an edge is known
-/// that has changed since. Positive floats are ordered as their bits.
-type Candidate = Reverse<(u32, [u32; 2], u32)>;
+/// Bits of an error (a positive float, so ordered as its bits) that do not tell buckets apart: buckets are a fifth wide.
+const BUCKET_SHIFT: u32 = 21;
+/// Buckets of all positive floats.
+const BUCKETS: usize = 1 << (31 - BUCKET_SHIFT);
+
+/// An edge that may be collapsed, and the sum of its vertices' versions, by which an edge is known that has changed.
+type Candidate = ([u32; 2], u32);
+
+/// The edges by their errors, as exactly as the buckets are narrow: unlike a heap, this costs no more for many edges.
+struct Queue {
+    buckets: Vec<Vec<Candidate>>,
+    /// None below this one has edges.
+    lowest: usize,
+}
+
+impl Queue {
+    fn new() -> Queue {
+        Queue { buckets: vec![Vec::new(); BUCKETS], lowest: 0 }
+    }
+
+    fn push(&mut self, error: f32, candidate: Candidate) {
+        let bucket = (error.to_bits() >> BUCKET_SHIFT) as usize % BUCKETS;
+        self.buckets[bucket].push(candidate);
+        self.lowest = self.lowest.min(bucket);
+    }
+
+    /// All edges of the lowest bucket that has any.
+    fn pop(&mut self) -> Option<Vec<Candidate>> {
+        let next = self.buckets[self.lowest..].iter().position(|bucket| !bucket.is_empty())?;
+        self.lowest += next;
+        Some(std::mem::take(&mut self.buckets[self.lowest]))
+    }
+}
 
 /// The mesh with at most `triangles`, as far as its topology allows.
 pub fn simplified(mesh: Mesh, triangles: u64, progress: &dyn Progress) -> Result<Mesh, MeshError> {
@@ -33,35 +60,36 @@ pub fn simplified(mesh: Mesh, triangles: u64, progress: &dyn Progress) -> Result
     progress.begin("simplifying");
     let base = mesh.base;
     let mut surface = Surface::new(mesh);
-    let candidate = |surface: &Surface, edge: [u32; 2]| -> Candidate {
-        let Collapse { error, .. } = surface.collapse_of(edge);
-        Reverse((error.to_bits(), edge, surface.version(edge)))
-    };
-    let edges: Vec<Candidate> = surface.edges().map(|edge| candidate(&surface, edge)).collect();
-    let mut heap = BinaryHeap::from(edges);
+    let mut queue = Queue::new();
+    for edge in surface.edges() {
+        queue.push(surface.collapse_of(edge).error, (edge, surface.version(edge)));
+    }
     let (mut left, mut count) = (all, 0u64);
     let mut neighbours = Vec::new();
-    while left > triangles
-        && let Some(Reverse((_, edge, version))) = heap.pop()
-    {
-        if !surface.is_alive(edge) || surface.version(edge) != version {
-            continue;
-        }
-        let collapse = surface.collapse_of(edge);
-        if !surface.try_collapse(edge, &collapse) {
-            continue;
-        }
-        left -= 2;
-        surface.neighbours(edge[0], &mut neighbours);
-        for &other in &neighbours {
-            let edge = [edge[0].min(other), edge[0].max(other)];
-            heap.push(candidate(&surface, edge));
-        }
-        count += 1;
-        if count.is_multiple_of(PORTION) {
-            progress.advance((all - left) as f32 / (all - triangles) as f32);
-            if progress.is_cancelled() {
-                return Err(MeshError::Cancelled);
+    'until_few: while let Some(candidates) = queue.pop() {
+        for (edge, version) in candidates {
+            if left <= triangles {
+                break 'until_few;
+            }
+            if !surface.is_alive(edge) || surface.version(edge) != version {
+                continue;
+            }
+            let collapse = surface.collapse_of(edge);
+            if !surface.try_collapse(edge, &collapse) {
+                continue;
+            }
+            left -= 2;
+            surface.neighbours(edge[0], &mut neighbours);
+            for &other in &neighbours {
+                let edge = [edge[0].min(other), edge[0].max(other)];
+                queue.push(surface.collapse_of(edge).error, (edge, surface.version(edge)));
+            }
+            count += 1;
+            if count.is_multiple_of(PORTION) {
+                progress.advance((all - left) as f32 / (all - triangles) as f32);
+                if progress.is_cancelled() {
+                    return Err(MeshError::Cancelled);
+                }
             }
         }
     }

@@ -48,6 +48,8 @@ pub struct Surface {
     /// Marks of vertices, current where they equal `mark`.
     marks: Vec<u32>,
     mark: u32,
+    /// Kept to save allocations.
+    around: Vec<u32>,
 }
 
 impl Surface {
@@ -70,6 +72,7 @@ impl Surface {
             next: vec![NONE; 3 * triangles.len()],
             marks: vec![0; count],
             mark: 0,
+            around: Vec::new(),
             positions,
             colours,
             triangles,
@@ -146,7 +149,7 @@ impl Surface {
     }
 
     /// The vertices beside one, each once.
-    pub fn neighbours(&mut self, vertex: u32, out: &mut Vec<u32>) {
+    pub fn neighbours(&self, vertex: u32, out: &mut Vec<u32>) {
         out.clear();
         // Each triangle has the one that follows the vertex, and in a closed fan that is all of them.
         out.extend(self.triangles_of(vertex).map(|triangle| {
@@ -156,24 +159,33 @@ impl Surface {
         }));
     }
 
-    /// Whether the surface stays a manifold, and no triangle turns over or becomes a needle.
-    fn may_collapse(&mut self, [a, b]: [u32; 2], place: Vec3) -> bool {
-        let mut around = Vec::with_capacity(16);
-        self.neighbours(a, &mut around);
+    /// Whether the surface stays a manifold and keeps its shape.
+    fn may_collapse(&mut self, edge: [u32; 2], place: Vec3) -> bool {
+        let mut around = std::mem::take(&mut self.around);
+        let may = self.keeps_manifold(edge, &mut around) && self.keeps_shape(edge, place);
+        self.around = around;
+        may
+    }
+
+    /// The link condition: both ends have two neighbours in common, which keep three triangles.
+    fn keeps_manifold(&mut self, [a, b]: [u32; 2], around: &mut Vec<u32>) -> bool {
+        self.neighbours(a, around);
         self.mark = self.mark.wrapping_add(1);
-        for &vertex in &around {
+        for &vertex in around.iter() {
             self.marks[vertex as usize] = self.mark;
         }
-        self.neighbours(b, &mut around);
+        self.neighbours(b, around);
         let mark = self.mark;
         let mut both = around.iter().filter(|&&vertex| self.marks[vertex as usize] == mark);
         let (Some(&c), Some(&d), None) = (both.next(), both.next(), both.next()) else {
             return false;
         };
-        // Their fans lose a triangle.
-        if [c, d].iter().any(|&vertex| self.triangles_of(vertex).take(4).count() < 4) {
-            return false;
-        }
+        // Each loses one.
+        [c, d].iter().all(|&vertex| self.triangles_of(vertex).take(4).count() == 4)
+    }
+
+    /// Whether no triangle turns over or becomes a needle.
+    fn keeps_shape(&self, [a, b]: [u32; 2], place: Vec3) -> bool {
         [[a, b], [b, a]].into_iter().all(|[own, other]| {
             self.triangles_of(own).all(|triangle| {
                 let vertices = self.triangles[triangle];
