@@ -52,6 +52,5 @@ fn value_of(info: &Info) -> Value {
         })),
         "notes": notes,
         "texts": Value::Object(named.into_iter().collect()),
-        "notes": notes,
     })
 }

@@ -115,6 +115,11 @@ impl Files {
                 .add_save_extension("Raw voxels", "raw")
                 .add_save_extension("MagicaVoxel", "vox")
                 .add_save_extension("Qubicle", "qb")
+                .add_save_extension("Print (STL)", "stl")
+                .add_save_extension("Print (3MF)", "3mf")
+                .add_save_extension("Mesh (glTF)", "glb")
+                .add_save_extension("Mesh (PLY)", "ply")
+                .add_save_extension("Mesh (OBJ)", "obj")
                 .default_save_extension("Volume")
                 .default_file_name(&format!("{name}.{EXPORT_ENDING}")),
         };
@@ -241,6 +246,8 @@ fn export_options(ui: &mut Ui, choice: &mut Choice) {
     ] {
         ui.radio_value(&mut choice.form, form, capital(&form.to_string())).on_hover_text(text);
     }
+    ui.add_space(8.0);
+    ui.weak("Meshes are of the smooth surface, in millimetres; `convert` has more options.");
 }
 
 /// Whether the name is that of a volume, whose contents can be chosen.

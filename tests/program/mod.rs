@@ -4,6 +4,7 @@
 mod files;
 mod film;
 mod final_picture;
+mod meshes;
 mod orthographic;
 mod pipe;
 mod samples;

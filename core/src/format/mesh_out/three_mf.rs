@@ -2,13 +2,13 @@
 //! group of the materials extension, which programs that do not know it skip.
 
 use std::collections::HashMap;
-use std::io::Write;
+use std::io::{BufWriter, Write};
 use std::path::Path;
 
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
-use super::{Job, create, finish};
+use super::{BUFFER_BYTES, Job, create, finish};
 use crate::format::FormatError;
 use crate::sculpture::Rgb;
 
@@ -44,42 +44,46 @@ pub(super) fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
         zip.write_all(text.as_bytes())?;
     }
     zip.start_file("3D/3dmodel.model", options).map_err(std::io::Error::from)?;
-    zip.write_all(MODEL.as_bytes())?;
+    // Compressed in large pieces.
+    let mut model = BufWriter::with_capacity(BUFFER_BYTES, &mut zip);
+    model.write_all(MODEL.as_bytes())?;
 
     let mut steps = job.steps(1);
     // The number of each vertex's colour, of all different ones.
     let mut numbers: HashMap<Rgb, u32> = HashMap::new();
     let mut colours = Vec::new();
     if mesh.is_coloured() {
-        write!(zip, "<m:colorgroup id=\"{COLOURS_ID}\">")?;
+        write!(model, "<m:colorgroup id=\"{COLOURS_ID}\">")?;
         colours.reserve_exact(mesh.vertex_count() as usize);
         for colour in mesh.colours() {
             let next = numbers.len() as u32;
             let number = *numbers.entry(colour).or_insert(next);
             if number == next {
                 let Rgb([r, g, b]) = colour;
-                write!(zip, "<m:color color=\"#{r:02X}{g:02X}{b:02X}FF\"/>")?;
+                write!(model, "<m:color color=\"#{r:02X}{g:02X}{b:02X}FF\"/>")?;
             }
             colours.push(number);
         }
-        writeln!(zip, "</m:colorgroup>")?;
+        writeln!(model, "</m:colorgroup>")?;
     }
-    write!(zip, "<object id=\"1\" type=\"model\" name=\"sculpture\"><mesh><vertices>")?;
+    write!(model, "<object id=\"1\" type=\"model\" name=\"sculpture\"><mesh><vertices>")?;
     for position in job.positions() {
         let [x, y, z] = position.to_array();
-        writeln!(zip, "<vertex x=\"{x}\" y=\"{y}\" z=\"{z}\"/>")?;
+        writeln!(model, "<vertex x=\"{x}\" y=\"{y}\" z=\"{z}\"/>")?;
         steps.step()?;
     }
-    write!(zip, "</vertices><triangles>")?;
+    write!(model, "</vertices><triangles>")?;
     for [a, b, c] in mesh.triangles() {
-        write!(zip, "<triangle v1=\"{a}\" v2=\"{b}\" v3=\"{c}\"")?;
+        write!(model, "<triangle v1=\"{a}\" v2=\"{b}\" v3=\"{c}\"")?;
         if !colours.is_empty() {
             let [p, q, r] = [a, b, c].map(|vertex| colours[vertex as usize]);
-            write!(zip, " pid=\"{COLOURS_ID}\" p1=\"{p}\" p2=\"{q}\" p3=\"{r}\"")?;
+            write!(model, " pid=\"{COLOURS_ID}\" p1=\"{p}\" p2=\"{q}\" p3=\"{r}\"")?;
         }
-        writeln!(zip, "/>")?;
+        writeln!(model, "/>")?;
         steps.step()?;
     }
-    zip.write_all(END.as_bytes())?;
+    model.write_all(END.as_bytes())?;
+    model.flush()?;
+    drop(model);
     finish(zip.finish().map_err(std::io::Error::from)?)
 }
