@@ -63,7 +63,7 @@ fn pictures(c: &mut Criterion) {
         let mut levels = LevelSet::new(&grid, u64::MAX).expect("the scenes are small");
         levels.update(&grid, &normals, &mut Vec::new());
         group.bench_function(BenchmarkId::new("mesh_smooth", name), |b| {
-            b.iter(|| Mesh::smooth(&contents, &levels, &()));
+            b.iter(|| Mesh::smooth(&contents, &levels, &Limits::default(), &()));
         });
         drop((contents, levels));
         // The bricks of a ball of radius 32 at the side of the grid that faces the eye.

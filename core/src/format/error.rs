@@ -259,7 +259,7 @@ impl From<MeshError> for FormatError {
         match error {
             MeshError::Cancelled => FormatError::Cancelled,
             MeshError::Grid(error) => FormatError::Grid(error),
-            MeshError::TooLarge(_) => FormatError::Mesh(error),
+            MeshError::TooLarge(_) | MeshError::Memory { .. } => FormatError::Mesh(error),
         }
     }
 }

@@ -18,6 +18,8 @@ mod slab;
 #[cfg(test)]
 pub(crate) mod tests;
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -57,6 +59,15 @@ pub enum MeshError {
         "the mesh would have {0} vertices, more than the 2^32 that it can number; export a smaller part of the sculpture"
     )]
     TooLarge(u64),
+    /// The mesh would take more memory than allowed.
+    #[error(
+        "the mesh needs more than the {budget_mib} MiB allowed; \
+         raise memory.grid_mib or memory.colour_mib in the settings, or export a smaller part of the sculpture"
+    )]
+    Memory {
+        /// MiB allowed.
+        budget_mib: u64,
+    },
     /// The smooth surface does not fit into memory.
     #[error(transparent)]
     Grid(#[from] GridError),
@@ -78,6 +89,44 @@ pub struct Part {
     pub first_vertex: u32,
 }
 
+impl Part {
+    fn heap_bytes(&self) -> u64 {
+        let bytes = self.positions.capacity() * size_of::<Vec3>()
+            + self.colours.capacity() * size_of::<Rgb>()
+            + self.quads.capacity() * size_of::<[u32; 4]>()
+            + self.triangles.capacity() * size_of::<[u32; 3]>();
+        bytes as u64
+    }
+}
+
+/// Memory that a mesh may take, as much as the limits for the grid and the colours together.
+struct Budget {
+    bytes: u64,
+    taken: AtomicU64,
+}
+
+impl Budget {
+    fn new(limits: &Limits) -> Budget {
+        let bytes = limits.grid_bytes.saturating_add(limits.colour_bytes);
+        Budget { bytes, taken: AtomicU64::new(0) }
+    }
+
+    fn take(&self, bytes: u64) {
+        self.taken.fetch_add(bytes, Ordering::Relaxed);
+    }
+
+    fn is_spent(&self) -> bool {
+        self.taken.load(Ordering::Relaxed) > self.bytes
+    }
+
+    fn check(&self) -> Result<(), MeshError> {
+        match self.is_spent() {
+            true => Err(MeshError::Memory { budget_mib: self.bytes >> 20 }),
+            false => Ok(()),
+        }
+    }
+}
+
 /// A closed surface.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Mesh {
@@ -96,11 +145,11 @@ impl Mesh {
         progress: &dyn Progress,
     ) -> Result<Mesh, MeshError> {
         match kind {
-            MeshKind::Faces => Mesh::placed(contents, &AtCorners, progress),
-            MeshKind::Greedy => greedy::mesh(contents, progress),
+            MeshKind::Faces => Mesh::placed(contents, &AtCorners, limits, progress),
+            MeshKind::Greedy => greedy::mesh(contents, limits, progress),
             MeshKind::Smooth => {
                 let levels = smooth_surface(contents, limits, progress)?;
-                Mesh::smooth(contents, &levels, progress)
+                Mesh::smooth(contents, &levels, limits, progress)
             }
         }
     }
@@ -109,14 +158,16 @@ impl Mesh {
     pub fn smooth(
         contents: &Contents,
         levels: &LevelSet,
+        limits: &Limits,
         progress: &dyn Progress,
     ) -> Result<Mesh, MeshError> {
-        Mesh::placed(contents, &OnSurface::new(&contents.grid, levels), progress)
+        Mesh::placed(contents, &OnSurface::new(&contents.grid, levels), limits, progress)
     }
 
     fn placed(
         contents: &Contents,
         place: &impl Place,
+        limits: &Limits,
         progress: &dyn Progress,
     ) -> Result<Mesh, MeshError> {
         progress.begin("making the mesh");
@@ -124,15 +175,22 @@ impl Mesh {
         let slab = Slab { contents, place, coloured };
         let end = contents.grid.dims().z + 1;
         let starts: Vec<u32> = (0..end).step_by(PART_LAYERS as usize).collect();
-        let part = |&start: &u32| match progress.is_cancelled() {
+        // How much a part takes is known when it is made; none is begun once it is too much.
+        let budget = Budget::new(limits);
+        let part = |&start: &u32| match progress.is_cancelled() || budget.is_spent() {
             true => Part::default(),
-            false => slab.part(start..(start + PART_LAYERS).min(end)),
+            false => {
+                let part = slab.part(start..(start + PART_LAYERS).min(end));
+                budget.take(part.heap_bytes());
+                part
+            }
         };
         let parts: Vec<Part> = starts.par_iter().map(part).collect();
         progress.end();
         if progress.is_cancelled() {
             return Err(MeshError::Cancelled);
         }
+        budget.check()?;
         Mesh::joined(parts, contents.material.base())
     }
 
@@ -230,13 +288,7 @@ impl Mesh {
 
     /// Bytes in memory.
     pub fn heap_bytes(&self) -> u64 {
-        let of_part = |part: &Part| {
-            part.positions.capacity() * size_of::<Vec3>()
-                + part.colours.capacity() * size_of::<Rgb>()
-                + part.quads.capacity() * size_of::<[u32; 4]>()
-                + part.triangles.capacity() * size_of::<[u32; 3]>()
-        };
-        self.parts.iter().map(|part| of_part(part) as u64).sum()
+        self.parts.iter().map(Part::heap_bytes).sum()
     }
 }
 

@@ -11,25 +11,40 @@ mod numbers;
 mod polygon;
 mod rectangles;
 
+use glam::Vec3;
 use rayon::prelude::*;
 
 use self::numbers::Numbers;
 use self::polygon::put_rectangle;
 use self::rectangles::{Rectangle, rectangles};
-use super::{Mesh, MeshError, Part};
+use super::{Budget, Mesh, MeshError, Part};
 use crate::progress::Progress;
+use crate::sculpture::Limits;
 use crate::sculpture::history::Contents;
 
 /// Rectangles that are triangulated by a thread at a time.
 const PORTION: usize = 1 << 13;
 
+/// Memory that each rectangle takes at least.
+const LEAST_BYTES: u64 =
+    (size_of::<Rectangle>() + size_of::<[u32; 4]>() + size_of::<Vec3>()) as u64;
+
 /// The mesh of merged faces.
-pub fn mesh(contents: &Contents, progress: &dyn Progress) -> Result<Mesh, MeshError> {
+pub fn mesh(
+    contents: &Contents,
+    limits: &Limits,
+    progress: &dyn Progress,
+) -> Result<Mesh, MeshError> {
     progress.begin("merging faces");
     let go_on = || if progress.is_cancelled() { Err(MeshError::Cancelled) } else { Ok(()) };
     let mut all: Vec<Rectangle> = Vec::new();
+    let budget = Budget::new(limits);
     for axis in 0..3 {
-        all.append(&mut rectangles(contents, axis));
+        let found = rectangles(contents, axis);
+        // With the vertex and the face of each that follow.
+        budget.take(found.len() as u64 * LEAST_BYTES);
+        budget.check()?;
+        all.extend(found);
         progress.advance(0.2 * (axis + 1) as f32);
         go_on()?;
     }

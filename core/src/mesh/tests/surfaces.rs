@@ -262,3 +262,13 @@ fn a_cancelled_mesh_is_an_error() {
         assert!(matches!(made, Err(MeshError::Cancelled)));
     }
 }
+
+#[test]
+fn a_mesh_that_takes_too_much_memory_is_refused() {
+    let contents = contents(noise(UVec3::splat(40), 0.5, 3));
+    for kind in KINDS {
+        let limits = Limits { grid_bytes: 100 << 10, colour_bytes: 0, ..Limits::default() };
+        let error = Mesh::of(&contents, kind, &limits, &()).unwrap_err().to_string();
+        assert!(error.contains("the mesh needs more than the 0 MiB"), "{kind:?}: {error}");
+    }
+}
