@@ -78,6 +78,17 @@ impl FrameCache {
         }
     }
 
+    /// Whether pictures of `desc`, of the voxels, differ from these by edits of the sculpture only, and by some.
+    pub fn is_edited_only(&self, document: &Document, desc: &FrameDesc) -> bool {
+        let sample = sample_key(document, desc, false);
+        self.sample != sample && self.sample.differs_by_edits_only(&sample)
+    }
+
+    /// Whether pictures of `desc` show the same places of the sculpture as these.
+    pub fn is_of(&self, document: &Document, desc: &FrameDesc) -> bool {
+        self.sample == sample_key(document, desc, self.sample.smooth)
+    }
+
     pub fn mode(&self) -> RenderMode {
         self.sample.mode
     }

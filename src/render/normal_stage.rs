@@ -3,7 +3,8 @@
 //!
 //! Follows the grid of one document. Normals that edits change are computed before the next picture; those of a
 //! sculpture that was opened take as much of each picture's time as its caller allows, and estimates stand in for
-//! the rest.
+//! the rest. After an edit of a resting view only those of the bricks that it shows are computed before the picture; the
+//! others follow while it rests, or before anything else looks at them.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -11,7 +12,9 @@ use std::time::{Duration, Instant};
 use super::{Normals, Shading};
 use crate::gpu::{Device, Recorder, Result};
 use crate::sculpture::Grid;
+use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::shade::NormalField;
+use crate::surface::{IndexMap, changed_pixels};
 
 /// What has become of the normals since the last picture.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -39,25 +42,68 @@ pub(super) struct NormalStage {
     pub took: Duration,
 }
 
+/// Voxels within which those are that the normals of a changed brick's neighbours depend on: two bricks.
+const REACH_VX: u32 = 2 * BRICK_EDGE_VX;
+
+/// Most bricks that are put off: what a picture of another view can wait for.
+const MOST_DEFERRED: usize = 2048;
+
 impl NormalStage {
     /// Computes normals for a picture of `grid`, of which these bricks have changed since the last one; `None`:
-    /// all may have.
-    pub fn update(&mut self, grid: &Grid, changed: Option<&[u32]>) -> NormalsChange {
-        let was_complete = self.field.is_complete();
+    /// all may have. `rests`: it shows the same as the last one, which had the normals of all that it shows.
+    pub fn update(&mut self, grid: &Grid, changed: Option<&[u32]>, rests: bool) -> NormalsChange {
+        let had_estimates = self.field.has_estimates();
         let (start, patience) = (Instant::now(), self.patience);
+        let mut go_on = || patience.is_none_or(|patience| start.elapsed() < patience);
         self.field.follow(grid, changed);
         self.reshaded.clear();
-        self.field.update(grid, &mut self.reshaded, || {
-            patience.is_none_or(|patience| start.elapsed() < patience)
-        });
+        if rests && self.field.deferred() > 0 {
+            self.field.update_deferred(grid, &mut self.reshaded, go_on);
+        } else {
+            self.field.update(grid, &mut self.reshaded, &mut go_on);
+        }
         self.took = start.elapsed();
+        self.finish(changed, had_estimates)
+    }
+
+    /// Whether [`NormalStage::update_seen`] will put off what is not seen.
+    pub fn can_defer(&self) -> bool {
+        !self.field.has_estimates() && self.field.deferred() < MOST_DEFERRED
+    }
+
+    /// [`NormalStage::update`] for pictures from the same eyes as the last ones, with these maps, sampled after the
+    /// edit. What nobody sees is put off.
+    pub fn update_seen(
+        &mut self,
+        grid: &Grid,
+        changed: &[u32],
+        maps: &[Arc<IndexMap>],
+    ) -> NormalsChange {
+        let start = Instant::now();
+        self.field.follow(grid, Some(changed));
+        self.reshaded.clear();
+        let views =
+            maps.iter().map(|map| (&**map, changed_pixels(grid, changed, &map.rays, REACH_VX)));
+        self.field.update_seen(grid, views, &mut self.reshaded);
+        // Of very many bricks none is put off.
+        if self.field.has_estimates() {
+            let patience = self.patience;
+            self.field.update(grid, &mut self.reshaded, || {
+                patience.is_none_or(|patience| start.elapsed() < patience)
+            });
+        }
+        self.took = start.elapsed();
+        self.finish(Some(changed), false)
+    }
+
+    fn finish(&mut self, changed: Option<&[u32]>, had_estimates: bool) -> NormalsChange {
         let differ = !self.reshaded.is_empty();
         self.reshaded.extend_from_slice(changed.unwrap_or_default());
         self.reshaded.sort_unstable();
         self.reshaded.dedup();
         match differ {
             // Estimates come or go everywhere.
-            _ if was_complete != self.field.is_complete() => NormalsChange::All,
+            _ if had_estimates != self.field.has_estimates() => NormalsChange::All,
             true => NormalsChange::Some,
             false => NormalsChange::None,
         }

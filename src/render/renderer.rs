@@ -24,7 +24,10 @@ use super::smooth_edges::SmoothEdges;
 use super::software_composite::SoftwareComposite;
 use super::times::PictureTimer;
 pub use super::times::{DeviceTimes, RenderTimes};
-use super::{Backdrop, Composite, GpuOnly, GroundPass, MAX_EYES, Points, SurfaceShade};
+use super::{
+    Backdrop, Composite, GpuOnly, GroundPass, MAX_EYES, Points, Shading, SmoothSurface,
+    SurfaceShade,
+};
 use crate::document::{ChangeSubscriber, Document};
 use crate::gpu::{Device, Recorder, Result, Use, read_image_once};
 use crate::shade::points::PointCloud;
@@ -130,11 +133,21 @@ impl Renderer {
         // Only complete pictures are kept in the frame cache.
         let before = self.cache.take();
         let changes_known = self.drain_changes(document);
-        let changed = changes_known.then_some(self.changed.as_slice());
-        let normals = self.normals.update(document.grid(), changed);
+        let known = before.as_ref().filter(|_| changes_known);
+        let defers = known.is_some_and(|before| before.is_edited_only(document, desc))
+            && self.can_defer_normals(document, desc);
+        let normals = if defers {
+            // What is seen must be known before.
+            self.sample(document, desc, Redraw::Changed)?;
+            self.normals.update_seen(document.grid(), &self.changed, &self.maps)
+        } else {
+            let rests = known.is_some_and(|before| before.is_of(document, desc));
+            let changed = changes_known.then_some(self.changed.as_slice());
+            self.normals.update(document.grid(), changed, rests)
+        };
         let smooth = self.follow_surface(document, desc, changes_known)?;
         let plan = RedrawPlan::new(before.as_ref(), document, desc, changes_known, normals, smooth);
-        if let Some(redraw) = plan.sample {
+        if let Some(redraw) = plan.sample.filter(|_| !defers) {
             self.sample(document, desc, redraw)?;
         }
         self.composite.begin(slot);
@@ -220,6 +233,17 @@ impl Renderer {
             changed.extend_from_slice(bricks.unwrap_or_default());
             bricks.is_some()
         })
+    }
+
+    /// Whether the normals of bricks that the next picture of a resting view does not show can be put off: where the
+    /// CPU shades the voxels of index maps in memory.
+    fn can_defer_normals(&self, document: &Document, desc: &FrameDesc) -> bool {
+        let smooth =
+            desc.is_smooth(SmoothSurface::Always, document.grid(), self.device.is_software());
+        desc.mode.shading() == Shading::Software
+            && !smooth
+            && self.levels.state().is_none()
+            && self.normals.can_defer()
     }
 
     /// How long a picture may be held up by the normals of a sculpture that was opened: until they are complete

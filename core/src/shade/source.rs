@@ -46,6 +46,6 @@ impl ShadeSource<'_> {
 
     /// The vector out of the solid at a voxel that has no normal.
     pub(super) fn estimate(&self, voxel: UVec3) -> Vec3 {
-        if self.normals.is_complete() { Vec3::ZERO } else { gradient(self.grid, voxel) }
+        if self.normals.has_estimates() { gradient(self.grid, voxel) } else { Vec3::ZERO }
     }
 }

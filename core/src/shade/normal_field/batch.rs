@@ -9,9 +9,11 @@ use fearless_simd::{Level, dispatch};
 use glam::{IVec3, UVec3};
 use rayon::prelude::*;
 
-use super::cells::{CellNormals, Cells, Neighbourhood, filter_cells, filter_voxels};
+use super::cells::{
+    CellNormals, Cells, Neighbourhood, cells_towards, filter_cells, filter_voxels, words_towards,
+};
 use super::packed::{PackedDepth, PackedNormal};
-use super::window::{Samples, Sums, SurfaceMask, sample};
+use super::window::{Samples, Sums, SurfaceMask, Wanted, sample};
 use crate::sculpture::Grid;
 use crate::sculpture::brick::BrickKind;
 use crate::shade::occlusion::Table;
@@ -54,6 +56,10 @@ struct Place {
     brick: IVec3,
     index: u32,
     stage: u8,
+    /// The words of the brick in which samples count: a bit each.
+    words: u8,
+    /// The cells that are filtered: a bit each.
+    cells: u64,
 }
 
 #[derive(Debug, Default)]
@@ -141,12 +147,12 @@ impl Batch {
         let sampled = |place: &Place, out: &mut Sampled| {
             SCRATCH.with_borrow_mut(|scratch| {
                 dispatch!(level, simd => {
-                    let is_target = place.stage == TARGET;
+                    let wanted = Wanted { words: place.words, openness: place.stage == TARGET };
                     sample(
                         simd,
                         grid,
                         place.brick,
-                        is_target,
+                        wanted,
                         &mut scratch.sums,
                         &mut out.samples,
                     );
@@ -167,7 +173,7 @@ impl Batch {
             let around = |offset| Some(&samples[place_of(place.brick + offset)?].cells);
             SCRATCH.with_borrow_mut(|scratch| {
                 let neighbourhood = &mut scratch.neighbourhood;
-                dispatch!(level, simd => filter_cells(simd, &around, neighbourhood, out));
+                dispatch!(level, simd => filter_cells(simd, place.cells, &around, neighbourhood, out));
             });
         };
         for_each(&bricks[..middle], &mut filtered[..middle], &filter);
@@ -218,6 +224,31 @@ impl Batch {
         with_surface.chain(self.bare.iter().map(|index| (*index, SurfaceOf::NONE)))
     }
 
+    /// The words and the cells of a brick, of which bricks around it depend on samples and on filtered normals. Those
+    /// that are further computed themselves need all.
+    fn parts_for_others(&self, at: IVec3, stage: u8) -> (u8, u64) {
+        let mut words = if stage == SAMPLED { 0 } else { u8::MAX };
+        let mut cells = if stage == TARGET { u64::MAX } else { 0 };
+        if stage == TARGET {
+            return (words, cells);
+        }
+        let (low, high) = ((at - 1).max(IVec3::ZERO), (at + 1).min(self.size - 1));
+        for z in low.z..=high.z {
+            for y in low.y..=high.y {
+                for x in low.x..=high.x {
+                    let other = IVec3::new(x, y, z);
+                    let further = self.stages[linear(other, self.size)];
+                    if further > stage && stage == SAMPLED {
+                        words |= words_towards(other - at);
+                    } else if further > stage {
+                        cells |= cells_towards(other - at);
+                    }
+                }
+            }
+        }
+        (words, cells)
+    }
+
     /// Lists what has to be computed for `targets`: targets first, then what is filtered, then the rest.
     fn plan(&mut self, grid: &Grid, targets: &[u32]) {
         let (low, high) = bounds(grid, targets);
@@ -258,7 +289,8 @@ impl Batch {
                         if self.stages[at] == wanted && may_have_surface(grid, brick) {
                             self.places[at] = self.bricks.len() as u32;
                             let index = grid.brick_index(brick.as_uvec3()) as u32;
-                            self.bricks.push(Place { brick, index, stage: wanted });
+                            let (words, cells) = self.parts_for_others(brick - corner, wanted);
+                            self.bricks.push(Place { brick, index, stage: wanted, words, cells });
                         }
                     }
                 }

@@ -304,10 +304,37 @@ fn mask(x: u32, y: u32, z: u32) -> u64 {
     (0..4).filter(|i| z >> i & 1 != 0).fold(0, |all, i| all | layer << (16 * i))
 }
 
-/// Filters the normals of the cells of a brick. `around` gives the cells of a brick by its offset from this one.
+/// The words of a brick whose cells [`filter_cells`] of the brick beside it in this direction collects: a bit each. It
+/// reaches two cells beyond a brick, which is the edge of a word.
+pub fn words_towards(direction: IVec3) -> u8 {
+    let halves = |d: i32| match d {
+        0 => 0b11,
+        1 => 0b10,
+        _ => 0b01,
+    };
+    let [x, y, z] = direction.to_array().map(halves);
+    (0..8).fold(0, |words, word| {
+        let is_near = x >> (word & 1) & y >> (word >> 1 & 1) & z >> (word >> 2) & 1;
+        words | (is_near as u8) << word
+    })
+}
+
+/// The cells of a brick that [`filter_voxels`] of the brick beside it in this direction collects: three along each axis.
+pub fn cells_towards(direction: IVec3) -> u64 {
+    let near = |d: i32| match d {
+        0 => 0b1111,
+        1 => 0b1110,
+        _ => 0b0111,
+    };
+    let [x, y, z] = direction.to_array().map(near);
+    mask(x, y, z)
+}
+
+/// Filters the normals of those of the cells of a brick that are `wanted`. `around` gives the cells of a brick by its offset from this one.
 #[inline(always)]
 pub fn filter_cells<'a, S: Simd>(
     simd: S,
+    wanted: u64,
     around: &impl Fn(IVec3) -> Option<&'a Cells>,
     neighbourhood: &mut Neighbourhood,
     out: &mut CellNormals,
@@ -316,7 +343,7 @@ pub fn filter_cells<'a, S: Simd>(
     let estimates = |offset| around(offset).map(|cells| (cells, &cells.normals));
     let places = Places::of_cube(IVec3::ZERO, 8.0, CELL_REACH_VX);
     neighbourhood.collect(IVec3::splat(-2), &places, &estimates);
-    for cell in bits(cells.used) {
+    for cell in bits(cells.used & wanted) {
         let (at, estimate) = (get(&cells.positions, cell), get(&cells.normals, cell));
         let sums = neighbourhood.sum(simd, at, estimate, CELL_REACH_VX);
         set(out, cell, sums.normal.try_normalize().unwrap_or(estimate));

@@ -4,8 +4,9 @@
 //!
 //! A normal depends on the voxels within two bricks of its own: [`window`] estimates it from the smoothed bits,
 //! [`cells`] refines it by what lies around on the same surface. After an edit only the bricks around it are
-//! computed again, on all cores; after opening a sculpture all are, in portions, so that no picture waits. Until
-//! then, and for voxels that are no surface, shaders use [`super::normal`].
+//! computed again, on all cores; those that a picture does not show can be put off. After opening a sculpture all are
+//! computed, in portions, so that no picture waits. Until then, and for voxels that are no surface, shaders use
+//! [`super::normal`].
 //!
 //! Takes a grid and what changed in it; knows no document. Brick-wise results do not depend on the order in which
 //! bricks are computed, nor on threads or vector instructions.
@@ -26,14 +27,17 @@ pub use packed::{PackedDepth, PackedNormal, unpack_many};
 pub use pages::{NO_PAGE, Pages, PlaceOfNormal, Unit};
 
 use super::occlusion::Table;
-use crate::sculpture::Grid;
 use crate::sculpture::brick::{BRICK_EDGE_VX, Brick};
 use crate::sculpture::brick_set::BrickSet;
+use crate::sculpture::{Grid, NO_VOXEL};
+use crate::surface::{IndexMap, PixelRect, PixelRects};
 
 /// Bricks by which a changed brick affects others, on every axis.
 const REACH_BRICKS: u32 = 2;
 /// Most bricks that are computed at once after an edit, whatever else waits.
 const MOST_AT_ONCE: usize = 4096;
+/// Bricks that were put off and are computed together.
+const DEFERRED_PORTION: usize = 256;
 /// Edge of the blocks of bricks in which a whole sculpture is computed.
 const BLOCK_EDGE_BRICKS_LOG2: u32 = 4;
 
@@ -50,6 +54,9 @@ pub struct NormalField {
     /// Bricks to compute; those from `fresh` on are of the last edits and come first.
     queue: Vec<u32>,
     fresh: usize,
+    /// Bricks that edits have changed and no picture has shown since. They have no page.
+    deferred: Vec<u32>,
+    /// Those of `queue` and `deferred`.
     queued: BrickSet,
     batch: Batch,
     generation: u64,
@@ -89,6 +96,7 @@ impl NormalField {
         self.hashes.resize(count, hash(&Brick::EMPTY));
         self.queued = BrickSet::new(count);
         self.queue.clear();
+        self.deferred.clear();
         for (b, brick) in grid.nonempty_bricks() {
             let index = grid.brick_index(b);
             self.hashes[index] = hash(brick);
@@ -123,13 +131,91 @@ impl NormalField {
 
     /// Whether every normal is that of the grid as it was at the last [`NormalField::follow`].
     pub fn is_complete(&self) -> bool {
-        self.queue.is_empty()
+        self.queue.is_empty() && self.deferred.is_empty()
+    }
+
+    /// Whether normals of a sculpture that was opened are missing, so that estimates stand in for them. Those that are
+    /// put off are of bricks that nobody sees.
+    pub fn has_estimates(&self) -> bool {
+        !self.queue.is_empty()
+    }
+
+    /// Puts off what the last edits have changed, but for the bricks that are seen in `pixels` of `maps`; these must be
+    /// all in which they can be seen. Then nobody may look at other pictures before the next [`NormalField::update`].
+    /// Reports bricks as that does. Does nothing while normals of a sculpture that was opened are missing.
+    pub fn update_seen<'a>(
+        &mut self,
+        grid: &Grid,
+        views: impl IntoIterator<Item = (&'a IndexMap, PixelRects)>,
+        changed: &mut Vec<u32>,
+    ) {
+        if self.fresh > 0 || self.queue.len() > MOST_AT_ONCE {
+            return;
+        }
+        let mut seen = BrickSet::new(grid.brick_count());
+        for (map, rects) in views {
+            for rect in rects.as_slice() {
+                bricks_in(grid, map, *rect, &self.queued, &mut seen);
+            }
+        }
+        for index in self.queue.drain(..) {
+            if !seen.contains(index) {
+                let page = std::mem::replace(&mut self.table[index as usize], NO_PAGE);
+                self.pages.free(page);
+                self.openness.store(index as usize, None);
+                self.deferred.push(index);
+            }
+        }
+        self.deferred.retain(|index| !seen.contains(*index));
+        let mut targets = Vec::new();
+        seen.collect_into(&mut targets);
+        self.compute(Level::new(), grid, &targets, changed);
+        self.note_queued();
+    }
+
+    /// Number of bricks that are put off.
+    pub fn deferred(&self) -> usize {
+        self.deferred.len()
+    }
+
+    /// Computes what was put off, for as long as `go_on` returns true. Reports bricks as [`NormalField::update`] does.
+    pub fn update_deferred(
+        &mut self,
+        grid: &Grid,
+        changed: &mut Vec<u32>,
+        mut go_on: impl FnMut() -> bool,
+    ) {
+        if self.deferred.is_empty() {
+            return;
+        }
+        let first = changed.len();
+        self.deferred.sort_by_cached_key(|index| (block(grid, *index), *index));
+        while !self.deferred.is_empty() && go_on() {
+            let from = self.deferred.len().saturating_sub(DEFERRED_PORTION);
+            let mut portion = self.deferred.split_off(from);
+            portion.sort_unstable();
+            self.compute(Level::new(), grid, &portion, changed);
+            // Whether they differ from those before the edit is not known.
+            changed.extend_from_slice(&portion);
+        }
+        self.note_queued();
+        let mut own = changed.split_off(first);
+        own.sort_unstable();
+        own.dedup();
+        changed.append(&mut own);
+    }
+
+    fn note_queued(&mut self) {
+        self.fresh = self.queue.len();
+        self.queued.clear();
+        self.queue.iter().chain(&self.deferred).for_each(|index| self.queued.insert(*index));
     }
 
     /// Computes what is outstanding: first what edits have changed, then the rest for as long as `go_on` returns
     /// true. An edit of very many bricks is part of the rest; it leaves them without normals meanwhile. Appends the bricks whose normals differ from before, rising, each once. `grid` must be that
     /// of the last [`NormalField::follow`].
     pub fn update(&mut self, grid: &Grid, changed: &mut Vec<u32>, mut go_on: impl FnMut() -> bool) {
+        self.update_deferred(grid, changed, || true);
         if self.queue.is_empty() {
             return;
         }
@@ -149,9 +235,7 @@ impl NormalField {
             let portion = self.queue.split_off(from.map_or(0, |i| i + 1));
             self.compute(level, grid, &portion, changed);
         }
-        self.fresh = self.queue.len();
-        self.queued.clear();
-        self.queue.iter().for_each(|index| self.queued.insert(*index));
+        self.note_queued();
         let mut own = changed.split_off(first);
         own.sort_unstable();
         own.dedup();
@@ -239,6 +323,27 @@ impl NormalField {
     /// [`Pages::take_written`]; of this generation.
     pub fn take_written(&mut self, target: &mut Vec<u32>) {
         self.pages.take_written(target);
+    }
+}
+
+/// Adds to `seen` the bricks of `wanted` whose voxels are seen in `rect`.
+fn bricks_in(grid: &Grid, map: &IndexMap, rect: PixelRect, wanted: &BrickSet, seen: &mut BrickSet) {
+    let rect = rect.intersect(PixelRect::of_picture(map.rays.size));
+    let (left, right) = (rect.min.x as usize, rect.max.x as usize);
+    if left >= right {
+        return;
+    }
+    let mut last = NO_VOXEL;
+    for row in rect.rows_of(&map.voxels, map.rays.size.x).chunks_exact(map.rays.size.x as usize) {
+        for &voxel in &row[left..right] {
+            if voxel != last && voxel != NO_VOXEL {
+                let index = grid.brick_index(grid.voxel_coords(voxel) / BRICK_EDGE_VX) as u32;
+                if wanted.contains(index) {
+                    seen.insert(index);
+                }
+            }
+            last = voxel;
+        }
     }
 }
 

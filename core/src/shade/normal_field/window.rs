@@ -177,28 +177,46 @@ impl Default for Sums {
     }
 }
 
-/// Replaces `samples` by those of the brick at brick coordinates `brick`. `with_openness`: its table of openness, too.
+/// What is wanted of a brick.
+#[derive(Clone, Copy)]
+pub struct Wanted {
+    /// The words with samples: a bit each.
+    pub words: u8,
+    /// The table of openness.
+    pub openness: bool,
+}
+
+/// Replaces `samples` by those of the brick at brick coordinates `brick`. Their mask is that of the wanted words.
 #[inline(always)]
 pub fn sample<S: Simd>(
     simd: S,
     grid: &Grid,
     brick: IVec3,
-    with_openness: bool,
+    wanted: Wanted,
     sums: &mut Sums,
     samples: &mut Samples,
 ) {
     samples.clear();
     let words = words_around(grid, brick);
     let rows = rows_of(&words);
-    samples.mask = surface_mask(&rows);
+    samples.mask = surface_mask(&rows, wanted.words);
     if samples.mask == SurfaceMask::default() {
         return;
     }
-    if with_openness {
+    if wanted.openness {
         samples.openness = occlusion::table_of(&words);
     }
-    sum_rows(&rows, sums);
-    sum_layers(simd, sums);
+    // The rows and layers of voxels that have samples, and those of the cube that these depend on.
+    let (mut all, mut layers) = (0, 0);
+    for (z, layer) in samples.mask.layers.iter().enumerate() {
+        all |= layer;
+        layers |= u32::from(*layer != 0) << z;
+    }
+    let lines = (0..EDGE).fold(0, |lines, y| lines | u32::from(all >> (EDGE * y) & 0xFF != 0) << y);
+    let [cube_lines, cube_layers] =
+        [reached(lines | (lines & 0x55) << 1 | (lines & 0xAA) >> 1), reached(layers)];
+    sum_rows(&rows, [cube_lines, cube_layers], sums);
+    sum_layers(simd, [lines, cube_layers], sums);
     for (z, layer) in (0..).zip(samples.mask.layers) {
         for pair in 0..EDGE / 2 {
             let bits = layer >> (16 * pair) & 0xFFFF;
@@ -207,6 +225,11 @@ pub fn sample<S: Simd>(
             }
         }
     }
+}
+
+/// The places along an axis of the cube that the windows of these places of the brick reach: a bit each.
+fn reached(places: u32) -> u32 {
+    (0..TAPS).fold(0, |reached, tap| reached | places << tap)
 }
 
 /// The words around a brick, of which the middle two along each axis are the brick's.
@@ -261,7 +284,7 @@ fn spread_nibbles(bits: u64) -> u64 {
 }
 
 #[inline(always)]
-fn surface_mask(rows: &[[u16; CUBE]; CUBE]) -> SurfaceMask {
+fn surface_mask(rows: &[[u16; CUBE]; CUBE], words: u8) -> SurfaceMask {
     let mut mask = SurfaceMask::default();
     for z in 0..EDGE {
         for y in 0..EDGE {
@@ -273,34 +296,50 @@ fn surface_mask(rows: &[[u16; CUBE]; CUBE]) -> SurfaceMask {
                 & rows[z_in][y_in + 1]
                 & rows[z_in - 1][y_in]
                 & rows[z_in + 1][y_in];
-            let surface = (row & !buried) >> WINDOW_REACH_VX & 0xFF;
+            let halves = words >> (2 * (y / 4) + 4 * (z / 4)) & 3;
+            let wanted = [0, 0x0F, 0xF0, 0xFF][usize::from(halves)];
+            let surface = (row & !buried) >> WINDOW_REACH_VX & wanted;
             mask.layers[z] |= u64::from(surface) << (EDGE * y);
         }
     }
     mask
 }
 
+/// Sums along x, of the lines and layers whose bits are set.
 #[inline(always)]
-fn sum_rows(rows: &[[u16; CUBE]; CUBE], sums: &mut Sums) {
+fn sum_rows(rows: &[[u16; CUBE]; CUBE], [lines, layers]: [u32; 2], sums: &mut Sums) {
     let table = &**ROWS;
-    let sums_of_rows = sums.row.as_flattened_mut().iter_mut();
-    let slopes_of_rows = sums.row_slope.as_flattened_mut().iter_mut();
-    for ((row, sums), slopes) in rows.as_flattened().iter().zip(sums_of_rows).zip(slopes_of_rows) {
-        let [lower, upper] = [usize::from(row & 255), usize::from(row >> 8)];
-        for x in 0..EDGE {
-            sums[x] = table.sums[0][lower][x] + table.sums[1][upper][x];
-            slopes[x] = table.slopes[0][lower][x] + table.slopes[1][upper][x];
+    let sums_of_layers = sums.row.iter_mut().zip(&mut sums.row_slope);
+    for (z, (rows, (sums, slopes))) in rows.iter().zip(sums_of_layers).enumerate() {
+        if layers >> z & 1 == 0 {
+            continue;
+        }
+        for (y, (row, (sums, slopes))) in rows.iter().zip(sums.iter_mut().zip(slopes)).enumerate() {
+            if lines >> y & 1 == 0 {
+                continue;
+            }
+            let [lower, upper] = [usize::from(row & 255), usize::from(row >> 8)];
+            for x in 0..EDGE {
+                sums[x] = table.sums[0][lower][x] + table.sums[1][upper][x];
+                slopes[x] = table.slopes[0][lower][x] + table.slopes[1][upper][x];
+            }
         }
     }
 }
 
-/// Sums along y; two rows at a time.
+/// Sums along y, of the lines and layers whose bits are set; two rows at a time.
 #[inline(always)]
-fn sum_layers<S: Simd>(simd: S, sums: &mut Sums) {
+fn sum_layers<S: Simd>(simd: S, [lines, layers]: [u32; 2], sums: &mut Sums) {
     for z in 0..CUBE {
+        if layers >> z & 1 == 0 {
+            continue;
+        }
         let row = sums.row[z].as_flattened();
         let row_slope = sums.row_slope[z].as_flattened();
         for y in (0..EDGE).step_by(2) {
+            if lines >> y & 3 == 0 {
+                continue;
+            }
             let zero = f32x16::splat(simd, 0.0);
             let (mut sum, mut slope_x, mut slope_y) = (zero, zero, zero);
             for tap in 0..TAPS {
