@@ -11,7 +11,7 @@
 //! From the samples of bricks and of their neighbours to normals. Sums have a fixed order, so all vector
 //! instructions give the same normals.
 
-use fearless_simd::{Simd, f32x16, prelude::*};
+use fearless_simd::{Simd, f32x4, f32x16, prelude::*};
 use glam::{IVec3, Vec3};
 
 use super::window::{Samples, SurfaceMask};
@@ -179,8 +179,9 @@ impl Neighbourhood {
     /// have weight for any place in `places`. `around` gives the cells of a brick by its offset from that one,
     /// with the normals to use.
     #[inline(always)]
-    fn collect<'a>(
+    fn collect<'a, S: Simd>(
         &mut self,
+        simd: S,
         low: IVec3,
         places: &Places,
         around: &impl Fn(IVec3) -> Option<(&'a Cells, &'a CellNormals)>,
@@ -197,7 +198,7 @@ impl Neighbourhood {
                     }
                     let offset = IVec3::new(x, y, z);
                     let Some((cells, normals)) = around(offset) else { continue };
-                    self.append(cells, normals, cells.used & parts, offset, places);
+                    self.append(simd, cells, normals, cells.used & parts, offset, places);
                 }
             }
         }
@@ -207,8 +208,9 @@ impl Neighbourhood {
     }
 
     #[inline(always)]
-    fn append(
+    fn append<S: Simd>(
         &mut self,
+        simd: S,
         cells: &Cells,
         normals: &CellNormals,
         used: u64,
@@ -216,18 +218,36 @@ impl Neighbourhood {
         places: &Places,
     ) {
         let corner = offset.as_vec3() * (CELLS as f32 * CELL_EDGE_VX);
-        for cell in bits(used) {
-            let at = get(&cells.positions, cell) + corner;
-            if at.distance_squared(at.clamp(places.low, places.high)) >= places.reach_vx.powi(2) {
+        for first in (0..BRICK_CELLS).step_by(LANES) {
+            let used = used >> first & 0xFFFF;
+            if used == 0 {
                 continue;
             }
-            let i = self.count;
-            for axis in 0..3 {
-                self.positions[axis][i] = at[axis];
-                self.normals[axis][i] = normals[axis][cell];
+            let at = for_axes(
+                #[inline(always)]
+                |axis| {
+                    f32x16::from_slice(simd, &cells.positions[axis][first..][..LANES])
+                        + corner[axis]
+                },
+            );
+            let [x, y, z] = for_axes(
+                #[inline(always)]
+                |axis| at[axis] - at[axis].max(places.low[axis]).min(places.high[axis]),
+            );
+            let near = (x * x + y * y + z * z).simd_lt(places.reach_vx * places.reach_vx);
+            let at = for_axes(
+                #[inline(always)]
+                |axis| at[axis].to_array(),
+            );
+            for lane in bits(used & near.to_bitmask()) {
+                let (i, cell) = (self.count, first + lane);
+                for axis in 0..3 {
+                    self.positions[axis][i] = at[axis][lane & 15];
+                    self.normals[axis][i] = normals[axis][cell & 63];
+                }
+                self.weights[i] = cells.weights[cell & 63];
+                self.count = i + 1;
             }
-            self.weights[i] = cells.weights[cell];
-            self.count = i + 1;
         }
     }
 
@@ -262,11 +282,15 @@ impl Neighbourhood {
                 offsets[axis] += weight * offset[axis];
             }
         }
+        let [x, y, z] = normals;
+        let [weight, normal_x, normal_y, normal_z] = sums_of(simd, [weights, x, y, z]);
+        let [x, y, z] = offsets;
+        let [height, offset_x, offset_y, offset_z] = sums_of(simd, [heights, x, y, z]);
         Sums {
-            weight: sum_of(weights),
-            normal: Vec3::new(sum_of(normals[0]), sum_of(normals[1]), sum_of(normals[2])),
-            offset: Vec3::new(sum_of(offsets[0]), sum_of(offsets[1]), sum_of(offsets[2])),
-            height: sum_of(heights),
+            weight,
+            normal: Vec3::new(normal_x, normal_y, normal_z),
+            offset: Vec3::new(offset_x, offset_y, offset_z),
+            height,
         }
     }
 }
@@ -276,16 +300,20 @@ fn load<S: Simd>(simd: S, values: &[f32; MOST], first: usize) -> f32x16<S> {
     f32x16::from_slice(simd, &values[first..first + LANES])
 }
 
-/// The sum of all lanes, in an order that no vector instructions change.
+/// The sums of all lanes, in an order that no vector instructions change: halves are added to each other.
 #[inline(always)]
-fn sum_of<S: Simd>(values: f32x16<S>) -> f32 {
-    let mut lanes = values.to_array();
-    for half in [8, 4, 2, 1] {
-        for i in 0..half {
-            lanes[i] += lanes[i + half];
-        }
-    }
-    lanes[0]
+fn sums_of<S: Simd>(simd: S, [a, b, c, d]: [f32x16<S>; 4]) -> [f32; 4] {
+    let (a, b, c, d) = (quarter(simd, a), quarter(simd, b), quarter(simd, c), quarter(simd, d));
+    let ab = (simd.zip_low_f32x4(a, b) + simd.zip_high_f32x4(a, b)).to_array();
+    let cd = (simd.zip_low_f32x4(c, d) + simd.zip_high_f32x4(c, d)).to_array();
+    [ab[0] + ab[2], ab[1] + ab[3], cd[0] + cd[2], cd[1] + cd[3]]
+}
+
+#[inline(always)]
+fn quarter<S: Simd>(simd: S, values: f32x16<S>) -> f32x4<S> {
+    let (low, high) = simd.split_f32x16(values);
+    let (low, high) = simd.split_f32x8(low + high);
+    low + high
 }
 
 /// The cells of a brick at `offset` bricks on an axis that lie in the cube from `low` on: four bits.
@@ -342,7 +370,7 @@ pub fn filter_cells<'a, S: Simd>(
     let Some(cells) = around(IVec3::ZERO) else { return };
     let estimates = |offset| around(offset).map(|cells| (cells, &cells.normals));
     let places = Places::of_cube(IVec3::ZERO, 8.0, CELL_REACH_VX);
-    neighbourhood.collect(IVec3::splat(-2), &places, &estimates);
+    neighbourhood.collect(simd, IVec3::splat(-2), &places, &estimates);
     for cell in bits(cells.used & wanted) {
         let (at, estimate) = (get(&cells.positions, cell), get(&cells.normals, cell));
         let sums = neighbourhood.sum(simd, at, estimate, CELL_REACH_VX);
@@ -370,7 +398,7 @@ pub fn filter_voxels<'a, S: Simd>(
             continue;
         }
         let places = Places::of_cube(4 * corner, 4.0, VOXEL_REACH_VX);
-        neighbourhood.collect(2 * corner - 3, &places, around);
+        neighbourhood.collect(simd, 2 * corner - 3, &places, around);
         let mut first = samples.mask.layers[..layers.start].iter().map(count).sum::<usize>();
         for (z, layer) in layers.clone().zip(&samples.mask.layers[layers]) {
             for bit in bits(layer & square) {
