@@ -240,7 +240,7 @@ pub const COMMANDS: &[CommandHelp] = &[
     },
     CommandHelp {
         verb: "open",
-        usage: "\"PATH\" [threshold=auto|N] [colouring=auto|none|grey|tissue|packed] [colour=0|8|16|24] [upright=y|z|-z|-y|x|-x] [raw=LAYOUT]",
+        usage: "\"PATH\" [threshold=auto|N] [colouring=auto|none|grey|tissue|packed] [colour=0|8|16|24] [upright=y|z|-z|-y|x|-x] [raw=LAYOUT] [mesh_size=VOXELS|Nmm] [mesh_fill=auto|solid|shell]",
         tooltip: "Replace the sculpture with the contents of a file",
     },
     CommandHelp {

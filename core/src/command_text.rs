@@ -13,9 +13,8 @@ use thiserror::Error;
 use arguments::{Arguments, Quoted, QuotedPath};
 
 use crate::command::{COMMANDS, Command, NewSculpture};
-use crate::format::options::{Colouring, Existence, ExportForm, ImportOptions};
+use crate::format::options::{Colouring, Existence, ExportForm, ImportOptions, MeshFill, MeshSize};
 use crate::sculpture::edit::EditOp;
-use crate::sculpture::orientation::Up;
 use crate::sculpture::{ColourDepth, Placement, Rgb};
 use crate::tools::construct::{Primitive, Solid};
 
@@ -72,7 +71,15 @@ impl fmt::Display for Command {
             }
             Command::Open { path, import } => {
                 write!(f, " {}", QuotedPath(path))?;
-                let ImportOptions { existence, colouring, colour_depth, upright, raw } = import;
+                let ImportOptions {
+                    existence,
+                    colouring,
+                    colour_depth,
+                    upright,
+                    raw,
+                    mesh_size,
+                    mesh_fill,
+                } = import;
                 if *existence != Existence::Auto {
                     write!(f, " threshold={existence}")?;
                 }
@@ -82,10 +89,19 @@ impl fmt::Display for Command {
                 if let Some(depth) = colour_depth {
                     write!(f, " colour={}", depth.bits())?;
                 }
-                if *upright != Up::default() {
-                    write!(f, " upright={upright}")?;
+                if let Some(up) = upright {
+                    write!(f, " upright={up}")?;
                 }
-                raw.map_or(Ok(()), |raw| write!(f, " raw={raw}"))
+                if let Some(raw) = raw {
+                    write!(f, " raw={raw}")?;
+                }
+                if *mesh_size != MeshSize::default() {
+                    write!(f, " mesh_size={mesh_size}")?;
+                }
+                if *mesh_fill != MeshFill::default() {
+                    write!(f, " mesh_fill={mesh_fill}")?;
+                }
+                Ok(())
             }
             Command::Save { path, form } => {
                 write!(f, " {}", QuotedPath(path))?;
@@ -163,8 +179,10 @@ impl FromStr for Command {
                     existence: args.optional("threshold", str::parse)?.unwrap_or_default(),
                     colouring: args.optional("colouring", str::parse)?.unwrap_or_default(),
                     colour_depth: args.optional("colour", parse_colour_depth)?,
-                    upright: args.optional("upright", str::parse)?.unwrap_or_default(),
+                    upright: args.optional("upright", str::parse)?,
                     raw: args.optional("raw", str::parse)?,
+                    mesh_size: args.optional("mesh_size", str::parse)?.unwrap_or_default(),
+                    mesh_fill: args.optional("mesh_fill", str::parse)?.unwrap_or_default(),
                 },
             },
             "save" => Command::Save {

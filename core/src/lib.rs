@@ -15,3 +15,4 @@ pub mod surface;
 pub mod tools;
 pub mod trace;
 pub mod view;
+pub mod voxelise;

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use sculpture_core::format::options::ImportOptions;
+use sculpture_core::format::options::{ImportOptions, MeshSize};
 use sculpture_core::format::{self, FormatError, Loaded};
 use sculpture_core::sculpture::Limits;
 use trials::shared_file;
@@ -32,7 +32,7 @@ fn bad_files_are_accepted_or_refused_as_listed() {
         let fields: Vec<&str> = line.split('\t').collect();
         let [name, _, expected, reason] = fields[..] else { panic!("manifest line {line}") };
         let ending = name.rsplit('.').next().unwrap();
-        if !["pvm", "vox", "qb", "binvox"].contains(&ending) {
+        if !["pvm", "vox", "qb", "binvox", "obj", "stl", "ply"].contains(&ending) {
             continue;
         }
         seen += 1;
@@ -49,7 +49,7 @@ fn bad_files_are_accepted_or_refused_as_listed() {
             trials::note!("{name}: {message}");
         }
     }
-    assert!(seen >= 80, "only {seen} files");
+    assert!(seen >= 90, "only {seen} files");
     // The largest accepted one is a volume of 32 MiB; nothing may take much more.
     if let Some(peak) = peak_mib() {
         assert!(peak < 250, "{peak} MiB");
@@ -119,6 +119,11 @@ fn damaged_files_never_cause_a_panic() {
         "voxel/rgb.vox",
         "voxel/chr_knight.qb",
         "voxel/rgb.qb",
+        "mesh/vengi_cube.obj",
+        "mesh/vengi_ascii.stl",
+        "mesh/vengi_cube.stl",
+        "mesh/vengi_cube.ply",
+        "mesh/nut.ply",
     ] {
         let original = shared_file(&format!("data/{name}"));
         let file = std::fs::read(original).unwrap();
@@ -126,7 +131,9 @@ fn damaged_files_never_cause_a_panic() {
         let rounds = if name.ends_with(".pvm") { 400 } else { 100 };
         for _ in 0..rounds {
             std::fs::write(&path, damage(&file, &mut dice)).unwrap();
-            let result = format::load(&path, &ImportOptions::default(), &limits, &());
+            let options =
+                ImportOptions { mesh_size: MeshSize::LongestVx(20), ..Default::default() };
+            let result = format::load(&path, &options, &limits, &());
             outcomes[usize::from(result.is_ok())] += 1;
             if let Err(error) = result {
                 assert!(!error.to_string().chars().any(char::is_control), "{error:?}");

@@ -13,6 +13,7 @@ mod commands;
 mod example;
 mod formats;
 mod independent;
+mod meshes_in;
 mod sprays;
 mod upright;
 mod voxel_models;

@@ -29,7 +29,7 @@ fn the_given_axis_points_up_afterwards() {
     let (path, options) = coloured_raw(folder.path());
     let lying = load(&path, &options).unwrap();
     for (upright, _) in Up::NAMED {
-        let standing = load(&path, &ImportOptions { upright, ..options }).unwrap();
+        let standing = load(&path, &ImportOptions { upright: Some(upright), ..options }).unwrap();
         let turn = upright.turned_upright();
         assert_eq!(standing.grid.dims(), turn.size(UVec3::new(9, 4, 6)), "{upright}");
         let size = Vec3::from(turn.permuted([1.0, 2.0, 3.0]));
@@ -42,7 +42,7 @@ fn the_given_axis_points_up_afterwards() {
     }
     // The slice of the highest z, which is blue, is the top row with z up, the bottom with -z.
     let blue = |upright, y| {
-        let contents = load(&path, &ImportOptions { upright, ..options }).unwrap();
+        let contents = load(&path, &ImportOptions { upright: Some(upright), ..options }).unwrap();
         contents.colour(IVec3::new(4, y, 2)).unwrap().0[2]
     };
     assert_eq!((blue(Up::Z, 5), blue(Up::Z, 0)), (95, 90));
@@ -54,7 +54,7 @@ fn files_with_an_orientation_stay_as_they_are() {
     let folder = tempfile::tempdir().unwrap();
     let (path, options) = coloured_raw(folder.path());
     let contents = load(&path, &options).unwrap();
-    let upright = ImportOptions { upright: Up::Z, ..ImportOptions::default() };
+    let upright = ImportOptions { upright: Some(Up::Z), ..ImportOptions::default() };
     for (name, form) in [
         ("own.vsc", ExportForm::Auto),
         ("own.pvm", ExportForm::Rgba),
@@ -88,7 +88,7 @@ fn turning_a_volume_respects_the_memory_limit_of_colours() {
     std::fs::write(&path, voxels.flat_map(voxel).collect::<Vec<u8>>()).unwrap();
     let raw = Some("8x20x8:rgba8".parse().unwrap());
     let turned = |upright, limits: &Limits| {
-        let options = ImportOptions { raw, upright, ..ImportOptions::default() };
+        let options = ImportOptions { raw, upright: Some(upright), ..ImportOptions::default() };
         format::load(&path, &options, limits, &()).map(|loaded| loaded.contents.material)
     };
     let lying = turned(Up::Y, &Limits::default()).unwrap();

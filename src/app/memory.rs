@@ -43,7 +43,7 @@ impl Workspace {
         self.editor.leave_ground();
         let session = self.editor.session();
         if let Some(path) = session.path() {
-            self.ui.known_files.recent.note_open(path, session.assumed_up().unwrap_or_default());
+            self.ui.known_files.recent.note_open(path, session.assumed_up());
         }
         let written = read.ok().flatten().unwrap_or_default();
         let window = window.clone();
@@ -90,10 +90,9 @@ impl Workspace {
 }
 
 /// The axis that was last chosen to point up for files of that format.
-pub fn remembered_up(path: &Path) -> Up {
+pub fn remembered_up(path: &Path) -> Option<Up> {
     let text = read(&folders::state_folder().join("state.toml"));
-    let up = text.ok().flatten().and_then(|text| memory::upright(&text).of(path));
-    up.unwrap_or_default()
+    text.ok().flatten().and_then(|text| memory::upright(&text).of(path))
 }
 
 /// The file's text; none if there is no file.

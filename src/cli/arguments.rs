@@ -7,7 +7,7 @@ use clap::Args;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use glam::Vec3;
 
-use crate::format::options::{Colouring, Existence, ImportOptions, RawLayout};
+use crate::format::options::{Colouring, Existence, ImportOptions, MeshFill, MeshSize, RawLayout};
 use crate::headless::PictureRequest;
 use crate::render::RenderMode;
 use crate::sculpture::orientation::Up;
@@ -30,12 +30,18 @@ pub struct ImportArgs {
     /// Colour bits per voxel: 0, 8, 16 or 24 (default: as in the file)
     #[arg(long, alias = "color-bits", value_name = "BITS", value_parser = parse_colour_bits)]
     pub colour_bits: Option<ColourDepth>,
-    /// Axis that points up in a volume that does not say so: y, z, -z, -y, x or -x
+    /// Axis that points up in a file that does not say so: y, z, -z, -y, x or -x (default: z in .stl and .ply, else y)
     #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
     pub upright: Option<Up>,
     /// Layout of a raw file: WIDTHxHEIGHTxDEPTH:TYPE[:skip=BYTES][:size=SX,SY,SZ]
     #[arg(long, value_name = "LAYOUT")]
     pub raw: Option<RawLayout>,
+    /// Size of a mesh: voxels of its longest side, or the edge of a voxel such as 0.5mm
+    #[arg(long, default_value_t, value_name = "SIZE")]
+    pub mesh_size: MeshSize,
+    /// Inside of a mesh: auto (solid, but of an open mesh the surface alone), solid or shell
+    #[arg(long, default_value_t, value_name = "HOW")]
+    pub mesh_fill: MeshFill,
 }
 
 impl ImportArgs {
@@ -44,8 +50,10 @@ impl ImportArgs {
             existence: self.threshold,
             colouring: self.colouring,
             colour_depth: self.colour_bits,
-            upright: self.upright.unwrap_or_default(),
+            upright: self.upright,
             raw: self.raw,
+            mesh_size: self.mesh_size,
+            mesh_fill: self.mesh_fill,
         }
     }
 }

@@ -12,7 +12,10 @@ use super::{UiRequest, UiState, look, theme};
 use crate::command::Command;
 use crate::editor::questions::Next;
 use crate::editor::tool::ToolEdit;
-use crate::format::options::{Colouring, Existence, ExportForm, ImportOptions, RawLayout};
+use crate::format::options::{
+    Colouring, Existence, ExportForm, ImportOptions, MeshFill, MeshSize, RawLayout,
+};
+use crate::sculpture::grid::MAX_AXIS_VX;
 
 /// The endings of the program's own files, and of what other programs read best.
 const ENDING: &str = "vsc";
@@ -79,7 +82,7 @@ impl Files {
 
     /// Opens the dialog, in the folder of `path` if there is one.
     pub fn open(&mut self, task: FileTask, path: Option<&Path>) {
-        const VOLUMES: &str = "Sculptures, volumes and voxel models";
+        const VOLUMES: &str = "Sculptures, volumes, models and meshes";
         const PICTURES: &str = "Images (.png, .jpg)";
         let mut dialog = FileDialog::new()
             .add_file_filter_extensions(VOLUMES, crate::format::READ_ENDINGS.to_vec())
@@ -171,7 +174,7 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
         FileTask::Reference => requests.push(UiRequest::AddReference(path)),
         FileTask::Matcap => look::take_matcap(state, path),
         FileTask::Open => {
-            let upright = state.known_files.upright.of(&path).unwrap_or_default();
+            let upright = state.known_files.upright.of(&path);
             let import = ImportOptions { upright, ..choice.import };
             requests.push(UiRequest::Run(Command::Open { path, import }));
         }
@@ -218,6 +221,10 @@ fn import_options(ui: &mut Ui, choice: &mut Choice) {
     );
 
     ui.add_space(8.0);
+    ui.label(RichText::new("Meshes").strong());
+    mesh_options(ui, &mut choice.import);
+
+    ui.add_space(8.0);
     ui.label(RichText::new("Layout of a .raw file").strong());
     let field = TextEdit::singleline(&mut choice.raw).hint_text("128x256x256:u8");
     ui.add(field.desired_width(f32::INFINITY)).on_hover_text(
@@ -234,6 +241,23 @@ fn import_options(ui: &mut Ui, choice: &mut Choice) {
             }
         },
     };
+}
+
+/// How large a mesh becomes, and what of it.
+fn mesh_options(ui: &mut Ui, import: &mut ImportOptions) {
+    if let MeshSize::LongestVx(longest_vx) = &mut import.mesh_size {
+        ui.add(DragValue::new(longest_vx).range(8..=MAX_AXIS_VX).suffix(" voxels"))
+            .on_hover_text("Longest side of a mesh (.obj, .stl, .ply, .glb), in voxels");
+    }
+    let fill = &mut import.mesh_fill;
+    ComboBox::from_id_salt("mesh fill").selected_text(capital(&fill.to_string())).show_ui(
+        ui,
+        |ui| {
+            for (value, name) in MeshFill::NAMED {
+                ui.selectable_value(fill, value, capital(name));
+            }
+        },
+    );
 }
 
 fn export_options(ui: &mut Ui, choice: &mut Choice) {

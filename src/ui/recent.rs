@@ -39,7 +39,7 @@ impl Recent {
     }
 
     /// The file that was open at the start, unless more is known of it.
-    pub fn note_open(&mut self, path: &Path, upright: Up) {
+    pub fn note_open(&mut self, path: &Path, upright: Option<Up>) {
         let Ok(path) = std::path::absolute(path) else { return };
         match self.position(&path) {
             Some(at) => self.list[..=at].rotate_right(1),
@@ -56,7 +56,7 @@ impl Recent {
         if let Some(at) = self.position(&path)
             && let Command::Open { import, .. } = &mut self.list[at]
         {
-            import.upright = up;
+            import.upright = Some(up);
         }
     }
 
@@ -163,7 +163,7 @@ mod tests {
         let names: Vec<_> = recent.paths().map(|path| path.display().to_string()).collect();
         assert_eq!(names.len(), MOST);
         assert_eq!(names[..3], ["/a/9.vsc", "/a/13.vsc", "/a/12.vsc"]);
-        recent.note_open(Path::new("/a/12.vsc"), Up::Y);
+        recent.note_open(Path::new("/a/12.vsc"), None);
         assert_eq!(recent.paths().next(), Some(Path::new("/a/12.vsc")));
         recent.note(&"undo".parse().unwrap());
         recent.forget(Path::new("/a/9.vsc"));
@@ -179,7 +179,7 @@ mod tests {
         let lines: Vec<String> = recent.lines().collect();
         assert_eq!(lines, [raw.to_string()]);
         // Opened at a start with other arguments: what was chosen stays.
-        recent.note_open(Path::new("/a/x \" y.raw"), Up::X);
+        recent.note_open(Path::new("/a/x \" y.raw"), Some(Up::X));
         assert_eq!(recent.lines().collect::<Vec<_>>(), lines);
         let again = Recent::from_lines(lines.iter().map(String::as_str));
         assert_eq!(again, recent);

@@ -125,7 +125,7 @@ fn the_answer_is_kept_for_the_format_and_the_next_start() {
     drop(harness);
 
     // A file named at the start is read by the caller, who says how.
-    let import = ImportOptions { upright: Up::Z, ..ImportOptions::default() };
+    let import = ImportOptions { upright: Some(Up::Z), ..ImportOptions::default() };
     let session = Session::open(&scan, &import, Limits::default(), &()).unwrap();
     let workspace = Workspace::new(session, &config(16), Bindings::presets().unwrap());
     let mut harness = bench_around(workspace, vec2(1280.0, 800.0));

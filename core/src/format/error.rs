@@ -8,6 +8,7 @@ use super::volume::Samples;
 use crate::mesh::MeshError;
 use crate::sculpture::GridError;
 use crate::sculpture::orient::OrientError;
+use crate::voxelise::VoxeliseError;
 
 /// Why a file cannot be read or written.
 #[derive(Debug, Error)]
@@ -134,6 +135,12 @@ pub enum FormatError {
         "this is neither a MagicaVoxel nor a Voxlap file: it begins with `{0}`; export it as .vox again"
     )]
     NotVox(String),
+    /// A mesh cannot become a sculpture.
+    #[error(transparent)]
+    Voxelise(VoxeliseError),
+    /// A mesh without a surface.
+    #[error("the file holds no triangles, but points at most; export the surface")]
+    NoTriangles,
     /// A model in which no voxel exists and that says no size.
     #[error("the file holds no visible voxels; show hidden objects and export it again")]
     NoVoxels,
@@ -272,6 +279,16 @@ impl From<OrientError> for FormatError {
                 FormatError::ColourMemory { needed_mib, budget_mib }
             }
             OrientError::Cancelled => FormatError::Cancelled,
+        }
+    }
+}
+
+impl From<VoxeliseError> for FormatError {
+    fn from(error: VoxeliseError) -> FormatError {
+        match error {
+            VoxeliseError::Cancelled => FormatError::Cancelled,
+            VoxeliseError::Grid(error) => FormatError::Grid(error),
+            error => FormatError::Voxelise(error),
         }
     }
 }

@@ -3,8 +3,8 @@
 //!
 //! The entry points are [`load`], [`save`] and [`info`]. Below them: `store` (disk), `vsc` (sculptures
 //! without loss), `pvm` and `dds`, `raw` (volumes), `import` and `export` (volume <-> sculpture),
-//! `threshold`, `ramp` and `signature` (the meaning of voxels), `voxel` (models of other voxel editors), `mesh_out`
-//! (meshes for other programs). Errors say what is wrong and what to do;
+//! `threshold`, `ramp` and `signature` (the meaning of voxels), `voxel` (models of other voxel editors), `mesh_in` and
+//! `mesh_out` (meshes of and for other programs). Errors say what is wrong and what to do;
 //! callers add the name of the file.
 
 mod bytes;
@@ -13,6 +13,7 @@ mod error;
 mod export;
 mod histogram;
 mod import;
+mod mesh_in;
 mod mesh_out;
 pub mod options;
 mod picture;
@@ -46,7 +47,8 @@ use crate::sculpture::orientation::Up;
 use crate::sculpture::{Grid, Limits};
 
 /// Extensions of the files that can be read.
-pub const READ_ENDINGS: [&str; 7] = ["vsc", "pvm", "raw", "vox", "qb", "gox", "binvox"];
+pub const READ_ENDINGS: [&str; 11] =
+    ["vsc", "pvm", "raw", "vox", "qb", "gox", "binvox", "obj", "stl", "ply", "glb"];
 /// Extensions of the files that can be written.
 pub const WRITE_ENDINGS: [&str; 10] =
     ["vsc", "pvm", "raw", "vox", "qb", "stl", "ply", "obj", "glb", "3mf"];
@@ -57,6 +59,7 @@ enum Format {
     Pvm,
     Raw,
     Voxel(voxel::Kind),
+    Mesh(mesh_in::Kind),
 }
 
 impl Format {
@@ -70,6 +73,10 @@ impl Format {
             "qb" => Ok(Format::Voxel(voxel::Kind::Qb)),
             "gox" => Ok(Format::Voxel(voxel::Kind::Gox)),
             "binvox" => Ok(Format::Voxel(voxel::Kind::Binvox)),
+            "obj" => Ok(Format::Mesh(mesh_in::Kind::Obj)),
+            "stl" => Ok(Format::Mesh(mesh_in::Kind::Stl)),
+            "ply" => Ok(Format::Mesh(mesh_in::Kind::Ply)),
+            "glb" => Ok(Format::Mesh(mesh_in::Kind::Glb)),
             _ => Err(FormatError::UnknownEnding(format!(".{ending}"))),
         }
     }
@@ -120,9 +127,14 @@ pub fn load(
             let file = read_file(path, limits, progress)?;
             let model = voxel::read(kind, &file)?;
             let contents = voxel::to_contents(&*model, options, limits, progress)?;
-            let notes = model.notes();
-            notes.iter().for_each(|note| tracing::warn!("{}: {note}", path.display()));
-            return Ok(Loaded::model(contents, Texts::default(), notes));
+            return Ok(Loaded::model(contents, Texts::default(), told(path, model.notes())));
+        }
+        Format::Mesh(kind) => {
+            let mesh = mesh_in::load(path, kind, limits, progress)?;
+            let (contents, notes) = mesh.into_contents(options, limits, progress)?;
+            let assumed_up = (!kind.knows_up()).then(|| kind.up(options));
+            let loaded = Loaded::model(contents, Texts::default(), told(path, notes));
+            return Ok(Loaded { assumed_up, ..loaded });
         }
         Format::Pvm | Format::Raw => {}
     }
@@ -131,12 +143,18 @@ pub fn load(
     let mut contents = import::to_contents(&volume, signature, options, limits, progress)?;
     let Volume { samples, texts, data, .. } = volume;
     drop(data);
-    let assumed_up = signature.is_none().then_some(options.upright);
+    let assumed_up = signature.is_none().then(|| options.upright.unwrap_or_default());
     if let Some(up) = assumed_up.filter(|up| *up != Up::default()) {
         let turn = up.turned_upright();
         contents = Reorientation::new(&contents, turn).run(limits, progress)?;
     }
     Ok(Loaded { contents, samples: Some(samples), texts, assumed_up, notes: Vec::new() })
+}
+
+/// Notes for the person, which are also logged.
+fn told(path: &Path, notes: Vec<String>) -> Vec<String> {
+    notes.iter().for_each(|note| tracing::warn!("{}: {note}", path.display()));
+    notes
 }
 
 /// Reads the voxels of a file unconverted, within the same limits as [`load`].
@@ -185,6 +203,7 @@ pub fn save_with_texts(
     let bytes = match Format::of(path)? {
         Format::Vsc if form != ExportForm::Auto => return Err(FormatError::FormOfVsc(form)),
         Format::Vsc => vsc::write(contents, &texts, progress)?,
+        Format::Mesh(_) => return Err(FormatError::ReadOnly),
         Format::Voxel(_) if form != ExportForm::Auto => return Err(FormatError::FormOfModel(form)),
         Format::Voxel(kind) => {
             let write = match kind {
@@ -275,21 +294,25 @@ pub fn info_with(
             notes: Vec::new(),
         });
     }
-    if let Format::Voxel(kind) = Format::of(path)? {
-        let file = read_file(path, limits, progress)?;
-        let model = voxel::read(kind, &file)?;
-        let contents = voxel::to_contents(&*model, options, limits, progress)?;
-        return Ok(Info {
-            kind: model.kind(),
-            file_bytes: file.len() as u64,
-            dims: contents.grid.dims(),
-            voxel_size: contents.grid.voxel_size(),
-            samples: None,
-            densities: None,
-            signature: None,
-            texts: Texts::default(),
-            notes: model.notes(),
-        });
+    let of_model = |kind, file_bytes, dims, voxel_size, notes| {
+        let (samples, densities, signature, texts) = (None, None, None, Texts::default());
+        Info { kind, file_bytes, dims, voxel_size, samples, densities, signature, texts, notes }
+    };
+    match Format::of(path)? {
+        Format::Voxel(kind) => {
+            let file = read_file(path, limits, progress)?;
+            let model = voxel::read(kind, &file)?;
+            let Contents { grid, .. } = voxel::to_contents(&*model, options, limits, progress)?;
+            let (bytes, notes) = (file.len() as u64, model.notes());
+            return Ok(of_model(model.kind(), bytes, grid.dims(), grid.voxel_size(), notes));
+        }
+        Format::Mesh(kind) => {
+            let mesh = mesh_in::load(path, kind, limits, progress)?;
+            let (frame, bytes) = (mesh.frame(options)?, std::fs::metadata(path)?.len());
+            let kind = format!("{}, triangles: {}", mesh.kind, mesh.mesh.triangles.len());
+            return Ok(of_model(kind, bytes, frame.dims, frame.voxel_size, mesh.notes));
+        }
+        Format::Vsc | Format::Pvm | Format::Raw => {}
     }
     let (volume, source) = read_volume(path, options, limits, progress)?;
     let densities = import::histogram(&volume).map(|histogram| {
@@ -372,7 +395,7 @@ fn read_volume(
     let budget = budget_bytes(limits);
     let check_grid = |dims, voxel_size| Grid::check(dims, voxel_size, limits.grid_bytes);
     match Format::of(path)? {
-        Format::Vsc | Format::Voxel(_) => {
+        Format::Vsc | Format::Voxel(_) | Format::Mesh(_) => {
             let loaded = load(path, options, limits, progress)?;
             let volume = export::to_volume(&loaded.contents, ExportForm::Auto, loaded.texts)?;
             let file_bytes = std::fs::metadata(path)?.len();

@@ -10,6 +10,7 @@ use glam::{UVec3, Vec3};
 use super::volume::Samples;
 use crate::sculpture::ColourDepth;
 use crate::sculpture::orientation::Up;
+pub use crate::voxelise::{Fill as MeshFill, MeshSize};
 
 /// Which voxels of a volume exist in the sculpture.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
@@ -75,11 +76,15 @@ pub struct ImportOptions {
     /// Bits of colour of the sculpture; `None`: as the file was written by this program, as the
     /// packed colours have, or 24.
     pub colour_depth: Option<ColourDepth>,
-    /// The axis that points up; ignored for files that say so themselves: sculptures, and volumes that
-    /// this program has written.
-    pub upright: Up,
+    /// The axis that points up; `None`: as is usual in the format, z in `.stl` and `.ply`, else y. Ignored for files
+    /// that say so themselves: sculptures, models, `.glb`, and volumes that this program has written.
+    pub upright: Option<Up>,
     /// Layout of a raw file; ignored for other files.
     pub raw: Option<RawLayout>,
+    /// How large a mesh becomes.
+    pub mesh_size: MeshSize,
+    /// Whether a mesh becomes solid.
+    pub mesh_fill: MeshFill,
 }
 
 /// What to store of a sculpture.
@@ -133,6 +138,7 @@ macro_rules! named_text_form {
 
 named_text_form!(Colouring, "a colouring");
 named_text_form!(ExportForm, "a form to save in");
+named_text_form!(MeshFill, "a filling");
 
 /// Writes `auto` or the threshold.
 impl fmt::Display for Existence {
@@ -236,6 +242,9 @@ mod tests {
         }
         for (colouring, name) in Colouring::NAMED {
             assert_eq!((name.parse(), colouring.to_string()), (Ok(colouring), name.to_string()));
+        }
+        for (fill, name) in MeshFill::NAMED {
+            assert_eq!((name.parse(), fill.to_string()), (Ok(fill), name.to_string()));
         }
         for (form, name) in ExportForm::NAMED {
             assert_eq!((name.parse(), form.to_string()), (Ok(form), name.to_string()));

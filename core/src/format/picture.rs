@@ -1,6 +1,6 @@
 //! Reads images: PNG and JPEG files to a [`Texture`], to colour solids with, or to a [`Matcap`], to shade with.
 
-use std::io::BufReader;
+use std::io::{BufRead, BufReader, Cursor, Seek};
 use std::path::Path;
 
 use glam::Vec2;
@@ -18,8 +18,16 @@ use crate::tools::texture::{MAX_SIDE, Texture};
 /// # Errors
 /// If it cannot be read, is neither PNG nor JPEG, or is longer than [`MAX_SIDE`] on a side.
 pub fn load_picture(path: &Path) -> Result<Texture, FormatError> {
-    let file = store::open(path)?;
-    let mut reader = ImageReader::new(BufReader::new(file)).with_guessed_format()?;
+    decode(BufReader::new(store::open(path)?))
+}
+
+/// [`load_picture`] of a file in memory.
+pub(super) fn picture_of(file: &[u8]) -> Result<Texture, FormatError> {
+    decode(Cursor::new(file))
+}
+
+fn decode(file: impl BufRead + Seek) -> Result<Texture, FormatError> {
+    let mut reader = ImageReader::new(file).with_guessed_format()?;
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_SIDE);
     limits.max_image_height = Some(MAX_SIDE);

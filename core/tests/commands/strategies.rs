@@ -6,7 +6,9 @@ use glam::{EulerRot, IVec3, Quat, UVec3, Vec3};
 use proptest::prelude::*;
 use sculpture_core::command::{Area, Command, NewSculpture, SelectOp, SpraySurface};
 use sculpture_core::format::Samples;
-use sculpture_core::format::options::{Colouring, Existence, ExportForm, ImportOptions, RawLayout};
+use sculpture_core::format::options::{
+    Colouring, Existence, ExportForm, ImportOptions, MeshFill, MeshSize, RawLayout,
+};
 use sculpture_core::sculpture::edit::EditOp;
 use sculpture_core::sculpture::orientation::{Orientation, Up};
 use sculpture_core::sculpture::region::VoxelBox;
@@ -41,14 +43,14 @@ fn import() -> impl Strategy<Value = ImportOptions> {
             voxel_size,
         },
     );
-    let upright = prop::sample::select(&Up::NAMED[..]).prop_map(|(up, _)| up);
-    (existence, colouring, colour_depth, upright, prop::option::of(raw)).prop_map(
-        |(existence, colouring, colour_depth, upright, raw)| ImportOptions {
-            existence,
-            colouring,
-            colour_depth,
-            upright,
-            raw,
+    let upright = prop::option::of(prop::sample::select(&Up::NAMED[..]).prop_map(|(up, _)| up));
+    let longest = (1u32..=4096).prop_map(MeshSize::LongestVx);
+    let mesh_size = prop_oneof![longest, (1e-6f32..1e6).prop_map(MeshSize::VoxelMm)];
+    let mesh_fill = prop::sample::select(&MeshFill::NAMED[..]).prop_map(|(fill, _)| fill);
+    let of_mesh = (mesh_size, mesh_fill);
+    (existence, colouring, colour_depth, upright, prop::option::of(raw), of_mesh).prop_map(
+        |(existence, colouring, colour_depth, upright, raw, (mesh_size, mesh_fill))| {
+            ImportOptions { existence, colouring, colour_depth, upright, raw, mesh_size, mesh_fill }
         },
     )
 }

@@ -19,6 +19,16 @@ const PORTION: u64 = 1 << 18;
 /// Voxels that are read at most, those in the same place counted again: so that copies of copies end.
 const MOST_VOXELS: u64 = 1 << 32;
 
+/// The bits of colour of a sculpture made of a model, which has colours but no densities.
+pub fn colour_depth(options: &ImportOptions) -> Result<ColourDepth, FormatError> {
+    match options.colouring {
+        Colouring::None => Ok(ColourDepth::None),
+        Colouring::Auto => Ok(options.colour_depth.unwrap_or(ColourDepth::Bits24)),
+        Colouring::Packed => Err(FormatError::NotPacked(Samples::Rgb8)),
+        colouring => Err(FormatError::NotDensities { colouring, samples: Samples::Rgb8 }),
+    }
+}
+
 /// Makes a sculpture of the voxels of a model. Its grid is the model's canvas where that can be, else the
 /// smallest box around the voxels.
 pub fn to_contents(
@@ -27,14 +37,7 @@ pub fn to_contents(
     limits: &Limits,
     progress: &dyn Progress,
 ) -> Result<Contents, FormatError> {
-    let depth = match options.colouring {
-        Colouring::None => ColourDepth::None,
-        Colouring::Auto => options.colour_depth.unwrap_or(ColourDepth::Bits24),
-        Colouring::Packed => return Err(FormatError::NotPacked(Samples::Rgb8)),
-        colouring => {
-            return Err(FormatError::NotDensities { colouring, samples: Samples::Rgb8 });
-        }
-    };
+    let depth = colour_depth(options)?;
     let found = survey(model, progress)?;
     let tight = found.bounds();
     let fits = |(low, high)| Grid::check(dims_of(low, high), Vec3::ONE, limits.grid_bytes);

@@ -16,7 +16,7 @@ pub const SLICE_END: u32 = 6;
 #[derive(Debug)]
 pub struct Qb<'a> {
     is_bgra: bool,
-    /// z points away from the viewer.
+    /// x points the other way: a model that faces forward along z faces the viewer in either case.
     is_left_handed: bool,
     is_packed: bool,
     matrices: Vec<Matrix<'a>>,
@@ -108,7 +108,7 @@ impl Model for Qb<'_> {
         let boxes = self.matrices.iter().map(|matrix| {
             let (low, high) = (matrix.place, matrix.place + matrix.size);
             match self.is_left_handed {
-                true => (I64Vec3 { z: -high.z, ..low }, I64Vec3 { z: -low.z, ..high }),
+                true => (I64Vec3 { x: -high.x, ..low }, I64Vec3 { x: -low.x, ..high }),
                 false => (low, high),
             }
         });
@@ -128,7 +128,7 @@ impl Model for Qb<'_> {
                     let (x, y, z) = (i % size.x, i / size.x % size.y, i / (size.x * size.y));
                     let mut v = place + I64Vec3::new(x, y, z);
                     if self.is_left_handed {
-                        v.z = -1 - v.z;
+                        v.x = -1 - v.x;
                     }
                     sink(v, rgb)?;
                 }

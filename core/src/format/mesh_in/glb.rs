@@ -1,0 +1,245 @@
+//! Reads `.glb`, glTF 2.0 in one file: the triangles of all nodes of the scene where these put them, with colours of
+//! corners, of materials, and of base colour textures.
+//!
+//! Bones and morphing are left as they are modelled. Colours of glTF are linear light, ours sRGB.
+
+use std::sync::Arc;
+
+use glam::{Mat4, Quat, Vec2, Vec3};
+use serde_json::Value;
+
+use super::Imported;
+use super::glb_json::{Glb, fault, whole};
+use crate::format::FormatError;
+use crate::format::picture::picture_of;
+use crate::sculpture::Rgb;
+use crate::voxelise::Skin;
+
+/// Deepest nesting of nodes, and most visits of nodes: children may be shared.
+const MOST_DEPTH: usize = 200;
+const MOST_VISITS: u32 = 1 << 20;
+/// Most triangles, those of copies counted again.
+const MOST_TRIANGLES: usize = 1 << 25;
+const WHITE: Rgb = Rgb::new(255, 255, 255);
+
+struct Reader<'a> {
+    glb: Glb<'a>,
+    out: Imported,
+    /// Which set of texture coordinates the texture of each material uses.
+    uv_sets: Vec<usize>,
+    has_colours: bool,
+    visits: u32,
+}
+
+/// Reads a file.
+pub fn read(file: &[u8]) -> Result<Imported, FormatError> {
+    let glb = Glb::read(file)?;
+    let required = glb.json.get("extensionsRequired").and_then(Value::as_array);
+    let packed = required.into_iter().flatten().filter_map(Value::as_str);
+    if let Some(name) = packed.into_iter().find(|name| name.contains("compression")) {
+        return Err(fault("the description", format!("{name} cannot be read; export without it")));
+    }
+    let out = Imported { kind: "glTF 2.0, binary".to_string(), ..Imported::default() };
+    let mut reader = Reader { glb, out, uv_sets: Vec::new(), has_colours: false, visits: 0 };
+    reader.materials();
+    for root in reader.roots()? {
+        reader.node(root, Mat4::IDENTITY, 0)?;
+    }
+    if !reader.has_colours {
+        reader.out.mesh.corner_colours = Vec::new();
+    }
+    Ok(reader.out)
+}
+
+/// The entries of a list, if it is one.
+fn list<'a>(object: &'a Value, key: &str) -> &'a [Value] {
+    object.get(key).and_then(Value::as_array).map_or(&[], Vec::as_slice)
+}
+
+fn numbers<const N: usize>(object: &Value, key: &str) -> Option<[f32; N]> {
+    let values: Vec<f32> =
+        list(object, key).iter().filter_map(|v| Some(v.as_f64()? as f32)).collect();
+    values.try_into().ok()
+}
+
+/// A level of linear light as one of sRGB.
+fn srgb(linear: f32) -> u8 {
+    let v = linear.clamp(0.0, 1.0);
+    let v = if v <= 0.003_130_8 { v * 12.92 } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
+    (v * 255.0).round() as u8
+}
+
+impl Reader<'_> {
+    /// The nodes of the scene; all nodes that are no children where there is none.
+    fn roots(&self) -> Result<Vec<usize>, FormatError> {
+        let scene = whole(&self.glb.json, "scene").unwrap_or(0);
+        let is_index = |node: &Value| usize::try_from(node.as_u64()?).ok();
+        if !list(&self.glb.json, "scenes").is_empty() {
+            let scene = self.glb.entry("scenes", scene)?;
+            return Ok(list(scene, "nodes").iter().filter_map(is_index).collect());
+        }
+        let nodes = list(&self.glb.json, "nodes");
+        let children: std::collections::HashSet<usize> =
+            nodes.iter().flat_map(|node| list(node, "children")).filter_map(is_index).collect();
+        Ok((0..nodes.len()).filter(|node| !children.contains(node)).collect())
+    }
+
+    /// Materials; a texture that cannot be read is left out with a note.
+    fn materials(&mut self) {
+        for (number, material) in list(&self.glb.json, "materials").iter().enumerate() {
+            let surface = material.get("pbrMetallicRoughness").unwrap_or(&Value::Null);
+            let [r, g, b, _] = numbers(surface, "baseColorFactor").unwrap_or([1.0; 4]);
+            let mut skin = Skin { colour: Rgb([r, g, b].map(srgb)), texture: None };
+            let mut uv_set = 0;
+            if let Some(base) = surface.get("baseColorTexture") {
+                uv_set = whole(base, "texCoord").unwrap_or(0);
+                match self.texture(base) {
+                    Ok(texture) => skin.texture = Some(Arc::new(texture)),
+                    Err(error) => {
+                        let note =
+                            format!("the texture of material {number} was not read: {error}");
+                        self.out.notes.push(note);
+                    }
+                }
+            }
+            self.uv_sets.push(uv_set);
+            self.out.mesh.skins.push(skin);
+        }
+    }
+
+    fn texture(&self, base: &Value) -> Result<crate::tools::texture::Texture, FormatError> {
+        let missing = |what: &str| fault(format!("{what} of a texture"), "it is not in the file");
+        let texture =
+            self.glb.entry("textures", whole(base, "index").ok_or_else(|| missing("index"))?)?;
+        let source = whole(texture, "source").ok_or_else(|| missing("image"))?;
+        let image = self.glb.entry("images", source)?;
+        picture_of(self.glb.view(whole(image, "bufferView").ok_or_else(|| missing("image"))?)?)
+    }
+
+    fn node(&mut self, at: usize, above: Mat4, depth: usize) -> Result<(), FormatError> {
+        self.visits += 1;
+        if depth > MOST_DEPTH || self.visits > MOST_VISITS {
+            return Err(fault(format!("nodes {at}"), "nodes are nested without end, or too many"));
+        }
+        let node = self.glb.entry("nodes", at)?.clone();
+        let own = match numbers(&node, "matrix") {
+            Some(matrix) => Mat4::from_cols_array(&matrix),
+            None => Mat4::from_scale_rotation_translation(
+                numbers(&node, "scale").map_or(Vec3::ONE, Vec3::from),
+                numbers(&node, "rotation").map_or(Quat::IDENTITY, Quat::from_array),
+                numbers(&node, "translation").map_or(Vec3::ZERO, Vec3::from),
+            ),
+        };
+        let world = above * own;
+        if let Some(mesh) = whole(&node, "mesh") {
+            for primitive in list(&self.glb.entry("meshes", mesh)?.clone(), "primitives") {
+                self.primitive(primitive, world)?;
+            }
+        }
+        for child in list(&node, "children").iter().filter_map(Value::as_u64) {
+            self.node(child as usize, world, depth + 1)?;
+        }
+        Ok(())
+    }
+
+    fn primitive(&mut self, primitive: &Value, world: Mat4) -> Result<(), FormatError> {
+        let attributes = primitive.get("attributes").unwrap_or(&Value::Null);
+        let mode = whole(primitive, "mode").unwrap_or(4);
+        let Some(positions) = whole(attributes, "POSITION").filter(|_| (4..=6).contains(&mode))
+        else {
+            self.out.notes.push("points or lines were left out".to_string());
+            return Ok(());
+        };
+        let positions = self.glb.numbers(positions)?;
+        if positions.width != 3 {
+            return Err(fault("POSITION", "places must have three coordinates"));
+        }
+        let points = positions.values.as_chunks::<3>().0;
+        let indices = match whole(primitive, "indices") {
+            Some(at) => self.glb.indices(at)?,
+            None => (0..points.len() as u32).collect(),
+        };
+        if let Some(index) = indices.iter().find(|index| **index as usize >= points.len()) {
+            let count = points.len();
+            return Err(fault(
+                "indices",
+                format!("corner {index} is named, but there are {count}"),
+            ));
+        }
+        let triangles = triangles(mode, &indices);
+        let (triangles_so_far, points_so_far) =
+            (self.out.mesh.triangles.len(), self.out.mesh.positions.len());
+        if triangles_so_far + triangles.len() > MOST_TRIANGLES
+            || points_so_far + points.len() > 3 * MOST_TRIANGLES
+        {
+            return Err(fault("the scene", "it has more than 2^25 triangles, copies counted"));
+        }
+        let material = whole(primitive, "material").unwrap_or(usize::MAX);
+        let uv_set = self.uv_sets.get(material).copied().unwrap_or(0);
+        let uvs = self.attribute(attributes, &format!("TEXCOORD_{uv_set}"), points.len())?;
+        let colours = self.attribute(attributes, "COLOR_0", points.len())?;
+        let mesh = &mut self.out.mesh;
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend(points.iter().map(|p| world.transform_point3(Vec3::from(*p))));
+        let is_mirrored = world.determinant() < 0.0;
+        for mut triangle in triangles {
+            if is_mirrored {
+                triangle.swap(1, 2);
+            }
+            let at = |corner: u32, values: &super::glb_json::Numbers| {
+                let start = corner as usize * values.width;
+                (values.values[start], values.values[start + 1], start)
+            };
+            // glTF counts from the upper edge of a texture, ours from the lower.
+            mesh.corner_uvs.push(triangle.map(|corner| {
+                uvs.as_ref().map_or(Vec2::ZERO, |uvs| {
+                    let (u, v, _) = at(corner, uvs);
+                    Vec2::new(u, 1.0 - v)
+                })
+            }));
+            mesh.corner_colours.push(triangle.map(|corner| {
+                colours.as_ref().filter(|colours| colours.width >= 3).map_or(WHITE, |colours| {
+                    let (r, g, start) = at(corner, colours);
+                    Rgb([r, g, colours.values[start + 2]].map(srgb))
+                })
+            }));
+            self.has_colours |= colours.is_some();
+            mesh.skin_of.push(u32::try_from(material).unwrap_or(u32::MAX));
+            mesh.triangles.push(triangle.map(|corner| first + corner));
+        }
+        Ok(())
+    }
+
+    /// Numbers of an attribute, if it is there: two or more for each of `count` corners.
+    fn attribute(
+        &self,
+        attributes: &Value,
+        name: &str,
+        count: usize,
+    ) -> Result<Option<super::glb_json::Numbers>, FormatError> {
+        let Some(at) = whole(attributes, name) else { return Ok(None) };
+        let numbers = self.glb.numbers(at)?;
+        if numbers.width < 2 || numbers.values.len() < count * numbers.width {
+            return Err(fault(name, "it has fewer entries than there are corners"));
+        }
+        Ok(Some(numbers))
+    }
+}
+
+/// The triangles of a list (4), a strip (5) or a fan (6) of corners.
+fn triangles(mode: usize, indices: &[u32]) -> Vec<[u32; 3]> {
+    match mode {
+        4 => indices.as_chunks().0.to_vec(),
+        5 => {
+            let turned = |(i, t): (usize, &[u32])| match i % 2 {
+                0 => [t[0], t[1], t[2]],
+                _ => [t[1], t[0], t[2]],
+            };
+            indices.windows(3).enumerate().map(turned).collect()
+        }
+        _ => {
+            let Some((first, rest)) = indices.split_first() else { return Vec::new() };
+            rest.windows(2).map(|pair| [*first, pair[0], pair[1]]).collect()
+        }
+    }
+}

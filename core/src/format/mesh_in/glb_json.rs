@@ -1,0 +1,156 @@
+//! The parts of a `.glb`: its description in JSON and its numbers, read with all bounds checked.
+
+use serde_json::Value;
+
+use crate::format::FormatError;
+use crate::format::bytes::Bytes;
+
+const MAGIC: &[u8] = b"glTF";
+const JSON: u32 = 0x4E4F_534A;
+const BIN: u32 = 0x004E_4942;
+
+/// A file.
+pub struct Glb<'a> {
+    pub json: Value,
+    binary: &'a [u8],
+}
+
+/// An error in the description.
+pub fn fault(place: impl Into<String>, what: impl Into<String>) -> FormatError {
+    FormatError::Malformed { place: place.into(), what: what.into() }
+}
+
+/// A whole number of an object.
+pub fn whole(object: &Value, key: &str) -> Option<usize> {
+    usize::try_from(object.get(key)?.as_u64()?).ok()
+}
+
+/// Numbers of an accessor: `width` to each element.
+pub struct Numbers {
+    pub width: usize,
+    pub values: Vec<f32>,
+}
+
+impl<'a> Glb<'a> {
+    /// Reads the chunks of a file.
+    pub fn read(file: &'a [u8]) -> Result<Glb<'a>, FormatError> {
+        let mut bytes = Bytes::new(file);
+        if !file.starts_with(MAGIC) {
+            return Err(bytes.fault("a GLB file begins with `glTF`"));
+        }
+        bytes.take(4)?;
+        let start = bytes;
+        let version = bytes.u32()?;
+        if version != 2 {
+            return Err(start.fault(format!("glTF version {version} cannot be read, only 2")));
+        }
+        bytes.u32()?;
+        let (mut json, mut binary) = (None, &[][..]);
+        while !bytes.is_empty() {
+            let length = bytes.u32()? as usize;
+            let kind = bytes.u32()?;
+            let start = bytes;
+            let chunk = bytes.take(length)?;
+            match kind {
+                JSON => {
+                    let parsed = serde_json::from_slice(chunk);
+                    json = Some(parsed.map_err(|error| start.fault(error.to_string()))?);
+                }
+                BIN => binary = chunk,
+                _ => {}
+            }
+        }
+        let json = json.ok_or_else(|| bytes.fault("the file has no description"))?;
+        Ok(Glb { json, binary })
+    }
+
+    /// An entry of one of the lists of the description.
+    pub fn entry(&self, list: &str, at: usize) -> Result<&Value, FormatError> {
+        let found = self.json.get(list).and_then(|list| list.get(at));
+        found.ok_or_else(|| fault(format!("{list} {at}"), "it is named, but not there"))
+    }
+
+    /// The bytes of a view of the buffer that lies in the file.
+    pub fn view(&self, at: usize) -> Result<&'a [u8], FormatError> {
+        let view = self.entry("bufferViews", at)?;
+        let place = || format!("bufferViews {at}");
+        if whole(view, "buffer") != Some(0) {
+            return Err(fault(place(), "its bytes are in another file; export all in one"));
+        }
+        let start = whole(view, "byteOffset").unwrap_or(0);
+        let end = whole(view, "byteLength").and_then(|length| start.checked_add(length));
+        let bytes = end.and_then(|end| self.binary.get(start..end));
+        bytes.ok_or_else(|| fault(place(), "it goes beyond the end of the file"))
+    }
+
+    /// The numbers of an accessor. Whole ones that stand for 0 to 1 become that.
+    pub fn numbers(&self, at: usize) -> Result<Numbers, FormatError> {
+        let accessor = self.entry("accessors", at)?;
+        let place = || format!("accessors {at}");
+        if accessor.get("sparse").is_some() {
+            return Err(fault(place(), "sparse numbers cannot be read; export without them"));
+        }
+        let width = match accessor.get("type").and_then(Value::as_str) {
+            Some("SCALAR") => 1,
+            Some("VEC2") => 2,
+            Some("VEC3") => 3,
+            Some("VEC4") => 4,
+            _ => return Err(fault(place(), "its type cannot be read")),
+        };
+        let component = whole(accessor, "componentType").unwrap_or(0);
+        let size = match component {
+            5120 | 5121 => 1,
+            5122 | 5123 => 2,
+            5125 | 5126 => 4,
+            _ => return Err(fault(place(), "its type of numbers is not known")),
+        };
+        let count = whole(accessor, "count").unwrap_or(0);
+        let view_at = whole(accessor, "bufferView").ok_or_else(|| fault(place(), "it is empty"))?;
+        let bytes = self.view(view_at)?;
+        let start = whole(accessor, "byteOffset").unwrap_or(0);
+        let stride = whole(self.entry("bufferViews", view_at)?, "byteStride");
+        let stride = stride.unwrap_or(width * size).max(1);
+        let end = count
+            .checked_sub(1)
+            .map(|last| last.checked_mul(stride)?.checked_add(start)?.checked_add(width * size));
+        if end.is_some_and(|end| end.is_none_or(|end| end > bytes.len())) {
+            return Err(fault(place(), "it goes beyond the end of its view"));
+        }
+        let is_share = accessor.get("normalized").and_then(Value::as_bool) == Some(true);
+        let mut values = Vec::with_capacity(count * width);
+        for i in 0..count {
+            for k in 0..width {
+                let b = &bytes[start + i * stride + k * size..];
+                let (value, full) = match component {
+                    5120 => (f32::from(b[0] as i8), 127.0),
+                    5121 => (f32::from(b[0]), 255.0),
+                    5122 => (f32::from(i16::from_le_bytes([b[0], b[1]])), 32767.0),
+                    5123 => (f32::from(u16::from_le_bytes([b[0], b[1]])), 65535.0),
+                    5125 => (u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as f32, 1.0),
+                    _ => (f32::from_le_bytes([b[0], b[1], b[2], b[3]]), 1.0),
+                };
+                values.push(if is_share { value / full } else { value });
+            }
+        }
+        Ok(Numbers { width, values })
+    }
+
+    /// The whole numbers of an accessor of indices.
+    pub fn indices(&self, at: usize) -> Result<Vec<u32>, FormatError> {
+        let accessor = self.entry("accessors", at)?;
+        if accessor.get("type").and_then(Value::as_str) != Some("SCALAR") {
+            return Err(fault(format!("accessors {at}"), "it does not number corners"));
+        }
+        if whole(accessor, "componentType") != Some(5125) {
+            return Ok(self.numbers(at)?.values.iter().map(|value| *value as u32).collect());
+        }
+        // Single precision would lose the lowest bits of these.
+        let (count, start) = (whole(accessor, "count"), whole(accessor, "byteOffset").unwrap_or(0));
+        let view = whole(accessor, "bufferView");
+        let place = || format!("accessors {at}");
+        let view = self.view(view.ok_or_else(|| fault(place(), "it is empty"))?)?;
+        let bytes = count.and_then(|n| view.get(start..start.checked_add(n.checked_mul(4)?)?));
+        let bytes = bytes.ok_or_else(|| fault(place(), "it goes beyond the end of its view"))?;
+        Ok(bytes.as_chunks().0.iter().map(|index| u32::from_le_bytes(*index)).collect())
+    }
+}

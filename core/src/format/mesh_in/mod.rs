@@ -1,0 +1,143 @@
+//! Reads meshes of other programs: Wavefront `.obj` with `.mtl` and texture, `.stl`, `.ply`, and `.glb`.
+//!
+//! Takes the bytes of a file, and for `.obj` the folder it lies in; gives triangles with their colours, in the axes of
+//! the file. `crate::voxelise` makes voxels of them. Corners that are no numbers stay; the voxeliser leaves their
+//! triangles out.
+
+mod glb;
+mod glb_json;
+mod mtl;
+mod obj;
+mod ply;
+mod ply_header;
+mod stl;
+
+use std::path::Path;
+
+use super::options::ImportOptions;
+use super::{FormatError, budget_bytes, store, voxel};
+use crate::progress::Progress;
+use crate::sculpture::Limits;
+use crate::sculpture::history::Contents;
+use crate::sculpture::orientation::Up;
+use crate::voxelise::{Findings, Frame, Mesh, to_contents};
+
+/// Memory that a mesh takes, at most, for each byte of its file.
+const BYTES_PER_BYTE: u64 = 12;
+
+/// The format, by the ending of the file.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Kind {
+    /// Wavefront.
+    Obj,
+    /// Stereolithography.
+    Stl,
+    /// Polygon file of Stanford.
+    Ply,
+    /// glTF 2.0 in one file.
+    Glb,
+}
+
+impl Kind {
+    /// Millimetres that a unit of length stands for: glTF says metres; the others say nothing, and mostly mean
+    /// millimetres.
+    pub fn mm_per_unit(self) -> f64 {
+        if self == Kind::Glb { 1000.0 } else { 1.0 }
+    }
+
+    /// The axis that is taken for the one that points up: as chosen, or as programs mostly write the format.
+    pub fn up(self, options: &ImportOptions) -> Up {
+        let usual = if matches!(self, Kind::Stl | Kind::Ply) { Up::Z } else { Up::Y };
+        let chosen = options.upright.filter(|_| !self.knows_up());
+        chosen.unwrap_or(usual)
+    }
+
+    /// Whether the format says that y points up.
+    pub fn knows_up(self) -> bool {
+        self == Kind::Glb
+    }
+}
+
+/// A mesh, and what is said about it.
+#[derive(Debug, Default)]
+pub struct Imported {
+    pub mesh: Mesh,
+    /// The format; none only while the mesh is read.
+    of: Option<Kind>,
+    /// Such as `STL, binary`.
+    pub kind: String,
+    /// What was left out, for the person to know.
+    pub notes: Vec<String>,
+}
+
+/// Reads a file, materials and textures from its folder.
+pub fn load(
+    path: &Path,
+    kind: Kind,
+    limits: &Limits,
+    progress: &dyn Progress,
+) -> Result<Imported, FormatError> {
+    let file = store::read(path, budget_bytes(limits) / BYTES_PER_BYTE, |_| Ok(()), progress)?;
+    let mut imported = match kind {
+        Kind::Obj => obj::read(&file, path)?,
+        Kind::Stl => stl::read(&file)?,
+        Kind::Ply => ply::read(&file)?,
+        Kind::Glb => glb::read(&file)?,
+    };
+    if imported.mesh.triangles.is_empty() {
+        return Err(FormatError::NoTriangles);
+    }
+    imported.of = Some(kind);
+    Ok(imported)
+}
+
+impl Imported {
+    /// The grid that the mesh becomes.
+    pub fn frame(&self, options: &ImportOptions) -> Result<Frame, FormatError> {
+        let up = self.of.map_or(Up::default(), |kind| kind.up(options));
+        let mm_per_unit = self.of.map_or(1.0, Kind::mm_per_unit);
+        Ok(Frame::around(&self.mesh, options.mesh_size, up, mm_per_unit)?)
+    }
+
+    /// Makes a sculpture, with what there is to say about the mesh.
+    pub fn into_contents(
+        mut self,
+        options: &ImportOptions,
+        limits: &Limits,
+        progress: &dyn Progress,
+    ) -> Result<(Contents, Vec<String>), FormatError> {
+        let depth = voxel::colour_depth(options)?;
+        let frame = self.frame(options)?;
+        let (mesh, fill) = (&self.mesh, options.mesh_fill);
+        let (contents, findings) = to_contents(mesh, &frame, fill, depth, limits, progress)?;
+        self.notes.extend(note_of(&findings));
+        Ok((contents, self.notes))
+    }
+}
+
+/// What there is to say about a mesh that was voxelised.
+fn note_of(findings: &Findings) -> Option<String> {
+    let percent = 100.0 * findings.open_share;
+    match (findings.open_share > 0.0, findings.is_shell) {
+        (true, true) => Some(format!(
+            "the mesh is open ({percent:.1} % of the rays through it fall through holes), so its surface alone was \
+             taken; ask for a solid to fill it"
+        )),
+        (true, false) => Some(format!(
+            "the mesh has holes ({percent:.2} % of the rays through it), which were closed"
+        )),
+        (false, _) => None,
+    }
+}
+
+/// An error in a text, at a line counted from 0.
+fn at_line(line: usize, what: impl Into<String>) -> FormatError {
+    FormatError::Malformed { place: format!("line {}", line + 1), what: what.into() }
+}
+
+/// A number of a text.
+fn number(word: Option<&str>, line: usize) -> Result<f32, FormatError> {
+    let word = word.ok_or_else(|| at_line(line, "a number is missing"))?;
+    let shown = super::error::excerpt(word.as_bytes());
+    word.parse().map_err(|_| at_line(line, format!("`{shown}` is not a number")))
+}

@@ -1,0 +1,85 @@
+//! Reads `.stl`, as text and binary: triangles without colours.
+
+use glam::Vec3;
+
+use super::{Imported, at_line, number};
+use crate::format::FormatError;
+use crate::voxelise::Mesh;
+
+const HEADER_BYTES: usize = 84;
+const TRIANGLE_BYTES: usize = 50;
+
+/// Reads a file. A binary one may begin with the word of text files, so that its length decides first.
+pub fn read(file: &[u8]) -> Result<Imported, FormatError> {
+    let count = file.get(HEADER_BYTES - 4..HEADER_BYTES);
+    let count = count.map(|n| u64::from(u32::from_le_bytes([n[0], n[1], n[2], n[3]])));
+    let expected = count.map(|count| HEADER_BYTES as u64 + count * TRIANGLE_BYTES as u64);
+    let is_text = file.trim_ascii_start().starts_with(b"solid");
+    let length = file.len() as u64;
+    match (count, expected) {
+        (Some(_), Some(expected)) if expected == length || !is_text && expected < length => {
+            Ok(binary(&file[HEADER_BYTES..expected as usize]))
+        }
+        _ if is_text => text(file),
+        (Some(count), _) => Err(FormatError::Malformed {
+            place: format!("byte {}", HEADER_BYTES - 4),
+            what: format!("{count} triangles should follow, but the file has only {length} bytes"),
+        }),
+        _ => Err(FormatError::Malformed {
+            place: "byte 0".to_string(),
+            what: "this is neither a binary STL file nor one that begins with `solid`".to_string(),
+        }),
+    }
+}
+
+fn binary(triangles: &[u8]) -> Imported {
+    let mut mesh = Mesh::default();
+    for triangle in triangles.as_chunks::<TRIANGLE_BYTES>().0 {
+        // The normal comes first, and two bytes without an agreed meaning last.
+        let (numbers, _) = triangle[12..48].as_chunks::<4>();
+        let at = |i: usize| f32::from_le_bytes(numbers[i]);
+        push(&mut mesh, [0, 3, 6].map(|i| Vec3::new(at(i), at(i + 1), at(i + 2))));
+    }
+    Imported { mesh, kind: "STL, binary".to_string(), ..Imported::default() }
+}
+
+fn push(mesh: &mut Mesh, corners: [Vec3; 3]) {
+    let first = mesh.positions.len() as u32;
+    mesh.positions.extend(corners);
+    mesh.triangles.push([first, first + 1, first + 2]);
+}
+
+fn text(file: &[u8]) -> Result<Imported, FormatError> {
+    let mut mesh = Mesh::default();
+    let mut corners = Vec::new();
+    let mut is_ended = false;
+    let text = String::from_utf8_lossy(file);
+    for (line, words) in text.lines().enumerate() {
+        let mut words = words.split_ascii_whitespace();
+        match words.next().unwrap_or("") {
+            "vertex" => {
+                let mut next = || number(words.next(), line);
+                corners.push(Vec3::new(next()?, next()?, next()?));
+            }
+            "endfacet" => match corners[..] {
+                [a, b, c] => {
+                    push(&mut mesh, [a, b, c]);
+                    corners.clear();
+                }
+                _ => {
+                    let found = corners.len();
+                    return Err(at_line(line, format!("a facet has {found} corners, not three")));
+                }
+            },
+            "endsolid" => is_ended = true,
+            _ => {}
+        }
+    }
+    if !is_ended || !corners.is_empty() {
+        return Err(at_line(
+            text.lines().count().saturating_sub(1),
+            "the file ends before its solid",
+        ));
+    }
+    Ok(Imported { mesh, kind: "STL, text".to_string(), ..Imported::default() })
+}

@@ -1,0 +1,139 @@
+//! How a mesh lies in its grid: which way is up, and how many voxels it gets.
+
+use std::fmt;
+use std::str::FromStr;
+
+use glam::{DVec3, I64Vec3, IVec3, UVec3, Vec3};
+
+use super::crossings::{MOST_TRIANGLES, Placed, SUB_VX};
+use super::{Mesh, VoxeliseError};
+use crate::sculpture::grid::MAX_AXIS_VX;
+use crate::sculpture::orientation::Up;
+
+/// How large a mesh becomes.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum MeshSize {
+    /// Voxels of its longest side.
+    LongestVx(u32),
+    /// The edge of a voxel in millimetres.
+    VoxelMm(f32),
+}
+
+impl Default for MeshSize {
+    fn default() -> MeshSize {
+        MeshSize::LongestVx(256)
+    }
+}
+
+/// Writes `256` or `0.5mm`.
+impl fmt::Display for MeshSize {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            MeshSize::LongestVx(voxels) => write!(f, "{voxels}"),
+            MeshSize::VoxelMm(mm) => write!(f, "{mm}mm"),
+        }
+    }
+}
+
+impl FromStr for MeshSize {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<MeshSize, String> {
+        let size = match text.strip_suffix("mm") {
+            Some(mm) => mm
+                .trim()
+                .parse()
+                .ok()
+                .filter(|mm: &f32| mm.is_finite() && *mm > 0.0)
+                .map(MeshSize::VoxelMm),
+            None => {
+                text.parse().ok().filter(|n| (1..=MAX_AXIS_VX).contains(n)).map(MeshSize::LongestVx)
+            }
+        };
+        size.ok_or_else(|| {
+            format!(
+                "`{text}` is not a size; give the voxels of the longest side, 1 to {MAX_AXIS_VX}, \
+                 or the edge of a voxel, such as 0.5mm"
+            )
+        })
+    }
+}
+
+/// The grid of a mesh, and where the mesh lies in it.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Frame {
+    /// Size in voxels.
+    pub dims: UVec3,
+    /// Edge of a voxel, in millimetres.
+    pub voxel_size: Vec3,
+    /// Grid axes in terms of the mesh's: rows of a rotation.
+    rows: [DVec3; 3],
+    /// Mesh point that comes to lie in the middle of the grid.
+    centre: DVec3,
+    voxels_per_unit: f64,
+}
+
+impl Frame {
+    /// A grid that just holds the mesh. `mm_per_unit`: what a unit of the mesh stands for.
+    pub fn around(
+        mesh: &Mesh,
+        size: MeshSize,
+        up: Up,
+        mm_per_unit: f64,
+    ) -> Result<Frame, VoxeliseError> {
+        let turn = up.turned_upright();
+        let axis = |from: IVec3| turn.destination(IVec3::ONE + from, UVec3::splat(3)) - IVec3::ONE;
+        let columns = [IVec3::X, IVec3::Y, IVec3::Z].map(|from| axis(from).as_dvec3());
+        let rows = [0, 1, 2].map(|row| DVec3::from_array(columns.map(|column| column[row])));
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for corner in mesh.triangles.iter().filter(|t| is_finite(mesh, t)).flatten() {
+            let at = mesh.positions[*corner as usize].as_dvec3();
+            low = low.min(at);
+            high = high.max(at);
+        }
+        let extent = (high - low).max_element();
+        if !(extent.is_finite() && extent > 0.0) {
+            return Err(VoxeliseError::Nothing);
+        }
+        let voxels_per_unit = match size {
+            MeshSize::LongestVx(voxels) => f64::from(voxels) / extent,
+            MeshSize::VoxelMm(mm) => mm_per_unit / f64::from(mm),
+        };
+        let sides = rows.map(|row| row.dot(high - low).abs() * voxels_per_unit);
+        // What rounding adds must not cost a voxel.
+        let dims = sides.map(|side| (side - 1e-3).ceil().clamp(1.0, f64::from(u32::MAX)) as u32);
+        let voxel_size = Vec3::splat((mm_per_unit / voxels_per_unit) as f32);
+        Ok(Frame {
+            dims: dims.into(),
+            voxel_size,
+            rows,
+            centre: (low + high) / 2.0,
+            voxels_per_unit,
+        })
+    }
+
+    /// The mesh in the grid's coordinates.
+    pub(super) fn place(&self, mesh: &Mesh) -> Result<Placed, VoxeliseError> {
+        if mesh.triangles.len() > MOST_TRIANGLES {
+            return Err(VoxeliseError::TooManyTriangles);
+        }
+        let middle = self.dims.as_dvec3() / 2.0;
+        let corner = |at: &Vec3| {
+            let from_centre = at.as_dvec3() - self.centre;
+            let turned = DVec3::from_array(self.rows.map(|row| row.dot(from_centre)));
+            let at = (turned * self.voxels_per_unit + middle) * SUB_VX as f64;
+            // Those beyond the grid belong to triangles that are left out.
+            let most = self.dims.as_dvec3() * SUB_VX as f64;
+            let within = if at.is_finite() { at.clamp(DVec3::ZERO, most) } else { DVec3::ZERO };
+            within.round().as_i64vec3()
+        };
+        let corners: Vec<I64Vec3> = mesh.positions.iter().map(corner).collect();
+        let is_left_out = |t: &[u32; 3]| !is_finite(mesh, t);
+        let triangles = mesh.triangles.iter().map(|t| if is_left_out(t) { [0; 3] } else { *t });
+        Ok(Placed { dims: self.dims, triangles: triangles.collect(), corners })
+    }
+}
+
+fn is_finite(mesh: &Mesh, triangle: &[u32; 3]) -> bool {
+    triangle.iter().all(|corner| mesh.positions[*corner as usize].is_finite())
+}

@@ -1,0 +1,136 @@
+//! From a mesh of coloured triangles to a sculpture: a solid where the mesh encloses something, else a shell.
+//!
+//! Rays along x, y and z through the centres of all voxels are cut with the triangles (`crossings`), in whole numbers,
+//! so that a closed mesh is never entered without being left. Each ray becomes spans of voxels (`spans`), which are
+//! handled as rows of bits. Rays that fall through a hole have no say; where there are any, the three directions vote.
+//! Surface voxels take the colour of the nearest triangle that crosses beside them (`paint`). The result is the same
+//! on any number of threads. Knows no files.
+
+mod crossings;
+mod frame;
+mod mesh;
+mod paint;
+mod solid;
+mod spans;
+#[cfg(test)]
+mod tests;
+
+use thiserror::Error;
+
+pub use self::frame::{Frame, MeshSize};
+pub use self::mesh::{Mesh, Skin};
+use crate::progress::Progress;
+use crate::sculpture::history::Contents;
+use crate::sculpture::{ColourDepth, Grid, GridError, Limits, Material, Rgb};
+
+/// Share of rays that fall through holes from which on a mesh counts as open.
+const OPEN_SHARE: f64 = 0.02;
+
+/// What becomes of the inside of a mesh.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub enum Fill {
+    /// Solid; of an open mesh the surface alone.
+    #[default]
+    Auto,
+    /// Solid, even if there are large holes.
+    Solid,
+    /// The surface alone, two voxels thick.
+    Shell,
+}
+
+impl Fill {
+    /// All values with their names in the text form.
+    pub const NAMED: [(Fill, &'static str); 3] =
+        [(Fill::Auto, "auto"), (Fill::Solid, "solid"), (Fill::Shell, "shell")];
+}
+
+/// What was found about a mesh.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Findings {
+    /// Share of the rays through the mesh that enter it and do not leave it, or the other way round: 0 for a closed one.
+    pub open_share: f64,
+    /// Whether the surface alone was taken.
+    pub is_shell: bool,
+}
+
+/// Why a mesh cannot become a sculpture.
+#[derive(Debug, Error)]
+pub enum VoxeliseError {
+    /// The grid is not possible.
+    #[error(transparent)]
+    Grid(#[from] GridError),
+    /// The work needs more memory than allowed.
+    #[error(
+        "the mesh needs {needed_mib} MiB at this size, more than the {budget_mib} MiB allowed; \
+         choose fewer voxels, or raise memory.grid_mib or memory.colour_mib in the settings"
+    )]
+    Memory {
+        /// MiB needed.
+        needed_mib: u64,
+        /// MiB allowed.
+        budget_mib: u64,
+    },
+    /// Nothing of the mesh can be used.
+    #[error("the mesh has no triangle of finite size; export it again")]
+    Nothing,
+    /// More triangles than can be numbered.
+    #[error("the mesh has more than the 2^26 triangles that can be read; simplify it")]
+    TooManyTriangles,
+    /// [`Progress::is_cancelled`] returned true.
+    #[error("the work was cancelled")]
+    Cancelled,
+}
+
+/// Makes a sculpture of a mesh.
+pub fn to_contents(
+    mesh: &Mesh,
+    frame: &Frame,
+    fill: Fill,
+    depth: ColourDepth,
+    limits: &Limits,
+    progress: &dyn Progress,
+) -> Result<(Contents, Findings), VoxeliseError> {
+    let go_on = || if progress.is_cancelled() { Err(VoxeliseError::Cancelled) } else { Ok(()) };
+    Grid::check(frame.dims, frame.voxel_size, limits.grid_bytes)?;
+    let placed = frame.place(mesh)?;
+    let budget_bytes = limits.grid_bytes.saturating_add(limits.colour_bytes);
+    let needed = placed.crossings_at_most() * 24 + 3 * solid::bytes(frame.dims);
+    if needed > budget_bytes {
+        let (needed_mib, budget_mib) = (needed.div_ceil(1 << 20), budget_bytes >> 20);
+        return Err(VoxeliseError::Memory { needed_mib, budget_mib });
+    }
+    progress.begin("cutting rays");
+    let mut rays = Vec::new();
+    for axis in 0..3 {
+        go_on()?;
+        progress.advance(axis as f32 / 3.0);
+        rays.push(placed.cross(axis));
+    }
+    progress.end();
+    progress.begin("filling the grid");
+    let open_share = spans::open_share(&rays);
+    let mut is_shell = fill == Fill::Shell || fill == Fill::Auto && open_share > OPEN_SHARE;
+    let mut bits = Vec::new();
+    if !is_shell {
+        bits = solid::fill(&rays, frame.dims, open_share > 0.0);
+        // Sheets that lie back to back enclose nothing.
+        is_shell = bits.iter().all(|word| *word == 0);
+    }
+    go_on()?;
+    if is_shell {
+        bits = solid::shell(&rays, frame.dims);
+    }
+    progress.advance(0.5);
+    let mut grid = Grid::new(frame.dims, frame.voxel_size, limits.grid_bytes)?;
+    solid::pour(&bits, &mut grid);
+    drop(bits);
+    progress.end();
+    go_on()?;
+    let base = mesh.only_colour().unwrap_or(Rgb::STONE);
+    let mut material = Material::for_grid(&grid, depth, base);
+    if depth != ColourDepth::None && mesh.has_colours() && mesh.only_colour().is_none() {
+        let painter = paint::Painter { mesh, placed: &placed, rays: &rays, is_shell };
+        painter.paint(&grid, &mut material, limits.colour_bytes, progress)?;
+    }
+    Ok((Contents { grid, material }, Findings { open_share, is_shell }))
+}

@@ -1,0 +1,197 @@
+//! Colours of the surface: each voxel beside a crossing takes that of the nearest triangle among those that cross
+//! beside it.
+
+use glam::{UVec3, Vec3};
+use rayon::prelude::*;
+
+use super::crossings::{Placed, Rays, SUB_VX};
+use super::solid::voxel;
+use super::{Mesh, VoxeliseError};
+use crate::progress::Progress;
+use crate::sculpture::brick::{BRICK_EDGE_VX, local_coords, local_index};
+use crate::sculpture::material::Page;
+use crate::sculpture::{Grid, Material, Rgb};
+
+/// Layers of bricks that are coloured between two looks at memory and cancellation.
+const LAYERS: usize = 8;
+
+/// What the colours are made from.
+pub struct Painter<'a> {
+    pub mesh: &'a Mesh,
+    pub placed: &'a Placed,
+    pub rays: &'a [Rays],
+    pub is_shell: bool,
+}
+
+/// A triangle beside a voxel: brick in the layer, voxel in the brick (9 bits), and triangle (32 bits).
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Beside(u64);
+
+impl Painter<'_> {
+    /// Gives the voxels of `grid` at the mesh's surface their colours.
+    pub fn paint(
+        &self,
+        grid: &Grid,
+        material: &mut Material,
+        budget_bytes: u64,
+        progress: &dyn Progress,
+    ) -> Result<(), VoxeliseError> {
+        progress.begin("colouring");
+        let layers = grid.brick_dims().z as usize;
+        // Rays along z run through all layers.
+        let mut of_layer = vec![Vec::new(); layers];
+        let along_z = &self.rays[2];
+        self.besides(grid, along_z, &along_z.crossings, &mut |layer, beside| {
+            of_layer[layer].push(beside);
+        });
+        for (batch, first) in of_layer.chunks_mut(LAYERS).zip((0..).step_by(LAYERS)) {
+            if progress.is_cancelled() {
+                return Err(VoxeliseError::Cancelled);
+            }
+            progress.advance(first as f32 / layers as f32);
+            let material_now = &*material;
+            let pages: Vec<Vec<(usize, Page)>> = batch
+                .par_iter_mut()
+                .enumerate()
+                .map(|(i, beside)| {
+                    let mut beside = std::mem::take(beside);
+                    self.gather(grid, first + i, &mut beside);
+                    self.pages(grid, material_now, first + i, &beside)
+                })
+                .collect();
+            for (brick, page) in pages.into_iter().flatten() {
+                let needed = material.bytes_with(1);
+                if needed > budget_bytes {
+                    let (needed_mib, budget_mib) = (needed.div_ceil(1 << 20), budget_bytes >> 20);
+                    return Err(VoxeliseError::Memory { needed_mib, budget_mib });
+                }
+                material.swap_page(brick, Some(page));
+            }
+        }
+        progress.end();
+        Ok(())
+    }
+
+    /// Adds what rays along x and y find in a layer of bricks, and sorts all by voxels.
+    fn gather(&self, grid: &Grid, layer: usize, beside: &mut Vec<Beside>) {
+        let dims = grid.dims();
+        let slices = layer * BRICK_EDGE_VX as usize
+            ..((layer + 1) * BRICK_EDGE_VX as usize).min(dims.z as usize);
+        for (rays, size) in [(&self.rays[0], dims.y as usize), (&self.rays[1], dims.x as usize)] {
+            let crossings = rays.of(size * slices.start, size * slices.end);
+            self.besides(grid, rays, crossings, &mut |_, found| beside.push(found));
+        }
+        beside.sort_unstable();
+        beside.dedup();
+    }
+
+    /// Calls `f` with the layer of bricks of each voxel that a crossing colours.
+    fn besides(
+        &self,
+        grid: &Grid,
+        rays: &Rays,
+        crossings: &[super::crossings::Crossing],
+        f: &mut dyn FnMut(usize, Beside),
+    ) {
+        let (dims, axis) = (grid.dims(), rays.axis);
+        let count = dims[axis];
+        let bricks = grid.brick_dims();
+        let mut put = |v: UVec3, triangle: usize| {
+            let (brick, local) = (v / BRICK_EDGE_VX, v % BRICK_EDGE_VX);
+            let brick_in_layer = u64::from(brick.x + bricks.x * brick.y);
+            let place = brick_in_layer << 9 | u64::from(local_index(local.x, local.y, local.z));
+            f(brick.z as usize, Beside(place << 32 | triangle as u64));
+        };
+        for crossing in crossings {
+            let at = |along: u32| voxel(dims, axis, crossing.ray(), along);
+            let exists = |along: u32| grid.get(at(along).as_ivec3());
+            let mut sides = crossing.sides(count).filter(|along| exists(*along));
+            let (first, second) = (sides.next(), sides.next());
+            // With voxels on both sides, no surface of a solid is here.
+            for along in [first, second].into_iter().flatten() {
+                if self.is_shell || second.is_none() {
+                    put(at(along), crossing.triangle());
+                }
+            }
+        }
+    }
+
+    /// The pages of a layer of bricks.
+    fn pages(
+        &self,
+        grid: &Grid,
+        material: &Material,
+        layer: usize,
+        beside: &[Beside],
+    ) -> Vec<(usize, Page)> {
+        let (depth, bricks) = (material.depth(), grid.brick_dims());
+        let of_brick = beside.chunk_by(|a, b| a.0 >> 41 == b.0 >> 41);
+        of_brick
+            .map(|beside| {
+                let in_layer = (beside[0].0 >> 41) as u32;
+                let brick = UVec3::new(in_layer % bricks.x, in_layer / bricks.x, layer as u32);
+                let mut page = vec![0; material.page_bytes()].into_boxed_slice();
+                let base = material.base();
+                page.chunks_exact_mut(depth.bytes()).for_each(|colour| depth.write(base, colour));
+                for beside in beside.chunk_by(|a, b| a.0 >> 32 == b.0 >> 32) {
+                    let local = (beside[0].0 >> 32 & 511) as u32;
+                    let v = brick * BRICK_EDGE_VX + UVec3::from(local_coords(local));
+                    let colour = self.colour(v, beside);
+                    depth.write(colour, &mut page[local as usize * depth.bytes()..]);
+                }
+                (grid.brick_index(brick), page)
+            })
+            .collect()
+    }
+
+    fn colour(&self, v: UVec3, beside: &[Beside]) -> Rgb {
+        let centre = v.as_vec3() + 0.5;
+        let mut best = (f32::INFINITY, 0, Vec3::X);
+        for beside in beside {
+            let triangle = (beside.0 & 0xFFFF_FFFF) as usize;
+            let corners = self.placed.triangle(triangle).map(|c| c.as_vec3() / SUB_VX as f32);
+            let weights = nearest(centre, corners);
+            let [a, b, c] = weights.to_array();
+            let at = corners[0] * a + corners[1] * b + corners[2] * c;
+            let distance = at.distance_squared(centre);
+            if distance < best.0 {
+                best = (distance, triangle, weights);
+            }
+        }
+        self.mesh.colour(best.1, best.2)
+    }
+}
+
+/// The weights of the corners at the point of a triangle that is nearest to `p`.
+pub(super) fn nearest(p: Vec3, [a, b, c]: [Vec3; 3]) -> Vec3 {
+    let (ab, ac, ap) = (b - a, c - a, p - a);
+    let (d1, d2) = (ab.dot(ap), ac.dot(ap));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return Vec3::X;
+    }
+    let bp = p - b;
+    let (d3, d4) = (ab.dot(bp), ac.dot(bp));
+    if d3 >= 0.0 && d4 <= d3 {
+        return Vec3::Y;
+    }
+    let cp = p - c;
+    let (d5, d6) = (ab.dot(cp), ac.dot(cp));
+    if d6 >= 0.0 && d5 <= d6 {
+        return Vec3::Z;
+    }
+    let (in_c, in_b, in_a) = (d1 * d4 - d3 * d2, d5 * d2 - d1 * d6, d3 * d6 - d5 * d4);
+    if in_c <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        let t = d1 / (d1 - d3);
+        return Vec3::new(1.0 - t, t, 0.0);
+    }
+    if in_b <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        let t = d2 / (d2 - d6);
+        return Vec3::new(1.0 - t, 0.0, t);
+    }
+    if in_a <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
+        let t = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+        return Vec3::new(0.0, 1.0 - t, t);
+    }
+    let sum = in_a + in_b + in_c;
+    if sum > 0.0 { Vec3::new(in_a, in_b, in_c) / sum } else { Vec3::X }
+}
