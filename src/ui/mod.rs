@@ -8,6 +8,7 @@ pub mod board;
 pub mod busy;
 pub mod buttons;
 pub mod dialogs;
+mod dropped;
 pub mod files;
 pub mod film_dialog;
 pub mod filter;
@@ -178,6 +179,7 @@ pub fn show(
     unsaved::show(root, state, requests);
     unkept::show(root, state, requests);
     files::show(root, state, requests);
+    dropped::show(root, state, picture.rect, requests);
     state.toasts.show(root, picture.rect);
     busy::show(root, state, context, requests);
     picture

@@ -1,9 +1,10 @@
 //! Files and unsaved work, without a window: the questions before the sculpture is replaced and before what cannot be
 //! undone, and what Save, Save as and Export write.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use egui::{Key, Modifiers, PointerButton, vec2};
+use egui::{DroppedFileHandle, Key, Modifiers, PointerButton, vec2};
 use egui_kittest::kittest::Queryable;
 use virtual_sculpture::app::Workspace;
 use virtual_sculpture::document::Limits;
@@ -228,4 +229,55 @@ fn bench_of_recorded(path: &Path) -> Bench {
     assert_eq!(session.document().grid().dims(), glam::UVec3::splat(64));
     let bench = Workspace::new(session, &config, Bindings::presets().unwrap());
     bench_around(bench, vec2(1280.0, 800.0))
+}
+
+/// A file that was dragged onto the window.
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|error| error.to_string())
+    }
+}
+
+#[test]
+fn files_dropped_on_the_window_are_opened_or_stand_as_references() {
+    let folder = tempfile::tempdir().unwrap();
+    let [other, picture] = ["other.vsc", "front.png"].map(|name| folder.path().join(name));
+    let mut harness = bench();
+    ask_for(&mut harness, "new dims=40,40,40");
+    execute(&mut harness, &format!("save {other:?}"));
+    ask_for(&mut harness, "new dims=24,24,24");
+    image::RgbImage::new(4, 4).save(&picture).unwrap();
+    let drop = |harness: &mut Bench, paths: &[&Path]| {
+        let file = |path: &&Path| Arc::new(Dropped(path.to_path_buf())) as DroppedFileHandle;
+        harness.input_mut().dropped_files = paths.iter().map(file).collect();
+        settle(harness);
+    };
+    // Over the window a sign says what dropping would do; gone again, nothing has happened.
+    let hovered = egui::HoveredFile { path: Some(other.clone()), ..egui::HoveredFile::default() };
+    harness.input_mut().hovered_files = vec![hovered];
+    harness.run_steps(2);
+    assert!(harness.query_by_label("Drop to open other.vsc").is_some());
+    harness.input_mut().hovered_files.clear();
+    harness.run_steps(2);
+    assert!(harness.query_by_label("Drop to open other.vsc").is_none());
+    assert_eq!(edge(&harness), 24);
+
+    drop(&mut harness, &[&picture]);
+    assert_eq!(harness.state().ui.references.len(), 1);
+    drop(&mut harness, &[&other]);
+    assert_eq!((is_asked(&harness), edge(&harness)), (false, 40));
+    execute(&mut harness, "clear");
+    drop(&mut harness, &[&other]);
+    assert!(is_asked(&harness), "there is unsaved work");
+    drop(&mut harness, &[&other]);
+    assert_eq!(voxels(&harness), 0, "a dialog is open");
+    answer(&mut harness, "Cancel");
+    assert_eq!(voxels(&harness), 0);
 }

@@ -1,0 +1,118 @@
+//! Files that are dragged onto the window: a sculpture, volume or model is opened, an image becomes a
+//! reference picture. While one is over the window, a sign says what dropping it would do.
+//!
+//! Takes what the window system says of the drag, and which dialog is open; gives requests. Reads no file: its
+//! contents are judged when it is opened.
+
+use std::path::{Path, PathBuf};
+
+use egui::{Align2, Area, Frame, Id, Order, Rect, Ui};
+
+use super::{UiRequest, UiState};
+use crate::command::Command;
+use crate::format::READ_ENDINGS;
+use crate::format::options::ImportOptions;
+
+/// Endings of images that can be reference pictures.
+const PICTURE_ENDINGS: [&str; 3] = ["png", "jpg", "jpeg"];
+
+/// What dropping files does.
+#[derive(PartialEq, Eq, Debug)]
+enum Use {
+    Open(PathBuf),
+    References(Vec<PathBuf>),
+    /// Nothing, for this reason.
+    Refused(String),
+}
+
+pub fn show(root: &Ui, state: &mut UiState, within: Rect, requests: &mut Vec<UiRequest>) {
+    let (hovered, dropped) = root.input(|input| {
+        let hovered = input.raw.hovered_files.iter().filter_map(|file| file.path.clone());
+        let dropped = input.raw.dropped_files.iter().map(|file| file.path().to_path_buf());
+        (hovered.collect::<Vec<_>>(), dropped.collect::<Vec<_>>())
+    });
+    let is_modal = state.dialogs.is_modal();
+    if !hovered.is_empty() {
+        sign(root, within, &use_of(&hovered, is_modal));
+    }
+    if dropped.is_empty() {
+        return;
+    }
+    match use_of(&dropped, is_modal) {
+        Use::Open(path) => {
+            let upright = state.known_files.upright.of(&path);
+            let import = ImportOptions { upright, ..ImportOptions::default() };
+            requests.push(UiRequest::Run(Command::Open { path, import }));
+        }
+        Use::References(paths) => {
+            requests.extend(paths.into_iter().map(UiRequest::AddReference));
+        }
+        Use::Refused(why) => state.toasts.error(why),
+    }
+}
+
+fn use_of(paths: &[PathBuf], is_modal: bool) -> Use {
+    if is_modal {
+        return Use::Refused("Close the open dialog before dropping files".to_owned());
+    }
+    let has = |path: &Path, endings: &[&str]| {
+        let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+        ending.is_some_and(|ending| endings.contains(&ending.as_str()))
+    };
+    if paths.iter().all(|path| has(path, &PICTURE_ENDINGS)) {
+        return Use::References(paths.to_vec());
+    }
+    match paths {
+        [path] if has(path, &READ_ENDINGS) => Use::Open(path.clone()),
+        [path] => {
+            let name = name_of(path);
+            Use::Refused(format!(
+                "{name}: not a file that can be opened; drop one that ends in .{} or an image",
+                READ_ENDINGS.join(", .")
+            ))
+        }
+        _ => Use::Refused("Drop one sculpture at a time, or only images".to_owned()),
+    }
+}
+
+fn name_of(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
+
+fn sign(root: &Ui, within: Rect, what: &Use) {
+    let text = match what {
+        Use::Open(path) => format!("Drop to open {}", name_of(path)),
+        Use::References(paths) if paths.len() == 1 => "Drop as a reference picture".to_owned(),
+        Use::References(paths) => format!("Drop as {} reference pictures", paths.len()),
+        Use::Refused(why) => why.clone(),
+    };
+    Area::new(Id::new("dropped"))
+        .order(Order::Foreground)
+        .pivot(Align2::CENTER_CENTER)
+        .fixed_pos(within.center())
+        .interactable(false)
+        .show(root.ctx(), |ui| Frame::popup(ui.style()).show(ui, |ui| ui.heading(text)));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn uses(names: &[&str]) -> Use {
+        use_of(&names.iter().map(PathBuf::from).collect::<Vec<_>>(), false)
+    }
+
+    #[test]
+    fn one_sculpture_is_opened_and_images_are_references() {
+        assert_eq!(uses(&["/a/b.vsc"]), Use::Open("/a/b.vsc".into()));
+        assert_eq!(uses(&["head.PVM"]), Use::Open("head.PVM".into()));
+        assert_eq!(
+            uses(&["a.png", "b.JPG"]),
+            Use::References(vec!["a.png".into(), "b.JPG".into()])
+        );
+        for names in [&["a.vsc", "b.vsc"][..], &["a.vsc", "b.png"], &["a.txt"], &["folder"]] {
+            assert!(matches!(uses(names), Use::Refused(_)), "{names:?}");
+        }
+        assert!(matches!(use_of(&["a.vsc".into()], true), Use::Refused(_)));
+    }
+}
