@@ -412,7 +412,7 @@ fn file_extensions_choose_the_format_or_are_explained() {
     let material = Material::for_grid(&grid, ColourDepth::None, Rgb::STONE);
     let contents = Contents { grid, material };
     let folder = tempfile::tempdir().unwrap();
-    for (name, part) in [("a.vox", "`.vox`"), ("a", "no extension")] {
+    for (name, part) in [("a.kv6", "`.kv6`"), ("a", "no extension")] {
         let path = folder.path().join(name);
         for error in [
             format::save(&path, &contents, ExportForm::Auto, &()).unwrap_err(),

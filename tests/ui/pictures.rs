@@ -116,8 +116,12 @@ fn a_final_picture_is_shown_while_it_is_made_and_can_be_cancelled() {
         std::thread::yield_now();
     }
     std::thread::sleep(std::time::Duration::from_millis(200));
-    harness.run_steps(3);
-    assert!(has(&harness, "Tracing light") && news.lock().unwrap().is_none(), "it is shown");
+    // The next preview may come at any time.
+    let is_taken = (0..100).any(|_| {
+        harness.run_steps(3);
+        news.lock().unwrap().is_none()
+    });
+    assert!(is_taken && has(&harness, "Tracing light"), "it is shown");
     click_once(&mut harness, "Cancel");
     assert!(files_after(&mut harness, folder.path()).is_empty());
     assert!(harness.state().ui.dialogs.preview.is_none() && !has(&harness, "Tracing light"));
