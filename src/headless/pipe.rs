@@ -125,7 +125,7 @@ mod tests {
     use crate::document::Limits;
     use crate::sculpture::{ColourDepth, Rgb};
 
-    fn answers(input: &[u8]) -> (Vec<serde_json::Value>, Result<usize, JobError>) {
+    fn session() -> Session {
         let new = NewSculpture {
             dims: glam::UVec3::new(16, 8, 4),
             voxel_size: glam::Vec3::ONE,
@@ -133,7 +133,11 @@ mod tests {
             base: Rgb::STONE,
             solid: true,
         };
-        let mut session = Session::new(&new, Limits::default()).unwrap();
+        Session::new(&new, Limits::default()).unwrap()
+    }
+
+    fn answers(input: &[u8]) -> (Vec<serde_json::Value>, Result<usize, JobError>) {
+        let mut session = session();
         let mut lines = Vec::new();
         let ended = answer_lines(&mut session, input, &(), &mut |line| {
             assert!(!line.contains('\n'));
@@ -175,17 +179,7 @@ mod tests {
 
     #[test]
     fn a_reader_that_is_gone_ends_the_work() {
-        let mut session = Session::new(
-            &NewSculpture {
-                dims: glam::UVec3::splat(8),
-                voxel_size: glam::Vec3::ONE,
-                colour_depth: ColourDepth::None,
-                base: Rgb::STONE,
-                solid: false,
-            },
-            Limits::default(),
-        )
-        .unwrap();
+        let mut session = session();
         let input = &b"fill all\nclear\n"[..];
         let ended = answer_lines(&mut session, input, &(), &mut |_| Err(OutputError::ReaderGone));
         assert!(matches!(ended, Err(JobError::Output(OutputError::ReaderGone))));
@@ -194,17 +188,7 @@ mod tests {
     #[test]
     fn an_endless_line_is_refused() {
         let endless = std::io::BufReader::new(std::io::repeat(b'x'));
-        let mut session = Session::new(
-            &NewSculpture {
-                dims: glam::UVec3::splat(8),
-                voxel_size: glam::Vec3::ONE,
-                colour_depth: ColourDepth::None,
-                base: Rgb::STONE,
-                solid: false,
-            },
-            Limits::default(),
-        )
-        .unwrap();
+        let mut session = session();
         let ended = answer_lines(&mut session, endless, &(), &mut |_| Ok(()));
         assert!(
             matches!(ended, Err(JobError::Input(error)) if error.to_string().contains("64 MiB"))
