@@ -148,6 +148,24 @@ fn plain(document: &Document) -> Material {
     Material::for_grid(document.grid(), ColourDepth::Bits24, base)
 }
 
+/// The voxels alone, over red.
+fn desc(eyes: &[Eye], world: Affine3A, mode: RenderMode, lighting: Lighting) -> FrameDesc<'_> {
+    FrameDesc {
+        eyes,
+        world_from_grid: world,
+        smooth_surface: SmoothSurface::Never,
+        sample: 0,
+        mode,
+        lighting,
+        background: Background::Gradient { top: RED, bottom: RED },
+        ground: None,
+        smooth_edges: false,
+        video: None,
+        previews: &[],
+        lines: &[],
+    }
+}
+
 fn on_device(mode: &RenderMode) -> bool {
     mode.shading() != Shading::Software
 }
@@ -170,20 +188,7 @@ fn compare_all(device: &Arc<Device>, document: &mut Document, lighting: Lighting
         let [in_colour, in_one] = [&*document, &one_colour]
             .map(|of| eyes.map(|eye| expected((of, &normals), &eye, &world, &lighting)));
         for mode in RenderMode::ALL.into_iter().filter(on_device) {
-            let desc = FrameDesc {
-                eyes: &eyes,
-                world_from_grid: world,
-                smooth_surface: SmoothSurface::Never,
-                sample: 0,
-                mode,
-                lighting,
-                background: Background::Gradient { top: RED, bottom: RED },
-                ground: None,
-                smooth_edges: false,
-                video: None,
-                previews: &[],
-                lines: &[],
-            };
+            let desc = desc(&eyes, world, mode, lighting);
             let pictures = painted(&mut frames, &mut renderer, document, &desc);
             let expected = if mode == RenderMode::Gpu { &in_one } else { &in_colour };
             for (i, (picture, expected)) in pictures.iter().zip(expected).enumerate() {
@@ -237,25 +242,13 @@ fn bits_and_colours_follow_edits_undo_and_other_sculptures_in_every_mode() {
             let command: Command = command.parse().unwrap_or_else(|e| panic!("{command}: {e}"));
             document.apply(&command).unwrap_or_else(|e| panic!("{command}: {e}"));
             let world = Placement::default().world_from_grid(document.grid().dims(), Vec3::ONE);
+            let eyes = [eye];
             for step in 0..2 {
                 // Each mode in turn, so that each starts from the state that others have left.
                 let modes =
                     [RenderMode::MarchGpu, RenderMode::GpuColour, RenderMode::SlicingPoints];
                 let mode = modes[(i / 2 + step) % modes.len()];
-                let desc = FrameDesc {
-                    eyes: &[eye],
-                    world_from_grid: world,
-                    smooth_surface: SmoothSurface::Never,
-                    sample: 0,
-                    mode,
-                    lighting: lighting(false, Look::Colours),
-                    background: Background::Gradient { top: RED, bottom: RED },
-                    ground: None,
-                    smooth_edges: false,
-                    video: None,
-                    previews: &[],
-                    lines: &[],
-                };
+                let desc = desc(&eyes, world, mode, lighting(false, Look::Colours));
                 let picture = painted(&mut frames, &mut renderer, &mut document, &desc);
                 let normals = NormalField::of(document.grid());
                 let expected = expected((&document, &normals), &eye, &world, &desc.lighting);

@@ -84,10 +84,9 @@ impl Composition<'_> {
         let seen = seen.start.clamp(left, end)..seen.end.clamp(left, end);
         let seen = if seen.is_empty() { left..left } else { seen };
         let [before, after] = [(seen.start - left) as usize, (seen.end - left) as usize];
-        for rest in [..before, ..colours.len()] {
-            let from = if rest.end == before { 0 } else { after };
-            colours[from.min(rest.end)..rest.end].fill(background);
-            depths[from.min(rest.end)..rest.end].fill(0.0);
+        for unseen in [0..before, after..colours.len()] {
+            colours[unseen.clone()].fill(background);
+            depths[unseen].fill(0.0);
         }
         let first = (self.map.rays.size.x * y) as usize;
         let range = first + seen.start as usize..first + seen.end as usize;
