@@ -10,6 +10,7 @@
 //! Knows nothing of grids, colours or files.
 
 use bytemuck::{Pod, Zeroable};
+use glam::UVec3;
 
 /// Voxels along one edge of a brick.
 pub const BRICK_EDGE_VX: u32 = 8;
@@ -213,6 +214,19 @@ impl Brick {
             }
         }
     }
+}
+
+/// The lowest voxel of a word that is set, and one past the highest, on each axis. The word must not be 0.
+#[inline]
+pub fn word_bounds(word: u64) -> (UVec3, UVec3) {
+    // Folded to the four bits of each axis.
+    let z = (0..4).fold(0, |z, i| z | u32::from(word >> (16 * i) & 0xFFFF != 0) << i);
+    let layer = word | word >> 16 | word >> 32 | word >> 48;
+    let y = (0..4).fold(0, |y, i| y | u32::from(layer >> (4 * i) & 0xF != 0) << i);
+    let x = ((layer | layer >> 4 | layer >> 8 | layer >> 12) & 0xF) as u32;
+    let axes = [x, y, z];
+    let low = axes.map(u32::trailing_zeros);
+    (UVec3::from(low), UVec3::from(axes.map(|bits| 32 - bits.leading_zeros())))
 }
 
 /// A number whose lowest `n` bits (0..=8) are set.

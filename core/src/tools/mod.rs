@@ -1,5 +1,5 @@
-//! Tools: the voxels that a solid or a spray covers, as [`crate::sculpture::region::Region`]s, and
-//! mirror planes. They compute masks and change nothing.
+//! Tools: the voxels that a solid or a spray covers, as [`crate::sculpture::region::Region`]s, mirror planes,
+//! and the pieces of a grid. They compute masks and change nothing of a document.
 
 pub mod construct;
 mod construct_ends;
@@ -11,6 +11,9 @@ mod construct_tests;
 pub mod filter;
 #[cfg(test)]
 mod limit_tests;
+pub mod pieces;
+#[cfg(test)]
+mod pieces_tests;
 pub mod spray;
 #[cfg(test)]
 mod spray_tests;

@@ -6,7 +6,7 @@
 use glam::UVec3;
 
 use super::{BRICK_EDGE_VX, Grid};
-use crate::sculpture::brick::{Brick, BrickKind, local_coords};
+use crate::sculpture::brick::{Brick, BrickKind, local_coords, word_bounds};
 
 impl Grid {
     /// Number of bricks, empty ones included: the length of a table with an entry per brick.
@@ -97,7 +97,7 @@ impl Grid {
             for &word in words {
                 // Most lie within what is known already.
                 if word != 0 && !(first.cmpge(low).all() && (first + 4).cmple(high).all()) {
-                    let (word_low, word_high) = bounds_of_word(word);
+                    let (word_low, word_high) = word_bounds(word);
                     low = low.min(first + word_low);
                     high = high.max(first + word_high);
                 }
@@ -126,18 +126,6 @@ impl Grid {
         }
         (self.opaque > 0).then_some((min, max))
     }
-}
-
-/// The lowest place of a word of 4^3 bits that is set, and one past the highest, on each axis.
-fn bounds_of_word(word: u64) -> (UVec3, UVec3) {
-    // Folded to the four bits of each axis.
-    let z = (0..4).fold(0, |z, i| z | u32::from(word >> (16 * i) & 0xFFFF != 0) << i);
-    let layer = word | word >> 16 | word >> 32 | word >> 48;
-    let y = (0..4).fold(0, |y, i| y | u32::from(layer >> (4 * i) & 0xF != 0) << i);
-    let x = ((layer | layer >> 4 | layer >> 8 | layer >> 12) & 0xF) as u32;
-    let axes = [x, y, z];
-    let low = axes.map(u32::trailing_zeros);
-    (UVec3::from(low), UVec3::from(axes.map(|bits| 32 - bits.leading_zeros())))
 }
 
 #[cfg(test)]

@@ -1,0 +1,184 @@
+//! Tests of the pieces of a grid, against a search voxel by voxel.
+
+use glam::{IVec3, UVec3, Vec3};
+use proptest::prelude::*;
+
+use super::pieces::{Part, PiecesError, fill_holes, keep_largest, pieces};
+use crate::progress::{Progress, Report};
+use crate::sculpture::Grid;
+
+const ROOM: u64 = 1 << 30;
+
+fn grid_of(dims: [u32; 3], exists: impl Fn(IVec3) -> bool) -> Grid {
+    let mut grid = Grid::new(dims.into(), Vec3::ONE, ROOM).unwrap();
+    voxels(&grid).into_iter().for_each(|v| grid.set(v, exists(v)));
+    grid
+}
+
+fn voxels(grid: &Grid) -> Vec<IVec3> {
+    let count: u32 = grid.dims().element_product();
+    (0..count).map(|index| grid.voxel_coords(index).as_ivec3()).collect()
+}
+
+/// The voxels of each piece in order, found one by one.
+fn by_search(grid: &Grid, part: Part) -> Vec<Vec<IVec3>> {
+    let is_meant = |v: IVec3| grid.contains(v) && grid.get(v) == (part == Part::Solid);
+    let mut seen = std::collections::HashSet::new();
+    let mut found = Vec::new();
+    for start in voxels(grid) {
+        if !is_meant(start) || !seen.insert(start) {
+            continue;
+        }
+        let (mut piece, mut next) = (vec![start], 0);
+        while next < piece.len() {
+            for step in [IVec3::X, IVec3::Y, IVec3::Z].into_iter().flat_map(|s| [s, -s]) {
+                let v = piece[next] + step;
+                if is_meant(v) && seen.insert(v) {
+                    piece.push(v);
+                }
+            }
+            next += 1;
+        }
+        piece.sort_by_key(|v| v.to_array());
+        found.push(piece);
+    }
+    found
+}
+
+fn check(grid: &Grid, part: Part) {
+    let mut expected = by_search(grid, part);
+    let found = pieces(grid, part, ROOM, &()).unwrap();
+    let mut members = vec![Vec::new(); found.list().len()];
+    for v in voxels(grid) {
+        match found.at(v) {
+            Some(piece) => members[piece as usize].push(v),
+            None => assert_ne!(grid.get(v), part == Part::Solid, "{v}"),
+        }
+    }
+    for (number, (piece, members)) in (0..).zip(found.list().iter().zip(&mut members)) {
+        members.sort_by_key(|v| v.to_array());
+        assert_eq!(piece.voxels as usize, members.len());
+        let low = members.iter().copied().reduce(IVec3::min).unwrap();
+        let high = members.iter().copied().reduce(IVec3::max).unwrap() + 1;
+        assert_eq!(piece.bounds(), (low.as_uvec3(), high.as_uvec3()));
+        let at_border =
+            |v: &IVec3| v.cmpeq(IVec3::ZERO).any() || (v + 1).cmpeq(grid.dims().as_ivec3()).any();
+        assert_eq!(found.reaches_border(number), members.iter().any(at_border));
+    }
+    let most = found.list().iter().map(|piece| piece.voxels).max();
+    assert_eq!(found.largest().map(|piece| found.list()[piece as usize].voxels), most);
+    members.sort_by_key(|piece| piece[0].to_array());
+    expected.sort_by_key(|piece| piece[0].to_array());
+    assert_eq!(members, expected);
+}
+
+/// Noise that depends on the place alone.
+fn noise(v: IVec3, seed: u32) -> u32 {
+    let [x, y, z] = v.as_uvec3().to_array();
+    let n = x.wrapping_mul(0x9E37_79B1) ^ y.wrapping_mul(0x85EB_CA77) ^ z.wrapping_mul(0xC2B2_AE3D);
+    let n = (n ^ seed).wrapping_mul(0x27D4_EB2F);
+    (n ^ n >> 15).wrapping_mul(0x2C1B_3C6D) >> 24
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn they_are_what_a_search_finds(
+        dims in prop::array::uniform3(1u32..22), density in 0u32..=256, seed: u32,
+    ) {
+        let grid = grid_of(dims, |v| noise(v, seed) < density);
+        check(&grid, Part::Solid);
+        check(&grid, Part::Empty);
+    }
+}
+
+#[test]
+fn full_empty_and_winding_grids() {
+    for dims in [[1, 1, 1], [24, 16, 17], [9, 8, 40]] {
+        for exists in [true, false] {
+            let grid = grid_of(dims, |_| exists);
+            check(&grid, Part::Solid);
+            check(&grid, Part::Empty);
+        }
+    }
+    // One piece that winds through all words, and a checkerboard, where nothing touches.
+    let winding = |v: IVec3| match v.y % 4 {
+        0 => true,
+        1 => v.x == 16,
+        2 => true,
+        _ => v.x == 0,
+    };
+    let snake = grid_of([17, 15, 1], winding);
+    check(&snake, Part::Solid);
+    assert_eq!(pieces(&snake, Part::Solid, ROOM, &()).unwrap().list().len(), 1);
+    let chequered = grid_of([9, 9, 9], |v| v.element_sum() % 2 == 0);
+    assert_eq!(pieces(&chequered, Part::Solid, ROOM, &()).unwrap().list().len(), 365);
+    check(&chequered, Part::Solid);
+}
+
+#[test]
+fn many_layers_are_joined_by_all_threads() {
+    // Two combs whose teeth stand in all layers, and whose backs join them at the very end.
+    let comb = |v: IVec3| (v.x % 2 == 0 && v.y < 20) || (v.y == 21 && v.z == 79);
+    let grid =
+        grid_of([30, 22, 80], |v| comb(v) || (v.y == 20 && v.x == 4 * (v.x / 4) && v.z > 70));
+    let found = pieces(&grid, Part::Solid, ROOM, &()).unwrap();
+    assert_eq!(found.list().len(), by_search(&grid, Part::Solid).len());
+    check(&grid, Part::Solid);
+}
+
+/// A hollow ball with a small ball inside, a speck outside, and a hole that is open to the border.
+fn hollow() -> Grid {
+    grid_of([40, 40, 40], |v| {
+        let r2 = (v - IVec3::splat(19)).length_squared();
+        (r2 <= 225 && r2 > 100) || r2 <= 9 || v == IVec3::splat(39) || (v.x == 39 && v.y < 3)
+    })
+}
+
+#[test]
+fn the_largest_piece_stays_and_cavities_are_filled() {
+    let grid = hollow();
+    let mut ball = grid.clone();
+    keep_largest(&mut ball, ROOM, &()).unwrap();
+    let expected = grid_of([40, 40, 40], |v| {
+        let r2 = (v - IVec3::splat(19)).length_squared();
+        r2 <= 225 && r2 > 100
+    });
+    assert_eq!(ball, expected);
+    let mut filled = grid.clone();
+    fill_holes(&mut filled, ROOM, &()).unwrap();
+    let expected =
+        grid_of([40, 40, 40], |v| (v - IVec3::splat(19)).length_squared() <= 225 || grid.get(v));
+    assert_eq!(filled, expected);
+    // A cavity that is open at one voxel of the border is none.
+    let cup = grid_of([10, 10, 10], |v| {
+        let wall = v.min_element() == 0 || v.max_element() == 9;
+        wall && v != IVec3::new(5, 5, 9)
+    });
+    let mut same = cup.clone();
+    fill_holes(&mut same, ROOM, &()).unwrap();
+    assert_eq!(same, cup);
+    let mut none = grid_of([10, 10, 10], |_| false);
+    keep_largest(&mut none, ROOM, &()).unwrap();
+    assert_eq!(none.opaque_count(), 0);
+}
+
+#[test]
+fn memory_is_bounded_and_the_work_can_be_cancelled() {
+    let grid = grid_of([40, 40, 40], |v| v.element_sum() % 2 == 0);
+    let error = pieces(&grid, Part::Solid, 5000, &()).unwrap_err();
+    assert!(matches!(error, PiecesError::Memory { .. }), "{error}");
+    let error = pieces(&grid, Part::Solid, 200_000, &()).unwrap_err().to_string();
+    assert!(error.contains("threshold") && error.contains("memory.grid_mib"), "{error}");
+    let report = Report::default();
+    report.cancel();
+    assert!(report.is_cancelled());
+    let mut same = hollow();
+    assert_eq!(keep_largest(&mut same, ROOM, &report), Err(PiecesError::Cancelled));
+    assert_eq!(fill_holes(&mut same, ROOM, &report), Err(PiecesError::Cancelled));
+    assert_eq!(same, hollow());
+    let found = pieces(&same, Part::Solid, ROOM, &()).unwrap();
+    assert_eq!(found.at(IVec3::new(-1, 0, 0)), None);
+    assert_eq!(found.at(UVec3::splat(40).as_ivec3()), None);
+}
