@@ -3,8 +3,8 @@
 //!
 //! Follows the grid of one document. Normals that edits change are computed before the next picture; those of a
 //! sculpture that was opened take as much of each picture's time as its caller allows, and estimates stand in for
-//! the rest. After an edit of a resting view only those of the bricks that it shows are computed before the picture; the
-//! others follow while it rests, or before anything else looks at them.
+//! the rest. Where the CPU shades index maps, only those of the bricks that a picture shows are computed before it; the
+//! others follow while the view rests, or before anything else looks at them.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -14,7 +14,7 @@ use crate::gpu::{Device, Recorder, Result};
 use crate::sculpture::Grid;
 use crate::sculpture::brick::BRICK_EDGE_VX;
 use crate::shade::NormalField;
-use crate::surface::{IndexMap, changed_pixels};
+use crate::surface::{IndexMap, PixelRects, changed_pixels, pixels_of_grid};
 
 /// What has become of the normals since the last picture.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -45,9 +45,6 @@ pub(super) struct NormalStage {
 /// Voxels within which those are that the normals of a changed brick's neighbours depend on: two bricks.
 const REACH_VX: u32 = 2 * BRICK_EDGE_VX;
 
-/// Most bricks that are put off: what a picture of another view can wait for.
-const MOST_DEFERRED: usize = 2048;
-
 impl NormalStage {
     /// Computes normals for a picture of `grid`, of which these bricks have changed since the last one; `None`:
     /// all may have. `rests`: it shows the same as the last one, which had the normals of all that it shows.
@@ -68,22 +65,31 @@ impl NormalStage {
 
     /// Whether [`NormalStage::update_seen`] will put off what is not seen.
     pub fn can_defer(&self) -> bool {
-        !self.field.has_estimates() && self.field.deferred() < MOST_DEFERRED
+        !self.field.has_estimates()
     }
 
-    /// [`NormalStage::update`] for pictures from the same eyes as the last ones, with these maps, sampled after the
-    /// edit. What nobody sees is put off.
+    /// Whether bricks were put off.
+    pub fn has_deferred(&self) -> bool {
+        self.field.deferred() > 0
+    }
+
+    /// [`NormalStage::update`] for pictures with these maps, sampled after the edit. What nobody sees is put off.
+    /// `moved`: the last pictures were of other eyes.
     pub fn update_seen(
         &mut self,
         grid: &Grid,
         changed: &[u32],
         maps: &[Arc<IndexMap>],
+        moved: bool,
     ) -> NormalsChange {
         let start = Instant::now();
         self.field.follow(grid, Some(changed));
         self.reshaded.clear();
-        let views =
-            maps.iter().map(|map| (&**map, changed_pixels(grid, changed, &map.rays, REACH_VX)));
+        let pixels = |map: &IndexMap| match moved {
+            true => PixelRects::of(pixels_of_grid(grid, &map.rays)),
+            false => changed_pixels(grid, changed, &map.rays, REACH_VX),
+        };
+        let views = maps.iter().map(|map| (&**map, pixels(map)));
         self.field.update_seen(grid, views, &mut self.reshaded);
         // Of very many bricks none is put off.
         if self.field.has_estimates() {

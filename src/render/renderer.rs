@@ -134,14 +134,18 @@ impl Renderer {
         let before = self.cache.take();
         let changes_known = self.drain_changes(document);
         let known = before.as_ref().filter(|_| changes_known);
-        let defers = known.is_some_and(|before| before.is_edited_only(document, desc))
+        let rests = known.is_some_and(|before| before.is_of(document, desc));
+        let moved = !known.is_some_and(|before| before.is_edited_only(document, desc));
+        let defers = changes_known
+            && !rests
+            && (!self.changed.is_empty() || self.normals.has_deferred())
             && self.can_defer_normals(document, desc);
         let normals = if defers {
             // What is seen must be known before.
-            self.sample(document, desc, Redraw::Changed)?;
-            self.normals.update_seen(document.grid(), &self.changed, &self.maps)
+            let redraw = if moved { Redraw::All } else { Redraw::Changed };
+            self.sample(document, desc, redraw)?;
+            self.normals.update_seen(document.grid(), &self.changed, &self.maps, moved)
         } else {
-            let rests = known.is_some_and(|before| before.is_of(document, desc));
             let changed = changes_known.then_some(self.changed.as_slice());
             self.normals.update(document.grid(), changed, rests)
         };
@@ -235,8 +239,8 @@ impl Renderer {
         })
     }
 
-    /// Whether the normals of bricks that the next picture of a resting view does not show can be put off: where the
-    /// CPU shades the voxels of index maps in memory.
+    /// Whether the normals of bricks that the next picture does not show can be put off: where the CPU shades the voxels
+    /// of index maps in memory.
     fn can_defer_normals(&self, document: &Document, desc: &FrameDesc) -> bool {
         let smooth =
             desc.is_smooth(SmoothSurface::Always, document.grid(), self.device.is_software());

@@ -191,12 +191,18 @@ fn follow_edits(new_painter: &dyn Fn() -> Painter, mode: RenderMode, size: UVec2
         assert!(followed == anew, "{mode:?}: {text}");
         before = followed;
     }
-    // Nothing stale remains when the eye moves, either.
-    let turn = Affine3A::from_quat(Quat::from_rotation_y(0.4));
-    let moved = eyes.map(|eye| Eye { eye_from_world: eye.eye_from_world * turn, ..eye });
+    // Nothing stale remains when the eye moves, either, to what no picture has shown since it was edited.
     let tools: (&[ToolPreview], &[Line]) = (&[], &[frame]);
-    let followed = follower.paint(&moved, mode, tools, &mut document);
-    assert!(followed == new_painter().paint(&moved, mode, tools, &mut document));
+    for (angle, edit) in [(0.4, None), (2.4, None), (4.0, Some("undo 1")), (4.1, None)] {
+        let turn = Affine3A::from_quat(Quat::from_rotation_y(angle));
+        let moved = eyes.map(|eye| Eye { eye_from_world: eye.eye_from_world * turn, ..eye });
+        if let Some(text) = edit {
+            document.apply(&text.parse().unwrap()).unwrap();
+        }
+        let followed = follower.paint(&moved, mode, tools, &mut document);
+        let anew = new_painter().paint(&moved, mode, tools, &mut document);
+        assert!(followed == anew, "{mode:?}: turned by {angle}");
+    }
 }
 
 #[test]

@@ -20,6 +20,7 @@ mod window;
 
 use fearless_simd::Level;
 use glam::{UVec3, Vec3};
+use rayon::prelude::*;
 
 use batch::Batch;
 use openness::KeptOpenness;
@@ -38,6 +39,8 @@ const REACH_BRICKS: u32 = 2;
 const MOST_AT_ONCE: usize = 4096;
 /// Bricks that were put off and are computed together.
 const DEFERRED_PORTION: usize = 256;
+/// Rows of a picture in which a thread looks for bricks.
+const ROWS_AT_ONCE: usize = 64;
 /// Edge of the blocks of bricks in which a whole sculpture is computed.
 const BLOCK_EDGE_BRICKS_LOG2: u32 = 4;
 
@@ -142,14 +145,15 @@ impl NormalField {
 
     /// Puts off what the last edits have changed, but for the bricks that are seen in `pixels` of `maps`; these must be
     /// all in which they can be seen. Then nobody may look at other pictures before the next [`NormalField::update`].
-    /// Reports bricks as that does. Does nothing while normals of a sculpture that was opened are missing.
+    /// Reports bricks as that does. Does nothing while normals of a sculpture that was opened are missing, or where very
+    /// many of the bricks are seen.
     pub fn update_seen<'a>(
         &mut self,
         grid: &Grid,
         views: impl IntoIterator<Item = (&'a IndexMap, PixelRects)>,
         changed: &mut Vec<u32>,
     ) {
-        if self.fresh > 0 || self.queue.len() > MOST_AT_ONCE {
+        if self.fresh > 0 {
             return;
         }
         let mut seen = BrickSet::new(grid.brick_count());
@@ -157,6 +161,11 @@ impl NormalField {
             for rect in rects.as_slice() {
                 bricks_in(grid, map, *rect, &self.queued, &mut seen);
             }
+        }
+        let mut targets = Vec::new();
+        seen.collect_into(&mut targets);
+        if targets.len() > MOST_AT_ONCE {
+            return;
         }
         for index in self.queue.drain(..) {
             if !seen.contains(index) {
@@ -167,8 +176,6 @@ impl NormalField {
             }
         }
         self.deferred.retain(|index| !seen.contains(*index));
-        let mut targets = Vec::new();
-        seen.collect_into(&mut targets);
         self.compute(Level::new(), grid, &targets, changed);
         self.note_queued();
     }
@@ -215,6 +222,9 @@ impl NormalField {
     /// true. An edit of very many bricks is part of the rest; it leaves them without normals meanwhile. Appends the bricks whose normals differ from before, rising, each once. `grid` must be that
     /// of the last [`NormalField::follow`].
     pub fn update(&mut self, grid: &Grid, changed: &mut Vec<u32>, mut go_on: impl FnMut() -> bool) {
+        if self.deferred.len() > MOST_AT_ONCE {
+            self.queue.append(&mut self.deferred);
+        }
         self.update_deferred(grid, changed, || true);
         if self.queue.is_empty() {
             return;
@@ -333,18 +343,30 @@ fn bricks_in(grid: &Grid, map: &IndexMap, rect: PixelRect, wanted: &BrickSet, se
     if left >= right {
         return;
     }
-    let mut last = NO_VOXEL;
-    for row in rect.rows_of(&map.voxels, map.rays.size.x).chunks_exact(map.rays.size.x as usize) {
-        for &voxel in &row[left..right] {
-            if voxel != last && voxel != NO_VOXEL {
-                let index = grid.brick_index(grid.voxel_coords(voxel) / BRICK_EDGE_VX) as u32;
-                if wanted.contains(index) {
-                    seen.insert(index);
+    // Each brick once for every run of voxels in it.
+    let in_rows = |rows: &[u32], found: &mut Vec<u32>| {
+        for row in rows.chunks_exact(map.rays.size.x as usize) {
+            let (mut last_voxel, mut last) = (NO_VOXEL, u32::MAX);
+            for &voxel in &row[left..right] {
+                if voxel != last_voxel && voxel != NO_VOXEL {
+                    let index = grid.brick_index(grid.voxel_coords(voxel) / BRICK_EDGE_VX) as u32;
+                    if index != last && wanted.contains(index) {
+                        found.push(index);
+                    }
+                    last = index;
                 }
+                last_voxel = voxel;
             }
-            last = voxel;
         }
-    }
+    };
+    let rows = rect.rows_of(&map.voxels, map.rays.size.x);
+    let parts = rows.par_chunks(ROWS_AT_ONCE * map.rays.size.x as usize);
+    let found = parts.fold(Vec::new, |mut found, rows| {
+        in_rows(rows, &mut found);
+        found
+    });
+    let found: Vec<Vec<u32>> = found.collect();
+    found.iter().flatten().for_each(|index| seen.insert(*index));
 }
 
 /// A number for the block of bricks around the brick of a linear index.
