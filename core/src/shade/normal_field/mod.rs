@@ -57,10 +57,11 @@ pub struct NormalField {
     /// Bricks to compute; those from `fresh` on are of the last edits and come first.
     queue: Vec<u32>,
     fresh: usize,
-    /// Bricks that edits have changed and no picture has shown since. They have no page.
+    /// Bricks that edits have changed and no picture has shown since, which have no page; and some that are not queued
+    /// any more, since they were computed for a picture.
     deferred: Vec<u32>,
-    /// Those of `queue` and `deferred`.
-    queued: BrickSet,
+    /// Those of `queue` and `deferred` that are to be computed.
+    queued: Flags,
     batch: Batch,
     generation: u64,
 }
@@ -97,7 +98,7 @@ impl NormalField {
         self.openness.clear(count);
         self.hashes.clear();
         self.hashes.resize(count, hash(&Brick::EMPTY));
-        self.queued = BrickSet::new(count);
+        self.queued = Flags::new(count);
         self.queue.clear();
         self.deferred.clear();
         for (b, brick) in grid.nonempty_bricks() {
@@ -175,12 +176,21 @@ impl NormalField {
                 self.deferred.push(index);
             }
         }
-        self.deferred.retain(|index| !seen.contains(*index));
         self.compute(Level::new(), grid, &targets, changed);
-        self.note_queued();
+        self.fresh = 0;
+        if self.deferred.len() > self.table.len() {
+            self.retain_deferred();
+        }
     }
 
-    /// Number of bricks that are put off.
+    /// Leaves those of `deferred` that are to be computed, each once, rising.
+    fn retain_deferred(&mut self) {
+        self.deferred.sort_unstable();
+        self.deferred.dedup();
+        self.deferred.retain(|index| self.queued.contains(*index));
+    }
+
+    /// Number of bricks that are put off, or more.
     pub fn deferred(&self) -> usize {
         self.deferred.len()
     }
@@ -196,6 +206,7 @@ impl NormalField {
             return;
         }
         let first = changed.len();
+        self.retain_deferred();
         self.deferred.sort_by_cached_key(|index| (block(grid, *index), *index));
         while !self.deferred.is_empty() && go_on() {
             let from = self.deferred.len().saturating_sub(DEFERRED_PORTION);
@@ -205,23 +216,18 @@ impl NormalField {
             // Whether they differ from those before the edit is not known.
             changed.extend_from_slice(&portion);
         }
-        self.note_queued();
         let mut own = changed.split_off(first);
         own.sort_unstable();
         own.dedup();
         changed.append(&mut own);
     }
 
-    fn note_queued(&mut self) {
-        self.fresh = self.queue.len();
-        self.queued.clear();
-        self.queue.iter().chain(&self.deferred).for_each(|index| self.queued.insert(*index));
-    }
-
     /// Computes what is outstanding: first what edits have changed, then the rest for as long as `go_on` returns
-    /// true. An edit of very many bricks is part of the rest; it leaves them without normals meanwhile. Appends the bricks whose normals differ from before, rising, each once. `grid` must be that
-    /// of the last [`NormalField::follow`].
+    /// true. An edit of very many bricks is part of the rest; it leaves them without normals meanwhile. Appends the
+    /// bricks whose normals differ from before, rising, each once. `grid` must be that of the last
+    /// [`NormalField::follow`].
     pub fn update(&mut self, grid: &Grid, changed: &mut Vec<u32>, mut go_on: impl FnMut() -> bool) {
+        self.retain_deferred();
         if self.deferred.len() > MOST_AT_ONCE {
             self.queue.append(&mut self.deferred);
         }
@@ -231,8 +237,9 @@ impl NormalField {
         }
         let (first, level) = (changed.len(), Level::new());
         let mut fresh = self.queue.split_off(self.fresh);
+        fresh.sort_unstable();
+        fresh.dedup();
         if fresh.len() <= MOST_AT_ONCE {
-            fresh.sort_unstable();
             self.compute(level, grid, &fresh, changed);
         } else {
             self.forget(&fresh, changed);
@@ -245,7 +252,7 @@ impl NormalField {
             let portion = self.queue.split_off(from.map_or(0, |i| i + 1));
             self.compute(level, grid, &portion, changed);
         }
-        self.note_queued();
+        self.fresh = self.queue.len();
         let mut own = changed.split_off(first);
         own.sort_unstable();
         own.dedup();
@@ -266,6 +273,7 @@ impl NormalField {
 
     /// Computes `targets`, in parts if they are far from each other.
     fn compute(&mut self, level: Level, grid: &Grid, targets: &[u32], changed: &mut Vec<u32>) {
+        targets.iter().for_each(|index| self.queued.remove(*index));
         let NormalField { table, pages, openness, batch, .. } = self;
         batch.for_each_part(grid, targets, &mut |batch, part| {
             batch.compute(level, grid, part);
@@ -337,7 +345,7 @@ impl NormalField {
 }
 
 /// Adds to `seen` the bricks of `wanted` whose voxels are seen in `rect`.
-fn bricks_in(grid: &Grid, map: &IndexMap, rect: PixelRect, wanted: &BrickSet, seen: &mut BrickSet) {
+fn bricks_in(grid: &Grid, map: &IndexMap, rect: PixelRect, wanted: &Flags, seen: &mut BrickSet) {
     let rect = rect.intersect(PixelRect::of_picture(map.rays.size));
     let (left, right) = (rect.min.x as usize, rect.max.x as usize);
     if left >= right {
@@ -367,6 +375,29 @@ fn bricks_in(grid: &Grid, map: &IndexMap, rect: PixelRect, wanted: &BrickSet, se
     });
     let found: Vec<Vec<u32>> = found.collect();
     found.iter().flatten().for_each(|index| seen.insert(*index));
+}
+
+/// A bit for each brick, by linear index.
+#[derive(Debug, Default)]
+struct Flags(Vec<u64>);
+
+impl Flags {
+    /// None is set.
+    fn new(bricks: usize) -> Flags {
+        Flags(vec![0; bricks.div_ceil(64)])
+    }
+
+    fn contains(&self, index: u32) -> bool {
+        self.0[index as usize / 64] >> (index % 64) & 1 != 0
+    }
+
+    fn insert(&mut self, index: u32) {
+        self.0[index as usize / 64] |= 1 << (index % 64);
+    }
+
+    fn remove(&mut self, index: u32) {
+        self.0[index as usize / 64] &= !(1 << (index % 64));
+    }
 }
 
 /// A number for the block of bricks around the brick of a linear index.
