@@ -13,7 +13,9 @@ use thiserror::Error;
 use arguments::{Arguments, Quoted, QuotedPath};
 
 use crate::command::{COMMANDS, Command, NewSculpture};
-use crate::format::options::{Colouring, Existence, ExportForm, ImportOptions, MeshFill, MeshSize};
+use crate::format::options::{
+    Colouring, Cubic, Existence, ExportForm, ImportOptions, MeshFill, MeshSize,
+};
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::{ColourDepth, Placement, Rgb};
 use crate::tools::construct::{Primitive, Solid};
@@ -77,6 +79,10 @@ impl fmt::Display for Command {
                     colour_depth,
                     upright,
                     raw,
+                    region,
+                    cubic,
+                    largest_piece,
+                    fill_holes,
                     mesh_size,
                     mesh_fill,
                 } = import;
@@ -94,6 +100,18 @@ impl fmt::Display for Command {
                 }
                 if let Some(raw) = raw {
                     write!(f, " raw={raw}")?;
+                }
+                if let Some(region) = region {
+                    write!(f, " region={region}")?;
+                }
+                if *cubic != Cubic::No {
+                    write!(f, " cubic={cubic}")?;
+                }
+                if *largest_piece {
+                    f.write_str(" pieces=largest")?;
+                }
+                if *fill_holes {
+                    f.write_str(" holes=filled")?;
                 }
                 if *mesh_size != MeshSize::default() {
                     write!(f, " mesh_size={mesh_size}")?;
@@ -181,6 +199,10 @@ impl FromStr for Command {
                     colour_depth: args.optional("colour", parse_colour_depth)?,
                     upright: args.optional("upright", str::parse)?,
                     raw: args.optional("raw", str::parse)?,
+                    region: args.optional("region", str::parse)?,
+                    cubic: args.optional("cubic", str::parse)?.unwrap_or_default(),
+                    largest_piece: choice(&mut args, "pieces", ["all", "largest"])?,
+                    fill_holes: choice(&mut args, "holes", ["open", "filled"])?,
                     mesh_size: args.optional("mesh_size", str::parse)?.unwrap_or_default(),
                     mesh_fill: args.optional("mesh_fill", str::parse)?.unwrap_or_default(),
                 },
@@ -245,6 +267,15 @@ fn parse_new(args: &mut Arguments) -> Result<NewSculpture, ParseError> {
             })?
             .unwrap_or(true),
     })
+}
+
+/// Which of two words is given; the first, which is the default, for false.
+fn choice(args: &mut Arguments, key: &str, words: [&str; 2]) -> Result<bool, ParseError> {
+    let parse = |text: &str| match words.iter().position(|word| *word == text) {
+        Some(place) => Ok(place == 1),
+        None => Err(format!("must be {} or {}", words[0], words[1])),
+    };
+    args.optional(key, parse).map(Option::unwrap_or_default)
 }
 
 fn parse_primitive(args: &mut Arguments) -> Result<Primitive, ParseError> {

@@ -16,6 +16,7 @@ mod independent;
 mod meshes_in;
 mod sprays;
 mod upright;
+mod volume_options;
 mod voxel_models;
 
 trials::main!();

@@ -7,7 +7,9 @@ use clap::Args;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use glam::Vec3;
 
-use crate::format::options::{Colouring, Existence, ImportOptions, MeshFill, MeshSize, RawLayout};
+use crate::format::options::{
+    Colouring, Cubic, Existence, ImportOptions, MeshFill, MeshSize, RawLayout, Region,
+};
 use crate::headless::PictureRequest;
 use crate::render::RenderMode;
 use crate::sculpture::orientation::Up;
@@ -21,10 +23,10 @@ use super::error::ArgumentError;
 /// How a file becomes a sculpture.
 #[derive(Args, Debug, Clone)]
 pub struct ImportArgs {
-    /// Density from which voxels are filled: auto, or a number in the units of the file
-    #[arg(long, default_value_t, value_name = "DENSITY", allow_negative_numbers = true)]
+    /// Density from which voxels are filled: auto, a number in the units of the file, or two such as 300..1200
+    #[arg(long, default_value_t, value_name = "DENSITY", allow_hyphen_values = true)]
     pub threshold: Existence,
-    /// How voxels are coloured: auto, none, grey, tissue or packed
+    /// How voxels are coloured: auto, none, grey, tissue, labels or packed
     #[arg(long, alias = "coloring", default_value_t, value_name = "HOW")]
     pub colouring: Colouring,
     /// Colour bits per voxel: 0, 8, 16 or 24 (default: as in the file)
@@ -36,6 +38,18 @@ pub struct ImportArgs {
     /// Layout of a raw file: WIDTHxHEIGHTxDEPTH:TYPE[:skip=BYTES][:size=SX,SY,SZ]
     #[arg(long, value_name = "LAYOUT")]
     pub raw: Option<RawLayout>,
+    /// Part of a volume to read: its lowest and highest voxel in the file, such as 0,0,10..127,127,60
+    #[arg(long, value_name = "REGION")]
+    pub region: Option<Region>,
+    /// Resample a volume to cubic voxels: no, finest (its shortest edge), or an edge such as 0.5mm
+    #[arg(long, default_value_t, value_name = "EDGE")]
+    pub cubic: Cubic,
+    /// Of a volume, take only the largest set of voxels that hang together by faces
+    #[arg(long)]
+    pub largest_piece: bool,
+    /// Make the empty places inside of a volume solid that do not reach its border
+    #[arg(long)]
+    pub fill_holes: bool,
     /// Size of a mesh: voxels of its longest side, or the edge of a voxel such as 0.5mm
     #[arg(long, default_value_t, value_name = "SIZE")]
     pub mesh_size: MeshSize,
@@ -52,6 +66,10 @@ impl ImportArgs {
             colour_depth: self.colour_bits,
             upright: self.upright,
             raw: self.raw,
+            region: self.region,
+            cubic: self.cubic,
+            largest_piece: self.largest_piece,
+            fill_holes: self.fill_holes,
             mesh_size: self.mesh_size,
             mesh_fill: self.mesh_fill,
         }

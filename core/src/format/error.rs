@@ -1,13 +1,15 @@
 //! Errors of reading and writing files. Messages are for users: they say what is wrong and what to do.
 //! Callers add the name of the file.
 
+use glam::UVec3;
 use thiserror::Error;
 
-use super::options::{Colouring, ExportForm};
+use super::options::{Colouring, ExportForm, Region};
 use super::volume::Samples;
 use crate::mesh::MeshError;
 use crate::sculpture::GridError;
 use crate::sculpture::orient::OrientError;
+use crate::tools::pieces::PiecesError;
 use crate::voxelise::VoxeliseError;
 
 /// Why a file cannot be read or written.
@@ -178,6 +180,21 @@ pub enum FormatError {
         found: u64,
     },
 
+    /// A region that is not in the volume.
+    #[error(
+        "the region {region} reaches beyond the {}x{}x{} voxels of the file, which are counted from 0",
+        dims.x, dims.y, dims.z
+    )]
+    Region {
+        /// The region asked for.
+        region: Region,
+        /// Size of the volume in voxels.
+        dims: UVec3,
+    },
+    /// The pieces of a volume cannot be found.
+    #[error(transparent)]
+    Pieces(PiecesError),
+
     /// Unsupported number of bytes per voxel.
     #[error("voxels of {0} bytes are not supported; voxels must have 1 to 4 bytes")]
     Components(u32),
@@ -279,6 +296,15 @@ impl From<OrientError> for FormatError {
                 FormatError::ColourMemory { needed_mib, budget_mib }
             }
             OrientError::Cancelled => FormatError::Cancelled,
+        }
+    }
+}
+
+impl From<PiecesError> for FormatError {
+    fn from(error: PiecesError) -> FormatError {
+        match error {
+            PiecesError::Cancelled => FormatError::Cancelled,
+            error => FormatError::Pieces(error),
         }
     }
 }

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use tracing::warn;
 
 use super::histogram::{Histogram, Values};
+use super::labels;
 use super::options::{Colouring, Existence, ExportForm, ImportOptions};
 use super::ramp::Ramp;
 use super::signature::Signature;
@@ -23,6 +24,7 @@ use crate::sculpture::colour::{unpack8, unpack16};
 use crate::sculpture::history::Contents;
 use crate::sculpture::material::Page;
 use crate::sculpture::{Brick, ColourDepth, Grid, Limits, Material, Rgb};
+use crate::tools::pieces;
 
 /// Bricks painted between two reports of progress.
 const PAINT_BATCH: usize = 1 << 13;
@@ -126,26 +128,32 @@ impl Job<'_> {
             chosen => chosen,
         };
         let is_plain = matches!(colouring, Colouring::Auto | Colouring::None);
-        let threshold = match self.options.existence {
-            Existence::Threshold(threshold) => Some(threshold),
-            Existence::Auto => own.then_some(OPAQUE),
+        let bounds = match self.options.existence {
+            Existence::Auto => own.then_some((OPAQUE, f64::INFINITY)),
+            chosen => chosen.bounds(),
         };
         let depth = if colouring == Colouring::None { ColourDepth::None } else { self.depth() };
         self.check_grid()?;
-        if let (Some(threshold), true) = (threshold, is_plain) {
-            return self.build(depth, from_on(threshold, value), |_| Rgb::STONE);
+        if colouring == Colouring::Labels {
+            let colours = labels::colours();
+            let exists = within(bounds.unwrap_or((f64::NEG_INFINITY, f64::INFINITY)), value);
+            let is_label = |v: &[u8; B]| value(v) != 0.0 && exists(v);
+            return self.build(depth, is_label, |v| labels::colour(&colours, value(v)));
+        }
+        if let (Some(bounds), true) = (bounds, is_plain) {
+            return self.build(depth, within(bounds, value), |_| Rgb::STONE);
         }
         let histogram = Histogram::of(self.voxels(), value, values);
-        let threshold = threshold.unwrap_or_else(|| threshold::automatic(&histogram));
+        let bounds = bounds.unwrap_or_else(|| (threshold::automatic(&histogram), f64::INFINITY));
         if is_plain {
-            return self.build(depth, from_on(threshold, value), |_| Rgb::STONE);
+            return self.build(depth, within(bounds, value), |_| Rgb::STONE);
         }
-        let top = histogram.quantile(RAMP_QUANTILE).max(threshold);
+        let top = histogram.quantile(RAMP_QUANTILE).min(bounds.1).max(bounds.0);
         let ramp = match colouring {
-            Colouring::Tissue => Ramp::tissue(threshold, top),
-            _ => Ramp::grey(threshold, top),
+            Colouring::Tissue => Ramp::tissue(bounds.0, top),
+            _ => Ramp::grey(bounds.0, top),
         };
-        self.build(depth, from_on(threshold, value), |v| ramp.colour(value(v)))
+        self.build(depth, within(bounds, value), |v| ramp.colour(value(v)))
     }
 
     /// `of` gives what is compared with a threshold, and the colour.
@@ -156,7 +164,7 @@ impl Job<'_> {
     ) -> Result<Contents, FormatError> {
         let depth = match self.options.colouring {
             Colouring::None => ColourDepth::None,
-            Colouring::Grey | Colouring::Tissue => {
+            Colouring::Grey | Colouring::Tissue | Colouring::Labels => {
                 let samples = self.volume.samples;
                 return Err(FormatError::NotDensities {
                     colouring: self.options.colouring,
@@ -165,11 +173,10 @@ impl Job<'_> {
             }
             Colouring::Auto | Colouring::Packed => self.depth(),
         };
-        let threshold = match self.options.existence {
-            Existence::Auto => default_threshold,
-            Existence::Threshold(threshold) => threshold,
-        };
-        self.build(depth, |v| f64::from(of(v).0) >= threshold, |v| Rgb(of(v).1))
+        let bounds = self.options.existence.bounds();
+        let (least, most) = bounds.unwrap_or((default_threshold, f64::INFINITY));
+        let exists = |v: &[u8; B]| (least..=most).contains(&f64::from(of(v).0));
+        self.build(depth, exists, |v| Rgb(of(v).1))
     }
 
     fn packed(&self) -> Result<Contents, FormatError> {
@@ -249,10 +256,19 @@ impl Job<'_> {
         });
         self.progress.end();
         go_on(self.progress)?;
+        if self.options.largest_piece {
+            pieces::keep_largest(&mut grid, self.limits.grid_bytes, self.progress)?;
+        }
+        if self.options.fill_holes {
+            pieces::fill_holes(&mut grid, self.limits.grid_bytes, self.progress)?;
+        }
         let material = self.paint(&grid, depth, base, &|corner, brick, page| {
             brick.for_each(|local| {
-                let rgb = colour(&voxels[index(corner + UVec3::from(local_coords(local)))]);
-                depth.write(rgb, &mut page[local as usize * depth.bytes()..]);
+                let voxel = &voxels[index(corner + UVec3::from(local_coords(local)))];
+                // A filled hole has the base colour.
+                if exists(voxel) {
+                    depth.write(colour(voxel), &mut page[local as usize * depth.bytes()..]);
+                }
             });
         })?;
         Ok(Contents { grid, material })
@@ -310,15 +326,19 @@ impl Job<'_> {
     }
 }
 
-/// Whether a density is `threshold` or more; false for NaN.
-fn from_on<const B: usize>(
-    threshold: f64,
+/// Whether a density lies within bounds, which belong to them; false for NaN.
+fn within<const B: usize>(
+    (least, most): (f64, f64),
     value: impl Fn(&[u8; B]) -> f32 + Sync,
 ) -> impl Fn(&[u8; B]) -> bool + Sync {
-    // The least f32 not below the threshold, so that values need not be widened.
-    let nearest = threshold as f32;
-    let least = if f64::from(nearest) < threshold { nearest.next_up() } else { nearest };
-    move |v| value(v) >= least
+    // The nearest f32 inside of the bounds, so that values need not be widened.
+    let (low, high) = (least as f32, most as f32);
+    let low = if f64::from(low) < least { low.next_up() } else { low };
+    let high = if f64::from(high) > most { high.next_down() } else { high };
+    move |v| {
+        let value = value(v);
+        (value >= low) & (value <= high)
+    }
 }
 
 /// One bit for each of up to eight voxels, the lowest for the first.

@@ -1,10 +1,10 @@
 //! File formats: bytes <-> volumes <-> the contents of a sculpture. Contains no policy: callers pass
 //! options for what to read and write, and limits for memory.
 //!
-//! The entry points are [`load`], [`save`] and [`info`]. Below them: `store` (disk), `vsc` (sculptures
-//! without loss), `pvm` and `dds`, `raw` (volumes), `import` and `export` (volume <-> sculpture),
-//! `threshold`, `ramp` and `signature` (the meaning of voxels), `voxel` (models of other voxel editors), `mesh_in` and
-//! `mesh_out` (meshes of and for other programs). Errors say what is wrong and what to do;
+//! The entry points are [`load`], [`save`] and [`info()`]. Below them: `store` (disk), `vsc` (sculptures
+//! without loss), `pvm` and `dds`, `raw` (volumes), `prepare` (region and cubic voxels), `import` and `export` (volume <->
+//! sculpture), `threshold`, `ramp`, `labels` and `signature` (the meaning of voxels), `voxel` (models of other voxel
+//! editors), `mesh_in` and `mesh_out` (meshes of and for other programs). Errors say what is wrong and what to do;
 //! callers add the name of the file.
 
 mod bytes;
@@ -13,10 +13,13 @@ mod error;
 mod export;
 mod histogram;
 mod import;
+mod info;
+mod labels;
 mod mesh_in;
 mod mesh_out;
 pub mod options;
 mod picture;
+mod prepare;
 mod pvm;
 mod ramp;
 mod raw;
@@ -27,7 +30,6 @@ mod volume;
 mod voxel;
 mod vsc;
 
-use std::fmt;
 use std::io::BufWriter;
 use std::path::Path;
 
@@ -35,6 +37,7 @@ use glam::{UVec3, Vec3};
 
 pub use self::error::FormatError;
 pub use self::histogram::Histogram;
+pub use self::info::{Densities, Info, info, info_with};
 pub use self::mesh_out::{MeshOptions, MeshSummary, MeshUp, is_mesh, save_mesh};
 use self::options::{ExportForm, ImportOptions};
 pub use self::picture::{load_matcap, load_picture};
@@ -138,7 +141,7 @@ pub fn load(
         }
         Format::Pvm | Format::Raw => {}
     }
-    let (volume, _) = read_volume(path, options, limits, progress)?;
+    let (volume, _) = open_volume(path, options, limits, progress)?;
     let signature = import::trusted_signature(&volume);
     let mut contents = import::to_contents(&volume, signature, options, limits, progress)?;
     let Volume { samples, texts, data, .. } = volume;
@@ -157,14 +160,15 @@ fn told(path: &Path, notes: Vec<String>) -> Vec<String> {
     notes
 }
 
-/// Reads the voxels of a file unconverted, within the same limits as [`load`].
+/// Reads the voxels of a file unconverted but for the region and the cubic voxels that are asked for, within the same
+/// limits as [`load`].
 pub fn load_volume(
     path: &Path,
     options: &ImportOptions,
     limits: &Limits,
     progress: &dyn Progress,
 ) -> Result<Volume, FormatError> {
-    read_volume(path, options, limits, progress).map(|(volume, _)| volume)
+    open_volume(path, options, limits, progress).map(|(volume, _)| volume)
 }
 
 /// Writes a sculpture, atomically: an existing file is replaced when the new one is complete. A mesh is written with
@@ -233,141 +237,6 @@ fn go_on(progress: &dyn Progress) -> Result<(), FormatError> {
     if progress.is_cancelled() { Err(FormatError::Cancelled) } else { Ok(()) }
 }
 
-/// A description of a file, found without converting it to a sculpture.
-#[derive(Clone, PartialEq, Debug)]
-pub struct Info {
-    /// Format and packing, such as `PVM3, packed as DDS v3d`.
-    pub kind: String,
-    /// Length of the file.
-    pub file_bytes: u64,
-    /// Size in voxels.
-    pub dims: UVec3,
-    /// Edge lengths of a voxel.
-    pub voxel_size: Vec3,
-    /// Sample type of a volume. None for a .vsc file.
-    pub samples: Option<Samples>,
-    /// The texts stored with the volume.
-    pub texts: Texts,
-    /// Of densities.
-    pub densities: Option<Densities>,
-    /// What this program noted when it wrote the file.
-    pub signature: Option<Signature>,
-    /// What opening the file leaves out or takes otherwise.
-    pub notes: Vec<String>,
-}
-
-/// Statistics of a volume of densities.
-#[derive(Clone, PartialEq, Debug)]
-pub struct Densities {
-    /// How often each density occurs.
-    pub histogram: Histogram,
-    /// The automatic threshold: densities from this on exist by default.
-    pub threshold: f64,
-}
-
-/// Describes a file, within the default limits. For raw files see [`info_with`].
-pub fn info(path: &Path) -> Result<Info, FormatError> {
-    info_with(path, &ImportOptions::default(), &Limits::default(), &())
-}
-
-/// Describes a file, with options for raw files.
-pub fn info_with(
-    path: &Path,
-    options: &ImportOptions,
-    limits: &Limits,
-    progress: &dyn Progress,
-) -> Result<Info, FormatError> {
-    if Format::of(path)? == Format::Vsc {
-        let file = read_file(path, limits, progress)?;
-        let header = vsc::read_header(&file, limits)?;
-        let vsc::Header { dims, voxel_size, colour_depth, base, texts, .. } = header;
-        let signature = Signature { form: ExportForm::Auto, colour_depth, base };
-        return Ok(Info {
-            kind: "VSC".to_string(),
-            file_bytes: file.len() as u64,
-            dims,
-            voxel_size,
-            samples: None,
-            densities: None,
-            signature: Some(signature),
-            texts,
-            notes: Vec::new(),
-        });
-    }
-    let of_model = |kind, file_bytes, dims, voxel_size, notes| {
-        let (samples, densities, signature, texts) = (None, None, None, Texts::default());
-        Info { kind, file_bytes, dims, voxel_size, samples, densities, signature, texts, notes }
-    };
-    match Format::of(path)? {
-        Format::Voxel(kind) => {
-            let file = read_file(path, limits, progress)?;
-            let model = voxel::read(kind, &file)?;
-            let Contents { grid, .. } = voxel::to_contents(&*model, options, limits, progress)?;
-            let (bytes, notes) = (file.len() as u64, model.notes());
-            return Ok(of_model(model.kind(), bytes, grid.dims(), grid.voxel_size(), notes));
-        }
-        Format::Mesh(kind) => {
-            let mesh = mesh_in::load(path, kind, limits, progress)?;
-            let (frame, bytes) = (mesh.frame(options)?, std::fs::metadata(path)?.len());
-            let kind = format!("{}, triangles: {}", mesh.kind, mesh.mesh.triangles.len());
-            return Ok(of_model(kind, bytes, frame.dims, frame.voxel_size, mesh.notes));
-        }
-        Format::Vsc | Format::Pvm | Format::Raw => {}
-    }
-    let (volume, source) = read_volume(path, options, limits, progress)?;
-    let densities = import::histogram(&volume).map(|histogram| {
-        let threshold = threshold::automatic(&histogram);
-        Densities { histogram, threshold }
-    });
-    Ok(Info {
-        kind: source.kind,
-        file_bytes: source.file_bytes,
-        dims: volume.dims,
-        voxel_size: volume.voxel_size,
-        samples: Some(volume.samples),
-        densities,
-        signature: import::trusted_signature(&volume),
-        notes: Vec::new(),
-        texts: volume.texts,
-    })
-}
-
-/// One item per line; the lines of texts are indented.
-impl fmt::Display for Info {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (UVec3 { x, y, z }, size) = (self.dims, self.voxel_size);
-        writeln!(f, "format: {}", self.kind)?;
-        writeln!(f, "file: {} bytes", self.file_bytes)?;
-        writeln!(f, "size: {x}x{y}x{z} voxels")?;
-        writeln!(f, "voxel size: {} {} {}", size.x, size.y, size.z)?;
-        match self.samples {
-            Some(samples) => write!(f, "voxels: {samples}, {} bytes each", samples.bytes())?,
-            None => write!(f, "voxels: as in a sculpture")?,
-        }
-        if let Some(Densities { histogram, threshold }) = &self.densities {
-            write!(f, "\ndensities: {} to {}", histogram.min, histogram.max)?;
-            let below = histogram.count_below(*threshold);
-            let all: u64 = histogram.bins.iter().sum();
-            let share = 100.0 * (all - below) as f64 / all.max(1) as f64;
-            write!(f, "\nautomatic threshold: {threshold} ({share:.1} % of the voxels)")?;
-        }
-        if let Some(signature) = &self.signature {
-            let bits = signature.colour_depth.bits();
-            write!(f, "\nsculpture: {bits} bits of colour, base {}", signature.base)?;
-        }
-        for note in &self.notes {
-            write!(f, "\nnote: {note}")?;
-        }
-        for (name, text) in self.texts.named() {
-            if !text.is_empty() {
-                let legible = Texts::legible(text);
-                write!(f, "\n{name}: {}", legible.trim_end().replace('\n', "\n  "))?;
-            }
-        }
-        Ok(())
-    }
-}
-
 /// Bytes that a file and its volume together may take.
 fn budget_bytes(limits: &Limits) -> u64 {
     limits.grid_bytes.saturating_add(limits.colour_bytes)
@@ -381,9 +250,23 @@ fn read_file(
     store::read(path, budget_bytes(limits), |_| Ok(()), progress)
 }
 
+/// What is known of a file beside its voxels.
 struct Source {
     kind: String,
     file_bytes: u64,
+}
+
+/// The voxels of a file, in the region and of the size that are asked for.
+fn open_volume(
+    path: &Path,
+    options: &ImportOptions,
+    limits: &Limits,
+    progress: &dyn Progress,
+) -> Result<(Volume, Source), FormatError> {
+    let (volume, source) = read_volume(path, options, limits, progress)?;
+    let is_label = import::trusted_signature(&volume).is_some_and(|s| s.form == ExportForm::Packed);
+    let volume = prepare::prepare(volume, options, is_label, budget_bytes(limits), progress)?;
+    Ok((volume, source))
 }
 
 fn read_volume(
@@ -393,7 +276,10 @@ fn read_volume(
     progress: &dyn Progress,
 ) -> Result<(Volume, Source), FormatError> {
     let budget = budget_bytes(limits);
-    let check_grid = |dims, voxel_size| Grid::check(dims, voxel_size, limits.grid_bytes);
+    let check_grid = |dims: UVec3, voxel_size: Vec3| -> Result<(), FormatError> {
+        let (dims, voxel_size) = prepare::prepared(dims, voxel_size, options)?;
+        Ok(Grid::check(dims, voxel_size, limits.grid_bytes)?)
+    };
     match Format::of(path)? {
         Format::Vsc | Format::Voxel(_) | Format::Mesh(_) => {
             let loaded = load(path, options, limits, progress)?;
@@ -404,7 +290,7 @@ fn read_volume(
         Format::Pvm => {
             let file = store::read(path, budget, |_| Ok(()), progress)?;
             let file_bytes = file.len() as u64;
-            let admit = |header: &pvm::Header| Ok(check_grid(header.dims, header.voxel_size)?);
+            let admit = |header: &pvm::Header| check_grid(header.dims, header.voxel_size);
             let (volume, origin) = pvm::read(file, &admit, budget - file_bytes, progress)?;
             let version = match origin.header.version {
                 1 => String::new(),

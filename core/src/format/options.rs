@@ -7,22 +7,14 @@ use std::str::FromStr;
 
 use glam::{UVec3, Vec3};
 
+mod scan;
+
+pub use scan::{Cubic, Existence, Region};
+
 use super::volume::Samples;
 use crate::sculpture::ColourDepth;
 use crate::sculpture::orientation::Up;
 pub use crate::voxelise::{Fill as MeshFill, MeshSize};
-
-/// Which voxels of a volume exist in the sculpture.
-#[derive(Clone, Copy, PartialEq, Debug, Default)]
-pub enum Existence {
-    /// Densities: those from the automatic threshold on. RGB: those that are not black. RGBA: those
-    /// with an opacity of 128 or more.
-    #[default]
-    Auto,
-    /// Densities of this or more, in the units of the file. In colours it is compared with the
-    /// opacity or, where there is none, with the greatest of red, green and blue.
-    Threshold(f64),
-}
 
 /// How the voxels of a volume get their colours.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -37,6 +29,8 @@ pub enum Colouring {
     Grey,
     /// Densities as the colours of a body: skin, flesh, bone.
     Tissue,
+    /// Whole numbers as labels: each has a colour of its own, and 0 is an empty voxel.
+    Labels,
     /// 1, 2 or 3 bytes a voxel are a sculpture's own packed colours of 8, 16 or 24 bits (16 bits
     /// with the high byte first); 0 is an empty voxel.
     Packed,
@@ -44,11 +38,12 @@ pub enum Colouring {
 
 impl Colouring {
     /// All values with their names in the text form.
-    pub const NAMED: [(Colouring, &'static str); 5] = [
+    pub const NAMED: [(Colouring, &'static str); 6] = [
         (Colouring::Auto, "auto"),
         (Colouring::None, "none"),
         (Colouring::Grey, "grey"),
         (Colouring::Tissue, "tissue"),
+        (Colouring::Labels, "labels"),
         (Colouring::Packed, "packed"),
     ];
 }
@@ -81,6 +76,15 @@ pub struct ImportOptions {
     pub upright: Option<Up>,
     /// Layout of a raw file; ignored for other files.
     pub raw: Option<RawLayout>,
+    /// Which part of a volume is read; `None`: all of it.
+    pub region: Option<Region>,
+    /// Whether a volume is resampled to cubic voxels: densities linearly, before thresholds apply; labels and
+    /// colours from the nearest voxel.
+    pub cubic: Cubic,
+    /// Of a volume, only the largest set of voxels that hang together by faces.
+    pub largest_piece: bool,
+    /// Empty places of a volume that do not reach the grid's border become solid, in the base colour.
+    pub fill_holes: bool,
     /// How large a mesh becomes.
     pub mesh_size: MeshSize,
     /// Whether a mesh becomes solid.
@@ -139,30 +143,6 @@ macro_rules! named_text_form {
 named_text_form!(Colouring, "a colouring");
 named_text_form!(ExportForm, "a form to save in");
 named_text_form!(MeshFill, "a filling");
-
-/// Writes `auto` or the threshold.
-impl fmt::Display for Existence {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Existence::Auto => f.write_str("auto"),
-            Existence::Threshold(threshold) => write!(f, "{threshold}"),
-        }
-    }
-}
-
-impl FromStr for Existence {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Existence, String> {
-        if text == "auto" {
-            return Ok(Existence::Auto);
-        }
-        match text.parse::<f64>() {
-            Ok(threshold) if threshold.is_finite() => Ok(Existence::Threshold(threshold)),
-            _ => Err(format!("`{text}` is not a threshold; use auto or a number")),
-        }
-    }
-}
 
 /// Writes `128x256x256:u16le`, with `:skip=BYTES` and `:size=SX,SY,SZ` where they matter.
 impl fmt::Display for RawLayout {
@@ -237,9 +217,6 @@ mod tests {
         ] {
             assert_eq!(text.parse::<RawLayout>().map(|l| l.to_string()), Ok(text.to_string()));
         }
-        for text in ["auto", "127.5", "-1024"] {
-            assert_eq!(text.parse::<Existence>().map(|e| e.to_string()), Ok(text.to_string()));
-        }
         for (colouring, name) in Colouring::NAMED {
             assert_eq!((name.parse(), colouring.to_string()), (Ok(colouring), name.to_string()));
         }
@@ -266,7 +243,6 @@ mod tests {
             let error = text.parse::<RawLayout>().unwrap_err();
             assert!(error.contains(part), "{text}: {error}");
         }
-        assert!("nan".parse::<Existence>().is_err());
         assert!("gray".parse::<Colouring>().unwrap_err().contains("tissue"));
     }
 }

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use glam::{UVec3, Vec3};
+use glam::{UVec2, UVec3, Vec3};
 
 /// Sample type of a volume.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -159,6 +159,40 @@ impl Volume {
     pub fn offset(&self, x: u32, y: u32, z: u32) -> usize {
         let row = y as usize + self.dims.y as usize * z as usize;
         (x as usize + self.dims.x as usize * row) * self.samples.bytes() as usize
+    }
+
+    /// Size and densities of the slice at `at` across an axis (0 to 2), the lower of the other two axes fastest: for
+    /// previews. None outside of the volume, and of a volume of colours.
+    pub fn slice(&self, axis: usize, at: u32) -> Option<(UVec2, Vec<f32>)> {
+        let inside = self.samples.is_density() && axis < 3 && at < self.dims[axis];
+        let (u, v) = inside.then_some(([1, 0, 0][axis], [2, 2, 1][axis]))?;
+        let size = UVec2::new(self.dims[u], self.dims[v]);
+        let mut densities = Vec::with_capacity(size.element_product() as usize);
+        let mut voxel = UVec3::ZERO;
+        voxel[axis] = at;
+        for j in 0..size.y {
+            voxel[v] = j;
+            for i in 0..size.x {
+                voxel[u] = i;
+                densities.push(self.density(voxel)?);
+            }
+        }
+        Some((size, densities))
+    }
+
+    /// The density of a voxel inside the volume; none in a volume of colours.
+    pub fn density(&self, UVec3 { x, y, z }: UVec3) -> Option<f32> {
+        let bytes = self.data.get(self.offset(x, y, z)..)?;
+        match self.samples {
+            Samples::U8 => bytes.first().map(|v| f32::from(*v)),
+            Samples::U16Le => bytes.first_chunk().map(|v| u16::from_le_bytes(*v).into()),
+            Samples::U16Be => bytes.first_chunk().map(|v| u16::from_be_bytes(*v).into()),
+            Samples::I16Le => bytes.first_chunk().map(|v| i16::from_le_bytes(*v).into()),
+            Samples::I16Be => bytes.first_chunk().map(|v| i16::from_be_bytes(*v).into()),
+            Samples::F32Le => bytes.first_chunk().map(|v| f32::from_le_bytes(*v)),
+            Samples::F32Be => bytes.first_chunk().map(|v| f32::from_be_bytes(*v)),
+            Samples::Rgb8 | Samples::Rgba8 | Samples::Bytes(_) => None,
+        }
     }
 }
 

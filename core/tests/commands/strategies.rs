@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use sculpture_core::command::{Area, Command, NewSculpture, SelectOp, SpraySurface};
 use sculpture_core::format::Samples;
 use sculpture_core::format::options::{
-    Colouring, Existence, ExportForm, ImportOptions, MeshFill, MeshSize, RawLayout,
+    Colouring, Cubic, Existence, ExportForm, ImportOptions, MeshFill, MeshSize, RawLayout, Region,
 };
 use sculpture_core::sculpture::edit::EditOp;
 use sculpture_core::sculpture::orientation::{Orientation, Up};
@@ -29,7 +29,9 @@ pub fn colour() -> impl Strategy<Value = Rgb> {
 
 fn import() -> impl Strategy<Value = ImportOptions> {
     let threshold = (-1e9f64..1e9).prop_map(Existence::Threshold);
-    let existence = prop_oneof![Just(Existence::Auto), threshold];
+    let range =
+        (-1e9f64..1e9, 0f64..1e9).prop_map(|(least, more)| Existence::Range(least, least + more));
+    let existence = prop_oneof![Just(Existence::Auto), threshold, range];
     let colouring = prop::sample::select(&Colouring::NAMED[..]).prop_map(|(choice, _)| choice);
     let colour_depth = prop::option::of(prop::sample::select(&ColourDepth::ALL[..]));
     let samples = prop::sample::select(&Samples::NAMED[..]).prop_map(|(samples, _)| samples);
@@ -48,11 +50,31 @@ fn import() -> impl Strategy<Value = ImportOptions> {
     let mesh_size = prop_oneof![longest, (1e-6f32..1e6).prop_map(MeshSize::VoxelMm)];
     let mesh_fill = prop::sample::select(&MeshFill::NAMED[..]).prop_map(|(fill, _)| fill);
     let of_mesh = (mesh_size, mesh_fill);
-    (existence, colouring, colour_depth, upright, prop::option::of(raw), of_mesh).prop_map(
-        |(existence, colouring, colour_depth, upright, raw, (mesh_size, mesh_fill))| {
-            ImportOptions { existence, colouring, colour_depth, upright, raw, mesh_size, mesh_fill }
-        },
-    )
+    let edge = (1e-6f32..1e6).prop_map(Cubic::EdgeMm);
+    let cubic = prop_oneof![Just(Cubic::No), Just(Cubic::Finest), edge];
+    let corners = prop::array::uniform6(0u32..5000).prop_map(|[a, b, c, d, e, f]| {
+        let (a, b) = (UVec3::new(a, b, c), UVec3::new(d, e, f));
+        Region { low: a.min(b), high: a.max(b) }
+    });
+    let of_volume = (prop::option::of(corners), cubic, any::<bool>(), any::<bool>());
+    let of_all = (existence, colouring, colour_depth, upright, prop::option::of(raw));
+    (of_all, of_mesh, of_volume).prop_map(|(of_all, of_mesh, of_volume)| {
+        let (existence, colouring, colour_depth, upright, raw) = of_all;
+        let (region, cubic, largest_piece, fill_holes) = of_volume;
+        ImportOptions {
+            existence,
+            colouring,
+            colour_depth,
+            upright,
+            raw,
+            region,
+            cubic,
+            largest_piece,
+            fill_holes,
+            mesh_size: of_mesh.0,
+            mesh_fill: of_mesh.1,
+        }
+    })
 }
 
 fn form() -> impl Strategy<Value = ExportForm> {

@@ -1,0 +1,158 @@
+//! What a file contains, found without converting it to a sculpture: size, spacing, sample type, histogram, and what
+//! opening it would leave out.
+
+use std::fmt;
+use std::path::Path;
+
+use glam::{UVec3, Vec3};
+
+use super::options::{ExportForm, ImportOptions};
+use super::{
+    Format, FormatError, Histogram, Samples, Signature, Source, Texts, Volume, import, mesh_in,
+    open_volume, read_file, threshold, voxel, vsc,
+};
+use crate::progress::Progress;
+use crate::sculpture::Limits;
+use crate::sculpture::history::Contents;
+
+/// A description of a file, found without converting it to a sculpture.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Info {
+    /// Format and packing, such as `PVM3, packed as DDS v3d`.
+    pub kind: String,
+    /// Length of the file.
+    pub file_bytes: u64,
+    /// Size in voxels.
+    pub dims: UVec3,
+    /// Edge lengths of a voxel.
+    pub voxel_size: Vec3,
+    /// Sample type of a volume. None for a .vsc file.
+    pub samples: Option<Samples>,
+    /// The texts stored with the volume.
+    pub texts: Texts,
+    /// Of densities.
+    pub densities: Option<Densities>,
+    /// What this program noted when it wrote the file.
+    pub signature: Option<Signature>,
+    /// What opening the file leaves out or takes otherwise.
+    pub notes: Vec<String>,
+}
+
+/// Statistics of a volume of densities.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Densities {
+    /// How often each density occurs.
+    pub histogram: Histogram,
+    /// The automatic threshold: densities from this on exist by default.
+    pub threshold: f64,
+}
+
+impl Densities {
+    /// Of a volume of densities; none of one of colours.
+    pub fn of(volume: &Volume) -> Option<Densities> {
+        let histogram = import::histogram(volume)?;
+        let threshold = threshold::automatic(&histogram);
+        Some(Densities { histogram, threshold })
+    }
+}
+
+/// Describes a file, within the default limits. For raw files see [`info_with`].
+pub fn info(path: &Path) -> Result<Info, FormatError> {
+    info_with(path, &ImportOptions::default(), &Limits::default(), &())
+}
+
+/// Describes a file, with options: for raw files their layout; for volumes the region that is read and whether it is
+/// resampled.
+pub fn info_with(
+    path: &Path,
+    options: &ImportOptions,
+    limits: &Limits,
+    progress: &dyn Progress,
+) -> Result<Info, FormatError> {
+    if Format::of(path)? == Format::Vsc {
+        let file = read_file(path, limits, progress)?;
+        let header = vsc::read_header(&file, limits)?;
+        let vsc::Header { dims, voxel_size, colour_depth, base, texts, .. } = header;
+        let signature = Signature { form: ExportForm::Auto, colour_depth, base };
+        return Ok(Info {
+            kind: "VSC".to_string(),
+            file_bytes: file.len() as u64,
+            dims,
+            voxel_size,
+            samples: None,
+            densities: None,
+            signature: Some(signature),
+            texts,
+            notes: Vec::new(),
+        });
+    }
+    let of_model = |kind, file_bytes, dims, voxel_size, notes| {
+        let (samples, densities, signature, texts) = (None, None, None, Texts::default());
+        Info { kind, file_bytes, dims, voxel_size, samples, densities, signature, texts, notes }
+    };
+    match Format::of(path)? {
+        Format::Voxel(kind) => {
+            let file = read_file(path, limits, progress)?;
+            let model = voxel::read(kind, &file)?;
+            let Contents { grid, .. } = voxel::to_contents(&*model, options, limits, progress)?;
+            let (bytes, notes) = (file.len() as u64, model.notes());
+            return Ok(of_model(model.kind(), bytes, grid.dims(), grid.voxel_size(), notes));
+        }
+        Format::Mesh(kind) => {
+            let mesh = mesh_in::load(path, kind, limits, progress)?;
+            let (frame, bytes) = (mesh.frame(options)?, std::fs::metadata(path)?.len());
+            let kind = format!("{}, triangles: {}", mesh.kind, mesh.mesh.triangles.len());
+            return Ok(of_model(kind, bytes, frame.dims, frame.voxel_size, mesh.notes));
+        }
+        Format::Vsc | Format::Pvm | Format::Raw => {}
+    }
+    let (volume, source) = open_volume(path, options, limits, progress)?;
+    let Source { kind, file_bytes } = source;
+    Ok(Info {
+        kind,
+        file_bytes,
+        dims: volume.dims,
+        voxel_size: volume.voxel_size,
+        samples: Some(volume.samples),
+        densities: Densities::of(&volume),
+        signature: import::trusted_signature(&volume),
+        notes: Vec::new(),
+        texts: volume.texts,
+    })
+}
+
+/// One item per line; the lines of texts are indented.
+impl fmt::Display for Info {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (UVec3 { x, y, z }, size) = (self.dims, self.voxel_size);
+        writeln!(f, "format: {}", self.kind)?;
+        writeln!(f, "file: {} bytes", self.file_bytes)?;
+        writeln!(f, "size: {x}x{y}x{z} voxels")?;
+        writeln!(f, "voxel size: {} {} {}", size.x, size.y, size.z)?;
+        match self.samples {
+            Some(samples) => write!(f, "voxels: {samples}, {} bytes each", samples.bytes())?,
+            None => write!(f, "voxels: as in a sculpture")?,
+        }
+        if let Some(Densities { histogram, threshold }) = &self.densities {
+            write!(f, "\ndensities: {} to {}", histogram.min, histogram.max)?;
+            let below = histogram.count_below(*threshold);
+            let all: u64 = histogram.bins.iter().sum();
+            let share = 100.0 * (all - below) as f64 / all.max(1) as f64;
+            write!(f, "\nautomatic threshold: {threshold} ({share:.1} % of the voxels)")?;
+        }
+        if let Some(signature) = &self.signature {
+            let bits = signature.colour_depth.bits();
+            write!(f, "\nsculpture: {bits} bits of colour, base {}", signature.base)?;
+        }
+        for note in &self.notes {
+            write!(f, "\nnote: {note}")?;
+        }
+        for (name, text) in self.texts.named() {
+            if !text.is_empty() {
+                let legible = Texts::legible(text);
+                write!(f, "\n{name}: {}", legible.trim_end().replace('\n', "\n  "))?;
+            }
+        }
+        Ok(())
+    }
+}
