@@ -5,6 +5,7 @@
 //! are brick masks. Knows no tool.
 
 use glam::{IVec3, UVec3};
+use rayon::prelude::*;
 
 use super::brick::{BRICK_EDGE_VX, Brick, BrickKind};
 use super::grid::Grid;
@@ -57,6 +58,28 @@ impl BitBlock {
         out
     }
 
+    /// A block of the same place and size without voxels.
+    pub fn emptied(&self) -> BitBlock {
+        BitBlock { words: vec![0; self.words.len()], ..*self }
+    }
+
+    /// The rows of `layers` layers along z at a time, for several threads.
+    pub fn layers_mut(&mut self, layers: usize) -> rayon::slice::ChunksMut<'_, u64> {
+        let layer = self.words_per_row * self.size.y as usize;
+        self.words.par_chunks_mut((layer * layers).max(1))
+    }
+
+    /// [`BitBlock::map_rows`] on all threads.
+    pub fn map_rows_in_parallel(&self, f: impl Fn(i32, i32, &mut [u64]) + Sync) -> BitBlock {
+        let mut out = self.emptied();
+        let (rows, width) = (self.size.y as usize, self.words_per_row.max(1));
+        out.layers_mut(1).enumerate().for_each(|(z, words)| {
+            let rows = words.chunks_mut(width).take(rows);
+            rows.enumerate().for_each(|(y, row)| f(y as i32, z as i32, row));
+        });
+        out
+    }
+
     /// Voxel coordinates of the block's lower corner, multiples of 8.
     pub fn origin(&self) -> IVec3 {
         self.origin
@@ -104,6 +127,22 @@ impl BitBlock {
             let low = (first - word * 64).max(0) as u32;
             let high = (last - word * 64).min(63) as u32;
             self.words[start + word as usize] |= (u64::MAX >> (63 - high)) & (u64::MAX << low);
+        }
+    }
+
+    /// Clears the voxels that are not from `min` (inclusive) to `max` (exclusive).
+    pub fn keep_box(&mut self, min: IVec3, max: IVec3) {
+        let (min, max) = (min - self.origin, max - self.origin);
+        let size = self.size.as_ivec3();
+        let (rows, width) = (size.y, self.words_per_row);
+        let inside = |at: i32, axis: usize| at >= min[axis] && at < max[axis];
+        let mut row = vec![0u64; width];
+        (0..size.x).filter(|x| inside(*x, 0)).for_each(|x| row[x as usize / 64] |= 1 << (x % 64));
+        for (i, words) in (0..).zip(self.words.chunks_mut(width.max(1))) {
+            match inside(i % rows, 1) && inside(i / rows, 2) {
+                true => words.iter_mut().zip(&row).for_each(|(bits, keep)| *bits &= keep),
+                false => words.fill(0),
+            }
         }
     }
 

@@ -1,6 +1,7 @@
 //! Tools: the voxels that a solid or a spray covers, as [`crate::sculpture::region::Region`]s, mirror planes,
 //! and the pieces of a grid. They compute masks and change nothing of a document.
 
+pub mod ball;
 pub mod construct;
 mod construct_ends;
 mod construct_planes;
@@ -20,3 +21,4 @@ mod spray_tests;
 pub mod sweep;
 pub mod symmetry;
 pub mod texture;
+pub mod thickness;

@@ -1,0 +1,181 @@
+//! Walls that are too thin: where no ball of the wanted diameter within the solid comes near.
+//!
+//! The rule: a solid is opened by a ball ([`Ball`]), which leaves what such a ball can reach within it
+//! (morphological opening: J. Serra, Image Analysis and Mathematical Morphology, 1982). What is left over is thin
+//! unless it lies within a tolerance of that, counted in steps to any of the 26 neighbours inside the solid: enough
+//! steps that the edges and corners of a cuboid, which a ball does not fill, and the steps of curved and sloping
+//! surfaces are never thin. So a wall along an axis is thin if it has fewer voxels than the ball, exactly; a sloping
+//! one may be off by a voxel. Edges sharper than a right angle are thin along the edge.
+//!
+//! From a grid to blocks of bits; changes nothing. Knows no document.
+
+use glam::{IVec3, Vec3};
+
+use super::ball::Ball;
+use crate::progress::Progress;
+use crate::sculpture::Grid;
+use crate::sculpture::bit_block::BitBlock;
+
+/// Rounds in which walls are thickened: walls at a border of the grid grow to one side only, and by less.
+const ROUNDS: u32 = 4;
+/// Blocks of the size of the sculpture's box that are in memory at the same time.
+const BLOCKS: u64 = 6;
+
+/// How thick walls must be.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Thickness {
+    ball: Ball,
+    /// Steps around what the ball reaches within which nothing is thin.
+    tolerance: u32,
+}
+
+impl Thickness {
+    /// `thickness` and the edges of voxels in the same unit. None where [`Ball::new`] makes no ball.
+    pub fn new(thickness: f32, voxel: Vec3) -> Option<Thickness> {
+        let ball = Ball::new(thickness, voxel)?;
+        let edge = ball.extent_vx().into_iter().max().unwrap_or(1);
+        // A corner of a cube is (1 - 1/sqrt(3)) radii from the ball on each axis, an edge less; a voxel more for the
+        // ball's own steps and its place, which is a whole number.
+        let tolerance = (0.5 * (1.0 - 3f32.sqrt().recip()) * edge as f32).ceil() as u32 + 1;
+        Some(Thickness { ball, tolerance })
+    }
+
+    /// Bytes that the search in `grid` takes.
+    pub fn bytes_for(grid: &Grid) -> u64 {
+        let (min, max) = grid.opaque_bounds().unwrap_or_default();
+        (max - min + 128).as_u64vec3().element_product() / 8 * BLOCKS
+    }
+
+    /// The voxels of `grid` whose wall is too thin. None if cancelled.
+    pub fn thin(&self, grid: &Grid, progress: &dyn Progress) -> Option<BitBlock> {
+        let (min, max) = grid.opaque_bounds().unwrap_or_default();
+        let solid = BitBlock::of_grid(grid, min.as_ivec3(), max.as_ivec3());
+        progress.begin("measuring walls");
+        let thin = self.thin_of(&solid, progress);
+        progress.end();
+        thin
+    }
+
+    fn thin_of(&self, solid: &BitBlock, progress: &dyn Progress) -> Option<BitBlock> {
+        if self.ball.extent_vx() == [1; 3] {
+            return Some(solid.emptied());
+        }
+        let mut reached = self.ball.dilate(&self.ball.erode(solid, progress)?, progress)?;
+        for _ in 0..self.tolerance {
+            if progress.is_cancelled() {
+                return None;
+            }
+            reached = widened(&reached, solid);
+        }
+        Some(solid.zip(&reached, |solid, reached| solid & !reached))
+    }
+
+    /// The voxels to add so that no wall of `grid` is too thin, as far as there is room: none lies below the lowest
+    /// voxel, which stands on the bed, or beyond the grid. None if cancelled.
+    ///
+    /// Balls are set on the middle of thin walls (the skeleton of C. Lantuéjoul, 1980), so that these grow to both
+    /// sides and become as thick as wanted or one voxel thicker; and on all that is thin still.
+    pub fn thicken(&self, grid: &Grid, progress: &dyn Progress) -> Option<BitBlock> {
+        let (min, max) = grid.opaque_bounds().unwrap_or_default();
+        let reach = IVec3::from(self.ball.extent_vx().map(|edge| edge as i32));
+        let lowest = IVec3::new(0, min.y as i32, 0);
+        let from = (min.as_ivec3() - reach).max(lowest);
+        let to = (max.as_ivec3() + reach).min(grid.dims().as_ivec3());
+        let before = BitBlock::of_grid(grid, from, to);
+        let mut solid = before.clone();
+        progress.begin("thickening walls");
+        for round in 0..ROUNDS {
+            let thin = self.thin_of(&solid, progress)?;
+            let places = match round {
+                0 => {
+                    let skeleton = self.skeleton(&solid);
+                    thin.zip(&skeleton, |thin, skeleton| thin & skeleton)
+                }
+                _ => thin,
+            };
+            if places.count() == 0 {
+                break;
+            }
+            let mut thicker = self.ball.dilate(&places, progress)?;
+            thicker.keep_box(from, to);
+            let grown = solid.zip(&thicker, |solid, thicker| solid | thicker);
+            if grown == solid {
+                break;
+            }
+            solid = grown;
+        }
+        progress.end();
+        Some(solid.zip(&before, |after, before| after & !before))
+    }
+
+    /// The middles of walls up to the ball's thickness.
+    fn skeleton(&self, solid: &BitBlock) -> BitBlock {
+        let mut rest = solid.clone();
+        let mut middles = solid.emptied();
+        let levels = self.ball.extent_vx().into_iter().max().unwrap_or(1).div_ceil(2);
+        for _ in 0..=levels {
+            let inner = crossed::<true>(&rest);
+            let opened = crossed::<false>(&inner);
+            let middle = rest.zip(&opened, |rest, opened| rest & !opened);
+            middles = middles.zip(&middle, |all, middle| all | middle);
+            rest = inner;
+        }
+        middles
+    }
+}
+
+/// The voxels of `within` that are in `block` or one of whose 26 neighbours is.
+fn widened(block: &BitBlock, within: &BitBlock) -> BitBlock {
+    within.map_rows_in_parallel(|y, z, out| {
+        let Some(limit) = within.row(y, z).filter(|row| row.iter().any(|word| *word != 0)) else {
+            return;
+        };
+        for row in neighbours(block, y, z, &NINE) {
+            out.iter_mut().zip(row).for_each(|(bits, other)| *bits |= other);
+        }
+        let mut before = 0;
+        for i in 0..out.len() {
+            let (here, next) = (out[i], out.get(i + 1).copied().unwrap_or(0));
+            out[i] = (here | here << 1 | here >> 1 | before >> 63 | next << 63) & limit[i];
+            before = here;
+        }
+    })
+}
+
+/// Erosion (`ALL`) or dilation by a voxel and its six neighbours.
+fn crossed<const ALL: bool>(block: &BitBlock) -> BitBlock {
+    block.map_rows_in_parallel(|y, z, out| {
+        let Some(row) = block.row(y, z) else { return };
+        for (i, bits) in out.iter_mut().enumerate() {
+            let here = row[i];
+            let before = if i > 0 { row[i - 1] } else { 0 };
+            let next = row.get(i + 1).copied().unwrap_or(0);
+            let (low, high) = (here << 1 | before >> 63, here >> 1 | next << 63);
+            *bits = if ALL { here & low & high } else { here | low | high };
+        }
+        for (dy, dz) in [(-1, 0), (1, 0), (0, -1), (0, 1)] {
+            match block.row(y + dy, z + dz) {
+                Some(other) if ALL => out.iter_mut().zip(other).for_each(|(a, b)| *a &= b),
+                Some(other) => out.iter_mut().zip(other).for_each(|(a, b)| *a |= b),
+                None if ALL => out.fill(0),
+                None => {}
+            }
+        }
+    })
+}
+
+const NINE: [(i32, i32); 9] =
+    [(0, 0), (-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (-1, 1), (1, -1), (1, 1)];
+
+fn neighbours<'a>(
+    block: &'a BitBlock,
+    y: i32,
+    z: i32,
+    offsets: &'a [(i32, i32)],
+) -> impl Iterator<Item = &'a [u64]> {
+    offsets.iter().filter_map(move |(dy, dz)| block.row(y + dy, z + dz))
+}
+
+#[cfg(test)]
+#[path = "thickness_tests.rs"]
+mod tests;
