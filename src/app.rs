@@ -15,6 +15,7 @@ mod memory;
 mod overlay;
 mod painter;
 mod pane;
+mod print_check;
 mod references;
 mod screenshot;
 mod stereo_screen;

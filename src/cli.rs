@@ -1,7 +1,8 @@
 //! The command line: from arguments to a job and an exit code.
 //!
 //! Exit codes: 0 success, 1 the job failed, 2 wrong arguments, 3 an input file, script or the
-//! settings cannot be used, 4 no usable Vulkan device or display. Results go to stdout, everything
+//! settings cannot be used, 4 no usable Vulkan device or display,
+//! 5 the checked sculpture cannot be printed as it is. Results go to stdout, everything
 //! else to stderr.
 
 use std::ffi::OsString;
@@ -31,6 +32,7 @@ use crate::terminal;
 use crate::track::{self, TrackArgs};
 
 mod arguments;
+mod check_arguments;
 mod error;
 mod film_arguments;
 mod final_arguments;
@@ -41,6 +43,7 @@ pub use arguments::{ImportArgs, PictureArgs};
 pub use error::ProgramError;
 pub use film_arguments::FilmArgs;
 
+use check_arguments::CheckArgs;
 use final_arguments::{FinalArgs, Tracer};
 use mesh_arguments::MeshArgs;
 
@@ -129,6 +132,17 @@ pub enum Job {
     /// Show what a file contains
     Info {
         file: PathBuf,
+        /// Print one line of JSON, for programs
+        #[arg(long)]
+        json: bool,
+        #[command(flatten)]
+        import: ImportArgs,
+    },
+    /// Check whether a sculpture can be printed in 3D, and list what is wrong (exit code 5 if it cannot)
+    Check {
+        file: PathBuf,
+        #[command(flatten)]
+        check: CheckArgs,
         /// Print one line of JSON, for programs
         #[arg(long)]
         json: bool,
@@ -351,6 +365,9 @@ fn dispatch(cli: Cli) -> Result<(), ProgramError> {
         }
         Some(Job::Info { file, json, import }) => {
             Ok(headless::info(&file, &import.options(), json, &context)?)
+        }
+        Some(Job::Check { file, check, json, import }) => {
+            Ok(headless::check(&file, &check.options(), json, &import.options(), &context)?)
         }
         Some(Job::Demo { scene, out, picture }) => {
             Ok(headless::demo(scene, &out, &picture.request()?, &context)?)

@@ -1,8 +1,9 @@
-//! The jobs that need no screen: render, run, convert, info, demo, and the list of commands.
+//! The jobs that need no screen: render, run, convert, info, check, demo, and the list of commands.
 //!
 //! Results go to stdout, one fact per line; progress and errors to stderr. Files are written before
 //! they are reported, so that a closed stdout costs none.
 
+mod check;
 mod info;
 mod pipe;
 
@@ -20,6 +21,7 @@ use crate::format::options::{ExportForm, ImportOptions};
 use crate::format::{self, FormatError, MeshOptions, store};
 use crate::gpu::DeviceOptions;
 use crate::picture::{self, FinalOptions, PictureError, TraceOn};
+use crate::print_check::CheckError;
 use crate::progress::Progress;
 use crate::render::RenderMode;
 use crate::sculpture::Rgb;
@@ -30,6 +32,7 @@ use crate::terminal::{self, OutputError};
 use crate::trace::TraceShot;
 use crate::view::StereoLayout;
 
+pub use check::check;
 pub use info::info;
 
 /// A scene that the program builds from a script.
@@ -186,6 +189,10 @@ pub enum JobError {
     Refused(usize),
     #[error("cannot create the folder {path}: {error}")]
     Folder { path: PathBuf, error: std::io::Error },
+    #[error(transparent)]
+    Check(#[from] CheckError),
+    #[error("it cannot be printed as it is; the findings say why")]
+    NotPrintable,
     #[error(transparent)]
     Picture(#[from] PictureError),
     #[error("there is no marker {0}; use 0 to {last}", last = family::COUNT - 1)]

@@ -17,6 +17,7 @@ use crate::sculpture::orientation::Orientation;
 use crate::sculpture::region::VoxelBox;
 use crate::sculpture::{ColourDepth, Placement, Rgb};
 use crate::tools::construct::Primitive;
+use crate::tools::mend::Mend;
 use crate::tools::spray::Spray;
 use crate::tools::symmetry::Symmetry;
 
@@ -206,6 +207,8 @@ pub enum Command {
     },
     /// Rotate or mirror the whole sculpture; its size, colours and selection follow.
     Orient(Orientation),
+    /// Make the sculpture fit for printing.
+    Mend(Mend),
     /// Undo the last `steps` steps, or all.
     Undo {
         /// How many; none for all.
@@ -341,6 +344,26 @@ pub const COMMANDS: &[CommandHelp] = &[
         usage: "upright=y|z|-z|-y|x|-x | axes=x,y,z",
         tooltip: "Rotate the whole sculpture so that an axis points up, or exchange and reverse its axes, such as axes=x,-z,y",
     },
+    CommandHelp {
+        verb: "remove-islands",
+        usage: "[keep=standing|largest] [smaller=VOXELS]",
+        tooltip: "Remove the pieces that hang together with nothing, but for the largest, and for those on the bed unless only the largest is kept",
+    },
+    CommandHelp {
+        verb: "fill-cavities",
+        usage: "[smaller=VOXELS]",
+        tooltip: "Fill empty places that do not reach the outside",
+    },
+    CommandHelp {
+        verb: "thicken",
+        usage: "to=VOXELS",
+        tooltip: "Add voxels around walls that are thinner",
+    },
+    CommandHelp {
+        verb: "drain",
+        usage: "[diameter=VOXELS] [toward=down|nearest]",
+        tooltip: "Drill a hole from each cavity to the outside",
+    },
     CommandHelp { verb: "undo", usage: "[N|all]", tooltip: "Undo the last steps" },
     CommandHelp { verb: "redo", usage: "[N|all]", tooltip: "Redo undone steps" },
     CommandHelp {
@@ -397,6 +420,7 @@ impl Command {
             Command::Move { .. } => "move",
             Command::Array { .. } => "array",
             Command::Orient(_) => "orient",
+            Command::Mend(mend) => mend.verb(),
             Command::Undo { .. } => "undo",
             Command::Redo { .. } => "redo",
             Command::Place(_) => "place",

@@ -21,6 +21,7 @@ use crate::sculpture::{ColourDepth, Placement, Rgb};
 use crate::tools::construct::{Primitive, Solid};
 
 mod arguments;
+mod mend;
 mod selection;
 mod spray;
 
@@ -154,6 +155,7 @@ impl fmt::Display for Command {
             | Command::Move { .. }
             | Command::Array { .. }
             | Command::Orient(_) => selection::write(self, f),
+            Command::Mend(mend) => mend::write(mend, f),
             Command::Undo { steps } | Command::Redo { steps } => match steps {
                 Some(n) => write!(f, " {n}"),
                 None => write!(f, " all"),
@@ -230,6 +232,9 @@ impl FromStr for Command {
             },
             "mark" | "select" | "limit" | "irreversible" | "symmetry" | "copy" | "cut"
             | "paste" | "move" | "array" | "orient" => selection::parse(&verb, &mut args)?,
+            "remove-islands" | "fill-cavities" | "thicken" | "drain" => {
+                mend::parse(&verb, &mut args)?
+            }
             "undo" => Command::Undo { steps: parse_steps(&mut args)? },
             "redo" => Command::Redo { steps: parse_steps(&mut args)? },
             "place" => Command::Place(Placement {

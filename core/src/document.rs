@@ -26,6 +26,7 @@ use crate::tools::texture::Texture;
 mod areas;
 mod changes;
 mod error;
+mod mend;
 mod orient;
 mod steps;
 mod tools;
@@ -33,6 +34,7 @@ mod tools;
 pub use changes::ChangeSubscriber;
 use changes::Changes;
 pub use error::CommandError;
+pub use mend::plan_mend;
 pub use orient::orient_contents;
 pub use tools::MAX_ARRAY;
 
@@ -309,6 +311,7 @@ impl Document {
                 Ok(Applied::default())
             }
             Command::Orient(orientation) => self.orient(*orientation, command),
+            Command::Mend(mend) => self.mend(mend, command),
             Command::Undo { steps } => {
                 self.travel(*steps, "undo", |document| document.undo_step(None))
             }

@@ -6,6 +6,7 @@ pub mod command_text;
 pub mod document;
 pub mod format;
 pub mod mesh;
+pub mod print_check;
 pub mod progress;
 pub mod scenes;
 pub mod sculpture;

@@ -276,6 +276,11 @@ impl Session {
                 let contents = self.document.share_contents();
                 Task::Orient { orientation, contents, limits, state: self.document.state() }
             }
+            Command::Mend(mend) => {
+                mend.check(self.document.grid().voxel_size()).map_err(CommandError::from)?;
+                let contents = self.document.share_contents();
+                Task::Mend { mend, contents, limits, state: self.document.state() }
+            }
             Command::New(new) => Task::New { new, limits },
             Command::Open { path, import } => Task::Open { path, import, limits },
             Command::Save { path, form } => Task::Save {
@@ -308,8 +313,13 @@ impl Session {
                     applied = self.document.travel_oriented(&command, *contents)?;
                 }
             }
+            Outcome::Mended { mend, plan, state } if state == self.document.state() => {
+                applied = self.document.put_mended(&plan, &mend, &command)?;
+            }
             // It was changed meanwhile.
-            Outcome::Oriented { .. } => applied = self.document.apply(&command)?,
+            Outcome::Oriented { .. } | Outcome::Mended { .. } => {
+                applied = self.document.apply(&command)?
+            }
             Outcome::Opened { path, loaded } => {
                 let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
                 let Loaded { contents, texts, assumed_up, notes, .. } = *loaded;

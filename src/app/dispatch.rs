@@ -62,6 +62,7 @@ impl Workspace {
             }
             UiRequest::FinalPicture(wanted) => self.start_final_picture(&wanted),
             UiRequest::Film(wanted) => self.start_film(&wanted),
+            UiRequest::PrintCheck(options) => self.start_print_check(options),
             UiRequest::StopWork => editor.cancel_job(),
             // If something is being written, leaving waits for its success.
             UiRequest::Go(Next::Leave) if editor.is_busy() => editor.leave_after_job(),
@@ -103,6 +104,7 @@ impl Workspace {
             }
             Action::FinalPicture => self.ui.dialogs.final_picture.open = true,
             Action::Film => self.ui.dialogs.film.open = true,
+            Action::PrintCheck => self.ui.dialogs.print_check.open ^= true,
             Action::Detach(panel) => self.ui.layout.toggle_detached(panel),
             Action::ScaleUp => self.ui.appearance.scale.change_by(1.0),
             Action::ScaleDown => self.ui.appearance.scale.change_by(-1.0),

@@ -49,7 +49,11 @@ impl Painter {
         let is_screenshot = workspace.ui.window_tasks.screenshot.is_some();
         let (preview, mut lines) = match is_screenshot {
             true => (None, Vec::new()),
-            false => (overlay::preview(&scene), overlay::lines(&scene)),
+            false => {
+                let mut lines = overlay::lines(&scene);
+                lines.extend(workspace.ui.dialogs.print_check.lines(scene.document));
+                (overlay::preview(&scene), lines)
+            }
         };
         if !is_screenshot && workspace.shows_floor() {
             let dims = workspace.editor.document().grid().dims();

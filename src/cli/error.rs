@@ -9,6 +9,7 @@ use crate::film::FilmError;
 use crate::head_tracking::SourceError;
 use crate::headless::JobError;
 use crate::picture::{LINEAR_ENDING, PictureError};
+use crate::print_check::CheckError;
 use crate::session::SessionError;
 use crate::terminal::OutputError;
 use crate::track::TrackError;
@@ -55,7 +56,7 @@ pub enum ProgramError {
     #[error("there is no command '{0}'; `virtual-sculpture --help` lists them")]
     NoJob(String),
     #[error(
-        "there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); `render`, `film`, `run`, `convert`, `info`, `demo` and `bench` need none"
+        "there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); `render`, `film`, `run`, `convert`, `info`, `check`, `demo` and `bench` need none"
     )]
     NoDisplay,
 }
@@ -115,11 +116,15 @@ fn job_code(error: &JobError) -> u8 {
         | JobError::Script { .. }
         | JobError::Command { .. }
         | JobError::Refused(_) => 3,
-        JobError::NoMarker(_) | JobError::Picture(PictureError::SmoothOnDevice) => 2,
+        JobError::NotPrintable => 5,
+        JobError::Check(CheckError::Option(_) | CheckError::Wall { .. })
+        | JobError::NoMarker(_)
+        | JobError::Picture(PictureError::SmoothOnDevice) => 2,
         JobError::Picture(PictureError::Gpu(_) | PictureError::TraceDevice(_)) => 4,
         JobError::Session(_)
         | JobError::Input(_)
         | JobError::Folder { .. }
+        | JobError::Check(_)
         | JobError::WriteMarker { .. }
         | JobError::Picture(_)
         | JobError::Output(_) => 1,

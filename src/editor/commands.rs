@@ -140,7 +140,7 @@ impl Editor {
     }
 
     /// Says why a command was not carried out, or asks whether it is wanted all the same.
-    fn tell(&mut self, command: &Command, error: SessionError) {
+    pub(super) fn tell(&mut self, command: &Command, error: SessionError) {
         if let SessionError::Command(CommandError::Irreversible {
             needed_mib, budget_mib, ..
         }) = error

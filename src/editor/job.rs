@@ -14,8 +14,11 @@ use std::time::{Duration, Instant};
 use super::questions::Next;
 use super::{Editor, Outcome};
 use crate::command::Command;
+use crate::document::Applied;
 use crate::progress::{Report, Stage};
+use crate::sculpture::edit::EditStats;
 use crate::session::{Done, SessionError, Work};
+use crate::tools::mend::Mend;
 
 /// Work shorter than this goes without a sign, which would only flicker.
 const PATIENCE: Duration = Duration::from_millis(150);
@@ -145,6 +148,10 @@ impl Editor {
             Command::Open { .. } => "Opening",
             Command::Save { .. } => "Saving",
             Command::Orient(_) => "Rotating",
+            Command::Mend(Mend::RemoveIslands { .. }) => "Removing islands",
+            Command::Mend(Mend::FillCavities { .. }) => "Filling cavities",
+            Command::Mend(Mend::Thicken { .. }) => "Thickening walls",
+            Command::Mend(Mend::Drain { .. }) => "Drilling holes",
             Command::Undo { .. } => "Undoing",
             Command::Redo { .. } => "Redoing",
             _ => "Creating a new sculpture",
@@ -233,14 +240,35 @@ impl Editor {
         }
     }
 
+    /// Says what has become of a sculpture that was made fit for printing.
+    fn tell_mended(&mut self, applied: &Applied) {
+        let EditStats { voxels_added, voxels_removed, .. } = applied.stats;
+        self.voxels_changed += applied.stats.voxels_changed();
+        match (voxels_added, voxels_removed) {
+            (0, 0) if self.document().selection().limit().is_some() => {
+                self.outcomes.push(Outcome::Limited);
+            }
+            (0, 0) => self.note("Nothing changed: there is nothing to mend"),
+            (added, 0) => self.note(format!("{added} voxels added")),
+            (_, removed) => self.note(format!("{removed} voxels removed")),
+        }
+    }
+
     /// Puts in place what came of long work. True if that went well.
     fn complete(&mut self, done: Done) -> bool {
         let command = done.command().clone();
         let dims = self.document().grid().dims();
-        if let Err(error) = self.session.complete(done) {
-            tracing::warn!("{command}: {error}");
-            self.error(error.to_string());
-            return false;
+        let applied = match self.session.complete(done) {
+            Ok(applied) => applied,
+            Err(error) => {
+                self.tell(&command, error);
+                return false;
+            }
+        };
+        if let Command::Mend(_) = command {
+            self.tell_mended(&applied);
+            self.tell_journal_error();
+            return true;
         }
         self.outcomes.push(Outcome::FileUsed(command.clone()));
         match command {

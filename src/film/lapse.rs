@@ -81,6 +81,7 @@ fn is_step(command: &Command) -> bool {
         | Command::Move { .. }
         | Command::Array { .. }
         | Command::Orient(_)
+        | Command::Mend(_)
         | Command::Undo { .. }
         | Command::Redo { .. } => true,
         // The pose of a film is that of its last frame.

@@ -218,6 +218,8 @@ pub enum Action {
     FinalPicture,
     /// Asks for a film of the sculpture.
     Film,
+    /// Toggles the window of the print check.
+    PrintCheck,
     /// Detaches a panel to a window of its own, or docks it.
     Detach(Panel),
     ScaleUp,
@@ -391,6 +393,7 @@ impl Action {
         Action::CopyScreenshot,
         Action::FinalPicture,
         Action::Film,
+        Action::PrintCheck,
         Action::Export,
         Action::Palette,
         Action::Help,

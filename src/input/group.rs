@@ -60,7 +60,7 @@ impl Group {
             | Lights | Fullscreen | TogglePanels => Group::View,
             ScaleUp | ScaleDown | ScaleReset | ToggleTheme | Detach(_) | ToggleRumble | New
             | Open | Save | SaveAs | Export | Screenshot | CopyScreenshot | FinalPicture | Film
-            | Palette | Help | Guide | Quit => Group::Program,
+            | PrintCheck | Palette | Help | Guide | Quit => Group::Program,
         }
     }
 }

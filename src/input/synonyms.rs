@@ -24,6 +24,9 @@ impl Action {
                 "screenshot capture snapshot photo image clipboard system paste"
             }
             Action::FinalPicture => "final render raytrace path trace shadow sun photo image",
+            Action::PrintCheck => {
+                "3d printing slicer support overhang thin wall island cavity hollow repair analyse"
+            }
             Action::Film => {
                 "movie video animation turntable spin rotate time lapse gif apng export"
             }

@@ -11,6 +11,7 @@ use super::key_table::KeyTable;
 use super::light::LightWindow;
 use super::new_dialog::NewDialog;
 use super::palette::Palette;
+use super::print_check::PrintCheck;
 use crate::command::NewSculpture;
 use crate::editor::job::Busy;
 use crate::editor::questions::{Next, Unkept};
@@ -27,6 +28,8 @@ pub struct Dialogs {
     pub new: NewDialog,
     pub final_picture: FinalDialog,
     pub film: FilmDialog,
+    /// The window of the print check.
+    pub print_check: PrintCheck,
     pub files: Files,
     /// Asks what to do with unsaved work before this.
     pub unsaved: Option<Next>,
@@ -52,6 +55,7 @@ impl Dialogs {
             new: NewDialog::new(new),
             final_picture: FinalDialog::default(),
             film: FilmDialog::default(),
+            print_check: PrintCheck::default(),
             files: Files::new(),
             unsaved: None,
             unkept: None,
@@ -86,6 +90,7 @@ impl Dialogs {
             &mut self.film.open,
             &mut self.keys.open,
             &mut self.references_open,
+            &mut self.print_check.open,
             &mut self.light.open,
             &mut self.guide.open,
         ];

@@ -32,6 +32,7 @@ pub mod options;
 pub mod palette;
 pub mod panels;
 pub mod picture_size;
+pub mod print_check;
 pub mod recent;
 pub mod references;
 pub mod spray_options;
@@ -169,6 +170,7 @@ pub fn show(
     guide::show(root, state, context, requests);
     light::show(root, state);
     references::show(root, state, context.path);
+    print_check::show(root, state, context, requests);
     key_table::show(root, state, context, requests);
     key_catch::show(root, state, requests);
     palette::show(root, state, context, requests);

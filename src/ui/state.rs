@@ -24,6 +24,7 @@ use crate::editor::tool::ToolEdit;
 use crate::input::hands::HandSide;
 use crate::input::remap::KeyChange;
 use crate::input::{Action, Panel};
+use crate::print_check::CheckOptions;
 use crate::render::{Finish, LightOptions, RenderMode, RenderOptions, StereoOptions};
 use crate::screen::headset::{Blend, HeadsetOptions};
 use crate::shade::Lighting;
@@ -47,6 +48,8 @@ pub enum UiRequest {
     FinalPicture(Box<FinalRequest>),
     /// Make a film.
     Film(FilmRequest),
+    /// Check whether the sculpture can be printed.
+    PrintCheck(CheckOptions),
     /// Stop the long work under way, where it can be stopped.
     StopWork,
     /// A step of the calibration of the tracker.

@@ -170,6 +170,7 @@ fn at_the_desk(
         ("Copy picture", Action::CopyScreenshot),
         ("Final picture …", Action::FinalPicture),
         ("Film …", Action::Film),
+        ("Print check …", Action::PrintCheck),
     ] {
         action_button(ui, context, label, action, true, requests);
     }

@@ -1,6 +1,7 @@
 //! The program from outside, as a person or a script runs it without a display: arguments, files, exit codes and
 //! messages.
 
+mod check;
 mod files;
 mod film;
 mod final_picture;

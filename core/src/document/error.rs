@@ -8,6 +8,7 @@ use super::tools::{MAX_ARRAY, MAX_REPEATED};
 use crate::sculpture::GridError;
 use crate::sculpture::orient::OrientError;
 use crate::sculpture::selection::MAX_BOXES;
+use crate::tools::mend::MendError;
 
 /// Why a command was refused. The sculpture is as it was before.
 #[derive(Debug, Error)]
@@ -43,6 +44,9 @@ pub enum CommandError {
         /// MiB allowed.
         budget_mib: usize,
     },
+    /// The sculpture cannot be mended so.
+    #[error(transparent)]
+    Mend(MendError),
     /// The work was cancelled.
     #[error("cancelled")]
     Cancelled,
@@ -95,6 +99,15 @@ pub enum CommandError {
         "an array must have 1 to {MAX_ARRAY} copies and at most {MAX_REPEATED} uses of a tool in all"
     )]
     Array,
+}
+
+impl From<MendError> for CommandError {
+    fn from(error: MendError) -> CommandError {
+        match error {
+            MendError::Cancelled => CommandError::Cancelled,
+            other => CommandError::Mend(other),
+        }
+    }
 }
 
 impl From<OrientError> for CommandError {

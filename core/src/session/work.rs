@@ -1,4 +1,4 @@
-//! The long part of commands: reading, writing, creating and rotating a sculpture. It needs no session, so
+//! The long part of commands: reading, writing, creating, rotating and mending a sculpture. It needs no session, so
 //! that it can run on another thread while a window shows the present sculpture.
 //!
 //! [`Session::prepare`](super::Session::prepare) returns a [`Work`], [`Work::run`] runs it, and
@@ -15,6 +15,7 @@ use crate::format::{self, Loaded, Texts};
 use crate::progress::Progress;
 use crate::sculpture::history::{Contents, State};
 use crate::sculpture::orientation::Orientation;
+use crate::tools::mend::{Mend, MendPlan};
 
 /// Work to run.
 #[derive(Debug)]
@@ -27,6 +28,7 @@ pub struct Work {
 pub(super) enum Task {
     New { new: NewSculpture, limits: Limits },
     Orient { orientation: Orientation, contents: Arc<Contents>, limits: Limits, state: State },
+    Mend { mend: Mend, contents: Arc<Contents>, limits: Limits, state: State },
     Open { path: PathBuf, import: ImportOptions, limits: Limits },
     Save { path: PathBuf, form: ExportForm, contents: Arc<Contents>, texts: Texts, state: State },
 }
@@ -45,6 +47,12 @@ pub(super) enum Outcome {
     Oriented {
         orientation: Orientation,
         contents: Box<Contents>,
+        state: State,
+    },
+    /// `state`: of the document that it was made for.
+    Mended {
+        mend: Mend,
+        plan: MendPlan,
         state: State,
     },
     Opened {
@@ -68,6 +76,10 @@ impl Work {
                 let contents =
                     document::orient_contents(&contents, orientation, &limits, progress)?;
                 Outcome::Oriented { orientation, contents: Box::new(contents), state }
+            }
+            Task::Mend { mend, contents, limits, state } => {
+                let plan = document::plan_mend(&contents, &mend, &limits, progress)?;
+                Outcome::Mended { mend, plan, state }
             }
             Task::Open { path, import, limits } => {
                 let loaded = Box::new(load(&path, &import, &limits, progress)?);

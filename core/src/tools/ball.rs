@@ -41,7 +41,10 @@ impl Ball {
     /// None if the ball has more than [`MAX_BALL_VX`] voxels on an axis, or a number is not finite or not
     /// positive.
     pub fn new(diameter: f32, voxel: Vec3) -> Option<Ball> {
-        if !(diameter.is_finite() && diameter > 0.0 && voxel.is_finite() && voxel.min_element() > 0.0)
+        if !(diameter.is_finite()
+            && diameter > 0.0
+            && voxel.is_finite()
+            && voxel.min_element() > 0.0)
         {
             return None;
         }

@@ -9,9 +9,11 @@ mod construct_quadric;
 mod construct_spans;
 #[cfg(test)]
 mod construct_tests;
+pub mod drain;
 pub mod filter;
 #[cfg(test)]
 mod limit_tests;
+pub mod mend;
 pub mod pieces;
 #[cfg(test)]
 mod pieces_tests;

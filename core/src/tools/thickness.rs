@@ -17,7 +17,7 @@ use crate::sculpture::Grid;
 use crate::sculpture::bit_block::BitBlock;
 
 /// Rounds in which walls are thickened: walls at a border of the grid grow to one side only, and by less.
-const ROUNDS: u32 = 4;
+const ROUNDS: u32 = 8;
 /// Blocks of the size of the sculpture's box that are in memory at the same time.
 const BLOCKS: u64 = 6;
 

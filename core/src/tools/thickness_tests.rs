@@ -110,7 +110,8 @@ fn thickened_slabs_are_as_thick_as_wanted_or_a_voxel_thicker() {
         for wanted in 2..=6 {
             let before = slab(0, -2.0, count);
             let after = thickened(before.clone(), wanted as f32);
-            let through = |grid: &Grid| (0..40).filter(|x| grid.get(IVec3::new(*x, 20, 20))).count();
+            let through =
+                |grid: &Grid| (0..40).filter(|x| grid.get(IVec3::new(*x, 20, 20))).count();
             let expected = if count >= wanted { count..=count } else { wanted..=wanted + 1 };
             assert!(expected.contains(&(through(&after) as u32)), "{count} to {wanted}");
             assert_eq!(thin_count(&after, wanted as f32), 0);
@@ -171,7 +172,7 @@ proptest! {
 
     #[test]
     fn whatever_was_thickened_is_thick(
-        seeds in prop::collection::vec((prop::array::uniform3(6f32..34.0), 0.5f32..4.0), 1..5), wanted in 2f32..5.0,
+        seeds in prop::collection::vec((prop::array::uniform3(12f32..28.0), 0.5f32..4.0), 1..5), wanted in 2f32..5.0,
     ) {
         let solid = grid(|p| seeds.iter().any(|(c, r)| {
             let d = p + EDGE as f32 * 0.5 - Vec3::from(*c);

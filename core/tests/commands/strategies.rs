@@ -14,6 +14,7 @@ use sculpture_core::sculpture::orientation::{Orientation, Up};
 use sculpture_core::sculpture::region::VoxelBox;
 use sculpture_core::sculpture::{ColourDepth, Placement, Rgb};
 use sculpture_core::tools::construct::{Primitive, Solid};
+use sculpture_core::tools::mend::{Keep, Mend, Toward};
 use sculpture_core::tools::spray::{Effect, Footprint, Outline, Spray};
 use sculpture_core::tools::symmetry::{Parity, Symmetry};
 
@@ -267,6 +268,20 @@ pub fn area_work() -> impl Strategy<Value = Command> {
         1 => orientation().prop_map(Command::Orient),
         3 => (0u32..4, near()).prop_map(|(count, step)| Command::Array { count, step }),
         6 => spray,
+        4 => mend(|| 0.5f32..6.0).prop_map(Command::Mend),
+    ]
+}
+
+/// Mends with lengths in `length`.
+fn mend<S: Strategy<Value = f32>>(length: impl Fn() -> S) -> impl Strategy<Value = Mend> {
+    let smaller = || prop::option::of(any::<u32>());
+    prop_oneof![
+        (prop::sample::select(&Keep::ALL[..]), smaller())
+            .prop_map(|(keep, smaller_vx)| Mend::RemoveIslands { keep, smaller_vx }),
+        smaller().prop_map(|smaller_vx| Mend::FillCavities { smaller_vx }),
+        length().prop_map(|to_vx| Mend::Thicken { to_vx }),
+        (length(), prop::sample::select(&Toward::ALL[..]))
+            .prop_map(|(diameter_vx, toward)| Mend::Drain { diameter_vx, toward }),
     ]
 }
 
@@ -341,6 +356,7 @@ pub fn any_command() -> impl Strategy<Value = Command> {
             .prop_map(|(by, orientation)| Command::Move { by, orientation }),
         (any::<u32>(), any_ivec3()).prop_map(|(count, step)| Command::Array { count, step }),
         orientation().prop_map(Command::Orient),
+        mend(any_number).prop_map(Command::Mend),
         steps().prop_map(|steps| Command::Undo { steps }),
         steps().prop_map(|steps| Command::Redo { steps }),
         place,

@@ -1,0 +1,308 @@
+//! The print check: what keeps a sculpture from being printed in 3D, where it is, and which command mends it.
+//!
+//! Islands, cavities, thin walls, overhangs, and the size on the bed: what slicers (PrusaSlicer) and programs that
+//! repair models (Meshmixer) check. From a grid and [`CheckOptions`] to a [`Checked`]; changes nothing and knows no
+//! document. Up is y; the bed lies below the lowest voxel. All cores work, and memory is checked before it is taken.
+
+mod overhang;
+mod places;
+#[cfg(test)]
+mod tests;
+
+use glam::Vec3;
+use thiserror::Error;
+
+use crate::progress::Progress;
+use crate::sculpture::region::{ListedBricks, VoxelBox};
+use crate::sculpture::{Grid, GridError};
+use crate::tools::mend::{self, Keep, Mend, MendError, Toward};
+use crate::tools::pieces::{Part, Pieces, pieces};
+
+/// Diameter of the drain holes that are proposed, in millimetres: resin and powder run out of less with difficulty.
+const DRAIN_MM: f32 = 3.0;
+/// Most places of a kind that are listed; the largest ones.
+pub const MOST_PLACES: usize = 1000;
+
+/// What is asked of a print.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct CheckOptions {
+    /// Length of a voxel along x in millimetres; none for the sculpture's voxel size.
+    pub voxel_mm: Option<f32>,
+    /// Walls must be at least so thick.
+    pub wall_mm: f32,
+    /// Surfaces may lean so far out from the vertical without support: 0 for none, 90 for all.
+    pub overhang_deg: f32,
+    /// Gaps that are bridged along x or z without support.
+    pub bridge_mm: f32,
+    /// Width (x), height (y) and depth (z) of the space above the bed.
+    pub bed_mm: Vec3,
+}
+
+impl Default for CheckOptions {
+    fn default() -> Self {
+        CheckOptions {
+            voxel_mm: None,
+            wall_mm: 1.2,
+            overhang_deg: 45.0,
+            bridge_mm: 5.0,
+            bed_mm: Vec3::new(220.0, 250.0, 220.0),
+        }
+    }
+}
+
+/// Why a sculpture cannot be checked.
+#[derive(Debug, Error, PartialEq)]
+pub enum CheckError {
+    /// The work was cancelled.
+    #[error("cancelled")]
+    Cancelled,
+    /// An option is out of range.
+    #[error("{0}")]
+    Option(&'static str),
+    /// The walls are too thick to measure in these voxels.
+    #[error(
+        "walls of {wall_mm} mm are more than 64 voxels of {voxel_mm} mm thick, which cannot be measured; \
+         ask for thinner walls, or for larger voxels"
+    )]
+    Wall {
+        /// The thickness asked for.
+        wall_mm: f32,
+        /// The shortest edge of a voxel.
+        voxel_mm: f32,
+    },
+    /// It takes too much memory.
+    #[error(transparent)]
+    Mend(MendError),
+    /// It takes too much memory.
+    #[error(transparent)]
+    Grid(#[from] GridError),
+}
+
+impl From<MendError> for CheckError {
+    fn from(error: MendError) -> CheckError {
+        match error {
+            MendError::Cancelled => CheckError::Cancelled,
+            other => CheckError::Mend(other),
+        }
+    }
+}
+
+/// What may be wrong with a print.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Kind {
+    /// Pieces that do not stand on the bed and hang together with nothing.
+    Islands,
+    /// Empty places that do not reach the outside.
+    Cavities,
+    /// Walls that are thinner than wanted.
+    ThinWalls,
+    /// Surfaces that need support.
+    Overhangs,
+}
+
+impl Kind {
+    /// All, in the order of the report.
+    pub const ALL: [Kind; 4] = [Kind::Islands, Kind::Cavities, Kind::ThinWalls, Kind::Overhangs];
+
+    /// Its name for people.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Kind::Islands => "floating pieces",
+            Kind::Cavities => "closed cavities",
+            Kind::ThinWalls => "thin walls",
+            Kind::Overhangs => "overhangs",
+        }
+    }
+
+    /// Its name for programs.
+    pub const fn key(self) -> &'static str {
+        match self {
+            Kind::Islands => "islands",
+            Kind::Cavities => "cavities",
+            Kind::ThinWalls => "thin_walls",
+            Kind::Overhangs => "overhangs",
+        }
+    }
+}
+
+/// A place where something is wrong.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Place {
+    /// Number of voxels.
+    pub voxels: u64,
+    /// The smallest box around them.
+    pub bounds: VoxelBox,
+}
+
+/// All that is wrong of one kind.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Finding {
+    /// What is wrong.
+    pub kind: Kind,
+    /// Number of places; [`Finding::places`] lists the largest.
+    pub count: usize,
+    /// Voxels of all places.
+    pub voxels: u64,
+    /// The largest first, at most [`MOST_PLACES`].
+    pub places: Vec<Place>,
+    /// The voxels of all places.
+    pub marked: ListedBricks,
+    /// What mends it, the best first. Nothing but support material mends overhangs.
+    pub mends: Vec<Mend>,
+}
+
+/// The result of a check.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Checked {
+    /// Edges of a voxel in millimetres.
+    pub voxel_mm: Vec3,
+    /// Width, height and depth of all voxels together; zero if there are none.
+    pub size_mm: Vec3,
+    /// Whether that has room above the bed, turned about the vertical by a quarter if need be.
+    pub fits: bool,
+    /// The area that stands on the bed.
+    pub contact_mm2: f32,
+    /// What is wrong; only kinds of which there is something.
+    pub findings: Vec<Finding>,
+}
+
+impl Checked {
+    /// Whether it can be printed as it is, overhangs on support.
+    pub fn is_printable(&self) -> bool {
+        let supported = |finding: &Finding| finding.kind == Kind::Overhangs;
+        self.size_mm != Vec3::ZERO && self.fits && self.findings.iter().all(supported)
+    }
+
+    /// The finding of a kind, if there is one.
+    pub fn finding(&self, kind: Kind) -> Option<&Finding> {
+        self.findings.iter().find(|finding| finding.kind == kind)
+    }
+}
+
+impl CheckOptions {
+    /// An error that names the first option that is out of range.
+    pub fn check(&self) -> Result<(), CheckError> {
+        let is_length = |mm: f32| mm.is_finite() && mm > 0.0;
+        let checks = [
+            (self.voxel_mm.is_none_or(is_length), "the length of a voxel must be above 0 mm"),
+            (is_length(self.wall_mm), "the thickness of walls must be above 0 mm"),
+            (
+                (0.0..=90.0).contains(&self.overhang_deg),
+                "the angle of overhangs must be 0 to 90 degrees from the vertical",
+            ),
+            (
+                self.bridge_mm >= 0.0 && self.bridge_mm.is_finite(),
+                "the length of bridges must be 0 mm or more",
+            ),
+            (
+                self.bed_mm.to_array().into_iter().all(is_length),
+                "width, depth and height of the bed must be above 0 mm",
+            ),
+        ];
+        let wrong = checks.into_iter().find(|(is_right, _)| !is_right);
+        wrong.map_or(Ok(()), |(_, what)| Err(CheckError::Option(what)))
+    }
+
+    /// The edges of a voxel of `grid` in millimetres.
+    pub fn voxel_mm_of(&self, grid: &Grid) -> Vec3 {
+        let size = grid.voxel_size();
+        self.voxel_mm.map_or(size, |mm| size * (mm / size.x))
+    }
+}
+
+/// Checks `grid`, with at most about `budget_bytes` beside it.
+pub fn check(
+    grid: &Grid,
+    options: &CheckOptions,
+    budget_bytes: u64,
+    progress: &dyn Progress,
+) -> Result<Checked, CheckError> {
+    options.check()?;
+    let voxel_mm = options.voxel_mm_of(grid);
+    let wall_vx = options.wall_mm / voxel_mm.x;
+    let too_thick = CheckError::Wall { wall_mm: options.wall_mm, voxel_mm: voxel_mm.min_element() };
+    let thickness = mend::thickness(wall_vx, grid.voxel_size()).map_err(|_| too_thick)?;
+    let Some((low, high)) = grid.opaque_bounds() else {
+        let (size_mm, findings) = (Vec3::ZERO, Vec::new());
+        return Ok(Checked { voxel_mm, size_mm, fits: true, contact_mm2: 0.0, findings });
+    };
+    let size_mm = (high - low).as_vec3() * voxel_mm;
+    let mut findings = Vec::new();
+    findings.extend(islands(grid, budget_bytes, progress)?);
+    findings.extend(cavities(grid, voxel_mm.x, budget_bytes, progress)?);
+
+    mend::check_memory(grid, budget_bytes)?;
+    let thin = thickness.thin(grid, progress).ok_or(CheckError::Cancelled)?;
+    let thin = ListedBricks::new(thin.bricks(grid.brick_dims()));
+    let thicken = vec![Mend::Thicken { to_vx: wall_vx }];
+    findings.extend(places::gathered(
+        grid,
+        Kind::ThinWalls,
+        thin,
+        thicken,
+        budget_bytes,
+        progress,
+    )?);
+
+    let over = overhang::overhangs(grid, options, low.y, progress).ok_or(CheckError::Cancelled)?;
+    findings.extend(places::gathered(grid, Kind::Overhangs, over, vec![], budget_bytes, progress)?);
+    let contact = places::count_in_layer(grid, low.y) as f32;
+    Ok(Checked {
+        voxel_mm,
+        size_mm,
+        fits: fits(size_mm, options.bed_mm),
+        contact_mm2: contact * voxel_mm.x * voxel_mm.z,
+        findings,
+    })
+}
+
+/// Whether a print has room above the bed, turned about the vertical by a quarter if need be.
+fn fits(size: Vec3, bed: Vec3) -> bool {
+    size.cmple(bed).all() || Vec3::new(size.z, size.y, size.x).cmple(bed).all()
+}
+
+fn islands(
+    grid: &Grid,
+    budget_bytes: u64,
+    progress: &dyn Progress,
+) -> Result<Option<Finding>, MendError> {
+    let found = pieces(grid, Part::Solid, budget_bytes, progress)?;
+    let standing = mend::standing(&found);
+    let largest_stands = found.largest().is_none_or(|piece| standing[piece as usize]);
+    // Where the largest piece floats, what stands on the bed is to go.
+    let keep = if largest_stands { Keep::Standing } else { Keep::Largest };
+    let mends = vec![Mend::RemoveIslands { keep, smaller_vx: None }];
+    Ok(of_pieces(grid, &found, Kind::Islands, mends, &|piece| !standing[piece as usize]))
+}
+
+fn cavities(
+    grid: &Grid,
+    voxel_mm: f32,
+    budget_bytes: u64,
+    progress: &dyn Progress,
+) -> Result<Option<Finding>, MendError> {
+    let found = pieces(grid, Part::Empty, budget_bytes, progress)?;
+    let diameter_vx = (DRAIN_MM / voxel_mm).clamp(1.0, 64.0);
+    let mends = vec![
+        Mend::FillCavities { smaller_vx: None },
+        Mend::Drain { diameter_vx, toward: Toward::Down },
+    ];
+    Ok(of_pieces(grid, &found, Kind::Cavities, mends, &|piece| !found.reaches_border(piece)))
+}
+
+/// The finding of those pieces that are wrong.
+fn of_pieces(
+    grid: &Grid,
+    found: &Pieces,
+    kind: Kind,
+    mends: Vec<Mend>,
+    is_wrong: &(dyn Fn(u32) -> bool + Sync),
+) -> Option<Finding> {
+    let wrong = (0u32..).zip(found.list()).filter(|(number, _)| is_wrong(*number));
+    let all = wrong.map(|(_, piece)| {
+        let (min, max) = piece.bounds();
+        let bounds = VoxelBox { min: min.as_ivec3(), max: max.as_ivec3() };
+        Place { voxels: piece.voxels.into(), bounds }
+    });
+    places::finding(kind, all.collect(), mends, || mend::voxels_of(grid, found, is_wrong))
+}

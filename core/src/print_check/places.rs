@@ -1,0 +1,121 @@
+//! Gathers the voxels that something is wrong with into places: voxels that are near each other are one place.
+//!
+//! From masks to a [`Finding`].
+
+use glam::{IVec3, UVec3};
+use rayon::prelude::*;
+
+use super::{CheckError, Finding, Kind, MOST_PLACES, Place};
+use crate::progress::Progress;
+use crate::sculpture::Grid;
+use crate::sculpture::brick::{BRICK_EDGE_VX, Brick, local_coords};
+use crate::sculpture::region::{ListedBricks, Region, VoxelBox};
+use crate::tools::mend::Mend;
+use crate::tools::pieces::{Part, pieces};
+
+/// Overhangs of fewer voxels are the roughness of a surface.
+const LEAST_OVERHANG: u64 = 4;
+
+/// A finding of `places`; none if there are none.
+pub fn finding(
+    kind: Kind,
+    mut places: Vec<Place>,
+    mends: Vec<Mend>,
+    marked: impl FnOnce() -> ListedBricks,
+) -> Option<Finding> {
+    if places.is_empty() {
+        return None;
+    }
+    let (count, voxels) = (places.len(), places.iter().map(|place| place.voxels).sum());
+    places.sort_by_key(|place| std::cmp::Reverse(place.voxels));
+    places.truncate(MOST_PLACES);
+    Some(Finding { kind, count, voxels, places, marked: marked(), mends })
+}
+
+/// The finding of the voxels `marked`, those within about two voxels of each other in one place.
+pub fn gathered(
+    grid: &Grid,
+    kind: Kind,
+    marked: ListedBricks,
+    mends: Vec<Mend>,
+    budget_bytes: u64,
+    progress: &dyn Progress,
+) -> Result<Option<Finding>, CheckError> {
+    if marked.bricks().is_empty() {
+        return Ok(None);
+    }
+    // The cells of 2^3 voxels that hold one, and those around them: what touches is one place.
+    let bounds = marked.bounds_vx();
+    let corner = bounds.min.max(IVec3::ZERO).as_uvec3() / 2;
+    let dims = (bounds.max.as_uvec3() / 2 - corner).max(UVec3::ONE);
+    let mut cells = Grid::new(dims, glam::Vec3::ONE, budget_bytes)?;
+    let mut masks = vec![Brick::EMPTY; cells.brick_count()];
+    for v in voxels(&marked) {
+        let cell = (v / 2 - corner).as_ivec3();
+        for offset in [IVec3::ZERO, IVec3::X, IVec3::Y, IVec3::Z] {
+            let at = cell + offset;
+            if cells.contains(at) {
+                let local = at.as_uvec3() % BRICK_EDGE_VX;
+                let index = cells.brick_index(at.as_uvec3() / BRICK_EDGE_VX);
+                masks[index].set(local.x, local.y, local.z, true);
+            }
+        }
+    }
+    let mask_of = |b: UVec3| b.x + dims.x.div_ceil(8) * (b.y + dims.y.div_ceil(8) * b.z);
+    cells.fill_bricks(|b| masks[mask_of(b) as usize]);
+    let found = pieces(&cells, Part::Solid, budget_bytes, progress).map_err(mend_error)?;
+    let none = VoxelBox { min: IVec3::MAX, max: IVec3::MIN };
+    let mut places = vec![Place { voxels: 0, bounds: none }; found.list().len()];
+    let place_of = |v: UVec3| found.at((v / 2 - corner).as_ivec3()).map(|piece| piece as usize);
+    for v in voxels(&marked) {
+        let Some(piece) = place_of(v) else { continue };
+        let place = &mut places[piece];
+        place.voxels += 1;
+        place.bounds.min = place.bounds.min.min(v.as_ivec3());
+        place.bounds.max = place.bounds.max.max(v.as_ivec3() + 1);
+    }
+    let least = if kind == Kind::Overhangs { LEAST_OVERHANG } else { 1 };
+    let is_kept: Vec<bool> = places.iter().map(|place| place.voxels >= least).collect();
+    places.retain(|place| place.voxels >= least);
+    let kept = || {
+        let of_brick = |(b, mask): &(UVec3, Brick)| {
+            let mut kept = Brick::EMPTY;
+            mask.for_each(|local| {
+                let [x, y, z] = local_coords(local);
+                let v = *b * BRICK_EDGE_VX + UVec3::new(x, y, z);
+                if place_of(v).is_some_and(|piece| is_kept[piece]) {
+                    kept.set(x, y, z, true);
+                }
+            });
+            (*b, kept)
+        };
+        let kept = marked.bricks().par_iter().map(of_brick);
+        ListedBricks::new(kept.filter(|(_, mask)| !mask.is_empty()).collect())
+    };
+    debug_assert!(bounds.max.cmple((grid.brick_dims() * BRICK_EDGE_VX).as_ivec3()).all());
+    Ok(finding(kind, places, mends, kept))
+}
+
+fn mend_error(error: crate::tools::pieces::PiecesError) -> CheckError {
+    CheckError::from(crate::tools::mend::MendError::from(error))
+}
+
+/// The voxels of `marked`.
+pub fn voxels(marked: &ListedBricks) -> impl Iterator<Item = UVec3> {
+    marked.bricks().iter().flat_map(|(b, mask)| {
+        let mut inside = Vec::with_capacity(mask.count().into());
+        mask.for_each(|local| inside.push(*b * BRICK_EDGE_VX + UVec3::from(local_coords(local))));
+        inside
+    })
+}
+
+/// Number of voxels in the layer `y` of a grid.
+pub fn count_in_layer(grid: &Grid, y: u32) -> u64 {
+    let (row, UVec3 { x, z, .. }) = (y / BRICK_EDGE_VX, grid.brick_dims());
+    let bricks = (0..z).flat_map(|z| (0..x).map(move |x| UVec3::new(x, row, z)));
+    let in_brick = |b: UVec3| -> u32 {
+        let rows = grid.brick(b).to_rows();
+        rows.iter().map(|rows| (rows >> (8 * (y % BRICK_EDGE_VX)) & 0xFF).count_ones()).sum()
+    };
+    bricks.map(|b| u64::from(in_brick(b))).sum()
+}

@@ -1,0 +1,41 @@
+//! The print check from the window: runs on a thread, while the window stays alive.
+//!
+//! Checks the sculpture as it is at the start; the result goes to the window of the check. Knows no window.
+
+use std::sync::PoisonError;
+
+use super::workspace::Workspace;
+use crate::editor::job::Failure;
+use crate::print_check::{self, CheckError, CheckOptions};
+use crate::progress::Report;
+use crate::ui::print_check::Found;
+
+impl Workspace {
+    /// Starts a check.
+    pub(super) fn start_print_check(&mut self, options: CheckOptions) {
+        let document = self.session().document();
+        let (contents, revision) = (document.share_contents(), document.revision());
+        let budget = document.limits().grid_bytes;
+        let news = self.ui.dialogs.print_check.news();
+        let work = move |report: &Report| match print_check::check(
+            &contents.grid,
+            &options,
+            budget,
+            report,
+        ) {
+            Ok(checked) => {
+                let note = match checked.findings.len() {
+                    0 if checked.is_printable() => "Print check: no faults found",
+                    _ if checked.is_printable() => "Print check: printable with support",
+                    _ => "Print check: there is something to mend",
+                };
+                let found = Found::new(checked, revision);
+                *news.lock().unwrap_or_else(PoisonError::into_inner) = Some(found);
+                Ok(note.to_string())
+            }
+            Err(CheckError::Cancelled) => Err(Failure::Cancelled),
+            Err(error) => Err(Failure::Error(format!("Print check: {error}"))),
+        };
+        self.editor.start_side_work(work, "Print check");
+    }
+}
