@@ -1,6 +1,8 @@
 //! Measures edits as a person makes them: a command applied to a document, with counts, dirty
 //! set and undo record included. Restoring the sculpture between two runs is not timed.
 //!
+//! The print check and the longest of the commands that mend are measured on sculptures of the benchmark.
+//!
 //! Throughput is given in voxels that the solid holds.
 
 use std::hint::black_box;
@@ -10,9 +12,12 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use glam::{EulerRot, Quat, UVec3, Vec3};
 use sculpture_core::command::{Area, Command, NewSculpture};
 use sculpture_core::document::{Document, Limits};
+use sculpture_core::print_check::{CheckOptions, check};
+use sculpture_core::scenes;
 use sculpture_core::sculpture::edit::EditOp;
 use sculpture_core::sculpture::{ColourDepth, Rgb};
 use sculpture_core::tools::construct::{Primitive, Solid};
+use sculpture_core::tools::mend::Mend;
 
 const PAINT: Rgb = Rgb::new(190, 30, 60);
 
@@ -277,5 +282,25 @@ fn whole(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, primitives, cheese, strokes, whole);
+fn print_checks(c: &mut Criterion) {
+    let mut group = c.benchmark_group("print check 512");
+    group.sample_size(10);
+    let gyroid = scenes::gyroid(512, 1).expect("a scene");
+    let cheese = scenes::cheese(512, 300, 7).expect("a scene");
+    for (name, grid) in [("gyroid", &gyroid), ("cheese", &cheese)] {
+        for wall_mm in [2.0, 12.0] {
+            let options = CheckOptions { wall_mm, ..Default::default() };
+            group.bench_function(format!("{name}, walls of {wall_mm} voxels"), |b| {
+                b.iter(|| black_box(check(grid, &options, 1 << 30, &())));
+            });
+        }
+    }
+    let thicken = Mend::Thicken { to_vx: 12.0 };
+    group.bench_function("gyroid, thicken to 12 voxels", |b| {
+        b.iter(|| black_box(thicken.plan(&gyroid, 1 << 30, &())));
+    });
+    group.finish();
+}
+
+criterion_group!(benches, primitives, cheese, strokes, whole, print_checks);
 criterion_main!(benches);

@@ -11,6 +11,16 @@ use crate::progress::Report;
 use crate::ui::print_check::Found;
 
 impl Workspace {
+    /// Opens the window of the check, which begins unless the sculpture has been checked, or closes it.
+    pub(super) fn toggle_print_check(&mut self) {
+        let window = &mut self.ui.dialogs.print_check;
+        window.open ^= true;
+        if window.open && !window.is_current(self.editor.document()) {
+            let options = window.options;
+            self.start_print_check(options);
+        }
+    }
+
     /// Starts a check.
     pub(super) fn start_print_check(&mut self, options: CheckOptions) {
         let document = self.session().document();

@@ -84,6 +84,11 @@ impl PrintCheck {
         }
     }
 
+    /// Whether the sculpture as it is now has been checked.
+    pub fn is_current(&self, document: &Document) -> bool {
+        self.current(document).is_some()
+    }
+
     /// What was found in the sculpture as it is now.
     fn current(&self, document: &Document) -> Option<&Found> {
         self.found.as_ref().filter(|found| found.revision == document.revision())
@@ -246,7 +251,7 @@ fn findings(
     context: &UiContext,
     requests: &mut Vec<UiRequest>,
 ) {
-    let is_current = window.current(context.document).is_some();
+    let is_current = window.is_current(context.document);
     let PrintCheck { found: Some(found), chosen, .. } = window else { return };
     ui.separator();
     if !is_current {
@@ -340,9 +345,9 @@ const fn meaning(kind: Kind) -> &'static str {
 
 const fn name_of(mend: &Mend) -> &'static str {
     match mend {
-        Mend::RemoveIslands { .. } => "Remove",
-        Mend::FillCavities { .. } => "Fill",
-        Mend::Thicken { .. } => "Thicken",
+        Mend::RemoveIslands { .. } => "Remove islands",
+        Mend::FillCavities { .. } => "Fill cavities",
+        Mend::Thicken { .. } => "Thicken walls",
         Mend::Drain { .. } => "Drill drain holes",
     }
 }

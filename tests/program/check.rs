@@ -16,7 +16,7 @@ fn output_of(folder: &Path, arguments: &[&str]) -> (i32, String) {
 const SCRIPT: &str = "new dims=48,48,48 fill=empty
 add cuboid at=16,12,16 half=12
 subtract cuboid at=16,12,16 half=4
-add cuboid at=40,12,16 half=0.5,12,12
+add cuboid at=40.5,12,16 half=0.5,12,12
 add cuboid at=16,40,16 half=2
 ";
 

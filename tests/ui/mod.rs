@@ -8,6 +8,7 @@ mod light;
 mod memory;
 mod panels;
 mod pictures;
+mod print_check;
 mod surface;
 mod switches;
 mod toasts;

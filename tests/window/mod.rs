@@ -13,6 +13,7 @@ mod light;
 mod memory;
 mod panels;
 mod pictures;
+mod print_check;
 mod process;
 mod program;
 mod stereo;
