@@ -271,7 +271,9 @@ fn findings(
     if checked.findings.is_empty() && checked.is_printable() {
         ui.label("No faults found: it can be printed without support.");
     }
-    ScrollArea::vertical().max_height(HEIGHT).show(ui, |ui| {
+    // Otherwise the list keeps the height that the window had without it.
+    let list = ScrollArea::vertical().max_height(HEIGHT).min_scrolled_height(HEIGHT);
+    list.auto_shrink([false, true]).show(ui, |ui| {
         for finding in &checked.findings {
             ui.push_id(finding.kind, |ui| {
                 of_kind(ui, finding, checked, is_current, chosen, requests);
