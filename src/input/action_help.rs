@@ -212,11 +212,9 @@ impl Action {
                 Tap,
                 "Make a picture of the view with shadows and reflected light",
             ),
-            Action::PrintCheck => (
-                "print-check",
-                Tap,
-                "Check whether the sculpture can be printed in 3D, and mend it",
-            ),
+            Action::PrintCheck => {
+                ("print-check", Tap, "Check whether the sculpture can be printed, and mend it")
+            }
             Action::Film => {
                 ("film", Tap, "Make a film: a turntable, or a time lapse of the recording")
             }

@@ -25,7 +25,7 @@ impl Action {
             }
             Action::FinalPicture => "final render raytrace path trace shadow sun photo image",
             Action::PrintCheck => {
-                "3d printing slicer support overhang thin wall island cavity hollow repair analyse"
+                "printing printer slicer support overhang thin wall island cavity hollow repair analyse"
             }
             Action::Film => {
                 "movie video animation turntable spin rotate time lapse gif apng export"

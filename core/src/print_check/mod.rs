@@ -17,6 +17,7 @@ use crate::sculpture::region::{ListedBricks, VoxelBox};
 use crate::sculpture::{Grid, GridError};
 use crate::tools::mend::{self, Keep, Mend, MendError, Toward};
 use crate::tools::pieces::{Part, Pieces, pieces};
+use crate::tools::thickness::Thickness;
 
 /// Diameter of the drain holes that are proposed, in millimetres: resin and powder run out of less with difficulty.
 const DRAIN_MM: f32 = 3.0;
@@ -231,7 +232,7 @@ pub fn check(
     findings.extend(islands(grid, budget_bytes, progress)?);
     findings.extend(cavities(grid, voxel_mm.x, budget_bytes, progress)?);
 
-    mend::check_memory(grid, budget_bytes)?;
+    mend::check_memory(Thickness::bytes_to_measure(grid), budget_bytes)?;
     let thin = thickness.thin(grid, progress).ok_or(CheckError::Cancelled)?;
     let thin = ListedBricks::new(thin.bricks(grid.brick_dims()));
     let thicken = vec![Mend::Thicken { to_vx: wall_vx }];

@@ -74,7 +74,7 @@ impl Ball {
             for y in first[1]..=last[1] {
                 let mut inside = (first[0]..=last[0]).filter(|&x| square(x, y, z) <= widest);
                 if let Some(low) = inside.next() {
-                    runs.push(Run { y, z, low, high: inside.last().unwrap_or(low) });
+                    runs.push(Run { y, z, low, high: inside.next_back().unwrap_or(low) });
                 }
             }
         }

@@ -184,7 +184,7 @@ impl Mend {
             }
             Mend::Thicken { to_vx } => {
                 let thickness = thickness(to_vx, grid.voxel_size())?;
-                check_memory(grid, budget_bytes)?;
+                check_memory(thickness.bytes_to_thicken(grid), budget_bytes)?;
                 let added = thickness.thicken(grid, progress).ok_or(MendError::Cancelled)?;
                 add = ListedBricks::new(added.bricks(grid.brick_dims()));
             }
@@ -198,9 +198,8 @@ impl Mend {
     }
 }
 
-/// An error if walls cannot be measured within `budget_bytes`.
-pub fn check_memory(grid: &Grid, budget_bytes: u64) -> Result<(), MendError> {
-    let needed = Thickness::bytes_for(grid);
+/// An error if walls, which take `needed` bytes, cannot be measured within `budget_bytes`.
+pub fn check_memory(needed: u64, budget_bytes: u64) -> Result<(), MendError> {
     let (needed_mib, budget_mib) = (needed.div_ceil(1 << 20), budget_bytes >> 20);
     let memory = MendError::Memory { needed_mib, budget_mib };
     if needed > budget_bytes { Err(memory) } else { Ok(()) }

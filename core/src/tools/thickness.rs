@@ -9,7 +9,7 @@
 //!
 //! From a grid to blocks of bits; changes nothing. Knows no document.
 
-use glam::{IVec3, Vec3};
+use glam::{IVec3, UVec3, Vec3};
 
 use super::ball::Ball;
 use crate::progress::Progress;
@@ -18,8 +18,9 @@ use crate::sculpture::bit_block::BitBlock;
 
 /// Rounds in which walls are thickened: walls at a border of the grid grow to one side only, and by less.
 const ROUNDS: u32 = 8;
-/// Blocks of the size of the sculpture's box that are in memory at the same time.
-const BLOCKS: u64 = 6;
+/// Blocks of the size of the sculpture's box that are in memory at the same time: to measure, and to thicken.
+const BLOCKS_TO_MEASURE: u64 = 4;
+const BLOCKS_TO_THICKEN: u64 = 8;
 
 /// How thick walls must be.
 #[derive(Clone, PartialEq, Debug)]
@@ -40,10 +41,15 @@ impl Thickness {
         Some(Thickness { ball, tolerance })
     }
 
-    /// Bytes that the search in `grid` takes.
-    pub fn bytes_for(grid: &Grid) -> u64 {
-        let (min, max) = grid.opaque_bounds().unwrap_or_default();
-        (max - min + 128).as_u64vec3().element_product() / 8 * BLOCKS
+    /// Bytes that [`Thickness::thin`] takes.
+    pub fn bytes_to_measure(grid: &Grid) -> u64 {
+        block_bytes(grid, 0) * BLOCKS_TO_MEASURE
+    }
+
+    /// Bytes that [`Thickness::thicken`] takes.
+    pub fn bytes_to_thicken(&self, grid: &Grid) -> u64 {
+        let reach = self.ball.extent_vx().into_iter().max().unwrap_or(1);
+        block_bytes(grid, reach) * BLOCKS_TO_THICKEN
     }
 
     /// The voxels of `grid` whose wall is too thin. None if cancelled.
@@ -122,6 +128,13 @@ impl Thickness {
         }
         middles
     }
+}
+
+/// Bytes of a block of the sculpture's box and what lies within `reach` voxels, rounded to bricks.
+fn block_bytes(grid: &Grid, reach: u32) -> u64 {
+    let (min, max) = grid.opaque_bounds().unwrap_or_default();
+    let (low, high) = (min.saturating_sub(UVec3::splat(reach)), (max + reach).min(grid.dims()));
+    (high.saturating_sub(low) + 16).as_u64vec3().element_product() / 8
 }
 
 /// The voxels of `within` that are in `block` or one of whose 26 neighbours is.

@@ -1,6 +1,6 @@
 //! Solids of known thickness.
 
-use glam::{Mat3, Quat, UVec3};
+use glam::{Mat3, Quat};
 use proptest::prelude::*;
 
 use super::*;
