@@ -14,6 +14,7 @@ mod example;
 mod formats;
 mod independent;
 mod meshes_in;
+mod scans;
 mod sprays;
 mod upright;
 mod volume_options;

@@ -28,7 +28,7 @@ pub fn info(
 
 /// The same facts as in the text. What the file does not have is null.
 fn value_of(info: &Info) -> Value {
-    let Info { kind, file_bytes, dims, voxel_size, samples, texts, densities, signature, notes } =
+    let Info { kind, file_bytes, dims, voxel_size, samples, texts, densities, signature, .. } =
         info;
     let named = texts.named().map(|(name, text)| {
         let text = (!text.is_empty()).then(|| Texts::legible(text));
@@ -50,7 +50,8 @@ fn value_of(info: &Info) -> Value {
             "colour_bits": signature.colour_depth.bits(),
             "base": signature.base.to_string(),
         })),
-        "notes": notes,
+        "orientation": info.orientation,
+        "notes": info.notes,
         "texts": Value::Object(named.into_iter().collect()),
     })
 }

@@ -10,8 +10,8 @@ use egui::{Align2, Area, Frame, Id, Order, Rect, Ui};
 
 use super::{UiRequest, UiState};
 use crate::command::Command;
-use crate::format::READ_ENDINGS;
 use crate::format::options::ImportOptions;
+use crate::format::{READ_ENDINGS, can_be_read};
 
 /// Endings of images that can be reference pictures.
 const PICTURE_ENDINGS: [&str; 3] = ["png", "jpg", "jpeg"];
@@ -55,15 +55,15 @@ fn use_of(paths: &[PathBuf], is_modal: bool) -> Use {
     if is_modal {
         return Use::Refused("Close the open dialog before dropping files".to_owned());
     }
-    let has = |path: &Path, endings: &[&str]| {
+    let is_picture = |path: &PathBuf| {
         let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-        ending.is_some_and(|ending| endings.contains(&ending.as_str()))
+        ending.is_some_and(|ending| PICTURE_ENDINGS.contains(&ending.as_str()))
     };
-    if paths.iter().all(|path| has(path, &PICTURE_ENDINGS)) {
+    if paths.iter().all(is_picture) {
         return Use::References(paths.to_vec());
     }
     match paths {
-        [path] if has(path, &READ_ENDINGS) => Use::Open(path.clone()),
+        [path] if can_be_read(path) => Use::Open(path.clone()),
         [path] => {
             let name = name_of(path);
             Use::Refused(format!(
@@ -106,11 +106,14 @@ mod tests {
     fn one_sculpture_is_opened_and_images_are_references() {
         assert_eq!(uses(&["/a/b.vsc"]), Use::Open("/a/b.vsc".into()));
         assert_eq!(uses(&["head.PVM"]), Use::Open("head.PVM".into()));
+        assert_eq!(uses(&["/a/brain.nii.gz"]), Use::Open("/a/brain.nii.gz".into()));
         assert_eq!(
             uses(&["a.png", "b.JPG"]),
             Use::References(vec!["a.png".into(), "b.JPG".into()])
         );
-        for names in [&["a.vsc", "b.vsc"][..], &["a.vsc", "b.png"], &["a.txt"], &["folder"]] {
+        for names in
+            [&["a.vsc", "b.vsc"][..], &["a.vsc", "b.png"], &["a.txt"], &["a.gz"], &["folder"]]
+        {
             assert!(matches!(uses(names), Use::Refused(_)), "{names:?}");
         }
         assert!(matches!(use_of(&["a.vsc".into()], true), Use::Refused(_)));

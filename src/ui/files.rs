@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use egui::{ComboBox, DragValue, RichText, TextEdit, Ui};
-use egui_file_dialog::{DialogState, FileDialog};
+use egui_file_dialog::{DialogState, FileDialog, Filter};
 
 use super::state::folder_of;
 use super::top_bar::capital;
@@ -85,7 +85,7 @@ impl Files {
         const VOLUMES: &str = "Sculptures, volumes, models and meshes";
         const PICTURES: &str = "Images (.png, .jpg)";
         let mut dialog = FileDialog::new()
-            .add_file_filter_extensions(VOLUMES, crate::format::READ_ENDINGS.to_vec())
+            .add_file_filter(VOLUMES, Filter::new(crate::format::can_be_read))
             .add_file_filter_extensions(PICTURES, vec!["png", "jpg", "jpeg"])
             .default_size([720.0, 400.0])
             .anchor(egui::Align2::CENTER_CENTER, egui::Vec2::ZERO)

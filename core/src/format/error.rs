@@ -132,6 +132,9 @@ pub enum FormatError {
         /// What is wrong there.
         what: String,
     },
+    /// A scan that is not what its name says, or of a kind that is not read.
+    #[error("{0}")]
+    Scan(String),
     /// A file named .vox that is neither MagicaVoxel's nor Voxlap's.
     #[error(
         "this is neither a MagicaVoxel nor a Voxlap file: it begins with `{0}`; export it as .vox again"

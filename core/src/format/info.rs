@@ -34,6 +34,8 @@ pub struct Info {
     pub densities: Option<Densities>,
     /// What this program noted when it wrote the file.
     pub signature: Option<Signature>,
+    /// Where the axes of a scan point, in the patient or the world; none where the file does not say.
+    pub orientation: Option<String>,
     /// What opening the file leaves out or takes otherwise.
     pub notes: Vec<String>,
 }
@@ -82,13 +84,26 @@ pub fn info_with(
             samples: None,
             densities: None,
             signature: Some(signature),
+            orientation: None,
             texts,
             notes: Vec::new(),
         });
     }
     let of_model = |kind, file_bytes, dims, voxel_size, notes| {
         let (samples, densities, signature, texts) = (None, None, None, Texts::default());
-        Info { kind, file_bytes, dims, voxel_size, samples, densities, signature, texts, notes }
+        let orientation = None;
+        Info {
+            kind,
+            file_bytes,
+            dims,
+            voxel_size,
+            samples,
+            densities,
+            signature,
+            orientation,
+            texts,
+            notes,
+        }
     };
     match Format::of(path)? {
         Format::Voxel(kind) => {
@@ -104,10 +119,11 @@ pub fn info_with(
             let kind = format!("{}, triangles: {}", mesh.kind, mesh.mesh.triangles.len());
             return Ok(of_model(kind, bytes, frame.dims, frame.voxel_size, mesh.notes));
         }
-        Format::Vsc | Format::Pvm | Format::Raw => {}
+        Format::Vsc | Format::Pvm | Format::Raw | Format::Scan(_) => {}
     }
     let (volume, source) = open_volume(path, options, limits, progress)?;
-    let Source { kind, file_bytes } = source;
+    let orientation = source.frame.describe();
+    let Source { kind, file_bytes, notes, .. } = source;
     Ok(Info {
         kind,
         file_bytes,
@@ -116,7 +132,8 @@ pub fn info_with(
         samples: Some(volume.samples),
         densities: Densities::of(&volume),
         signature: import::trusted_signature(&volume),
-        notes: Vec::new(),
+        orientation,
+        notes,
         texts: volume.texts,
     })
 }
@@ -129,6 +146,9 @@ impl fmt::Display for Info {
         writeln!(f, "file: {} bytes", self.file_bytes)?;
         writeln!(f, "size: {x}x{y}x{z} voxels")?;
         writeln!(f, "voxel size: {} {} {}", size.x, size.y, size.z)?;
+        if let Some(orientation) = &self.orientation {
+            writeln!(f, "orientation: {orientation}")?;
+        }
         match self.samples {
             Some(samples) => write!(f, "voxels: {samples}, {} bytes each", samples.bytes())?,
             None => write!(f, "voxels: as in a sculpture")?,

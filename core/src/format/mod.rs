@@ -2,7 +2,7 @@
 //! options for what to read and write, and limits for memory.
 //!
 //! The entry points are [`load`], [`save`] and [`info()`]. Below them: `store` (disk), `vsc` (sculptures
-//! without loss), `pvm` and `dds`, `raw` (volumes), `prepare` (region and cubic voxels), `import` and `export` (volume <->
+//! without loss), `pvm` and `dds`, `raw`, `scan` (volumes), `prepare` (region and cubic voxels), `import` and `export` (volume <->
 //! sculpture), `threshold`, `ramp`, `labels` and `signature` (the meaning of voxels), `voxel` (models of other voxel
 //! editors), `mesh_in` and `mesh_out` (meshes of and for other programs). Errors say what is wrong and what to do;
 //! callers add the name of the file.
@@ -23,6 +23,7 @@ mod prepare;
 mod pvm;
 mod ramp;
 mod raw;
+mod scan;
 mod signature;
 pub mod store;
 mod threshold;
@@ -39,19 +40,21 @@ pub use self::error::FormatError;
 pub use self::histogram::Histogram;
 pub use self::info::{Densities, Info, info, info_with};
 pub use self::mesh_out::{MeshOptions, MeshSummary, MeshUp, is_mesh, save_mesh};
-use self::options::{ExportForm, ImportOptions};
+use self::options::{Colouring, ExportForm, ImportOptions};
 pub use self::picture::{load_matcap, load_picture};
 pub use self::signature::Signature;
 pub use self::volume::{Samples, Texts, Volume};
 use crate::progress::Progress;
 use crate::sculpture::history::Contents;
 use crate::sculpture::orient::Reorientation;
-use crate::sculpture::orientation::Up;
+use crate::sculpture::orientation::{Orientation, Up};
 use crate::sculpture::{Grid, Limits};
 
 /// Extensions of the files that can be read.
-pub const READ_ENDINGS: [&str; 11] =
-    ["vsc", "pvm", "raw", "vox", "qb", "gox", "binvox", "obj", "stl", "ply", "glb"];
+pub const READ_ENDINGS: [&str; 17] = [
+    "vsc", "pvm", "raw", "nii", "nii.gz", "hdr", "nrrd", "nhdr", "vti", "vox", "qb", "gox",
+    "binvox", "obj", "stl", "ply", "glb",
+];
 /// Extensions of the files that can be written.
 pub const WRITE_ENDINGS: [&str; 10] =
     ["vsc", "pvm", "raw", "vox", "qb", "stl", "ply", "obj", "glb", "3mf"];
@@ -61,6 +64,7 @@ enum Format {
     Vsc,
     Pvm,
     Raw,
+    Scan(scan::Kind),
     Voxel(voxel::Kind),
     Mesh(mesh_in::Kind),
 }
@@ -68,6 +72,10 @@ enum Format {
 impl Format {
     fn of(path: &Path) -> Result<Format, FormatError> {
         let ending = path.extension().ok_or(FormatError::NoEnding)?.to_string_lossy();
+        let is_of_scan = |(ending, _): &&(&str, scan::Kind)| has_ending(path, ending);
+        if let Some((_, kind)) = scan::Kind::ENDINGS.iter().find(is_of_scan) {
+            return Ok(Format::Scan(*kind));
+        }
         match ending.to_ascii_lowercase().as_str() {
             "vsc" => Ok(Format::Vsc),
             "pvm" => Ok(Format::Pvm),
@@ -83,6 +91,17 @@ impl Format {
             _ => Err(FormatError::UnknownEnding(format!(".{ending}"))),
         }
     }
+}
+
+/// Whether the name of a file ends in a dot and `ending`, in capitals or not.
+fn has_ending(path: &Path, ending: &str) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    name.strip_suffix(ending).is_some_and(|rest| rest.ends_with('.') && rest.len() > 1)
+}
+
+/// Whether a file of that name can be read: it has one of [`READ_ENDINGS`].
+pub fn can_be_read(path: &Path) -> bool {
+    Format::of(path).is_ok()
 }
 
 /// Whether a file of that name stores a sculpture without loss, unlike a volume for other programs.
@@ -139,19 +158,22 @@ pub fn load(
             let loaded = Loaded::model(contents, Texts::default(), told(path, notes));
             return Ok(Loaded { assumed_up, ..loaded });
         }
-        Format::Pvm | Format::Raw => {}
+        Format::Pvm | Format::Raw | Format::Scan(_) => {}
     }
-    let (volume, _) = open_volume(path, options, limits, progress)?;
+    let (volume, source) = open_volume(path, options, limits, progress)?;
+    let options = &source.adapted(options);
     let signature = import::trusted_signature(&volume);
     let mut contents = import::to_contents(&volume, signature, options, limits, progress)?;
     let Volume { samples, texts, data, .. } = volume;
     drop(data);
-    let assumed_up = signature.is_none().then(|| options.upright.unwrap_or_default());
-    if let Some(up) = assumed_up.filter(|up| *up != Up::default()) {
-        let turn = up.turned_upright();
+    let knows_up = signature.is_some() || source.frame.knows_up();
+    let assumed_up = (!knows_up).then(|| options.upright.unwrap_or_default());
+    let turn = source.frame.orientation().then(assumed_up.unwrap_or_default().turned_upright());
+    if turn != Orientation::UPRIGHT {
         contents = Reorientation::new(&contents, turn).run(limits, progress)?;
     }
-    Ok(Loaded { contents, samples: Some(samples), texts, assumed_up, notes: Vec::new() })
+    let notes = told(path, source.notes);
+    Ok(Loaded { contents, samples: Some(samples), texts, assumed_up, notes })
 }
 
 /// Notes for the person, which are also logged.
@@ -207,7 +229,7 @@ pub fn save_with_texts(
     let bytes = match Format::of(path)? {
         Format::Vsc if form != ExportForm::Auto => return Err(FormatError::FormOfVsc(form)),
         Format::Vsc => vsc::write(contents, &texts, progress)?,
-        Format::Mesh(_) => return Err(FormatError::ReadOnly),
+        Format::Mesh(_) | Format::Scan(_) => return Err(FormatError::ReadOnly),
         Format::Voxel(_) if form != ExportForm::Auto => return Err(FormatError::FormOfModel(form)),
         Format::Voxel(kind) => {
             let write = match kind {
@@ -251,9 +273,26 @@ fn read_file(
 }
 
 /// What is known of a file beside its voxels.
+#[derive(Default)]
 struct Source {
     kind: String,
     file_bytes: u64,
+    /// How the axes of the file lie.
+    frame: scan::Frame,
+    /// Whether the file says that its numbers are labels.
+    is_label: bool,
+    notes: Vec<String>,
+}
+
+impl Source {
+    /// The options, with what the file says where they leave it open.
+    fn adapted(&self, options: &ImportOptions) -> ImportOptions {
+        let colouring = match options.colouring {
+            Colouring::Auto if self.is_label => Colouring::Labels,
+            chosen => chosen,
+        };
+        ImportOptions { colouring, ..*options }
+    }
 }
 
 /// The voxels of a file, in the region and of the size that are asked for.
@@ -285,7 +324,12 @@ fn read_volume(
             let loaded = load(path, options, limits, progress)?;
             let volume = export::to_volume(&loaded.contents, ExportForm::Auto, loaded.texts)?;
             let file_bytes = std::fs::metadata(path)?.len();
-            Ok((volume, Source { kind: "sculpture".to_string(), file_bytes }))
+            Ok((volume, Source { kind: "sculpture".to_string(), file_bytes, ..Source::default() }))
+        }
+        Format::Scan(kind) => {
+            let (scan, file_bytes) = scan::load(path, kind, options, limits, progress)?;
+            let scan::Scan { volume, frame, kind, is_label, notes } = scan;
+            Ok((volume, Source { kind, file_bytes, frame, is_label, notes }))
         }
         Format::Pvm => {
             let file = store::read(path, budget, |_| Ok(()), progress)?;
@@ -300,7 +344,7 @@ fn read_volume(
                 Some(packing) => format!("PVM{version}, packed as {packing}"),
                 None => format!("PVM{version}, not packed"),
             };
-            Ok((volume, Source { kind, file_bytes }))
+            Ok((volume, Source { kind, file_bytes, ..Source::default() }))
         }
         Format::Raw => {
             let layout = options.raw.ok_or(FormatError::NoRawLayout)?;
@@ -310,7 +354,8 @@ fn read_volume(
             };
             let file = store::read(path, budget, admit, progress)?;
             let file_bytes = file.len() as u64;
-            Ok((raw::read(file, &layout)?, Source { kind: "raw".to_string(), file_bytes }))
+            let kind = "raw".to_string();
+            Ok((raw::read(file, &layout)?, Source { kind, file_bytes, ..Source::default() }))
         }
     }
 }

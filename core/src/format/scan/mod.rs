@@ -1,0 +1,127 @@
+//! Reads scans of medicine and science: NIfTI, NRRD and VTK image data.
+//!
+//! Takes a path; gives a volume with the spacing of its voxels, how its axes lie in the patient or the world, and notes on
+//! what was left out. Headers are checked against the limits before memory is allocated, and compressed voxels are
+//! unpacked no further than the header asks for. Knows no sculpture.
+
+mod base64;
+mod frame;
+mod nifti;
+mod nrrd;
+mod nrrd_header;
+mod numbers;
+mod unpack;
+mod vti;
+
+use std::path::{Component, Path, PathBuf};
+
+use glam::{UVec3, Vec3};
+
+pub use self::frame::Frame;
+use super::options::ImportOptions;
+use super::{FormatError, Volume, budget_bytes, prepare, store};
+use crate::progress::Progress;
+use crate::sculpture::{Grid, Limits};
+
+/// The format, by the ending of the file.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Kind {
+    /// `.nii`, `.nii.gz`, `.hdr` with `.img`.
+    Nifti,
+    /// `.nrrd`, `.nhdr`.
+    Nrrd,
+    /// VTK image data.
+    Vti,
+}
+
+impl Kind {
+    /// Endings with their formats.
+    pub const ENDINGS: [(&'static str, Kind); 6] = [
+        ("nii", Kind::Nifti),
+        ("nii.gz", Kind::Nifti),
+        ("hdr", Kind::Nifti),
+        ("nrrd", Kind::Nrrd),
+        ("nhdr", Kind::Nrrd),
+        ("vti", Kind::Vti),
+    ];
+}
+
+/// A scan as it was read.
+pub struct Scan {
+    pub volume: Volume,
+    pub frame: Frame,
+    /// Format and packing, for people.
+    pub kind: String,
+    /// Whether the file says that its numbers are labels.
+    pub is_label: bool,
+    /// What was left out or taken otherwise, for people.
+    pub notes: Vec<String>,
+}
+
+/// What a reader is given beside the bytes.
+pub struct Reading<'a> {
+    path: &'a Path,
+    options: &'a ImportOptions,
+    limits: &'a Limits,
+    progress: &'a dyn Progress,
+}
+
+impl Reading<'_> {
+    /// An error if no grid can hold what becomes of such a volume.
+    fn admit(&self, dims: UVec3, voxel_size: Vec3) -> Result<(), FormatError> {
+        let (dims, voxel_size) = prepare::prepared(dims, voxel_size, self.options)?;
+        Ok(Grid::check(dims, voxel_size, self.limits.grid_bytes)?)
+    }
+
+    /// Memory that is left beside a file of that length.
+    fn rest_bytes(&self, file_bytes: u64) -> u64 {
+        budget_bytes(self.limits).saturating_sub(file_bytes)
+    }
+
+    /// A whole file.
+    fn read(&self, path: &Path) -> Result<Vec<u8>, FormatError> {
+        store::read(path, budget_bytes(self.limits), |_| Ok(()), self.progress)
+    }
+
+    /// Another file that belongs to this one.
+    fn read_beside(&self, path: &Path) -> Result<Vec<u8>, FormatError> {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        self.read(path).map_err(|error| match error {
+            FormatError::Io(error) => FormatError::Scan(format!(
+                "its voxels are in {name}, which cannot be read: {error}; keep both files in one folder"
+            )),
+            error => error,
+        })
+    }
+
+    /// The path of a file that a header names: in the same folder or below, wherever else the name points.
+    fn beside(&self, name: &str) -> Result<PathBuf, FormatError> {
+        let is_below = |part| matches!(part, Component::Normal(_) | Component::CurDir);
+        if name.is_empty() || !Path::new(name).components().all(is_below) {
+            return Err(FormatError::Scan(format!(
+                "the header says that its voxels are in `{}`; only files in its own folder or below are read",
+                name.escape_debug()
+            )));
+        }
+        Ok(self.path.parent().unwrap_or(Path::new("")).join(name))
+    }
+}
+
+/// Reads a scan. Returns it with the length of its file.
+pub fn load(
+    path: &Path,
+    kind: Kind,
+    options: &ImportOptions,
+    limits: &Limits,
+    progress: &dyn Progress,
+) -> Result<(Scan, u64), FormatError> {
+    let reading = Reading { path, options, limits, progress };
+    let file = reading.read(path)?;
+    let file_bytes = file.len() as u64;
+    let scan = match kind {
+        Kind::Nifti => nifti::read(path, file, &reading)?,
+        Kind::Nrrd => nrrd::read(file, &reading)?,
+        Kind::Vti => vti::read(file, &reading)?,
+    };
+    Ok((scan, file_bytes))
+}

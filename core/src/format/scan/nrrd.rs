@@ -1,0 +1,252 @@
+//! NRRD scans (teem.sourceforge.net/nrrd/format.html): `.nrrd` and `.nhdr`, raw, gzip, bzip2, text and hexadecimal,
+//! with the voxels behind the header or in another file.
+//!
+//! Takes the bytes of a file; gives three of its axes as a volume: those in space, the first of any other. An axis of
+//! red, green, blue and perhaps opacity becomes colours.
+
+use bzip2::read::MultiBzDecoder;
+use flate2::read::MultiGzDecoder;
+use glam::{DVec3, UVec3, Vec3};
+
+use super::frame::Frame;
+use super::nrrd_header::{Axis, Encoding, Header};
+use super::numbers::{Number, volume};
+use super::unpack::{cut, exactly, malformed};
+use super::{Reading, Scan};
+use crate::format::FormatError;
+
+pub fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
+    let header = Header::parse(&file)?;
+    let layout = Layout::of(&header)?;
+    reading.admit(layout.dims, layout.voxel_size)?;
+    // Everything that is unpacked, and what is made of it.
+    let total =
+        header.axes.iter().try_fold(header.number.bytes(), |n, axis| n.checked_mul(axis.size));
+    let total = total.filter(|n| *n < u64::MAX / 8).unwrap_or(u64::MAX / 8);
+    let file_bytes = file.len() as u64;
+    crate::format::pvm::check_budget(total, reading.rest_bytes(file_bytes))?;
+    header.number.check(layout.dims, reading.rest_bytes(file_bytes + total))?;
+
+    let data = match &header.data_file {
+        None => unpack(&file[header.bytes..], &header, total, reading)?,
+        Some(name) => {
+            if name.starts_with("LIST") || name.contains('%') {
+                return Err(FormatError::Scan(
+                    "its voxels are spread over several files; join them to one NRRD file"
+                        .to_string(),
+                ));
+            }
+            let path = reading.beside(name)?;
+            unpack(&reading.read_beside(&path)?, &header, total, reading)?
+        }
+    };
+    let number = match layout.colours {
+        3 => Number::Rgb,
+        4 => Number::Rgba,
+        _ => header.number,
+    };
+    let data = layout.gather(data, number.bytes() as usize);
+    let samples = number.into_samples(data, header.is_big, [1.0, 0.0]);
+    let packing = match header.encoding {
+        Encoding::Raw => "not packed",
+        Encoding::Text => "as text",
+        Encoding::Hex => "hexadecimal",
+        Encoding::Gzip => "packed with gzip",
+        Encoding::Bzip2 => "packed with bzip2",
+    };
+    let elsewhere = if header.data_file.is_some() { ", voxels in a second file" } else { "" };
+    Ok(Scan {
+        volume: volume(layout.dims, layout.voxel_size, samples, header.content),
+        frame: layout.frame,
+        kind: format!("NRRD, {packing}{elsewhere}"),
+        is_label: false,
+        notes: layout.notes,
+    })
+}
+
+/// The bytes of all voxels, `total` in number.
+fn unpack(
+    file: &[u8],
+    header: &Header,
+    total: u64,
+    reading: &Reading,
+) -> Result<Vec<u8>, FormatError> {
+    let mut rest = file;
+    for _ in 0..header.line_skip {
+        let end = rest.iter().position(|b| *b == b'\n');
+        let end = end.ok_or_else(|| {
+            malformed("the voxels", "there are fewer lines than are to be skipped")
+        })?;
+        rest = &rest[end + 1..];
+    }
+    let found = rest.len() as u64;
+    let from_end = header.byte_skip < 0;
+    // -1 has a meaning for raw voxels alone; where they are packed, it is written for "no others before them".
+    let skip = header.byte_skip.max(0) as u64;
+    let after_skip = |rest: &'_ [u8]| -> Result<usize, FormatError> {
+        usize::try_from(skip).ok().filter(|n| *n <= rest.len()).ok_or_else(|| cut(skip, found))
+    };
+    match header.encoding {
+        Encoding::Gzip => exactly(&mut MultiGzDecoder::new(rest), skip, total, reading.progress),
+        Encoding::Bzip2 => exactly(&mut MultiBzDecoder::new(rest), skip, total, reading.progress),
+        Encoding::Raw => {
+            let begin = if from_end { found.checked_sub(total) } else { Some(skip) };
+            let begin =
+                begin.filter(|begin| begin.checked_add(total).is_some_and(|end| end <= found));
+            let begin = begin.ok_or_else(|| cut(total, found.saturating_sub(skip)))? as usize;
+            Ok(rest[begin..begin + total as usize].to_vec())
+        }
+        Encoding::Hex => {
+            let digits = rest[after_skip(rest)?..].iter().filter(|b| !b.is_ascii_whitespace());
+            let nibbles: Option<Vec<u8>> = digits
+                .take(2 * total as usize)
+                .map(|b| Some((*b as char).to_digit(16)? as u8))
+                .collect();
+            let nibbles =
+                nibbles.ok_or_else(|| malformed("the voxels", "a digit is not hexadecimal"))?;
+            let data: Vec<u8> =
+                nibbles.chunks_exact(2).map(|pair| pair[0] << 4 | pair[1]).collect();
+            if data.len() as u64 == total { Ok(data) } else { Err(cut(total, data.len() as u64)) }
+        }
+        Encoding::Text => text(&rest[after_skip(rest)?..], header.number, total),
+    }
+}
+
+/// `total` bytes of numbers that are written as text, little-endian.
+pub fn text(rest: &[u8], number: Number, total: u64) -> Result<Vec<u8>, FormatError> {
+    let mut data = Vec::new();
+    let words =
+        rest.split(|b| b.is_ascii_whitespace() || *b == b',').filter(|word| !word.is_empty());
+    for word in words {
+        if data.len() as u64 == total {
+            break;
+        }
+        let value = std::str::from_utf8(word).ok().and_then(|word| word.parse::<f64>().ok());
+        let value = value.ok_or_else(|| {
+            malformed("the voxels", format!("`{}` is no number", word.escape_ascii()))
+        })?;
+        match number {
+            Number::I8 => data.push(value as i8 as u8),
+            Number::U8 | Number::Rgb | Number::Rgba => data.push(value as u8),
+            Number::I16 => data.extend((value as i16).to_le_bytes()),
+            Number::U16 => data.extend((value as u16).to_le_bytes()),
+            Number::I32 => data.extend((value as i32).to_le_bytes()),
+            Number::U32 => data.extend((value as u32).to_le_bytes()),
+            Number::I64 => data.extend((value as i64).to_le_bytes()),
+            Number::U64 => data.extend((value as u64).to_le_bytes()),
+            Number::F32 => data.extend((value as f32).to_le_bytes()),
+            Number::F64 => data.extend(value.to_le_bytes()),
+        }
+    }
+    if data.len() as u64 == total { Ok(data) } else { Err(cut(total, data.len() as u64)) }
+}
+
+/// Which axes of the file are those of the volume.
+struct Layout {
+    dims: UVec3,
+    /// From a voxel to the next along each axis, in numbers of the file.
+    strides: [u64; 3],
+    /// Numbers of the first axis that are one colour; 1 for densities.
+    colours: u64,
+    voxel_size: Vec3,
+    frame: Frame,
+    notes: Vec<String>,
+}
+
+impl Layout {
+    fn of(header: &Header) -> Result<Layout, FormatError> {
+        let first = &header.axes[0];
+        let is_colour = header.number == Number::U8
+            && match first.kind.to_ascii_lowercase().as_str() {
+                "rgb-color" | "3-color" => first.size == 3,
+                "rgba-color" | "4-color" => first.size == 4,
+                _ => false,
+            };
+        let is_space = |axis: &Axis| {
+            let kind = axis.kind.to_ascii_lowercase();
+            let spatial = matches!(kind.as_str(), "" | "???" | "none" | "domain" | "space");
+            if header.has_directions { axis.direction.is_some() } else { spatial }
+        };
+        let mut strides = Vec::new();
+        let mut stride = 1u64;
+        for axis in &header.axes {
+            strides.push(stride);
+            stride = stride.saturating_mul(axis.size);
+        }
+        let mut chosen: Vec<usize> = (0..header.axes.len())
+            .filter(|i| is_space(&header.axes[*i]) && !(is_colour && *i == 0))
+            .collect();
+        chosen.truncate(3);
+        let left_out: u64 = (0..header.axes.len())
+            .filter(|i| !chosen.contains(i) && !(is_colour && *i == 0))
+            .fold(1, |n, i| n.saturating_mul(header.axes[i].size));
+        let mut notes = Vec::new();
+        if left_out > 1 {
+            notes.push(format!("first of {left_out} volumes taken"));
+        }
+        if chosen.is_empty() {
+            return Err(malformed("the header", "no axis lies in space"));
+        }
+        let axis = |i: usize| chosen.get(i).map(|place| &header.axes[*place]);
+        let size =
+            |i: usize| axis(i).map_or(1, |axis| u32::try_from(axis.size).unwrap_or(u32::MAX));
+        let length = |i: usize| {
+            let length = axis(i).and_then(|a| a.direction.map(DVec3::length).or(a.spacing));
+            length.filter(|n| n.is_finite() && *n != 0.0).map(f64::abs)
+        };
+        let lengths = [0, 1, 2].map(length);
+        if lengths.iter().take(chosen.len()).all(Option::is_none) {
+            notes.push("the file does not say how large a voxel is; 1 mm was taken".to_string());
+        }
+        Ok(Layout {
+            dims: UVec3::new(size(0), size(1), size(2)),
+            strides: [0, 1, 2].map(|i| chosen.get(i).map_or(0, |place| strides[*place])),
+            colours: if is_colour { first.size } else { 1 },
+            voxel_size: lengths.map(|length| length.unwrap_or(1.0) as f32).into(),
+            frame: frame(header, [0, 1, 2].map(|i| axis(i).and_then(|axis| axis.direction))),
+            notes,
+        })
+    }
+
+    /// The voxels of the volume, x fastest, of `bytes` each.
+    fn gather(&self, data: Vec<u8>, bytes: usize) -> Vec<u8> {
+        let UVec3 { x: width, y: height, z: depth } = self.dims;
+        let [x, y, z] = self.strides.map(|stride| (stride / self.colours) as usize * bytes);
+        let row = width as usize * bytes;
+        if (x == bytes || width == 1)
+            && (y == row || height == 1)
+            && (z == row * height as usize || depth == 1)
+        {
+            let mut data = data;
+            data.truncate(row * height as usize * depth as usize);
+            return data;
+        }
+        let mut out = Vec::with_capacity(row * height as usize * depth as usize);
+        for k in 0..depth as usize {
+            for j in 0..height as usize {
+                for i in 0..width as usize {
+                    let from = i * x + j * y + k * z;
+                    out.extend_from_slice(&data[from..from + bytes]);
+                }
+            }
+        }
+        out
+    }
+}
+
+/// How the axes lie, as `space` names its own.
+fn frame(header: &Header, directions: [Option<DVec3>; 3]) -> Frame {
+    let [Some(x), Some(y), third] = directions else { return Frame::Unknown };
+    // A single slice has no third axis.
+    let axes = [x, y, third.unwrap_or_else(|| x.cross(y))];
+    let Some(space) = &header.space else { return Frame::World(axes) };
+    let space = space.trim_end_matches("-time").trim_end_matches('t');
+    let signs = match space {
+        "right-anterior-superior" | "ras" => DVec3::new(1.0, 1.0, 1.0),
+        "left-anterior-superior" | "las" => DVec3::new(-1.0, 1.0, 1.0),
+        "left-posterior-superior" | "lps" => DVec3::new(-1.0, -1.0, 1.0),
+        "3d-left-handed" => return Frame::World(axes.map(|v| v * DVec3::new(1.0, 1.0, -1.0))),
+        _ => return Frame::World(axes),
+    };
+    Frame::Patient(axes.map(|v| v * signs))
+}

@@ -1,0 +1,243 @@
+//! The header of an NRRD file (teem.sourceforge.net/nrrd/format.html): lines of text -> fields.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+
+use super::numbers::Number;
+use super::unpack::malformed;
+use crate::format::FormatError;
+use crate::format::error::excerpt;
+
+/// Longest header that is read.
+const MOST_BYTES: usize = 1 << 20;
+/// Most axes of a file.
+const MOST_AXES: usize = 16;
+
+/// How the voxels are packed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Encoding {
+    Raw,
+    Text,
+    Hex,
+    Gzip,
+    Bzip2,
+}
+
+/// An axis of the file.
+#[derive(Clone, Debug, Default)]
+pub struct Axis {
+    pub size: u64,
+    /// Length of a voxel, where it is given without a direction.
+    pub spacing: Option<f64>,
+    /// From a voxel to the next, in the space of the file.
+    pub direction: Option<DVec3>,
+    /// What it stands for, such as `domain` or `RGB-color`.
+    pub kind: String,
+}
+
+/// What a header says.
+#[derive(Debug)]
+pub struct Header {
+    pub number: Number,
+    pub axes: Vec<Axis>,
+    pub encoding: Encoding,
+    pub is_big: bool,
+    /// The space, in lower case, such as `left-posterior-superior`.
+    pub space: Option<String>,
+    /// Whether directions are given.
+    pub has_directions: bool,
+    /// -1: as many as there are before the voxels at the end.
+    pub byte_skip: i64,
+    pub line_skip: u64,
+    pub data_file: Option<String>,
+    /// The field `content`.
+    pub content: Vec<u8>,
+    /// Bytes of the header with the empty line behind it.
+    pub bytes: usize,
+}
+
+impl Header {
+    pub fn parse(file: &[u8]) -> Result<Header, FormatError> {
+        if !file.starts_with(b"NRRD000") {
+            return Err(FormatError::Scan(format!(
+                "this is not an NRRD file: it begins with `{}`, not with NRRD000",
+                excerpt(file)
+            )));
+        }
+        let start = &file[..file.len().min(MOST_BYTES)];
+        let mut fields: HashMap<String, String> = HashMap::new();
+        let mut at = 0;
+        for (i, line) in start.split_inclusive(|b| *b == b'\n').enumerate() {
+            at += line.len();
+            if i == 0 {
+                continue;
+            }
+            let text = String::from_utf8_lossy(line);
+            let text = text.trim_end_matches(['\r', '\n']);
+            if text.is_empty() {
+                break;
+            }
+            // Comments, and pairs of a key and a value that mean nothing to a reader.
+            if text.starts_with('#') || text.contains(":=") {
+                continue;
+            }
+            let Some((name, value)) = text.split_once(": ").or_else(|| text.split_once(':')) else {
+                return Err(malformed(
+                    "the header",
+                    format!("`{}` is no field", text.escape_debug()),
+                ));
+            };
+            let name = name.trim().to_ascii_lowercase().replace([' ', '_'], "");
+            fields.insert(name, value.trim().to_string());
+        }
+        if at == MOST_BYTES {
+            return Err(malformed("the header", "it has no end"));
+        }
+        Header::of(&fields, at)
+    }
+
+    fn of(fields: &HashMap<String, String>, bytes: usize) -> Result<Header, FormatError> {
+        let field = |name: &str| fields.get(name).map(String::as_str);
+        let required = |name: &str| {
+            field(name)
+                .ok_or_else(|| malformed("the header", format!("the field `{name}` is missing")))
+        };
+        let count = parse::<usize>("dimension", required("dimension")?)?;
+        let sizes: Vec<u64> = words("sizes", required("sizes")?)?;
+        if !(1..=MOST_AXES).contains(&count) || sizes.len() != count {
+            return Err(malformed(
+                "the header",
+                format!(
+                    "{count} dimensions, but {} sizes; 1 to {MOST_AXES} are possible",
+                    sizes.len()
+                ),
+            ));
+        }
+        if sizes.contains(&0) {
+            return Err(malformed("the header", "an axis has no voxels"));
+        }
+        let mut axes: Vec<Axis> =
+            sizes.into_iter().map(|size| Axis { size, ..Axis::default() }).collect();
+        if let Some(text) = field("spacings") {
+            let spacings: Vec<f64> = words("spacings", text)?;
+            axes.iter_mut().zip(spacings).for_each(|(axis, n)| axis.spacing = Some(n));
+        }
+        if let Some(text) = field("kinds") {
+            let kinds = text.split_whitespace();
+            axes.iter_mut().zip(kinds).for_each(|(axis, kind)| axis.kind = kind.to_string());
+        }
+        if let Some(text) = field("spacedirections") {
+            let vectors = directions(text)?;
+            axes.iter_mut().zip(vectors).for_each(|(axis, v)| axis.direction = v);
+        }
+        let number = number(required("type")?)?;
+        let encoding = match required("encoding")?.to_ascii_lowercase().as_str() {
+            "raw" => Encoding::Raw,
+            "txt" | "text" | "ascii" => Encoding::Text,
+            "hex" => Encoding::Hex,
+            "gz" | "gzip" => Encoding::Gzip,
+            "bz2" | "bzip2" => Encoding::Bzip2,
+            other => {
+                return Err(FormatError::Scan(format!(
+                    "the NRRD encoding `{}` is not supported; use raw, gzip, bzip2, text or hex",
+                    other.escape_debug()
+                )));
+            }
+        };
+        let is_big = match field("endian").map(str::to_ascii_lowercase).as_deref() {
+            Some("big") => true,
+            Some("little") => false,
+            None if number.bytes() == 1 || encoding == Encoding::Text => false,
+            _ => return Err(malformed("the header", "`endian` must be little or big")),
+        };
+        let or_zero = |name| field(name).map_or(Ok(0), |text| parse(name, text));
+        let skip = or_zero("byteskip")?;
+        if skip < -1 {
+            return Err(malformed("the header", format!("a byte skip of {skip}")));
+        }
+        Ok(Header {
+            number,
+            has_directions: axes.iter().any(|axis| axis.direction.is_some()),
+            axes,
+            encoding,
+            is_big,
+            space: field("space").map(str::to_ascii_lowercase),
+            byte_skip: skip,
+            line_skip: or_zero("lineskip")?.max(0) as u64,
+            data_file: field("datafile").map(str::to_string),
+            content: field("content").unwrap_or_default().as_bytes().to_vec(),
+            bytes,
+        })
+    }
+}
+
+fn parse<T: std::str::FromStr>(name: &str, text: &str) -> Result<T, FormatError> {
+    text.trim().parse().map_err(|_| {
+        malformed("the header", format!("`{}` is not possible for `{name}`", text.escape_debug()))
+    })
+}
+
+fn words<T: std::str::FromStr>(name: &str, text: &str) -> Result<Vec<T>, FormatError> {
+    text.split_whitespace().map(|word| parse(name, word)).collect()
+}
+
+/// Vectors such as `none (1,0,0) (0,1,0)`; those of two numbers lie in a plane.
+fn directions(text: &str) -> Result<Vec<Option<DVec3>>, FormatError> {
+    let wrong =
+        || malformed("the header", format!("`{}` are no space directions", text.escape_debug()));
+    let mut found = Vec::new();
+    let mut rest = text.trim();
+    while !rest.is_empty() {
+        if let Some(behind) = rest.strip_prefix("none") {
+            found.push(None);
+            rest = behind.trim_start();
+            continue;
+        }
+        let (vector, behind) =
+            rest.strip_prefix('(').and_then(|rest| rest.split_once(')')).ok_or_else(wrong)?;
+        let numbers: Vec<f64> = vector
+            .split(',')
+            .map(|n| n.trim().parse())
+            .collect::<Result<_, _>>()
+            .map_err(|_| wrong())?;
+        let at = |i: usize| numbers.get(i).copied().unwrap_or(0.0);
+        let v = DVec3::new(at(0), at(1), at(2));
+        // Some write vectors of NaN for `none`.
+        found.push((numbers.len() <= 3 && v.is_finite()).then_some(v));
+        rest = behind.trim_start();
+    }
+    Ok(found)
+}
+
+/// The type of voxels by its names.
+fn number(name: &str) -> Result<Number, FormatError> {
+    Ok(match name.to_ascii_lowercase().as_str() {
+        "signed char" | "int8" | "int8_t" => Number::I8,
+        "uchar" | "unsigned char" | "uint8" | "uint8_t" => Number::U8,
+        "short" | "short int" | "signed short" | "signed short int" | "int16" | "int16_t" => {
+            Number::I16
+        }
+        "ushort" | "unsigned short" | "unsigned short int" | "uint16" | "uint16_t" => Number::U16,
+        "int" | "signed int" | "int32" | "int32_t" => Number::I32,
+        "uint" | "unsigned int" | "uint32" | "uint32_t" => Number::U32,
+        "longlong"
+        | "long long"
+        | "long long int"
+        | "signed long long"
+        | "signed long long int"
+        | "int64"
+        | "int64_t" => Number::I64,
+        "ulonglong" | "unsigned long long" | "unsigned long long int" | "uint64" | "uint64_t" => {
+            Number::U64
+        }
+        "float" => Number::F32,
+        "double" => Number::F64,
+        other => {
+            return Err(FormatError::Scan(format!(
+                "the NRRD type `{}` is not supported; use whole or floating-point numbers",
+                other.escape_debug()
+            )));
+        }
+    })
+}

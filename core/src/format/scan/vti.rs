@@ -1,0 +1,277 @@
+//! VTK image data (`.vti`, docs.vtk.org): the active array of points, or else of cells, as text, base64 or appended,
+//! packed with zlib or not.
+//!
+//! Takes the bytes of a file; gives a volume with spacing and direction.
+
+use std::io::Read;
+
+use flate2::read::ZlibDecoder;
+use glam::{DVec3, UVec3, Vec3};
+use roxmltree::{Document, Node};
+
+use super::base64;
+use super::frame::Frame;
+use super::numbers::{Number, volume};
+use super::unpack::{cut, malformed};
+use super::{Reading, Scan};
+use crate::format::{FormatError, go_on};
+
+/// Begins the data behind the tags.
+const APPENDED: &[u8] = b"<AppendedData";
+
+pub fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
+    // What is appended may be any bytes, which no XML allows.
+    let place = file.windows(APPENDED.len()).position(|window| window == APPENDED);
+    let (tags, appended) = file.split_at(place.unwrap_or(file.len()));
+    let mut text = std::str::from_utf8(tags)
+        .map_err(|_| FormatError::Scan("this is not a VTK file: it is no text".to_string()))?
+        .to_string();
+    if !appended.is_empty() {
+        text.push_str("</VTKFile>");
+    }
+    let xml = Document::parse(&text).map_err(|error| malformed("the XML", error.to_string()))?;
+    let root = xml.root_element();
+    if root.tag_name().name() != "VTKFile" || root.attribute("type") != Some("ImageData") {
+        return Err(FormatError::Scan(
+            "this is not VTK image data; only regular grids (ImageData) are read".to_string(),
+        ));
+    }
+    let compressor = root.attribute("compressor").unwrap_or("");
+    if !matches!(compressor, "" | "vtkZLibDataCompressor") {
+        return Err(FormatError::Scan(format!(
+            "the compressor `{}` is not supported; write it with zlib or without",
+            compressor.escape_debug()
+        )));
+    }
+    let image = child(root, "ImageData")?;
+    let pieces: Vec<Node> = image.children().filter(|n| n.has_tag_name("Piece")).collect();
+    let [piece] = pieces[..] else {
+        return Err(FormatError::Scan(format!(
+            "the file has {} pieces, where only one is read; write it as one piece",
+            pieces.len()
+        )));
+    };
+    let extent: [i64; 6] = numbers(piece, "Extent")?;
+    let of_extent = |i: usize| extent[2 * i + 1].saturating_sub(extent[2 * i]);
+    let points = [0, 1, 2].map(|i| of_extent(i).saturating_add(1));
+    let spacing =
+        if image.has_attribute("Spacing") { numbers(image, "Spacing")? } else { [1.0; 3] };
+    let (array, is_of_cells) = array(piece)?;
+    let axis = |n: i64| {
+        u32::try_from(if is_of_cells { (n - 1).max(1) } else { n }).ok().filter(|n| *n > 0)
+    };
+    let dims = points.map(axis);
+    let [Some(width), Some(height), Some(depth)] = dims else {
+        return Err(malformed("the XML", "an extent without points"));
+    };
+    let (dims, voxel_size) =
+        (UVec3::new(width, height, depth), Vec3::from(spacing.map(|n: f64| n.abs() as f32)));
+    reading.admit(dims, voxel_size)?;
+
+    let components = array.attribute("NumberOfComponents").unwrap_or("1").trim();
+    let number = number(array.attribute("type").unwrap_or(""), components)?;
+    let bytes = number.check(dims, reading.rest_bytes(2 * file.len() as u64))?;
+    let coding = Coding {
+        is_big: root.attribute("byte_order") == Some("BigEndian"),
+        wide: root.attribute("header_type") == Some("UInt64"),
+        is_packed: !compressor.is_empty(),
+        bytes: bytes as usize,
+        reading,
+    };
+    let format = array.attribute("format").unwrap_or("ascii");
+    let inline = || array.text().unwrap_or_default().as_bytes();
+    let (data, is_big) = match format {
+        "ascii" => (of_text(inline(), number, bytes as usize)?, false),
+        "binary" => (coding.of_base64(inline())?, coding.is_big),
+        "appended" => (coding.of_appended(appended, array.attribute("offset"))?, coding.is_big),
+        other => {
+            return Err(malformed("the XML", format!("the format `{}`", other.escape_debug())));
+        }
+    };
+    let direction = match image.has_attribute("Direction") {
+        true => numbers::<f64, 9>(image, "Direction")?,
+        false => [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
+    };
+    let column = |i: usize| {
+        DVec3::new(direction[i], direction[3 + i], direction[6 + i]) * spacing[i].signum()
+    };
+    let name = array.attribute("Name").unwrap_or_default().as_bytes().to_vec();
+    let samples = number.into_samples(data, is_big, [1.0, 0.0]);
+    let packing = if coding.is_packed && format != "ascii" { ", packed with zlib" } else { "" };
+    Ok(Scan {
+        volume: volume(dims, voxel_size, samples, name),
+        frame: Frame::World([0, 1, 2].map(column)),
+        kind: format!("VTK image data, {format}{packing}"),
+        is_label: false,
+        notes: notes(piece, array),
+    })
+}
+
+fn child<'a, 'b>(node: Node<'a, 'b>, name: &str) -> Result<Node<'a, 'b>, FormatError> {
+    let found = node.children().find(|child| child.has_tag_name(name));
+    found.ok_or_else(|| malformed("the XML", format!("<{name}> is missing")))
+}
+
+/// The array to take, and whether it belongs to cells.
+fn array<'a, 'b>(piece: Node<'a, 'b>) -> Result<(Node<'a, 'b>, bool), FormatError> {
+    for (group, is_of_cells) in [("PointData", false), ("CellData", true)] {
+        let Some(group) = piece.children().find(|node| node.has_tag_name(group)) else { continue };
+        let arrays = || group.children().filter(|node| node.has_tag_name("DataArray"));
+        let active = group.attribute("Scalars");
+        let named = arrays().find(|array| active.is_some() && array.attribute("Name") == active);
+        if let Some(array) = named.or_else(|| arrays().next()) {
+            return Ok((array, is_of_cells));
+        }
+    }
+    Err(FormatError::Scan("the file holds no array of points or cells".to_string()))
+}
+
+/// Other arrays, which are left out.
+fn notes(piece: Node, taken: Node) -> Vec<String> {
+    let arrays =
+        piece.descendants().filter(|node| node.has_tag_name("DataArray") && *node != taken);
+    let names: Vec<&str> = arrays.filter_map(|array| array.attribute("Name")).collect();
+    if names.is_empty() { Vec::new() } else { vec![format!("left out: {}", names.join(", "))] }
+}
+
+fn numbers<T: std::str::FromStr, const N: usize>(
+    node: Node,
+    name: &str,
+) -> Result<[T; N], FormatError> {
+    let text = node.attribute(name).unwrap_or_default();
+    let values: Option<Vec<T>> = text.split_whitespace().map(|word| word.parse().ok()).collect();
+    values.and_then(|values| values.try_into().ok()).ok_or_else(|| {
+        malformed("the XML", format!("{name} `{}` must be {N} numbers", text.escape_debug()))
+    })
+}
+
+fn number(name: &str, components: &str) -> Result<Number, FormatError> {
+    Ok(match (name, components) {
+        ("UInt8", "3") => Number::Rgb,
+        ("UInt8", "4") => Number::Rgba,
+        ("Int8", "1") => Number::I8,
+        ("UInt8", "1") => Number::U8,
+        ("Int16", "1") => Number::I16,
+        ("UInt16", "1") => Number::U16,
+        ("Int32", "1") => Number::I32,
+        ("UInt32", "1") => Number::U32,
+        ("Int64", "1") => Number::I64,
+        ("UInt64", "1") => Number::U64,
+        ("Float32", "1") => Number::F32,
+        ("Float64", "1") => Number::F64,
+        _ => {
+            return Err(FormatError::Scan(format!(
+                "an array of {} x {} is not supported; write one number a point, or 3 or 4 of type UInt8",
+                components.escape_debug(),
+                name.escape_debug()
+            )));
+        }
+    })
+}
+
+fn of_text(text: &[u8], number: Number, bytes: usize) -> Result<Vec<u8>, FormatError> {
+    super::nrrd::text(text, number, bytes as u64)
+}
+
+/// How binary arrays are written.
+struct Coding<'a> {
+    is_big: bool,
+    /// Whether lengths have 8 bytes instead of 4.
+    wide: bool,
+    is_packed: bool,
+    /// Bytes of the array.
+    bytes: usize,
+    reading: &'a Reading<'a>,
+}
+
+impl Coding<'_> {
+    fn of_appended(&self, appended: &[u8], offset: Option<&str>) -> Result<Vec<u8>, FormatError> {
+        let faulty = |what: &str| malformed("the appended data", what);
+        let end =
+            appended.iter().position(|b| *b == b'>').ok_or_else(|| faulty("it is missing"))?;
+        let tag = String::from_utf8_lossy(&appended[..end]);
+        let data = &appended[end + 1..];
+        let begin =
+            data.iter().position(|b| !b.is_ascii_whitespace()).filter(|at| data[*at] == b'_');
+        let data = &data[begin.ok_or_else(|| faulty("it does not begin with `_`"))? + 1..];
+        let offset = offset.unwrap_or("0").trim().parse::<usize>().ok();
+        let data = offset.and_then(|offset| data.get(offset..));
+        let data = data.ok_or_else(|| faulty("the array begins behind its end"))?;
+        match tag.contains("\"base64\"") || tag.contains("'base64'") {
+            true => {
+                let end = data.iter().position(|b| *b == b'<').unwrap_or(data.len());
+                self.of_base64(&data[..end])
+            }
+            false => self.of_bytes(data),
+        }
+    }
+
+    fn of_base64(&self, text: &[u8]) -> Result<Vec<u8>, FormatError> {
+        let wrong = || malformed("the array", "a character is not base64");
+        let text: Vec<u8> = text.iter().copied().filter(|c| !c.is_ascii_whitespace()).collect();
+        let word = if self.wide { 8 } else { 4 };
+        if !self.is_packed {
+            return self.of_bytes(&base64::decode(&text, self.bytes + word).ok_or_else(wrong)?);
+        }
+        // The lengths of the blocks are encoded on their own.
+        let count = self.length(&base64::decode(&text, word).ok_or_else(wrong)?, 0)?;
+        let lengths = count.checked_add(3).and_then(|n| n.checked_mul(word));
+        let lengths =
+            lengths.filter(|n| *n <= text.len()).ok_or_else(|| cut(self.bytes as u64, 0))?;
+        let mut data = base64::decode(&text, lengths).ok_or_else(wrong)?;
+        let behind = text.get(base64::characters(lengths)..).unwrap_or_default();
+        data.extend(base64::decode(behind, usize::MAX).ok_or_else(wrong)?);
+        self.of_bytes(&data)
+    }
+
+    /// The length at a place, counted in lengths.
+    fn length(&self, data: &[u8], place: usize) -> Result<usize, FormatError> {
+        let word = if self.wide { 8 } else { 4 };
+        let bytes = place.checked_mul(word).and_then(|at| data.get(at..)?.get(..word));
+        let bytes =
+            bytes.ok_or_else(|| malformed("the array", "it ends in the lengths of its blocks"))?;
+        let mut own = [0; 8];
+        own[..word].copy_from_slice(bytes);
+        if self.is_big {
+            own[..word].reverse();
+        }
+        usize::try_from(u64::from_le_bytes(own))
+            .map_err(|_| malformed("the array", "a length of over 2^64"))
+    }
+
+    fn of_bytes(&self, data: &[u8]) -> Result<Vec<u8>, FormatError> {
+        let word = if self.wide { 8 } else { 4 };
+        if !self.is_packed {
+            let found = data.len().saturating_sub(word);
+            let said = self.length(data, 0)?;
+            if said != self.bytes || found < self.bytes {
+                return Err(cut(self.bytes as u64, said.min(found) as u64));
+            }
+            return Ok(data[word..word + self.bytes].to_vec());
+        }
+        let count = self.length(data, 0)?;
+        let mut at = count.checked_add(3).and_then(|n| n.checked_mul(word)).unwrap_or(usize::MAX);
+        let mut out = Vec::new();
+        self.reading.progress.begin("unpacking");
+        for block in 0..count {
+            if out.len() >= self.bytes {
+                break;
+            }
+            let length = self.length(data, 3 + block)?;
+            let packed = data.get(at..).and_then(|rest| rest.get(..length));
+            let packed = packed.ok_or_else(|| malformed("the array", "it ends in a block"))?;
+            // Never more than the array has.
+            let most = (self.bytes - out.len()) as u64;
+            let unpacked = ZlibDecoder::new(packed).take(most).read_to_end(&mut out);
+            unpacked.map_err(|error| malformed("a block of the array", error.to_string()))?;
+            at += length;
+            self.reading.progress.advance(out.len() as f32 / self.bytes.max(1) as f32);
+            go_on(self.reading.progress)?;
+        }
+        self.reading.progress.end();
+        if out.len() != self.bytes {
+            return Err(cut(self.bytes as u64, out.len() as u64));
+        }
+        Ok(out)
+    }
+}
