@@ -17,7 +17,7 @@ use crate::command_text::{ScriptError, parse_script};
 use crate::config::Config;
 use crate::document::Document;
 use crate::fiducial::{family, sheet};
-use crate::format::options::{ExportForm, ImportOptions};
+use crate::format::options::{ExportForm, ExportOptions, ImportOptions};
 use crate::format::{self, FormatError, MeshOptions, store};
 use crate::gpu::DeviceOptions;
 use crate::picture::{self, FinalOptions, PictureError, TraceOn};
@@ -280,7 +280,7 @@ fn run_piped(job: &RunJob, context: &Context) -> Result<(), JobError> {
     let mut session = job.session(context)?;
     let refused = pipe::converse(&mut session, &())?;
     if let Some(path) = &job.output {
-        let save = Command::Save { path: path.clone(), form: ExportForm::Auto };
+        let save = Command::Save { path: path.clone(), export: ExportOptions::default() };
         session.execute(&save, context.progress)?;
     }
     if let Some(out) = &job.render {
@@ -408,7 +408,7 @@ fn save(
     form: ExportForm,
     progress: &dyn Progress,
 ) -> Result<(), JobError> {
-    session.execute(&Command::Save { path: path.to_path_buf(), form }, progress)?;
+    session.execute(&Command::Save { path: path.to_path_buf(), export: form.into() }, progress)?;
     terminal::print_done(format_args!("wrote {}", path.display()));
     Ok(())
 }

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 
 use glam::{IVec3, UVec3, Vec3};
 
-use crate::format::options::{ExportForm, ImportOptions};
+use crate::format::options::{ExportOptions, ImportOptions};
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::orientation::Orientation;
 use crate::sculpture::region::VoxelBox;
@@ -117,8 +117,8 @@ pub enum Command {
     Save {
         /// The file to write.
         path: PathBuf,
-        /// What to store of the sculpture.
-        form: ExportForm,
+        /// How to write it.
+        export: ExportOptions,
     },
     /// Open a stroke: the commands up to `End` are one undo step.
     Begin {

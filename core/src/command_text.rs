@@ -13,14 +13,13 @@ use thiserror::Error;
 use arguments::{Arguments, Quoted, QuotedPath};
 
 use crate::command::{COMMANDS, Command, NewSculpture};
-use crate::format::options::{
-    Colouring, Cubic, Existence, ExportForm, ImportOptions, MeshFill, MeshSize,
-};
+use crate::format::options::{Colouring, Cubic, Existence, ImportOptions, MeshFill, MeshSize};
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::{ColourDepth, Placement, Rgb};
 use crate::tools::construct::{Primitive, Solid};
 
 mod arguments;
+mod export;
 mod mend;
 mod selection;
 mod spray;
@@ -122,9 +121,9 @@ impl fmt::Display for Command {
                 }
                 Ok(())
             }
-            Command::Save { path, form } => {
+            Command::Save { path, export } => {
                 write!(f, " {}", QuotedPath(path))?;
-                if *form != ExportForm::Auto { write!(f, " form={form}") } else { Ok(()) }
+                export::write(export, f)
             }
             Command::Begin { label } => write!(f, " {}", Quoted(label)),
             Command::Construct { op, primitive } => {
@@ -209,10 +208,7 @@ impl FromStr for Command {
                     mesh_fill: args.optional("mesh_fill", str::parse)?.unwrap_or_default(),
                 },
             },
-            "save" => Command::Save {
-                path: args.path()?,
-                form: args.optional("form", str::parse)?.unwrap_or_default(),
-            },
+            "save" => Command::Save { path: args.path()?, export: export::parse(&mut args)? },
             "begin" => Command::Begin { label: args.optional_word()?.unwrap_or("stroke".into()) },
             "end" => Command::End,
             "cancel" => Command::Cancel,
@@ -383,6 +379,12 @@ impl Number for u32 {
 }
 
 impl Number for i32 {
+    fn usable(&self) -> bool {
+        true
+    }
+}
+
+impl Number for u64 {
     fn usable(&self) -> bool {
         true
     }

@@ -283,9 +283,10 @@ impl Session {
             }
             Command::New(new) => Task::New { new, limits },
             Command::Open { path, import } => Task::Open { path, import, limits },
-            Command::Save { path, form } => Task::Save {
+            Command::Save { path, export } => Task::Save {
                 path,
-                form,
+                export,
+                limits,
                 contents: self.document.share_contents(),
                 texts: self.files.texts(self.document.state()),
                 state: self.document.state(),
@@ -328,10 +329,12 @@ impl Session {
                 self.files.opened(self.document.state(), path, texts, assumed_up);
             }
             // Volumes are for other programs: what they cannot hold would be lost.
-            Outcome::Saved { path, state } if format::is_sculpture(&path) => {
-                self.files.saved(state, path);
+            Outcome::Saved { path, notes, state } => {
+                self.notes = notes;
+                if format::is_sculpture(&path) {
+                    self.files.saved(state, path);
+                }
             }
-            Outcome::Saved { .. } => {}
         }
         self.files.keep_only(self.document.history().states().chain([self.document.state()]));
         self.note(&command, applied);

@@ -439,8 +439,8 @@ fn texts_travel_with_the_sculpture() {
     let loaded = load(&path, &ImportOptions::default()).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let copy = folder.path().join("copy.pvm");
-    format::save_with_texts(&copy, &loaded.contents, ExportForm::Auto, loaded.texts.clone(), &())
-        .unwrap();
+    let (plain, texts) = (ExportForm::Auto.into(), loaded.texts.clone());
+    format::save_with(&copy, &loaded.contents, &plain, texts, &Limits::default(), &()).unwrap();
     let again = load(&copy, &ImportOptions::default()).unwrap();
     assert_eq!(again.contents, loaded.contents);
     assert_eq!(again.texts.description, loaded.texts.description);

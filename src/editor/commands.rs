@@ -7,7 +7,7 @@ use super::{Editor, Outcome};
 use crate::command::Command;
 use crate::document::{Applied, CommandError};
 use crate::format;
-use crate::format::options::ExportForm;
+use crate::format::options::ExportOptions;
 use crate::session::SessionError;
 
 impl Editor {
@@ -16,7 +16,7 @@ impl Editor {
         match self.session.path().map(|p| p.to_path_buf()) {
             Some(path) if format::is_sculpture(&path) => {
                 let then = next.map_or(Then::Stay, Then::Go);
-                self.run_then(Command::Save { path, form: ExportForm::Auto }, then);
+                self.run_then(Command::Save { path, export: ExportOptions::default() }, then);
             }
             _ => self.outcomes.push(Outcome::NameNeeded(next)),
         }

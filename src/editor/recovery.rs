@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::command::Command;
-use crate::format::options::ExportForm;
+use crate::format::options::ExportOptions;
 use crate::session::{Session, SessionError};
 
 /// Saves the sculpture in `folder`, where no other file is; returns the path.
@@ -19,7 +19,8 @@ pub fn save(session: &mut Session, folder: &Path) -> Result<PathBuf, SessionErro
         n => folder.join(format!("{name}-recovered-{n}.vsc")),
     };
     let path = (1..10_000).map(candidate).find(|p| !p.exists()).unwrap_or_else(|| candidate(1));
-    session.execute(&Command::Save { path: path.clone(), form: ExportForm::Auto }, &())?;
+    session
+        .execute(&Command::Save { path: path.clone(), export: ExportOptions::default() }, &())?;
     Ok(path)
 }
 

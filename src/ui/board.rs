@@ -4,8 +4,9 @@
 use egui::{CentralPanel, Frame, Margin, Panel as Side, RichText, ScrollArea, Ui};
 
 use super::{
-    UiContext, UiRequest, UiState, busy, files, film_dialog, final_dialog, guide, history, light,
-    new_dialog, options, palette, theme, toolbox, top_bar, unkept, unsaved, upright,
+    UiContext, UiRequest, UiState, busy, export_dialog, files, film_dialog, final_dialog, guide,
+    history, light, new_dialog, options, palette, theme, toolbox, top_bar, unkept, unsaved,
+    upright,
 };
 use crate::input::hands::HandSide;
 
@@ -91,6 +92,7 @@ pub fn show(
     new_dialog::show(root, state, context, requests);
     final_dialog::show(root, state, context, requests);
     film_dialog::show(root, state, context, requests);
+    export_dialog::show(root, state, context, requests);
     unsaved::show(root, state, requests);
     unkept::show(root, state, requests);
     files::show(root, state, requests);

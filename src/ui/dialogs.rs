@@ -3,6 +3,7 @@
 //!
 //! Takes and gives values; shows nothing itself. Who shows what is in the module of each dialog.
 
+use super::export_dialog::ExportDialog;
 use super::files::Files;
 use super::film_dialog::FilmDialog;
 use super::final_dialog::{FinalDialog, Preview};
@@ -28,6 +29,7 @@ pub struct Dialogs {
     pub new: NewDialog,
     pub final_picture: FinalDialog,
     pub film: FilmDialog,
+    pub export: ExportDialog,
     /// The window of the print check.
     pub print_check: PrintCheck,
     pub files: Files,
@@ -55,6 +57,7 @@ impl Dialogs {
             new: NewDialog::new(new),
             final_picture: FinalDialog::default(),
             film: FilmDialog::default(),
+            export: ExportDialog::default(),
             print_check: PrintCheck::default(),
             files: Files::new(),
             unsaved: None,
@@ -73,6 +76,7 @@ impl Dialogs {
             || self.new.open
             || self.final_picture.open
             || self.film.open
+            || self.export.is_open()
             || self.palette.open
             || self.keys.is_catching()
             || self.files.is_open()
@@ -82,6 +86,9 @@ impl Dialogs {
     /// Closes the uppermost open window; false if there is none.
     pub fn close_top(&mut self) -> bool {
         if self.unkept.take().is_some() || self.unsaved.take().is_some() {
+            return true;
+        }
+        if self.export.close() {
             return true;
         }
         let open = [

@@ -13,7 +13,7 @@ use crate::command::Command;
 use crate::editor::questions::Next;
 use crate::editor::tool::ToolEdit;
 use crate::format::options::{
-    Colouring, Existence, ExportForm, ImportOptions, MeshFill, MeshSize, RawLayout,
+    Colouring, Existence, ExportOptions, ImportOptions, MeshFill, MeshSize, RawLayout,
 };
 use crate::sculpture::grid::MAX_AXIS_VX;
 
@@ -53,17 +53,12 @@ struct Choice {
     /// As typed, kept while `import` has none.
     threshold: f64,
     raw: String,
-    form: ExportForm,
 }
 
 impl Files {
     pub fn new() -> Files {
-        let choice = Choice {
-            import: ImportOptions::default(),
-            threshold: 128.0,
-            raw: String::new(),
-            form: ExportForm::default(),
-        };
+        let choice =
+            Choice { import: ImportOptions::default(), threshold: 128.0, raw: String::new() };
         Files { dialog: FileDialog::new(), task: FileTask::Open, choice, folder: None }
     }
 
@@ -156,7 +151,11 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
                 ui.add_space(8.0);
                 ui.weak("Other programs read what Export writes.");
             }
-            FileTask::Export => export_options(ui, choice),
+            FileTask::Export => {
+                ui.label("Volumes, voxel models and meshes, by the ending of the name.");
+                ui.add_space(8.0);
+                ui.weak("What the format leaves open is asked next.");
+            }
             FileTask::Picture => {
                 ui.label("The image is wrapped around the tool in Paint mode.");
             }
@@ -180,7 +179,7 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
         }
         FileTask::SaveAs(next) => {
             let path = with_ending(path, ENDING);
-            let save = Command::Save { path, form: ExportForm::Auto };
+            let save = Command::Save { path, export: ExportOptions::default() };
             requests.push(match next.take() {
                 Some(next) => UiRequest::SaveThen(save, next),
                 None => UiRequest::Run(save),
@@ -188,9 +187,7 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
         }
         FileTask::Export => {
             let path = with_ending(path, EXPORT_ENDING);
-            // Others have only one form.
-            let form = if is_volume(&path) { choice.form } else { ExportForm::Auto };
-            requests.push(UiRequest::Run(Command::Save { path, form }));
+            state.dialogs.export.open(path, requests);
         }
     }
 }
@@ -258,26 +255,6 @@ fn mesh_options(ui: &mut Ui, import: &mut ImportOptions) {
             }
         },
     );
-}
-
-fn export_options(ui: &mut Ui, choice: &mut Choice) {
-    ui.label(RichText::new("Contents").strong());
-    for (form, text) in [
-        (ExportForm::Auto, "Shape, plus colours if there are any"),
-        (ExportForm::Densities, "Shape only, one byte per voxel, for any volume viewer"),
-        (ExportForm::Rgba, "Red, green, blue and opacity, one byte each"),
-        (ExportForm::Packed, "Colours packed into 8, 16 or 24 bits"),
-    ] {
-        ui.radio_value(&mut choice.form, form, capital(&form.to_string())).on_hover_text(text);
-    }
-    ui.add_space(8.0);
-    ui.weak("Meshes are of the smooth surface, in millimetres; `convert` has more options.");
-}
-
-/// Whether the name is that of a volume, whose contents can be chosen.
-fn is_volume(path: &Path) -> bool {
-    let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
-    ending.is_some_and(|ending| ending == EXPORT_ENDING || ending == "raw")
 }
 
 /// The path with an ending, if it was typed without one.

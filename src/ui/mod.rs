@@ -9,6 +9,7 @@ pub mod busy;
 pub mod buttons;
 pub mod dialogs;
 mod dropped;
+pub mod export_dialog;
 pub mod files;
 pub mod film_dialog;
 pub mod filter;
@@ -177,6 +178,7 @@ pub fn show(
     new_dialog::show(root, state, context, requests);
     final_dialog::show(root, state, context, requests);
     film_dialog::show(root, state, context, requests);
+    export_dialog::show(root, state, context, requests);
     head::calibration(root, context, requests);
     unsaved::show(root, state, requests);
     unkept::show(root, state, requests);

@@ -4,16 +4,17 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use egui::{DroppedFileHandle, Key, Modifiers, PointerButton, vec2};
+use egui::{DroppedFileHandle, Event, Key, Modifiers, PointerButton, vec2};
 use egui_kittest::kittest::Queryable;
 use virtual_sculpture::app::Workspace;
 use virtual_sculpture::document::Limits;
 use virtual_sculpture::format;
 use virtual_sculpture::input::Bindings;
+use virtual_sculpture::mesh::MeshKind;
 use virtual_sculpture::session::Session;
 
 use super::bench::{
-    Bench, bench, bench_around, config, drag, key, middle, run_by_palette, undo_count, voxels,
+    Bench, bench, bench_around, config, drag, key, middle, run_by_palette, send, undo_count, voxels,
 };
 
 const ALL: u64 = 64 * 64 * 64;
@@ -165,6 +166,51 @@ fn save_as_proposes_a_sculpture_and_export_a_volume() {
     key(&mut harness, Modifiers::COMMAND, Key::E);
     settle(&mut harness);
     assert!(harness.query_all_by_value("statue.pvm").next().is_some());
+}
+
+/// After the name, what the format leaves open; the answers stay for the next time. Formats that leave nothing open are
+/// written at once.
+#[test]
+fn export_asks_for_what_the_format_leaves_open() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("statue.vsc");
+    let mut harness = bench();
+    ask_for(&mut harness, "new dims=20,10,30 fill=solid");
+    execute(&mut harness, &format!("save {path:?}"));
+    let choose = |harness: &mut Bench, name: &str| {
+        key(harness, Modifiers::COMMAND, Key::E);
+        settle(harness);
+        harness.get_by_value("statue.pvm").focus();
+        harness.run();
+        key(harness, Modifiers::COMMAND, Key::A);
+        send(harness, Event::Text(name.to_string()));
+        harness.run();
+        answer(harness, "Save");
+    };
+    choose(&mut harness, "statue.stl");
+    harness.get_by_label("Export statue.stl").rect();
+    // As large as the voxels, of a millimetre each.
+    harness.get_by_label("20.0 × 10.0 × 30.0 mm").rect();
+    harness.get_by_label("Surface").rect();
+    harness.state_mut().ui.dialogs.export.kind = MeshKind::Greedy;
+    key(&mut harness, Modifiers::NONE, Key::Enter);
+    settle(&mut harness);
+    let triangles = |name: &str| {
+        let file = std::fs::read(folder.path().join(name)).unwrap();
+        u32::from_le_bytes(file[80..84].try_into().unwrap())
+    };
+    assert_eq!(triangles("statue.stl"), 12);
+    // Escape leaves it.
+    choose(&mut harness, "other.stl");
+    key(&mut harness, Modifiers::NONE, Key::Escape);
+    settle(&mut harness);
+    assert!(harness.query_by_label("Export other.stl").is_none());
+    assert!(!folder.path().join("other.stl").exists());
+    choose(&mut harness, "other.stl");
+    answer(&mut harness, "Export");
+    assert_eq!(triangles("other.stl"), 12);
+    choose(&mut harness, "statue.vox");
+    assert!(folder.path().join("statue.vox").exists());
 }
 
 #[test]

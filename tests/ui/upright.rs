@@ -142,7 +142,7 @@ fn only_volumes_that_do_not_say_it_are_asked_about_and_only_as_they_were_read() 
     let mut harness = bench();
     let session = harness.state_mut().session_mut();
     for name in ["own.vsc", "own.pvm"] {
-        let save = Command::Save { path: folder.path().join(name), form: Default::default() };
+        let save = Command::Save { path: folder.path().join(name), export: Default::default() };
         session.execute(&save, &()).unwrap();
     }
     for name in ["own.vsc", "own.pvm"] {

@@ -39,8 +39,8 @@ use glam::{UVec3, Vec3};
 pub use self::error::FormatError;
 pub use self::histogram::Histogram;
 pub use self::info::{Densities, Info, info, info_with};
-pub use self::mesh_out::{MeshOptions, MeshSummary, MeshUp, is_mesh, save_mesh};
-use self::options::{Colouring, ExportForm, ImportOptions};
+pub use self::mesh_out::{MeshOptions, MeshSummary, MeshUp, is_mesh, save_mesh, usual_up};
+use self::options::{Colouring, ExportForm, ExportOptions, ImportOptions};
 pub use self::picture::{load_matcap, load_picture};
 pub use self::signature::Signature;
 pub use self::volume::{Samples, Texts, Volume};
@@ -116,7 +116,7 @@ pub struct Loaded {
     pub contents: Contents,
     /// Sample type of a volume. None for a .vsc file.
     pub samples: Option<Samples>,
-    /// Texts of the file, for [`save_with_texts`].
+    /// Texts of the file, for [`save_with`].
     pub texts: Texts,
     /// The axis that was taken for the one that points up; none where the file says so itself.
     pub assumed_up: Option<Up>,
@@ -193,31 +193,37 @@ pub fn load_volume(
     open_volume(path, options, limits, progress).map(|(volume, _)| volume)
 }
 
-/// Writes a sculpture, atomically: an existing file is replaced when the new one is complete. A mesh is written with
-/// the default options; see [`save_mesh`].
+/// Writes a sculpture, atomically: an existing file is replaced when the new one is complete. See [`save_with`].
 pub fn save(
     path: &Path,
     contents: &Contents,
     form: ExportForm,
     progress: &dyn Progress,
 ) -> Result<(), FormatError> {
-    save_with_texts(path, contents, form, Texts::default(), progress)
+    save_with(path, contents, &form.into(), Texts::default(), &Limits::default(), progress)?;
+    Ok(())
 }
 
-/// [`save`], with texts in formats that store them.
-pub fn save_with_texts(
+/// [`save`], with all options, and with texts in formats that store them. Returns what the person should know of what
+/// was written, such as colours that the format has no room for. A mesh is made within `limits`.
+pub fn save_with(
     path: &Path,
     contents: &Contents,
-    form: ExportForm,
+    options: &ExportOptions,
     texts: Texts,
+    limits: &Limits,
     progress: &dyn Progress,
-) -> Result<(), FormatError> {
+) -> Result<Vec<String>, FormatError> {
+    let ExportOptions { form, mesh } = *options;
     if is_mesh(path) {
         if form != ExportForm::Auto {
             return Err(FormatError::FormOfMesh(form));
         }
-        let (options, limits) = (MeshOptions::default(), Limits::default());
-        return save_mesh(path, contents, &options, &limits, progress).map(|_| ());
+        let summary = save_mesh(path, contents, &mesh, limits, progress)?;
+        return Ok(vec![summary.to_string()]);
+    }
+    if mesh != MeshOptions::default() {
+        return Err(FormatError::NotAMeshFile);
     }
     let volume = |texts| {
         progress.begin("making the volume");
@@ -238,10 +244,11 @@ pub fn save_with_texts(
                 voxel::Kind::Gox | voxel::Kind::Binvox => return Err(FormatError::ReadOnly),
             };
             let mut out = BufWriter::new(store::AtomicFile::create(path)?);
-            write(contents, &mut out, progress)?;
+            let notes = write(contents, &mut out, progress)?;
             go_on(progress)?;
             let file = out.into_inner().map_err(std::io::IntoInnerError::into_error)?;
-            return Ok(file.finish()?);
+            file.finish()?;
+            return Ok(told(path, notes));
         }
         Format::Pvm => pvm::write(volume(texts)?, progress)?,
         Format::Raw => volume(texts)?.data,
@@ -251,7 +258,8 @@ pub fn save_with_texts(
     progress.begin("writing");
     let written = store::write_with(path, &bytes, progress);
     progress.end();
-    Ok(written?)
+    written?;
+    Ok(Vec::new())
 }
 
 /// An error if the work has been cancelled.

@@ -11,7 +11,9 @@ mod scan;
 
 pub use scan::{Cubic, Existence, Region};
 
+use super::mesh_out::{MeshOptions, MeshUp};
 use super::volume::Samples;
+use crate::mesh::MeshKind;
 use crate::sculpture::ColourDepth;
 use crate::sculpture::orientation::Up;
 pub use crate::voxelise::{Fill as MeshFill, MeshSize};
@@ -106,6 +108,21 @@ pub enum ExportForm {
     Packed,
 }
 
+/// How a sculpture is written. Each format has use for some of it, and refuses what it cannot do.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct ExportOptions {
+    /// What a volume stores.
+    pub form: ExportForm,
+    /// How a mesh is made.
+    pub mesh: MeshOptions,
+}
+
+impl From<ExportForm> for ExportOptions {
+    fn from(form: ExportForm) -> ExportOptions {
+        ExportOptions { form, ..ExportOptions::default() }
+    }
+}
+
 impl ExportForm {
     /// All values with their names in the text form.
     pub const NAMED: [(ExportForm, &'static str); 4] = [
@@ -143,6 +160,8 @@ macro_rules! named_text_form {
 named_text_form!(Colouring, "a colouring");
 named_text_form!(ExportForm, "a form to save in");
 named_text_form!(MeshFill, "a filling");
+named_text_form!(MeshKind, "a surface of a mesh");
+named_text_form!(MeshUp, "an axis that points up in a mesh");
 
 /// Writes `128x256x256:u16le`, with `:skip=BYTES` and `:size=SX,SY,SZ` where they matter.
 impl fmt::Display for RawLayout {

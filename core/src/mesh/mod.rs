@@ -48,6 +48,12 @@ pub enum MeshKind {
     Smooth,
 }
 
+impl MeshKind {
+    /// All values with their names in the text form.
+    pub const NAMED: [(MeshKind, &'static str); 3] =
+        [(MeshKind::Faces, "faces"), (MeshKind::Greedy, "greedy"), (MeshKind::Smooth, "smooth")];
+}
+
 /// Why there is no mesh.
 #[derive(Debug, thiserror::Error)]
 pub enum MeshError {

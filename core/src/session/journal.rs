@@ -76,8 +76,8 @@ fn line_of(command: &Command, applied: Applied) -> Option<String> {
     let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     Some(match command {
         // A replay writes no file unless someone takes the mark of the comment away.
-        Command::Save { path, form } => {
-            let save = Command::Save { path: absolute(path), form: *form };
+        Command::Save { path, export } => {
+            let save = Command::Save { path: absolute(path), export: *export };
             format!("# {save}\n")
         }
         Command::Open { path, import } => {

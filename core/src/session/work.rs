@@ -10,7 +10,7 @@ use std::sync::Arc;
 use super::SessionError;
 use crate::command::{Command, NewSculpture};
 use crate::document::{self, Limits};
-use crate::format::options::{ExportForm, ImportOptions};
+use crate::format::options::{ExportOptions, ImportOptions};
 use crate::format::{self, Loaded, Texts};
 use crate::progress::Progress;
 use crate::sculpture::history::{Contents, State};
@@ -26,11 +26,35 @@ pub struct Work {
 
 #[derive(Debug)]
 pub(super) enum Task {
-    New { new: NewSculpture, limits: Limits },
-    Orient { orientation: Orientation, contents: Arc<Contents>, limits: Limits, state: State },
-    Mend { mend: Mend, contents: Arc<Contents>, limits: Limits, state: State },
-    Open { path: PathBuf, import: ImportOptions, limits: Limits },
-    Save { path: PathBuf, form: ExportForm, contents: Arc<Contents>, texts: Texts, state: State },
+    New {
+        new: NewSculpture,
+        limits: Limits,
+    },
+    Orient {
+        orientation: Orientation,
+        contents: Arc<Contents>,
+        limits: Limits,
+        state: State,
+    },
+    Mend {
+        mend: Mend,
+        contents: Arc<Contents>,
+        limits: Limits,
+        state: State,
+    },
+    Open {
+        path: PathBuf,
+        import: ImportOptions,
+        limits: Limits,
+    },
+    Save {
+        path: PathBuf,
+        export: ExportOptions,
+        contents: Arc<Contents>,
+        texts: Texts,
+        limits: Limits,
+        state: State,
+    },
 }
 
 /// The result of work.
@@ -61,6 +85,7 @@ pub(super) enum Outcome {
     },
     Saved {
         path: PathBuf,
+        notes: Vec<String>,
         state: State,
     },
 }
@@ -85,9 +110,9 @@ impl Work {
                 let loaded = Box::new(load(&path, &import, &limits, progress)?);
                 Outcome::Opened { path, loaded }
             }
-            Task::Save { path, form, contents, texts, state } => {
-                match format::save_with_texts(&path, &contents, form, texts, progress) {
-                    Ok(()) => Outcome::Saved { path, state },
+            Task::Save { path, export, contents, texts, limits, state } => {
+                match format::save_with(&path, &contents, &export, texts, &limits, progress) {
+                    Ok(notes) => Outcome::Saved { path, notes, state },
                     Err(error) => return Err(SessionError::Save { path, error }),
                 }
             }

@@ -290,7 +290,7 @@ fn refusals_name_the_reason_and_change_nothing() {
         (Command::End, "`end` without an open stroke"),
         (Command::Cancel, "`cancel` without an open stroke"),
         (Command::Open { path: "a".into(), import: Default::default() }, "`open` works on files"),
-        (Command::Save { path: "a".into(), form: Default::default() }, "`save` works on files"),
+        (Command::Save { path: "a".into(), export: Default::default() }, "`save` works on files"),
         (ball(EditOp::Recolour(RED), Vec3::splat(8.0), 4.0), "this sculpture has no colours"),
         (ball(EditOp::Subtract, Vec3::NAN, 4.0), "the centre of the solid"),
         (ball(EditOp::Subtract, Vec3::ONE, 0.0), "the half extent of the solid"),

@@ -223,7 +223,8 @@ fn undo_past_open_brings_back_the_texts_of_the_file() {
     let session = Session::new(&new(), Limits::default()).unwrap();
     let texts = format::Texts { description: b"a lake".to_vec(), ..Default::default() };
     let contents = session.document().contents();
-    format::save_with_texts(&described, contents, Default::default(), texts, &()).unwrap();
+    let (plain_form, limits) = (Default::default(), Limits::default());
+    format::save_with(&described, contents, &plain_form, texts, &limits, &()).unwrap();
     format::save(&plain, contents, Default::default(), &()).unwrap();
     let mut session =
         Session::open(&described, &Default::default(), Limits::default(), &()).unwrap();
@@ -232,4 +233,27 @@ fn undo_past_open_brings_back_the_texts_of_the_file() {
     let again = folder.path().join("again.vsc");
     execute(&mut session, &format!("save {again:?}"));
     assert_eq!(format::info(&again).unwrap().texts.description, b"a lake");
+}
+
+/// What a script says of a mesh is done, told and recorded; other formats have no use for it.
+#[test]
+fn a_mesh_is_saved_as_its_command_says() {
+    let folder = tempfile::tempdir().unwrap();
+    let [mesh, volume] = ["a.stl", "a.pvm"].map(|name| folder.path().join(name));
+    let mut session = Session::new(&new(), Limits::default()).unwrap();
+    execute(&mut session, "new dims=6,4,2 fill=solid");
+    let line = format!("save {mesh:?} mesh=greedy up=y millimetres=0.5");
+    execute(&mut session, &line);
+    assert_eq!(session.take_notes(), ["12 triangles, 8 vertices, 3.0x2.0x1.0 mm"]);
+    let command: Command = line.parse().unwrap();
+    assert_eq!(command.to_string(), line);
+    let refused: Command = format!("save {volume:?} mesh=greedy").parse().unwrap();
+    let error = session.execute(&refused, &()).unwrap_err().to_string();
+    assert!(error.contains("a.pvm") && !volume.exists(), "{error}");
+    for (wrong, reason) in
+        [("mesh=round", "faces, greedy, smooth"), ("triangles=-3", "not a valid number")]
+    {
+        let error = format!("save a.stl {wrong}").parse::<Command>().unwrap_err().to_string();
+        assert!(error.contains(reason), "{error}");
+    }
 }

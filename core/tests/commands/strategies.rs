@@ -5,10 +5,12 @@ use std::path::PathBuf;
 use glam::{EulerRot, IVec3, Quat, UVec3, Vec3};
 use proptest::prelude::*;
 use sculpture_core::command::{Area, Command, NewSculpture, SelectOp, SpraySurface};
-use sculpture_core::format::Samples;
 use sculpture_core::format::options::{
-    Colouring, Cubic, Existence, ExportForm, ImportOptions, MeshFill, MeshSize, RawLayout, Region,
+    Colouring, Cubic, Existence, ExportForm, ExportOptions, ImportOptions, MeshFill, MeshSize,
+    RawLayout, Region,
 };
+use sculpture_core::format::{MeshOptions, MeshUp, Samples};
+use sculpture_core::mesh::MeshKind;
 use sculpture_core::sculpture::edit::EditOp;
 use sculpture_core::sculpture::orientation::{Orientation, Up};
 use sculpture_core::sculpture::region::VoxelBox;
@@ -78,8 +80,18 @@ fn import() -> impl Strategy<Value = ImportOptions> {
     })
 }
 
-fn form() -> impl Strategy<Value = ExportForm> {
-    prop::sample::select(&ExportForm::NAMED[..]).prop_map(|(form, _)| form)
+fn export() -> impl Strategy<Value = ExportOptions> {
+    let form = prop::sample::select(&ExportForm::NAMED[..]);
+    let kind = prop::sample::select(&MeshKind::NAMED[..]);
+    let up = prop::option::of(prop::sample::select(&MeshUp::NAMED[..]));
+    let (voxel_mm, triangles) = (prop::option::of(any_number()), prop::option::of(any::<u64>()));
+    (form, kind, any::<bool>(), up, voxel_mm, triangles).prop_map(
+        |((form, _), (kind, _), points_only, up, voxel_mm, triangles)| {
+            let up = up.map(|(up, _)| up);
+            let mesh = MeshOptions { kind, points_only, up, voxel_mm, triangles };
+            ExportOptions { form, mesh }
+        },
+    )
 }
 
 fn outline() -> impl Strategy<Value = Outline> {
@@ -333,7 +345,7 @@ pub fn any_command() -> impl Strategy<Value = Command> {
             surface: if stroke { SpraySurface::Stroke } else { SpraySurface::Now },
         }),
         (path(), import()).prop_map(|(path, import)| Command::Open { path, import }),
-        (path(), form()).prop_map(|(path, form)| Command::Save { path, form }),
+        (path(), export()).prop_map(|(path, export)| Command::Save { path, export }),
         hostile_text().prop_map(|label| Command::Begin { label }),
         Just(Command::End),
         Just(Command::Cancel),

@@ -38,6 +38,11 @@ pub enum MeshUp {
     Z,
 }
 
+impl MeshUp {
+    /// All values with their names in the text form.
+    pub const NAMED: [(MeshUp, &'static str); 2] = [(MeshUp::Y, "y"), (MeshUp::Z, "z")];
+}
+
 /// How a sculpture becomes a mesh in a file.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct MeshOptions {
@@ -104,6 +109,11 @@ impl MeshFormat {
 /// Whether a file of that name is a mesh.
 pub fn is_mesh(path: &Path) -> bool {
     MeshFormat::of(path).is_some()
+}
+
+/// The axis that points up in a mesh of that name unless another is asked for; none if it is no mesh.
+pub fn usual_up(path: &Path) -> Option<MeshUp> {
+    MeshFormat::of(path).map(MeshFormat::usual_up)
 }
 
 /// Writes a sculpture as a mesh, atomically.

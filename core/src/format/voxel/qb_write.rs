@@ -19,7 +19,7 @@ pub fn write(
     contents: &Contents,
     out: &mut dyn Write,
     progress: &dyn Progress,
-) -> Result<(), FormatError> {
+) -> Result<Vec<String>, FormatError> {
     let dims = contents.grid.dims();
     out.write_all(&VERSION)?;
     // RGBA, right-handed, packed, opacity as it is; one matrix.
@@ -50,7 +50,7 @@ pub fn write(
         }
     }
     progress.end();
-    Ok(())
+    Ok(Vec::new())
 }
 
 fn word_by_word(out: &mut dyn Write, words: &[u32]) -> std::io::Result<()> {

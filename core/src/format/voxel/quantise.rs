@@ -29,9 +29,9 @@ impl Palette {
         self.index.get(&colour).copied().unwrap_or(0)
     }
 
-    /// Whether each colour of the sculpture stands for itself.
-    pub fn is_exact(&self) -> bool {
-        self.index.len() == self.colours.len()
+    /// Number of colours of the sculpture. Each stands for itself if the palette has as many.
+    pub fn stands_for(&self) -> usize {
+        self.index.len()
     }
 }
 

@@ -28,20 +28,23 @@ struct Block {
     voxels: u64,
 }
 
-/// Writes a sculpture. Fails before the first byte if it is too large.
+/// Writes a sculpture. Fails before the first byte if it is too large. Returns what it has no room for.
 pub fn write(
     contents: &Contents,
     out: &mut dyn Write,
     progress: &dyn Progress,
-) -> Result<(), FormatError> {
+) -> Result<Vec<String>, FormatError> {
     let grid = &contents.grid;
     progress.begin("finding the palette");
     let palette = palette(contents, COLOURS);
     progress.end();
     go_on(progress)?;
-    if !palette.is_exact() {
-        let colours = palette.colours.len();
-        tracing::warn!("the colours were reduced to the {colours} that a .vox file can hold");
+    let mut notes = Vec::new();
+    let (there_were, kept) = (palette.stands_for(), palette.colours.len());
+    if kept < there_were {
+        notes.push(format!(
+            "{there_were} colours were reduced to the {kept} that .vox has room for"
+        ));
     }
     let blocks = blocks(grid);
     let scene = if blocks.len() > 1 { scene(&blocks, grid.dims()) } else { Vec::new() };
@@ -67,7 +70,7 @@ pub fn write(
         let [r, g, b] = palette.colours.get(i).copied().unwrap_or_default().0;
         out.write_all(&[r, g, b, 255])?;
     }
-    Ok(())
+    Ok(notes)
 }
 
 fn words(out: &mut dyn Write, words: &[i32]) -> io::Result<()> {
