@@ -248,7 +248,7 @@ pub const COMMANDS: &[CommandHelp] = &[
     },
     CommandHelp {
         verb: "save",
-        usage: "\"PATH\" [form=auto|densities|rgba|packed]",
+        usage: "\"PATH\" [form=auto|densities|rgba|packed] [mesh=smooth|faces|greedy] [triangles=N] [millimetres=X] [up=y|z] [vertices=joined|alone]",
         tooltip: "Write the sculpture to a file",
     },
     CommandHelp {

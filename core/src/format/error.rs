@@ -286,7 +286,9 @@ impl From<MeshError> for FormatError {
         match error {
             MeshError::Cancelled => FormatError::Cancelled,
             MeshError::Grid(error) => FormatError::Grid(error),
-            MeshError::TooLarge(_) | MeshError::Memory { .. } => FormatError::Mesh(error),
+            MeshError::TooLarge(_)
+            | MeshError::Memory { .. }
+            | MeshError::SimplifyMemory { .. } => FormatError::Mesh(error),
         }
     }
 }

@@ -74,6 +74,19 @@ pub enum MeshError {
         /// MiB allowed.
         budget_mib: u64,
     },
+    /// Simplifying the mesh would take more memory than allowed.
+    #[error(
+        "simplifying {triangles} triangles needs {needed_mib} MiB, more than the {budget_mib} MiB allowed; \
+         raise memory.grid_mib or memory.colour_mib in the settings, or export without a limit of triangles"
+    )]
+    SimplifyMemory {
+        /// Triangles of the mesh.
+        triangles: u64,
+        /// MiB needed.
+        needed_mib: u64,
+        /// MiB allowed.
+        budget_mib: u64,
+    },
     /// The smooth surface does not fit into memory.
     #[error(transparent)]
     Grid(#[from] GridError),

@@ -137,7 +137,7 @@ pub fn save_mesh(
     }
     let mut mesh = Mesh::of(contents, options.kind, limits, progress)?;
     if let Some(triangles) = options.triangles {
-        mesh = simplified(mesh, triangles, progress)?;
+        mesh = simplified(mesh, triangles, limits, progress)?;
     }
     let job = Job { mesh: &mesh, space, options, progress };
     progress.begin("writing");

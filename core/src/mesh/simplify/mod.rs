@@ -11,8 +11,9 @@ mod surface;
 use glam::Vec3;
 
 use self::surface::Surface;
-use super::{Mesh, MeshError, Part};
+use super::{Budget, Mesh, MeshError, Part};
 use crate::progress::Progress;
+use crate::sculpture::Limits;
 
 /// Collapses between two looks at whether the work is cancelled.
 const PORTION: u64 = 1 << 14;
@@ -51,11 +52,35 @@ impl Queue {
     }
 }
 
-/// The mesh with at most `triangles`, as far as its topology allows.
-pub fn simplified(mesh: Mesh, triangles: u64, progress: &dyn Progress) -> Result<Mesh, MeshError> {
+/// Bytes that simplifying takes at most, `mesh` included. Its own vectors are gone before the queue is filled, whose
+/// buckets may have room for twice what they hold.
+fn needed_bytes(mesh: &Mesh) -> u64 {
+    let (vertices, triangles) = (mesh.vertex_count(), mesh.triangle_count());
+    let (copied, whole) = Surface::needed_bytes(vertices, triangles, mesh.is_coloured());
+    let edges = triangles + triangles / 2;
+    let queue = 2 * edges * size_of::<Candidate>() as u64;
+    (mesh.heap_bytes() + copied).max(whole + queue)
+}
+
+/// The mesh with at most `triangles`, as far as its topology allows. Refused before memory is taken if it needs more
+/// than the limits for the grid and the colours together.
+pub fn simplified(
+    mesh: Mesh,
+    triangles: u64,
+    limits: &Limits,
+    progress: &dyn Progress,
+) -> Result<Mesh, MeshError> {
     let all = mesh.triangle_count();
     if all <= triangles {
         return Ok(mesh);
+    }
+    let (budget, needed) = (Budget::new(limits), needed_bytes(&mesh));
+    if needed > budget.bytes {
+        return Err(MeshError::SimplifyMemory {
+            triangles: all,
+            needed_mib: needed.div_ceil(1 << 20),
+            budget_mib: budget.bytes >> 20,
+        });
     }
     progress.begin("simplifying");
     let base = mesh.base;

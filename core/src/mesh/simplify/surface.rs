@@ -92,6 +92,18 @@ impl Surface {
         surface
     }
 
+    /// Bytes of a surface of so many vertices and triangles: what is copied from a mesh while that is still there, and
+    /// all.
+    pub fn needed_bytes(vertices: u64, triangles: u64, is_coloured: bool) -> (u64, u64) {
+        let colour = if is_coloured { size_of::<[f32; 3]>() } else { 0 };
+        let copied = vertices * (size_of::<Vec3>() + colour) as u64
+            + triangles * size_of::<[u32; 3]>() as u64;
+        // Versions, first and last corner, marks; the next of each corner.
+        let own = vertices * (size_of::<Quadric>() + 4 * size_of::<u32>()) as u64
+            + triangles * size_of::<[u32; 3]>() as u64;
+        (copied, copied + own)
+    }
+
     /// All edges, each once, the lower vertex first.
     pub fn edges(&self) -> impl Iterator<Item = [u32; 2]> {
         let sides = |&[a, b, c]: &[u32; 3]| [[a, b], [b, c], [c, a]];

@@ -7,7 +7,7 @@ use super::surfaces::{contents, mesh, noise};
 use crate::mesh::{Mesh, MeshError, MeshKind, simplified};
 use crate::progress::Report;
 use crate::scenes::{self, grid_of};
-use crate::sculpture::{Brick, Rgb};
+use crate::sculpture::{Brick, Limits, Rgb};
 
 fn sound(name: &str, mesh: &Mesh) -> Sound {
     let positions: Vec<Vec3> = mesh.positions().collect();
@@ -32,7 +32,7 @@ fn simplified_meshes_have_the_topology_and_volume_of_the_original() {
             let all = mesh(&contents, kind);
             let before = sound(name, &all);
             let wanted = all.triangle_count() / fewer;
-            let fewer = simplified(all, wanted, &()).unwrap();
+            let fewer = simplified(all, wanted, &Limits::default(), &()).unwrap();
             let after = sound(&format!("{name} {kind:?}"), &fewer);
             assert!(fewer.triangle_count() <= wanted, "{name} {kind:?}");
             assert_eq!((after.surfaces, after.handles), (before.surfaces, before.handles));
@@ -45,7 +45,7 @@ fn simplified_meshes_have_the_topology_and_volume_of_the_original() {
 #[test]
 fn a_cube_is_simplified_to_twelve_triangles_in_its_corners() {
     let contents = contents(grid_of(24, |p| (p - 12.0).abs().max_element() < 9.0));
-    let fewer = simplified(mesh(&contents, MeshKind::Faces), 12, &()).unwrap();
+    let fewer = simplified(mesh(&contents, MeshKind::Faces), 12, &Limits::default(), &()).unwrap();
     assert_eq!((fewer.triangle_count(), fewer.vertex_count()), (12, 8));
     assert!((sound("cube", &fewer).volume - 18f64.powi(3)).abs() < 1e-3);
 }
@@ -54,7 +54,8 @@ fn a_cube_is_simplified_to_twelve_triangles_in_its_corners() {
 fn a_simplified_ball_stays_near_its_surface() {
     let (middle, radius) = (Vec3::splat(24.0), 20.0);
     let contents = contents(grid_of(48, |p| p.distance(middle) < radius));
-    let fewer = simplified(mesh(&contents, MeshKind::Smooth), 1000, &()).unwrap();
+    let fewer =
+        simplified(mesh(&contents, MeshKind::Smooth), 1000, &Limits::default(), &()).unwrap();
     let worst = fewer.positions().map(|p| (p.distance(middle) - radius).abs()).fold(0.0, f32::max);
     assert!(fewer.triangle_count() <= 1000 && worst < 0.35, "{worst}");
 }
@@ -66,7 +67,7 @@ fn what_cannot_be_simplified_further_is_left_closed() {
     for kind in [MeshKind::Faces, MeshKind::Greedy, MeshKind::Smooth] {
         let all = mesh(&contents, kind);
         let before = sound("noise", &all);
-        let fewer = simplified(all, 0, &()).unwrap();
+        let fewer = simplified(all, 0, &Limits::default(), &()).unwrap();
         let after = sound(&format!("noise {kind:?}"), &fewer);
         assert_eq!((after.surfaces, after.handles), (before.surfaces, before.handles));
         assert!(fewer.triangle_count() >= 4 * before.surfaces as u64);
@@ -78,10 +79,10 @@ fn a_mesh_with_few_triangles_stays_as_it_is_and_any_other_is_the_same_each_time(
     let contents = contents(scenes::engine_like(40).unwrap());
     let all = mesh(&contents, MeshKind::Smooth);
     let count = all.triangle_count();
-    assert!(simplified(all.clone(), count, &()).unwrap() == all);
+    assert!(simplified(all.clone(), count, &Limits::default(), &()).unwrap() == all);
     let made = [1, 3].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| simplified(all.clone(), count / 3, &()).unwrap())
+        pool.install(|| simplified(all.clone(), count / 3, &Limits::default(), &()).unwrap())
     });
     assert!(made[0] == made[1]);
 }
@@ -95,7 +96,8 @@ fn colours_keep_their_places() {
             contents.material.paint(index, &Brick::FULL, red);
         }
     }
-    let fewer = simplified(mesh(&contents, MeshKind::Smooth), 500, &()).unwrap();
+    let fewer =
+        simplified(mesh(&contents, MeshKind::Smooth), 500, &Limits::default(), &()).unwrap();
     for (position, colour) in fewer.positions().zip(fewer.colours()) {
         if position.x < 13.0 {
             assert_eq!(colour, red, "{position}");
@@ -111,5 +113,20 @@ fn simplifying_can_be_cancelled() {
     let all = mesh(&contents, MeshKind::Faces);
     let report = Report::default();
     report.cancel();
-    assert!(matches!(simplified(all, 100, &report), Err(MeshError::Cancelled)));
+    assert!(matches!(simplified(all, 100, &Limits::default(), &report), Err(MeshError::Cancelled)));
+}
+
+#[test]
+fn too_much_memory_is_refused_before_it_is_taken() {
+    let contents = contents(grid_of(24, |p| p.distance(Vec3::splat(12.0)) < 10.0));
+    let all = mesh(&contents, MeshKind::Faces);
+    let (count, own) = (all.triangle_count(), all.heap_bytes());
+    let limits = |bytes| Limits { grid_bytes: bytes, colour_bytes: 0, ..Limits::default() };
+    // A mesh that just fits leaves no room to work in.
+    let error = simplified(all.clone(), count / 2, &limits(own), &()).unwrap_err();
+    assert!(matches!(error, MeshError::SimplifyMemory { triangles, .. } if triangles == count));
+    assert!(error.to_string().contains("memory.grid_mib"), "{error}");
+    assert!(simplified(all.clone(), count / 2, &limits(8 * own), &()).is_ok());
+    // Nothing is to be done.
+    assert!(simplified(all.clone(), count, &limits(0), &()).unwrap() == all);
 }
