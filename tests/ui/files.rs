@@ -180,12 +180,13 @@ fn export_asks_for_what_the_format_leaves_open() {
     let choose = |harness: &mut Bench, name: &str| {
         key(harness, Modifiers::COMMAND, Key::E);
         settle(harness);
-        harness.get_by_value("statue.pvm").focus();
+        harness.query_all_by_value("statue.pvm").next().unwrap().focus();
         harness.run();
         key(harness, Modifiers::COMMAND, Key::A);
         send(harness, Event::Text(name.to_string()));
         harness.run();
-        answer(harness, "Save");
+        harness.query_all_by_label_contains("Save").last().unwrap().click();
+        settle(harness);
     };
     choose(&mut harness, "statue.stl");
     harness.get_by_label("Export statue.stl").rect();
