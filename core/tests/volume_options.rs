@@ -166,7 +166,7 @@ fn cubic_voxels_keep_places_and_densities() {
 
 #[test]
 fn labels_and_colours_are_not_mixed() {
-    let label = |v: UVec3| if v.z == 1 { 7.0 } else { f32::from(v.x % 2 == 0) * 3.0 };
+    let label = |v: UVec3| if v.z == 1 { 7.0 } else { f32::from(v.x.is_multiple_of(2)) * 3.0 };
     let scan = Scan::new("6x4x3:u8:size=1,1,3", label);
     let cubes = |options: &mut ImportOptions| {
         options.cubic = Cubic::Finest;

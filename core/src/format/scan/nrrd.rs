@@ -178,7 +178,7 @@ impl Layout {
             .collect();
         chosen.truncate(3);
         let left_out: u64 = (0..header.axes.len())
-            .filter(|i| !chosen.contains(i) && !(is_colour && *i == 0))
+            .filter(|i| !(chosen.contains(i) || is_colour && *i == 0))
             .fold(1, |n, i| n.saturating_mul(header.axes[i].size));
         let mut notes = Vec::new();
         if left_out > 1 {
