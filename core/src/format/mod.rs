@@ -51,9 +51,9 @@ use crate::sculpture::orientation::{Orientation, Up};
 use crate::sculpture::{Grid, Limits};
 
 /// Extensions of the files that can be read.
-pub const READ_ENDINGS: [&str; 17] = [
-    "vsc", "pvm", "raw", "nii", "nii.gz", "hdr", "nrrd", "nhdr", "vti", "vox", "qb", "gox",
-    "binvox", "obj", "stl", "ply", "glb",
+pub const READ_ENDINGS: [&str; 19] = [
+    "vsc", "pvm", "raw", "nii", "nii.gz", "hdr", "nrrd", "nhdr", "vti", "tif", "tiff", "vox", "qb",
+    "gox", "binvox", "obj", "stl", "ply", "glb",
 ];
 /// Extensions of the files that can be written.
 pub const WRITE_ENDINGS: [&str; 10] =

@@ -1,4 +1,4 @@
-//! Reads scans of medicine and science: NIfTI, NRRD and VTK image data.
+//! Reads scans of medicine and science: NIfTI, NRRD, VTK image data and TIFF stacks.
 //!
 //! Takes a path; gives a volume with the spacing of its voxels, how its axes lie in the patient or the world, and notes on
 //! what was left out. Headers are checked against the limits before memory is allocated, and compressed voxels are
@@ -10,6 +10,7 @@ mod nifti;
 mod nrrd;
 mod nrrd_header;
 mod numbers;
+mod tiff;
 mod unpack;
 mod vti;
 
@@ -32,17 +33,21 @@ pub enum Kind {
     Nrrd,
     /// VTK image data.
     Vti,
+    /// Pages of one file, or numbered files.
+    Tiff,
 }
 
 impl Kind {
     /// Endings with their formats.
-    pub const ENDINGS: [(&'static str, Kind); 6] = [
+    pub const ENDINGS: [(&'static str, Kind); 8] = [
         ("nii", Kind::Nifti),
         ("nii.gz", Kind::Nifti),
         ("hdr", Kind::Nifti),
         ("nrrd", Kind::Nrrd),
         ("nhdr", Kind::Nrrd),
         ("vti", Kind::Vti),
+        ("tif", Kind::Tiff),
+        ("tiff", Kind::Tiff),
     ];
 }
 
@@ -122,6 +127,7 @@ pub fn load(
         Kind::Nifti => nifti::read(path, file, &reading)?,
         Kind::Nrrd => nrrd::read(file, &reading)?,
         Kind::Vti => vti::read(file, &reading)?,
+        Kind::Tiff => tiff::read(path, file, &reading)?,
     };
     Ok((scan, file_bytes))
 }
