@@ -5,7 +5,7 @@
 //! unless it lies within a tolerance of that, counted in steps to any of the 26 neighbours inside the solid: enough
 //! steps that the edges and corners of a cuboid, which a ball does not fill, and the steps of curved and sloping
 //! surfaces are never thin. So a wall along an axis is thin if it has fewer voxels than the ball, exactly; a sloping
-//! one may be off by a voxel. Edges sharper than a right angle are thin along the edge.
+//! one may be off by up to two voxels. Edges sharper than a right angle are thin along the edge.
 //!
 //! From a grid to blocks of bits; changes nothing. Knows no document.
 
@@ -97,7 +97,10 @@ impl Thickness {
                     let skeleton = self.skeleton(&solid);
                     thin.zip(&skeleton, |thin, skeleton| thin & skeleton)
                 }
-                _ => thin,
+                _ => {
+                    let inside = self.moved_inside(&thin, from, to);
+                    thin.zip(&inside, |thin, inside| thin | inside)
+                }
             };
             if places.count() == 0 {
                 break;
@@ -112,6 +115,28 @@ impl Thickness {
         }
         progress.end();
         Some(solid.zip(&before, |after, before| after & !before))
+    }
+
+    /// The places nearest to `places` at which the ball lies within the box from `min` (inclusive) to `max` (exclusive):
+    /// at a border a ball that is cut off would leave what it was set on thin.
+    fn moved_inside(&self, places: &BitBlock, min: IVec3, max: IVec3) -> BitBlock {
+        let edges = IVec3::from(self.ball.extent_vx().map(|edge| edge as i32));
+        let first = min + (edges - 1) / 2;
+        let last = (max - 1 - edges / 2).max(first);
+        let (origin, size) = (places.origin(), places.size().as_ivec3());
+        let mut moved = places.emptied();
+        for (z, y) in (0..size.z).flat_map(|z| (0..size.y).map(move |y| (z, y))) {
+            for (i, word) in (0..).zip(places.row(y, z).unwrap_or_default()) {
+                let mut bits = *word;
+                while bits != 0 {
+                    let x = 64 * i + bits.trailing_zeros() as i32;
+                    let to = (origin + IVec3::new(x, y, z)).clamp(first, last);
+                    moved.set_span(to.x, to.x, to.y, to.z);
+                    bits &= bits - 1;
+                }
+            }
+        }
+        moved
     }
 
     /// The middles of walls up to the ball's thickness.

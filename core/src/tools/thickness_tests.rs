@@ -133,12 +133,32 @@ fn walls_at_the_border_grow_inwards_and_nothing_grows_below_the_bed() {
     assert_eq!(thin_count(&plate, 5.0), 0);
 }
 
+/// Found by [`whatever_was_thickened_is_thick`]: balls that the bed cuts off left three voxels thin.
+#[test]
+fn bits_on_the_bed_become_thick() {
+    let bits = [
+        ([22.93717, 12.0, 12.7807], [19.993093, 13.818813, 16.275314], 4.845193),
+        ([1.0, 1.0, 1.0], [39.0, 2.0, 39.0], 5.0),
+        ([0.5, 0.5, 0.5], [0.5, 0.5, 0.5], 6.0),
+    ];
+    for (a, b, wanted) in bits {
+        let solid = grid(|p| {
+            [a, b].map(Vec3::from).into_iter().any(|centre: Vec3| {
+                let d = p + EDGE as f32 * 0.5 - centre;
+                d.length() < 0.6 || d.abs().max_element() < 6.0 && d.abs().min_element() < 0.6
+            })
+        });
+        assert_eq!(thin_count(&thickened(solid, wanted), wanted), 0, "{a:?}");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
 
-    /// Turned to any angle, a voxel more or less than wanted decides.
+    /// Turned to any angle, two voxels more or less than wanted decide: across some slopes a digital ball is up to 1.6
+    /// voxels thinner than it should be, where its outermost voxels just miss it.
     #[test]
-    fn sloping_walls_are_measured_to_a_voxel(
+    fn sloping_walls_are_measured_to_two_voxels(
         turn in prop::array::uniform3(-3.2f32..3.2), wanted in 3f32..7.0, at in -1f32..1.0,
     ) {
         let turn = Mat3::from_quat(Quat::from_euler(glam::EulerRot::XYZ, turn[0], turn[1], turn[2]));
@@ -157,8 +177,8 @@ proptest! {
             count
         };
         prop_assert_eq!(inner(&thick), 0);
-        let thin = wall(0.5 * (wanted - 1.5));
-        let there = grid(|p| (p.dot(across) + at).abs() < 0.5 * (wanted - 1.5) && p.length() < 12.0);
+        let thin = wall(0.5 * (wanted - 2.0));
+        let there = grid(|p| (p.dot(across) + at).abs() < 0.5 * (wanted - 2.0) && p.length() < 12.0);
         prop_assert_eq!(inner(&thin), there.opaque_count());
     }
 
@@ -172,7 +192,7 @@ proptest! {
 
     #[test]
     fn whatever_was_thickened_is_thick(
-        seeds in prop::collection::vec((prop::array::uniform3(12f32..28.0), 0.5f32..4.0), 1..5), wanted in 2f32..5.0,
+        seeds in prop::collection::vec((prop::array::uniform3(0f32..40.0), 0.5f32..4.0), 1..5), wanted in 2f32..5.0,
     ) {
         let solid = grid(|p| seeds.iter().any(|(c, r)| {
             let d = p + EDGE as f32 * 0.5 - Vec3::from(*c);
