@@ -27,6 +27,8 @@ const VOXEL_MM: std::ops::RangeInclusive<f32> = 0.001..=1000.0;
 pub struct ExportDialog {
     /// The file while the dialog is open.
     path: Option<PathBuf>,
+    /// Extent of the existing voxels, found when the dialog opens.
+    size_vx: Option<Vec3>,
     form: ExportForm,
     /// Surface of a mesh.
     pub kind: MeshKind,
@@ -43,6 +45,7 @@ impl Default for ExportDialog {
     fn default() -> ExportDialog {
         ExportDialog {
             path: None,
+            size_vx: None,
             form: ExportForm::default(),
             kind: MeshKind::default(),
             points_only: false,
@@ -67,6 +70,7 @@ impl ExportDialog {
 
     /// Asks for the options of a file, or asks to write it where its format has none.
     pub fn open(&mut self, path: PathBuf, requests: &mut Vec<UiRequest>) {
+        self.size_vx = None;
         match is_mesh(&path) || is_volume(&path) {
             true => self.path = Some(path),
             false => requests.push(self.command(path)),
@@ -140,7 +144,11 @@ fn volume_options(ui: &mut Ui, dialog: &mut ExportDialog) {
 }
 
 fn mesh_options(ui: &mut Ui, dialog: &mut ExportDialog, path: &Path, context: &UiContext) {
-    let own_mm = context.document.grid().voxel_size();
+    let grid = context.document.grid();
+    let own_mm = grid.voxel_size();
+    let size_vx = *dialog.size_vx.get_or_insert_with(|| {
+        grid.opaque_bounds().map_or(Vec3::ZERO, |(low, high)| (high - low).as_vec3())
+    });
     Grid::new("export").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {
         let label = ui.label("Surface");
         ComboBox::from_id_salt("surface")
@@ -173,7 +181,7 @@ fn mesh_options(ui: &mut Ui, dialog: &mut ExportDialog, path: &Path, context: &U
         ui.end_row();
 
         ui.label("Size");
-        let size_mm = size_vx(context) * own_mm * (edge_mm / own_mm.x);
+        let size_mm = size_vx * own_mm * (edge_mm / own_mm.x);
         let Vec3 { x, y, z } = size_mm;
         ui.label(format!("{x:.1} × {y:.1} × {z:.1} mm"))
             .on_hover_text("Width, height and depth of the sculpture");
@@ -213,12 +221,6 @@ fn help(kind: MeshKind) -> &'static str {
         MeshKind::Greedy => "The same faces, merged to rectangles: far fewer triangles",
         MeshKind::Smooth => "The smooth surface that pictures show, for printing and modelling",
     }
-}
-
-/// Extent of the existing voxels.
-fn size_vx(context: &UiContext) -> Vec3 {
-    let bounds = context.document.grid().bounds_vx();
-    bounds.map_or(Vec3::ZERO, |(low, high)| (high - low).as_vec3())
 }
 
 /// Whether the name is that of a volume, whose contents can be chosen.

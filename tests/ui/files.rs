@@ -175,7 +175,8 @@ fn export_asks_for_what_the_format_leaves_open() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("statue.vsc");
     let mut harness = bench();
-    ask_for(&mut harness, "new dims=20,10,30 fill=solid");
+    ask_for(&mut harness, "new dims=40,40,40 fill=empty");
+    ask_for(&mut harness, "add cuboid at=21,20,20 half=10,5,15");
     execute(&mut harness, &format!("save {path:?}"));
     let choose = |harness: &mut Bench, name: &str| {
         key(harness, Modifiers::COMMAND, Key::E);

@@ -232,30 +232,8 @@ impl LevelSet {
                 }
             };
         }
-        if !inside {
-            for (i, level) in levels.iter_mut().enumerate() {
-                *level = self.level(grid, low + corner(i)).into();
-            }
-            return levels;
-        }
-        // The axes along which the corners lie in two bricks: each of these bricks is looked up once.
-        let across = local.cmpeq(IVec3::splat(7)).bitmask() as usize;
-        let mut entries = [(NO_PAGE, 0); 8];
-        for (i, entry) in entries.iter_mut().enumerate().filter(|(i, _)| i & !across == 0) {
-            let brick = (low + corner(i)).as_uvec3() / BRICK_EDGE_VX;
-            let index = grid.brick_index(brick);
-            let page = self.table[index];
-            *entry = (page, if page == NO_PAGE { self.far(grid, index) } else { 0 });
-        }
         for (i, level) in levels.iter_mut().enumerate() {
-            let (page, far) = entries[i & across];
-            *level = match self.pages.get(page as usize) {
-                None => far.into(),
-                Some(page) => {
-                    let at = (local + corner(i)) & 7;
-                    page[place(at.x as u32, at.y as u32, at.z as u32)].into()
-                }
-            };
+            *level = self.level(grid, low + corner(i)).into();
         }
         levels
     }

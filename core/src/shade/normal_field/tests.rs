@@ -415,6 +415,28 @@ fn what_is_seen_after_edits_is_up_to_date_and_the_rest_follows() {
     assert_eq!(pictures(&grid, &field), pictures(&grid, &NormalField::of(&grid)));
 }
 
+/// An edit of which nothing is seen puts off more than one picture can wait for: the rest follows in portions.
+#[test]
+fn very_many_bricks_that_were_put_off_are_computed_in_portions() {
+    let (before, grid) = (scenes::cheese(160, 40, 3).unwrap(), scenes::cheese(160, 60, 4).unwrap());
+    let mut field = NormalField::of(&before);
+    let all: Vec<u32> = (0..grid.brick_count() as u32).collect();
+    for _ in 0..2 {
+        // The second time nothing is new.
+        field.follow(&grid, Some(&all));
+        field.update_seen(&grid, [], &mut Vec::new());
+        assert!(field.deferred() > MOST_AT_ONCE && !field.has_estimates());
+    }
+    let mut updates = 0;
+    while !field.is_complete() {
+        let mut portions = 0..2;
+        field.update(&grid, &mut Vec::new(), || portions.next().is_some());
+        updates += 1;
+    }
+    assert!(updates > 1);
+    assert_eq!(pictures(&grid, &field), pictures(&grid, &NormalField::of(&grid)));
+}
+
 /// The packed normals of all voxels, by brick.
 fn pictures(grid: &Grid, field: &NormalField) -> Vec<Vec<PackedNormal>> {
     let local = |i: u32| UVec3::from(crate::sculpture::brick::local_coords(i));
