@@ -382,6 +382,10 @@ impl App {
     fn finish(mut self) -> Result<(), AppError> {
         // A save in progress is completed.
         self.workspace.finish_job();
+        if self.failed.is_none() && self.workspace.is_leaving() {
+            // All is saved, or the person has said that it need not be.
+            self.workspace.session_mut().discard_journal();
+        }
         self.note_windows();
         self.workspace.remember();
         let log = self.view.as_ref().map(MainWindow::validation_log);

@@ -22,7 +22,8 @@ use crate::folders;
 use crate::format;
 use crate::format::options::ExportForm;
 use crate::gpu::DeviceOptions;
-use crate::headless::{self, Context, DemoScene, PictureRequest, RunJob};
+use crate::headless::{self, Context, DemoScene, PictureRequest, RecoverJob, RunJob};
+use crate::journal::{JournalOptions, Shelf};
 use crate::picture;
 use crate::progress_bar::Bar;
 use crate::render::RenderMode;
@@ -40,7 +41,7 @@ mod mesh_arguments;
 mod shell;
 
 pub use arguments::{ImportArgs, PictureArgs};
-pub use error::ProgramError;
+pub use error::{ArgumentError, ProgramError};
 pub use film_arguments::FilmArgs;
 
 use check_arguments::CheckArgs;
@@ -64,6 +65,9 @@ pub struct Cli {
     /// Record every command as a script, to replay with `run`
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
+    /// Keep no journal of this session: a crash loses what is not saved
+    #[arg(long)]
+    pub no_journal: bool,
     /// Work in a headset, with or without a window
     #[arg(long)]
     pub headset: bool,
@@ -110,10 +114,27 @@ pub enum Job {
         /// Also render the result to this picture (.png, .jpg)
         #[arg(long, value_name = "PICTURE", value_parser = named(&picture::ENDINGS))]
         render: Option<PathBuf>,
+        /// Keep a journal, as the window does, so that not even a kill loses what was done
+        #[arg(long)]
+        journal: bool,
         #[command(flatten)]
         picture: PictureArgs,
         #[command(flatten)]
         import: ImportArgs,
+    },
+    /// List what sessions have left that did not end as they should, or bring one back
+    Recover {
+        /// Which one, by its number in the list
+        number: Option<u64>,
+        /// Write its sculpture to this file, which must not be there yet
+        #[arg(long, value_name = "FILE", requires = "number", value_parser = named(&format::WRITE_ENDINGS))]
+        out: Option<PathBuf>,
+        /// Remove it, after the file is written if one was named
+        #[arg(long, requires = "number")]
+        discard: bool,
+        /// List them as one line of JSON, for programs
+        #[arg(long, conflicts_with = "number")]
+        json: bool,
     },
     /// Convert a file to another format
     Convert {
@@ -291,6 +312,12 @@ fn refuse(words: &clap::Error) -> ExitCode {
     }
 }
 
+/// How journals are kept by these settings.
+fn journal_options(config: &Config) -> JournalOptions {
+    let shelf = Shelf::new(&folders::journal_folder());
+    JournalOptions { max_bytes: config.journal.max_bytes(), ..JournalOptions::new(shelf) }
+}
+
 /// Without a job: the window if there is a display, otherwise, unless a file was named, the demo,
 /// so that the program shows what it does on any machine.
 fn window_or_demo(
@@ -317,6 +344,9 @@ fn window_or_demo(
         };
         if let Some(record) = &cli.record {
             session.record_to(record)?;
+        }
+        if config.journal.keep && !cli.no_journal {
+            session.keep_journal(journal_options(&config)).map_err(ProgramError::Journal)?;
         }
         match display {
             true => app::run(session, config, device, cli.headset_shots)?,
@@ -354,10 +384,18 @@ fn dispatch(cli: Cli) -> Result<(), ProgramError> {
             Ok(())
         }
         Some(Job::Film(args)) => Ok(film::run(&args.job()?, &context)?),
-        Some(Job::Run { script, input, output, render, picture, import }) => {
+        Some(Job::Run { script, input, output, render, journal, picture, import }) => {
             let (picture, import) = (picture.request()?, import.options());
-            let job = RunJob { script, input, output, render, picture, import };
+            let journal = journal.then(|| journal_options(&config));
+            let job = RunJob { script, input, output, render, picture, import, journal };
             Ok(headless::run(&job, &context)?)
+        }
+        Some(Job::Recover { number, out, discard, json }) => {
+            let shelf = journal_options(&config).shelf;
+            if number.is_some() && out.is_none() && !discard {
+                return Err(ArgumentError::NothingToDo.into());
+            }
+            Ok(headless::recover(&RecoverJob { shelf, number, out, discard, json }, &context)?)
         }
         Some(Job::Convert { input, output, form, mesh, import }) => {
             let mesh = mesh.options(&output, form);

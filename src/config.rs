@@ -30,7 +30,7 @@ use crate::video::VideoOptions;
 mod model;
 mod profile;
 
-pub use model::{MemoryOptions, NewOptions};
+pub use model::{JournalSettings, MemoryOptions, NewOptions};
 pub use profile::Profile;
 
 /// The commented file of all defaults.
@@ -54,6 +54,7 @@ pub enum ConfigError {
 #[serde(default, deny_unknown_fields)]
 pub struct Config {
     pub memory: MemoryOptions,
+    pub journal: JournalSettings,
     pub new: NewOptions,
     pub render: RenderOptions,
     pub light: LightOptions,
@@ -118,6 +119,7 @@ impl Config {
     fn check(&self, path: &Path) -> Result<(), ConfigError> {
         let sections = [
             ("memory", self.memory.check()),
+            ("journal", self.journal.check()),
             ("new", self.new.check(&self.limits())),
             ("render", self.render.check()),
             ("window", self.window.check()),
@@ -225,6 +227,7 @@ mod tests {
         let cases = [
             ("[memory]\nhistry_mib = 7", "histry_mib"),
             ("[memory]\ngrid_mib = 0", "memory.grid_mib = 0"),
+            ("[journal]\nmax_mib = 0", "journal.max_mib = 0"),
             ("[new]\ncolour_bits = 12", "12 must be 0, 8, 16 or 24"),
             ("[new]\nbase = \"red\"", "`red` is not a colour"),
             ("[new]\ndims = [0, 1, 1]", "new.dims"),

@@ -23,6 +23,11 @@ pub fn state_folder() -> PathBuf {
     project().map_or_else(std::env::temp_dir, of)
 }
 
+/// The folder of the journals of sessions.
+pub fn journal_folder() -> PathBuf {
+    state_folder().join("journals")
+}
+
 /// The folder for what can be made again. None without a home folder.
 pub fn cache_folder() -> Option<PathBuf> {
     project().map(|project| project.cache_dir().to_path_buf())

@@ -1,4 +1,4 @@
-//! The jobs that need no screen: render, run, convert, info, check, demo, and the list of commands.
+//! The jobs that need no screen: render, run, recover, convert, info, check, demo, and the list of commands.
 //!
 //! Results go to stdout, one fact per line; progress and errors to stderr. Files are written before
 //! they are reported, so that a closed stdout costs none.
@@ -6,6 +6,7 @@
 mod check;
 mod info;
 mod pipe;
+mod recover;
 
 use std::path::{Path, PathBuf};
 
@@ -20,6 +21,7 @@ use crate::fiducial::{family, sheet};
 use crate::format::options::{ExportForm, ExportOptions, ImportOptions};
 use crate::format::{self, FormatError, MeshOptions, store};
 use crate::gpu::DeviceOptions;
+use crate::journal::{JournalError, JournalOptions};
 use crate::picture::{self, FinalOptions, PictureError, TraceOn};
 use crate::print_check::CheckError;
 use crate::progress::Progress;
@@ -34,6 +36,7 @@ use crate::view::StereoLayout;
 
 pub use check::check;
 pub use info::info;
+pub use recover::{RecoverJob, recover};
 
 /// A scene that the program builds from a script.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, clap::ValueEnum)]
@@ -187,6 +190,20 @@ pub enum JobError {
     Input(std::io::Error),
     #[error("{0} of the commands from the standard input failed; their answers say why")]
     Refused(usize),
+    #[error("there is no journal {0}; `virtual-sculpture recover` lists what was left")]
+    NoJournal(u64),
+    #[error("journal {0} belongs to a session that is still running")]
+    JournalInUse(u64),
+    #[error("{0} is there already, and recovery overwrites nothing; choose another name")]
+    OutExists(PathBuf),
+    #[error("cannot use the journal {path}: {error}")]
+    Journal { path: PathBuf, error: std::io::Error },
+    #[error("nothing can be recovered from {path}: {error}")]
+    Unrecoverable { path: PathBuf, error: JournalError },
+    #[error(
+        "{out} was written, but it may not be what was made: {difference}; journal {number} stays"
+    )]
+    ReplayDiffers { out: PathBuf, number: u64, difference: String },
     #[error("cannot create the folder {path}: {error}")]
     Folder { path: PathBuf, error: std::io::Error },
     #[error(transparent)]
@@ -264,7 +281,11 @@ pub fn run(job: &RunJob, context: &Context) -> Result<(), JobError> {
     }
     let text = read_script(&job.script)?;
     let mut session = job.session(context)?;
-    execute_script(&mut session, &text, &job.script, context.progress)?;
+    let done = execute_script(&mut session, &text, &job.script, context.progress);
+    if job.output.is_none() || done.is_err() {
+        tell_of_journal(&session);
+    }
+    done?;
     if let Some(output) = &job.output {
         save(&mut session, output, ExportForm::Auto, context.progress)?;
     }
@@ -278,7 +299,11 @@ pub fn run(job: &RunJob, context: &Context) -> Result<(), JobError> {
 /// [`run`] for standard input. Nothing but answers is printed on standard output.
 fn run_piped(job: &RunJob, context: &Context) -> Result<(), JobError> {
     let mut session = job.session(context)?;
-    let refused = pipe::converse(&mut session, &())?;
+    let refused = pipe::converse(&mut session, &());
+    if job.output.is_none() || refused.is_err() {
+        tell_of_journal(&session);
+    }
+    let refused = refused?;
     if let Some(path) = &job.output {
         let save = Command::Save { path: path.clone(), export: ExportOptions::default() };
         session.execute(&save, context.progress)?;
@@ -300,14 +325,35 @@ pub struct RunJob {
     pub render: Option<PathBuf>,
     pub picture: PictureRequest,
     pub import: ImportOptions,
+    /// How to keep a journal; none: not at all, since a script can be run again.
+    pub journal: Option<JournalOptions>,
 }
 
 impl RunJob {
-    fn session(&self, context: &Context) -> Result<Session, SessionError> {
-        match &self.input {
-            Some(input) => context.open_session(input, &self.import),
-            None => context.new_session(),
+    fn session(&self, context: &Context) -> Result<Session, JobError> {
+        let mut session = match &self.input {
+            Some(input) => context.open_session(input, &self.import)?,
+            None => context.new_session()?,
+        };
+        if let Some(options) = &self.journal {
+            let path = options.shelf.folder().to_path_buf();
+            let begun = session.keep_journal(options.clone());
+            begun.map_err(|error| JobError::Journal { path, error })?;
         }
+        Ok(session)
+    }
+}
+
+/// Says what went wrong with the journal, and where unsaved changes are kept that nobody has saved.
+fn tell_of_journal(session: &Session) {
+    session.wait_for_journal();
+    if let Some(message) = session.take_journal_message() {
+        terminal::print_notice(message);
+    }
+    if let Some(number) = session.journal_number().filter(|_| session.modified()) {
+        terminal::print_notice(format_args!(
+            "what is not saved is kept in journal {number}; `virtual-sculpture recover {number} --out FILE` writes it"
+        ));
     }
 }
 

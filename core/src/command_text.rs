@@ -5,6 +5,7 @@
 //! they read back to the same bits. Works on text; reads no file.
 
 use std::fmt;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use glam::{EulerRot, IVec3, Quat, UVec3, Vec3};
@@ -55,6 +56,18 @@ pub fn parse_script(text: &str) -> Result<Vec<(usize, Command)>, ScriptError> {
         commands.push((i + 1, command));
     }
     Ok(commands)
+}
+
+/// The text form of a file name, whatever bytes it has: one word of a command.
+pub fn path_text(path: &Path) -> String {
+    QuotedPath(path).to_string()
+}
+
+/// Reads what [`path_text`] has written.
+pub fn parse_path(text: &str) -> Result<PathBuf, ParseError> {
+    let mut args = Arguments::parse(&format!("open {text}"))?;
+    let path = args.path()?;
+    args.finish().map(|()| path)
 }
 
 impl fmt::Display for Command {

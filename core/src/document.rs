@@ -28,6 +28,7 @@ mod changes;
 mod error;
 mod mend;
 mod orient;
+mod snapshot;
 mod steps;
 mod tools;
 
@@ -36,6 +37,7 @@ use changes::Changes;
 pub use error::CommandError;
 pub use mend::plan_mend;
 pub use orient::orient_contents;
+pub use snapshot::DocumentSnapshot;
 pub use tools::MAX_ARRAY;
 
 /// The effect of a command.
@@ -62,7 +64,7 @@ pub struct Document {
     selection: Selection,
     symmetry: Symmetry,
     /// The clipboard; it outlives the sculpture it was copied from.
-    clip: Option<Clip>,
+    clip: Option<Arc<Clip>>,
     /// Pictures for solids, by the name that commands give them.
     pictures: HashMap<PathBuf, Arc<Texture>>,
     /// Uses of tools in the open stroke, and those of the last operation.
@@ -167,7 +169,7 @@ impl Document {
 
     /// The clipboard.
     pub fn clip(&self) -> Option<&Clip> {
-        self.clip.as_ref()
+        self.clip.as_deref()
     }
 
     /// Whether `array` has an operation to repeat.
@@ -357,7 +359,7 @@ impl Document {
     /// Finishes edits: unless a stroke is open, they become a step. They are reverted if the history
     /// cannot keep it.
     fn applied(&mut self, stats: EditStats, command: &Command) -> Result<Applied, CommandError> {
-        let revision = self.revision;
+        let (revision, states) = (self.revision, self.states);
         if stats.bricks_changed > 0 {
             self.revision += 1;
             self.state.number = self.new_state();
@@ -366,7 +368,8 @@ impl Document {
             let label = command.label();
             if let Err(error) = self.require_room(&label, self.recorder.bytes()) {
                 self.take_back();
-                self.revision = revision;
+                // As if it had not been tried: whoever replays what was done counts the same states.
+                (self.revision, self.states) = (revision, states);
                 return Err(error);
             }
             self.finish_stroke(label);

@@ -5,6 +5,7 @@ pub mod command;
 pub mod command_text;
 pub mod document;
 pub mod format;
+pub mod journal;
 pub mod mesh;
 pub mod print_check;
 pub mod progress;

@@ -1,14 +1,21 @@
-//! A session: a document, its file and the journal. Executes every [`Command`]: those that concern files
+//! A session: a document, its files, its journal and perhaps a recording. Executes every [`Command`]: those that concern files
 //! itself, the others through [`Document::apply`].
 //!
 //! Windows, headless jobs and scripts all use [`Session::execute`], so that everything a user does can be
 //! recorded and replayed. Knows no screen.
 
 mod files;
-mod journal;
+mod keeping;
+mod recording;
+mod recover;
+#[cfg(test)]
+mod tests;
 mod work;
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
 
 use thiserror::Error;
 
@@ -19,7 +26,9 @@ use crate::format::{self, FormatError, Loaded};
 use crate::progress::Progress;
 use crate::sculpture::orientation::{Orientation, Up};
 use files::Files;
-use journal::Journal;
+use keeping::Keeping;
+use recording::Recording;
+pub use recover::{Recovered, RecoveryReport, Summary, recover, summary};
 pub use work::{Done, Work};
 use work::{Outcome, Task, load};
 
@@ -96,9 +105,12 @@ pub struct Session {
     files: Files,
     /// The command that reproduces the sculpture at the session's start.
     beginning: Command,
-    journal: Option<Journal>,
-    /// Why the journal has ended.
+    recording: Option<Recording>,
+    /// Why the recording has ended.
     journal_error: Option<SessionError>,
+    journal: Option<Keeping>,
+    /// The bytes of the images that are loaded, or were for the last stroke.
+    pictures: HashMap<PathBuf, Arc<[u8]>>,
     /// What reading the last file left out, for the person to know.
     notes: Vec<String>,
 }
@@ -134,8 +146,10 @@ impl Session {
             document,
             files,
             beginning,
-            journal: None,
+            recording: None,
             journal_error: None,
+            journal: None,
+            pictures: HashMap::new(),
             notes: Vec::new(),
         }
     }
@@ -173,13 +187,13 @@ impl Session {
         if self.document.revision() > 0 {
             return Err(SessionError::JournalLate);
         }
-        self.journal = Some(Journal::begin(path, &self.beginning)?);
+        self.recording = Some(Recording::begin(path, &self.beginning)?);
         Ok(())
     }
 
     /// The script that is being recorded.
     pub fn recording(&self) -> Option<&Path> {
-        self.journal.as_ref().map(Journal::path)
+        self.recording.as_ref().map(Recording::path)
     }
 
     /// What reading the last file left out or took otherwise, returned once.
@@ -225,14 +239,21 @@ impl Session {
         if let Some(work) = self.prepare(command)? {
             return self.complete(work.run(progress)?);
         }
-        if matches!(command, Command::Begin { .. }) {
-            // Read again with every stroke: the file may have been changed by then.
-            self.document.forget_pictures();
-        }
+        let began = Instant::now();
+        self.forget_pictures(command);
         self.learn_pictures(command)?;
         let applied = self.document.apply(command)?;
         self.note(command, applied);
+        self.keep_command(command, applied, began.elapsed());
         Ok(applied)
+    }
+
+    /// Images are read again with every stroke: the file may have been changed by then.
+    fn forget_pictures(&mut self, command: &Command) {
+        if matches!(command, Command::Begin { .. }) {
+            self.pictures.retain(|path, _| self.document.has_picture(path));
+            self.document.forget_pictures();
+        }
     }
 
     /// Reads the images that a command needs, unless they are loaded.
@@ -246,9 +267,10 @@ impl Session {
         };
         for path in needed {
             if !self.document.has_picture(&path) {
-                let texture = format::load_picture(&path)
+                let (texture, file) = format::load_picture_file(&path)
                     .map_err(|error| SessionError::Picture { path: path.clone(), error })?;
                 self.document.learn_picture(&path, texture);
+                self.keep_picture(path, file);
             }
         }
         Ok(())
@@ -298,8 +320,10 @@ impl Session {
 
     /// Completes a command with the result of its long part.
     pub fn complete(&mut self, done: Done) -> Result<Applied, SessionError> {
-        let Done { command, outcome } = done;
+        let Done { command, outcome, took } = done;
+        let began = Instant::now();
         let mut applied = Applied::default();
+        let mut entry = None;
         match outcome {
             Outcome::New(contents) => {
                 self.document.replace(*contents, "new")?;
@@ -326,70 +350,42 @@ impl Session {
                 let Loaded { contents, texts, assumed_up, notes, .. } = *loaded;
                 self.document.replace(contents, &format!("open {name}"))?;
                 self.notes = notes;
+                entry = Some(self.opened_entry(&path, &texts, assumed_up));
                 self.files.opened(self.document.state(), path, texts, assumed_up);
             }
             // Volumes are for other programs: what they cannot hold would be lost.
             Outcome::Saved { path, notes, state } => {
                 self.notes = notes;
                 if format::is_sculpture(&path) {
+                    entry = Some(keeping::saved_entry(&path, state));
                     self.files.saved(state, path);
                 }
             }
         }
-        self.files.keep_only(self.document.history().states().chain([self.document.state()]));
+        self.keep_reachable_files();
         self.note(&command, applied);
+        let took = took + began.elapsed();
+        match (entry, &command) {
+            (Some(entry), _) => self.keep(entry, took),
+            // A volume or mesh for other programs.
+            (None, Command::Save { .. }) => {}
+            (None, _) => self.keep_command(&command, applied, took),
+        }
         Ok(applied)
     }
 
-    /// Writes an executed command to the journal. If that fails, the command still succeeds, and the
-    /// journal ends: with a gap it would replay something else.
+    fn keep_reachable_files(&mut self) {
+        self.files.keep_only(self.document.history().states().chain([self.document.state()]));
+    }
+
+    /// Writes an executed command to the recording. If that fails, the command still succeeds, and the
+    /// recording ends: with a gap it would replay something else.
     fn note(&mut self, command: &Command, applied: Applied) {
-        let Some(journal) = &mut self.journal else { return };
-        if let Err(error) = journal.write(command, applied) {
+        let Some(recording) = &mut self.recording else { return };
+        if let Err(error) = recording.write(command, applied) {
             tracing::warn!("{error}");
-            self.journal = None;
+            self.recording = None;
             self.journal_error = Some(error);
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::sculpture::{ColourDepth, Rgb};
-
-    #[test]
-    fn a_picture_is_read_anew_with_every_stroke() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("colour.png");
-        let write = |rgb: [u8; 3]| {
-            image::RgbImage::from_pixel(2, 2, image::Rgb(rgb)).save(&path).unwrap();
-        };
-        let new = NewSculpture {
-            dims: glam::UVec3::splat(16),
-            voxel_size: glam::Vec3::ONE,
-            colour_depth: ColourDepth::Bits24,
-            base: Rgb([128; 3]),
-            solid: true,
-        };
-        let mut session = Session::new(&new, Limits::default()).unwrap();
-        let paint = format!("texture \"{}\" cuboid at=8,8,8 half=4", path.display());
-        for rgb in [[200, 10, 20], [30, 220, 40]] {
-            write(rgb);
-            for line in ["begin", &paint, "end"] {
-                session.execute(&line.parse().unwrap(), &()).unwrap();
-            }
-            let contents = session.document().contents();
-            assert_eq!(contents.rgb(glam::UVec3::splat(8)).0, rgb);
-        }
-        // An empty stroke forgets the picture, but not that it was used.
-        for line in ["begin", "end", "array count=1 step=4,0,0"] {
-            session.execute(&line.parse().unwrap(), &()).unwrap();
-        }
-        assert_eq!(session.document().contents().rgb(glam::UVec3::splat(11)).0, [30, 220, 40]);
-        std::fs::remove_file(&path).unwrap();
-        session.execute(&Command::Begin { label: String::new() }, &()).unwrap();
-        let error = session.execute(&paint.parse().unwrap(), &()).unwrap_err();
-        assert!(error.to_string().contains("colour.png"), "{error}");
     }
 }

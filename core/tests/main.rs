@@ -13,6 +13,7 @@ mod commands;
 mod example;
 mod formats;
 mod independent;
+mod journal;
 mod meshes_in;
 mod scans;
 mod sprays;

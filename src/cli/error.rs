@@ -24,6 +24,8 @@ pub enum ArgumentError {
     Samples(u32),
     #[error("--{0} applies to final pictures only; add `--quality final`")]
     FinalOnly(&'static str),
+    #[error("say what to do with it: `--out FILE` writes it, `--discard` removes it")]
+    NothingToDo,
     #[error("--{0} does not apply to final pictures; leave it out, or `--quality final`")]
     NotFinal(&'static str),
     #[error(
@@ -53,10 +55,12 @@ pub enum ProgramError {
     Film(#[from] FilmError),
     #[error(transparent)]
     Output(#[from] OutputError),
+    #[error("cannot begin a journal: {0}; `--no-journal` works without one")]
+    Journal(std::io::Error),
     #[error("there is no command '{0}'; `virtual-sculpture --help` lists them")]
     NoJob(String),
     #[error(
-        "there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); `render`, `film`, `run`, `convert`, `info`, `check`, `demo` and `bench` need none"
+        "there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); `render`, `film`, `run`, `recover`, `convert`, `info`, `check`, `demo` and `bench` need none"
     )]
     NoDisplay,
 }
@@ -91,6 +95,7 @@ impl ProgramError {
             | ProgramError::Track(_)
             | ProgramError::Bench(_)
             | ProgramError::Output(_)
+            | ProgramError::Journal(_)
             | ProgramError::App(_) => 1,
         }
     }
@@ -115,14 +120,20 @@ fn job_code(error: &JobError) -> u8 {
         | JobError::ReadScript { .. }
         | JobError::Script { .. }
         | JobError::Command { .. }
-        | JobError::Refused(_) => 3,
+        | JobError::Refused(_)
+        | JobError::Unrecoverable { .. } => 3,
         JobError::NotPrintable => 5,
         JobError::Check(CheckError::Option(_) | CheckError::Wall { .. })
         | JobError::NoMarker(_)
+        | JobError::NoJournal(_)
+        | JobError::OutExists(_)
         | JobError::Picture(PictureError::SmoothOnDevice) => 2,
         JobError::Picture(PictureError::Gpu(_) | PictureError::TraceDevice(_)) => 4,
         JobError::Session(_)
         | JobError::Input(_)
+        | JobError::Journal { .. }
+        | JobError::JournalInUse(_)
+        | JobError::ReplayDiffers { .. }
         | JobError::Folder { .. }
         | JobError::Check(_)
         | JobError::WriteMarker { .. }

@@ -1,6 +1,6 @@
-//! The sections of the model: memory limits in MiB and the sculpture that a session begins with.
+//! The sections of the model: memory limits in MiB, the journal, and the sculpture that a session begins with.
 //!
-//! The model has types of its own for both ([`Limits`], [`NewSculpture`]); these are their text form.
+//! The model has types of its own for these ([`Limits`], [`NewSculpture`]); these are their text form.
 
 use glam::Vec3;
 use serde::{Deserialize, Deserializer, de};
@@ -38,6 +38,30 @@ impl MemoryOptions {
             colour_bytes: self.colour_mib << 20,
             history_bytes: (self.history_mib << 20) as usize,
         }
+    }
+}
+
+#[derive(Clone, PartialEq, Debug, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct JournalSettings {
+    pub keep: bool,
+    pub max_mib: u64,
+}
+
+impl Default for JournalSettings {
+    fn default() -> Self {
+        JournalSettings { keep: true, max_mib: 1024 }
+    }
+}
+
+impl JournalSettings {
+    pub(super) fn check(&self) -> Result<(), InvalidOption> {
+        require_in(1..=1 << 24, "max_mib", self.max_mib, "must be 1 to 16777216 MiB")
+    }
+
+    /// Size from which on a journal is begun anew.
+    pub fn max_bytes(&self) -> u64 {
+        self.max_mib << 20
     }
 }
 

@@ -158,10 +158,15 @@ impl Editor {
         self.error(error.to_string());
     }
 
-    /// Says once that the recording has ended; the work goes on.
+    /// Says once that the recording has ended, or that the journal cannot be written; the work goes on.
     pub(super) fn tell_journal_error(&mut self) {
         if let Some(error) = self.session.take_journal_error() {
             self.error(format!("{error}; the recording ends here, your work goes on"));
+        }
+        self.session.attend_journal();
+        if let Some(message) = self.session.take_journal_message() {
+            tracing::warn!("{message}");
+            self.note(message);
         }
     }
 

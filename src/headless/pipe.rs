@@ -92,6 +92,8 @@ fn answer_lines(
             file: session.path(),
             modified: session.modified(),
         };
+        // What is answered is kept.
+        session.wait_for_journal();
         // Paths that are no Unicode are the only values that JSON cannot hold.
         let said = serde_json::to_string(&said)
             .or_else(|_| serde_json::to_string(&Answer { file: None, ..said }))

@@ -1,5 +1,7 @@
 //! Commands about areas: fill, clear and dye them; copy, cut and move the marker's contents.
 
+use std::sync::Arc;
+
 use glam::IVec3;
 
 use super::{Applied, CommandError, Document};
@@ -44,13 +46,13 @@ impl Document {
 
     /// Copies the marker's contents to the clipboard.
     pub(super) fn copy(&mut self) -> Result<(), CommandError> {
-        self.clip = Some(self.marked()?);
+        self.clip = Some(Arc::new(self.marked()?));
         Ok(())
     }
 
     /// Cuts the marker's contents to the clipboard.
     pub(super) fn cut(&mut self, command: &Command) -> Result<Applied, CommandError> {
-        let kept = self.clip.replace(self.marked()?);
+        let kept = self.clip.replace(Arc::new(self.marked()?));
         let stats = self.edit(&self.selection.marker(), EditOp::Subtract);
         let applied = self.applied(stats, command);
         if applied.is_err() {
@@ -76,7 +78,7 @@ impl Document {
         Selection::check_marker(marker).map_err(CommandError::Marker)?;
         let upright = clip.voxels(from, Orientation::UPRIGHT, self.grid().brick_dims());
         let mut stats = self.edit(&upright, EditOp::Subtract);
-        let kept = self.clip.replace(clip);
+        let kept = self.clip.replace(Arc::new(clip));
         let pasted = self.paste(to, orientation);
         self.clip = kept;
         stats += pasted?;

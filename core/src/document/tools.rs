@@ -74,7 +74,7 @@ impl Document {
             _ => std::mem::take(&mut self.last_uses),
         };
         let mut stats = EditStats::default();
-        let revision = self.revision;
+        let (revision, states) = (self.revision, self.states);
         self.stroke = Some(command.label());
         for i in 1..=count {
             for used in &uses {
@@ -87,7 +87,7 @@ impl Document {
                     Err(error) => {
                         self.apply(&Command::Cancel)?;
                         // Reverted to the state before: copies elsewhere stay current.
-                        self.revision = revision;
+                        (self.revision, self.states) = (revision, states);
                         self.last_uses = uses;
                         return Err(error);
                     }
@@ -96,7 +96,7 @@ impl Document {
         }
         if let Err(error) = self.apply(&Command::End) {
             self.apply(&Command::Cancel)?;
-            self.revision = revision;
+            (self.revision, self.states) = (revision, states);
             self.last_uses = uses;
             return Err(error);
         }

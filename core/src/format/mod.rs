@@ -2,7 +2,7 @@
 //! options for what to read and write, and limits for memory.
 //!
 //! The entry points are [`load`], [`save`] and [`info()`]. Below them: `store` (disk), `vsc` (sculptures
-//! without loss), `pvm` and `dds`, `raw`, `scan` (volumes), `prepare` (region and cubic voxels), `import` and `export` (volume <->
+//! without loss), `history` (undo steps), `pvm` and `dds`, `raw`, `scan` (volumes), `prepare` (region and cubic voxels), `import` and `export` (volume <->
 //! sculpture), `threshold`, `ramp`, `labels` and `signature` (the meaning of voxels), `voxel` (models of other voxel
 //! editors), `mesh_in` and `mesh_out` (meshes of and for other programs). Errors say what is wrong and what to do;
 //! callers add the name of the file.
@@ -12,6 +12,7 @@ mod dds;
 mod error;
 mod export;
 mod histogram;
+pub mod history;
 mod import;
 mod info;
 mod labels;
@@ -41,7 +42,7 @@ pub use self::histogram::Histogram;
 pub use self::info::{Densities, Info, info, info_with};
 pub use self::mesh_out::{MeshOptions, MeshSummary, MeshUp, is_mesh, save_mesh, usual_up};
 use self::options::{Colouring, ExportForm, ExportOptions, ImportOptions};
-pub use self::picture::{load_matcap, load_picture};
+pub use self::picture::{load_matcap, load_picture, load_picture_file, picture_of};
 pub use self::signature::Signature;
 pub use self::volume::{Samples, Texts, Volume};
 use crate::progress::Progress;
@@ -174,6 +175,16 @@ pub fn load(
     }
     let notes = told(path, source.notes);
     Ok(Loaded { contents, samples: Some(samples), texts, assumed_up, notes })
+}
+
+/// The bytes of a .vsc file with a sculpture and its texts.
+pub fn write_sculpture(contents: &Contents, texts: &Texts) -> Result<Vec<u8>, FormatError> {
+    vsc::write(contents, texts, &())
+}
+
+/// Reads what [`write_sculpture`] has written, within `limits`.
+pub fn read_sculpture(file: &[u8], limits: &Limits) -> Result<(Contents, Texts), FormatError> {
+    vsc::read(file, limits, &())
 }
 
 /// Notes for the person, which are also logged.

@@ -13,6 +13,9 @@ use crate::shade::Matcap;
 use crate::shade::look::MATCAP_EDGE;
 use crate::tools::texture::{MAX_SIDE, Texture};
 
+/// Longest file of an image that is read whole.
+const PICTURE_LIMIT_BYTES: u64 = 1 << 30;
+
 /// Reads an image. Its format is detected from its first bytes, not its name. Transparency is ignored.
 ///
 /// # Errors
@@ -21,8 +24,14 @@ pub fn load_picture(path: &Path) -> Result<Texture, FormatError> {
     decode(BufReader::new(store::open(path)?))
 }
 
+/// [`load_picture`], with the bytes of the file.
+pub fn load_picture_file(path: &Path) -> Result<(Texture, Vec<u8>), FormatError> {
+    let file = store::read(path, PICTURE_LIMIT_BYTES, |_| Ok(()), &())?;
+    Ok((picture_of(&file)?, file))
+}
+
 /// [`load_picture`] of a file in memory.
-pub(super) fn picture_of(file: &[u8]) -> Result<Texture, FormatError> {
+pub fn picture_of(file: &[u8]) -> Result<Texture, FormatError> {
     decode(Cursor::new(file))
 }
 

@@ -54,6 +54,16 @@ impl Clip {
         Ok(Some(Clip { contents: Contents { grid, material } }))
     }
 
+    /// A clip of the existing voxels of `contents`, as when it is read back.
+    pub fn from_contents(contents: Contents) -> Clip {
+        Clip { contents }
+    }
+
+    /// Its voxels and colours.
+    pub fn contents(&self) -> &Contents {
+        &self.contents
+    }
+
     /// Size in voxels, before any orientation.
     pub fn size(&self) -> UVec3 {
         self.contents.grid.dims()

@@ -277,13 +277,15 @@ impl Grid {
     }
 }
 
+/// Bits that a brick may have in a grid of `dims` voxels.
 #[inline]
-fn valid_mask(dims: UVec3, b: UVec3) -> Brick {
+pub fn valid_mask(dims: UVec3, b: UVec3) -> Brick {
     let room = dims - b * BRICK_EDGE_VX;
     if room.min_element() >= BRICK_EDGE_VX { Brick::FULL } else { Brick::below(room.to_array()) }
 }
 
-fn brick_dims(dims: UVec3) -> UVec3 {
+/// Size in bricks of a grid of `dims` voxels.
+pub fn brick_dims(dims: UVec3) -> UVec3 {
     (dims + (BRICK_EDGE_VX - 1)) / BRICK_EDGE_VX
 }
 
@@ -295,8 +297,9 @@ fn product(v: UVec3) -> u64 {
     u64::from(v.x) * u64::from(v.y) * u64::from(v.z)
 }
 
+/// Brick coordinates of a linear index among `dims` bricks.
 #[inline]
-fn unflatten(index: u32, dims: UVec3) -> UVec3 {
+pub fn unflatten(index: u32, dims: UVec3) -> UVec3 {
     let yz = index / dims.x;
     UVec3::new(index % dims.x, yz % dims.y, yz / dims.y)
 }

@@ -5,6 +5,7 @@
 //! operation and both are exact to the byte. Knows no command and no document.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 use glam::{IVec3, UVec3};
 
@@ -38,7 +39,7 @@ impl Contents {
 }
 
 /// What one step changed.
-#[derive(Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub enum Change {
     /// Some bricks of the sculpture.
     Bricks(BrickRecord),
@@ -82,7 +83,7 @@ pub struct State {
 }
 
 /// A named, reversible change.
-#[derive(Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct Step {
     /// What was done, as the history list shows it.
     pub label: String,
@@ -106,13 +107,42 @@ enum Stack {
     Redo,
 }
 
+/// The steps that can be undone and redone, as they were at one moment. Steps are shared, so taking one
+/// copies no values; a step that is undone while it is shared is copied then.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct HistorySnapshot {
+    /// Oldest first.
+    pub undo: Vec<Arc<Step>>,
+    /// Last to be redone first.
+    pub redo: Vec<Arc<Step>>,
+}
+
+impl HistorySnapshot {
+    /// Drops the steps furthest from the current state until the rest takes at most `bytes`. Returns how
+    /// many steps were dropped of each list.
+    pub fn shorten(&mut self, bytes: usize) -> [usize; 2] {
+        let mut left = bytes;
+        [&mut self.undo, &mut self.redo].map(|steps| {
+            let fits = |step: &&Arc<Step>| {
+                let rest = left.checked_sub(step.heap_bytes());
+                left = rest.unwrap_or(0);
+                rest.is_some()
+            };
+            let kept = steps.iter().rev().take_while(fits).count();
+            let dropped = steps.len() - kept;
+            steps.drain(..dropped);
+            dropped
+        })
+    }
+}
+
 /// The steps that can be undone and redone.
 #[derive(Debug)]
 pub struct History {
     /// Oldest first.
-    undo: VecDeque<Step>,
+    undo: VecDeque<Arc<Step>>,
     /// Last to be redone first.
-    redo: VecDeque<Step>,
+    redo: VecDeque<Arc<Step>>,
     bytes: usize,
     budget_bytes: usize,
     dropped: u64,
@@ -124,10 +154,26 @@ impl History {
         History { undo: VecDeque::new(), redo: VecDeque::new(), bytes: 0, budget_bytes, dropped: 0 }
     }
 
+    /// A history with the steps of a snapshot, as many as fit into `budget_bytes`.
+    pub fn restored(snapshot: HistorySnapshot, budget_bytes: usize) -> History {
+        let mut history = History::new(budget_bytes);
+        snapshot.redo.into_iter().for_each(|step| history.put(step, Stack::Redo));
+        snapshot.undo.into_iter().for_each(|step| history.put(step, Stack::Undo));
+        history
+    }
+
+    /// The steps as they are now.
+    pub fn snapshot(&self) -> HistorySnapshot {
+        HistorySnapshot {
+            undo: self.undo.iter().cloned().collect(),
+            redo: self.redo.iter().cloned().collect(),
+        }
+    }
+
     /// Adds a finished step and clears the redo list.
     pub fn push(&mut self, step: Step) {
         self.bytes -= self.redo.drain(..).map(|s| s.heap_bytes()).sum::<usize>();
-        self.put(step, Stack::Undo);
+        self.put(Arc::new(step), Stack::Undo);
     }
 
     /// Whether a step fits into the budget whose label and change take `bytes`.
@@ -140,7 +186,7 @@ impl History {
     pub fn take_undo(&mut self) -> Option<Step> {
         let step = self.undo.pop_back()?;
         self.bytes -= step.heap_bytes();
-        Some(step)
+        Some(Arc::unwrap_or_clone(step))
     }
 
     /// Takes the step to redo next. Give its reverse to [`History::redone`], or the step itself
@@ -148,17 +194,17 @@ impl History {
     pub fn take_redo(&mut self) -> Option<Step> {
         let step = self.redo.pop_back()?;
         self.bytes -= step.heap_bytes();
-        Some(step)
+        Some(Arc::unwrap_or_clone(step))
     }
 
     /// Puts the reverse of an undone step on the redo stack.
     pub fn undone(&mut self, reverse: Step) {
-        self.put(reverse, Stack::Redo);
+        self.put(Arc::new(reverse), Stack::Redo);
     }
 
     /// Puts the reverse of a redone step on the undo stack.
     pub fn redone(&mut self, reverse: Step) {
-        self.put(reverse, Stack::Undo);
+        self.put(Arc::new(reverse), Stack::Undo);
     }
 
     /// Number of steps that can be undone.
@@ -183,12 +229,12 @@ impl History {
 
     /// The steps that can be undone, the next one first.
     pub fn undo_steps(&self) -> impl Iterator<Item = &Step> {
-        self.undo.iter().rev()
+        self.undo.iter().rev().map(Arc::as_ref)
     }
 
     /// The steps that can be redone, the next one first.
     pub fn redo_steps(&self) -> impl Iterator<Item = &Step> {
-        self.redo.iter().rev()
+        self.redo.iter().rev().map(Arc::as_ref)
     }
 
     /// The states that undo and redo can lead to.
@@ -213,7 +259,7 @@ impl History {
 
     /// Adds a step to the top of a stack and drops what exceeds the budget. A step larger than the
     /// whole budget is dropped with all below it: callers ask [`History::can_keep`] first.
-    fn put(&mut self, step: Step, to: Stack) {
+    fn put(&mut self, step: Arc<Step>, to: Stack) {
         let (stack, other) = match to {
             Stack::Undo => (&mut self.undo, &mut self.redo),
             Stack::Redo => (&mut self.redo, &mut self.undo),
@@ -268,7 +314,7 @@ mod tests {
     }
 
     fn recount(history: &History) -> usize {
-        history.undo.iter().chain(&history.redo).map(Step::heap_bytes).sum()
+        history.undo.iter().chain(&history.redo).map(|step| step.heap_bytes()).sum()
     }
 
     proptest! {

@@ -9,6 +9,7 @@ pub mod brick;
 pub mod brick_set;
 pub mod clip;
 pub mod colour;
+pub mod digest;
 pub mod edit;
 pub mod grid;
 pub mod history;
@@ -28,6 +29,7 @@ pub mod vectors;
 
 pub use brick::Brick;
 pub use colour::{ColourDepth, Rgb};
+pub use digest::Digest;
 pub use grid::{Grid, GridError, NO_VOXEL};
 pub use limits::Limits;
 pub use material::Material;

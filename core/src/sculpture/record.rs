@@ -11,7 +11,7 @@ use super::material::Page;
 use super::vectors::vectorised;
 
 /// Earlier values of some bricks, each at most once.
-#[derive(Default, Debug)]
+#[derive(Clone, PartialEq, Default, Debug)]
 pub struct BrickRecord {
     empty: Vec<BrickMask>,
     full: Vec<BrickMask>,
@@ -46,6 +46,32 @@ impl BrickRecord {
     pub fn keep_page(&mut self, index: u32, page: Option<Page>) {
         self.page_bytes += page.as_ref().map_or(0, |p| p.len());
         self.pages.push((index, page));
+    }
+
+    /// The bricks that were empty, full and mixed.
+    pub fn kinds(&self) -> [&[BrickMask]; 3] {
+        [&self.empty, &self.full, &self.mixed]
+    }
+
+    /// The bits of the mixed bricks, in the order in which [`BrickRecord::kinds`] names them.
+    pub fn mixed_bits(&self) -> &[Brick] {
+        &self.mixed_bits
+    }
+
+    /// The colour pages kept, with the linear indices of their bricks; none where there was none.
+    pub fn pages(&self) -> &[(u32, Option<Page>)] {
+        &self.pages
+    }
+
+    /// A record of what [`BrickRecord::kinds`], [`BrickRecord::mixed_bits`] and [`BrickRecord::pages`]
+    /// return. There must be bits for each mixed brick, and each brick may be named once only.
+    pub fn from_parts(
+        [empty, full, mixed]: [Vec<BrickMask>; 3],
+        mixed_bits: Vec<Brick>,
+        pages: Vec<(u32, Option<Page>)>,
+    ) -> BrickRecord {
+        let page_bytes = pages.iter().flat_map(|(_, page)| page).map(|page| page.len()).sum();
+        BrickRecord { empty, full, mixed, mixed_bits, pages, page_bytes }
     }
 
     /// Whether no earlier value is kept.

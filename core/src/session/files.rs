@@ -7,6 +7,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use crate::format::Texts;
+use crate::journal::SculptureFile;
 use crate::sculpture::history::State;
 use crate::sculpture::orientation::Up;
 
@@ -31,6 +32,33 @@ pub(super) struct Files {
 }
 
 impl Files {
+    /// The files of a session that goes on.
+    pub fn restored(files: Vec<SculptureFile>) -> Files {
+        let of_sculpture = files.into_iter().map(|file| {
+            let SculptureFile { sculpture, path, texts, saved, assumed_up } = file;
+            (sculpture, File { path, texts, saved, assumed_up })
+        });
+        Files { of_sculpture: of_sculpture.collect() }
+    }
+
+    /// All of them, to be restored from any folder.
+    pub fn all(&self) -> Vec<SculptureFile> {
+        let absolute = |path: &PathBuf| std::path::absolute(path).unwrap_or_else(|_| path.clone());
+        let mut files: Vec<SculptureFile> = self
+            .of_sculpture
+            .iter()
+            .map(|(&sculpture, File { path, texts, saved, assumed_up })| SculptureFile {
+                sculpture,
+                path: path.as_ref().map(absolute),
+                texts: texts.clone(),
+                saved: *saved,
+                assumed_up: *assumed_up,
+            })
+            .collect();
+        files.sort_by_key(|file| file.sculpture);
+        files
+    }
+
     /// A new sculpture, without a file.
     pub fn made(&mut self, state: State) {
         let file = File { saved: Some(state.number), ..File::default() };

@@ -6,6 +6,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use super::SessionError;
 use crate::command::{Command, NewSculpture};
@@ -62,6 +63,8 @@ pub(super) enum Task {
 pub struct Done {
     pub(super) command: Command,
     pub(super) outcome: Outcome,
+    /// How long it took.
+    pub(super) took: Duration,
 }
 
 #[derive(Debug)]
@@ -93,6 +96,7 @@ pub(super) enum Outcome {
 impl Work {
     /// Runs the work. On failure or cancellation nothing has changed.
     pub fn run(self, progress: &dyn Progress) -> Result<Done, SessionError> {
+        let began = Instant::now();
         let outcome = match self.task {
             Task::New { new, limits } => {
                 Outcome::New(Box::new(document::make_contents(&new, &limits)?))
@@ -117,7 +121,7 @@ impl Work {
                 }
             }
         };
-        Ok(Done { command: self.command, outcome })
+        Ok(Done { command: self.command, outcome, took: began.elapsed() })
     }
 }
 

@@ -10,5 +10,5 @@ mod orient;
 mod orientations;
 mod refusals;
 mod script;
-mod strategies;
+pub mod strategies;
 mod text;

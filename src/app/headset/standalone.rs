@@ -37,6 +37,9 @@ pub fn run(
         }
     }
     workspace.finish_job();
+    if workspace.is_leaving() {
+        workspace.session_mut().discard_journal();
+    }
     if headset.has_exited() && workspace.session().modified() {
         // The runtime has ended the program: there was nobody to ask.
         match recovery::save(workspace.session_mut(), &state_folder()) {

@@ -22,7 +22,7 @@
 //! Bricks are counted x fastest, then y, then z. Chunks are independent, so that all cores pack and
 //! unpack.
 
-mod chunk;
+pub(super) mod chunk;
 
 use glam::{UVec3, Vec3};
 use rayon::prelude::*;

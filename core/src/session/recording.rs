@@ -15,16 +15,16 @@ const TITLE: &str = "# Recorded by Virtual Sculpture";
 
 /// A recording in progress.
 #[derive(Debug)]
-pub(super) struct Journal {
+pub(super) struct Recording {
     path: PathBuf,
     file: File,
     /// Bytes of the lines that are whole.
     length: u64,
 }
 
-impl Journal {
+impl Recording {
     /// Starts a recording with the command that reproduces the session's start.
-    pub fn begin(path: &Path, beginning: &Command) -> Result<Journal, SessionError> {
+    pub fn begin(path: &Path, beginning: &Command) -> Result<Recording, SessionError> {
         let failed = |error| SessionError::Journal { path: path.to_path_buf(), error };
         let mut options = OpenOptions::new();
         options.write(true);
@@ -41,11 +41,11 @@ impl Journal {
             Err(error) => return Err(failed(error)),
         }
         let file = options.open(path).map_err(failed)?;
-        let mut journal = Journal { path: path.to_path_buf(), file, length: 0 };
+        let mut recording = Recording { path: path.to_path_buf(), file, length: 0 };
         let head = format!("{TITLE}; replay with `virtual-sculpture run`\n");
-        journal.write_line(head).map_err(failed)?;
-        journal.write(beginning, Applied::default())?;
-        Ok(journal)
+        recording.write_line(head).map_err(failed)?;
+        recording.write(beginning, Applied::default())?;
+        Ok(recording)
     }
 
     pub fn path(&self) -> &Path {

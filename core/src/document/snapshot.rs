@@ -1,0 +1,77 @@
+//! All that makes up a document between two strokes, as values: to be kept elsewhere, and to begin a
+//! document with that goes on exactly as this one would have.
+//!
+//! Taking a snapshot shares contents, steps and clipboard. Loaded pictures are not in it: they belong to
+//! files, which the session knows.
+
+use std::sync::Arc;
+
+use super::{CommandError, Document, Limits};
+use crate::command::{Command, SelectOp};
+use crate::sculpture::clip::Clip;
+use crate::sculpture::history::{Contents, History, HistorySnapshot, State};
+
+/// A document between two strokes.
+#[derive(Clone, Debug)]
+pub struct DocumentSnapshot {
+    /// Bits and colours.
+    pub contents: Arc<Contents>,
+    /// The steps that can be undone and redone.
+    pub history: HistorySnapshot,
+    /// The clipboard.
+    pub clip: Option<Arc<Clip>>,
+    /// The commands that set placement, selection, symmetry and what else is no undo step, from a document
+    /// where nothing is set.
+    pub settings: Vec<Command>,
+    /// The uses of tools that an array repeats.
+    pub last_uses: Vec<Command>,
+    /// Identifies the state.
+    pub state: State,
+    /// Number of states identified so far.
+    pub states: u64,
+}
+
+impl Document {
+    /// A snapshot; none while a stroke is open.
+    pub fn snapshot(&self) -> Option<DocumentSnapshot> {
+        (!self.stroke_open()).then(|| DocumentSnapshot {
+            contents: self.contents.clone(),
+            history: self.history.snapshot(),
+            clip: self.clip.clone(),
+            settings: self.settings(),
+            last_uses: self.last_uses.clone(),
+            state: self.state,
+            states: self.states,
+        })
+    }
+
+    /// A document that goes on where the snapshot was taken.
+    ///
+    /// # Errors
+    /// If a setting is refused, as those of another document may be.
+    pub fn restored(snapshot: DocumentSnapshot, limits: Limits) -> Result<Document, CommandError> {
+        let DocumentSnapshot { contents, history, clip, settings, last_uses, state, states } =
+            snapshot;
+        let mut document = Document::from_contents(Arc::unwrap_or_clone(contents), limits);
+        for command in &settings {
+            document.apply(command)?;
+        }
+        document.history = History::restored(history, limits.history_bytes);
+        document.clip = clip;
+        document.last_uses = last_uses;
+        (document.state, document.settled, document.states) = (state, state, states);
+        Ok(document)
+    }
+
+    fn settings(&self) -> Vec<Command> {
+        let mut settings = vec![Command::Place(self.placement), Command::Symmetry(self.symmetry)];
+        for selected in self.selection.boxes() {
+            let op = if selected.adds { SelectOp::Add } else { SelectOp::Subtract };
+            settings.extend([Command::Mark(selected.bounds), Command::Select(op)]);
+        }
+        settings.push(Command::Mark(self.selection.marker()));
+        settings.push(Command::Limit(self.selection.limits()));
+        settings.push(Command::Irreversible(self.irreversible));
+        settings
+    }
+}

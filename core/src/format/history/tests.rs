@@ -1,0 +1,127 @@
+use std::sync::Arc;
+
+use glam::{UVec3, Vec3};
+use proptest::prelude::*;
+
+use super::*;
+use crate::command::{Command, NewSculpture};
+use crate::document::Document;
+use crate::sculpture::Rgb;
+use crate::sculpture::brick_set::BrickSet;
+use crate::sculpture::history::History;
+
+fn document(dims: UVec3, depth: ColourDepth) -> Document {
+    let new = NewSculpture {
+        dims,
+        voxel_size: Vec3::ONE,
+        colour_depth: depth,
+        base: Rgb::STONE,
+        solid: true,
+    };
+    Document::new(&new, Limits::default()).unwrap()
+}
+
+/// A line for each kind of step, at a place.
+fn line(kind: u8, at: [i32; 3]) -> String {
+    let [x, y, z] = at;
+    match kind {
+        0 | 1 => format!("subtract ellipsoid at={x},{y},{z} half=4"),
+        2 => format!("recolour cuboid at={x},{y},{z} half=3 colour=#{:02x}4080", x * 5),
+        3 => format!("add cuboid at={x},{y},{z} half=2"),
+        4 => "clear".to_string(),
+        5 => "fill".to_string(),
+        6 => "orient axes=y,-x,z".to_string(),
+        7 => format!("new dims={},9,17 colour=16", 1 + x),
+        8 => "undo".to_string(),
+        _ => "redo".to_string(),
+    }
+}
+
+fn packed(steps: &[Arc<Step>]) -> Vec<Vec<u8>> {
+    steps.iter().rev().map(|step| write_step(step).unwrap()).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+    /// Whatever was done, the steps come back equal, in place, with the bytes that they take.
+    #[test]
+    fn a_history_is_read_back_exactly(
+        lines in prop::collection::vec((0u8..10, [0i32..24, 0..24, 0..24]), 1..24),
+        depth in prop::sample::select(&ColourDepth::ALL[..]),
+    ) {
+        let mut document = document(UVec3::new(21, 24, 11), depth);
+        for (kind, at) in lines {
+            // Without colours nothing can be painted.
+            let _ = document.apply(&line(kind, at).parse().unwrap());
+        }
+        let before = document.history().snapshot();
+        let (undo, redo) = (packed(&before.undo), packed(&before.redo));
+        let shape = Shape::of(document.contents());
+        let after = read_steps([&undo, &redo], shape, &Limits::default()).unwrap();
+        prop_assert_eq!(&before, &after);
+        let restored = History::restored(after, document.history().budget_bytes());
+        prop_assert_eq!(restored.bytes(), document.history().bytes());
+    }
+
+    /// No damage makes a step that breaks a sculpture.
+    #[test]
+    fn damaged_steps_are_refused_or_fit(
+        kind in 0u8..8, at in [0i32..20, 0..20, 0..20],
+        place in any::<prop::sample::Index>(), value in any::<u8>(), cut in any::<bool>(),
+    ) {
+        let mut document = document(UVec3::new(21, 24, 11), ColourDepth::Bits24);
+        document.apply(&line(kind, at).parse().unwrap()).unwrap();
+        let Some(step) = document.history().undo_steps().next() else { return Ok(()) };
+        let mut bytes = write_step(step).unwrap();
+        let place = place.index(bytes.len());
+        if cut { bytes.truncate(place) } else { bytes[place] = value }
+        let shape = Shape::of(document.contents());
+        if let Ok(step) = read_step(&bytes, shape, &Limits::default()) {
+            let mut contents = document.contents().clone();
+            if let Change::Bricks(record) = step.change {
+                let bricks = contents.grid.brick_count();
+                record.swap(&mut contents, &mut BrickSet::new(bricks));
+                let counts = (0..bricks).map(|i| u64::from(contents.grid.brick_at(i).count()));
+                prop_assert_eq!(counts.sum::<u64>(), contents.grid.opaque_count());
+            }
+        }
+    }
+}
+
+#[test]
+fn long_records_pass_through_many_blocks() {
+    let mut document = document(UVec3::new(200, 160, 120), ColourDepth::Bits24);
+    let texture: Vec<Rgb> = (0..64 * 64).map(|i| Rgb([i as u8, (i >> 4) as u8, 7])).collect();
+    let picture = crate::tools::texture::Texture::new(64, texture).unwrap();
+    document.learn_picture("noise".as_ref(), picture);
+    let line = "texture \"noise\" ellipsoid at=100,80,60 half=90,70,55";
+    document.apply(&line.parse::<Command>().unwrap()).unwrap();
+    document.apply(&Command::Undo { steps: None }).unwrap();
+    document.apply(&"clear".parse().unwrap()).unwrap();
+    document.apply(&Command::Undo { steps: None }).unwrap();
+    document.apply(&"subtract ellipsoid at=99,80,60 half=35,30,25".parse().unwrap()).unwrap();
+    document.apply(&line.parse::<Command>().unwrap()).unwrap();
+    document.apply(&Command::Undo { steps: None }).unwrap();
+    let before = document.history().snapshot();
+    let (undo, redo) = (packed(&before.undo), packed(&before.redo));
+    assert!(redo.iter().any(|step| step.len() > 1 << 20), "several blocks");
+    let shape = Shape::of(document.contents());
+    let after = read_steps([&undo, &redo], shape, &Limits::default()).unwrap();
+    assert_eq!(before, after);
+}
+
+#[test]
+fn the_steps_furthest_away_are_dropped_first() {
+    let mut document = document(UVec3::splat(16), ColourDepth::None);
+    for x in [2, 4, 6, 8] {
+        document.apply(&line(0, [x, 4, 4]).parse().unwrap()).unwrap();
+    }
+    document.apply(&Command::Undo { steps: Some(1) }).unwrap();
+    let all = document.history().snapshot();
+    let bytes: Vec<usize> = all.undo.iter().rev().map(|step| step.heap_bytes()).collect();
+    let mut short = all.clone();
+    assert_eq!(short.shorten(bytes[0] + bytes[1]), [1, 1]);
+    assert_eq!(short.undo, all.undo[1..]);
+    let mut whole = all.clone();
+    assert_eq!((whole.shorten(usize::MAX), whole), ([0, 0], all));
+}

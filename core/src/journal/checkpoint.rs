@@ -1,0 +1,253 @@
+//! A checkpoint: a session between two strokes, as records that make it up again exactly.
+//!
+//! Records of a checkpoint, in this order: one for the beginning (program, process, time, limits and
+//! identifiers, as JSON), one for the contents, one for each undo step and each redo step (nearest first),
+//! the clipboard if there is one, the settings and the last operation as scripts, the file of each sculpture,
+//! each loaded picture, and the end with the hash of the contents.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::entry::{put_text, take_bytes, take_text, take_u64};
+use super::frame::{Record, RecordBuffer};
+use crate::command::Command;
+use crate::command_text::{parse_path, parse_script, path_text};
+use crate::document::DocumentSnapshot;
+use crate::format::history::{Shape, read_steps, write_step};
+use crate::format::{FormatError, Texts, read_sculpture, write_sculpture};
+use crate::sculpture::clip::Clip;
+use crate::sculpture::history::State;
+use crate::sculpture::orientation::Up;
+use crate::sculpture::{Digest, Limits};
+
+const BEGIN: u8 = 1;
+const CONTENTS: u8 = 2;
+const UNDO: u8 = 3;
+const REDO: u8 = 4;
+const CLIP: u8 = 5;
+const SETTINGS: u8 = 6;
+const LAST_USES: u8 = 7;
+const FILE: u8 = 8;
+const PICTURE: u8 = 9;
+const END: u8 = 10;
+
+const DAMAGED: FormatError =
+    FormatError::Damaged("the checkpoint of the journal has no known form");
+
+/// The file that belongs to a sculpture of a session.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct SculptureFile {
+    /// Which sculpture: [`State::sculpture`].
+    pub sculpture: u64,
+    /// Where it is.
+    pub path: Option<PathBuf>,
+    /// Texts of the file, which go along when it is saved.
+    pub texts: Texts,
+    /// Number of the state that the file holds.
+    pub saved: Option<u64>,
+    /// The number of the state in which it was read, and the axis that was taken for the one that points up.
+    pub assumed_up: Option<(u64, Up)>,
+}
+
+/// A session between two strokes.
+#[derive(Clone, Debug)]
+pub struct Checkpoint {
+    /// The document.
+    pub document: DocumentSnapshot,
+    /// The files of all sculptures that undo and redo lead to.
+    pub files: Vec<SculptureFile>,
+    /// The loaded pictures: paths, and the bytes of their files.
+    pub pictures: Vec<(PathBuf, Arc<[u8]>)>,
+    /// The limits of the session.
+    pub limits: Limits,
+}
+
+/// The first record of a journal.
+#[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
+pub struct Beginning {
+    /// Version of the program.
+    pub program: String,
+    /// The process that wrote it.
+    pub process: u32,
+    /// When the session began, in seconds since 1970 by the system's clock; only for people.
+    pub began_unix_s: u64,
+    limits: [u64; 3],
+    state: [u64; 2],
+    states: u64,
+}
+
+impl Beginning {
+    pub fn limits(&self) -> Limits {
+        let [grid_bytes, colour_bytes, history_bytes] = self.limits;
+        Limits { grid_bytes, colour_bytes, history_bytes: history_bytes as usize }
+    }
+}
+
+impl Checkpoint {
+    /// Gives its records to `append`, one by one.
+    pub(super) fn write<E: From<FormatError>>(
+        &self,
+        began_unix_s: u64,
+        append: &mut dyn FnMut(RecordBuffer) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let DocumentSnapshot { contents, history, clip, settings, last_uses, state, states } =
+            &self.document;
+        let Limits { grid_bytes, colour_bytes, history_bytes } = self.limits;
+        let beginning = Beginning {
+            program: env!("CARGO_PKG_VERSION").to_string(),
+            process: std::process::id(),
+            began_unix_s,
+            limits: [grid_bytes, colour_bytes, history_bytes as u64],
+            state: [state.sculpture, state.number],
+            states: *states,
+        };
+        let json = serde_json::to_vec(&beginning).map_err(|_| DAMAGED)?;
+        append(record(BEGIN, &[&json]))?;
+        append(record(CONTENTS, &[&write_sculpture(contents, &Texts::default())?]))?;
+        for (kind, steps) in [(UNDO, &history.undo), (REDO, &history.redo)] {
+            for step in steps.iter().rev() {
+                append(record(kind, &[&write_step(step)?]))?;
+            }
+        }
+        if let Some(clip) = clip {
+            append(record(CLIP, &[&write_sculpture(clip.contents(), &Texts::default())?]))?;
+        }
+        append(record(SETTINGS, &[script(settings).as_bytes()]))?;
+        append(record(LAST_USES, &[script(last_uses).as_bytes()]))?;
+        for file in &self.files {
+            append(file.to_record())?;
+        }
+        for (path, bytes) in &self.pictures {
+            let mut record = RecordBuffer::new(PICTURE);
+            put_text(&path_text(path), record.payload());
+            record.payload().extend_from_slice(bytes);
+            append(record)?;
+        }
+        append(record(END, &[&Digest::of(contents).0]))
+    }
+
+    /// Reads a checkpoint from the records of a journal, within the limits that it was made with where they
+    /// are larger than `limits`. None if the records end before it does.
+    pub(super) fn read(
+        records: &mut dyn Iterator<Item = Record>,
+        limits: &Limits,
+    ) -> Result<Option<(Beginning, Checkpoint)>, FormatError> {
+        let Some(first) = records.next() else { return Ok(None) };
+        if first.kind != BEGIN {
+            return Err(DAMAGED);
+        }
+        let beginning: Beginning = serde_json::from_slice(&first.payload).map_err(|_| DAMAGED)?;
+        let own = beginning.limits();
+        let limits = Limits {
+            grid_bytes: limits.grid_bytes.max(own.grid_bytes),
+            colour_bytes: limits.colour_bytes.max(own.colour_bytes),
+            history_bytes: limits.history_bytes.max(own.history_bytes),
+        };
+        let (mut contents, mut clip, mut undo, mut redo) = (None, None, vec![], vec![]);
+        let (mut settings, mut last_uses, mut files, mut pictures) =
+            (vec![], vec![], vec![], vec![]);
+        for Record { kind, payload } in records {
+            match kind {
+                CONTENTS => contents = Some(read_sculpture(&payload, &limits)?.0),
+                UNDO => undo.push(payload),
+                REDO => redo.push(payload),
+                CLIP => {
+                    let contents = read_sculpture(&payload, &limits)?.0;
+                    clip = Some(Arc::new(Clip::from_contents(contents)));
+                }
+                SETTINGS => settings = commands(&payload)?,
+                LAST_USES => last_uses = commands(&payload)?,
+                FILE => files.push(SculptureFile::from_payload(&payload)?),
+                PICTURE => {
+                    let mut rest = &payload[..];
+                    let path = parse_path(take_text(&mut rest)?).map_err(|_| DAMAGED)?;
+                    pictures.push((path, Arc::from(rest)));
+                }
+                END => {
+                    let contents = contents.ok_or(DAMAGED)?;
+                    if Digest::of(&contents).0[..] != payload[..] {
+                        return Err(FormatError::Damaged(
+                            "the sculpture at its checkpoint has another hash than the one kept",
+                        ));
+                    }
+                    let history = read_steps([&undo, &redo], Shape::of(&contents), &limits)?;
+                    let [sculpture, number] = beginning.state;
+                    let document = DocumentSnapshot {
+                        contents: Arc::new(contents),
+                        history,
+                        clip,
+                        settings,
+                        last_uses,
+                        state: State { sculpture, number },
+                        states: beginning.states,
+                    };
+                    return Ok(Some((beginning, Checkpoint { document, files, pictures, limits })));
+                }
+                _ => return Err(DAMAGED),
+            }
+        }
+        Ok(None)
+    }
+}
+
+impl SculptureFile {
+    fn to_record(&self) -> RecordBuffer {
+        let mut record = RecordBuffer::new(FILE);
+        let out = record.payload();
+        out.extend_from_slice(&self.sculpture.to_le_bytes());
+        put_text(&self.path.as_deref().map(path_text).unwrap_or_default(), out);
+        let number = |value: Option<u64>| value.map(|n| n.to_string()).unwrap_or_default();
+        put_text(&number(self.saved), out);
+        put_text(&number(self.assumed_up.map(|(number, _)| number)), out);
+        put_text(&self.assumed_up.map(|(_, up)| up.to_string()).unwrap_or_default(), out);
+        for (_, text) in self.texts.named() {
+            out.extend_from_slice(&(text.len() as u32).to_le_bytes());
+            out.extend_from_slice(text);
+        }
+        record
+    }
+
+    fn from_payload(payload: &[u8]) -> Result<SculptureFile, FormatError> {
+        let rest = &mut &payload[..];
+        let sculpture = take_u64(rest)?;
+        let path = match take_text(rest)? {
+            "" => None,
+            text => Some(parse_path(text).map_err(|_| DAMAGED)?),
+        };
+        let number = |text: &str| match text {
+            "" => Ok(None),
+            text => text.parse::<u64>().map(Some).map_err(|_| DAMAGED),
+        };
+        let saved = number(take_text(rest)?)?;
+        let read_at = number(take_text(rest)?)?;
+        let up = take_text(rest)?;
+        let assumed_up = match read_at {
+            Some(number) => Some((number, up.parse().map_err(|_| DAMAGED)?)),
+            None => None,
+        };
+        let mut texts = Texts::default();
+        let Texts { description, courtesy, parameter, comment } = &mut texts;
+        for text in [description, courtesy, parameter, comment] {
+            *text = take_bytes(rest)?.to_vec();
+        }
+        Ok(SculptureFile { sculpture, path, texts, saved, assumed_up })
+    }
+}
+
+fn record(kind: u8, parts: &[&[u8]]) -> RecordBuffer {
+    let mut record = RecordBuffer::new(kind);
+    parts.iter().for_each(|part| record.payload().extend_from_slice(part));
+    record
+}
+
+fn script(commands: &[Command]) -> String {
+    commands.iter().map(|command| format!("{command}\n")).collect()
+}
+
+fn commands(payload: &[u8]) -> Result<Vec<Command>, FormatError> {
+    let text = str::from_utf8(payload).map_err(|_| DAMAGED)?;
+    let commands = parse_script(text).map_err(|_| DAMAGED)?;
+    Ok(commands.into_iter().map(|(_, command)| command).collect())
+}

@@ -1,0 +1,226 @@
+//! What happened in a session, one entry for each thing, and its bytes.
+//!
+//! Most entries carry a [`Mark`]: what the session looked like afterwards, so that a replay that goes another
+//! way is noticed where it does. Contents are packed as in .vsc files, file names in the text form of commands.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use super::frame::{Record, RecordBuffer};
+use crate::command::Command;
+use crate::command_text::{parse_path, path_text};
+use crate::document::Document;
+use crate::format::{FormatError, Texts, read_sculpture, write_sculpture};
+use crate::sculpture::Limits;
+use crate::sculpture::history::{Contents, State};
+use crate::sculpture::orientation::Up;
+
+const COMMAND: u8 = 16;
+const OPENED: u8 = 17;
+const SAVED: u8 = 18;
+const PICTURE: u8 = 19;
+const SAME_PICTURE: u8 = 20;
+
+const DAMAGED: FormatError = FormatError::Damaged("an entry of the journal has no known form");
+
+/// What a document looked like after an entry.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Mark {
+    /// Its state.
+    pub state: State,
+    /// How many voxels existed.
+    pub voxels: u64,
+    /// How many bricks were painted.
+    pub pages: u64,
+    /// Size in voxels.
+    pub dims: [u32; 3],
+}
+
+impl Mark {
+    /// That of a document now.
+    pub fn of(document: &Document) -> Mark {
+        Mark {
+            state: document.state(),
+            voxels: document.grid().opaque_count(),
+            pages: document.material().page_count() as u64,
+            dims: document.grid().dims().to_array(),
+        }
+    }
+
+    const BYTES: usize = 44;
+
+    fn write(&self, out: &mut Vec<u8>) {
+        let Mark { state, voxels, pages, dims } = *self;
+        for value in [state.sculpture, state.number, voxels, pages] {
+            out.extend_from_slice(&value.to_le_bytes());
+        }
+        dims.iter().for_each(|edge| out.extend_from_slice(&edge.to_le_bytes()));
+    }
+
+    fn read(bytes: &[u8; Mark::BYTES]) -> Mark {
+        let [sculpture, number, voxels, pages]: [u64; 4] = std::array::from_fn(|i| {
+            u64::from_le_bytes(std::array::from_fn(|byte| bytes[8 * i + byte]))
+        });
+        let dims = std::array::from_fn(|i| {
+            u32::from_le_bytes(std::array::from_fn(|byte| bytes[32 + 4 * i + byte]))
+        });
+        Mark { state: State { sculpture, number }, voxels, pages, dims }
+    }
+}
+
+/// Something that happened in a session.
+#[derive(Clone, Debug)]
+pub enum Entry {
+    /// A command was executed that needs nothing but the session. Undo and redo name the steps they went.
+    Command {
+        /// The command.
+        command: Command,
+        /// What it led to.
+        mark: Mark,
+    },
+    /// A file was opened.
+    Opened {
+        /// Its path.
+        path: PathBuf,
+        /// The contents that it was read as.
+        contents: Arc<Contents>,
+        /// Its texts.
+        texts: Texts,
+        /// The axis that was taken for the one that points up, if that had to be assumed.
+        assumed_up: Option<Up>,
+        /// What it led to.
+        mark: Mark,
+    },
+    /// The sculpture was saved, perhaps while it went on being changed.
+    Saved {
+        /// The file.
+        path: PathBuf,
+        /// The state that the file holds.
+        state: State,
+    },
+    /// An image was loaded, which the commands that follow need.
+    Picture {
+        /// Its path.
+        path: PathBuf,
+        /// The bytes of its file; none if they are those of the last time.
+        file: Option<Arc<[u8]>>,
+    },
+}
+
+impl Entry {
+    /// Whether the file must be on the disk soon after this: not the commands within a stroke.
+    pub fn settles(&self) -> bool {
+        let within = |command: &Command| {
+            use Command::{Begin, Construct, Paste, Spray, Texture};
+            matches!(
+                command,
+                Begin { .. } | Construct { .. } | Paste { .. } | Spray { .. } | Texture { .. }
+            )
+        };
+        !matches!(self, Entry::Command { command, .. } if within(command))
+    }
+
+    /// Its record.
+    pub(super) fn to_record(&self) -> Result<RecordBuffer, FormatError> {
+        let (kind, mark) = match self {
+            Entry::Command { mark, .. } => (COMMAND, Some(mark)),
+            Entry::Opened { mark, .. } => (OPENED, Some(mark)),
+            Entry::Saved { .. } => (SAVED, None),
+            Entry::Picture { file: Some(_), .. } => (PICTURE, None),
+            Entry::Picture { file: None, .. } => (SAME_PICTURE, None),
+        };
+        let mut record = RecordBuffer::new(kind);
+        let out = record.payload();
+        if let Some(mark) = mark {
+            mark.write(out);
+        }
+        match self {
+            Entry::Command { command, .. } => {
+                use std::io::Write;
+                // Writing to memory does not fail.
+                let _ = write!(out, "{command}");
+            }
+            Entry::Opened { path, contents, texts, assumed_up, .. } => {
+                put_text(&path_text(path), out);
+                put_text(&assumed_up.map(|up| up.to_string()).unwrap_or_default(), out);
+                out.extend(write_sculpture(contents, texts)?);
+            }
+            Entry::Saved { path, state } => {
+                put_text(&path_text(path), out);
+                out.extend_from_slice(&state.sculpture.to_le_bytes());
+                out.extend_from_slice(&state.number.to_le_bytes());
+            }
+            Entry::Picture { path, file } => {
+                put_text(&path_text(path), out);
+                out.extend_from_slice(file.as_deref().unwrap_or_default());
+            }
+        }
+        Ok(record)
+    }
+
+    /// The entry of a record; contents are read within `limits`.
+    pub(super) fn from_record(record: &Record, limits: &Limits) -> Result<Entry, FormatError> {
+        let mut rest = &record.payload[..];
+        let path = |rest: &mut &[u8]| parse_path(take_text(rest)?).map_err(|_| DAMAGED);
+        match record.kind {
+            COMMAND => {
+                let mark = take_mark(&mut rest)?;
+                let text = str::from_utf8(rest).map_err(|_| DAMAGED)?;
+                let command = text.parse().map_err(|_| DAMAGED)?;
+                Ok(Entry::Command { command, mark })
+            }
+            OPENED => {
+                let mark = take_mark(&mut rest)?;
+                let path = path(&mut rest)?;
+                let assumed_up = match take_text(&mut rest)? {
+                    "" => None,
+                    up => Some(up.parse().map_err(|_| DAMAGED)?),
+                };
+                let (contents, texts) = read_sculpture(rest, limits)?;
+                let contents = Arc::new(contents);
+                Ok(Entry::Opened { path, contents, texts, assumed_up, mark })
+            }
+            SAVED => {
+                let path = path(&mut rest)?;
+                let [sculpture, number] = [take_u64(&mut rest)?, take_u64(&mut rest)?];
+                Ok(Entry::Saved { path, state: State { sculpture, number } })
+            }
+            PICTURE => {
+                let path = path(&mut rest)?;
+                Ok(Entry::Picture { path, file: Some(rest.into()) })
+            }
+            SAME_PICTURE => Ok(Entry::Picture { path: path(&mut rest)?, file: None }),
+            _ => Err(DAMAGED),
+        }
+    }
+}
+
+pub(super) fn put_text(text: &str, out: &mut Vec<u8>) {
+    out.extend_from_slice(&(text.len() as u32).to_le_bytes());
+    out.extend_from_slice(text.as_bytes());
+}
+
+pub(super) fn take_text<'a>(rest: &mut &'a [u8]) -> Result<&'a str, FormatError> {
+    str::from_utf8(take_bytes(rest)?).map_err(|_| DAMAGED)
+}
+
+/// Splits off bytes that follow their number.
+pub(super) fn take_bytes<'a>(rest: &mut &'a [u8]) -> Result<&'a [u8], FormatError> {
+    let (length, after) = rest.split_first_chunk().ok_or(DAMAGED)?;
+    let length = u32::from_le_bytes(*length) as usize;
+    let (bytes, after) = after.split_at_checked(length).ok_or(DAMAGED)?;
+    *rest = after;
+    Ok(bytes)
+}
+
+pub(super) fn take_u64(rest: &mut &[u8]) -> Result<u64, FormatError> {
+    let (bytes, after) = rest.split_first_chunk().ok_or(DAMAGED)?;
+    *rest = after;
+    Ok(u64::from_le_bytes(*bytes))
+}
+
+fn take_mark(rest: &mut &[u8]) -> Result<Mark, FormatError> {
+    let (bytes, after) = rest.split_first_chunk().ok_or(DAMAGED)?;
+    *rest = after;
+    Ok(Mark::read(bytes))
+}

@@ -1,0 +1,144 @@
+//! The file operations of a journal and nothing else, behind a trait, so that tests can let each of them fail.
+//!
+//! [`Disk`] is the real one. A journal that is being written is locked (a lock of the system on the open
+//! file, which ends with the process, however that ends), so that what a crash has left is told from what
+//! a living session writes.
+
+use std::fmt::Debug;
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{Error, ErrorKind, Read, Result, Write};
+use std::path::{Path, PathBuf};
+
+/// The operations on files that journals need.
+pub trait Files: Debug + Send + Sync {
+    /// Makes a folder and those above it; nothing if it is there.
+    fn make_folder(&self, folder: &Path) -> Result<()>;
+    /// Creates an empty file, which must not be there, and locks it. It stays locked while it is open.
+    fn create(&self, path: &Path) -> Result<Box<dyn Appender>>;
+    /// Renames a file over another, for good: after this no crash brings the old one back.
+    fn rename(&self, from: &Path, to: &Path) -> Result<()>;
+    /// Removes a file.
+    fn remove(&self, path: &Path) -> Result<()>;
+    /// The files of a folder; none if it is not there.
+    fn list(&self, folder: &Path) -> Result<Vec<PathBuf>>;
+    /// Opens a file for reading, and locks it; [`ErrorKind::WouldBlock`] if it is locked.
+    fn open(&self, path: &Path) -> Result<Source>;
+}
+
+/// A file that grows.
+pub trait Appender: Debug + Send {
+    /// Appends bytes, in one write of the system where it takes them all.
+    fn append(&mut self, bytes: &[u8]) -> Result<()>;
+    /// Waits until what was appended is on the disk. An error of kind [`ErrorKind::NotFound`] if the file
+    /// has been removed meanwhile.
+    fn sync(&mut self) -> Result<()>;
+    /// Whether the file still has a name.
+    fn is_there(&self) -> bool;
+}
+
+/// A file to read.
+pub struct Source {
+    /// Its bytes.
+    pub reader: Box<dyn Read + Send>,
+    /// How many they are.
+    pub bytes: u64,
+    /// When it was last changed, in seconds since 1970, by the system's clock.
+    pub changed_unix_s: Option<u64>,
+}
+
+/// The files of the system.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Disk;
+
+#[derive(Debug)]
+struct DiskFile(File);
+
+impl Files for Disk {
+    fn make_folder(&self, folder: &Path) -> Result<()> {
+        let mut builder = fs::DirBuilder::new();
+        builder.recursive(true);
+        #[cfg(unix)]
+        std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
+        builder.create(folder)
+    }
+
+    fn create(&self, path: &Path) -> Result<Box<dyn Appender>> {
+        let mut options = OpenOptions::new();
+        options.append(true).create_new(true);
+        // What somebody works on is nobody else's.
+        #[cfg(unix)]
+        std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
+        let file = options.open(path)?;
+        if let Err(error) = locked(&file) {
+            // Without locks others would take it for one that was left.
+            let _ = fs::remove_file(path);
+            return Err(error);
+        }
+        Ok(Box::new(DiskFile(file)))
+    }
+
+    fn rename(&self, from: &Path, to: &Path) -> Result<()> {
+        fs::rename(from, to)?;
+        #[cfg(unix)]
+        if let Some(folder) = to.parent() {
+            File::open(folder)?.sync_all()?;
+        }
+        Ok(())
+    }
+
+    fn remove(&self, path: &Path) -> Result<()> {
+        fs::remove_file(path)
+    }
+
+    fn list(&self, folder: &Path) -> Result<Vec<PathBuf>> {
+        match fs::read_dir(folder) {
+            Ok(entries) => entries.map(|entry| Ok(entry?.path())).collect(),
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(Vec::new()),
+            Err(error) => Err(error),
+        }
+    }
+
+    fn open(&self, path: &Path) -> Result<Source> {
+        let file = File::open(path)?;
+        locked(&file)?;
+        let found = file.metadata()?;
+        if !found.is_file() {
+            return Err(Error::new(ErrorKind::InvalidInput, "this is no file"));
+        }
+        let since_1970 = |time: std::time::SystemTime| time.duration_since(std::time::UNIX_EPOCH);
+        let changed_unix_s =
+            found.modified().ok().and_then(|time| since_1970(time).ok()).map(|age| age.as_secs());
+        let reader = Box::new(std::io::BufReader::with_capacity(1 << 16, file));
+        Ok(Source { reader, bytes: found.len(), changed_unix_s })
+    }
+}
+
+fn locked(file: &File) -> Result<()> {
+    file.try_lock().map_err(|error| match error {
+        TryLockError::WouldBlock => Error::from(ErrorKind::WouldBlock),
+        TryLockError::Error(error) => error,
+    })
+}
+
+impl Appender for DiskFile {
+    fn append(&mut self, bytes: &[u8]) -> Result<()> {
+        self.0.write_all(bytes)
+    }
+
+    fn sync(&mut self) -> Result<()> {
+        self.0.sync_data()?;
+        if self.is_there() {
+            return Ok(());
+        }
+        Err(Error::new(ErrorKind::NotFound, "the file or its folder has been removed"))
+    }
+
+    fn is_there(&self) -> bool {
+        #[cfg(unix)]
+        let is_there = |found: fs::Metadata| std::os::unix::fs::MetadataExt::nlink(&found) > 0;
+        // Elsewhere a file cannot go while it is open.
+        #[cfg(not(unix))]
+        let is_there = |_| true;
+        self.0.metadata().is_ok_and(is_there)
+    }
+}

@@ -1,0 +1,76 @@
+//! Reads a journal: its checkpoint, then one entry after the other, as far as they are valid.
+
+use thiserror::Error;
+
+use super::checkpoint::{Beginning, Checkpoint};
+use super::entry::Entry;
+use super::files::Source;
+use super::frame::{Ending, Records};
+use crate::format::FormatError;
+use crate::sculpture::Limits;
+
+/// Why a journal gives nothing back.
+#[derive(Debug, Error)]
+pub enum JournalError {
+    /// It cannot be read, or is no journal.
+    #[error("{0}")]
+    Io(#[from] std::io::Error),
+    /// Its checkpoint cannot be used.
+    #[error("{0}")]
+    Checkpoint(#[from] FormatError),
+    /// It ends within its checkpoint.
+    #[error("it ends before its checkpoint is complete")]
+    Incomplete,
+}
+
+/// A journal whose checkpoint has been read.
+pub struct JournalReader {
+    records: Records,
+    beginning: Beginning,
+    limits: Limits,
+}
+
+impl JournalReader {
+    /// Reads up to the end of the checkpoint. Contents may take what `limits` allow, or the limits of the session
+    /// that is read, if these are larger.
+    pub fn open(
+        source: Source,
+        limits: &Limits,
+    ) -> Result<(JournalReader, Checkpoint), JournalError> {
+        let mut records = Records::new(source.reader, source.bytes)?;
+        let read = Checkpoint::read(&mut records, limits)?;
+        let (beginning, checkpoint) = read.ok_or(JournalError::Incomplete)?;
+        let limits = checkpoint.limits;
+        Ok((JournalReader { records, beginning, limits }, checkpoint))
+    }
+
+    /// When the session began, in seconds since 1970 by the clock of then.
+    pub fn began_unix_s(&self) -> u64 {
+        self.beginning.began_unix_s
+    }
+
+    /// The process that wrote it.
+    pub fn process(&self) -> u32 {
+        self.beginning.process
+    }
+
+    /// Bytes of the file that have not been read.
+    pub fn bytes_left(&self) -> u64 {
+        self.records.bytes_left()
+    }
+
+    /// Why there is no further entry, once that is so.
+    pub fn ending(&self) -> Option<Ending> {
+        self.records.ending()
+    }
+}
+
+impl Iterator for JournalReader {
+    /// An error ends the journal, too: what follows it cannot be understood.
+    type Item = Result<Entry, FormatError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let record = self.records.next()?;
+        Some(Entry::from_record(&record, &self.limits))
+    }
+}

@@ -1,0 +1,416 @@
+//! The thread that writes a journal. The session gives it entries without ever waiting; it appends each in one
+//! write, and sees to it that they are on the disk soon after a stroke has ended.
+//!
+//! If something cannot be written, the thread says so once, drops entries, and asks for a checkpoint now and
+//! then: with the next one that can be written the journal is whole again. It also asks for one where a replay
+//! would take long or the file has grown large. What was written stays until a checkpoint has replaced it.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use super::checkpoint::Checkpoint;
+use super::entry::Entry;
+use super::files::Appender;
+use super::frame::{self, RecordBuffer};
+use super::shelf::Shelf;
+use crate::format::FormatError;
+
+/// Entries that may wait for the disk; more are a gap that a checkpoint closes.
+const QUEUE: usize = 4096;
+/// From an entry that settles to the disk, at most; several within that time share a sync.
+const SETTLE: Duration = Duration::from_millis(40);
+/// From an entry within a stroke to the disk.
+const WITHIN_STROKE: Duration = Duration::from_secs(1);
+/// Between two tries where that goes on for long.
+const LONGEST_PAUSE: Duration = Duration::from_secs(60);
+
+/// How a journal is kept.
+#[derive(Clone, Debug)]
+pub struct JournalOptions {
+    /// Where it lies.
+    pub shelf: Shelf,
+    /// Size from which on it is begun anew, in bytes. Half of it is for undo steps in a checkpoint. While a
+    /// checkpoint is written, both old and new journal take room.
+    pub max_bytes: u64,
+    /// Time that a replay may take before the journal is begun anew.
+    pub replay: Duration,
+    /// Pause before something is tried again that could not be written; longer where that goes on.
+    pub retry: Duration,
+}
+
+impl JournalOptions {
+    /// In a folder, with the usual bounds.
+    pub fn new(shelf: Shelf) -> JournalOptions {
+        JournalOptions {
+            shelf,
+            max_bytes: 1 << 30,
+            replay: Duration::from_secs(5),
+            retry: Duration::from_secs(2),
+        }
+    }
+}
+
+/// What thread and session tell each other without waiting.
+#[derive(Debug, Default)]
+struct Shared {
+    /// The thread wants a checkpoint.
+    wanted: AtomicBool,
+    /// The journal's number; 0 before it has one.
+    number: AtomicU64,
+    /// Why nothing can be written, for the person.
+    trouble: Mutex<Option<String>>,
+    /// Whether it is all right again since.
+    caught_up: AtomicBool,
+}
+
+#[derive(Debug)]
+enum Message {
+    Entry {
+        entry: Entry,
+        took: Duration,
+    },
+    Checkpoint {
+        checkpoint: Box<Checkpoint>,
+        after_gap: bool,
+    },
+    /// Answered when all before is written.
+    Written(SyncSender<()>),
+    /// Answered when all before is on the disk.
+    Synced(SyncSender<()>),
+    End {
+        remove: bool,
+    },
+}
+
+/// A journal that is being written.
+#[derive(Debug)]
+pub struct JournalWriter {
+    sender: SyncSender<Message>,
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+    /// Entries are missing: nothing is sent until a checkpoint is.
+    gap: bool,
+    options: JournalOptions,
+}
+
+impl JournalWriter {
+    /// Begins a journal with a checkpoint.
+    ///
+    /// # Errors
+    /// If no thread can be made.
+    pub fn begin(
+        options: JournalOptions,
+        checkpoint: Checkpoint,
+    ) -> std::io::Result<JournalWriter> {
+        let (sender, receiver) = sync_channel(QUEUE);
+        let shared = Arc::new(Shared::default());
+        let mut work = Work {
+            options: options.clone(),
+            shared: shared.clone(),
+            began_unix_s: SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs()),
+            number: None,
+            file: None,
+            appends: false,
+            due: None,
+            retry: None,
+            pause: options.retry,
+            replay: Duration::ZERO,
+            told: false,
+        };
+        let thread = std::thread::Builder::new().name("journal".to_string());
+        let thread = thread.spawn(move || work.run(&receiver))?;
+        let mut writer =
+            JournalWriter { sender, shared, thread: Some(thread), gap: false, options };
+        writer.checkpoint(checkpoint);
+        Ok(writer)
+    }
+
+    /// How it is kept.
+    pub fn options(&self) -> &JournalOptions {
+        &self.options
+    }
+
+    /// Its number on the shelf, once it has one.
+    pub fn number(&self) -> Option<u64> {
+        Some(self.shared.number.load(Ordering::Relaxed)).filter(|number| *number > 0)
+    }
+
+    /// Adds an entry that took so long to do. Never waits.
+    pub fn push(&mut self, entry: Entry, took: Duration) {
+        if !self.gap {
+            self.gap = self.sender.try_send(Message::Entry { entry, took }).is_err();
+        }
+    }
+
+    /// Whether a checkpoint is wanted.
+    pub fn wants_checkpoint(&self) -> bool {
+        self.gap || self.shared.wanted.load(Ordering::Relaxed)
+    }
+
+    /// Begins the journal anew, with this checkpoint. Never waits.
+    pub fn checkpoint(&mut self, checkpoint: Checkpoint) {
+        let checkpoint = Box::new(checkpoint);
+        let message = Message::Checkpoint { checkpoint, after_gap: self.gap };
+        match self.sender.try_send(message) {
+            Ok(()) => {
+                self.gap = false;
+                self.shared.wanted.store(false, Ordering::Relaxed);
+            }
+            Err(TrySendError::Full(_) | TrySendError::Disconnected(_)) => self.gap = true,
+        }
+    }
+
+    /// Entries were left out: the next checkpoint closes the gap.
+    pub fn note_gap(&mut self) {
+        self.gap = true;
+    }
+
+    /// What is to be told to the person, once: that nothing can be written, or that it can again.
+    pub fn take_message(&self) -> Option<String> {
+        let mut trouble = self.shared.trouble.lock().unwrap_or_else(PoisonError::into_inner);
+        let back = self.shared.caught_up.swap(false, Ordering::Relaxed);
+        trouble.take().or_else(|| back.then(|| "the journal is complete again".to_string()))
+    }
+
+    /// Waits until all entries so far are written: after that, not even a kill loses them.
+    pub fn wait_written(&self) {
+        self.wait(Message::Written);
+    }
+
+    /// Waits until all entries so far are on the disk: after that, not even a power cut loses them.
+    pub fn wait_synced(&self) {
+        self.wait(Message::Synced);
+    }
+
+    fn wait(&self, message: impl Fn(SyncSender<()>) -> Message) {
+        let (sender, receiver) = sync_channel(1);
+        if self.sender.send(message(sender)).is_ok() {
+            // It only fails where the thread has ended: then nothing more is written.
+            let _ = receiver.recv();
+        }
+    }
+
+    /// Ends the journal; `remove`: nothing of it is needed any more.
+    pub fn end(mut self, remove: bool) {
+        self.finish(remove);
+    }
+
+    fn finish(&mut self, remove: bool) {
+        if let Some(thread) = self.thread.take() {
+            let _ = self.sender.send(Message::End { remove });
+            if thread.join().is_err() {
+                tracing::error!("the thread of the journal has panicked");
+            }
+        }
+    }
+}
+
+impl Drop for JournalWriter {
+    fn drop(&mut self) {
+        self.finish(false);
+    }
+}
+
+/// A file that entries are appended to.
+#[derive(Debug)]
+struct Open {
+    file: Box<dyn Appender>,
+    /// Number of the next record.
+    sequence: u64,
+    bytes: u64,
+    /// Size from which on it is begun anew.
+    compact_at: u64,
+}
+
+impl Open {
+    fn append(&mut self, record: RecordBuffer) -> Result<(), Trouble> {
+        let bytes = record.sealed(self.sequence);
+        self.file.append(&bytes)?;
+        self.sequence += 1;
+        self.bytes += bytes.len() as u64;
+        Ok(())
+    }
+}
+
+#[derive(Debug, thiserror::Error)]
+enum Trouble {
+    #[error("{0}")]
+    Io(#[from] std::io::Error),
+    #[error("{0}")]
+    Format(#[from] FormatError),
+}
+
+/// What the thread works with.
+struct Work {
+    options: JournalOptions,
+    shared: Arc<Shared>,
+    began_unix_s: u64,
+    number: Option<u64>,
+    /// The journal as it is on the disk. Kept open, and so locked, even where nothing can be written to it.
+    file: Option<Open>,
+    /// Whether entries are appended: not after one could not be.
+    appends: bool,
+    /// When what was written must be on the disk.
+    due: Option<Instant>,
+    /// When to ask for a checkpoint again, and how long to wait after that.
+    retry: Option<Instant>,
+    pause: Duration,
+    /// How long a replay would take.
+    replay: Duration,
+    /// Whether the person knows that something is wrong.
+    told: bool,
+}
+
+impl Work {
+    fn run(&mut self, receiver: &Receiver<Message>) {
+        loop {
+            let wake = [self.due, self.retry].into_iter().flatten().min();
+            let message = match wake {
+                None => receiver.recv().map_err(|_| RecvTimeoutError::Disconnected),
+                Some(wake) => receiver.recv_timeout(wake.saturating_duration_since(Instant::now())),
+            };
+            match message {
+                Ok(Message::Entry { entry, took }) => self.entry(&entry, took),
+                Ok(Message::Checkpoint { checkpoint, after_gap }) => {
+                    self.appends &= !after_gap;
+                    self.checkpoint(&checkpoint);
+                }
+                // Whoever asked may be gone.
+                Ok(Message::Written(answer)) => {
+                    let _ = answer.try_send(());
+                }
+                Ok(Message::Synced(answer)) => {
+                    self.sync();
+                    let _ = answer.try_send(());
+                }
+                Ok(Message::End { remove }) => return self.end(remove),
+                Err(RecvTimeoutError::Disconnected) => return self.end(false),
+                Err(RecvTimeoutError::Timeout) => {}
+            }
+            let now = Instant::now();
+            if self.due.is_some_and(|due| due <= now) {
+                self.sync();
+            }
+            if self.retry.is_some_and(|retry| retry <= now) {
+                self.want();
+            }
+        }
+    }
+
+    /// Asks for a checkpoint, and again after a while should it not come or not be written.
+    fn want(&mut self) {
+        self.shared.wanted.store(true, Ordering::Relaxed);
+        self.retry = Some(Instant::now() + self.pause);
+    }
+
+    fn entry(&mut self, entry: &Entry, took: Duration) {
+        let Some(open) = self.file.as_mut().filter(|_| self.appends) else { return };
+        let done = entry.to_record().map_err(Trouble::from).and_then(|record| open.append(record));
+        if let Err(trouble) = done {
+            return self.fail(&trouble);
+        }
+        self.replay += took;
+        let is_long = self.replay > self.options.replay || open.bytes > open.compact_at;
+        let wait = if entry.settles() { SETTLE } else { WITHIN_STROKE };
+        let due = Instant::now() + wait;
+        self.due = Some(self.due.map_or(due, |earlier| earlier.min(due)));
+        if is_long && self.retry.is_none() {
+            self.want();
+        }
+    }
+
+    fn sync(&mut self) {
+        if self.due.take().is_none() {
+            return;
+        }
+        let synced = self.file.as_mut().map_or(Ok(()), |open| open.file.sync());
+        if let Err(error) = synced {
+            self.fail(&error.into());
+        }
+    }
+
+    /// No entry is appended any more: one is missing. Tells the person once, and asks for a checkpoint.
+    fn fail(&mut self, trouble: &Trouble) {
+        self.appends = false;
+        self.due = None;
+        tracing::debug!("journal: {trouble}");
+        if !std::mem::replace(&mut self.told, true) {
+            let folder = self.options.shelf.folder().display();
+            let text = format!(
+                "the journal in {folder} cannot be written: {trouble}; work goes on, but save it yourself until \
+                 there is room again"
+            );
+            let mut told = self.shared.trouble.lock().unwrap_or_else(PoisonError::into_inner);
+            *told = Some(text);
+        }
+        if self.retry.is_none() {
+            self.retry = Some(Instant::now() + self.pause);
+        }
+    }
+
+    fn checkpoint(&mut self, checkpoint: &Checkpoint) {
+        match self.begin_anew(checkpoint) {
+            Ok(()) => {
+                self.appends = true;
+                (self.retry, self.pause, self.due) = (None, self.options.retry, None);
+                self.replay = Duration::ZERO;
+                if std::mem::take(&mut self.told) {
+                    self.shared.caught_up.store(true, Ordering::Relaxed);
+                }
+            }
+            Err(trouble) => {
+                self.pause = (self.pause * 2).min(LONGEST_PAUSE);
+                self.retry = Some(Instant::now() + self.pause);
+                // As long as entries are appended to the old file nothing is lost.
+                if !self.appends {
+                    self.fail(&trouble);
+                }
+            }
+        }
+    }
+
+    /// Writes a journal that begins with the checkpoint, and puts it in the place of the present one.
+    fn begin_anew(&mut self, checkpoint: &Checkpoint) -> Result<(), Trouble> {
+        let is_there = self.file.as_ref().is_some_and(|open| open.file.is_there());
+        let shelf = &self.options.shelf;
+        // If somebody has removed the journal, another may have its number by now.
+        let (number, file) = shelf.create(self.number.filter(|_| is_there))?;
+        let mut open = Open { file, sequence: 0, bytes: 0, compact_at: u64::MAX };
+        let written = open
+            .file
+            .append(&frame::head())
+            .map_err(Trouble::from)
+            .and_then(|()| checkpoint.write(self.began_unix_s, &mut |record| open.append(record)))
+            .and_then(|()| Ok(open.file.sync()?));
+        if let Err(trouble) = written {
+            shelf.abandon(number);
+            return Err(trouble);
+        }
+        if let Err(error) = shelf.publish(number) {
+            if shelf.is_unfinished(number) {
+                shelf.abandon(number);
+                return Err(error.into());
+            }
+            // It has its name, though perhaps not for good: it is the one to go on with.
+            tracing::debug!("journal: {error}");
+        }
+        open.compact_at = self.options.max_bytes.max(2 * open.bytes);
+        self.file = Some(open);
+        self.number = Some(number);
+        self.shared.number.store(number, Ordering::Relaxed);
+        Ok(())
+    }
+
+    fn end(&mut self, remove: bool) {
+        self.sync();
+        let is_there = self.file.as_ref().is_some_and(|open| open.file.is_there());
+        if let Some(number) = self.number.filter(|_| remove && is_there)
+            && let Err(error) = self.options.shelf.remove(number)
+        {
+            tracing::warn!("the journal {number} cannot be removed: {error}");
+        }
+    }
+}

@@ -1,0 +1,243 @@
+//! Replays a journal to a session that goes on where the one that wrote it ended.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use super::{Session, SessionError};
+use crate::command::Command;
+use crate::document::{Document, Limits};
+use crate::format;
+use crate::format::FormatError;
+use crate::journal::files::Source;
+use crate::journal::frame::Ending;
+use crate::journal::{Checkpoint, Entry, JournalError, JournalReader, Mark};
+use crate::progress::Progress;
+use crate::sculpture::history::State;
+
+/// A session that was brought back.
+#[derive(Debug)]
+pub struct Recovered {
+    /// It goes on where the lost one ended, with its undo and redo. It keeps no journal yet.
+    pub session: Session,
+    /// How the replay went.
+    pub report: RecoveryReport,
+}
+
+/// How the replay of a journal went.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct RecoveryReport {
+    /// Entries since the checkpoint that were replayed.
+    pub entries: u64,
+    /// Whether a stroke was in hand. It is an undo step, as far as it went.
+    pub in_stroke: bool,
+    /// Why the journal ends where it does.
+    pub ending: Ending,
+    /// Where the replay first led to something else than the session had, or could not go on.
+    pub difference: Option<String>,
+}
+
+/// What a journal holds, as far as that is known without a replay.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Summary {
+    /// The file of the sculpture, if it has one.
+    pub path: Option<PathBuf>,
+    /// Size in voxels.
+    pub dims: [u32; 3],
+    /// How many voxels exist.
+    pub voxels: u64,
+    /// Steps that can be undone.
+    pub steps: u64,
+    /// Whether the file, if there is one, lacks changes.
+    pub modified: bool,
+    /// When the session began, in seconds since 1970 by the clock of then.
+    pub began_unix_s: u64,
+    /// The process that wrote it.
+    pub process: u32,
+    /// Why the journal ends where it does.
+    pub ending: Ending,
+}
+
+/// Brings the session of a journal back.
+///
+/// # Errors
+/// If there is no whole checkpoint in it. What follows the checkpoint is replayed as far as it can be.
+pub fn recover(
+    source: Source,
+    limits: &Limits,
+    progress: &dyn Progress,
+) -> Result<Recovered, JournalError> {
+    let bytes = source.bytes.max(1);
+    let (mut reader, checkpoint) = JournalReader::open(source, limits)?;
+    let mut session = Session::restored(checkpoint)?;
+    let mut report =
+        RecoveryReport { entries: 0, in_stroke: false, ending: Ending::Whole, difference: None };
+    progress.begin("replaying the journal");
+    while let Some(entry) = reader.next() {
+        if progress.is_cancelled() {
+            return Err(FormatError::Cancelled.into());
+        }
+        progress.advance(1.0 - reader.bytes_left() as f32 / bytes as f32);
+        let number = report.entries + 1;
+        let replayed = match entry {
+            Ok(entry) => session.replay(entry).map_err(|error| error.to_string()),
+            Err(error) => Err(error.to_string()),
+        };
+        match replayed {
+            Ok(None) => {}
+            Ok(Some(what)) => {
+                report.difference.get_or_insert(format!("entry {number}: {what}"));
+            }
+            Err(error) => {
+                report.difference.get_or_insert(format!("entry {number}: {error}"));
+                break;
+            }
+        }
+        report.entries = number;
+    }
+    progress.end();
+    report.ending = reader.ending().unwrap_or(Ending::Damaged);
+    if session.document.stroke_open() {
+        report.in_stroke = true;
+        // The history may have no room for it; then the stroke alone is lost.
+        if session.document.apply(&Command::End).is_err() {
+            session.document.apply(&Command::Cancel).map_err(|_| JournalError::Incomplete)?;
+        }
+    }
+    Ok(Recovered { session, report })
+}
+
+/// Reads what a journal holds.
+///
+/// # Errors
+/// As [`recover`].
+pub fn summary(source: Source, limits: &Limits) -> Result<Summary, JournalError> {
+    let (mut reader, checkpoint) = JournalReader::open(source, limits)?;
+    let document = &checkpoint.document;
+    let mut steps = document.history.undo.len() as u64;
+    let mut settled = document.state;
+    let mut now = settled;
+    let mut dims = document.contents.grid.dims().to_array();
+    let mut voxels = document.contents.grid.opaque_count();
+    let mut files = super::Files::restored(checkpoint.files);
+    let mut in_stroke = false;
+    for entry in reader.by_ref().map_while(Result::ok) {
+        let mark = match entry {
+            Entry::Command { command, mark } => {
+                let before = settled;
+                match command {
+                    Command::Begin { .. } => in_stroke = true,
+                    Command::End | Command::Cancel => in_stroke = false,
+                    Command::New(_) => files.made(mark.state),
+                    Command::Undo { steps: Some(gone) } => {
+                        steps = steps.saturating_sub(gone.into())
+                    }
+                    Command::Redo { steps: Some(gone) } => steps += u64::from(gone),
+                    _ => {}
+                }
+                if !in_stroke {
+                    settled = mark.state;
+                    let travels = matches!(command, Command::Undo { .. } | Command::Redo { .. });
+                    steps += u64::from(settled != before && !travels);
+                }
+                mark
+            }
+            Entry::Opened { path, texts, assumed_up, mark, .. } => {
+                steps += 1;
+                settled = mark.state;
+                files.opened(mark.state, path, texts, assumed_up);
+                mark
+            }
+            Entry::Saved { path, state } => {
+                files.saved(state, path);
+                continue;
+            }
+            Entry::Picture { .. } => continue,
+        };
+        (now, voxels, dims) = (mark.state, mark.voxels, mark.dims);
+    }
+    Ok(Summary {
+        path: files.path(now).map(PathBuf::from),
+        dims,
+        voxels,
+        steps: steps + u64::from(now != settled),
+        modified: !files.is_saved(now),
+        began_unix_s: reader.began_unix_s(),
+        process: reader.process(),
+        ending: reader.ending().unwrap_or(Ending::Damaged),
+    })
+}
+
+impl Session {
+    fn restored(checkpoint: Checkpoint) -> Result<Session, FormatError> {
+        let Checkpoint { document, files, pictures, limits } = checkpoint;
+        let document = Document::restored(document, limits)
+            .map_err(|_| FormatError::Damaged("a setting of the session is refused"))?;
+        // A recording begins before anything is changed; this session is past that.
+        let beginning = Command::Undo { steps: Some(0) };
+        let mut session = Session::with_document(document, beginning);
+        session.files = super::Files::restored(files);
+        for (path, file) in pictures {
+            session.document.learn_picture(&path, format::picture_of(&file)?);
+            session.pictures.insert(path, file);
+        }
+        Ok(session)
+    }
+
+    /// Repeats an entry, without a look at any file. Returns what differs from what the session had then.
+    fn replay(&mut self, entry: Entry) -> Result<Option<String>, SessionError> {
+        match entry {
+            Entry::Command { command, mark } => {
+                self.forget_pictures(&command);
+                self.document.apply(&command)?;
+                if matches!(command, Command::New(_)) {
+                    self.files.made(self.document.state());
+                }
+                if !self.document.stroke_open() {
+                    self.keep_reachable_files();
+                }
+                Ok(self.difference(mark))
+            }
+            Entry::Opened { path, contents, texts, assumed_up, mark } => {
+                let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+                self.document.replace(Arc::unwrap_or_clone(contents), &format!("open {name}"))?;
+                self.files.opened(self.document.state(), path, texts, assumed_up);
+                self.keep_reachable_files();
+                Ok(self.difference(mark))
+            }
+            Entry::Saved { path, state } => {
+                self.files.saved(state, path);
+                Ok(None)
+            }
+            Entry::Picture { path, file } => {
+                let lost = || {
+                    let error = FormatError::Damaged("the journal does not hold the image");
+                    SessionError::Picture { path: path.clone(), error }
+                };
+                let file = match file {
+                    Some(file) => file,
+                    None => self.pictures.get(&path).cloned().ok_or_else(lost)?,
+                };
+                let texture = format::picture_of(&file)
+                    .map_err(|error| SessionError::Picture { path: path.clone(), error })?;
+                self.document.learn_picture(&path, texture);
+                self.pictures.insert(path, file);
+                Ok(None)
+            }
+        }
+    }
+
+    fn difference(&self, mark: Mark) -> Option<String> {
+        let now = Mark::of(&self.document);
+        let State { sculpture, number } = mark.state;
+        let differs = now != mark;
+        differs.then(|| {
+            let of =
+                |mark: Mark| format!("{} voxels and {} painted bricks", mark.voxels, mark.pages);
+            format!(
+                "the replay led to {}, the session had {} (state {sculpture}.{number})",
+                of(now),
+                of(mark)
+            )
+        })
+    }
+}

@@ -1,0 +1,49 @@
+//! Journals through the public interface: what is replayed, at every prefix, with every operation on files
+//! failing once, and after power cuts.
+
+mod faults;
+mod memory;
+mod replay;
+
+use std::path::Path;
+use std::time::Duration;
+
+use sculpture_core::document::{DocumentSnapshot, Limits};
+use sculpture_core::journal::{JournalOptions, Left, Shelf};
+use sculpture_core::session::{Recovered, Session, recover};
+
+use self::memory::Memory;
+
+fn options(memory: &Memory) -> JournalOptions {
+    let shelf = Shelf::with_files(Path::new("/state/journals"), memory.files());
+    JournalOptions { retry: Duration::from_millis(1), ..JournalOptions::new(shelf) }
+}
+
+/// A session with a new sculpture of 24x20x12 voxels and 24 bits of colour.
+fn session(limits: Limits) -> Session {
+    let new = "new dims=24,20,12 colour=24".parse().unwrap();
+    let sculpture_core::command::Command::New(new) = new else { panic!() };
+    Session::new(&new, limits).unwrap()
+}
+
+/// What is left at the only number of the shelf.
+fn recovered(memory: &Memory) -> Option<Recovered> {
+    let shelf = options(memory).shelf;
+    let number = *shelf.numbers().unwrap().first()?;
+    let Left::Journal(source) = shelf.open(number) else { panic!("it is in use") };
+    Some(recover(source, &Limits::default(), &()).unwrap())
+}
+
+/// Everything that belongs to a session between two strokes.
+fn all_of(session: &Session) -> DocumentSnapshot {
+    session.document().snapshot().unwrap()
+}
+
+/// Whether two sessions are alike to the byte, in contents, history, clipboard, settings and identifiers.
+fn assert_same(a: &DocumentSnapshot, b: &DocumentSnapshot) {
+    assert!(a.contents == b.contents, "contents");
+    assert_eq!(a.history, b.history);
+    assert_eq!(a.clip, b.clip);
+    assert_eq!((&a.settings, &a.last_uses), (&b.settings, &b.last_uses));
+    assert_eq!((a.state, a.states), (b.state, b.states));
+}

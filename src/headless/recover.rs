@@ -1,0 +1,190 @@
+//! `recover`: what sessions have left behind that did not end as they should have, without a window.
+//!
+//! Takes a shelf of journals; lists them, as text or as JSON for programs, writes the sculpture of one to a new
+//! file, or removes one. Journals of sessions that are still running are not shown.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+
+use super::{Context, JobError};
+use crate::command::Command;
+use crate::format::options::ExportOptions;
+use crate::journal::frame::Ending;
+use crate::journal::{Left, Shelf};
+use crate::session::{self, Recovered, Summary};
+use crate::terminal;
+
+/// The arguments of [`recover`].
+#[derive(Debug)]
+pub struct RecoverJob {
+    /// Where the journals lie.
+    pub shelf: Shelf,
+    /// Which of them; none: list all.
+    pub number: Option<u64>,
+    /// The file to write.
+    pub out: Option<PathBuf>,
+    /// Remove the journal, after the file is written.
+    pub discard: bool,
+    /// List them as JSON.
+    pub json: bool,
+}
+
+/// Lists journals, or recovers one.
+pub fn recover(job: &RecoverJob, context: &Context) -> Result<(), JobError> {
+    let Some(number) = job.number else { return list(&job.shelf, job.json, context) };
+    let difference = match &job.out {
+        Some(out) => write(&job.shelf, number, out, context)?,
+        None => None,
+    };
+    if let (Some(difference), Some(out)) = (difference, &job.out) {
+        // What differs may not be what was made: the journal stays.
+        return Err(JobError::ReplayDiffers { out: out.clone(), number, difference });
+    }
+    if job.discard {
+        // Opened, so that nobody's work is removed.
+        let _locked = open(&job.shelf, number)?;
+        let failed = |error| JobError::Journal { path: job.shelf.path(number), error };
+        job.shelf.remove(number).map_err(failed)?;
+        terminal::print_done(format_args!("removed journal {number}"));
+    }
+    Ok(())
+}
+
+fn open(shelf: &Shelf, number: u64) -> Result<crate::journal::files::Source, JobError> {
+    match shelf.open(number) {
+        Left::Journal(source) => Ok(source),
+        Left::InUse => Err(JobError::JournalInUse(number)),
+        Left::Unreadable(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            Err(JobError::NoJournal(number))
+        }
+        Left::Unreadable(error) => Err(JobError::Journal { path: shelf.path(number), error }),
+    }
+}
+
+/// Writes the sculpture of a journal to a file that is not there yet. Returns where the replay differed.
+fn write(
+    shelf: &Shelf,
+    number: u64,
+    out: &Path,
+    context: &Context,
+) -> Result<Option<String>, JobError> {
+    if out.symlink_metadata().is_ok() {
+        return Err(JobError::OutExists(out.to_path_buf()));
+    }
+    let source = open(shelf, number)?;
+    let recovered = session::recover(source, &context.config.limits(), context.progress);
+    let Recovered { mut session, report } =
+        recovered.map_err(|error| JobError::Unrecoverable { path: shelf.path(number), error })?;
+    let save = Command::Save { path: out.to_path_buf(), export: ExportOptions::default() };
+    session.execute(&save, context.progress)?;
+    let stroke = if report.in_stroke { ", with a stroke that had not ended" } else { "" };
+    let entries = report.entries;
+    terminal::print_done(format_args!("wrote {} ({entries} commands{stroke})", out.display()));
+    Ok(report.difference)
+}
+
+fn list(shelf: &Shelf, as_json: bool, context: &Context) -> Result<(), JobError> {
+    let failed = |error| JobError::Journal { path: shelf.folder().to_path_buf(), error };
+    let mut values = Vec::new();
+    for number in shelf.numbers().map_err(failed)? {
+        let source = match shelf.open(number) {
+            Left::Journal(source) => source,
+            Left::InUse => continue,
+            // Removed since, as its session has ended.
+            Left::Unreadable(error) if error.kind() == std::io::ErrorKind::NotFound => continue,
+            Left::Unreadable(error) => {
+                values.push(damaged(number, &error.to_string(), as_json)?);
+                continue;
+            }
+        };
+        let (bytes, changed) = (source.bytes, source.changed_unix_s);
+        let value = match session::summary(source, &context.config.limits()) {
+            Err(error) => damaged(number, &error.to_string(), as_json)?,
+            Ok(summary) if as_json => value_of(number, &summary, bytes, changed),
+            Ok(summary) => {
+                terminal::print_result(line_of(number, &summary, changed))?;
+                Value::Null
+            }
+        };
+        values.push(value);
+    }
+    if as_json {
+        terminal::print_result(Value::from(values))?;
+    }
+    Ok(())
+}
+
+/// A journal that gives nothing back: removing it is up to the person.
+fn damaged(number: u64, error: &str, as_json: bool) -> Result<Value, JobError> {
+    if !as_json {
+        terminal::print_result(format_args!("{number}: cannot be recovered: {error}"))?;
+    }
+    Ok(json!({ "number": number, "error": error }))
+}
+
+fn value_of(number: u64, summary: &Summary, bytes: u64, changed: Option<u64>) -> Value {
+    let Summary { path, dims, voxels, steps, modified, began_unix_s, process, ending } = summary;
+    json!({
+        "number": number,
+        "file": path.as_ref().map(|path| path.to_string_lossy()),
+        "dims": dims,
+        "voxels": voxels,
+        "steps": steps,
+        "modified": modified,
+        "began_unix_s": began_unix_s,
+        "changed_unix_s": changed,
+        "process": process,
+        "bytes": bytes,
+        "whole": *ending == Ending::Whole,
+    })
+}
+
+fn line_of(number: u64, summary: &Summary, changed: Option<u64>) -> String {
+    let Summary { path, dims: [x, y, z], voxels, steps, modified, began_unix_s, .. } = summary;
+    let name = match path {
+        Some(path) => path.display().to_string(),
+        None => "a new sculpture".to_string(),
+    };
+    let time = utc_text(changed.unwrap_or(*began_unix_s));
+    let unsaved = if *modified { "" } else { ", saved" };
+    let plural = if *steps == 1 { "" } else { "s" };
+    format!("{number}: {name}, {time}, {steps} step{plural}, {x}x{y}x{z}, {voxels} voxels{unsaved}")
+}
+
+/// A time as people read it, by the algorithm of Howard Hinnant ("chrono-Compatible Low-Level Date Algorithms",
+/// civil_from_days).
+fn utc_text(unix_s: u64) -> String {
+    // Beyond the year 9999 a clock is wrong anyway.
+    let unix_s = unix_s.min(253_402_300_799);
+    let days = unix_s / 86_400 + 719_468;
+    let (era, day_of_era) = (days / 146_097, days % 146_097);
+    let year_of_era =
+        (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let month = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * month + 2) / 5 + 1;
+    let month = if month < 10 { month + 3 } else { month - 9 };
+    let year = year_of_era + era * 400 + u64::from(month <= 2);
+    let (hour, minute) = (unix_s % 86_400 / 3600, unix_s % 3600 / 60);
+    format!("{year}-{month:02}-{day:02} {hour:02}:{minute:02} UTC")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_those_of_the_calendar() {
+        for (unix_s, text) in [
+            (0, "1970-01-01 00:00 UTC"),
+            (951_782_399, "2000-02-28 23:59 UTC"),
+            (951_782_400, "2000-02-29 00:00 UTC"),
+            (1_709_251_199, "2024-02-29 23:59 UTC"),
+            (4_107_542_400, "2100-03-01 00:00 UTC"),
+            (u64::MAX, "9999-12-31 23:59 UTC"),
+        ] {
+            assert_eq!(utc_text(unix_s), text);
+        }
+    }
+}
