@@ -114,6 +114,9 @@ pub enum Job {
         /// Also render the result to this picture (.png, .jpg)
         #[arg(long, value_name = "PICTURE", value_parser = named(&picture::ENDINGS))]
         render: Option<PathBuf>,
+        /// Print a hash of the scene, and one of its picture as the CPU shades it
+        #[arg(long)]
+        hash: bool,
         /// Keep a journal, as the window does, so that not even a kill loses what was done
         #[arg(long)]
         journal: bool,
@@ -345,6 +348,12 @@ fn window_or_demo(
         if let Some(record) = &cli.record {
             session.record_to(record)?;
         }
+        match journal_options(&config).shelf.count_left() {
+            0 => {}
+            left => terminal::print_notice(format_args!(
+                "{left} of your earlier sessions did not end as they should; `virtual-sculpture recover` lists what is left"
+            )),
+        }
         if config.journal.keep && !cli.no_journal {
             session.keep_journal(journal_options(&config)).map_err(ProgramError::Journal)?;
         }
@@ -384,10 +393,10 @@ fn dispatch(cli: Cli) -> Result<(), ProgramError> {
             Ok(())
         }
         Some(Job::Film(args)) => Ok(film::run(&args.job()?, &context)?),
-        Some(Job::Run { script, input, output, render, journal, picture, import }) => {
+        Some(Job::Run { script, input, output, render, hash, journal, picture, import }) => {
             let (picture, import) = (picture.request()?, import.options());
             let journal = journal.then(|| journal_options(&config));
-            let job = RunJob { script, input, output, render, picture, import, journal };
+            let job = RunJob { script, input, output, render, picture, import, hash, journal };
             Ok(headless::run(&job, &context)?)
         }
         Some(Job::Recover { number, out, discard, json }) => {

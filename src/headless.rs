@@ -26,10 +26,10 @@ use crate::picture::{self, FinalOptions, PictureError, TraceOn};
 use crate::print_check::CheckError;
 use crate::progress::Progress;
 use crate::render::RenderMode;
-use crate::sculpture::Rgb;
+use crate::sculpture::{Digest, Rgb};
 use crate::session::{Session, SessionError};
-use crate::shade::Ground;
 use crate::shade::ground::line_spacing_vx;
+use crate::shade::{Ground, portrait};
 use crate::terminal::{self, OutputError};
 use crate::trace::TraceShot;
 use crate::view::StereoLayout;
@@ -290,13 +290,17 @@ pub fn run(job: &RunJob, context: &Context) -> Result<(), JobError> {
         save(&mut session, output, ExportForm::Auto, context.progress)?;
     }
     describe(session.document());
+    if job.hash {
+        let [scene, picture] = hashes(session.document());
+        terminal::print_result(format_args!("scene {scene}\npicture {picture}"))?;
+    }
     match &job.render {
         Some(picture) => render_session(session, picture, &job.picture, context),
         None => Ok(()),
     }
 }
 
-/// [`run`] for standard input. Nothing but answers is printed on standard output.
+/// [`run`] for standard input. Nothing but answers and hashes is printed on standard output.
 fn run_piped(job: &RunJob, context: &Context) -> Result<(), JobError> {
     let mut session = job.session(context)?;
     let refused = pipe::converse(&mut session, &());
@@ -313,6 +317,10 @@ fn run_piped(job: &RunJob, context: &Context) -> Result<(), JobError> {
         let options = context.config.picture_options(context.device);
         picture::render_to_file(session.document_mut(), &view, &options, out)?;
     }
+    if job.hash {
+        let [scene, picture] = hashes(session.document()).map(|hash| hash.to_string());
+        terminal::print_result(serde_json::json!({ "scene": scene, "picture": picture }))?;
+    }
     if refused > 0 { Err(JobError::Refused(refused)) } else { Ok(()) }
 }
 
@@ -325,6 +333,8 @@ pub struct RunJob {
     pub render: Option<PathBuf>,
     pub picture: PictureRequest,
     pub import: ImportOptions,
+    /// Print hashes of the scene and of its picture.
+    pub hash: bool,
     /// How to keep a journal; none: not at all, since a script can be run again.
     pub journal: Option<JournalOptions>,
 }
@@ -342,6 +352,13 @@ impl RunJob {
         }
         Ok(session)
     }
+}
+
+/// Hashes of the scene, and of its picture as the CPU shades it: the same for any number of threads.
+fn hashes(document: &Document) -> [Digest; 2] {
+    const PICTURE_PX: UVec2 = UVec2::new(640, 480);
+    let contents = document.contents();
+    [Digest::of(contents), Digest::of_bytes(portrait(contents, PICTURE_PX).bytes())]
 }
 
 /// Says what went wrong with the journal, and where unsaved changes are kept that nobody has saved.

@@ -8,6 +8,7 @@ mod final_picture;
 mod meshes;
 mod orthographic;
 mod pipe;
+mod recover;
 mod samples;
 #[cfg(target_os = "linux")]
 mod streams;
@@ -32,6 +33,7 @@ fn command(folder: &Path, arguments: &[&str]) -> Command {
         .env_remove("DISPLAY")
         .env_remove("WAYLAND_DISPLAY")
         .env("XDG_CONFIG_HOME", folder)
+        .env("XDG_STATE_HOME", folder)
         .env("RUST_LOG", "warn");
     command
 }

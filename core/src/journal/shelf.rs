@@ -71,6 +71,12 @@ impl Shelf {
         Ok(numbers)
     }
 
+    /// How many journals were left by sessions that do not run any more, as far as can be seen.
+    pub fn count_left(&self) -> usize {
+        let numbers = self.numbers().unwrap_or_default();
+        numbers.into_iter().filter(|number| matches!(self.open(*number), Left::Journal(_))).count()
+    }
+
     /// Opens the journal of a number.
     pub fn open(&self, number: u64) -> Left {
         match self.files.open(&self.path(number)) {

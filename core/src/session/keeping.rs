@@ -174,6 +174,9 @@ fn absolute(path: &Path) -> PathBuf {
 impl Drop for Session {
     fn drop(&mut self) {
         let is_needed = self.modified() || std::thread::panicking();
+        if let Some(path) = self.journal_path().filter(|_| std::thread::panicking()) {
+            tracing::error!("what was done until then is in the journal {}", path.display());
+        }
         if let Some(journal) = self.journal.take() {
             journal.writer.end(!is_needed);
         }

@@ -1,0 +1,276 @@
+//! What is left of sessions that were killed, and what `recover` makes of it.
+
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+use serde_json::Value;
+use virtual_sculpture::document::Limits;
+use virtual_sculpture::sculpture::Digest;
+use virtual_sculpture::session::Session;
+
+use super::{command, fail, folder, succeed};
+
+/// The program with pipes; its state is in the folder.
+fn with_state(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = command(folder, arguments);
+    command.stdin(Stdio::piped());
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+/// Starts `run - --journal`.
+fn start(folder: &Path) -> Child {
+    with_state(folder, &["run", "-", "--journal"]).spawn().unwrap()
+}
+
+fn listed(folder: &Path) -> Vec<Value> {
+    let output = with_state(folder, &["recover", "--json"]).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let Value::Array(listed) = serde_json::from_slice(&output.stdout).unwrap() else { panic!() };
+    listed
+}
+
+/// Gives a session lines, one by one, and returns the last answer.
+fn ask(session: &mut Child, lines: &[&str]) -> Value {
+    let mut output = BufReader::new(session.stdout.take().unwrap());
+    let input = session.stdin.as_mut().unwrap();
+    let mut answer = String::new();
+    for line in lines {
+        writeln!(input, "{line}").unwrap();
+        answer.clear();
+        output.read_line(&mut answer).unwrap();
+    }
+    session.stdout = Some(output.into_inner());
+    serde_json::from_str(&answer).unwrap()
+}
+
+fn kill(mut session: Child) {
+    // On Unix this is SIGKILL.
+    session.kill().unwrap();
+    session.wait().unwrap();
+}
+
+fn digest_of(path: &Path) -> Digest {
+    let session = Session::open(path, &Default::default(), Limits::default(), &()).unwrap();
+    Digest::of(session.document().contents())
+}
+
+#[test]
+fn nothing_left_is_nothing_listed() {
+    let folder = folder();
+    assert!(listed(folder.path()).is_empty());
+    let output = with_state(folder.path(), &["recover"]).output().unwrap();
+    assert!(output.status.success() && output.stdout.is_empty());
+    let error = fail(folder.path(), &["recover", "7777777", "--discard"], 2);
+    assert!(error.contains("no journal 7777777"), "{error}");
+    let error = fail(folder.path(), &["recover", "7777777"], 2);
+    assert!(error.contains("--out FILE"), "{error}");
+}
+
+#[test]
+fn a_killed_session_is_listed_written_and_discarded() {
+    let folder = folder();
+    let path = folder.path();
+    let mut session = start(path);
+    let lines = ["new dims=20,20,20 colour=24", "subtract cuboid at=10,10,20 half=10", "begin"];
+    assert_eq!(ask(&mut session, &lines)["voxels"], 4000);
+    let within = ask(&mut session, &["subtract cuboid at=10,10,0 half=2"])["voxels"].clone();
+    assert!(listed(path).is_empty(), "it belongs to a session that runs");
+    let discard = || with_state(path, &["recover", "1", "--discard"]).output().unwrap();
+    let refused = discard();
+    assert_eq!(refused.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("still running"));
+    kill(session);
+
+    let left = listed(path);
+    assert_eq!(left.len(), 1);
+    assert_eq!((&left[0]["number"], &left[0]["voxels"]), (&1.into(), &within));
+    assert_eq!(
+        (&left[0]["dims"], &left[0]["steps"]),
+        (&serde_json::json!([20, 20, 20]), &3.into())
+    );
+    let text = with_state(path, &["recover"]).output().unwrap();
+    let text = String::from_utf8(text.stdout).unwrap();
+    assert!(text.starts_with("1: a new sculpture, 2") && text.contains("3 steps"), "{text}");
+
+    std::fs::write(path.join("mine.vsc"), "mine").unwrap();
+    let write = |name: &str| {
+        with_state(path, &["recover", "1", "--out", name, "--discard"]).output().unwrap()
+    };
+    let refused = write("mine.vsc");
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("overwrites nothing"));
+    assert_eq!(std::fs::read(path.join("mine.vsc")).unwrap(), b"mine");
+    let written = write("back.vsc");
+    assert!(written.status.success(), "{}", String::from_utf8_lossy(&written.stderr));
+    let back =
+        Session::open(&path.join("back.vsc"), &Default::default(), Limits::default(), &()).unwrap();
+    assert_eq!(Value::from(back.document().grid().opaque_count()), within);
+    assert!(listed(path).is_empty(), "it was discarded after it was written");
+}
+
+#[test]
+fn a_session_that_ends_as_it_should_leaves_only_what_is_not_saved() {
+    let folder = folder();
+    let path = folder.path();
+    std::fs::write(path.join("a.sculpt"), "new dims=9,9,9\nclear\n").unwrap();
+    let run = |more: &[&str]| {
+        let arguments = [&["run", "a.sculpt", "--journal"], more].concat();
+        let output = with_state(path, &arguments).output().unwrap();
+        assert!(output.status.success());
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let told = run(&["--out", "a.vsc"]);
+    assert!(!told.contains("journal") && listed(path).is_empty(), "{told}");
+    let told = run(&[]);
+    assert!(told.contains("recover 1 --out"), "{told}");
+    assert_eq!(listed(path).len(), 1);
+    // Without the option a script leaves nothing: it can be run again.
+    succeed(path, &["run", "a.sculpt"]);
+    assert_eq!(listed(path).len(), 1);
+}
+
+#[test]
+fn a_state_folder_that_cannot_be_is_told_and_stops_nothing() {
+    let folder = folder();
+    let path = folder.path();
+    std::fs::write(path.join("virtual-sculpture"), "a file where the folder should be").unwrap();
+    std::fs::write(path.join("a.sculpt"), "new dims=9,9,9\nclear\n").unwrap();
+    let run = with_state(path, &["run", "a.sculpt", "--journal"]).output().unwrap();
+    let told = String::from_utf8_lossy(&run.stderr).into_owned();
+    assert!(run.status.success() && told.contains("work goes on"), "{told}");
+}
+
+#[test]
+fn a_script_has_the_same_hashes_whatever_the_number_of_threads() {
+    let folder = folder();
+    let path = folder.path();
+    let script = "new dims=60,50,40 colour=24\nsubtract ellipsoid at=9,9,9 half=20\nfill-cavities\n\
+                  recolour cuboid at=30,30,39 half=9 colour=#c04010\nremove-islands\nthicken to=2\n";
+    std::fs::write(path.join("a.sculpt"), script).unwrap();
+    let hashes = |script: &str, threads: &str| {
+        let mut run = with_state(path, &["run", script, "--hash", "--quiet"]);
+        let output = run.env("RAYON_NUM_THREADS", threads).output().unwrap();
+        assert!(output.status.success());
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let one = hashes("a.sculpt", "1");
+    let lines: Vec<&str> = one.lines().rev().take(2).collect();
+    assert!(lines[0].starts_with("picture ") && lines[1].starts_with("scene "), "{one}");
+    assert!(lines.iter().all(|line| line.rsplit(' ').next().unwrap().len() == 64), "{one}");
+    assert_eq!(hashes("a.sculpt", "4"), one);
+    std::fs::write(path.join("b.sculpt"), format!("{script}subtract cuboid at=30,49,20 half=1"))
+        .unwrap();
+    let other = hashes("b.sculpt", "2");
+    let both = one.lines().zip(other.lines());
+    assert_eq!(both.filter(|(a, b)| a.contains(' ') && a.len() > 64 && a != b).count(), 2);
+}
+
+#[test]
+fn what_is_damaged_is_said() {
+    let folder = folder();
+    let path = folder.path();
+    let shelf = path.join("virtual-sculpture/journals");
+    std::fs::create_dir_all(&shelf).unwrap();
+    std::fs::write(shelf.join("4.journal"), "no journal").unwrap();
+    let left = listed(path);
+    assert!(left[0]["number"] == 4 && left[0]["error"].as_str().unwrap().contains("no journal"));
+    let output = with_state(path, &["recover", "4", "--out", "a.vsc"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(3));
+    assert!(!path.join("a.vsc").exists());
+}
+
+/// Numbers from a seed, as xorshift64 makes them.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, end: u64) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0 % end
+    }
+}
+
+/// A line of work on a sculpture of 40 voxels, in and out of strokes.
+fn line(random: &mut Random) -> String {
+    let at = [0; 3].map(|_: u8| random.below(40));
+    let [x, y, z] = at;
+    let half = 1 + random.below(9);
+    match random.below(16) {
+        0..5 => format!("subtract ellipsoid at={x},{y},{z} half={half}"),
+        5..8 => {
+            format!("add cuboid at={x},{y},{z} half={half} colour=#{:06x}", random.below(1 << 24))
+        }
+        8 | 9 => format!("recolour ellipsoid at={x},{y},{z} half={half} colour=#80{x:02x}{y:02x}"),
+        10 => "begin \"stroke\"".to_string(),
+        11 => "end".to_string(),
+        12 => format!("undo {}", 1 + random.below(4)),
+        13 => format!("redo {}", 1 + random.below(3)),
+        14 => "orient axes=y,-z,x".to_string(),
+        _ => "fill colour=#405060".to_string(),
+    }
+}
+
+/// Kills sessions at random moments, `VS_KILLS` of them or a few: all that was answered is there, and what is there
+/// is a state that the session had.
+#[test]
+fn after_a_kill_at_any_moment_all_that_was_answered_is_there() {
+    let kills = std::env::var("VS_KILLS").map_or(6, |kills| kills.parse().unwrap());
+    let seed = std::process::id() as u64;
+    let (mut recovered, mut within) = (0, 0);
+    for kill in 0..kills {
+        let mut random = Random(0x9e37_79b9_7f4a_7c15 ^ (seed << 20) ^ (kill + 1));
+        let lines: Vec<String> = (0..400).map(|_| line(&mut random)).collect();
+        let folder = folder();
+        let path = folder.path();
+        let mut session = start(path);
+        let mut input = session.stdin.take().unwrap();
+        let output = session.stdout.take().unwrap();
+        let text = format!("new dims=40,40,40 colour=24\n{}\n", lines.join("\n"));
+        let writer = std::thread::spawn(move || {
+            // The pipe breaks when the session is killed; it stays open until then.
+            let _ = input.write_all(text.as_bytes());
+            input
+        });
+        let answered = std::thread::spawn(move || BufReader::new(output).lines().count());
+        std::thread::sleep(Duration::from_micros(random.below(150_000)));
+        self::kill(session);
+        drop(writer.join());
+        let answered = answered.join().unwrap();
+
+        let left = listed(path);
+        let name = format!("kill {kill} of process {seed}, {answered} answers");
+        assert!(!left.is_empty() || answered == 0, "{name}");
+        if left.is_empty() {
+            continue;
+        }
+        assert_eq!(left[0]["error"], Value::Null, "{name}");
+        let out = ["recover", "1", "--out", "back.vsc"];
+        let output = with_state(path, &out).output().unwrap();
+        assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
+        let back = digest_of(&path.join("back.vsc"));
+
+        // The states that the session went through.
+        let new = "new dims=256,256,256 colour=24".parse().unwrap();
+        let virtual_sculpture::command::Command::New(new) = new else { panic!() };
+        let mut model = Session::new(&new, Limits::default()).unwrap();
+        let first = "new dims=40,40,40 colour=24".to_string();
+        let mut at = None;
+        for (i, line) in std::iter::once(&first).chain(&lines).enumerate() {
+            let _ = model.execute(&line.parse().unwrap(), &());
+            if i + 1 >= answered && Digest::of(model.document().contents()) == back {
+                at = Some(i);
+                break;
+            }
+        }
+        assert!(at.is_some() || answered == 0, "{name}: not a state from the last answer on");
+        recovered += 1;
+        within += usize::from(model.document().stroke_open());
+    }
+    println!(
+        "{recovered} of {kills} killed sessions had begun a journal, {within} were in a stroke"
+    );
+}
