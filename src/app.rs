@@ -19,6 +19,7 @@ mod print_check;
 mod references;
 mod screenshot;
 mod stereo_screen;
+mod study;
 pub mod workspace;
 
 #[cfg(test)]

@@ -17,6 +17,7 @@ mod journal;
 mod meshes_in;
 mod scans;
 mod sprays;
+mod study;
 mod upright;
 mod volume_options;
 mod voxel_models;

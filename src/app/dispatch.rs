@@ -62,6 +62,7 @@ impl Workspace {
             }
             UiRequest::FinalPicture(wanted) => self.start_final_picture(&wanted),
             UiRequest::Film(wanted) => self.start_film(&wanted),
+            UiRequest::Study(path, import) => self.start_study(path, import),
             UiRequest::PrintCheck(options) => self.start_print_check(options),
             UiRequest::StopWork => editor.cancel_job(),
             // If something is being written, leaving waits for its success.

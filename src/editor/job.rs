@@ -161,7 +161,7 @@ impl Editor {
         self.jobs.job = Some(Job::start(work, sign, is_save, then));
     }
 
-    /// Runs work that changes nothing of the sculpture on a thread, and tells what it returns. Refused while there
+    /// Runs work that changes nothing of the sculpture on a thread, and tells what it returns unless it is empty. Refused while there
     /// is other work; returns whether it began.
     pub fn start_side_work<W>(&mut self, work: W, sign: &'static str) -> bool
     where
@@ -190,7 +190,9 @@ impl Editor {
         let done = match result {
             Ok(Ok(Product::Change(done))) => self.complete(done),
             Ok(Ok(Product::Note(text))) => {
-                self.note(text);
+                if !text.is_empty() {
+                    self.note(text);
+                }
                 true
             }
             Ok(Err(Failure::Cancelled)) => {

@@ -5,8 +5,8 @@ use egui::{CentralPanel, Frame, Margin, Panel as Side, RichText, ScrollArea, Ui}
 
 use super::{
     UiContext, UiRequest, UiState, busy, export_dialog, files, film_dialog, final_dialog, guide,
-    history, light, new_dialog, options, palette, theme, toolbox, top_bar, unkept, unsaved,
-    upright,
+    history, import_dialog, light, new_dialog, options, palette, theme, toolbox, top_bar, unkept,
+    unsaved, upright,
 };
 use crate::input::hands::HandSide;
 
@@ -93,6 +93,7 @@ pub fn show(
     final_dialog::show(root, state, context, requests);
     film_dialog::show(root, state, context, requests);
     export_dialog::show(root, state, context, requests);
+    import_dialog::show(root, state, context, requests);
     unsaved::show(root, state, requests);
     unkept::show(root, state, requests);
     files::show(root, state, requests);

@@ -8,6 +8,7 @@ use super::files::Files;
 use super::film_dialog::FilmDialog;
 use super::final_dialog::{FinalDialog, Preview};
 use super::guide::Guide;
+use super::import_dialog::ImportDialog;
 use super::key_table::KeyTable;
 use super::light::LightWindow;
 use super::new_dialog::NewDialog;
@@ -30,6 +31,7 @@ pub struct Dialogs {
     pub final_picture: FinalDialog,
     pub film: FilmDialog,
     pub export: ExportDialog,
+    pub import: ImportDialog,
     /// The window of the print check.
     pub print_check: PrintCheck,
     pub files: Files,
@@ -58,6 +60,7 @@ impl Dialogs {
             final_picture: FinalDialog::default(),
             film: FilmDialog::default(),
             export: ExportDialog::default(),
+            import: ImportDialog::default(),
             print_check: PrintCheck::default(),
             files: Files::new(),
             unsaved: None,
@@ -77,6 +80,7 @@ impl Dialogs {
             || self.final_picture.open
             || self.film.open
             || self.export.is_open()
+            || self.import.is_open()
             || self.palette.open
             || self.keys.is_catching()
             || self.files.is_open()
@@ -88,7 +92,7 @@ impl Dialogs {
         if self.unkept.take().is_some() || self.unsaved.take().is_some() {
             return true;
         }
-        if self.export.close() {
+        if self.export.close() || self.import.close() {
             return true;
         }
         let open = [

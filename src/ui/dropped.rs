@@ -9,7 +9,6 @@ use std::path::{Path, PathBuf};
 use egui::{Align2, Area, Frame, Id, Order, Rect, Ui};
 
 use super::{UiRequest, UiState};
-use crate::command::Command;
 use crate::format::options::ImportOptions;
 use crate::format::{READ_ENDINGS, can_be_read};
 
@@ -42,7 +41,8 @@ pub fn show(root: &Ui, state: &mut UiState, within: Rect, requests: &mut Vec<UiR
         Use::Open(path) => {
             let upright = state.known_files.upright.of(&path);
             let import = ImportOptions { upright, ..ImportOptions::default() };
-            requests.push(UiRequest::Run(Command::Open { path, import }));
+            let at_once = root.input(|input| input.modifiers.shift);
+            state.dialogs.import.open(path, import, at_once, requests);
         }
         Use::References(paths) => {
             requests.extend(paths.into_iter().map(UiRequest::AddReference));

@@ -3,19 +3,15 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{ComboBox, DragValue, RichText, TextEdit, Ui};
+use egui::Ui;
 use egui_file_dialog::{DialogState, FileDialog, Filter};
 
 use super::state::folder_of;
-use super::top_bar::capital;
-use super::{UiRequest, UiState, look, theme};
+use super::{UiRequest, UiState, look};
 use crate::command::Command;
 use crate::editor::questions::Next;
 use crate::editor::tool::ToolEdit;
-use crate::format::options::{
-    Colouring, Existence, ExportOptions, ImportOptions, MeshFill, MeshSize, RawLayout,
-};
-use crate::sculpture::grid::MAX_AXIS_VX;
+use crate::format::options::{ExportOptions, ImportOptions};
 
 /// The endings of the program's own files, and of what other programs read best.
 const ENDING: &str = "vsc";
@@ -42,24 +38,13 @@ pub enum FileTask {
 pub struct Files {
     dialog: FileDialog,
     task: FileTask,
-    choice: Choice,
     /// Where a sculpture was opened or saved last.
     folder: Option<PathBuf>,
 }
 
-/// What is chosen about a file, kept from one dialog to the next.
-struct Choice {
-    import: ImportOptions,
-    /// As typed, kept while `import` has none.
-    threshold: f64,
-    raw: String,
-}
-
 impl Files {
     pub fn new() -> Files {
-        let choice =
-            Choice { import: ImportOptions::default(), threshold: 128.0, raw: String::new() };
-        Files { dialog: FileDialog::new(), task: FileTask::Open, choice, folder: None }
+        Files { dialog: FileDialog::new(), task: FileTask::Open, folder: None }
     }
 
     /// The folder that dialogs open in where no file says another.
@@ -139,13 +124,21 @@ impl Default for Files {
 }
 
 pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
-    let Files { dialog, task, choice, .. } = &mut state.dialogs.files;
+    let ask = &mut state.dialogs.import.ask;
+    let Files { dialog, task, .. } = &mut state.dialogs.files;
     // The library draws its search field black on any ground: dark text could not be read there.
     dialog.config_mut().show_search = root.visuals().dark_mode;
     dialog.update_with_right_panel_ui(root.ctx(), &mut |ui, _| {
         ui.add_space(4.0);
         match task {
-            FileTask::Open => import_options(ui, choice),
+            FileTask::Open => {
+                ui.label("Sculptures, scans, voxel models and meshes.");
+                ui.add_space(8.0);
+                ui.checkbox(ask, "Ask how to import").on_hover_text(
+                    "Shows scans and meshes first, and asks for thresholds, size and the like. \
+                     Otherwise, and with Shift held, they open with what was chosen last",
+                );
+            }
             FileTask::SaveAs(_) => {
                 ui.label("Keeps everything: all colours, the base colour, the texts of the file.");
                 ui.add_space(8.0);
@@ -174,8 +167,9 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
         FileTask::Matcap => look::take_matcap(state, path),
         FileTask::Open => {
             let upright = state.known_files.upright.of(&path);
-            let import = ImportOptions { upright, ..choice.import };
-            requests.push(UiRequest::Run(Command::Open { path, import }));
+            let import = ImportOptions { upright, ..ImportOptions::default() };
+            let at_once = root.input(|input| input.modifiers.shift);
+            state.dialogs.import.open(path, import, at_once, requests);
         }
         FileTask::SaveAs(next) => {
             let path = with_ending(path, ENDING);
@@ -190,71 +184,6 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
             state.dialogs.export.open(path, requests);
         }
     }
-}
-
-fn import_options(ui: &mut Ui, choice: &mut Choice) {
-    ui.label(RichText::new("Density threshold").strong());
-    let existence = &mut choice.import.existence;
-    let mut auto = *existence == Existence::Auto;
-    ui.radio_value(&mut auto, true, "Automatic")
-        .on_hover_text("Threshold chosen from the file's histogram");
-    ui.horizontal(|ui| {
-        ui.radio_value(&mut auto, false, "Manual");
-        ui.add_enabled(!auto, DragValue::new(&mut choice.threshold))
-            .on_hover_text("Lowest density that becomes a filled voxel, in the file's units");
-    });
-    *existence = if auto { Existence::Auto } else { Existence::Threshold(choice.threshold) };
-
-    ui.add_space(8.0);
-    ui.label(RichText::new("Colours").strong());
-    let colouring = &mut choice.import.colouring;
-    ComboBox::from_id_salt("colouring").selected_text(capital(&colouring.to_string())).show_ui(
-        ui,
-        |ui| {
-            for (value, name) in Colouring::NAMED {
-                ui.selectable_value(colouring, value, capital(name));
-            }
-        },
-    );
-
-    ui.add_space(8.0);
-    ui.label(RichText::new("Meshes").strong());
-    mesh_options(ui, &mut choice.import);
-
-    ui.add_space(8.0);
-    ui.label(RichText::new("Layout of a .raw file").strong());
-    let field = TextEdit::singleline(&mut choice.raw).hint_text("128x256x256:u8");
-    ui.add(field.desired_width(f32::INFINITY)).on_hover_text(
-        "WIDTHxHEIGHTxDEPTH:TYPE[:skip=BYTES][:size=SX,SY,SZ]\n\
-         where TYPE is u8, u16le, u16be, i16le, i16be, f32le, f32be, rgb8 or rgba8",
-    );
-    choice.import.raw = match choice.raw.trim() {
-        "" => None,
-        text => match text.parse::<RawLayout>() {
-            Ok(layout) => Some(layout),
-            Err(error) => {
-                ui.colored_label(theme::error_colour(ui.visuals()), RichText::new(error).small());
-                None
-            }
-        },
-    };
-}
-
-/// How large a mesh becomes, and what of it.
-fn mesh_options(ui: &mut Ui, import: &mut ImportOptions) {
-    if let MeshSize::LongestVx(longest_vx) = &mut import.mesh_size {
-        ui.add(DragValue::new(longest_vx).range(8..=MAX_AXIS_VX).suffix(" voxels"))
-            .on_hover_text("Longest side of a mesh (.obj, .stl, .ply, .glb), in voxels");
-    }
-    let fill = &mut import.mesh_fill;
-    ComboBox::from_id_salt("mesh fill").selected_text(capital(&fill.to_string())).show_ui(
-        ui,
-        |ui| {
-            for (value, name) in MeshFill::NAMED {
-                ui.selectable_value(fill, value, capital(name));
-            }
-        },
-    );
 }
 
 /// The path with an ending, if it was typed without one.

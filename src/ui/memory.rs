@@ -10,6 +10,7 @@ use std::path::PathBuf;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer, Serialize};
 
+use super::import_dialog::Remembered;
 use super::memory_references;
 use super::recent::Recent;
 use super::state::PanelPlace;
@@ -66,6 +67,11 @@ struct Kept {
     sprays: Option<BTreeMap<String, KeptSpray>>,
     #[serde(deserialize_with = "lenient")]
     references: Option<Vec<toml::Value>>,
+    /// Whether it is asked how files are imported, and what was answered last.
+    #[serde(deserialize_with = "lenient")]
+    ask_import: Option<bool>,
+    #[serde(deserialize_with = "lenient")]
+    imports: Option<Vec<toml::Value>>,
 }
 
 #[derive(Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -151,6 +157,8 @@ pub fn to_text(state: &UiState, tool: &ToolState, window: &WindowOptions) -> Str
                 .collect(),
         ),
         references: Some(memory_references::to_values(&state.references)),
+        ask_import: Some(state.dialogs.import.ask),
+        imports: Some(state.dialogs.import.remembered.lines().map(toml::Value::String).collect()),
     };
     match toml::to_string(&kept) {
         Ok(text) => format!("{HEAD}{text}"),
@@ -198,6 +206,9 @@ pub fn recall(text: &str, state: &mut UiState, tool: &mut ToolState, window: &Wi
     state.known_files.recent = Recent::from_lines(lines);
     state.known_files.upright = kept.upright.as_ref().map(Upright::from_texts).unwrap_or_default();
     state.references = memory_references::from_values(kept.references.unwrap_or_default());
+    state.dialogs.import.ask = kept.ask_import.unwrap_or(true);
+    let imports = kept.imports.iter().flatten().filter_map(toml::Value::as_str);
+    state.dialogs.import.remembered = Remembered::from_lines(imports);
     state.layout.sections.extend(kept.sections.into_iter().flatten().take(64));
     recall_tool(&kept.tool.unwrap_or_default(), tool);
     for kind in SprayKind::ALL {

@@ -20,6 +20,7 @@ pub mod guide;
 pub mod head;
 pub mod history;
 pub mod icons;
+pub mod import_dialog;
 pub mod key_catch;
 pub mod key_table;
 pub mod keyboard;
@@ -179,6 +180,7 @@ pub fn show(
     final_dialog::show(root, state, context, requests);
     film_dialog::show(root, state, context, requests);
     export_dialog::show(root, state, context, requests);
+    import_dialog::show(root, state, context, requests);
     head::calibration(root, context, requests);
     unsaved::show(root, state, requests);
     unkept::show(root, state, requests);

@@ -128,7 +128,9 @@ pub fn menu(ui: &mut Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
             state.toasts.error(format!("{name} no longer exists; removed from the recent files"));
             state.known_files.recent.forget(path);
         } else {
-            requests.push(UiRequest::Run(command));
+            let Command::Open { path, import } = command else { return };
+            let at_once = ui.input(|input| input.modifiers.shift);
+            state.dialogs.import.open(path, import, at_once, requests);
         }
     });
 }

@@ -21,6 +21,7 @@ use super::{SCALE_RANGE, Theme, ViewOptions, WindowOptions};
 use crate::command::{Command, NewSculpture};
 use crate::editor::questions::Next;
 use crate::editor::tool::ToolEdit;
+use crate::format::options::ImportOptions;
 use crate::input::hands::HandSide;
 use crate::input::remap::KeyChange;
 use crate::input::{Action, Panel};
@@ -48,6 +49,8 @@ pub enum UiRequest {
     FinalPicture(Box<FinalRequest>),
     /// Make a film.
     Film(FilmRequest),
+    /// Read a file to ask how it is to be imported.
+    Study(PathBuf, ImportOptions),
     /// Check whether the sculpture can be printed.
     PrintCheck(CheckOptions),
     /// Stop the long work under way, where it can be stopped.

@@ -5,7 +5,7 @@
 //! was read. Takes and gives what is remembered by the ending of the file's name; reads no file.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use egui::{Align2, Area, Button, Frame, Id, Margin, Order, Panel, Rect, Ui, vec2};
 use glam::Vec3;
@@ -25,6 +25,8 @@ pub struct Upright {
     by_ending: BTreeMap<String, Up>,
     /// The state of the sculpture in which nobody wants to be asked.
     dismissed: Option<State>,
+    /// The file about which this was said when it was imported.
+    answered: Option<PathBuf>,
 }
 
 impl Upright {
@@ -39,6 +41,11 @@ impl Upright {
         }
     }
 
+    /// Nobody wants to be asked about this file, having seen how it stands.
+    pub fn answer(&mut self, path: &Path) {
+        self.answered = Some(path.to_path_buf());
+    }
+
     /// What is remembered: endings and the text forms of axes.
     pub fn to_texts(&self) -> BTreeMap<String, String> {
         self.by_ending.iter().map(|(ending, up)| (ending.clone(), up.to_string())).collect()
@@ -48,7 +55,7 @@ impl Upright {
     pub fn from_texts(texts: &BTreeMap<String, String>) -> Upright {
         let known =
             texts.iter().filter_map(|(ending, up)| Some((ending.clone(), up.parse().ok()?)));
-        Upright { by_ending: known.take(64).collect(), dismissed: None }
+        Upright { by_ending: known.take(64).collect(), ..Upright::default() }
     }
 }
 
@@ -126,7 +133,9 @@ impl<'a> Asked<'a> {
     fn now(state: &UiState, context: &UiContext<'a>) -> Option<Asked<'a>> {
         let (assumed, path) = (context.assumed_up?, context.path?);
         let sculpture = context.document.state();
-        let put_off = state.known_files.upright.dismissed == Some(sculpture);
+        let upright = &state.known_files.upright;
+        let put_off =
+            upright.dismissed == Some(sculpture) || upright.answered.as_deref() == Some(path);
         let ending = ending(path).unwrap_or_default();
         let asked = !put_off && !state.dialogs.is_modal();
         asked.then_some(Asked { path, ending, assumed, sculpture })

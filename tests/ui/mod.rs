@@ -3,6 +3,7 @@
 mod bench;
 mod board;
 mod files;
+mod import;
 mod keys;
 mod light;
 mod memory;

@@ -29,11 +29,11 @@ use crate::tools::pieces;
 /// Bricks painted between two reports of progress.
 const PAINT_BATCH: usize = 1 << 13;
 /// RGBA voxels of this opacity or more exist.
-const OPAQUE: f64 = 128.0;
+pub(super) const OPAQUE: f64 = 128.0;
 /// Share of the voxels below the brightest end of a ramp; the rest are outliers such as metal.
-const RAMP_QUANTILE: f64 = 0.999;
+pub(super) const RAMP_QUANTILE: f64 = 0.999;
 
-const U8: Values = Values::Whole { first: 0, count: 1 << 8 };
+pub(super) const U8: Values = Values::Whole { first: 0, count: 1 << 8 };
 const U16: Values = Values::Whole { first: 0, count: 1 << 16 };
 const I16: Values = Values::Whole { first: i16::MIN as i32, count: 1 << 16 };
 

@@ -2,8 +2,9 @@
 //! options for what to read and write, and limits for memory.
 //!
 //! The entry points are [`load`], [`save`] and [`info()`]. Below them: `store` (disk), `vsc` (sculptures
-//! without loss), `history` (undo steps), `pvm` and `dds`, `raw`, `scan` (volumes), `prepare` (region and cubic voxels), `import` and `export` (volume <->
-//! sculpture), `threshold`, `ramp`, `labels` and `signature` (the meaning of voxels), `voxel` (models of other voxel
+//! without loss), `history` (undo steps), `pvm` and `dds`, `raw`, `scan` (volumes), `prepare` (region and cubic voxels),
+//! `import` and `export` (volume <-> sculpture), `study` (a file before it is imported), `threshold`, `ramp`, `labels` and
+//! `signature` (the meaning of voxels), `voxel` (models of other voxel
 //! editors), `mesh_in` and `mesh_out` (meshes of and for other programs). Errors say what is wrong and what to do;
 //! callers add the name of the file.
 
@@ -27,6 +28,7 @@ mod raw;
 mod scan;
 mod signature;
 pub mod store;
+mod study;
 mod threshold;
 mod volume;
 mod voxel;
@@ -44,6 +46,7 @@ pub use self::mesh_out::{MeshOptions, MeshSummary, MeshUp, is_mesh, save_mesh, u
 use self::options::{Colouring, ExportForm, ExportOptions, ImportOptions};
 pub use self::picture::{load_matcap, load_picture, load_picture_file, picture_of};
 pub use self::signature::Signature;
+pub use self::study::{Existing, Family, MeshStudy, Outlook, Study, VolumeStudy, family, study};
 pub use self::volume::{Samples, Texts, Volume};
 use crate::progress::Progress;
 use crate::sculpture::history::Contents;

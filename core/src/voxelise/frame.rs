@@ -81,16 +81,20 @@ impl Frame {
         up: Up,
         mm_per_unit: f64,
     ) -> Result<Frame, VoxeliseError> {
+        Frame::of_bounds(bounds(mesh), size, up, mm_per_unit)
+    }
+
+    /// The same for a mesh of these [`bounds`].
+    pub fn of_bounds(
+        (low, high): (DVec3, DVec3),
+        size: MeshSize,
+        up: Up,
+        mm_per_unit: f64,
+    ) -> Result<Frame, VoxeliseError> {
         let turn = up.turned_upright();
         let axis = |from: IVec3| turn.destination(IVec3::ONE + from, UVec3::splat(3)) - IVec3::ONE;
         let columns = [IVec3::X, IVec3::Y, IVec3::Z].map(|from| axis(from).as_dvec3());
         let rows = [0, 1, 2].map(|row| DVec3::from_array(columns.map(|column| column[row])));
-        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for corner in mesh.triangles.iter().filter(|t| is_finite(mesh, t)).flatten() {
-            let at = mesh.positions[*corner as usize].as_dvec3();
-            low = low.min(at);
-            high = high.max(at);
-        }
         let extent = (high - low).max_element();
         if !(extent.is_finite() && extent > 0.0) {
             return Err(VoxeliseError::Nothing);
@@ -112,16 +116,24 @@ impl Frame {
         })
     }
 
+    /// Where a point of the mesh lies in the grid, in voxels.
+    pub fn in_grid(&self, at: Vec3) -> Vec3 {
+        self.turned(at).as_vec3()
+    }
+
+    fn turned(&self, at: Vec3) -> DVec3 {
+        let from_centre = at.as_dvec3() - self.centre;
+        let turned = DVec3::from_array(self.rows.map(|row| row.dot(from_centre)));
+        turned * self.voxels_per_unit + self.dims.as_dvec3() / 2.0
+    }
+
     /// The mesh in the grid's coordinates.
     pub(super) fn place(&self, mesh: &Mesh) -> Result<Placed, VoxeliseError> {
         if mesh.triangles.len() > MOST_TRIANGLES {
             return Err(VoxeliseError::TooManyTriangles);
         }
-        let middle = self.dims.as_dvec3() / 2.0;
         let corner = |at: &Vec3| {
-            let from_centre = at.as_dvec3() - self.centre;
-            let turned = DVec3::from_array(self.rows.map(|row| row.dot(from_centre)));
-            let at = (turned * self.voxels_per_unit + middle) * SUB_VX as f64;
+            let at = self.turned(*at) * SUB_VX as f64;
             // Those beyond the grid belong to triangles that are left out.
             let most = self.dims.as_dvec3() * SUB_VX as f64;
             let within = if at.is_finite() { at.clamp(DVec3::ZERO, most) } else { DVec3::ZERO };
@@ -132,6 +144,17 @@ impl Frame {
         let triangles = mesh.triangles.iter().map(|t| if is_left_out(t) { [0; 3] } else { *t });
         Ok(Placed { dims: self.dims, triangles: triangles.collect(), corners })
     }
+}
+
+/// The lowest and the highest coordinates of all triangles of finite size.
+pub fn bounds(mesh: &Mesh) -> (DVec3, DVec3) {
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for corner in mesh.triangles.iter().filter(|t| is_finite(mesh, t)).flatten() {
+        let at = mesh.positions[*corner as usize].as_dvec3();
+        low = low.min(at);
+        high = high.max(at);
+    }
+    (low, high)
 }
 
 fn is_finite(mesh: &Mesh, triangle: &[u32; 3]) -> bool {

@@ -17,7 +17,7 @@ mod tests;
 
 use thiserror::Error;
 
-pub use self::frame::{Frame, MeshSize};
+pub use self::frame::{Frame, MeshSize, bounds};
 pub use self::mesh::{Mesh, Skin};
 use crate::progress::Progress;
 use crate::sculpture::history::Contents;

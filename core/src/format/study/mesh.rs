@@ -1,0 +1,89 @@
+//! A mesh before it is imported: its outline, and the grid that it would lie in.
+
+use glam::{DVec3, Vec3};
+
+use super::Outlook;
+use crate::format::mesh_in::{Imported, Kind};
+use crate::format::options::{Colouring, ImportOptions};
+use crate::format::{FormatError, voxel};
+use crate::sculpture::orientation::Up;
+use crate::sculpture::{Grid, Limits};
+use crate::voxelise::{Frame, bounds};
+
+/// Triangles that an outline shows, at most.
+const MOST_TRIANGLES: usize = 4000;
+
+/// A mesh that is to be imported, without its triangles.
+#[derive(Debug)]
+pub struct MeshStudy {
+    /// Its triangles.
+    pub count: usize,
+    /// Corners of a sample of its triangles, spread evenly over the file, in its coordinates.
+    pub sample: Vec<[Vec3; 3]>,
+    /// Whether it has colours.
+    pub has_colours: bool,
+    /// Format, for people.
+    pub kind: String,
+    /// What was left out.
+    pub notes: Vec<String>,
+    format: Kind,
+    bounds: (DVec3, DVec3),
+}
+
+impl MeshStudy {
+    pub(super) fn of(imported: Imported, format: Kind) -> Result<MeshStudy, FormatError> {
+        let Imported { mesh, kind, notes, .. } = imported;
+        let corners = |t: &[u32; 3]| t.map(|corner| mesh.positions[corner as usize]);
+        let is_finite = |t: &[Vec3; 3]| t.iter().all(|corner| corner.is_finite());
+        let stride = mesh.triangles.len().div_ceil(MOST_TRIANGLES).max(1);
+        let sample = mesh.triangles.iter().step_by(stride).map(corners).filter(is_finite).collect();
+        let study = MeshStudy {
+            count: mesh.triangles.len(),
+            sample,
+            has_colours: mesh.has_colours(),
+            kind,
+            notes,
+            format,
+            bounds: bounds(&mesh),
+        };
+        study.frame(&ImportOptions::default())?;
+        Ok(study)
+    }
+
+    /// Whether the file says which way is up.
+    pub fn knows_up(&self) -> bool {
+        self.format.knows_up()
+    }
+
+    /// The axis that points up.
+    pub fn up(&self, options: &ImportOptions) -> Up {
+        self.format.up(options)
+    }
+
+    /// The grid that the mesh would lie in.
+    pub fn frame(&self, options: &ImportOptions) -> Result<Frame, FormatError> {
+        let (up, mm) = (self.up(options), self.format.mm_per_unit());
+        Ok(Frame::of_bounds(self.bounds, options.mesh_size, up, mm)?)
+    }
+
+    /// What would become of the mesh; an error if it cannot be imported so. Triangles may need more memory than said.
+    pub fn outlook(
+        &self,
+        options: &ImportOptions,
+        limits: &Limits,
+    ) -> Result<Outlook, FormatError> {
+        let depth = voxel::colour_depth(options)?;
+        let frame = self.frame(options)?;
+        Grid::check(frame.dims, frame.voxel_size, limits.grid_bytes)?;
+        let voxels = frame.dims.as_u64vec3().element_product();
+        let coloured = self.has_colours && options.colouring != Colouring::None;
+        Ok(Outlook {
+            dims: frame.dims,
+            voxel_size: frame.voxel_size,
+            // A bit for each voxel, three times over.
+            read_bytes: voxels.div_ceil(8) * 3,
+            grid_bytes: Grid::bytes_for(frame.dims),
+            colour_bytes: if coloured { voxels * depth.bytes() as u64 } else { 0 },
+        })
+    }
+}

@@ -1,0 +1,95 @@
+//! A file before it is imported: what a dialog shows of it and asks about it.
+//!
+//! Takes a path; gives a volume that can be cut into slices, or the outline of a mesh, and for options of the import
+//! which voxels would exist, how large the sculpture would be and which memory it would take. Makes no sculpture.
+
+mod mesh;
+mod volume;
+
+use std::path::Path;
+
+pub use self::mesh::MeshStudy;
+pub use self::volume::{Existing, VolumeStudy};
+use super::options::ImportOptions;
+use super::{Format, FormatError, budget_bytes, import, mesh_in, read_volume};
+use crate::progress::Progress;
+use crate::sculpture::Limits;
+use glam::{UVec3, Vec3};
+
+/// Files about which the same is asked.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub enum Family {
+    /// Densities or colours in a box: scans, `.pvm`, `.raw`.
+    Volume,
+    /// Triangles.
+    Mesh,
+}
+
+impl Family {
+    /// Both, with their names.
+    pub const NAMED: [(Family, &'static str); 2] =
+        [(Family::Volume, "volume"), (Family::Mesh, "mesh")];
+}
+
+/// What may be asked about a file of that name. None for sculptures and voxel models, which leave nothing open, and for
+/// files that cannot be read.
+pub fn family(path: &Path) -> Option<Family> {
+    match Format::of(path).ok()? {
+        Format::Vsc | Format::Voxel(_) => None,
+        Format::Pvm | Format::Raw | Format::Scan(_) => Some(Family::Volume),
+        Format::Mesh(_) => Some(Family::Mesh),
+    }
+}
+
+/// What a file holds.
+#[derive(Debug)]
+pub enum Study {
+    /// Voxels.
+    Volume(Box<VolumeStudy>),
+    /// Triangles.
+    Mesh(Box<MeshStudy>),
+    /// It says everything itself, such as a volume that this program has written.
+    Settled,
+}
+
+/// The sculpture that an import would make.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Outlook {
+    /// Size in voxels.
+    pub dims: UVec3,
+    /// Edges of a voxel, in millimetres where the file has a unit.
+    pub voxel_size: Vec3,
+    /// Memory while the file is read.
+    pub read_bytes: u64,
+    /// Memory that the shape takes afterwards.
+    pub grid_bytes: u64,
+    /// Memory that colours take at most.
+    pub colour_bytes: u64,
+}
+
+/// Reads a file to ask about it, a raw one with the layout of `options`. It may take as much memory as [`super::load`]; a
+/// volume whose sculpture would be too large is read all the same, since a part of it may be asked for.
+pub fn study(
+    path: &Path,
+    options: &ImportOptions,
+    limits: &Limits,
+    progress: &dyn Progress,
+) -> Result<Study, FormatError> {
+    match Format::of(path)? {
+        Format::Vsc | Format::Voxel(_) => Ok(Study::Settled),
+        Format::Mesh(kind) => {
+            let imported = mesh_in::load(path, kind, limits, progress)?;
+            MeshStudy::of(imported, kind).map(|study| Study::Mesh(Box::new(study)))
+        }
+        Format::Pvm | Format::Raw | Format::Scan(_) => {
+            let options = ImportOptions { raw: options.raw, ..ImportOptions::default() };
+            let (grid_bytes, colour_bytes) = (budget_bytes(limits), 0);
+            let limits = Limits { grid_bytes, colour_bytes, ..*limits };
+            let (volume, source) = read_volume(path, &options, &limits, progress)?;
+            if import::trusted_signature(&volume).is_some() {
+                return Ok(Study::Settled);
+            }
+            VolumeStudy::of(volume, source).map(|study| Study::Volume(Box::new(study)))
+        }
+    }
+}

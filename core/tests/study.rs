@@ -1,0 +1,227 @@
+//! Files before they are imported: what a study shows is what the import makes.
+
+use std::path::{Path, PathBuf};
+
+use glam::{IVec3, UVec3, Vec3};
+use sculpture_core::format::options::{
+    Colouring, Cubic, Existence, ImportOptions, MeshSize, Region,
+};
+use sculpture_core::format::{self, Family, Study, VolumeStudy};
+use sculpture_core::sculpture::Limits;
+use sculpture_core::sculpture::history::Contents;
+use sculpture_core::sculpture::orientation::Up;
+use trials::shared_file;
+
+fn study(path: &Path) -> Study {
+    format::study(path, &ImportOptions::default(), &Limits::default(), &())
+        .unwrap_or_else(|error| panic!("{path:?}: {error}"))
+}
+
+fn volume(path: &Path) -> VolumeStudy {
+    match study(path) {
+        Study::Volume(study) => *study,
+        other => panic!("{path:?}: {other:?}"),
+    }
+}
+
+fn load(path: &Path, options: &ImportOptions) -> Contents {
+    format::load(path, options, &Limits::default(), &())
+        .unwrap_or_else(|error| panic!("{path:?}: {error}"))
+        .contents
+}
+
+/// A scan of 7 x 5 x 4 different voxels with three lengths of edges, laid as `directions` say.
+fn scan(folder: &Path, name: &str, directions: &str) -> PathBuf {
+    let mut file = format!(
+        "NRRD0004\ntype: short\ndimension: 3\nsizes: 7 5 4\nendian: little\nencoding: raw\n{directions}\n"
+    )
+    .into_bytes();
+    file.extend((0..140i16).flat_map(|i| ((i * 37) % 140 - 20).to_le_bytes()));
+    let path = folder.join(name);
+    std::fs::write(&path, file).unwrap();
+    path
+}
+
+/// Compares every slice with the voxels that the import makes. `part`: the region as it stands.
+fn is_what_is_made(path: &Path, study: &VolumeStudy, options: &ImportOptions) {
+    let made = load(path, &study.settled(options));
+    let outlook = study.outlook(&study.settled(options), &Limits::default()).unwrap();
+    assert_eq!((outlook.dims, outlook.voxel_size), (made.grid.dims(), made.grid.voxel_size()));
+    assert_eq!(outlook.grid_bytes, sculpture_core::sculpture::Grid::bytes_for(outlook.dims));
+    let turn = study.turn(options);
+    let part = study.upright_region(turn, options.region.unwrap_or(study.whole()));
+    assert_eq!(part.dims(), outlook.dims, "{options:?}");
+    assert_eq!(study.region_in_file(turn, part), options.region.unwrap_or(study.whole()));
+    let existing = study.existing(options);
+    for axis in 0..3 {
+        let ([across, down], reversed) = VolumeStudy::picture_axes(axis);
+        for at in part.low[axis]..=part.high[axis] {
+            let (size, values) = study.slice(turn, axis, at, u32::MAX);
+            for (i, value) in (0..).zip(&values) {
+                let mut voxel = UVec3::ZERO;
+                voxel[axis] = at;
+                let flip =
+                    |i: u32, size: u32, reversed: bool| if reversed { size - 1 - i } else { i };
+                voxel[across] = flip(i % size.x, size.x, reversed[0]);
+                voxel[down] = flip(i / size.x, size.y, reversed[1]);
+                let is_inside = voxel.cmpge(part.low).all() && voxel.cmple(part.high).all();
+                if is_inside {
+                    let of_grid = made.grid.get((voxel - part.low).as_ivec3());
+                    assert_eq!(existing.contains(*value), of_grid, "{options:?} {axis} {voxel}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn slices_show_the_voxels_that_the_import_makes() {
+    let folder = tempfile::tempdir().unwrap();
+    let laid = [
+        "spacings: 1 2 0.5\n",
+        "space: left-posterior-superior\nspace directions: (1,0,0) (0,2,0) (0,0,0.5)\n",
+        "space: right-anterior-superior\nspace directions: (0,0,-1) (0,2,0) (0.5,0,0)\n",
+        "space: left-posterior-superior\nspace directions: (0,1,0) (0,0,2) (0.5,0,0)\n",
+    ];
+    for (i, directions) in laid.into_iter().enumerate() {
+        let path = scan(folder.path(), &format!("{i}.nrrd"), directions);
+        let study = volume(&path);
+        assert_eq!(study.knows_up(), i > 0);
+        for upright in [None, Some(Up::Z), Some(Up::MinusX)] {
+            let plain = ImportOptions { upright, ..ImportOptions::default() };
+            let region = Region { low: UVec3::new(1, 0, 2), high: UVec3::new(5, 3, 2) };
+            for options in [
+                plain,
+                ImportOptions { existence: Existence::Range(-3.0, 30.0), ..plain },
+                ImportOptions { existence: Existence::Threshold(50.5), ..plain },
+                ImportOptions { colouring: Colouring::Labels, ..plain },
+                // The part alone would have another automatic threshold.
+                ImportOptions { region: Some(region), ..plain },
+            ] {
+                is_what_is_made(&path, &study, &options);
+            }
+        }
+    }
+    let labels = shared_file("data/nifti/anatomical.nii");
+    is_what_is_made(&labels, &volume(&labels), &ImportOptions::default());
+}
+
+#[test]
+fn large_slices_leave_voxels_out_evenly() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = volume(&scan(folder.path(), "a.nrrd", ""));
+    let turn = study.turn(&ImportOptions::default());
+    let (size, values) = study.slice(turn, 2, 1, 3);
+    assert_eq!((size.to_array(), values.len()), ([3, 3], 9));
+    // Rows are those at 4, 3 and 1 from below, columns 0, 2 and 4.
+    assert_eq!(values[0], study.value(UVec3::new(0, 4, 1)));
+    assert_eq!(values[8], study.value(UVec3::new(4, 1, 1)));
+}
+
+#[test]
+fn cubic_voxels_and_memory_are_foretold() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = scan(folder.path(), "a.nrrd", "spacings: 1 2 0.5\n");
+    let study = volume(&path);
+    for cubic in [Cubic::Finest, Cubic::EdgeMm(0.7)] {
+        let options = ImportOptions { cubic, upright: Some(Up::Z), ..ImportOptions::default() };
+        let settled = study.settled(&options);
+        assert_eq!(settled.existence, Existence::Threshold(study.densities.threshold));
+        let outlook = study.outlook(&settled, &Limits::default()).unwrap();
+        let made = load(&path, &settled);
+        assert_eq!((outlook.dims, outlook.voxel_size), (made.grid.dims(), made.grid.voxel_size()));
+    }
+    let tiny = ImportOptions { cubic: Cubic::EdgeMm(0.001), ..ImportOptions::default() };
+    let error = study.outlook(&tiny, &Limits::default()).unwrap_err().to_string();
+    assert!(error.contains("voxel"), "{error}");
+    // What is too large as a whole can be read in part.
+    let limits = Limits { grid_bytes: 80, colour_bytes: 4096, ..Limits::default() };
+    let Ok(Study::Volume(study)) = format::study(&path, &tiny, &limits, &()) else {
+        panic!("it is read all the same")
+    };
+    // The default region is the whole file.
+    let options = ImportOptions { region: Some(study.whole()), ..ImportOptions::default() };
+    assert_eq!(study.settled(&options).region, None);
+    let wide = ImportOptions { cubic: Cubic::EdgeMm(0.1), ..ImportOptions::default() };
+    assert!(study.outlook(&wide, &limits).is_err());
+}
+
+#[test]
+fn a_mesh_lies_in_the_grid_that_it_gets() {
+    let path = shared_file("data/mesh/ant.ply");
+    let Study::Mesh(mesh) = study(&path) else { panic!("a mesh") };
+    assert!(!mesh.sample.is_empty() && mesh.sample.len() <= 4000 && mesh.count > 100);
+    for (mesh_size, upright) in
+        [(MeshSize::LongestVx(40), None), (MeshSize::VoxelMm(0.9), Some(Up::MinusX))]
+    {
+        let options = ImportOptions { mesh_size, upright, ..ImportOptions::default() };
+        let made = load(&path, &options);
+        let outlook = mesh.outlook(&options, &Limits::default()).unwrap();
+        assert_eq!((outlook.dims, outlook.voxel_size), (made.grid.dims(), made.grid.voxel_size()));
+        let frame = mesh.frame(&options).unwrap();
+        let reach = outlook.dims.as_vec3() + 1e-2;
+        for corner in mesh.sample.iter().flatten().map(|corner| frame.in_grid(*corner)) {
+            assert!(
+                corner.cmpge(Vec3::splat(-1e-2)).all() && corner.cmple(reach).all(),
+                "{corner}"
+            );
+        }
+        // Its surface is where voxels are.
+        let near = mesh.sample.iter().flatten().filter(|corner| {
+            let at = frame.in_grid(**corner).as_ivec3();
+            (0..27).any(|i| made.grid.get(at + IVec3::new(i % 3, i / 3 % 3, i / 9) - 1))
+        });
+        let share = near.count() as f32 / (3 * mesh.sample.len()) as f32;
+        assert!(share > 0.95, "{share}");
+    }
+    let huge = ImportOptions { mesh_size: MeshSize::VoxelMm(1e-5), ..ImportOptions::default() };
+    assert!(mesh.outlook(&huge, &Limits::default()).is_err());
+}
+
+#[test]
+fn files_that_leave_nothing_open_are_told_apart() {
+    for (name, of) in [
+        ("a.vsc", None),
+        ("a.vox", None),
+        ("a.txt", None),
+        ("a", None),
+        ("a.nii.gz", Some(Family::Volume)),
+        ("a.PVM", Some(Family::Volume)),
+        ("a.tif", Some(Family::Volume)),
+        ("a.stl", Some(Family::Mesh)),
+    ] {
+        assert_eq!(format::family(Path::new(name)), of, "{name}");
+    }
+    // A volume that this program has written says everything itself.
+    let folder = tempfile::tempdir().unwrap();
+    let path = scan(folder.path(), "a.nrrd", "");
+    let contents = load(&path, &ImportOptions::default());
+    let own = folder.path().join("own.pvm");
+    format::save(&own, &contents, Default::default(), &()).unwrap();
+    assert!(matches!(study(&own), Study::Settled));
+}
+
+/// Whatever can be opened can be looked at first, and what cannot is refused alike.
+#[test]
+fn bad_files_are_refused_as_the_import_refuses_them() {
+    let manifest = shared_file("data/bad/MANIFEST.tsv");
+    let folder = manifest.parent().unwrap().to_path_buf();
+    let mut seen = 0;
+    for line in std::fs::read_to_string(&manifest).unwrap().lines() {
+        let path = folder.join(line.split('\t').next().unwrap());
+        let is_small = std::fs::metadata(&path).is_ok_and(|file| file.len() < 1 << 18);
+        if format::family(&path).is_none() || !is_small {
+            continue;
+        }
+        seen += 1;
+        let found = format::study(&path, &ImportOptions::default(), &Limits::default(), &());
+        let small = ImportOptions { mesh_size: MeshSize::LongestVx(16), ..Default::default() };
+        let made = format::load(&path, &small, &Limits::default(), &());
+        match (found, made) {
+            (Err(error), Ok(_)) => panic!("{path:?} can be opened, but: {error}"),
+            (Err(error), Err(_)) => assert!(error.to_string().len() > 16, "{path:?}: {error}"),
+            _ => {}
+        }
+    }
+    assert!(seen > 40, "{seen}");
+}

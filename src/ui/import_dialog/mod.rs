@@ -1,0 +1,356 @@
+//! The dialog that follows the choice of a file to open: it shows a scan or a mesh, asks what the file leaves open, and
+//! keeps the answers for the next file of its family. Files that leave nothing open are opened at once.
+//!
+//! Takes a path and what the file was found to hold, which others read; asks with a command to open. `volume` and `mesh`
+//! show what is asked; `histogram` and `slices` draw.
+
+mod histogram;
+mod mesh;
+mod remembered;
+mod slices;
+mod volume;
+
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use egui::{Id, Key, Modal, RichText, TextEdit, Ui, vec2};
+use glam::UVec3;
+
+pub use self::remembered::Remembered;
+use super::{UiContext, UiRequest, UiState, theme};
+use crate::command::Command;
+use crate::format::options::{ImportOptions, RawLayout, Region};
+use crate::format::{FormatError, MeshStudy, Outlook, Study, VolumeStudy, family};
+use crate::sculpture::Limits;
+
+/// The widest dialog, in points, and what stays free beside it in a small window.
+const MOST_WIDTH: f32 = 960.0;
+const BESIDE: f32 = 48.0;
+/// Width of the column of options.
+const OPTIONS_WIDTH: f32 = 252.0;
+const NARROW: f32 = 400.0;
+const RAW_HELP: &str = "WIDTHxHEIGHTxDEPTH:TYPE[:skip=BYTES][:size=SX,SY,SZ]\n\
+    where TYPE is u8, u16le, u16be, i16le, i16be, f32le, f32be, rgb8 or rgba8";
+
+/// What came of reading the file.
+type News = Arc<Mutex<Option<Result<Study, String>>>>;
+
+/// How far it is.
+#[derive(Debug)]
+enum Stage {
+    Closed,
+    /// Asks how a raw file is laid out; with what was typed, and what is wrong with it.
+    Layout {
+        text: String,
+        error: Option<String>,
+    },
+    /// The file is being read.
+    Reading,
+    /// It cannot be read, for this reason.
+    Failed(String),
+    Volume(Box<VolumeStudy>),
+    Mesh(Box<MeshStudy>),
+}
+
+/// What is chosen so far, and for which file.
+pub struct ImportDialog {
+    stage: Stage,
+    path: PathBuf,
+    options: ImportOptions,
+    /// Whether it is shown at all; raw files are asked about anyhow.
+    pub ask: bool,
+    /// What was chosen last.
+    pub remembered: Remembered,
+    news: News,
+    /// The slices that are shown of a volume as it will stand.
+    at: UVec3,
+    /// Angles from which a mesh is looked at, in radians: about the vertical, and from above.
+    view: [f32; 2],
+}
+
+impl Default for ImportDialog {
+    fn default() -> ImportDialog {
+        ImportDialog {
+            stage: Stage::Closed,
+            path: PathBuf::new(),
+            options: ImportOptions::default(),
+            ask: true,
+            remembered: Remembered::default(),
+            news: News::default(),
+            at: UVec3::ZERO,
+            view: mesh::VIEW,
+        }
+    }
+}
+
+impl ImportDialog {
+    pub fn is_open(&self) -> bool {
+        !matches!(self.stage, Stage::Closed)
+    }
+
+    /// Closes it; false if it is not open.
+    pub fn close(&mut self) -> bool {
+        let was_open = self.is_open();
+        self.stage = Stage::Closed;
+        self.news = News::default();
+        was_open
+    }
+
+    /// Where what the file holds is put, or why it cannot be read.
+    pub fn news(&self) -> News {
+        self.news.clone()
+    }
+
+    /// What is chosen so far.
+    pub fn options(&self) -> &ImportOptions {
+        &self.options
+    }
+
+    /// Asks about a file, or asks to open it where nothing is to be asked. `import`: what is known of it already;
+    /// `at_once`: with that, or as the last time.
+    pub fn open(
+        &mut self,
+        path: PathBuf,
+        import: ImportOptions,
+        at_once: bool,
+        requests: &mut Vec<UiRequest>,
+    ) {
+        let Some(family) = family(&path) else {
+            return requests.push(UiRequest::Run(Command::Open { path, import }));
+        };
+        self.close();
+        self.options = self.remembered.applied(family, import);
+        let raw = ends_in(&path, "raw");
+        let import = self.options;
+        self.path = path.clone();
+        if raw && import.raw.is_none() {
+            let text = self.remembered.raw.clone();
+            self.stage = Stage::Layout { text, error: None };
+        } else if at_once || !self.ask {
+            requests.push(UiRequest::Run(Command::Open { path, import }));
+        } else {
+            self.stage = Stage::Reading;
+            requests.push(UiRequest::Study(path, import));
+        }
+    }
+
+    /// Takes what reading the file has come to. `is_busy`: it is still being read.
+    fn take_news(&mut self, is_busy: bool, requests: &mut Vec<UiRequest>) {
+        if !matches!(self.stage, Stage::Reading) {
+            return;
+        }
+        let news = self.news.lock().unwrap_or_else(PoisonError::into_inner).take();
+        match news {
+            Some(Ok(Study::Volume(study))) => {
+                self.at = study.upright_dims(study.turn(&self.options)) / 2;
+                // What was chosen for another version of the file.
+                let fits = |region: &Region| region.high.cmplt(study.volume.dims).all();
+                self.options.region = self.options.region.filter(fits);
+                volume::allow(&study, &mut self.options);
+                self.stage = Stage::Volume(study);
+            }
+            Some(Ok(Study::Mesh(study))) => {
+                self.view = mesh::VIEW;
+                self.stage = Stage::Mesh(study);
+            }
+            Some(Ok(Study::Settled)) => {
+                let (path, import) = (self.path.clone(), self.options);
+                requests.push(UiRequest::Run(Command::Open { path, import }));
+                self.close();
+            }
+            Some(Err(error)) => self.stage = Stage::Failed(error),
+            // It was cancelled.
+            None if !is_busy => {
+                self.close();
+            }
+            None => {}
+        }
+    }
+
+    /// What would become of the file.
+    fn outlook(&self, limits: &Limits) -> Option<Result<Outlook, FormatError>> {
+        match &self.stage {
+            Stage::Volume(study) => Some(study.outlook(&study.settled(&self.options), limits)),
+            Stage::Mesh(study) => Some(study.outlook(&self.options, limits)),
+            _ => None,
+        }
+    }
+
+    /// The command that imports the file as it is shown.
+    fn command(&self) -> Command {
+        let import = match &self.stage {
+            Stage::Volume(study) => study.settled(&self.options),
+            _ => self.options,
+        };
+        Command::Open { path: self.path.clone(), import }
+    }
+
+    /// The width that it has in a window of this width, in points.
+    fn width(&self, window: f32) -> f32 {
+        let wide = (window - BESIDE).clamp(NARROW.min(window - 16.0), MOST_WIDTH);
+        match self.stage {
+            Stage::Volume(_) => wide,
+            Stage::Mesh(_) => wide.min(720.0),
+            _ => wide.min(NARROW),
+        }
+    }
+}
+
+pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
+    let is_busy = state.dialogs.busy.is_some();
+    let dialog = &mut state.dialogs.import;
+    dialog.take_news(is_busy, requests);
+    // While it is read, the sign of long work is shown.
+    if !dialog.is_open() || matches!(dialog.stage, Stage::Reading) {
+        return slices::forget(root.ctx());
+    }
+    let window = root.ctx().content_rect().size();
+    let response = Modal::new(Id::new("import")).show(root.ctx(), |ui| {
+        ui.set_width(dialog.width(window.x));
+        let name = dialog.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        ui.heading(format!("Import {name}"));
+        // While a field or a button has the keyboard, Enter is its own.
+        let free = ui.memory(|memory| memory.focused().is_none());
+        let enter = free && ui.input(|input| input.key_pressed(Key::Enter));
+        let room = vec2(dialog.width(window.x), window.y - 150.0);
+        match &mut dialog.stage {
+            Stage::Volume(study) => {
+                volume::show(ui, study, &mut dialog.options, &mut dialog.at, room);
+            }
+            Stage::Mesh(study) => {
+                mesh::show(ui, study, &mut dialog.options, &mut dialog.view, room);
+            }
+            Stage::Failed(error) => {
+                ui.add_space(4.0);
+                ui.colored_label(theme::error_colour(ui.visuals()), error.clone());
+            }
+            Stage::Layout { text, error } => layout(ui, text, error.as_ref()),
+            Stage::Closed | Stage::Reading => {}
+        }
+        foot(ui, dialog, context, enter)
+    });
+    let answer = if response.should_close() { Answer::Cancel } else { response.inner };
+    answer_with(answer, state, requests);
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Answer {
+    None,
+    Import,
+    /// The layout of a raw file is given.
+    Read,
+    Cancel,
+}
+
+/// What would become of the file, and the buttons.
+fn foot(ui: &mut Ui, dialog: &mut ImportDialog, context: &UiContext, enter: bool) -> Answer {
+    let outlook = dialog.outlook(context.document.limits());
+    let error = match &outlook {
+        Some(Ok(outlook)) => {
+            become_of(ui, outlook, context.document.limits());
+            None
+        }
+        Some(Err(error)) => Some(error.to_string()),
+        None => None,
+    };
+    if let Some(error) = &error {
+        ui.colored_label(theme::error_colour(ui.visuals()), error);
+    }
+    ui.add_space(6.0);
+    let (label, answer) = match dialog.stage {
+        Stage::Layout { .. } => ("Read", Answer::Read),
+        _ => ("Import", Answer::Import),
+    };
+    let possible = error.is_none() && !matches!(dialog.stage, Stage::Failed(_));
+    ui.horizontal(|ui| {
+        let mut given = Answer::None;
+        let button = ui.add_enabled(possible, theme::primary(ui.visuals(), label));
+        if button.clicked() || enter && possible {
+            given = answer;
+        }
+        if ui.button("Cancel").on_hover_text("Leave everything as it is").clicked() {
+            given = Answer::Cancel;
+        }
+        if !matches!(dialog.stage, Stage::Layout { .. }) {
+            ui.checkbox(&mut dialog.ask, "Ask each time").on_hover_text(
+                "Otherwise files open with what was chosen last; so they do with Shift held",
+            );
+        }
+        given
+    })
+    .inner
+}
+
+/// Says how large the sculpture would be.
+fn become_of(ui: &mut Ui, outlook: &Outlook, limits: &Limits) {
+    let mib = |bytes: u64| (bytes as f64 / f64::from(1 << 20)).ceil();
+    let UVec3 { x, y, z } = outlook.dims;
+    let mm = outlook.dims.as_vec3() * outlook.voxel_size;
+    let size = format!("{x} × {y} × {z} voxels, {:.1} × {:.1} × {:.1} mm", mm.x, mm.y, mm.z);
+    ui.label(RichText::new(size).strong())
+        .on_hover_text("Width, height and depth of the sculpture");
+    let colours = match outlook.colour_bytes {
+        0 => String::new(),
+        bytes => format!(", colours up to {:.0} MiB", mib(bytes)),
+    };
+    let budget = limits.grid_bytes.saturating_add(limits.colour_bytes);
+    ui.label(format!(
+        "Memory: shape {:.0} MiB{colours}; {:.0} MiB while it is read, of {:.0} MiB allowed",
+        mib(outlook.grid_bytes),
+        mib(outlook.read_bytes),
+        mib(budget)
+    ))
+    .on_hover_text("memory.grid_mib and memory.colour_mib in the settings say what is allowed");
+}
+
+fn layout(ui: &mut Ui, text: &mut String, error: Option<&String>) {
+    ui.label("A raw file does not say what it holds.");
+    ui.add_space(4.0);
+    let label = ui.label("Layout");
+    let field = TextEdit::singleline(text).hint_text("128x256x256:u8");
+    let field = ui.add(field.desired_width(f32::INFINITY)).labelled_by(label.id);
+    field.on_hover_text(RAW_HELP);
+    ui.weak(RAW_HELP);
+    if let Some(error) = error {
+        ui.colored_label(theme::error_colour(ui.visuals()), error);
+    }
+}
+
+fn answer_with(answer: Answer, state: &mut UiState, requests: &mut Vec<UiRequest>) {
+    let dialog = &mut state.dialogs.import;
+    match answer {
+        Answer::None => {}
+        Answer::Cancel => {
+            dialog.close();
+        }
+        Answer::Read => {
+            let Stage::Layout { text, error } = &mut dialog.stage else { return };
+            match text.trim().parse::<RawLayout>() {
+                Ok(raw) => {
+                    dialog.remembered.raw = raw.to_string();
+                    let import = ImportOptions { raw: Some(raw), ..dialog.options };
+                    let path = dialog.path.clone();
+                    dialog.open(path, import, false, requests);
+                }
+                Err(reason) => *error = Some(reason),
+            }
+        }
+        Answer::Import => {
+            let command = dialog.command();
+            let Command::Open { path, import } = &command else { return };
+            if let Some(family) = family(path) {
+                dialog.remembered.note(family, import);
+            }
+            if let Some(up) = import.upright {
+                state.known_files.upright.remember(path, up);
+            }
+            state.known_files.upright.answer(path);
+            requests.push(UiRequest::Run(command));
+            dialog.close();
+        }
+    }
+}
+
+fn ends_in(path: &Path, ending: &str) -> bool {
+    path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending))
+}

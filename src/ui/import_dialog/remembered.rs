@@ -1,0 +1,97 @@
+//! What was chosen in the last import of each family of files, as the command that such an import is.
+//!
+//! Thresholds and the region belong to one file, and the axis that points up to its ending: they are not kept here.
+
+use std::collections::BTreeMap;
+
+use crate::command::Command;
+use crate::format::Family;
+use crate::format::options::{Existence, ImportOptions};
+
+/// The last choices.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Remembered {
+    by_family: BTreeMap<Family, ImportOptions>,
+    /// The layout of the last raw file, as its text.
+    pub raw: String,
+}
+
+impl Remembered {
+    /// Keeps what holds for other files of the family, too.
+    pub fn note(&mut self, family: Family, import: &ImportOptions) {
+        let kept = ImportOptions {
+            existence: Existence::Auto,
+            region: None,
+            raw: None,
+            upright: None,
+            ..*import
+        };
+        self.by_family.insert(family, kept);
+    }
+
+    /// `import`, or where nothing is chosen in it but what is up and how a raw file is laid out, what was chosen last.
+    pub fn applied(&self, family: Family, import: ImportOptions) -> ImportOptions {
+        let ImportOptions { upright, raw, .. } = import;
+        let is_open = import == ImportOptions { upright, raw, ..ImportOptions::default() };
+        match self.by_family.get(&family).filter(|_| is_open) {
+            Some(kept) => ImportOptions { upright, raw, ..*kept },
+            None => import,
+        }
+    }
+
+    /// As lines that name the families instead of files.
+    pub fn lines(&self) -> impl Iterator<Item = String> {
+        let name = |family| {
+            Family::NAMED.iter().find(|(one, _)| *one == family).map_or("", |(_, name)| name)
+        };
+        self.by_family.iter().map(move |(family, import)| {
+            Command::Open { path: name(*family).into(), import: *import }.to_string()
+        })
+    }
+
+    /// From such lines; others are left out.
+    pub fn from_lines<'a>(lines: impl Iterator<Item = &'a str>) -> Remembered {
+        let mut remembered = Remembered::default();
+        for line in lines {
+            let Ok(Command::Open { path, import }) = line.parse() else { continue };
+            let family = Family::NAMED.iter().find(|(_, name)| path.as_os_str() == *name);
+            if let Some((family, _)) = family {
+                remembered.note(*family, &import);
+            }
+        }
+        remembered
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::format::options::{Colouring, Cubic, MeshSize};
+    use crate::sculpture::orientation::Up;
+
+    #[test]
+    fn what_holds_for_other_files_is_kept_and_no_more() {
+        let mut remembered = Remembered::default();
+        let import = "open \"a.nii\" threshold=3..9 colouring=tissue upright=z cubic=0.5mm \
+                      region=0,0,0..3,3,3 pieces=largest holes=filled";
+        let Ok(Command::Open { import, .. }) = import.parse() else { panic!("{import}") };
+        remembered.note(Family::Volume, &import);
+        let fresh = ImportOptions { upright: Some(Up::X), ..ImportOptions::default() };
+        let next = remembered.applied(Family::Volume, fresh);
+        assert_eq!((next.existence, next.region), (Existence::Auto, None));
+        assert_eq!((next.upright, next.cubic), (Some(Up::X), Cubic::EdgeMm(0.5)));
+        assert!(next.largest_piece && next.fill_holes && next.colouring == Colouring::Tissue);
+        assert_eq!(remembered.applied(Family::Mesh, fresh), fresh, "another family");
+        // What is known of a file counts more.
+        let known = ImportOptions { existence: Existence::Threshold(2.0), ..fresh };
+        assert_eq!(remembered.applied(Family::Volume, known), known);
+
+        let size = MeshSize::VoxelMm(0.25);
+        remembered.note(Family::Mesh, &ImportOptions { mesh_size: size, ..fresh });
+        let lines: Vec<String> = remembered.lines().collect();
+        let again = Remembered::from_lines(lines.iter().map(String::as_str));
+        assert_eq!(again, remembered);
+        let damaged = ["", "clear", "open \"other\"", "open"];
+        assert_eq!(Remembered::from_lines(damaged.into_iter()), Remembered::default());
+    }
+}
