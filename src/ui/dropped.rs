@@ -6,9 +6,9 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Align2, Area, Frame, Id, Order, Rect, Ui};
+use egui::{Align2, Area, Frame, Id, LayerId, Order, Rect, Stroke, StrokeKind, Ui};
 
-use super::{UiRequest, UiState};
+use super::{UiRequest, UiState, theme};
 use crate::format::options::ImportOptions;
 use crate::format::{READ_ENDINGS, can_be_read};
 
@@ -28,7 +28,7 @@ pub fn show(root: &Ui, state: &mut UiState, within: Rect, requests: &mut Vec<UiR
     let (hovered, dropped) = root.input(|input| {
         let hovered = input.raw.hovered_files.iter().filter_map(|file| file.path.clone());
         let dropped = input.raw.dropped_files.iter().map(|file| file.path().to_path_buf());
-        (hovered.collect::<Vec<_>>(), dropped.collect::<Vec<_>>())
+        (once(hovered), once(dropped))
     });
     let is_modal = state.dialogs.is_modal();
     if !hovered.is_empty() {
@@ -49,6 +49,17 @@ pub fn show(root: &Ui, state: &mut UiState, within: Rect, requests: &mut Vec<UiR
         }
         Use::Refused(why) => state.toasts.error(why),
     }
+}
+
+/// Each path once: X11 may name a file again whenever the pointer moves.
+fn once(paths: impl Iterator<Item = PathBuf>) -> Vec<PathBuf> {
+    let mut seen = Vec::new();
+    for path in paths {
+        if !seen.contains(&path) {
+            seen.push(path);
+        }
+    }
+    seen
 }
 
 fn use_of(paths: &[PathBuf], is_modal: bool) -> Use {
@@ -86,6 +97,19 @@ fn sign(root: &Ui, within: Rect, what: &Use) {
         Use::References(paths) => format!("Drop as {} reference pictures", paths.len()),
         Use::Refused(why) => why.clone(),
     };
+    let visuals = &root.style().visuals;
+    let colour = match what {
+        Use::Refused(_) => theme::error_colour(visuals),
+        _ => visuals.hyperlink_color,
+    };
+    let layer = LayerId::new(Order::Foreground, Id::new("drop target"));
+    let edge = within.shrink(5.0);
+    root.ctx().layer_painter(layer).rect_stroke(
+        edge,
+        6.0,
+        Stroke::new(3.0, colour),
+        StrokeKind::Inside,
+    );
     Area::new(Id::new("dropped"))
         .order(Order::Foreground)
         .pivot(Align2::CENTER_CENTER)
