@@ -15,6 +15,7 @@ mod memory;
 mod overlay;
 mod painter;
 mod pane;
+mod paste;
 mod print_check;
 mod references;
 mod screenshot;
@@ -211,6 +212,7 @@ impl App {
             self.workspace.display.times.total_ms = started.elapsed().as_secs_f32() * 1e3;
         }
         view.switch_fullscreen(&mut self.workspace);
+        view.paste_picture(&mut self.workspace);
         view.set_title(&self.workspace);
         // The panels may have to show the changes.
         self.detached.touch();

@@ -19,6 +19,7 @@ use crate::notice::Notice;
 use crate::render::RenderMode;
 use crate::sculpture::Placement;
 use crate::ui::files::FileTask;
+use crate::ui::state::PasteAs;
 use crate::ui::{ScreenshotTo, UiRequest};
 use crate::view::{Room, StereoLayout};
 
@@ -90,6 +91,10 @@ impl Workspace {
             Action::Cancel if self.editor.is_stroking() => self.editor.cancel_stroke(),
             Action::Cancel => {
                 self.ui.dialogs.close_top();
+            }
+            // Without copied voxels it is a picture of another program.
+            Action::Paste if self.editor.document().clip().is_none() => {
+                self.ui.window_tasks.paste = Some(PasteAs::Reference);
             }
             Action::Palette => self.ui.dialogs.palette.open(),
             Action::Help => self.ui.dialogs.keys.open = !self.ui.dialogs.keys.open,

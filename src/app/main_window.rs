@@ -31,7 +31,7 @@ pub struct MainWindow {
     complete: bool,
     /// Frames since a picture was asked for that is to be saved or copied.
     waited: u32,
-    /// The system's clipboard, once something was copied to it. On some systems what was copied lasts as long as this.
+    /// The system's clipboard, once something was copied to or from it. On some systems what was copied lasts as long as this.
     clipboard: Option<arboard::Clipboard>,
 }
 
@@ -185,6 +185,14 @@ impl MainWindow {
             let window = self.pane.window();
             let whole = window.fullscreen().is_none().then_some(Fullscreen::Borderless(None));
             window.set_fullscreen(whole);
+        }
+    }
+
+    /// Pastes the picture on the system's clipboard, if that was requested.
+    pub fn paste_picture(&mut self, workspace: &mut Workspace) {
+        if workspace.ui.window_tasks.paste.is_some() {
+            workspace.paste_picture(&mut self.clipboard);
+            self.pane.redraw();
         }
     }
 

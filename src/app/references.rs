@@ -7,7 +7,7 @@ use image::{DynamicImage, ImageReader, Limits};
 
 use super::workspace::Workspace;
 use crate::input::Side;
-use crate::render::ReferencePicture;
+use crate::render::{MAX_REFERENCES, ReferencePicture};
 use crate::shade::Pixels;
 use crate::ui::references::{Reference, side_seen};
 
@@ -19,6 +19,11 @@ const MAX_SIDE: u32 = 2048;
 impl Workspace {
     /// Adds a picture on the side that one looks along, else the front. A file that cannot be read is said.
     pub(super) fn add_reference(&mut self, path: PathBuf) {
+        if self.ui.references.len() >= MAX_REFERENCES {
+            return self.ui.toasts.error(format!(
+                "There are {MAX_REFERENCES} reference pictures already; remove one of them first"
+            ));
+        }
         match read(&path) {
             Ok(pixels) => {
                 let side = side_seen(self.ui.view.up, &self.picker().sight().axes_in_picture());

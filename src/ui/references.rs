@@ -9,6 +9,7 @@ use egui::{ComboBox, DragValue, RichText, ScrollArea, Slider, Ui, Window, pos2};
 use glam::{Affine3A, Mat3, UVec3, Vec2, Vec3};
 
 use super::files::FileTask;
+use super::state::PasteAs;
 use super::top_bar::capital;
 use super::{UiState, theme};
 use crate::input::Side;
@@ -163,12 +164,19 @@ pub fn show(root: &Ui, state: &mut UiState, path: Option<&Path>) {
                 list(ui, &mut state.references);
             });
             let room = state.references.len() < MAX_REFERENCES;
-            let add = ui.add_enabled(room, egui::Button::new("Add …"));
-            let add = add.on_hover_text("Choose a PNG or JPEG image to sculpt from");
             let full = format!("There are {MAX_REFERENCES} already");
-            if add.on_disabled_hover_text(full).clicked() {
-                state.dialogs.files.open(FileTask::Reference, path);
-            }
+            ui.horizontal(|ui| {
+                let add = ui.add_enabled(room, egui::Button::new("Add …"));
+                let add = add.on_hover_text("Choose a PNG or JPEG image to sculpt from");
+                if add.on_disabled_hover_text(&full).clicked() {
+                    state.dialogs.files.open(FileTask::Reference, path);
+                }
+                let paste = ui.add_enabled(room, egui::Button::new("Paste"));
+                let paste = paste.on_hover_text("Add the picture on the clipboard");
+                if paste.on_disabled_hover_text(&full).clicked() {
+                    state.window_tasks.paste = Some(PasteAs::Reference);
+                }
+            });
         });
     state.dialogs.references_open &= open;
 }

@@ -224,6 +224,17 @@ pub struct WindowTasks {
     pub switch_fullscreen: bool,
     /// What is to be done with a picture of the view.
     pub screenshot: Option<ScreenshotTo>,
+    /// What is to be done with the picture on the clipboard of the system.
+    pub paste: Option<PasteAs>,
+}
+
+/// What a pasted picture is used as.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum PasteAs {
+    /// A reference picture.
+    Reference,
+    /// The picture that solids paint with.
+    ToolPicture,
 }
 
 /// Where a picture of the view goes.

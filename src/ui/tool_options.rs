@@ -6,6 +6,7 @@ use glam::Vec3;
 
 use super::buttons::{action_button, explain};
 use super::files::FileTask;
+use super::state::PasteAs;
 use super::toolbox::mode_name;
 use super::top_bar::capital;
 use super::{UiContext, UiRequest, UiState, history, marker_options, spray_options};
@@ -43,7 +44,7 @@ pub fn show(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mu
             rotation(ui, context, requests);
             colour(ui, context, requests);
             if tool.mode == ToolMode::Recolour {
-                picture(ui, state, tool, requests);
+                picture(ui, state, context, requests);
             }
             place(ui, context, requests);
         }
@@ -109,7 +110,8 @@ fn follow(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
 }
 
 /// What a solid paints with instead of one colour.
-fn picture(ui: &mut Ui, state: &mut UiState, tool: &ToolState, requests: &mut Vec<UiRequest>) {
+fn picture(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mut Vec<UiRequest>) {
+    let tool = context.tool;
     ui.horizontal(|ui| {
         if ui
             .button("Image …")
@@ -117,6 +119,12 @@ fn picture(ui: &mut Ui, state: &mut UiState, tool: &ToolState, requests: &mut Ve
             .clicked()
         {
             state.dialogs.files.open(FileTask::Picture, tool.picture.as_deref());
+        }
+        // In a headset nobody has copied one.
+        if !context.in_headset
+            && ui.button("Paste").on_hover_text("Paint with the image on the clipboard").clicked()
+        {
+            state.window_tasks.paste = Some(PasteAs::ToolPicture);
         }
         let Some(picture) = &tool.picture else {
             ui.weak("Plain colour");
