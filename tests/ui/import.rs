@@ -10,6 +10,7 @@ use virtual_sculpture::format::options::{Cubic, Existence, MeshSize};
 
 use super::bench::{Bench, bench, bench_of, click, config, has, key, run, undo_count, voxels};
 
+#[derive(Debug)]
 struct Dropped(PathBuf);
 
 impl egui::DroppedFile for Dropped {

@@ -8,6 +8,7 @@ mod display;
 mod failures;
 mod head;
 mod house;
+mod import;
 mod keys;
 mod light;
 mod memory;
