@@ -65,6 +65,12 @@ fn drop_file(harness: &mut Bench, path: &Path) {
     settle(harness);
 }
 
+/// Clicks where a file is read then.
+fn press(harness: &mut Bench, label: &str) {
+    harness.get_by_label(label).click();
+    settle(harness);
+}
+
 fn is_open(harness: &Bench) -> bool {
     harness.state().ui.dialogs.import.is_open()
 }
@@ -153,8 +159,7 @@ fn a_mesh_is_measured_in_voxels_or_millimetres() {
     let options = *harness.state().ui.dialogs.import.options();
     assert!(matches!(options.mesh_size, MeshSize::VoxelMm(edge) if (edge - 0.15625).abs() < 1e-6));
     click(&mut harness, "Longest side");
-    click(&mut harness, "Import");
-    settle(&mut harness);
+    press(&mut harness, "Import");
     assert_eq!(dims(&harness), [256, 128, 192]);
     assert!(!has(&harness, "Which axis points up?"), "it was seen");
 }
@@ -187,11 +192,9 @@ fn what_leaves_nothing_open_or_is_not_to_be_asked_opens_at_once() {
     harness.state_mut().ui.dialogs.import.remembered.raw = "4x4x4:u8".to_string();
     click(&mut harness, "Cancel");
     drop_file(&mut harness, &raw);
-    click(&mut harness, "Read");
-    settle(&mut harness);
+    press(&mut harness, "Read");
     assert!(has(&harness, "Up") && has(&harness, "Axial"));
-    click(&mut harness, "Import");
-    settle(&mut harness);
+    press(&mut harness, "Import");
     assert_eq!((dims(&harness), voxels(&harness)), ([4; 3], 32));
 }
 
@@ -236,8 +239,7 @@ fn answers_are_found_again_at_the_next_start() {
     drop_file(&mut harness, &scan(folder.path(), "ball.nrrd"));
     click(&mut harness, "Fill holes");
     harness.get_by_label("Voxels").rect();
-    click(&mut harness, "Import");
-    settle(&mut harness);
+    press(&mut harness, "Import");
     let lines: Vec<String> = harness.state().ui.dialogs.import.remembered.lines().collect();
     assert_eq!(lines.len(), 1);
     assert!(lines[0].contains("holes=filled") && !lines[0].contains("ball"), "{lines:?}");

@@ -25,7 +25,10 @@ fn scan(path: &Path) {
 
 /// Pixels of the colour of voxels that would exist.
 fn clay(picture: &Picture) -> usize {
-    let is_clay = |[r, g, b]: &[u8; 3]| *r > 90 && *r > g + g / 3 && *g > b + b / 4;
+    let is_clay = |rgb: &[u8; 3]| {
+        let [r, g, b] = rgb.map(u32::from);
+        r > 90 && 3 * r > 4 * g && 4 * g > 5 * b
+    };
     picture.pixels().iter().filter(|rgb| is_clay(rgb)).count()
 }
 

@@ -35,7 +35,8 @@ pub fn show(ui: &mut Ui, study: &VolumeStudy, options: &mut ImportOptions, width
             let is_lower = (at.x - low).abs() <= (at.x - high).abs();
             if is_lower && at.x <= high { Handle::Lower } else { Handle::Upper }
         };
-        let handle = match response.drag_started() || response.clicked() {
+        // By where it was pressed: a fast hand is elsewhere when the drag begins.
+        let handle = match ui.input(|input| input.pointer.any_pressed()) {
             true => nearest(),
             false => ui.data(|data| data.get_temp(id)).unwrap_or_else(nearest),
         };

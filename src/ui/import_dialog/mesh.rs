@@ -223,7 +223,7 @@ mod tests {
     #[test]
     fn the_box_stays_in_its_square_however_it_is_turned_and_up_is_up() {
         let square = Rect::from_min_size(pos2(5.0, 7.0), Vec2::splat(100.0));
-        let dims = UVec3::new(30, 200, 4).as_vec3();
+        let dims = Vec3::new(30.0, 200.0, 4.0);
         for step in 0..24 {
             let about = step as f32 * 0.3;
             let seen = Seen::new([about, 0.1 * step as f32 - 1.2], dims, square);
