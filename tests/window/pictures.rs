@@ -1,4 +1,4 @@
-//! A final picture in the window: shown while it is traced, and given up by Escape.
+//! Pictures in the window: a final one, shown while it is traced and given up by Escape, and one that is pasted.
 
 use super::display::Picture;
 use super::{Program, display, shot, start, tool_home};
@@ -44,6 +44,29 @@ fn a_final_picture_is_shown_while_it_is_traced_and_escape_gives_it_up() {
     program.key(&["Escape"]);
     let after = shot(&program, "final-4-cancelled").part(UPPER);
     assert_eq!(before.differing(&after), 0);
+    program.close();
+    program.expect_clean_exit();
+}
+
+#[test]
+fn a_copied_picture_is_pasted_as_a_reference() {
+    let display = display();
+    let program = start(&display, &[]);
+    tool_home(&program);
+    let before = shot(&program, "paste-0-before");
+    let pasted = program.folder().join(".local/state/virtual-sculpture/pasted");
+    program.key(&["Control_L", "v"]);
+    let nothing = shot(&program, "paste-1-nothing");
+    assert!(nothing.differing(&before) > 1000 && !pasted.exists(), "it is said");
+    program.key(&["Control_L", "F12"]);
+    program.settle();
+    let copied = program.copied_picture();
+    program.key(&["Control_L", "v"]);
+    let kept = || std::fs::read_dir(&pasted).ok()?.next()?.ok().map(|file| file.path());
+    program.until("the picture is kept", || kept().is_some_and(|path| path.extension().is_some()));
+    let picture = image::open(kept().unwrap()).unwrap().to_rgb8();
+    assert!(picture.dimensions() == copied.dimensions() && picture.as_raw() == copied.as_raw());
+    shot(&program, "paste-2-reference");
     program.close();
     program.expect_clean_exit();
 }
