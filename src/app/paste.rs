@@ -145,8 +145,9 @@ mod tests {
         workspace.act(Action::Paste);
         assert_eq!(workspace.ui.window_tasks.paste.take(), Some(PasteAs::Reference));
         workspace.act(Action::Copy);
+        workspace.act(Action::ClearMarker);
         workspace.act(Action::Paste);
         assert_eq!(workspace.ui.window_tasks.paste, None);
-        assert_eq!(workspace.session().document().history().undo_count(), 1);
+        assert_eq!(workspace.session().document().history().undo_count(), 2);
     }
 }

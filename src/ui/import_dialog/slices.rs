@@ -7,8 +7,8 @@
 use std::sync::Arc;
 
 use egui::{
-    Color32, ColorImage, Context, Id, Pos2, Rect, Sense, Slider, Stroke, StrokeKind, TextureHandle,
-    TextureOptions, Ui, Vec2, pos2, vec2,
+    Color32, ColorImage, Context, Id, PointerButton, Pos2, Rect, Sense, Slider, Stroke, StrokeKind,
+    TextureHandle, TextureOptions, Ui, Vec2, pos2, vec2,
 };
 use glam::{UVec2, UVec3, Vec3};
 
@@ -65,7 +65,13 @@ fn id(axis: usize) -> Id {
 }
 
 /// Shows the slices side by side, each in a square of `side` points.
-pub fn show(ui: &mut Ui, study: &VolumeStudy, options: &ImportOptions, at: &mut UVec3, side: f32) {
+pub fn show(
+    ui: &mut Ui,
+    study: &VolumeStudy,
+    options: &mut ImportOptions,
+    at: &mut UVec3,
+    side: f32,
+) {
     let turn = study.turn(options);
     let dims = study.upright_dims(turn);
     *at = at.min(dims - 1);
@@ -79,10 +85,20 @@ pub fn show(ui: &mut Ui, study: &VolumeStudy, options: &ImportOptions, at: &mut 
                     ui.allocate_exact_size(Vec2::splat(side), Sense::click_and_drag());
                 let pane = Pane::new(study, turn, axis, square);
                 if let Some(to) = response.interact_pointer_pos() {
-                    pane.point_at(to, at);
+                    let framed = response.dragged_by(PointerButton::Secondary);
+                    match ui.input(|input| input.pointer.press_origin()).filter(|_| framed) {
+                        Some(from) => {
+                            let region = study.region_in_file(turn, pane.framed(region, from, to));
+                            options.region = (region != study.whole()).then_some(region);
+                        }
+                        None if ui.input(|input| input.pointer.primary_down()) => {
+                            pane.point_at(to, at);
+                        }
+                        None => {}
+                    }
                 }
                 draw(ui, &pane, &texture, region, *at);
-                response.on_hover_text(format!("{help}. Drag to move the other two slices"));
+                response.on_hover_text(format!("{help}. Drag to move the other two slices, or with the right button to frame the part to read"));
                 ui.horizontal(|ui| {
                     let label = ui.label(name).on_hover_text(help);
                     ui.spacing_mut().slider_width = (side - label.rect.width() - 54.0).max(24.0);
@@ -221,6 +237,14 @@ impl Pane {
         pos2(x, y)
     }
 
+    /// A box that reaches from one place of the picture to another, and in depth as before.
+    fn framed(&self, region: Region, from: Pos2, to: Pos2) -> Region {
+        let (mut a, mut b) = (region.low, region.high);
+        self.point_at(from, &mut a);
+        self.point_at(to, &mut b);
+        Region { low: a.min(b), high: a.max(b) }
+    }
+
     /// Moves the other two slices to a place of the picture.
     fn point_at(&self, to: Pos2, at: &mut UVec3) {
         let shares = (to - self.picture.min) / self.picture.size();
@@ -268,6 +292,14 @@ mod tests {
             at[axes[1]] = 0;
             pane.point_at(middle, &mut at);
             assert_eq!(at, voxel, "across {axis}");
+            let whole = Region { low: UVec3::ZERO, high: dims - 1 };
+            let other = pane.corner(voxel + 1).lerp(pane.corner(voxel), -0.4);
+            let part = pane.framed(whole, middle, other);
+            assert_eq!(
+                (part.low[axes[0]], part.high[axes[1]]),
+                (voxel[axes[0]], (voxel[axes[1]] + 1).min(dims[axes[1]] - 1))
+            );
+            assert_eq!((part.low[axis], part.high[axis]), (0, dims[axis] - 1));
             pane.point_at(pos2(-1e6, 1e6), &mut at);
             assert!(at.cmplt(dims).all());
         }
