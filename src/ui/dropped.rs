@@ -78,7 +78,7 @@ fn use_of(paths: &[PathBuf], is_modal: bool) -> Use {
         [path] => {
             let name = name_of(path);
             Use::Refused(format!(
-                "{name}: not a file that can be opened; drop one that ends in .{} or an image",
+                "{name}: nothing that can be opened; drop a file that ends in .{}, a folder of DICOM files, or an image",
                 READ_ENDINGS.join(", .")
             ))
         }

@@ -65,7 +65,7 @@ impl Files {
         const VOLUMES: &str = "Sculptures, volumes, models and meshes";
         const PICTURES: &str = "Images (.png, .jpg)";
         let mut dialog = FileDialog::new()
-            .add_file_filter(VOLUMES, Filter::new(crate::format::can_be_read))
+            .add_file_filter(VOLUMES, Filter::new(crate::format::may_be_read))
             .add_file_filter_extensions(PICTURES, vec!["png", "jpg", "jpeg"])
             .default_size([720.0, 400.0])
             .anchor(egui::Align2::CENTER_CENTER, egui::Vec2::ZERO)

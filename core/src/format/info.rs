@@ -8,8 +8,8 @@ use glam::{UVec3, Vec3};
 
 use super::options::{ExportForm, ImportOptions};
 use super::{
-    Format, FormatError, Histogram, Samples, Signature, Source, Texts, Volume, import, mesh_in,
-    open_volume, read_file, threshold, voxel, vsc,
+    Format, FormatError, Histogram, Samples, Signature, Source, Texts, Volume, content, import,
+    mesh_in, open_volume, read_file, threshold, voxel, vsc,
 };
 use crate::progress::Progress;
 use crate::sculpture::Limits;
@@ -71,7 +71,8 @@ pub fn info_with(
     limits: &Limits,
     progress: &dyn Progress,
 ) -> Result<Info, FormatError> {
-    if Format::of(path)? == Format::Vsc {
+    let format = content::format_of(path)?;
+    if format == Format::Vsc {
         let file = read_file(path, limits, progress)?;
         let header = vsc::read_header(&file, limits)?;
         let vsc::Header { dims, voxel_size, colour_depth, base, texts, .. } = header;
@@ -105,7 +106,7 @@ pub fn info_with(
             notes,
         }
     };
-    match Format::of(path)? {
+    match format {
         Format::Voxel(kind) => {
             let file = read_file(path, limits, progress)?;
             let model = voxel::read(kind, &file)?;

@@ -3,12 +3,14 @@
 //!
 //! The entry points are [`load`], [`save`] and [`info()`]. Below them: `store` (disk), `vsc` (sculptures
 //! without loss), `history` (undo steps), `pvm` and `dds`, `raw`, `scan` (volumes), `prepare` (region and cubic voxels),
-//! `import` and `export` (volume <-> sculpture), `study` (a file before it is imported), `threshold`, `ramp`, `labels` and
+//! `import` and `export` (volume <-> sculpture), `study` (a file before it is imported),
+//! `content` (which format a file is of), `threshold`, `ramp`, `labels` and
 //! `signature` (the meaning of voxels), `voxel` (models of other voxel
 //! editors), `mesh_in` and `mesh_out` (meshes of and for other programs). Errors say what is wrong and what to do;
 //! callers add the name of the file.
 
 mod bytes;
+mod content;
 mod dds;
 mod error;
 mod export;
@@ -34,6 +36,7 @@ mod volume;
 mod voxel;
 mod vsc;
 
+use std::ffi::OsStr;
 use std::io::BufWriter;
 use std::path::Path;
 
@@ -55,9 +58,9 @@ use crate::sculpture::orientation::{Orientation, Up};
 use crate::sculpture::{Grid, Limits};
 
 /// Extensions of the files that can be read.
-pub const READ_ENDINGS: [&str; 19] = [
-    "vsc", "pvm", "raw", "nii", "nii.gz", "hdr", "nrrd", "nhdr", "vti", "tif", "tiff", "vox", "qb",
-    "gox", "binvox", "obj", "stl", "ply", "glb",
+pub const READ_ENDINGS: [&str; 21] = [
+    "vsc", "pvm", "raw", "nii", "nii.gz", "hdr", "nrrd", "nhdr", "vti", "tif", "tiff", "dcm",
+    "dicom", "vox", "qb", "gox", "binvox", "obj", "stl", "ply", "glb",
 ];
 /// Extensions of the files that can be written.
 pub const WRITE_ENDINGS: [&str; 10] =
@@ -103,9 +106,16 @@ fn has_ending(path: &Path, ending: &str) -> bool {
     name.strip_suffix(ending).is_some_and(|rest| rest.ends_with('.') && rest.len() > 1)
 }
 
-/// Whether a file of that name can be read: it has one of [`READ_ENDINGS`].
+/// Whether a file of that name may be one that can be read: it has one of [`READ_ENDINGS`], or none, or a number, as many
+/// DICOM files have. Looks at the name alone.
+pub fn may_be_read(path: &Path) -> bool {
+    let is_number = |ending: &OsStr| ending.as_encoded_bytes().iter().all(u8::is_ascii_digit);
+    Format::of(path).is_ok() || path.extension().is_none_or(is_number)
+}
+
+/// Whether a file or folder can be read, by its name and, where that says nothing, by its content.
 pub fn can_be_read(path: &Path) -> bool {
-    Format::of(path).is_ok()
+    content::format_of(path).is_ok()
 }
 
 /// Whether a file of that name stores a sculpture without loss, unlike a volume for other programs.
@@ -143,7 +153,7 @@ pub fn load(
     limits: &Limits,
     progress: &dyn Progress,
 ) -> Result<Loaded, FormatError> {
-    match Format::of(path)? {
+    match content::format_of(path)? {
         Format::Vsc => {
             let file = read_file(path, limits, progress)?;
             let (contents, texts) = vsc::read(&file, limits, progress)?;
@@ -341,7 +351,7 @@ fn read_volume(
         let (dims, voxel_size) = prepare::prepared(dims, voxel_size, options)?;
         Ok(Grid::check(dims, voxel_size, limits.grid_bytes)?)
     };
-    match Format::of(path)? {
+    match content::format_of(path)? {
         Format::Vsc | Format::Voxel(_) | Format::Mesh(_) => {
             let loaded = load(path, options, limits, progress)?;
             let volume = export::to_volume(&loaded.contents, ExportForm::Auto, loaded.texts)?;

@@ -1,10 +1,11 @@
-//! Reads scans of medicine and science: NIfTI, NRRD, VTK image data and TIFF stacks.
+//! Reads scans of medicine and science: DICOM, NIfTI, NRRD, VTK image data and TIFF stacks.
 //!
 //! Takes a path; gives a volume with the spacing of its voxels, how its axes lie in the patient or the world, and notes on
 //! what was left out. Headers are checked against the limits before memory is allocated, and compressed voxels are
 //! unpacked no further than the header asks for. Knows no sculpture.
 
 mod base64;
+mod dicom;
 mod frame;
 mod nifti;
 mod nrrd;
@@ -18,6 +19,7 @@ use std::path::{Component, Path, PathBuf};
 
 use glam::{UVec3, Vec3};
 
+pub use self::dicom::has_dicom;
 pub use self::frame::Frame;
 use super::options::ImportOptions;
 use super::{FormatError, Volume, budget_bytes, prepare, store};
@@ -35,11 +37,13 @@ pub enum Kind {
     Vti,
     /// Pages of one file, or numbered files.
     Tiff,
+    /// A file, or all files of a series in a folder.
+    Dicom,
 }
 
 impl Kind {
     /// Endings with their formats.
-    pub const ENDINGS: [(&'static str, Kind); 8] = [
+    pub const ENDINGS: [(&'static str, Kind); 10] = [
         ("nii", Kind::Nifti),
         ("nii.gz", Kind::Nifti),
         ("hdr", Kind::Nifti),
@@ -48,6 +52,8 @@ impl Kind {
         ("vti", Kind::Vti),
         ("tif", Kind::Tiff),
         ("tiff", Kind::Tiff),
+        ("dcm", Kind::Dicom),
+        ("dicom", Kind::Dicom),
     ];
 }
 
@@ -112,7 +118,7 @@ impl Reading<'_> {
     }
 }
 
-/// Reads a scan. Returns it with the length of its file.
+/// Reads a scan. Returns it with the length of its file, or of all files of its series.
 pub fn load(
     path: &Path,
     kind: Kind,
@@ -121,13 +127,16 @@ pub fn load(
     progress: &dyn Progress,
 ) -> Result<(Scan, u64), FormatError> {
     let reading = Reading { path, options, limits, progress };
-    let file = reading.read(path)?;
-    let file_bytes = file.len() as u64;
-    let scan = match kind {
-        Kind::Nifti => nifti::read(path, file, &reading)?,
-        Kind::Nrrd => nrrd::read(file, &reading)?,
-        Kind::Vti => vti::read(file, &reading)?,
-        Kind::Tiff => tiff::read(path, file, &reading)?,
+    let of_file = |read: &dyn Fn(Vec<u8>) -> Result<Scan, FormatError>| {
+        let file = reading.read(path)?;
+        let file_bytes = file.len() as u64;
+        Ok((read(file)?, file_bytes))
     };
-    Ok((scan, file_bytes))
+    match kind {
+        Kind::Nifti => of_file(&|file| nifti::read(path, file, &reading)),
+        Kind::Nrrd => of_file(&|file| nrrd::read(file, &reading)),
+        Kind::Vti => of_file(&|file| vti::read(file, &reading)),
+        Kind::Tiff => of_file(&|file| tiff::read(path, file, &reading)),
+        Kind::Dicom => dicom::read(path, &reading),
+    }
 }

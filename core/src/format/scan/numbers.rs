@@ -113,6 +113,11 @@ impl Number {
                 return (Samples::I16Le, out);
             }
         }
+        (Samples::F32Le, self.to_floats(&data, is_big, [slope, intercept]))
+    }
+
+    /// Numbers, each times `slope` plus `intercept`, as [`Samples::F32Le`].
+    pub fn to_floats(self, data: &[u8], is_big: bool, [slope, intercept]: [f64; 2]) -> Vec<u8> {
         let mut out = Vec::with_capacity(data.len() / self.bytes() as usize * 4);
         with_number!(self, is_big, |bytes: usize, read: &dyn Fn(&[u8]) -> f64| {
             for number in data.chunks_exact(bytes) {
@@ -120,7 +125,7 @@ impl Number {
                 out.extend_from_slice(&value.to_le_bytes());
             }
         });
-        (Samples::F32Le, out)
+        out
     }
 }
 

@@ -1,0 +1,364 @@
+//! The elements of a DICOM file (PS3.5, PS3.10): tags with their values, in sequences of items, and the fragments of
+//! packed pixels.
+//!
+//! Takes bytes; gives values that borrow from them. Nothing is allocated from a length in the file before that many bytes
+//! have been seen, and nesting is bounded. Knows no meaning of a tag but which are sequences.
+
+use std::borrow::Cow;
+use std::io::Read;
+
+use flate2::read::DeflateDecoder;
+
+use super::super::unpack::malformed;
+use super::syntax::Syntax;
+use super::tags::{self, Tag};
+use crate::format::FormatError;
+
+/// Where a file says what it is, and the bytes there.
+const MAGIC_AT: usize = 128;
+const MAGIC: &[u8] = b"DICM";
+/// Elements of one file, and how deep sequences nest: both far more than real files have.
+const MOST_ELEMENTS: usize = 1 << 20;
+const MOST_DEPTH: usize = 32;
+/// A length that is not known beforehand.
+const UNDEFINED: u32 = u32::MAX;
+
+/// Whether the first bytes of a file are those of a DICOM file.
+pub fn is_dicom(start: &[u8]) -> bool {
+    start.get(MAGIC_AT..).is_some_and(|rest| rest.starts_with(MAGIC))
+}
+
+/// How much of a file is there.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Part {
+    /// All of it.
+    Whole,
+    /// Its first bytes: what is cut off is not missed.
+    Start,
+}
+
+enum Value<'a> {
+    Bytes(&'a [u8]),
+    /// 16-bit numbers, whatever they hold.
+    Words(&'a [u8]),
+    Items(Vec<DataSet<'a>>),
+    /// The first is the table of offsets.
+    Fragments(Vec<&'a [u8]>),
+}
+
+/// The pixels of a file as they are stored.
+pub enum Stored<'a> {
+    /// One frame after another; `swapped` where pairs of bytes stand in the wrong order.
+    Native { bytes: &'a [u8], swapped: bool },
+    /// Packed, each frame in one or more fragments. The table of offsets may be empty.
+    Packed { offsets: &'a [u8], fragments: &'a [&'a [u8]] },
+}
+
+/// Elements of a file or of an item of a sequence.
+pub struct DataSet<'a> {
+    elements: Vec<(Tag, Value<'a>)>,
+    is_big: bool,
+}
+
+/// The syntax of a file, and the bytes of its data set, unpacked if need be to at most `budget_bytes`.
+pub fn open(
+    file: &[u8],
+    part: Part,
+    budget_bytes: u64,
+) -> Result<(Syntax, Cow<'_, [u8]>), FormatError> {
+    if !is_dicom(file) {
+        return Err(FormatError::Scan(
+            "this is not a DICOM file: it has no `DICM` at byte 128; export it again from the program that it came from"
+                .to_string(),
+        ));
+    }
+    let mut meta = Parser {
+        bytes: file,
+        at: MAGIC_AT + MAGIC.len(),
+        left: MOST_ELEMENTS,
+        part,
+        is_big: false,
+        is_explicit: true,
+    };
+    let elements = meta.elements(file.len(), 0, true)?;
+    let meta_end = meta.at;
+    let meta = DataSet { elements, is_big: false };
+    let syntax = Syntax::of(&meta.text(tags::TRANSFER_SYNTAX).unwrap_or_default())?;
+    let rest = &file[meta_end..];
+    if !syntax.is_deflated() {
+        return Ok((syntax, Cow::Borrowed(rest)));
+    }
+    let mut unpacked = Vec::new();
+    let read =
+        DeflateDecoder::new(rest).take(budget_bytes.saturating_add(1)).read_to_end(&mut unpacked);
+    match (read, part) {
+        (Err(error), Part::Whole) => Err(malformed("the deflated data set", error.to_string())),
+        _ if unpacked.len() as u64 > budget_bytes => Err(FormatError::Memory {
+            needed_mib: (unpacked.len() as u64).div_ceil(1 << 20),
+            budget_mib: budget_bytes >> 20,
+        }),
+        _ => Ok((syntax, Cow::Owned(unpacked))),
+    }
+}
+
+impl<'a> DataSet<'a> {
+    /// The elements of `bytes`, as [`open`] gives them.
+    pub fn parse(bytes: &'a [u8], syntax: Syntax, part: Part) -> Result<DataSet<'a>, FormatError> {
+        let (is_big, is_explicit) = (syntax.is_big(), syntax.is_explicit());
+        let mut parser = Parser { bytes, at: 0, left: MOST_ELEMENTS, part, is_big, is_explicit };
+        let elements = parser.elements(bytes.len(), 0, false)?;
+        Ok(DataSet { elements, is_big })
+    }
+
+    fn value(&self, tag: Tag) -> Option<&Value<'a>> {
+        self.elements.iter().find(|(own, _)| *own == tag).map(|(_, value)| value)
+    }
+
+    fn bytes(&self, tag: Tag) -> Option<&'a [u8]> {
+        match self.value(tag) {
+            Some(Value::Bytes(bytes) | Value::Words(bytes)) if !bytes.is_empty() => Some(bytes),
+            _ => None,
+        }
+    }
+
+    /// A text without its padding; none where it is missing or empty.
+    pub fn text(&self, tag: Tag) -> Option<String> {
+        let text = String::from_utf8_lossy(self.bytes(tag)?);
+        let text = text.trim_matches(|c: char| c.is_whitespace() || c == '\0');
+        (!text.is_empty()).then(|| text.to_string())
+    }
+
+    /// The finite numbers of a text; none where one cannot be read.
+    pub fn decimals<const N: usize>(&self, tag: Tag) -> Option<[f64; N]> {
+        self.all_decimals(tag)?.get(..N)?.try_into().ok()
+    }
+
+    /// All of a text's numbers.
+    pub fn all_decimals(&self, tag: Tag) -> Option<Vec<f64>> {
+        let number = |text: &str| text.trim().parse().ok().filter(|n: &f64| n.is_finite());
+        self.text(tag)?.split('\\').map(number).collect()
+    }
+
+    /// The first of 16-bit numbers.
+    pub fn u16(&self, tag: Tag) -> Option<u16> {
+        let bytes = *self.bytes(tag)?.first_chunk()?;
+        Some(if self.is_big { u16::from_be_bytes(bytes) } else { u16::from_le_bytes(bytes) })
+    }
+
+    /// The items of a sequence; none where it is missing.
+    pub fn items(&self, tag: Tag) -> &[DataSet<'a>] {
+        match self.value(tag) {
+            Some(Value::Items(items)) => items,
+            _ => &[],
+        }
+    }
+
+    /// The pixels with the tag of their kind of numbers.
+    pub fn pixels(&self) -> Option<(Tag, Stored<'_>)> {
+        tags::PIXELS.into_iter().find_map(|tag| match self.value(tag)? {
+            Value::Bytes(bytes) => Some((tag, Stored::Native { bytes, swapped: false })),
+            Value::Words(bytes) => Some((tag, Stored::Native { bytes, swapped: self.is_big })),
+            Value::Fragments(all) => {
+                let (offsets, fragments) = all.split_first()?;
+                Some((tag, Stored::Packed { offsets, fragments }))
+            }
+            Value::Items(_) => None,
+        })
+    }
+}
+
+struct Parser<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    /// Elements that may still come.
+    left: usize,
+    part: Part,
+    is_big: bool,
+    is_explicit: bool,
+}
+
+impl<'a> Parser<'a> {
+    /// The elements up to `end` or the end of an item without a length; of the file's meta group alone if `is_meta`.
+    fn elements(
+        &mut self,
+        end: usize,
+        depth: usize,
+        is_meta: bool,
+    ) -> Result<Vec<(Tag, Value<'a>)>, FormatError> {
+        let mut elements = Vec::new();
+        while self.at < end {
+            let start = self.at;
+            match self.element(end, depth) {
+                Ok((tag, _)) if is_meta && tag >> 16 != tags::META_GROUP => {
+                    self.at = start;
+                    break;
+                }
+                Ok((tags::ITEM_END | tags::SEQUENCE_END, _)) => break,
+                Ok(element) => elements.push(element),
+                // The rest of the file is where it was read from.
+                Err(_) if self.part == Part::Start || is_meta => {
+                    self.at = start;
+                    break;
+                }
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(elements)
+    }
+
+    fn element(&mut self, end: usize, depth: usize) -> Result<(Tag, Value<'a>), FormatError> {
+        self.left = self.left.checked_sub(1).ok_or_else(|| {
+            malformed("the data set", format!("more than {MOST_ELEMENTS} elements"))
+        })?;
+        let place = self.at;
+        let tag = self.tag(end)?;
+        let (vr, length) = self.length(tag, end)?;
+        let is_sequence = match vr {
+            Some(vr) => &vr == b"SQ" || &vr == b"UN" && length == UNDEFINED,
+            None => tags::SEQUENCES.contains(&tag) || length == UNDEFINED,
+        };
+        if length == UNDEFINED && tags::PIXELS.contains(&tag) {
+            return Ok((tag, Value::Fragments(self.fragments(end)?)));
+        }
+        if is_sequence && tag != tags::ITEM {
+            let was_explicit = self.is_explicit;
+            // Values of unknown types are always stored without them.
+            self.is_explicit &= vr != Some(*b"UN");
+            let items = self.items(length, end, depth + 1);
+            self.is_explicit = was_explicit;
+            return Ok((tag, Value::Items(items?)));
+        }
+        let value = self.take(length as usize, end).ok_or_else(|| {
+            malformed(
+                &format!(
+                    "element ({:04X},{:04X}) at byte {place} of the data set",
+                    tag >> 16,
+                    tag & 0xFFFF
+                ),
+                match length {
+                    UNDEFINED => "a value without a length".to_string(),
+                    _ => format!("{length} bytes were expected, but there are {}", end - self.at),
+                },
+            )
+        })?;
+        Ok((tag, if vr == Some(*b"OW") { Value::Words(value) } else { Value::Bytes(value) }))
+    }
+
+    /// The items of a sequence whose length, which may be undefined, has been read.
+    fn items(
+        &mut self,
+        length: u32,
+        end: usize,
+        depth: usize,
+    ) -> Result<Vec<DataSet<'a>>, FormatError> {
+        if depth > MOST_DEPTH {
+            return Err(malformed(
+                "the data set",
+                format!("more than {MOST_DEPTH} nested sequences"),
+            ));
+        }
+        let end = self.end_of(length, end)?;
+        let mut items = Vec::new();
+        while self.at < end {
+            let tag = self.tag(end)?;
+            let (_, length) = self.length(tag, end)?;
+            match tag {
+                tags::ITEM => {
+                    let item_end = self.end_of(length, end)?;
+                    let elements = self.elements(item_end, depth, false)?;
+                    items.push(DataSet { elements, is_big: self.is_big });
+                }
+                tags::SEQUENCE_END => break,
+                _ => return Err(malformed("a sequence", "something that is no item")),
+            }
+        }
+        Ok(items)
+    }
+
+    fn fragments(&mut self, end: usize) -> Result<Vec<&'a [u8]>, FormatError> {
+        let mut fragments = Vec::new();
+        while self.at < end {
+            let tag = self.tag(end)?;
+            let (_, length) = self.length(tag, end)?;
+            match tag {
+                tags::ITEM => {
+                    let fragment = self.take(length as usize, end);
+                    fragments.push(fragment.ok_or_else(|| self.cut("packed pixels"))?);
+                }
+                _ => break,
+            }
+        }
+        Ok(fragments)
+    }
+
+    /// Where something of a length ends that begins here.
+    fn end_of(&self, length: u32, end: usize) -> Result<usize, FormatError> {
+        match length {
+            UNDEFINED => Ok(end),
+            length if length as usize <= end - self.at => Ok(self.at + length as usize),
+            // What can be read of a sequence that is cut off is worth having.
+            _ if self.part == Part::Start => Ok(end),
+            _ => Err(self.cut("a sequence")),
+        }
+    }
+
+    fn cut(&self, what: &str) -> FormatError {
+        malformed(&format!("{what} at byte {} of the data set", self.at), "the file ends in it")
+    }
+
+    fn take(&mut self, length: usize, end: usize) -> Option<&'a [u8]> {
+        let taken = self.bytes[..end].get(self.at..)?.get(..length)?;
+        self.at += length;
+        Some(taken)
+    }
+
+    fn number<const N: usize>(&mut self, end: usize) -> Result<u32, FormatError> {
+        let bytes = self.take(N, end).ok_or_else(|| self.cut("an element"))?;
+        let join = |sum: u32, byte: &u8| sum << 8 | u32::from(*byte);
+        Ok(if self.is_big { bytes.iter().fold(0, join) } else { bytes.iter().rev().fold(0, join) })
+    }
+
+    fn tag(&mut self, end: usize) -> Result<Tag, FormatError> {
+        Ok(self.number::<2>(end)? << 16 | self.number::<2>(end)?)
+    }
+
+    /// The type of an element's value, where it is stored, and its length.
+    fn length(&mut self, tag: Tag, end: usize) -> Result<(Option<[u8; 2]>, u32), FormatError> {
+        if !self.is_explicit || tag >> 16 == tags::ITEM >> 16 {
+            return Ok((None, self.number::<4>(end)?));
+        }
+        let place = self.at;
+        let vr = self.take(2, end).and_then(|vr| vr.first_chunk().copied());
+        let vr: [u8; 2] = vr.ok_or_else(|| self.cut("an element"))?;
+        if !vr.iter().all(u8::is_ascii_uppercase) {
+            return Err(malformed(
+                &format!("byte {place} of the data set"),
+                format!("a value of the unknown type `{}`", vr.escape_ascii()),
+            ));
+        }
+        let is_long = matches!(
+            &vr,
+            b"OB"
+                | b"OD"
+                | b"OF"
+                | b"OL"
+                | b"OV"
+                | b"OW"
+                | b"SQ"
+                | b"SV"
+                | b"UC"
+                | b"UN"
+                | b"UR"
+                | b"UT"
+                | b"UV"
+        );
+        let length = match is_long {
+            true => {
+                self.number::<2>(end)?;
+                self.number::<4>(end)?
+            }
+            false => self.number::<2>(end)?,
+        };
+        Ok((Some(vr), length))
+    }
+}

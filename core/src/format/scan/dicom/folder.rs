@@ -1,0 +1,211 @@
+//! Finds the DICOM files of one series in a folder.
+//!
+//! Takes a path; gives the files of the series with the places of their slices. Reads the beginnings of files only.
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use super::data_set::{self, DataSet, Part};
+use super::pixels::Layout;
+use super::series::Plane;
+use super::tags;
+use super::{Reading, frames};
+use crate::format::{FormatError, Texts, go_on, store};
+
+/// Bytes at the beginning of a file that tell whether it is DICOM, and those that say what it holds.
+const MAGIC_BYTES: usize = 132;
+const START_BYTES: u64 = 1 << 18;
+/// Files of a folder that are looked at.
+const MOST_FILES: usize = 1 << 16;
+/// Series that an error lists, and letters of their names.
+const SHOWN_SERIES: usize = 4;
+const SHOWN_LETTERS: usize = 24;
+/// Files of a series that are asked how many are like them.
+const MOST_KINDS: usize = 64;
+
+/// The files of a series.
+pub struct Found {
+    pub files: Vec<PathBuf>,
+    /// Of the files of one frame; their indices are those of `files`.
+    pub planes: Vec<Plane>,
+    pub notes: Vec<String>,
+}
+
+/// What the beginning of a file says.
+#[derive(Clone)]
+struct Start {
+    path: PathBuf,
+    series: String,
+    /// For people.
+    name: String,
+    layout: Layout,
+    frames: usize,
+    plane: Plane,
+}
+
+/// The first bytes of a file, at most `most`.
+fn start_of(path: &Path, most: u64) -> Option<Vec<u8>> {
+    let file = store::open(path).ok()?;
+    let mut start = Vec::new();
+    file.take(most).read_to_end(&mut start).ok()?;
+    Some(start)
+}
+
+/// Whether `path` is a DICOM file, or a folder with one in it.
+pub fn has_dicom(path: &Path) -> bool {
+    let is_file = |path: &Path| {
+        start_of(path, MAGIC_BYTES as u64).is_some_and(|start| data_set::is_dicom(&start))
+    };
+    match path.is_dir() {
+        true => entries(path).is_ok_and(|files| files.iter().any(|path| is_file(path))),
+        false => is_file(path),
+    }
+}
+
+/// The files of a folder, sorted by name.
+fn entries(folder: &Path) -> Result<Vec<PathBuf>, FormatError> {
+    let mut files: Vec<PathBuf> = std::fs::read_dir(folder)?
+        .take(MOST_FILES)
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .collect();
+    files.sort();
+    Ok(files)
+}
+
+impl Start {
+    /// None for a file that is no DICOM file, or holds no picture that is read.
+    fn read(path: &Path) -> Option<Start> {
+        let magic = start_of(path, MAGIC_BYTES as u64)?;
+        if !data_set::is_dicom(&magic) {
+            return None;
+        }
+        let start = start_of(path, START_BYTES)?;
+        let (syntax, bytes) = data_set::open(&start, Part::Start, START_BYTES * 16).ok()?;
+        let data = DataSet::parse(&bytes, syntax, Part::Start).ok()?;
+        let layout = Layout::of(&data).ok()?;
+        let text = |tag| data.text(tag).unwrap_or_default();
+        let name = format!("{} {}", text(tags::SERIES_NUMBER), text(tags::SERIES_DESCRIPTION));
+        let name: String = name.trim().chars().take(SHOWN_LETTERS).collect();
+        Some(Start {
+            path: path.to_path_buf(),
+            series: text(tags::SERIES),
+            name: Texts::legible(name.as_bytes()).replace('\n', " "),
+            layout,
+            frames: frames(&data).ok()?,
+            plane: Plane::of(&data, 0, 0),
+        })
+    }
+
+    /// Whether both can be slices of one volume.
+    fn is_like(&self, other: &Start) -> bool {
+        self.layout.fits(&other.layout) && self.plane.is_parallel(&other.plane)
+    }
+}
+
+/// The series of the file `path`, or the only one of the folder `path`.
+pub fn find(path: &Path, reading: &Reading) -> Result<Found, FormatError> {
+    let alone = || Found { files: vec![path.to_path_buf()], planes: Vec::new(), notes: Vec::new() };
+    let is_folder = path.is_dir();
+    let own = if is_folder { None } else { Start::read(path) };
+    if !is_folder {
+        match &own {
+            Some(own) if own.frames == 1 && !own.series.is_empty() => {}
+            Some(own) => return Ok(Found { planes: vec![own.plane.clone()], ..alone() }),
+            // Reading all of it says what is wrong.
+            None => return Ok(Found { planes: vec![nowhere()], ..alone() }),
+        }
+    }
+    let folder = match path.parent() {
+        _ if is_folder => path,
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    };
+    let mut starts = starts(folder, reading)?;
+    if let Some(own) = &own {
+        starts.retain(|start| start.series == own.series);
+    }
+    let first = match own {
+        // The one that was named decides which of the others belong to it.
+        Some(own) => own,
+        None => only(&starts)?,
+    };
+    if first.frames > 1 {
+        let others = starts.len() - 1;
+        let notes = (others > 0).then(|| format!("other files of the series left out: {others}"));
+        let planes = vec![first.plane];
+        return Ok(Found { files: vec![first.path], planes, notes: notes.into_iter().collect() });
+    }
+    let all = starts.len();
+    starts.retain(|start| start.frames == 1 && start.is_like(&first));
+    if starts.is_empty() {
+        return Ok(Found { planes: vec![first.plane], ..alone() });
+    }
+    let mut notes = Vec::new();
+    if starts.len() < all {
+        notes.push(format!(
+            "files of the series left out, of another size, type or direction: {}",
+            all - starts.len()
+        ));
+    }
+    let planes =
+        starts.iter().enumerate().map(|(file, start)| Plane { file, ..start.plane.clone() });
+    let planes = planes.collect();
+    Ok(Found { planes, files: starts.into_iter().map(|start| start.path).collect(), notes })
+}
+
+fn nowhere() -> Plane {
+    Plane { file: 0, frame: 0, number: 0.0, position: None, axes: None }
+}
+
+/// What the DICOM files of a folder begin with.
+fn starts(folder: &Path, reading: &Reading) -> Result<Vec<Start>, FormatError> {
+    let files = entries(folder)?;
+    let mut starts = Vec::new();
+    reading.progress.begin("looking through the folder");
+    for (i, path) in files.iter().enumerate() {
+        if reading.progress.is_cancelled() {
+            break;
+        }
+        starts.extend(Start::read(path));
+        reading.progress.advance(i as f32 / files.len() as f32);
+    }
+    reading.progress.end();
+    go_on(reading.progress)?;
+    Ok(starts)
+}
+
+/// The file of the only series that decides which others belong to it: one of the largest number of files alike.
+fn only(starts: &[Start]) -> Result<Start, FormatError> {
+    let mut series: Vec<(&str, Vec<&Start>)> = Vec::new();
+    for start in starts {
+        match series.iter_mut().find(|(uid, _)| *uid == start.series) {
+            Some((_, files)) => files.push(start),
+            None => series.push((&start.series, vec![start])),
+        }
+    }
+    let [(_, files)] = &series[..] else {
+        if series.is_empty() {
+            return Err(FormatError::Scan(
+                "this folder holds no DICOM pictures; choose the folder that the files lie in themselves, or a file"
+                    .to_string(),
+            ));
+        }
+        let of = |(_, files): &(&str, Vec<&Start>)| {
+            let file = files[0].path.file_name().unwrap_or_default().to_string_lossy();
+            let name = if files[0].name.is_empty() { "unnamed" } else { &files[0].name };
+            let file: String = file.chars().take(SHOWN_LETTERS).collect();
+            format!("{name} ({} files, {})", files.len(), file.escape_debug())
+        };
+        let shown: Vec<String> = series.iter().take(SHOWN_SERIES).map(of).collect();
+        let more = series.len().saturating_sub(SHOWN_SERIES);
+        let more = if more > 0 { format!("; and {more} more") } else { String::new() };
+        return Err(FormatError::Scan(format!(
+            "this folder holds {} series; open a file of the one that you want: {}{more}",
+            series.len(),
+            shown.join("; ")
+        )));
+    };
+    let alike = |start: &&&Start| files.iter().filter(|other| start.is_like(other)).count();
+    let most = files.iter().take(MOST_KINDS).rev().max_by_key(alike);
+    most.map(|start| (*start).clone()).ok_or(FormatError::Empty)
+}

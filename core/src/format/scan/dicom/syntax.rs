@@ -1,0 +1,92 @@
+//! The ways in which DICOM files are written and their pixels are packed (transfer syntaxes, PS3.5 chapter 10).
+
+use crate::format::FormatError;
+
+/// A transfer syntax that is read.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Syntax {
+    ImplicitLittle,
+    ExplicitLittle,
+    ExplicitBig,
+    Deflated,
+    /// Not packed, but in fragments.
+    Encapsulated,
+    /// 8 bits with loss, or without loss.
+    Jpeg,
+    Rle,
+}
+
+/// Names of those that are not read, by how their identifiers go on after [`ROOT`].
+const OTHERS: [(&str, &str); 12] = [
+    ("4.80", "JPEG-LS"),
+    ("4.81", "JPEG-LS"),
+    ("4.90", "JPEG 2000"),
+    ("4.91", "JPEG 2000"),
+    ("4.92", "JPEG 2000"),
+    ("4.93", "JPEG 2000"),
+    ("4.201", "High-Throughput JPEG 2000"),
+    ("4.202", "High-Throughput JPEG 2000"),
+    ("4.203", "High-Throughput JPEG 2000"),
+    ("4.110", "JPEG XL"),
+    ("4.111", "JPEG XL"),
+    ("4.112", "JPEG XL"),
+];
+/// What identifiers of the standard begin with.
+const ROOT: &str = "1.2.840.10008.1.2.";
+/// Most of an unknown identifier that is shown.
+const SHOWN: usize = 64;
+
+impl Syntax {
+    /// By its identifier. An error names one that is not read.
+    pub fn of(uid: &str) -> Result<Syntax, FormatError> {
+        if uid == ROOT.trim_end_matches('.') {
+            return Ok(Syntax::ImplicitLittle);
+        }
+        let own = uid.strip_prefix(ROOT).unwrap_or_default();
+        Ok(match own {
+            "1" => Syntax::ExplicitLittle,
+            "2" => Syntax::ExplicitBig,
+            "1.98" => Syntax::Encapsulated,
+            "1.99" => Syntax::Deflated,
+            "4.50" | "4.51" | "4.57" | "4.70" => Syntax::Jpeg,
+            "5" => Syntax::Rle,
+            _ => {
+                let known = OTHERS.iter().find(|(uid, _)| *uid == own).map(|(_, name)| *name);
+                let name = match known {
+                    Some(name) => name,
+                    None if own.starts_with("4.10") => "an MPEG video",
+                    None if uid.is_empty() => "a transfer syntax that it does not name",
+                    None => "an unknown transfer syntax",
+                };
+                let shown: String = uid.chars().take(SHOWN).collect();
+                return Err(FormatError::Scan(format!(
+                    "its pixels are packed as {name} ({}), which is not read; unpack it first, such as with \
+                     `gdcmconv --raw` or dcmtk",
+                    shown.escape_debug()
+                )));
+            }
+        })
+    }
+
+    pub fn is_big(self) -> bool {
+        self == Syntax::ExplicitBig
+    }
+
+    pub fn is_explicit(self) -> bool {
+        self != Syntax::ImplicitLittle
+    }
+
+    pub fn is_deflated(self) -> bool {
+        self == Syntax::Deflated
+    }
+
+    /// For people: how the pixels are packed.
+    pub fn packing(self) -> &'static str {
+        match self {
+            Syntax::Jpeg => ", packed as JPEG",
+            Syntax::Rle => ", packed as RLE",
+            Syntax::Deflated => ", deflated",
+            _ => "",
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! The DICOM elements (PS3.6) that a volume is made of.
+
+/// Group and element, 16 bits each.
+pub type Tag = u32;
+
+/// The group of the elements that describe a file itself.
+pub const META_GROUP: u32 = 0x0002;
+pub const TRANSFER_SYNTAX: Tag = 0x0002_0010;
+
+pub const SERIES_DESCRIPTION: Tag = 0x0008_103E;
+pub const MODALITY: Tag = 0x0008_0060;
+pub const SERIES: Tag = 0x0020_000E;
+pub const SERIES_NUMBER: Tag = 0x0020_0011;
+pub const INSTANCE_NUMBER: Tag = 0x0020_0013;
+pub const DIRECTORY_RECORDS: Tag = 0x0004_1220;
+
+pub const SLICE_THICKNESS: Tag = 0x0018_0050;
+pub const SPACING_BETWEEN_SLICES: Tag = 0x0018_0088;
+/// Of radiographs, at the detector.
+pub const IMAGER_PIXEL_SPACING: Tag = 0x0018_1164;
+pub const POSITION: Tag = 0x0020_0032;
+pub const ORIENTATION: Tag = 0x0020_0037;
+pub const PIXEL_SPACING: Tag = 0x0028_0030;
+/// Distances of frames from the first, of radiation doses.
+pub const FRAME_OFFSETS: Tag = 0x3004_000C;
+
+pub const SAMPLES_PER_PIXEL: Tag = 0x0028_0002;
+pub const PHOTOMETRIC: Tag = 0x0028_0004;
+pub const PLANAR: Tag = 0x0028_0006;
+pub const FRAMES: Tag = 0x0028_0008;
+pub const ROWS: Tag = 0x0028_0010;
+pub const COLUMNS: Tag = 0x0028_0011;
+pub const BITS_ALLOCATED: Tag = 0x0028_0100;
+pub const BITS_STORED: Tag = 0x0028_0101;
+pub const HIGH_BIT: Tag = 0x0028_0102;
+pub const IS_SIGNED: Tag = 0x0028_0103;
+pub const INTERCEPT: Tag = 0x0028_1052;
+pub const SLOPE: Tag = 0x0028_1053;
+
+/// What frames have in common, and each one's own; items of both have the sequences below.
+pub const SHARED_GROUPS: Tag = 0x5200_9229;
+pub const FRAME_GROUPS: Tag = 0x5200_9230;
+pub const POSITION_GROUP: Tag = 0x0020_9113;
+pub const ORIENTATION_GROUP: Tag = 0x0020_9116;
+pub const MEASURES_GROUP: Tag = 0x0028_9110;
+pub const VALUES_GROUP: Tag = 0x0028_9145;
+/// Of nuclear medicine.
+pub const DETECTORS: Tag = 0x0054_0022;
+
+/// Sequences that are looked into, for files that do not say that they are some.
+pub const SEQUENCES: [Tag; 8] = [
+    SHARED_GROUPS,
+    FRAME_GROUPS,
+    POSITION_GROUP,
+    ORIENTATION_GROUP,
+    MEASURES_GROUP,
+    VALUES_GROUP,
+    DETECTORS,
+    DIRECTORY_RECORDS,
+];
+
+pub const FLOAT_PIXELS: Tag = 0x7FE0_0008;
+pub const DOUBLE_PIXELS: Tag = 0x7FE0_0009;
+pub const WHOLE_PIXELS: Tag = 0x7FE0_0010;
+pub const PIXELS: [Tag; 3] = [WHOLE_PIXELS, FLOAT_PIXELS, DOUBLE_PIXELS];
+
+pub const ITEM: Tag = 0xFFFE_E000;
+pub const ITEM_END: Tag = 0xFFFE_E00D;
+pub const SEQUENCE_END: Tag = 0xFFFE_E0DD;
