@@ -11,7 +11,7 @@ use std::path::Path;
 pub use self::mesh::MeshStudy;
 pub use self::volume::{Existing, VolumeStudy};
 use super::options::ImportOptions;
-use super::{Format, FormatError, budget_bytes, import, mesh_in, read_volume};
+use super::{Format, FormatError, budget_bytes, content, import, mesh_in, read_volume};
 use crate::progress::Progress;
 use crate::sculpture::Limits;
 use glam::{UVec3, Vec3};
@@ -31,10 +31,10 @@ impl Family {
         [(Family::Volume, "volume"), (Family::Mesh, "mesh")];
 }
 
-/// What may be asked about a file of that name. None for sculptures and voxel models, which leave nothing open, and for
+/// What may be asked about a file. None for sculptures and voxel models, which leave nothing open, and for
 /// files that cannot be read.
 pub fn family(path: &Path) -> Option<Family> {
-    match Format::of(path).ok()? {
+    match content::format_of(path).ok()? {
         Format::Vsc | Format::Voxel(_) => None,
         Format::Pvm | Format::Raw | Format::Scan(_) => Some(Family::Volume),
         Format::Mesh(_) => Some(Family::Mesh),
@@ -75,7 +75,7 @@ pub fn study(
     limits: &Limits,
     progress: &dyn Progress,
 ) -> Result<Study, FormatError> {
-    match Format::of(path)? {
+    match content::format_of(path)? {
         Format::Vsc | Format::Voxel(_) => Ok(Study::Settled),
         Format::Mesh(kind) => {
             let imported = mesh_in::load(path, kind, limits, progress)?;
