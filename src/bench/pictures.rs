@@ -96,6 +96,9 @@ struct Rendered {
     is_beside: bool,
 }
 
+/// How long normals of a sculpture that was opened may hold up a picture after an edit, as in the window.
+const PATIENCE: Duration = Duration::from_millis(6);
+
 impl Pictures {
     /// None if the mode needs a device and there is none.
     pub fn new(
@@ -181,11 +184,14 @@ impl Rendered {
     fn whole(&mut self, document: &mut Document) -> Result<StageTimes> {
         // The renderer repeats nothing that has not changed.
         self.is_beside = !self.is_beside;
+        self.renderer.set_patience(None);
         self.draw(document)
     }
 
     fn after_edit(&mut self, document: &mut Document) -> Result<AfterEdit> {
-        // From the same position, so that only the effect of the edit is repeated.
+        // From the same position, so that only the effect of the edit is repeated; and held up no longer than the
+        // window's are.
+        self.renderer.set_patience(Some(PATIENCE));
         let times = self.draw(document)?;
         Ok(match self.mode.shading() {
             Shading::Software => {

@@ -3,8 +3,9 @@
 //!
 //! Follows the grid of one document. Normals that edits change are computed before the next picture; those of a
 //! sculpture that was opened take as much of each picture's time as its caller allows, and estimates stand in for
-//! the rest. Where the CPU shades index maps, only those of the bricks that a picture shows are computed before it; the
-//! others follow while the view rests, or before anything else looks at them.
+//! the rest. Where the CPU shades index maps, only those of the bricks that a picture shows are computed before it, and
+//! only estimated where pictures must not be held up; the others follow while the view rests, or before anything else
+//! looks at them.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -13,7 +14,7 @@ use super::{Normals, Shading};
 use crate::gpu::{Device, Recorder, Result};
 use crate::sculpture::Grid;
 use crate::sculpture::brick::BRICK_EDGE_VX;
-use crate::shade::NormalField;
+use crate::shade::{NormalField, Precision};
 use crate::surface::{IndexMap, PixelRects, changed_pixels, pixels_of_grid};
 
 /// What has become of the normals since the last picture.
@@ -90,7 +91,9 @@ impl NormalStage {
             false => changed_pixels(grid, changed, &map.rays, REACH_VX),
         };
         let views = maps.iter().map(|map| (&**map, pixels(map)));
-        self.field.update_seen(grid, views, &mut self.reshaded);
+        let precision =
+            if self.patience.is_some() { Precision::Estimated } else { Precision::Refined };
+        self.field.update_seen(grid, views, precision, &mut self.reshaded);
         // Of very many bricks none is put off.
         if self.field.has_estimates() {
             let patience = self.patience;

@@ -36,7 +36,7 @@ pub use light::{
 };
 pub use look::{Look, Matcap};
 pub use normal::NORMAL_REACH_VX;
-pub use normal_field::NormalField;
+pub use normal_field::{NormalField, Precision};
 pub use pixels::Pixels;
 pub use portrait::portrait;
 pub use refined::SoftwareShader;

@@ -6,11 +6,12 @@
 use std::cell::RefCell;
 
 use fearless_simd::{Level, dispatch};
-use glam::{IVec3, UVec3};
+use glam::{IVec3, UVec3, Vec3};
 use rayon::prelude::*;
 
 use super::cells::{
-    CellNormals, Cells, Neighbourhood, cells_towards, filter_cells, filter_voxels, words_towards,
+    CellNormals, Cells, Neighbourhood, bits, cells_towards, filter_cells, filter_voxels,
+    words_towards,
 };
 use super::packed::{PackedDepth, PackedNormal};
 use super::window::{Samples, Sums, SurfaceMask, Wanted, sample};
@@ -27,6 +28,15 @@ const PART_EDGE_LOG2: u32 = 4;
 
 /// No place in the lists.
 const NONE: u32 = u32::MAX;
+
+/// How far normals are computed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Precision {
+    /// First estimates of the bricks themselves: of about a fifth of the work after an edit; edges are rounded.
+    Estimated,
+    /// As [`super::NormalField`] describes them.
+    Refined,
+}
 
 /// How far a brick is computed.
 const SAMPLED: u8 = 1;
@@ -72,6 +82,25 @@ struct Sampled {
 struct Normals {
     normals: Vec<PackedNormal>,
     depths: Vec<PackedDepth>,
+}
+
+impl Normals {
+    /// Takes the first estimates.
+    fn estimate(&mut self, samples: &Samples) {
+        self.normals.clear();
+        self.depths.clear();
+        let mut next = 0;
+        for (z, layer) in samples.mask.layers.into_iter().enumerate() {
+            for bit in bits(layer) {
+                let voxel = Vec3::new((bit & 7) as f32, (bit >> 3) as f32, z as f32) + 0.5;
+                let normal = samples.normal(next);
+                let depth_vx = (samples.position(next) - voxel).dot(normal);
+                self.normals.push(PackedNormal::pack(normal));
+                self.depths.push(PackedDepth::pack(depth_vx));
+                next += 1;
+            }
+        }
+    }
 }
 
 /// What was found of the surface in a brick.
@@ -133,8 +162,8 @@ impl Batch {
     }
 
     /// Computes the normals of `targets`.
-    pub fn compute(&mut self, level: Level, grid: &Grid, targets: &[u32]) {
-        self.plan(grid, targets);
+    pub fn compute(&mut self, level: Level, grid: &Grid, targets: &[u32], precision: Precision) {
+        self.plan(grid, targets, precision);
         let count = self.bricks.len();
         let last = self.bricks.partition_point(|place| place.stage == TARGET);
         let middle = self.bricks.partition_point(|place| place.stage >= FILTERED);
@@ -169,6 +198,14 @@ impl Batch {
             (place != NONE).then_some(place as usize)
         };
         let samples = &samples[..count];
+        if precision == Precision::Estimated {
+            for_each(&bricks[..last], &mut normals[..last], &|place, out| {
+                if let Some(own) = place_of(place.brick) {
+                    out.estimate(&samples[own].samples);
+                }
+            });
+            return;
+        }
         let filter = |place: &Place, out: &mut CellNormals| {
             let around = |offset| Some(&samples[place_of(place.brick + offset)?].cells);
             SCRATCH.with_borrow_mut(|scratch| {
@@ -250,7 +287,7 @@ impl Batch {
     }
 
     /// Lists what has to be computed for `targets`: targets first, then what is filtered, then the rest.
-    fn plan(&mut self, grid: &Grid, targets: &[u32]) {
+    fn plan(&mut self, grid: &Grid, targets: &[u32], precision: Precision) {
         let (low, high) = bounds(grid, targets);
         self.low = low - MARGIN_BRICKS;
         self.size = high - low + 2 * MARGIN_BRICKS;
@@ -266,6 +303,10 @@ impl Batch {
             let at = grid.brick_coords(index as usize).as_ivec3() - corner;
             if !may_have_surface(grid, at + corner) {
                 self.bare.push(index);
+                continue;
+            }
+            if precision == Precision::Estimated {
+                self.stages[linear(at, size)] = TARGET;
                 continue;
             }
             for z in -2i32..=2 {

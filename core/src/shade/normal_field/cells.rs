@@ -121,7 +121,7 @@ fn voxels(mask: &SurfaceMask) -> impl Iterator<Item = IVec3> {
 }
 
 #[inline(always)]
-fn bits(mut word: u64) -> impl Iterator<Item = usize> {
+pub fn bits(mut word: u64) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let bit = word.trailing_zeros() as usize;
         (word != 0).then(|| {

@@ -16,31 +16,28 @@ mod cells;
 mod openness;
 mod packed;
 mod pages;
+mod seen;
 mod window;
 
 use fearless_simd::Level;
 use glam::{UVec3, Vec3};
-use rayon::prelude::*;
 
 use batch::Batch;
+pub use batch::Precision;
 use openness::KeptOpenness;
 pub use packed::{PackedDepth, PackedNormal, unpack_many};
 pub use pages::{NO_PAGE, Pages, PlaceOfNormal, Unit};
+use seen::sort_from;
 
 use super::occlusion::Table;
+use crate::sculpture::Grid;
 use crate::sculpture::brick::{BRICK_EDGE_VX, Brick};
 use crate::sculpture::brick_set::BrickSet;
-use crate::sculpture::{Grid, NO_VOXEL};
-use crate::surface::{IndexMap, PixelRect, PixelRects};
 
 /// Bricks by which a changed brick affects others, on every axis.
 const REACH_BRICKS: u32 = 2;
 /// Most bricks that are computed at once after an edit, whatever else waits.
 const MOST_AT_ONCE: usize = 4096;
-/// Bricks that were put off and are computed together.
-const DEFERRED_PORTION: usize = 256;
-/// Rows of a picture in which a thread looks for bricks.
-const ROWS_AT_ONCE: usize = 64;
 /// Edge of the blocks of bricks in which a whole sculpture is computed.
 const BLOCK_EDGE_BRICKS_LOG2: u32 = 4;
 
@@ -62,6 +59,12 @@ pub struct NormalField {
     deferred: Vec<u32>,
     /// Those of `queue` and `deferred` that are to be computed.
     queued: Flags,
+    /// Bricks whose first estimates edits have changed since the last update: those with other bits, and their
+    /// neighbours.
+    inexact: BrickSet,
+    /// Bricks of `deferred` that pictures have shown by first estimates, or as they were before an edit close by:
+    /// oldest first.
+    estimated: Vec<u32>,
     batch: Batch,
     generation: u64,
 }
@@ -101,6 +104,8 @@ impl NormalField {
         self.queued = Flags::new(count);
         self.queue.clear();
         self.deferred.clear();
+        self.inexact = BrickSet::new(count);
+        self.estimated.clear();
         for (b, brick) in grid.nonempty_bricks() {
             let index = grid.brick_index(b);
             self.hashes[index] = hash(brick);
@@ -112,20 +117,14 @@ impl NormalField {
     }
 
     fn queue_around(&mut self, grid: &Grid, index: u32) {
-        let b = grid.brick_coords(index as usize);
-        let low = b.saturating_sub(UVec3::splat(REACH_BRICKS));
-        let high = (b + REACH_BRICKS).min(grid.brick_dims() - 1);
-        for z in low.z..=high.z {
-            for y in low.y..=high.y {
-                let first = grid.brick_index(UVec3::new(low.x, y, z)) as u32;
-                for index in first..=first + (high.x - low.x) {
-                    if !self.queued.contains(index) {
-                        self.queued.insert(index);
-                        self.queue.push(index);
-                    }
-                }
+        let NormalField { queued, queue, inexact, .. } = self;
+        for_each_around(grid, index, REACH_BRICKS, |index| {
+            if !queued.contains(index) {
+                queued.insert(index);
+                queue.push(index);
             }
-        }
+        });
+        for_each_around(grid, index, 1, |index| inexact.insert(index));
     }
 
     /// A number that changes when [`NormalField::follow`] begins anew, with no page.
@@ -144,91 +143,15 @@ impl NormalField {
         !self.queue.is_empty()
     }
 
-    /// Puts off what the last edits have changed, but for the bricks that are seen in `pixels` of `maps`; these must be
-    /// all in which they can be seen. Then nobody may look at other pictures before the next [`NormalField::update`].
-    /// Reports bricks as that does. Does nothing while normals of a sculpture that was opened are missing, or where very
-    /// many of the bricks are seen.
-    pub fn update_seen<'a>(
-        &mut self,
-        grid: &Grid,
-        views: impl IntoIterator<Item = (&'a IndexMap, PixelRects)>,
-        changed: &mut Vec<u32>,
-    ) {
-        if self.fresh > 0 {
-            return;
-        }
-        let mut seen = BrickSet::new(grid.brick_count());
-        for (map, rects) in views {
-            for rect in rects.as_slice() {
-                bricks_in(grid, map, *rect, &self.queued, &mut seen);
-            }
-        }
-        let mut targets = Vec::new();
-        seen.collect_into(&mut targets);
-        if targets.len() > MOST_AT_ONCE {
-            return;
-        }
-        for index in self.queue.drain(..) {
-            if !seen.contains(index) {
-                let page = std::mem::replace(&mut self.table[index as usize], NO_PAGE);
-                self.pages.free(page);
-                self.openness.store(index as usize, None);
-                self.deferred.push(index);
-            }
-        }
-        self.compute(Level::new(), grid, &targets, changed);
-        self.fresh = 0;
-        if self.deferred.len() > self.table.len() {
-            self.retain_deferred();
-        }
-    }
-
-    /// Leaves those of `deferred` that are to be computed, each once, rising.
-    fn retain_deferred(&mut self) {
-        self.deferred.sort_unstable();
-        self.deferred.dedup();
-        self.deferred.retain(|index| self.queued.contains(*index));
-    }
-
-    /// Number of bricks that are put off, or more.
-    pub fn deferred(&self) -> usize {
-        self.deferred.len()
-    }
-
-    /// Computes what was put off, for as long as `go_on` returns true. Reports bricks as [`NormalField::update`] does.
-    pub fn update_deferred(
-        &mut self,
-        grid: &Grid,
-        changed: &mut Vec<u32>,
-        mut go_on: impl FnMut() -> bool,
-    ) {
-        if self.deferred.is_empty() {
-            return;
-        }
-        let first = changed.len();
-        self.retain_deferred();
-        self.deferred.sort_by_cached_key(|index| (block(grid, *index), *index));
-        while !self.deferred.is_empty() && go_on() {
-            let from = self.deferred.len().saturating_sub(DEFERRED_PORTION);
-            let mut portion = self.deferred.split_off(from);
-            portion.sort_unstable();
-            self.compute(Level::new(), grid, &portion, changed);
-            // Whether they differ from those before the edit is not known.
-            changed.extend_from_slice(&portion);
-        }
-        let mut own = changed.split_off(first);
-        own.sort_unstable();
-        own.dedup();
-        changed.append(&mut own);
-    }
-
     /// Computes what is outstanding: first what edits have changed, then the rest for as long as `go_on` returns
     /// true. An edit of very many bricks is part of the rest; it leaves them without normals meanwhile. Appends the
     /// bricks whose normals differ from before, rising, each once. `grid` must be that of the last
     /// [`NormalField::follow`].
     pub fn update(&mut self, grid: &Grid, changed: &mut Vec<u32>, mut go_on: impl FnMut() -> bool) {
+        self.inexact.clear();
         self.retain_deferred();
         if self.deferred.len() > MOST_AT_ONCE {
+            self.estimated.clear();
             self.queue.append(&mut self.deferred);
         }
         self.update_deferred(grid, changed, || true);
@@ -240,7 +163,7 @@ impl NormalField {
         fresh.sort_unstable();
         fresh.dedup();
         if fresh.len() <= MOST_AT_ONCE {
-            self.compute(level, grid, &fresh, changed);
+            self.compute(level, grid, &fresh, Precision::Refined, changed);
         } else {
             self.forget(&fresh, changed);
             fresh.sort_by_cached_key(|index| block(grid, *index));
@@ -250,13 +173,10 @@ impl NormalField {
             let last = self.queue.last().map(|index| block(grid, *index));
             let from = self.queue.iter().rposition(|index| Some(block(grid, *index)) != last);
             let portion = self.queue.split_off(from.map_or(0, |i| i + 1));
-            self.compute(level, grid, &portion, changed);
+            self.compute(level, grid, &portion, Precision::Refined, changed);
         }
         self.fresh = self.queue.len();
-        let mut own = changed.split_off(first);
-        own.sort_unstable();
-        own.dedup();
-        changed.append(&mut own);
+        sort_from(changed, first);
     }
 
     /// Removes the normals of `bricks`.
@@ -271,12 +191,21 @@ impl NormalField {
         }
     }
 
-    /// Computes `targets`, in parts if they are far from each other.
-    fn compute(&mut self, level: Level, grid: &Grid, targets: &[u32], changed: &mut Vec<u32>) {
-        targets.iter().for_each(|index| self.queued.remove(*index));
+    /// Computes `targets`, in parts if they are far from each other. Estimated ones are still to be refined.
+    fn compute(
+        &mut self,
+        level: Level,
+        grid: &Grid,
+        targets: &[u32],
+        precision: Precision,
+        changed: &mut Vec<u32>,
+    ) {
+        if precision == Precision::Refined {
+            targets.iter().for_each(|index| self.queued.remove(*index));
+        }
         let NormalField { table, pages, openness, batch, .. } = self;
         batch.for_each_part(grid, targets, &mut |batch, part| {
-            batch.compute(level, grid, part);
+            batch.compute(level, grid, part, precision);
             for (index, surface) in batch.results() {
                 let values = (surface.normals, surface.depths);
                 let (page, differs) = pages.store(table[index as usize], surface.mask, values);
@@ -344,37 +273,17 @@ impl NormalField {
     }
 }
 
-/// Adds to `seen` the bricks of `wanted` whose voxels are seen in `rect`.
-fn bricks_in(grid: &Grid, map: &IndexMap, rect: PixelRect, wanted: &Flags, seen: &mut BrickSet) {
-    let rect = rect.intersect(PixelRect::of_picture(map.rays.size));
-    let (left, right) = (rect.min.x as usize, rect.max.x as usize);
-    if left >= right {
-        return;
-    }
-    // Each brick once for every run of voxels in it.
-    let in_rows = |rows: &[u32], found: &mut Vec<u32>| {
-        for row in rows.chunks_exact(map.rays.size.x as usize) {
-            let (mut last_voxel, mut last) = (NO_VOXEL, u32::MAX);
-            for &voxel in &row[left..right] {
-                if voxel != last_voxel && voxel != NO_VOXEL {
-                    let index = grid.brick_index(grid.voxel_coords(voxel) / BRICK_EDGE_VX) as u32;
-                    if index != last && wanted.contains(index) {
-                        found.push(index);
-                    }
-                    last = index;
-                }
-                last_voxel = voxel;
-            }
+/// Calls `f` with the linear index of each brick within `reach` bricks of that at `index`, itself included.
+fn for_each_around(grid: &Grid, index: u32, reach: u32, mut f: impl FnMut(u32)) {
+    let b = grid.brick_coords(index as usize);
+    let low = b.saturating_sub(UVec3::splat(reach));
+    let high = (b + reach).min(grid.brick_dims() - 1);
+    for z in low.z..=high.z {
+        for y in low.y..=high.y {
+            let first = grid.brick_index(UVec3::new(low.x, y, z)) as u32;
+            (first..=first + (high.x - low.x)).for_each(&mut f);
         }
-    };
-    let rows = rect.rows_of(&map.voxels, map.rays.size.x);
-    let parts = rows.par_chunks(ROWS_AT_ONCE * map.rays.size.x as usize);
-    let found = parts.fold(Vec::new, |mut found, rows| {
-        in_rows(rows, &mut found);
-        found
-    });
-    let found: Vec<Vec<u32>> = found.collect();
-    found.iter().flatten().for_each(|index| seen.insert(*index));
+    }
 }
 
 /// A bit for each brick, by linear index.

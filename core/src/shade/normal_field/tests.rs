@@ -1,15 +1,13 @@
 //! The field against its definition, against analytic surfaces, and after edits against a new one.
 
-use glam::{IVec3, Mat3, Quat, UVec2, UVec3, Vec3};
+use glam::{IVec3, Mat3, Quat, UVec3, Vec3};
 use proptest::prelude::*;
 
 use super::*;
 use crate::scenes::{self, Random};
-use crate::sculpture::Placement;
-use crate::surface::{changed_pixels, raycast};
-use crate::view::Camera;
 
 mod naive;
+mod seen;
 
 /// A grid of the voxels whose middles are in a solid.
 fn grid_of(edge_vx: u32, inside: impl Fn(Vec3) -> bool + Sync) -> Grid {
@@ -248,73 +246,6 @@ proptest! {
     }
 }
 
-/// After each edit the voxels that a picture shows have the normals and the openness of the grid as it is, whatever is
-/// put off; and in the end all have.
-#[test]
-fn what_is_seen_after_edits_is_up_to_date_and_the_rest_follows() {
-    let mut grid = scenes::cheese(120, 40, 3).unwrap();
-    let world_from_grid = Placement::default().world_from_grid(grid.dims(), grid.voxel_size());
-    let eye = Camera::framing(90.0, Vec3::new(0.8, 0.6, 1.0), Vec3::Y).eye(UVec2::new(160, 120));
-    let rays = eye.pixel_rays(&world_from_grid);
-    let mut map = IndexMap::new(rays);
-    raycast::sample(&grid, &rays, &mut map);
-    let mut field = NormalField::of(&grid);
-    let (mut random, mut deferred) = (Random(5), Vec::new());
-    for edit in 0..8 {
-        let hit = raycast::cast(&grid, rays.origin, rays.direction(40 + 10 * edit, 60)).unwrap();
-        let centre = hit.voxel.as_ivec3() + random.voxel(UVec3::splat(9)) - 4;
-        let mut changed = std::collections::BTreeSet::new();
-        for i in 0..24 * 24 * 24 {
-            let offset = IVec3::new(i % 24, i / 24 % 24, i / 576) - 12;
-            if offset.length_squared() <= 121 && grid.contains(centre + offset) {
-                grid.set(centre + offset, edit % 3 == 2);
-                changed.insert(grid.brick_index((centre + offset).as_uvec3() / 8) as u32);
-            }
-        }
-        let changed: Vec<u32> = changed.into_iter().collect();
-        field.follow(&grid, Some(&changed));
-        raycast::sample(&grid, &rays, &mut map);
-        let pixels = changed_pixels(&grid, &changed, &rays, 16);
-        field.update_seen(&grid, [(&map, pixels)], &mut Vec::new());
-        assert!(!field.has_estimates());
-        deferred.push(field.deferred());
-        let whole = NormalField::of(&grid);
-        for &voxel in map.voxels.iter().filter(|voxel| **voxel != NO_VOXEL) {
-            let v = grid.voxel_coords(voxel);
-            let brick = grid.brick_index(v / 8);
-            assert_eq!(field.packed(brick, v % 8), whole.packed(brick, v % 8), "{v}");
-            assert_eq!(field.openness(brick), whole.openness(brick), "{v}");
-        }
-    }
-    assert!(deferred.iter().all(|count| *count > 20), "{deferred:?}");
-    let mut changed = Vec::new();
-    field.update_deferred(&grid, &mut changed, || true);
-    assert!(field.is_complete() && changed.windows(2).all(|pair| pair[0] < pair[1]));
-    assert_eq!(pictures(&grid, &field), pictures(&grid, &NormalField::of(&grid)));
-}
-
-/// An edit of which nothing is seen puts off more than one picture can wait for: the rest follows in portions.
-#[test]
-fn very_many_bricks_that_were_put_off_are_computed_in_portions() {
-    let (before, grid) = (scenes::cheese(160, 40, 3).unwrap(), scenes::cheese(160, 60, 4).unwrap());
-    let mut field = NormalField::of(&before);
-    let all: Vec<u32> = (0..grid.brick_count() as u32).collect();
-    for _ in 0..2 {
-        // The second time nothing is new.
-        field.follow(&grid, Some(&all));
-        field.update_seen(&grid, [], &mut Vec::new());
-        assert!(field.deferred() > MOST_AT_ONCE && !field.has_estimates());
-    }
-    let mut updates = 0;
-    while !field.is_complete() {
-        let mut portions = 0..2;
-        field.update(&grid, &mut Vec::new(), || portions.next().is_some());
-        updates += 1;
-    }
-    assert!(updates > 1);
-    assert_eq!(pictures(&grid, &field), pictures(&grid, &NormalField::of(&grid)));
-}
-
 /// The packed normals of all voxels, by brick.
 fn pictures(grid: &Grid, field: &NormalField) -> Vec<Vec<PackedNormal>> {
     let local = |i: u32| UVec3::from(crate::sculpture::brick::local_coords(i));
@@ -362,7 +293,7 @@ fn normals_do_not_depend_on_the_vector_instructions() {
         let queue = std::mem::take(&mut field.queue);
         let mut sorted = queue.clone();
         sorted.sort_unstable();
-        field.compute(level, &grid, &sorted, &mut Vec::new());
+        field.compute(level, &grid, &sorted, Precision::Refined, &mut Vec::new());
         pictures(&grid, &field)
     };
     let expected = of(Level::new());

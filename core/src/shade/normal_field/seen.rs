@@ -1,0 +1,198 @@
+//! Which normals a picture after an edit waits for: those of the bricks that it shows. The rest is put off until the
+//! view rests or something else looks at them.
+//!
+//! A picture that must come at once has first estimates ([`super::window`]) where bits have changed; the next ones have
+//! the refined normals. These reach a brick farther, where a picture shows them as they were before the edit.
+
+use fearless_simd::Level;
+use rayon::prelude::*;
+
+use super::batch::Precision;
+use super::{Flags, MOST_AT_ONCE, NO_PAGE, NormalField, block};
+use crate::sculpture::brick::BRICK_EDGE_VX;
+use crate::sculpture::brick_set::{BrickMask, BrickSet};
+use crate::sculpture::{Grid, NO_VOXEL};
+use crate::surface::{IndexMap, PixelRect, PixelRects};
+
+/// Bricks that were put off and are computed together.
+const DEFERRED_PORTION: usize = 256;
+/// Most bricks that are refined for a picture that must come at once.
+const PROMPT_PORTION: usize = 24;
+/// Rows of a picture in which a thread looks for bricks.
+const ROWS_AT_ONCE: usize = 64;
+
+impl NormalField {
+    /// Puts off what the last edits have changed, but for the bricks that are seen in `pixels` of `maps`; these must be
+    /// all in which they can be seen. Then nobody may look at other pictures before the next [`NormalField::update`].
+    /// With [`Precision::Estimated`], many bricks have first estimates until the next calls have refined them, some
+    /// each. Reports bricks as `update` does. Does nothing while normals of a sculpture that was opened are missing, or
+    /// where very many of the bricks are seen.
+    pub fn update_seen<'a>(
+        &mut self,
+        grid: &Grid,
+        views: impl IntoIterator<Item = (&'a IndexMap, PixelRects)>,
+        precision: Precision,
+        changed: &mut Vec<u32>,
+    ) {
+        if self.fresh > 0 {
+            return;
+        }
+        let mut seen = BrickSet::new(grid.brick_count());
+        for (map, rects) in views {
+            for rect in rects.as_slice() {
+                bricks_in(grid, map, *rect, &self.queued, &mut seen);
+            }
+        }
+        let mut targets = Vec::new();
+        seen.collect_into(&mut targets);
+        if targets.len() > MOST_AT_ONCE {
+            return;
+        }
+        let inexact = std::mem::take(&mut self.inexact);
+        // What was put off before may have a page, and be altered again.
+        let unseen = self.queue.iter().copied().chain(inexact.masks().flat_map(BrickMask::indices));
+        for index in unseen.filter(|index| !seen.contains(*index)) {
+            let page = std::mem::replace(&mut self.table[index as usize], NO_PAGE);
+            if page != NO_PAGE {
+                self.pages.free(page);
+                self.openness.store(index as usize, None);
+            }
+        }
+        self.deferred.extend(self.queue.drain(..).filter(|index| !seen.contains(*index)));
+        self.fresh = 0;
+        let first = changed.len();
+        if precision == Precision::Estimated {
+            self.refine_some(grid, &inexact, changed);
+        }
+        if precision == Precision::Refined || targets.len() <= PROMPT_PORTION {
+            targets.retain(|index| self.queued.contains(*index));
+            self.compute(Level::new(), grid, &targets, Precision::Refined, changed);
+        } else {
+            self.estimate(grid, targets, &inexact, changed);
+        }
+        sort_from(changed, first);
+        self.inexact = inexact;
+        self.inexact.clear();
+        if self.deferred.len() > self.table.len() {
+            self.retain_deferred();
+        }
+    }
+
+    /// Refines some of the bricks that have been estimated longest, but for `inexact` ones.
+    fn refine_some(&mut self, grid: &Grid, inexact: &BrickSet, changed: &mut Vec<u32>) {
+        let mut portion = Vec::with_capacity(PROMPT_PORTION);
+        self.estimated.retain(|&index| {
+            if !self.queued.contains(index) {
+                return false;
+            }
+            let taken = portion.len() < PROMPT_PORTION && !inexact.contains(index);
+            if taken {
+                portion.push(index);
+            }
+            !taken
+        });
+        portion.sort_unstable();
+        self.compute(Level::new(), grid, &portion, Precision::Refined, changed);
+    }
+
+    /// Gives first estimates to those of `targets` that are `inexact` or have none.
+    fn estimate(
+        &mut self,
+        grid: &Grid,
+        mut targets: Vec<u32>,
+        inexact: &BrickSet,
+        changed: &mut Vec<u32>,
+    ) {
+        let mut known = BrickSet::new(grid.brick_count());
+        self.estimated.iter().for_each(|index| known.insert(*index));
+        targets.retain(|index| self.queued.contains(*index));
+        self.estimated.extend(targets.iter().filter(|index| !known.contains(**index)));
+        self.deferred.extend_from_slice(&targets);
+        targets.retain(|i| inexact.contains(*i) || self.table[*i as usize] == NO_PAGE);
+        self.compute(Level::new(), grid, &targets, Precision::Estimated, changed);
+    }
+
+    /// Leaves those of `deferred` that are to be computed, each once, rising.
+    pub(super) fn retain_deferred(&mut self) {
+        self.deferred.sort_unstable();
+        self.deferred.dedup();
+        self.deferred.retain(|index| self.queued.contains(*index));
+    }
+
+    /// Number of bricks that are put off, or more.
+    pub fn deferred(&self) -> usize {
+        self.deferred.len()
+    }
+
+    /// Computes what was put off, for as long as `go_on` returns true. Reports bricks as [`NormalField::update`] does.
+    pub fn update_deferred(
+        &mut self,
+        grid: &Grid,
+        changed: &mut Vec<u32>,
+        mut go_on: impl FnMut() -> bool,
+    ) {
+        if self.deferred.is_empty() {
+            return;
+        }
+        let first = changed.len();
+        while !self.estimated.is_empty() && go_on() {
+            let count = self.estimated.len().min(DEFERRED_PORTION);
+            let mut portion: Vec<u32> = self.estimated.drain(..count).collect();
+            portion.retain(|index| self.queued.contains(*index));
+            portion.sort_unstable();
+            self.compute(Level::new(), grid, &portion, Precision::Refined, changed);
+        }
+        self.retain_deferred();
+        self.deferred.sort_by_cached_key(|index| (block(grid, *index), *index));
+        while !self.deferred.is_empty() && go_on() {
+            let from = self.deferred.len().saturating_sub(DEFERRED_PORTION);
+            let mut portion = self.deferred.split_off(from);
+            portion.sort_unstable();
+            self.compute(Level::new(), grid, &portion, Precision::Refined, changed);
+            // Whether they differ from those before the edit is not known.
+            changed.extend_from_slice(&portion);
+        }
+        sort_from(changed, first);
+    }
+}
+
+/// Sorts `list` from `first` on, and leaves each once.
+pub(super) fn sort_from(list: &mut Vec<u32>, first: usize) {
+    let mut own = list.split_off(first);
+    own.sort_unstable();
+    own.dedup();
+    list.append(&mut own);
+}
+
+/// Adds to `seen` the bricks of `wanted` whose voxels are seen in `rect`.
+fn bricks_in(grid: &Grid, map: &IndexMap, rect: PixelRect, wanted: &Flags, seen: &mut BrickSet) {
+    let rect = rect.intersect(PixelRect::of_picture(map.rays.size));
+    let (left, right) = (rect.min.x as usize, rect.max.x as usize);
+    if left >= right {
+        return;
+    }
+    // Each brick once for every run of voxels in it.
+    let in_rows = |rows: &[u32], found: &mut Vec<u32>| {
+        for row in rows.chunks_exact(map.rays.size.x as usize) {
+            let (mut last_voxel, mut last) = (NO_VOXEL, u32::MAX);
+            for &voxel in &row[left..right] {
+                if voxel != last_voxel && voxel != NO_VOXEL {
+                    let index = grid.brick_index(grid.voxel_coords(voxel) / BRICK_EDGE_VX) as u32;
+                    if index != last && wanted.contains(index) {
+                        found.push(index);
+                    }
+                    last = index;
+                }
+                last_voxel = voxel;
+            }
+        }
+    };
+    let rows = rect.rows_of(&map.voxels, map.rays.size.x);
+    let parts = rows.par_chunks(ROWS_AT_ONCE * map.rays.size.x as usize);
+    let found = parts.fold(Vec::new, |mut found, rows| {
+        in_rows(rows, &mut found);
+        found
+    });
+    let found: Vec<Vec<u32>> = found.collect();
+    found.iter().flatten().for_each(|index| seen.insert(*index));
+}

@@ -1,0 +1,167 @@
+//! What pictures show after edits, whatever is estimated or put off; and that in the end all is refined.
+
+use std::collections::BTreeSet;
+
+use glam::UVec2;
+
+use super::*;
+use crate::sculpture::{NO_VOXEL, Placement};
+use crate::surface::{IndexMap, changed_pixels, raycast};
+use crate::view::{Camera, PixelRays};
+
+fn rays(grid: &Grid) -> PixelRays {
+    let world_from_grid = Placement::default().world_from_grid(grid.dims(), grid.voxel_size());
+    let eye = Camera::framing(90.0, Vec3::new(0.8, 0.6, 1.0), Vec3::Y).eye(UVec2::new(160, 120));
+    eye.pixel_rays(&world_from_grid)
+}
+
+/// Sets the voxels of a ball of radius 11; the bricks that it may have changed.
+fn ball(grid: &mut Grid, centre: IVec3, exists: bool) -> Vec<u32> {
+    let mut changed = BTreeSet::new();
+    for i in 0..24 * 24 * 24 {
+        let offset = IVec3::new(i % 24, i / 24 % 24, i / 576) - 12;
+        if offset.length_squared() <= 121 && grid.contains(centre + offset) {
+            grid.set(centre + offset, exists);
+            changed.insert(grid.brick_index((centre + offset).as_uvec3() / 8) as u32);
+        }
+    }
+    changed.into_iter().collect()
+}
+
+/// Carves and fills where a view looks, and calls `check` with the grid, the field, the index map, the bricks that
+/// changed and those that the field reported.
+fn edit(
+    precision: Precision,
+    mut check: impl FnMut(&Grid, &NormalField, &IndexMap, &[u32], &[u32]),
+) {
+    let mut grid = scenes::cheese(120, 40, 3).unwrap();
+    let rays = rays(&grid);
+    let mut map = IndexMap::new(rays);
+    raycast::sample(&grid, &rays, &mut map);
+    let mut field = NormalField::of(&grid);
+    let (mut random, mut deferred) = (Random(5), Vec::new());
+    for edit in 0..8 {
+        let hit = raycast::cast(&grid, rays.origin, rays.direction(40 + 10 * edit, 60)).unwrap();
+        let centre = hit.voxel.as_ivec3() + random.voxel(UVec3::splat(9)) - 4;
+        let changed = ball(&mut grid, centre, edit % 3 == 2);
+        field.follow(&grid, Some(&changed));
+        raycast::sample(&grid, &rays, &mut map);
+        let pixels = changed_pixels(&grid, &changed, &rays, 16);
+        let mut reported = Vec::new();
+        field.update_seen(&grid, [(&map, pixels)], precision, &mut reported);
+        assert!(!field.has_estimates());
+        deferred.push(field.deferred());
+        check(&grid, &field, &map, &changed, &reported);
+    }
+    assert!(deferred.iter().all(|count| *count > 20), "{deferred:?}");
+    let mut changed = Vec::new();
+    field.update_deferred(&grid, &mut changed, || true);
+    assert!(field.is_complete() && changed.windows(2).all(|pair| pair[0] < pair[1]));
+    assert_eq!(pictures(&grid, &field), pictures(&grid, &NormalField::of(&grid)));
+}
+
+/// The voxels of a map, with their bricks.
+fn seen<'a>(grid: &'a Grid, map: &'a IndexMap) -> impl Iterator<Item = (UVec3, usize)> {
+    let voxels = map.voxels.iter().filter(|voxel| **voxel != NO_VOXEL);
+    let seen = voxels.map(|&voxel| grid.voxel_coords(voxel));
+    seen.map(|v| (v, grid.brick_index(v / 8)))
+}
+
+#[test]
+fn what_is_seen_after_edits_is_up_to_date_and_the_rest_follows() {
+    edit(Precision::Refined, |grid, field, map, _, _| {
+        let whole = NormalField::of(grid);
+        for (v, brick) in seen(grid, map) {
+            assert_eq!(field.packed(brick, v % 8), whole.packed(brick, v % 8), "{v}");
+            assert_eq!(field.openness(brick), whole.openness(brick), "{v}");
+        }
+    });
+}
+
+#[test]
+fn prompt_pictures_show_first_estimates_where_bits_have_changed_and_refine_them_later() {
+    let estimates_of = |grid: &Grid| {
+        let mut field = NormalField::default();
+        field.follow(grid, None);
+        let mut all = field.queue.clone();
+        all.sort_unstable();
+        field.compute(Level::new(), grid, &all, Precision::Estimated, &mut Vec::new());
+        field
+    };
+    let grid = scenes::cheese(120, 40, 3).unwrap();
+    let mut before = pictures(&grid, &NormalField::of(&grid));
+    let (mut estimated, mut refined) = (0, 0);
+    edit(Precision::Estimated, |grid, field, map, changed, reported| {
+        let (first, whole) = (estimates_of(grid), NormalField::of(grid));
+        let changed: Vec<_> = changed.iter().map(|b| grid.brick_coords(*b as usize)).collect();
+        let near = |brick: UVec3| {
+            let distance = |b: &UVec3| (b.as_ivec3() - brick.as_ivec3()).abs().max_element();
+            changed.iter().any(|b| distance(b) <= 1)
+        };
+        let now = pictures(grid, field);
+        for (v, brick) in seen(grid, map) {
+            let shown = field.packed(brick, v % 8);
+            let values = [&first, &whole].map(|field| field.packed(brick, v % 8));
+            if near(v / 8) {
+                assert!(values.contains(&shown), "{v}");
+                assert_eq!(field.openness(brick), whole.openness(brick), "{v}");
+                estimated += u32::from(shown == values[0]);
+            } else if shown != values[1] {
+                // As it was, and still to be refined.
+                assert!(field.queued.contains(brick as u32), "{v}");
+            }
+            refined += u32::from(shown == values[1]);
+            let is_told = reported.contains(&(brick as u32));
+            assert!(is_told || now[brick] == before[brick], "{v}");
+        }
+        before = now;
+    });
+    assert!(estimated > 1000 && refined > 1000, "{estimated} {refined}");
+}
+
+/// A stroke that goes on: what it has left behind is refined while it does.
+#[test]
+fn what_a_stroke_has_left_is_refined_before_it_ends() {
+    let mut grid = scenes::solid_cube(160).unwrap();
+    let before = scenes::solid_cube(160).unwrap();
+    let rays = rays(&grid);
+    let mut map = IndexMap::new(rays);
+    let mut field = NormalField::of(&grid);
+    let mut most = 0;
+    for x in 50..110 {
+        let hit = raycast::cast(&before, rays.origin, rays.direction(x, 60)).unwrap();
+        let changed = ball(&mut grid, hit.voxel.as_ivec3(), false);
+        field.follow(&grid, Some(&changed));
+        raycast::sample(&grid, &rays, &mut map);
+        let pixels = changed_pixels(&grid, &changed, &rays, 16);
+        field.update_seen(&grid, [(&map, pixels)], Precision::Estimated, &mut Vec::new());
+        most = most.max(field.estimated.len());
+    }
+    // The ground of the furrow, where it began.
+    let behind = grid.voxel_coords(map.voxels[60 * 160 + 52]);
+    let behind = grid.brick_index(behind / 8) as u32;
+    assert!(!field.queued.contains(behind));
+    assert!((1..200).contains(&most), "{most}");
+}
+
+/// An edit of which nothing is seen puts off more than one picture can wait for: the rest follows in portions.
+#[test]
+fn very_many_bricks_that_were_put_off_are_computed_in_portions() {
+    let (before, grid) = (scenes::cheese(160, 40, 3).unwrap(), scenes::cheese(160, 60, 4).unwrap());
+    let mut field = NormalField::of(&before);
+    let all: Vec<u32> = (0..grid.brick_count() as u32).collect();
+    for _ in 0..2 {
+        // The second time nothing is new.
+        field.follow(&grid, Some(&all));
+        field.update_seen(&grid, [], Precision::Refined, &mut Vec::new());
+        assert!(field.deferred() > MOST_AT_ONCE && !field.has_estimates());
+    }
+    let mut updates = 0;
+    while !field.is_complete() {
+        let mut portions = 0..2;
+        field.update(&grid, &mut Vec::new(), || portions.next().is_some());
+        updates += 1;
+    }
+    assert!(updates > 1);
+    assert_eq!(pictures(&grid, &field), pictures(&grid, &NormalField::of(&grid)));
+}
