@@ -8,7 +8,7 @@ use glam::Vec2;
 use super::PictureArgs;
 use super::error::ArgumentError;
 use crate::picture::{FinalOptions, LINEAR_ENDING};
-use crate::trace::{AreaLight, Ground, Lens, LightOptions, Sun, TraceOptions};
+use crate::trace::{AreaLight, Ground, Lens, LightOptions, MAX_BOUNCES, Sun, TraceOptions};
 
 /// How much time a picture may take.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, ValueEnum)]
@@ -62,7 +62,7 @@ pub struct FinalArgs {
     #[arg(long, value_name = "X,Y", value_parser = parse_focus)]
     pub focus: Option<Vec2>,
     /// How often light is reflected on its way at most, 0 to 64 (default: 8)
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=64))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(MAX_BOUNCES)))]
     pub bounces: Option<u32>,
     /// Doubles the light of .png and .jpg with each unit, -10 to 10 (default: 0)
     #[arg(long, value_name = "EV", allow_hyphen_values = true,

@@ -6,16 +6,16 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use egui::{
-    Checkbox, ColorImage, ComboBox, DragValue, Grid, Id, Image, Key, Modal, ScrollArea, Slider,
-    TextureHandle, TextureOptions, Ui,
+    ColorImage, Grid, Id, Image, Key, Modal, ScrollArea, TextureHandle, TextureOptions, Ui,
 };
 use glam::UVec2;
 
+use super::final_rows::{file, ground, lamp, lens, light, quality};
 use super::picture_size::PictureSize;
 use super::{UiContext, UiRequest, UiState, theme};
 use crate::sculpture::Rgb;
 use crate::shade::Pixels;
-use crate::trace::{Ground, LightOptions, MAX_FINAL_SAMPLES, Sun, TraceOptions};
+use crate::trace::{AreaLight, TraceOptions};
 
 /// The longest side of a picture, in pixels.
 const MOST_PX: u32 = 8192;
@@ -35,7 +35,7 @@ pub enum FinalFile {
 }
 
 impl FinalFile {
-    const ALL: [FinalFile; 3] = [FinalFile::Png, FinalFile::Jpeg, FinalFile::Exr];
+    pub(super) const ALL: [FinalFile; 3] = [FinalFile::Png, FinalFile::Jpeg, FinalFile::Exr];
 
     /// The ending of its name.
     pub const fn ending(self) -> &'static str {
@@ -46,7 +46,7 @@ impl FinalFile {
         }
     }
 
-    const fn name(self) -> &'static str {
+    pub(super) const fn name(self) -> &'static str {
         match self {
             FinalFile::Png => "PNG",
             FinalFile::Jpeg => "JPEG",
@@ -54,7 +54,7 @@ impl FinalFile {
         }
     }
 
-    const fn help(self) -> &'static str {
+    pub(super) const fn help(self) -> &'static str {
         match self {
             FinalFile::Png => "For screens, without loss",
             FinalFile::Jpeg => "For screens, small",
@@ -62,6 +62,10 @@ impl FinalFile {
         }
     }
 }
+
+/// A lamp to the left of the viewer, which fills the shadows of the sun.
+const USUAL_LAMP: AreaLight =
+    AreaLight { azimuth_deg: -60.0, elevation_deg: 30.0, size: 1.0, strength: 0.5 };
 
 /// A final picture that is asked for.
 #[derive(Clone, PartialEq, Debug)]
@@ -84,6 +88,8 @@ pub struct FinalDialog {
     pub trace: TraceOptions,
     /// The ground's colour, also while there is none.
     pub ground: Rgb,
+    /// The lamp, also while there is none.
+    pub lamp: AreaLight,
     pub denoise: bool,
     pub exposure_ev: f32,
     pub file: FinalFile,
@@ -97,6 +103,7 @@ impl Default for FinalDialog {
             open: false,
             size: PictureSize::OfView,
             ground: trace.ground.map_or(Rgb::STONE, |ground| ground.colour),
+            lamp: USUAL_LAMP,
             trace,
             denoise: true,
             exposure_ev: 0.0,
@@ -174,6 +181,7 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
                 dialog.size.row(ui, context.picture_px, MOST_PX);
                 quality(ui, dialog);
                 light(ui, &mut dialog.trace.light);
+                lamp(ui, dialog);
                 ground(ui, dialog);
                 lens(ui, dialog);
                 file(ui, dialog);
@@ -204,122 +212,4 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
     if response.should_close() {
         state.dialogs.final_picture.open = false;
     }
-}
-
-fn quality(ui: &mut Ui, dialog: &mut FinalDialog) {
-    let label = ui.label("Samples");
-    let samples = Slider::new(&mut dialog.trace.samples, 1..=MAX_FINAL_SAMPLES).logarithmic(true);
-    ui.add(samples)
-        .labelled_by(label.id)
-        .on_hover_text("Rays of each pixel: four times as many halve the noise");
-    ui.end_row();
-    ui.label("");
-    ui.checkbox(&mut dialog.denoise, "Remove noise")
-        .on_hover_text("Filters what noise remains, without blurring edges");
-    ui.end_row();
-    let label = ui.label("Exposure");
-    let exposure = Slider::new(&mut dialog.exposure_ev, -10.0..=10.0).suffix(" EV").max_decimals(1);
-    ui.add(exposure)
-        .labelled_by(label.id)
-        .on_hover_text("Doubles the light of PNG and JPEG with each unit");
-    ui.end_row();
-}
-
-fn light(ui: &mut Ui, light: &mut LightOptions) {
-    let LightOptions::Outdoors { sun, sky, .. } = light else { return };
-    let Sun { azimuth_deg, elevation_deg, size_deg, strength } = sun;
-    for (name, value, range, suffix, help) in [
-        (
-            "Sun azimuth",
-            azimuth_deg,
-            -180.0..=180.0,
-            "°",
-            "Where the sun stands: 0 is behind the viewer, more is to the right",
-        ),
-        (
-            "Sun elevation",
-            elevation_deg,
-            0.0..=90.0,
-            "°",
-            "Height of the sun above the horizon; at 0 it has set",
-        ),
-        ("Sun size", size_deg, 0.2..=60.0, "°", "The larger, the softer the shadows"),
-        ("Sun strength", strength, 0.0..=10.0, "", "1 is a clear day"),
-        ("Sky", sky, 0.0..=10.0, "", "Strength of the light of the sky; 1 is a clear day"),
-    ] {
-        let label = ui.label(name);
-        let slider = Slider::new(value, range).suffix(suffix).max_decimals(1);
-        ui.add(slider).labelled_by(label.id).on_hover_text(help);
-        ui.end_row();
-    }
-}
-
-fn ground(ui: &mut Ui, dialog: &mut FinalDialog) {
-    ui.label("");
-    ui.horizontal(|ui| {
-        let mut has_ground = dialog.trace.ground.is_some();
-        ui.checkbox(&mut has_ground, "Ground")
-            .on_hover_text("An even ground that the sculpture stands on and throws its shadow on");
-        ui.add_enabled_ui(has_ground, |ui| {
-            ui.color_edit_button_srgb(&mut dialog.ground.0).on_hover_text("Colour of the ground");
-        });
-        dialog.trace.ground = has_ground.then_some(Ground { colour: dialog.ground });
-    });
-    ui.end_row();
-}
-
-fn lens(ui: &mut Ui, dialog: &mut FinalDialog) {
-    let lens = &mut dialog.trace.lens;
-    let label = ui.label("Depth of field");
-    let mut percent = lens.aperture * 100.0;
-    let slider = Slider::new(&mut percent, 0.0..=50.0).suffix(" %").max_decimals(1);
-    let slider = ui.add(slider).labelled_by(label.id).on_hover_text(
-        "Diameter of the lens over the distance of what is sharp; at 0 all is sharp, 4 shows it",
-    );
-    if slider.changed() {
-        lens.aperture = percent / 100.0;
-    }
-    ui.end_row();
-    let label = ui.label("Focus");
-    let has_focus = lens.aperture > 0.0;
-    ui.horizontal(|ui| {
-        for (share, prefix, help) in [
-            (&mut lens.focus.x, "X ", "What is sharp: a place in the picture, from the left"),
-            (&mut lens.focus.y, "Y ", "What is sharp: a place in the picture, from the top"),
-        ] {
-            let mut shown = *share * 100.0;
-            let value = DragValue::new(&mut shown)
-                .range(0.0..=100.0)
-                .prefix(prefix)
-                .suffix(" %")
-                .max_decimals(0);
-            let field = ui.add_enabled(has_focus, value).labelled_by(label.id);
-            if field.on_hover_text(help).changed() {
-                *share = shown / 100.0;
-            }
-        }
-    });
-    ui.end_row();
-}
-
-fn file(ui: &mut Ui, dialog: &mut FinalDialog) {
-    let label = ui.label("File");
-    ComboBox::from_id_salt("final file")
-        .width(150.0)
-        .selected_text(dialog.file.name())
-        .show_ui(ui, |ui| {
-            for file in FinalFile::ALL {
-                let choice = ui.selectable_value(&mut dialog.file, file, file.name());
-                choice.on_hover_text(file.help());
-            }
-        })
-        .response
-        .labelled_by(label.id)
-        .on_hover_text(dialog.file.help());
-    ui.end_row();
-    ui.label("");
-    ui.add(Checkbox::new(&mut dialog.on_gpu, "Trace on the graphics device")).on_hover_text(
-        "Much faster on a GPU, but shows the voxels' cubes instead of the smooth surface",
-    );
-    ui.end_row();
 }

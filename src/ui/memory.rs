@@ -11,6 +11,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::import_dialog::Remembered;
+use super::memory_final::KeptFinal;
 use super::memory_references;
 use super::recent::Recent;
 use super::state::PanelPlace;
@@ -72,6 +73,8 @@ struct Kept {
     ask_import: Option<bool>,
     #[serde(deserialize_with = "lenient")]
     imports: Option<Vec<toml::Value>>,
+    #[serde(deserialize_with = "lenient")]
+    final_picture: Option<KeptFinal>,
 }
 
 #[derive(Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -159,6 +162,7 @@ pub fn to_text(state: &UiState, tool: &ToolState, window: &WindowOptions) -> Str
         references: Some(memory_references::to_values(&state.references)),
         ask_import: Some(state.dialogs.import.ask),
         imports: Some(state.dialogs.import.remembered.lines().map(toml::Value::String).collect()),
+        final_picture: Some(KeptFinal::of(&state.dialogs.final_picture)),
     };
     match toml::to_string(&kept) {
         Ok(text) => format!("{HEAD}{text}"),
@@ -209,6 +213,9 @@ pub fn recall(text: &str, state: &mut UiState, tool: &mut ToolState, window: &Wi
     state.dialogs.import.ask = kept.ask_import.unwrap_or(true);
     let imports = kept.imports.iter().flatten().filter_map(toml::Value::as_str);
     state.dialogs.import.remembered = Remembered::from_lines(imports);
+    if let Some(choices) = kept.final_picture {
+        choices.recall(&mut state.dialogs.final_picture);
+    }
     state.layout.sections.extend(kept.sections.into_iter().flatten().take(64));
     recall_tool(&kept.tool.unwrap_or_default(), tool);
     for kind in SprayKind::ALL {
@@ -289,10 +296,6 @@ fn kept_spray(options: &SprayOptions) -> KeptSpray {
 
 fn recall_spray(kept: &KeptSpray, options: &mut SprayOptions) {
     let outline = |square: bool| if square { Outline::Square } else { Outline::Round };
-    // What is no number is in no range.
-    let within = |value: Option<f64>, range: std::ops::RangeInclusive<f32>, usual: f32| {
-        value.map(|value| value as f32).filter(|value| range.contains(value)).unwrap_or(usual)
-    };
     options.radius_px = within(kept.radius_px, 1.0..=MAX_FOOTPRINT, options.radius_px);
     options.reach_vx = within(kept.reach_vx, 0.0..=MAX_REACH_VX, options.reach_vx);
     options.cover = within(kept.cover, 0.01..=1.0, options.cover);
@@ -311,8 +314,13 @@ fn is_side(size: &[u32; 2]) -> bool {
     size.iter().all(|side| SIDES.contains(side))
 }
 
+/// A remembered number, or what is usual if there is none in the range: what is no number is in no range.
+pub(super) fn within(value: Option<f64>, range: std::ops::RangeInclusive<f32>, usual: f32) -> f32 {
+    value.map(|value| value as f32).filter(|value| range.contains(value)).unwrap_or(usual)
+}
+
 /// The number as a person would write it.
-fn neat(value: f32) -> f64 {
+pub(super) fn neat(value: f32) -> f64 {
     value.to_string().parse().unwrap_or(f64::from(value))
 }
 

@@ -7,6 +7,7 @@ use egui::{Key, Modifiers, vec2};
 use egui_kittest::kittest::Queryable;
 use glam::UVec2;
 use virtual_sculpture::render::RenderMode;
+use virtual_sculpture::trace::LightOptions;
 use virtual_sculpture::ui::film_dialog::{FilmForm, FilmKind};
 use virtual_sculpture::ui::final_dialog::FinalFile;
 use virtual_sculpture::ui::picture_size::PictureSize;
@@ -60,6 +61,10 @@ fn a_final_picture_is_what_its_dialog_says() {
     harness.run();
     click(&mut harness, "Remove noise");
     click(&mut harness, "Ground");
+    click(&mut harness, "Lamp");
+    harness.get_by_label("Lamp strength").rect();
+    let light = &harness.state().ui.dialogs.final_picture.trace.light;
+    assert!(matches!(light, LightOptions::Outdoors { area_light: Some(_), .. }));
     let dialog = &mut harness.state_mut().ui.dialogs.final_picture;
     assert!(!dialog.denoise && dialog.trace.ground.is_none() && dialog.trace.samples == 64);
     dialog.size = PictureSize::Custom(UVec2::new(48, 32));

@@ -51,6 +51,8 @@ use scene::{Met, Scene};
 
 /// The most samples of a pixel of a final picture.
 pub const MAX_FINAL_SAMPLES: u32 = 4096;
+/// Largest [`TraceOptions::bounces`] that is worth its time.
+pub const MAX_BOUNCES: u32 = 64;
 /// Distance from the sculpture, in its radii, at which half of the ground has faded into the horizon.
 const HALF_FADED_RADII: f32 = 12.0;
 
