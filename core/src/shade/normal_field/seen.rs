@@ -62,7 +62,7 @@ impl NormalField {
         self.fresh = 0;
         let first = changed.len();
         if precision == Precision::Estimated {
-            self.refine_some(grid, &inexact, changed);
+            self.refine_some(grid, &seen, &inexact, changed);
         }
         if precision == Precision::Refined || targets.len() <= PROMPT_PORTION {
             targets.retain(|index| self.queued.contains(*index));
@@ -78,14 +78,22 @@ impl NormalField {
         }
     }
 
-    /// Refines some of the bricks that have been estimated longest, but for `inexact` ones.
-    fn refine_some(&mut self, grid: &Grid, inexact: &BrickSet, changed: &mut Vec<u32>) {
+    /// Refines some of the bricks that have been estimated longest: of those that are `seen` where the picture is shaded
+    /// again anyway, but for `inexact` ones.
+    fn refine_some(
+        &mut self,
+        grid: &Grid,
+        seen: &BrickSet,
+        inexact: &BrickSet,
+        changed: &mut Vec<u32>,
+    ) {
         let mut portion = Vec::with_capacity(PROMPT_PORTION);
         self.estimated.retain(|&index| {
             if !self.queued.contains(index) {
                 return false;
             }
-            let taken = portion.len() < PROMPT_PORTION && !inexact.contains(index);
+            let is_near = seen.contains(index) && !inexact.contains(index);
+            let taken = is_near && portion.len() < PROMPT_PORTION;
             if taken {
                 portion.push(index);
             }
