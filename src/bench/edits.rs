@@ -144,7 +144,7 @@ pub struct EditToImage {
 const BITES: usize = 20;
 
 /// Subtracts balls at the visible surface, and measures each from the command to the shaded
-/// picture. Takes at most `patience`, except for one run and the smallest number of runs.
+/// picture. A picture at rest follows each, as in a window, and is not measured. Takes at most `patience`, except for one run and the smallest number of runs.
 pub fn edit_to_image(
     document: &mut Document,
     pictures: &mut Pictures,
@@ -184,6 +184,7 @@ pub fn edit_to_image(
         measured += edited + after.shaded;
         shaded.push(edited + after.shaded);
         composite.extend(after.composite);
+        pictures.settle(document)?;
         bites += 1;
         if bites == BITES {
             renew(document, pictures, bites)?;

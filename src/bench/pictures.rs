@@ -153,6 +153,14 @@ impl Pictures {
         }
     }
 
+    /// The picture that a window shows of the view at rest, after that of an edit.
+    pub fn settle(&mut self, document: &mut Document) -> Result<()> {
+        match &mut self.maker {
+            Maker::Renderer(rendered) => rendered.draw(document).map(drop),
+            Maker::Kernels(_) => Ok(()),
+        }
+    }
+
     /// The picture after an edit, from the same position as the last one.
     pub fn after_edit(&mut self, document: &mut Document) -> Result<AfterEdit> {
         match &mut self.maker {

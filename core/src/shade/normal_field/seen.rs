@@ -1,8 +1,8 @@
 //! Which normals a picture after an edit waits for: those of the bricks that it shows. The rest is put off until the
 //! view rests or something else looks at them.
 //!
-//! A picture that must come at once has first estimates ([`super::window`]) where bits have changed; the next ones have
-//! the refined normals. These reach a brick farther, where a picture shows them as they were before the edit.
+//! A picture that must come at once has first estimates ([`super::window`]) where bits have changed; those of the view
+//! at rest have the refined normals. These reach a brick farther, where a picture shows them as they were before the edit.
 
 use fearless_simd::Level;
 use rayon::prelude::*;
@@ -16,16 +16,17 @@ use crate::surface::{IndexMap, PixelRect, PixelRects};
 
 /// Bricks that were put off and are computed together.
 const DEFERRED_PORTION: usize = 256;
-/// Most bricks that are refined for a picture that must come at once.
+/// Most bricks that are refined at once for a picture that must come at once.
 const PROMPT_PORTION: usize = 24;
+/// Most bricks that are only estimated: a stroke that goes on beyond them waits for a part of them now and then.
+pub(super) const MOST_ESTIMATED: usize = 384;
 /// Rows of a picture in which a thread looks for bricks.
 const ROWS_AT_ONCE: usize = 64;
 
 impl NormalField {
     /// Puts off what the last edits have changed, but for the bricks that are seen in `pixels` of `maps`; these must be
     /// all in which they can be seen. Then nobody may look at other pictures before the next [`NormalField::update`].
-    /// With [`Precision::Estimated`], many bricks have first estimates until the next calls have refined them, some
-    /// each. Reports bricks as `update` does. Does nothing while normals of a sculpture that was opened are missing, or
+    /// With [`Precision::Estimated`], many bricks have first estimates until [`NormalField::update_deferred`]. Reports bricks as `update` does. Does nothing while normals of a sculpture that was opened are missing, or
     /// where very many of the bricks are seen.
     pub fn update_seen<'a>(
         &mut self,
@@ -61,8 +62,8 @@ impl NormalField {
         self.deferred.extend(self.queue.drain(..).filter(|index| !seen.contains(*index)));
         self.fresh = 0;
         let first = changed.len();
-        if precision == Precision::Estimated {
-            self.refine_some(grid, &seen, &inexact, changed);
+        if precision == Precision::Estimated && self.estimated.len() > MOST_ESTIMATED {
+            self.refine_some(grid, &inexact, changed);
         }
         if precision == Precision::Refined || targets.len() <= PROMPT_PORTION {
             targets.retain(|index| self.queued.contains(*index));
@@ -78,22 +79,14 @@ impl NormalField {
         }
     }
 
-    /// Refines some of the bricks that have been estimated longest: of those that are `seen` where the picture is shaded
-    /// again anyway, but for `inexact` ones.
-    fn refine_some(
-        &mut self,
-        grid: &Grid,
-        seen: &BrickSet,
-        inexact: &BrickSet,
-        changed: &mut Vec<u32>,
-    ) {
-        let mut portion = Vec::with_capacity(PROMPT_PORTION);
+    /// Refines the bricks that have been estimated longest, but for `inexact` ones.
+    fn refine_some(&mut self, grid: &Grid, inexact: &BrickSet, changed: &mut Vec<u32>) {
+        let mut portion = Vec::with_capacity(DEFERRED_PORTION);
         self.estimated.retain(|&index| {
             if !self.queued.contains(index) {
                 return false;
             }
-            let is_near = seen.contains(index) && !inexact.contains(index);
-            let taken = is_near && portion.len() < PROMPT_PORTION;
+            let taken = portion.len() < DEFERRED_PORTION && !inexact.contains(index);
             if taken {
                 portion.push(index);
             }
