@@ -19,7 +19,7 @@ const DEFERRED_PORTION: usize = 256;
 /// Most bricks that are refined at once for a picture that must come at once.
 const PROMPT_PORTION: usize = 24;
 /// Most bricks that are only estimated: a stroke that goes on beyond them waits for a part of them now and then.
-pub(super) const MOST_ESTIMATED: usize = 384;
+pub(super) const MOST_ESTIMATED: usize = 256;
 /// Rows of a picture in which a thread looks for bricks.
 const ROWS_AT_ONCE: usize = 64;
 

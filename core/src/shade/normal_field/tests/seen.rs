@@ -146,7 +146,7 @@ fn what_a_long_stroke_has_left_is_refined_before_it_ends() {
         }
         refined += done.count();
     }
-    assert!(refined > 100, "{refined}");
+    assert!(refined > 100, "{refined} {}", field.estimated.len());
 }
 
 /// An edit of which nothing is seen puts off more than one picture can wait for: the rest follows in portions.
