@@ -10,6 +10,7 @@ extern crate trials;
 
 mod bad_files;
 mod commands;
+mod conversions;
 mod example;
 mod formats;
 mod independent;

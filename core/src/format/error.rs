@@ -30,6 +30,9 @@ pub enum FormatError {
     /// The path has no file extension to choose the format by.
     #[error("the file name has no extension; add one of .{list}", list = super::READ_ENDINGS.join(", ."))]
     NoEnding,
+    /// A file that holds something else than its name says, which is not read.
+    #[error("the name is that of another kind of file: this one holds {0}")]
+    OtherContent(&'static str),
     /// Reading needs more memory than the limits allow.
     #[error(
         "reading this file needs {needed_mib} MiB, more than the {budget_mib} MiB allowed; \

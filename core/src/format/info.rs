@@ -71,7 +71,20 @@ pub fn info_with(
     limits: &Limits,
     progress: &dyn Progress,
 ) -> Result<Info, FormatError> {
-    let format = content::format_of(path)?;
+    let (format, disagreement) = content::format_of(path)?;
+    let mut info = info_as(format, path, options, limits, progress)?;
+    info.notes.splice(0..0, disagreement);
+    Ok(info)
+}
+
+/// [`info_with`], of a format.
+fn info_as(
+    format: Format,
+    path: &Path,
+    options: &ImportOptions,
+    limits: &Limits,
+    progress: &dyn Progress,
+) -> Result<Info, FormatError> {
     if format == Format::Vsc {
         let file = read_file(path, limits, progress)?;
         let header = vsc::read_header(&file, limits)?;
@@ -122,7 +135,7 @@ pub fn info_with(
         }
         Format::Vsc | Format::Pvm | Format::Raw | Format::Scan(_) => {}
     }
-    let (volume, source) = open_volume(path, options, limits, progress)?;
+    let (volume, source) = open_volume(format, path, options, limits, progress)?;
     let orientation = source.frame.describe();
     let Source { kind, file_bytes, notes, .. } = source;
     Ok(Info {

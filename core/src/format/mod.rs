@@ -153,7 +153,21 @@ pub fn load(
     limits: &Limits,
     progress: &dyn Progress,
 ) -> Result<Loaded, FormatError> {
-    match content::format_of(path)? {
+    let (format, disagreement) = content::format_of(path)?;
+    let mut loaded = load_as(format, path, options, limits, progress)?;
+    loaded.notes.splice(0..0, told(path, disagreement.into_iter().collect()));
+    Ok(loaded)
+}
+
+/// [`load`], of a format.
+fn load_as(
+    format: Format,
+    path: &Path,
+    options: &ImportOptions,
+    limits: &Limits,
+    progress: &dyn Progress,
+) -> Result<Loaded, FormatError> {
+    match format {
         Format::Vsc => {
             let file = read_file(path, limits, progress)?;
             let (contents, texts) = vsc::read(&file, limits, progress)?;
@@ -174,7 +188,7 @@ pub fn load(
         }
         Format::Pvm | Format::Raw | Format::Scan(_) => {}
     }
-    let (volume, source) = open_volume(path, options, limits, progress)?;
+    let (volume, source) = open_volume(format, path, options, limits, progress)?;
     let options = &source.adapted(options);
     let signature = import::trusted_signature(&volume);
     let mut contents = import::to_contents(&volume, signature, options, limits, progress)?;
@@ -214,7 +228,8 @@ pub fn load_volume(
     limits: &Limits,
     progress: &dyn Progress,
 ) -> Result<Volume, FormatError> {
-    open_volume(path, options, limits, progress).map(|(volume, _)| volume)
+    let (format, _) = content::format_of(path)?;
+    open_volume(format, path, options, limits, progress).map(|(volume, _)| volume)
 }
 
 /// Writes a sculpture, atomically: an existing file is replaced when the new one is complete. See [`save_with`].
@@ -329,18 +344,20 @@ impl Source {
 
 /// The voxels of a file, in the region and of the size that are asked for.
 fn open_volume(
+    format: Format,
     path: &Path,
     options: &ImportOptions,
     limits: &Limits,
     progress: &dyn Progress,
 ) -> Result<(Volume, Source), FormatError> {
-    let (volume, source) = read_volume(path, options, limits, progress)?;
+    let (volume, source) = read_volume(format, path, options, limits, progress)?;
     let is_label = import::trusted_signature(&volume).is_some_and(|s| s.form == ExportForm::Packed);
     let volume = prepare::prepare(volume, options, is_label, budget_bytes(limits), progress)?;
     Ok((volume, source))
 }
 
 fn read_volume(
+    format: Format,
     path: &Path,
     options: &ImportOptions,
     limits: &Limits,
@@ -351,9 +368,9 @@ fn read_volume(
         let (dims, voxel_size) = prepare::prepared(dims, voxel_size, options)?;
         Ok(Grid::check(dims, voxel_size, limits.grid_bytes)?)
     };
-    match content::format_of(path)? {
+    match format {
         Format::Vsc | Format::Voxel(_) | Format::Mesh(_) => {
-            let loaded = load(path, options, limits, progress)?;
+            let loaded = load_as(format, path, options, limits, progress)?;
             let volume = export::to_volume(&loaded.contents, ExportForm::Auto, loaded.texts)?;
             let file_bytes = std::fs::metadata(path)?.len();
             Ok((volume, Source { kind: "sculpture".to_string(), file_bytes, ..Source::default() }))

@@ -34,7 +34,7 @@ impl Family {
 /// What may be asked about a file. None for sculptures and voxel models, which leave nothing open, and for
 /// files that cannot be read.
 pub fn family(path: &Path) -> Option<Family> {
-    match content::format_of(path).ok()? {
+    match content::format_of(path).ok()?.0 {
         Format::Vsc | Format::Voxel(_) => None,
         Format::Pvm | Format::Raw | Format::Scan(_) => Some(Family::Volume),
         Format::Mesh(_) => Some(Family::Mesh),
@@ -75,7 +75,8 @@ pub fn study(
     limits: &Limits,
     progress: &dyn Progress,
 ) -> Result<Study, FormatError> {
-    match content::format_of(path)? {
+    let (format, _) = content::format_of(path)?;
+    match format {
         Format::Vsc | Format::Voxel(_) => Ok(Study::Settled),
         Format::Mesh(kind) => {
             let imported = mesh_in::load(path, kind, limits, progress)?;
@@ -85,7 +86,7 @@ pub fn study(
             let options = ImportOptions { raw: options.raw, ..ImportOptions::default() };
             let (grid_bytes, colour_bytes) = (budget_bytes(limits), 0);
             let limits = Limits { grid_bytes, colour_bytes, ..*limits };
-            let (volume, source) = read_volume(path, &options, &limits, progress)?;
+            let (volume, source) = read_volume(format, path, &options, &limits, progress)?;
             if import::trusted_signature(&volume).is_some() {
                 return Ok(Study::Settled);
             }
