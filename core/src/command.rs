@@ -8,6 +8,7 @@
 //! `#` at the start of a line opens a comment. The room `command_text` implements it.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use glam::{IVec3, UVec3, Vec3};
 
@@ -112,6 +113,14 @@ pub enum Command {
         path: PathBuf,
         /// How to read it.
         import: ImportOptions,
+    },
+    /// Give a file's content to the commands that follow and name it, whatever is on the disk. Recordings use it, so
+    /// that they replay anywhere. Changes no voxel and is no undo step.
+    Embed {
+        /// The name of the file.
+        path: PathBuf,
+        /// Its bytes: an image, or a sculpture as .vsc, whatever the name says.
+        file: Arc<[u8]>,
     },
     /// Write the sculpture to a file, in the format of its extension.
     Save {
@@ -245,6 +254,11 @@ pub const COMMANDS: &[CommandHelp] = &[
         verb: "open",
         usage: "\"PATH\" [threshold=auto|N|N..N] [colouring=auto|none|grey|tissue|labels|packed] [colour=0|8|16|24] [upright=y|z|-z|-y|x|-x] [raw=LAYOUT] [region=X,Y,Z..X,Y,Z] [cubic=no|finest|Nmm] [pieces=all|largest] [holes=open|filled] [mesh_size=VOXELS|Nmm] [mesh_fill=auto|solid|shell]",
         tooltip: "Replace the sculpture with the contents of a file",
+    },
+    CommandHelp {
+        verb: "embed",
+        usage: "\"PATH\" data=BASE64",
+        tooltip: "Give an image, or a sculpture as .vsc, to the commands that follow and name it",
     },
     CommandHelp {
         verb: "save",
@@ -397,6 +411,7 @@ impl Command {
         match self {
             Command::New(_) => "new",
             Command::Open { .. } => "open",
+            Command::Embed { .. } => "embed",
             Command::Save { .. } => "save",
             Command::Begin { .. } => "begin",
             Command::End => "end",

@@ -14,6 +14,7 @@ use thiserror::Error;
 use arguments::{Arguments, Quoted, QuotedPath};
 
 use crate::command::{COMMANDS, Command, NewSculpture};
+use crate::format::base64;
 use crate::format::options::{Colouring, Cubic, Existence, ImportOptions, MeshFill, MeshSize};
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::{ColourDepth, Placement, Rgb};
@@ -134,6 +135,9 @@ impl fmt::Display for Command {
                 }
                 Ok(())
             }
+            Command::Embed { path, file } => {
+                write!(f, " {} data={}", QuotedPath(path), base64::encode(file))
+            }
             Command::Save { path, export } => {
                 write!(f, " {}", QuotedPath(path))?;
                 export::write(export, f)
@@ -221,6 +225,13 @@ impl FromStr for Command {
                     mesh_fill: args.optional("mesh_fill", str::parse)?.unwrap_or_default(),
                 },
             },
+            "embed" => {
+                let data = |text: &str| {
+                    let file = base64::decode(text.as_bytes(), text.len());
+                    file.ok_or_else(|| "this is no Base64 text".to_string())
+                };
+                Command::Embed { path: args.path()?, file: args.required("data", data)?.into() }
+            }
             "save" => Command::Save { path: args.path()?, export: export::parse(&mut args)? },
             "begin" => Command::Begin { label: args.optional_word()?.unwrap_or("stroke".into()) },
             "end" => Command::End,

@@ -258,7 +258,7 @@ impl Document {
                 let contents = make_contents(new, &self.limits)?;
                 self.replace(contents, "new").map(|()| Applied::default())
             }
-            Command::Open { .. } | Command::Save { .. } => {
+            Command::Open { .. } | Command::Save { .. } | Command::Embed { .. } => {
                 Err(CommandError::NotHere(command.verb()))
             }
             Command::Begin { label } => {

@@ -22,7 +22,7 @@ use thiserror::Error;
 use crate::command::{Command, NewSculpture};
 use crate::document::{Applied, CommandError, Document, Limits};
 use crate::format::options::ImportOptions;
-use crate::format::{self, FormatError, Loaded};
+use crate::format::{self, FormatError, Loaded, Texts};
 use crate::progress::Progress;
 use crate::sculpture::orientation::{Orientation, Up};
 use files::Files;
@@ -111,6 +111,8 @@ pub struct Session {
     journal: Option<Keeping>,
     /// The bytes of the images that are loaded, or were for the last stroke.
     pictures: HashMap<PathBuf, Arc<[u8]>>,
+    /// Files whose content is given by commands.
+    embedded: HashMap<PathBuf, Arc<[u8]>>,
     /// What reading the last file left out, for the person to know.
     notes: Vec<String>,
 }
@@ -150,6 +152,7 @@ impl Session {
             journal_error: None,
             journal: None,
             pictures: HashMap::new(),
+            embedded: HashMap::new(),
             notes: Vec::new(),
         }
     }
@@ -187,7 +190,9 @@ impl Session {
         if self.document.revision() > 0 {
             return Err(SessionError::JournalLate);
         }
-        self.recording = Some(Recording::begin(path, &self.beginning)?);
+        let contents = self.document.contents();
+        let texts = self.files.texts(self.document.state());
+        self.recording = Some(Recording::begin(path, &self.beginning, contents, &texts)?);
         Ok(())
     }
 
@@ -239,6 +244,12 @@ impl Session {
         if let Some(work) = self.prepare(command)? {
             return self.complete(work.run(progress)?);
         }
+        if let Command::Embed { path, file } = command {
+            // The journal has what is made of it, by content.
+            self.embedded.insert(path.clone(), file.clone());
+            self.note(command, Applied::default());
+            return Ok(Applied::default());
+        }
         let began = Instant::now();
         self.forget_pictures(command);
         self.learn_pictures(command)?;
@@ -267,9 +278,13 @@ impl Session {
         };
         for path in needed {
             if !self.document.has_picture(&path) {
-                let (texture, file) = format::load_picture_file(&path)
-                    .map_err(|error| SessionError::Picture { path: path.clone(), error })?;
+                let failed = |error| SessionError::Picture { path: path.clone(), error };
+                let (texture, file) = match self.embedded.get(&path) {
+                    Some(file) => (format::picture_of(file).map_err(failed)?, file.to_vec()),
+                    None => format::load_picture_file(&path).map_err(failed)?,
+                };
                 self.document.learn_picture(&path, texture);
+                self.record_picture(&path, &file);
                 self.keep_picture(path, file);
             }
         }
@@ -304,7 +319,10 @@ impl Session {
                 Task::Mend { mend, contents, limits, state: self.document.state() }
             }
             Command::New(new) => Task::New { new, limits },
-            Command::Open { path, import } => Task::Open { path, import, limits },
+            Command::Open { path, import } => {
+                let embedded = self.embedded.get(&path).cloned();
+                Task::Open { path, embedded, import, limits }
+            }
             Command::Save { path, export } => Task::Save {
                 path,
                 export,
@@ -381,8 +399,28 @@ impl Session {
     /// Writes an executed command to the recording. If that fails, the command still succeeds, and the
     /// recording ends: with a gap it would replay something else.
     fn note(&mut self, command: &Command, applied: Applied) {
+        if self.recording.is_none() {
+            return;
+        }
+        let texts = match command {
+            Command::Open { .. } => self.files.texts(self.document.state()),
+            _ => Texts::default(),
+        };
+        let contents = self.document.share_contents();
+        self.record(|recording| match command {
+            Command::Open { path, .. } => recording.write_opened(path, &contents, &texts),
+            command => recording.write(command, applied),
+        });
+    }
+
+    /// Writes the bytes of an image to the recording, unless it has them.
+    fn record_picture(&mut self, path: &Path, file: &[u8]) {
+        self.record(|recording| recording.write_picture(path, file));
+    }
+
+    fn record(&mut self, write: impl FnOnce(&mut Recording) -> Result<(), SessionError>) {
         let Some(recording) = &mut self.recording else { return };
-        if let Err(error) = recording.write(command, applied) {
+        if let Err(error) = write(recording) {
             tracing::warn!("{error}");
             self.recording = None;
             self.journal_error = Some(error);

@@ -87,6 +87,7 @@ fn is_step(command: &Command) -> bool {
         // The pose of a film is that of its last frame.
         Command::Place(_)
         | Command::Save { .. }
+        | Command::Embed { .. }
         | Command::Begin { .. }
         | Command::End
         | Command::Mark(_)

@@ -132,6 +132,22 @@ fn a_session_that_ends_as_it_should_leaves_only_what_is_not_saved() {
     assert_eq!(listed(path).len(), 1);
 }
 
+/// A signal ends the program as a kill does: nothing that was answered is lost.
+#[cfg(unix)]
+#[test]
+fn signals_that_end_the_program_lose_nothing() {
+    for signal in ["-TERM", "-INT", "-HUP"] {
+        let folder = folder();
+        let mut session = start(folder.path());
+        let voxels = ask(&mut session, &["new dims=20,20,20", "clear", "undo"])["voxels"].clone();
+        let sent = Command::new("kill").args([signal, &session.id().to_string()]).status();
+        assert!(sent.unwrap().success());
+        assert!(!session.wait().unwrap().success(), "{signal}");
+        let left = listed(folder.path());
+        assert_eq!((left.len(), &left[0]["voxels"]), (1, &voxels), "{signal}");
+    }
+}
+
 #[test]
 fn a_state_folder_that_cannot_be_is_told_and_stops_nothing() {
     let folder = folder();
@@ -141,6 +157,20 @@ fn a_state_folder_that_cannot_be_is_told_and_stops_nothing() {
     let run = with_state(path, &["run", "a.sculpt", "--journal"]).output().unwrap();
     let told = String::from_utf8_lossy(&run.stderr).into_owned();
     assert!(run.status.success() && told.contains("work goes on"), "{told}");
+}
+
+#[test]
+fn an_embedded_file_is_opened_whatever_its_name_says() {
+    let folder = folder();
+    let path = folder.path();
+    std::fs::write(path.join("a.sculpt"), "new dims=9,9,9\nsave \"a.vsc\"\n").unwrap();
+    succeed(path, &["run", "a.sculpt"]);
+    let file = std::fs::read(path.join("a.vsc")).unwrap();
+    let data = virtual_sculpture::format::base64::encode(&file);
+    let script = format!("embed \"/nowhere/b.nii\" data={data}\nopen \"/nowhere/b.nii\"\n");
+    std::fs::write(path.join("b.sculpt"), script).unwrap();
+    succeed(path, &["run", "b.sculpt", "--out", "b.vsc"]);
+    assert_eq!(digest_of(&path.join("b.vsc")), digest_of(&path.join("a.vsc")));
 }
 
 #[test]

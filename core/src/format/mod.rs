@@ -48,6 +48,7 @@ pub use self::info::{Densities, Info, info, info_with};
 pub use self::mesh_out::{MeshOptions, MeshSummary, MeshUp, is_mesh, save_mesh, usual_up};
 use self::options::{Colouring, ExportForm, ExportOptions, ImportOptions};
 pub use self::picture::{load_matcap, load_picture, load_picture_file, picture_of};
+pub use self::scan::base64;
 pub use self::signature::Signature;
 pub use self::study::{Existing, Family, MeshStudy, Outlook, Study, VolumeStudy, family, study};
 pub use self::volume::{Samples, Texts, Volume};
@@ -212,6 +213,16 @@ pub fn write_sculpture(contents: &Contents, texts: &Texts) -> Result<Vec<u8>, Fo
 /// Reads what [`write_sculpture`] has written, within `limits`.
 pub fn read_sculpture(file: &[u8], limits: &Limits) -> Result<(Contents, Texts), FormatError> {
     vsc::read(file, limits, &())
+}
+
+/// Reads a .vsc file in memory as [`load`] reads one on the disk.
+pub fn read_embedded(
+    file: &[u8],
+    limits: &Limits,
+    progress: &dyn Progress,
+) -> Result<Loaded, FormatError> {
+    let (contents, texts) = vsc::read(file, limits, progress)?;
+    Ok(Loaded::model(contents, texts, Vec::new()))
 }
 
 /// Notes for the person, which are also logged.

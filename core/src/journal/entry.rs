@@ -108,16 +108,18 @@ pub enum Entry {
 }
 
 impl Entry {
-    /// Whether the file must be on the disk soon after this: not the commands within a stroke.
-    pub fn settles(&self) -> bool {
-        let within = |command: &Command| {
-            use Command::{Begin, Construct, Paste, Spray, Texture};
-            matches!(
-                command,
-                Begin { .. } | Construct { .. } | Paste { .. } | Spray { .. } | Texture { .. }
-            )
-        };
-        !matches!(self, Entry::Command { command, .. } if within(command))
+    /// Whether it must be on the disk soon: what ends a stroke, but nothing within one, and nothing that changes no
+    /// voxel, such as a marker that is dragged. `in_stroke` says whether a stroke is open, before and after.
+    pub(super) fn settles(&self, in_stroke: &mut bool) -> bool {
+        use Command::{Cancel, Copy, End, Limit, Mark, Place, Select, Symmetry};
+        let Entry::Command { command, .. } = self else { return !*in_stroke };
+        match command {
+            Command::Begin { .. } => *in_stroke = true,
+            End | Cancel => *in_stroke = false,
+            Mark(_) | Select(_) | Limit(_) | Symmetry(_) | Place(_) | Copy => return false,
+            _ => {}
+        }
+        !*in_stroke
     }
 
     /// Its record.

@@ -22,7 +22,7 @@ use crate::format::FormatError;
 const QUEUE: usize = 4096;
 /// From an entry that settles to the disk, at most; several within that time share a sync.
 const SETTLE: Duration = Duration::from_millis(40);
-/// From an entry within a stroke to the disk.
+/// From any other entry to the disk.
 const WITHIN_STROKE: Duration = Duration::from_secs(1);
 /// Between two tries where that goes on for long.
 const LONGEST_PAUSE: Duration = Duration::from_secs(60);
@@ -114,6 +114,7 @@ impl JournalWriter {
             number: None,
             file: None,
             appends: false,
+            in_stroke: false,
             due: None,
             retry: None,
             pause: options.retry,
@@ -253,6 +254,8 @@ struct Work {
     file: Option<Open>,
     /// Whether entries are appended: not after one could not be.
     appends: bool,
+    /// Whether the entries so far leave a stroke open.
+    in_stroke: bool,
     /// When what was written must be on the disk.
     due: Option<Instant>,
     /// When to ask for a checkpoint again, and how long to wait after that.
@@ -314,7 +317,7 @@ impl Work {
         }
         self.replay += took;
         let is_long = self.replay > self.options.replay || open.bytes > open.compact_at;
-        let wait = if entry.settles() { SETTLE } else { WITHIN_STROKE };
+        let wait = if entry.settles(&mut self.in_stroke) { SETTLE } else { WITHIN_STROKE };
         let due = Instant::now() + wait;
         self.due = Some(self.due.map_or(due, |earlier| earlier.min(due)));
         if is_long && self.retry.is_none() {
@@ -354,7 +357,7 @@ impl Work {
     fn checkpoint(&mut self, checkpoint: &Checkpoint) {
         match self.begin_anew(checkpoint) {
             Ok(()) => {
-                self.appends = true;
+                (self.appends, self.in_stroke) = (true, false);
                 (self.retry, self.pause, self.due) = (None, self.options.retry, None);
                 self.replay = Duration::ZERO;
                 if std::mem::take(&mut self.told) {

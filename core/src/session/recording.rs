@@ -1,8 +1,9 @@
 //! The recording of a session: a script that grows by a line with every command, so that a crash loses
-//! nothing and `run` reproduces the session, from any folder.
+//! nothing and `run` reproduces the session anywhere: files that were opened and images are embedded.
 //!
 //! Non-empty files are never opened for writing. Knows no document.
 
+use std::collections::HashMap;
 use std::fs::{File, OpenOptions, metadata};
 use std::io::{Error, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
@@ -10,6 +11,9 @@ use std::path::{Path, PathBuf};
 use super::SessionError;
 use crate::command::Command;
 use crate::document::Applied;
+use crate::format::options::ImportOptions;
+use crate::format::{self, Texts};
+use crate::sculpture::history::Contents;
 
 const TITLE: &str = "# Recorded by Virtual Sculpture";
 
@@ -20,11 +24,19 @@ pub(super) struct Recording {
     file: File,
     /// Bytes of the lines that are whole.
     length: u64,
+    /// The images that are in it, as they were last.
+    pictures: HashMap<PathBuf, Vec<u8>>,
 }
 
 impl Recording {
     /// Starts a recording with the command that reproduces the session's start.
-    pub fn begin(path: &Path, beginning: &Command) -> Result<Recording, SessionError> {
+    /// `contents` and `texts` are those of the session, if it began with a file.
+    pub fn begin(
+        path: &Path,
+        beginning: &Command,
+        contents: &Contents,
+        texts: &Texts,
+    ) -> Result<Recording, SessionError> {
         let failed = |error| SessionError::Journal { path: path.to_path_buf(), error };
         let mut options = OpenOptions::new();
         options.write(true);
@@ -41,10 +53,14 @@ impl Recording {
             Err(error) => return Err(failed(error)),
         }
         let file = options.open(path).map_err(failed)?;
-        let mut recording = Recording { path: path.to_path_buf(), file, length: 0 };
+        let mut recording =
+            Recording { path: path.to_path_buf(), file, length: 0, pictures: HashMap::new() };
         let head = format!("{TITLE}; replay with `virtual-sculpture run`\n");
         recording.write_line(head).map_err(failed)?;
-        recording.write(beginning, Applied::default())?;
+        match beginning {
+            Command::Open { path, .. } => recording.write_opened(path, contents, texts)?,
+            beginning => recording.write(beginning, Applied::default())?,
+        }
         Ok(recording)
     }
 
@@ -59,6 +75,32 @@ impl Recording {
             .map_err(|error| SessionError::Journal { path: self.path.clone(), error })
     }
 
+    /// Adds that a file was opened, by its content.
+    pub fn write_opened(
+        &mut self,
+        path: &Path,
+        contents: &Contents,
+        texts: &Texts,
+    ) -> Result<(), SessionError> {
+        let failed = |error| SessionError::Open { path: path.to_path_buf(), error };
+        let file = format::write_sculpture(contents, texts).map_err(failed)?.into();
+        let path = absolute(path);
+        self.write(&Command::Embed { path: path.clone(), file }, Applied::default())?;
+        let import = ImportOptions::default();
+        self.write(&Command::Open { path, import }, Applied::default())
+    }
+
+    /// Adds an image that the next commands use, unless it is in it as it is.
+    pub fn write_picture(&mut self, path: &Path, file: &[u8]) -> Result<(), SessionError> {
+        let path = absolute(path);
+        if self.pictures.get(&path).is_some_and(|known| known == file) {
+            return Ok(());
+        }
+        self.write(&Command::Embed { path: path.clone(), file: file.into() }, Applied::default())?;
+        self.pictures.insert(path, file.to_vec());
+        Ok(())
+    }
+
     /// Writes a line at once. If there is no room for all of it, nothing of it stays.
     fn write_line(&mut self, line: String) -> Result<(), Error> {
         let written = self.file.write_all(line.as_bytes());
@@ -71,9 +113,12 @@ impl Recording {
     }
 }
 
+fn absolute(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf())
+}
+
 /// The line that repeats a command. None if it had no effect.
 fn line_of(command: &Command, applied: Applied) -> Option<String> {
-    let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     Some(match command {
         // A replay writes no file unless someone takes the mark of the comment away.
         Command::Save { path, export } => {
@@ -172,13 +217,60 @@ mod tests {
         execute(&mut opened, "undo all");
         execute(&mut opened, "redo 1");
         let text = fs::read_to_string(&script).unwrap();
+        let embedding = format!("embed {start:?} data=");
+        assert!(text.lines().nth(1).is_some_and(|line| line.starts_with(&embedding)), "{text}");
         let opening = format!("open {start:?}");
-        assert_eq!(text.lines().nth(1), Some(opening.as_str()), "{text}");
+        assert_eq!(text.lines().nth(2), Some(opening.as_str()), "{text}");
+        fs::remove_file(&start).unwrap();
         assert!(text.contains(&format!("# save {saved:?}")), "{text}");
         fs::write(&saved, "another's work").unwrap();
         let again = replay(&text);
         assert_eq!(again.document().contents(), opened.document().contents());
         assert_eq!(fs::read(&saved).unwrap(), b"another's work");
+    }
+
+    #[test]
+    fn images_are_embedded_as_they_were_and_needed_no_more() {
+        let folder = tempfile::tempdir().unwrap();
+        let [picture, script] = ["p.png", "made.sculpt"].map(|name| folder.path().join(name));
+        let paint = |rgb: [u8; 3]| {
+            image::RgbImage::from_pixel(2, 2, image::Rgb(rgb)).save(&picture).unwrap();
+        };
+        let mut made = session();
+        made.record_to(&script).unwrap();
+        let texture = format!("texture {picture:?} cuboid at=4,4,4 half=3");
+        for rgb in [[200, 10, 20], [200, 10, 20], [30, 220, 40]] {
+            paint(rgb);
+            for line in ["begin", &texture, "end", "array count=1 step=3,0,0"] {
+                execute(&mut made, line);
+            }
+        }
+        let text = fs::read_to_string(&script).unwrap();
+        assert_eq!(text.matches("embed ").count(), 2, "the same image is embedded once: {text}");
+        drop(folder);
+        let again = replay(&text);
+        assert_eq!(again.document().contents(), made.document().contents());
+        // A recording of the replay is the same script but for where it begins.
+        let folder = tempfile::tempdir().unwrap();
+        let copy = folder.path().join("copy.sculpt");
+        let mut second = session();
+        second.record_to(&copy).unwrap();
+        text.lines().skip(2).for_each(|line| execute(&mut second, line));
+        let copied = replay(&fs::read_to_string(&copy).unwrap());
+        assert_eq!(copied.document().contents(), made.document().contents());
+    }
+
+    #[test]
+    fn what_is_embedded_must_be_a_sculpture_or_an_image() {
+        let mut session = session();
+        execute(&mut session, "embed \"a.vsc\" data=AAAA");
+        let error = session.execute(&"open \"a.vsc\"".parse().unwrap(), &()).unwrap_err();
+        assert!(error.to_string().contains("a.vsc"), "{error}");
+        let line = "texture \"a.vsc\" cuboid at=4,4,4 half=3";
+        let error = session.execute(&line.parse().unwrap(), &()).unwrap_err();
+        assert!(error.to_string().contains("a.vsc"), "{error}");
+        assert!("embed \"a\" data=?".parse::<Command>().is_err());
+        assert!("embed \"a\"".parse::<Command>().is_err());
     }
 
     #[test]

@@ -45,6 +45,8 @@ pub(super) enum Task {
     },
     Open {
         path: PathBuf,
+        /// Its content, if that is embedded: a .vsc file.
+        embedded: Option<Arc<[u8]>>,
         import: ImportOptions,
         limits: Limits,
     },
@@ -110,7 +112,13 @@ impl Work {
                 let plan = document::plan_mend(&contents, &mend, &limits, progress)?;
                 Outcome::Mended { mend, plan, state }
             }
-            Task::Open { path, import, limits } => {
+            Task::Open { path, embedded: Some(file), limits, .. } => {
+                let read = format::read_embedded(&file, &limits, progress);
+                let failed = |error| SessionError::Open { path: path.clone(), error };
+                let loaded = Box::new(read.map_err(failed)?);
+                Outcome::Opened { path, loaded }
+            }
+            Task::Open { path, embedded: None, import, limits } => {
                 let loaded = Box::new(load(&path, &import, &limits, progress)?);
                 Outcome::Opened { path, loaded }
             }

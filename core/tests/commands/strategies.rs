@@ -346,6 +346,8 @@ pub fn any_command() -> impl Strategy<Value = Command> {
         }),
         (path(), import()).prop_map(|(path, import)| Command::Open { path, import }),
         (path(), export()).prop_map(|(path, export)| Command::Save { path, export }),
+        (path(), any::<Vec<u8>>())
+            .prop_map(|(path, file)| Command::Embed { path, file: file.into() }),
         hostile_text().prop_map(|label| Command::Begin { label }),
         Just(Command::End),
         Just(Command::Cancel),

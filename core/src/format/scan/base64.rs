@@ -1,4 +1,4 @@
-//! Base64 (RFC 4648, the standard alphabet) -> bytes, white space skipped.
+//! Base64 (RFC 4648, the standard alphabet) <-> bytes; reading skips white space.
 
 /// Decodes at most `most` bytes from the front of `text`. None if a character does not belong there.
 pub fn decode(text: &[u8], most: usize) -> Option<Vec<u8>> {
@@ -16,6 +16,21 @@ pub fn decode(text: &[u8], most: usize) -> Option<Vec<u8>> {
         }
     }
     Some(out)
+}
+
+/// Encodes bytes, with padding and without line ends.
+pub fn encode(bytes: &[u8]) -> String {
+    const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::with_capacity(characters(bytes.len()));
+    for chunk in bytes.chunks(3) {
+        let byte = |i: usize| u32::from(chunk.get(i).copied().unwrap_or(0));
+        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
+        for i in 0..4 {
+            let six = ALPHABET[(bits >> (18 - 6 * i)) as usize & 63];
+            text.push(if i <= chunk.len() { char::from(six) } else { '=' });
+        }
+    }
+    text
 }
 
 /// Characters that `bytes` bytes take, with their padding.

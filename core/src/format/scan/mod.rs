@@ -4,7 +4,7 @@
 //! what was left out. Headers are checked against the limits before memory is allocated, and compressed voxels are
 //! unpacked no further than the header asks for. Knows no sculpture.
 
-mod base64;
+pub mod base64;
 mod dicom;
 mod frame;
 mod nifti;
