@@ -62,7 +62,7 @@ impl Jobs {
 #[derive(Debug)]
 enum Product {
     /// The result of a command, to be put in place.
-    Change(Done),
+    Change(Box<Done>),
     /// Nothing changes; the person is told.
     Note(String),
 }
@@ -157,7 +157,7 @@ impl Editor {
             _ => "Creating a new sculpture",
         };
         let is_save = matches!(command, Command::Save { .. });
-        let work = move |report: &Report| Ok(Product::Change(work(report)?));
+        let work = move |report: &Report| Ok(Product::Change(Box::new(work(report)?)));
         self.jobs.job = Some(Job::start(work, sign, is_save, then));
     }
 
@@ -188,7 +188,7 @@ impl Editor {
         let Some(job) = self.jobs.job.take() else { return };
         let result = job.thread.join();
         let done = match result {
-            Ok(Ok(Product::Change(done))) => self.complete(done),
+            Ok(Ok(Product::Change(done))) => self.complete(*done),
             Ok(Ok(Product::Note(text))) => {
                 if !text.is_empty() {
                     self.note(text);

@@ -169,6 +169,7 @@ fn the_usage_of_each_command_matches_its_parser() {
         "new dims=4,5,6",
         "open \"a b.pvm\"",
         "open v.raw threshold=12.5 colouring=grey colour=8 upright=-z raw=4x5x6:u8:skip=3",
+        "embed \"d.png\" data=Zm9v",
         "save c.pvm",
         "save c.pvm form=packed",
         "begin \"carve the nose\"",
