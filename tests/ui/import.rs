@@ -3,12 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use egui::{DroppedFileHandle, Key, Modifiers, vec2};
+use egui::{DroppedFileHandle, Event, Key, Modifiers, vec2};
 use egui_kittest::kittest::Queryable;
 use glam::UVec3;
 use virtual_sculpture::format::options::{Cubic, Existence, MeshSize};
 
-use super::bench::{Bench, bench, bench_of, click, config, has, key, run, undo_count, voxels};
+use super::bench::{
+    Bench, bench, bench_of, click, config, has, key, run, send, undo_count, voxels,
+};
 
 #[derive(Debug)]
 struct Dropped(PathBuf);
@@ -188,11 +190,11 @@ fn what_leaves_nothing_open_or_is_not_to_be_asked_opens_at_once() {
     drop_file(&mut harness, &raw);
     click(&mut harness, "Read");
     assert!(has(&harness, "Layout"), "nothing was typed");
-    harness.get_by_label("Layout").rect();
-    harness.state_mut().ui.dialogs.import.remembered.raw = "4x4x4:u8".to_string();
-    click(&mut harness, "Cancel");
-    drop_file(&mut harness, &raw);
-    press(&mut harness, "Read");
+    harness.get_by_role_and_label(egui::accesskit::Role::TextInput, "Layout").focus();
+    harness.run_steps(2);
+    send(&mut harness, Event::Text("4x4x4:u8".to_string()));
+    key(&mut harness, Modifiers::NONE, Key::Enter);
+    settle(&mut harness);
     assert!(has(&harness, "Up") && has(&harness, "Axial"));
     press(&mut harness, "Import");
     assert_eq!((dims(&harness), voxels(&harness)), ([4; 3], 32));

@@ -35,7 +35,7 @@ pub fn show(
     for note in &study.notes {
         ui.label(RichText::new(capital(note)).small());
     }
-    let side = (room.x - OPTIONS_WIDTH - 16.0).min(room.y - 30.0).max(120.0);
+    let side = (room.x - OPTIONS_WIDTH - 16.0).min(room.y - 80.0).max(120.0);
     ui.horizontal_top(|ui| {
         outline(ui, study, options, view, side);
         ui.add_space(4.0);

@@ -6,6 +6,7 @@
 
 mod histogram;
 mod mesh;
+mod raw;
 mod remembered;
 mod slices;
 mod volume;
@@ -13,10 +14,11 @@ mod volume;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use egui::{Id, Key, Modal, RichText, TextEdit, Ui, vec2};
+use egui::{Id, Key, Modal, RichText, Ui, vec2};
 use glam::UVec3;
 
 pub use self::remembered::Remembered;
+use super::top_bar::capital;
 use super::{UiContext, UiRequest, UiState, theme};
 use crate::command::Command;
 use crate::format::options::{ImportOptions, RawLayout, Region};
@@ -29,8 +31,6 @@ const BESIDE: f32 = 48.0;
 /// Width of the column of options.
 const OPTIONS_WIDTH: f32 = 252.0;
 const NARROW: f32 = 400.0;
-const RAW_HELP: &str = "WIDTHxHEIGHTxDEPTH:TYPE[:skip=BYTES][:size=SX,SY,SZ]\n\
-    where TYPE is u8, u16le, u16be, i16le, i16be, f32le, f32be, rgb8 or rgba8";
 
 /// What came of reading the file.
 type News = Arc<Mutex<Option<Result<Study, String>>>>;
@@ -211,7 +211,7 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
         ui.heading(format!("Import {name}"));
         // While a field or a button has the keyboard, Enter is its own.
         let free = ui.memory(|memory| memory.focused().is_none());
-        let enter = free && ui.input(|input| input.key_pressed(Key::Enter));
+        let mut enter = free && ui.input(|input| input.key_pressed(Key::Enter));
         let room = vec2(dialog.width(window.x), window.y - 150.0);
         match &mut dialog.stage {
             Stage::Volume(study) => {
@@ -222,9 +222,9 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
             }
             Stage::Failed(error) => {
                 ui.add_space(4.0);
-                ui.colored_label(theme::error_colour(ui.visuals()), error.clone());
+                ui.colored_label(theme::error_colour(ui.visuals()), capital(error));
             }
-            Stage::Layout { text, error } => layout(ui, text, error.as_ref()),
+            Stage::Layout { text, error } => enter |= raw::layout(ui, text, error.as_ref()),
             Stage::Closed | Stage::Reading => {}
         }
         foot(ui, dialog, context, enter)
@@ -301,19 +301,6 @@ fn become_of(ui: &mut Ui, outlook: &Outlook, limits: &Limits) {
         mib(budget)
     ))
     .on_hover_text("memory.grid_mib and memory.colour_mib in the settings say what is allowed");
-}
-
-fn layout(ui: &mut Ui, text: &mut String, error: Option<&String>) {
-    ui.label("A raw file does not say what it holds.");
-    ui.add_space(4.0);
-    let label = ui.label("Layout");
-    let field = TextEdit::singleline(text).hint_text("128x256x256:u8");
-    let field = ui.add(field.desired_width(f32::INFINITY)).labelled_by(label.id);
-    field.on_hover_text(RAW_HELP);
-    ui.weak(RAW_HELP);
-    if let Some(error) = error {
-        ui.colored_label(theme::error_colour(ui.visuals()), error);
-    }
 }
 
 fn answer_with(answer: Answer, state: &mut UiState, requests: &mut Vec<UiRequest>) {
