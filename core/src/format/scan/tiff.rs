@@ -370,9 +370,11 @@ mod tests {
                 let _ = load(&path);
             }
         }
-        std::fs::write(&path, b"\x89PNG").unwrap();
-        let error = load(&path).unwrap_err().to_string();
-        assert!(error.contains("TIFF"), "{error}");
+        for (content, told) in [(&b"\x89PNG"[..], "a PNG image"), (b"neither", "the TIFF file")] {
+            std::fs::write(&path, content).unwrap();
+            let error = load(&path).unwrap_err().to_string();
+            assert!(error.contains(told), "{error}");
+        }
         std::fs::write(&path, &whole[..whole.len() / 2]).unwrap();
         assert!(load(&path).is_err());
     }
