@@ -10,6 +10,7 @@ mod final_picture;
 mod first_run;
 mod floor;
 pub mod headset;
+mod left;
 mod main_window;
 mod memory;
 mod overlay;
@@ -54,6 +55,7 @@ use crate::input::Bindings;
 use crate::input::bindings::BindingsError;
 use crate::input::pad::device as pad_device;
 use crate::input::pad::device::PadNews;
+use crate::journal::JournalOptions;
 use crate::screen::headset::XrEvent;
 use crate::session::Session;
 
@@ -95,12 +97,14 @@ pub enum AppError {
 }
 
 /// Opens the window, on a device made with `device`, and works on `session` until the user leaves.
-/// `eye_screenshots`: a folder for pictures of what the eyes in a headset see.
+/// `eye_screenshots`: a folder for pictures of what the eyes in a headset see. `journals`: where earlier sessions may
+/// have left theirs.
 pub fn run(
     session: Session,
     config: Config,
     device: DeviceOptions,
     eye_screenshots: Option<PathBuf>,
+    journals: JournalOptions,
 ) -> Result<(), AppError> {
     let event_loop = EventLoop::with_user_event().build()?;
     let proxy = event_loop.create_proxy();
@@ -113,6 +117,7 @@ pub fn run(
         workspace.keep_calibration_in(folder.join("calibration.toml"));
     }
     workspace.remember_in(folders::state_folder().join("state.toml"), &config.window);
+    workspace.look_for_left(journals);
     let proxy = event_loop.create_proxy();
     let headset = config.headset.enabled.then(|| {
         Headset::new(&config.headset, device.clone(), eye_screenshots, move |connection, event| {

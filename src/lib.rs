@@ -28,6 +28,7 @@ pub mod progress_bar;
 pub mod render;
 pub mod screen;
 pub mod terminal;
+mod time_text;
 pub mod track;
 pub mod ui;
 pub mod video;

@@ -70,6 +70,12 @@ impl Workspace {
             UiRequest::Go(Next::Leave) if editor.is_busy() => editor.leave_after_job(),
             UiRequest::Go(Next::Leave) => self.leaving = true,
             UiRequest::Go(Next::Run(command)) => editor.run(command),
+            UiRequest::Go(Next::Recover(number)) => self.start_recovery(number),
+            UiRequest::Recover(number) if editor.session().modified() => {
+                self.ui.dialogs.unsaved = Some(Next::Recover(number));
+            }
+            UiRequest::Recover(number) => self.start_recovery(number),
+            UiRequest::DiscardLeft(number) => self.discard_left(number),
             UiRequest::SaveFirst(next) => editor.save(Some(next)),
             UiRequest::SaveThen(command, next) => editor.run_then(command, Then::Go(next)),
             UiRequest::Irreversibly(command) => editor.run_irreversibly(command),
@@ -396,6 +402,8 @@ impl Workspace {
             }
             outcomes.into_iter().for_each(|outcome| self.react(outcome));
         }
+        // A journal that could not be written catches up.
+        self.session_mut().attend_journal();
         self.viewpoint.turntable.set_orthographic(self.ui.view.orthographic);
         self.ui.dialogs.busy = self.editor.busy();
         self.ui.dialogs.preview.take_if(|_| !self.editor.is_busy());
@@ -425,6 +433,7 @@ impl Workspace {
             }
             Outcome::FileUsed(command) => self.note_file(&command),
             Outcome::Leave => self.quit(),
+            Outcome::Recover(number) => self.start_recovery(number),
         }
     }
 

@@ -17,6 +17,7 @@ use crate::gpu::DeviceOptions;
 use crate::input::events::{Viewport as InputArea, device_events};
 use crate::input::pad::device::PadNews;
 use crate::input::{Action, Bindings, Panel, Side};
+use crate::journal::JournalOptions;
 use crate::picking::Picker;
 use crate::screen::headset::Blend;
 use crate::session::Session;
@@ -54,6 +55,8 @@ pub struct Workspace {
     pub(super) config: Config,
     /// The device that these make.
     pub render_device: DeviceOptions,
+    /// Where journals of sessions lie and how they are kept, once [`Workspace::look_for_left`] was told.
+    pub(super) journals: Option<JournalOptions>,
 }
 
 impl Workspace {
@@ -79,6 +82,7 @@ impl Workspace {
             leaving: false,
             config: config.clone(),
             render_device: DeviceOptions::default(),
+            journals: None,
         };
         workspace.look_from(Side::Corner);
         workspace.settle();

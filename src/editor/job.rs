@@ -15,9 +15,10 @@ use super::questions::Next;
 use super::{Editor, Outcome};
 use crate::command::Command;
 use crate::document::Applied;
+use crate::notice::Notice;
 use crate::progress::{Report, Stage};
 use crate::sculpture::edit::EditStats;
-use crate::session::{Done, SessionError, Work};
+use crate::session::{Done, Session, SessionError, Work};
 use crate::tools::mend::Mend;
 
 /// Work shorter than this goes without a sign, which would only flicker.
@@ -65,6 +66,8 @@ enum Product {
     Change(Box<Done>),
     /// Nothing changes; the person is told.
     Note(String),
+    /// Another session, to go on with instead, and what the person is told.
+    Session(Box<Session>, Notice),
 }
 
 /// Why nothing came of work.
@@ -176,6 +179,23 @@ impl Editor {
         true
     }
 
+    /// Runs work on a thread that brings back a session, to go on with instead of this one, with a notice. Refused while
+    /// there is other work.
+    pub fn start_recovery<W>(&mut self, work: W)
+    where
+        W: FnOnce(&Report) -> Result<(Session, Notice), Failure> + Send + 'static,
+    {
+        const SIGN: &str = "Recovering";
+        if let Some(job) = &self.jobs.job {
+            return self.error(format!("{SIGN}: wait until this is done: {}", job.sign));
+        }
+        let work = move |report: &Report| {
+            let (session, notice) = work(report)?;
+            Ok(Product::Session(Box::new(session), notice))
+        };
+        self.jobs.job = Some(Job::start(work, SIGN, false, Then::Stay));
+    }
+
     /// Puts in place what came of long work, once it is done.
     pub fn follow_job(&mut self) {
         if self.jobs.job.as_ref().is_some_and(|job| job.thread.is_finished()) {
@@ -193,6 +213,11 @@ impl Editor {
                 if !text.is_empty() {
                     self.note(text);
                 }
+                true
+            }
+            Ok(Ok(Product::Session(session, notice))) => {
+                self.go_on_with(*session);
+                self.outcomes.push(Outcome::Notice(notice));
                 true
             }
             Ok(Err(Failure::Cancelled)) => {
@@ -219,6 +244,9 @@ impl Editor {
                 self.outcomes.push(Outcome::Leave);
             }
             Then::Go(Next::Run(command)) if done => self.run_unless_work_is_lost(command),
+            Then::Go(Next::Recover(number)) if done => {
+                self.outcomes.push(Outcome::Recover(number));
+            }
             _ => {}
         }
     }
@@ -240,6 +268,14 @@ impl Editor {
             job.then = Then::LeaveAnyway;
             job.report.cancel();
         }
+    }
+
+    /// Replaces the session, whose journal goes: what it holds is saved or not wanted.
+    fn go_on_with(&mut self, session: Session) {
+        self.drop_stroke_in_question();
+        self.session.discard_journal();
+        self.session = session;
+        self.sculpture_replaced();
     }
 
     /// Says what has become of a sculpture that was made fit for printing.

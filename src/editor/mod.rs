@@ -54,6 +54,9 @@ pub enum Outcome {
     FileUsed(Command),
     /// The program is to be left, as was asked for while there was long work.
     Leave,
+    /// What an earlier session has left is to be recovered from the journal of this number, as was asked for while
+    /// there was unsaved work, which is saved now.
+    Recover(u64),
 }
 
 /// The session with everything that a person has in hand.

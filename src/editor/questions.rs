@@ -8,6 +8,8 @@ pub enum Next {
     Leave,
     /// `new` or `open`.
     Run(Command),
+    /// What an earlier session has left, in the journal of this number.
+    Recover(u64),
 }
 
 /// A command that the history cannot keep, and why.

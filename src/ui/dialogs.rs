@@ -14,6 +14,7 @@ use super::light::LightWindow;
 use super::new_dialog::NewDialog;
 use super::palette::Palette;
 use super::print_check::PrintCheck;
+use super::recovery_dialog::RecoveryDialog;
 use crate::command::NewSculpture;
 use crate::editor::job::Busy;
 use crate::editor::questions::{Next, Unkept};
@@ -32,6 +33,8 @@ pub struct Dialogs {
     pub film: FilmDialog,
     pub export: ExportDialog,
     pub import: ImportDialog,
+    /// What earlier sessions have left.
+    pub recovery: RecoveryDialog,
     /// The window of the print check.
     pub print_check: PrintCheck,
     pub files: Files,
@@ -61,6 +64,7 @@ impl Dialogs {
             film: FilmDialog::default(),
             export: ExportDialog::default(),
             import: ImportDialog::default(),
+            recovery: RecoveryDialog::default(),
             print_check: PrintCheck::default(),
             files: Files::new(),
             unsaved: None,
@@ -81,6 +85,7 @@ impl Dialogs {
             || self.film.open
             || self.export.is_open()
             || self.import.is_open()
+            || self.recovery.is_open()
             || self.palette.open
             || self.keys.is_catching()
             || self.files.is_open()
@@ -92,7 +97,7 @@ impl Dialogs {
         if self.unkept.take().is_some() || self.unsaved.take().is_some() {
             return true;
         }
-        if self.export.close() || self.import.close() {
+        if self.export.close() || self.import.close() || self.recovery.close() {
             return true;
         }
         let open = [

@@ -38,6 +38,7 @@ pub mod panels;
 pub mod picture_size;
 pub mod print_check;
 pub mod recent;
+pub mod recovery_dialog;
 pub mod references;
 pub mod spray_options;
 pub mod state;
@@ -183,6 +184,7 @@ pub fn show(
     film_dialog::show(root, state, context, requests);
     export_dialog::show(root, state, context, requests);
     import_dialog::show(root, state, context, requests);
+    recovery_dialog::show(root, state, requests);
     head::calibration(root, context, requests);
     unsaved::show(root, state, requests);
     unkept::show(root, state, requests);

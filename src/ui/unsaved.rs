@@ -14,7 +14,7 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
         ui.add_space(4.0);
         ui.label(match next {
             Next::Leave => "Save them before quitting?",
-            Next::Run(_) => "Save them before replacing this sculpture?",
+            Next::Run(_) | Next::Recover(_) => "Save them before replacing this sculpture?",
         });
         ui.add_space(8.0);
         ui.horizontal(|ui| {

@@ -39,6 +39,11 @@ impl Session {
         Ok(())
     }
 
+    /// Whether a journal is kept, on the disk or still without room there.
+    pub fn keeps_journal(&self) -> bool {
+        self.journal.is_some()
+    }
+
     /// The number of the journal on its shelf, once it has one.
     pub fn journal_number(&self) -> Option<u64> {
         self.journal.as_ref()?.writer.number()

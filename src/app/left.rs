@@ -1,0 +1,181 @@
+//! What earlier sessions have left that did not end as they should have: it is listed in a dialog at the start, and
+//! brought back or removed as the person wishes.
+//!
+//! Journals are read and replayed on a thread, while the window stays alive.
+
+use std::sync::PoisonError;
+
+use glam::UVec2;
+
+use super::workspace::Workspace;
+use crate::document::Limits;
+use crate::editor::job::Failure;
+use crate::format::FormatError;
+use crate::journal::files::Source;
+use crate::journal::{JournalError, JournalOptions, Left, Shelf};
+use crate::notice::Notice;
+use crate::progress::{Progress, Report};
+use crate::session::{self, Recovered, Session};
+use crate::shade::portrait;
+use crate::time_text::utc_text;
+use crate::ui::recovery_dialog::{LeftSession, LeftWork};
+
+/// Size of the pictures in the list, in pixels.
+const PICTURE_PX: UVec2 = UVec2::new(128, 96);
+
+impl Workspace {
+    /// Starts to read what earlier sessions have left, if there is anything, for the dialog.
+    pub fn look_for_left(&mut self, journals: JournalOptions) {
+        let shelf = journals.shelf.clone();
+        self.journals = Some(journals);
+        if shelf.count_left() == 0 {
+            return;
+        }
+        let limits = *self.session().document().limits();
+        let news = self.ui.dialogs.recovery.news();
+        let work = move |report: &Report| {
+            let found = all_left(&shelf, &limits, report)?;
+            *news.lock().unwrap_or_else(PoisonError::into_inner) = Some(found);
+            Ok(String::new())
+        };
+        self.editor.start_side_work(work, "Looking for unsaved work");
+    }
+
+    /// Goes on with what was left in the journal of this number.
+    pub(super) fn start_recovery(&mut self, number: u64) {
+        let Some(journals) = self.journals.clone() else { return };
+        let limits = *self.session().document().limits();
+        let keeps = self.session().keeps_journal();
+        self.ui.dialogs.recovery.close();
+        self.editor.start_recovery(move |report: &Report| {
+            bring_back(number, &journals, keeps, &limits, report)
+        });
+    }
+
+    /// Removes the journal of this number, which nobody wants.
+    pub(super) fn discard_left(&mut self, number: u64) {
+        let Some(journals) = &self.journals else { return };
+        // Opened, so that nobody's work is removed.
+        let removed = source_of(&journals.shelf, number).and_then(|_locked| {
+            journals.shelf.remove(number).map_err(|error| failure(&journals.shelf, number, &error))
+        });
+        match removed {
+            Ok(()) => self.ui.dialogs.recovery.remove(number),
+            Err(text) => self.ui.toasts.error(text),
+        }
+    }
+}
+
+fn failure(shelf: &Shelf, number: u64, error: &dyn std::fmt::Display) -> String {
+    format!("{}: {error}", shelf.path(number).display())
+}
+
+fn source_of(shelf: &Shelf, number: u64) -> Result<Source, String> {
+    match shelf.open(number) {
+        Left::Journal(source) => Ok(source),
+        Left::InUse => Err(failure(shelf, number, &"another session uses it by now")),
+        Left::Unreadable(error) => Err(failure(shelf, number, &error)),
+    }
+}
+
+/// All that was left, the latest first. Sessions that had changed nothing are forgotten.
+fn all_left(shelf: &Shelf, limits: &Limits, report: &Report) -> Result<Vec<LeftSession>, Failure> {
+    let numbers = shelf
+        .numbers()
+        .map_err(|error| Failure::Error(format!("{}: {error}", shelf.folder().display())))?;
+    let mut found = Vec::new();
+    for number in numbers {
+        if report.is_cancelled() {
+            return Err(Failure::Cancelled);
+        }
+        let source = match shelf.open(number) {
+            Left::Journal(source) => source,
+            Left::InUse => continue,
+            Left::Unreadable(error) => {
+                let work = Err(failure(shelf, number, &error));
+                found.push(LeftSession { number, changed_unix_s: 0, time: String::new(), work });
+                continue;
+            }
+        };
+        let changed_unix_s = source.changed_unix_s.unwrap_or(0);
+        let work = match session::recover(source, limits, report) {
+            Err(JournalError::Format(FormatError::Cancelled)) => return Err(Failure::Cancelled),
+            Err(error) => Err(failure(shelf, number, &error)),
+            Ok(recovered) if is_untouched(&recovered.session) => {
+                // Should it stay, it is found again.
+                let _ = shelf.remove(number);
+                continue;
+            }
+            Ok(recovered) => Ok(work_of(&recovered)),
+        };
+        let time = utc_text(changed_unix_s);
+        found.push(LeftSession { number, changed_unix_s, time, work });
+    }
+    found.sort_by_key(|left| std::cmp::Reverse(left.changed_unix_s));
+    Ok(found)
+}
+
+/// Whether there is nothing to lose: no step, and what it is can be made or read again.
+fn is_untouched(session: &Session) -> bool {
+    let history = session.document().history();
+    !session.modified() && history.undo_count() + history.redo_count() == 0
+}
+
+fn work_of(Recovered { session, report }: &Recovered) -> LeftWork {
+    let document = session.document();
+    let name = session.path().map_or("A new sculpture".to_string(), |path| {
+        path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+    });
+    LeftWork {
+        name,
+        path: session.path().map(|path| path.to_path_buf()),
+        steps: document.history().undo_count(),
+        dims: document.grid().dims().to_array(),
+        saved: !session.modified(),
+        differs: report.difference.clone(),
+        picture: portrait(document.contents(), PICTURE_PX),
+    }
+}
+
+/// Replays a journal, begins another one for the session if one is to be kept, and then removes the first, unless the
+/// replay differed from what was done.
+fn bring_back(
+    number: u64,
+    journals: &JournalOptions,
+    keeps: bool,
+    limits: &Limits,
+    report: &Report,
+) -> Result<(Session, Notice), Failure> {
+    let source = source_of(&journals.shelf, number).map_err(Failure::Error)?;
+    let recovered = session::recover(source, limits, report);
+    let Recovered { mut session, report } = recovered.map_err(|error| match error {
+        JournalError::Format(FormatError::Cancelled) => Failure::Cancelled,
+        error => Failure::Error(failure(&journals.shelf, number, &error)),
+    })?;
+    let path = journals.shelf.path(number);
+    if let Some(difference) = report.difference {
+        let text = format!(
+            "What came back differs from what was done ({difference}). Its journal stays: {}",
+            path.display()
+        );
+        return Ok((session, Notice::error(text)));
+    }
+    if !keeps {
+        let text = format!("Recovered. The journal stays until you discard it: {}", path.display());
+        return Ok((session, Notice::note(text)));
+    }
+    let begun = session.keep_journal(journals.clone());
+    begun.map_err(|error| Failure::Error(failure(&journals.shelf, number, &error)))?;
+    session.sync_journal();
+    if session.journal_path().is_none() {
+        let text = format!(
+            "Recovered, but no new journal can be written. The old one stays: {}",
+            path.display()
+        );
+        return Ok((session, Notice::error(text)));
+    }
+    Ok(match journals.shelf.remove(number) {
+        Ok(()) => (session, Notice::note("Recovered, with undo and redo as they were")),
+        Err(error) => (session, Notice::error(failure(&journals.shelf, number, &error))),
+    })
+}
