@@ -99,7 +99,9 @@ fn all_left(shelf: &Shelf, limits: &Limits, report: &Report) -> Result<Vec<LeftS
         };
         let changed_unix_s = source.changed_unix_s.unwrap_or(0);
         let work = match session::recover(source, limits, report) {
-            Err(JournalError::Format(FormatError::Cancelled)) => return Err(Failure::Cancelled),
+            Err(JournalError::Checkpoint(FormatError::Cancelled)) => {
+                return Err(Failure::Cancelled);
+            }
             Err(error) => Err(failure(shelf, number, &error)),
             Ok(recovered) if is_untouched(&recovered.session) => {
                 // Should it stay, it is found again.
@@ -149,7 +151,7 @@ fn bring_back(
     let source = source_of(&journals.shelf, number).map_err(Failure::Error)?;
     let recovered = session::recover(source, limits, report);
     let Recovered { mut session, report } = recovered.map_err(|error| match error {
-        JournalError::Format(FormatError::Cancelled) => Failure::Cancelled,
+        JournalError::Checkpoint(FormatError::Cancelled) => Failure::Cancelled,
         error => Failure::Error(failure(&journals.shelf, number, &error)),
     })?;
     let path = journals.shelf.path(number);

@@ -67,6 +67,10 @@ pub enum UiRequest {
     SaveFirst(Next),
     /// Carry out a command that saves, then do that.
     SaveThen(Command, Next),
+    /// Brings back what an earlier session has left in the journal of this number.
+    Recover(u64),
+    /// Removes that journal.
+    DiscardLeft(u64),
     /// Carry out a command although it cannot be undone.
     Irreversibly(Command),
 }

@@ -127,6 +127,12 @@ pub fn screen(harness: &Bench, point: Vec3) -> Pos2 {
     bench.picture().min + vec2(at.x, at.y)
 }
 
+/// Clicks where pictures go on being drawn.
+pub fn click_once(harness: &mut Bench, label: &str) {
+    harness.get_by_label(label).click();
+    harness.run_steps(3);
+}
+
 /// Clicks on what has this label, and waits until windows and menus have their size.
 pub fn click(harness: &mut Bench, label: &str) {
     harness.get_by_label(label).click();

@@ -10,6 +10,7 @@ mod memory;
 mod panels;
 mod pictures;
 mod print_check;
+mod recovery;
 mod surface;
 mod switches;
 mod toasts;

@@ -12,7 +12,7 @@ use virtual_sculpture::ui::film_dialog::{FilmForm, FilmKind};
 use virtual_sculpture::ui::final_dialog::FinalFile;
 use virtual_sculpture::ui::picture_size::PictureSize;
 
-use super::bench::{Bench, bench, bench_of, click, config, has, key, key_in};
+use super::bench::{Bench, bench, bench_of, click, click_once, config, has, key, key_in};
 
 /// A bench whose sculpture has a file in this folder.
 fn saved_in(folder: &Path) -> Bench {
@@ -137,12 +137,6 @@ fn choose(harness: &mut Bench, list: &str, choice: &str) {
     harness.get_by_role_and_label(Role::ComboBox, list).click();
     harness.run_steps(6);
     click(harness, choice);
-}
-
-/// Clicks where pictures go on being drawn.
-fn click_once(harness: &mut Bench, label: &str) {
-    harness.get_by_label(label).click();
-    harness.run_steps(3);
 }
 
 #[test]

@@ -1,0 +1,130 @@
+//! What earlier sessions have left is listed at the start, and comes back as it was, or goes.
+
+use std::path::Path;
+
+use egui::vec2;
+use egui_kittest::kittest::Queryable;
+use virtual_sculpture::app::Workspace;
+use virtual_sculpture::config::Config;
+use virtual_sculpture::input::Bindings;
+use virtual_sculpture::journal::{JournalOptions, Shelf};
+use virtual_sculpture::sculpture::history::Contents;
+use virtual_sculpture::session::Session;
+
+use super::bench::{Bench, bench_around, click, click_once, config, has, undo_count};
+
+fn journals(folder: &Path) -> JournalOptions {
+    JournalOptions::new(Shelf::new(&folder.join("journals")))
+}
+
+/// A session that ends without being asked to, after these commands; what it had.
+fn leave(folder: &Path, config: &Config, lines: &[&str]) -> Contents {
+    let mut session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
+    session.keep_journal(journals(folder)).unwrap();
+    for line in lines {
+        session.execute(&line.parse().unwrap(), &()).unwrap();
+    }
+    session.sync_journal();
+    session.document().contents().clone()
+}
+
+/// The window at its next start, in which all that was left has been found.
+fn start(folder: &Path, config: &Config, size: egui::Vec2) -> Bench {
+    let session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
+    let mut workspace = Workspace::new(session, config, Bindings::presets().unwrap());
+    workspace.session_mut().keep_journal(journals(folder)).unwrap();
+    workspace.session().sync_journal();
+    workspace.look_for_left(journals(folder));
+    workspace.finish_job();
+    let mut harness = bench_around(workspace, size);
+    harness.run_steps(4);
+    harness
+}
+
+fn numbers(folder: &Path) -> Vec<u64> {
+    journals(folder).shelf.numbers().unwrap()
+}
+
+const CARVED: [&str; 3] = [
+    "subtract cuboid at=16,16,16 half=6",
+    "recolour cuboid at=4,4,4 half=4 colour=#2040ff",
+    "undo 1",
+];
+
+#[test]
+fn what_was_left_comes_back_with_undo_and_redo() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = config(32);
+    let made = leave(folder.path(), &config, &CARVED);
+    let mut harness = start(folder.path(), &config, vec2(1280.0, 800.0));
+    assert!(has(&harness, "Unsaved work was found") && has(&harness, "A new sculpture"));
+    assert!(has(&harness, "1 step, 32 × 32 × 32 voxels"));
+    assert!(harness.state().ui.dialogs.is_modal(), "keys are for the dialog");
+    assert_eq!(numbers(folder.path()), [1, 2]);
+
+    click_once(&mut harness, "Recover");
+    harness.run_steps(2);
+    harness.state_mut().finish_job();
+    harness.run_steps(4);
+    assert!(!has(&harness, "Unsaved work was found"));
+    let session = harness.state().session();
+    assert_eq!(session.document().contents(), &made);
+    assert_eq!(undo_count(&harness), 1);
+    assert_eq!(session.document().history().redo_count(), 1);
+    assert!(session.modified());
+    // It has a journal of its own, and nothing else is left.
+    assert_eq!(numbers(folder.path()), [session.journal_number().unwrap()]);
+    harness.state_mut().session_mut().execute(&"redo 1".parse().unwrap(), &()).unwrap();
+    drop(harness);
+    let harness = start(folder.path(), &config, vec2(1280.0, 800.0));
+    assert!(has(&harness, "2 steps, 32 × 32 × 32 voxels"), "killed again");
+}
+
+#[test]
+fn what_nobody_wants_is_removed_after_a_question_and_the_rest_is_asked_about_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = config(16);
+    leave(folder.path(), &config, &["subtract cuboid at=4,4,4 half=2"]);
+    leave(folder.path(), &config, &["clear", "add cuboid at=8,8,8 half=3"]);
+    // Nothing was done in this one.
+    leave(folder.path(), &config, &[]);
+    std::fs::write(folder.path().join("journals/9.journal"), "no journal").unwrap();
+    let mut harness = start(folder.path(), &config, vec2(800.0, 600.0));
+    let recover = harness.query_all_by_label("Recover").count();
+    assert_eq!(recover, 2);
+    harness.get_by_label("Cannot be recovered").rect();
+    let later = harness.get_by_label("Later").rect();
+    assert!(later.max.y < 600.0, "{later:?}");
+
+    let last = harness.get_all_by_label("Discard …").last().unwrap();
+    last.click();
+    harness.run_steps(3);
+    click(&mut harness, "Keep it");
+    assert_eq!(harness.query_all_by_label("Discard …").count(), 3);
+    harness.get_all_by_label("Discard …").last().unwrap().click();
+    harness.run_steps(3);
+    click(&mut harness, "Discard it");
+    assert_eq!(harness.query_all_by_label("Discard …").count(), 2);
+    let left = numbers(folder.path());
+    click(&mut harness, "Later");
+    assert!(!harness.state().ui.dialogs.is_modal());
+    assert_eq!(numbers(folder.path()), left);
+}
+
+#[test]
+fn unsaved_changes_are_asked_about_before_another_session_takes_their_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = config(16);
+    let made = leave(folder.path(), &config, &["subtract cuboid at=4,4,4 half=2"]);
+    let mut harness = start(folder.path(), &config, vec2(1280.0, 800.0));
+    let command = "subtract cuboid at=12,12,12 half=1".parse().unwrap();
+    harness.state_mut().session_mut().execute(&command, &()).unwrap();
+    click_once(&mut harness, "Recover");
+    harness.run_steps(3);
+    assert!(has(&harness, "You have unsaved changes"));
+    click_once(&mut harness, "Don't save");
+    harness.run_steps(2);
+    harness.state_mut().finish_job();
+    harness.run_steps(4);
+    assert_eq!(harness.state().session().document().contents(), &made);
+}
