@@ -109,9 +109,7 @@ impl Action {
             Action::DyeMarker => ("dye-marker", Tap, "Recolour the voxels in the marker"),
             Action::Copy => ("copy", Tap, "Copy the voxels in the marker"),
             Action::Cut => ("cut-out", Tap, "Cut the voxels in the marker to the clipboard"),
-            Action::Paste => {
-                ("paste", Tap, "Paste at the marker's lower corner, or else a picture")
-            }
+            Action::Paste => ("paste", Tap, "Paste at the marker's lower corner, or else an image"),
             Action::TurnClip(Axis::X) => ("turn-copy-x", Tap, "Rotate the clipboard 90° about x"),
             Action::TurnClip(Axis::Y) => ("turn-copy-y", Tap, "Rotate the clipboard 90° about y"),
             Action::TurnClip(Axis::Z) => ("turn-copy-z", Tap, "Rotate the clipboard 90° about z"),
