@@ -16,7 +16,7 @@ fn scan(path: &Path) {
         let noise = (i * 37 % 41) as u8;
         match x * x + y * y + z * z {
             ..100 => 200 + noise,
-            ..500 => 110 + noise,
+            100..500 => 110 + noise,
             _ => noise,
         }
     }));
