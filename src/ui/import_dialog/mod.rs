@@ -134,9 +134,9 @@ impl ImportDialog {
         }
     }
 
-    /// Takes what reading the file has come to. `is_busy`: it is still being read.
+    /// Takes what reading the file has come to, once that is over: nothing can be opened while it is busy.
     fn take_news(&mut self, is_busy: bool, requests: &mut Vec<UiRequest>) {
-        if !matches!(self.stage, Stage::Reading) {
+        if is_busy || !matches!(self.stage, Stage::Reading) {
             return;
         }
         let news = self.news.lock().unwrap_or_else(PoisonError::into_inner).take();
@@ -160,10 +160,9 @@ impl ImportDialog {
             }
             Some(Err(error)) => self.stage = Stage::Failed(error),
             // It was cancelled.
-            None if !is_busy => {
+            None => {
                 self.close();
             }
-            None => {}
         }
     }
 
