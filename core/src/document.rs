@@ -152,7 +152,13 @@ impl Document {
         &self.history
     }
 
-    /// The memory limits the document was made with.
+    /// Lets the undo and redo steps take up to `bytes`, if that is more than they may take now.
+    pub fn raise_history_budget(&mut self, bytes: usize) {
+        self.limits.history_bytes = self.limits.history_bytes.max(bytes);
+        self.history.raise_budget(bytes);
+    }
+
+    /// The memory limits of the document.
     pub fn limits(&self) -> &Limits {
         &self.limits
     }

@@ -128,8 +128,9 @@ impl Checkpoint {
         append(record(END, &[&Digest::of(contents).0]))
     }
 
-    /// Reads a checkpoint from the records of a journal, within the limits that it was made with where they
-    /// are larger than `limits`. None if the records end before it does.
+    /// Reads a checkpoint from the records of a journal. Contents may take what `limits` allow, or the limits
+    /// that it was made with where these are larger; the history has the limit that it was made with, so that
+    /// a replay drops the steps that the session dropped. None if the records end before it does.
     pub(super) fn read(
         records: &mut dyn Iterator<Item = Record>,
         limits: &Limits,
@@ -143,7 +144,7 @@ impl Checkpoint {
         let limits = Limits {
             grid_bytes: limits.grid_bytes.max(own.grid_bytes),
             colour_bytes: limits.colour_bytes.max(own.colour_bytes),
-            history_bytes: limits.history_bytes.max(own.history_bytes),
+            history_bytes: own.history_bytes,
         };
         let (mut contents, mut clip, mut undo, mut redo) = (None, None, vec![], vec![]);
         let (mut settings, mut last_uses, mut files, mut pictures) =

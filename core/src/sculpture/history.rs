@@ -252,6 +252,11 @@ impl History {
         self.budget_bytes
     }
 
+    /// Lets the steps take up to `budget_bytes`, if that is more than they may take now.
+    pub fn raise_budget(&mut self, budget_bytes: usize) {
+        self.budget_bytes = self.budget_bytes.max(budget_bytes);
+    }
+
     /// Steps dropped so far because the budget was full.
     pub fn dropped(&self) -> u64 {
         self.dropped

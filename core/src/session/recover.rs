@@ -96,6 +96,7 @@ pub fn recover(
     }
     progress.end();
     report.ending = reader.ending().unwrap_or(Ending::Damaged);
+    session.document.raise_history_budget(limits.history_bytes);
     if session.document.stroke_open() {
         report.in_stroke = true;
         // The history may have no room for it; then the stroke alone is lost.

@@ -58,6 +58,29 @@ proptest! {
 }
 
 #[test]
+fn a_replay_drops_the_steps_that_the_session_dropped() {
+    const RED: &str = "recolour cuboid at=12,10,6 half=20 colour=#a02010";
+    const GREEN: &str = "recolour cuboid at=12,10,6 half=20 colour=#20a010";
+    let memory = Memory::default();
+    let mut session = session(Limits { history_bytes: 45_000, ..Limits::default() });
+    session.keep_journal(options(&memory)).unwrap();
+    for line in [RED, GREEN, "clear", "undo 3", "redo 1"] {
+        execute(&mut session, line);
+        session.wait_for_journal();
+        let again = recovered(&memory.left(false)).unwrap();
+        assert_same(&all_of(&again.session), &all_of(&session));
+        let limits = again.session.document().limits();
+        assert_eq!(
+            limits.history_bytes,
+            Limits::default().history_bytes,
+            "it may keep more from now on"
+        );
+        assert_eq!(again.session.document().history().budget_bytes(), limits.history_bytes);
+    }
+    assert!(session.document().history().dropped() > 0, "the history was too small for all");
+}
+
+#[test]
 fn files_and_pictures_are_kept_by_content() {
     let folder = tempfile::tempdir().unwrap();
     let [other, picture, saved] =
