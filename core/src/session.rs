@@ -261,7 +261,7 @@ impl Session {
 
     /// Images are read again with every stroke: the file may have been changed by then.
     fn forget_pictures(&mut self, command: &Command) {
-        if matches!(command, Command::Begin { .. }) {
+        if matches!(command, Command::Begin { .. }) && !self.document.stroke_open() {
             self.pictures.retain(|path, _| self.document.has_picture(path));
             self.document.forget_pictures();
         }
@@ -406,11 +406,33 @@ impl Session {
             Command::Open { .. } => self.files.texts(self.document.state()),
             _ => Texts::default(),
         };
+        let history = self.document.history();
+        let left = [history.undo_count(), history.redo_count()];
+        if self.recording.as_mut().is_some_and(|r| r.needs_checkpoint(command, left)) {
+            return self.record_checkpoint();
+        }
         let contents = self.document.share_contents();
         self.record(|recording| match command {
             Command::Open { path, .. } => recording.write_opened(path, &contents, &texts),
             command => recording.write(command, applied),
         });
+    }
+
+    /// Goes on with the recording of another session, from what this one is now.
+    pub fn continue_recording(&mut self, of: &mut Session) {
+        if let Some(mut recording) = of.recording.take() {
+            recording.fall_behind();
+            self.recording = Some(recording);
+            self.record_checkpoint();
+        }
+    }
+
+    /// Writes all that the session is to the recording; within a stroke, what follows waits for its end.
+    fn record_checkpoint(&mut self) {
+        let Some(snapshot) = self.document.snapshot() else { return };
+        let texts = self.files.texts(self.document.state());
+        let name = self.path().unwrap_or(Path::new("sculpture.vsc")).to_path_buf();
+        self.record(|recording| recording.write_checkpoint(&name, &snapshot, &texts));
     }
 
     /// Writes the bytes of an image to the recording, unless it has them.

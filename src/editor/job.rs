@@ -217,6 +217,7 @@ impl Editor {
             }
             Ok(Ok(Product::Session(session, notice))) => {
                 self.go_on_with(*session);
+                self.tell_journal_error();
                 self.outcomes.push(Outcome::Notice(notice));
                 true
             }
@@ -271,9 +272,10 @@ impl Editor {
     }
 
     /// Replaces the session, whose journal goes: what it holds is saved or not wanted.
-    fn go_on_with(&mut self, session: Session) {
+    fn go_on_with(&mut self, mut session: Session) {
         self.drop_stroke_in_question();
         self.session.discard_journal();
+        session.continue_recording(&mut self.session);
         self.session = session;
         self.sculpture_replaced();
     }

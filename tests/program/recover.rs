@@ -174,6 +174,39 @@ fn an_embedded_file_is_opened_whatever_its_name_says() {
 }
 
 #[test]
+fn a_recorded_script_has_the_hash_of_the_session_without_its_files() {
+    let folder = folder();
+    let path = folder.path();
+    let new = "new dims=20,20,20 colour=24".parse().unwrap();
+    let virtual_sculpture::command::Command::New(new) = new else { panic!() };
+    let mut session = Session::new(&new, Limits::default()).unwrap();
+    let picture = path.join("a.png");
+    image::RgbImage::from_fn(3, 3, |x, y| image::Rgb([(x * 80) as u8, (y * 80) as u8, 9]))
+        .save(&picture)
+        .unwrap();
+    session.record_to(&path.join("made.sculpt")).unwrap();
+    let own = path.join("own.vsc");
+    for line in [
+        "subtract ellipsoid at=9,9,18 half=8".to_string(),
+        format!("save {own:?}"),
+        "clear".to_string(),
+        format!("open {own:?}"),
+        format!("texture {picture:?} cuboid at=9,9,3 half=6"),
+        "undo 2".to_string(),
+        "redo 2".to_string(),
+    ] {
+        session.execute(&line.parse().unwrap(), &()).unwrap();
+    }
+    std::fs::remove_file(&picture).unwrap();
+    std::fs::remove_file(&own).unwrap();
+    let output = with_state(path, &["run", "made.sculpt", "--hash", "--quiet"]).output().unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    let scene = format!("scene {}", Digest::of(session.document().contents()));
+    assert!(output.status.success() && text.contains(&scene), "{text}");
+    assert!(!own.exists(), "a replay writes no file");
+}
+
+#[test]
 fn a_script_has_the_same_hashes_whatever_the_number_of_threads() {
     let folder = folder();
     let path = folder.path();

@@ -84,15 +84,15 @@ impl Session {
     /// Gives the journal a checkpoint if it wants one. To be called now and then while nothing is executed, so that
     /// a journal that could not be written catches up.
     pub fn attend_journal(&mut self) {
-        let Some(journal) =
-            self.journal.as_ref().filter(|journal| journal.writer.wants_checkpoint())
+        let Some(max_bytes) = self
+            .journal
+            .as_ref()
+            .filter(|journal| journal.writer.wants_checkpoint())
+            .map(|journal| journal.writer.options().max_bytes)
         else {
             return;
         };
-        let Some((checkpoint, missing)) = self.checkpoint(journal.writer.options().max_bytes)
-        else {
-            return;
-        };
+        let Some((checkpoint, missing)) = self.checkpoint(max_bytes) else { return };
         if let Some(journal) = &mut self.journal {
             journal.writer.checkpoint(checkpoint);
             journal.missing = missing;
@@ -101,12 +101,13 @@ impl Session {
 
     /// All that the session is, with as many steps as half of `max_bytes` holds, and how many are missing. None
     /// within a stroke.
-    fn checkpoint(&self, max_bytes: u64) -> Option<(Checkpoint, [usize; 2])> {
+    fn checkpoint(&mut self, max_bytes: u64) -> Option<(Checkpoint, [usize; 2])> {
         let mut document = self.document.snapshot()?;
+        // What comes after the checkpoint knows no other pictures than those in it.
+        self.pictures.retain(|path, _| self.document.has_picture(path));
         let missing =
             document.history.shorten(usize::try_from(max_bytes / 2).unwrap_or(usize::MAX));
-        let loaded = |(path, _): &(&PathBuf, &Arc<[u8]>)| self.document.has_picture(path);
-        let pictures = self.pictures.iter().filter(loaded);
+        let pictures = self.pictures.iter();
         let pictures = pictures.map(|(path, file)| (path.clone(), file.clone())).collect();
         let limits = *self.document.limits();
         Some((Checkpoint { document, files: self.files.all(), pictures, limits }, missing))

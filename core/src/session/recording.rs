@@ -1,19 +1,24 @@
 //! The recording of a session: a script that grows by a line with every command, so that a crash loses
-//! nothing and `run` reproduces the session anywhere: files that were opened and images are embedded.
+//! nothing and `run` reproduces the session anywhere: files that were opened and images are embedded. What
+//! the script cannot repeat, such as an undo of steps from before it began, is a checkpoint: the sculpture
+//! embedded as it is then, with clipboard and settings.
 //!
-//! Non-empty files are never opened for writing. Knows no document.
+//! Non-empty files are never opened for writing, and a replay writes none. Knows no document.
 
 use std::collections::HashMap;
 use std::fs::{File, OpenOptions, metadata};
 use std::io::{Error, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
+use glam::IVec3;
+
 use super::SessionError;
-use crate::command::Command;
-use crate::document::Applied;
+use crate::command::{Command, SelectOp};
+use crate::document::{Applied, DocumentSnapshot};
 use crate::format::options::ImportOptions;
 use crate::format::{self, Texts};
 use crate::sculpture::history::Contents;
+use crate::sculpture::region::VoxelBox;
 
 const TITLE: &str = "# Recorded by Virtual Sculpture";
 
@@ -26,6 +31,14 @@ pub(super) struct Recording {
     length: u64,
     /// The images that are in it, as they were last.
     pictures: HashMap<PathBuf, Vec<u8>>,
+    /// How many steps of the undo and the redo list, those furthest away, a replay does not have.
+    missing: [usize; 2],
+    /// Whether a replay does not know what an array would repeat.
+    lacks_uses: bool,
+    /// Within a stroke, whether a tool was used in it.
+    stroke: Option<bool>,
+    /// Whether something was done that the script does not repeat: only a checkpoint may follow.
+    is_behind: bool,
 }
 
 impl Recording {
@@ -53,8 +66,16 @@ impl Recording {
             Err(error) => return Err(failed(error)),
         }
         let file = options.open(path).map_err(failed)?;
-        let mut recording =
-            Recording { path: path.to_path_buf(), file, length: 0, pictures: HashMap::new() };
+        let mut recording = Recording {
+            path: path.to_path_buf(),
+            file,
+            length: 0,
+            pictures: HashMap::new(),
+            missing: [0; 2],
+            lacks_uses: false,
+            stroke: None,
+            is_behind: false,
+        };
         let head = format!("{TITLE}; replay with `virtual-sculpture run`\n");
         recording.write_line(head).map_err(failed)?;
         match beginning {
@@ -73,6 +94,71 @@ impl Recording {
         let Some(line) = line_of(command, applied) else { return Ok(()) };
         self.write_line(line)
             .map_err(|error| SessionError::Journal { path: self.path.clone(), error })
+    }
+
+    /// Whether only a checkpoint can follow, now that the command is executed. `left`: the steps of the undo and the
+    /// redo list afterwards.
+    pub fn needs_checkpoint(&mut self, command: &Command, left: [usize; 2]) -> bool {
+        use Command::{Array, Begin, Cancel, Construct, End, Paste, Redo, Spray, Texture, Undo};
+        self.is_behind |= match command {
+            Undo { .. } | Redo { .. } => std::iter::zip(left, self.missing).any(|(l, m)| l < m),
+            Array { .. } => self.lacks_uses,
+            _ => false,
+        };
+        match command {
+            Begin { .. } => self.stroke = Some(false),
+            Construct { .. } | Texture { .. } | Spray { .. } | Paste { .. } => {
+                match &mut self.stroke {
+                    Some(used) => *used = true,
+                    None => self.lacks_uses = false,
+                }
+            }
+            End if self.stroke.take() == Some(true) => self.lacks_uses = false,
+            Cancel => self.stroke = None,
+            _ => {}
+        }
+        if left[1] == 0 {
+            self.missing[1] = 0;
+        }
+        self.is_behind
+    }
+
+    /// Notes that something was done that the script does not repeat.
+    pub fn fall_behind(&mut self) {
+        self.is_behind = true;
+    }
+
+    /// Adds all of the session as it is now, but for its history, of which what follows knows nothing. `name`: of the
+    /// sculpture's file.
+    pub fn write_checkpoint(
+        &mut self,
+        name: &Path,
+        now: &DocumentSnapshot,
+        texts: &Texts,
+    ) -> Result<(), SessionError> {
+        if self.stroke.take().is_some() {
+            self.write(&Command::Cancel, Applied::default())?;
+        }
+        // Neither the limit nor the room in the history may keep a replay from it.
+        for freed in
+            [Command::Select(SelectOp::Clear), Command::Limit(false), Command::Irreversible(true)]
+        {
+            self.write(&freed, Applied::default())?;
+        }
+        if let Some(clip) = &now.clip {
+            self.write_opened(Path::new("clipboard.vsc"), clip.contents(), &Texts::default())?;
+            let all = VoxelBox { min: IVec3::ZERO, max: clip.size().as_ivec3() };
+            self.write(&Command::Mark(all), Applied::default())?;
+            self.write(&Command::Copy, Applied::default())?;
+        }
+        self.write_opened(name, &now.contents, texts)?;
+        for setting in &now.settings {
+            self.write(setting, Applied::default())?;
+        }
+        self.missing = [now.history.undo.len(), now.history.redo.len()];
+        self.lacks_uses = !now.last_uses.is_empty();
+        self.is_behind = false;
+        Ok(())
     }
 
     /// Adds that a file was opened, by its content.
@@ -147,213 +233,5 @@ fn is_recording(path: &Path) -> bool {
 }
 
 #[cfg(test)]
-mod tests {
-    use std::fs;
-
-    use super::*;
-    use crate::document::Limits;
-    use crate::session::Session;
-
-    fn session() -> Session {
-        let Command::New(new) = "new dims=12,10,8 colour=24".parse().unwrap() else { panic!() };
-        Session::new(&new, Limits::default()).unwrap()
-    }
-
-    fn execute(session: &mut Session, line: &str) {
-        session.execute(&line.parse().unwrap(), &()).unwrap_or_else(|e| panic!("{line}: {e}"));
-    }
-
-    /// Carries out a script as `run` does, over another sculpture.
-    fn replay(script: &str) -> Session {
-        let Command::New(new) = "new dims=3,3,3".parse().unwrap() else { panic!() };
-        let mut session = Session::new(&new, Limits::default()).unwrap();
-        script.lines().filter(|line| !line.starts_with('#')).for_each(|line| {
-            execute(&mut session, line);
-        });
-        session
-    }
-
-    #[test]
-    fn a_file_that_holds_something_is_refused_and_stays() {
-        let folder = tempfile::tempdir().unwrap();
-        let own = folder.path().join("own.vsc");
-        execute(&mut session(), &format!("save {own:?}"));
-        let sculpture = fs::read(&own).unwrap();
-        let error = session().record_to(&own).unwrap_err().to_string();
-        assert!(error.contains("own.vsc") && error.contains("is no recording"), "{error}");
-        assert_eq!(fs::read(&own).unwrap(), sculpture);
-
-        // A second start with the same name.
-        let path = folder.path().join("first.sculpt");
-        let mut first = session();
-        first.record_to(&path).unwrap();
-        execute(&mut first, "clear");
-        let recorded = fs::read(&path).unwrap();
-        let error = session().record_to(&path).unwrap_err().to_string();
-        assert!(error.contains("holds a recording") && error.contains("another name"), "{error}");
-        assert_eq!(fs::read(&path).unwrap(), recorded);
-        assert!(matches!(first.record_to(&path), Err(SessionError::JournalLate)));
-
-        // An empty one is free, a folder is not.
-        fs::write(folder.path().join("empty"), "").unwrap();
-        session().record_to(&folder.path().join("empty")).unwrap();
-        assert!(session().record_to(folder.path()).is_err());
-    }
-
-    #[test]
-    fn a_replay_begins_with_the_same_sculpture_and_writes_no_file() {
-        let folder = tempfile::tempdir().unwrap();
-        let [start, saved, script] =
-            ["start.vsc", "saved.vsc", "made.sculpt"].map(|name| folder.path().join(name));
-        execute(&mut session(), &format!("save {start:?}"));
-        let limits = Limits::default();
-        let mut opened = Session::open(&start, &Default::default(), limits, &()).unwrap();
-        opened.record_to(&script).unwrap();
-        execute(&mut opened, "subtract cuboid at=4,4,4 half=2");
-        execute(&mut opened, &format!("save {saved:?}"));
-        execute(&mut opened, "subtract cuboid at=8,4,4 half=2");
-        // More than there is: in a replay there is one more, the opening.
-        execute(&mut opened, "undo all");
-        execute(&mut opened, "undo all");
-        execute(&mut opened, "redo 1");
-        let text = fs::read_to_string(&script).unwrap();
-        let embedding = format!("embed {start:?} data=");
-        assert!(text.lines().nth(1).is_some_and(|line| line.starts_with(&embedding)), "{text}");
-        let opening = format!("open {start:?}");
-        assert_eq!(text.lines().nth(2), Some(opening.as_str()), "{text}");
-        fs::remove_file(&start).unwrap();
-        assert!(text.contains(&format!("# save {saved:?}")), "{text}");
-        fs::write(&saved, "another's work").unwrap();
-        let again = replay(&text);
-        assert_eq!(again.document().contents(), opened.document().contents());
-        assert_eq!(fs::read(&saved).unwrap(), b"another's work");
-    }
-
-    #[test]
-    fn images_are_embedded_as_they_were_and_needed_no_more() {
-        let folder = tempfile::tempdir().unwrap();
-        let [picture, script] = ["p.png", "made.sculpt"].map(|name| folder.path().join(name));
-        let paint = |rgb: [u8; 3]| {
-            image::RgbImage::from_pixel(2, 2, image::Rgb(rgb)).save(&picture).unwrap();
-        };
-        let mut made = session();
-        made.record_to(&script).unwrap();
-        let texture = format!("texture {picture:?} cuboid at=4,4,4 half=3");
-        for rgb in [[200, 10, 20], [200, 10, 20], [30, 220, 40]] {
-            paint(rgb);
-            for line in ["begin", &texture, "end", "array count=1 step=3,0,0"] {
-                execute(&mut made, line);
-            }
-        }
-        let text = fs::read_to_string(&script).unwrap();
-        assert_eq!(text.matches("embed ").count(), 2, "the same image is embedded once: {text}");
-        drop(folder);
-        let again = replay(&text);
-        assert_eq!(again.document().contents(), made.document().contents());
-        // A recording of the replay is the same script but for where it begins.
-        let folder = tempfile::tempdir().unwrap();
-        let copy = folder.path().join("copy.sculpt");
-        let mut second = session();
-        second.record_to(&copy).unwrap();
-        text.lines().skip(2).for_each(|line| execute(&mut second, line));
-        let copied = replay(&fs::read_to_string(&copy).unwrap());
-        assert_eq!(copied.document().contents(), made.document().contents());
-    }
-
-    #[test]
-    fn what_is_embedded_must_be_a_sculpture_or_an_image() {
-        let mut session = session();
-        execute(&mut session, "embed \"a.vsc\" data=AAAA");
-        let error = session.execute(&"open \"a.vsc\"".parse().unwrap(), &()).unwrap_err();
-        assert!(error.to_string().contains("a.vsc"), "{error}");
-        let line = "texture \"a.vsc\" cuboid at=4,4,4 half=3";
-        let error = session.execute(&line.parse().unwrap(), &()).unwrap_err();
-        assert!(error.to_string().contains("a.vsc"), "{error}");
-        assert!("embed \"a\" data=?".parse::<Command>().is_err());
-        assert!("embed \"a\"".parse::<Command>().is_err());
-    }
-
-    #[test]
-    fn undo_past_orientations_is_recorded_and_replays() {
-        let folder = tempfile::tempdir().unwrap();
-        let script = folder.path().join("made.sculpt");
-        let mut made = session();
-        made.record_to(&script).unwrap();
-        let lines = [
-            "recolour cuboid at=4,4,4 half=3 colour=#2040ff",
-            "orient upright=z",
-            "subtract cuboid at=4,4,4 half=2",
-            "orient axes=-x,y,z",
-            "orient axes=y,z,x",
-            "clear",
-        ];
-        let mut states = vec![made.document().contents().clone()];
-        for line in lines {
-            execute(&mut made, line);
-            states.push(made.document().contents().clone());
-        }
-        // Whatever way, and wherever it ends.
-        for (line, at) in [
-            ("undo 2", 4),
-            ("undo 3", 1),
-            ("redo 4", 5),
-            ("undo all", 0),
-            ("undo all", 0),
-            ("redo all", 6),
-            ("undo 5", 1),
-        ] {
-            let before = made.document().history().undo_count();
-            let applied = made.execute(&line.parse().unwrap(), &()).unwrap();
-            assert_eq!(applied.steps as usize, before.abs_diff(at), "{line}");
-            assert_eq!(made.document().contents(), &states[at], "{line}");
-        }
-        let again = replay(&fs::read_to_string(&script).unwrap());
-        assert_eq!(again.document().contents(), made.document().contents());
-    }
-
-    #[test]
-    fn what_a_session_without_a_file_began_with_is_recorded_too() {
-        let folder = tempfile::tempdir().unwrap();
-        let script = folder.path().join("made.sculpt");
-        let mut made = session();
-        made.record_to(&script).unwrap();
-        execute(&mut made, "subtract cuboid at=4,4,4 half=2");
-        let again = replay(&fs::read_to_string(&script).unwrap());
-        assert_eq!(again.document().contents(), made.document().contents());
-    }
-
-    /// A pipe whose reader goes takes no more, as a full disk does.
-    #[cfg(unix)]
-    #[test]
-    fn a_recording_that_cannot_be_written_stops_no_work() {
-        use std::io::{BufRead, BufReader};
-
-        let folder = tempfile::tempdir().unwrap();
-        let pipe = folder.path().join("pipe");
-        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
-        let reading = pipe.clone();
-        let reader = std::thread::spawn(move || {
-            // Until the beginning has come.
-            let mut lines = BufReader::new(File::open(&reading).unwrap()).lines();
-            lines.by_ref().take(2).collect::<Result<Vec<String>, _>>().unwrap()
-        });
-        let mut session = session();
-        session.record_to(&pipe).unwrap();
-        assert!(reader.join().unwrap()[0].starts_with(TITLE));
-        for line in ["begin", "subtract cuboid at=4,4,4 half=2", "end", "clear"] {
-            execute(&mut session, line);
-        }
-        assert!(!session.document().stroke_open());
-        assert_eq!(session.document().history().undo_count(), 2);
-        let error = session.take_journal_error().unwrap().to_string();
-        assert!(error.contains("pipe"), "{error}");
-        assert!(session.take_journal_error().is_none(), "it is said once");
-    }
-
-    #[cfg(target_os = "linux")]
-    #[test]
-    fn a_full_disk_at_the_start_is_said() {
-        let error = session().record_to(Path::new("/dev/full")).unwrap_err().to_string();
-        assert!(error.contains("/dev/full") && error.contains("space"), "{error}");
-    }
-}
+#[path = "recording_tests.rs"]
+mod tests;

@@ -3,6 +3,7 @@
 
 mod faults;
 mod memory;
+mod recording;
 mod replay;
 
 use std::path::Path;
