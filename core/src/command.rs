@@ -278,17 +278,17 @@ pub const COMMANDS: &[CommandHelp] = &[
     },
     CommandHelp {
         verb: "add",
-        usage: "ellipsoid|cuboid|pyramid at=X,Y,Z half=A[,B,C] [turn=RX,RY,RZ | turn=X,Y,Z,W] [colour=#rrggbb]",
-        tooltip: "Fill the voxels inside a solid; new ones get the colour, or the base colour",
+        usage: "SOLID at=X,Y,Z half=A[,B,C] [turn=RX,RY,RZ | turn=X,Y,Z,W] [colour=#rrggbb]",
+        tooltip: "Fill the voxels inside a solid (ellipsoid, cuboid, pyramid, cylinder, cone, torus, capsule or rounded-cuboid); new ones get the colour, or the base colour",
     },
     CommandHelp {
         verb: "subtract",
-        usage: "ellipsoid|cuboid|pyramid at=X,Y,Z half=A[,B,C] [turn=...]",
+        usage: "SOLID at=X,Y,Z half=A[,B,C] [turn=...]",
         tooltip: "Remove the voxels inside a solid",
     },
     CommandHelp {
         verb: "recolour",
-        usage: "ellipsoid|cuboid|pyramid at=X,Y,Z half=A[,B,C] [turn=...] colour=#rrggbb",
+        usage: "SOLID at=X,Y,Z half=A[,B,C] [turn=...] colour=#rrggbb",
         tooltip: "Recolour the voxels inside a solid",
     },
     CommandHelp {
@@ -298,7 +298,7 @@ pub const COMMANDS: &[CommandHelp] = &[
     },
     CommandHelp {
         verb: "texture",
-        usage: "\"PICTURE\" ellipsoid|cuboid|pyramid at=X,Y,Z half=A[,B,C] [turn=...]",
+        usage: "\"PICTURE\" SOLID at=X,Y,Z half=A[,B,C] [turn=...]",
         tooltip: "Paint the voxels inside a solid with a PNG or JPEG image",
     },
     CommandHelp {

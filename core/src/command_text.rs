@@ -304,10 +304,11 @@ fn choice(args: &mut Arguments, key: &str, words: [&str; 2]) -> Result<bool, Par
 }
 
 fn parse_primitive(args: &mut Arguments) -> Result<Primitive, ParseError> {
-    let name = args.word("ellipsoid, cuboid or pyramid")?;
-    let solid = Solid::ALL.into_iter().find(|s| s.name() == name).ok_or_else(|| {
-        ParseError(format!("`{name}` is not a solid; use ellipsoid, cuboid or pyramid"))
-    })?;
+    let name = args.word(Solid::NAMES)?;
+    let solid = Solid::ALL
+        .into_iter()
+        .find(|s| s.name() == name)
+        .ok_or_else(|| ParseError(format!("`{name}` is not a solid; use {}", Solid::NAMES)))?;
     Ok(Primitive {
         solid,
         centre_vx: args.required("at", parse_vec3)?,

@@ -3,14 +3,15 @@
 
 use std::f32::consts::TAU;
 
-use glam::{Mat3, Quat, UVec3, Vec2, Vec3};
+use glam::{Quat, UVec3, Vec2, Vec3};
 
+use super::tool_outline::outline_of;
 use crate::document::Document;
 use crate::editor::tool::{ToolKind, ToolState};
 use crate::input::ToolMode;
 use crate::render::overlay::{Line, ToolPreview};
+use crate::sculpture::Rgb;
 use crate::sculpture::region::VoxelBox;
-use crate::sculpture::{Grid, Rgb};
 use crate::surface::IndexMap;
 use crate::tools::construct::{Primitive, Solid};
 use crate::tools::spray::{Outline, SprayKind};
@@ -22,8 +23,8 @@ const SELECTED: Rgb = Rgb::new(0x58, 0xd0, 0x78);
 const PASTE: Rgb = Rgb::new(0xf4, 0xc8, 0x40);
 const MIRROR: Rgb = Rgb::new(0xb0, 0x8c, 0xf0);
 const RED: Rgb = Rgb::new(0xf0, 0x30, 0x28);
-/// Segments of a circle around the ellipsoid.
-const SEGMENTS: usize = 40;
+/// Segments of a circle.
+pub(super) const SEGMENTS: usize = 40;
 
 /// What the overlay is drawn from.
 pub struct OverlayScene<'a> {
@@ -112,10 +113,10 @@ pub fn lines(scene: &OverlayScene) -> Vec<Line> {
         |colour| move |(from, to)| Line { from, to, colour, width_px: 1.4, opacity: [0.9, 0.3] };
     match tool.kind {
         ToolKind::Solid => {
-            let own = outline_of(tool.solid, &tool.primitive(), grid);
+            let own = outline_of(&tool.primitive(), grid);
             lines.extend(own.into_iter().map(outline(colour_of(tool))));
             for image in document.symmetry().images(grid.dims()).iter().skip(1) {
-                let mirrored = outline_of(tool.solid, &image.primitive(&tool.primitive()), grid);
+                let mirrored = outline_of(&image.primitive(&tool.primitive()), grid);
                 lines.extend(mirrored.into_iter().map(outline(MIRROR)));
             }
         }
@@ -190,36 +191,8 @@ fn colour_of(tool: &ToolState) -> Rgb {
     }
 }
 
-/// The edges of the tool, or three circles around the ellipsoid, in voxel coordinates.
-fn outline_of(solid: Solid, primitive: &Primitive, grid: &Grid) -> Vec<(Vec3, Vec3)> {
-    let shrink = grid.voxel_size().min_element() / grid.voxel_size();
-    let linear = Mat3::from_diagonal(shrink)
-        * Mat3::from_quat(primitive.rotation)
-        * Mat3::from_diagonal(primitive.half);
-    let place = |p: Vec3| primitive.centre_vx + linear * p;
-    let edges: Vec<(Vec3, Vec3)> = match solid {
-        Solid::Cuboid => box_edges(Vec3::NEG_ONE, Vec3::ONE).collect(),
-        Solid::Pyramid => {
-            let base = [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)]
-                .map(|(x, z)| Vec3::new(x, -1.0, z));
-            (0..4).flat_map(|i| [(base[i], base[(i + 1) % 4]), (base[i], Vec3::Y)]).collect()
-        }
-        Solid::Ellipsoid => (0..3)
-            .flat_map(|axis| {
-                let (u, v) = (Vec3::AXES[(axis + 1) % 3], Vec3::AXES[(axis + 2) % 3]);
-                let at = move |i: usize| {
-                    let turn = TAU * i as f32 / SEGMENTS as f32;
-                    u * turn.cos() + v * turn.sin()
-                };
-                (0..SEGMENTS).map(move |i| (at(i), at(i + 1)))
-            })
-            .collect(),
-    };
-    edges.into_iter().map(|(a, b)| (place(a), place(b))).collect()
-}
-
 /// The twelve edges of a box.
-fn box_edges(min: Vec3, max: Vec3) -> impl Iterator<Item = (Vec3, Vec3)> {
+pub(super) fn box_edges(min: Vec3, max: Vec3) -> impl Iterator<Item = (Vec3, Vec3)> {
     (0..3).flat_map(move |axis| {
         (0..4).map(move |corner| {
             let mut from = min;

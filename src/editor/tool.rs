@@ -242,13 +242,8 @@ impl ToolState {
     /// How far the tool reaches from its centre against `normal`, in voxels.
     fn extent_along(&self, normal: Vec3, voxel_size: Vec3) -> f32 {
         let tool_from_vx = DMat3::from_quat(self.rotation.as_dquat()).transpose();
-        let n = (tool_from_vx * normal.as_dvec3()).as_vec3() * self.half;
-        let extent = match self.solid {
-            Solid::Ellipsoid => n.length(),
-            Solid::Cuboid => n.abs().element_sum(),
-            // A corner of the base, or the apex.
-            Solid::Pyramid => (n.x.abs() + n.z.abs() + n.y).max(-n.y),
-        };
+        let direction = tool_from_vx * -normal.as_dvec3() * self.half.as_dvec3();
+        let extent = self.primitive().shape().support(direction) as f32;
         let shortest = voxel_size.min_element();
         extent * shortest / (normal * voxel_size).length().max(f32::MIN_POSITIVE)
     }

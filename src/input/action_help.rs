@@ -34,6 +34,17 @@ impl Action {
             Action::Solid(Solid::Ellipsoid) => ("ellipsoid", Tap, "Ellipsoid tool"),
             Action::Solid(Solid::Cuboid) => ("cuboid", Tap, "Cuboid tool"),
             Action::Solid(Solid::Pyramid) => ("pyramid", Tap, "Pyramid tool"),
+            Action::Solid(Solid::Cylinder) => ("cylinder", Tap, "Cylinder tool"),
+            Action::Solid(Solid::Cone) => ("cone", Tap, "Cone tool"),
+            Action::Solid(Solid::Torus) => {
+                ("torus", Tap, "Torus tool: a ring as thick as it is high")
+            }
+            Action::Solid(Solid::Capsule) => {
+                ("capsule", Tap, "Capsule tool: a rod with round ends")
+            }
+            Action::Solid(Solid::RoundedCuboid) => {
+                ("rounded-cuboid", Tap, "Rounded cuboid tool: a box with soft edges")
+            }
             Action::Spray(SprayKind::Paintbrush) => {
                 ("paintbrush", Tap, "Brush: paints the visible surface under it")
             }

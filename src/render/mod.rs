@@ -44,6 +44,7 @@ pub mod slicing;
 mod smooth_edges;
 mod smooth_pictures;
 mod software_composite;
+mod solid_mesh;
 mod specialised;
 pub mod stereo;
 pub mod stereo_options;

@@ -4,7 +4,6 @@
 //! What to draw comes in as values; the depth attachment is read only. Faces and lines that lie in
 //! the surface win the depth test by a margin, so that they do not flicker.
 
-use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
 
 use ash::vk;
@@ -12,6 +11,7 @@ use glam::{Affine3A, Mat3, Mat4, Vec3};
 
 use super::reference::References;
 use super::slicing::corner_margin_px;
+use super::solid_mesh::{Vertex, triangles};
 use crate::gpu::{
     Attribute, Blend, Buffer, Depth, Device, Graphics, MemoryLocation, Pipeline, PipelineLayout,
     Recorder, Result, Staging, Vertices, shaders,
@@ -19,8 +19,6 @@ use crate::gpu::{
 use crate::sculpture::Rgb;
 use crate::tools::construct::{Primitive, Solid};
 
-/// Segments around the equator of the ellipsoid; half as many from pole to pole.
-const SEGMENTS: usize = 48;
 /// Factor on the depth of lines, so that they lie before a surface that they coincide with.
 const LINE_DEPTH: f32 = 1.002;
 /// The same for the faces of tools, below their lines: more than depths of the surface and of the
@@ -81,6 +79,7 @@ impl Scene<'_> {
 #[repr(C)]
 struct SolidConstants {
     clip_from_tool: [f32; 16],
+    /// Fourth elements: half extents of the ellipsoid that rounds the solid.
     eye_from_normal: [[f32; 4]; 3],
     colour: [f32; 4],
 }
@@ -101,13 +100,6 @@ struct LineInstance {
     colour: [f32; 4],
 }
 
-#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
-struct Vertex {
-    position: [f32; 3],
-    normal: [f32; 3],
-}
-
 /// Before the sculpture, behind it.
 const SIDES: [vk::CompareOp; 2] = [vk::CompareOp::GREATER_OR_EQUAL, vk::CompareOp::LESS];
 
@@ -117,7 +109,7 @@ pub struct Overlay {
     lines: [Pipeline; 2],
     mesh: Buffer,
     /// First byte and number of vertices of each solid in the mesh.
-    ranges: [(u64, u32); 3],
+    ranges: [(u64, u32); Solid::ALL.len()],
     instances: Staging,
     /// Made when there are any.
     pub(super) references: Option<References>,
@@ -144,7 +136,7 @@ impl Overlay {
                     vertices: Some(Vertices {
                         stride: size_of::<Vertex>(),
                         per_instance: false,
-                        attributes: &attributes(vk::Format::R32G32B32_SFLOAT, 12, 2),
+                        attributes: &attributes(vk::Format::R32G32B32_SFLOAT, 12, 3),
                     }),
                     topology: vk::PrimitiveTopology::TRIANGLE_LIST,
                     cull: vk::CullModeFlags::BACK,
@@ -234,15 +226,16 @@ impl Overlay {
             scene.eye_from_grid * grid_from_tool(&preview.primitive, preview.voxel_size);
         let normals = Mat3::from(eye_from_tool.matrix3).inverse().transpose();
         let rows = normals.transpose();
-        let row = |axis: Vec3| axis.extend(0.0).to_array();
+        let round = preview.primitive.shape().round().as_vec3();
+        let row = |i: usize| rows.col(i).extend(round[i]).to_array();
         // Clip z is the near distance everywhere.
         let nearer = Mat4::from_scale(Vec3::new(1.0, 1.0, scene.nearer(FACE_DEPTH)));
         let constants = SolidConstants {
             clip_from_tool: (nearer * scene.projection * Mat4::from(eye_from_tool)).to_cols_array(),
-            eye_from_normal: [row(rows.x_axis), row(rows.y_axis), row(rows.z_axis)],
+            eye_from_normal: [row(0), row(1), row(2)],
             colour: with_opacity(preview.colour, preview.opacity[side]),
         };
-        let (offset, vertices) = self.ranges[index_of(preview.primitive.solid)];
+        let (offset, vertices) = self.ranges[preview.primitive.solid as usize];
         let pipeline = &self.solids[side];
         recorder.bind_pipeline(pipeline);
         recorder.push(pipeline.layout(), &constants);
@@ -301,27 +294,14 @@ fn attributes(format: vk::Format, bytes: usize, count: u32) -> Vec<Attribute> {
         .collect()
 }
 
-fn index_of(solid: Solid) -> usize {
-    match solid {
-        Solid::Ellipsoid => 0,
-        Solid::Cuboid => 1,
-        Solid::Pyramid => 2,
-    }
-}
-
-fn make_mesh(device: &Arc<Device>) -> Result<(Buffer, [(u64, u32); 3])> {
+fn make_mesh(device: &Arc<Device>) -> Result<(Buffer, [(u64, u32); Solid::ALL.len()])> {
     let mut vertices: Vec<Vertex> = Vec::new();
-    let mut ranges = [(0, 0); 3];
+    let mut ranges = [(0, 0); Solid::ALL.len()];
     for solid in Solid::ALL {
         let start = vertices.len();
-        for (corners, normals) in triangles(solid) {
-            vertices.extend(std::iter::zip(corners, normals).map(|(position, normal)| Vertex {
-                position: position.to_array(),
-                normal: normal.to_array(),
-            }));
-        }
+        vertices.extend(triangles(solid).into_iter().flatten());
         let offset = (start * size_of::<Vertex>()) as u64;
-        ranges[index_of(solid)] = (offset, (vertices.len() - start) as u32);
+        ranges[solid as usize] = (offset, (vertices.len() - start) as u32);
     }
     let mut mesh = Buffer::new(
         device,
@@ -334,99 +314,10 @@ fn make_mesh(device: &Arc<Device>) -> Result<(Buffer, [(u64, u32); 3])> {
     Ok((mesh, ranges))
 }
 
-/// Corners, counter-clockwise seen from outside, and their normals.
-type Triangle = ([Vec3; 3], [Vec3; 3]);
-
-/// The surface of a solid in tool space.
-fn triangles(solid: Solid) -> Vec<Triangle> {
-    match solid {
-        Solid::Ellipsoid => ball(),
-        Solid::Cuboid => {
-            let mut faces = Vec::new();
-            for axis in 0..3 {
-                for sign in [-1.0, 1.0] {
-                    let normal = Vec3::AXES[axis] * sign;
-                    let (u, v) = (Vec3::AXES[(axis + 1) % 3] * sign, Vec3::AXES[(axis + 2) % 3]);
-                    faces.extend(quad([
-                        normal - u - v,
-                        normal + u - v,
-                        normal + u + v,
-                        normal - u + v,
-                    ]));
-                }
-            }
-            faces
-        }
-        Solid::Pyramid => {
-            let apex = Vec3::Y;
-            let base = [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)]
-                .map(|(x, z)| Vec3::new(x, -1.0, z));
-            let [a, b, c, d] = base;
-            let mut faces = quad([d, c, b, a]).to_vec();
-            faces.extend((0..4).map(|i| flat([base[i], base[(i + 1) % 4], apex])));
-            faces
-        }
-    }
-}
-
-fn ball() -> Vec<Triangle> {
-    let rings = SEGMENTS / 2;
-    let at = |ring: usize, segment: usize| {
-        let (theta, phi) =
-            (PI * ring as f32 / rings as f32, TAU * segment as f32 / SEGMENTS as f32);
-        Vec3::new(theta.sin() * phi.sin(), theta.cos(), theta.sin() * phi.cos())
-    };
-    let mut out = Vec::new();
-    for ring in 0..rings {
-        for segment in 0..SEGMENTS {
-            let [a, b] = [at(ring, segment), at(ring + 1, segment)];
-            let [c, d] = [at(ring + 1, segment + 1), at(ring, segment + 1)];
-            // At the poles one of the two has no area.
-            if ring + 1 < rings {
-                out.push(([a, b, c], [a, b, c]));
-            }
-            if ring > 0 {
-                out.push(([a, c, d], [a, c, d]));
-            }
-        }
-    }
-    out
-}
-
-fn quad([a, b, c, d]: [Vec3; 4]) -> [Triangle; 2] {
-    [flat([a, b, c]), flat([a, c, d])]
-}
-
-fn flat(corners: [Vec3; 3]) -> Triangle {
-    let [a, b, c] = corners;
-    (corners, [(b - a).cross(c - a).normalize(); 3])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use glam::Quat;
-
-    /// Every mesh lies on the surface of the solid that the tool computes with, is closed, and
-    /// faces outwards.
-    #[test]
-    fn meshes_are_the_surfaces_of_the_solids() {
-        for (solid, volume) in
-            [(Solid::Ellipsoid, 4.0 / 3.0 * PI), (Solid::Cuboid, 8.0), (Solid::Pyramid, 8.0 / 3.0)]
-        {
-            let mut enclosed = 0.0;
-            for ([a, b, c], normals) in triangles(solid) {
-                for corner in [a, b, c] {
-                    assert!(solid.contains((corner * 0.999).as_dvec3()), "{solid:?} {corner}");
-                    assert!(!solid.contains((corner * 1.001).as_dvec3()), "{solid:?} {corner}");
-                }
-                let normal = (b - a).cross(c - a);
-                assert!(normals.iter().all(|n| n.dot(normal) > 0.0), "{solid:?}");
-                enclosed += a.dot(b.cross(c)) / 6.0;
-            }
-            assert!((enclosed - volume).abs() < 0.02 * volume, "{solid:?} {enclosed}");
-        }
-    }
 
     #[test]
     fn the_ghost_stands_where_the_tool_works() {

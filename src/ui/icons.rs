@@ -1,7 +1,7 @@
 //! Owns the small pictures on the tool buttons, drawn with lines so that they are sharp at any
 //! scale and take the theme's colours.
 
-use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, pos2};
+use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};
 
 use crate::input::ToolMode;
 use crate::tools::construct::Solid;
@@ -27,12 +27,13 @@ pub fn detach(painter: &Painter, rect: Rect, back: bool, colour: Color32) {
 pub fn solid(painter: &Painter, rect: Rect, solid: Solid, colour: Color32) {
     let line = Stroke::new(1.6, colour);
     let thin = Stroke::new(1.0, colour.gamma_multiply(0.6));
+    let fill = colour.gamma_multiply(0.15);
     let at = |x: f32, y: f32| at(rect, x, y);
     match solid {
         Solid::Ellipsoid => {
             let radius = rect.width().min(rect.height()) * 0.46;
-            painter.circle(rect.center(), radius, colour.gamma_multiply(0.15), line);
-            let bulge = egui::vec2(radius, radius * 0.35);
+            painter.circle(rect.center(), radius, fill, line);
+            let bulge = vec2(radius, radius * 0.35);
             painter.add(Shape::ellipse_stroke(rect.center(), bulge, thin));
         }
         Solid::Cuboid => {
@@ -40,7 +41,7 @@ pub fn solid(painter: &Painter, rect: Rect, solid: Solid, colour: Color32) {
             let (middle, low) = (at(0.5, 0.5), at(0.5, 0.96));
             let (low_right, low_left) = (at(0.94, 0.73), at(0.06, 0.73));
             let hull = vec![top, right, low_right, low, low_left, left];
-            painter.add(Shape::convex_polygon(hull, colour.gamma_multiply(0.15), line));
+            painter.add(Shape::convex_polygon(hull, fill, line));
             for to in [left, right, low] {
                 painter.line_segment([middle, to], thin);
             }
@@ -49,10 +50,64 @@ pub fn solid(painter: &Painter, rect: Rect, solid: Solid, colour: Color32) {
             let (apex, left, right) = (at(0.5, 0.04), at(0.04, 0.8), at(0.96, 0.8));
             let front = at(0.6, 0.97);
             let hull = vec![apex, right, front, left];
-            painter.add(Shape::convex_polygon(hull, colour.gamma_multiply(0.15), line));
+            painter.add(Shape::convex_polygon(hull, fill, line));
             painter.line_segment([apex, front], thin);
         }
+        Solid::Cylinder => {
+            let lid = vec2(rect.width() * 0.38, rect.height() * 0.15);
+            let mut hull = arc(at(0.5, 0.2), lid, 180.0..=360.0);
+            hull.extend(arc(at(0.5, 0.8), lid, 0.0..=180.0));
+            painter.add(Shape::convex_polygon(hull, fill, line));
+            painter.add(Shape::line(arc(at(0.5, 0.2), lid, 0.0..=180.0), thin));
+        }
+        Solid::Cone => {
+            let mut hull = vec![at(0.5, 0.04)];
+            let base = vec2(rect.width() * 0.42, rect.height() * 0.16);
+            hull.extend(arc(at(0.5, 0.8), base, 0.0..=180.0));
+            painter.add(Shape::convex_polygon(hull, fill, line));
+        }
+        Solid::Torus => {
+            let (outer, inner) = (rect.size() * vec2(0.47, 0.34), rect.size() * vec2(0.2, 0.1));
+            painter.add(Shape::ellipse_filled(rect.center(), outer, fill));
+            painter.add(Shape::ellipse_stroke(rect.center(), outer, line));
+            painter.add(Shape::ellipse_stroke(rect.center(), inner, line));
+        }
+        Solid::Capsule => {
+            let cap = egui::Vec2::splat(rect.width().min(rect.height()) * 0.25);
+            let mut hull = arc(at(0.5, 0.28), cap, 180.0..=360.0);
+            hull.extend(arc(at(0.5, 0.72), cap, 0.0..=180.0));
+            painter.add(Shape::convex_polygon(hull, fill, line));
+            let waist = cap * vec2(1.0, 0.35);
+            painter.add(Shape::line(arc(at(0.5, 0.28), waist, 0.0..=180.0), thin));
+        }
+        Solid::RoundedCuboid => {
+            let hull =
+                [(0.5, 0.04), (0.94, 0.27), (0.94, 0.73), (0.5, 0.96), (0.06, 0.73), (0.06, 0.27)];
+            // Each corner is cut off halfway to where its neighbours are cut.
+            let corner = |i: usize| {
+                let (from, over, to) = (hull[(i + 5) % 6], hull[i], hull[(i + 1) % 6]);
+                let near =
+                    |p: (f32, f32)| at(over.0 * 0.75 + p.0 * 0.25, over.1 * 0.75 + p.1 * 0.25);
+                [near(from), near(to)]
+            };
+            let hull: Vec<Pos2> = (0..6).flat_map(corner).collect();
+            painter.add(Shape::convex_polygon(hull, fill, line));
+            for to in [at(0.14, 0.31), at(0.86, 0.31), at(0.5, 0.88)] {
+                painter.line_segment([at(0.5, 0.5), to], thin);
+            }
+        }
     }
+}
+
+/// Points of an ellipse, by angles in degrees: clockwise on the screen from the right.
+fn arc(centre: Pos2, half: egui::Vec2, degrees: std::ops::RangeInclusive<f32>) -> Vec<Pos2> {
+    let (from, to) = (*degrees.start(), *degrees.end());
+    (0..=12)
+        .map(|i| {
+            let turn = (from + (to - from) * i as f32 / 12.0).to_radians();
+            centre + half * vec2(turn.cos(), turn.sin())
+        })
+        .collect()
 }
 
 /// Draws what a tool does into `rect`: a plus, a minus, a drop.

@@ -7,8 +7,7 @@ use glam::Vec3;
 use super::buttons::{action_button, explain};
 use super::files::FileTask;
 use super::state::PasteAs;
-use super::toolbox::mode_name;
-use super::top_bar::capital;
+use super::toolbox::{mode_name, solid_name};
 use super::{UiContext, UiRequest, UiState, history, marker_options, spray_options};
 use crate::editor::tool::{HALF_RANGE, ToolEdit, ToolKind, ToolState};
 use crate::input::{Action, ToolMode};
@@ -39,7 +38,7 @@ pub fn show(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mu
     match tool.kind {
         ToolKind::Solid => {
             let mode = mode_name(tool.mode).to_lowercase();
-            ui.label(format!("{} — {mode}", capital(tool.solid.name())));
+            ui.label(format!("{} — {mode}", solid_name(tool.solid)));
             size(ui, tool, requests);
             rotation(ui, context, requests);
             colour(ui, context, requests);

@@ -36,7 +36,7 @@ pub fn show(
 pub fn content(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     ui.spacing_mut().item_spacing = vec2(4.0, 4.0);
     let solids = Solid::ALL.map(|solid| Entry {
-        name: capital(solid.name()),
+        name: solid_name(solid),
         chosen: context.tool.kind == ToolKind::Solid && context.tool.solid == solid,
         action: Action::Solid(solid),
     });
@@ -90,6 +90,14 @@ fn group(
         });
     }
     ui.add_space(4.0);
+}
+
+/// What the interface calls a solid.
+pub fn solid_name(solid: Solid) -> String {
+    match solid {
+        Solid::RoundedCuboid => "Rounded".to_string(),
+        other => capital(other.name()),
+    }
 }
 
 /// What the interface calls a spray where there is little room.

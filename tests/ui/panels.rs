@@ -119,9 +119,16 @@ fn the_middle_button_shifts_and_the_wheel_zooms_or_sizes() {
 #[test]
 fn tools_are_chosen_by_buttons_and_by_keys() {
     let mut harness = bench();
-    for (name, solid) in
-        [("Cuboid", Solid::Cuboid), ("Pyramid", Solid::Pyramid), ("Ellipsoid", Solid::Ellipsoid)]
-    {
+    for (name, solid) in [
+        ("Cuboid", Solid::Cuboid),
+        ("Pyramid", Solid::Pyramid),
+        ("Cylinder", Solid::Cylinder),
+        ("Cone", Solid::Cone),
+        ("Torus", Solid::Torus),
+        ("Capsule", Solid::Capsule),
+        ("Rounded", Solid::RoundedCuboid),
+        ("Ellipsoid", Solid::Ellipsoid),
+    ] {
         harness.get_by_label(name).click();
         harness.run();
         assert_eq!(harness.state().editor.tool.solid, solid);
@@ -139,6 +146,17 @@ fn tools_are_chosen_by_buttons_and_by_keys() {
         key(&mut harness, Modifiers::NONE, k);
         assert_eq!(harness.state().editor.tool.solid, solid);
     }
+    for (k, solid) in [
+        (Key::P, Solid::Cone),
+        (Key::O, Solid::Torus),
+        (Key::K, Solid::Capsule),
+        (Key::B, Solid::RoundedCuboid),
+    ] {
+        key(&mut harness, Modifiers::SHIFT, k);
+        assert_eq!(harness.state().editor.tool.solid, solid);
+    }
+    key(&mut harness, Modifiers::NONE, Key::K);
+    assert_eq!(harness.state().editor.tool.solid, Solid::Cylinder);
     for (k, mode) in [(Key::T, ToolMode::Add), (Key::G, ToolMode::Recolour)] {
         key(&mut harness, Modifiers::NONE, k);
         assert_eq!(harness.state().editor.tool.mode, mode);

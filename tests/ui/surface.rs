@@ -37,6 +37,18 @@ fn gap(harness: &Bench, at: Pos2) -> Option<f32> {
         Vec3::new(sign(0), sign(1), sign(2))
     });
     let reach = |n: Vec3| match tool.solid {
+        Solid::Cylinder => {
+            let n = n * primitive.half;
+            n.y.abs() + n.x.hypot(n.z)
+        }
+        // As high as wide, so that the tube has its greatest thickness: a third.
+        Solid::Torus => {
+            let radius = primitive.half.x;
+            n.x.hypot(n.z) * radius * 2.0 / 3.0 + radius / 3.0
+        }
+        other @ (Solid::Cone | Solid::Capsule | Solid::RoundedCuboid) => {
+            panic!("no reach is known of {other:?}")
+        }
         Solid::Ellipsoid => (n * primitive.half).length(),
         Solid::Cuboid => {
             corners.map(|c| -n.dot(c * primitive.half)).fold(f32::NEG_INFINITY, f32::max)
@@ -103,6 +115,8 @@ fn a_tool_that_stands_touches_the_face_under_the_pointer_everywhere() {
             (Solid::Ellipsoid, Vec3::new(90.0, 0.0, 0.0)),
             (Solid::Pyramid, Vec3::ZERO),
             (Solid::Pyramid, Vec3::new(180.0, 0.0, 30.0)),
+            (Solid::Cylinder, Vec3::new(70.0, 0.0, 30.0)),
+            (Solid::Torus, Vec3::new(20.0, 10.0, -40.0)),
         ] {
             let tool = &mut harness.state_mut().editor.tool;
             (tool.kind, tool.solid) = (ToolKind::Solid, solid);

@@ -1,4 +1,4 @@
-//! The construction solids: ellipsoid, cuboid and pyramid at any pose.
+//! The construction solids at any pose.
 //!
 //! From a pose in voxel coordinates to a [`Region`] of the voxels whose centres lie inside.
 //! [`PlacedSolid::contains_voxel`] is the definition; the rows of the region equal it on every voxel.
@@ -10,93 +10,14 @@ use fearless_simd::Simd;
 use glam::{DMat3, DVec3, IVec3, Quat, UVec3, Vec3};
 
 use super::construct_ends::{Magnitudes, solve};
-use super::construct_planes::{HalfSpace, Planes};
+use super::construct_planes::Planes;
 use super::construct_quadric::Quadric;
 use super::construct_spans::RowSpans;
+pub use super::solid::{Shape, Solid};
 use crate::sculpture::Brick;
 use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, local_coords};
 use crate::sculpture::grid::MAX_AXIS_VX;
 use crate::sculpture::region::{Region, RowReach, VoxelBox};
-
-/// The shape of a solid in tool space, where it fills [-1, 1] on every axis.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Solid {
-    /// x^2 + y^2 + z^2 <= 1
-    Ellipsoid,
-    /// |x|, |y|, |z| <= 1
-    Cuboid,
-    /// Base at y = -1, apex at y = +1: |y| <= 1 and max(|x|, |z|) <= (1 - y) / 2
-    Pyramid,
-}
-
-impl Solid {
-    /// All solids, in the order in which interfaces offer them.
-    pub const ALL: [Solid; 3] = [Solid::Ellipsoid, Solid::Cuboid, Solid::Pyramid];
-
-    /// Its name in the text form and the interface.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Solid::Ellipsoid => "ellipsoid",
-            Solid::Cuboid => "cuboid",
-            Solid::Pyramid => "pyramid",
-        }
-    }
-
-    /// The inside test in tool space.
-    #[inline(always)]
-    pub fn contains(self, p: DVec3) -> bool {
-        match self {
-            Solid::Ellipsoid => p.length_squared() <= 1.0,
-            Solid::Cuboid => p.abs().max_element() <= 1.0,
-            Solid::Pyramid => p.y.abs() <= 1.0 && p.x.abs().max(p.z.abs()) <= 0.5 * (1.0 - p.y),
-        }
-    }
-
-    /// The largest `direction . p` over the solid.
-    fn support(self, direction: DVec3) -> f64 {
-        match self {
-            Solid::Ellipsoid => direction.length(),
-            Solid::Cuboid => direction.abs().element_sum(),
-            // A corner of the base, or the apex.
-            Solid::Pyramid => {
-                (direction.x.abs() + direction.z.abs() - direction.y).max(direction.y)
-            }
-        }
-    }
-
-    /// The half spaces that meet in the solid, if it has flat faces.
-    pub(super) fn half_spaces(self) -> &'static [HalfSpace] {
-        const fn face(x: f64, y: f64, z: f64, distance: f64) -> HalfSpace {
-            HalfSpace { normal: DVec3::new(x, y, z), distance }
-        }
-        match self {
-            Solid::Ellipsoid => &[],
-            Solid::Cuboid => {
-                const {
-                    &[
-                        face(1.0, 0.0, 0.0, 1.0),
-                        face(-1.0, 0.0, 0.0, 1.0),
-                        face(0.0, 1.0, 0.0, 1.0),
-                        face(0.0, -1.0, 0.0, 1.0),
-                        face(0.0, 0.0, 1.0, 1.0),
-                        face(0.0, 0.0, -1.0, 1.0),
-                    ]
-                }
-            }
-            Solid::Pyramid => {
-                const {
-                    &[
-                        face(0.0, -1.0, 0.0, 1.0),
-                        face(1.0, 0.5, 0.0, 0.5),
-                        face(-1.0, 0.5, 0.0, 0.5),
-                        face(0.0, 0.5, 1.0, 0.5),
-                        face(0.0, 0.5, -1.0, 0.5),
-                    ]
-                }
-            }
-        }
-    }
-}
 
 /// A solid at a pose.
 ///
@@ -134,6 +55,11 @@ impl Primitive {
         PlacedSolid::new(self, voxel_size, [None; 3])
     }
 
+    /// Its shape in tool space.
+    pub fn shape(&self) -> Shape {
+        Shape::new(self.solid, self.half.as_dvec3())
+    }
+
     /// [`Primitive::in_grid`], mirrored at the planes (voxel coordinates) of the axes that have one.
     /// Covers exactly the mirrored voxels where a plane lies between voxels or through their centres.
     pub fn mirrored_in_grid(&self, voxel_size: Vec3, planes: [Option<f32>; 3]) -> PlacedSolid {
@@ -144,7 +70,7 @@ impl Primitive {
 /// A solid in the voxel coordinates of one grid.
 #[derive(Clone, Copy, Debug)]
 pub struct PlacedSolid {
-    solid: Solid,
+    shape: Shape,
     centre_vx: DVec3,
     /// Linear part of the map from voxel coordinates (less the centre) to tool space.
     tool_from_vx: DMat3,
@@ -161,11 +87,14 @@ enum Cut {
     Planes(Planes),
     /// A cuboid along the grid's axes: all of a box of voxels.
     Box(VoxelBox),
+    /// No rows: each brick is looked at by itself.
+    Bricks,
 }
 
 impl PlacedSolid {
     fn new(primitive: &Primitive, voxel_size: Vec3, planes: [Option<f32>; 3]) -> PlacedSolid {
-        let Primitive { solid, centre_vx, half, rotation } = *primitive;
+        let Primitive { centre_vx, half, rotation, .. } = *primitive;
+        let shape = primitive.shape();
         let (mut centre_vx, half) = (centre_vx.as_dvec3(), half.as_dvec3());
         let stretch = voxel_size.as_dvec3() / voxel_size.as_dvec3().min_element();
         let rotation = DMat3::from_quat(rotation.as_dquat().normalize());
@@ -187,7 +116,7 @@ impl PlacedSolid {
 
         let axes = vx_from_tool.transpose();
         let support = |sign: f64| {
-            let along = |axis: DVec3| solid.support(axis * sign) * (1.0 + 1e-9) + 1.0;
+            let along = |axis: DVec3| shape.support(axis * sign) * (1.0 + 1e-9) + 1.0;
             DVec3::new(along(axes.x_axis), along(axes.y_axis), along(axes.z_axis))
         };
         let limit = DVec3::splat(1e9);
@@ -199,7 +128,7 @@ impl PlacedSolid {
         let reachable = bounds.intersect(VoxelBox { min: IVec3::ZERO, max: longest });
 
         let mut placed = PlacedSolid {
-            solid,
+            shape,
             centre_vx,
             tool_from_vx,
             bounds,
@@ -216,7 +145,7 @@ impl PlacedSolid {
         let m = self.tool_from_vx;
         let VoxelBox { min, max } = self.reachable;
         let off_axis = m - DMat3::from_diagonal(DVec3::new(m.x_axis.x, m.y_axis.y, m.z_axis.z));
-        if self.solid == Solid::Cuboid && off_axis == DMat3::ZERO {
+        if self.shape.solid() == Solid::Cuboid && off_axis == DMat3::ZERO {
             let axis = |axis: usize| {
                 // A cuboid is its own mirror image, so a reversed axis (from a mirror plane, or a
                 // half turn) is one that is not.
@@ -247,18 +176,23 @@ impl PlacedSolid {
                 + largest(m.y_axis, distance_vx.y)
                 + largest(m.z_axis, distance_vx.z),
         };
-        match self.solid {
+        match self.shape.solid() {
             Solid::Ellipsoid => Cut::Quadric(Quadric::new(&m, self.centre_vx, &sizes)),
-            Solid::Cuboid | Solid::Pyramid => {
-                Cut::Planes(Planes::new(self.solid.half_spaces(), &m, self.centre_vx, &sizes))
+            solid @ (Solid::Cuboid | Solid::Pyramid) => {
+                Cut::Planes(Planes::new(solid.half_spaces(), &m, self.centre_vx, &sizes))
             }
+            Solid::Cylinder
+            | Solid::Cone
+            | Solid::Torus
+            | Solid::Capsule
+            | Solid::RoundedCuboid => Cut::Bricks,
         }
     }
 
     /// Whether the centre of a voxel lies inside: the definition that every row equals.
     #[inline(always)]
     pub fn contains_voxel(&self, v: IVec3) -> bool {
-        self.solid.contains(self.tool_from_vx * (v.as_dvec3() + 0.5 - self.centre_vx))
+        self.shape.contains(self.tool_from_vx * (v.as_dvec3() + 0.5 - self.centre_vx))
     }
 
     /// A point in voxel coordinates, mapped to tool space, where the solid fills [-1, 1].
@@ -266,9 +200,31 @@ impl PlacedSolid {
         (self.tool_from_vx * (p.as_dvec3() - self.centre_vx)).as_vec3()
     }
 
-    /// The voxels inside of the brick at `origin_vx`, each by the definition.
-    #[cold]
+    /// Whether all or none of the voxels from `min` to `max` (exclusive) are inside; None where it may be a part.
+    fn covers(&self, min: UVec3, max: UVec3) -> Option<bool> {
+        let (min, max) = (min.as_dvec3() + 0.5, max.as_dvec3() - 0.5);
+        let middle = (min + max) * 0.5 - self.centre_vx;
+        // What the offset of a voxel from the centre and its product with the matrix may be off by.
+        let rounding = f64::EPSILON * 4.0;
+        let reach = (max - min) * 0.5
+            + rounding * (self.centre_vx.abs() + f64::from(MAX_AXIS_VX))
+            + rounding * middle.abs();
+        let m = self.tool_from_vx;
+        let abs = DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs());
+        let centre = m * middle;
+        let extent = abs * reach;
+        // The test rounds positions by less than this, too.
+        let extent = extent + 16.0 * rounding * (1.0 + centre.abs() + extent + abs * middle.abs());
+        self.shape.covers(centre - extent, centre + extent)
+    }
+
+    /// The voxels inside of the brick at `origin_vx`, each by the definition where that is needed.
     fn test_brick(&self, origin_vx: UVec3) -> Brick {
+        match self.covers(origin_vx, origin_vx + BRICK_EDGE_VX) {
+            Some(true) => return Brick::FULL,
+            Some(false) => return Brick::EMPTY,
+            None => {}
+        }
         let mut mask = Brick::EMPTY;
         for local in (0..BRICK_VOXELS).map(local_coords) {
             let v = origin_vx + UVec3::from(local);
@@ -304,8 +260,8 @@ fn cut_box(inside: &VoxelBox, y_vx: u32, z_vx: u32, spans: &mut RowSpans) {
 #[derive(Clone, Debug, Default)]
 pub struct SolidRow {
     spans: RowSpans,
-    /// Set where the voxels of some row are not contiguous and so do not fit into a span: bricks of
-    /// the row at this y, z are tested voxel by voxel.
+    /// Set where the voxels of some row are not contiguous or need not be, and so do not fit into a span: bricks of
+    /// the row at this y, z are looked at one by one.
     torn: Option<[u32; 2]>,
 }
 
@@ -336,12 +292,20 @@ impl Region for PlacedSolid {
                 cut_box(inside, y_vx, z_vx, spans);
                 true
             }
+            Cut::Bricks => false,
         };
         row.torn = (!connected).then_some([y_vx, z_vx]);
         if connected {
             return row.spans.reach(simd);
         }
         let edge = BRICK_EDGE_VX;
+        let row = [
+            UVec3::new(min.x as u32, y_vx, z_vx),
+            UVec3::new(max.x as u32, y_vx + edge, z_vx + edge),
+        ];
+        if self.covers(row[0], row[1]) == Some(false) {
+            return RowReach::NONE;
+        }
         RowReach { touched: min.x as u32 / edge..(max.x as u32).div_ceil(edge), whole: 0..0 }
     }
 

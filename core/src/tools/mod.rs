@@ -17,6 +17,7 @@ pub mod mend;
 pub mod pieces;
 #[cfg(test)]
 mod pieces_tests;
+mod solid;
 pub mod spray;
 #[cfg(test)]
 mod spray_tests;

@@ -24,8 +24,13 @@ impl Primitive {
         let along = (rotation.transpose() * direction.as_dvec3()).normalize_or_zero();
         let half = self.half.as_dvec3();
         let smooth = match self.solid {
-            Solid::Ellipsoid => along_ellipsoid(half, along),
+            // A sum with an ellipsoid is all of the ellipsoid's places at once.
+            Solid::Ellipsoid | Solid::Torus | Solid::Capsule | Solid::RoundedCuboid => {
+                along_ellipsoid(half * self.shape().round(), along)
+            }
             Solid::Cuboid | Solid::Pyramid => self.along_faces(half, along),
+            Solid::Cylinder => along_cylinder(half, along),
+            Solid::Cone => NEAREST_VX,
         };
         // A direction of no length gives no bound.
         smooth.min(furthest).max(NEAREST_VX) as f32
@@ -34,12 +39,13 @@ impl Primitive {
     /// The spacing that suffices in all directions.
     pub fn spacing_anywhere(&self) -> f32 {
         match self.solid {
-            Solid::Ellipsoid => {
-                let half = self.half.as_dvec3();
+            Solid::Ellipsoid | Solid::Torus | Solid::Capsule | Solid::RoundedCuboid => {
+                let half = self.half.as_dvec3() * self.shape().round();
                 let shortest = scallop_of_ball(half) * half.min_element();
-                shortest.min(FURTHEST * half.min_element()).max(NEAREST_VX) as f32
+                let furthest = FURTHEST * f64::from(self.half.min_element());
+                shortest.min(furthest).max(NEAREST_VX) as f32
             }
-            Solid::Cuboid | Solid::Pyramid => NEAREST_VX as f32,
+            Solid::Cuboid | Solid::Pyramid | Solid::Cylinder | Solid::Cone => NEAREST_VX as f32,
         }
     }
 
@@ -72,6 +78,26 @@ fn along_ellipsoid(half: DVec3, along: DVec3) -> f64 {
     scallop_of_ball(half) / (along / half).length()
 }
 
+/// Half of a step along the axis is missing at a cap, and of what is across it the scallop of the disc.
+fn along_cylinder(half: DVec3, along: DVec3) -> f64 {
+    let across = DVec3::new(along.x, 0.0, along.z);
+    if across.length() <= 1e-9 {
+        return f64::INFINITY;
+    }
+    let missing = |step: f64| {
+        // The chord of two discs of radius 1; an ellipse's scallop is stretched by its longer half extent.
+        let chord = (0.5 * step * (across / half).length()).min(1.0);
+        let scallop = 1.0 - (1.0 - chord * chord).sqrt();
+        scallop * half.x.max(half.z) + 0.5 * step * along.y.abs()
+    };
+    let (mut enough, mut far) = (0.0, 2.0 / (across / half).length());
+    for _ in 0..30 {
+        let middle = 0.5 * (enough + far);
+        if missing(middle) <= SCALLOP_VX { enough = middle } else { far = middle }
+    }
+    enough
+}
+
 /// The distance of two balls of radius 1 whose scallop is deep enough.
 fn scallop_of_ball(half: DVec3) -> f64 {
     let depth = (SCALLOP_VX / half.max_element()).min(1.0);
@@ -81,6 +107,7 @@ fn scallop_of_ball(half: DVec3) -> f64 {
 #[cfg(test)]
 mod tests {
     use glam::Quat;
+    use glam::swizzles::Vec3Swizzles;
     use proptest::prelude::*;
 
     use super::*;
@@ -89,7 +116,7 @@ mod tests {
     /// Whether `p` (from the centre of the first use) is in the solid, and so in tool space.
     fn inside(primitive: &Primitive, p: DVec3) -> bool {
         let rotation = DMat3::from_quat(primitive.rotation.as_dquat());
-        primitive.solid.contains(rotation.transpose() * p / primitive.half.as_dvec3())
+        primitive.shape().contains(rotation.transpose() * p / primitive.half.as_dvec3())
     }
 
     /// Directions that are spread evenly over the sphere.
@@ -108,21 +135,30 @@ mod tests {
         let rotation = DMat3::from_quat(primitive.rotation.as_dquat());
         let half = primitive.half.as_dvec3();
         let covered = |p: DVec3| (-3..=4).any(|i| inside(primitive, p - step * f64::from(i)));
+        // Where ways to the surface begin: in the middle, or in the middle of the tube.
+        let shape = primitive.shape();
+        let inmost = |direction: DVec3| match primitive.solid {
+            Solid::Torus => {
+                DVec3::new(direction.x, 0.0, direction.z).normalize() * (1.0 - shape.round().x)
+            }
+            _ => DVec3::ZERO,
+        };
         // Towards the uses, too, where the solid is too thin for other ways to meet it.
         let (to, fro) = (step.normalize(), -step.normalize());
         let around: Vec<DVec3> = spread(300).chain([to, fro]).collect();
         let mut deepest = 0.0f64;
         for direction in spread(400) {
-            // The surface towards `direction`: by halving, since the solid holds its centre.
+            // The surface towards `direction`: by halving.
+            let inmost = inmost(direction.zxy());
             let (mut low, mut high) = (0.0, 4.0);
             for _ in 0..50 {
                 let middle = 0.5 * (low + high);
-                match primitive.solid.contains(direction * middle) {
+                match shape.contains(inmost + direction * middle) {
                     true => low = middle,
                     false => high = middle,
                 }
             }
-            let on_surface = rotation * (direction * low * half) * (1.0 - 1e-6);
+            let on_surface = rotation * ((inmost + direction * low) * half) * (1.0 - 1e-6);
             for part in [0.25, 0.5, 0.75] {
                 let p = on_surface + step * part;
                 let near = |depth: f64| around.iter().any(|way| covered(p + *way * depth));

@@ -1,8 +1,8 @@
 //! Images on solids: the mapping of an image to each solid, and its colour at a voxel.
 //!
 //! Takes decoded pixels; knows no files. The image is upright along the tool's y axis:
-//! wrapped once around an ellipsoid (longitude and latitude), on each of the four sides of a
-//! pyramid, on each face of a cuboid.
+//! wrapped once around an ellipsoid, a capsule and a torus (longitude and latitude), once around the side of a cylinder
+//! and a cone, on each of the four sides of a pyramid, on each face of a cuboid.
 
 use std::f32::consts::{PI, TAU};
 
@@ -61,18 +61,22 @@ pub fn picture_point(solid: Solid, p: Vec3) -> Vec2 {
         false => vec2(p.x * p.z.signum(), p.z.abs()),
     };
     match solid {
-        Solid::Ellipsoid => {
+        Solid::Ellipsoid | Solid::Capsule | Solid::Torus => {
             let length = p.length().max(f32::MIN_POSITIVE);
             let longitude = p.x.atan2(p.z);
             vec2(0.5 + longitude / TAU, 0.5 + (p.y / length).clamp(-1.0, 1.0).asin() / PI)
         }
-        Solid::Cuboid => {
+        Solid::Cuboid | Solid::RoundedCuboid => {
             let a = p.abs();
             let on_face = match a.y > a.x.max(a.z) {
                 true => vec2(p.x, -p.z * p.y.signum()),
                 false => vec2(side(p).x, p.y),
             };
             on_face * 0.5 + 0.5
+        }
+        Solid::Cylinder | Solid::Cone => {
+            // Once around the side; the caps show its upper or lower edge.
+            vec2(0.5 + p.x.atan2(p.z) / TAU, 0.5 * p.y + 0.5)
         }
         Solid::Pyramid => {
             // Layer by layer the sides grow narrower, and the picture with them.

@@ -34,9 +34,28 @@ fn turns() -> Vec<(AxisMap, Quat)> {
     all
 }
 
-fn inside(solid: Solid, p: [f64; 3]) -> bool {
+/// `p` in tool space, where the solid fills [-1, 1].
+fn inside(solid: Solid, p: [f64; 3], half: [f64; 3]) -> bool {
     let [x, y, z] = p.map(f64::abs);
+    let around = (x * x + z * z).sqrt();
+    // Radius of a tube, a cap, an edge in voxels.
+    let width = half[0].min(half[2]);
+    let beyond = |radius: f64, i: usize| ([x, y, z][i] * half[i] - half[i] + radius).max(0.0);
     match solid {
+        Solid::Cylinder => around <= 1.0 && y <= 1.0,
+        Solid::Cone => y <= 1.0 && 2.0 * around <= 1.0 - p[1],
+        Solid::Torus => {
+            let tube = half[1].min(width / 3.0);
+            (around * width - width + tube).hypot(y * half[1]) <= tube
+        }
+        Solid::Capsule => {
+            let cap = width.min(half[1]);
+            around.hypot(beyond(cap, 1) / cap) <= 1.0
+        }
+        Solid::RoundedCuboid => {
+            let edge = width.min(half[1]) / 3.0;
+            beyond(edge, 0).hypot(beyond(edge, 1)).hypot(beyond(edge, 2)) <= edge
+        }
         Solid::Ellipsoid => x * x + y * y + z * z <= 1.0,
         Solid::Cuboid => x <= 1.0 && y <= 1.0 && z <= 1.0,
         Solid::Pyramid => y <= 1.0 && 2.0 * x <= 1.0 - p[1] && 2.0 * z <= 1.0 - p[1],
@@ -48,7 +67,7 @@ fn covers(primitive: &Primitive, map: &AxisMap, voxel_size: Vec3, v: DVec3) -> b
     let stretch = voxel_size.as_dvec3() / f64::from(voxel_size.min_element());
     let offset = (v - primitive.centre_vx.as_dvec3()) * stretch;
     let p = [0, 1, 2].map(|i| map[i].1 * offset[map[i].0] / f64::from(primitive.half[i]));
-    inside(primitive.solid, p)
+    inside(primitive.solid, p, primitive.half.as_dvec3().to_array())
 }
 
 fn grid_with(new: &NewSculpture, symmetry: Symmetry, op: EditOp, primitive: Primitive) -> Grid {

@@ -53,7 +53,7 @@ fn a_script_of_200_solids_saves_reloads_and_undoes_to_identical_bytes() {
         Just(EditOp::Subtract),
         strategies::colour().prop_map(EditOp::Recolour),
     ];
-    let strategy = (op, strategies::primitive(0.0..130.0, 1.0..35.0));
+    let strategy = (op, strategies::primitive(0.0..130.0, 2.0..35.0));
     let mut script = String::new();
     for i in 0..200 {
         let (op, primitive) = strategy.new_tree(&mut runner).unwrap().current();

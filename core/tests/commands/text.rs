@@ -275,8 +275,14 @@ fn errors_say_what_is_wrong() {
         ("fill color=#000000 colour=#000000", "`colour=` is given twice"),
         ("end now", "`end` does not take `now`"),
         ("clear x=1", "`clear` does not take `x=`"),
-        ("add", "`add` needs ellipsoid, cuboid or pyramid"),
-        ("add ball at=1,2,3", "`ball` is not a solid; use ellipsoid, cuboid or pyramid"),
+        (
+            "add",
+            "`add` needs ellipsoid, cuboid, pyramid, cylinder, cone, torus, capsule or rounded-cuboid",
+        ),
+        (
+            "add ball at=1,2,3",
+            "`ball` is not a solid; use ellipsoid, cuboid, pyramid, cylinder, cone, torus, capsule or rounded-cuboid",
+        ),
         ("add cuboid half=1 colour=#000000", "`add` needs `at=`"),
         ("recolour cuboid at=1,2,3 half=1", "`recolour` needs `colour=`"),
         ("subtract cuboid at=1,2,3 half=1 colour=#000000", "`subtract` does not take `colour=`"),
@@ -292,7 +298,10 @@ fn errors_say_what_is_wrong() {
         ),
         ("fill colour=red", "colour=red: `red` is not a colour; write it as #rrggbb"),
         ("clear all", "`all` is not an area; use grid, selection or marker"),
-        ("texture bark.png", "`texture` needs ellipsoid, cuboid or pyramid"),
+        (
+            "texture bark.png",
+            "`texture` needs ellipsoid, cuboid, pyramid, cylinder, cone, torus, capsule or rounded-cuboid",
+        ),
         ("mark at=0,0,0 size=1,0,1", "size=1,0,1: must be at least 1"),
         ("mark at=0,0,0 size=1,3000000000,1", "size=1,3000000000,1: is too large"),
         ("mark at=0.5,0,0 size=1,1,1", "at=0.5,0,0: `0.5` is not a valid number"),

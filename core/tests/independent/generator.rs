@@ -150,7 +150,7 @@ impl Generator<'_> {
             };
             let half = self.random.three(|c| length(c, 0.5, 9.0));
             let placed = Placed {
-                shape: self.random.of(&[Shape::Ellipsoid, Shape::Cuboid, Shape::Pyramid]),
+                shape: self.random.of(&Shape::ALL),
                 at: self.model.now().dims.map(|d| length(self.random, -3.0, d as f64 + 3.0)),
                 half: if self.random.one_in(2) { [half[0]; 3] } else { half },
                 turn: self.turn(),

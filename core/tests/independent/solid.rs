@@ -9,6 +9,24 @@ pub enum Shape {
     Ellipsoid,
     Cuboid,
     Pyramid,
+    Cylinder,
+    Cone,
+    Torus,
+    Capsule,
+    RoundedCuboid,
+}
+
+impl Shape {
+    pub const ALL: [Shape; 8] = [
+        Shape::Ellipsoid,
+        Shape::Cuboid,
+        Shape::Pyramid,
+        Shape::Cylinder,
+        Shape::Cone,
+        Shape::Torus,
+        Shape::Capsule,
+        Shape::RoundedCuboid,
+    ];
 }
 
 /// As a script gives it.
@@ -96,6 +114,24 @@ impl Ready<'_> {
             Shape::Ellipsoid => (x * x + y * y + z * z).sqrt() - 1.0,
             Shape::Cuboid => x.abs().max(y.abs()).max(z.abs()) - 1.0,
             Shape::Pyramid => (y.abs() - 1.0).max(x.abs().max(z.abs()) - 0.5 * (1.0 - y)),
+            Shape::Cylinder => (y.abs() - 1.0).max(x.hypot(z) - 1.0),
+            Shape::Cone => (y.abs() - 1.0).max(x.hypot(z) - 0.5 * (1.0 - y)),
+            Shape::Torus => {
+                // Distances over the radius of the tube.
+                let width = half[0].min(half[2]);
+                let tube = half[1].min(width / 3.0);
+                ((x.hypot(z) - 1.0) * width / tube + 1.0).hypot(y * half[1] / tube) - 1.0
+            }
+            Shape::Capsule => {
+                let cap = half[0].min(half[2]).min(half[1]);
+                let up = ((y.abs() - 1.0) * half[1] / cap + 1.0).max(0.0);
+                x.hypot(z).hypot(up) - 1.0
+            }
+            Shape::RoundedCuboid => {
+                let radius = half.iter().copied().fold(f64::INFINITY, f64::min) / 3.0;
+                let over = |p: f64, half: f64| ((p.abs() - 1.0) * half / radius + 1.0).max(0.0);
+                over(x, half[0]).hypot(over(y, half[1])).hypot(over(z, half[2])) - 1.0
+            }
         }
     }
 
@@ -108,7 +144,10 @@ impl Ready<'_> {
 
 impl fmt::Display for Placed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let name = format!("{:?}", self.shape).to_lowercase();
+        let name = match self.shape {
+            Shape::RoundedCuboid => "rounded-cuboid".to_string(),
+            other => format!("{other:?}").to_lowercase(),
+        };
         write!(f, "{name} at={} half={} turn=", list(&self.at), list(&self.half))?;
         match self.turn {
             Turn::Angles(angles) => write!(f, "{}", list(&angles)),

@@ -1,0 +1,242 @@
+//! The surfaces of the tool's solids as triangles, for its preview.
+//!
+//! A vertex of a solid whose shape depends on its proportions is kept in two parts, a point of the core and one of the
+//! ellipsoid that rounds it ([`Shape`](crate::tools::construct::Shape)), so that one mesh serves all proportions. Knows
+//! no Vulkan.
+
+use std::f32::consts::{PI, TAU};
+
+use glam::{Vec2, Vec3};
+
+use crate::tools::construct::Solid;
+
+/// Segments around the axis of a round solid; half as many from pole to pole.
+const SEGMENTS: usize = 48;
+/// Segments along each half of an edge of a rounded cuboid.
+const EDGE_SEGMENTS: usize = 5;
+
+/// A corner of a triangle. With half extents `round` of the rounding ellipsoid it lies at
+/// `core * (1 - round) + offset * round`.
+#[derive(Clone, Copy, PartialEq, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Vertex {
+    /// The point of the core; 0 where there is none.
+    pub core: [f32; 3],
+    /// The point of the ellipsoid, as one of the unit ball; else the vertex itself.
+    pub offset: [f32; 3],
+    /// The normal where `round` is 1; else it is to be divided by it, axis by axis.
+    pub normal: [f32; 3],
+}
+
+impl Vertex {
+    fn new(core: Vec3, offset: Vec3, normal: Vec3) -> Vertex {
+        Vertex { core: core.to_array(), offset: offset.to_array(), normal: normal.to_array() }
+    }
+
+    /// A vertex of a solid without a core, or of a ball around a point of one.
+    fn on_ball(core: Vec3, offset: Vec3) -> Vertex {
+        Vertex::new(core, offset, offset)
+    }
+}
+
+/// The surface of a solid: three vertices a triangle, counter-clockwise seen from outside.
+pub fn triangles(solid: Solid) -> Vec<[Vertex; 3]> {
+    match solid {
+        Solid::Ellipsoid => revolved(&half_circle(Vec2::ZERO, 0.0, PI, SEGMENTS / 2)),
+        Solid::Cuboid => cuboid(),
+        Solid::Pyramid => {
+            let base = [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)]
+                .map(|(x, z)| Vec3::new(x, -1.0, z));
+            let [a, b, c, d] = base;
+            let mut faces = quad([d, c, b, a]).to_vec();
+            faces.extend((0..4).map(|i| flat([base[i], base[(i + 1) % 4], Vec3::Y])));
+            faces
+        }
+        Solid::Cylinder => {
+            let [top, bottom] = [Vec2::Y, Vec2::NEG_Y];
+            let side = [Vec2::new(1.0, 1.0), Vec2::new(1.0, -1.0)];
+            revolved(&[
+                straight([top, side[0]], top),
+                straight(side, Vec2::X),
+                straight([side[1], bottom], bottom),
+            ])
+        }
+        Solid::Cone => {
+            let rim = Vec2::new(1.0, -1.0);
+            revolved(&[
+                straight([Vec2::Y, rim], Vec2::new(2.0, 1.0).normalize()),
+                straight([rim, Vec2::NEG_Y], Vec2::NEG_Y),
+            ])
+        }
+        Solid::Torus => revolved(&half_circle(Vec2::X, 0.0, TAU, SEGMENTS / 2)),
+        Solid::Capsule => {
+            let mut profile = half_circle(Vec2::Y, 0.0, 0.5 * PI, SEGMENTS / 4);
+            let lower = half_circle(Vec2::NEG_Y, 0.5 * PI, PI, SEGMENTS / 4);
+            profile.push([profile[profile.len() - 1][1], lower[0][0]]);
+            profile.extend(lower);
+            revolved(&profile)
+        }
+        Solid::RoundedCuboid => rounded_cuboid(),
+    }
+}
+
+/// A point of the profile of a solid of revolution: x away from the axis, y along it.
+#[derive(Clone, Copy)]
+struct Profile {
+    core: Vec2,
+    offset: Vec2,
+    normal: Vec2,
+}
+
+/// Steps of a circle about `core`, by angles from the axis.
+fn half_circle(core: Vec2, from: f32, to: f32, steps: usize) -> Vec<[Profile; 2]> {
+    let at = |step: usize| {
+        let theta = from + (to - from) * step as f32 / steps as f32;
+        let offset = Vec2::new(theta.sin(), theta.cos());
+        Profile { core, offset, normal: offset }
+    };
+    (0..steps).map(|step| [at(step), at(step + 1)]).collect()
+}
+
+fn straight(ends: [Vec2; 2], normal: Vec2) -> [Profile; 2] {
+    ends.map(|offset| Profile { core: Vec2::ZERO, offset, normal })
+}
+
+/// What a profile, from the top down along the outside, sweeps around the y axis.
+fn revolved(profile: &[[Profile; 2]]) -> Vec<[Vertex; 3]> {
+    let at = |p: Profile, segment: usize| {
+        let (sin, cos) = (TAU * segment as f32 / SEGMENTS as f32).sin_cos();
+        let turn = |v: Vec2| Vec3::new(v.x * sin, v.y, v.x * cos);
+        Vertex::new(turn(p.core), turn(p.offset), turn(p.normal))
+    };
+    let on_axis = |p: Profile| p.core.x == 0.0 && p.offset.x.abs() < 1e-6;
+    let mut out = Vec::new();
+    for [upper, lower] in profile {
+        for segment in 0..SEGMENTS {
+            let [a, b] = [at(*upper, segment), at(*lower, segment)];
+            let [c, d] = [at(*lower, segment + 1), at(*upper, segment + 1)];
+            // On the axis one of the two has no area.
+            if !on_axis(*lower) {
+                out.push([a, b, c]);
+            }
+            if !on_axis(*upper) {
+                out.push([a, c, d]);
+            }
+        }
+    }
+    out
+}
+
+/// The axes of the six faces of a cube: outwards, and two along the face that make a right-handed frame with it.
+fn faces() -> impl Iterator<Item = [Vec3; 3]> {
+    (0..3).flat_map(|axis| {
+        [-1.0, 1.0].map(|sign| {
+            [Vec3::AXES[axis] * sign, Vec3::AXES[(axis + 1) % 3] * sign, Vec3::AXES[(axis + 2) % 3]]
+        })
+    })
+}
+
+fn cuboid() -> Vec<[Vertex; 3]> {
+    faces()
+        .flat_map(|[out, u, v]| quad([out - u - v, out + u - v, out + u + v, out - u + v]))
+        .collect()
+}
+
+/// The faces of a cube, each bent over its edges up to where it meets its neighbours, a corner of the core at a time.
+fn rounded_cuboid() -> Vec<[Vertex; 3]> {
+    // Tangents of the angles from the face's middle, and which side of the core they belong to.
+    let stops: Vec<(f32, f32)> = [-1.0, 1.0]
+        .into_iter()
+        .flat_map(|side: f32| {
+            (0..=EDGE_SEGMENTS).map(move |i| {
+                let share = i as f32 / EDGE_SEGMENTS as f32;
+                let along = if side < 0.0 { 1.0 - share } else { share };
+                (side * (along * PI / 4.0).tan(), side)
+            })
+        })
+        .collect();
+    let mut out = Vec::new();
+    for [normal, u, v] in faces() {
+        let at = |(along_u, side_u): (f32, f32), (along_v, side_v): (f32, f32)| {
+            let offset = (normal + u * along_u + v * along_v).normalize();
+            Vertex::on_ball(normal + u * side_u + v * side_v, offset)
+        };
+        for columns in stops.windows(2) {
+            for rows in stops.windows(2) {
+                let [a, b] = [at(columns[0], rows[0]), at(columns[1], rows[0])];
+                let [c, d] = [at(columns[1], rows[1]), at(columns[0], rows[1])];
+                out.extend([[a, b, c], [a, c, d]]);
+            }
+        }
+    }
+    out
+}
+
+fn quad([a, b, c, d]: [Vec3; 4]) -> [[Vertex; 3]; 2] {
+    [flat([a, b, c]), flat([a, c, d])]
+}
+
+fn flat(corners: [Vec3; 3]) -> [Vertex; 3] {
+    let [a, b, c] = corners;
+    let normal = (b - a).cross(c - a).normalize();
+    corners.map(|corner| Vertex::new(Vec3::ZERO, corner, normal))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tools::construct::Shape;
+
+    fn place(vertex: &Vertex, round: Vec3, offset_scale: f32) -> Vec3 {
+        Vec3::from(vertex.core) * (1.0 - round) + Vec3::from(vertex.offset) * round * offset_scale
+    }
+
+    /// Every mesh lies on the surface of the solid that the tool computes with, is closed, and
+    /// faces outwards.
+    #[test]
+    fn meshes_are_the_surfaces_of_the_solids() {
+        let third = 1.0 / 3.0;
+        let cases = [
+            (Solid::Ellipsoid, Vec3::ONE, 4.0 / 3.0 * PI),
+            (Solid::Cuboid, Vec3::ONE, 8.0),
+            (Solid::Pyramid, Vec3::ONE, 8.0 / 3.0),
+            (Solid::Cylinder, Vec3::ONE, TAU),
+            (Solid::Cone, Vec3::ONE, TAU / 3.0),
+            // In tool space the tube is stretched by what the solid is flatter than wide.
+            (Solid::Torus, Vec3::ONE, 2.0 * PI * PI * (2.0 * third) * third * third),
+            (Solid::Torus, Vec3::new(4.0, 0.4, 4.0), 2.0 * PI * PI * 0.9 * 0.1),
+            (Solid::Capsule, Vec3::new(1.0, 2.0, 1.0), PI + 2.0 / 3.0 * PI),
+            (Solid::Capsule, Vec3::new(2.0, 1.0, 2.0), 4.0 / 3.0 * PI),
+            (
+                Solid::RoundedCuboid,
+                Vec3::ONE,
+                (64.0 + 6.0 * 16.0 + 3.0 * PI * 4.0 + 4.0 / 3.0 * PI) / 27.0,
+            ),
+            // Box, faces, edges and corners by Steiner's formula, over 5 * 1 * 2.
+            (Solid::RoundedCuboid, Vec3::new(5.0, 1.0, 2.0), 7.852),
+        ];
+        for (solid, half, volume) in cases {
+            let shape = Shape::new(solid, half.as_dvec3());
+            let round = shape.round().as_vec3();
+            let mut enclosed = 0.0;
+            for triangle in triangles(solid) {
+                let corners = triangle.map(|vertex| place(&vertex, round, 1.0));
+                for vertex in triangle {
+                    let [inside, outside] = [0.999, 1.001]
+                        .map(|scale| shape.contains(place(&vertex, round, scale).as_dvec3()));
+                    assert!(inside && !outside, "{solid:?} {half} {vertex:?}");
+                }
+                let [a, b, c] = corners;
+                let normal = (b - a).cross(c - a);
+                let outwards = |v: &Vertex| (Vec3::from(v.normal) / round).dot(normal) > 0.0;
+                // Faces without an area have no side.
+                assert!(
+                    normal.length() < 1e-9 || triangle.iter().all(outwards),
+                    "{solid:?} {half} {triangle:?}"
+                );
+                enclosed += a.dot(b.cross(c)) / 6.0;
+            }
+            assert!((enclosed - volume).abs() < 0.02 * volume, "{solid:?} {half} {enclosed}");
+        }
+    }
+}
