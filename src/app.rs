@@ -49,7 +49,7 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
 use winit::window::{Window, WindowId};
 
 use crate::config::Config;
-use crate::editor::recovery;
+use crate::editor::recovery::{self, Kept};
 use crate::folders;
 use crate::gpu::{DeviceOptions, GpuError};
 use crate::input::Bindings;
@@ -93,6 +93,8 @@ pub enum AppError {
     Bindings(#[from] BindingsError),
     #[error("{error}; the sculpture was saved to {path}")]
     Recovered { error: GpuError, path: PathBuf },
+    #[error("{error}; what was done until then is in the journal {path}: the next start offers it")]
+    Kept { error: GpuError, path: PathBuf },
     #[error("the validation layers reported {0} messages")]
     Validation(usize),
 }
@@ -310,8 +312,9 @@ impl App {
         if !self.workspace.session().modified() {
             return Err(error.into());
         }
-        match recovery::save(self.workspace.session_mut(), &folders::state_folder()) {
-            Ok(path) => Err(AppError::Recovered { error, path }),
+        match recovery::secure(self.workspace.session_mut(), &folders::state_folder()) {
+            Ok(Kept::Journal(path)) => Err(AppError::Kept { error, path }),
+            Ok(Kept::File(path)) => Err(AppError::Recovered { error, path }),
             Err(second) => {
                 tracing::error!("the sculpture could not be saved: {second}");
                 Err(error.into())

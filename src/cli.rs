@@ -37,6 +37,7 @@ mod check_arguments;
 mod error;
 mod film_arguments;
 mod final_arguments;
+mod last_words;
 mod mesh_arguments;
 mod shell;
 
@@ -296,6 +297,7 @@ pub fn main() -> ExitCode {
         Err(words) => return refuse(&words),
     };
     terminal::init_log(cli.quiet);
+    last_words::speak_in_panics();
     match dispatch(cli) {
         Err(error) if !error.is_reader_gone() => {
             terminal::print_notice(format_args!("error: {error}"));

@@ -8,6 +8,7 @@ use super::Workspace;
 use crate::command::Command;
 use crate::config::Config;
 use crate::editor::job::Then;
+use crate::editor::questions::Next;
 use crate::input::{Action, Bindings};
 use crate::progress::{Progress, Report};
 use crate::session::Session;
@@ -120,6 +121,19 @@ fn leaving_waits_for_a_save_and_gives_up_an_opening() {
     workspace.finish_job();
     assert!(workspace.is_leaving());
     assert!(workspace.session().document().grid().opaque_count() > 0, "it was not opened");
+}
+
+#[test]
+fn leaving_with_work_under_way_asks_about_what_is_not_saved() {
+    let mut workspace = workspace();
+    workspace.run_now(&"clear".parse().unwrap());
+    let go = start_slowly(&mut workspace, "open \"/nonexistent/a.pvm\"");
+    workspace.ask_to_leave();
+    assert!(!workspace.is_leaving() && workspace.ui.dialogs.unsaved.is_none());
+    go.send(()).unwrap();
+    workspace.finish_job();
+    assert!(!workspace.is_leaving() && workspace.session().modified());
+    assert_eq!(workspace.ui.dialogs.unsaved, Some(Next::Leave));
 }
 
 #[test]

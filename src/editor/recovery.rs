@@ -1,10 +1,28 @@
-//! Where a sculpture is saved when the program cannot go on.
+//! Where a sculpture is when the program cannot go on: in its journal, or else in a file of its own.
 
 use std::path::{Path, PathBuf};
 
 use crate::command::Command;
 use crate::format::options::ExportOptions;
 use crate::session::{Session, SessionError};
+
+/// Where the sculpture is.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum Kept {
+    /// In this journal, with undo and redo.
+    Journal(PathBuf),
+    /// In this file.
+    File(PathBuf),
+}
+
+/// Sees to it that nothing that was done is lost: it is in the journal, or if that has not all of it, is saved in
+/// `folder`.
+pub fn secure(session: &mut Session, folder: &Path) -> Result<Kept, SessionError> {
+    match session.journal_path() {
+        Some(path) if session.secure_in_journal() => Ok(Kept::Journal(path)),
+        _ => save(session, folder).map(Kept::File),
+    }
+}
 
 /// Saves the sculpture in `folder`, where no other file is; returns the path.
 pub fn save(session: &mut Session, folder: &Path) -> Result<PathBuf, SessionError> {

@@ -88,6 +88,7 @@ fn write(
 fn list(shelf: &Shelf, as_json: bool, context: &Context) -> Result<(), JobError> {
     let failed = |error| JobError::Journal { path: shelf.folder().to_path_buf(), error };
     let mut values = Vec::new();
+    let mut untouched = 0;
     for number in shelf.numbers().map_err(failed)? {
         let source = match shelf.open(number) {
             Left::Journal(source) => source,
@@ -103,6 +104,10 @@ fn list(shelf: &Shelf, as_json: bool, context: &Context) -> Result<(), JobError>
         let value = match session::summary(source, &context.config.limits()) {
             Err(error) => damaged(number, &error.to_string(), as_json)?,
             Ok(summary) if as_json => value_of(number, &summary, bytes, changed),
+            Ok(summary) if summary.untouched => {
+                untouched += 1;
+                continue;
+            }
             Ok(summary) => {
                 terminal::print_result(line_of(number, &summary, changed))?;
                 Value::Null
@@ -112,6 +117,11 @@ fn list(shelf: &Shelf, as_json: bool, context: &Context) -> Result<(), JobError>
     }
     if as_json {
         terminal::print_result(Value::from(values))?;
+    } else if untouched > 0 {
+        let (plural, them) = if untouched == 1 { ("", "it") } else { ("s", "them") };
+        terminal::print_notice(format_args!(
+            "{untouched} session{plural} in which nothing was changed left out; `recover --json` lists {them}"
+        ));
     }
     Ok(())
 }
@@ -125,7 +135,8 @@ fn damaged(number: u64, error: &str, as_json: bool) -> Result<Value, JobError> {
 }
 
 fn value_of(number: u64, summary: &Summary, bytes: u64, changed: Option<u64>) -> Value {
-    let Summary { path, dims, voxels, steps, modified, began_unix_s, process, ending } = summary;
+    let Summary { path, dims, voxels, steps, modified, untouched, .. } = summary;
+    let Summary { began_unix_s, process, ending, .. } = summary;
     json!({
         "number": number,
         "file": path.as_ref().map(|path| path.to_string_lossy()),
@@ -133,6 +144,7 @@ fn value_of(number: u64, summary: &Summary, bytes: u64, changed: Option<u64>) ->
         "voxels": voxels,
         "steps": steps,
         "modified": modified,
+        "untouched": untouched,
         "began_unix_s": began_unix_s,
         "changed_unix_s": changed,
         "process": process,

@@ -50,6 +50,12 @@ impl Display {
         &self.name
     }
 
+    /// Ends the server, as when a graphical session breaks down.
+    pub fn kill(&self) {
+        let id = self.server.id().to_string();
+        assert!(Command::new("kill").args(["-KILL", &id]).status().unwrap().success());
+    }
+
     /// Waits until the server has processed all requests.
     pub fn sync(&self) {
         self.x.sync().unwrap();

@@ -5,11 +5,13 @@
 //! target/test-output/window.
 
 mod display;
+mod endings;
 mod failures;
 mod head;
 mod house;
 mod import;
 mod keys;
+mod kills;
 mod light;
 mod memory;
 mod panels;

@@ -11,6 +11,9 @@ pub const PATIENCE: Duration = Duration::from_secs(120);
 /// Interval between two checks of a condition.
 pub const POLL_INTERVAL: Duration = Duration::from_millis(5);
 
+/// Target of the log of what is in the journal.
+pub const STATES: &str = "sculpture_core::states";
+
 /// The running program; killed on drop.
 pub struct Process {
     child: Mutex<Child>,
@@ -35,8 +38,7 @@ impl Process {
         std::fs::write(&config, settings).unwrap();
         let stderr = std::fs::File::create(folder.join("stderr.txt")).unwrap();
         let mut command = Command::new(env!("CARGO_BIN_EXE_virtual-sculpture"));
-        set(&mut command);
-        let child = command
+        command
             .arg("--config")
             .arg(&config)
             .args(arguments)
@@ -49,14 +51,20 @@ impl Process {
             .env_remove("XDG_CACHE_HOME")
             .current_dir(&folder)
             .stdout(Stdio::null())
-            .stderr(stderr)
-            .spawn()
-            .unwrap();
+            .stderr(stderr);
+        set(&mut command);
+        let child = command.spawn().unwrap();
         Process { child: Mutex::new(child), folder }
     }
 
     pub fn is_running(&self) -> bool {
         self.child.lock().unwrap().try_wait().unwrap().is_none()
+    }
+
+    /// Ends it as `kill` with this signal does.
+    pub fn signal(&self, signal: &str) {
+        let id = self.child.lock().unwrap().id().to_string();
+        assert!(Command::new("kill").args([signal, &id]).status().unwrap().success());
     }
 
     /// The folder that the program runs in.
@@ -83,7 +91,10 @@ impl Process {
     /// Whether the program is idle: it has shown a picture, and logged last that it waits.
     pub fn is_idle(&self) -> bool {
         let output = self.output();
-        output.ends_with("at rest\n") && output.contains("picture shown")
+        // The journal is written beside the work.
+        let mut last = output.lines().rev().filter(|line| !line.contains(STATES));
+        last.next().is_some_and(|line| line.ends_with("at rest"))
+            && output.contains("picture shown")
     }
 
     /// Waits until `is_so` holds.

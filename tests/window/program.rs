@@ -14,7 +14,7 @@ use x11rb::protocol::xproto::{
 };
 
 use super::display::Display;
-use super::process::Process;
+use super::process::{Process, STATES};
 use crate::faults::Faults;
 
 /// A small sculpture, no introduction, and pictures that are complete with their first frame: refining them takes a
@@ -25,9 +25,9 @@ pub const SETTINGS: &str =
 pub const REFINED: &str = "[new]\ndims = [96, 96, 96]\n[window]\nguide = false\n";
 /// Part of the title of the main window only.
 const MAIN: &str = "Virtual Sculpture";
-const KEY: u8 = 2;
-const BUTTON: u8 = 4;
-const MOTION: u8 = 6;
+pub const KEY: u8 = 2;
+pub const BUTTON: u8 = 4;
+pub const MOTION: u8 = 6;
 
 /// The running program.
 pub struct Program<'a> {
@@ -69,6 +69,20 @@ impl<'a> Program<'a> {
     ) -> Program<'a> {
         let process = Process::start_in(folder, arguments, settings, |command| {
             command.env("DISPLAY", display.name()).env_remove("WAYLAND_DISPLAY");
+        });
+        Program { process, display }
+    }
+
+    /// The same, and it logs which states it had and which of them are in the journal.
+    pub fn start_with_states(
+        display: &'a Display,
+        folder: PathBuf,
+        set: impl FnOnce(&mut std::process::Command),
+    ) -> Program<'a> {
+        let process = Process::start_in(folder, &[], SETTINGS, |command| {
+            command.env("DISPLAY", display.name()).env_remove("WAYLAND_DISPLAY");
+            command.env("RUST_LOG", format!("virtual_sculpture=debug,{STATES}=trace"));
+            set(command);
         });
         Program { process, display }
     }
@@ -333,7 +347,7 @@ impl<'a> Program<'a> {
 }
 
 /// The X keysym of a key.
-fn symbol(name: &str) -> Keysym {
+pub fn symbol(name: &str) -> Keysym {
     match name {
         "Control_L" => 0xffe3,
         "Shift_L" => 0xffe1,

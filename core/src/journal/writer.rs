@@ -15,6 +15,7 @@ use super::checkpoint::Checkpoint;
 use super::entry::Entry;
 use super::files::Appender;
 use super::frame::{self, RecordBuffer};
+use super::live::{Live, LiveKey};
 use super::shelf::Shelf;
 use crate::format::FormatError;
 
@@ -26,6 +27,10 @@ const SETTLE: Duration = Duration::from_millis(40);
 const WITHIN_STROKE: Duration = Duration::from_secs(1);
 /// Between two tries where that goes on for long.
 const LONGEST_PAUSE: Duration = Duration::from_secs(60);
+
+/// Target of the log at its level `trace` that tells which states a session had and which of them are in the journal,
+/// for tests that kill it.
+pub const STATES: &str = "sculpture_core::states";
 
 /// How a journal is kept.
 #[derive(Clone, Debug)]
@@ -64,6 +69,8 @@ struct Shared {
     trouble: Mutex<Option<String>>,
     /// Whether it is all right again since.
     caught_up: AtomicBool,
+    /// Whether something that was done could not be written.
+    incomplete: AtomicBool,
 }
 
 #[derive(Debug)]
@@ -94,6 +101,10 @@ pub struct JournalWriter {
     /// Entries are missing: nothing is sent until a checkpoint is.
     gap: bool,
     options: JournalOptions,
+    /// Under which it is found when the process cannot go on.
+    key: LiveKey,
+    /// How many entries there were.
+    entries: u64,
 }
 
 impl JournalWriter {
@@ -120,11 +131,28 @@ impl JournalWriter {
             pause: options.retry,
             replay: Duration::ZERO,
             told: false,
+            entries: 0,
         };
         let thread = std::thread::Builder::new().name("journal".to_string());
         let thread = thread.spawn(move || work.run(&receiver))?;
-        let mut writer =
-            JournalWriter { sender, shared, thread: Some(thread), gap: false, options };
+        let ask = {
+            let (sender, shared, shelf) = (sender.clone(), shared.clone(), options.shelf.clone());
+            move |answer: SyncSender<()>| {
+                // A queue that is full has no room for a question either.
+                let asked = sender.try_send(Message::Synced(answer)).is_ok();
+                let number = Some(shared.number.load(Ordering::Relaxed)).filter(|n| *n > 0);
+                number.filter(|_| asked).map(|number| shelf.path(number))
+            }
+        };
+        let mut writer = JournalWriter {
+            key: Live::add(ask),
+            sender,
+            shared,
+            thread: Some(thread),
+            gap: false,
+            options,
+            entries: 0,
+        };
         writer.checkpoint(checkpoint);
         Ok(writer)
     }
@@ -141,9 +169,20 @@ impl JournalWriter {
 
     /// Adds an entry that took so long to do. Never waits.
     pub fn push(&mut self, entry: Entry, took: Duration) {
+        self.entries += 1;
         if !self.gap {
             self.gap = self.sender.try_send(Message::Entry { entry, took }).is_err();
         }
+    }
+
+    /// How many entries were added since it began.
+    pub fn entries(&self) -> u64 {
+        self.entries
+    }
+
+    /// Whether all that was added so far, and has been waited for, is in the journal's file.
+    pub fn is_complete(&self) -> bool {
+        !self.gap && self.number().is_some() && !self.shared.incomplete.load(Ordering::Relaxed)
     }
 
     /// Whether a checkpoint is wanted.
@@ -200,6 +239,7 @@ impl JournalWriter {
     }
 
     fn finish(&mut self, remove: bool) {
+        Live::remove(self.key);
         if let Some(thread) = self.thread.take() {
             let _ = self.sender.send(Message::End { remove });
             if thread.join().is_err() {
@@ -265,6 +305,8 @@ struct Work {
     replay: Duration,
     /// Whether the person knows that something is wrong.
     told: bool,
+    /// How many entries came, written or not.
+    entries: u64,
 }
 
 impl Work {
@@ -310,11 +352,13 @@ impl Work {
     }
 
     fn entry(&mut self, entry: &Entry, took: Duration) {
+        self.entries += 1;
         let Some(open) = self.file.as_mut().filter(|_| self.appends) else { return };
         let done = entry.to_record().map_err(Trouble::from).and_then(|record| open.append(record));
         if let Err(trouble) = done {
             return self.fail(&trouble);
         }
+        tracing::trace!(target: STATES, "written {}", self.entries);
         self.replay += took;
         let is_long = self.replay > self.options.replay || open.bytes > open.compact_at;
         let wait = if entry.settles(&mut self.in_stroke) { SETTLE } else { WITHIN_STROKE };
@@ -338,6 +382,7 @@ impl Work {
     /// No entry is appended any more: one is missing. Tells the person once, and asks for a checkpoint.
     fn fail(&mut self, trouble: &Trouble) {
         self.appends = false;
+        self.shared.incomplete.store(true, Ordering::Relaxed);
         self.due = None;
         tracing::debug!("journal: {trouble}");
         if !std::mem::replace(&mut self.told, true) {
@@ -358,6 +403,8 @@ impl Work {
         match self.begin_anew(checkpoint) {
             Ok(()) => {
                 (self.appends, self.in_stroke) = (true, false);
+                self.shared.incomplete.store(false, Ordering::Relaxed);
+                tracing::trace!(target: STATES, "written {}", self.entries);
                 (self.retry, self.pause, self.due) = (None, self.options.retry, None);
                 self.replay = Duration::ZERO;
                 if std::mem::take(&mut self.told) {

@@ -11,7 +11,8 @@ use super::Session;
 use crate::command::Command;
 use crate::document::Applied;
 use crate::format::Texts;
-use crate::journal::{Checkpoint, Entry, JournalOptions, JournalWriter, Mark};
+use crate::journal::{Checkpoint, Entry, JournalOptions, JournalWriter, Mark, STATES};
+use crate::sculpture::Digest;
 use crate::sculpture::history::State;
 use crate::sculpture::orientation::Up;
 
@@ -65,6 +66,12 @@ impl Session {
         if let Some(journal) = &self.journal {
             journal.writer.wait_written();
         }
+    }
+
+    /// Puts what was done on the disk. Whether all of it is there, and not even a power cut loses it.
+    pub fn secure_in_journal(&self) -> bool {
+        self.sync_journal();
+        self.journal.as_ref().is_some_and(|journal| journal.writer.is_complete())
     }
 
     /// Waits until what was done is on the disk: after that not even a power cut loses it.
@@ -149,7 +156,14 @@ impl Session {
             // It went through steps that the journal lacks.
             writer.note_gap();
         }
+        if tracing::enabled!(target: STATES, tracing::Level::TRACE) {
+            let stroke = if self.document.stroke_open() { " within a stroke" } else { "" };
+            let digest = Digest::of(self.document.contents());
+            tracing::trace!(target: STATES, "done {} {digest}{stroke}", writer.entries() + 1);
+        }
         writer.push(entry, took);
+        #[cfg(debug_assertions)]
+        fail_on_demand(writer.entries());
         if left[1] == 0 {
             missing[1] = 0;
         }
@@ -168,6 +182,13 @@ impl Session {
     }
 }
 
+/// A fault for tests: after `VS_PANIC_AT` entries the program panics. Not in the program that people use.
+#[cfg(debug_assertions)]
+fn fail_on_demand(entries: u64) {
+    let at = std::env::var("VS_PANIC_AT").ok().and_then(|text| text.parse().ok());
+    assert!(at != Some(entries), "VS_PANIC_AT asked for it");
+}
+
 /// The entry of a file that was saved.
 pub(super) fn saved_entry(path: &Path, state: State) -> Entry {
     Entry::Saved { path: absolute(path), state }
@@ -180,9 +201,6 @@ fn absolute(path: &Path) -> PathBuf {
 impl Drop for Session {
     fn drop(&mut self) {
         let is_needed = self.modified() || std::thread::panicking();
-        if let Some(path) = self.journal_path().filter(|_| std::thread::panicking()) {
-            tracing::error!("what was done until then is in the journal {}", path.display());
-        }
         if let Some(journal) = self.journal.take() {
             journal.writer.end(!is_needed);
         }

@@ -49,6 +49,8 @@ pub struct Summary {
     pub steps: u64,
     /// Whether the file, if there is one, lacks changes.
     pub modified: bool,
+    /// Whether nothing was changed, now or in any step: there is nothing to lose.
+    pub untouched: bool,
     /// When the session began, in seconds since 1970 by the clock of then.
     pub began_unix_s: u64,
     /// The process that wrote it.
@@ -121,6 +123,8 @@ pub fn summary(source: Source, limits: &Limits) -> Result<Summary, JournalError>
     let mut voxels = document.contents.grid.opaque_count();
     let mut files = super::Files::restored(checkpoint.files);
     let mut in_stroke = false;
+    let begun = now;
+    let mut untouched = document.history.undo.is_empty() && document.history.redo.is_empty();
     for entry in reader.by_ref().map_while(Result::ok) {
         let mark = match entry {
             Entry::Command { command, mark } => {
@@ -154,6 +158,7 @@ pub fn summary(source: Source, limits: &Limits) -> Result<Summary, JournalError>
             }
             Entry::Picture { .. } => continue,
         };
+        untouched &= mark.state == begun;
         (now, voxels, dims) = (mark.state, mark.voxels, mark.dims);
     }
     Ok(Summary {
@@ -162,6 +167,7 @@ pub fn summary(source: Source, limits: &Limits) -> Result<Summary, JournalError>
         voxels,
         steps: steps + u64::from(now != settled),
         modified: !files.is_saved(now),
+        untouched: untouched && files.is_saved(now),
         began_unix_s: reader.began_unix_s(),
         process: reader.process(),
         ending: reader.ending().unwrap_or(Ending::Damaged),

@@ -9,7 +9,7 @@ use super::Headset;
 use crate::app::AppError;
 use crate::app::Workspace;
 use crate::config::Config;
-use crate::editor::recovery;
+use crate::editor::recovery::{self, Kept};
 use crate::folders::state_folder;
 use crate::gpu::DeviceOptions;
 use crate::input::Bindings;
@@ -42,8 +42,14 @@ pub fn run(
     }
     if headset.has_exited() && workspace.session().modified() {
         // The runtime has ended the program: there was nobody to ask.
-        match recovery::save(workspace.session_mut(), &state_folder()) {
-            Ok(path) => tracing::warn!("the sculpture was saved to {}", path.display()),
+        match recovery::secure(workspace.session_mut(), &state_folder()) {
+            Ok(Kept::Journal(path)) => {
+                tracing::warn!(
+                    "what was done is in the journal {}: the next start offers it",
+                    path.display()
+                )
+            }
+            Ok(Kept::File(path)) => tracing::warn!("the sculpture was saved to {}", path.display()),
             Err(error) => tracing::error!("the sculpture could not be saved: {error}"),
         }
     }

@@ -1,0 +1,58 @@
+//! The journals that this process writes, so that all of them can be put on the disk when the process cannot go on,
+//! whoever owns them: a panic hook knows no session.
+
+use std::path::PathBuf;
+use std::sync::mpsc::{SyncSender, sync_channel};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Asks a journal's thread to answer once all so far is on the disk. Gives the journal's file; none if there is none,
+/// or if the thread cannot be asked.
+type Ask = Box<dyn Fn(SyncSender<()>) -> Option<PathBuf> + Send>;
+
+static LIVE: Mutex<Vec<Live>> = Mutex::new(Vec::new());
+
+/// A journal that is being written.
+pub(super) struct Live {
+    key: LiveKey,
+    ask: Ask,
+}
+
+/// Stands for a journal that is being written.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct LiveKey(u64);
+
+impl Live {
+    /// Adds a journal.
+    pub fn add(ask: impl Fn(SyncSender<()>) -> Option<PathBuf> + Send + 'static) -> LiveKey {
+        let mut live = LIVE.lock().unwrap_or_else(PoisonError::into_inner);
+        let key = LiveKey(live.iter().map(|live| live.key.0 + 1).max().unwrap_or(0));
+        live.push(Live { key, ask: Box::new(ask) });
+        key
+    }
+
+    /// Removes a journal that is written no more.
+    pub fn remove(key: LiveKey) {
+        LIVE.lock().unwrap_or_else(PoisonError::into_inner).retain(|live| live.key != key);
+    }
+}
+
+/// Sees to it that all that was done so far is on the disk, in every journal of this process; waits for that at most so
+/// long in all. Returns the files of those that were in time. May be called while the process panics.
+pub fn sync_all(patience: Duration) -> Vec<PathBuf> {
+    // Who panics with the lock in hand has lost it.
+    let Ok(live) = LIVE.try_lock() else { return Vec::new() };
+    let asked: Vec<_> = live
+        .iter()
+        .filter_map(|live| {
+            let (sender, receiver) = sync_channel(1);
+            (live.ask)(sender).map(|path| (path, receiver))
+        })
+        .collect();
+    drop(live);
+    let end = Instant::now() + patience;
+    let in_time = asked.into_iter().filter(|(_, receiver)| {
+        receiver.recv_timeout(end.saturating_duration_since(Instant::now())).is_ok()
+    });
+    in_time.map(|(path, _)| path).collect()
+}
