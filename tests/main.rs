@@ -14,6 +14,7 @@ mod evaluation;
 mod faults;
 mod golden;
 mod gpu;
+mod hands;
 #[cfg(target_os = "linux")]
 mod headset;
 mod program;

@@ -36,7 +36,7 @@ fn all() -> impl Iterator<Item = UVec3> {
         .map(|i| UVec3::new(i % DIMS.x, i / DIMS.x % DIMS.y, i / DIMS.x / DIMS.y))
 }
 
-fn shape() -> Contents {
+pub fn shape() -> Contents {
     let mut grid = Grid::new(DIMS, Vec3::splat(VOXEL_MM), 1 << 30).unwrap();
     all().filter(|v| exists(*v)).for_each(|v| grid.set(v.as_ivec3(), true));
     let mut material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::STONE);
@@ -48,7 +48,7 @@ fn shape() -> Contents {
     Contents { grid, material }
 }
 
-fn options(path: &Path) -> ImportOptions {
+pub fn options(path: &Path) -> ImportOptions {
     let layout =
         RawLayout { dims: DIMS, samples: Samples::Rgba8, skip_bytes: 0, voxel_size: Vec3::ONE };
     let is_raw = path.extension().is_some_and(|ending| ending == "raw");
@@ -187,6 +187,22 @@ fn dicom(bytes: &[u8]) -> Vec<u8> {
     [&out, &[0xE0, 0x7F, 0x10, 0][..], b"OB", &[0; 2], &length, bytes].concat()
 }
 
+/// A file with the shape in every format that can be read.
+pub fn sources(folder: &TempDir) -> Vec<PathBuf> {
+    let mut sources = foreign(folder);
+    for ending in WRITE_ENDINGS.iter().filter(|ending| READ_ENDINGS.contains(ending)) {
+        let path = folder.path().join("own").with_extension(ending);
+        // The faces of the voxels themselves, so that no edge is rounded.
+        let mut options = ExportOptions::default();
+        if format::is_mesh(&path) {
+            options.mesh.kind = MeshKind::Faces;
+        }
+        save_as(&path, &shape(), options).unwrap();
+        sources.push(path);
+    }
+    sources
+}
+
 /// The rows of the table of docs/formats.md that begins with that line, by the endings in their first column.
 fn documented(heading: &str) -> Vec<(String, Vec<String>)> {
     let docs = include_str!("../../docs/formats.md");
@@ -214,17 +230,7 @@ const WRITE_TABLE: &str = "| written | shape | colours | size of a voxel | up | 
 #[test]
 fn every_format_that_is_read_becomes_every_one_that_is_written() {
     let folder = tempfile::tempdir().unwrap();
-    let mut sources = foreign(&folder);
-    for ending in WRITE_ENDINGS.iter().filter(|ending| READ_ENDINGS.contains(ending)) {
-        let path = folder.path().join("own").with_extension(ending);
-        // The faces of the voxels themselves, so that no edge is rounded.
-        let mut options = ExportOptions::default();
-        if format::is_mesh(&path) {
-            options.mesh.kind = MeshKind::Faces;
-        }
-        save_as(&path, &shape(), options).unwrap();
-        sources.push(path);
-    }
+    let sources = sources(&folder);
     let name = |path: &PathBuf| path.file_name().unwrap().to_string_lossy().into_owned();
     for ending in READ_ENDINGS {
         let is_of = |path: &PathBuf| name(path).split_once('.').unwrap().1 == ending;

@@ -13,6 +13,7 @@ mod commands;
 mod conversions;
 mod example;
 mod formats;
+mod fuzz;
 mod independent;
 mod journal;
 mod meshes_in;

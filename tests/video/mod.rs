@@ -1,5 +1,6 @@
 //! Video sources: real files and sockets, intact and damaged.
 
+mod damaged;
 mod films;
 mod phone;
 

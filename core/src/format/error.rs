@@ -327,6 +327,11 @@ impl From<VoxeliseError> for FormatError {
     }
 }
 
+/// A message of a library, without control characters of the file that it may quote.
+pub(super) fn printable(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { '\u{FFFD}' } else { c }).collect()
+}
+
 /// The first bytes of unexpected data, with everything but plain text escaped.
 pub(super) fn excerpt(bytes: &[u8]) -> String {
     const MOST: usize = 24;

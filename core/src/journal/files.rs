@@ -25,6 +25,9 @@ pub trait Files: Debug + Send + Sync {
     fn open(&self, path: &Path) -> Result<Source>;
 }
 
+/// Waits until what was appended before is on the disk.
+pub type Syncer = Box<dyn FnOnce() -> Result<()> + Send>;
+
 /// A file that grows.
 pub trait Appender: Debug + Send {
     /// Appends bytes, in one write of the system where it takes them all.
@@ -32,6 +35,8 @@ pub trait Appender: Debug + Send {
     /// Waits until what was appended is on the disk. An error of kind [`ErrorKind::NotFound`] if the file
     /// has been removed meanwhile.
     fn sync(&mut self) -> Result<()>;
+    /// The same, to be called on another thread while more is appended; none where that cannot be.
+    fn syncer(&self) -> Option<Syncer>;
     /// Whether the file still has a name.
     fn is_there(&self) -> bool;
 }
@@ -131,6 +136,11 @@ impl Appender for DiskFile {
             return Ok(());
         }
         Err(Error::new(ErrorKind::NotFound, "the file or its folder has been removed"))
+    }
+
+    fn syncer(&self) -> Option<Syncer> {
+        let mut file = DiskFile(self.0.try_clone().ok()?);
+        Some(Box::new(move || file.sync()))
     }
 
     fn is_there(&self) -> bool {

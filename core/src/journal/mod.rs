@@ -3,7 +3,7 @@
 //!
 //! A journal begins with a **checkpoint**: all that the session began with, by content. What follows are
 //! **entries**: the commands that were executed, and the files that they read. `files` is the file layer,
-//! `frame` the framing of records, `entry` and `checkpoint` what they mean, `writer` the thread that writes,
+//! `frame` the framing of records, `entry` and `checkpoint` what they mean, `writer` the thread that writes, `growing` its file,
 //! `live` knows all of this process,
 //! `shelf` the folder in which journals lie, `reader` reads one. Knows documents, but no session: that
 //! replays them.
@@ -12,6 +12,7 @@ mod checkpoint;
 mod entry;
 pub mod files;
 pub mod frame;
+mod growing;
 mod live;
 mod reader;
 mod shelf;

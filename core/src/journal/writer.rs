@@ -13,11 +13,10 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use super::checkpoint::Checkpoint;
 use super::entry::Entry;
-use super::files::Appender;
-use super::frame::{self, RecordBuffer};
+use super::frame;
+use super::growing::{Open, Trouble};
 use super::live::{Live, LiveKey};
 use super::shelf::Shelf;
-use crate::format::FormatError;
 
 /// Entries that may wait for the disk; more are a gap that a checkpoint closes.
 const QUEUE: usize = 4096;
@@ -25,6 +24,8 @@ const QUEUE: usize = 4096;
 const SETTLE: Duration = Duration::from_millis(40);
 /// From any other entry to the disk.
 const WITHIN_STROKE: Duration = Duration::from_secs(1);
+/// Between two looks at a sync that goes on.
+const LOOK_EVERY: Duration = Duration::from_millis(5);
 /// Between two tries where that goes on for long.
 const LONGEST_PAUSE: Duration = Duration::from_secs(60);
 
@@ -255,35 +256,6 @@ impl Drop for JournalWriter {
     }
 }
 
-/// A file that entries are appended to.
-#[derive(Debug)]
-struct Open {
-    file: Box<dyn Appender>,
-    /// Number of the next record.
-    sequence: u64,
-    bytes: u64,
-    /// Size from which on it is begun anew.
-    compact_at: u64,
-}
-
-impl Open {
-    fn append(&mut self, record: RecordBuffer) -> Result<(), Trouble> {
-        let bytes = record.sealed(self.sequence);
-        self.file.append(&bytes)?;
-        self.sequence += 1;
-        self.bytes += bytes.len() as u64;
-        Ok(())
-    }
-}
-
-#[derive(Debug, thiserror::Error)]
-enum Trouble {
-    #[error("{0}")]
-    Io(#[from] std::io::Error),
-    #[error("{0}")]
-    Format(#[from] FormatError),
-}
-
 /// What the thread works with.
 struct Work {
     options: JournalOptions,
@@ -312,7 +284,11 @@ struct Work {
 impl Work {
     fn run(&mut self, receiver: &Receiver<Message>) {
         loop {
-            let wake = [self.due, self.retry].into_iter().flatten().min();
+            let is_syncing = self.file.as_ref().is_some_and(Open::is_syncing);
+            let look = is_syncing.then(|| Instant::now() + LOOK_EVERY);
+            // One sync at a time: the next comes after this one.
+            let due = self.due.filter(|_| !is_syncing);
+            let wake = [due, look, self.retry].into_iter().flatten().min();
             let message = match wake {
                 None => receiver.recv().map_err(|_| RecvTimeoutError::Disconnected),
                 Some(wake) => receiver.recv_timeout(wake.saturating_duration_since(Instant::now())),
@@ -336,8 +312,16 @@ impl Work {
                 Err(RecvTimeoutError::Timeout) => {}
             }
             let now = Instant::now();
-            if self.due.is_some_and(|due| due <= now) {
-                self.sync();
+            if let Some(Err(error)) = self.file.as_mut().map(|open| open.end_sync(false)) {
+                self.fail(&error.into());
+            }
+            let is_syncing = self.file.as_ref().is_some_and(Open::is_syncing);
+            if self.due.is_some_and(|due| due <= now && !is_syncing) {
+                self.due = None;
+                let begun = self.file.as_mut().map_or(Ok(()), Open::begin_sync);
+                if let Err(error) = begun {
+                    self.fail(&error.into());
+                }
             }
             if self.retry.is_some_and(|retry| retry <= now) {
                 self.want();
@@ -369,11 +353,16 @@ impl Work {
         }
     }
 
+    /// Puts all on the disk before it returns.
     fn sync(&mut self) {
+        let ended = self.file.as_mut().map_or(Ok(()), |open| open.end_sync(true));
+        if let Err(error) = ended {
+            self.fail(&error.into());
+        }
         if self.due.take().is_none() {
             return;
         }
-        let synced = self.file.as_mut().map_or(Ok(()), |open| open.file.sync());
+        let synced = self.file.as_mut().map_or(Ok(()), |open| open.sync());
         if let Err(error) = synced {
             self.fail(&error.into());
         }
@@ -424,17 +413,16 @@ impl Work {
 
     /// Writes a journal that begins with the checkpoint, and puts it in the place of the present one.
     fn begin_anew(&mut self, checkpoint: &Checkpoint) -> Result<(), Trouble> {
-        let is_there = self.file.as_ref().is_some_and(|open| open.file.is_there());
+        let is_there = self.file.as_ref().is_some_and(Open::is_there);
         let shelf = &self.options.shelf;
         // If somebody has removed the journal, another may have its number by now.
         let (number, file) = shelf.create(self.number.filter(|_| is_there))?;
-        let mut open = Open { file, sequence: 0, bytes: 0, compact_at: u64::MAX };
+        let mut open = Open::new(file);
         let written = open
-            .file
-            .append(&frame::head())
+            .append_bytes(&frame::head())
             .map_err(Trouble::from)
             .and_then(|()| checkpoint.write(self.began_unix_s, &mut |record| open.append(record)))
-            .and_then(|()| Ok(open.file.sync()?));
+            .and_then(|()| Ok(open.sync()?));
         if let Err(trouble) = written {
             shelf.abandon(number);
             return Err(trouble);
@@ -456,7 +444,7 @@ impl Work {
 
     fn end(&mut self, remove: bool) {
         self.sync();
-        let is_there = self.file.as_ref().is_some_and(|open| open.file.is_there());
+        let is_there = self.file.as_ref().is_some_and(Open::is_there);
         if let Some(number) = self.number.filter(|_| remove && is_there)
             && let Err(error) = self.options.shelf.remove(number)
         {

@@ -6,7 +6,7 @@ use std::io::{Cursor, Error, ErrorKind, Result};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard};
 
-use sculpture_core::journal::files::{Appender, Files, Source};
+use sculpture_core::journal::files::{Appender, Files, Source, Syncer};
 
 /// How an operation fails.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -221,6 +221,11 @@ impl Appender for Handle {
             disk.files[file].synced = disk.files[file].bytes.len();
             if disk.files[file].linked { Ok(()) } else { Err(ErrorKind::NotFound.into()) }
         })
+    }
+
+    fn syncer(&self) -> Option<Syncer> {
+        // At once, so that operations have an order.
+        None
     }
 
     fn is_there(&self) -> bool {

@@ -2,7 +2,7 @@
 //! failing once, and after power cuts.
 
 mod faults;
-mod memory;
+pub mod memory;
 mod recording;
 mod replay;
 
@@ -15,13 +15,13 @@ use sculpture_core::session::{Recovered, Session, recover};
 
 use self::memory::Memory;
 
-fn options(memory: &Memory) -> JournalOptions {
+pub fn options(memory: &Memory) -> JournalOptions {
     let shelf = Shelf::with_files(Path::new("/state/journals"), memory.files());
     JournalOptions { retry: Duration::from_millis(1), ..JournalOptions::new(shelf) }
 }
 
 /// A session with a new sculpture of 24x20x12 voxels and 24 bits of colour.
-fn session(limits: Limits) -> Session {
+pub fn session(limits: Limits) -> Session {
     let new = "new dims=24,20,12 colour=24".parse().unwrap();
     let sculpture_core::command::Command::New(new) = new else { panic!() };
     Session::new(&new, limits).unwrap()

@@ -96,7 +96,7 @@ impl Reading<'_> {
 
     /// Another file that belongs to this one.
     fn read_beside(&self, path: &Path) -> Result<Vec<u8>, FormatError> {
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let name = super::error::excerpt(path.file_name().unwrap_or_default().as_encoded_bytes());
         self.read(path).map_err(|error| match error {
             FormatError::Io(error) => FormatError::Scan(format!(
                 "its voxels are in {name}, which cannot be read: {error}; keep both files in one folder"

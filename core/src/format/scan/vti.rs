@@ -14,6 +14,7 @@ use super::frame::Frame;
 use super::numbers::{Number, volume};
 use super::unpack::{cut, malformed};
 use super::{Reading, Scan};
+use crate::format::error::printable;
 use crate::format::{FormatError, go_on};
 
 /// Begins the data behind the tags.
@@ -29,7 +30,8 @@ pub fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     if !appended.is_empty() {
         text.push_str("</VTKFile>");
     }
-    let xml = Document::parse(&text).map_err(|error| malformed("the XML", error.to_string()))?;
+    let xml = Document::parse(&text)
+        .map_err(|error| malformed("the XML", printable(&error.to_string())))?;
     let root = xml.root_element();
     if root.tag_name().name() != "VTKFile" || root.attribute("type") != Some("ImageData") {
         return Err(FormatError::Scan(

@@ -1,0 +1,86 @@
+//! The file of a journal that is being written: records are appended while a sync may go on beside.
+
+use std::thread::JoinHandle;
+
+use super::files::Appender;
+use super::frame::RecordBuffer;
+use crate::format::FormatError;
+
+/// A file that entries are appended to.
+#[derive(Debug)]
+pub(super) struct Open {
+    file: Box<dyn Appender>,
+    /// Number of the next record.
+    sequence: u64,
+    /// How many bytes it has.
+    pub bytes: u64,
+    /// Size from which on it is begun anew.
+    pub compact_at: u64,
+    /// A sync that goes on beside the writing.
+    syncing: Option<JoinHandle<std::io::Result<()>>>,
+}
+
+impl Open {
+    /// An empty file.
+    pub fn new(file: Box<dyn Appender>) -> Open {
+        Open { file, sequence: 0, bytes: 0, compact_at: u64::MAX, syncing: None }
+    }
+
+    /// Whether it still has a name.
+    pub fn is_there(&self) -> bool {
+        self.file.is_there()
+    }
+
+    /// Appends what is no record.
+    pub fn append_bytes(&mut self, bytes: &[u8]) -> std::io::Result<()> {
+        self.file.append(bytes)
+    }
+
+    /// Appends a record.
+    pub fn append(&mut self, record: RecordBuffer) -> Result<(), Trouble> {
+        let bytes = record.sealed(self.sequence);
+        self.file.append(&bytes)?;
+        self.sequence += 1;
+        self.bytes += bytes.len() as u64;
+        Ok(())
+    }
+
+    /// Waits until all is on the disk.
+    pub fn sync(&mut self) -> std::io::Result<()> {
+        self.file.sync()
+    }
+
+    /// Whether a sync goes on.
+    pub fn is_syncing(&self) -> bool {
+        self.syncing.is_some()
+    }
+
+    /// Begins to put what is written on the disk, while entries go on being written: a busy disk may take long, and
+    /// what is written outlives at least the process. What cannot go on beside is done at once.
+    pub fn begin_sync(&mut self) -> std::io::Result<()> {
+        let thread = self.file.syncer().and_then(|sync| {
+            std::thread::Builder::new().name("journal sync".to_string()).spawn(sync).ok()
+        });
+        self.syncing = thread;
+        if self.syncing.is_some() { Ok(()) } else { self.file.sync() }
+    }
+
+    /// Waits for a sync that goes on, if there is one and it has ended or `patiently`.
+    pub fn end_sync(&mut self, patiently: bool) -> std::io::Result<()> {
+        match self.syncing.take_if(|thread| patiently || thread.is_finished()) {
+            Some(thread) => {
+                thread.join().unwrap_or_else(|_| Err(std::io::Error::other("panicked")))
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+/// Why something could not be written.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum Trouble {
+    #[error("{0}")]
+    Io(#[from] std::io::Error),
+    #[error("{0}")]
+    Format(#[from] FormatError),
+}

@@ -1,0 +1,186 @@
+//! Damaged bytes for every reader: files that the program writes itself and small ones of other programs, mutated in
+//! thousands of ways, the same in every run. Nothing may panic, and memory stays bounded.
+//!
+//! Each target has a number of runs for each of its seeds; `VS_FUZZ_RUNS=N` makes it N, for long runs by hand. What
+//! makes a reader panic is left in target/test-output/fuzz.
+
+mod formats;
+mod journal;
+mod script;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
+
+use sculpture_core::sculpture::Limits;
+
+/// Most memory that the process may take while a target is tried, in MiB.
+const MOST_MIB: u64 = 300;
+
+/// Limits that refuse large claims rather than try them.
+pub fn small() -> Limits {
+    Limits { grid_bytes: 1 << 20, colour_bytes: 8 << 20, ..Limits::default() }
+}
+
+/// A small random generator with a seed, so that failures are reproducible.
+pub struct Dice(u64);
+
+impl Dice {
+    fn of(target: &str, seed: usize, run: u64) -> Dice {
+        let name = target.bytes().fold(seed as u64, |sum, b| sum.wrapping_mul(31) + u64::from(b));
+        let mut dice = Dice(name.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ run);
+        dice.below(2);
+        dice
+    }
+
+    pub fn below(&mut self, end: usize) -> usize {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        ((self.0 >> 33) % end.max(1) as u64) as usize
+    }
+}
+
+/// Numbers that readers forget about.
+const EXTREMES: [u64; 14] = [
+    0,
+    1,
+    2,
+    0x7f,
+    0xff,
+    0x7fff,
+    0xffff,
+    0x1_0000,
+    0x7fff_ffff,
+    0x8000_0000,
+    0xffff_ffff,
+    0x7ff8_0000_0000_0000,
+    0x7fff_ffff_ffff_ffff,
+    u64::MAX,
+];
+
+/// What is put into texts.
+const WORDS: [&str; 16] = [
+    "0",
+    "-1",
+    "1e40",
+    "-1e-40",
+    "nan",
+    "inf",
+    "4294967295",
+    "9223372036854775808",
+    "99999999999999999999",
+    "\n",
+    " ",
+    "\"",
+    "=",
+    ",",
+    "\0",
+    "é",
+];
+
+/// Damages `bytes` in one to five ways; `other`: what chunks may come from.
+pub fn mutate(bytes: &mut Vec<u8>, other: &[u8], dice: &mut Dice) {
+    for _ in 0..1 + dice.below(5) {
+        // Headers are short, and the most sensitive part.
+        let reach = if dice.below(2) == 0 { bytes.len().min(96) } else { bytes.len() };
+        let at = dice.below(reach);
+        let rest = bytes.len() - at;
+        match dice.below(11) {
+            0 if rest > 0 => bytes[at] ^= 1 << dice.below(8),
+            1 if rest > 0 => bytes[at] = dice.below(256) as u8,
+            2 => bytes.truncate(at),
+            // An integer or a float of any size, in either order of bytes.
+            3..=5 => {
+                let width = [1, 2, 4, 8][dice.below(4)];
+                let at = if dice.below(4) == 0 { at } else { at & !(width - 1) };
+                let value = match dice.below(4) {
+                    0 => (bytes.len() as u64).wrapping_add(dice.below(5) as u64).wrapping_sub(2),
+                    _ => EXTREMES[dice.below(EXTREMES.len())],
+                };
+                let (little, big) = (value.to_le_bytes(), value.to_be_bytes());
+                let new = if dice.below(3) > 0 { &little[..width] } else { &big[8 - width..] };
+                let end = bytes.len().min(at + width);
+                bytes[at..end].copy_from_slice(&new[..end - at]);
+            }
+            // A number in a text.
+            6 | 7 => {
+                let is_digit = |b: &u8| b.is_ascii_digit();
+                let Some(start) = bytes[at..].iter().position(is_digit).map(|i| at + i) else {
+                    continue;
+                };
+                let end = start + bytes[start..].iter().take_while(|b| is_digit(b)).count();
+                bytes.splice(start..end, WORDS[dice.below(WORDS.len())].bytes());
+            }
+            8 => {
+                bytes.splice(at..at, WORDS[dice.below(WORDS.len())].bytes());
+            }
+            9 if rest > 0 => {
+                bytes.drain(at..at + 1 + dice.below(rest.min(64)));
+            }
+            // A chunk of another file, or of this one, inserted or in place of what is there.
+            _ if !other.is_empty() => {
+                let from = dice.below(other.len());
+                let chunk = &other[from..from + 1 + dice.below((other.len() - from).min(96))];
+                let gone = if dice.below(2) == 0 { 0 } else { chunk.len().min(rest) };
+                bytes.splice(at..at + gone, chunk.iter().copied());
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Tries `read` with damaged forms of all seeds; it returns whether they were accepted. `seal` makes checksums fit
+/// again, where there are any: half of the time, so that what lies behind them is reached.
+pub fn fuzz(
+    target: &str,
+    runs: u64,
+    seeds: &[Vec<u8>],
+    seal: impl Fn(&mut Vec<u8>),
+    mut read: impl FnMut(usize, &[u8]) -> bool,
+) {
+    // The memory of the whole process is measured.
+    let runs = std::env::var("VS_FUZZ_RUNS").map_or(runs, |runs| runs.parse().unwrap());
+    let (mut accepted, mut refused) = (0, 0);
+    for (i, seed) in seeds.iter().enumerate() {
+        assert!(read(i, seed), "{target}: seed {i} is refused as it is");
+        for run in 0..runs {
+            let mut dice = Dice::of(target, i, run);
+            let mut bytes = seed.clone();
+            let other = &seeds[dice.below(seeds.len())];
+            mutate(&mut bytes, other, &mut dice);
+            if dice.below(2) == 0 {
+                seal(&mut bytes);
+            }
+            match catch_unwind(AssertUnwindSafe(|| read(i, &bytes))) {
+                Ok(true) => accepted += 1,
+                Ok(false) => refused += 1,
+                Err(_) => {
+                    panic!("{target}: run {run} of seed {i}: {}", keep(target, i, run, &bytes))
+                }
+            }
+            if run % 64 == 0
+                && let Some(peak) = peak_mib()
+            {
+                let place = format!("{target}: run {run} of seed {i}");
+                assert!(peak < MOST_MIB, "{place}: {peak} MiB: {}", keep(target, i, run, &bytes));
+            }
+        }
+    }
+    trials::note!("{target}: {} seeds, {accepted} accepted, {refused} refused", seeds.len());
+    // Otherwise the damage is too small to test anything.
+    assert!(refused > 0, "{target}: {accepted} accepted, {refused} refused");
+}
+
+/// Writes what does harm to a file, and returns its path.
+fn keep(target: &str, seed: usize, run: u64, bytes: &[u8]) -> String {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).with_file_name("test-output/fuzz");
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join(format!("{target}-{seed}-{run}"));
+    std::fs::write(&path, bytes).unwrap();
+    path.display().to_string()
+}
+
+/// Peak memory of this process, where the system reports it.
+fn peak_mib() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
+    line.trim().strip_suffix(" kB")?.trim().parse::<u64>().ok().map(|kib| kib >> 10)
+}

@@ -1,0 +1,76 @@
+//! Scripts: lines of every command, as text and as they are executed on a small sculpture.
+
+use sculpture_core::command::{COMMANDS, Command};
+
+use super::{fuzz, small};
+use sculpture_core::document::Limits;
+use sculpture_core::session::Session;
+
+const LINES: [&str; 30] = [
+    "new dims=24,20,12 size=1,1,1 colour=24 base=#c8beaa fill=solid",
+    "open \"/nonexistent/a.raw\" threshold=2..9 raw=8x6x5:u8:0 region=1,1,1..3,3,3 cubic=2mm mesh_size=9",
+    "embed \"a\" data=iVZTQw0KGgoBAAAA",
+    "begin \"a stroke\"",
+    "add ellipsoid at=4,4,4 half=3,2,5 turn=0,0,0,1 colour=#20ff40",
+    "subtract cuboid at=9,9,9 half=2",
+    "recolour pyramid at=5,5,5 half=4 turn=10,20,30 colour=#204060",
+    "spray clay eye=12,10,60 aim=0,0,-1 across=0.1,0,0 down=0,0.1,0 radius=4 colour=#ff0000 reach=2",
+    "spray growth eye=12,10,60 aim=0,0,-1 across=0.1,0,0 down=0,0.1,0 radius=3 outline=square threshold=9",
+    "end",
+    "texture \"a\" cuboid at=4,4,4 half=3",
+    "mark at=1,2,3 size=5,5,5",
+    "select add",
+    "limit on",
+    "fill selection colour=#102030",
+    "clear marker",
+    "dye grid colour=#405060",
+    "limit off",
+    "symmetry x=even y=odd z=off",
+    "copy",
+    "cut",
+    "paste at=1,1,1 axes=y,-x,z",
+    "move by=2,0,0 axes=x,z,-y",
+    "array count=3 step=2,0,1",
+    "orient axes=x,-z,y",
+    "remove-islands keep=largest smaller=9",
+    "thicken to=2",
+    "drain diameter=3 toward=nearest",
+    "undo 2",
+    "place turn=10,0,0 move=1,2,3 scale=2",
+];
+
+#[test]
+fn damaged_scripts_do_no_harm() {
+    if !trials::alone() {
+        return;
+    }
+    let verb = |line: &str| line.split(' ').next().unwrap().to_string();
+    for help in COMMANDS {
+        let known = ["save", "redo", "cancel", "irreversible", "fill-cavities"];
+        let there = LINES.iter().any(|line| verb(line) == help.verb);
+        assert!(there || known.contains(&help.verb), "no line for {}", help.verb);
+    }
+    let new = "new dims=24,20,12 colour=24".parse().unwrap();
+    let Command::New(new) = new else { panic!() };
+    let limits = Limits { history_bytes: 4 << 20, ..small() };
+    let seed = LINES.join("\n").into_bytes();
+    fuzz(
+        "script",
+        400,
+        &[seed],
+        |_| {},
+        |_, bytes| {
+            let mut session = Session::new(&new, limits).unwrap();
+            let mut executed = 0;
+            for line in String::from_utf8_lossy(bytes).lines() {
+                let Ok(command) = line.parse::<Command>() else { continue };
+                // What was understood is written so that it is understood again.
+                assert_eq!(command.to_string().parse::<Command>().as_ref(), Ok(&command), "{line}");
+                if !matches!(command, Command::Save { .. }) {
+                    executed += usize::from(session.execute(&command, &()).is_ok());
+                }
+            }
+            executed > 12
+        },
+    );
+}
