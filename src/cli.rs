@@ -359,11 +359,11 @@ fn window_or_demo(
         if config.journal.keep && !cli.no_journal {
             session.keep_journal(journal_options(&config)).map_err(ProgramError::Journal)?;
         }
+        let journals = journal_options(&config);
         if display {
-            let journals = journal_options(&config);
             app::run(session, config, device, cli.headset_shots, journals)?;
         } else {
-            app::headset::standalone::run(session, &config, device, cli.headset_shots)?;
+            app::headset::standalone::run(session, &config, device, cli.headset_shots, journals)?;
         }
         return Ok(());
     }

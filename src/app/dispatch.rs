@@ -76,6 +76,7 @@ impl Workspace {
             }
             UiRequest::Recover(number) => self.start_recovery(number),
             UiRequest::DiscardLeft(number) => self.discard_left(number),
+            UiRequest::ListLeft => self.list_left(),
             UiRequest::SaveFirst(next) => editor.save(Some(next)),
             UiRequest::SaveThen(command, next) => editor.run_then(command, Then::Go(next)),
             UiRequest::Irreversibly(command) => editor.run_irreversibly(command),

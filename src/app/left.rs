@@ -26,17 +26,30 @@ const PICTURE_PX: UVec2 = UVec2::new(128, 96);
 impl Workspace {
     /// Starts to read what earlier sessions have left, if there is anything, for the dialog.
     pub fn look_for_left(&mut self, journals: JournalOptions) {
-        let shelf = journals.shelf.clone();
+        let is_some_left = journals.shelf.count_left() > 0;
         self.journals = Some(journals);
-        if shelf.count_left() == 0 {
-            return;
+        if is_some_left {
+            self.read_left("");
         }
+    }
+
+    /// The same when the person asks for it, with a word if there is nothing.
+    pub(super) fn list_left(&mut self) {
+        self.read_left("There is no unsaved work of earlier sessions");
+    }
+
+    /// `none`: what to say if nothing is found.
+    fn read_left(&mut self, none: &'static str) {
+        let Some(shelf) = self.journals.as_ref().map(|journals| journals.shelf.clone()) else {
+            return;
+        };
         let limits = *self.session().document().limits();
         let news = self.ui.dialogs.recovery.news();
         let work = move |report: &Report| {
             let found = all_left(&shelf, &limits, report)?;
+            let text = if found.is_empty() { none } else { "" };
             *news.lock().unwrap_or_else(PoisonError::into_inner) = Some(found);
-            Ok(String::new())
+            Ok(text.to_string())
         };
         self.editor.start_side_work(work, "Looking for unsaved work");
     }

@@ -5,8 +5,8 @@ use egui::{CentralPanel, Frame, Margin, Panel as Side, RichText, ScrollArea, Ui}
 
 use super::{
     UiContext, UiRequest, UiState, busy, export_dialog, files, film_dialog, final_dialog, guide,
-    history, import_dialog, light, new_dialog, options, palette, theme, toolbox, top_bar, unkept,
-    unsaved, upright,
+    history, import_dialog, light, new_dialog, options, palette, recovery_dialog, theme, toolbox,
+    top_bar, unkept, unsaved, upright,
 };
 use crate::input::hands::HandSide;
 
@@ -94,6 +94,7 @@ pub fn show(
     film_dialog::show(root, state, context, requests);
     export_dialog::show(root, state, context, requests);
     import_dialog::show(root, state, context, requests);
+    recovery_dialog::show(root, state, requests);
     unsaved::show(root, state, requests);
     unkept::show(root, state, requests);
     files::show(root, state, requests);

@@ -117,7 +117,7 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
         ui.add_space(4.0);
         later = ui
             .button("Later")
-            .on_hover_text("Keeps all of it, and asks again at the next start")
+            .on_hover_text("Keeps all of it, and asks again at the next start; “Unsaved work” in the menu lists it before")
             .clicked();
     });
     if later || response.should_close() {

@@ -71,6 +71,8 @@ pub enum UiRequest {
     Recover(u64),
     /// Removes that journal.
     DiscardLeft(u64),
+    /// List what earlier sessions have left, or say that there is nothing.
+    ListLeft,
     /// Carry out a command although it cannot be undone.
     Irreversibly(Command),
 }

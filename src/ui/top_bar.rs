@@ -81,6 +81,13 @@ fn menu(
             switches::menu(ui, state, context, requests);
         }
         recent::menu(ui, state, requests);
+        let unsaved = ui.button("Unsaved work …");
+        let unsaved = unsaved.on_hover_text(
+            "Lists what earlier sessions have left that did not end as they should have",
+        );
+        if unsaved.clicked() {
+            requests.push(UiRequest::ListLeft);
+        }
         ui.separator();
         for (label, action) in [("Fill the grid", Action::Fill), ("Clear the grid", Action::Clear)]
         {

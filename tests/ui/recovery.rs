@@ -109,6 +109,13 @@ fn what_nobody_wants_is_removed_after_a_question_and_the_rest_is_asked_about_aga
     click(&mut harness, "Later");
     assert!(!harness.state().ui.dialogs.is_modal());
     assert_eq!(numbers(folder.path()), left);
+    // They can be listed before the next start.
+    click(&mut harness, "Menu");
+    click(&mut harness, "Unsaved work …");
+    harness.state_mut().finish_job();
+    harness.run_steps(4);
+    assert_eq!(harness.query_all_by_label("Discard …").count(), 2);
+    assert!(has(&harness, "Unsaved work was found"));
 }
 
 #[test]
@@ -127,4 +134,17 @@ fn unsaved_changes_are_asked_about_before_another_session_takes_their_place() {
     harness.state_mut().finish_job();
     harness.run_steps(4);
     assert_eq!(harness.state().session().document().contents(), &made);
+}
+
+#[test]
+fn where_nothing_was_left_the_menu_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = start(folder.path(), &config(16), vec2(1280.0, 800.0));
+    assert!(!harness.state().ui.dialogs.is_modal());
+    click(&mut harness, "Menu");
+    click(&mut harness, "Unsaved work …");
+    harness.state_mut().finish_job();
+    harness.run_steps(4);
+    assert!(has(&harness, "There is no unsaved work of earlier sessions"));
+    assert!(!harness.state().ui.dialogs.is_modal());
 }

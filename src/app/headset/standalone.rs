@@ -13,6 +13,7 @@ use crate::editor::recovery::{self, Kept};
 use crate::folders::state_folder;
 use crate::gpu::DeviceOptions;
 use crate::input::Bindings;
+use crate::journal::JournalOptions;
 use crate::session::Session;
 
 /// Waits for a headset and works on `session` in it until the person exits.
@@ -21,9 +22,11 @@ pub fn run(
     config: &Config,
     device: DeviceOptions,
     screenshots: Option<PathBuf>,
+    journals: JournalOptions,
 ) -> Result<(), AppError> {
     let (send, events) = channel();
     let mut workspace = Workspace::new(session, config, Bindings::presets()?);
+    workspace.look_for_left(journals);
     let send = move |connection, event| send.send((connection, event)).is_ok();
     let mut headset = Headset::new(&config.headset, device, screenshots, send);
     loop {
