@@ -2,7 +2,7 @@
 
 use super::kills::{expect_back, states_of};
 use super::program::{BUTTON, MOTION, Program};
-use super::{LEFT, display, ready};
+use super::{LEFT, PICTURE, display, ready, shot, tool_home};
 
 fn start(display: &super::display::Display) -> (tempfile::TempDir, Program<'_>) {
     let folder = tempfile::tempdir().unwrap();
@@ -98,4 +98,58 @@ fn a_device_that_is_lost_for_good_loses_nothing() {
     assert!(!status.success(), "{output}");
     assert!(output.contains("1.journal: the next start offers it"), "{output}");
     assert_eq!(expect_back(folder.path(), &output), 0);
+}
+
+/// What a person sees: work, a kill, the next start, and the work again.
+#[test]
+fn what_was_killed_is_recovered_in_the_next_window() {
+    let display = display();
+    let folder = tempfile::tempdir().unwrap();
+    let program = Program::start_with_states(&display, folder.path().to_path_buf(), |_| {});
+    let program = ready(program);
+    for path in [
+        [[430, 380], [470, 400], [520, 410]],
+        [[560, 300], [600, 330], [640, 320]],
+        [[420, 470], [470, 490], [530, 480]],
+    ] {
+        program.drag(LEFT, &path);
+    }
+    program.key(&["Control_L", "z"]);
+    tool_home(&program);
+    let worked = shot(&program, "recovery-1-work");
+    program.until("all is in the journal", || {
+        let states = states_of(&program.output());
+        states.written > 0 && states.written == states.done.len()
+    });
+    let steps = states_of(&program.output());
+    program.signal("-KILL");
+    let (_, output) = program.wait();
+    shot_of(&display, "recovery-2-killed");
+    assert_eq!(states_of(&output).done.len(), steps.done.len());
+    drop(program);
+
+    let program = Program::start_with_states(&display, folder.path().to_path_buf(), |_| {});
+    let program = ready(program);
+    let listed = shot(&program, "recovery-3-next-start");
+    assert!(listed.part(PICTURE).differing(&worked.part(PICTURE)) > 10_000, "the list is shown");
+    // The first button is that of the first session.
+    program.key(&["Tab"]);
+    program.key(&["space"]);
+    program.settle();
+    tool_home(&program);
+    let recovered = shot(&program, "recovery-4-recovered");
+    assert_eq!(recovered.part(PICTURE_LEFT).differing(&worked.part(PICTURE_LEFT)), 0);
+    program.key(&["Control_L", "y"]);
+    let redone = shot(&program, "recovery-5-redone");
+    assert!(redone.part(PICTURE_LEFT).differing(&worked.part(PICTURE_LEFT)) > 500, "redo is there");
+    program.close();
+    program.leave_without_saving();
+}
+
+/// The picture without its right edge, where messages are.
+const PICTURE_LEFT: [u32; 4] = [120, 50, 560, 700];
+
+fn shot_of(display: &super::display::Display, name: &str) {
+    display.sync();
+    display.picture().save(name);
 }

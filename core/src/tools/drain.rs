@@ -112,7 +112,9 @@ fn drill(grid: &Grid, way: Way, diameter_vx: f32, bricks: &mut BTreeMap<[u32; 3]
     let stretch = grid.voxel_size() / grid.voxel_size().x;
     let across = 1 - step.abs();
     let limit = 0.25 * diameter_vx * diameter_vx;
-    let reach = (Vec3::splat(0.5 * diameter_vx) / stretch).as_ivec3() * across;
+    // Nothing of a hole is further away than the grid is long.
+    let longest = grid.dims().as_ivec3();
+    let reach = (Vec3::splat(0.5 * diameter_vx) / stretch).as_ivec3().min(longest) * across;
     for (z, y) in (-reach.z..=reach.z).flat_map(|z| (-reach.y..=reach.y).map(move |y| (z, y))) {
         for x in -reach.x..=reach.x {
             let offset = IVec3::new(x, y, z);
