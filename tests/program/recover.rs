@@ -111,6 +111,37 @@ fn a_killed_session_is_listed_written_and_discarded() {
     assert!(listed(path).is_empty(), "it was discarded after it was written");
 }
 
+/// Times are for reading only: those of a clock that was set back, or runs ahead, change nothing else.
+#[test]
+fn a_clock_that_is_wrong_does_no_harm() {
+    let folder = folder();
+    let path = folder.path();
+    let times = [0, 1, 60 * 365 * 86_400, 200 * 365 * 86_400].map(Duration::from_secs);
+    for _ in times {
+        let mut session = start(path);
+        ask(&mut session, &["new dims=9,9,9", "clear"]);
+        kill(session);
+    }
+    for (i, time) in times.into_iter().enumerate() {
+        let journal = path.join(format!("virtual-sculpture/journals/{}.journal", i + 1));
+        let file = std::fs::File::options().append(true).open(journal).unwrap();
+        file.set_modified(std::time::UNIX_EPOCH + time).unwrap();
+    }
+    let left = listed(path);
+    assert_eq!(left.iter().map(|left| left["number"].clone()).collect::<Vec<_>>(), [1, 2, 3, 4]);
+    assert!(left.iter().all(|left| left["voxels"] == 0 && left["untouched"] == false), "{left:?}");
+    // A session that begins now takes another number, and the others come back.
+    let mut session = start(path);
+    ask(&mut session, &["clear"]);
+    kill(session);
+    assert_eq!(listed(path).len(), 5);
+    for number in 1..=4 {
+        let (number, out) = (number.to_string(), format!("{number}.vsc"));
+        succeed(path, &["recover", &number, "--out", &out, "--discard"]);
+    }
+    assert_eq!(listed(path).len(), 1);
+}
+
 #[test]
 fn a_session_that_ends_as_it_should_leaves_only_what_is_not_saved() {
     let folder = folder();

@@ -10,7 +10,7 @@ use super::{fuzz, small};
 use crate::conversions;
 
 /// Makes the checksums of a sculpture's header and chunks fit, as far as they can be found.
-fn seal_sculpture(bytes: &mut Vec<u8>) {
+fn seal_sculpture(bytes: &mut [u8]) {
     const HEADER: usize = 56;
     let number = |bytes: &[u8], at: usize| {
         u32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]]) as usize
@@ -41,7 +41,7 @@ fn seal_sculpture(bytes: &mut Vec<u8>) {
 }
 
 /// Makes the checksums of the chunks of the first PNG image fit, which may lie within another file.
-fn seal_png(bytes: &mut Vec<u8>) {
+fn seal_png(bytes: &mut [u8]) {
     let Some(start) = bytes.windows(4).position(|four| four == b"\x89PNG") else { return };
     let mut at = start + 8;
     while let Some(head) = bytes.get(at..at + 8) {
@@ -101,9 +101,13 @@ fn damaged_sculptures_in_memory_and_pictures_do_no_harm() {
     }
     let contents = conversions::shape();
     let file = format::write_sculpture(&contents, &Default::default()).unwrap();
-    fuzz("sculpture", 400, &[file], seal_sculpture, |_, bytes| {
-        format::read_sculpture(bytes, &small()).is_ok()
-    });
+    fuzz(
+        "sculpture",
+        400,
+        &[file],
+        |bytes| seal_sculpture(bytes),
+        |_, bytes| format::read_sculpture(bytes, &small()).is_ok(),
+    );
     let image =
         image::RgbImage::from_fn(9, 7, |x, y| image::Rgb([(x * 20) as u8, (y * 30) as u8, 9]));
     let coded = |form| {
@@ -112,7 +116,7 @@ fn damaged_sculptures_in_memory_and_pictures_do_no_harm() {
         bytes.into_inner()
     };
     let seeds = [coded(image::ImageFormat::Png)];
-    fuzz("png", 400, &seeds, seal_png, |_, bytes| format::picture_of(bytes).is_ok());
+    fuzz("png", 400, &seeds, |bytes| seal_png(bytes), |_, bytes| format::picture_of(bytes).is_ok());
     let text = format::base64::encode(&seeds[0]).into_bytes();
     fuzz(
         "base64",
