@@ -18,6 +18,7 @@ use crate::sculpture::orientation::Orientation;
 use crate::sculpture::region::VoxelBox;
 use crate::sculpture::{ColourDepth, Placement, Rgb};
 use crate::tools::construct::Primitive;
+use crate::tools::grab::Grab;
 use crate::tools::mend::Mend;
 use crate::tools::spray::Spray;
 use crate::tools::symmetry::Symmetry;
@@ -152,6 +153,8 @@ pub enum Command {
         /// What the rays are cast on.
         surface: SpraySurface,
     },
+    /// Pull at a ball of clay.
+    Grab(Grab),
     /// Recolour the voxels inside a solid by an image.
     Texture {
         /// The solid.
@@ -297,6 +300,11 @@ pub const COMMANDS: &[CommandHelp] = &[
         tooltip: "Use a brush where the rays under its footprint meet the surface",
     },
     CommandHelp {
+        verb: "grab",
+        usage: "at=X,Y,Z radius=VOXELS by=DX,DY,DZ [falloff=smooth|sharp|flat]",
+        tooltip: "Pull at a ball of clay: what is in its middle goes all the way, what is at its rim stays",
+    },
+    CommandHelp {
         verb: "texture",
         usage: "\"PICTURE\" SOLID at=X,Y,Z half=A[,B,C] [turn=...]",
         tooltip: "Paint the voxels inside a solid with a PNG or JPEG image",
@@ -420,6 +428,7 @@ impl Command {
             Command::Construct { op: EditOp::Subtract, .. } => "subtract",
             Command::Construct { op: EditOp::Recolour(_), .. } => "recolour",
             Command::Spray { .. } => "spray",
+            Command::Grab(_) => "grab",
             Command::Texture { .. } => "texture",
             Command::Fill { .. } => "fill",
             Command::Clear { .. } => "clear",

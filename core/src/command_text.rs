@@ -22,6 +22,7 @@ use crate::tools::construct::{Primitive, Solid};
 
 mod arguments;
 mod export;
+mod grab;
 mod mend;
 mod selection;
 mod spray;
@@ -153,6 +154,7 @@ impl fmt::Display for Command {
                 }
             }
             Command::Spray { spray, surface } => spray::write(spray, *surface, f),
+            Command::Grab(grab) => grab::write(grab, f),
             Command::Texture { primitive, picture } => {
                 write!(f, " {} {primitive}", QuotedPath(picture))
             }
@@ -238,6 +240,7 @@ impl FromStr for Command {
             "cancel" => Command::Cancel,
             "add" | "subtract" | "recolour" => parse_construct(&verb, &mut args)?,
             "spray" => spray::parse(&mut args)?,
+            "grab" => grab::parse(&mut args)?,
             "texture" => {
                 Command::Texture { picture: args.path()?, primitive: parse_primitive(&mut args)? }
             }

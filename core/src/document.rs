@@ -291,6 +291,7 @@ impl Document {
             Command::Construct { .. }
             | Command::Texture { .. }
             | Command::Spray { .. }
+            | Command::Grab(_)
             | Command::Paste { .. } => self.use_tool(command),
             Command::Array { count, step } => self.array(*count, *step, command),
             Command::Fill { area, colour } => self.edit_area(*area, EditOp::Add(*colour), command),

@@ -17,6 +17,7 @@ use crate::sculpture::edit::EditOp;
 use crate::sculpture::{ColourDepth, Limits, Rgb};
 use crate::surface::raycast;
 use crate::tools::construct::{Primitive, Solid};
+use crate::tools::grab::{Falloff, Grab};
 
 /// One edit, repeated.
 #[derive(Clone, PartialEq, Debug, Serialize)]
@@ -43,17 +44,27 @@ pub fn edits(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandErro
     let mut document = block(limits)?;
     let turn = Quat::from_euler(EulerRot::XYZ, 0.4, 0.7, 1.1);
     let even = Vec3::splat(64.0);
-    let solids = [
-        ("sphere of radius 64", Solid::Ellipsoid, even, Quat::IDENTITY),
-        ("cuboid of half edge 64", Solid::Cuboid, even, Quat::IDENTITY),
-        ("pyramid of half edge 64", Solid::Pyramid, even, Quat::IDENTITY),
-        ("turned ellipsoid 64 x 40 x 90", Solid::Ellipsoid, Vec3::new(64.0, 40.0, 90.0), turn),
-        ("turned cuboid of half edge 64", Solid::Cuboid, even, turn),
-        ("turned pyramid of half edge 64", Solid::Pyramid, even, turn),
+    let centre = Vec3::new(251.3, 260.7, 255.1);
+    let cut = |solid, half, turn| subtract(solid, centre, half, turn);
+    let pull = Command::Grab(Grab {
+        centre_vx: Vec3::new(256.0, 512.0, 256.0),
+        radius: 48.0,
+        by_vx: Vec3::new(3.0, -8.0, 2.0),
+        falloff: Falloff::Smooth,
+    });
+    let commands = [
+        ("sphere of radius 64", cut(Solid::Ellipsoid, even, Quat::IDENTITY)),
+        ("cuboid of half edge 64", cut(Solid::Cuboid, even, Quat::IDENTITY)),
+        ("pyramid of half edge 64", cut(Solid::Pyramid, even, Quat::IDENTITY)),
+        ("turned ellipsoid 64 x 40 x 90", cut(Solid::Ellipsoid, Vec3::new(64.0, 40.0, 90.0), turn)),
+        ("turned cuboid of half edge 64", cut(Solid::Cuboid, even, turn)),
+        ("turned pyramid of half edge 64", cut(Solid::Pyramid, even, turn)),
+        ("turned cylinder of half edge 64", cut(Solid::Cylinder, even, turn)),
+        ("turned torus of half edge 64", cut(Solid::Torus, even, turn)),
+        ("pull at a ball of radius 48", pull),
     ];
     let mut reports = Vec::new();
-    for (name, solid, half, rotation) in solids {
-        let command = subtract(solid, Vec3::new(251.3, 260.7, 255.1), half, rotation);
+    for (name, command) in commands {
         let mut voxels = 0;
         let times = measure(runs, || {
             let start = Instant::now();

@@ -65,6 +65,9 @@ pub enum CommandError {
     /// A parameter of the brush is out of range.
     #[error("the brush is not valid: {0} is out of range")]
     Spray(&'static str),
+    /// A parameter of a pull is out of range; the text says which.
+    #[error("{0}")]
+    Grab(&'static str),
     /// A number of the solid is not finite or not positive.
     #[error("{0} of the solid must be finite and its half extent above zero")]
     Primitive(&'static str),

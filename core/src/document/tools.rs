@@ -20,6 +20,7 @@ use crate::sculpture::region::{ListedBricks, Region};
 use crate::sculpture::selection::{Limited, MARKER_LIMIT_VX};
 use crate::sculpture::{Brick, Rgb};
 use crate::tools::construct::{PlacedSolid, Primitive};
+use crate::tools::grab::Grab;
 use crate::tools::spray::{Effect, Spray, Stamp};
 use crate::tools::symmetry::Image;
 use crate::tools::texture::picture_point;
@@ -36,6 +37,7 @@ impl Document {
             Command::Construct { op, primitive } => self.construct(*op, primitive)?,
             Command::Texture { primitive, picture } => self.texture(primitive, picture)?,
             Command::Spray { spray, surface } => self.spray(spray, *surface)?,
+            Command::Grab(grab) => self.grab(grab)?,
             Command::Paste { at, orientation } => self.paste(*at, *orientation)?,
             _ => EditStats::default(),
         };
@@ -201,6 +203,22 @@ impl Document {
         Ok(stats)
     }
 
+    /// Pulls at a ball of clay and at its mirror images, all at once.
+    fn grab(&mut self, grab: &Grab) -> Result<EditStats, CommandError> {
+        grab.check().map_err(CommandError::Grab)?;
+        let pulled = grab.pulled(&self.contents, &self.symmetry);
+        let stamp = &pulled.stamp;
+        if self.has_colour() {
+            let unpainted = |b: &UVec3| self.material().page(self.grid().brick_index(*b)).is_none();
+            let painted = stamp.paint.bricks().iter().filter(|(b, _)| unpainted(b)).count() as u64;
+            self.check_colour_memory(|_, _| painted)?;
+        }
+        let mut stats = self.edit(&stamp.remove, EditOp::Subtract);
+        stats += self.edit(&stamp.add, EditOp::Add(None));
+        stats += self.paint(&stamp.paint, |v, now| pulled.colour(v).unwrap_or(now));
+        Ok(stats)
+    }
+
     /// Pastes the clipboard: its voxels exist afterwards, in its colours.
     pub(super) fn paste(
         &mut self,
@@ -338,6 +356,7 @@ impl Command {
                 spray.footprint.eye_vx += by;
                 Command::Spray { spray, surface: *surface }
             }
+            Command::Grab(grab) => Command::Grab(Grab { centre_vx: grab.centre_vx + by, ..*grab }),
             Command::Paste { at, orientation } => {
                 Command::Paste { at: at.saturating_add(step), orientation: *orientation }
             }

@@ -11,6 +11,10 @@ mod construct_spans;
 mod construct_tests;
 pub mod drain;
 pub mod filter;
+pub mod grab;
+mod grab_field;
+#[cfg(test)]
+mod grab_tests;
 #[cfg(test)]
 mod limit_tests;
 pub mod mend;

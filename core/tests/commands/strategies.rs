@@ -16,6 +16,7 @@ use sculpture_core::sculpture::orientation::{Orientation, Up};
 use sculpture_core::sculpture::region::VoxelBox;
 use sculpture_core::sculpture::{ColourDepth, Placement, Rgb};
 use sculpture_core::tools::construct::{Primitive, Solid};
+use sculpture_core::tools::grab::{Falloff, Grab};
 use sculpture_core::tools::mend::{Keep, Mend, Toward};
 use sculpture_core::tools::spray::{Effect, Footprint, Outline, Spray};
 use sculpture_core::tools::symmetry::{Parity, Symmetry};
@@ -262,7 +263,14 @@ pub fn area_work() -> impl Strategy<Value = Command> {
             Command::Spray { spray: Spray { footprint, ..spray }, surface: SpraySurface::Now }
         })
     });
+    let vector = |range: std::ops::Range<f32>| prop::array::uniform3(range).prop_map(Vec3::from);
+    let grab = (vector(-4.0..28.0), 1.0f32..12.0, vector(-9.0..9.0), falloff()).prop_map(
+        |(centre_vx, radius, by_vx, falloff)| {
+            Command::Grab(Grab { centre_vx, radius, by_vx, falloff })
+        },
+    );
     prop_oneof![
+        3 => grab,
         2 => (area(), prop::option::of(colour()))
             .prop_map(|(area, colour)| Command::Fill { area, colour }),
         2 => area().prop_map(|area| Command::Clear { area }),
@@ -344,6 +352,11 @@ pub fn any_command() -> impl Strategy<Value = Command> {
             spray,
             surface: if stroke { SpraySurface::Stroke } else { SpraySurface::Now },
         }),
+        (any_vec3(), any_number(), any_vec3(), falloff()).prop_map(
+            |(centre_vx, radius, by_vx, falloff)| {
+                Command::Grab(Grab { centre_vx, radius, by_vx, falloff })
+            }
+        ),
         (path(), import()).prop_map(|(path, import)| Command::Open { path, import }),
         (path(), export()).prop_map(|(path, export)| Command::Save { path, export }),
         (path(), any::<Vec<u8>>())
@@ -375,6 +388,10 @@ pub fn any_command() -> impl Strategy<Value = Command> {
         steps().prop_map(|steps| Command::Redo { steps }),
         place,
     ]
+}
+
+fn falloff() -> impl Strategy<Value = Falloff> {
+    prop::sample::select(&Falloff::ALL[..])
 }
 
 /// Commands of normal work on a small sculpture, in and out of strokes.

@@ -202,6 +202,8 @@ fn the_usage_of_each_command_matches_its_parser() {
         "irreversible on",
         "symmetry x=even y=odd z=off",
         "symmetry",
+        "grab at=1,2,3 radius=4.5 by=0,-3,2",
+        "grab at=1,2,3 radius=4 by=1,0,0 falloff=flat",
         "copy",
         "cut",
         "paste at=-1,2,3 axes=z,-x,y",
