@@ -126,8 +126,11 @@ fn leaving_waits_for_a_save_and_gives_up_an_opening() {
 #[test]
 fn leaving_with_work_under_way_asks_about_what_is_not_saved() {
     let mut workspace = workspace();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.vsc");
+    workspace.run_now(&format!("save {path:?}").parse().unwrap());
     workspace.run_now(&"clear".parse().unwrap());
-    let go = start_slowly(&mut workspace, "open \"/nonexistent/a.pvm\"");
+    let go = start_slowly(&mut workspace, &format!("open {path:?}"));
     workspace.ask_to_leave();
     assert!(!workspace.is_leaving() && workspace.ui.dialogs.unsaved.is_none());
     go.send(()).unwrap();
