@@ -1,5 +1,5 @@
 //! The journal of a session: a file that is always far enough ahead that a crash, a signal or an empty battery
-//! costs at most the stroke in hand.
+//! costs at most the stroke in hand and what ended just before it.
 //!
 //! A journal begins with a **checkpoint**: all that the session began with, by content. What follows are
 //! **entries**: the commands that were executed, and the files that they read. `files` is the file layer,
