@@ -224,11 +224,16 @@ mod tests {
     #[test]
     fn every_edit_is_reported_and_taken_back() {
         let reports = edits(1, Limits::default()).unwrap();
-        assert_eq!(reports.len(), 9);
+        assert_eq!(reports.len(), 12);
         let voxels = |name: &str| reports.iter().find(|r| r.name.starts_with(name)).unwrap().voxels;
         let ball = 4.0 / 3.0 * std::f64::consts::PI * 64f64.powi(3);
         assert!((voxels("sphere") as f64 / ball - 1.0).abs() < 1e-3);
         assert_eq!(voxels("cuboid"), 128 * 128 * 128);
+        assert!((voxels("turned cylinder") as f64 / (1.5 * ball) - 1.0).abs() < 1e-3);
+        // Radii of a third and two thirds.
+        let torus = std::f64::consts::PI.powi(2) * 4.0 / 27.0 * 64f64.powi(3);
+        assert!((voxels("turned torus") as f64 / torus - 1.0).abs() < 1e-3);
+        assert!(voxels("pull") > 10_000);
         assert!(voxels("2000 spheres") > 1 << 24);
         assert!(reports.iter().all(|r| r.voxels_per_s > 0.0));
     }

@@ -18,6 +18,7 @@ const LINES: [&str; 30] = [
     "spray growth eye=12,10,60 aim=0,0,-1 across=0.1,0,0 down=0,0.1,0 radius=3 outline=square threshold=9",
     "end",
     "texture \"a\" cuboid at=4,4,4 half=3",
+    "grab at=9,9,6 radius=5 by=3,-2,4 falloff=sharp",
     "mark at=1,2,3 size=5,5,5",
     "select add",
     "limit on",
