@@ -17,6 +17,8 @@ use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, local_coords, local_i
 use crate::sculpture::history::Contents;
 use crate::sculpture::region::{ListedBricks, VoxelBox};
 
+/// Smallest radius, in units of the smallest edge of a voxel: shorter steps would never end.
+pub const MIN_RADIUS: f32 = 0.5;
 /// Largest radius, in units of the smallest edge of a voxel: what is looked up stays below 200 MB.
 pub const MAX_RADIUS: f32 = 96.0;
 /// Furthest pull, in voxels along each axis.
@@ -76,7 +78,7 @@ impl Falloff {
 pub struct Grab {
     /// Middle of the ball, in voxel coordinates.
     pub centre_vx: Vec3,
-    /// Its radius in units of the smallest edge of a voxel; at most [`MAX_RADIUS`].
+    /// Its radius in units of the smallest edge of a voxel, from [`MIN_RADIUS`] to [`MAX_RADIUS`].
     pub radius: f32,
     /// How far the middle is pulled, in voxels; at most [`MAX_PULL_VX`] along each axis.
     pub by_vx: Vec3,
@@ -95,8 +97,8 @@ impl Grab {
         if !self.centre_vx.is_finite() || self.centre_vx.abs().max_element() > 1e6 {
             return Err("the middle of the ball must lie near the grid");
         }
-        if !(self.radius > 0.0 && self.radius <= MAX_RADIUS) {
-            return Err("the radius of the ball must be above 0 and at most 96 voxels");
+        if !(self.radius >= MIN_RADIUS && self.radius <= MAX_RADIUS) {
+            return Err("the radius of the ball must be from 0.5 to 96 voxels");
         }
         if !(self.by_vx.is_finite() && self.by_vx.abs().max_element() <= MAX_PULL_VX) {
             return Err("the pull must be at most 192 voxels along each axis");
@@ -246,9 +248,22 @@ impl Flow<'_> {
         }
     }
 
+    /// Whether anything within `beyond` of `p`, in units of the smallest edge, is ever reached by a ball.
+    fn reaches(&self, p: DVec3, beyond: f64) -> bool {
+        self.pulls.iter().any(|pull| {
+            let from = (p - pull.centre) * self.stretch;
+            let along = pull.step * self.stretch * self.steps as f64;
+            let share = (from.dot(along) / along.length_squared()).clamp(0.0, 1.0);
+            (from - along * share).length() < self.radius + beyond
+        })
+    }
+
     /// How far away what arrives at the middle of a voxel comes from, in units of 1 / [`FINE`] voxel.
     fn source(&self, v: UVec3) -> IVec3 {
         let p = v.as_dvec3() + 0.5 - self.origin;
+        if !self.reaches(p, 0.0) {
+            return IVec3::ZERO;
+        }
         let mut arrived = p;
         for step in (0..self.steps).rev() {
             let mut from = arrived - self.shift(arrived, step + 1, self.pulls);
@@ -299,6 +314,11 @@ impl Flow<'_> {
         b: UVec3,
         arrives: VoxelBox,
     ) -> Option<Moved> {
+        let half = DVec3::splat(0.5 * f64::from(BRICK_EDGE_VX));
+        let middle = (b * BRICK_EDGE_VX).as_dvec3() + half - self.origin;
+        if !self.reaches(middle, (half * self.stretch).length()) {
+            return None;
+        }
         let coloured = contents.material.depth().bytes() > 0;
         let before = *contents.grid.brick(b);
         let mut moved = Moved::default();

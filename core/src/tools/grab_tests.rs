@@ -158,7 +158,7 @@ fn colours_go_along() {
 fn grab() -> impl Strategy<Value = Grab> {
     (
         prop::array::uniform3(prop_oneof![4 => -6.0f32..40.0, 1 => Just(16.5f32)]),
-        prop_oneof![0.3f32..20.0, Just(8.0)],
+        prop_oneof![0.5f32..20.0, Just(8.0)],
         prop::array::uniform3(
             prop_oneof![3 => -12.0f32..12.0, 1 => Just(0.0f32), 1 => -60.0f32..60.0],
         ),
@@ -225,6 +225,7 @@ fn numbers_out_of_range_are_refused() {
     assert!(good.check().is_ok());
     for bad in [
         Grab { radius: 0.0, ..good },
+        Grab { radius: 1e-6, ..good },
         Grab { radius: f32::NAN, ..good },
         Grab { radius: MAX_RADIUS * 1.01, ..good },
         Grab { by_vx: Vec3::NAN, ..good },
