@@ -30,7 +30,7 @@ fn a_key_is_changed_used_and_saved_and_the_palette_runs_a_command() {
     tool_home(&program);
     let before = shot(&program, "keys-0-before").part(PICTURE);
 
-    // Bind "clear" to K: filter for it, then its + button.
+    // Bind "clear" to J: filter for it, then its + button.
     program.key(&["F1"]);
     shot(&program, "keys-1-table-dark");
     program.click(FILTER);
@@ -38,7 +38,7 @@ fn a_key_is_changed_used_and_saved_and_the_palette_runs_a_command() {
     shot(&program, "keys-2-filtered");
     program.click(ADD);
     shot(&program, "keys-3-listening");
-    program.key(&["k"]);
+    program.key(&["j"]);
     shot(&program, "keys-4-added");
     program.click(ADD);
     program.key(&["Control_L", "z"]);
@@ -51,9 +51,9 @@ fn a_key_is_changed_used_and_saved_and_the_palette_runs_a_command() {
     assert_eq!(before.differing(&shot(&program, "keys-6-closed").part(PICTURE)), 0);
     let kept = program.folder().join(".config/virtual-sculpture/bindings.toml");
     let text = std::fs::read_to_string(kept).unwrap();
-    assert!(text.contains("clear = [\"ctrl+delete\", \"k\"]"), "{text}");
+    assert!(text.contains("clear = [\"ctrl+delete\", \"j\"]"), "{text}");
 
-    program.key(&["k"]);
+    program.key(&["j"]);
     let cleared = shot(&program, "keys-7-cleared").part(PICTURE);
     assert!(before.differing(&cleared) > 20_000, "the new key clears");
     program.key(&["Control_L", "z"]);
