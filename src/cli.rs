@@ -356,6 +356,7 @@ fn window_or_demo(
                 "{left} of your earlier sessions did not end as they should; `virtual-sculpture recover` lists what is left"
             )),
         }
+        session.keep_history_in(&folders::journal_folder()).map_err(ProgramError::Journal)?;
         if config.journal.keep && !cli.no_journal {
             session.keep_journal(journal_options(&config)).map_err(ProgramError::Journal)?;
         }
@@ -400,7 +401,18 @@ fn dispatch(cli: Cli) -> Result<(), ProgramError> {
         Some(Job::Run { script, input, output, render, hash, journal, picture, import }) => {
             let (picture, import) = (picture.request()?, import.options());
             let journal = journal.then(|| journal_options(&config));
-            let job = RunJob { script, input, output, render, picture, import, hash, journal };
+            let history_folder = folders::journal_folder();
+            let job = RunJob {
+                script,
+                input,
+                output,
+                render,
+                picture,
+                import,
+                hash,
+                journal,
+                history_folder,
+            };
             Ok(headless::run(&job, &context)?)
         }
         Some(Job::Recover { number, out, discard, json }) => {

@@ -23,7 +23,7 @@ pub fn state_folder() -> PathBuf {
     project().map_or_else(std::env::temp_dir, of)
 }
 
-/// The folder of the journals of sessions.
+/// The folder of the journals of sessions, and of the undo steps that memory has no room for.
 pub fn journal_folder() -> PathBuf {
     state_folder().join("journals")
 }

@@ -15,7 +15,7 @@ pub use crate::sculpture::Limits;
 use crate::sculpture::brick_set::BrickSet;
 use crate::sculpture::clip::Clip;
 use crate::sculpture::edit::{EditOp, EditStats};
-use crate::sculpture::history::{Change, Contents, History, State, Step};
+use crate::sculpture::history::{Change, Contents, History, State, Step, StepStore};
 use crate::sculpture::record::BrickRecord;
 use crate::sculpture::selection::Selection;
 use crate::sculpture::stroke::StrokeRecorder;
@@ -152,10 +152,17 @@ impl Document {
         &self.history
     }
 
-    /// Lets the undo and redo steps take up to `bytes`, if that is more than they may take now.
-    pub fn raise_history_budget(&mut self, bytes: usize) {
-        self.limits.history_bytes = self.limits.history_bytes.max(bytes);
-        self.history.raise_budget(bytes);
+    /// Gives steps that memory has no room for to a store from now on, rather than drop them.
+    pub fn use_step_store(&mut self, store: Arc<dyn StepStore>) {
+        self.history.use_store(store);
+    }
+
+    /// Lets the undo and redo steps take up to what `limits` allow, if that is more than they may take now.
+    pub fn raise_history_budget(&mut self, limits: &Limits) {
+        let own = &mut self.limits;
+        own.history_bytes = own.history_bytes.max(limits.history_bytes);
+        own.history_disk_bytes = own.history_disk_bytes.max(limits.history_disk_bytes);
+        self.history.raise_budget(limits.history_bytes);
     }
 
     /// The memory limits of the document.

@@ -13,6 +13,7 @@ pub mod scenes;
 pub mod sculpture;
 pub mod session;
 pub mod shade;
+pub mod spill;
 pub mod surface;
 pub mod tools;
 pub mod trace;

@@ -25,6 +25,7 @@ use crate::format::options::ImportOptions;
 use crate::format::{self, FormatError, Loaded, Texts};
 use crate::progress::Progress;
 use crate::sculpture::orientation::{Orientation, Up};
+use crate::spill::Spill;
 use files::Files;
 use keeping::Keeping;
 use recording::Recording;
@@ -109,6 +110,8 @@ pub struct Session {
     /// Why the recording has ended.
     journal_error: Option<SessionError>,
     journal: Option<Keeping>,
+    /// Where the undo steps go that memory has no room for.
+    spill: Option<Arc<Spill>>,
     /// The bytes of the images that are loaded, or were for the last stroke.
     pictures: HashMap<PathBuf, Arc<[u8]>>,
     /// Files whose content is given by commands.
@@ -151,10 +154,29 @@ impl Session {
             recording: None,
             journal_error: None,
             journal: None,
+            spill: None,
             pictures: HashMap::new(),
             embedded: HashMap::new(),
             notes: Vec::new(),
         }
+    }
+
+    /// Gives undo steps that memory has no room for to a file in this folder, up to
+    /// [`Limits::history_disk_bytes`]; nothing if that is 0. The file goes with the session.
+    ///
+    /// # Errors
+    /// If no thread can be made. What goes wrong with files is told by [`Session::take_history_message`].
+    pub fn keep_history_in(&mut self, folder: &Path) -> std::io::Result<()> {
+        self.spill = spill(folder, self.document.limits())?;
+        if let Some(spill) = &self.spill {
+            self.document.use_step_store(spill.clone());
+        }
+        Ok(())
+    }
+
+    /// What the person should know of the history on disk: that it cannot be written, or can be again. Said once.
+    pub fn take_history_message(&self) -> Option<String> {
+        self.spill.as_ref()?.take_message()
     }
 
     /// The document.
@@ -448,4 +470,13 @@ impl Session {
             self.journal_error = Some(error);
         }
     }
+}
+
+/// A store for the undo steps that memory has no room for, if the limits allow one.
+fn spill(folder: &Path, limits: &Limits) -> std::io::Result<Option<Arc<Spill>>> {
+    if limits.history_disk_bytes == 0 {
+        return Ok(None);
+    }
+    let spill = Spill::new(folder, limits.history_disk_bytes, limits.history_bytes / 4)?;
+    Ok(Some(Arc::new(spill)))
 }

@@ -111,7 +111,7 @@ fn all_left(shelf: &Shelf, limits: &Limits, report: &Report) -> Result<Vec<LeftS
             }
         };
         let changed_unix_s = source.changed_unix_s.unwrap_or(0);
-        let work = match session::recover(source, limits, report) {
+        let work = match session::recover(source, limits, Some(shelf.folder()), report) {
             Err(JournalError::Checkpoint(FormatError::Cancelled)) => {
                 return Err(Failure::Cancelled);
             }
@@ -162,7 +162,7 @@ fn bring_back(
     report: &Report,
 ) -> Result<(Session, Notice), Failure> {
     let source = source_of(&journals.shelf, number).map_err(Failure::Error)?;
-    let recovered = session::recover(source, limits, report);
+    let recovered = session::recover(source, limits, Some(journals.shelf.folder()), report);
     let Recovered { mut session, report } = recovered.map_err(|error| match error {
         JournalError::Checkpoint(FormatError::Cancelled) => Failure::Cancelled,
         error => Failure::Error(failure(&journals.shelf, number, &error)),

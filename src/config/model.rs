@@ -16,11 +16,12 @@ pub struct MemoryOptions {
     pub grid_mib: u64,
     pub colour_mib: u64,
     pub history_mib: u64,
+    pub history_disk_gib: u64,
 }
 
 impl Default for MemoryOptions {
     fn default() -> Self {
-        MemoryOptions { grid_mib: 1024, colour_mib: 4096, history_mib: 1024 }
+        MemoryOptions { grid_mib: 1024, colour_mib: 4096, history_mib: 1024, history_disk_gib: 16 }
     }
 }
 
@@ -29,7 +30,9 @@ impl MemoryOptions {
         let mib = |key, value| require_in(1..=1 << 24, key, value, "must be 1 to 16777216 MiB");
         mib("grid_mib", self.grid_mib)?;
         mib("colour_mib", self.colour_mib)?;
-        mib("history_mib", self.history_mib)
+        mib("history_mib", self.history_mib)?;
+        let (key, value) = ("history_disk_gib", self.history_disk_gib);
+        require_in(0..=1 << 14, key, value, "must be 0 (none) to 16384 GiB")
     }
 
     pub(super) fn limits(&self) -> Limits {
@@ -37,6 +40,7 @@ impl MemoryOptions {
             grid_bytes: self.grid_mib << 20,
             colour_bytes: self.colour_mib << 20,
             history_bytes: (self.history_mib << 20) as usize,
+            history_disk_bytes: self.history_disk_gib << 30,
         }
     }
 }

@@ -158,13 +158,14 @@ impl Editor {
         self.error(error.to_string());
     }
 
-    /// Says once that the recording has ended, or that the journal cannot be written; the work goes on.
+    /// Says once that the recording has ended, or that the journal or the history cannot be written; the work goes on.
     pub(super) fn tell_journal_error(&mut self) {
         if let Some(error) = self.session.take_journal_error() {
             self.error(format!("{error}; the recording ends here, your work goes on"));
         }
         self.session.attend_journal();
-        if let Some(message) = self.session.take_journal_message() {
+        let messages = [self.session.take_journal_message(), self.session.take_history_message()];
+        for message in messages.into_iter().flatten() {
             tracing::warn!("{message}");
             self.note(message);
         }

@@ -74,7 +74,8 @@ fn write(
         return Err(JobError::OutExists(out.to_path_buf()));
     }
     let source = open(shelf, number)?;
-    let recovered = session::recover(source, &context.config.limits(), context.progress);
+    let limits = context.config.limits();
+    let recovered = session::recover(source, &limits, Some(shelf.folder()), context.progress);
     let Recovered { mut session, report } =
         recovered.map_err(|error| JobError::Unrecoverable { path: shelf.path(number), error })?;
     let save = Command::Save { path: out.to_path_buf(), export: ExportOptions::default() };

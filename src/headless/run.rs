@@ -82,6 +82,8 @@ pub struct RunJob {
     pub import: ImportOptions,
     /// Print hashes of the scene and of its picture.
     pub hash: bool,
+    /// Where undo steps go that memory has no room for.
+    pub history_folder: PathBuf,
     /// How to keep a journal; none: not at all, since a script can be run again.
     pub journal: Option<JournalOptions>,
 }
@@ -92,6 +94,9 @@ impl RunJob {
             Some(input) => context.open_session(input, &self.import)?,
             None => context.new_session()?,
         };
+        let path = self.history_folder.clone();
+        let begun = session.keep_history_in(&path);
+        begun.map_err(|error| JobError::Journal { path, error })?;
         if let Some(options) = &self.journal {
             let path = options.shelf.folder().to_path_buf();
             let begun = session.keep_journal(options.clone());
@@ -110,6 +115,9 @@ fn hashes(document: &Document) -> [Digest; 2] {
 
 /// Says what went wrong with the journal, and where unsaved changes are kept that nobody has saved.
 fn tell_of_journal(session: &Session) {
+    if let Some(message) = session.take_history_message() {
+        terminal::print_notice(message);
+    }
     session.wait_for_journal();
     if let Some(message) = session.take_journal_message() {
         terminal::print_notice(message);

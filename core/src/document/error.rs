@@ -33,7 +33,7 @@ pub enum CommandError {
     /// The step cannot be undone, and that was not allowed.
     #[error(
         "the history cannot keep `{step}`: it takes {needed_mib} MiB of the {budget_mib} MiB \
-         allowed; raise memory.history_mib in the settings, or use `irreversible on` to do it \
+         allowed; raise memory.history_mib or memory.history_disk_gib in the settings, or use `irreversible on` to do it \
          without undo"
     )]
     Irreversible {
@@ -43,6 +43,16 @@ pub enum CommandError {
         needed_mib: usize,
         /// MiB allowed.
         budget_mib: usize,
+    },
+    /// The values of an undo or redo step cannot be read back from the disk.
+    #[error(
+        "`{step}` cannot be read back from the history on disk: {reason}; the sculpture is as it was"
+    )]
+    NotReadBack {
+        /// Label of the step.
+        step: String,
+        /// Why, as a part of a sentence.
+        reason: String,
     },
     /// The sculpture cannot be mended so.
     #[error(transparent)]

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use super::{CommandError, Document, Limits};
 use crate::command::{Command, SelectOp};
 use crate::sculpture::clip::Clip;
-use crate::sculpture::history::{Contents, History, HistorySnapshot, State};
+use crate::sculpture::history::{Contents, History, HistorySnapshot, State, StepStore};
 
 /// A document between two strokes.
 #[derive(Clone, Debug)]
@@ -45,18 +45,23 @@ impl Document {
         })
     }
 
-    /// A document that goes on where the snapshot was taken.
+    /// A document that goes on where the snapshot was taken, and gives `store` the steps that memory has no room
+    /// for.
     ///
     /// # Errors
     /// If a setting is refused, as those of another document may be.
-    pub fn restored(snapshot: DocumentSnapshot, limits: Limits) -> Result<Document, CommandError> {
+    pub fn restored(
+        snapshot: DocumentSnapshot,
+        limits: Limits,
+        store: Option<Arc<dyn StepStore>>,
+    ) -> Result<Document, CommandError> {
         let DocumentSnapshot { contents, history, clip, settings, last_uses, state, states } =
             snapshot;
         let mut document = Document::from_contents(Arc::unwrap_or_clone(contents), limits);
         for command in &settings {
             document.apply(command)?;
         }
-        document.history = History::restored(history, limits.history_bytes);
+        document.history = History::restored(history, limits.history_bytes, store);
         document.clip = clip;
         document.last_uses = last_uses;
         (document.state, document.settled, document.states) = (state, state, states);

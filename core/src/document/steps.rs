@@ -148,20 +148,31 @@ impl Document {
         Ok(true)
     }
 
-    /// Swaps a step's values with the sculpture's and returns the reverse step. If the history cannot
-    /// keep that, nothing has changed and the step itself is returned. `oriented`: what an orientation
-    /// leads to, if it was computed before.
+    /// Swaps a step's values with the sculpture's and returns the reverse step. If they cannot be read back, or
+    /// the history cannot keep that, nothing has changed and the step itself is returned. `oriented`: what an
+    /// orientation leads to, if it was computed before.
     fn reverse_if_kept(
         &mut self,
-        step: Step,
+        mut step: Step,
         verb: &str,
         oriented: Option<Contents>,
     ) -> (Step, Option<CommandError>) {
+        if let Change::Stored(stored) = step.change {
+            match stored.0.load(&self.contents, stored.is_only()) {
+                Ok(change) => step.change = change,
+                Err(reason) => {
+                    let error = CommandError::NotReadBack { step: step.label.clone(), reason };
+                    return (Step { change: Change::Stored(stored), ..step }, Some(error));
+                }
+            }
+        }
         let bytes = match &step.change {
             Change::Bricks(record) => record.reverse_bytes(&self.contents),
             Change::Whole(_) => self.contents.kept_bytes(),
             Change::Oriented { before: Some(_), .. } => 0,
             Change::Oriented { back, before: None } => self.bytes_to_undo(*back),
+            // It has been loaded.
+            Change::Stored(_) => 0,
         };
         match self.require_room(&format!("{verb} {}", step.label), bytes) {
             Ok(()) => self.reverse(step, oriented),
@@ -172,6 +183,11 @@ impl Document {
     fn reverse(&mut self, step: Step, oriented: Option<Contents>) -> (Step, Option<CommandError>) {
         let Step { label, change, state } = step;
         let change = match change {
+            Change::Stored(_) => {
+                let reason = "it was not read".to_string();
+                let error = CommandError::NotReadBack { step: label.clone(), reason };
+                return (Step { label, change, state }, Some(error));
+            }
             Change::Bricks(record) => Change::Bricks(self.swap_bricks(record)),
             Change::Whole(contents) => Change::Whole(Box::new(self.swap_contents(*contents))),
             Change::Oriented { back, before } => {

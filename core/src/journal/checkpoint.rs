@@ -74,6 +74,8 @@ pub struct Beginning {
     /// When the session began, in seconds since 1970 by the system's clock; only for people.
     pub began_unix_s: u64,
     limits: [u64; 3],
+    #[serde(default)]
+    history_disk_bytes: u64,
     state: [u64; 2],
     states: u64,
 }
@@ -81,7 +83,8 @@ pub struct Beginning {
 impl Beginning {
     pub fn limits(&self) -> Limits {
         let [grid_bytes, colour_bytes, history_bytes] = self.limits;
-        Limits { grid_bytes, colour_bytes, history_bytes: history_bytes as usize }
+        let history_disk_bytes = self.history_disk_bytes;
+        Limits { grid_bytes, colour_bytes, history_bytes: history_bytes as usize, history_disk_bytes }
     }
 }
 
@@ -94,12 +97,13 @@ impl Checkpoint {
     ) -> Result<(), E> {
         let DocumentSnapshot { contents, history, clip, settings, last_uses, state, states } =
             &self.document;
-        let Limits { grid_bytes, colour_bytes, history_bytes } = self.limits;
+        let Limits { grid_bytes, colour_bytes, history_bytes, history_disk_bytes } = self.limits;
         let beginning = Beginning {
             program: env!("CARGO_PKG_VERSION").to_string(),
             process: std::process::id(),
             began_unix_s,
             limits: [grid_bytes, colour_bytes, history_bytes as u64],
+            history_disk_bytes,
             state: [state.sculpture, state.number],
             states: *states,
         };
@@ -145,6 +149,7 @@ impl Checkpoint {
             grid_bytes: limits.grid_bytes.max(own.grid_bytes),
             colour_bytes: limits.colour_bytes.max(own.colour_bytes),
             history_bytes: own.history_bytes,
+            history_disk_bytes: own.history_disk_bytes,
         };
         let (mut contents, mut clip, mut undo, mut redo) = (None, None, vec![], vec![]);
         let (mut settings, mut last_uses, mut files, mut pictures) =

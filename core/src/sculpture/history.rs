@@ -1,5 +1,6 @@
-//! Undo and redo: for each step the earlier values of the changed bricks, within a budget of bytes;
-//! the oldest steps are dropped to stay within it.
+//! Undo and redo: for each step the earlier values of the changed bricks, within a budget of bytes. What
+//! exceeds it goes to a store, if there is one, the steps furthest from the present first; without one, or
+//! where that has no room, they are dropped.
 //!
 //! A step is reversed by swapping its values with the sculpture's, so that undo and redo are the same
 //! operation and both are exact to the byte. Knows no command and no document.
@@ -7,98 +8,15 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use glam::{IVec3, UVec3};
+mod step;
+mod store;
 
-use super::brick::{BRICK_EDGE_VX, local_index};
-use super::colour::Rgb;
-use super::grid::Grid;
-use super::material::Material;
-use super::orientation::Orientation;
-use super::record::BrickRecord;
+pub use step::{Change, Contents, HistorySnapshot, State, Step};
+use step::STUB_BYTES;
+pub use store::{StepStore, Stored, StoredStep};
 
-/// All that undo restores: existence bits and colours.
-#[derive(Clone, PartialEq, Debug)]
-pub struct Contents {
-    /// Which voxels exist.
-    pub grid: Grid,
-    /// Their colours.
-    pub material: Material,
-}
-
-impl Contents {
-    /// Colour of the voxel at `v`, which must lie inside the grid, whether it exists or not.
-    pub fn rgb(&self, v: UVec3) -> Rgb {
-        let [x, y, z] = (v % BRICK_EDGE_VX).to_array();
-        self.material.rgb(self.grid.brick_index(v / BRICK_EDGE_VX), local_index(x, y, z))
-    }
-
-    /// Colour of the voxel at `v`; none where none exists.
-    pub fn colour(&self, v: IVec3) -> Option<Rgb> {
-        self.grid.get(v).then(|| self.rgb(v.as_uvec3()))
-    }
-}
-
-/// What one step changed.
-#[derive(Clone, PartialEq, Debug)]
-pub enum Change {
-    /// Some bricks of the sculpture.
-    Bricks(BrickRecord),
-    /// The whole sculpture, replaced by a new or opened one.
-    Whole(Box<Contents>),
-    /// The whole sculpture was laid another way, and `back` leads back. `before` is kept only where
-    /// that would not restore every byte.
-    Oriented {
-        /// The inverse of what was done.
-        back: Orientation,
-        /// The sculpture as it was.
-        before: Option<Box<Contents>>,
-    },
-}
-
-impl Contents {
-    /// Bytes of a step that keeps all of it.
-    pub fn kept_bytes(&self) -> usize {
-        size_of::<Contents>() + (self.grid.heap_bytes() + self.material.heap_bytes()) as usize
-    }
-}
-
-impl Change {
-    fn heap_bytes(&self) -> usize {
-        match self {
-            Change::Bricks(record) => record.heap_bytes(),
-            Change::Whole(old) => old.kept_bytes(),
-            Change::Oriented { before, .. } => before.as_ref().map_or(0, |old| old.kept_bytes()),
-        }
-    }
-}
-
-/// Identifies a state of a document. Undo and redo restore the identifier with the state, so that
-/// whatever belongs to a state, such as its file, can be looked up by it.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
-pub struct State {
-    /// Differs for each sculpture that was created or opened.
-    pub sculpture: u64,
-    /// Differs after each change.
-    pub number: u64,
-}
-
-/// A named, reversible change.
-#[derive(Clone, PartialEq, Debug)]
-pub struct Step {
-    /// What was done, as the history list shows it.
-    pub label: String,
-    /// The values to swap with the sculpture's.
-    pub change: Change,
-    /// The state that reversing it leads to.
-    pub state: State,
-}
-
-impl Step {
-    /// Bytes that the step takes of the history's budget.
-    pub fn heap_bytes(&self) -> usize {
-        size_of::<Step>() + self.label.len() + self.change.heap_bytes()
-    }
-}
+/// Steps up to this size stay in memory: what would stand for them takes as much.
+const SMALL_BYTES: usize = 3 * STUB_BYTES;
 
 /// The two lists of steps.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -107,32 +25,12 @@ enum Stack {
     Redo,
 }
 
-/// The steps that can be undone and redone, as they were at one moment. Steps are shared, so taking one
-/// copies no values; a step that is undone while it is shared is copied then.
-#[derive(Clone, PartialEq, Debug, Default)]
-pub struct HistorySnapshot {
-    /// Oldest first.
-    pub undo: Vec<Arc<Step>>,
-    /// Last to be redone first.
-    pub redo: Vec<Arc<Step>>,
-}
-
-impl HistorySnapshot {
-    /// Drops the steps furthest from the current state until the rest takes at most `bytes`. Returns how
-    /// many steps were dropped of each list.
-    pub fn shorten(&mut self, bytes: usize) -> [usize; 2] {
-        let mut left = bytes;
-        [&mut self.undo, &mut self.redo].map(|steps| {
-            let fits = |step: &&Arc<Step>| {
-                let rest = left.checked_sub(step.heap_bytes());
-                left = rest.unwrap_or(0);
-                rest.is_some()
-            };
-            let kept = steps.iter().rev().take_while(fits).count();
-            let dropped = steps.len() - kept;
-            steps.drain(..dropped);
-            dropped
-        })
+impl Stack {
+    fn other(self) -> Stack {
+        match self {
+            Stack::Undo => Stack::Redo,
+            Stack::Redo => Stack::Undo,
+        }
     }
 }
 
@@ -146,20 +44,32 @@ pub struct History {
     bytes: usize,
     budget_bytes: usize,
     dropped: u64,
+    /// Takes the steps that the budget has no room for.
+    store: Option<Arc<dyn StepStore>>,
 }
 
 impl History {
     /// An empty history that keeps at most `budget_bytes`.
     pub fn new(budget_bytes: usize) -> History {
-        History { undo: VecDeque::new(), redo: VecDeque::new(), bytes: 0, budget_bytes, dropped: 0 }
+        let (undo, redo) = (VecDeque::new(), VecDeque::new());
+        History { undo, redo, bytes: 0, budget_bytes, dropped: 0, store: None }
     }
 
-    /// A history with the steps of a snapshot, as many as fit into `budget_bytes`.
-    pub fn restored(snapshot: HistorySnapshot, budget_bytes: usize) -> History {
-        let mut history = History::new(budget_bytes);
+    /// A history with the steps of a snapshot, as many as fit into `budget_bytes` and the store.
+    pub fn restored(
+        snapshot: HistorySnapshot,
+        budget_bytes: usize,
+        store: Option<Arc<dyn StepStore>>,
+    ) -> History {
+        let mut history = History { store, ..History::new(budget_bytes) };
         snapshot.redo.into_iter().for_each(|step| history.put(step, Stack::Redo));
         snapshot.undo.into_iter().for_each(|step| history.put(step, Stack::Undo));
         history
+    }
+
+    /// Gives steps to a store from now on, rather than drop them.
+    pub fn use_store(&mut self, store: Arc<dyn StepStore>) {
+        self.store = Some(store);
     }
 
     /// The steps as they are now.
@@ -176,9 +86,11 @@ impl History {
         self.put(Arc::new(step), Stack::Undo);
     }
 
-    /// Whether a step fits into the budget whose label and change take `bytes`.
+    /// Whether a step fits into the budget or the store whose label and change take `bytes`.
     pub fn can_keep(&self, bytes: usize) -> bool {
-        bytes.saturating_add(size_of::<Step>()) <= self.budget_bytes
+        let stored = self.store.as_ref().map_or(0, |store| store.room_bytes());
+        let bytes = bytes.saturating_add(size_of::<Step>());
+        bytes <= self.budget_bytes || bytes as u64 <= stored
     }
 
     /// Takes the step to undo next. Give its reverse to [`History::undone`], or the step itself
@@ -262,126 +174,86 @@ impl History {
         self.dropped
     }
 
-    /// Adds a step to the top of a stack and drops what exceeds the budget. A step larger than the
-    /// whole budget is dropped with all below it: callers ask [`History::can_keep`] first.
-    fn put(&mut self, step: Arc<Step>, to: Stack) {
-        let (stack, other) = match to {
-            Stack::Undo => (&mut self.undo, &mut self.redo),
-            Stack::Redo => (&mut self.redo, &mut self.undo),
-        };
-        let bytes = step.heap_bytes();
-        if bytes > self.budget_bytes {
+    /// Most bytes of steps that are not in a store. A quarter of the budget is for those on their way there.
+    fn memory_bytes(&self) -> usize {
+        self.budget_bytes - self.store.as_ref().map_or(0, |_| self.budget_bytes / 4)
+    }
+
+    /// Adds a step to the top of a stack; then what exceeds the memory goes to the store, and what it does not
+    /// take is dropped. Without a store a step larger than the whole budget is dropped with all below it:
+    /// callers ask [`History::can_keep`] first.
+    fn put(&mut self, mut step: Arc<Step>, to: Stack) {
+        if step.heap_bytes() > self.budget_bytes && !self.store_step(&mut step) {
             // The steps below it can only be reached through it.
-            self.dropped += 1 + stack.len() as u64;
-            self.bytes -= stack.drain(..).map(|s| s.heap_bytes()).sum::<usize>();
+            let dropped: Vec<_> = self.stack(to).drain(..).collect();
+            self.dropped += 1 + dropped.len() as u64;
+            self.bytes -= dropped.iter().map(|s| s.heap_bytes()).sum::<usize>();
             return;
         }
-        self.bytes += bytes;
-        stack.push_back(step);
-        while self.bytes > self.budget_bytes {
-            // The steps furthest from the current state go first; the one just added fits alone.
-            let furthest = if stack.len() > 1 { stack.pop_front() } else { other.pop_front() };
-            let Some(furthest) = furthest else { break };
-            self.bytes -= furthest.heap_bytes();
-            self.dropped += 1;
+        self.bytes += step.heap_bytes();
+        self.stack(to).push_back(step);
+        loop {
+            let stored = self.bytes > self.memory_bytes() && self.store_furthest(to);
+            if !stored && (self.bytes <= self.budget_bytes || !self.drop_furthest(to)) {
+                break;
+            }
         }
+    }
+
+    /// Puts what stands for a step in its place, if the store takes it.
+    fn store_step(&self, step: &mut Arc<Step>) -> bool {
+        let Some(store) = &self.store else { return false };
+        let Ok(stored) = store.keep(step.clone()) else { return false };
+        let (label, state) = (step.label.clone(), step.state);
+        *step = Arc::new(Step { label, change: Change::Stored(stored), state });
+        true
+    }
+
+    fn stack(&mut self, which: Stack) -> &mut VecDeque<Arc<Step>> {
+        match which {
+            Stack::Undo => &mut self.undo,
+            Stack::Redo => &mut self.redo,
+        }
+    }
+
+    /// Gives the store that of its steps which is furthest from the present; the top of `newest` last. False
+    /// if it takes none.
+    fn store_furthest(&mut self, newest: Stack) -> bool {
+        if self.store.is_none() {
+            return false;
+        }
+        let Some(top) = self.stack(newest).len().checked_sub(1) else { return false };
+        let places = (0..top).map(|at| (newest, at));
+        let others = (0..self.stack(newest.other()).len()).map(|at| (newest.other(), at));
+        for (stack, at) in places.chain(others).chain([(newest, top)]) {
+            let mut step = self.stack(stack)[at].clone();
+            let before = step.heap_bytes();
+            // Small ones, such as those that are computed anew, take less than what would stand for them.
+            if matches!(step.change, Change::Stored(_)) || before <= SMALL_BYTES {
+                continue;
+            }
+            let stored = self.store_step(&mut step);
+            if stored {
+                self.bytes = self.bytes - before + step.heap_bytes();
+                self.stack(stack)[at] = step;
+            }
+            return stored;
+        }
+        false
+    }
+
+    /// Drops the step that is furthest from the present; the top of `newest` last. False if there is none.
+    fn drop_furthest(&mut self, newest: Stack) -> bool {
+        let from = match self.stack(newest).len() {
+            0 | 1 if !self.stack(newest.other()).is_empty() => newest.other(),
+            _ => newest,
+        };
+        let Some(furthest) = self.stack(from).pop_front() else { return false };
+        self.bytes -= furthest.heap_bytes();
+        self.dropped += 1;
+        true
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use glam::{UVec3, Vec3};
-    use proptest::prelude::*;
-
-    use super::*;
-    use crate::sculpture::brick_set::BrickMask;
-    use crate::sculpture::grid::WordKinds;
-    use crate::sculpture::{Brick, ColourDepth, Rgb};
-
-    /// A step that keeps some mixed bricks, or a whole sculpture.
-    fn step(name: usize, bricks: u8) -> Step {
-        let label = format!("step {name}");
-        if bricks.is_multiple_of(16) {
-            let grid = Grid::new(UVec3::splat(8 + u32::from(bricks)), Vec3::ONE, 1 << 30).unwrap();
-            let material = Material::for_grid(&grid, ColourDepth::None, Rgb::default());
-            let change = Change::Whole(Box::new(Contents { grid, material }));
-            return Step { label, change, state: State::default() };
-        }
-        let mut record = BrickRecord::default();
-        let bits = Brick::below([1, 2, 3]);
-        let bricks = BrickMask { word: 3, mask: u64::MAX >> (64 - u32::from(bricks).min(64)) };
-        bricks.indices().for_each(|_| record.keep_mixed(&bits));
-        record.keep_word(bricks.word, WordKinds { mixed: bricks.mask, ..WordKinds::default() });
-        if bricks.mask & 1 != 0 {
-            record.keep_page(0, Some(vec![7; 512].into_boxed_slice()));
-        }
-        Step { label, change: Change::Bricks(record), state: State::default() }
-    }
-
-    fn recount(history: &History) -> usize {
-        history.undo.iter().chain(&history.redo).map(|step| step.heap_bytes()).sum()
-    }
-
-    proptest! {
-        /// What is undone comes back by another number of bytes, as full bricks turn to mixed.
-        #[test]
-        fn bytes_are_counted_and_within_the_budget(
-            budget in 0usize..60_000,
-            moves in prop::collection::vec((0u8..4, 0u8..80), 0..80),
-        ) {
-            let mut history = History::new(budget);
-            // Names of the steps that must be there, had the budget no end.
-            let (mut undo, mut redo): (Vec<usize>, Vec<usize>) = Default::default();
-            for (name, (kind, bricks)) in moves.into_iter().enumerate() {
-                let named = |label: &str| label["step ".len()..].parse::<usize>().unwrap();
-                let bytes = match kind {
-                    0 | 1 => {
-                        let step = step(name, bricks);
-                        let bytes = step.heap_bytes();
-                        history.push(step);
-                        undo.push(name);
-                        redo.clear();
-                        bytes
-                    }
-                    2 => match history.take_undo() {
-                        None => continue,
-                        Some(taken) => {
-                            let name = named(&taken.label);
-                            prop_assert_eq!(undo.pop(), Some(name));
-                            let reverse = step(name, bricks);
-                            let bytes = reverse.heap_bytes();
-                            history.undone(reverse);
-                            redo.push(name);
-                            bytes
-                        }
-                    },
-                    _ => match history.take_redo() {
-                        None => continue,
-                        Some(taken) => {
-                            let name = named(&taken.label);
-                            prop_assert_eq!(redo.pop(), Some(name));
-                            let reverse = step(name, bricks);
-                            let bytes = reverse.heap_bytes();
-                            history.redone(reverse);
-                            undo.push(name);
-                            bytes
-                        }
-                    },
-                };
-                prop_assert_eq!(history.bytes(), recount(&history));
-                prop_assert!(history.bytes() <= budget);
-                if bytes > budget {
-                    if kind == 2 { redo.clear() } else { undo.clear() }
-                }
-                // What is left are the newest of each, in order.
-                let left: Vec<usize> = history.undo_labels().map(named).collect();
-                prop_assert!(undo.ends_with(&left), "{:?} {:?}", undo, left);
-                let left: Vec<usize> = history.redo_labels().map(named).collect();
-                let next_first: Vec<usize> = redo.iter().rev().copied().collect();
-                prop_assert!(next_first.starts_with(&left), "{:?} {:?}", redo, left);
-                undo.drain(..undo.len() - history.undo_count());
-                redo.drain(..redo.len() - history.redo_count());
-            }
-        }
-    }
-}
+mod tests;

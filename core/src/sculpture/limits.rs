@@ -9,10 +9,17 @@ pub struct Limits {
     pub colour_bytes: u64,
     /// For all steps that can be undone or redone.
     pub history_bytes: usize,
+    /// On disk, for the steps that memory has no room for, where a session gives them a file.
+    pub history_disk_bytes: u64,
 }
 
 impl Default for Limits {
     fn default() -> Self {
-        Limits { grid_bytes: 1 << 30, colour_bytes: 4 << 30, history_bytes: 1 << 30 }
+        Limits {
+            grid_bytes: 1 << 30,
+            colour_bytes: 4 << 30,
+            history_bytes: 1 << 30,
+            history_disk_bytes: 0,
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! Replays a journal to a session that goes on where the one that wrote it ended.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::{Session, SessionError};
@@ -12,7 +12,7 @@ use crate::journal::files::Source;
 use crate::journal::frame::Ending;
 use crate::journal::{Checkpoint, Entry, JournalError, JournalReader, Mark};
 use crate::progress::Progress;
-use crate::sculpture::history::State;
+use crate::sculpture::history::{State, StepStore};
 
 /// A session that was brought back.
 #[derive(Debug)]
@@ -59,18 +59,20 @@ pub struct Summary {
     pub ending: Ending,
 }
 
-/// Brings the session of a journal back.
+/// Brings the session of a journal back. `history_folder`: where undo steps go that memory has no room for, if the
+/// session that wrote it had such a place, or the limits allow one.
 ///
 /// # Errors
 /// If there is no whole checkpoint in it. What follows the checkpoint is replayed as far as it can be.
 pub fn recover(
     source: Source,
     limits: &Limits,
+    history_folder: Option<&Path>,
     progress: &dyn Progress,
 ) -> Result<Recovered, JournalError> {
     let bytes = source.bytes.max(1);
     let (mut reader, checkpoint) = JournalReader::open(source, limits)?;
-    let mut session = Session::restored(checkpoint)?;
+    let mut session = Session::restored(checkpoint, history_folder)?;
     let mut report =
         RecoveryReport { entries: 0, in_stroke: false, ending: Ending::Whole, difference: None };
     progress.begin("replaying the journal");
@@ -98,7 +100,10 @@ pub fn recover(
     }
     progress.end();
     report.ending = reader.ending().unwrap_or(Ending::Damaged);
-    session.document.raise_history_budget(limits.history_bytes);
+    session.document.raise_history_budget(limits);
+    if let Some(folder) = history_folder.filter(|_| session.spill.is_none()) {
+        session.keep_history_in(folder).map_err(FormatError::from)?;
+    }
     if session.document.stroke_open() {
         report.in_stroke = true;
         // The history may have no room for it; then the stroke alone is lost.
@@ -175,13 +180,19 @@ pub fn summary(source: Source, limits: &Limits) -> Result<Summary, JournalError>
 }
 
 impl Session {
-    fn restored(checkpoint: Checkpoint) -> Result<Session, FormatError> {
+    fn restored(
+        checkpoint: Checkpoint,
+        history_folder: Option<&Path>,
+    ) -> Result<Session, FormatError> {
         let Checkpoint { document, files, pictures, limits } = checkpoint;
-        let document = Document::restored(document, limits)
+        let spill = history_folder.map(|folder| super::spill(folder, &limits)).transpose()?.flatten();
+        let store = spill.clone().map(|spill| spill as Arc<dyn StepStore>);
+        let document = Document::restored(document, limits, store)
             .map_err(|_| FormatError::Damaged("a setting of the session is refused"))?;
         // A recording begins before anything is changed; this session is past that.
         let beginning = Command::Undo { steps: Some(0) };
         let mut session = Session::with_document(document, beginning);
+        session.spill = spill;
         session.files = super::Files::restored(files);
         for (path, file) in pictures {
             session.document.learn_picture(&path, format::picture_of(&file)?);

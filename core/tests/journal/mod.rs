@@ -32,7 +32,7 @@ fn recovered(memory: &Memory) -> Option<Recovered> {
     let shelf = options(memory).shelf;
     let number = *shelf.numbers().unwrap().first()?;
     let Left::Journal(source) = shelf.open(number) else { panic!("it is in use") };
-    Some(recover(source, &Limits::default(), &()).unwrap())
+    Some(recover(source, &Limits::default(), None, &()).unwrap())
 }
 
 /// Everything that belongs to a session between two strokes.

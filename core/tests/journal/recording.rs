@@ -61,7 +61,7 @@ fn killed(session: &mut Session, memory: &Memory) -> (Session, Memory) {
     session.wait_for_journal();
     let left = memory.left(false);
     let Left::Journal(source) = options(&left).shelf.open(1) else { panic!() };
-    let again = recover(source, &Limits::default(), &()).unwrap();
+    let again = recover(source, &Limits::default(), None, &()).unwrap();
     assert_eq!(again.report.difference, None);
     let mut again = again.session;
     again.continue_recording(session);
@@ -155,7 +155,7 @@ fn an_image_from_before_a_checkpoint_is_kept_again() {
     session.execute(&line.parse().unwrap(), &()).unwrap();
     session.wait_for_journal();
     let Left::Journal(source) = options(&memory.left(false)).shelf.open(1) else { panic!() };
-    let again = recover(source, &Limits::default(), &()).unwrap();
+    let again = recover(source, &Limits::default(), None, &()).unwrap();
     assert_eq!(again.report.difference, None);
     assert!(again.session.document().contents() == session.document().contents());
 }

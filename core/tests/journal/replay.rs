@@ -120,7 +120,7 @@ fn files_and_pictures_are_kept_by_content() {
         _ => panic!("it cannot be opened"),
     };
     let left = memory.left(false);
-    let again = recover(source(&left), &Limits::default(), &()).unwrap();
+    let again = recover(source(&left), &Limits::default(), None, &()).unwrap();
     assert_eq!(again.report.difference, None);
     assert_same(&all_of(&again.session), &all_of(&session));
     assert_eq!(again.session.path(), Some(&*saved));
@@ -167,7 +167,7 @@ fn cut_or_damaged_anywhere_it_gives_back_a_state_that_was() {
     let digest_of = |bytes: &[u8]| {
         let left = Memory::with_journal(bytes);
         let Left::Journal(source) = options(&left).shelf.open(1) else { panic!() };
-        recover(source, &Limits::default(), &()).ok().map(|again| {
+        recover(source, &Limits::default(), None, &()).ok().map(|again| {
             assert_eq!(again.report.difference, None);
             Digest::of(again.session.document().contents())
         })

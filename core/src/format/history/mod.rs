@@ -40,10 +40,11 @@ impl Shape {
         Shape { dims: contents.grid.dims(), depth: contents.material.depth() }
     }
 
-    /// That of the contents that reversing `change` leads to, from contents of this shape.
+    /// That of the contents that reversing `change` leads to, from contents of this shape. A step in a store
+    /// does not tell.
     pub fn after(self, change: &Change) -> Shape {
         match change {
-            Change::Bricks(_) => self,
+            Change::Bricks(_) | Change::Stored(_) => self,
             Change::Whole(contents) => Shape::of(contents),
             Change::Oriented { before: Some(contents), .. } => Shape::of(contents),
             Change::Oriented { back, before: None } => Shape { dims: back.size(self.dims), ..self },
@@ -61,6 +62,9 @@ pub fn write_step(step: &Step) -> Result<Vec<u8>, FormatError> {
         Change::Whole(_) => 1,
         Change::Oriented { before: None, .. } => 2,
         Change::Oriented { before: Some(_), .. } => 3,
+        Change::Stored(stored) => {
+            return stored.0.packed().map_err(|why| std::io::Error::other(why).into());
+        }
     };
     out.push(kind);
     put_text(&step.label, &mut out);
@@ -73,6 +77,7 @@ pub fn write_step(step: &Step) -> Result<Vec<u8>, FormatError> {
                 out.extend(vsc::write(contents, &Texts::default(), &())?);
             }
         }
+        Change::Stored(_) => {}
     }
     Ok(out)
 }

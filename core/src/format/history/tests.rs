@@ -59,7 +59,7 @@ proptest! {
         let shape = Shape::of(document.contents());
         let after = read_steps([&undo, &redo], shape, &Limits::default()).unwrap();
         prop_assert_eq!(&before, &after);
-        let restored = History::restored(after, document.history().budget_bytes());
+        let restored = History::restored(after, document.history().budget_bytes(), None);
         prop_assert_eq!(restored.bytes(), document.history().bytes());
     }
 

@@ -1,0 +1,140 @@
+//! What a history holds: contents, what a step changed, steps, and all steps at one moment.
+
+use std::sync::Arc;
+
+use glam::{IVec3, UVec3};
+
+use super::store::Stored;
+use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
+use crate::sculpture::colour::Rgb;
+use crate::sculpture::grid::Grid;
+use crate::sculpture::material::Material;
+use crate::sculpture::orientation::Orientation;
+use crate::sculpture::record::BrickRecord;
+
+/// All that undo restores: existence bits and colours.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Contents {
+    /// Which voxels exist.
+    pub grid: Grid,
+    /// Their colours.
+    pub material: Material,
+}
+
+impl Contents {
+    /// Colour of the voxel at `v`, which must lie inside the grid, whether it exists or not.
+    pub fn rgb(&self, v: UVec3) -> Rgb {
+        let [x, y, z] = (v % BRICK_EDGE_VX).to_array();
+        self.material.rgb(self.grid.brick_index(v / BRICK_EDGE_VX), local_index(x, y, z))
+    }
+
+    /// Colour of the voxel at `v`; none where none exists.
+    pub fn colour(&self, v: IVec3) -> Option<Rgb> {
+        self.grid.get(v).then(|| self.rgb(v.as_uvec3()))
+    }
+}
+
+/// Bytes that a step takes of the budget while a store keeps its values.
+pub(super) const STUB_BYTES: usize = 256;
+
+/// What one step changed.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Change {
+    /// Some bricks of the sculpture.
+    Bricks(BrickRecord),
+    /// The whole sculpture, replaced by a new or opened one.
+    Whole(Box<Contents>),
+    /// The whole sculpture was laid another way, and `back` leads back. `before` is kept only where
+    /// that would not restore every byte.
+    Oriented {
+        /// The inverse of what was done.
+        back: Orientation,
+        /// The sculpture as it was.
+        before: Option<Box<Contents>>,
+    },
+    /// One of the above, which a [`super::StepStore`] keeps.
+    Stored(Stored),
+}
+
+impl Contents {
+    /// Bytes of a step that keeps all of it.
+    pub fn kept_bytes(&self) -> usize {
+        size_of::<Contents>() + (self.grid.heap_bytes() + self.material.heap_bytes()) as usize
+    }
+}
+
+impl Change {
+    fn heap_bytes(&self) -> usize {
+        match self {
+            Change::Bricks(record) => record.heap_bytes(),
+            Change::Whole(old) => old.kept_bytes(),
+            Change::Oriented { before, .. } => before.as_ref().map_or(0, |old| old.kept_bytes()),
+            Change::Stored(_) => STUB_BYTES,
+        }
+    }
+}
+
+/// Identifies a state of a document. Undo and redo restore the identifier with the state, so that
+/// whatever belongs to a state, such as its file, can be looked up by it.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub struct State {
+    /// Differs for each sculpture that was created or opened.
+    pub sculpture: u64,
+    /// Differs after each change.
+    pub number: u64,
+}
+
+/// A named, reversible change.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Step {
+    /// What was done, as the history list shows it.
+    pub label: String,
+    /// The values to swap with the sculpture's.
+    pub change: Change,
+    /// The state that reversing it leads to.
+    pub state: State,
+}
+
+impl Step {
+    /// Bytes that the step takes of the history's budget.
+    pub fn heap_bytes(&self) -> usize {
+        size_of::<Step>() + self.label.len() + self.change.heap_bytes()
+    }
+
+    /// Bytes that the step takes with all its values in memory.
+    pub fn whole_bytes(&self) -> usize {
+        match &self.change {
+            Change::Stored(stored) => stored.0.whole_bytes(),
+            _ => self.heap_bytes(),
+        }
+    }
+}
+
+/// The steps that can be undone and redone, as they were at one moment. Steps are shared, so taking one
+/// copies no values; a step that is undone while it is shared is copied then.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct HistorySnapshot {
+    /// Oldest first.
+    pub undo: Vec<Arc<Step>>,
+    /// Last to be redone first.
+    pub redo: Vec<Arc<Step>>,
+}
+
+impl HistorySnapshot {
+    /// Drops the steps furthest from the current state until the rest takes at most `bytes`. Returns how
+    /// many steps were dropped of each list.
+    pub fn shorten(&mut self, bytes: usize) -> [usize; 2] {
+        let mut left = bytes;
+        [&mut self.undo, &mut self.redo].map(|steps| {
+            let fits = |step: &&Arc<Step>| {
+                let rest = left.checked_sub(step.whole_bytes());
+                left = rest.unwrap_or(0);
+                rest.is_some()
+            };
+            let kept = steps.iter().rev().take_while(fits).count();
+            let dropped = steps.len() - kept;
+            steps.drain(..dropped);
+            dropped
+        })
+    }
+}

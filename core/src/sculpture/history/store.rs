@@ -1,0 +1,51 @@
+//! Where the steps go that memory has no room for: what a history asks of it, and what stands for a step there.
+//! Knows no file; the room `spill` is such a store.
+
+use std::fmt::Debug;
+use std::sync::Arc;
+
+use super::step::{Change, Contents, Step};
+
+/// Keeps steps outside the memory of a history.
+pub trait StepStore: Debug + Send + Sync {
+    /// Takes a step. Waits only while too much of what it was given before is still in memory. Gives the step
+    /// back where it has no room or does not work.
+    fn keep(&self, step: Arc<Step>) -> Result<Stored, Arc<Step>>;
+    /// Most bytes that it takes. A step is refused in advance that needs more memory than this; 0 while it does
+    /// not work.
+    fn room_bytes(&self) -> u64;
+}
+
+/// A step in a store. Its place there is free again once the last owner is gone.
+pub trait StoredStep: Debug + Send + Sync {
+    /// The change, to be reversed from `contents`. What it returns is what was stored, to the byte. `is_last`:
+    /// that nobody will want it again; after an error it is there all the same.
+    ///
+    /// # Errors
+    /// If it cannot be read or is damaged: why, as a part of a sentence.
+    fn load(&self, contents: &Contents, is_last: bool) -> Result<Change, String>;
+    /// The step as `format::history` writes it.
+    ///
+    /// # Errors
+    /// As [`StoredStep::load`].
+    fn packed(&self) -> Result<Vec<u8>, String>;
+    /// Bytes that the step takes in memory.
+    fn whole_bytes(&self) -> usize;
+}
+
+/// What stands for a step in a store. Equal to itself alone.
+#[derive(Clone, Debug)]
+pub struct Stored(pub Arc<dyn StoredStep>);
+
+impl Stored {
+    /// Whether no snapshot shares it.
+    pub fn is_only(&self) -> bool {
+        Arc::strong_count(&self.0) == 1
+    }
+}
+
+impl PartialEq for Stored {
+    fn eq(&self, other: &Stored) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}

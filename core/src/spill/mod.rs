@@ -1,0 +1,314 @@
+//! Undo and redo steps on disk: the store of a history that takes more than memory is allowed.
+//!
+//! A thread of its own packs the steps (`format::history`) and writes them to one file; until then they stay in
+//! memory, and what waits is bounded. Each is read back with its length and CRC-32 checked. Where the disk is
+//! full or fails, a message says so, steps are refused, and every further step tries again.
+//! `file` is the file, `space` which parts of it are in use, `record` what stands for a step. Knows no document.
+
+mod file;
+mod record;
+mod space;
+#[cfg(test)]
+mod tests;
+
+use std::collections::VecDeque;
+use std::io::Result;
+use std::path::Path;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak};
+use std::thread::JoinHandle;
+
+use file::{Folder, Place, SpillFile};
+use record::{Held, Record};
+use space::Space;
+
+use crate::format::history::write_step;
+use crate::sculpture::history::{Step, StepStore, Stored};
+
+/// Bytes that are written at a time.
+const CHUNK_BYTES: usize = 1 << 22;
+
+/// Keeps steps in a file that is removed when this and the last step are gone.
+#[derive(Debug)]
+pub struct Spill {
+    shared: Arc<Shared>,
+    writer: Option<JoinHandle<()>>,
+}
+
+/// What the thread, the steps and the session have in common. Locks are taken in this order: a record's, `file`,
+/// `state`.
+#[derive(Debug)]
+struct Shared {
+    place: Box<dyn PlaceSync>,
+    file: Mutex<Option<Box<dyn SpillFile>>>,
+    state: Mutex<State>,
+    /// The state has changed.
+    changed: Condvar,
+    /// Most bytes of the file.
+    max_bytes: u64,
+    /// Most bytes of steps that wait to be written, if it is more than one.
+    max_waiting_bytes: usize,
+}
+
+trait PlaceSync: Place + Sync {}
+impl<P: Place + Sync> PlaceSync for P {}
+
+#[derive(Debug, Default)]
+struct State {
+    queue: VecDeque<Weak<Record>>,
+    waiting_bytes: usize,
+    space: Space,
+    /// Why the first of the queue could not be written. It stays there.
+    blocked: Option<Blocked>,
+    /// Whether that is to be tried again.
+    retry: bool,
+    /// Whether the person was told that nothing can be written.
+    told: bool,
+    /// What the person has not been told yet.
+    message: Option<String>,
+    has_ended: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Blocked {
+    /// There is no room within the bound.
+    Full,
+    /// The system's reason.
+    Failed,
+}
+
+impl State {
+    /// To be called when there may be more room than there was.
+    fn try_again_if_full(&mut self) {
+        if matches!(self.blocked, Some(Blocked::Full)) {
+            self.blocked = None;
+        }
+    }
+}
+
+impl Spill {
+    /// A store in a folder that takes up to `max_bytes` of the disk, and keeps up to `max_waiting_bytes` in
+    /// memory until they are written. Removes what killed sessions have left in the folder; its own file is
+    /// made with the first step.
+    ///
+    /// # Errors
+    /// If no thread can be made.
+    pub fn new(folder: &Path, max_bytes: u64, max_waiting_bytes: usize) -> Result<Spill> {
+        let folder = Folder(folder.to_path_buf());
+        folder.remove_left();
+        Spill::with_place(Box::new(folder), max_bytes, max_waiting_bytes)
+    }
+
+    fn with_place(
+        place: Box<dyn PlaceSync>,
+        max_bytes: u64,
+        max_waiting_bytes: usize,
+    ) -> Result<Spill> {
+        let (file, state, changed) = Default::default();
+        let shared = Shared { place, file, state, changed, max_bytes, max_waiting_bytes };
+        let shared = Arc::new(shared);
+        let writer = shared.clone();
+        let builder = std::thread::Builder::new().name("history".to_string());
+        let writer = builder.spawn(move || writer.write_all())?;
+        Ok(Spill { shared, writer: Some(writer) })
+    }
+
+    /// What is to be told to the person, once: that nothing can be written, or that it can again.
+    pub fn take_message(&self) -> Option<String> {
+        self.shared.state().message.take()
+    }
+
+    /// Most bytes of the file.
+    pub fn max_bytes(&self) -> u64 {
+        self.shared.max_bytes
+    }
+
+    /// Waits until what was given is written, or cannot be.
+    pub fn wait(&self) {
+        let idle = |state: &mut State| {
+            state.waiting_bytes > 0 && (state.blocked.is_none() || state.retry)
+        };
+        drop(self.shared.changed.wait_while(self.shared.state(), idle));
+    }
+}
+
+impl StepStore for Spill {
+    fn keep(&self, step: Arc<Step>) -> std::result::Result<Stored, Arc<Step>> {
+        let shared = &self.shared;
+        let bytes = step.heap_bytes();
+        let too_much = |state: &mut State| {
+            let waiting = state.waiting_bytes;
+            state.blocked.is_none() && waiting > 0 && waiting + bytes > shared.max_waiting_bytes
+        };
+        let waited = shared.changed.wait_while(shared.state(), too_much);
+        let mut state = waited.unwrap_or_else(PoisonError::into_inner);
+        if state.blocked.is_some() {
+            state.retry = true;
+            shared.changed.notify_all();
+            return Err(step);
+        }
+        let record = Arc::new(Record::new(step, shared.clone()));
+        state.waiting_bytes += bytes;
+        state.queue.push_back(Arc::downgrade(&record));
+        shared.changed.notify_all();
+        Ok(Stored(record))
+    }
+
+    fn room_bytes(&self) -> u64 {
+        let mut state = self.shared.state();
+        if matches!(state.blocked, Some(Blocked::Failed)) {
+            // What is refused now may find room the next time.
+            state.retry = true;
+            self.shared.changed.notify_all();
+            return 0;
+        }
+        self.shared.max_bytes
+    }
+}
+
+impl Drop for Spill {
+    fn drop(&mut self) {
+        self.shared.state().has_ended = true;
+        self.shared.changed.notify_all();
+        if let Some(writer) = self.writer.take() {
+            // It has nothing to say: what it could not write has been told.
+            let _ = writer.join();
+        }
+    }
+}
+
+impl Shared {
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn file(&self) -> MutexGuard<'_, Option<Box<dyn SpillFile>>> {
+        self.file.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The thread: writes what waits until the session ends.
+    fn write_all(&self) {
+        loop {
+            let idle = |state: &mut State| {
+                let nothing = state.queue.is_empty() || (state.blocked.is_some() && !state.retry);
+                nothing && !state.has_ended
+            };
+            let woken = self.changed.wait_while(self.state(), idle);
+            let mut state = woken.unwrap_or_else(PoisonError::into_inner);
+            if state.has_ended {
+                return;
+            }
+            state.retry = false;
+            let first = state.queue.front().cloned();
+            drop(state);
+            let Some(record) = first.as_ref().map(Weak::upgrade) else { continue };
+            // A step that nobody has any more needs no room.
+            let written = record.map_or(Ok(false), |record| self.write(&record));
+            self.note(written);
+        }
+    }
+
+    /// Notes how the first of the queue was written.
+    fn note(&self, written: std::result::Result<bool, (Blocked, String)>) {
+        let mut state = self.state();
+        match written {
+            Ok(has_written) => {
+                state.queue.pop_front();
+                // The next one shows how it stands, if there is one.
+                state.blocked = None;
+                if has_written && std::mem::take(&mut state.told) {
+                    state.message = Some("the history goes to the disk again".to_string());
+                }
+            }
+            Err((reason, why)) => {
+                if matches!(reason, Blocked::Failed) && !std::mem::replace(&mut state.told, true) {
+                    state.message = Some(format!(
+                        "the history cannot be written to the disk ({why}); work goes on, and the oldest steps \
+                         are dropped once memory.history_mib is full"
+                    ));
+                }
+                state.blocked = Some(reason);
+            }
+        }
+        self.changed.notify_all();
+    }
+
+    /// Writes a step. False if it is not needed any more.
+    fn write(&self, record: &Record) -> std::result::Result<bool, (Blocked, String)> {
+        let failed = |why: String| (Blocked::Failed, why);
+        let Some(step) = record.waiting() else { return Ok(false) };
+        let packed = write_step(&step).map_err(|error| failed(error.to_string()))?;
+        drop(step);
+        let at = self.state().space.take(packed.len() as u64, self.max_bytes);
+        let at = at.ok_or((Blocked::Full, String::new()))?;
+        let written = self.write_at(at, &packed);
+        let checksum = crc32fast::hash(&packed);
+        match written {
+            Ok(true) => {
+                let held = Held::Written { at, bytes: packed.len(), checksum };
+                if !record.written(held) {
+                    self.give_back(at);
+                }
+                self.shrink();
+                Ok(true)
+            }
+            // The session has ended.
+            Ok(false) => Ok(false),
+            Err(error) => {
+                self.give_back(at);
+                self.shrink();
+                Err(failed(error.to_string()))
+            }
+        }
+    }
+
+    /// Writes bytes at a place of the file, which it makes if there is none. False if the session ended meanwhile.
+    fn write_at(&self, at: u64, bytes: &[u8]) -> Result<bool> {
+        let mut begin = at;
+        for chunk in bytes.chunks(CHUNK_BYTES) {
+            if self.state().has_ended {
+                return Ok(false);
+            }
+            let mut file = self.file();
+            if file.is_none() {
+                *file = Some(self.place.create()?);
+            }
+            if let Some(file) = file.as_mut() {
+                file.write_at(begin, chunk)?;
+            }
+            begin += chunk.len() as u64;
+        }
+        Ok(true)
+    }
+
+    /// Reads bytes from a place of the file.
+    fn read_at(&self, at: u64, bytes: &mut [u8]) -> Result<()> {
+        match self.file().as_mut() {
+            Some(file) => file.read_at(at, bytes),
+            None => Err(std::io::ErrorKind::NotFound.into()),
+        }
+    }
+
+    /// Makes a part of the file free.
+    fn give_back(&self, at: u64) {
+        let mut state = self.state();
+        state.space.give_back(at);
+        state.try_again_if_full();
+        self.changed.notify_all();
+    }
+
+    /// Cuts off the end of the file that is not in use. Should that fail, the file stays longer for a while.
+    fn shrink(&self) {
+        let end = self.state().space.end();
+        if let Some(file) = self.file().as_mut() {
+            let _ = file.cut(end);
+        }
+    }
+
+    /// Notes that a step of so many bytes waits no more.
+    fn waits_no_more(&self, bytes: usize) {
+        let mut state = self.state();
+        state.waiting_bytes -= bytes;
+        state.try_again_if_full();
+        self.changed.notify_all();
+    }
+}
