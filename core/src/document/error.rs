@@ -33,8 +33,8 @@ pub enum CommandError {
     /// The step cannot be undone, and that was not allowed.
     #[error(
         "the history cannot keep `{step}`: it takes {needed_mib} MiB of the {budget_mib} MiB \
-         allowed; raise memory.history_mib or memory.history_disk_gib in the settings, or use `irreversible on` to do it \
-         without undo"
+         allowed; raise memory.history_mib or memory.history_disk_gib in the settings, or use \
+         `irreversible on` to do it without undo"
     )]
     Irreversible {
         /// Label of the step.

@@ -84,7 +84,12 @@ impl Beginning {
     pub fn limits(&self) -> Limits {
         let [grid_bytes, colour_bytes, history_bytes] = self.limits;
         let history_disk_bytes = self.history_disk_bytes;
-        Limits { grid_bytes, colour_bytes, history_bytes: history_bytes as usize, history_disk_bytes }
+        Limits {
+            grid_bytes,
+            colour_bytes,
+            history_bytes: history_bytes as usize,
+            history_disk_bytes,
+        }
     }
 }
 

@@ -11,8 +11,8 @@ use std::sync::Arc;
 mod step;
 mod store;
 
-pub use step::{Change, Contents, HistorySnapshot, State, Step};
 use step::STUB_BYTES;
+pub use step::{Change, Contents, HistorySnapshot, State, Step};
 pub use store::{StepStore, Stored, StoredStep};
 
 /// Steps up to this size stay in memory: what would stand for them takes as much.

@@ -185,7 +185,8 @@ impl Session {
         history_folder: Option<&Path>,
     ) -> Result<Session, FormatError> {
         let Checkpoint { document, files, pictures, limits } = checkpoint;
-        let spill = history_folder.map(|folder| super::spill(folder, &limits)).transpose()?.flatten();
+        let spill =
+            history_folder.map(|folder| super::spill(folder, &limits)).transpose()?.flatten();
         let store = spill.clone().map(|spill| spill as Arc<dyn StepStore>);
         let document = Document::restored(document, limits, store)
             .map_err(|_| FormatError::Damaged("a setting of the session is refused"))?;

@@ -61,6 +61,8 @@ struct State {
     blocked: Option<Blocked>,
     /// Whether that is to be tried again.
     retry: bool,
+    /// Whether the thread is writing.
+    is_busy: bool,
     /// Whether the person was told that nothing can be written.
     told: bool,
     /// What the person has not been told yet.
@@ -124,10 +126,11 @@ impl Spill {
 
     /// Waits until what was given is written, or cannot be.
     pub fn wait(&self) {
-        let idle = |state: &mut State| {
-            state.waiting_bytes > 0 && (state.blocked.is_none() || state.retry)
+        let goes_on = |state: &mut State| {
+            let wants = !state.queue.is_empty() && (state.blocked.is_none() || state.retry);
+            wants || state.is_busy
         };
-        drop(self.shared.changed.wait_while(self.shared.state(), idle));
+        drop(self.shared.changed.wait_while(self.shared.state(), goes_on));
     }
 }
 
@@ -197,11 +200,11 @@ impl Shared {
             if state.has_ended {
                 return;
             }
-            state.retry = false;
+            (state.retry, state.is_busy) = (false, true);
             let first = state.queue.front().cloned();
             drop(state);
-            let Some(record) = first.as_ref().map(Weak::upgrade) else { continue };
             // A step that nobody has any more needs no room.
+            let record = first.and_then(|first| first.upgrade());
             let written = record.map_or(Ok(false), |record| self.write(&record));
             self.note(written);
         }
@@ -210,6 +213,7 @@ impl Shared {
     /// Notes how the first of the queue was written.
     fn note(&self, written: std::result::Result<bool, (Blocked, String)>) {
         let mut state = self.state();
+        state.is_busy = false;
         match written {
             Ok(has_written) => {
                 state.queue.pop_front();

@@ -247,7 +247,11 @@ fn the_file_is_its_owners_alone_and_goes_with_the_session() {
     }
     let third = make();
     let found = files(&folder);
-    assert_eq!(found.len(), 3, "one for each session with steps on disk, and the journal: {found:?}");
+    assert_eq!(
+        found.len(),
+        3,
+        "one for each session with steps on disk, and the journal: {found:?}"
+    );
     #[cfg(unix)]
     for path in found.iter().filter(|path| path.extension().unwrap() == "history") {
         let mode = std::os::unix::fs::PermissionsExt::mode(&path.metadata().unwrap().permissions());

@@ -74,7 +74,7 @@ fn damaged_journals_do_no_harm() {
             _ => panic!("it cannot be opened"),
         };
         let known = summary(source(), &small());
-        let again = recover(source(), &small(), &());
+        let again = recover(source(), &small(), None, &());
         assert_eq!(known.is_ok(), again.is_ok(), "{known:?}");
         again.is_ok()
     });

@@ -81,6 +81,43 @@ fn a_replay_drops_the_steps_that_the_session_dropped() {
 }
 
 #[test]
+fn steps_on_disk_are_in_the_journal() {
+    let folder = tempfile::tempdir().unwrap();
+    let memory = Memory::default();
+    let limits = Limits { history_bytes: 20_000, history_disk_bytes: 1 << 30, ..Limits::default() };
+    let mut session = session(limits);
+    session.keep_history_in(folder.path()).unwrap();
+    let replay = Duration::ZERO;
+    session.keep_journal(JournalOptions { replay, ..options(&memory) }).unwrap();
+    let hash = |session: &Session| Digest::of(session.document().contents());
+    let mut hashes = vec![hash(&session)];
+    for shade in 1..9 {
+        // Steps larger than the memory for all, each after a checkpoint of those before.
+        let line = format!("recolour cuboid at=12,10,6 half=20 colour=#{shade}02010");
+        execute(&mut session, &line);
+        session.sync_journal();
+        hashes.push(hash(&session));
+    }
+    execute(&mut session, "undo 3");
+    session.sync_journal();
+    let left = memory.left(false);
+    let shelf = options(&left).shelf;
+    let Left::Journal(source) = shelf.open(shelf.numbers().unwrap()[0]) else { panic!("in use") };
+    let again = recover(source, &limits, Some(folder.path()), &()).unwrap();
+    assert_eq!(again.report.difference, None);
+    for session in [&mut session, &mut { again.session }] {
+        assert_eq!(hash(session), hashes[5]);
+        execute(session, "redo all");
+        for expected in hashes.iter().rev() {
+            assert_eq!(hash(session), *expected);
+            execute(session, "undo 1");
+        }
+        assert_eq!(session.document().history().dropped(), 0);
+        assert_eq!((session.take_history_message(), session.take_journal_message()), (None, None));
+    }
+}
+
+#[test]
 fn files_and_pictures_are_kept_by_content() {
     let folder = tempfile::tempdir().unwrap();
     let [other, picture, saved] =
