@@ -289,7 +289,7 @@ impl<'a> Program<'a> {
 
     /// Moves the pointer out of the picture, where it has no effect.
     pub fn leave_picture(&self) {
-        self.display.device(MOTION, 0, [30, 700]);
+        self.display.device(MOTION, 0, [30, 745]);
     }
 
     /// Turns the wheel away from the user.
