@@ -10,13 +10,21 @@
 fn shaded(voxel: vec3<i32>, between: u32) -> vec3<f32> {
     let dims = vec3<i32>(shading.dims);
     let colour = colour_of(voxel, shading.base, shading.bricks);
+    var record = NO_RECORD;
+    if kind_occlusion != 0u || between == NO_NORMAL {
+        record = surface_record(voxel, shading.bricks);
+    }
     var open = 1.0;
     if kind_occlusion != 0u {
-        open = openness(voxel, dims);
+        if record == NO_RECORD {
+            open = openness(voxel, dims);
+        } else {
+            open = f32(record >> 24u) * (1.0 / 255.0);
+        }
     }
     var packed = between;
     if packed == NO_NORMAL {
-        packed = packed_normal(voxel, shading.bricks);
+        packed = record & 0xffffu;
     }
     // Without a side that is outside: it faces the eye.
     var outwards = vec3<f32>(0.0);

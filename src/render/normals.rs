@@ -1,7 +1,7 @@
 //! The device's copy of the normals of a sculpture's surface ([`NormalField`]): one buffer with the page of
-//! each brick, then all pages and blocks, as they lie in memory (shaders/normal_field.wgsl).
+//! each brick, then the units of all pages, as they lie in memory (shaders/normal_field.wgsl).
 //!
-//! It is uploaded as a whole at first, and afterwards by the pages and blocks that were written; when there are
+//! It is uploaded as a whole at first, and afterwards by the units that were written; when there are
 //! more than it has room for, it is uploaded anew. Where it exceeds a limit of the device, that fails with the
 //! name of the limit.
 

@@ -9,15 +9,13 @@
 //!
 //! Between the corners of words that count is trilinear. So it needs to be known there only, where the
 //! cube consists of eight whole words: the 27 corners in and around a brick are the **table** of that
-//! brick, and a voxel takes eight of its values. The [`super::normal_field`] keeps the tables of bricks with surface;
-//! the others are made when a picture first meets a brick ([`OpennessTables`]).
+//! brick, and a voxel takes eight of its values. The [`super::normal_field`] keeps the openness of surface voxels;
+//! for others, tables are made when a picture first meets a brick ([`OpennessTables`]).
 
-use fearless_simd::{Simd, f32x16, prelude::*, u32x16};
 use glam::{IVec3, UVec3};
 
 use crate::sculpture::Grid;
-use crate::sculpture::brick::{BRICK_EDGE_VX, WORD_EDGE_VX};
-use crate::sculpture::vectors::for_axes;
+use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, WORD_EDGE_VX};
 
 /// How far from a voxel the voxels may be, on each axis, that its occlusion depends on.
 pub const OCCLUSION_REACH_VX: u32 = 2 * WORD_EDGE_VX - 1;
@@ -88,48 +86,59 @@ pub fn openness_in(table: &Table, voxel: UVec3) -> f32 {
     (OPENNESS_OF_NOTHING - filled * PER_VOXEL).clamp(0.0, 1.0)
 }
 
-/// The eight values of a table that [`openness_in`] mixes for a voxel: x changes first, then y.
-#[inline(always)]
-pub fn corners_of(table: &Table, local: UVec3) -> [u32; 8] {
-    let [x, y, z] = ((local / WORD_EDGE_VX) & 1).to_array();
-    let first = x + 3 * y + 9 * z;
-    let flat = table.as_flattened().as_flattened();
-    let mut corners = [0; 8];
-    for (corner, offset) in corners.iter_mut().zip([0, 1, 3, 4, 9, 10, 12, 13]) {
-        *corner = u32::from(flat[(first + offset) as usize]);
+/// [`openness_in`] for all voxels of a brick, `x + 8 y + 64 z`: 255 for all of the light.
+#[derive(Clone, Debug)]
+pub struct BrickOpenness([u8; BRICK_VOXELS as usize]);
+
+impl Default for BrickOpenness {
+    fn default() -> Self {
+        BrickOpenness([0; BRICK_VOXELS as usize])
     }
-    corners
 }
 
-/// [`openness_in`] for many voxels, from their coordinates and the values of [`corners_of`].
-#[inline(always)]
-pub fn openness_of_many<S: Simd>(
-    simd: S,
-    voxels: [u32x16<S>; 3],
-    corners: &[[u32; 16]; 8],
-) -> f32x16<S> {
-    const EDGE: f32 = WORD_EDGE_VX as f32;
-    let share = for_axes(
-        #[inline(always)]
-        |axis| {
-            let within = (voxels[axis] & (WORD_EDGE_VX - 1)).to_float::<f32x16<S>>();
-            (within + 0.5) * (1.0 / EDGE)
-        },
-    );
-    let mut values = [f32x16::splat(simd, 0.0); 8];
-    for (value, corner) in values.iter_mut().zip(corners) {
-        *value = u32x16::load_array_ref(simd, corner).to_float::<f32x16<S>>();
+impl std::ops::Index<usize> for BrickOpenness {
+    type Output = u8;
+
+    #[inline(always)]
+    fn index(&self, local: usize) -> &u8 {
+        &self.0[local]
     }
-    let [a, b, c, d, e, f, g, h] = values;
-    let low = mix(mix(a, b, share[0]), mix(c, d, share[0]), share[1]);
-    let high = mix(mix(e, f, share[0]), mix(g, h, share[0]), share[1]);
-    let filled = mix(low, high, share[2]);
-    (f32x16::splat(simd, OPENNESS_OF_NOTHING) - filled * PER_VOXEL).max(0.0).min(1.0)
 }
 
-#[inline(always)]
-fn mix<S: Simd>(a: f32x16<S>, b: f32x16<S>, share: f32x16<S>) -> f32x16<S> {
-    a + (b - a) * share
+impl BrickOpenness {
+    /// Replaces it by that of the brick with this table. Axis by axis, and in rows of eight.
+    #[inline(always)]
+    pub fn fill(&mut self, table: &Table) {
+        const EDGE: usize = BRICK_EDGE_VX as usize;
+        const WORD: usize = WORD_EDGE_VX as usize;
+        let share = |i: usize| ((i % WORD) as f32 + 0.5) / WORD as f32;
+        let mut columns = [[[0.0; EDGE]; CORNERS]; CORNERS];
+        for (plane, rows) in table.iter().zip(&mut columns) {
+            for (corners, row) in plane.iter().zip(rows) {
+                for (x, value) in row.iter_mut().enumerate() {
+                    let [a, b] = [corners[x / WORD], corners[x / WORD + 1]].map(f32::from);
+                    *value = a + (b - a) * share(x);
+                }
+            }
+        }
+        for (z, layer) in self.0.chunks_exact_mut(EDGE * EDGE).enumerate() {
+            let mut plane = [[0.0; EDGE]; CORNERS];
+            for (y, row) in plane.iter_mut().enumerate() {
+                let [a, b] = [&columns[z / WORD][y], &columns[z / WORD + 1][y]];
+                for x in 0..EDGE {
+                    row[x] = a[x] + (b[x] - a[x]) * share(z);
+                }
+            }
+            for (y, row) in layer.chunks_exact_mut(EDGE).enumerate() {
+                let [a, b] = [&plane[y / WORD], &plane[y / WORD + 1]];
+                for x in 0..EDGE {
+                    let filled = a[x] + (b[x] - a[x]) * share(y);
+                    let open = (OPENNESS_OF_NOTHING - filled * PER_VOXEL).clamp(0.0, 1.0);
+                    row[x] = (open * 255.0 + 0.5) as u8;
+                }
+            }
+        }
+    }
 }
 
 /// The table of brick `b`.

@@ -10,9 +10,10 @@ use rayon::prelude::*;
 
 use super::illumination::{Illumination, LANES, SurfacePoints};
 use super::light::Lighting;
-use super::normal_field::{NO_PAGE, PackedNormal, PlaceOfNormal, unpack_many};
-use super::occlusion::{OpennessTables, corners_of, openness_of_many};
+use super::normal_field::{NO_PAGE, PackedNormal, SurfaceRecord, unpack_many};
+use super::occlusion::OpennessTables;
 use super::pixels::Pixels;
+use super::shadow::Sun;
 use super::source::ShadeSource;
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
 use crate::sculpture::{NO_VOXEL, Rgb};
@@ -22,6 +23,9 @@ use crate::surface::{IndexMap, PixelRect};
 const BAND_ROWS: usize = 32;
 /// Width of the strips of a band: the bricks of a strip stay in the first-level cache.
 const STRIP_PX: usize = 64;
+
+/// Distance of the pixels by which the bricks of a strip are found.
+const SAMPLE_STEP_PX: usize = STRIP_PX / LANES;
 
 /// The part of a voxel's coordinates that tells its place in its brick.
 const IN_BRICK: u32 = BRICK_EDGE_VX - 1;
@@ -78,10 +82,13 @@ fn shade_at(
     if rect.is_empty() {
         return;
     }
+    let illumination = Illumination::new(lighting, &pose.eye_from_world, &pose.world_from_grid);
     let shader = Shader {
         source: *source,
+        has_colours: illumination.colour.is_none() && source.material.page_count() > 0,
+        base: packed(source.material.base()),
         places: Places::of(source.grid.dims()),
-        illumination: Illumination::new(lighting, &pose.eye_from_world, &pose.world_from_grid),
+        illumination,
         occlusion: lighting.occlusion,
     };
     let width = map.rays.size.x as usize;
@@ -123,17 +130,41 @@ struct Shader<'a> {
     places: Places,
     illumination: Illumination,
     occlusion: bool,
+    /// Whether any voxel may have a colour of its own that is seen.
+    has_colours: bool,
+    /// The colour of all others.
+    base: u32,
+}
+
+/// What is looked up for sixteen pixels.
+#[derive(Default)]
+struct Found {
+    /// In the grid.
+    coords: [[u32; LANES]; 3],
+    bricks: [u32; LANES],
+    /// In their brick: `x + 8 y + 64 z`.
+    locals: [u32; LANES],
+    /// [`SurfaceRecord`]s.
+    records: [u32; LANES],
+    points: SurfacePoints,
+}
+
+impl Found {
+    fn coords(&self, lane: usize) -> UVec3 {
+        UVec3::from(self.coords.each_ref().map(|axis| axis[lane]))
+    }
 }
 
 /// What one task works with.
 #[derive(Default)]
 struct Scratch {
-    points: SurfacePoints,
+    /// A row of a strip.
+    row: [Found; STRIP_PX / LANES],
     tables: OpennessTables,
 }
 
 impl Shader<'_> {
-    /// Shades some columns of rows of pixels, sixteen at a time.
+    /// Shades some columns of rows of pixels, strip by strip.
     #[inline(always)]
     fn shade<S: Simd>(
         &self,
@@ -146,180 +177,199 @@ impl Shader<'_> {
         let mut scratch = Scratch::default();
         for left in columns.clone().step_by(STRIP_PX) {
             let strip = left..columns.end.min(left + STRIP_PX);
+            self.fetch(simd, width, strip.clone(), seen.voxels);
             for (y, out) in out.chunks_exact_mut(width).enumerate() {
                 let row = seen.part(y * width + strip.start..y * width + strip.end);
-                let (voxels, rest) = row.voxels.as_chunks();
-                let (out, out_rest) = out[strip.clone()].as_chunks_mut();
-                let normals = |i: usize| row.normals.map(|normals| &normals[i * LANES..]);
-                for (i, (voxels, out)) in voxels.iter().zip(out).enumerate() {
-                    *out = self.shade_few(simd, voxels, normals(i), &mut scratch);
-                }
-                if !rest.is_empty() {
-                    let own = normals(voxels.len());
-                    let mut voxels = [NO_VOXEL; LANES];
-                    voxels[..rest.len()].copy_from_slice(rest);
-                    let pixels = self.shade_few(simd, &voxels, own, &mut scratch);
-                    out_rest.copy_from_slice(&pixels[..rest.len()]);
+                let out = &mut out[strip.clone()];
+                if let Ok(voxels) = row.voxels.try_into() {
+                    self.shade_row(simd, voxels, row.normals, &mut scratch, out);
+                } else {
+                    let mut voxels = [NO_VOXEL; STRIP_PX];
+                    voxels[..out.len()].copy_from_slice(row.voxels);
+                    self.shade_row(simd, &voxels, row.normals, &mut scratch, out);
                 }
             }
         }
     }
 
-    /// Shades sixteen pixels. `own`: normals of their own, which the voxels' stand in for where there is none.
+    /// Has the memory that a strip of a band needs brought close by, all at once: what its pixels look up one after the
+    /// other depends on what came before. Takes samples, which meet most bricks; without effect on the picture.
     #[inline(always)]
-    fn shade_few<S: Simd>(
+    fn fetch<S: Simd>(&self, simd: S, width: usize, strip: Range<usize>, voxels: &[u32]) {
+        let field = self.source.normals;
+        let (table, pages) = (field.table(), field.pages());
+        let mut wanted = [NO_PAGE; BAND_ROWS / SAMPLE_STEP_PX * LANES];
+        let rows = voxels.chunks_exact(width).step_by(SAMPLE_STEP_PX);
+        for (row, wanted) in rows.zip(wanted.chunks_exact_mut(LANES)) {
+            let mut samples = [0; LANES];
+            let row = row[strip.clone()].iter().step_by(SAMPLE_STEP_PX);
+            for (sample, voxel) in samples.iter_mut().zip(row) {
+                *sample = if *voxel == NO_VOXEL { 0 } else { *voxel };
+            }
+            let coords = self.places.coords(simd, u32x16::load_array(simd, samples));
+            let bricks = self.places.bricks(coords.map(|axis| axis.bitcast())).to_array();
+            for (brick, wanted) in bricks.into_iter().zip(wanted) {
+                *wanted = table.get(brick as usize).copied().unwrap_or(NO_PAGE);
+            }
+        }
+        std::hint::black_box(pages.fetch(&wanted));
+    }
+
+    /// Shades the pixels of a row that see `voxels`; the last ones may be beyond `out`. `own`: normals of their own,
+    /// which the voxels' stand in for where there is none. In steps for all pixels, so that the memory that one needs
+    /// is waited for together with that of the others.
+    #[inline(always)]
+    fn shade_row<S: Simd>(
         &self,
         simd: S,
-        voxels: &[u32; LANES],
+        voxels: &[u32; STRIP_PX],
         own: Option<&[u16]>,
-        Scratch { points, tables }: &mut Scratch,
-    ) -> [[u8; 4]; LANES] {
-        let voxels = u32x16::load_array_ref(simd, voxels);
-        let seen = voxels.simd_ne(NO_VOXEL);
-        if !seen.any_true() {
-            return [[0; 4]; LANES];
+        Scratch { row, tables }: &mut Scratch,
+        out: &mut [[u8; 4]],
+    ) {
+        let (groups, _) = voxels.as_chunks::<LANES>();
+        let mut seen = [0; STRIP_PX / LANES];
+        for ((voxels, found), seen) in groups.iter().zip(row.iter_mut()).zip(&mut seen) {
+            let voxels = u32x16::load_array_ref(simd, voxels);
+            let exist = voxels.simd_ne(NO_VOXEL);
+            *seen = exist.to_bitmask() as u32;
+            if *seen != 0 {
+                self.locate(simd, exist.select(voxels, u32x16::splat(simd, 0)), found);
+            }
         }
-        // Lanes without a voxel are computed as if they saw the first one.
-        let nothing = u32x16::splat(simd, 0);
-        let places = self.places.coords(simd, seen.select(voxels, nothing));
-        for (place, position) in places.iter().zip(&mut points.position) {
+        let field = self.source.normals;
+        let (table, records) = (field.table(), field.pages().records());
+        for (found, _) in row.iter_mut().zip(seen).filter(|(_, seen)| *seen != 0) {
+            for lane in 0..LANES {
+                let page = table.get(found.bricks[lane] as usize).copied().unwrap_or(NO_PAGE);
+                found.records[lane] = records.at(page, found.locals[lane]).0;
+            }
+        }
+        for (i, out) in out.chunks_mut(LANES).enumerate() {
+            let (voxels, found) = (&groups[i], &mut row[i]);
+            if seen[i] == 0 {
+                out.fill([0; 4]);
+                continue;
+            }
+            if self.has_colours {
+                self.colours(found);
+            }
+            if self.occlusion {
+                self.openness(simd, seen[i], found, tables);
+            }
+            if let Some(sun) = &self.illumination.sun {
+                self.sunlight(sun, seen[i], voxels, found);
+            }
+            self.normals(simd, seen[i], own.map(|own| &own[LANES * i..]), found);
+            let exist = u32x16::load_array_ref(simd, voxels).simd_ne(NO_VOXEL);
+            let colours = self.illumination.shade(simd, &found.points);
+            let colours = exist.select(colours, u32x16::splat(simd, 0)).to_array().map(u32::to_le);
+            let pixels: &[[u8; 4]; LANES] = bytemuck::cast_ref(&colours);
+            out.copy_from_slice(&pixels[..out.len()]);
+        }
+    }
+
+    /// Where voxels are.
+    #[inline(always)]
+    fn locate<S: Simd>(&self, simd: S, voxels: u32x16<S>, found: &mut Found) {
+        let places = self.places.coords(simd, voxels);
+        for (place, position) in places.iter().zip(&mut found.points.position) {
             (place.to_float::<f32x16<S>>() + 0.5).store_array(position);
         }
-        let coords: [u32x16<S>; 3] =
+        let [x, y, z]: [u32x16<S>; 3] =
             [places[0].bitcast(), places[1].bitcast(), places[2].bitcast()];
-        let [x, y, z] = [coords[0].to_array(), coords[1].to_array(), coords[2].to_array()];
-        let bricks = self.places.bricks(coords).to_array();
-        let voxels = voxels.to_array();
-        // The pixels whose voxel is not that of the one before, as it often is.
-        let mut others = seen.to_bitmask() as u32;
-        for lane in 1..LANES {
-            others &= !(u32::from(voxels[lane] == voxels[lane - 1]) << lane);
+        for (axis, coords) in [x, y, z].iter().zip(&mut found.coords) {
+            axis.store_array(coords);
         }
-        let mut normals = self.normals(others, &bricks, [&x, &y, &z]);
-        let material = self.source.material;
-        let mut last = 0;
-        for lane in 0..LANES {
-            if others >> lane & 1 != 0 {
-                let [x, y, z] = [x[lane] & IN_BRICK, y[lane] & IN_BRICK, z[lane] & IN_BRICK];
-                let rgb = material.rgb(bricks[lane] as usize, local_index(x, y, z));
-                last = packed(rgb);
-            }
-            points.colour[lane] = last;
-        }
-        if self.occlusion {
-            self.openness(simd, others, coords, &bricks, points, tables);
-        }
-        if let Some(sun) = &self.illumination.sun {
-            for lane in 0..LANES {
-                if others >> lane & 1 != 0 {
-                    let v = UVec3::new(x[lane], y[lane], z[lane]);
-                    let outwards = self.source.outwards(v, PackedNormal(normals[lane] as u16));
-                    points.sunlit[lane] = sun.reaching(self.source.grid, v, outwards);
-                } else if lane > 0 {
-                    points.sunlit[lane] = points.sunlit[lane - 1];
-                }
-            }
-        }
-        for (normal, own) in normals.iter_mut().zip(own.unwrap_or_default()) {
-            if *own != PackedNormal::NONE.0 {
-                *normal = u32::from(*own);
-            }
-        }
-        let normals = u32x16::load_array(simd, normals);
-        for (component, out) in unpack_many(simd, normals).iter().zip(&mut points.gradient) {
-            component.store_array(out);
-        }
-        let none = normals.simd_eq(u32::from(PackedNormal::NONE.0));
-        if none.any_true() {
-            for lane in (0..LANES).filter(|lane| none.to_bitmask() >> lane & 1 != 0) {
-                let v = UVec3::new(x[lane], y[lane], z[lane]);
-                let estimate = self.source.estimate(v).to_array();
-                for (axis, component) in estimate.into_iter().enumerate() {
-                    points.gradient[axis][lane] = component;
-                }
-            }
-        }
-        let colours = seen.select(self.illumination.shade(simd, points), nothing);
-        bytemuck::cast(colours.to_array().map(u32::to_le))
+        self.places.bricks([x, y, z]).store_array(&mut found.bricks);
+        let local = (x & IN_BRICK) | (y & IN_BRICK) << 3 | (z & IN_BRICK) << 6;
+        local.store_array(&mut found.locals);
+        found.points.colour = [self.base; LANES];
     }
-}
 
-impl Shader<'_> {
-    /// The packed normals of the voxels of sixteen pixels; those of `others` are looked up, the rest are as before
-    /// them. In steps for all, so that the memory that one needs is waited for together with that of the others.
+    /// The colours of voxels, where they have their own.
     #[inline(always)]
-    fn normals(
-        &self,
-        others: u32,
-        bricks: &[u32; LANES],
-        [x, y, z]: [&[u32; LANES]; 3],
-    ) -> [u32; LANES] {
-        let field = self.source.normals;
-        let mut pages = [NO_PAGE; LANES];
+    fn colours(&self, found: &mut Found) {
+        let material = self.source.material;
+        let (mut last, mut page) = (u32::MAX, None);
         for lane in 0..LANES {
-            pages[lane] = field.page(bricks[lane] as usize);
-        }
-        let mut places = [PlaceOfNormal::NONE; LANES];
-        for lane in 0..LANES {
-            if others >> lane & 1 != 0 {
-                let bit = x[lane] & IN_BRICK | (y[lane] & IN_BRICK) << 3;
-                let layer = (z[lane] & IN_BRICK) as usize;
-                places[lane] = field.pages().place_of_normal(pages[lane], layer, bit);
+            if found.bricks[lane] != last {
+                last = found.bricks[lane];
+                page = material.page(last as usize);
+            }
+            if let Some(page) = page {
+                let [x, y, z] = [0, 3, 6].map(|bit| found.locals[lane] >> bit & IN_BRICK);
+                let at = local_index(x, y, z) as usize * material.depth().bytes();
+                found.points.colour[lane] = packed(material.depth().read(&page[at..]));
             }
         }
-        let mut normals = [0; LANES];
-        let mut last = 0;
-        for lane in 0..LANES {
-            if others >> lane & 1 != 0 {
-                last = u32::from(field.pages().normal_at(places[lane]).0);
-            }
-            normals[lane] = last;
-        }
-        normals
     }
 
-    /// The openness of the voxels of sixteen pixels, from the tables that are kept of their bricks, or those made
-    /// here.
+    /// The share of ambient light that reaches the voxels of the lanes `seen`.
     #[inline(always)]
     fn openness<S: Simd>(
         &self,
         simd: S,
-        others: u32,
-        coords: [u32x16<S>; 3],
-        bricks: &[u32; LANES],
-        points: &mut SurfacePoints,
+        seen: u32,
+        found: &mut Found,
         tables: &mut OpennessTables,
     ) {
-        let [x, y, z] = [coords[0].to_array(), coords[1].to_array(), coords[2].to_array()];
-        let mut corners = [[0; LANES]; 8];
-        let mut missing = 0;
-        let mut last = [0; 8];
-        for lane in 0..LANES {
-            if others >> lane & 1 != 0 {
-                match self.source.normals.openness(bricks[lane] as usize) {
-                    Some(table) => {
-                        let local = UVec3::new(x[lane], y[lane], z[lane]) & IN_BRICK;
-                        last = corners_of(table, local);
-                    }
-                    None => missing |= 1 << lane,
-                }
-            }
-            for (corner, value) in corners.iter_mut().zip(last) {
-                corner[lane] = value;
-            }
+        let records = u32x16::load_array_ref(simd, &found.records);
+        let open = (records >> SurfaceRecord::OPENNESS).to_float::<f32x16<S>>() * (1.0 / 255.0);
+        open.store_array(&mut found.points.open);
+        // Voxels within the solid, and those of a sculpture that was just opened.
+        let missing = records.simd_eq(SurfaceRecord::NONE.0).to_bitmask() as u32 & seen;
+        for lane in bits(missing) {
+            found.points.open[lane] = tables.openness(self.source.grid, found.coords(lane));
         }
-        openness_of_many(simd, coords, &corners).store_array(&mut points.open);
-        if missing != 0 {
-            for lane in 0..LANES {
-                if missing >> lane & 1 != 0 {
-                    let v = UVec3::new(x[lane], y[lane], z[lane]);
-                    points.open[lane] = tables.openness(self.source.grid, v);
-                } else if others >> lane & 1 == 0 && lane > 0 {
-                    points.open[lane] = points.open[lane - 1];
-                }
+    }
+
+    /// The share of the sun's light that reaches the voxels of the lanes `seen`.
+    #[inline(always)]
+    fn sunlight(&self, sun: &Sun, seen: u32, voxels: &[u32; LANES], found: &mut Found) {
+        for lane in bits(seen) {
+            found.points.sunlit[lane] = if lane > 0 && voxels[lane] == voxels[lane - 1] {
+                found.points.sunlit[lane - 1]
+            } else {
+                let (v, record) = (found.coords(lane), SurfaceRecord(found.records[lane]));
+                sun.reaching(self.source.grid, v, self.source.outwards(v, record.normal()))
+            };
+        }
+    }
+
+    /// The normals of pixels or of their voxels.
+    #[inline(always)]
+    fn normals<S: Simd>(&self, simd: S, seen: u32, own: Option<&[u16]>, found: &mut Found) {
+        let none = u32::from(PackedNormal::NONE.0);
+        let mut normals = u32x16::load_array_ref(simd, &found.records) & 0xFFFF;
+        if let Some(own) = own {
+            let mut of_pixels = [none; LANES];
+            for (normal, own) in of_pixels.iter_mut().zip(own) {
+                *normal = u32::from(*own);
+            }
+            let of_pixels = u32x16::load_array(simd, of_pixels);
+            normals = of_pixels.simd_eq(none).select(normals, of_pixels);
+        }
+        for (component, out) in unpack_many(simd, normals).iter().zip(&mut found.points.gradient) {
+            component.store_array(out);
+        }
+        for lane in bits(normals.simd_eq(none).to_bitmask() as u32 & seen) {
+            let estimate = self.source.estimate(found.coords(lane)).to_array();
+            for (axis, component) in estimate.into_iter().enumerate() {
+                found.points.gradient[axis][lane] = component;
             }
         }
     }
+}
+
+/// The set bits of a mask, rising.
+#[inline(always)]
+fn bits(mut mask: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let bit = mask.trailing_zeros() as usize;
+        mask &= mask.wrapping_sub(1);
+        (bit < 32).then_some(bit)
+    })
 }
 
 /// A colour as [`SurfacePoints`] takes it.

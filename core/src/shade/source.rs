@@ -4,7 +4,7 @@ use glam::{UVec3, Vec3};
 
 use super::normal::gradient;
 use super::normal_field::{NormalField, PackedNormal};
-use super::occlusion::{OpennessTables, openness_in};
+use super::occlusion::OpennessTables;
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
 use crate::sculpture::{Grid, Material, Rgb};
 
@@ -31,8 +31,9 @@ impl ShadeSource<'_> {
     /// The share of ambient light that reaches a voxel.
     #[inline(always)]
     pub(super) fn openness(&self, tables: &mut OpennessTables, voxel: UVec3) -> f32 {
-        match self.normals.openness(self.grid.brick_index(voxel / BRICK_EDGE_VX)) {
-            Some(table) => openness_in(table, voxel),
+        let brick = self.grid.brick_index(voxel / BRICK_EDGE_VX);
+        match self.normals.record(brick, voxel % BRICK_EDGE_VX) {
+            Some(record) => f32::from(record.openness()) * (1.0 / 255.0),
             None => tables.openness(self.grid, voxel),
         }
     }

@@ -14,10 +14,10 @@ use super::cells::{
     words_towards,
 };
 use super::packed::{PackedDepth, PackedNormal};
+use super::pages::SurfaceRecord;
 use super::window::{Samples, Sums, SurfaceMask, Wanted, sample};
 use crate::sculpture::Grid;
 use crate::sculpture::brick::BrickKind;
-use crate::shade::occlusion::Table;
 
 /// Bricks around the targets whose samples count.
 const MARGIN_BRICKS: i32 = 2;
@@ -55,7 +55,7 @@ pub struct Batch {
     bricks: Vec<Place>,
     samples: Vec<Sampled>,
     filtered: Vec<CellNormals>,
-    normals: Vec<Normals>,
+    records: Vec<Vec<SurfaceRecord>>,
     /// Targets without any surface.
     bare: Vec<u32>,
 }
@@ -78,27 +78,19 @@ struct Sampled {
     cells: Cells,
 }
 
-#[derive(Debug, Default)]
-struct Normals {
-    normals: Vec<PackedNormal>,
-    depths: Vec<PackedDepth>,
-}
-
-impl Normals {
-    /// Takes the first estimates.
-    fn estimate(&mut self, samples: &Samples) {
-        self.normals.clear();
-        self.depths.clear();
-        let mut next = 0;
-        for (z, layer) in samples.mask.layers.into_iter().enumerate() {
-            for bit in bits(layer) {
-                let voxel = Vec3::new((bit & 7) as f32, (bit >> 3) as f32, z as f32) + 0.5;
-                let normal = samples.normal(next);
-                let depth_vx = (samples.position(next) - voxel).dot(normal);
-                self.normals.push(PackedNormal::pack(normal));
-                self.depths.push(PackedDepth::pack(depth_vx));
-                next += 1;
-            }
+/// Records of the first estimates.
+fn estimates(samples: &Samples, records: &mut Vec<SurfaceRecord>) {
+    records.clear();
+    for (z, layer) in samples.mask.layers.into_iter().enumerate() {
+        for bit in bits(layer) {
+            let voxel = Vec3::new((bit & 7) as f32, (bit >> 3) as f32, z as f32) + 0.5;
+            let normal = samples.normal(records.len());
+            let depth_vx = (samples.position(records.len()) - voxel).dot(normal);
+            records.push(SurfaceRecord::new(
+                PackedNormal::pack(normal),
+                PackedDepth::pack(depth_vx),
+                samples.openness[64 * z + bit as usize],
+            ));
         }
     }
 }
@@ -108,20 +100,13 @@ impl Normals {
 pub struct SurfaceOf<'a> {
     pub mask: &'a SurfaceMask,
     /// In the order of the mask.
-    pub normals: &'a [PackedNormal],
-    pub depths: &'a [PackedDepth],
-    /// No meaning without surface voxels.
-    pub openness: &'a Table,
+    pub records: &'a [SurfaceRecord],
 }
 
 impl SurfaceOf<'_> {
     /// No surface.
-    const NONE: SurfaceOf<'static> = SurfaceOf {
-        mask: &SurfaceMask { layers: [0; 8] },
-        normals: &[],
-        depths: &[],
-        openness: &[[[0; 3]; 3]; 3],
-    };
+    const NONE: SurfaceOf<'static> =
+        SurfaceOf { mask: &SurfaceMask { layers: [0; 8] }, records: &[] };
 }
 
 /// What a thread needs for one brick.
@@ -168,11 +153,11 @@ impl Batch {
         let last = self.bricks.partition_point(|place| place.stage == TARGET);
         let middle = self.bricks.partition_point(|place| place.stage >= FILTERED);
         grow(&mut self.samples, count);
-        grow(&mut self.normals, last);
+        grow(&mut self.records, last);
         if self.filtered.len() < middle {
             self.filtered.resize(middle, [[0.0; 64]; 3]);
         }
-        let Batch { low, size, places, bricks, samples, filtered, normals, .. } = self;
+        let Batch { low, size, places, bricks, samples, filtered, records, .. } = self;
         let sampled = |place: &Place, out: &mut Sampled| {
             SCRATCH.with_borrow_mut(|scratch| {
                 dispatch!(level, simd => {
@@ -199,9 +184,9 @@ impl Batch {
         };
         let samples = &samples[..count];
         if precision == Precision::Estimated {
-            for_each(&bricks[..last], &mut normals[..last], &|place, out| {
+            for_each(&bricks[..last], &mut records[..last], &|place, out| {
                 if let Some(own) = place_of(place.brick) {
-                    out.estimate(&samples[own].samples);
+                    estimates(&samples[own].samples, out);
                 }
             });
             return;
@@ -216,13 +201,20 @@ impl Batch {
         for_each(&bricks[..middle], &mut filtered[..middle], &filter);
 
         let filtered = &filtered[..middle];
-        let finish = |place: &Place, out: &mut Normals| {
-            out.normals.clear();
-            out.depths.clear();
+        let finish = |place: &Place, out: &mut Vec<SurfaceRecord>| {
+            out.clear();
             let Some(own) = place_of(place.brick) else { return };
             let own = &samples[own].samples;
-            out.normals.resize(own.len(), PackedNormal::NONE);
-            out.depths.resize(own.len(), PackedDepth::default());
+            for (z, layer) in own.mask.layers.into_iter().enumerate() {
+                for bit in bits(layer) {
+                    let openness = own.openness[64 * z + bit as usize];
+                    out.push(SurfaceRecord::new(
+                        PackedNormal::NONE,
+                        PackedDepth::default(),
+                        openness,
+                    ));
+                }
+            }
             let around = |offset| {
                 let place = place_of(place.brick + offset)?;
                 Some((&samples[place].cells, filtered.get(place)?))
@@ -236,27 +228,22 @@ impl Batch {
                     neighbourhood,
                     #[inline(always)]
                     |i, normal, depth_vx| {
-                        out.normals[i] = PackedNormal::pack(normal);
-                        out.depths[i] = PackedDepth::pack(depth_vx);
+                        let (normal, depth) =
+                            (PackedNormal::pack(normal), PackedDepth::pack(depth_vx));
+                        out[i] = SurfaceRecord::new(normal, depth, out[i].openness());
                     },
                 ));
             });
         };
-        for_each(&bricks[..last], &mut normals[..last], &finish);
+        for_each(&bricks[..last], &mut records[..last], &finish);
     }
 
     /// The targets of the last [`Batch::compute`]: brick and surface.
     pub fn results(&self) -> impl Iterator<Item = (u32, SurfaceOf<'_>)> {
         let last = self.bricks.partition_point(|place| place.stage == TARGET);
-        let all = self.bricks[..last].iter().zip(&self.samples).zip(&self.normals);
-        let with_surface = all.map(|((place, Sampled { samples, .. }), values)| {
-            let surface = SurfaceOf {
-                mask: &samples.mask,
-                normals: &values.normals,
-                depths: &values.depths,
-                openness: &samples.openness,
-            };
-            (place.index, surface)
+        let all = self.bricks[..last].iter().zip(&self.samples).zip(&self.records);
+        let with_surface = all.map(|((place, Sampled { samples, .. }), records)| {
+            (place.index, SurfaceOf { mask: &samples.mask, records })
         });
         with_surface.chain(self.bare.iter().map(|index| (*index, SurfaceOf::NONE)))
     }

@@ -1,6 +1,6 @@
 //! The normals of all surface voxels of a sculpture, computed once and looked up by every shader; the depth of each
-//! voxel below the surface, from which [`super::level_set`] makes the smooth surface; and the tables of openness of
-//! the bricks with surface ([`super::occlusion`]), which come of the same bits.
+//! voxel below the surface, from which [`super::level_set`] makes the smooth surface; and the openness of each
+//! ([`super::occlusion`]), which comes of the same bits.
 //!
 //! A normal depends on the voxels within two bricks of its own: [`window`] estimates it from the smoothed bits,
 //! [`cells`] refines it by what lies around on the same surface. After an edit only the bricks around it are
@@ -13,7 +13,6 @@
 
 mod batch;
 mod cells;
-mod openness;
 mod packed;
 mod pages;
 mod seen;
@@ -24,12 +23,10 @@ use glam::{UVec3, Vec3};
 
 use batch::Batch;
 pub use batch::Precision;
-use openness::KeptOpenness;
 pub use packed::{PackedDepth, PackedNormal, unpack_many};
-pub use pages::{NO_PAGE, Pages, PlaceOfNormal, Unit};
+pub use pages::{NO_PAGE, Pages, Records, SurfaceRecord, Unit};
 use seen::sort_from;
 
-use super::occlusion::Table;
 use crate::sculpture::Grid;
 use crate::sculpture::brick::{BRICK_EDGE_VX, Brick};
 use crate::sculpture::brick_set::BrickSet;
@@ -47,8 +44,6 @@ pub struct NormalField {
     /// The page of each brick.
     table: Vec<u32>,
     pages: Pages,
-    /// Of the bricks that have a page.
-    openness: KeptOpenness,
     /// A hash of the bits of each brick that the normals follow: an edit of colours alone changes no normal.
     hashes: Vec<u64>,
     /// Bricks to compute; those from `fresh` on are of the last edits and come first.
@@ -98,7 +93,6 @@ impl NormalField {
         self.pages.clear();
         self.table.clear();
         self.table.resize(count, NO_PAGE);
-        self.openness.clear(count);
         self.hashes.clear();
         self.hashes.resize(count, hash(&Brick::EMPTY));
         self.queued = Flags::new(count);
@@ -185,7 +179,6 @@ impl NormalField {
             let page = std::mem::replace(&mut self.table[index as usize], NO_PAGE);
             if page != NO_PAGE {
                 self.pages.free(page);
-                self.openness.store(index as usize, None);
                 changed.push(index);
             }
         }
@@ -203,15 +196,13 @@ impl NormalField {
         if precision == Precision::Refined {
             targets.iter().for_each(|index| self.queued.remove(*index));
         }
-        let NormalField { table, pages, openness, batch, .. } = self;
+        let NormalField { table, pages, batch, .. } = self;
         batch.for_each_part(grid, targets, &mut |batch, part| {
             batch.compute(level, grid, part, precision);
             for (index, surface) in batch.results() {
-                let values = (surface.normals, surface.depths);
-                let (page, differs) = pages.store(table[index as usize], surface.mask, values);
+                let former = table[index as usize];
+                let (page, differs) = pages.store(former, surface.mask, surface.records);
                 table[index as usize] = page;
-                let has_page = page != NO_PAGE;
-                openness.store(index as usize, has_page.then_some(surface.openness));
                 if differs {
                     changed.push(index);
                 }
@@ -223,22 +214,19 @@ impl NormalField {
     /// was not computed yet.
     #[inline(always)]
     pub fn packed(&self, brick: usize, local: UVec3) -> PackedNormal {
-        match self.table.get(brick) {
-            None | Some(&NO_PAGE) => PackedNormal::NONE,
-            Some(&page) => self.pages.normal(page, local.z as usize, local.x | local.y << 3),
-        }
+        self.record(brick, local).map_or(PackedNormal::NONE, SurfaceRecord::normal)
+    }
+
+    /// What is known of a voxel; none if it is no surface voxel, or was not computed yet.
+    #[inline(always)]
+    pub(super) fn record(&self, brick: usize, local: UVec3) -> Option<SurfaceRecord> {
+        self.pages.record(self.page(brick), local.x | local.y << 3 | local.z << 6)
     }
 
     /// The page of a brick, or [`NO_PAGE`].
     #[inline(always)]
     pub(super) fn page(&self, brick: usize) -> u32 {
         self.table.get(brick).copied().unwrap_or(NO_PAGE)
-    }
-
-    /// The table of openness of a brick, if it has a page; see [`super::occlusion`].
-    #[inline(always)]
-    pub(super) fn openness(&self, brick: usize) -> Option<&Table> {
-        self.openness.table(brick)
     }
 
     /// The unit normal of a voxel in grid coordinates, where there is one.
@@ -251,10 +239,8 @@ impl NormalField {
     /// the voxel's middle below it in units of [`PackedDepth::PER_VX`]. None if it is no surface voxel.
     #[inline(always)]
     pub(super) fn plane(&self, page: u32, local: UVec3) -> Option<(Vec3, f32)> {
-        let (z, bit) = (local.z as usize, local.x | local.y << 3);
-        let depth = self.pages.depth(page, z, bit)?;
-        let normal = self.pages.normal(page, z, bit).unpack();
-        Some((normal.unwrap_or(Vec3::ZERO), f32::from(depth.0)))
+        let record = self.pages.record(page, local.x | local.y << 3 | local.z << 6)?;
+        Some((record.normal().unpack().unwrap_or(Vec3::ZERO), f32::from(record.depth().0)))
     }
 
     /// The page of each brick, by linear index; [`NO_PAGE`] for none.
@@ -262,7 +248,7 @@ impl NormalField {
         &self.table
     }
 
-    /// The pages and blocks of normals, and which of them were written.
+    /// The pages, and which of their units were written.
     pub fn pages(&self) -> &Pages {
         &self.pages
     }

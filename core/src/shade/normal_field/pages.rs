@@ -1,68 +1,125 @@
-//! Storage of packed normals and depths: a page for each brick with surface voxels, blocks of 64 normals, and blocks
-//! of 128 depths.
+//! Storage of what is known of surface voxels: a page for each brick that has any.
 //!
-//! A page has the mask of its surface voxels; a voxel's normal has the number of surface voxels before it. So
-//! memory follows the surface: 128 bytes a brick and 3 to 6 a voxel. Pages and blocks are all 128 bytes, numbers
-//! in one array that a device holds in the same form. What is freed is used again.
+//! A page has the mask of its surface voxels, then a record for each; a voxel's record has the number of surface
+//! voxels before it. So memory follows the surface: 80 bytes a brick and 4 a voxel, rounded up to units of 128 bytes.
+//! All pages are numbers in one array that a device holds in the same form. What is freed is used again.
 
 use bytemuck::{Pod, Zeroable};
 
 use super::packed::{PackedDepth, PackedNormal};
 use super::window::SurfaceMask;
-use crate::sculpture::brick::BRICK_VOXELS;
 
-/// Normals in a block.
-const BLOCK_NORMALS: usize = 64;
-/// Depths in a block.
-const BLOCK_DEPTHS: usize = 128;
-/// Most blocks of a page.
-const PAGE_BLOCKS: usize = BRICK_VOXELS as usize / BLOCK_NORMALS;
-const PAGE_DEPTH_BLOCKS: usize = BRICK_VOXELS as usize / BLOCK_DEPTHS;
+/// Numbers of 4 bytes in a unit.
+const UNIT_NUMBERS: usize = 32;
+/// Numbers of a page before its records: two for the mask of each layer, and the counts before them in halves.
+const HEAD_NUMBERS: usize = 20;
+/// Most units of a page: one of a brick of nothing but surface voxels.
+const MOST_UNITS: usize = (HEAD_NUMBERS + 512_usize).div_ceil(UNIT_NUMBERS);
 
-/// The entry of a brick without a page.
-pub const NO_PAGE: u32 = u32::MAX;
+/// Numbers in a cache line.
+const LINE_NUMBERS: usize = 16;
+/// Cache lines in which the head and the records of most pages are: of up to 108 surface voxels.
+const FETCHED_LINES: usize = 8;
 
-/// Where a normal is kept: its block, and its number in it.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct PlaceOfNormal {
-    block: u32,
-    i: u32,
-}
+/// The entry of a brick without a page: that of a page without surface voxels, so that look-ups need not ask.
+pub const NO_PAGE: u32 = 0;
 
-impl PlaceOfNormal {
-    /// No normal.
-    pub const NONE: PlaceOfNormal = PlaceOfNormal { block: u32::MAX, i: 0 };
-}
-
-/// A page or a block.
+/// What a page and its records consist of.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Pod, Zeroable)]
-pub struct Unit(pub [u32; 32]);
+pub struct Unit(pub [u32; UNIT_NUMBERS]);
 
-/// The normals of one brick.
+/// What is known of a surface voxel: its normal in the lower half, then its depth and its openness in a byte each.
+#[repr(transparent)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Pod, Zeroable)]
+pub struct SurfaceRecord(pub u32);
+
+impl SurfaceRecord {
+    /// That of a voxel that is no surface voxel, or whose brick was not computed yet: without a normal.
+    pub const NONE: SurfaceRecord = SurfaceRecord(PackedNormal::NONE.0 as u32);
+
+    /// `openness`: the share of ambient light that arrives, 255 for all of it.
+    #[inline(always)]
+    pub fn new(normal: PackedNormal, depth: PackedDepth, openness: u8) -> SurfaceRecord {
+        SurfaceRecord(
+            u32::from(normal.0) | u32::from(depth.0) << 16 | u32::from(openness) << Self::OPENNESS,
+        )
+    }
+
+    /// The first bit of the openness.
+    pub const OPENNESS: u32 = 24;
+
+    /// Its normal, if it has one.
+    #[inline(always)]
+    pub fn normal(self) -> PackedNormal {
+        PackedNormal(self.0 as u16)
+    }
+
+    /// How deep its middle is.
+    #[inline(always)]
+    pub fn depth(self) -> PackedDepth {
+        PackedDepth((self.0 >> 16) as u8)
+    }
+
+    /// The share of ambient light that arrives, 255 for all of it.
+    #[inline(always)]
+    pub fn openness(self) -> u8 {
+        (self.0 >> Self::OPENNESS) as u8
+    }
+
+    /// All but the openness.
+    fn shape(self) -> u32 {
+        self.0 & ((1 << Self::OPENNESS) - 1)
+    }
+}
+
+/// The beginning of a page. Its records follow.
 #[repr(C)]
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Pod, Zeroable)]
-struct Page {
+struct Head {
     /// The surface voxels: a word per z, bit `x + 8 y`.
     layers: [u64; 8],
     /// Surface voxels before each layer.
     before: [u16; 8],
-    /// The blocks of the normals, in order.
-    blocks: [u32; PAGE_BLOCKS],
-    /// Those of the depths.
-    depths: [u32; PAGE_DEPTH_BLOCKS],
 }
 
-/// Packed normals of 64 voxels.
-type Block = [PackedNormal; BLOCK_NORMALS];
+impl Head {
+    fn of(mask: &SurfaceMask) -> Head {
+        let mut head = Head { layers: mask.layers, before: [0; 8] };
+        let mut before = 0;
+        for (count, layer) in head.before.iter_mut().zip(mask.layers) {
+            *count = before;
+            before += layer.count_ones() as u16;
+        }
+        head
+    }
 
-/// Pages and blocks.
-#[derive(Debug, Default)]
+    /// Number of surface voxels.
+    fn count(&self) -> usize {
+        usize::from(self.before[7]) + self.layers[7].count_ones() as usize
+    }
+}
+
+/// Units of a page with so many records.
+fn units_for(records: usize) -> usize {
+    (HEAD_NUMBERS + records).div_ceil(UNIT_NUMBERS)
+}
+
+/// The pages of one grid.
+#[derive(Debug)]
 pub struct Pages {
+    /// The first one is [`NO_PAGE`].
     units: Vec<Unit>,
-    free: Vec<u32>,
+    /// Free runs of units, by their length less 1: the first unit of each.
+    free: [Vec<u32>; MOST_UNITS],
     /// The units that were written since they were last asked for.
     written: Vec<u32>,
+}
+
+impl Default for Pages {
+    fn default() -> Pages {
+        Pages { units: vec![Unit::default()], free: Default::default(), written: vec![0] }
+    }
 }
 
 impl Pages {
@@ -79,131 +136,101 @@ impl Pages {
         target.dedup();
     }
 
-    fn page(&self, page: u32) -> &Page {
-        bytemuck::cast_ref(&self.units[page as usize])
-    }
-
-    fn block(&self, block: u32) -> &Block {
-        bytemuck::cast_ref(&self.units[block as usize])
-    }
-
-    /// Where the normal of the voxel at `bit` (`x + 8 y`) of layer `z` of a page is kept, for [`Pages::normal_at`]: in
-    /// two steps, so that the memory that one voxel needs is waited for together with that of others. No block, if it
-    /// is no surface voxel.
+    /// For looking up many records.
     #[inline(always)]
-    pub fn place_of_normal(&self, page: u32, z: usize, bit: u32) -> PlaceOfNormal {
-        let Some(unit) = self.units.get(page as usize) else { return PlaceOfNormal::NONE };
-        let page: &Page = bytemuck::cast_ref(unit);
-        match page.place(z, bit) {
-            Some(i) => PlaceOfNormal {
-                block: page.blocks[i / BLOCK_NORMALS],
-                i: (i % BLOCK_NORMALS) as u32,
-            },
-            None => PlaceOfNormal::NONE,
-        }
+    pub fn records(&self) -> Records<'_> {
+        Records { units: &self.units, numbers: bytemuck::cast_slice(&self.units) }
     }
 
-    /// The normal at a place.
+    /// The record of the voxel `local` (`x + 8 y + 64 z`) of a page; none if it is no surface voxel.
     #[inline(always)]
-    pub fn normal_at(&self, place: PlaceOfNormal) -> PackedNormal {
-        match self.units.get(place.block as usize) {
-            Some(unit) => bytemuck::cast_ref::<Unit, Block>(unit)[place.i as usize % BLOCK_NORMALS],
-            None => PackedNormal::NONE,
-        }
-    }
-
-    /// The normal of the voxel at `bit` (`x + 8 y`) of layer `z` of a page.
-    #[inline(always)]
-    pub fn normal(&self, page: u32, z: usize, bit: u32) -> PackedNormal {
-        let page = self.page(page);
-        match page.place(z, bit) {
-            Some(i) => self.block(page.blocks[i / BLOCK_NORMALS])[i % BLOCK_NORMALS],
-            None => PackedNormal::NONE,
-        }
-    }
-
-    /// The depth of the voxel at `bit` of layer `z` of a page; none if it is no surface voxel.
-    #[inline(always)]
-    pub fn depth(&self, page: u32, z: usize, bit: u32) -> Option<PackedDepth> {
-        let page = self.page(page);
-        let i = page.place(z, bit)?;
-        let block = bytemuck::bytes_of(&self.units[page.depths[i / BLOCK_DEPTHS] as usize]);
-        Some(PackedDepth(block[i % BLOCK_DEPTHS]))
+    pub fn record(&self, page: u32, local: u32) -> Option<SurfaceRecord> {
+        let layer = self.layers(page)[local as usize / 64 % 8];
+        (layer >> (local % 64) & 1 != 0).then(|| self.records().at(page, local))
     }
 
     /// The surface voxels of a page: a word per z, bit `x + 8 y`.
     pub fn layers(&self, page: u32) -> &[u64; 8] {
-        &self.page(page).layers
+        &self.head(page).layers
     }
 
-    /// Stores the normals and depths of a brick, in the order of `mask`, in place of those of `page`, which may be
-    /// [`NO_PAGE`]. Returns the page, and whether it differs from what there was. Without surface voxels there is
-    /// no page.
+    /// Reads a little of the first cache lines of `pages`, so that the memory of all is waited for at once. The result
+    /// has no meaning, but must be used.
+    #[inline(always)]
+    pub fn fetch(&self, pages: &[u32]) -> u32 {
+        let numbers = self.records().numbers;
+        let mut sum = 0;
+        for page in pages {
+            // What follows a short page is most often that of a brick beside it.
+            let first = UNIT_NUMBERS * *page as usize;
+            for line in 0..FETCHED_LINES {
+                sum ^= numbers.get(first + LINE_NUMBERS * line).copied().unwrap_or(0);
+            }
+        }
+        sum
+    }
+
+    fn head(&self, page: u32) -> &Head {
+        let numbers = &self.units[page as usize].0[..HEAD_NUMBERS];
+        bytemuck::from_bytes(bytemuck::cast_slice(numbers))
+    }
+
+    /// Stores the records of a brick, in the order of `mask`, in place of those of `page`, which may be [`NO_PAGE`].
+    /// Returns the page, and whether anything but openness differs from what there was. Without surface voxels there
+    /// is no page.
     pub fn store(
         &mut self,
         page: u32,
         mask: &SurfaceMask,
-        (normals, depths): (&[PackedNormal], &[PackedDepth]),
+        records: &[SurfaceRecord],
     ) -> (u32, bool) {
-        if normals.is_empty() {
+        if records.is_empty() {
             self.free(page);
             return (NO_PAGE, page != NO_PAGE);
         }
-        let is_new = page == NO_PAGE;
-        let page = if is_new { self.new_unit() } else { page };
-        let former = if is_new { Page::default() } else { *self.page(page) };
-        let mut content = Page { layers: mask.layers, ..former };
-        let had = former.count();
-        self.fit(&mut content.blocks, [had, normals.len()], BLOCK_NORMALS);
-        self.fit(&mut content.depths, [had, normals.len()], BLOCK_DEPTHS);
-        let mut before = 0;
-        for (count, layer) in content.before.iter_mut().zip(mask.layers) {
-            *count = before;
-            before += layer.count_ones() as u16;
+        let former = *self.head(page);
+        let head = Head::of(mask);
+        let units = units_for(records.len());
+        let fits = page != NO_PAGE && units_for(former.count()) == units;
+        if !fits {
+            self.free(page);
         }
-        let mut differs = is_new || content != former;
-        if differs {
-            self.units[page as usize] = bytemuck::cast(content);
-            self.written.push(page);
+        let new_page = if fits { page } else { self.new_run(units) };
+        let first = UNIT_NUMBERS * new_page as usize;
+        let numbers: &mut [u32] = bytemuck::cast_slice_mut(&mut self.units);
+        let (old_head, old) =
+            numbers[first..first + HEAD_NUMBERS + records.len()].split_at_mut(HEAD_NUMBERS);
+        let mut differs = !fits || head != former;
+        let new_head: [u32; HEAD_NUMBERS] = bytemuck::cast(head);
+        if !fits || old_head != new_head {
+            old_head.copy_from_slice(&new_head);
+            self.written.push(new_page);
         }
-        for (normals, block) in normals.chunks(BLOCK_NORMALS).zip(content.blocks) {
-            differs |= self.write(block, bytemuck::cast_slice(normals));
+        // Unit by unit, so that only those that differ are written.
+        let mut at = 0;
+        for unit in 0..units {
+            let end = (UNIT_NUMBERS * (unit + 1) - HEAD_NUMBERS).min(records.len());
+            let (old, new) = (&mut old[at..end], &records[at..end]);
+            let new_numbers: &[u32] = bytemuck::cast_slice(new);
+            if !fits || old != new_numbers {
+                differs = differs
+                    || old
+                        .iter()
+                        .zip(new)
+                        .any(|(old, new)| SurfaceRecord(*old).shape() != new.shape());
+                old.copy_from_slice(new_numbers);
+                self.written.push(new_page + unit as u32);
+            }
+            at = end;
         }
-        for (depths, block) in depths.chunks(BLOCK_DEPTHS).zip(content.depths) {
-            differs |= self.write(block, bytemuck::cast_slice(depths));
-        }
-        (page, differs)
-    }
-
-    /// Gives a page as many blocks as it needs, where it had those for another number of values.
-    fn fit(&mut self, blocks: &mut [u32], [had, need]: [usize; 2], block_values: usize) {
-        let [had, need] = [had, need].map(|values| values.div_ceil(block_values));
-        self.free.extend_from_slice(&blocks[need.min(had)..had]);
-        for block in &mut blocks[had.min(need)..need] {
-            *block = self.new_unit();
-        }
-        blocks[need..].fill(0);
-    }
-
-    /// Writes the beginning of a block; returns whether it was different.
-    fn write(&mut self, block: u32, bytes: &[u8]) -> bool {
-        let stored = &mut bytemuck::bytes_of_mut(&mut self.units[block as usize])[..bytes.len()];
-        let differs = stored != bytes;
-        if differs {
-            stored.copy_from_slice(bytes);
-            self.written.push(block);
-        }
-        differs
+        (new_page, differs)
     }
 
     /// Frees a page, which may be [`NO_PAGE`].
     pub fn free(&mut self, page: u32) {
         if page != NO_PAGE {
-            let content = *self.page(page);
-            let count = content.count();
-            self.free.extend_from_slice(&content.blocks[..count.div_ceil(BLOCK_NORMALS)]);
-            self.free.extend_from_slice(&content.depths[..count.div_ceil(BLOCK_DEPTHS)]);
-            self.free.push(page);
+            let units = units_for(self.head(page).count());
+            self.free[units - 1].push(page);
         }
     }
 
@@ -212,26 +239,49 @@ impl Pages {
         *self = Pages::default();
     }
 
-    fn new_unit(&mut self) -> u32 {
-        self.free.pop().unwrap_or_else(|| {
-            self.units.push(Unit::default());
-            self.units.len() as u32 - 1
-        })
+    /// A run of units: the shortest free one that is long enough, or a part of it, or a new one.
+    fn new_run(&mut self, units: usize) -> u32 {
+        let found =
+            (units..=MOST_UNITS).find_map(|length| Some((length, self.free[length - 1].pop()?)));
+        match found {
+            Some((length, run)) => {
+                if length > units {
+                    self.free[length - units - 1].push(run + units as u32);
+                }
+                run
+            }
+            None => {
+                let run = self.units.len();
+                self.units.resize(run + units, Unit::default());
+                run as u32
+            }
+        }
     }
 }
 
-impl Page {
-    /// The number of surface voxels before that at `bit` of layer `z`, if it is one.
-    #[inline(always)]
-    fn place(&self, z: usize, bit: u32) -> Option<usize> {
-        let layer = self.layers[z];
-        let before = (layer & ((1 << bit) - 1)).count_ones() as usize;
-        (layer >> bit & 1 != 0).then_some(usize::from(self.before[z]) + before)
-    }
+/// The records of all pages, as a shader looks them up.
+#[derive(Clone, Copy)]
+pub struct Records<'a> {
+    units: &'a [Unit],
+    numbers: &'a [u32],
+}
 
-    /// Number of surface voxels.
-    fn count(&self) -> usize {
-        usize::from(self.before[7]) + self.layers[7].count_ones() as usize
+impl Records<'_> {
+    /// The record of the voxel `local` (`x + 8 y + 64 z`) of a page, which may be [`NO_PAGE`]. Without branches, so
+    /// that the memory that one voxel needs is waited for together with that of the next ones.
+    #[inline(always)]
+    pub fn at(&self, page: u32, local: u32) -> SurfaceRecord {
+        let z = local as usize / 64 % 8;
+        let Some(unit) = self.units.get(page as usize) else { return SurfaceRecord::NONE };
+        let (layers, counts): (&[u64; 16], &[u16; 64]) =
+            (bytemuck::cast_ref(&unit.0), bytemuck::cast_ref(&unit.0));
+        let layer = layers[z];
+        let below = layer & ((1 << (local % 64)) - 1);
+        let place = usize::from(counts[32 + z]) + below.count_ones() as usize;
+        let number = self.numbers.get(UNIT_NUMBERS * page as usize + HEAD_NUMBERS + place);
+        let exists = layer >> (local % 64) & 1 != 0;
+        let number = number.copied().unwrap_or(0);
+        SurfaceRecord(if exists { number } else { SurfaceRecord::NONE.0 })
     }
 }
 
@@ -247,9 +297,7 @@ mod tests {
         let mut random = Random(9);
         let mut pages = Pages::default();
         let (mut copy, mut written) = (Vec::<Unit>::new(), Vec::new());
-        type Values = (Vec<PackedNormal>, Vec<PackedDepth>);
-        let mut stored: Vec<(u32, SurfaceMask, Values)> = vec![Default::default(); 20];
-        stored.iter_mut().for_each(|(page, ..)| *page = NO_PAGE);
+        let mut stored: Vec<(u32, SurfaceMask, Vec<SurfaceRecord>)> = vec![Default::default(); 20];
         for round in 0..2000 {
             let brick = random.next_u64() as usize % stored.len();
             let density = random.next_u64() % 5;
@@ -260,36 +308,44 @@ mod tests {
                 _ => random.next_u64(),
             });
             let mask = SurfaceMask { layers };
-            let normals: Vec<_> =
-                (0..mask.count()).map(|_| PackedNormal(random.next_u64() as u16)).collect();
-            let depths: Vec<_> =
-                (0..mask.count()).map(|_| PackedDepth(random.next_u64() as u8)).collect();
+            let records: Vec<_> =
+                (0..mask.count()).map(|_| SurfaceRecord(random.next_u64() as u32)).collect();
             let (page, former_mask, former) = &mut stored[brick];
-            let values = (normals, depths);
-            let differs = (&*former_mask, &*former) != (&mask, &values);
-            let slices = (values.0.as_slice(), values.1.as_slice());
-            let (new_page, found) = pages.store(*page, &mask, slices);
+            let shapes = |records: &[SurfaceRecord]| -> Vec<u32> {
+                records.iter().map(|record| record.shape()).collect()
+            };
+            let differs = *former_mask != mask || shapes(former) != shapes(&records);
+            let (new_page, found) = pages.store(*page, &mask, &records);
             assert_eq!(found, differs, "round {round}");
-            assert_eq!(pages.store(new_page, &mask, slices), (new_page, false));
-            (*page, *former_mask, *former) = (new_page, mask, values);
+            assert_eq!(pages.store(new_page, &mask, &records), (new_page, false));
+            // Openness alone is written, but does not count.
+            let lit: Vec<_> =
+                records.iter().map(|record| SurfaceRecord(record.0 ^ 3 << 24)).collect();
+            assert_eq!(pages.store(new_page, &mask, &lit), (new_page, false));
+            (*page, *former_mask, *former) = (new_page, mask, lit);
             pages.take_written(&mut written);
             copy.resize(pages.units().len(), Unit::default());
             written.iter().for_each(|&i| copy[i as usize] = pages.units()[i as usize]);
             assert!(copy == pages.units(), "round {round}");
         }
-        for (page, mask, (normals, depths)) in &stored {
-            let mut expected = normals.iter().zip(depths);
-            for (z, layer) in mask.layers.iter().enumerate().filter(|_| *page != NO_PAGE) {
-                for bit in 0..64 {
-                    let exists = layer >> bit & 1 != 0;
-                    let value = exists.then(|| expected.next().unwrap());
-                    let normal = value.map_or(PackedNormal::NONE, |value| *value.0);
-                    assert_eq!(pages.normal(*page, z, bit), normal);
-                    assert_eq!(pages.normal_at(pages.place_of_normal(*page, z, bit)), normal);
-                    assert_eq!(pages.depth(*page, z, bit), value.map(|value| *value.1));
-                }
+        for (page, mask, records) in &stored {
+            let mut expected = records.iter();
+            for local in 0..512 {
+                let exists = mask.layers[local as usize / 64] >> (local % 64) & 1 != 0;
+                let record = exists.then(|| *expected.next().unwrap());
+                assert_eq!(pages.record(*page, local), record);
+                assert_eq!(pages.records().at(*page, local), record.unwrap_or(SurfaceRecord::NONE));
             }
         }
-        assert!(pages.units().len() <= 20 * 13);
+        assert!(pages.units().len() <= 30 * MOST_UNITS, "{}", pages.units().len());
+        assert!(pages.units()[0] == Unit::default());
+    }
+
+    #[test]
+    fn a_record_gives_back_what_it_was_made_of() {
+        let record = SurfaceRecord::new(PackedNormal(0xABCD), PackedDepth(0x12), 0x34);
+        let parts = (record.normal(), record.depth(), record.openness());
+        assert_eq!(parts, (PackedNormal(0xABCD), PackedDepth(0x12), 0x34));
+        assert_eq!(SurfaceRecord::NONE.normal(), PackedNormal::NONE);
     }
 }

@@ -56,7 +56,6 @@ impl NormalField {
             let page = std::mem::replace(&mut self.table[index as usize], NO_PAGE);
             if page != NO_PAGE {
                 self.pages.free(page);
-                self.openness.store(index as usize, None);
             }
         }
         self.deferred.extend(self.queue.drain(..).filter(|index| !seen.contains(*index)));

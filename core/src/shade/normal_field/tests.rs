@@ -5,6 +5,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::scenes::{self, Random};
+use crate::shade::occlusion::OpennessTables;
 
 mod naive;
 mod seen;
@@ -237,11 +238,15 @@ proptest! {
         prop_assert!(field.is_complete());
         let whole = NormalField::of(&grid);
         prop_assert_eq!(pictures(&grid, &field), pictures(&grid, &whole));
+        let mut tables = OpennessTables::default();
         for brick in 0..grid.brick_count() {
-            prop_assert_eq!(field.openness(brick), whole.openness(brick));
-            let kept = field.openness(brick).copied();
-            let expected = crate::shade::occlusion::table(&grid, grid.brick_coords(brick));
-            prop_assert_eq!(kept, (field.table()[brick] != NO_PAGE).then_some(expected));
+            for local in (0..512).map(|i| UVec3::from(crate::sculpture::brick::local_coords(i))) {
+                let record = field.record(brick, local);
+                prop_assert_eq!(record, whole.record(brick, local));
+                let Some(record) = record else { continue };
+                let expected = tables.openness(&grid, 8 * grid.brick_coords(brick) + local);
+                prop_assert!((f32::from(record.openness()) / 255.0 - expected).abs() < 0.501 / 255.0);
+            }
         }
     }
 }

@@ -16,7 +16,7 @@ use glam::{IVec3, Vec3};
 
 use crate::sculpture::Grid;
 use crate::sculpture::brick::{BRICK_EDGE_VX, Brick};
-use crate::shade::occlusion::{self, WordsAround};
+use crate::shade::occlusion::{self, BrickOpenness, WordsAround};
 
 /// Reach of the smoothing along each axis.
 pub const WINDOW_REACH_VX: usize = 4;
@@ -127,16 +127,11 @@ pub struct Samples {
     pub normals: [Vec<f32>; 3],
     /// 0 to 1.
     pub planarity: Vec<f32>,
-    /// Of a brick with surface, where it was asked for.
-    pub openness: occlusion::Table,
+    /// Of all voxels of a brick with surface, where it was asked for: 255 for all light, `x + 8 y + 64 z`.
+    pub openness: BrickOpenness,
 }
 
 impl Samples {
-    /// Number of samples.
-    pub fn len(&self) -> usize {
-        self.planarity.len()
-    }
-
     pub fn normal(&self, i: usize) -> Vec3 {
         Vec3::new(self.normals[0][i], self.normals[1][i], self.normals[2][i])
     }
@@ -182,7 +177,7 @@ impl Default for Sums {
 pub struct Wanted {
     /// The words with samples: a bit each.
     pub words: u8,
-    /// The table of openness.
+    /// The openness of its voxels.
     pub openness: bool,
 }
 
@@ -204,7 +199,7 @@ pub fn sample<S: Simd>(
         return;
     }
     if wanted.openness {
-        samples.openness = occlusion::table_of(&words);
+        samples.openness.fill(&occlusion::table_of(&words));
     }
     // The rows and layers of voxels that have samples, and those of the cube that these depend on.
     let (mut all, mut layers) = (0, 0);
