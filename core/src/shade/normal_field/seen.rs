@@ -2,7 +2,9 @@
 //! view rests or something else looks at them.
 //!
 //! A picture that must come at once has first estimates ([`super::window`]) where bits have changed; those of the view
-//! at rest have the refined normals. These reach a brick farther, where a picture shows them as they were before the edit.
+//! at rest have the refined normals, however many bricks a stroke has left behind: refined in between, each would hold
+//! up a picture ten times as long as it takes to estimate it. Refined normals reach a brick farther, where a picture
+//! shows them as they were before the edit.
 
 use fearless_simd::Level;
 use rayon::prelude::*;
@@ -18,8 +20,6 @@ use crate::surface::{IndexMap, PixelRect, PixelRects};
 const DEFERRED_PORTION: usize = 256;
 /// Most bricks that are refined at once for a picture that must come at once.
 const PROMPT_PORTION: usize = 24;
-/// Most bricks that are only estimated: a stroke that goes on beyond them waits for a part of them now and then.
-pub(super) const MOST_ESTIMATED: usize = 256;
 /// Rows of a picture in which a thread looks for bricks.
 const ROWS_AT_ONCE: usize = 64;
 
@@ -61,9 +61,6 @@ impl NormalField {
         self.deferred.extend(self.queue.drain(..).filter(|index| !seen.contains(*index)));
         self.fresh = 0;
         let first = changed.len();
-        if precision == Precision::Estimated && self.estimated.len() > MOST_ESTIMATED {
-            self.refine_some(grid, &inexact, changed);
-        }
         if precision == Precision::Refined || targets.len() <= PROMPT_PORTION {
             targets.retain(|index| self.queued.contains(*index));
             self.compute(Level::new(), grid, &targets, Precision::Refined, changed);
@@ -76,23 +73,6 @@ impl NormalField {
         if self.deferred.len() > self.table.len() {
             self.retain_deferred();
         }
-    }
-
-    /// Refines the bricks that have been estimated longest, but for `inexact` ones.
-    fn refine_some(&mut self, grid: &Grid, inexact: &BrickSet, changed: &mut Vec<u32>) {
-        let mut portion = Vec::with_capacity(DEFERRED_PORTION);
-        self.estimated.retain(|&index| {
-            if !self.queued.contains(index) {
-                return false;
-            }
-            let taken = portion.len() < DEFERRED_PORTION && !inexact.contains(index);
-            if taken {
-                portion.push(index);
-            }
-            !taken
-        });
-        portion.sort_unstable();
-        self.compute(Level::new(), grid, &portion, Precision::Refined, changed);
     }
 
     /// Gives first estimates to those of `targets` that are `inexact` or have none.

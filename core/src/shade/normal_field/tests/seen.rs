@@ -6,7 +6,6 @@ use glam::UVec2;
 
 use super::*;
 use crate::sculpture::{NO_VOXEL, Placement};
-use crate::shade::normal_field::seen::MOST_ESTIMATED;
 use crate::surface::{IndexMap, changed_pixels, raycast};
 use crate::view::{Camera, PixelRays};
 
@@ -126,34 +125,6 @@ fn prompt_pictures_show_first_estimates_where_bits_have_changed_and_refine_them_
         before = now;
     });
     assert!(estimated > 1000 && refined > 1000, "{estimated} {refined}");
-}
-
-/// A stroke to and fro that does not end: what it has left behind is refined while it goes on.
-#[test]
-fn what_a_long_stroke_has_left_is_refined_before_it_ends() {
-    let mut grid = scenes::solid_cube(240).unwrap();
-    let before = scenes::solid_cube(240).unwrap();
-    let rays = rays(&grid);
-    let mut map = IndexMap::new(rays);
-    let mut field = NormalField::of(&grid);
-    let mut refined = 0;
-    for (x, y) in (30..95).step_by(9).flat_map(|y| (40..120).step_by(6).map(move |x| (x, y))) {
-        let Some(hit) = raycast::cast(&before, rays.origin, rays.direction(x, y)) else { continue };
-        let changed = ball(&mut grid, hit.voxel.as_ivec3(), 20, false);
-        field.follow(&grid, Some(&changed));
-        raycast::sample(&grid, &rays, &mut map);
-        let pixels = changed_pixels(&grid, &changed, &rays, 16);
-        let estimated = field.estimated.clone();
-        field.update_seen(&grid, [(&map, pixels)], Precision::Estimated, &mut Vec::new());
-        assert!(field.estimated.len() < 2 * MOST_ESTIMATED, "{}", field.estimated.len());
-        let done = estimated.iter().filter(|index| !field.queued.contains(**index));
-        if refined == 0 && done.clone().count() > 0 {
-            let (now, whole) = (pictures(&grid, &field), pictures(&grid, &NormalField::of(&grid)));
-            assert!(done.clone().all(|&index| now[index as usize] == whole[index as usize]));
-        }
-        refined += done.count();
-    }
-    assert!(refined > 100, "{refined} {}", field.estimated.len());
 }
 
 /// An edit of which nothing is seen puts off more than one picture can wait for: the rest follows in portions.
