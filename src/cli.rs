@@ -380,7 +380,13 @@ fn window_or_demo(
 }
 
 fn dispatch(cli: Cli) -> Result<(), ProgramError> {
-    let config = Config::load_over(cli.profile, cli.config.as_deref())?;
+    // What the program says of itself does not depend on settings, which may be wrong.
+    let is_help =
+        matches!(cli.job, Some(Job::Commands | Job::Completions { .. } | Job::Man { .. }));
+    let config = match is_help {
+        true => Config::default(),
+        false => Config::load_over(cli.profile, cli.config.as_deref())?,
+    };
     let device = config.device_options(folders::cache_folder());
     let progress = Bar::new(cli.quiet);
     let context = Context { config: &config, device: &device, progress: &progress };

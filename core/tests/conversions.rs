@@ -200,7 +200,20 @@ pub fn sources(folder: &TempDir) -> Vec<PathBuf> {
         save_as(&path, &shape(), options).unwrap();
         sources.push(path);
     }
+    sources.push(gltf(&folder.path().join("own.glb")));
     sources
+}
+
+/// A `.glb` as a `.gltf`, with its buffer in a file beside it.
+fn gltf(glb: &Path) -> PathBuf {
+    let file = std::fs::read(glb).unwrap();
+    let json_end = 20 + u32::from_le_bytes(file[12..16].try_into().unwrap()) as usize;
+    std::fs::write(glb.with_extension("bin"), &file[json_end + 8..]).unwrap();
+    let json = std::str::from_utf8(&file[20..json_end]).unwrap();
+    let (before, buffers) = json.split_once("\"buffers\":[{").unwrap();
+    let path = glb.with_extension("gltf");
+    std::fs::write(&path, format!("{before}\"buffers\":[{{\"uri\":\"own.bin\",{buffers}")).unwrap();
+    path
 }
 
 /// The rows of the table of docs/formats.md that begins with that line, by the endings in their first column.

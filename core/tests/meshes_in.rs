@@ -272,6 +272,49 @@ fn the_same_box_in_all_formats() {
 }
 
 #[test]
+fn gltf_takes_its_numbers_from_files_beside_it_and_from_itself() {
+    let files = Files::new();
+    let whole = std::fs::read(files.glb(|json| json)).unwrap();
+    let json_end = 20 + u32::from_le_bytes(whole[12..16].try_into().unwrap()) as usize;
+    let json = std::str::from_utf8(&whole[20..json_end]).unwrap();
+    let binary = whole[json_end + 8..].to_vec();
+    let with =
+        |uri: &str| json.replace(r#""buffers":[{"#, &format!(r#""buffers":[{{"uri":"{uri}","#));
+    std::fs::create_dir(files.write("a.bin", binary.clone()).with_file_name("deeper")).unwrap();
+    files.write("deeper/a b.bin", binary.clone());
+    let data = format!("data:application/octet-stream;base64,{}", format::base64::encode(&binary));
+    let expected = load(&files.write("b.glb", &whole), &sized(16)).unwrap().contents;
+    for uri in ["a.bin", "./deeper/a%20b.bin", data.as_str()] {
+        let loaded = load(&files.write("a.gltf", with(uri)), &sized(16)).unwrap();
+        assert_eq!(loaded.notes, Vec::<String>::new(), "{uri}");
+        assert!(loaded.assumed_up.is_none() && loaded.contents.grid.opaque_count() == 512);
+        let at = UVec3::new(0, 3, 2);
+        assert_eq!(loaded.contents.rgb(at), expected.rgb(at), "{uri}");
+    }
+    for (text, part) in [
+        (with("../a.bin"), "outside the folder"),
+        (with("none.bin"), "none.bin"),
+        (json.to_string(), "does not have its buffer"),
+        (with("a.bin").replace(r#""version":"2.0""#, r#""version":"1.0""#), "only 2"),
+        (with("a.bin").replace("asset", "nothing"), "asset"),
+        (with("a.bin")[..300].to_string(), "description"),
+    ] {
+        let error = load(&files.write("bad.gltf", text), &sized(16)).unwrap_err().to_string();
+        assert!(error.contains(part), "{part}: {error}");
+    }
+    files.write("a.bin", binary[..199].to_vec());
+    let error = load(&files.write("cut.gltf", with("a.bin")), &sized(16)).unwrap_err().to_string();
+    assert!(error.contains("bufferViews 2"), "{error}");
+    // A texture that is not there costs the colours alone.
+    let textured = with("deeper/a b.bin")
+        .replace(r#""baseColorFactor""#, r#""baseColorTexture":{"index":0},"baseColorFactor""#);
+    let textured =
+        textured.replacen('{', r#"{"textures":[{"source":0}],"images":[{"uri":"/etc/a.png"}],"#, 1);
+    let loaded = load(&files.write("textured.gltf", textured), &sized(16)).unwrap();
+    assert!(loaded.notes[0].contains("outside the folder"), "{:?}", loaded.notes);
+}
+
+#[test]
 fn damaged_glb_files_are_refused_with_a_place() {
     let files = Files::new();
     for (from, to, part) in [

@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 
 use glam::{IVec3, UVec3, Vec3};
 use sculpture_core::format::options::{
-    Colouring, Cubic, Existence, ImportOptions, MeshSize, Region,
+    Colouring, Cubic, Existence, ExportForm, ImportOptions, MeshSize, Region,
 };
 use sculpture_core::format::{self, Family, Study, VolumeStudy};
-use sculpture_core::sculpture::Limits;
 use sculpture_core::sculpture::history::Contents;
 use sculpture_core::sculpture::orientation::Up;
+use sculpture_core::sculpture::{Brick, ColourDepth, Grid, Limits, Material, Rgb};
 use trials::shared_file;
 
 fn study(path: &Path) -> Study {
@@ -179,11 +179,94 @@ fn a_mesh_lies_in_the_grid_that_it_gets() {
     assert!(mesh.outlook(&huge, &Limits::default()).is_err());
 }
 
+/// An L of seven voxels in a grid of 4 x 3 x 2, two of them of another colour.
+fn model(folder: &Path, name: &str) -> PathBuf {
+    let limits = Limits::default();
+    let mut grid = Grid::new(UVec3::new(4, 3, 2), Vec3::ONE, limits.grid_bytes).unwrap();
+    let mut material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::new(200, 10, 10));
+    for (x, y, z) in [(0, 0, 0), (1, 0, 0), (2, 0, 0), (3, 0, 0), (0, 1, 0), (0, 2, 0), (0, 2, 1)] {
+        grid.set(IVec3::new(x, y, z), true);
+    }
+    let mut top = Brick::EMPTY;
+    top.set(0, 2, 0, true);
+    top.set(0, 2, 1, true);
+    material.paint(0, &top, Rgb::new(10, 200, 10));
+    let path = folder.join(name);
+    let contents = Contents { grid, material };
+    format::save(&path, &contents, ExportForm::Auto, &()).unwrap();
+    path
+}
+
+#[test]
+fn a_model_is_shown_as_it_is_made_whichever_way_is_up() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["l.vox", "l.qb"] {
+        let path = model(folder.path(), name);
+        let Study::Model(study) = study(&path) else { panic!("{name}") };
+        let palette = [(Rgb::new(200, 10, 10), 5), (Rgb::new(10, 200, 10), 2)];
+        assert_eq!((study.voxels, &study.palette[..]), (7, &palette[..]), "{name}");
+        assert_eq!(study.surface.len(), 7);
+        let usual = if name == "l.vox" { Up::Z } else { Up::Y };
+        assert_eq!(study.up(&ImportOptions::default()), usual);
+        let ups = Up::NAMED.iter().map(|(up, _)| Some(*up));
+        let plain = load(&path, &ImportOptions::default());
+        assert_eq!(plain.grid.dims(), UVec3::new(4, 3, 2), "{name}");
+        for upright in ups.chain([None]) {
+            let options = ImportOptions { upright, ..ImportOptions::default() };
+            let made = load(&path, &options);
+            let outlook = study.outlook(&options, &Limits::default()).unwrap();
+            assert_eq!(outlook.dims, made.grid.dims(), "{name} {upright:?}");
+            assert_eq!(made.grid.opaque_count(), 7);
+            if upright.is_none_or(|up| up == usual) {
+                assert_eq!(made.grid.dims(), plain.grid.dims());
+            }
+            let in_grid = study.in_grid(&options);
+            for voxel in &study.surface {
+                let at = in_grid(voxel.at.as_vec3() + 0.5).floor();
+                assert!(made.grid.get(at.as_ivec3()), "{name} {upright:?} {at}");
+                assert_eq!(made.rgb(at.as_uvec3()), voxel.colour);
+                for (side, by) in [Vec3::NEG_X, Vec3::X, Vec3::NEG_Y, Vec3::Y, Vec3::NEG_Z, Vec3::Z]
+                    .into_iter()
+                    .enumerate()
+                {
+                    let beside = in_grid(voxel.at.as_vec3() + 0.5 + by).floor().as_ivec3();
+                    let is_open = voxel.open_sides >> side & 1 != 0;
+                    assert_eq!(is_open, !made.grid.get(beside), "{name} {upright:?} {beside}");
+                }
+            }
+        }
+        let grey = ImportOptions { colouring: Colouring::Grey, ..ImportOptions::default() };
+        assert!(study.outlook(&grey, &Limits::default()).is_err());
+        let small = Limits { grid_bytes: 8, ..Limits::default() };
+        assert!(study.outlook(&ImportOptions::default(), &small).is_err());
+    }
+}
+
+#[test]
+fn what_is_said_about_up_is_used_or_the_person_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let patient = "space: left-posterior-superior\nspace directions: (1,0,0) (0,1,0) (0,0,2)\n";
+    let options = ImportOptions { upright: Some(Up::MinusX), ..ImportOptions::default() };
+    for (path, is_told) in [
+        (scan(folder.path(), "lies.nrrd", patient), true),
+        (scan(folder.path(), "open.nrrd", ""), false),
+        (model(folder.path(), "l.vox"), false),
+        (model(folder.path(), "l.vsc"), true),
+    ] {
+        let told = |options: &ImportOptions| {
+            let loaded = format::load(&path, options, &Limits::default(), &()).unwrap();
+            loaded.notes.iter().any(|note| note.contains("`-x`"))
+        };
+        assert_eq!(told(&options), is_told, "{path:?}");
+        assert!(!told(&ImportOptions::default()));
+    }
+}
+
 #[test]
 fn files_that_leave_nothing_open_are_told_apart() {
     for (name, of) in [
         ("a.vsc", None),
-        ("a.vox", None),
+        ("a.vox", Some(Family::Model)),
         ("a.txt", None),
         ("a", None),
         ("a.nii.gz", Some(Family::Volume)),

@@ -4,10 +4,10 @@ use egui::{Button, ComboBox, DragValue, Grid, Response, RichText, Slider, Ui, Wi
 use glam::Vec3;
 
 use super::{UiState, look, theme};
-use crate::render::LightOptions;
 use crate::render::light::{
     Lamp, LampFrame, LampKind, MAX_EXPOSURE_EV, MAX_INTENSITY, MAX_SUN_DEG,
 };
+use crate::render::{Finish, LightOptions};
 use crate::shade::{MAX_LIGHTS, Smoothing, ToneMapping};
 
 const WIDTH: f32 = 270.0;
@@ -19,11 +19,13 @@ const PLACES: [[f32; 3]; MAX_LIGHTS] =
     [[-0.4, 0.7, 0.6], [0.8, 0.2, 0.5], [0.0, -0.8, 0.4], [0.0, 0.6, -0.8]];
 
 /// What the window remembers.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+#[derive(Clone, PartialEq, Debug, Default)]
 pub struct LightWindow {
     pub open: bool,
     /// The lamp whose place is shown.
     pub lamp: usize,
+    /// As the settings have them, which *Reset lights* goes back to.
+    pub usual: (LightOptions, Finish),
 }
 
 pub fn show(root: &Ui, state: &mut UiState) {
@@ -150,8 +152,7 @@ fn lamps(ui: &mut Ui, state: &mut UiState) {
             lamps.push(Lamp { place, intensity: 0.5, ..Lamp::default() });
         }
         let all = ui.button("Reset lights");
-        reset =
-            all.on_hover_text("Lamps, look and everything below as at the first start").clicked();
+        reset = all.on_hover_text("Lamps, look and everything below as the settings say").clicked();
     });
     for (i, lamp) in lamps.iter_mut().enumerate() {
         ui.push_id(i, |ui| {
@@ -177,8 +178,8 @@ fn lamps(ui: &mut Ui, state: &mut UiState) {
     }
     if reset {
         state.dialogs.light.lamp = 0;
-        state.view.light = LightOptions::default();
-        state.view.finish = Default::default();
+        let (light, finish) = &state.dialogs.light.usual;
+        (state.view.light, state.view.finish) = (light.clone(), *finish);
     }
 }
 

@@ -301,12 +301,15 @@ pub struct UiOptions<'a> {
 impl UiState {
     /// The state at the start.
     pub fn new(options: &UiOptions) -> UiState {
+        let finish = options.render.finish();
+        let mut dialogs = Dialogs::new(&options.new);
+        dialogs.light.usual = (options.light.clone(), finish);
         UiState {
             view: ViewState {
                 mode: options.render.mode.unwrap_or_default(),
                 mode_is_automatic: options.render.mode.is_none(),
                 light: options.light.clone(),
-                finish: options.render.finish(),
+                finish,
                 smooth_surface: options.render.smooth_surface,
                 refine: options.render.refine,
                 smooth_edges: options.render.smooth_edges.unwrap_or(false),
@@ -334,7 +337,7 @@ impl UiState {
                 blend: options.headset.blend,
             },
             references: Vec::new(),
-            dialogs: Dialogs::new(&options.new),
+            dialogs,
             toasts: Toasts::default(),
         }
     }

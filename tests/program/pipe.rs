@@ -106,6 +106,13 @@ fn shells_and_man_know_all_commands() {
     let page = succeed(path, &["man", "convert"]);
     assert!(page.contains("virtual") && page.contains("form"), "{page}");
     assert!(fail(path, &["man", "fly"], 2).contains("'fly'"));
+    // They do not depend on settings, which may be wrong.
+    std::fs::create_dir_all(path.join("virtual-sculpture")).unwrap();
+    std::fs::write(path.join("virtual-sculpture/config.toml"), "nonsense = 1").unwrap();
+    fail(path, &["info", "a.vsc"], 2);
+    for help in [&["completions", "bash"][..], &["man"], &["commands"]] {
+        assert!(!succeed(path, help).is_empty());
+    }
 }
 
 /// The script for Python that the guide names.

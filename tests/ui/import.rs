@@ -53,6 +53,16 @@ fn mesh(folder: &Path, name: &str) -> PathBuf {
     path
 }
 
+/// A block of two colours, as high as it is wide and deep together.
+fn model(folder: &Path, name: &str) -> PathBuf {
+    let mut harness = bench();
+    let path = folder.join(name);
+    run(&mut harness, "new dims=8,16,8 colour=24");
+    run(&mut harness, "recolour cuboid at=4,2,4 half=4,2,4 colour=#c03020");
+    run(&mut harness, &format!("save {path:?}"));
+    path
+}
+
 fn settle(harness: &mut Bench) {
     for _ in 0..3 {
         harness.run_steps(3);
@@ -167,6 +177,39 @@ fn a_mesh_is_measured_in_voxels_or_millimetres() {
 }
 
 #[test]
+fn a_voxel_model_is_shown_with_its_palette_and_turned() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = model(folder.path(), "tower.vox");
+    let mut harness = bench();
+    drop_file(&mut harness, &path);
+    for label in ["Import tower.vox", "Up", "Colours", "Palette: 2 colours"] {
+        assert!(has(&harness, label), "{label}");
+    }
+    harness.get_by_label("8 × 16 × 8 voxels, 8.0 × 16.0 × 8.0 mm").rect();
+    assert_eq!(dims(&harness), [64; 3], "nothing is opened yet");
+    click(&mut harness, "Up");
+    click(&mut harness, "−X up");
+    harness.get_by_label("16 × 8 × 8 voxels, 16.0 × 8.0 × 8.0 mm").rect();
+    click(&mut harness, "Colours");
+    click(&mut harness, "8 bits");
+    press(&mut harness, "Import");
+    assert_eq!((is_open(&harness), dims(&harness)), (false, [16, 8, 8]));
+    let depth = harness.state().session().document().material().depth();
+    assert_eq!(depth.bits(), 8);
+    assert!(!has(&harness, "Which axis points up?"));
+    run(&mut harness, "undo");
+    assert_eq!(dims(&harness), [64; 3]);
+    // The next is asked about with the same.
+    drop_file(&mut harness, &path);
+    assert!(has(&harness, "16 × 8 × 8 voxels, 16.0 × 8.0 × 8.0 mm"));
+    click(&mut harness, "Colours");
+    click(&mut harness, "None");
+    press(&mut harness, "Import");
+    let depth = harness.state().session().document().material().depth();
+    assert_eq!(depth.bits(), 0);
+}
+
+#[test]
 fn what_leaves_nothing_open_or_is_not_to_be_asked_opens_at_once() {
     let folder = tempfile::tempdir().unwrap();
     let own = folder.path().join("own.pvm");
@@ -220,9 +263,10 @@ fn its_buttons_can_be_reached_in_small_windows() {
     let folder = tempfile::tempdir().unwrap();
     let scan = scan(folder.path(), "ball.nrrd");
     let mesh = mesh(folder.path(), "wedge.obj");
+    let model = model(folder.path(), "tower.vox");
     for size in [vec2(640.0, 480.0), vec2(800.0, 600.0), vec2(1280.0, 800.0)] {
         let mut harness = bench_of(&config(16), size);
-        for path in [&scan, &mesh] {
+        for path in [&scan, &mesh, &model] {
             drop_file(&mut harness, path);
             for label in ["Import", "Cancel", "Ask each time"] {
                 let button = harness.get_by_label(label).rect();

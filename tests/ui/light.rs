@@ -8,7 +8,7 @@ use virtual_sculpture::shade::{
 };
 use virtual_sculpture::ui::look;
 
-use super::bench::{Bench, bench, click, key};
+use super::bench::{Bench, bench, bench_of, click, config, key};
 
 fn lighting(harness: &Bench) -> Lighting {
     harness.state().ui.view.lighting()
@@ -48,6 +48,19 @@ fn lamps_are_added_placed_and_taken_away() {
     assert_eq!(harness.state().ui.view.light, Default::default());
     key(&mut harness, Modifiers::NONE, Key::Escape);
     assert!(harness.query_by_label("Add light").is_none(), "Escape closes the window");
+}
+
+#[test]
+fn reset_goes_back_to_what_the_settings_say() {
+    let mut config = config(16);
+    config.light.exposure = 0.75;
+    config.light.lamps.truncate(1);
+    let mut harness = bench_of(&config, egui::vec2(1280.0, 800.0));
+    key(&mut harness, Modifiers::NONE, Key::F4);
+    click(&mut harness, "Add light");
+    assert_ne!(harness.state().ui.view.light, config.light);
+    click(&mut harness, "Reset lights");
+    assert_eq!(harness.state().ui.view.light, config.light);
 }
 
 #[test]

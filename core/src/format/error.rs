@@ -25,13 +25,25 @@ pub enum FormatError {
     #[error("this is a folder, a pipe or a device, not a file; choose a file")]
     NotAFile,
     /// No format has this file extension.
-    #[error("the file extension `{0}` is unknown; known are .{list}", list = super::READ_ENDINGS.join(", ."))]
+    #[error(
+        "the file extension `{0}` is unknown; read are .{list}",
+        list = super::READ_ENDINGS.join(", .")
+    )]
     UnknownEnding(String),
     /// The path has no file extension to choose the format by.
-    #[error("the file name has no extension; add one of .{list}", list = super::READ_ENDINGS.join(", ."))]
+    #[error(
+        "the file name has no extension; add one of .{list}",
+        list = super::READ_ENDINGS.join(", .")
+    )]
     NoEnding,
+    /// A file is to be written under a name that no format has.
+    #[error(
+        "the file name has no extension of a format that is written; choose one of .{list}",
+        list = super::WRITE_ENDINGS.join(", .")
+    )]
+    NotWritten,
     /// A file that holds something else than its name says, which is not read.
-    #[error("the name is that of another kind of file: this one holds {0}")]
+    #[error("choose another file; the name is that of another kind of file: this one holds {0}")]
     OtherContent(&'static str),
     /// Reading needs more memory than the limits allow.
     #[error(
@@ -52,28 +64,32 @@ pub enum FormatError {
     #[error("this image cannot be used: {0}; choose a PNG or JPEG file")]
     Picture(String),
     /// The file has no bytes.
-    #[error("the file is empty")]
+    #[error("the file is empty; copy or export it again")]
     Empty,
     /// The file does not start as a PVM volume does.
-    #[error("this is not a PVM volume: it begins with `{0}`, not with PVM, PVM2, PVM3 or a DDS id")]
+    #[error(
+        "this is not a PVM volume: it begins with `{0}`, not with PVM, PVM2, PVM3 or a DDS id; export it as PVM again"
+    )]
     NotPvm(String),
     /// An unknown version of DDS compression.
-    #[error("the DDS stream is of type `{}`; only v3d and v3e are supported", .0.escape_default())]
+    #[error("the DDS stream is of type `{}`; only v3d and v3e are supported; pack it as one of these, or not at all", .0.escape_default())]
     DdsVersion(String),
     /// DDS compression of nothing.
-    #[error("the DDS stream is empty; the file is damaged")]
+    #[error("the DDS stream is empty; the file is damaged: copy it again")]
     DdsEmpty,
     /// DDS compression of something that is not a PVM volume.
-    #[error("the DDS stream does not contain a PVM volume: it unpacks to `{0}`")]
+    #[error(
+        "the DDS stream does not contain a PVM volume: it unpacks to `{0}`; the file is damaged: copy it again"
+    )]
     NotPvmInside(String),
     /// The PVM header ends before the named line.
-    #[error("the header ends before its {0} line; the file is truncated")]
+    #[error("the header ends before its {0} line; the file is truncated: copy it again")]
     HeaderCut(&'static str),
     /// The PVM header is longer than any valid one.
-    #[error("the header is longer than {} KiB; the file is damaged", super::pvm::HEADER_LIMIT >> 10)]
+    #[error("the header is longer than {} KiB; the file is damaged: copy it again", super::pvm::HEADER_LIMIT >> 10)]
     HeaderTooLong,
     /// A line of the PVM header is not valid.
-    #[error("the header's {what} line is `{line}`, but must be {rule}")]
+    #[error("the header's {what} line is `{line}`, but must be {rule}; export it again")]
     Header {
         /// Name of the line.
         what: &'static str,
@@ -88,11 +104,13 @@ pub enum FormatError {
     )]
     TextCopy,
     /// The size in the PVM header is out of range.
-    #[error("the header asks for 2^32 bytes of voxels or more, which a PVM volume cannot have")]
+    #[error(
+        "the header asks for 2^32 bytes of voxels or more, which a PVM volume cannot have; export a smaller part, or as NRRD"
+    )]
     HeaderTooLarge,
     /// The file has fewer bytes of voxels than its header says.
     #[error(
-        "the header asks for {expected} bytes of voxels, but {found} follow; the file is truncated"
+        "the header asks for {expected} bytes of voxels, but {found} follow; the file is truncated: copy it again"
     )]
     VoxelsCut {
         /// Bytes expected.
@@ -101,17 +119,17 @@ pub enum FormatError {
         found: u64,
     },
     /// The file has bytes after its end.
-    #[error("there are {0} unexpected bytes after the volume; the file is damaged")]
+    #[error("there are {0} unexpected bytes after the volume; the file is damaged: copy it again")]
     Trailing(u64),
     /// The texts after the voxels end too early.
-    #[error("the four texts after the voxels are incomplete; the file is truncated")]
+    #[error("the four texts after the voxels are incomplete; the file is truncated: copy it again")]
     TextsCut,
     /// The texts after the voxels are longer than allowed.
-    #[error("the texts after the voxels are longer than {} MiB", super::pvm::TEXTS_LIMIT >> 20)]
+    #[error("the texts after the voxels are longer than {} MiB; remove or shorten them", super::pvm::TEXTS_LIMIT >> 20)]
     TextsTooLong,
 
     /// The file does not start as a .vsc file does.
-    #[error("this is not a .vsc sculpture: it begins with `{0}`")]
+    #[error("this is not a .vsc sculpture: it begins with `{0}`; open it under its own name")]
     NotVsc(String),
     /// A .vsc file of an unknown version.
     #[error(
@@ -119,7 +137,7 @@ pub enum FormatError {
     )]
     VscVersion(u32),
     /// A .vsc file whose parts contradict each other or their checksums.
-    #[error("the file is damaged: {0}")]
+    #[error("the file is damaged: {0}; copy it again, or open an earlier copy")]
     Damaged(&'static str),
     /// An export form was given for .vsc, which has only one.
     #[error(
@@ -134,6 +152,16 @@ pub enum FormatError {
         place: String,
         /// What is wrong there.
         what: String,
+    },
+    /// A file that a mesh names, but that cannot be read beside it.
+    #[error(
+        "the mesh needs {name:?}, but {why}; put it beside the mesh, or export the mesh as .glb, which holds all in one file"
+    )]
+    Beside {
+        /// As the mesh names it.
+        name: String,
+        /// Why it cannot be read.
+        why: String,
     },
     /// A scan that is not what its name says, or of a kind that is not read.
     #[error("{0}")]
@@ -176,7 +204,9 @@ pub enum FormatError {
     )]
     NoRawLayout,
     /// The length of a .raw file does not match its layout.
-    #[error("{expected} bytes were expected for {layout}, but the file has {found}")]
+    #[error(
+        "{expected} bytes were expected for {layout}, but the file has {found}; give its layout anew, `:skip=` for a header"
+    )]
     RawLength {
         /// The layout that was given.
         layout: String,
@@ -188,7 +218,7 @@ pub enum FormatError {
 
     /// A region that is not in the volume.
     #[error(
-        "the region {region} reaches beyond the {}x{}x{} voxels of the file, which are counted from 0",
+        "the region {region} reaches beyond the {}x{}x{} voxels of the file, which are counted from 0; choose a smaller one",
         dims.x, dims.y, dims.z
     )]
     Region {
@@ -202,10 +232,14 @@ pub enum FormatError {
     Pieces(PiecesError),
 
     /// Unsupported number of bytes per voxel.
-    #[error("voxels of {0} bytes are not supported; voxels must have 1 to 4 bytes")]
+    #[error(
+        "voxels of {0} bytes are not supported; voxels must have 1 to 4 bytes; export it with fewer"
+    )]
     Components(u32),
     /// A colouring that needs densities, of a volume that has none.
-    #[error("{colouring} colours are made from densities, but this volume holds {samples}")]
+    #[error(
+        "{colouring} colours are made from densities, but this volume holds {samples}; leave `--colouring` out"
+    )]
     NotDensities {
         /// The colouring asked for.
         colouring: Colouring,
@@ -213,11 +247,11 @@ pub enum FormatError {
         samples: Samples,
     },
     /// Packed colours were asked for, of a volume of another sample type.
-    #[error("packed colours have 8, 16 or 24 bits, but this volume holds {0}")]
+    #[error("packed colours have 8, 16 or 24 bits, but this volume holds {0}; leave `packed` out")]
     NotPacked(Samples),
     /// A threshold was given for packed colours.
     #[error(
-        "a threshold cannot be used with packed colours, where 0 means empty and everything else filled"
+        "a threshold cannot be used with packed colours, where 0 means empty and everything else filled; leave one of them out"
     )]
     ThresholdOfPacked,
     /// The colours would not fit into [`crate::sculpture::Limits::colour_bytes`].
@@ -239,7 +273,7 @@ pub enum FormatError {
     )]
     TooLargeForPvm(u64),
     /// PVM cannot store this sample type.
-    #[error("a PVM volume cannot hold {0}")]
+    #[error("a PVM volume cannot hold {0}; save it as .vsc")]
     NotInPvm(Samples),
     /// A text cannot be stored since PVM ends texts with NUL.
     #[error("the {0} text contains a NUL, which ends a text in PVM; remove it")]

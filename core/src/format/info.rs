@@ -123,7 +123,7 @@ fn info_as(
         Format::Voxel(kind) => {
             let file = read_file(path, limits, progress)?;
             let model = voxel::read(kind, &file)?;
-            let Contents { grid, .. } = voxel::to_contents(&*model, options, limits, progress)?;
+            let Contents { grid, .. } = voxel::turned(&*model, options, limits, progress)?;
             let (bytes, notes) = (file.len() as u64, model.notes());
             return Ok(of_model(model.kind(), bytes, grid.dims(), grid.voxel_size(), notes));
         }

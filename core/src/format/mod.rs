@@ -50,7 +50,10 @@ use self::options::{Colouring, ExportForm, ExportOptions, ImportOptions};
 pub use self::picture::{load_matcap, load_picture, load_picture_file, picture_of};
 pub use self::scan::base64;
 pub use self::signature::Signature;
-pub use self::study::{Existing, Family, MeshStudy, Outlook, Study, VolumeStudy, family, study};
+pub use self::study::{
+    Existing, Family, MeshStudy, ModelStudy, Outlook, Study, SurfaceVoxel, VolumeStudy, family,
+    study,
+};
 pub use self::volume::{Samples, Texts, Volume};
 use crate::progress::Progress;
 use crate::sculpture::history::Contents;
@@ -59,9 +62,9 @@ use crate::sculpture::orientation::{Orientation, Up};
 use crate::sculpture::{Grid, Limits};
 
 /// Extensions of the files that can be read.
-pub const READ_ENDINGS: [&str; 21] = [
+pub const READ_ENDINGS: [&str; 22] = [
     "vsc", "pvm", "raw", "nii", "nii.gz", "hdr", "nrrd", "nhdr", "vti", "tif", "tiff", "dcm",
-    "dicom", "vox", "qb", "gox", "binvox", "obj", "stl", "ply", "glb",
+    "dicom", "vox", "qb", "gox", "binvox", "obj", "stl", "ply", "glb", "gltf",
 ];
 /// Extensions of the files that can be written.
 pub const WRITE_ENDINGS: [&str; 10] =
@@ -95,7 +98,7 @@ impl Format {
             "obj" => Ok(Format::Mesh(mesh_in::Kind::Obj)),
             "stl" => Ok(Format::Mesh(mesh_in::Kind::Stl)),
             "ply" => Ok(Format::Mesh(mesh_in::Kind::Ply)),
-            "glb" => Ok(Format::Mesh(mesh_in::Kind::Glb)),
+            "glb" | "gltf" => Ok(Format::Mesh(mesh_in::Kind::Glb)),
             _ => Err(FormatError::UnknownEnding(format!(".{ending}"))),
         }
     }
@@ -156,7 +159,11 @@ pub fn load(
 ) -> Result<Loaded, FormatError> {
     let (format, disagreement) = content::format_of(path)?;
     let mut loaded = load_as(format, path, options, limits, progress)?;
-    loaded.notes.splice(0..0, told(path, disagreement.into_iter().collect()));
+    let of_itself = matches!(format, Format::Vsc | Format::Scan(_) | Format::Mesh(_));
+    let unused = options.upright.filter(|_| of_itself && loaded.assumed_up.is_none()).map(|up| {
+        format!("the file says itself which way is up, so `{up}` was left out; turn the sculpture once it is open")
+    });
+    loaded.notes.splice(0..0, told(path, disagreement.into_iter().chain(unused).collect()));
     Ok(loaded)
 }
 
@@ -177,7 +184,7 @@ fn load_as(
         Format::Voxel(kind) => {
             let file = read_file(path, limits, progress)?;
             let model = voxel::read(kind, &file)?;
-            let contents = voxel::to_contents(&*model, options, limits, progress)?;
+            let contents = voxel::turned(&*model, options, limits, progress)?;
             return Ok(Loaded::model(contents, Texts::default(), told(path, model.notes())));
         }
         Format::Mesh(kind) => {
@@ -282,7 +289,7 @@ pub fn save_with(
         go_on(progress)?;
         volume
     };
-    let bytes = match Format::of(path)? {
+    let bytes = match Format::of(path).map_err(|_| FormatError::NotWritten)? {
         Format::Vsc if form != ExportForm::Auto => return Err(FormatError::FormOfVsc(form)),
         Format::Vsc => vsc::write(contents, &texts, progress)?,
         Format::Mesh(_) | Format::Scan(_) => return Err(FormatError::ReadOnly),

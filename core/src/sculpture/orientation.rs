@@ -68,6 +68,11 @@ impl Orientation {
         inverse
     }
 
+    /// Whether an axis (0 to 2), before it is moved, is reversed.
+    pub fn reverses(self, axis: usize) -> bool {
+        self.reversed[axis]
+    }
+
     /// Moves what belongs to each axis to where that axis goes. Directions do not matter.
     pub fn permuted<T: Copy>(self, values: [T; 3]) -> [T; 3] {
         let mut out = values;

@@ -3,12 +3,10 @@
 //!
 //! Takes a sample of its triangles; changes the options of the import.
 
-use egui::{
-    Color32, ComboBox, DragValue, Grid, Pos2, Rect, RichText, Sense, Shape, Stroke, Ui, Vec2, pos2,
-};
-use glam::{Mat3, Vec3};
+use egui::{ComboBox, DragValue, Grid, RichText, Sense, Shape, Stroke, Ui, Vec2};
 
 use super::OPTIONS_WIDTH;
+use super::box_view::{self, BoxView};
 use super::histogram::CLAY;
 use crate::format::MeshStudy;
 use crate::format::options::{Colouring, ImportOptions, MeshFill, MeshSize};
@@ -17,10 +15,6 @@ use crate::sculpture::orientation::Up;
 use crate::ui::top_bar::capital;
 use crate::ui::upright;
 
-/// From where a mesh is looked at first.
-pub const VIEW: [f32; 2] = [0.6, 0.35];
-/// Radians for each point that the pointer is dragged.
-const TURN: f32 = 0.01;
 const EDGE_MM: std::ops::RangeInclusive<f32> = 0.001..=1000.0;
 
 /// Shows all that is asked in `room` points.
@@ -52,15 +46,12 @@ fn outline(
     side: f32,
 ) {
     let (square, response) = ui.allocate_exact_size(Vec2::splat(side), Sense::drag());
-    let by = response.drag_delta();
-    view[0] = (view[0] + by.x * TURN) % std::f32::consts::TAU;
-    view[1] = (view[1] + by.y * TURN).clamp(-1.5, 1.5);
+    box_view::turn(view, &response);
     let painter = ui.painter_at(square);
     painter.rect_filled(square, 3.0, ui.visuals().extreme_bg_color);
     response.on_hover_text("The mesh in its grid. Drag to turn it");
     let Ok(frame) = study.frame(options) else { return };
-    let dims = frame.dims.as_vec3();
-    let seen = Seen::new(*view, dims, square);
+    let seen = BoxView::new(*view, frame.dims.as_vec3(), square);
     let line = Stroke::new(1.0, CLAY.gamma_multiply(0.55));
     let mut shapes = Vec::with_capacity(3 * study.sample.len());
     for triangle in &study.sample {
@@ -68,55 +59,7 @@ fn outline(
         shapes.extend([[a, b], [b, c], [c, a]].map(|edge| Shape::line_segment(edge, line)));
     }
     painter.extend(shapes);
-    let edge = Stroke::new(1.0, ui.visuals().strong_text_color());
-    painter
-        .extend(box_edges(dims).map(|ends| Shape::line_segment(ends.map(|at| seen.at(at)), edge)));
-    let floor = Color32::from_rgb(0x58, 0xa0, 0xe8);
-    let up = [
-        Vec3::ZERO,
-        Vec3::new(dims.x, 0.0, 0.0),
-        Vec3::new(dims.x, 0.0, dims.z),
-        dims.with_y(0.0).with_x(0.0),
-    ];
-    painter.add(Shape::closed_line(up.map(|at| seen.at(at)).to_vec(), Stroke::new(2.0, floor)));
-}
-
-/// A parallel view of a box.
-struct Seen {
-    turn: Mat3,
-    middle: Vec3,
-    scale: f32,
-    centre: Pos2,
-}
-
-impl Seen {
-    /// `view`: angles about the vertical and from above.
-    fn new([about, above]: [f32; 2], dims: Vec3, square: Rect) -> Seen {
-        let turn = Mat3::from_rotation_x(above) * Mat3::from_rotation_y(about);
-        // However it is turned, the box stays in the square.
-        let scale = 0.95 * square.width() / dims.length().max(1.0);
-        Seen { turn, middle: dims / 2.0, scale, centre: square.center() }
-    }
-
-    fn at(&self, point: Vec3) -> Pos2 {
-        let seen = self.turn * (point - self.middle) * self.scale;
-        pos2(self.centre.x + seen.x, self.centre.y - seen.y)
-    }
-}
-
-/// The twelve edges of a box.
-fn box_edges(dims: Vec3) -> impl Iterator<Item = [Vec3; 2]> {
-    (0..3).flat_map(move |axis| {
-        (0..4).map(move |corner| {
-            let mut from = Vec3::ZERO;
-            let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-            from[u] = if corner & 1 == 0 { 0.0 } else { dims[u] };
-            from[v] = if corner & 2 == 0 { 0.0 } else { dims[v] };
-            let mut to = from;
-            to[axis] = dims[axis];
-            [from, to]
-        })
-    })
+    seen.draw_box(&painter, ui.visuals());
 }
 
 fn questions(ui: &mut Ui, study: &MeshStudy, options: &mut ImportOptions) {
@@ -214,22 +157,4 @@ fn up(ui: &mut Ui, study: &MeshStudy, options: &mut ImportOptions) {
         options.upright = Some(up);
     }
     ui.end_row();
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_box_stays_in_its_square_however_it_is_turned_and_up_is_up() {
-        let square = Rect::from_min_size(pos2(5.0, 7.0), Vec2::splat(100.0));
-        let dims = Vec3::new(30.0, 200.0, 4.0);
-        for step in 0..24 {
-            let about = step as f32 * 0.3;
-            let seen = Seen::new([about, 0.1 * step as f32 - 1.2], dims, square);
-            assert!(box_edges(dims).flatten().all(|at| square.contains(seen.at(at))));
-            assert!(seen.at(dims).y < seen.at(dims.with_y(0.0)).y);
-        }
-        assert_eq!(box_edges(dims).count(), 12);
-    }
 }

@@ -1,15 +1,18 @@
-//! The dialog that follows the choice of a file to open: it shows a scan or a mesh, asks what the file leaves open, and
+//! The dialog that follows the choice of a file to open: it shows a scan, a mesh or a voxel model, asks what the file leaves open, and
 //! keeps the answers for the next file of its family. Files that leave nothing open are opened at once.
 //!
-//! Takes a path and what the file was found to hold, which others read; asks with a command to open. `volume` and `mesh`
-//! show what is asked; `histogram` and `slices` draw.
+//! Takes a path and what the file was found to hold, which others read; asks with a command to open. `volume`, `mesh`
+//! and `model` show what is asked; `histogram`, `slices`, `box_view` and `voxel_picture` draw.
 
+mod box_view;
 mod histogram;
 mod mesh;
+mod model;
 mod raw;
 mod remembered;
 mod slices;
 mod volume;
+mod voxel_picture;
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -22,7 +25,7 @@ use super::top_bar::capital;
 use super::{UiContext, UiRequest, UiState, theme};
 use crate::command::Command;
 use crate::format::options::{ImportOptions, RawLayout, Region};
-use crate::format::{FormatError, MeshStudy, Outlook, Study, VolumeStudy, family};
+use crate::format::{FormatError, MeshStudy, ModelStudy, Outlook, Study, VolumeStudy, family};
 use crate::sculpture::Limits;
 
 /// The widest dialog, in points, and what stays free beside it in a small window.
@@ -50,6 +53,7 @@ enum Stage {
     Failed(String),
     Volume(Box<VolumeStudy>),
     Mesh(Box<MeshStudy>),
+    Model(Box<ModelStudy>),
 }
 
 /// What is chosen so far, and for which file.
@@ -64,7 +68,7 @@ pub struct ImportDialog {
     news: News,
     /// The slices that are shown of a volume as it will stand.
     at: UVec3,
-    /// Angles from which a mesh is looked at, in radians: about the vertical, and from above.
+    /// Angles from which a mesh or a model is looked at, in radians: about the vertical, and from above.
     view: [f32; 2],
 }
 
@@ -78,7 +82,7 @@ impl Default for ImportDialog {
             remembered: Remembered::default(),
             news: News::default(),
             at: UVec3::ZERO,
-            view: mesh::VIEW,
+            view: box_view::FIRST,
         }
     }
 }
@@ -150,8 +154,12 @@ impl ImportDialog {
                 self.stage = Stage::Volume(study);
             }
             Some(Ok(Study::Mesh(study))) => {
-                self.view = mesh::VIEW;
+                self.view = box_view::FIRST;
                 self.stage = Stage::Mesh(study);
+            }
+            Some(Ok(Study::Model(study))) => {
+                self.view = box_view::FIRST;
+                self.stage = Stage::Model(study);
             }
             Some(Ok(Study::Settled)) => {
                 let (path, import) = (self.path.clone(), self.options);
@@ -171,6 +179,7 @@ impl ImportDialog {
         match &self.stage {
             Stage::Volume(study) => Some(study.outlook(&study.settled(&self.options), limits)),
             Stage::Mesh(study) => Some(study.outlook(&self.options, limits)),
+            Stage::Model(study) => Some(study.outlook(&self.options, limits)),
             _ => None,
         }
     }
@@ -189,7 +198,7 @@ impl ImportDialog {
         let wide = (window - BESIDE).clamp(NARROW.min(window - 16.0), MOST_WIDTH);
         match self.stage {
             Stage::Volume(_) => wide,
-            Stage::Mesh(_) => wide.min(720.0),
+            Stage::Mesh(_) | Stage::Model(_) => wide.min(720.0),
             _ => wide.min(NARROW),
         }
     }
@@ -201,6 +210,7 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
     dialog.take_news(is_busy, requests);
     // While it is read, the sign of long work is shown.
     if !dialog.is_open() || matches!(dialog.stage, Stage::Reading) {
+        model::forget(root.ctx());
         return slices::forget(root.ctx());
     }
     let window = root.ctx().content_rect().size();
@@ -218,6 +228,9 @@ pub fn show(root: &Ui, state: &mut UiState, context: &UiContext, requests: &mut 
             }
             Stage::Mesh(study) => {
                 mesh::show(ui, study, &mut dialog.options, &mut dialog.view, room);
+            }
+            Stage::Model(study) => {
+                model::show(ui, study, &mut dialog.options, &mut dialog.view, room);
             }
             Stage::Failed(error) => {
                 ui.add_space(4.0);

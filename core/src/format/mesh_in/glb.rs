@@ -1,8 +1,9 @@
-//! Reads `.glb`, glTF 2.0 in one file: the triangles of all nodes of the scene where these put them, with colours of
+//! Reads glTF 2.0, in one file (`.glb`) or with others beside it (`.gltf`): the triangles of all nodes of the scene where these put them, with colours of
 //! corners, of materials, and of base colour textures.
 //!
 //! Bones and morphing are left as they are modelled. Colours of glTF are linear light, ours sRGB.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use glam::{Mat4, Quat, Vec2, Vec3};
@@ -10,8 +11,10 @@ use serde_json::Value;
 
 use super::Imported;
 use super::glb_json::{Glb, fault, whole};
+use super::gltf_files::Beside;
 use crate::format::FormatError;
 use crate::format::picture::picture_of;
+use crate::progress::Progress;
 use crate::sculpture::Rgb;
 use crate::voxelise::Skin;
 
@@ -24,6 +27,7 @@ const WHITE: Rgb = Rgb::new(255, 255, 255);
 
 struct Reader<'a> {
     glb: Glb<'a>,
+    beside: Beside<'a>,
     out: Imported,
     /// Which set of texture coordinates the texture of each material uses.
     uv_sets: Vec<usize>,
@@ -31,16 +35,24 @@ struct Reader<'a> {
     visits: u32,
 }
 
-/// Reads a file.
-pub fn read(file: &[u8]) -> Result<Imported, FormatError> {
-    let glb = Glb::read(file)?;
+/// Reads a file, with others in its folder, which may have `budget_bytes` together.
+pub fn read(
+    file: &[u8],
+    path: &Path,
+    budget_bytes: u64,
+    progress: &dyn Progress,
+) -> Result<Imported, FormatError> {
+    let beside = Beside::new(path, budget_bytes, progress);
+    let glb = Glb::read(file, &beside)?;
     let required = glb.json.get("extensionsRequired").and_then(Value::as_array);
     let packed = required.into_iter().flatten().filter_map(Value::as_str);
     if let Some(name) = packed.into_iter().find(|name| name.contains("compression")) {
         return Err(fault("the description", format!("{name} cannot be read; export without it")));
     }
-    let out = Imported { kind: "glTF 2.0, binary".to_string(), ..Imported::default() };
-    let mut reader = Reader { glb, out, uv_sets: Vec::new(), has_colours: false, visits: 0 };
+    let kind = if glb.is_binary { "glTF 2.0, binary" } else { "glTF 2.0" };
+    let out = Imported { kind: kind.to_string(), ..Imported::default() };
+    let mut reader =
+        Reader { glb, beside, out, uv_sets: Vec::new(), has_colours: false, visits: 0 };
     reader.materials();
     for root in reader.roots()? {
         reader.node(root, Mat4::IDENTITY, 0)?;
@@ -113,6 +125,9 @@ impl Reader<'_> {
             self.glb.entry("textures", whole(base, "index").ok_or_else(|| missing("index"))?)?;
         let source = whole(texture, "source").ok_or_else(|| missing("image"))?;
         let image = self.glb.entry("images", source)?;
+        if let Some(uri) = image.get("uri").and_then(Value::as_str) {
+            return picture_of(&self.beside.read(uri)?);
+        }
         picture_of(self.glb.view(whole(image, "bufferView").ok_or_else(|| missing("image"))?)?)
     }
 

@@ -1,9 +1,13 @@
-//! The parts of a `.glb`: its description in JSON and its numbers, read with all bounds checked.
+//! The parts of a glTF file: its description in JSON and its numbers, read with all bounds checked.
+
+use std::borrow::Cow;
 
 use serde_json::Value;
 
+use super::gltf_files::Beside;
 use crate::format::FormatError;
 use crate::format::bytes::Bytes;
+use crate::format::error::{excerpt, printable};
 
 const MAGIC: &[u8] = b"glTF";
 const JSON: u32 = 0x4E4F_534A;
@@ -12,7 +16,10 @@ const BIN: u32 = 0x004E_4942;
 /// A file.
 pub struct Glb<'a> {
     pub json: Value,
-    binary: &'a [u8],
+    /// Whether it is a `.glb`.
+    pub is_binary: bool,
+    /// The bytes of each buffer; none where they lie nowhere.
+    buffers: Vec<Option<Cow<'a, [u8]>>>,
 }
 
 /// An error in the description.
@@ -32,36 +39,19 @@ pub struct Numbers {
 }
 
 impl<'a> Glb<'a> {
-    /// Reads the chunks of a file.
-    pub fn read(file: &'a [u8]) -> Result<Glb<'a>, FormatError> {
-        let mut bytes = Bytes::new(file);
-        if !file.starts_with(MAGIC) {
-            return Err(bytes.fault("a GLB file begins with `glTF`"));
+    /// Reads the chunks of a file, or the description that it is, and the files that this names.
+    pub fn read(file: &'a [u8], beside: &Beside) -> Result<Glb<'a>, FormatError> {
+        let is_binary = !file.trim_ascii_start().starts_with(b"{");
+        let (json, binary) = if is_binary { chunks(file)? } else { (description(file)?, None) };
+        let named = json.get("buffers").and_then(Value::as_array);
+        let mut buffers = Vec::new();
+        for (number, buffer) in named.into_iter().flatten().enumerate() {
+            buffers.push(match buffer.get("uri").and_then(Value::as_str) {
+                Some(uri) => Some(Cow::Owned(beside.read(uri)?)),
+                None => binary.filter(|_| number == 0).map(Cow::Borrowed),
+            });
         }
-        bytes.take(4)?;
-        let start = bytes;
-        let version = bytes.u32()?;
-        if version != 2 {
-            return Err(start.fault(format!("glTF version {version} cannot be read, only 2")));
-        }
-        bytes.u32()?;
-        let (mut json, mut binary) = (None, &[][..]);
-        while !bytes.is_empty() {
-            let length = bytes.u32()? as usize;
-            let kind = bytes.u32()?;
-            let start = bytes;
-            let chunk = bytes.take(length)?;
-            match kind {
-                JSON => {
-                    let parsed = serde_json::from_slice(chunk);
-                    json = Some(parsed.map_err(|error| start.fault(error.to_string()))?);
-                }
-                BIN => binary = chunk,
-                _ => {}
-            }
-        }
-        let json = json.ok_or_else(|| bytes.fault("the file has no description"))?;
-        Ok(Glb { json, binary })
+        Ok(Glb { json, is_binary, buffers })
     }
 
     /// An entry of one of the lists of the description.
@@ -70,17 +60,16 @@ impl<'a> Glb<'a> {
         found.ok_or_else(|| fault(format!("{list} {at}"), "it is named, but not there"))
     }
 
-    /// The bytes of a view of the buffer that lies in the file.
-    pub fn view(&self, at: usize) -> Result<&'a [u8], FormatError> {
+    /// The bytes of a view of a buffer.
+    pub fn view(&self, at: usize) -> Result<&[u8], FormatError> {
         let view = self.entry("bufferViews", at)?;
         let place = || format!("bufferViews {at}");
-        if whole(view, "buffer") != Some(0) {
-            return Err(fault(place(), "its bytes are in another file; export all in one"));
-        }
+        let buffer = whole(view, "buffer").and_then(|buffer| self.buffers.get(buffer)?.as_deref());
+        let buffer = buffer.ok_or_else(|| fault(place(), "the file does not have its buffer"))?;
         let start = whole(view, "byteOffset").unwrap_or(0);
         let end = whole(view, "byteLength").and_then(|length| start.checked_add(length));
-        let bytes = end.and_then(|end| self.binary.get(start..end));
-        bytes.ok_or_else(|| fault(place(), "it goes beyond the end of the file"))
+        let bytes = end.and_then(|end| buffer.get(start..end));
+        bytes.ok_or_else(|| fault(place(), "it goes beyond the end of its buffer"))
     }
 
     /// The numbers of an accessor. Whole ones that stand for 0 to 1 become that.
@@ -152,5 +141,51 @@ impl<'a> Glb<'a> {
         let bytes = count.and_then(|n| view.get(start..start.checked_add(n.checked_mul(4)?)?));
         let bytes = bytes.ok_or_else(|| fault(place(), "it goes beyond the end of its view"))?;
         Ok(bytes.as_chunks().0.iter().map(|index| u32::from_le_bytes(*index)).collect())
+    }
+}
+
+/// The description in a `.glb`, and the buffer behind it.
+fn chunks(file: &[u8]) -> Result<(Value, Option<&[u8]>), FormatError> {
+    let mut bytes = Bytes::new(file);
+    if !file.starts_with(MAGIC) {
+        return Err(bytes.fault("glTF begins with `glTF` or, as text, with `{`"));
+    }
+    bytes.take(4)?;
+    let start = bytes;
+    let version = bytes.u32()?;
+    if version != 2 {
+        return Err(start.fault(format!("glTF version {version} cannot be read, only 2")));
+    }
+    bytes.u32()?;
+    let (mut json, mut binary) = (None, None);
+    while !bytes.is_empty() {
+        let length = bytes.u32()? as usize;
+        let kind = bytes.u32()?;
+        let start = bytes;
+        let chunk = bytes.take(length)?;
+        match kind {
+            JSON => {
+                let parsed = serde_json::from_slice(chunk);
+                json = Some(parsed.map_err(|error| start.fault(error.to_string()))?);
+            }
+            BIN => binary = Some(chunk),
+            _ => {}
+        }
+    }
+    Ok((json.ok_or_else(|| bytes.fault("the file has no description"))?, binary))
+}
+
+/// The description that a `.gltf` is.
+fn description(file: &[u8]) -> Result<Value, FormatError> {
+    let json: Value = serde_json::from_slice(file)
+        .map_err(|error| fault("the description", printable(&error.to_string())))?;
+    let version = json.get("asset").and_then(|asset| asset.get("version"));
+    match version.and_then(Value::as_str) {
+        Some(version) if version.starts_with("2.") => Ok(json),
+        Some(version) => {
+            let version = excerpt(version.as_bytes());
+            Err(fault("asset", format!("glTF version {version} cannot be read, only 2")))
+        }
+        None => Err(fault("asset", "it does not say that it is glTF, nor which version")),
     }
 }

@@ -1,18 +1,19 @@
-//! Reads meshes of other programs: Wavefront `.obj` with `.mtl` and texture, `.stl`, `.ply`, and `.glb`.
+//! Reads meshes of other programs: Wavefront `.obj` with `.mtl` and texture, `.stl`, `.ply`, `.glb` and `.gltf`.
 //!
-//! Takes the bytes of a file, and for `.obj` the folder it lies in; gives triangles with their colours, in the axes of
+//! Takes the bytes of a file, and for `.obj` and `.gltf` the folder it lies in; gives triangles with their colours, in the axes of
 //! the file. `crate::voxelise` makes voxels of them. Corners that are no numbers stay; the voxeliser leaves their
 //! triangles out.
 
 mod glb;
 mod glb_json;
+mod gltf_files;
 mod mtl;
 mod obj;
 mod ply;
 mod ply_header;
 mod stl;
 
-use std::path::Path;
+use std::path::{Component, Path, PathBuf};
 
 use super::options::ImportOptions;
 use super::{FormatError, budget_bytes, store, voxel};
@@ -34,7 +35,7 @@ pub enum Kind {
     Stl,
     /// Polygon file of Stanford.
     Ply,
-    /// glTF 2.0 in one file.
+    /// glTF 2.0, in one file or with others beside it.
     Glb,
 }
 
@@ -77,12 +78,13 @@ pub fn load(
     limits: &Limits,
     progress: &dyn Progress,
 ) -> Result<Imported, FormatError> {
-    let file = store::read(path, budget_bytes(limits) / BYTES_PER_BYTE, |_| Ok(()), progress)?;
+    let budget = budget_bytes(limits) / BYTES_PER_BYTE;
+    let file = store::read(path, budget, |_| Ok(()), progress)?;
     let mut imported = match kind {
         Kind::Obj => obj::read(&file, path)?,
         Kind::Stl => stl::read(&file)?,
         Kind::Ply => ply::read(&file)?,
-        Kind::Glb => glb::read(&file)?,
+        Kind::Glb => glb::read(&file, path, budget - file.len() as u64, progress)?,
     };
     if imported.mesh.triangles.is_empty() {
         return Err(FormatError::NoTriangles);
@@ -140,4 +142,12 @@ fn number(word: Option<&str>, line: usize) -> Result<f32, FormatError> {
     let word = word.ok_or_else(|| at_line(line, "a number is missing"))?;
     let shown = super::error::excerpt(word.as_bytes());
     word.parse().map_err(|_| at_line(line, format!("`{shown}` is not a number")))
+}
+
+/// The path of a file in the folder of the mesh or below. None for any other.
+fn within(folder: &Path, name: &str) -> Option<PathBuf> {
+    let name = name.replace('\\', "/");
+    let relative = Path::new(&name);
+    let is_plain = |part: Component| matches!(part, Component::Normal(_) | Component::CurDir);
+    (!name.is_empty() && relative.components().all(is_plain)).then(|| folder.join(relative))
 }

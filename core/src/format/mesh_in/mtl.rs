@@ -2,9 +2,10 @@
 //!
 //! Whatever is missing or not allowed leaves a note, not an error: a mesh is worth having without its colours.
 
-use std::path::{Component, Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
+use super::within;
 use crate::format::picture::load_picture;
 use crate::format::store;
 use crate::progress::Progress;
@@ -120,12 +121,4 @@ impl Materials {
             (Ok(_), None) => {}
         }
     }
-}
-
-/// The path of a file in the folder of the mesh or below. None for any other.
-fn within(folder: &Path, name: &str) -> Option<PathBuf> {
-    let name = name.replace('\\', "/");
-    let relative = Path::new(&name);
-    let is_plain = |part: Component| matches!(part, Component::Normal(_) | Component::CurDir);
-    (!name.is_empty() && relative.components().all(is_plain)).then(|| folder.join(relative))
 }

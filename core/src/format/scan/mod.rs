@@ -110,7 +110,7 @@ impl Reading<'_> {
         let is_below = |part| matches!(part, Component::Normal(_) | Component::CurDir);
         if name.is_empty() || !Path::new(name).components().all(is_below) {
             return Err(FormatError::Scan(format!(
-                "the header says that its voxels are in `{}`; only files in its own folder or below are read",
+                "the header says that its voxels are in `{}`; put it beside the header: only files in its own folder or below are read",
                 name.escape_debug()
             )));
         }

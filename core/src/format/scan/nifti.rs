@@ -148,7 +148,7 @@ impl Header {
             [None, Some(version)] => (version, true),
             [None, None] => {
                 return Err(FormatError::Scan(
-                    "this is not a NIfTI file: its header has neither 348 nor 540 bytes"
+                    "this is not a NIfTI file: its header has neither 348 nor 540 bytes; export it as NIfTI again"
                         .to_string(),
                 ));
             }

@@ -61,7 +61,7 @@ impl Header {
     pub fn parse(file: &[u8]) -> Result<Header, FormatError> {
         if !file.starts_with(b"NRRD000") {
             return Err(FormatError::Scan(format!(
-                "this is not an NRRD file: it begins with `{}`, not with NRRD000",
+                "this is not an NRRD file: it begins with `{}`, not with NRRD000; export it as NRRD again",
                 excerpt(file)
             )));
         }

@@ -44,7 +44,9 @@ pub fn read(path: &Path, file: Vec<u8>, reading: &Reading) -> Result<Scan, Forma
     let series = if own.alike.len() == 1 { series(path, &mut notes) } else { Vec::new() };
     let depth = own.alike.len().max(series.len());
     let Some(depth) = u32::try_from(depth).ok().filter(|depth| *depth <= MAX_AXIS_VX) else {
-        return Err(FormatError::Scan(format!("{depth} pages; at most {MAX_AXIS_VX} are read")));
+        return Err(FormatError::Scan(format!(
+            "{depth} pages; at most {MAX_AXIS_VX} are read; leave some out, or scale it down"
+        )));
     };
     let dims = UVec3::new(page.width, page.height, depth);
     let voxel_size = spacing(&mut open(&file)?);

@@ -25,7 +25,11 @@ pub fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     let place = file.windows(APPENDED.len()).position(|window| window == APPENDED);
     let (tags, appended) = file.split_at(place.unwrap_or(file.len()));
     let mut text = std::str::from_utf8(tags)
-        .map_err(|_| FormatError::Scan("this is not a VTK file: it is no text".to_string()))?
+        .map_err(|_| {
+            FormatError::Scan(
+                "this is not a VTK file: it is no text; export it as .vti again".to_string(),
+            )
+        })?
         .to_string();
     if !appended.is_empty() {
         text.push_str("</VTKFile>");
@@ -35,7 +39,7 @@ pub fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     let root = xml.root_element();
     if root.tag_name().name() != "VTKFile" || root.attribute("type") != Some("ImageData") {
         return Err(FormatError::Scan(
-            "this is not VTK image data; only regular grids (ImageData) are read".to_string(),
+            "this is not VTK image data; only regular grids (ImageData) are read; resample it to one".to_string(),
         ));
     }
     let compressor = root.attribute("compressor").unwrap_or("");
@@ -125,7 +129,9 @@ fn array<'a, 'b>(piece: Node<'a, 'b>) -> Result<(Node<'a, 'b>, bool), FormatErro
             return Ok((array, is_of_cells));
         }
     }
-    Err(FormatError::Scan("the file holds no array of points or cells".to_string()))
+    Err(FormatError::Scan(
+        "the file holds no array of points or cells; export it with its scalars".to_string(),
+    ))
 }
 
 /// Other arrays, which are left out.

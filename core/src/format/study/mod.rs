@@ -1,17 +1,22 @@
 //! A file before it is imported: what a dialog shows of it and asks about it.
 //!
-//! Takes a path; gives a volume that can be cut into slices, or the outline of a mesh, and for options of the import
+//! Takes a path; gives a volume that can be cut into slices, the outline of a mesh, or the surface of a voxel
+//! model, and for options of the import
 //! which voxels would exist, how large the sculpture would be and which memory it would take. Makes no sculpture.
 
 mod mesh;
+mod model;
 mod volume;
 
 use std::path::Path;
 
 pub use self::mesh::MeshStudy;
+pub use self::model::{ModelStudy, SurfaceVoxel};
 pub use self::volume::{Existing, VolumeStudy};
 use super::options::ImportOptions;
-use super::{Format, FormatError, budget_bytes, content, import, mesh_in, read_volume};
+use super::{
+    Format, FormatError, budget_bytes, content, import, mesh_in, read_file, read_volume, voxel,
+};
 use crate::progress::Progress;
 use crate::sculpture::Limits;
 use glam::{UVec3, Vec3};
@@ -23,19 +28,22 @@ pub enum Family {
     Volume,
     /// Triangles.
     Mesh,
+    /// Voxels with colours of other voxel editors.
+    Model,
 }
 
 impl Family {
-    /// Both, with their names.
-    pub const NAMED: [(Family, &'static str); 2] =
-        [(Family::Volume, "volume"), (Family::Mesh, "mesh")];
+    /// All, with their names.
+    pub const NAMED: [(Family, &'static str); 3] =
+        [(Family::Volume, "volume"), (Family::Mesh, "mesh"), (Family::Model, "model")];
 }
 
-/// What may be asked about a file. None for sculptures and voxel models, which leave nothing open, and for
-/// files that cannot be read.
+/// What may be asked about a file. None for sculptures, which leave nothing open, and for files that cannot be
+/// read.
 pub fn family(path: &Path) -> Option<Family> {
     match content::format_of(path).ok()?.0 {
-        Format::Vsc | Format::Voxel(_) => None,
+        Format::Vsc => None,
+        Format::Voxel(_) => Some(Family::Model),
         Format::Pvm | Format::Raw | Format::Scan(_) => Some(Family::Volume),
         Format::Mesh(_) => Some(Family::Mesh),
     }
@@ -48,6 +56,8 @@ pub enum Study {
     Volume(Box<VolumeStudy>),
     /// Triangles.
     Mesh(Box<MeshStudy>),
+    /// Voxels of another voxel editor.
+    Model(Box<ModelStudy>),
     /// It says everything itself, such as a volume that this program has written.
     Settled,
 }
@@ -77,7 +87,13 @@ pub fn study(
 ) -> Result<Study, FormatError> {
     let (format, _) = content::format_of(path)?;
     match format {
-        Format::Vsc | Format::Voxel(_) => Ok(Study::Settled),
+        Format::Vsc => Ok(Study::Settled),
+        Format::Voxel(kind) => {
+            let file = read_file(path, limits, progress)?;
+            let model = voxel::read(kind, &file)?;
+            let study = ModelStudy::of(&*model, limits, progress)?;
+            Ok(Study::Model(Box::new(study)))
+        }
         Format::Mesh(kind) => {
             let imported = mesh_in::load(path, kind, limits, progress)?;
             MeshStudy::of(imported, kind).map(|study| Study::Mesh(Box::new(study)))

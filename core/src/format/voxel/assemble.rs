@@ -12,6 +12,8 @@ use crate::progress::Progress;
 use crate::sculpture::brick::{BRICK_EDGE_VX, local_index};
 use crate::sculpture::history::Contents;
 use crate::sculpture::material::Page;
+use crate::sculpture::orient::Reorientation;
+use crate::sculpture::orientation::Orientation;
 use crate::sculpture::{Brick, ColourDepth, Grid, Limits, Material, Rgb};
 
 /// Voxels between two looks at whether the work is cancelled.
@@ -64,6 +66,20 @@ pub fn to_contents(
     progress.end();
     let Filler { grid, material, .. } = filler;
     Ok(Contents { grid, material })
+}
+
+/// [`to_contents`], turned as `options` say.
+pub fn turned(
+    model: &dyn Model,
+    options: &ImportOptions,
+    limits: &Limits,
+    progress: &dyn Progress,
+) -> Result<Contents, FormatError> {
+    let contents = to_contents(model, options, limits, progress)?;
+    match model.turn(options) {
+        Orientation::UPRIGHT => Ok(contents),
+        turn => Ok(Reorientation::new(&contents, turn).run(limits, progress)?),
+    }
 }
 
 /// The size of a box; beyond all limits where it cannot be counted.

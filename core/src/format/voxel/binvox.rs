@@ -8,6 +8,7 @@ use crate::format::bytes::Bytes;
 use crate::format::error::excerpt;
 use crate::sculpture::Rgb;
 use crate::sculpture::grid::MAX_AXIS_VX;
+use crate::sculpture::orientation::Up;
 
 /// Lines of the header at most.
 const MOST_LINES: usize = 64;
@@ -52,6 +53,10 @@ pub fn read(file: &[u8]) -> Result<Binvox<'_>, FormatError> {
 impl Model for Binvox<'_> {
     fn kind(&self) -> String {
         "binvox".to_string()
+    }
+
+    fn up(&self) -> Up {
+        Up::Y
     }
 
     fn canvas(&self) -> Option<(I64Vec3, I64Vec3)> {

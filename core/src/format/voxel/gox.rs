@@ -11,6 +11,7 @@ use crate::format::FormatError;
 use crate::format::bytes::Bytes;
 use crate::format::error::excerpt;
 use crate::sculpture::Rgb;
+use crate::sculpture::orientation::Up;
 
 /// Voxels along the edge of a block, and pixels along that of its picture.
 const EDGE_VX: i64 = 16;
@@ -120,6 +121,10 @@ impl Model for Gox<'_> {
     }
 
     /// Goxel stores whole blocks, so the edges of their boxes mean nothing.
+    fn up(&self) -> Up {
+        Up::Z
+    }
+
     fn canvas(&self) -> Option<(I64Vec3, I64Vec3)> {
         None
     }

@@ -19,11 +19,13 @@ mod voxlap;
 
 use glam::I64Vec3;
 
-pub use self::assemble::{colour_depth, to_contents};
+pub use self::assemble::{colour_depth, to_contents, turned};
 pub use self::qb_write::write as write_qb;
 pub use self::vox_write::write as write_vox;
 use super::FormatError;
+use super::options::ImportOptions;
 use crate::sculpture::Rgb;
+use crate::sculpture::orientation::{Orientation, Up};
 
 /// Takes a voxel: its place, y up, and its colour. An error ends the walk.
 pub type Sink<'a> = dyn FnMut(I64Vec3, Rgb) -> Result<(), FormatError> + 'a;
@@ -52,6 +54,15 @@ pub trait Model {
 
     /// Calls `sink` for every voxel that exists; of two in one place the later one counts.
     fn walk(&self, sink: &mut Sink<'_>) -> Result<(), FormatError>;
+
+    /// The axis of the file that points up, as its format has it.
+    fn up(&self) -> Up;
+
+    /// How the model is turned, so that the axis that `options` name, if they name one, points up instead.
+    fn turn(&self, options: &ImportOptions) -> Orientation {
+        let up = options.upright.unwrap_or(self.up());
+        self.up().turned_upright().inverse().then(up.turned_upright())
+    }
 
     /// What of the file is left out, for the person to know.
     fn notes(&self) -> Vec<String> {

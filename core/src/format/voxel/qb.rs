@@ -7,6 +7,7 @@ use crate::format::FormatError;
 use crate::format::bytes::Bytes;
 use crate::sculpture::Rgb;
 use crate::sculpture::grid::MAX_AXIS_VX;
+use crate::sculpture::orientation::Up;
 
 /// Words in the voxels of a matrix that mean no colour: a run follows, and a slice ends.
 pub const RUN: u32 = 2;
@@ -102,6 +103,10 @@ impl Model for Qb<'_> {
     fn kind(&self) -> String {
         let packing = if self.is_packed { "packed" } else { "not packed" };
         format!("Qubicle, {packing}, matrices: {}", self.matrices.len())
+    }
+
+    fn up(&self) -> Up {
+        Up::Y
     }
 
     fn canvas(&self) -> Option<(I64Vec3, I64Vec3)> {

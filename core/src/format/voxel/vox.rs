@@ -13,6 +13,7 @@ use super::{Model, Sink, upright, upright_box};
 use crate::format::FormatError;
 use crate::format::bytes::Bytes;
 use crate::sculpture::Rgb;
+use crate::sculpture::orientation::Up;
 
 pub const MAGIC: &[u8] = b"VOX ";
 /// Longest axis of a model.
@@ -209,6 +210,10 @@ impl Model for Vox<'_> {
         let (models, objects) = (self.parts.len(), self.instances.len());
         let version = self.version;
         format!("MagicaVoxel, version {version}, models: {models}, objects: {objects}")
+    }
+
+    fn up(&self) -> Up {
+        Up::Z
     }
 
     fn canvas(&self) -> Option<(I64Vec3, I64Vec3)> {

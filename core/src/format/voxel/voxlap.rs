@@ -8,6 +8,7 @@ use crate::format::FormatError;
 use crate::format::bytes::Bytes;
 use crate::format::error::excerpt;
 use crate::sculpture::Rgb;
+use crate::sculpture::orientation::Up;
 
 /// The byte of a voxel that does not exist.
 const EMPTY: u8 = 255;
@@ -41,6 +42,10 @@ pub fn read(file: &[u8]) -> Result<Voxlap<'_>, FormatError> {
 impl Model for Voxlap<'_> {
     fn kind(&self) -> String {
         "Voxlap".to_string()
+    }
+
+    fn up(&self) -> Up {
+        Up::MinusZ
     }
 
     fn canvas(&self) -> Option<(I64Vec3, I64Vec3)> {

@@ -60,7 +60,9 @@ pub fn read(path: &Path, reading: &Reading) -> Result<(Scan, u64), FormatError> 
     notes.extend(layers.notes);
     let (count, file_count) = (layers.planes.len(), found.files.len());
     let Some(depth) = u32::try_from(count).ok().filter(|depth| *depth <= MAX_AXIS_VX) else {
-        return Err(FormatError::Scan(format!("{count} slices; at most {MAX_AXIS_VX} are read")));
+        return Err(FormatError::Scan(format!(
+            "{count} slices; at most {MAX_AXIS_VX} are read; leave some out of the folder"
+        )));
     };
     let dims = UVec3::new(layout.columns, layout.rows, depth);
     let first = FrameData { data: &data, frame: layers.planes[0].frame };

@@ -1,0 +1,169 @@
+//! A model of another voxel editor before it is imported: the voxels that can be seen of it, its palette, and how it
+//! would stand.
+
+use std::collections::HashMap;
+
+use glam::{IVec3, UVec3, Vec3};
+
+use super::Outlook;
+use crate::format::options::{Colouring, ImportOptions};
+use crate::format::voxel::{self, Model};
+use crate::format::{FormatError, go_on};
+use crate::progress::Progress;
+use crate::sculpture::brick::{BRICK_EDGE_VX, local_coords};
+use crate::sculpture::history::Contents;
+use crate::sculpture::orientation::{Orientation, Up};
+use crate::sculpture::{ColourDepth, Grid, Limits, Rgb};
+
+/// Voxels of the surface that a picture shows, at most: of more, some are left out evenly.
+const MOST_SURFACE: usize = 1 << 21;
+/// Bricks between two looks at whether the work is cancelled.
+const PORTION: usize = 1 << 12;
+
+/// A model that is to be imported.
+#[derive(Debug)]
+pub struct ModelStudy {
+    /// Format and parts, for people.
+    pub kind: String,
+    /// What was left out.
+    pub notes: Vec<String>,
+    /// Voxels that exist.
+    pub voxels: u64,
+    /// Its colours, and how many voxels have each; those of most voxels first.
+    pub palette: Vec<(Rgb, u64)>,
+    /// Voxels of its surface.
+    pub surface: Vec<SurfaceVoxel>,
+    /// Size as the format has it stand.
+    dims: UVec3,
+    /// The axis that the format has pointing up.
+    up: Up,
+    /// Memory of the colours at 24 bits.
+    colour_bytes: u64,
+}
+
+/// A voxel with an empty neighbour.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct SurfaceVoxel {
+    /// Where it is, as the format has the model stand.
+    pub at: IVec3,
+    /// Its colour.
+    pub colour: Rgb,
+    /// A bit for each neighbour that is empty: at -x, +x, -y, +y, -z, +z, the first in the lowest.
+    pub open_sides: u8,
+}
+
+/// The neighbours of a voxel, in the order of [`SurfaceVoxel::open_sides`].
+const NEIGHBOURS: [IVec3; 6] =
+    [IVec3::NEG_X, IVec3::X, IVec3::NEG_Y, IVec3::Y, IVec3::NEG_Z, IVec3::Z];
+
+impl ModelStudy {
+    pub(super) fn of(
+        model: &dyn Model,
+        limits: &Limits,
+        progress: &dyn Progress,
+    ) -> Result<ModelStudy, FormatError> {
+        let options = ImportOptions::default();
+        let Contents { grid, material } = voxel::to_contents(model, &options, limits, progress)?;
+        let mut counts: HashMap<Rgb, u64> = HashMap::new();
+        // Neighbours mostly have the same colour, which need not be looked up then.
+        let (mut last, mut run) = (Rgb::default(), 0);
+        let mut surface = Vec::new();
+        // Every how many voxels of the surface one is kept.
+        let (mut stride, mut seen) = (1, 0);
+        for (portion, (b, brick)) in grid.nonempty_bricks().enumerate() {
+            if portion.is_multiple_of(PORTION) {
+                go_on(progress)?;
+            }
+            let (index, corner) = (grid.brick_index(b), (b * BRICK_EDGE_VX).as_ivec3());
+            brick.for_each(|local| {
+                let colour = material.rgb(index, local);
+                if colour != last {
+                    *counts.entry(last).or_default() += run;
+                    (last, run) = (colour, 0);
+                }
+                run += 1;
+                let at = corner + UVec3::from(local_coords(local)).as_ivec3();
+                let mut open_sides = 0;
+                for (side, neighbour) in NEIGHBOURS.into_iter().enumerate() {
+                    open_sides |= u8::from(!grid.get(at + neighbour)) << side;
+                }
+                if open_sides == 0 {
+                    return;
+                }
+                if seen % stride == 0 {
+                    surface.push(SurfaceVoxel { at, colour, open_sides });
+                }
+                seen += 1;
+                if surface.len() > MOST_SURFACE {
+                    let mut keep = false;
+                    surface.retain(|_| {
+                        keep = !keep;
+                        keep
+                    });
+                    stride *= 2;
+                }
+            });
+        }
+        *counts.entry(last).or_default() += run;
+        let mut palette: Vec<(Rgb, u64)> =
+            counts.into_iter().filter(|(_, count)| *count > 0).collect();
+        palette.sort_by_key(|(colour, count)| (std::cmp::Reverse(*count), colour.0));
+        Ok(ModelStudy {
+            kind: model.kind(),
+            notes: model.notes(),
+            voxels: grid.opaque_count(),
+            palette,
+            surface,
+            dims: grid.dims(),
+            up: model.up(),
+            colour_bytes: material.heap_bytes(),
+        })
+    }
+
+    /// The axis of the file that would point up.
+    pub fn up(&self, options: &ImportOptions) -> Up {
+        options.upright.unwrap_or(self.up)
+    }
+
+    /// Size of the sculpture.
+    pub fn dims(&self, options: &ImportOptions) -> UVec3 {
+        self.turn(options).size(self.dims)
+    }
+
+    /// Where a point would come to lie, in the grid of the sculpture; both in voxels.
+    pub fn in_grid(&self, options: &ImportOptions) -> impl Fn(Vec3) -> Vec3 {
+        let (turn, dims) = (self.turn(options), self.dims.as_vec3());
+        move |point| {
+            let mirrored = [0, 1, 2].map(|axis| {
+                if turn.reverses(axis) { dims[axis] - point[axis] } else { point[axis] }
+            });
+            turn.permuted(mirrored).into()
+        }
+    }
+
+    /// How the model is turned from how its format has it stand.
+    fn turn(&self, options: &ImportOptions) -> Orientation {
+        self.up.turned_upright().inverse().then(self.up(options).turned_upright())
+    }
+
+    /// What would become of the model; an error if it cannot be imported so.
+    pub fn outlook(
+        &self,
+        options: &ImportOptions,
+        limits: &Limits,
+    ) -> Result<Outlook, FormatError> {
+        let depth = voxel::colour_depth(options)?;
+        let dims = self.dims(options);
+        let grid_bytes = Grid::bytes_for(dims);
+        let full = ColourDepth::Bits24.bytes() as u64;
+        let colour_bytes = match options.colouring {
+            Colouring::None => 0,
+            _ => self.colour_bytes * depth.bytes() as u64 / full,
+        };
+        Grid::check(dims, Vec3::ONE, limits.grid_bytes)?;
+        // Whoever turns it has it twice for a while.
+        let times = if self.turn(options) == Orientation::UPRIGHT { 1 } else { 2 };
+        let read_bytes = (grid_bytes + colour_bytes) * times;
+        Ok(Outlook { dims, voxel_size: Vec3::ONE, read_bytes, grid_bytes, colour_bytes })
+    }
+}
