@@ -51,6 +51,51 @@ fn all_forms_of_nrrd_hold_the_same_ball() {
 }
 
 #[test]
+fn nrrd_is_read_from_a_list_of_files_or_from_numbered_ones() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let voxels: Vec<u8> = (0..24).collect();
+    let header = |rest: &str| {
+        let fields = "type: uchar\ndimension: 3\nsizes: 2 3 4\nencoding: raw\nspacings: 1 1 2\n";
+        std::fs::write(at("a.nhdr"), format!("NRRD0004\n{fields}data file: {rest}")).unwrap();
+        at("a.nhdr")
+    };
+    std::fs::create_dir(at("in")).unwrap();
+    for (i, part) in voxels.chunks(6).enumerate() {
+        std::fs::write(at(&format!("in/s{:03}.raw", 9 + i)), part).unwrap();
+        std::fs::write(at(&format!("t{}.raw", 20 - 2 * i)), part).unwrap();
+    }
+    let listed = "LIST\nin/s009.raw\nin/s010.raw\nin/s011.raw\nin/s012.raw";
+    for rest in [
+        listed.to_string(),
+        format!("{}\n\n", listed.replace("LIST", "LIST 2")),
+        "in/s%03d.raw 9 12 1\n".to_string(),
+        "t%d.raw 20 14 -2 2\n\n".to_string(),
+    ] {
+        let found = volume(&header(&rest));
+        assert_eq!((found.dims, found.data), (UVec3::new(2, 3, 4), voxels.clone()), "{rest}");
+        assert_eq!(found.voxel_size, Vec3::new(1.0, 1.0, 2.0));
+    }
+    for (rest, part) in [
+        ("LIST", "list of files is empty"),
+        ("LIST\nin/s009.raw\n../b.raw\nin/s011.raw\n", "own folder"),
+        ("LIST\nin/s009.raw\nin/s010.raw\nin/s011.raw\ngone.raw", "gone.raw"),
+        ("LIST\nin/s009.raw\nin/s010.raw", "12 bytes were expected"),
+        ("LIST\na\na\na\na\na", "5 files alike"),
+        ("in/s%03d.raw 9 12 0", "numbers no files"),
+        ("in/s%03d.raw 9 12 -1", "numbers no files"),
+        ("in/s%03d.raw 0 99999999 1", "numbers no files"),
+        ("in/s%03d.raw -9223372036854775808 9223372036854775807 1", "numbers no files"),
+        ("in/s%99d.raw 9 12 1", "numbers no files"),
+        ("in/s%s.raw 9 12 1", "numbers no files"),
+    ] {
+        let path = header(rest);
+        let error = format::info(&path).unwrap_err().to_string();
+        assert!(error.contains(part), "{rest}: {error}");
+    }
+}
+
+#[test]
 fn nifti_of_both_versions_and_byte_orders() {
     let anatomical = info("nifti/anatomical.nii");
     assert_eq!(anatomical.dims, UVec3::new(33, 41, 25));

@@ -109,7 +109,7 @@ fn shells_and_man_know_all_commands() {
     // They do not depend on settings, which may be wrong.
     std::fs::create_dir_all(path.join("virtual-sculpture")).unwrap();
     std::fs::write(path.join("virtual-sculpture/config.toml"), "nonsense = 1").unwrap();
-    fail(path, &["info", "a.vsc"], 2);
+    fail(path, &["info", "a.vsc"], 3);
     for help in [&["completions", "bash"][..], &["man"], &["commands"]] {
         assert!(!succeed(path, help).is_empty());
     }

@@ -189,11 +189,11 @@ fn a_voxel_model_is_shown_with_its_palette_and_turned() {
     assert_eq!(dims(&harness), [64; 3], "nothing is opened yet");
     click(&mut harness, "Up");
     click(&mut harness, "−X up");
-    harness.get_by_label("16 × 8 × 8 voxels, 16.0 × 8.0 × 8.0 mm").rect();
+    harness.get_by_label("8 × 8 × 16 voxels, 8.0 × 8.0 × 16.0 mm").rect();
     click(&mut harness, "Colours");
     click(&mut harness, "8 bits");
     press(&mut harness, "Import");
-    assert_eq!((is_open(&harness), dims(&harness)), (false, [16, 8, 8]));
+    assert_eq!((is_open(&harness), dims(&harness)), (false, [8, 8, 16]));
     let depth = harness.state().session().document().material().depth();
     assert_eq!(depth.bits(), 8);
     assert!(!has(&harness, "Which axis points up?"));
@@ -201,7 +201,7 @@ fn a_voxel_model_is_shown_with_its_palette_and_turned() {
     assert_eq!(dims(&harness), [64; 3]);
     // The next is asked about with the same.
     drop_file(&mut harness, &path);
-    assert!(has(&harness, "16 × 8 × 8 voxels, 16.0 × 8.0 × 8.0 mm"));
+    assert!(has(&harness, "8 × 8 × 16 voxels, 8.0 × 8.0 × 16.0 mm"));
     click(&mut harness, "Colours");
     click(&mut harness, "None");
     press(&mut harness, "Import");

@@ -1,6 +1,13 @@
-//! The import dialog in the window: a scan chosen in the file dialog is shown, its threshold dragged, and opened.
+//! The import dialog in the window: a scan chosen in the file dialog is shown, its threshold dragged, and
+//! opened; so is a voxel model, which is turned.
 
 use std::path::Path;
+
+use glam::{UVec3, Vec3};
+use virtual_sculpture::format;
+use virtual_sculpture::format::options::ExportForm;
+use virtual_sculpture::sculpture::history::Contents;
+use virtual_sculpture::sculpture::{Brick, ColourDepth, Grid, Limits, Material, Rgb};
 
 use super::display::Picture;
 use super::program::{Program, SETTINGS};
@@ -73,4 +80,69 @@ fn a_scan_from_the_file_dialog_is_shown_and_opened() {
         program.close();
         program.expect_clean_exit();
     }
+}
+
+/// A cone of grass, earth and a red top.
+fn model(path: &Path) {
+    let dims = UVec3::new(48, 40, 48);
+    let limits = Limits::default();
+    let mut grid = Grid::new(dims, Vec3::ONE, limits.grid_bytes).unwrap();
+    let colours =
+        [Rgb::new(0x5a, 0x40, 0x2a), Rgb::new(0x4c, 0xa0, 0x3c), Rgb::new(0xd0, 0x30, 0x28)];
+    let mut material = Material::for_grid(&grid, ColourDepth::Bits24, colours[0]);
+    for at in (0..dims.element_product()).map(|i| grid.voxel_coords(i)) {
+        let from_axis = at.as_vec3().with_y(0.0).distance(Vec3::new(23.5, 0.0, 23.5));
+        if from_axis < 23.0 - at.y as f32 / 2.0 {
+            grid.set(at.as_ivec3(), true);
+            let mut voxel = Brick::EMPTY;
+            voxel.set(at.x % 8, at.y % 8, at.z % 8, true);
+            let colour = colours[(at.y / 14).min(2) as usize];
+            material.paint(grid.brick_index(at / 8), &voxel, colour);
+        }
+    }
+    let contents = Contents { grid, material };
+    format::save(path, &contents, ExportForm::Auto, &()).unwrap();
+}
+
+#[test]
+fn a_voxel_model_from_the_file_dialog_is_shown_turned_and_opened() {
+    let size = [1280, 800];
+    let display = display_of(size);
+    let folder = tempfile::tempdir().unwrap().keep();
+    let models = folder.join("models");
+    std::fs::create_dir(&models).unwrap();
+    model(&models.join("hill.vox"));
+    let state = folder.join(".local/state/virtual-sculpture");
+    std::fs::create_dir_all(&state).unwrap();
+    std::fs::write(state.join("state.toml"), format!("folder = {models:?}\n")).unwrap();
+    let window = format!("[window]\ntheme = \"dark\"\nsize = {size:?}\n");
+    let settings = SETTINGS.replace("[window]\n", &window);
+    let program = ready(Program::start_in(&display, folder, &[], &settings));
+    let green = |picture: &Picture| {
+        let is_green = |rgb: &[u8; 3]| {
+            let [r, g, b] = rgb.map(u32::from);
+            g > 60 && 2 * g > 3 * r && 2 * g > 3 * b
+        };
+        picture.pixels().iter().filter(|rgb| is_green(rgb)).count()
+    };
+    let before = shot(&program, "import-model-0");
+    program.key(&["Control_L", "o"]);
+    program.settle();
+    program.key(&["Down"]);
+    program.settle();
+    program.key(&["Return"]);
+    program.until("the model is shown", || {
+        green(&program.display().picture()) > green(&before) + 2000
+    });
+    let shown = shot(&program, "import-model-1-shown");
+    let (x, y) = (480, 400);
+    program.drag(LEFT, &[[x, y], [x + 60, y + 20], [x + 110, y + 40]]);
+    let turned = shot(&program, "import-model-2-turned");
+    assert!(turned.differing(&shown) > 2000);
+    program.key(&["Return"]);
+    program.until("it is opened", || program.display().picture().differing(&turned) > 50_000);
+    let opened = shot(&program, "import-model-3-opened");
+    assert!(green(&opened) > green(&before) + 2000);
+    program.close();
+    program.expect_clean_exit();
 }

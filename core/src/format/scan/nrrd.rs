@@ -1,5 +1,5 @@
 //! NRRD scans (teem.sourceforge.net/nrrd/format.html): `.nrrd` and `.nhdr`, raw, gzip, bzip2, text and hexadecimal,
-//! with the voxels behind the header or in another file.
+//! with the voxels behind the header, in another file, or in several.
 //!
 //! Takes the bytes of a file; gives three of its axes as a volume: those in space, the first of any other. An axis of
 //! red, green, blue and perhaps opacity becomes colours.
@@ -27,18 +27,10 @@ pub fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     crate::format::pvm::check_budget(total, reading.rest_bytes(file_bytes))?;
     header.number.check(layout.dims, reading.rest_bytes(file_bytes + total))?;
 
-    let data = match &header.data_file {
-        None => unpack(&file[header.bytes..], &header, total, reading)?,
-        Some(name) => {
-            if name.starts_with("LIST") || name.contains('%') {
-                return Err(FormatError::Scan(
-                    "its voxels are spread over several files; join them to one NRRD file"
-                        .to_string(),
-                ));
-            }
-            let path = reading.beside(name)?;
-            unpack(&reading.read_beside(&path)?, &header, total, reading)?
-        }
+    let data = match header.data_files.as_slice() {
+        [] => unpack(&file[header.bytes..], &header, total, reading)?,
+        [name] => unpack(&reading.read_beside(&reading.beside(name)?)?, &header, total, reading)?,
+        names => join(names, &header, total, reading)?,
     };
     let number = match layout.colours {
         3 => Number::Rgb,
@@ -54,7 +46,11 @@ pub fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
         Encoding::Gzip => "packed with gzip",
         Encoding::Bzip2 => "packed with bzip2",
     };
-    let elsewhere = if header.data_file.is_some() { ", voxels in a second file" } else { "" };
+    let elsewhere = match header.data_files.len() {
+        0 => String::new(),
+        1 => ", voxels in a second file".to_string(),
+        n => format!(", voxels in {n} other files"),
+    };
     Ok(Scan {
         volume: volume(layout.dims, layout.voxel_size, samples, header.content),
         frame: layout.frame,
@@ -64,7 +60,28 @@ pub fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     })
 }
 
-/// The bytes of all voxels, `total` in number.
+/// The bytes of all voxels, `total` in number, from files that have the same share of them each.
+fn join(
+    names: &[String],
+    header: &Header,
+    total: u64,
+    reading: &Reading,
+) -> Result<Vec<u8>, FormatError> {
+    let count = names.len() as u64;
+    if !total.is_multiple_of(count) {
+        let what = format!("{total} bytes of voxels cannot lie in {count} files alike");
+        return Err(malformed("the header", what));
+    }
+    // Whoever is refused a file should not wait for those before it.
+    let paths: Vec<_> = names.iter().map(|name| reading.beside(name)).collect::<Result<_, _>>()?;
+    let mut data = Vec::with_capacity(total as usize);
+    for path in paths {
+        data.extend(unpack(&reading.read_beside(&path)?, header, total / count, reading)?);
+    }
+    Ok(data)
+}
+
+/// The bytes of voxels, `total` in number.
 fn unpack(
     file: &[u8],
     header: &Header,

@@ -11,6 +11,8 @@ use crate::format::error::excerpt;
 
 /// Longest header that is read.
 const MOST_BYTES: usize = 1 << 20;
+/// Most files of voxels.
+const MOST_FILES: i64 = 1 << 16;
 /// Most axes of a file.
 const MOST_AXES: usize = 16;
 
@@ -50,7 +52,8 @@ pub struct Header {
     /// -1: as many as there are before the voxels at the end.
     pub byte_skip: i64,
     pub line_skip: u64,
-    pub data_file: Option<String>,
+    /// The files with the voxels, in order; none where they follow the header.
+    pub data_files: Vec<String>,
     /// The field `content`.
     pub content: Vec<u8>,
     /// Bytes of the header with the empty line behind it.
@@ -67,6 +70,8 @@ impl Header {
         }
         let start = &file[..file.len().min(MOST_BYTES)];
         let mut fields: HashMap<String, String> = HashMap::new();
+        // The names that follow `data file: LIST`, to the end of the header.
+        let mut listed: Option<Vec<String>> = None;
         let mut at = 0;
         for (i, line) in start.split_inclusive(|b| *b == b'\n').enumerate() {
             at += line.len();
@@ -77,6 +82,10 @@ impl Header {
             let text = text.trim_end_matches(['\r', '\n']);
             if text.is_empty() {
                 break;
+            }
+            if let Some(names) = &mut listed {
+                names.push(text.trim().to_string());
+                continue;
             }
             // Comments, and pairs of a key and a value that mean nothing to a reader.
             if text.starts_with('#') || text.contains(":=") {
@@ -89,15 +98,31 @@ impl Header {
                 ));
             };
             let name = name.trim().to_ascii_lowercase().replace([' ', '_'], "");
+            if name == "datafile" && value.split_whitespace().next() == Some("LIST") {
+                listed = Some(Vec::new());
+                continue;
+            }
             fields.insert(name, value.trim().to_string());
         }
         if at == MOST_BYTES {
             return Err(malformed("the header", "it has no end"));
         }
-        Header::of(&fields, at)
+        let data_files = match (listed, fields.get("datafile")) {
+            (Some(names), _) if names.is_empty() => {
+                return Err(malformed("the header", "its list of files is empty"));
+            }
+            (Some(names), _) => names,
+            (None, Some(name)) => numbered(name)?,
+            (None, None) => Vec::new(),
+        };
+        Header::of(&fields, data_files, at)
     }
 
-    fn of(fields: &HashMap<String, String>, bytes: usize) -> Result<Header, FormatError> {
+    fn of(
+        fields: &HashMap<String, String>,
+        data_files: Vec<String>,
+        bytes: usize,
+    ) -> Result<Header, FormatError> {
         let field = |name: &str| fields.get(name).map(String::as_str);
         let required = |name: &str| {
             field(name)
@@ -165,11 +190,38 @@ impl Header {
             space: field("space").map(str::to_ascii_lowercase),
             byte_skip: skip,
             line_skip: or_zero("lineskip")?.max(0) as u64,
-            data_file: field("datafile").map(str::to_string),
+            data_files,
             content: field("content").unwrap_or_default().as_bytes().to_vec(),
             bytes,
         })
     }
+}
+
+/// The files that `slice%03d.raw 1 12 1` names, a pattern with its first number, its last, and the step; or the one of
+/// that name.
+fn numbered(field: &str) -> Result<Vec<String>, FormatError> {
+    let words: Vec<&str> = field.split_whitespace().collect();
+    let [pattern, first, last, step, ..] = words[..] else { return Ok(vec![field.to_string()]) };
+    let Some((before, rest)) = pattern.split_once('%') else { return Ok(vec![field.to_string()]) };
+    let wrong = || malformed("the header", format!("`{}` numbers no files", field.escape_debug()));
+    let (digits, after) = rest.split_once('d').ok_or_else(wrong)?;
+    let width = match digits {
+        "" => 0,
+        digits => digits.parse::<usize>().ok().filter(|n| *n <= 20).ok_or_else(wrong)?,
+    };
+    let number = |word: &str| word.parse::<i64>().map_err(|_| wrong());
+    let (first, last, step) = (number(first)?, number(last)?, number(step)?);
+    // Towards the last one.
+    let span = last.checked_sub(first).ok_or_else(wrong)?;
+    let steps = span.checked_div(step).filter(|n| (0..MOST_FILES).contains(n)).ok_or_else(wrong)?;
+    let is_padded = digits.starts_with('0');
+    Ok((0..=steps)
+        .map(|i| first + i * step)
+        .map(|n| match is_padded {
+            true => format!("{before}{n:0width$}{after}"),
+            false => format!("{before}{n:width$}{after}"),
+        })
+        .collect())
 }
 
 fn parse<T: std::str::FromStr>(name: &str, text: &str) -> Result<T, FormatError> {
