@@ -90,7 +90,8 @@ fn model(path: &Path) {
     let colours =
         [Rgb::new(0x5a, 0x40, 0x2a), Rgb::new(0x4c, 0xa0, 0x3c), Rgb::new(0xd0, 0x30, 0x28)];
     let mut material = Material::for_grid(&grid, ColourDepth::Bits24, colours[0]);
-    for at in (0..dims.element_product()).map(|i| grid.voxel_coords(i)) {
+    for i in 0..dims.element_product() {
+        let at = grid.voxel_coords(i);
         let from_axis = at.as_vec3().with_y(0.0).distance(Vec3::new(23.5, 0.0, 23.5));
         if from_axis < 23.0 - at.y as f32 / 2.0 {
             grid.set(at.as_ivec3(), true);
