@@ -13,6 +13,7 @@ use sculpture_core::format::{
 };
 use sculpture_core::mesh::MeshKind;
 use sculpture_core::sculpture::history::Contents;
+use sculpture_core::sculpture::orientation::Up;
 use sculpture_core::sculpture::{Brick, ColourDepth, Grid, Limits, Material, Rgb};
 use tempfile::TempDir;
 use trials::shared_file;
@@ -288,7 +289,7 @@ fn what_survives_writing_is_what_the_table_says() {
     {
         let path = folder.path().join("shape").with_extension(ending);
         save(&path, &shape()).unwrap();
-        let Loaded { contents, texts, .. } = load(&path).unwrap();
+        let Loaded { contents, texts, assumed_up, .. } = load(&path).unwrap();
         let Contents { grid, .. } = &contents;
         let is_same = grid.dims() == DIMS && all().all(|v| grid.get(v.as_ivec3()) == exists(v));
         let says = |cell: usize, word: &str| cells[cell].starts_with(word);
@@ -304,9 +305,27 @@ fn what_survives_writing_is_what_the_table_says() {
             assert_eq!(is_sized, says(2, "yes"), ".{ending}: size");
         }
         assert_eq!(texts.description == b"a step", says(4, "yes"), ".{ending}: texts");
+        let up = match cells[3].as_str() {
+            "yes" => None,
+            "z" => Some(Up::Z),
+            "y" if ending == "glb" => None,
+            _ => Some(Up::Y),
+        };
+        assert_eq!(assumed_up, up, ".{ending}: up");
     }
     let read = documented(READ_TABLE);
     let mut endings: Vec<&str> = read.iter().map(|(ending, _)| ending.as_str()).collect();
+    for source in sources(&folder) {
+        let name = source.file_name().unwrap().to_string_lossy().into_owned();
+        let (_, cells) =
+            read.iter().find(|(own, _)| name.split_once('.').unwrap().1 == own).unwrap();
+        let is_asked = load(&source).unwrap().assumed_up.is_some();
+        match cells[3].as_str() {
+            "asked" => assert!(is_asked, "{name}"),
+            "of the patient" => {}
+            _ => assert!(!is_asked, "{name}"),
+        }
+    }
     let mut known = READ_ENDINGS.to_vec();
     endings.sort_unstable();
     known.sort_unstable();

@@ -123,6 +123,63 @@ fn a_vti_packed_with_zlib_has_all_its_labels() {
     assert!(frog.data == other.data, "the same voxels as in the NRRD file made of it");
 }
 
+#[test]
+fn pieces_of_a_vti_are_put_together() {
+    let folder = tempfile::tempdir().unwrap();
+    let value = |x: u32, y: u32, z: u32| x + 10 * y + 100 * z;
+    // Points at the border of two pieces are in both, cells are not.
+    for (group, last) in [("PointData", 0), ("CellData", 1)] {
+        let piece = |x: [u32; 2], z: [u32; 2], name: &str| {
+            let mut text = String::new();
+            for z in z[0]..=z[1] - last {
+                for y in 0..=3 - last {
+                    (x[0]..=x[1] - last).for_each(|x| text += &format!("{} ", value(x, y, z)));
+                }
+            }
+            format!(
+                "<Piece Extent=\"{} {} 0 3 {} {}\"><{group}><DataArray Name=\"{name}\" type=\"UInt16\" \
+                 format=\"ascii\">{text}</DataArray></{group}></Piece>",
+                x[0], x[1], z[0], z[1]
+            )
+        };
+        let file = |pieces: &[String]| {
+            let path = folder.path().join("a.vti");
+            let text = format!(
+                "<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"0 5 0 3 0 4\" Spacing=\"1 1 2\">{}\
+                 </ImageData></VTKFile>",
+                pieces.concat()
+            );
+            std::fs::write(&path, text).unwrap();
+            path
+        };
+        let [left, low, high] =
+            [([0, 2], [0, 4]), ([2, 5], [0, 1]), ([2, 5], [1, 4])].map(|(x, z)| piece(x, z, "a"));
+        let empty = "<Piece Extent=\"0 -1 0 -1 0 -1\"/>".to_string();
+        let path = file(&[high.clone(), empty, left.clone(), low]);
+        let whole = volume(&path);
+        let dims = UVec3::new(6 - last, 4 - last, 5 - last);
+        assert_eq!((whole.dims, whole.voxel_size), (dims, Vec3::new(1.0, 1.0, 2.0)), "{group}");
+        for z in 0..dims.z {
+            for (x, y) in (0..dims.y).flat_map(|y| (0..dims.x).map(move |x| (x, y))) {
+                let found = whole.density(UVec3::new(x, y, z));
+                assert_eq!(found, Some(value(x, y, z) as f32), "{group} {x} {y} {z}");
+            }
+        }
+        assert_eq!(format::info(&path).unwrap().notes, Vec::<String>::new());
+        let notes = format::info(&file(&[high.clone(), left])).unwrap().notes;
+        assert!(notes.len() == 1 && notes[0].contains("none of the pieces"), "{notes:?}");
+        for (pieces, part) in [
+            (vec![high.clone(), piece([0, 2], [0, 4], "b")], "different arrays"),
+            (vec![], "without points"),
+            (vec![high.replace("2 5 0 3", "2 9223372036854775807 0 3"), high.clone()], ""),
+            (vec![high.replace("2 5", "-9223372036854775808 -9223372036854775807"), high], ""),
+        ] {
+            let error = format::info(&file(&pieces)).unwrap_err().to_string();
+            assert!(error.contains(part), "{error}");
+        }
+    }
+}
+
 /// A NIfTI-1 header of i16 voxels, little-endian, with a matrix in its sform.
 fn nifti(dims: [i16; 3], rows: [[f32; 4]; 3], data: &[i16]) -> Vec<u8> {
     let mut file = vec![0u8; 352];

@@ -235,6 +235,14 @@ fn a_model_is_shown_as_it_is_made_whichever_way_is_up() {
                 }
             }
         }
+        let half = ImportOptions {
+            mesh_size: MeshSize::VoxelMm(0.5),
+            upright: Some(Up::X),
+            ..ImportOptions::default()
+        };
+        let outlook = study.outlook(&half, &Limits::default()).unwrap();
+        let made = load(&path, &half).grid.voxel_size();
+        assert_eq!((outlook.voxel_size, made), (Vec3::splat(0.5), Vec3::splat(0.5)), "{name}");
         let grey = ImportOptions { colouring: Colouring::Grey, ..ImportOptions::default() };
         assert!(study.outlook(&grey, &Limits::default()).is_err());
         let small = Limits { grid_bytes: 8, ..Limits::default() };

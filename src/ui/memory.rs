@@ -11,6 +11,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::import_dialog::Remembered;
+use super::memory_check::KeptCheck;
 use super::memory_final::KeptFinal;
 use super::memory_references;
 use super::recent::Recent;
@@ -75,6 +76,8 @@ struct Kept {
     imports: Option<Vec<toml::Value>>,
     #[serde(deserialize_with = "lenient")]
     final_picture: Option<KeptFinal>,
+    #[serde(deserialize_with = "lenient")]
+    print_check: Option<KeptCheck>,
 }
 
 #[derive(Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -163,6 +166,7 @@ pub fn to_text(state: &UiState, tool: &ToolState, window: &WindowOptions) -> Str
         ask_import: Some(state.dialogs.import.ask),
         imports: Some(state.dialogs.import.remembered.lines().map(toml::Value::String).collect()),
         final_picture: Some(KeptFinal::of(&state.dialogs.final_picture)),
+        print_check: Some(KeptCheck::of(&state.dialogs.print_check.options)),
     };
     match toml::to_string(&kept) {
         Ok(text) => format!("{HEAD}{text}"),
@@ -213,6 +217,9 @@ pub fn recall(text: &str, state: &mut UiState, tool: &mut ToolState, window: &Wi
     state.dialogs.import.ask = kept.ask_import.unwrap_or(true);
     let imports = kept.imports.iter().flatten().filter_map(toml::Value::as_str);
     state.dialogs.import.remembered = Remembered::from_lines(imports);
+    if let Some(choices) = kept.print_check {
+        choices.recall(&mut state.dialogs.print_check.options);
+    }
     if let Some(choices) = kept.final_picture {
         choices.recall(&mut state.dialogs.final_picture);
     }

@@ -29,6 +29,7 @@ pub mod light;
 pub mod look;
 pub mod marker_options;
 pub mod memory;
+mod memory_check;
 mod memory_final;
 mod memory_references;
 pub mod new_dialog;

@@ -11,6 +11,7 @@ use virtual_sculpture::sculpture::orientation::Up;
 use virtual_sculpture::session::Session;
 
 use super::bench::{Bench, click, config, has};
+use super::import::{scan, settle};
 
 /// The board in the size that it has in a headset.
 fn board() -> Bench {
@@ -99,4 +100,33 @@ fn a_volume_is_turned_upright_on_the_board() {
     assert_eq!(dims, glam::UVec3::new(24, 8, 16));
     assert!(!has(&harness, "Which axis points up?"));
     assert_eq!(harness.state().ui.known_files.upright.of(&scan), Some(Up::Z));
+}
+
+#[test]
+fn a_scan_is_chosen_shown_and_imported_on_the_board() {
+    let folder = tempfile::tempdir().unwrap();
+    scan(folder.path(), "ball.nrrd");
+    let mut harness = board();
+    harness.state_mut().ui.dialogs.files.set_folder(folder.path().to_path_buf());
+    click(&mut harness, "Open");
+    harness.run_steps(4);
+    harness.get_all_by_label_contains("ball.nrrd").next().unwrap().click();
+    harness.run_steps(4);
+    // The button of the dialog lies over that of the bar.
+    harness.get_all_by_label("Open").last().unwrap().click();
+    settle(&mut harness);
+    for label in ["Import ball.nrrd", "Axial", "Coronal", "Sagittal", "Automatic"] {
+        assert!(has(&harness, label), "{label}");
+    }
+    for label in ["Import", "Cancel", "Fill holes", "Ask each time"] {
+        let button = harness.get_by_label(label).rect();
+        let board = egui::Rect::from_min_size(egui::Pos2::ZERO, vec2(1250.0, 800.0));
+        assert!(board.contains_rect(button), "{label}: {button:?}");
+    }
+    click(&mut harness, "Fill holes");
+    harness.get_by_label("Import").click();
+    settle(&mut harness);
+    let dims = harness.state().session().document().grid().dims();
+    assert_eq!(dims, glam::UVec3::new(24, 12, 24));
+    assert!(!harness.state().ui.dialogs.import.is_open());
 }

@@ -26,7 +26,7 @@ impl egui::DroppedFile for Dropped {
 }
 
 /// A scan of a ball of density 100 with a core of 200, in voxels of two millimetres along the body.
-fn scan(folder: &Path, name: &str) -> PathBuf {
+pub fn scan(folder: &Path, name: &str) -> PathBuf {
     let mut file = b"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 24 24 12\nencoding: raw\n\
         space: left-posterior-superior\nspace directions: (1,0,0) (0,1,0) (0,0,2)\n\n"
         .to_vec();
@@ -63,7 +63,7 @@ fn model(folder: &Path, name: &str) -> PathBuf {
     path
 }
 
-fn settle(harness: &mut Bench) {
+pub fn settle(harness: &mut Bench) {
     for _ in 0..3 {
         harness.run_steps(3);
         harness.state_mut().finish_job();

@@ -88,7 +88,7 @@ pub struct ImportOptions {
     pub largest_piece: bool,
     /// Empty places of a volume that do not reach the grid's border become solid, in the base colour.
     pub fill_holes: bool,
-    /// How large a mesh becomes.
+    /// How large a mesh becomes. Of a voxel model, the edge of a voxel, if it is given.
     pub mesh_size: MeshSize,
     /// Whether a mesh becomes solid.
     pub mesh_fill: MeshFill,

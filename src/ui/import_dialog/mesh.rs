@@ -15,7 +15,8 @@ use crate::sculpture::orientation::Up;
 use crate::ui::top_bar::capital;
 use crate::ui::upright;
 
-const EDGE_MM: std::ops::RangeInclusive<f32> = 0.001..=1000.0;
+/// Edges of a voxel, in millimetres.
+pub const EDGE_MM: std::ops::RangeInclusive<f32> = 0.001..=1000.0;
 
 /// Shows all that is asked in `room` points.
 pub fn show(

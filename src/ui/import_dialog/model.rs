@@ -5,16 +5,17 @@
 //! shows it, made anew when what it shows has changed.
 
 use egui::{
-    Color32, ColorImage, ComboBox, Context, Grid, Id, Pos2, Rect, RichText, Sense, TextureHandle,
-    TextureOptions, Ui, Vec2, pos2,
+    Color32, ColorImage, ComboBox, Context, DragValue, Grid, Id, Pos2, Rect, RichText, Sense,
+    TextureHandle, TextureOptions, Ui, Vec2, pos2,
 };
 
 use super::OPTIONS_WIDTH;
 use super::box_view::{self, BoxView};
 use super::histogram::CLAY;
+use super::mesh::EDGE_MM;
 use super::voxel_picture;
 use crate::format::ModelStudy;
-use crate::format::options::{Colouring, ImportOptions};
+use crate::format::options::{Colouring, ImportOptions, MeshSize};
 use crate::sculpture::orientation::Up;
 use crate::sculpture::{ColourDepth, Rgb};
 use crate::ui::top_bar::capital;
@@ -138,6 +139,7 @@ fn questions(ui: &mut Ui, study: &ModelStudy, options: &mut ImportOptions) {
     ui.set_width(OPTIONS_WIDTH - 12.0);
     Grid::new("import model").num_columns(2).spacing([10.0, 6.0]).show(ui, |ui| {
         up(ui, study, options);
+        scale(ui, options);
         colours(ui, options);
     });
     ui.add_space(6.0);
@@ -164,6 +166,21 @@ fn up(ui: &mut Ui, study: &ModelStudy, options: &mut ImportOptions) {
         ));
     if up != study.up(options) {
         options.upright = Some(up);
+    }
+    ui.end_row();
+}
+
+/// The edge of a voxel.
+fn scale(ui: &mut Ui, options: &mut ImportOptions) {
+    let label = ui.label("Voxel");
+    let mut edge_mm = match options.mesh_size {
+        MeshSize::VoxelMm(edge) => edge,
+        MeshSize::LongestVx(_) => 1.0,
+    };
+    let field = DragValue::new(&mut edge_mm).range(EDGE_MM).speed(0.01).suffix(" mm");
+    let field = ui.add(field).labelled_by(label.id);
+    if field.on_hover_text("Edge of a voxel, which the file does not say").changed() {
+        options.mesh_size = MeshSize::VoxelMm(edge_mm);
     }
     ui.end_row();
 }

@@ -6,7 +6,7 @@
 use std::io::Read;
 
 use flate2::read::ZlibDecoder;
-use glam::{DVec3, UVec3, Vec3};
+use glam::{DVec3, I64Vec3, UVec3, Vec3};
 use roxmltree::{Document, Node};
 
 use super::base64;
@@ -51,27 +51,15 @@ pub fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     }
     let image = child(root, "ImageData")?;
     let pieces: Vec<Node> = image.children().filter(|n| n.has_tag_name("Piece")).collect();
-    let [piece] = pieces[..] else {
-        return Err(FormatError::Scan(format!(
-            "the file has {} pieces, where only one is read; write it as one piece",
-            pieces.len()
-        )));
-    };
-    let extent: [i64; 6] = numbers(piece, "Extent")?;
-    let of_extent = |i: usize| extent[2 * i + 1].saturating_sub(extent[2 * i]);
-    let points = [0, 1, 2].map(|i| of_extent(i).saturating_add(1));
+    let parts = parts(&pieces)?;
+    let first = &parts[0];
+    let array = first.array;
     let spacing =
         if image.has_attribute("Spacing") { numbers(image, "Spacing")? } else { [1.0; 3] };
-    let (array, is_of_cells) = array(piece)?;
-    let axis = |n: i64| {
-        u32::try_from(if is_of_cells { (n - 1).max(1) } else { n }).ok().filter(|n| *n > 0)
-    };
-    let dims = points.map(axis);
-    let [Some(width), Some(height), Some(depth)] = dims else {
-        return Err(malformed("the XML", "an extent without points"));
-    };
-    let (dims, voxel_size) =
-        (UVec3::new(width, height, depth), Vec3::from(spacing.map(|n: f64| n.abs() as f32)));
+    let low = parts.iter().fold(I64Vec3::MAX, |low, part| low.min(part.low));
+    let high = parts.iter().fold(I64Vec3::MIN, |high, part| high.max(part.high()));
+    let dims = checked_dims(low, high)?;
+    let voxel_size = Vec3::from(spacing.map(|n: f64| n.abs() as f32));
     reading.admit(dims, voxel_size)?;
 
     let components = array.attribute("NumberOfComponents").unwrap_or("1").trim();
@@ -85,13 +73,33 @@ pub fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
         reading,
     };
     let format = array.attribute("format").unwrap_or("ascii");
-    let inline = || array.text().unwrap_or_default().as_bytes();
-    let (data, is_big) = match format {
-        "ascii" => (of_text(inline(), number, bytes as usize)?, false),
-        "binary" => (coding.of_base64(inline())?, coding.is_big),
-        "appended" => (coding.of_appended(appended, array.attribute("offset"))?, coding.is_big),
-        other => {
-            return Err(malformed("the XML", format!("the format `{}`", other.escape_debug())));
+    let is_big = coding.is_big && format != "ascii";
+    let mut notes = notes(&parts);
+    let data = match &parts[..] {
+        [whole] => coding.array(whole.array, number, appended)?,
+        parts => {
+            let voxel_bytes = number.bytes() as usize;
+            let mut data = vec![0; bytes as usize];
+            let mut is_held = vec![false; bytes as usize / voxel_bytes];
+            for part in parts {
+                go_on(reading.progress)?;
+                let count = part.dims.as_usizevec3().element_product();
+                let coding = Coding { bytes: count * voxel_bytes, ..coding };
+                let own = coding.array(part.array, number, appended)?;
+                let at = (part.low - low).as_uvec3();
+                let row_bytes = part.dims.x as usize * voxel_bytes;
+                for (row, own) in own.chunks_exact(row_bytes).enumerate() {
+                    let (y, z) = (row as u32 % part.dims.y, row as u32 / part.dims.y);
+                    let (y, z) = ((at.y + y) as usize, (at.z + z) as usize);
+                    let row = (z * dims.y as usize + y) * dims.x as usize + at.x as usize;
+                    data[row * voxel_bytes..][..row_bytes].copy_from_slice(own);
+                    is_held[row..row + part.dims.x as usize].fill(true);
+                }
+            }
+            if is_held.contains(&false) {
+                notes.push("places that are in none of the pieces were taken as 0".to_string());
+            }
+            data
         }
     };
     let direction = match image.has_attribute("Direction") {
@@ -104,12 +112,16 @@ pub fn read(file: Vec<u8>, reading: &Reading) -> Result<Scan, FormatError> {
     let name = array.attribute("Name").unwrap_or_default().as_bytes().to_vec();
     let samples = number.into_samples(data, is_big, [1.0, 0.0]);
     let packing = if coding.is_packed && format != "ascii" { ", packed with zlib" } else { "" };
+    let pieces = match parts.len() {
+        1 => String::new(),
+        n => format!(", {n} pieces"),
+    };
     Ok(Scan {
         volume: volume(dims, voxel_size, samples, name),
         frame: Frame::World([0, 1, 2].map(column)),
-        kind: format!("VTK image data, {format}{packing}"),
+        kind: format!("VTK image data, {format}{packing}{pieces}"),
         is_label: false,
-        notes: notes(piece, array),
+        notes,
     })
 }
 
@@ -134,10 +146,82 @@ fn array<'a, 'b>(piece: Node<'a, 'b>) -> Result<(Node<'a, 'b>, bool), FormatErro
     ))
 }
 
+/// A piece of the grid, with the array to take.
+struct Part<'a, 'b> {
+    piece: Node<'a, 'b>,
+    array: Node<'a, 'b>,
+    is_of_cells: bool,
+    /// Its lowest voxel, in the grid of the file.
+    low: I64Vec3,
+    /// Its size in voxels.
+    dims: UVec3,
+}
+
+impl Part<'_, '_> {
+    /// One past its highest voxel.
+    fn high(&self) -> I64Vec3 {
+        self.low.saturating_add(self.dims.as_i64vec3())
+    }
+
+    /// Whether another piece has the same array, of the same numbers.
+    fn is_like(&self, other: &Part) -> bool {
+        let is_same = |name| self.array.attribute(name) == other.array.attribute(name);
+        // Text has no order of bytes.
+        let is_text = |part: &Part| matches!(part.array.attribute("format"), None | Some("ascii"));
+        self.is_of_cells == other.is_of_cells
+            && ["Name", "type", "NumberOfComponents"].into_iter().all(is_same)
+            && is_text(self) == is_text(other)
+    }
+}
+
+/// The pieces that hold something, at least one; all have the same array.
+fn parts<'a, 'b>(pieces: &[Node<'a, 'b>]) -> Result<Vec<Part<'a, 'b>>, FormatError> {
+    let mut parts: Vec<Part> = Vec::new();
+    for piece in pieces {
+        let extent: [i64; 6] = numbers(*piece, "Extent")?;
+        let [low, high] =
+            [0, 1].map(|end| I64Vec3::new(extent[end], extent[2 + end], extent[4 + end]));
+        // Programs that share work write empty pieces, too.
+        if pieces.len() > 1 && high.cmplt(low).any() {
+            continue;
+        }
+        let (array, is_of_cells) = array(*piece)?;
+        let over = if is_of_cells {
+            high.max(low.saturating_add(I64Vec3::ONE))
+        } else {
+            high.saturating_add(I64Vec3::ONE)
+        };
+        let dims = checked_dims(low, over)?;
+        let part = Part { piece: *piece, array, is_of_cells, low, dims };
+        if parts.first().is_some_and(|first| !first.is_like(&part)) {
+            return Err(FormatError::Scan(
+                "its pieces hold different arrays; write it as one piece".to_string(),
+            ));
+        }
+        parts.push(part);
+    }
+    match parts.is_empty() {
+        true => Err(malformed("the XML", "an extent without points")),
+        false => Ok(parts),
+    }
+}
+
+/// The size of a box, by its lowest voxel and one past its highest.
+fn checked_dims(low: I64Vec3, high: I64Vec3) -> Result<UVec3, FormatError> {
+    let sides = [0, 1, 2].map(|i| {
+        let side = high[i].checked_sub(low[i]).and_then(|side| u32::try_from(side).ok());
+        side.filter(|side| *side > 0)
+    });
+    match sides {
+        [Some(x), Some(y), Some(z)] => Ok(UVec3::new(x, y, z)),
+        _ => Err(malformed("the XML", "an extent without points")),
+    }
+}
+
 /// Other arrays, which are left out.
-fn notes(piece: Node, taken: Node) -> Vec<String> {
-    let arrays =
-        piece.descendants().filter(|node| node.has_tag_name("DataArray") && *node != taken);
+fn notes(parts: &[Part]) -> Vec<String> {
+    let Some(Part { piece, array: taken, .. }) = parts.first() else { return Vec::new() };
+    let arrays = piece.descendants().filter(|node| node.has_tag_name("DataArray") && node != taken);
     let names: Vec<&str> = arrays.filter_map(|array| array.attribute("Name")).collect();
     if names.is_empty() { Vec::new() } else { vec![format!("left out: {}", names.join(", "))] }
 }
@@ -182,6 +266,7 @@ fn of_text(text: &[u8], number: Number, bytes: usize) -> Result<Vec<u8>, FormatE
 }
 
 /// How binary arrays are written.
+#[derive(Clone, Copy)]
 struct Coding<'a> {
     is_big: bool,
     /// Whether lengths have 8 bytes instead of 4.
@@ -193,6 +278,17 @@ struct Coding<'a> {
 }
 
 impl Coding<'_> {
+    /// The bytes of an array.
+    fn array(&self, array: Node, number: Number, appended: &[u8]) -> Result<Vec<u8>, FormatError> {
+        let inline = || array.text().unwrap_or_default().as_bytes();
+        match array.attribute("format").unwrap_or("ascii") {
+            "ascii" => of_text(inline(), number, self.bytes),
+            "binary" => self.of_base64(inline()),
+            "appended" => self.of_appended(appended, array.attribute("offset")),
+            other => Err(malformed("the XML", format!("the format `{}`", other.escape_debug()))),
+        }
+    }
+
     fn of_appended(&self, appended: &[u8], offset: Option<&str>) -> Result<Vec<u8>, FormatError> {
         let faulty = |what: &str| malformed("the appended data", what);
         let end =

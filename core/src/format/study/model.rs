@@ -160,10 +160,11 @@ impl ModelStudy {
             Colouring::None => 0,
             _ => self.colour_bytes * depth.bytes() as u64 / full,
         };
-        Grid::check(dims, Vec3::ONE, limits.grid_bytes)?;
+        let voxel_size = voxel::voxel_size(options);
+        Grid::check(dims, voxel_size, limits.grid_bytes)?;
         // Whoever turns it has it twice for a while.
         let times = if self.turn(options) == Orientation::UPRIGHT { 1 } else { 2 };
         let read_bytes = (grid_bytes + colour_bytes) * times;
-        Ok(Outlook { dims, voxel_size: Vec3::ONE, read_bytes, grid_bytes, colour_bytes })
+        Ok(Outlook { dims, voxel_size, read_bytes, grid_bytes, colour_bytes })
     }
 }

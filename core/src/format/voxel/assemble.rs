@@ -5,7 +5,7 @@
 use glam::{I64Vec3, UVec3, Vec3};
 
 use super::Model;
-use crate::format::options::{Colouring, ImportOptions};
+use crate::format::options::{Colouring, ImportOptions, MeshSize};
 use crate::format::volume::Samples;
 use crate::format::{FormatError, go_on};
 use crate::progress::Progress;
@@ -31,6 +31,14 @@ pub fn colour_depth(options: &ImportOptions) -> Result<ColourDepth, FormatError>
     }
 }
 
+/// The edges of a voxel, which models do not say: as chosen, or 1 mm.
+pub fn voxel_size(options: &ImportOptions) -> Vec3 {
+    match options.mesh_size {
+        MeshSize::VoxelMm(edge) => Vec3::splat(edge),
+        MeshSize::LongestVx(_) => Vec3::ONE,
+    }
+}
+
 /// Makes a sculpture of the voxels of a model. Its grid is the model's canvas where that can be, else the
 /// smallest box around the voxels.
 pub fn to_contents(
@@ -42,13 +50,14 @@ pub fn to_contents(
     let depth = colour_depth(options)?;
     let found = survey(model, progress)?;
     let tight = found.bounds();
-    let fits = |(low, high)| Grid::check(dims_of(low, high), Vec3::ONE, limits.grid_bytes);
+    let edges = voxel_size(options);
+    let fits = |(low, high)| Grid::check(dims_of(low, high), edges, limits.grid_bytes);
     let holds_all = |(low, high): &(I64Vec3, I64Vec3)| {
         tight.is_none_or(|(least, most)| low.cmple(least).all() && high.cmpge(most).all())
     };
     let canvas = model.canvas().filter(holds_all).filter(|canvas| fits(*canvas).is_ok());
     let (low, high) = canvas.or(tight).ok_or(FormatError::NoVoxels)?;
-    let grid = Grid::new(dims_of(low, high), Vec3::ONE, limits.grid_bytes)?;
+    let grid = Grid::new(dims_of(low, high), edges, limits.grid_bytes)?;
     let base = found.only_colour.unwrap_or(Rgb::STONE);
     let material = Material::for_grid(&grid, depth, base);
     let mut filler = Filler { grid, material, at_hand: None, budget: limits.colour_bytes };

@@ -19,7 +19,7 @@ mod voxlap;
 
 use glam::I64Vec3;
 
-pub use self::assemble::{colour_depth, to_contents, turned};
+pub use self::assemble::{colour_depth, to_contents, turned, voxel_size};
 pub use self::qb_write::write as write_qb;
 pub use self::vox_write::write as write_vox;
 use super::FormatError;
