@@ -10,7 +10,7 @@ use virtual_sculpture::input::Bindings;
 use virtual_sculpture::sculpture::orientation::Up;
 use virtual_sculpture::session::Session;
 
-use super::bench::{Bench, click, config, has};
+use super::bench::{Bench, click, config, has, key};
 use super::import::{scan, settle};
 
 /// The board in the size that it has in a headset.
@@ -110,10 +110,11 @@ fn a_scan_is_chosen_shown_and_imported_on_the_board() {
     harness.state_mut().ui.dialogs.files.set_folder(folder.path().to_path_buf());
     click(&mut harness, "Open");
     harness.run_steps(4);
-    harness.get_all_by_label_contains("ball.nrrd").next().unwrap().click();
-    harness.run_steps(4);
-    // The button of the dialog lies over that of the bar.
-    harness.get_all_by_label("Open").last().unwrap().click();
+    for choose in [egui::Key::ArrowDown, egui::Key::Enter] {
+        key(&mut harness, egui::Modifiers::NONE, choose);
+        harness.run_steps(4);
+    }
+    assert!(!harness.state().ui.dialogs.files.is_open(), "the file is chosen");
     settle(&mut harness);
     for label in ["Import ball.nrrd", "Axial", "Coronal", "Sagittal", "Automatic"] {
         assert!(has(&harness, label), "{label}");
