@@ -5,17 +5,16 @@
 //! so that the map neither folds nor tears, whatever the length. There the smoothed existence bits are interpolated, so
 //! that surfaces move by fractions of a voxel. Changes nothing itself.
 
-use glam::{DVec3, IVec3, UVec3, Vec3};
-use rayon::prelude::*;
+use glam::{DVec3, UVec3, Vec3};
 
-use super::grab_field::{FINE, Field, MARGIN_VX};
+use super::grab_flow::{Flow, Pull};
 use super::spray::Stamp;
 use super::symmetry::Symmetry;
 use crate::sculpture::Brick;
 use crate::sculpture::Rgb;
-use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, local_coords, local_index};
+use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, local_index};
 use crate::sculpture::history::Contents;
-use crate::sculpture::region::{ListedBricks, VoxelBox};
+use crate::sculpture::region::VoxelBox;
 
 /// Smallest radius, in units of the smallest edge of a voxel: shorter steps would never end.
 pub const MIN_RADIUS: f32 = 0.5;
@@ -49,14 +48,20 @@ impl Falloff {
         }
     }
 
-    /// The share of the pull at `r`.
-    fn at(self, r: f64) -> f64 {
-        let left = (1.0 - r).max(0.0);
+    /// The share of the pull at `r`, from its square. 0 from 1 on.
+    #[inline(always)]
+    pub(super) fn at(self, squared: f32) -> f32 {
         match self {
-            Falloff::Smooth => (left * (1.0 + r)).powi(2),
-            Falloff::Sharp => left * left,
+            Falloff::Smooth => {
+                let left = (1.0 - squared).max(0.0);
+                left * left
+            }
+            Falloff::Sharp => {
+                let left = (1.0 - squared.sqrt()).max(0.0);
+                left * left
+            }
             Falloff::Flat => {
-                let t = (2.0 * left).min(1.0);
+                let t = (2.0 * (1.0 - squared.sqrt()).max(0.0)).min(1.0);
                 t * t * (3.0 - 2.0 * t)
             }
         }
@@ -88,9 +93,6 @@ pub struct Grab {
 
 /// Slope of the pull within one step: below 1 the step can be undone, far below it is followed exactly enough.
 const STEP_SLOPE: f64 = 0.4;
-/// Approximations of where a step comes from; each is [`STEP_SLOPE`] times as far off as the one before.
-const ROUNDS: usize = 3;
-
 impl Grab {
     /// An error that names the first invalid field, if there is one.
     pub fn check(&self) -> Result<(), &'static str> {
@@ -129,7 +131,6 @@ impl Grab {
                 }
             })
             .collect();
-        let flow = Flow { pulls: &pulls, origin, steps, stretch, radius, falloff: self.falloff };
         // What a pull moves stays within its reach, and so does where it comes from.
         let reach = |pull: &Pull| {
             let (start, half) = (pull.centre + origin, radius / stretch);
@@ -149,44 +150,18 @@ impl Grab {
             };
             boxes = boxes.into_iter().reduce(join).into_iter().collect();
         }
-        let grid = VoxelBox::of_grid(&contents.grid);
-        let part = |reach: VoxelBox| {
-            let arrives = reach.intersect(grid);
-            let margin = |bounds: VoxelBox| VoxelBox {
-                min: bounds.min - MARGIN_VX,
-                max: bounds.max + MARGIN_VX,
-            };
-            (!arrives.is_empty()).then(|| {
-                let field = Field::new(&contents.grid, margin(reach).intersect(margin(grid)));
-                flow.carry_out(contents, &field, arrives)
-            })
-        };
-        Pulled::union(boxes.into_iter().filter_map(part).collect())
+        // Pulls that do not meet move clay one by one.
+        let together = if apart { 1 } else { pulls.len() };
+        let falloff = self.falloff;
+        let flow = Flow { pulls: &pulls, together, origin, steps, stretch, radius, falloff };
+        Pulled::union(
+            boxes.into_iter().filter_map(|reach| flow.carry_out(contents, reach)).collect(),
+        )
     }
 }
 
-/// One of several pulls at once, relative to the origin of the flow.
-struct Pull {
-    centre: DVec3,
-    step: DVec3,
-}
-
-/// The motion of all pulls together.
-///
-/// Positions are relative to the mirror planes: what is mirrored differs in signs only and is rounded alike, so that the
-/// result is symmetric to the voxel.
-struct Flow<'a> {
-    pulls: &'a [Pull],
-    /// In voxel coordinates.
-    origin: DVec3,
-    steps: usize,
-    stretch: DVec3,
-    radius: f64,
-    falloff: Falloff,
-}
-
 /// The colours that voxels of a brick come with, where its mask in the list has them.
-type Colours = (UVec3, Box<[Rgb; BRICK_VOXELS as usize]>);
+pub(super) type Colours = (UVec3, Box<[Rgb; BRICK_VOXELS as usize]>);
 
 /// What a pull changes.
 #[derive(Default)]
@@ -194,7 +169,7 @@ pub struct Pulled {
     /// Voxels to remove, to add and to recolour, among them those added.
     pub stamp: Stamp,
     /// In the order of the bricks of `stamp.paint`.
-    colours: Vec<Colours>,
+    pub(super) colours: Vec<Colours>,
 }
 
 impl Pulled {
@@ -229,142 +204,5 @@ impl Pulled {
             }
         }
         Pulled { stamp: Stamp::union(stamps), colours: merged }
-    }
-}
-
-impl Flow<'_> {
-    /// How far what is at `at` moves in a step. Images are added as a mirror plane pairs them.
-    fn shift(&self, at: DVec3, step: usize, pulls: &[Pull]) -> DVec3 {
-        match pulls {
-            [pull] => {
-                let centre = pull.centre + pull.step * step as f64;
-                let distance = ((at - centre) * self.stretch).length() / self.radius;
-                if distance < 1.0 { pull.step * self.falloff.at(distance) } else { DVec3::ZERO }
-            }
-            _ => {
-                let (first, second) = pulls.split_at(pulls.len() / 2);
-                self.shift(at, step, first) + self.shift(at, step, second)
-            }
-        }
-    }
-
-    /// Whether anything within `beyond` of `p`, in units of the smallest edge, is ever reached by a ball.
-    fn reaches(&self, p: DVec3, beyond: f64) -> bool {
-        self.pulls.iter().any(|pull| {
-            let from = (p - pull.centre) * self.stretch;
-            let along = pull.step * self.stretch * self.steps as f64;
-            let share = (from.dot(along) / along.length_squared()).clamp(0.0, 1.0);
-            (from - along * share).length() < self.radius + beyond
-        })
-    }
-
-    /// How far away what arrives at the middle of a voxel comes from, in units of 1 / [`FINE`] voxel.
-    fn source(&self, v: UVec3) -> IVec3 {
-        let p = v.as_dvec3() + 0.5 - self.origin;
-        if !self.reaches(p, 0.0) {
-            return IVec3::ZERO;
-        }
-        let mut arrived = p;
-        for step in (0..self.steps).rev() {
-            let mut from = arrived - self.shift(arrived, step + 1, self.pulls);
-            for _ in 0..ROUNDS {
-                from = arrived - self.shift(from, step, self.pulls);
-            }
-            arrived = from;
-        }
-        ((arrived - p) * f64::from(FINE)).round().as_ivec3()
-    }
-
-    fn carry_out(&self, contents: &Contents, field: &Field, arrives: VoxelBox) -> Pulled {
-        let edge = BRICK_EDGE_VX as i32;
-        let (low, high) = (arrives.min / edge, (arrives.max + edge - 1) / edge);
-        let bricks: Vec<UVec3> = (low.z..high.z)
-            .flat_map(|z| {
-                (low.y..high.y).flat_map(move |y| (low.x..high.x).map(move |x| [x, y, z]))
-            })
-            .map(|b| IVec3::from(b).as_uvec3())
-            .collect();
-        let done: Vec<Option<Moved>> =
-            bricks.par_iter().map(|b| self.move_brick(contents, field, *b, arrives)).collect();
-        let list = |part: fn(&Moved) -> Brick| {
-            let of = |(b, moved): (&UVec3, &Option<Moved>)| {
-                let mask = part(moved.as_ref()?);
-                (!mask.is_empty()).then_some((*b, mask))
-            };
-            ListedBricks::new(bricks.iter().zip(&done).filter_map(of).collect())
-        };
-        let stamp = Stamp {
-            remove: list(|moved| moved.remove),
-            add: list(|moved| moved.add),
-            paint: list(|moved| moved.paint),
-        };
-        let colours = bricks.into_iter().zip(done).filter_map(|(b, moved)| {
-            let moved = moved.filter(|moved| !moved.paint.is_empty())?;
-            Some((b, moved.colours?))
-        });
-        let colours = colours.collect();
-        Pulled { stamp, colours }
-    }
-
-    /// None if nothing changes in the brick.
-    fn move_brick(
-        &self,
-        contents: &Contents,
-        field: &Field,
-        b: UVec3,
-        arrives: VoxelBox,
-    ) -> Option<Moved> {
-        let half = DVec3::splat(0.5 * f64::from(BRICK_EDGE_VX));
-        let middle = (b * BRICK_EDGE_VX).as_dvec3() + half - self.origin;
-        if !self.reaches(middle, (half * self.stretch).length()) {
-            return None;
-        }
-        let coloured = contents.material.depth().bytes() > 0;
-        let before = *contents.grid.brick(b);
-        let mut moved = Moved::default();
-        for local in 0..BRICK_VOXELS {
-            let [x, y, z] = local_coords(local);
-            let v = b * BRICK_EDGE_VX + UVec3::new(x, y, z);
-            // The field is known for these only.
-            if !arrives.contains(v.as_ivec3()) {
-                continue;
-            }
-            let offset = self.source(v);
-            if offset == IVec3::ZERO {
-                continue;
-            }
-            let (exists, nearest) = field.sample(v, offset);
-            let existed = before.get(x, y, z);
-            match (existed, exists) {
-                (true, false) => moved.remove.set(x, y, z, true),
-                (false, true) => moved.add.set(x, y, z, true),
-                _ => {}
-            }
-            if coloured && exists {
-                let colour = contents.rgb(nearest);
-                let now = if existed { contents.rgb(v) } else { contents.material.base() };
-                if colour != now {
-                    moved.paint.set(x, y, z, true);
-                    let none = || Box::new([Rgb::default(); BRICK_VOXELS as usize]);
-                    moved.colours.get_or_insert_with(none)[local as usize] = colour;
-                }
-            }
-        }
-        let some = [moved.remove, moved.add, moved.paint].iter().any(|mask| !mask.is_empty());
-        some.then_some(moved)
-    }
-}
-
-/// What changes in one brick.
-struct Moved {
-    remove: Brick,
-    add: Brick,
-    paint: Brick,
-    colours: Option<Box<[Rgb; BRICK_VOXELS as usize]>>,
-}
-
-impl Default for Moved {
-    fn default() -> Moved {
-        Moved { remove: Brick::EMPTY, add: Brick::EMPTY, paint: Brick::EMPTY, colours: None }
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! From the bits of a box of a grid to values between voxels, and the voxel that a place belongs to. Knows no tool.
 
+use fearless_simd::{Level, Simd, dispatch};
 use glam::{IVec3, UVec3};
 use rayon::prelude::*;
 
@@ -77,19 +78,12 @@ impl Field {
         values.par_iter_mut().zip(&once).for_each(|(twice, once)| {
             *twice = ((9 * i32::from(*once) - 5 * i32::from(*twice)) / 4) as i16;
         });
+        let level = Level::new();
         values.par_chunks_mut(layer.max(1)).enumerate().for_each(|(z, values)| {
-            let bits_at = |i: isize| usize::try_from(i).ok().and_then(|i| bits.get(i)).copied();
-            for (i, value) in values.iter_mut().enumerate() {
-                let here = z * layer + i;
-                let bit = bits[here];
-                let other = |stride: isize| bits_at(here as isize + stride) == Some(1 - bit);
-                let thin =
-                    [1, row as isize, layer as isize].into_iter().any(|s| other(s) && other(-s));
-                let clear = if thin { THIN } else { CLEAR };
-                *value = match bit {
-                    1 => (*value).max(HALF + clear),
-                    _ => (*value).min(HALF - clear),
-                };
+            let mut thin = vec![0; row];
+            for (y, values) in values.chunks_exact_mut(row.max(1)).enumerate() {
+                let at = z * layer + y * row;
+                dispatch!(level, simd => clear(simd, &bits, at, [row, layer], &mut thin, values));
             }
         });
         Field { min: bounds.min, size, values }
@@ -108,7 +102,23 @@ impl Field {
         let (row, layer) = (self.size.x as usize, (self.size.x * self.size.y) as usize);
         let [x, y, z] = local.to_array().map(|v| v as usize);
         let at = x + y * row + z * layer;
+        let mut inside = 0;
+        for corner in 0..8usize {
+            let [cx, cy, cz] = [corner & 1, corner >> 1 & 1, corner >> 2];
+            inside += usize::from(self.values[at + cx + cy * row + cz * layer] > HALF);
+        }
+        if inside == 0 {
+            return (false, v);
+        }
         let from_above = offset.cmplt(IVec3::ZERO).bitmask() as usize;
+        if inside == 8 {
+            let mut nearest = first;
+            for axis in 0..3 {
+                let above = 2 * share[axis] + i32::from(offset[axis] < 0) > FINE;
+                nearest[axis] += i32::from(above);
+            }
+            return (true, nearest.as_uvec3());
+        }
         let (mut sum, mut largest, mut nearest) = (0i64, 0, None);
         for corner in (0..8usize).map(|corner| corner ^ from_above) {
             let [cx, cy, cz] = [corner & 1, corner >> 1 & 1, corner >> 2];
@@ -129,37 +139,91 @@ impl Field {
     }
 }
 
+/// Moves the values of the row of voxels from `at` on away from [`HALF`], to the side of their bits. `thin` is memory for a
+/// row.
+#[inline(always)]
+fn clear<S: Simd>(
+    _simd: S,
+    bits: &[u8],
+    at: usize,
+    [row, layer]: [usize; 2],
+    thin: &mut [u8],
+    values: &mut [i16],
+) {
+    let here = &bits[at..at + row];
+    thin.fill(0);
+    for (i, pair) in here.windows(3).enumerate() {
+        thin[i + 1] = (pair[0] ^ pair[1]) & (pair[2] ^ pair[1]);
+    }
+    for stride in [row, layer] {
+        if at < stride || at + stride + row > bits.len() {
+            continue;
+        }
+        let (before, after) = (&bits[at - stride..][..row], &bits[at + stride..][..row]);
+        for i in 0..row {
+            thin[i] |= (before[i] ^ here[i]) & (after[i] ^ here[i]);
+        }
+    }
+    for i in 0..row {
+        let clear = CLEAR + (THIN - CLEAR) * i16::from(thin[i]);
+        let value = values[i];
+        values[i] = if here[i] != 0 { value.max(HALF + clear) } else { value.min(HALF - clear) };
+    }
+}
+
 /// Replaces `values` by their means with weights 1-4-6-4-1 along each axis; nothing lies beyond the ends.
 fn smooth(values: &mut Vec<i16>, spare: &mut Vec<i16>, size: UVec3) {
     let (row, layer) = (size.x as usize, (size.x * size.y) as usize);
+    let level = Level::new();
     // 1-2-1 twice along each axis.
     for (axis, stride) in [(0, 1), (0, 1), (1, row), (1, row), (2, layer), (2, layer)] {
         let from = &*values;
         spare.par_chunks_mut(layer.max(1)).enumerate().for_each(|(z, out)| {
-            for (y, out) in out.chunks_mut(row).enumerate() {
+            for (y, out) in out.chunks_exact_mut(row).enumerate() {
                 let start = z * layer + y * row;
-                let here = &from[start..start + row];
-                if axis == 0 {
-                    for (x, out) in out.iter_mut().enumerate() {
-                        let before = if x == 0 { 0 } else { here[x - 1] };
-                        *out = (before + 2 * here[x] + here.get(x + 1).unwrap_or(&0) + 2) >> 2;
-                    }
-                    continue;
-                }
-                out.iter_mut().zip(here).for_each(|(out, here)| *out = 2 * here);
                 let (place, end) = if axis == 1 { (y, size.y) } else { (z, size.z) };
-                let mut add = |at: usize| {
-                    out.iter_mut().zip(&from[at..at + row]).for_each(|(out, other)| *out += other);
-                };
-                if place > 0 {
-                    add(start - stride);
-                }
-                if place + 1 < end as usize {
-                    add(start + stride);
-                }
-                out.iter_mut().for_each(|out| *out = (*out + 2) >> 2);
+                let ends = [place == 0, place + 1 == end as usize];
+                dispatch!(level, simd => match axis {
+                    0 => smooth_along(simd, &from[start..start + row], out),
+                    _ => smooth_across(simd, from, start, stride, ends, out),
+                });
             }
         });
         std::mem::swap(values, spare);
+    }
+}
+
+/// Means of a row with weights 1-2-1 along it.
+#[inline(always)]
+fn smooth_along<S: Simd>(_simd: S, here: &[i16], out: &mut [i16]) {
+    let last = here.len() - 1;
+    for (out, three) in out[1.min(last)..].iter_mut().zip(here.windows(3)) {
+        *out = (three[0] + 2 * three[1] + three[2] + 2) >> 2;
+    }
+    let at = |i: usize| here.get(i).copied().unwrap_or(0);
+    out[0] = (2 * at(0) + at(1) + 2) >> 2;
+    if last > 0 {
+        out[last] = (at(last - 1) + 2 * at(last) + 2) >> 2;
+    }
+}
+
+/// The same across rows: of that from `start` on and those `stride` before and after it, but for `ends`.
+#[inline(always)]
+fn smooth_across<S: Simd>(
+    _simd: S,
+    from: &[i16],
+    start: usize,
+    stride: usize,
+    ends: [bool; 2],
+    out: &mut [i16],
+) {
+    let row = out.len();
+    let here = &from[start..start + row];
+    // What does not count is multiplied by 0.
+    let before = if ends[0] { here } else { &from[start - stride..][..row] };
+    let after = if ends[1] { here } else { &from[start + stride..][..row] };
+    let [low, high] = ends.map(|end| i16::from(!end));
+    for i in 0..row {
+        out[i] = (before[i] * low + 2 * here[i] + after[i] * high + 2) >> 2;
     }
 }

@@ -1,6 +1,6 @@
 //! Pulls at clay: what moves, what stays, and that a pull back gives the same clay again.
 
-use glam::{UVec3, Vec3};
+use glam::{IVec3, UVec3, Vec3};
 use proptest::prelude::*;
 
 use super::grab::{Falloff, Grab, MAX_PULL_VX, MAX_RADIUS};
@@ -215,6 +215,44 @@ proptest! {
         for i in 0..dims.element_product() {
             let v = before.grid.voxel_coords(i);
             prop_assert_eq!(after.grid.get(v.as_ivec3()), after.grid.get(flip(v).as_ivec3()), "{}", v);
+        }
+    }
+}
+
+/// Bricks are left out by what is around them, so this must not show: the same clay elsewhere in its bricks gives the same.
+#[test]
+fn a_pull_does_the_same_wherever_the_clay_lies_in_its_bricks() {
+    let shape = |v: IVec3| {
+        let p = v.as_vec3() + 0.5;
+        let noise =
+            (v.x * 7 + v.y * 131 + v.z * 1741).wrapping_mul(0x9E37_79B1u32 as i32) >> 27 == 1;
+        let block = v.cmpge(IVec3::splat(6)).all() && v.cmplt(IVec3::new(50, 34, 50)).all();
+        block && p.distance(Vec3::new(20.0, 20.0, 22.0)) > 8.0 && !(v.x > 40 && noise)
+    };
+    let grabs = [
+        (Vec3::new(28.5, 34.0, 27.25), 14.0, Vec3::new(0.5, 11.25, -3.0), Falloff::Smooth),
+        (Vec3::new(28.0, 28.0, 28.0), 19.5, Vec3::new(-9.0, -0.25, 0.75), Falloff::Flat),
+        (Vec3::new(44.0, 30.0, 40.0), 12.0, Vec3::new(7.0, 6.0, 5.0), Falloff::Sharp),
+    ];
+    for (centre_vx, radius, by_vx, falloff) in grabs {
+        let after = |shift: IVec3| {
+            let mut before = contents(UVec3::splat(72), |v| shape(v.as_ivec3() - shift));
+            for (i, red) in (0..12u8).map(|i| (i32::from(i), Rgb::new(200 + i, 20, 10))) {
+                paint(&mut before, (IVec3::new(22 + i, 33, 20 + i) + shift).as_uvec3(), red);
+            }
+            let grab = Grab { centre_vx: centre_vx + shift.as_vec3(), radius, by_vx, falloff };
+            pulled(&before, &grab, Symmetry::default())
+        };
+        let here = after(IVec3::ZERO);
+        assert!(differing(&here, &contents(UVec3::splat(72), |v| shape(v.as_ivec3()))) > 500);
+        for shift in [IVec3::new(3, 5, 1), IVec3::new(4, 4, 4), IVec3::new(7, 0, 2)] {
+            let there = after(shift);
+            for i in 0..64u32.pow(3) {
+                let v = IVec3::new((i & 63) as i32, (i >> 6 & 63) as i32, (i >> 12) as i32);
+                assert_eq!(here.grid.get(v), there.grid.get(v + shift), "{v} {shift}");
+                let [a, b] = [(&here, v), (&there, v + shift)].map(|(c, v)| c.rgb(v.as_uvec3()));
+                assert!(!here.grid.get(v) || a == b, "{v} {shift}");
+            }
         }
     }
 }

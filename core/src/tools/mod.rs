@@ -13,6 +13,7 @@ pub mod drain;
 pub mod filter;
 pub mod grab;
 mod grab_field;
+mod grab_flow;
 #[cfg(test)]
 mod grab_tests;
 #[cfg(test)]
