@@ -188,10 +188,9 @@ impl Flow<'_> {
         let mut from_centres = [[[0.0; EDGE]; 3]; MOST_PULLS];
         for (pull, from_centre) in self.pulls.iter().zip(&mut from_centres) {
             let from = (first - pull.centre).to_array();
-            for x in 0..EDGE {
-                from_centre[0][x] = (from[0] + x as f64) as f32;
-                from_centre[1][x] = from[1] as f32;
-                from_centre[2][x] = from[2] as f32;
+            *from_centre = from.map(|from| [from as f32; EDGE]);
+            for (x, along) in from_centre[0].iter_mut().enumerate() {
+                *along = (from[0] + x as f64) as f32;
             }
         }
         let mut arrived: Row = [[0.0; EDGE]; 3];

@@ -89,7 +89,7 @@ fn estimates(samples: &Samples, records: &mut Vec<SurfaceRecord>) {
             records.push(SurfaceRecord::new(
                 PackedNormal::pack(normal),
                 PackedDepth::pack(depth_vx),
-                samples.openness[64 * z + bit as usize],
+                samples.openness[64 * z + bit],
             ));
         }
     }
@@ -207,7 +207,7 @@ impl Batch {
             let own = &samples[own].samples;
             for (z, layer) in own.mask.layers.into_iter().enumerate() {
                 for bit in bits(layer) {
-                    let openness = own.openness[64 * z + bit as usize];
+                    let openness = own.openness[64 * z + bit];
                     out.push(SurfaceRecord::new(
                         PackedNormal::NONE,
                         PackedDepth::default(),
