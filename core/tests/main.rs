@@ -20,6 +20,7 @@ mod meshes_in;
 mod scans;
 mod sprays;
 mod study;
+mod three_mf;
 mod upright;
 mod volume_options;
 mod voxel_models;

@@ -13,6 +13,7 @@ use super::{Format, FormatError, mesh_in, scan, store, voxel};
 /// First bytes of a file that are looked at.
 const START_BYTES: u64 = 1024;
 const GZIP: &[u8] = &[0x1F, 0x8B];
+const ZIP: &[u8] = b"PK\x03\x04";
 /// A binary `.stl`: a header of any text, the number of triangles, and bytes of each.
 const STL_HEADER_BYTES: usize = 80;
 const STL_TRIANGLE_BYTES: u64 = 50;
@@ -42,14 +43,13 @@ const KNOWN: [(usize, &[u8], Format); 18] = [
 ];
 
 /// What begins with these bytes at that place is not read.
-const FOREIGN: [(usize, &[u8], &str); 17] = [
+const FOREIGN: [(usize, &[u8], &str); 16] = [
     (0, b"\x89PNG", "a PNG image"),
     (0, b"\xFF\xD8\xFF", "a JPEG image"),
     (0, b"GIF8", "a GIF image"),
     (0, b"#?R", "a Radiance image"),
     (0, b"DDS |", "a texture of DirectDraw"),
     (0, b"%PDF", "a PDF document"),
-    (0, b"PK\x03\x04", "a ZIP archive; unpack it first"),
     (0, b"BZh", "something packed with bzip2; unpack it first"),
     (0, b"\xFD7zXZ", "something packed with xz; unpack it first"),
     (0, b"\x28\xB5\x2F\xFD", "something packed with zstd; unpack it first"),
@@ -73,6 +73,8 @@ enum Content {
     Foreign(&'static str),
     /// Packed with gzip, and no NIfTI file that says so.
     Gzip,
+    /// A ZIP archive, which a `.3mf` file is.
+    Zip,
     Unknown,
 }
 
@@ -111,6 +113,10 @@ pub fn format_of(path: &Path) -> Result<(Format, Option<String>), FormatError> {
         (Ok(Format::Scan(scan::Kind::Nifti)), Content::Gzip) => {
             Ok((Format::Scan(scan::Kind::Nifti), None))
         }
+        (Ok(Format::Mesh(mesh_in::Kind::ThreeMf)), Content::Zip) => {
+            Ok((Format::Mesh(mesh_in::Kind::ThreeMf), None))
+        }
+        (Ok(_), Content::Zip) => Err(FormatError::OtherContent("a ZIP archive; unpack it first")),
         (Ok(_), Content::Gzip) => {
             Err(FormatError::OtherContent("something packed with gzip; unpack it first"))
         }
@@ -137,6 +143,9 @@ fn content_of(start: &[u8], length: u64) -> Content {
     }
     if is_nifti(start) {
         return Content::Known(Format::Scan(scan::Kind::Nifti));
+    }
+    if begins(0, ZIP) {
+        return Content::Zip;
     }
     if begins(0, GZIP) {
         let mut inside = Vec::new();
@@ -186,6 +195,7 @@ fn name_of(format: Format) -> &'static str {
         Format::Mesh(mesh_in::Kind::Stl) => "a mesh (.stl)",
         Format::Mesh(mesh_in::Kind::Ply) => "a mesh (.ply)",
         Format::Mesh(mesh_in::Kind::Glb) => "a mesh (.glb)",
+        Format::Mesh(mesh_in::Kind::ThreeMf) => "a mesh (.3mf)",
     }
 }
 

@@ -62,9 +62,9 @@ use crate::sculpture::orientation::{Orientation, Up};
 use crate::sculpture::{Grid, Limits};
 
 /// Extensions of the files that can be read.
-pub const READ_ENDINGS: [&str; 22] = [
+pub const READ_ENDINGS: [&str; 23] = [
     "vsc", "pvm", "raw", "nii", "nii.gz", "hdr", "nrrd", "nhdr", "vti", "tif", "tiff", "dcm",
-    "dicom", "vox", "qb", "gox", "binvox", "obj", "stl", "ply", "glb", "gltf",
+    "dicom", "vox", "qb", "gox", "binvox", "obj", "stl", "ply", "glb", "gltf", "3mf",
 ];
 /// Extensions of the files that can be written.
 pub const WRITE_ENDINGS: [&str; 10] =
@@ -98,6 +98,7 @@ impl Format {
             "obj" => Ok(Format::Mesh(mesh_in::Kind::Obj)),
             "stl" => Ok(Format::Mesh(mesh_in::Kind::Stl)),
             "ply" => Ok(Format::Mesh(mesh_in::Kind::Ply)),
+            "3mf" => Ok(Format::Mesh(mesh_in::Kind::ThreeMf)),
             "glb" | "gltf" => Ok(Format::Mesh(mesh_in::Kind::Glb)),
             _ => Err(FormatError::UnknownEnding(format!(".{ending}"))),
         }

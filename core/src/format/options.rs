@@ -73,7 +73,7 @@ pub struct ImportOptions {
     /// Bits of colour of the sculpture; `None`: as the file was written by this program, as the
     /// packed colours have, or 24.
     pub colour_depth: Option<ColourDepth>,
-    /// The axis that points up; `None`: as is usual in the format, z in `.stl`, `.ply`, `.vox` and `.gox`, else y. Left
+    /// The axis that points up; `None`: as is usual in the format, z in `.stl`, `.ply`, `.3mf`, `.vox` and `.gox`, else y. Left
     /// out, and said, for files that say so themselves: sculptures, `.glb`, scans with the patient's axes. Volumes that
     /// this program has written stand as they were saved.
     pub upright: Option<Up>,

@@ -1,4 +1,5 @@
-//! Reads meshes of other programs: Wavefront `.obj` with `.mtl` and texture, `.stl`, `.ply`, `.glb` and `.gltf`.
+//! Reads meshes of other programs: Wavefront `.obj` with `.mtl` and texture, `.stl`, `.ply`, `.glb`, `.gltf`
+//! and `.3mf`.
 //!
 //! Takes the bytes of a file, and for `.obj` and `.gltf` the folder it lies in; gives triangles with their colours, in the axes of
 //! the file. `crate::voxelise` makes voxels of them. Corners that are no numbers stay; the voxeliser leaves their
@@ -12,6 +13,7 @@ mod obj;
 mod ply;
 mod ply_header;
 mod stl;
+mod three_mf;
 
 use std::path::{Component, Path, PathBuf};
 
@@ -37,6 +39,8 @@ pub enum Kind {
     Ply,
     /// glTF 2.0, in one file or with others beside it.
     Glb,
+    /// 3D Manufacturing Format.
+    ThreeMf,
 }
 
 impl Kind {
@@ -48,7 +52,8 @@ impl Kind {
 
     /// The axis that is taken for the one that points up: as chosen, or as programs mostly write the format.
     pub fn up(self, options: &ImportOptions) -> Up {
-        let usual = if matches!(self, Kind::Stl | Kind::Ply) { Up::Z } else { Up::Y };
+        let usual =
+            if matches!(self, Kind::Stl | Kind::Ply | Kind::ThreeMf) { Up::Z } else { Up::Y };
         let chosen = options.upright.filter(|_| !self.knows_up());
         chosen.unwrap_or(usual)
     }
@@ -84,6 +89,7 @@ pub fn load(
         Kind::Obj => obj::read(&file, path)?,
         Kind::Stl => stl::read(&file)?,
         Kind::Ply => ply::read(&file)?,
+        Kind::ThreeMf => three_mf::read(&file, budget - file.len() as u64)?,
         Kind::Glb => glb::read(&file, path, budget - file.len() as u64, progress)?,
     };
     if imported.mesh.triangles.is_empty() {
