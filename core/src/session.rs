@@ -4,8 +4,10 @@
 //! Windows, headless jobs and scripts all use [`Session::execute`], so that everything a user does can be
 //! recorded and replayed. Knows no screen.
 
+mod error;
 mod files;
 mod keeping;
+mod on_disk;
 mod recording;
 mod recover;
 #[cfg(test)]
@@ -17,86 +19,21 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use thiserror::Error;
-
 use crate::command::{Command, NewSculpture};
 use crate::document::{Applied, CommandError, Document, Limits};
 use crate::format::options::ImportOptions;
-use crate::format::{self, FormatError, Loaded, Texts};
+use crate::format::{self, Loaded, Texts};
 use crate::progress::Progress;
 use crate::sculpture::orientation::{Orientation, Up};
 use crate::spill::Spill;
+pub use error::SessionError;
 use files::Files;
 use keeping::Keeping;
+use on_disk::{FileIdentity, OnDisk};
 use recording::Recording;
 pub use recover::{Recovered, RecoveryReport, Summary, recover, summary};
 pub use work::{Done, Work};
 use work::{Outcome, Task, load};
-
-/// Why a command failed. The sculpture is as it was before.
-#[derive(Debug, Error)]
-pub enum SessionError {
-    /// The document has refused the command.
-    #[error(transparent)]
-    Command(#[from] CommandError),
-    /// A file cannot be read.
-    #[error("cannot open {path}: {error}")]
-    Open {
-        /// The file.
-        path: PathBuf,
-        /// The reason.
-        error: FormatError,
-    },
-    /// A file cannot be written.
-    #[error("cannot save {path}: {error}")]
-    Save {
-        /// The file.
-        path: PathBuf,
-        /// The reason.
-        error: FormatError,
-    },
-    /// The image for a texture cannot be read.
-    #[error("cannot read the image {path}: {error}")]
-    Picture {
-        /// The file.
-        path: PathBuf,
-        /// The reason.
-        error: FormatError,
-    },
-    /// The journal's file cannot be created or written.
-    #[error("cannot record to {path}: {error}")]
-    Journal {
-        /// The file.
-        path: PathBuf,
-        /// The reason.
-        error: std::io::Error,
-    },
-    /// The journal's file already holds something.
-    #[error(
-        "cannot record to {path}: that file {holds}; choose another name, or move the file away"
-    )]
-    JournalTaken {
-        /// The file.
-        path: PathBuf,
-        /// What the file holds.
-        holds: &'static str,
-    },
-    /// The sculpture has already been changed.
-    #[error("a recording must begin before the sculpture is changed")]
-    JournalLate,
-}
-
-impl SessionError {
-    /// Whether the work was cancelled.
-    pub fn is_cancelled(&self) -> bool {
-        use SessionError::{Open, Save};
-        match self {
-            Open { error, .. } | Save { error, .. } => matches!(error, FormatError::Cancelled),
-            SessionError::Command(error) => matches!(error, CommandError::Cancelled),
-            _ => false,
-        }
-    }
-}
 
 /// A document with its file.
 #[derive(Debug)]
@@ -104,6 +41,8 @@ pub struct Session {
     document: Document,
     /// The files of the sculptures that undo and redo can lead to.
     files: Files,
+    /// What those files were like when they were read or written.
+    on_disk: OnDisk,
     /// The command that reproduces the sculpture at the session's start.
     beginning: Command,
     recording: Option<Recording>,
@@ -133,6 +72,7 @@ impl Session {
         limits: Limits,
         progress: &dyn Progress,
     ) -> Result<Session, SessionError> {
+        let identity = FileIdentity::of(path);
         let Loaded { contents, texts, assumed_up, notes, .. } =
             load(path, import, &limits, progress)?;
         let document = Document::from_contents(contents, limits);
@@ -140,6 +80,7 @@ impl Session {
         let mut session = Session::with_document(document, beginning);
         let state = session.document.state();
         session.files.opened(state, path.to_path_buf(), texts, assumed_up);
+        session.on_disk.learn(path, identity);
         session.notes = notes;
         Ok(session)
     }
@@ -150,6 +91,7 @@ impl Session {
         Session {
             document,
             files,
+            on_disk: OnDisk::default(),
             beginning,
             recording: None,
             journal_error: None,
@@ -346,6 +288,7 @@ impl Session {
                 Task::Open { path, embedded, import, limits }
             }
             Command::Save { path, export } => Task::Save {
+                known: self.on_disk.known(&path),
                 path,
                 export,
                 limits,
@@ -385,7 +328,8 @@ impl Session {
             Outcome::Oriented { .. } | Outcome::Mended { .. } => {
                 applied = self.document.apply(&command)?
             }
-            Outcome::Opened { path, loaded } => {
+            Outcome::Opened { path, loaded, identity } => {
+                self.on_disk.learn(&path, identity);
                 let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
                 let Loaded { contents, texts, assumed_up, notes, .. } = *loaded;
                 self.document.replace(contents, &format!("open {name}"))?;
@@ -394,7 +338,8 @@ impl Session {
                 self.files.opened(self.document.state(), path, texts, assumed_up);
             }
             // Volumes are for other programs: what they cannot hold would be lost.
-            Outcome::Saved { path, notes, state } => {
+            Outcome::Saved { path, notes, state, identity } => {
+                self.on_disk.learn(&path, identity);
                 self.notes = notes;
                 if format::is_sculpture(&path) {
                     entry = Some(keeping::saved_entry(&path, state));

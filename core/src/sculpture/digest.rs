@@ -6,6 +6,7 @@
 //! it has one: two sculptures that look alike but are painted otherwise differ.
 
 use std::fmt;
+use std::io::{ErrorKind, Read};
 
 use rayon::prelude::*;
 
@@ -24,6 +25,20 @@ impl Digest {
         let mut hasher = Sha256::new();
         hasher.update(bytes);
         hasher.finish()
+    }
+
+    /// That of all bytes that a reader gives.
+    pub fn of_reader(mut reader: impl Read) -> std::io::Result<Digest> {
+        let mut hasher = Sha256::new();
+        let mut portion = vec![0; 1 << 18];
+        loop {
+            match reader.read(&mut portion) {
+                Ok(0) => return Ok(hasher.finish()),
+                Ok(length) => hasher.update(&portion[..length]),
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(error) => return Err(error),
+            }
+        }
     }
 
     /// That of a sculpture.

@@ -37,3 +37,91 @@ fn a_picture_is_read_anew_with_every_stroke() {
     let error = session.execute(&paint.parse().unwrap(), &()).unwrap_err();
     assert!(error.to_string().contains("colour.png"), "{error}");
 }
+
+fn execute(session: &mut Session, line: &str) -> Result<Applied, SessionError> {
+    session.execute(&line.parse().unwrap(), &())
+}
+
+fn ball(voxels: u32) -> Session {
+    let new = NewSculpture {
+        dims: glam::UVec3::splat(voxels),
+        voxel_size: glam::Vec3::ONE,
+        colour_depth: ColourDepth::Bits24,
+        base: Rgb([128; 3]),
+        solid: true,
+    };
+    Session::new(&new, Limits::default()).unwrap()
+}
+
+/// Opened and saved files alike, whatever the path is written like.
+#[test]
+fn a_file_that_another_program_has_changed_is_not_overwritten() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("owl.vsc");
+    let save = format!("save {path:?}");
+    execute(&mut ball(16), &save).unwrap();
+    let foreign = std::fs::read(&path).unwrap();
+    let round_about = folder.path().join(".").join("owl.vsc");
+
+    let import = ImportOptions::default();
+    let mut opened = Session::open(&path, &import, Limits::default(), &()).unwrap();
+    let mut saved = ball(8);
+    execute(&mut saved, &save).unwrap();
+    let mine = std::fs::read(&path).unwrap();
+    assert_ne!(mine, foreign);
+    for save in [save.clone(), format!("save {round_about:?}")] {
+        let error = execute(&mut opened, &save).unwrap_err();
+        assert!(matches!(&error, SessionError::ChangedOnDisk { .. }), "{error}");
+        assert!(error.to_string().contains("another program"), "{error}");
+        assert_eq!(std::fs::read(&path).unwrap(), mine);
+    }
+    // Who wrote it last may go on, and another name is free.
+    execute(&mut saved, &save).unwrap();
+    execute(&mut saved, &save).unwrap();
+    let copy = folder.path().join("copy.vsc");
+    execute(&mut opened, &format!("save {copy:?}")).unwrap();
+    assert_eq!(std::fs::read(&copy).unwrap(), foreign);
+
+    // One byte of another value, and a time as it was.
+    let time = std::fs::metadata(&path).unwrap().modified().unwrap();
+    let mut damaged = mine.clone();
+    *damaged.last_mut().unwrap() ^= 1;
+    std::fs::write(&path, &damaged).unwrap();
+    std::fs::File::options().write(true).open(&path).unwrap().set_modified(time).unwrap();
+    execute(&mut saved, &save).unwrap_err();
+    assert_eq!(std::fs::read(&path).unwrap(), damaged);
+    // The same bytes again, written later, are no change.
+    std::fs::write(&path, &mine).unwrap();
+    execute(&mut saved, &save).unwrap();
+}
+
+#[test]
+fn a_change_on_disk_that_is_accepted_is_overwritten_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("owl.vsc");
+    let save = format!("save {path:?}");
+    let mut session = ball(8);
+    execute(&mut session, &save).unwrap();
+    let mine = std::fs::read(&path).unwrap();
+    std::fs::write(&path, "of another program").unwrap();
+    execute(&mut session, &save).unwrap_err();
+    session.accept_change_on_disk(&path);
+    // It changes once more before it is written.
+    std::fs::write(&path, "once more").unwrap();
+    execute(&mut session, &save).unwrap_err();
+    session.accept_change_on_disk(&path);
+    execute(&mut session, &save).unwrap();
+    assert_eq!(std::fs::read(&path).unwrap(), mine);
+    std::fs::write(&path, "again").unwrap();
+    execute(&mut session, &save).unwrap_err();
+    // What is gone is written anew.
+    std::fs::remove_file(&path).unwrap();
+    execute(&mut session, &save).unwrap();
+    assert_eq!(std::fs::read(&path).unwrap(), mine);
+    // Opening the file again is knowing it, and undo leads back to the sculpture but not to its old file.
+    execute(&mut ball(16), &save).unwrap();
+    execute(&mut session, &format!("open {path:?}")).unwrap();
+    execute(&mut session, &save).unwrap();
+    execute(&mut session, "undo").unwrap();
+    assert_eq!(session.path(), None);
+}

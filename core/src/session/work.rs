@@ -9,6 +9,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::SessionError;
+use super::on_disk::FileIdentity;
 use crate::command::{Command, NewSculpture};
 use crate::document::{self, Limits};
 use crate::format::options::{ExportOptions, ImportOptions};
@@ -52,6 +53,8 @@ pub(super) enum Task {
     },
     Save {
         path: PathBuf,
+        /// What the file was like when the session last read or wrote it, if it did.
+        known: Option<FileIdentity>,
         export: ExportOptions,
         contents: Arc<Contents>,
         texts: Texts,
@@ -87,11 +90,13 @@ pub(super) enum Outcome {
     Opened {
         path: PathBuf,
         loaded: Box<Loaded>,
+        identity: Option<FileIdentity>,
     },
     Saved {
         path: PathBuf,
         notes: Vec<String>,
         state: State,
+        identity: Option<FileIdentity>,
     },
 }
 
@@ -116,15 +121,26 @@ impl Work {
                 let read = format::read_embedded(&file, &limits, progress);
                 let failed = |error| SessionError::Open { path: path.clone(), error };
                 let loaded = Box::new(read.map_err(failed)?);
-                Outcome::Opened { path, loaded }
+                // What lies at its path need not be what was embedded.
+                Outcome::Opened { path, loaded, identity: None }
             }
             Task::Open { path, embedded: None, import, limits } => {
+                // Before it is read: a change meanwhile is then one that the session does not know.
+                let identity = FileIdentity::of(&path);
                 let loaded = Box::new(load(&path, &import, &limits, progress)?);
-                Outcome::Opened { path, loaded }
+                Outcome::Opened { path, loaded, identity }
             }
-            Task::Save { path, export, contents, texts, limits, state } => {
+            Task::Save { path, known, export, contents, texts, limits, state } => {
+                if let Some(known) = known
+                    && !known.may_be_replaced(&path)
+                {
+                    return Err(SessionError::ChangedOnDisk { path });
+                }
                 match format::save_with(&path, &contents, &export, texts, &limits, progress) {
-                    Ok(notes) => Outcome::Saved { path, notes, state },
+                    Ok(notes) => {
+                        let identity = FileIdentity::of(&path);
+                        Outcome::Saved { path, notes, state, identity }
+                    }
                     Err(error) => return Err(SessionError::Save { path, error }),
                 }
             }

@@ -1,0 +1,91 @@
+//! What the sculptures' files were like when the session read or wrote them, so that what another program has put there
+//! since is not overwritten unseen.
+//!
+//! Length and hash count, not times: these are coarse on some disks, and programs that copy files set them. Only .vsc files
+//! are remembered; volumes are written for other programs, under names that are asked for each time. Writes no file.
+
+use std::collections::HashMap;
+use std::fs::{self, File};
+use std::io::{ErrorKind, Result};
+use std::path::{Path, PathBuf};
+
+use super::Session;
+use crate::format;
+use crate::sculpture::digest::Digest;
+
+/// What a file was like.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct FileIdentity {
+    bytes: u64,
+    hash: Digest,
+}
+
+impl FileIdentity {
+    /// That of the file at `path`; none if it cannot be read, or is no sculpture by its name.
+    pub fn of(path: &Path) -> Option<FileIdentity> {
+        if !format::is_sculpture(path) {
+            return None;
+        }
+        // A pipe would be waited for.
+        let bytes = fs::metadata(path).ok().filter(|found| found.is_file())?.len();
+        let hash = hash_of(path)
+            .inspect_err(|error| tracing::warn!("cannot hash {}: {error}", path.display()));
+        Some(FileIdentity { bytes, hash: hash.ok()? })
+    }
+
+    /// Whether the file at `path` is still this one. What is gone, or no file, holds nothing to lose. Of a file that
+    /// cannot be read nobody knows what it holds, so that the answer is no.
+    pub fn may_be_replaced(self, path: &Path) -> bool {
+        match fs::metadata(path) {
+            Ok(found) if found.is_file() => {
+                found.len() == self.bytes && hash_of(path).is_ok_and(|hash| hash == self.hash)
+            }
+            Ok(_) => true,
+            Err(error) => matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory),
+        }
+    }
+}
+
+fn hash_of(path: &Path) -> Result<Digest> {
+    Digest::of_reader(File::open(path)?)
+}
+
+/// The files that a session has read or written.
+#[derive(Debug, Default)]
+pub(super) struct OnDisk {
+    known: HashMap<PathBuf, FileIdentity>,
+}
+
+impl OnDisk {
+    /// Notes what the file at `path` is like; none forgets it.
+    pub fn learn(&mut self, path: &Path, identity: Option<FileIdentity>) {
+        match identity {
+            Some(identity) => self.known.insert(key(path), identity),
+            None => self.known.remove(&key(path)),
+        };
+    }
+
+    /// What the file at `path` was like, if the session has read or written it.
+    pub fn known(&self, path: &Path) -> Option<FileIdentity> {
+        self.known.get(&key(path)).copied()
+    }
+}
+
+/// A path that does not depend on how the folder was written. A link to a file is no other name for it: led
+/// elsewhere meanwhile, it leads to another file.
+fn key(path: &Path) -> PathBuf {
+    let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    let folder = absolute.parent().and_then(|folder| folder.canonicalize().ok());
+    match (folder, absolute.file_name()) {
+        (Some(folder), Some(name)) => folder.join(name),
+        _ => absolute,
+    }
+}
+
+impl Session {
+    /// The person has been told that another program has changed the file at `path`, and wants it replaced as it is now:
+    /// the next [`Command::Save`](crate::command::Command::Save) does so, unless it changes once more.
+    pub fn accept_change_on_disk(&mut self, path: &Path) {
+        self.on_disk.learn(path, FileIdentity::of(path));
+    }
+}
