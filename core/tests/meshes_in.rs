@@ -302,7 +302,7 @@ fn gltf_takes_its_numbers_from_files_beside_it_and_from_itself() {
         let error = load(&files.write("bad.gltf", text), &sized(16)).unwrap_err().to_string();
         assert!(error.contains(part), "{part}: {error}");
     }
-    files.write("a.bin", binary[..199].to_vec());
+    files.write("a.bin", &binary[..199]);
     let error = load(&files.write("cut.gltf", with("a.bin")), &sized(16)).unwrap_err().to_string();
     assert!(error.contains("bufferViews 2"), "{error}");
     // A texture that is not there costs the colours alone.
