@@ -38,10 +38,10 @@ pub enum FormatError {
     NoEnding,
     /// A file is to be written under a name that no format has.
     #[error(
-        "the file name has no extension of a format that is written; choose one of .{list}",
+        "{0} of a format that is written; choose one of .{list}",
         list = super::WRITE_ENDINGS.join(", .")
     )]
-    NotWritten,
+    NotWritten(String),
     /// A file that holds something else than its name says, which is not read.
     #[error("choose another file; the name is that of another kind of file: this one holds {0}")]
     OtherContent(&'static str),

@@ -290,7 +290,13 @@ pub fn save_with(
         go_on(progress)?;
         volume
     };
-    let bytes = match Format::of(path).map_err(|_| FormatError::NotWritten)? {
+    let not_written = |error| {
+        FormatError::NotWritten(match error {
+            FormatError::UnknownEnding(ending) => format!("`{ending}` is not the extension"),
+            _ => "the file name has no extension".into(),
+        })
+    };
+    let bytes = match Format::of(path).map_err(not_written)? {
         Format::Vsc if form != ExportForm::Auto => return Err(FormatError::FormOfVsc(form)),
         Format::Vsc => vsc::write(contents, &texts, progress)?,
         Format::Mesh(_) | Format::Scan(_) => return Err(FormatError::ReadOnly),
