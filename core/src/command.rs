@@ -38,13 +38,14 @@ pub struct NewSculpture {
     pub solid: bool,
 }
 
-/// The surface that the rays of a spray tool are cast on.
+/// The surface that the rays of a spray tool are cast on, or the clay that a pull takes hold of.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum SpraySurface {
-    /// The current one, so that strokes go deeper where they overlap.
+    /// The current one, so that strokes go deeper where they overlap, and pulls go on from there.
     #[default]
     Now,
-    /// The surface before the first spray with this setting in the stroke.
+    /// The surface before the first spray with this setting in the stroke. A pull takes the place of all that the
+    /// stroke has done so far.
     Stroke,
 }
 
@@ -154,7 +155,12 @@ pub enum Command {
         surface: SpraySurface,
     },
     /// Pull at a ball of clay.
-    Grab(Grab),
+    Grab {
+        /// The ball and the pull.
+        grab: Grab,
+        /// Which clay is pulled.
+        surface: SpraySurface,
+    },
     /// Recolour the voxels inside a solid by an image.
     Texture {
         /// The solid.
@@ -301,7 +307,7 @@ pub const COMMANDS: &[CommandHelp] = &[
     },
     CommandHelp {
         verb: "grab",
-        usage: "at=X,Y,Z radius=VOXELS by=DX,DY,DZ [falloff=smooth|sharp|flat]",
+        usage: "at=X,Y,Z radius=VOXELS by=DX,DY,DZ [falloff=smooth|sharp|flat] [surface=now|stroke]",
         tooltip: "Pull at a ball of clay: what is in its middle goes all the way, what is at its rim stays",
     },
     CommandHelp {
@@ -428,7 +434,7 @@ impl Command {
             Command::Construct { op: EditOp::Subtract, .. } => "subtract",
             Command::Construct { op: EditOp::Recolour(_), .. } => "recolour",
             Command::Spray { .. } => "spray",
-            Command::Grab(_) => "grab",
+            Command::Grab { .. } => "grab",
             Command::Texture { .. } => "texture",
             Command::Fill { .. } => "fill",
             Command::Clear { .. } => "clear",

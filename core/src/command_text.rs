@@ -154,7 +154,7 @@ impl fmt::Display for Command {
                 }
             }
             Command::Spray { spray, surface } => spray::write(spray, *surface, f),
-            Command::Grab(grab) => grab::write(grab, f),
+            Command::Grab { grab, surface } => grab::write(grab, *surface, f),
             Command::Texture { primitive, picture } => {
                 write!(f, " {} {primitive}", QuotedPath(picture))
             }

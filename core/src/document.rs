@@ -25,6 +25,7 @@ use crate::tools::texture::Texture;
 
 mod areas;
 mod changes;
+mod clay;
 mod error;
 mod mend;
 mod orient;
@@ -298,7 +299,7 @@ impl Document {
             Command::Construct { .. }
             | Command::Texture { .. }
             | Command::Spray { .. }
-            | Command::Grab(_)
+            | Command::Grab { .. }
             | Command::Paste { .. } => self.use_tool(command),
             Command::Array { count, step } => self.array(*count, *step, command),
             Command::Fill { area, colour } => self.edit_area(*area, EditOp::Add(*colour), command),

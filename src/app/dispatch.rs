@@ -191,6 +191,12 @@ impl Workspace {
         self.settle();
     }
 
+    /// Does once what events have asked for so far.
+    pub(super) fn catch_up(&mut self) {
+        self.editor.catch_up();
+        self.settle();
+    }
+
     fn drag(&mut self, action: Action, at: Vec2, by: Vec2) {
         let action = self.editor.meant(action);
         let placement = *self.editor.document().placement();
@@ -276,6 +282,7 @@ impl Workspace {
                 self.answer_event(&event);
             }
         }
+        self.catch_up();
         self.viewpoint.ar.update(now_s);
         if self.viewpoint.has_leapt(now_s) {
             self.editor.lift();

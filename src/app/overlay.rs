@@ -45,6 +45,12 @@ pub fn preview(scene: &OverlayScene) -> Option<ToolPreview> {
     match scene.tool.kind {
         _ if !scene.view.tool => None,
         ToolKind::Spray(_) => None,
+        ToolKind::Deform => Some(ToolPreview {
+            primitive: scene.tool.ball(),
+            voxel_size,
+            colour: MIRROR,
+            opacity: [0.16, 0.08],
+        }),
         ToolKind::Solid => Some(ToolPreview {
             primitive: scene.tool.primitive(),
             voxel_size,
@@ -112,11 +118,14 @@ pub fn lines(scene: &OverlayScene) -> Vec<Line> {
     let outline =
         |colour| move |(from, to)| Line { from, to, colour, width_px: 1.4, opacity: [0.9, 0.3] };
     match tool.kind {
-        ToolKind::Solid => {
-            let own = outline_of(&tool.primitive(), grid);
-            lines.extend(own.into_iter().map(outline(colour_of(tool))));
+        ToolKind::Solid | ToolKind::Deform => {
+            let (shape, colour) = match tool.kind {
+                ToolKind::Deform => (tool.ball(), MIRROR),
+                _ => (tool.primitive(), colour_of(tool)),
+            };
+            lines.extend(outline_of(&shape, grid).into_iter().map(outline(colour)));
             for image in document.symmetry().images(grid.dims()).iter().skip(1) {
-                let mirrored = outline_of(&image.primitive(&tool.primitive()), grid);
+                let mirrored = outline_of(&image.primitive(&shape), grid);
                 lines.extend(mirrored.into_iter().map(outline(MIRROR)));
             }
         }

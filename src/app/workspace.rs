@@ -231,6 +231,7 @@ impl Workspace {
         for event in self.controls.handle(Some(panel), &events) {
             self.answer_event(&event);
         }
+        self.catch_up();
         let mut requests = Vec::new();
         self.with_context(false, |ui, context| {
             ui::panels::show(root, panel, ui, context, &mut requests);
@@ -328,6 +329,7 @@ impl Workspace {
         for event in self.controls.handle(None, &events) {
             self.answer_event(&event);
         }
+        self.catch_up();
         if area.keyboard {
             taps.into_iter().for_each(|action| self.act(action));
         }

@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::LEAST_RUNS;
 use super::pictures::Pictures;
 use super::statistics::{Times, measure};
-use crate::command::{Command, NewSculpture};
+use crate::command::{Command, NewSculpture, SpraySurface};
 use crate::document::{CommandError, Document};
 use crate::gpu::GpuError;
 use crate::scenes::Random;
@@ -46,12 +46,13 @@ pub fn edits(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandErro
     let even = Vec3::splat(64.0);
     let centre = Vec3::new(251.3, 260.7, 255.1);
     let cut = |solid, half, turn| subtract(solid, centre, half, turn);
-    let pull = Command::Grab(Grab {
+    let grab = Grab {
         centre_vx: Vec3::new(256.0, 512.0, 256.0),
         radius: 48.0,
         by_vx: Vec3::new(3.0, -8.0, 2.0),
         falloff: Falloff::Smooth,
-    });
+    };
+    let pull = Command::Grab { grab, surface: SpraySurface::Now };
     let commands = [
         ("sphere of radius 64", cut(Solid::Ellipsoid, even, Quat::IDENTITY)),
         ("cuboid of half edge 64", cut(Solid::Cuboid, even, Quat::IDENTITY)),

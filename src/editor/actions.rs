@@ -38,6 +38,10 @@ impl Editor {
                 self.tool.kind = ToolKind::Solid;
             }
             Action::Spray(kind) => self.tool.kind = ToolKind::Spray(kind),
+            Action::Deform(kind) => {
+                self.tool.deform = kind;
+                self.tool.kind = ToolKind::Deform;
+            }
             Action::Mode(mode) => {
                 self.tool.mode = mode;
                 self.tool.kind = ToolKind::Solid;
@@ -62,7 +66,7 @@ impl Editor {
                         self.tool.stretch(side, 1.0);
                         self.leave_ground();
                     }
-                    ToolKind::Spray(_) => {}
+                    ToolKind::Spray(_) | ToolKind::Deform => {}
                 }
             }
             Action::ToggleFollow => self.tool.follow = !self.tool.follow,
@@ -131,6 +135,13 @@ impl Editor {
             self.begin_spray(kind, options, at, picker);
             return;
         }
+        if tool.kind == ToolKind::Deform {
+            if tool.follow {
+                self.lead_tool_to(at, point, picker);
+            }
+            self.begin_grab(Some(at), picker);
+            return;
+        }
         let inverse = action == Action::SculptInverse;
         let mode = if inverse { tool.mode.inverted() } else { tool.mode };
         if tool.follow {
@@ -154,6 +165,10 @@ impl Editor {
                 self.begin_stroke(self.tool.mode, Guide::Tool { hovering });
             }
             ToolKind::Marker => self.act(Action::SelectMarker, picker),
+            ToolKind::Deform => {
+                let hovering = self.pointer.filter(|_| self.ground().is_some());
+                self.begin_grab(hovering, picker);
+            }
             ToolKind::Spray(kind) => {
                 let tool = || picker.sight().pixel_of(self.tool.centre_vx);
                 if let Some(at) = self.pointer.or_else(tool) {
@@ -170,6 +185,7 @@ impl Editor {
             Action::Sculpt | Action::SculptInverse | Action::SculptSmooth => match &self.stroke {
                 _ if self.marker.drag.is_some() => self.drag_marker(at, picker),
                 Some(stroke) if stroke.is_spray() => self.lead_spray(at, picker),
+                Some(stroke) if stroke.is_grab() => self.lead_grab(at, picker),
                 Some(stroke) if stroke.follows_surface() => self.lead_stroke(at, picker),
                 _ => self.drag_tool(by, false, picker),
             },
@@ -246,6 +262,9 @@ impl Editor {
         match self.tool.kind {
             ToolKind::Solid => self.tool.scale_by(factor),
             ToolKind::Spray(kind) => self.tool.sprays.of_mut(kind).scale_radius(factor),
+            ToolKind::Deform => {
+                self.tool.deforms.of_mut(self.tool.deform).scale_radius(factor);
+            }
             ToolKind::Marker => self.scale_marker(notches),
         }
     }
@@ -270,7 +289,7 @@ impl Editor {
                 let marker = self.document().selection().marker();
                 (marker.min.as_vec3() + marker.max.as_vec3()) * 0.5
             }
-            ToolKind::Solid | ToolKind::Spray(_) => self.tool.centre_vx,
+            ToolKind::Solid | ToolKind::Spray(_) | ToolKind::Deform => self.tool.centre_vx,
         };
         let second = if deep { -axes.near } else { axes.up };
         let across = axes.right * sight.along(axes.right, by.x, at);

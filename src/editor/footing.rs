@@ -4,6 +4,7 @@
 use glam::{Vec2, Vec3};
 
 use super::Editor;
+use super::stroke::Stroke;
 use super::tool::{ToolKind, ToolState};
 use crate::picking::{Picker, SurfacePoint};
 use crate::tools::construct::Solid;
@@ -58,6 +59,10 @@ impl Editor {
             // A spray that a key holds down goes with the pointer.
             self.lead_spray(at, picker);
         }
+        if self.stroke.as_ref().is_some_and(Stroke::is_grab) {
+            self.lead_grab(at, picker);
+            return;
+        }
         // The tool in a hand at work is not the pointer's.
         if !self.tool.follow || !leads_tool || self.hand.is_working() {
             return;
@@ -98,6 +103,8 @@ impl Editor {
             let voxel_size = self.document().grid().voxel_size();
             self.tool.place_on(ground.point, ground.face, voxel_size);
             self.footing.choices = Some(Choices::of(&self.tool));
+        } else if self.tool.kind == ToolKind::Deform {
+            self.tool.centre_vx = ground.point;
         }
     }
 
@@ -112,7 +119,8 @@ impl Editor {
         let Some(before) = self.footing.choices.replace(choices) else { return };
         let led = self.stroke.is_some() || self.hand.is_leading();
         let led = led || !choices.follow || !pointer_use.leads_tool;
-        if choices == before || choices.kind != ToolKind::Solid || led {
+        let placed = matches!(choices.kind, ToolKind::Solid | ToolKind::Deform);
+        if choices == before || !placed || led {
             return;
         }
         let taken = choices.is_taken_anew(&before);

@@ -66,7 +66,7 @@ impl Editor {
                 }
             }
             HandEvent::Tool(pose) => self.lead_by_hand(&pose, room, picker),
-            HandEvent::Press => self.press_by_hand(room),
+            HandEvent::Press => self.press_by_hand(room, picker),
             HandEvent::Release => self.release_by_hand(),
             HandEvent::Resize(notches) => self.resize(notches, GROWTH_PER_NOTCH),
             HandEvent::Pick => self.pick_by_hand(room),
@@ -117,6 +117,11 @@ impl Editor {
                     self.lead_held_spray(footprint);
                 }
             }
+            ToolKind::Deform => {
+                self.tool.centre_vx = own.position;
+                self.grab_moved();
+                self.catch_up();
+            }
             ToolKind::Solid => {
                 self.tool.turn_by(turn);
                 self.tool.move_to(own.position);
@@ -125,7 +130,7 @@ impl Editor {
         }
     }
 
-    fn press_by_hand(&mut self, room: &Room) {
+    fn press_by_hand(&mut self, room: &Room, picker: &Picker) {
         if self.is_stroking() {
             return;
         }
@@ -147,6 +152,7 @@ impl Editor {
                     );
                 }
             }
+            ToolKind::Deform => self.begin_grab(None, picker),
             ToolKind::Marker => {
                 self.hand.marker = self.hand.pose.map(|pose| self.in_grid(&pose, room).position);
             }

@@ -8,6 +8,7 @@
 
 mod actions;
 pub mod commands;
+pub mod deform;
 mod footing;
 pub mod hand;
 pub mod job;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 
+use super::deform::HeldClay;
 use super::path::Path;
 use super::sprays::SprayOptions;
 use super::tool::ToolState;
@@ -73,7 +74,7 @@ impl SurfaceGuide {
 }
 
 /// What a stroke does along its path.
-enum Work {
+pub(super) enum Work {
     Solid {
         mode: ToolMode,
         guide: Guide,
@@ -87,18 +88,29 @@ enum Work {
         kind: SprayKind,
         options: SprayOptions,
     },
+    /// Clay that is taken along.
+    Grab(HeldClay),
 }
 
 /// A stroke that is not finished.
 pub(super) struct Stroke {
-    work: Work,
-    /// In voxels; in pixels with z = 0 for sprays.
+    pub work: Work,
+    /// In voxels; in pixels with z = 0 for sprays; of no use to clay that is held.
     path: Path,
     /// Voxels that it has changed so far.
     changed: u64,
 }
 
 impl Stroke {
+    /// A stroke that takes clay along.
+    pub fn of_clay(held: HeldClay) -> Stroke {
+        Stroke { work: Work::Grab(held), path: Path::new(Vec3::ZERO, 1.0, Vec3::ONE), changed: 0 }
+    }
+
+    pub fn is_grab(&self) -> bool {
+        matches!(self.work, Work::Grab(_))
+    }
+
     /// Whether the pointer on the surface leads a solid.
     pub fn follows_surface(&self) -> bool {
         matches!(self.work, Work::Solid { guide: Guide::Surface(_), .. })
@@ -109,7 +121,7 @@ impl Stroke {
         match &self.work {
             Work::Solid { guide: Guide::Surface(guide), .. } => Some(guide),
             Work::Solid { guide: Guide::Tool { hovering }, .. } => hovering.as_ref(),
-            Work::Spray { .. } | Work::HeldSpray { .. } => None,
+            Work::Spray { .. } | Work::HeldSpray { .. } | Work::Grab(_) => None,
         }
     }
 
@@ -119,7 +131,8 @@ impl Stroke {
 
     /// Whether where it goes depends on what the picture shows under the pointer.
     pub fn is_led_over_picture(&self) -> bool {
-        self.surface_guide().is_some() || self.is_spray()
+        let held = matches!(&self.work, Work::Grab(held) if held.is_led());
+        self.surface_guide().is_some() || self.is_spray() || held
     }
 }
 
@@ -307,6 +320,7 @@ impl Editor {
     pub(super) fn tool_moved(&mut self, picker: &Picker) {
         let mut stops = Vec::new();
         let to = self.tool.centre_vx;
+        self.grab_moved();
         if self.tool.spray().is_some() {
             // The spray works where the tool would be seen.
             self.pointer = picker.sight().pixel_of(to);
@@ -342,6 +356,7 @@ impl Editor {
     }
 
     pub(super) fn end_stroke(&mut self) {
+        self.catch_up();
         if let Some(stroke) = self.stroke.take()
             && self.execute(&Command::End)
             && stroke.changed == 0
@@ -351,6 +366,8 @@ impl Editor {
                 Work::Spray { kind, .. } | Work::HeldSpray { kind, .. } => {
                     matches!(kind, SprayKind::Clay | SprayKind::Dilation)
                 }
+                Work::Grab(held) if held.is_still() => return,
+                Work::Grab(_) => false,
             };
             self.note_idle(adds);
         }

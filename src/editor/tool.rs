@@ -7,6 +7,7 @@ use std::path::PathBuf;
 
 use glam::{DMat3, EulerRot, IVec3, Quat, UVec3, Vec3};
 
+use super::deform::{DeformOptions, Deforms};
 use super::sprays::{SprayOptions, Sprays};
 use crate::command::Command;
 use crate::input::ToolMode;
@@ -14,6 +15,7 @@ use crate::sculpture::Rgb;
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::orientation::Orientation;
 use crate::tools::construct::{Primitive, Solid};
+use crate::tools::deform::DeformKind;
 use crate::tools::spray::SprayKind;
 
 /// Smallest and largest half extent that the interface offers.
@@ -30,6 +32,8 @@ pub enum ToolKind {
     /// The solid of [`ToolState::solid`].
     Solid,
     Spray(SprayKind),
+    /// The tool of [`ToolState::deform`].
+    Deform,
     /// The marker, which belongs to the document.
     Marker,
 }
@@ -41,6 +45,8 @@ pub struct ToolState {
     pub kind: ToolKind,
     pub solid: Solid,
     pub sprays: Sprays,
+    pub deform: DeformKind,
+    pub deforms: Deforms,
     pub mode: ToolMode,
     half: Vec3,
     /// A change of one half extent changes all in proportion.
@@ -101,6 +107,7 @@ pub enum ToolEdit {
     Stand(bool),
     Lean(bool),
     Spray(SprayKind, SprayOptions),
+    Deform(DeformKind, DeformOptions),
     Array(ArrayOptions),
 }
 
@@ -111,6 +118,8 @@ impl ToolState {
             kind: ToolKind::Solid,
             solid: Solid::Ellipsoid,
             sprays: Sprays::default(),
+            deform: DeformKind::default(),
+            deforms: Deforms::default(),
             mode: ToolMode::default(),
             half: Vec3::ONE,
             uniform: true,
@@ -148,6 +157,7 @@ impl ToolState {
             ToolEdit::Stand(stand) => self.stand = stand,
             ToolEdit::Lean(lean) => self.lean = lean,
             ToolEdit::Spray(kind, options) => *self.sprays.of_mut(kind) = options,
+            ToolEdit::Deform(kind, options) => *self.deforms.of_mut(kind) = options,
             ToolEdit::Array(array) => self.array = array,
         }
     }
@@ -263,7 +273,7 @@ impl ToolState {
     pub fn spray(&self) -> Option<SprayKind> {
         match self.kind {
             ToolKind::Spray(kind) => Some(kind),
-            ToolKind::Solid | ToolKind::Marker => None,
+            ToolKind::Solid | ToolKind::Deform | ToolKind::Marker => None,
         }
     }
 
@@ -290,6 +300,16 @@ impl ToolState {
             centre_vx: self.centre_vx,
             half: self.half,
             rotation: self.rotation,
+        }
+    }
+
+    /// The ball of clay that a tool that deforms takes hold of where it is.
+    pub fn ball(&self) -> Primitive {
+        Primitive {
+            solid: Solid::Ellipsoid,
+            centre_vx: self.centre_vx,
+            half: Vec3::splat(self.deforms.of(self.deform).radius),
+            rotation: Quat::IDENTITY,
         }
     }
 

@@ -72,7 +72,7 @@ fn is_step(command: &Command) -> bool {
         | Command::Cancel
         | Command::Construct { .. }
         | Command::Spray { .. }
-        | Command::Grab(_)
+        | Command::Grab { .. }
         | Command::Texture { .. }
         | Command::Fill { .. }
         | Command::Clear { .. }

@@ -6,6 +6,7 @@
 use super::panel::Panel;
 use crate::sculpture::orientation::Up;
 use crate::tools::construct::Solid;
+use crate::tools::deform::DeformKind;
 use crate::tools::spray::SprayKind;
 
 /// What the tool does to the voxels it covers.
@@ -136,6 +137,7 @@ pub enum Action {
     Cancel,
     Solid(Solid),
     Spray(SprayKind),
+    Deform(DeformKind),
     /// Selects the marker as the tool.
     Marker,
     Mode(ToolMode),
@@ -296,6 +298,7 @@ impl Action {
         Action::Spray(SprayKind::Dilation),
         Action::Spray(SprayKind::Growth),
         Action::Spray(SprayKind::Smooth),
+        Action::Deform(DeformKind::Grab),
         Action::Marker,
         Action::NextToolMode,
         Action::Grow,

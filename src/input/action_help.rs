@@ -4,6 +4,7 @@ use super::action::{Action, ActionHelp, Axis, Kind, Side, Step, ToolMode};
 use super::panel::Panel;
 use crate::sculpture::orientation::Up;
 use crate::tools::construct::Solid;
+use crate::tools::deform::DeformKind;
 use crate::tools::spray::SprayKind;
 
 impl Action {
@@ -64,6 +65,9 @@ impl Action {
                 ("growth", Tap, "Growth: fills concave corners and small holes")
             }
             Action::Spray(SprayKind::Smooth) => ("smooth", Tap, "Smooth: evens out bumps and pits"),
+            Action::Deform(DeformKind::Grab) => {
+                ("grab", Tap, "Grab: pulls the surface along with the pointer")
+            }
             Action::Marker => ("marker", Tap, "Marker: a box to select, copy and move voxels"),
             Action::Mode(ToolMode::Add) => ("add", Tap, "Add: the tool adds voxels"),
             Action::Mode(ToolMode::Subtract) => ("cut", Tap, "Cut: the tool removes voxels"),

@@ -8,6 +8,7 @@ use super::action::{Action, Side, ToolMode};
 use super::panel::Panel;
 use crate::sculpture::orientation::Up;
 use crate::tools::construct::Solid;
+use crate::tools::deform::DeformKind;
 use crate::tools::spray::SprayKind;
 
 impl Action {
@@ -68,6 +69,7 @@ impl Action {
             Action::Spray(SprayKind::Dilation) => "dilate inflate expand thicken",
             Action::Spray(SprayKind::Growth) => "grow close fill",
             Action::Spray(SprayKind::Smooth) => "soften relax blur polish",
+            Action::Deform(DeformKind::Grab) => "move pull push drag tweak deform hand",
             Action::Marker => "selection marquee rectangle region area",
             Action::Mode(ToolMode::Add) => "attach build union extrude draw",
             Action::Mode(ToolMode::Subtract) => "erase eraser remove delete subtract difference",

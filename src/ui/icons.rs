@@ -5,6 +5,7 @@ use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};
 
 use crate::input::ToolMode;
 use crate::tools::construct::Solid;
+use crate::tools::deform::DeformKind;
 use crate::tools::spray::SprayKind;
 
 /// Draws a window with an arrow out of it, or into it for one that can be put back.
@@ -179,6 +180,33 @@ pub fn spray(painter: &Painter, rect: Rect, kind: SprayKind, colour: Color32) {
         SprayKind::Smooth => {
             path(&[(0.04, 0.4), (0.2, 0.22), (0.36, 0.4), (0.52, 0.22), (0.68, 0.4)], thin);
             path(&[(0.04, 0.72), (0.3, 0.64), (0.62, 0.74), (0.96, 0.66)], line);
+        }
+    }
+}
+
+/// Draws a tool that deforms into `rect`: the surface before and after, and where it goes.
+pub fn deform(painter: &Painter, rect: Rect, kind: DeformKind, colour: Color32) {
+    let line = Stroke::new(1.6, colour);
+    let thin = Stroke::new(1.0, colour.gamma_multiply(0.6));
+    let path = |points: &[(f32, f32)], stroke: Stroke| {
+        painter.line(points.iter().map(|(x, y)| at(rect, *x, *y)).collect(), stroke);
+    };
+    match kind {
+        DeformKind::Grab => {
+            path(&[(0.02, 0.86), (0.98, 0.86)], thin);
+            // Drawn out to the right, with the arrow of the pull at its tip.
+            let side = |i: usize, base: f32| {
+                let t = i as f32 / 10.0;
+                let rise = t * t * (3.0 - 2.0 * t);
+                (base + (0.62 - base) * t + 0.06 * rise, 0.86 - 0.5 * rise)
+            };
+            let mut points = vec![(0.02, 0.86)];
+            points.extend((0..=10).map(|i| side(i, 0.14)));
+            points.extend((0..=10).rev().map(|i| side(i, 0.86)));
+            points.push((0.98, 0.86));
+            path(&points, line);
+            path(&[(0.72, 0.28), (0.94, 0.06)], line);
+            path(&[(0.76, 0.06), (0.94, 0.06), (0.94, 0.24)], line);
         }
     }
 }

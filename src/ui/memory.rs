@@ -12,6 +12,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use super::import_dialog::Remembered;
 use super::memory_check::KeptCheck;
+use super::memory_deform::KeptDeform;
 use super::memory_final::KeptFinal;
 use super::memory_references;
 use super::recent::Recent;
@@ -24,6 +25,7 @@ use crate::editor::tool::{ToolKind, ToolState};
 use crate::input::{Panel, ToolMode};
 use crate::sculpture::Rgb;
 use crate::tools::construct::Solid;
+use crate::tools::deform::DeformKind;
 use crate::tools::spray::{MAX_FOOTPRINT, MAX_REACH_VX, Outline, SprayKind};
 
 const HEAD: &str = "\
@@ -68,6 +70,8 @@ struct Kept {
     #[serde(deserialize_with = "lenient")]
     sprays: Option<BTreeMap<String, KeptSpray>>,
     #[serde(deserialize_with = "lenient")]
+    deforms: Option<BTreeMap<String, KeptDeform>>,
+    #[serde(deserialize_with = "lenient")]
     references: Option<Vec<toml::Value>>,
     /// Whether it is asked how files are imported, and what was answered last.
     #[serde(deserialize_with = "lenient")]
@@ -98,6 +102,8 @@ impl Looks {
 struct KeptTool {
     #[serde(deserialize_with = "lenient")]
     kind: Option<String>,
+    #[serde(deserialize_with = "lenient")]
+    deform: Option<String>,
     #[serde(deserialize_with = "lenient")]
     solid: Option<String>,
     #[serde(deserialize_with = "lenient")]
@@ -160,6 +166,12 @@ pub fn to_text(state: &UiState, tool: &ToolState, window: &WindowOptions) -> Str
             SprayKind::ALL
                 .into_iter()
                 .map(|kind| (kind.name().to_string(), kept_spray(tool.sprays.of(kind))))
+                .collect(),
+        ),
+        deforms: Some(
+            DeformKind::ALL
+                .into_iter()
+                .map(|kind| (kind.name().to_string(), KeptDeform::of(tool.deforms.of(kind))))
                 .collect(),
         ),
         references: Some(memory_references::to_values(&state.references)),
@@ -230,6 +242,11 @@ pub fn recall(text: &str, state: &mut UiState, tool: &mut ToolState, window: &Wi
             recall_spray(spray, tool.sprays.of_mut(kind));
         }
     }
+    for kind in DeformKind::ALL {
+        if let Some(deform) = kept.deforms.as_ref().and_then(|deforms| deforms.get(kind.name())) {
+            deform.recall(tool.deforms.of_mut(kind));
+        }
+    }
 }
 
 /// What a text remembers about which axis points up.
@@ -241,11 +258,13 @@ pub fn upright(text: &str) -> Upright {
 fn kept_tool(tool: &ToolState) -> KeptTool {
     let kind = match tool.kind {
         ToolKind::Solid => SOLID,
+        ToolKind::Deform => DEFORM,
         ToolKind::Marker => MARKER,
         ToolKind::Spray(kind) => kind.name(),
     };
     KeptTool {
         kind: Some(kind.to_string()),
+        deform: Some(tool.deform.name().to_string()),
         solid: Some(tool.solid.name().to_string()),
         mode: Some(mode_name(tool.mode).to_string()),
         follow: Some(tool.follow),
@@ -261,9 +280,12 @@ fn recall_tool(kept: &KeptTool, tool: &mut ToolState) {
     let spray = |name: &str| SprayKind::ALL.into_iter().find(|kind| kind.name() == name);
     match kept.kind.as_deref() {
         Some(SOLID) => tool.kind = ToolKind::Solid,
+        Some(DEFORM) => tool.kind = ToolKind::Deform,
         Some(MARKER) => tool.kind = ToolKind::Marker,
         other => tool.kind = other.and_then(spray).map_or(tool.kind, ToolKind::Spray),
     }
+    let deform = |name: &str| DeformKind::ALL.into_iter().find(|kind| kind.name() == name);
+    tool.deform = kept.deform.as_deref().and_then(deform).unwrap_or(tool.deform);
     let solid = |name: &str| Solid::ALL.into_iter().find(|solid| solid.name() == name);
     tool.solid = kept.solid.as_deref().and_then(solid).unwrap_or(tool.solid);
     let mode = |name: &str| ToolMode::ALL.into_iter().find(|mode| mode_name(*mode) == name);
@@ -278,6 +300,7 @@ fn recall_tool(kept: &KeptTool, tool: &mut ToolState) {
 }
 
 const SOLID: &str = "solid";
+const DEFORM: &str = "deform";
 const MARKER: &str = "marker";
 
 const fn mode_name(mode: ToolMode) -> &'static str {

@@ -38,7 +38,7 @@ pub fn show(root: &mut Ui, context: &UiContext) {
 fn place(ui: &mut Ui, context: &UiContext) {
     let text = |what: &str, at: glam::Vec3| format!("{what} {:.0} {:.0} {:.0}", at.x, at.y, at.z);
     let (shown, tip) = match context.tool.kind {
-        ToolKind::Solid => {
+        ToolKind::Solid | ToolKind::Deform => {
             (text("Tool", context.tool.centre_vx), "Centre of the tool in voxels: x, y, z")
         }
         ToolKind::Marker => {

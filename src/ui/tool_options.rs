@@ -8,7 +8,9 @@ use super::buttons::{action_button, explain};
 use super::files::FileTask;
 use super::state::PasteAs;
 use super::toolbox::{mode_name, solid_name};
-use super::{UiContext, UiRequest, UiState, history, marker_options, spray_options};
+use super::{
+    UiContext, UiRequest, UiState, deform_options, history, marker_options, spray_options,
+};
 use crate::editor::tool::{HALF_RANGE, ToolEdit, ToolKind, ToolState};
 use crate::input::{Action, ToolMode};
 use crate::sculpture::{ColourDepth, Rgb};
@@ -62,6 +64,7 @@ pub fn show(ui: &mut Ui, state: &mut UiState, context: &UiContext, requests: &mu
                 colour(ui, context, requests);
             }
         }
+        ToolKind::Deform => deform_options::show(ui, context, requests),
         ToolKind::Marker => {
             ui.label("Marker");
             marker_options::show(ui, context, requests);

@@ -52,7 +52,14 @@ pub fn content(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) 
         chosen: context.tool.kind == ToolKind::Spray(kind),
         action: Action::Spray(kind),
     });
-    group(ui, context, "Brushes", &sprays, requests);
+    let kind = context.tool.deform;
+    let deform = Entry {
+        name: capital(kind.name()),
+        chosen: context.tool.kind == ToolKind::Deform,
+        action: Action::Deform(kind),
+    };
+    let brushes: Vec<Entry> = sprays.into_iter().chain([deform]).collect();
+    group(ui, context, "Brushes", &brushes, requests);
     let marker = Entry {
         name: "Marker".to_string(),
         chosen: context.tool.kind == ToolKind::Marker,
@@ -157,6 +164,7 @@ fn tool(
             icons::mode(ui.painter(), icon.shrink(2.0), mode, tint);
         }
         Action::Spray(kind) => icons::spray(ui.painter(), icon, kind, colour),
+        Action::Deform(kind) => icons::deform(ui.painter(), icon, kind, colour),
         Action::Marker => icons::marker(ui.painter(), icon.shrink(2.0), colour),
         _ => {}
     }

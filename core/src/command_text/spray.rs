@@ -75,14 +75,18 @@ pub fn parse(args: &mut Arguments) -> Result<Command, ParseError> {
         outline: args.optional("outline", parse_outline)?.unwrap_or_default(),
     };
     let reach_vx = args.optional("reach", number)?.unwrap_or(DEFAULT_REACH_VX);
-    let surface = args
-        .optional("surface", |text| match text {
-            "now" => Ok(SpraySurface::Now),
-            "stroke" => Ok(SpraySurface::Stroke),
-            _ => Err("must be now or stroke".to_string()),
-        })?
-        .unwrap_or_default();
+    let surface = parse_surface(args)?;
     Ok(Command::Spray { spray: Spray { effect, footprint, reach_vx }, surface })
+}
+
+/// Reads which surface is meant: the present one if nothing is said.
+pub fn parse_surface(args: &mut Arguments) -> Result<SpraySurface, ParseError> {
+    let surface = args.optional("surface", |text| match text {
+        "now" => Ok(SpraySurface::Now),
+        "stroke" => Ok(SpraySurface::Stroke),
+        _ => Err("must be now or stroke".to_string()),
+    })?;
+    Ok(surface.unwrap_or_default())
 }
 
 fn parse_outline(text: &str) -> Result<Outline, String> {

@@ -37,16 +37,23 @@ impl Document {
             Command::Construct { op, primitive } => self.construct(*op, primitive)?,
             Command::Texture { primitive, picture } => self.texture(primitive, picture)?,
             Command::Spray { spray, surface } => self.spray(spray, *surface)?,
-            Command::Grab(grab) => self.grab(grab)?,
+            Command::Grab { grab, surface } => self.grab(grab, *surface)?,
             Command::Paste { at, orientation } => self.paste(*at, *orientation)?,
             _ => EditStats::default(),
         };
         let applied = self.applied(stats, command)?;
-        if self.stroke.is_none() {
-            self.last_uses.clear();
-            self.last_uses.push(command.clone());
-        } else if self.uses.len() <= MAX_REPEATED {
-            self.uses.push(command.clone());
+        let replaces = matches!(command, Command::Grab { surface: SpraySurface::Stroke, .. });
+        let used = match command {
+            // A copy in an array does not take the place of those before it.
+            Command::Grab { grab, .. } => Command::Grab { grab: *grab, surface: SpraySurface::Now },
+            _ => command.clone(),
+        };
+        let uses = if self.stroke.is_none() { &mut self.last_uses } else { &mut self.uses };
+        if replaces || self.stroke.is_none() {
+            uses.clear();
+        }
+        if uses.len() <= MAX_REPEATED {
+            uses.push(used);
         }
         Ok(applied)
     }
@@ -203,22 +210,6 @@ impl Document {
         Ok(stats)
     }
 
-    /// Pulls at a ball of clay and at its mirror images, all at once.
-    fn grab(&mut self, grab: &Grab) -> Result<EditStats, CommandError> {
-        grab.check().map_err(CommandError::Grab)?;
-        let pulled = grab.pulled(&self.contents, &self.symmetry);
-        let stamp = &pulled.stamp;
-        if self.has_colour() {
-            let unpainted = |b: &UVec3| self.material().page(self.grid().brick_index(*b)).is_none();
-            let painted = stamp.paint.bricks().iter().filter(|(b, _)| unpainted(b)).count() as u64;
-            self.check_colour_memory(|_, _| painted)?;
-        }
-        let mut stats = self.edit(&stamp.remove, EditOp::Subtract);
-        stats += self.edit(&stamp.add, EditOp::Add(None));
-        stats += self.paint(&stamp.paint, |v, now| pulled.colour(v).unwrap_or(now));
-        Ok(stats)
-    }
-
     /// Pastes the clipboard: its voxels exist afterwards, in its colours.
     pub(super) fn paste(
         &mut self,
@@ -356,7 +347,10 @@ impl Command {
                 spray.footprint.eye_vx += by;
                 Command::Spray { spray, surface: *surface }
             }
-            Command::Grab(grab) => Command::Grab(Grab { centre_vx: grab.centre_vx + by, ..*grab }),
+            Command::Grab { grab, surface } => Command::Grab {
+                grab: Grab { centre_vx: grab.centre_vx + by, ..*grab },
+                surface: *surface,
+            },
             Command::Paste { at, orientation } => {
                 Command::Paste { at: at.saturating_add(step), orientation: *orientation }
             }

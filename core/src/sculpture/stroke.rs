@@ -93,6 +93,19 @@ impl StrokeRecorder {
         self.bands.iter().map(|band| band.earlier.gathered_bytes()).sum()
     }
 
+    /// Goes on with a stroke that was ended, from its record.
+    pub fn resume(&mut self, record: BrickRecord) {
+        for bricks in record.kinds().into_iter().flatten() {
+            self.bits_kept.insert_mask(*bricks);
+        }
+        for (index, _) in record.pages() {
+            self.pages_kept.insert(*index);
+        }
+        if let Some(band) = self.bands.first_mut() {
+            band.earlier = record;
+        }
+    }
+
     /// Ends the stroke and returns its record.
     pub fn finish(&mut self) -> BrickRecord {
         self.bits_kept.clear();

@@ -9,6 +9,7 @@ mod construct_quadric;
 mod construct_spans;
 #[cfg(test)]
 mod construct_tests;
+pub mod deform;
 pub mod drain;
 pub mod filter;
 pub mod grab;

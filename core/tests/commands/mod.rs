@@ -2,6 +2,7 @@
 
 mod areas;
 mod budget;
+mod clay;
 mod document;
 mod files;
 mod large;

@@ -264,11 +264,12 @@ pub fn area_work() -> impl Strategy<Value = Command> {
         })
     });
     let vector = |range: std::ops::Range<f32>| prop::array::uniform3(range).prop_map(Vec3::from);
-    let grab = (vector(-4.0..28.0), 1.0f32..12.0, vector(-9.0..9.0), falloff()).prop_map(
-        |(centre_vx, radius, by_vx, falloff)| {
-            Command::Grab(Grab { centre_vx, radius, by_vx, falloff })
-        },
-    );
+    let grab = (vector(-4.0..28.0), 1.0f32..12.0, vector(-9.0..9.0), falloff())
+        .prop_map(|(centre_vx, radius, by_vx, falloff)| Grab { centre_vx, radius, by_vx, falloff });
+    let grab = (grab, any::<bool>()).prop_map(|(grab, stroke)| Command::Grab {
+        grab,
+        surface: if stroke { SpraySurface::Stroke } else { SpraySurface::Now },
+    });
     prop_oneof![
         3 => grab,
         2 => (area(), prop::option::of(colour()))
@@ -352,9 +353,10 @@ pub fn any_command() -> impl Strategy<Value = Command> {
             spray,
             surface: if stroke { SpraySurface::Stroke } else { SpraySurface::Now },
         }),
-        (any_vec3(), any_number(), any_vec3(), falloff()).prop_map(
-            |(centre_vx, radius, by_vx, falloff)| {
-                Command::Grab(Grab { centre_vx, radius, by_vx, falloff })
+        (any_vec3(), any_number(), any_vec3(), falloff(), any::<bool>()).prop_map(
+            |(centre_vx, radius, by_vx, falloff, stroke)| Command::Grab {
+                grab: Grab { centre_vx, radius, by_vx, falloff },
+                surface: if stroke { SpraySurface::Stroke } else { SpraySurface::Now },
             }
         ),
         (path(), import()).prop_map(|(path, import)| Command::Open { path, import }),

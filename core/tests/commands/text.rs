@@ -204,6 +204,7 @@ fn the_usage_of_each_command_matches_its_parser() {
         "symmetry",
         "grab at=1,2,3 radius=4.5 by=0,-3,2",
         "grab at=1,2,3 radius=4 by=1,0,0 falloff=flat",
+        "grab at=1,2,3 radius=4 by=1,0,0 falloff=smooth surface=stroke",
         "copy",
         "cut",
         "paste at=-1,2,3 axes=z,-x,y",

@@ -1,0 +1,63 @@
+//! Carries out what moves clay: pulls, at the clay as it is or as it was when the stroke began.
+//!
+//! As all tools it changes voxels through [`Document::edit`] and [`Document::paint`] alone.
+
+use glam::UVec3;
+
+use super::{CommandError, Document};
+use crate::command::SpraySurface;
+use crate::sculpture::edit::{EditOp, EditStats};
+use crate::tools::grab::{Grab, Pulled};
+
+impl Document {
+    /// Pulls at a ball of clay and at its mirror images, all at once.
+    pub(super) fn grab(
+        &mut self,
+        grab: &Grab,
+        surface: SpraySurface,
+    ) -> Result<EditStats, CommandError> {
+        grab.check().map_err(CommandError::Grab)?;
+        match surface {
+            SpraySurface::Now => self.pull(grab),
+            SpraySurface::Stroke => self.instead_of_stroke(|document| document.pull(grab)),
+        }
+    }
+
+    fn pull(&mut self, grab: &Grab) -> Result<EditStats, CommandError> {
+        let pulled = grab.pulled(&self.contents, &self.symmetry);
+        self.put_pulled(&pulled)
+    }
+
+    /// Does `work` in place of all that the open stroke has done so far. If it is refused, the stroke is as it was.
+    fn instead_of_stroke(
+        &mut self,
+        work: impl FnOnce(&mut Document) -> Result<EditStats, CommandError>,
+    ) -> Result<EditStats, CommandError> {
+        let (revision, state) = (self.revision, self.state);
+        let record = self.recorder.finish();
+        let done = self.swap_bricks(record);
+        self.state = self.settled;
+        let stats = work(self);
+        if stats.is_err() {
+            // Nothing has changed since, so this gives the same record again.
+            let record = self.swap_bricks(done);
+            self.recorder.resume(record);
+            (self.revision, self.state) = (revision, state);
+        }
+        stats
+    }
+
+    /// Removes, adds and paints what moved clay leaves and covers.
+    fn put_pulled(&mut self, pulled: &Pulled) -> Result<EditStats, CommandError> {
+        let stamp = &pulled.stamp;
+        if self.has_colour() {
+            let unpainted = |b: &UVec3| self.material().page(self.grid().brick_index(*b)).is_none();
+            let painted = stamp.paint.bricks().iter().filter(|(b, _)| unpainted(b)).count() as u64;
+            self.check_colour_memory(|_, _| painted)?;
+        }
+        let mut stats = self.edit(&stamp.remove, EditOp::Subtract);
+        stats += self.edit(&stamp.add, EditOp::Add(None));
+        stats += self.paint(&stamp.paint, |v, now| pulled.colour(v).unwrap_or(now));
+        Ok(stats)
+    }
+}

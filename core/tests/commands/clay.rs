@@ -1,0 +1,137 @@
+//! Strokes that pull at clay: each pull takes the place of the one before, and the stroke is one step.
+
+use glam::{IVec3, UVec3, Vec3};
+use proptest::prelude::*;
+use sculpture_core::command::{Command, SpraySurface};
+use sculpture_core::document::{Document, Limits};
+use sculpture_core::sculpture::Rgb;
+use sculpture_core::tools::grab::{Falloff, Grab};
+
+use super::strategies::{new_sculpture, work};
+
+fn block(limits: Limits) -> Document {
+    let Ok(Command::New(new)) = "new dims=40,40,40 colour=24 fill=empty".parse() else { panic!() };
+    let mut document = Document::new(&new, limits).unwrap();
+    document.apply(&"add cuboid at=20,10,20 half=20,10,20".parse().unwrap()).unwrap();
+    document
+}
+
+fn pull(by_vx: Vec3, surface: SpraySurface) -> Command {
+    let grab = Grab {
+        centre_vx: Vec3::new(20.0, 20.0, 20.0),
+        radius: 9.0,
+        by_vx,
+        falloff: Falloff::Smooth,
+    };
+    Command::Grab { grab, surface }
+}
+
+fn begin() -> Command {
+    Command::Begin { label: "grab".into() }
+}
+
+#[test]
+fn however_long_the_drag_the_clay_is_pulled_once() {
+    let mut once = block(Limits::default());
+    let mut dragged = once_more(&once);
+    let before = dragged.contents().clone();
+    once.apply(&pull(Vec3::new(1.0, 6.0, -2.0), SpraySurface::Now)).unwrap();
+    dragged.apply(&begin()).unwrap();
+    for i in 0..12 {
+        let by = Vec3::new(0.3 * i as f32, i as f32, 5.0 - i as f32);
+        dragged.apply(&pull(by, SpraySurface::Stroke)).unwrap();
+    }
+    dragged.apply(&pull(Vec3::new(1.0, 6.0, -2.0), SpraySurface::Stroke)).unwrap();
+    assert!(dragged.contents() == once.contents());
+    dragged.apply(&Command::End).unwrap();
+    assert_eq!(dragged.history().undo_count(), once.history().undo_count());
+    // An array repeats the pull, not the way to it, and each copy leaves the others alone.
+    let array = Command::Array { count: 2, step: IVec3::new(3, 0, 0) };
+    dragged.apply(&array).unwrap();
+    once.apply(&array).unwrap();
+    assert!(dragged.contents() == once.contents());
+    dragged.apply(&Command::Undo { steps: Some(1) }).unwrap();
+    let pulled = dragged.contents().clone();
+    dragged.apply(&Command::Undo { steps: Some(1) }).unwrap();
+    assert!(*dragged.contents() == before);
+    dragged.apply(&Command::Redo { steps: Some(1) }).unwrap();
+    assert!(*dragged.contents() == pulled);
+}
+
+fn once_more(document: &Document) -> Document {
+    let other = block(Limits::default());
+    assert!(other.contents() == document.contents());
+    other
+}
+
+#[test]
+fn clay_that_is_let_go_where_it_was_leaves_no_step() {
+    let mut document = block(Limits::default());
+    let (before, steps) = (document.contents().clone(), document.history().undo_count());
+    document.apply(&begin()).unwrap();
+    document.apply(&pull(Vec3::Y * 7.0, SpraySurface::Stroke)).unwrap();
+    assert!(*document.contents() != before);
+    document.apply(&pull(Vec3::ZERO, SpraySurface::Stroke)).unwrap();
+    assert!(*document.contents() == before);
+    document.apply(&Command::End).unwrap();
+    assert_eq!(document.history().undo_count(), steps);
+}
+
+/// A pull that needs more memory for colours than there may be is refused, and what the stroke did stays, undone in
+/// one step.
+#[test]
+fn a_pull_that_is_refused_leaves_the_stroke_as_it_was() {
+    let limits = Limits { colour_bytes: 16 * 125 + 4 * 1536, ..Limits::default() };
+    let mut document = block(limits);
+    for command in ["recolour cuboid at=20,19,20 half=4,1,4 colour=#ff0000", "begin \"grab\""] {
+        document.apply(&command.parse().unwrap()).unwrap();
+    }
+    let before = document.contents().clone();
+    document.apply(&pull(Vec3::Y * 0.6, SpraySurface::Stroke)).unwrap();
+    let small = document.contents().clone();
+    assert!(small != before);
+    assert!(document.apply(&pull(Vec3::new(7.0, 19.0, 9.0), SpraySurface::Stroke)).is_err());
+    assert!(*document.contents() == small);
+    document.apply(&pull(Vec3::Y * 0.9, SpraySurface::Stroke)).unwrap();
+    document.apply(&pull(Vec3::Y * 0.6, SpraySurface::Stroke)).unwrap();
+    assert!(*document.contents() == small);
+    assert!(document.apply(&pull(Vec3::new(7.0, 19.0, 9.0), SpraySurface::Stroke)).is_err());
+    document.apply(&Command::End).unwrap();
+    document.apply(&Command::Undo { steps: Some(1) }).unwrap();
+    assert!(*document.contents() == before);
+    assert_eq!(document.contents().rgb(UVec3::new(20, 19, 20)), Rgb::new(255, 0, 0));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 40, ..ProptestConfig::default() })]
+
+    /// Whatever a stroke has done before: a pull from its start gives what the pull alone gives, and undo is exact.
+    #[test]
+    fn a_pull_from_the_start_takes_the_place_of_the_stroke(
+        new in new_sculpture(24),
+        commands in prop::collection::vec(work(), 0..12),
+        by in prop::array::uniform3(-9.0f32..9.0),
+    ) {
+        let limits = Limits { history_bytes: 1 << 30, ..Limits::default() };
+        let mut document = Document::new(&new, limits).unwrap();
+        document.apply(&"add ellipsoid at=10,10,10 half=8".parse().unwrap()).unwrap();
+        let before = document.contents().clone();
+        document.apply(&begin()).unwrap();
+        for command in &commands {
+            let stays = matches!(command, Command::Construct { .. } | Command::Spray { .. });
+            if stays {
+                let _ = document.apply(command);
+            }
+        }
+        let pull = pull(by.into(), SpraySurface::Stroke);
+        document.apply(&pull).unwrap();
+        document.apply(&Command::End).unwrap();
+        let pulled = document.contents().clone();
+        if pulled != before {
+            document.apply(&Command::Undo { steps: Some(1) }).unwrap();
+        }
+        prop_assert!(*document.contents() == before);
+        document.apply(&pull).unwrap();
+        prop_assert!(*document.contents() == pulled);
+    }
+}

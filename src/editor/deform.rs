@@ -1,0 +1,154 @@
+//! The tools that deform clay: their options, and strokes that take clay along.
+//!
+//! A stroke of `grab` pulls at the clay as it was when the stroke began. Each command takes the place of the one before,
+//! so that however long the drag, the clay is resampled once. Events only say how far to pull; [`Editor::catch_up`] does
+//! it, once for each picture.
+
+use glam::{Vec2, Vec3};
+
+use super::Editor;
+use super::stroke::{Stroke, Work};
+use crate::command::{Command, SpraySurface};
+use crate::picking::Picker;
+use crate::tools::deform::DeformKind;
+use crate::tools::grab::{Falloff, Grab, MAX_PULL_VX, MAX_RADIUS, MIN_RADIUS};
+
+/// The options of one tool.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct DeformOptions {
+    /// Of the ball, in edges of the smallest voxel edge.
+    pub radius: f32,
+    /// How far the clay goes along, 0 to 1.
+    pub strength: f32,
+    pub falloff: Falloff,
+}
+
+impl Default for DeformOptions {
+    fn default() -> Self {
+        DeformOptions { radius: 20.0, strength: 1.0, falloff: Falloff::default() }
+    }
+}
+
+impl DeformOptions {
+    pub fn scale_radius(&mut self, factor: f32) {
+        if factor.is_finite() && factor > 0.0 {
+            self.radius = (self.radius * factor).clamp(MIN_RADIUS, MAX_RADIUS);
+        }
+    }
+}
+
+/// The options of all tools that deform.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Deforms([DeformOptions; DeformKind::ALL.len()]);
+
+impl Deforms {
+    pub fn of(&self, kind: DeformKind) -> &DeformOptions {
+        &self.0[place(kind)]
+    }
+
+    pub fn of_mut(&mut self, kind: DeformKind) -> &mut DeformOptions {
+        &mut self.0[place(kind)]
+    }
+}
+
+fn place(kind: DeformKind) -> usize {
+    DeformKind::ALL.iter().position(|k| *k == kind).unwrap_or(0)
+}
+
+/// Clay that is held, and how far it is pulled.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) struct HeldClay {
+    options: DeformOptions,
+    /// Where the tool took hold, in voxels.
+    start: Vec3,
+    /// From there to what the pointer pointed at, in voxels; none while a key or a hand holds it away from the pointer.
+    aside: Option<Vec3>,
+    /// How far the tool has been led, in voxels.
+    by: Vec3,
+    /// How far it had been when the clay was last pulled.
+    done: Vec3,
+}
+
+impl HeldClay {
+    /// Whether the pointer leads it.
+    pub fn is_led(&self) -> bool {
+        self.aside.is_some()
+    }
+
+    /// Whether nothing has been pulled.
+    pub fn is_still(&self) -> bool {
+        self.by == Vec3::ZERO
+    }
+
+    fn command(&self) -> Command {
+        let by = self.by * self.options.strength;
+        let furthest = by.abs().max_element();
+        let by_vx = if furthest > MAX_PULL_VX { by * (MAX_PULL_VX / furthest) } else { by };
+        let DeformOptions { radius, falloff, .. } = self.options;
+        let grab = Grab { centre_vx: self.start, radius, by_vx, falloff };
+        Command::Grab { grab, surface: SpraySurface::Stroke }
+    }
+}
+
+impl Editor {
+    /// Takes hold of the clay around the tool. `at`: the pointer that leads it (pixels).
+    pub(super) fn begin_grab(&mut self, at: Option<Vec2>, picker: &Picker) {
+        let kind = self.tool.deform;
+        if self.stroke.is_some() || !self.execute(&Command::Begin { label: kind.name().into() }) {
+            return;
+        }
+        let start = self.tool.centre_vx;
+        let held = HeldClay {
+            options: *self.tool.deforms.of(kind),
+            start,
+            aside: at.map(|at| in_plane_of(start, at, picker) - start),
+            by: Vec3::ZERO,
+            done: Vec3::ZERO,
+        };
+        self.stroke = Some(Stroke::of_clay(held));
+    }
+
+    /// Leads the clay that is held to a point of the picture, in the plane of the view in which it was taken hold of.
+    pub(super) fn lead_grab(&mut self, to: Vec2, picker: &Picker) {
+        if let Some(Stroke { work: Work::Grab(held), .. }) = &mut self.stroke
+            && let Some(aside) = held.aside
+        {
+            let by = in_plane_of(held.start, to, picker) - held.start - aside;
+            if by.is_finite() {
+                held.by = by;
+                self.tool.centre_vx = held.start + by;
+                self.leave_ground();
+            }
+        }
+    }
+
+    /// Something else has moved the tool: the clay that it holds follows.
+    pub(super) fn grab_moved(&mut self) {
+        let to = self.tool.centre_vx;
+        if let Some(Stroke { work: Work::Grab(held), .. }) = &mut self.stroke
+            && to.is_finite()
+        {
+            held.by = to - held.start;
+        }
+    }
+
+    /// Pulls the clay that is held to where it has been led. To be called once for each picture, since it takes
+    /// milliseconds and a device may speak often.
+    pub fn catch_up(&mut self) {
+        let Some(Stroke { work: Work::Grab(held), .. }) = &mut self.stroke else { return };
+        if held.done == held.by {
+            return;
+        }
+        held.done = held.by;
+        let command = held.command();
+        if !self.execute(&command) {
+            self.cancel_stroke();
+        }
+    }
+}
+
+/// The point seen at `at` (pixels) in the plane of the view through `point`.
+fn in_plane_of(point: Vec3, at: Vec2, picker: &Picker) -> Vec3 {
+    let sight = picker.sight();
+    sight.at_depth(at, sight.depth(point))
+}

@@ -1,0 +1,68 @@
+//! The options of the tool in hand that deforms clay.
+
+use egui::{Slider, Ui};
+
+use super::buttons::explain;
+use super::top_bar::capital;
+use super::{UiContext, UiRequest};
+use crate::editor::deform::DeformOptions;
+use crate::editor::tool::ToolEdit;
+use crate::input::Action;
+use crate::tools::grab::{Falloff, MAX_RADIUS, MIN_RADIUS};
+
+/// Leaves room for a name before and a number with its unit behind.
+const SLIDER_WIDTH: f32 = 80.0;
+
+pub fn show(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
+    let kind = context.tool.deform;
+    ui.label(capital(kind.name()));
+    let before = *context.tool.deforms.of(kind);
+    let mut options = before;
+    ui.spacing_mut().slider_width = SLIDER_WIDTH;
+    egui::Grid::new("deform").num_columns(2).show(ui, |ui| {
+        let label = ui.label("Radius");
+        let slider = Slider::new(&mut options.radius, MIN_RADIUS..=MAX_RADIUS)
+            .logarithmic(true)
+            .max_decimals(1)
+            .suffix(" vx");
+        ui.add(slider)
+            .labelled_by(label.id)
+            .on_hover_text("Radius of the ball that is deformed, in voxels");
+        ui.end_row();
+        let label = ui.label("Strength");
+        let mut percent = options.strength * 100.0;
+        let slider = Slider::new(&mut percent, 0.0..=100.0).fixed_decimals(0).suffix(" %");
+        let hint = "How far the surface goes along with the pointer";
+        if ui.add(slider).labelled_by(label.id).on_hover_text(hint).changed() {
+            options.strength = percent / 100.0;
+        }
+        ui.end_row();
+        ui.label("Falloff");
+        ui.horizontal(|ui| {
+            for falloff in Falloff::ALL {
+                let hint = match falloff {
+                    Falloff::Smooth => "Evenly less from the middle to the rim",
+                    Falloff::Sharp => "Quickly less from the middle: a tip",
+                    Falloff::Flat => "The same around the middle, then less: as if by a hand",
+                };
+                ui.selectable_value(&mut options.falloff, falloff, capital(falloff.name()))
+                    .on_hover_text(hint);
+            }
+        });
+        ui.end_row();
+    });
+    if ui.button("Reset options").clicked() {
+        options = DeformOptions::default();
+    }
+    if options != before {
+        requests.push(UiRequest::Tool(ToolEdit::Deform(kind, options)));
+    }
+    if !context.in_headset {
+        let mut follow = context.tool.follow;
+        let response = ui.checkbox(&mut follow, "Follow the pointer");
+        if response.changed() {
+            requests.push(UiRequest::Tool(ToolEdit::Follow(follow)));
+        }
+        explain(response, context, Action::ToggleFollow);
+    }
+}

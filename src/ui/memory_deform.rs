@@ -1,0 +1,53 @@
+//! What is remembered of the tools that deform clay.
+
+use serde::{Deserialize, Serialize};
+
+use super::memory::{neat, within};
+use crate::editor::deform::DeformOptions;
+use crate::tools::grab::{Falloff, MAX_RADIUS, MIN_RADIUS};
+
+/// The options of one tool; those that are missing or out of range are as usual.
+#[derive(Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct KeptDeform {
+    radius: Option<f64>,
+    strength: Option<f64>,
+    falloff: Option<String>,
+}
+
+impl KeptDeform {
+    pub fn of(options: &DeformOptions) -> KeptDeform {
+        KeptDeform {
+            radius: Some(neat(options.radius)),
+            strength: Some(neat(options.strength)),
+            falloff: Some(options.falloff.name().to_string()),
+        }
+    }
+
+    /// Chooses again what was chosen.
+    pub fn recall(&self, options: &mut DeformOptions) {
+        options.radius = within(self.radius, MIN_RADIUS..=MAX_RADIUS, options.radius);
+        options.strength = within(self.strength, 0.0..=1.0, options.strength);
+        let named = |falloff: &Falloff| Some(falloff.name()) == self.falloff.as_deref();
+        options.falloff = Falloff::ALL.into_iter().find(named).unwrap_or(options.falloff);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_are_found_again_and_nonsense_is_not_believed() {
+        let before = DeformOptions { radius: 33.3, strength: 0.25, falloff: Falloff::Sharp };
+        let text = toml::to_string(&KeptDeform::of(&before)).unwrap();
+        let mut after = DeformOptions::default();
+        toml::from_str::<KeptDeform>(&text).unwrap().recall(&mut after);
+        assert_eq!(after, before);
+        for text in ["", "radius = 0.0\nstrength = nan\nfalloff = \"steep\"", "radius = inf"] {
+            let mut after = DeformOptions::default();
+            toml::from_str::<KeptDeform>(text).unwrap().recall(&mut after);
+            assert_eq!(after, DeformOptions::default(), "{text}");
+        }
+    }
+}

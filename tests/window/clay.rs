@@ -1,0 +1,93 @@
+//! Clay taken along by the pointer in the real window: live, as one step, mirrored, let go by Escape; and the recording
+//! gives the same without a window.
+
+use glam::IVec3;
+use virtual_sculpture::command_text::parse_script;
+use virtual_sculpture::config::Config;
+use virtual_sculpture::session::Session;
+
+use super::program::{BUTTON, MOTION};
+use super::{LEFT, PICTURE, display, shot, start, tool_home};
+
+/// On the front face, just below its upper edge in the middle.
+const TOP: [i16; 2] = [575, 172];
+
+#[test]
+fn grabbed_clay_goes_along_with_the_pointer_as_one_step() {
+    let display = display();
+    let folder = tempfile::tempdir().unwrap();
+    let recording = folder.path().join("clay.sculpt");
+    let program = start(&display, &["--record", recording.to_str().unwrap()]);
+    program.key(&["7"]);
+    program.key(&["h"]);
+    tool_home(&program);
+    let before = shot(&program, "clay-1-before").part(PICTURE);
+    let device = |kind: u8, detail: u8, [x, y]: [i16; 2]| {
+        program.display().device(kind, detail, [TOP[0] + x, TOP[1] + y]);
+        program.settle();
+    };
+
+    // The upper edge of the block follows the pointer before the button is released.
+    device(MOTION, 0, [0, 0]);
+    shot(&program, "clay-2-over-it");
+    device(BUTTON, LEFT, [0, 0]);
+    device(MOTION, 0, [0, 20]);
+    let little = shot(&program, "clay-3-a-little").part(PICTURE);
+    device(MOTION, 0, [20, 60]);
+    let far = shot(&program, "clay-4-far").part(PICTURE);
+    assert!(little.differing(&far) > 1000, "{}", little.differing(&far));
+    // Back where it was taken hold of, nothing is left of the way.
+    device(MOTION, 0, [0, 0]);
+    device(BUTTON + 1, LEFT, [0, 0]);
+    program.leave_picture();
+    tool_home(&program);
+    assert_eq!(before.differing(&shot(&program, "clay-5-back").part(PICTURE)), 0);
+
+    // Once more in several steps: one undo takes it back, redo gives it again.
+    let way = [[0, 0], [0, 15], [5, 30], [10, 45], [20, 60]];
+    program.drag(LEFT, &way.map(|[x, y]| [TOP[0] + x, TOP[1] + y]));
+    tool_home(&program);
+    let pulled = shot(&program, "clay-6-pulled").part(PICTURE);
+    assert!(before.differing(&pulled) > 1500, "{}", before.differing(&pulled));
+    program.key(&["Control_L", "z"]);
+    assert_eq!(before.differing(&shot(&program, "clay-7-undone").part(PICTURE)), 0);
+    program.key(&["Control_L", "y"]);
+    assert_eq!(pulled.differing(&shot(&program, "clay-8-redone").part(PICTURE)), 0);
+    program.key(&["Control_L", "z"]);
+
+    // Escape lets go, and what the button still does then changes nothing.
+    device(MOTION, 0, [0, 0]);
+    device(BUTTON, LEFT, [0, 0]);
+    device(MOTION, 0, [0, 40]);
+    program.key(&["Escape"]);
+    device(MOTION, 0, [0, 50]);
+    device(BUTTON + 1, LEFT, [0, 50]);
+    program.leave_picture();
+    tool_home(&program);
+    assert_eq!(before.differing(&shot(&program, "clay-9-cancelled").part(PICTURE)), 0);
+
+    // Mirrored in x.
+    program.key(&["1"]);
+    program.drag(LEFT, &[[TOP[0] - 120, TOP[1]], [TOP[0] - 100, TOP[1] + 30]]);
+    shot(&program, "clay-10-mirrored");
+    program.key(&["Control_L", "q"]);
+    program.settle();
+    program.leave_without_saving();
+
+    let mut config = Config::default();
+    config.new.dims = [96; 3];
+    let mut session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
+    let script = std::fs::read_to_string(&recording).unwrap();
+    for (line, command) in parse_script(&script).unwrap() {
+        session.execute(&command, &()).unwrap_or_else(|error| panic!("line {line}: {error}"));
+    }
+    let labels: Vec<&str> = session.document().history().undo_labels().collect();
+    assert_eq!(labels, ["new", "grab"], "{script}");
+    let grid = session.document().grid();
+    let lost = 96u64.pow(3) - grid.opaque_count();
+    assert!((300..20_000).contains(&lost), "{lost}");
+    for (x, y) in (0..48).flat_map(|x| (60..96).map(move |y| (x, y))) {
+        let mirrored = IVec3::new(95 - x, y, 95);
+        assert_eq!(grid.get(IVec3::new(x, y, 95)), grid.get(mirrored), "{mirrored}");
+    }
+}
