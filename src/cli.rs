@@ -118,6 +118,10 @@ pub enum Job {
         /// Print a hash of the scene, and one of its picture as the CPU shades it
         #[arg(long)]
         hash: bool,
+        /// Keep the undo history of the files that it saves, and go on with that of those that it opens, as the window
+        /// does
+        #[arg(long)]
+        history: bool,
         /// Keep a journal, as the window does, so that not even a kill loses what was done
         #[arg(long)]
         journal: bool,
@@ -357,6 +361,9 @@ fn window_or_demo(
             )),
         }
         session.keep_history_in(&folders::journal_folder()).map_err(ProgramError::Journal)?;
+        if config.saved_history.keep {
+            session.keep_saved_histories(config.saved_history.options());
+        }
         if config.journal.keep && !cli.no_journal {
             session.keep_journal(journal_options(&config)).map_err(ProgramError::Journal)?;
         }
@@ -404,9 +411,20 @@ fn dispatch(cli: Cli) -> Result<(), ProgramError> {
             Ok(())
         }
         Some(Job::Film(args)) => Ok(film::run(&args.job()?, &context)?),
-        Some(Job::Run { script, input, output, render, hash, journal, picture, import }) => {
+        Some(Job::Run {
+            script,
+            input,
+            output,
+            render,
+            hash,
+            history,
+            journal,
+            picture,
+            import,
+        }) => {
             let (picture, import) = (picture.request()?, import.options());
             let journal = journal.then(|| journal_options(&config));
+            let saved_history = history.then(|| config.saved_history.options());
             let history_folder = folders::journal_folder();
             let job = RunJob {
                 script,
@@ -416,6 +434,7 @@ fn dispatch(cli: Cli) -> Result<(), ProgramError> {
                 picture,
                 import,
                 hash,
+                saved_history,
                 journal,
                 history_folder,
             };

@@ -30,7 +30,7 @@ use crate::video::VideoOptions;
 mod model;
 mod profile;
 
-pub use model::{JournalSettings, MemoryOptions, NewOptions};
+pub use model::{JournalSettings, MemoryOptions, NewOptions, SavedHistorySettings};
 pub use profile::Profile;
 
 /// The commented file of all defaults.
@@ -55,6 +55,7 @@ pub enum ConfigError {
 pub struct Config {
     pub memory: MemoryOptions,
     pub journal: JournalSettings,
+    pub saved_history: SavedHistorySettings,
     pub new: NewOptions,
     pub render: RenderOptions,
     pub light: LightOptions,
@@ -120,6 +121,7 @@ impl Config {
         let sections = [
             ("memory", self.memory.check()),
             ("journal", self.journal.check()),
+            ("saved_history", self.saved_history.check()),
             ("new", self.new.check(&self.limits())),
             ("render", self.render.check()),
             ("window", self.window.check()),
@@ -228,6 +230,7 @@ mod tests {
             ("[memory]\nhistry_mib = 7", "histry_mib"),
             ("[memory]\ngrid_mib = 0", "memory.grid_mib = 0"),
             ("[journal]\nmax_mib = 0", "journal.max_mib = 0"),
+            ("[saved_history]\nmax_mib = 0", "saved_history.max_mib = 0"),
             ("[new]\ncolour_bits = 12", "12 must be 0, 8, 16 or 24"),
             ("[new]\nbase = \"red\"", "`red` is not a colour"),
             ("[new]\ndims = [0, 1, 1]", "new.dims"),

@@ -28,6 +28,11 @@ pub fn journal_folder() -> PathBuf {
     state_folder().join("journals")
 }
 
+/// The folder of the undo histories of saved files.
+pub fn saved_history_folder() -> PathBuf {
+    state_folder().join("histories")
+}
+
 /// The folder for what can be made again. None without a home folder.
 pub fn cache_folder() -> Option<PathBuf> {
     project().map(|project| project.cache_dir().to_path_buf())

@@ -35,6 +35,6 @@ pub mod video;
 pub mod viewpoint;
 
 pub use sculpture_core::{
-    command, command_text, document, format, journal, mesh, print_check, progress, scenes,
-    sculpture, session, shade, surface, tools, trace, view,
+    command, command_text, document, format, journal, mesh, print_check, progress, saved_history,
+    scenes, sculpture, session, shade, surface, tools, trace, view,
 };

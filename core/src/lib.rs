@@ -9,6 +9,7 @@ pub mod journal;
 pub mod mesh;
 pub mod print_check;
 pub mod progress;
+pub mod saved_history;
 pub mod scenes;
 pub mod sculpture;
 pub mod session;

@@ -6,6 +6,7 @@
 
 mod error;
 mod files;
+mod histories;
 mod keeping;
 mod on_disk;
 mod recording;
@@ -24,6 +25,7 @@ use crate::document::{Applied, CommandError, Document, Limits};
 use crate::format::options::ImportOptions;
 use crate::format::{self, Loaded, Texts};
 use crate::progress::Progress;
+use crate::saved_history::SavedHistories;
 use crate::sculpture::orientation::{Orientation, Up};
 use crate::spill::Spill;
 pub use error::SessionError;
@@ -51,6 +53,8 @@ pub struct Session {
     journal: Option<Keeping>,
     /// Where the undo steps go that memory has no room for.
     spill: Option<Arc<Spill>>,
+    /// The undo histories of saved files.
+    histories: Option<Arc<SavedHistories>>,
     /// The bytes of the images that are loaded, or were for the last stroke.
     pictures: HashMap<PathBuf, Arc<[u8]>>,
     /// Files whose content is given by commands.
@@ -97,6 +101,7 @@ impl Session {
             journal_error: None,
             journal: None,
             spill: None,
+            histories: None,
             pictures: HashMap::new(),
             embedded: HashMap::new(),
             notes: Vec::new(),
@@ -116,9 +121,11 @@ impl Session {
         Ok(())
     }
 
-    /// What the person should know of the history on disk: that it cannot be written, or can be again. Said once.
+    /// What the person should know of the history on disk and of those of saved files: that they cannot be written, or
+    /// can be again. Said once.
     pub fn take_history_message(&self) -> Option<String> {
-        self.spill.as_ref()?.take_message()
+        let of_saved = self.histories.as_ref().and_then(|histories| histories.take_message());
+        of_saved.or_else(|| self.spill.as_ref()?.take_message())
     }
 
     /// The document.
@@ -285,7 +292,8 @@ impl Session {
             Command::New(new) => Task::New { new, limits },
             Command::Open { path, import } => {
                 let embedded = self.embedded.get(&path).cloned();
-                Task::Open { path, embedded, import, limits }
+                let histories = self.histories.clone();
+                Task::Open { path, embedded, import, limits, histories }
             }
             Command::Save { path, export } => Task::Save {
                 known: self.on_disk.known(&path),
@@ -295,6 +303,7 @@ impl Session {
                 contents: self.document.share_contents(),
                 texts: self.files.texts(self.document.state()),
                 state: self.document.state(),
+                steps: self.steps_to_keep(),
             },
             _ => return Ok(None),
         };
@@ -328,7 +337,7 @@ impl Session {
             Outcome::Oriented { .. } | Outcome::Mended { .. } => {
                 applied = self.document.apply(&command)?
             }
-            Outcome::Opened { path, loaded, identity } => {
+            Outcome::Opened { path, loaded, identity, history } => {
                 self.on_disk.learn(&path, identity);
                 let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
                 let Loaded { contents, texts, assumed_up, notes, .. } = *loaded;
@@ -336,11 +345,13 @@ impl Session {
                 self.notes = notes;
                 entry = Some(self.opened_entry(&path, &texts, assumed_up));
                 self.files.opened(self.document.state(), path, texts, assumed_up);
+                self.go_on_with(history);
             }
             // Volumes are for other programs: what they cannot hold would be lost.
-            Outcome::Saved { path, notes, state, identity } => {
+            Outcome::Saved { path, notes, state, identity, history } => {
                 self.on_disk.learn(&path, identity);
                 self.notes = notes;
+                self.keep_saved_history(history);
                 if format::is_sculpture(&path) {
                     entry = Some(keeping::saved_entry(&path, state));
                     self.files.saved(state, path);

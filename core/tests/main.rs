@@ -17,6 +17,7 @@ mod fuzz;
 mod independent;
 mod journal;
 mod meshes_in;
+mod saved_history;
 mod scans;
 mod sprays;
 mod study;

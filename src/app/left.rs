@@ -59,9 +59,14 @@ impl Workspace {
         let Some(journals) = self.journals.clone() else { return };
         let limits = *self.session().document().limits();
         let keeps = self.session().keeps_journal();
+        let histories = self.session().saved_history_options().cloned();
         self.ui.dialogs.recovery.close();
         self.editor.start_recovery(move |report: &Report| {
-            bring_back(number, &journals, keeps, &limits, report)
+            let (mut session, notice) = bring_back(number, &journals, keeps, &limits, report)?;
+            if let Some(histories) = histories {
+                session.keep_saved_histories(histories);
+            }
+            Ok((session, notice))
         });
     }
 

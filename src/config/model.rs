@@ -1,4 +1,4 @@
-//! The sections of the model: memory limits in MiB, the journal, and the sculpture that a session begins with.
+//! The sections of the model: memory limits in MiB, the journal, the histories of saved files, and the sculpture that a session begins with.
 //!
 //! The model has types of its own for these ([`Limits`], [`NewSculpture`]); these are their text form.
 
@@ -7,7 +7,9 @@ use serde::{Deserialize, Deserializer, de};
 
 use crate::command::NewSculpture;
 use crate::document::Limits;
+use crate::folders;
 use crate::options::{self, InvalidOption, require, require_in};
+use crate::saved_history::SavedHistoryOptions;
 use crate::sculpture::{ColourDepth, Grid, Rgb};
 
 #[derive(Clone, PartialEq, Debug, Deserialize)]
@@ -66,6 +68,30 @@ impl JournalSettings {
     /// Size from which on a journal is begun anew.
     pub fn max_bytes(&self) -> u64 {
         self.max_mib << 20
+    }
+}
+
+#[derive(Clone, PartialEq, Debug, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SavedHistorySettings {
+    pub keep: bool,
+    pub max_mib: u64,
+}
+
+impl Default for SavedHistorySettings {
+    fn default() -> Self {
+        SavedHistorySettings { keep: true, max_mib: 512 }
+    }
+}
+
+impl SavedHistorySettings {
+    pub(super) fn check(&self) -> Result<(), InvalidOption> {
+        require_in(1..=1 << 24, "max_mib", self.max_mib, "must be 1 to 16777216 MiB")
+    }
+
+    /// How histories are kept by these settings, in the folder for state.
+    pub fn options(&self) -> SavedHistoryOptions {
+        SavedHistoryOptions::new(&folders::saved_history_folder(), self.max_mib << 20)
     }
 }
 

@@ -15,6 +15,7 @@ use crate::document::Document;
 use crate::format::options::{ExportForm, ExportOptions, ImportOptions};
 use crate::journal::JournalOptions;
 use crate::picture;
+use crate::saved_history::SavedHistoryOptions;
 use crate::sculpture::Digest;
 use crate::session::Session;
 use crate::shade::portrait;
@@ -35,6 +36,7 @@ pub fn run(job: &RunJob, context: &Context) -> Result<(), JobError> {
     done?;
     if let Some(output) = &job.output {
         save(&mut session, output, ExportForm::Auto, context.progress)?;
+        tell_of_history(&session);
     }
     describe(session.document());
     if job.hash {
@@ -58,6 +60,7 @@ fn run_piped(job: &RunJob, context: &Context) -> Result<(), JobError> {
     if let Some(path) = &job.output {
         let save = Command::Save { path: path.clone(), export: ExportOptions::default() };
         session.execute(&save, context.progress)?;
+        tell_of_history(&session);
     }
     if let Some(out) = &job.render {
         let view = job.picture.view(context.config);
@@ -84,6 +87,9 @@ pub struct RunJob {
     pub hash: bool,
     /// Where undo steps go that memory has no room for.
     pub history_folder: PathBuf,
+    /// How to keep the undo histories of the files that are opened and saved; none: not at all, so that a script does
+    /// the same wherever it is run.
+    pub saved_history: Option<SavedHistoryOptions>,
     /// How to keep a journal; none: not at all, since a script can be run again.
     pub journal: Option<JournalOptions>,
 }
@@ -97,6 +103,9 @@ impl RunJob {
         let path = self.history_folder.clone();
         let begun = session.keep_history_in(&path);
         begun.map_err(|error| JobError::Journal { path, error })?;
+        if let Some(options) = &self.saved_history {
+            session.keep_saved_histories(options.clone());
+        }
         if let Some(options) = &self.journal {
             let path = options.shelf.folder().to_path_buf();
             let begun = session.keep_journal(options.clone());
@@ -113,11 +122,17 @@ fn hashes(document: &Document) -> [Digest; 2] {
     [Digest::of(contents), Digest::of_bytes(portrait(contents, PICTURE_PX).bytes())]
 }
 
-/// Says what went wrong with the journal, and where unsaved changes are kept that nobody has saved.
-fn tell_of_journal(session: &Session) {
-    if let Some(message) = session.take_history_message() {
+/// Says what went wrong with the history on disk and with those of saved files.
+fn tell_of_history(session: &Session) {
+    session.wait_for_saved_history();
+    while let Some(message) = session.take_history_message() {
         terminal::print_notice(message);
     }
+}
+
+/// Says what went wrong with the journal, and where unsaved changes are kept that nobody has saved.
+fn tell_of_journal(session: &Session) {
+    tell_of_history(session);
     session.wait_for_journal();
     if let Some(message) = session.take_journal_message() {
         terminal::print_notice(message);

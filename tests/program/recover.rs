@@ -378,3 +378,30 @@ fn after_a_kill_at_any_moment_all_that_was_answered_is_there() {
         "{recovered} of {kills} killed sessions had begun a journal, {within} were in a stroke"
     );
 }
+
+#[test]
+fn undo_goes_on_in_another_process_if_that_is_asked_for() {
+    let folder = folder();
+    let path = folder.path();
+    let run = |more: &[&str], lines: &str| -> Vec<Value> {
+        let mut session = with_state(path, &[&["run", "-"], more].concat()).spawn().unwrap();
+        session.stdin.take().unwrap().write_all(lines.as_bytes()).unwrap();
+        let output = session.wait_with_output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let text = String::from_utf8(output.stdout).unwrap();
+        text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+    };
+    let made = run(
+        &["--history", "--out", "b.vsc"],
+        "new dims=20,20,20 fill=solid\nsubtract cuboid at=10,10,20 half=10\nsave \"a.vsc\"\nclear",
+    );
+    let first = run(&["--history"], "open \"a.vsc\"\nundo 1\nundo 1\nredo all");
+    assert_eq!((&first[0]["voxels"], &first[1]["voxels"]), (&made[1]["voxels"], &8000.into()));
+    assert_eq!((&first[3]["voxels"], &first[3]["modified"]), (&4000.into(), &false.into()));
+    // What was saved at the end, in turn; the first file keeps its own.
+    let last = run(&["--history", "--in", "b.vsc"], "undo 1\nundo 1");
+    assert_eq!((&last[0]["voxels"], &last[1]["voxels"]), (&4000.into(), &8000.into()));
+    // A script that does not ask for it does the same everywhere.
+    let plain = run(&["--in", "b.vsc"], "undo 1");
+    assert_eq!((&plain[0]["voxels"], &plain[0]["steps"]), (&0.into(), &0.into()));
+}

@@ -11,6 +11,7 @@ mod panels;
 mod pictures;
 mod print_check;
 mod recovery;
+mod saved_history;
 mod surface;
 mod switches;
 mod toasts;

@@ -4,6 +4,7 @@
 //! Taking a snapshot shares contents, steps and clipboard. Loaded pictures are not in it: they belong to
 //! files, which the session knows.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::{CommandError, Document, Limits};
@@ -66,6 +67,26 @@ impl Document {
         document.last_uses = last_uses;
         (document.state, document.settled, document.states) = (state, state, states);
         Ok(document)
+    }
+
+    /// Goes on with the steps that another document had around the same contents, in the state `was`, on top of its
+    /// own; there must be none to redo. All their states become states of this document. Returns what has become of
+    /// each sculpture.
+    pub fn adopt_history(&mut self, mut kept: HistorySnapshot, was: State) -> HashMap<u64, u64> {
+        let mut sculptures = HashMap::from([(was.sculpture, self.state.sculpture)]);
+        let mut states = HashMap::from([(was, self.state)]);
+        for step in kept.undo.iter_mut().rev().chain(kept.redo.iter_mut().rev()) {
+            let step = Arc::make_mut(step);
+            let State { sculpture, .. } = step.state;
+            if !states.contains_key(&step.state) {
+                let number = self.new_state();
+                let sculpture = *sculptures.entry(sculpture).or_insert(number);
+                states.insert(step.state, State { sculpture, number });
+            }
+            step.state = states[&step.state];
+        }
+        self.history.put_all(kept);
+        sculptures
     }
 
     fn settings(&self) -> Vec<Command> {

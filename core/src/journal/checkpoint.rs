@@ -126,7 +126,7 @@ impl Checkpoint {
         append(record(SETTINGS, &[script(settings).as_bytes()]))?;
         append(record(LAST_USES, &[script(last_uses).as_bytes()]))?;
         for file in &self.files {
-            append(file.to_record())?;
+            append(file.to_record_of(FILE))?;
         }
         for (path, bytes) in &self.pictures {
             let mut record = RecordBuffer::new(PICTURE);
@@ -204,8 +204,9 @@ impl Checkpoint {
 }
 
 impl SculptureFile {
-    fn to_record(&self) -> RecordBuffer {
-        let mut record = RecordBuffer::new(FILE);
+    /// A record of some kind that holds it.
+    pub(crate) fn to_record_of(&self, kind: u8) -> RecordBuffer {
+        let mut record = RecordBuffer::new(kind);
         let out = record.payload();
         out.extend_from_slice(&self.sculpture.to_le_bytes());
         put_text(&self.path.as_deref().map(path_text).unwrap_or_default(), out);
@@ -220,7 +221,8 @@ impl SculptureFile {
         record
     }
 
-    fn from_payload(payload: &[u8]) -> Result<SculptureFile, FormatError> {
+    /// Reads what such a record holds.
+    pub(crate) fn from_payload(payload: &[u8]) -> Result<SculptureFile, FormatError> {
         let rest = &mut &payload[..];
         let sculpture = take_u64(rest)?;
         let path = match take_text(rest)? {

@@ -23,6 +23,10 @@ pub trait Files: Debug + Send + Sync {
     fn list(&self, folder: &Path) -> Result<Vec<PathBuf>>;
     /// Opens a file for reading, and locks it; [`ErrorKind::WouldBlock`] if it is locked.
     fn open(&self, path: &Path) -> Result<Source>;
+    /// Opens a file for reading that is whole and never written again. Nobody is kept from it.
+    fn open_shared(&self, path: &Path) -> Result<Source> {
+        self.open(path)
+    }
 }
 
 /// Waits until what was appended before is on the disk.
@@ -106,16 +110,24 @@ impl Files for Disk {
     fn open(&self, path: &Path) -> Result<Source> {
         let file = File::open(path)?;
         locked(&file)?;
-        let found = file.metadata()?;
-        if !found.is_file() {
-            return Err(Error::new(ErrorKind::InvalidInput, "this is no file"));
-        }
-        let since_1970 = |time: std::time::SystemTime| time.duration_since(std::time::UNIX_EPOCH);
-        let changed_unix_s =
-            found.modified().ok().and_then(|time| since_1970(time).ok()).map(|age| age.as_secs());
-        let reader = Box::new(std::io::BufReader::with_capacity(1 << 16, file));
-        Ok(Source { reader, bytes: found.len(), changed_unix_s })
+        source(file)
     }
+
+    fn open_shared(&self, path: &Path) -> Result<Source> {
+        source(File::open(path)?)
+    }
+}
+
+fn source(file: File) -> Result<Source> {
+    let found = file.metadata()?;
+    if !found.is_file() {
+        return Err(Error::new(ErrorKind::InvalidInput, "this is no file"));
+    }
+    let since_1970 = |time: std::time::SystemTime| time.duration_since(std::time::UNIX_EPOCH);
+    let changed_unix_s =
+        found.modified().ok().and_then(|time| since_1970(time).ok()).map(|age| age.as_secs());
+    let reader = Box::new(std::io::BufReader::with_capacity(1 << 16, file));
+    Ok(Source { reader, bytes: found.len(), changed_unix_s })
 }
 
 fn locked(file: &File) -> Result<()> {

@@ -62,9 +62,14 @@ impl History {
         store: Option<Arc<dyn StepStore>>,
     ) -> History {
         let mut history = History { store, ..History::new(budget_bytes) };
-        snapshot.redo.into_iter().for_each(|step| history.put(step, Stack::Redo));
-        snapshot.undo.into_iter().for_each(|step| history.put(step, Stack::Undo));
+        history.put_all(snapshot);
         history
+    }
+
+    /// Puts the steps of a snapshot on top of those that there are.
+    pub fn put_all(&mut self, snapshot: HistorySnapshot) {
+        snapshot.redo.into_iter().for_each(|step| self.put(step, Stack::Redo));
+        snapshot.undo.into_iter().for_each(|step| self.put(step, Stack::Undo));
     }
 
     /// Gives steps to a store from now on, rather than drop them.

@@ -59,6 +59,11 @@ impl Files {
         files
     }
 
+    /// Adds a sculpture that steps of an earlier session lead to.
+    pub fn add(&mut self, sculpture: SculptureFile) {
+        self.of_sculpture.extend(Files::restored(vec![sculpture]).of_sculpture);
+    }
+
     /// A new sculpture, without a file.
     pub fn made(&mut self, state: State) {
         let file = File { saved: Some(state.number), ..File::default() };

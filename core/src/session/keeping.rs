@@ -24,6 +24,13 @@ pub(super) struct Keeping {
     missing: [usize; 2],
 }
 
+impl Keeping {
+    /// Notes that something was done that no entry can repeat: a checkpoint follows.
+    pub fn note_gap(&mut self) {
+        self.writer.note_gap();
+    }
+}
+
 impl Session {
     /// Begins a journal with what the session is now. It is removed when the session ends with everything saved.
     ///

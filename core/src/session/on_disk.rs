@@ -17,7 +17,7 @@ use crate::sculpture::digest::Digest;
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct FileIdentity {
     bytes: u64,
-    hash: Digest,
+    pub(super) hash: Digest,
 }
 
 impl FileIdentity {

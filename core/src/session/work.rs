@@ -9,12 +9,14 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::SessionError;
+use super::histories;
 use super::on_disk::FileIdentity;
 use crate::command::{Command, NewSculpture};
 use crate::document::{self, Limits};
 use crate::format::options::{ExportOptions, ImportOptions};
 use crate::format::{self, Loaded, Texts};
 use crate::progress::Progress;
+use crate::saved_history::{Found, HistoryToKeep, KeptSteps, SavedHistories};
 use crate::sculpture::history::{Contents, State};
 use crate::sculpture::orientation::Orientation;
 use crate::tools::mend::{Mend, MendPlan};
@@ -50,6 +52,8 @@ pub(super) enum Task {
         embedded: Option<Arc<[u8]>>,
         import: ImportOptions,
         limits: Limits,
+        /// Where its undo history may be.
+        histories: Option<Arc<SavedHistories>>,
     },
     Save {
         path: PathBuf,
@@ -60,6 +64,8 @@ pub(super) enum Task {
         texts: Texts,
         limits: Limits,
         state: State,
+        /// The undo history, if it is to be kept.
+        steps: Option<KeptSteps>,
     },
 }
 
@@ -91,12 +97,14 @@ pub(super) enum Outcome {
         path: PathBuf,
         loaded: Box<Loaded>,
         identity: Option<FileIdentity>,
+        history: Found,
     },
     Saved {
         path: PathBuf,
         notes: Vec<String>,
         state: State,
         identity: Option<FileIdentity>,
+        history: Option<HistoryToKeep>,
     },
 }
 
@@ -122,15 +130,17 @@ impl Work {
                 let failed = |error| SessionError::Open { path: path.clone(), error };
                 let loaded = Box::new(read.map_err(failed)?);
                 // What lies at its path need not be what was embedded.
-                Outcome::Opened { path, loaded, identity: None }
+                Outcome::Opened { path, loaded, identity: None, history: Found::Nothing }
             }
-            Task::Open { path, embedded: None, import, limits } => {
+            Task::Open { path, embedded: None, import, limits, histories } => {
                 // Before it is read: a change meanwhile is then one that the session does not know.
                 let identity = FileIdentity::of(&path);
                 let loaded = Box::new(load(&path, &import, &limits, progress)?);
-                Outcome::Opened { path, loaded, identity }
+                let history =
+                    histories::find(histories.as_deref(), identity, &loaded.contents, &limits);
+                Outcome::Opened { path, loaded, identity, history }
             }
-            Task::Save { path, known, export, contents, texts, limits, state } => {
+            Task::Save { path, known, export, contents, texts, limits, state, steps } => {
                 if let Some(known) = known
                     && !known.may_be_replaced(&path)
                 {
@@ -139,7 +149,8 @@ impl Work {
                 match format::save_with(&path, &contents, &export, texts, &limits, progress) {
                     Ok(notes) => {
                         let identity = FileIdentity::of(&path);
-                        Outcome::Saved { path, notes, state, identity }
+                        let history = histories::to_keep(steps, &path, identity, &contents);
+                        Outcome::Saved { path, notes, state, identity, history }
                     }
                     Err(error) => return Err(SessionError::Save { path, error }),
                 }

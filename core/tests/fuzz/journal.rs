@@ -44,7 +44,7 @@ fn seed() -> Vec<u8> {
 }
 
 /// Makes number and checksum of every record fit, and the head.
-fn seal(bytes: &mut Vec<u8>) {
+pub fn seal(bytes: &mut Vec<u8>) {
     let mut sealed = frame::head().to_vec();
     let mut at = HEAD_BYTES;
     let mut sequence = 0;

@@ -6,6 +6,7 @@
 
 mod formats;
 mod journal;
+mod saved_history;
 mod script;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};

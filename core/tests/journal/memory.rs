@@ -111,8 +111,21 @@ impl Memory {
 
     /// A disk with one journal.
     pub fn with_journal(bytes: &[u8]) -> Memory {
+        Memory::with_file("/state/journals/1.journal".as_ref(), bytes)
+    }
+
+    /// The only file that there is.
+    pub fn only_file(&self) -> (PathBuf, Vec<u8>) {
+        let disk = self.disk();
+        assert_eq!(disk.names.len(), 1);
+        let (path, at) = disk.names.first_key_value().unwrap();
+        (path.clone(), disk.files[*at].bytes.clone())
+    }
+
+    /// A disk with one file.
+    pub fn with_file(path: &Path, bytes: &[u8]) -> Memory {
         let file = File { bytes: bytes.to_vec(), linked: true, ..File::default() };
-        let names = BTreeMap::from([(PathBuf::from("/state/journals/1.journal"), 0)]);
+        let names = BTreeMap::from([(path.to_path_buf(), 0)]);
         Memory(Arc::new(Mutex::new(Disk { files: vec![file], names, ..Disk::default() })))
     }
 

@@ -28,7 +28,7 @@ pub fn session(limits: Limits) -> Session {
 }
 
 /// What is left at the only number of the shelf.
-fn recovered(memory: &Memory) -> Option<Recovered> {
+pub fn recovered(memory: &Memory) -> Option<Recovered> {
     let shelf = options(memory).shelf;
     let number = *shelf.numbers().unwrap().first()?;
     let Left::Journal(source) = shelf.open(number) else { panic!("it is in use") };
@@ -36,12 +36,12 @@ fn recovered(memory: &Memory) -> Option<Recovered> {
 }
 
 /// Everything that belongs to a session between two strokes.
-fn all_of(session: &Session) -> DocumentSnapshot {
+pub fn all_of(session: &Session) -> DocumentSnapshot {
     session.document().snapshot().unwrap()
 }
 
 /// Whether two sessions are alike to the byte, in contents, history, clipboard, settings and identifiers.
-fn assert_same(a: &DocumentSnapshot, b: &DocumentSnapshot) {
+pub fn assert_same(a: &DocumentSnapshot, b: &DocumentSnapshot) {
     assert!(a.contents == b.contents, "contents");
     assert_eq!(a.history, b.history);
     assert_eq!(a.clip, b.clip);

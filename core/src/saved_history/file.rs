@@ -1,0 +1,226 @@
+//! What the file of a history holds, as records of [`frame`](crate::journal::frame):
+//!
+//! 1. the beginning (32): JSON with version of the program, the sculpture's file and its hash, the hash of the
+//!    contents, and the state that the steps lead from;
+//! 2. steps to undo (33) and to redo (34), the nearest first, as [`write_step`] packs them;
+//! 3. the texts of other sculptures that the steps lead to (35), without their paths: nothing here says where a file
+//!    may be overwritten;
+//! 4. the end (36): how many steps of both kinds there are (two u32).
+//!
+//! Reading takes all or nothing: what is cut, damaged or made for other contents gives no step.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use serde::{Deserialize, Serialize};
+
+use super::HistoryToKeep;
+use crate::command_text::path_text;
+use crate::format::FormatError;
+use crate::format::history::{Shape, read_step, write_step};
+use crate::journal::SculptureFile;
+use crate::journal::files::Source;
+use crate::journal::frame::{Record, RecordBuffer, Records};
+use crate::sculpture::history::{Contents, HistorySnapshot, State, Step};
+use crate::sculpture::{Digest, Limits};
+
+const BEGIN: u8 = 32;
+const UNDO: u8 = 33;
+const REDO: u8 = 34;
+const TEXTS: u8 = 35;
+const END: u8 = 36;
+
+/// Bytes of memory that the kept steps take at most, for each byte that their file may have: more would take too
+/// long to pack.
+const MEMORY_PER_FILE: u64 = 4;
+
+const DAMAGED: FormatError = FormatError::Damaged("it has no known form");
+const CUT: FormatError = FormatError::Damaged("it is cut off or damaged");
+
+#[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
+struct Beginning {
+    program: String,
+    file: String,
+    file_hash: String,
+    contents_hash: String,
+    state: [u64; 2],
+}
+
+/// The steps around the contents of a file that was opened.
+#[derive(Clone, PartialEq, Debug)]
+pub struct SavedHistory {
+    /// To undo and to redo.
+    pub history: HistorySnapshot,
+    /// The state from which they lead.
+    pub state: State,
+    /// Other sculptures that they lead to, with their texts and no paths.
+    pub files: Vec<SculptureFile>,
+}
+
+/// Gives the records of a history to `append`, with at most `max_bytes` of steps. False if it was given up.
+pub fn write(
+    kept: &HistoryToKeep,
+    max_bytes: u64,
+    is_given_up: &AtomicBool,
+    append: &mut dyn FnMut(RecordBuffer) -> std::io::Result<()>,
+) -> Result<bool, FormatError> {
+    let HistoryToKeep { path, file_hash, contents_hash, steps } = kept;
+    let beginning = Beginning {
+        program: env!("CARGO_PKG_VERSION").to_string(),
+        file: path_text(path),
+        file_hash: file_hash.to_string(),
+        contents_hash: contents_hash.to_string(),
+        state: [steps.state.sculpture, steps.state.number],
+    };
+    let json = serde_json::to_vec(&beginning).map_err(|_| DAMAGED)?;
+    append(record(BEGIN, &json))?;
+    let mut lists = [(UNDO, &steps.history.undo), (REDO, &steps.history.redo)]
+        .map(|(kind, steps)| (kind, steps.iter().rev().peekable(), 0u32));
+    let (mut file_left, mut memory_left) = (max_bytes, max_bytes.saturating_mul(MEMORY_PER_FILE));
+    let mut sculptures = vec![steps.state.sculpture];
+    // In turns, so that a long past leaves room for what can be redone.
+    while lists.iter_mut().any(|(_, steps, _)| steps.peek().is_some()) {
+        for (kind, steps, count) in &mut lists {
+            let Some(step) = steps.next() else { continue };
+            if is_given_up.load(Ordering::Relaxed) {
+                return Ok(false);
+            }
+            let packed = pack(step, &mut file_left, &mut memory_left)?;
+            let Some(packed) = packed else {
+                // Those further away can only be reached through it.
+                steps.by_ref().for_each(drop);
+                continue;
+            };
+            append(record(*kind, &packed))?;
+            sculptures.push(step.state.sculpture);
+            *count += 1;
+        }
+    }
+    let own = steps.state.sculpture;
+    let others =
+        |file: &&SculptureFile| file.sculpture != own && sculptures.contains(&file.sculpture);
+    for file in steps.files.iter().filter(others) {
+        append(nameless(file).to_record_of(TEXTS))?;
+    }
+    let counts: Vec<u8> = lists.iter().flat_map(|(.., count)| count.to_le_bytes()).collect();
+    append(record(END, &counts))?;
+    Ok(true)
+}
+
+/// The bytes of a step, if there is room for them.
+fn pack(
+    step: &Step,
+    file_left: &mut u64,
+    memory_left: &mut u64,
+) -> Result<Option<Vec<u8>>, FormatError> {
+    let Some(memory) = memory_left.checked_sub(step.whole_bytes() as u64) else { return Ok(None) };
+    let packed = write_step(step)?;
+    let Some(file) = file_left.checked_sub(packed.len() as u64) else { return Ok(None) };
+    (*file_left, *memory_left) = (file, memory);
+    Ok(Some(packed))
+}
+
+fn nameless(file: &SculptureFile) -> SculptureFile {
+    SculptureFile { path: None, saved: None, assumed_up: None, ..file.clone() }
+}
+
+fn record(kind: u8, payload: &[u8]) -> RecordBuffer {
+    let mut record = RecordBuffer::new(kind);
+    record.payload().extend_from_slice(payload);
+    record
+}
+
+/// The sculpture's file that a history was kept for.
+pub fn path_of(source: Source) -> Option<PathBuf> {
+    let first = Records::new(source.reader, source.bytes).ok()?.next()?;
+    let beginning = beginning(&first).ok()?;
+    crate::command_text::parse_path(&beginning.file).ok()
+}
+
+fn beginning(first: &Record) -> Result<Beginning, FormatError> {
+    if first.kind != BEGIN {
+        return Err(DAMAGED);
+    }
+    serde_json::from_slice(&first.payload).map_err(|_| DAMAGED)
+}
+
+/// Reads the history of a file with `file_hash` that was read as `contents`. Steps beyond
+/// [`Limits::history_bytes`] are left out, those furthest away first.
+///
+/// # Errors
+/// If any of it is damaged, missing, or made for something else.
+pub fn read(
+    source: Source,
+    file_hash: Digest,
+    contents: &Contents,
+    limits: &Limits,
+) -> Result<SavedHistory, FormatError> {
+    let mut records = Records::new(source.reader, source.bytes).map_err(|_| CUT)?;
+    let first = beginning(&records.next().ok_or(CUT)?)?;
+    if first.file_hash != file_hash.to_string() {
+        return Err(FormatError::Damaged("it belongs to another file"));
+    }
+    if first.contents_hash != Digest::of(contents).to_string() {
+        return Err(FormatError::Damaged("it was kept for other contents"));
+    }
+    let [sculpture, number] = first.state;
+    let state = State { sculpture, number };
+    let mut lists = [0, 1].map(|_| List { shape: Shape::of(contents), steps: vec![], count: 0 });
+    let mut left = limits.history_bytes;
+    let mut files = Vec::new();
+    for Record { kind, payload } in records.by_ref() {
+        match kind {
+            UNDO => lists[0].read(&payload, limits, &mut left)?,
+            REDO => lists[1].read(&payload, limits, &mut left)?,
+            TEXTS => files.push(nameless(&SculptureFile::from_payload(&payload)?)),
+            END => {
+                let counts: Vec<u8> =
+                    lists.iter().flat_map(|list| list.count.to_le_bytes()).collect();
+                if counts != payload || records.bytes_left() > 0 {
+                    return Err(DAMAGED);
+                }
+                let [undo, redo] = lists.map(List::oldest_first);
+                return Ok(SavedHistory { history: HistorySnapshot { undo, redo }, state, files });
+            }
+            _ => return Err(DAMAGED),
+        }
+    }
+    Err(CUT)
+}
+
+/// The steps of one list while they are read.
+struct List {
+    /// Of the contents that the next one leads from.
+    shape: Shape,
+    /// The nearest first.
+    steps: Vec<Arc<Step>>,
+    /// How many were in the file.
+    count: u32,
+}
+
+impl List {
+    fn read(
+        &mut self,
+        packed: &[u8],
+        limits: &Limits,
+        left: &mut usize,
+    ) -> Result<(), FormatError> {
+        // Of those that there was no room for, the checksum alone has been looked at.
+        if self.count as usize == self.steps.len() {
+            let step = read_step(packed, self.shape, limits)?;
+            self.shape = self.shape.after(&step.change);
+            if let Some(rest) = left.checked_sub(step.heap_bytes()) {
+                *left = rest;
+                self.steps.push(Arc::new(step));
+            }
+        }
+        self.count += 1;
+        Ok(())
+    }
+
+    fn oldest_first(mut self) -> Vec<Arc<Step>> {
+        self.steps.reverse();
+        self.steps
+    }
+}
