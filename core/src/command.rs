@@ -18,6 +18,7 @@ use crate::sculpture::orientation::Orientation;
 use crate::sculpture::region::VoxelBox;
 use crate::sculpture::{ColourDepth, Placement, Rgb};
 use crate::tools::construct::Primitive;
+use crate::tools::deform::Deform;
 use crate::tools::grab::Grab;
 use crate::tools::mend::Mend;
 use crate::tools::spray::Spray;
@@ -159,6 +160,13 @@ pub enum Command {
         /// The ball and the pull.
         grab: Grab,
         /// Which clay is pulled.
+        surface: SpraySurface,
+    },
+    /// Use a brush that moves the surface in a ball once.
+    Deform {
+        /// The brush and the ball.
+        deform: Deform,
+        /// Which surface is moved. Of the one before the stroke, no use takes back what others have done.
         surface: SpraySurface,
     },
     /// Recolour the voxels inside a solid by an image.
@@ -311,6 +319,11 @@ pub const COMMANDS: &[CommandHelp] = &[
         tooltip: "Pull at a ball of clay: what is in its middle goes all the way, what is at its rim stays",
     },
     CommandHelp {
+        verb: "deform",
+        usage: "inflate|flatten|scrape|fill at=X,Y,Z radius=VOXELS [height=VOXELS | normal=X,Y,Z [strength=0..1]] [falloff=smooth|sharp|flat] [surface=now|stroke]",
+        tooltip: "Move the surface in a ball: outwards by a height (inflate), or to a plane through its middle",
+    },
+    CommandHelp {
         verb: "texture",
         usage: "\"PICTURE\" SOLID at=X,Y,Z half=A[,B,C] [turn=...]",
         tooltip: "Paint the voxels inside a solid with a PNG or JPEG image",
@@ -435,6 +448,7 @@ impl Command {
             Command::Construct { op: EditOp::Recolour(_), .. } => "recolour",
             Command::Spray { .. } => "spray",
             Command::Grab { .. } => "grab",
+            Command::Deform { .. } => "deform",
             Command::Texture { .. } => "texture",
             Command::Fill { .. } => "fill",
             Command::Clear { .. } => "clear",
@@ -469,6 +483,7 @@ impl Command {
                 format!("{} {}", self.verb(), area.name())
             }
             Command::Spray { spray, .. } => spray.effect.name().to_string(),
+            Command::Deform { deform, .. } => deform.brush.kind().name().to_string(),
             _ => self.verb().to_string(),
         }
     }

@@ -21,6 +21,7 @@ use crate::sculpture::{ColourDepth, Placement, Rgb};
 use crate::tools::construct::{Primitive, Solid};
 
 mod arguments;
+mod deform;
 mod export;
 mod grab;
 mod mend;
@@ -154,6 +155,7 @@ impl fmt::Display for Command {
                 }
             }
             Command::Spray { spray, surface } => spray::write(spray, *surface, f),
+            Command::Deform { deform, surface } => deform::write(deform, *surface, f),
             Command::Grab { grab, surface } => grab::write(grab, *surface, f),
             Command::Texture { primitive, picture } => {
                 write!(f, " {} {primitive}", QuotedPath(picture))
@@ -240,6 +242,7 @@ impl FromStr for Command {
             "cancel" => Command::Cancel,
             "add" | "subtract" | "recolour" => parse_construct(&verb, &mut args)?,
             "spray" => spray::parse(&mut args)?,
+            "deform" => deform::parse(&mut args)?,
             "grab" => grab::parse(&mut args)?,
             "texture" => {
                 Command::Texture { picture: args.path()?, primitive: parse_primitive(&mut args)? }

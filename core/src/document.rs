@@ -300,6 +300,7 @@ impl Document {
             | Command::Texture { .. }
             | Command::Spray { .. }
             | Command::Grab { .. }
+            | Command::Deform { .. }
             | Command::Paste { .. } => self.use_tool(command),
             Command::Array { count, step } => self.array(*count, *step, command),
             Command::Fill { area, colour } => self.edit_area(*area, EditOp::Add(*colour), command),

@@ -17,6 +17,7 @@ use crate::sculpture::edit::EditOp;
 use crate::sculpture::{ColourDepth, Limits, Rgb};
 use crate::surface::raycast;
 use crate::tools::construct::{Primitive, Solid};
+use crate::tools::deform::{Brush, Deform, Plane};
 use crate::tools::grab::{Falloff, Grab};
 
 /// One edit, repeated.
@@ -53,6 +54,12 @@ pub fn edits(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandErro
         falloff: Falloff::Smooth,
     };
     let pull = Command::Grab { grab, surface: SpraySurface::Now };
+    let top = Vec3::new(256.0, 512.0, 256.0);
+    let deform = |brush| Command::Deform {
+        deform: Deform { brush, centre_vx: top, radius: 48.0, falloff: Falloff::Smooth },
+        surface: SpraySurface::Now,
+    };
+    let plane = Plane { normal: Vec3::new(0.2, 1.0, 0.1), strength: 1.0 };
     let commands = [
         ("sphere of radius 64", cut(Solid::Ellipsoid, even, Quat::IDENTITY)),
         ("cuboid of half edge 64", cut(Solid::Cuboid, even, Quat::IDENTITY)),
@@ -63,6 +70,8 @@ pub fn edits(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandErro
         ("turned cylinder of half edge 64", cut(Solid::Cylinder, even, turn)),
         ("turned torus of half edge 64", cut(Solid::Torus, even, turn)),
         ("pull at a ball of radius 48", pull),
+        ("sinking in a ball of radius 48", deform(Brush::Inflate { height: -8.0 })),
+        ("flattening in a ball of radius 48", deform(Brush::Flatten(plane))),
     ];
     let mut reports = Vec::new();
     for (name, command) in commands {
@@ -225,7 +234,7 @@ mod tests {
     #[test]
     fn every_edit_is_reported_and_taken_back() {
         let reports = edits(1, Limits::default()).unwrap();
-        assert_eq!(reports.len(), 12);
+        assert_eq!(reports.len(), 14);
         let voxels = |name: &str| reports.iter().find(|r| r.name.starts_with(name)).unwrap().voxels;
         let ball = 4.0 / 3.0 * std::f64::consts::PI * 64f64.powi(3);
         assert!((voxels("sphere") as f64 / ball - 1.0).abs() < 1e-3);
@@ -235,6 +244,8 @@ mod tests {
         let torus = std::f64::consts::PI.powi(2) * 4.0 / 27.0 * 64f64.powi(3);
         assert!((voxels("turned torus") as f64 / torus - 1.0).abs() < 1e-3);
         assert!(voxels("pull") > 10_000);
+        assert!(voxels("sinking") > 10_000);
+        assert!(voxels("flattening") > 1000);
         assert!(voxels("2000 spheres") > 1 << 24);
         assert!(reports.iter().all(|r| r.voxels_per_s > 0.0));
     }

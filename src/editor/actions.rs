@@ -139,7 +139,7 @@ impl Editor {
             if tool.follow {
                 self.lead_tool_to(at, point, picker);
             }
-            self.begin_grab(Some(at), picker);
+            self.begin_clay(action == Action::SculptInverse, Some(at), picker);
             return;
         }
         let inverse = action == Action::SculptInverse;
@@ -167,7 +167,7 @@ impl Editor {
             ToolKind::Marker => self.act(Action::SelectMarker, picker),
             ToolKind::Deform => {
                 let hovering = self.pointer.filter(|_| self.ground().is_some());
-                self.begin_grab(hovering, picker);
+                self.begin_clay(false, hovering, picker);
             }
             ToolKind::Spray(kind) => {
                 let tool = || picker.sight().pixel_of(self.tool.centre_vx);
@@ -185,7 +185,7 @@ impl Editor {
             Action::Sculpt | Action::SculptInverse | Action::SculptSmooth => match &self.stroke {
                 _ if self.marker.drag.is_some() => self.drag_marker(at, picker),
                 Some(stroke) if stroke.is_spray() => self.lead_spray(at, picker),
-                Some(stroke) if stroke.is_grab() => self.lead_grab(at, picker),
+                Some(stroke) if stroke.is_clay() => self.lead_clay(at, picker),
                 Some(stroke) if stroke.follows_surface() => self.lead_stroke(at, picker),
                 _ => self.drag_tool(by, false, picker),
             },

@@ -18,18 +18,24 @@ use crate::tools::grab::{Falloff, Grab, MAX_PULL_VX, MAX_RADIUS, MIN_RADIUS};
 pub struct DeformOptions {
     /// Of the ball, in edges of the smallest voxel edge.
     pub radius: f32,
-    /// How far the clay goes along, 0 to 1.
+    /// How far the clay goes along, or the surface to where the brush moves it, 0 to 1.
     pub strength: f32,
     pub falloff: Falloff,
 }
 
-impl Default for DeformOptions {
-    fn default() -> Self {
-        DeformOptions { radius: 20.0, strength: 1.0, falloff: Falloff::default() }
-    }
-}
-
 impl DeformOptions {
+    /// What a tool begins with.
+    pub fn of(kind: DeformKind) -> DeformOptions {
+        let options = DeformOptions { radius: 20.0, strength: 1.0, falloff: Falloff::default() };
+        match kind {
+            DeformKind::Grab => options,
+            DeformKind::Inflate => DeformOptions { radius: 12.0, strength: 0.5, ..options },
+            DeformKind::Flatten | DeformKind::Scrape | DeformKind::Fill => {
+                DeformOptions { radius: 12.0, falloff: Falloff::Flat, ..options }
+            }
+        }
+    }
+
     pub fn scale_radius(&mut self, factor: f32) {
         if factor.is_finite() && factor > 0.0 {
             self.radius = (self.radius * factor).clamp(MIN_RADIUS, MAX_RADIUS);
@@ -38,8 +44,14 @@ impl DeformOptions {
 }
 
 /// The options of all tools that deform.
-#[derive(Clone, PartialEq, Debug, Default)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct Deforms([DeformOptions; DeformKind::ALL.len()]);
+
+impl Default for Deforms {
+    fn default() -> Self {
+        Deforms(DeformKind::ALL.map(DeformOptions::of))
+    }
+}
 
 impl Deforms {
     pub fn of(&self, kind: DeformKind) -> &DeformOptions {
@@ -91,8 +103,28 @@ impl HeldClay {
 }
 
 impl Editor {
+    /// Begins to use the tool in hand that deforms. `at`: the pointer that leads it (pixels).
+    pub(super) fn begin_clay(&mut self, inverse: bool, at: Option<Vec2>, picker: &Picker) {
+        match self.tool.deform {
+            DeformKind::Grab => self.begin_grab(at, picker),
+            _ => self.begin_dabs(inverse, at, picker),
+        }
+    }
+
+    /// Leads the clay that is held, or the brush, to a point of the picture.
+    pub(super) fn lead_clay(&mut self, to: Vec2, picker: &Picker) {
+        self.lead_grab(to, picker);
+        self.lead_dabs(to, picker);
+    }
+
+    /// Something else has moved the tool: the clay that it holds follows, or the brush.
+    pub(super) fn clay_moved(&mut self) {
+        self.grab_moved();
+        self.dabs_moved();
+    }
+
     /// Takes hold of the clay around the tool. `at`: the pointer that leads it (pixels).
-    pub(super) fn begin_grab(&mut self, at: Option<Vec2>, picker: &Picker) {
+    fn begin_grab(&mut self, at: Option<Vec2>, picker: &Picker) {
         let kind = self.tool.deform;
         if self.stroke.is_some() || !self.execute(&Command::Begin { label: kind.name().into() }) {
             return;
@@ -109,7 +141,7 @@ impl Editor {
     }
 
     /// Leads the clay that is held to a point of the picture, in the plane of the view in which it was taken hold of.
-    pub(super) fn lead_grab(&mut self, to: Vec2, picker: &Picker) {
+    fn lead_grab(&mut self, to: Vec2, picker: &Picker) {
         if let Some(Stroke { work: Work::Grab(held), .. }) = &mut self.stroke
             && let Some(aside) = held.aside
         {
@@ -122,8 +154,7 @@ impl Editor {
         }
     }
 
-    /// Something else has moved the tool: the clay that it holds follows.
-    pub(super) fn grab_moved(&mut self) {
+    fn grab_moved(&mut self) {
         let to = self.tool.centre_vx;
         if let Some(Stroke { work: Work::Grab(held), .. }) = &mut self.stroke
             && to.is_finite()

@@ -59,8 +59,8 @@ impl Editor {
             // A spray that a key holds down goes with the pointer.
             self.lead_spray(at, picker);
         }
-        if self.stroke.as_ref().is_some_and(Stroke::is_grab) {
-            self.lead_grab(at, picker);
+        if self.stroke.as_ref().is_some_and(Stroke::is_clay) {
+            self.lead_clay(at, picker);
             return;
         }
         // The tool in a hand at work is not the pointer's.

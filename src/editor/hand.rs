@@ -119,7 +119,7 @@ impl Editor {
             }
             ToolKind::Deform => {
                 self.tool.centre_vx = own.position;
-                self.grab_moved();
+                self.clay_moved();
                 self.catch_up();
             }
             ToolKind::Solid => {
@@ -152,7 +152,7 @@ impl Editor {
                     );
                 }
             }
-            ToolKind::Deform => self.begin_grab(None, picker),
+            ToolKind::Deform => self.begin_clay(false, None, picker),
             ToolKind::Marker => {
                 self.hand.marker = self.hand.pose.map(|pose| self.in_grid(&pose, room).position);
             }

@@ -8,6 +8,7 @@
 
 mod actions;
 pub mod commands;
+mod dabs;
 pub mod deform;
 mod footing;
 pub mod hand;

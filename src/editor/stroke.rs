@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 
+use super::dabs::Dabs;
 use super::deform::HeldClay;
 use super::path::Path;
 use super::sprays::SprayOptions;
@@ -21,11 +22,11 @@ use crate::tools::spray::{Footprint, SprayKind};
 /// Spacing of a spray's path as a share of its radius.
 const SPACING: f32 = 0.35;
 /// Pixels between two looks at the surface along a drag.
-const LOOK_EVERY_PX: f32 = 3.0;
+pub(super) const LOOK_EVERY_PX: f32 = 3.0;
 /// Most looks at the surface along a drag.
-const MOST_LOOKS: f32 = 1024.0;
+pub(super) const MOST_LOOKS: f32 = 1024.0;
 /// A step on the surface longer than this many tool sizes is a leap over an edge.
-const LEAP: f32 = 2.0;
+pub(super) const LEAP: f32 = 2.0;
 
 /// What leads the tool.
 pub(super) enum Guide {
@@ -40,7 +41,7 @@ pub(super) enum Guide {
 /// adds or cuts on its way does not lead it astray.
 pub(super) struct SurfaceGuide {
     seen: Option<Arc<IndexMap>>,
-    at: Vec2,
+    pub at: Vec2,
     /// Of the last point, for where the pointer is beside the sculpture.
     depth: f32,
     /// From the surface to the centre of a tool that stands on it.
@@ -64,7 +65,7 @@ impl SurfaceGuide {
     }
 
     /// The point that lies under `look` (pixels), and the tool's centre there.
-    fn centre_at(&mut self, look: Vec2, grid: &Grid, picker: &Picker) -> Vec3 {
+    pub fn centre_at(&mut self, look: Vec2, grid: &Grid, picker: &Picker) -> Vec3 {
         let sight = picker.sight();
         let found = self.seen.as_ref().and_then(|map| surface_point(map, grid, look));
         let point = found.map_or_else(|| sight.at_depth(look, self.depth), |seen| seen.point);
@@ -90,15 +91,17 @@ pub(super) enum Work {
     },
     /// Clay that is taken along.
     Grab(HeldClay),
+    /// A brush that moves the surface.
+    Dabs(Dabs),
 }
 
 /// A stroke that is not finished.
 pub(super) struct Stroke {
     pub work: Work,
     /// In voxels; in pixels with z = 0 for sprays; of no use to clay that is held.
-    path: Path,
+    pub path: Path,
     /// Voxels that it has changed so far.
-    changed: u64,
+    pub changed: u64,
 }
 
 impl Stroke {
@@ -107,8 +110,9 @@ impl Stroke {
         Stroke { work: Work::Grab(held), path: Path::new(Vec3::ZERO, 1.0, Vec3::ONE), changed: 0 }
     }
 
-    pub fn is_grab(&self) -> bool {
-        matches!(self.work, Work::Grab(_))
+    /// Whether a tool that deforms clay is at work.
+    pub fn is_clay(&self) -> bool {
+        matches!(self.work, Work::Grab(_) | Work::Dabs(_))
     }
 
     /// Whether the pointer on the surface leads a solid.
@@ -121,7 +125,7 @@ impl Stroke {
         match &self.work {
             Work::Solid { guide: Guide::Surface(guide), .. } => Some(guide),
             Work::Solid { guide: Guide::Tool { hovering }, .. } => hovering.as_ref(),
-            Work::Spray { .. } | Work::HeldSpray { .. } | Work::Grab(_) => None,
+            Work::Spray { .. } | Work::HeldSpray { .. } | Work::Grab(_) | Work::Dabs(_) => None,
         }
     }
 
@@ -131,8 +135,12 @@ impl Stroke {
 
     /// Whether where it goes depends on what the picture shows under the pointer.
     pub fn is_led_over_picture(&self) -> bool {
-        let held = matches!(&self.work, Work::Grab(held) if held.is_led());
-        self.surface_guide().is_some() || self.is_spray() || held
+        let clay = match &self.work {
+            Work::Grab(held) => held.is_led(),
+            Work::Dabs(dabs) => dabs.is_led(),
+            _ => false,
+        };
+        self.surface_guide().is_some() || self.is_spray() || clay
     }
 }
 
@@ -320,7 +328,7 @@ impl Editor {
     pub(super) fn tool_moved(&mut self, picker: &Picker) {
         let mut stops = Vec::new();
         let to = self.tool.centre_vx;
-        self.grab_moved();
+        self.clay_moved();
         if self.tool.spray().is_some() {
             // The spray works where the tool would be seen.
             self.pointer = picker.sight().pixel_of(to);
@@ -368,6 +376,7 @@ impl Editor {
                 }
                 Work::Grab(held) if held.is_still() => return,
                 Work::Grab(_) => false,
+                Work::Dabs(dabs) => dabs.adds(),
             };
             self.note_idle(adds);
         }

@@ -73,6 +73,7 @@ fn is_step(command: &Command) -> bool {
         | Command::Construct { .. }
         | Command::Spray { .. }
         | Command::Grab { .. }
+        | Command::Deform { .. }
         | Command::Texture { .. }
         | Command::Fill { .. }
         | Command::Clear { .. }

@@ -68,6 +68,22 @@ impl Action {
             Action::Deform(DeformKind::Grab) => {
                 ("grab", Tap, "Grab: pulls the surface along with the pointer")
             }
+            Action::Deform(DeformKind::Inflate) => {
+                ("inflate", Tap, "Inflate: swells the surface under it; inverted, it shrinks it")
+            }
+            Action::Deform(DeformKind::Flatten) => (
+                "flatten",
+                Tap,
+                "Flatten: levels bumps and pits to the plane where the stroke began",
+            ),
+            Action::Deform(DeformKind::Scrape) => (
+                "scrape",
+                Tap,
+                "Scrape: takes off what stands out of the plane where the stroke began",
+            ),
+            Action::Deform(DeformKind::Fill) => {
+                ("fill-up", Tap, "Fill up: fills pits up to the plane where the stroke began")
+            }
             Action::Marker => ("marker", Tap, "Marker: a box to select, copy and move voxels"),
             Action::Mode(ToolMode::Add) => ("add", Tap, "Add: the tool adds voxels"),
             Action::Mode(ToolMode::Subtract) => ("cut", Tap, "Cut: the tool removes voxels"),

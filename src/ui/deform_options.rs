@@ -8,6 +8,7 @@ use super::{UiContext, UiRequest};
 use crate::editor::deform::DeformOptions;
 use crate::editor::tool::ToolEdit;
 use crate::input::Action;
+use crate::tools::deform::DeformKind;
 use crate::tools::grab::{Falloff, MAX_RADIUS, MIN_RADIUS};
 
 /// Leaves room for a name before and a number with its unit behind.
@@ -15,7 +16,14 @@ const SLIDER_WIDTH: f32 = 80.0;
 
 pub fn show(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
     let kind = context.tool.deform;
-    ui.label(capital(kind.name()));
+    ui.horizontal_wrapped(|ui| {
+        for choice in DeformKind::ALL {
+            let response = ui.selectable_label(choice == kind, deform_name(choice));
+            if explain(response, context, Action::Deform(choice)).clicked() {
+                requests.push(UiRequest::Do(Action::Deform(choice)));
+            }
+        }
+    });
     let before = *context.tool.deforms.of(kind);
     let mut options = before;
     ui.spacing_mut().slider_width = SLIDER_WIDTH;
@@ -32,7 +40,11 @@ pub fn show(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
         let label = ui.label("Strength");
         let mut percent = options.strength * 100.0;
         let slider = Slider::new(&mut percent, 0.0..=100.0).fixed_decimals(0).suffix(" %");
-        let hint = "How far the surface goes along with the pointer";
+        let hint = match kind {
+            DeformKind::Grab => "How far the surface goes along with the pointer",
+            DeformKind::Inflate => "How far the surface swells: at 100 % by half the radius",
+            _ => "How far the surface goes to the plane",
+        };
         if ui.add(slider).labelled_by(label.id).on_hover_text(hint).changed() {
             options.strength = percent / 100.0;
         }
@@ -52,7 +64,7 @@ pub fn show(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
         ui.end_row();
     });
     if ui.button("Reset options").clicked() {
-        options = DeformOptions::default();
+        options = DeformOptions::of(kind);
     }
     if options != before {
         requests.push(UiRequest::Tool(ToolEdit::Deform(kind, options)));
@@ -64,5 +76,13 @@ pub fn show(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
             requests.push(UiRequest::Tool(ToolEdit::Follow(follow)));
         }
         explain(response, context, Action::ToggleFollow);
+    }
+}
+
+/// What the interface calls a tool that deforms.
+pub fn deform_name(kind: DeformKind) -> String {
+    match kind {
+        DeformKind::Fill => "Fill up".to_string(),
+        other => capital(other.name()),
     }
 }

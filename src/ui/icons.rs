@@ -208,6 +208,33 @@ pub fn deform(painter: &Painter, rect: Rect, kind: DeformKind, colour: Color32) 
             path(&[(0.72, 0.28), (0.94, 0.06)], line);
             path(&[(0.76, 0.06), (0.94, 0.06), (0.94, 0.24)], line);
         }
+        DeformKind::Inflate => {
+            path(&[(0.02, 0.8), (0.98, 0.8)], thin);
+            let mut points = vec![(0.02, 0.8)];
+            points.extend((0..=16).map(|i| {
+                let turn = std::f32::consts::PI * (1.0 - i as f32 / 16.0);
+                (0.5 + 0.36 * turn.cos(), 0.8 - 0.4 * turn.sin())
+            }));
+            points.push((0.98, 0.8));
+            path(&points, line);
+            path(&[(0.5, 0.3), (0.5, 0.04)], line);
+            path(&[(0.38, 0.16), (0.5, 0.04), (0.62, 0.16)], line);
+        }
+        DeformKind::Flatten => {
+            path(&[(0.02, 0.6), (0.98, 0.6)], line);
+            path(&[(0.06, 0.6), (0.18, 0.32), (0.34, 0.32), (0.46, 0.6)], thin);
+            path(&[(0.54, 0.6), (0.66, 0.88), (0.82, 0.88), (0.94, 0.6)], thin);
+        }
+        DeformKind::Scrape => {
+            path(&[(0.02, 0.8), (0.98, 0.8)], line);
+            path(&[(0.2, 0.8), (0.32, 0.46), (0.6, 0.46), (0.72, 0.8)], thin);
+            path(&[(0.56, 0.8), (0.9, 0.2)], line);
+        }
+        DeformKind::Fill => {
+            path(&[(0.02, 0.4), (0.98, 0.4)], line);
+            path(&[(0.16, 0.4), (0.3, 0.84), (0.7, 0.84), (0.84, 0.4)], thin);
+            path(&[(0.3, 0.62), (0.7, 0.62)], thin);
+        }
     }
 }
 

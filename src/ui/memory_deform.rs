@@ -36,18 +36,19 @@ impl KeptDeform {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tools::deform::DeformKind;
 
     #[test]
     fn options_are_found_again_and_nonsense_is_not_believed() {
         let before = DeformOptions { radius: 33.3, strength: 0.25, falloff: Falloff::Sharp };
         let text = toml::to_string(&KeptDeform::of(&before)).unwrap();
-        let mut after = DeformOptions::default();
+        let mut after = DeformOptions::of(DeformKind::Grab);
         toml::from_str::<KeptDeform>(&text).unwrap().recall(&mut after);
         assert_eq!(after, before);
         for text in ["", "radius = 0.0\nstrength = nan\nfalloff = \"steep\"", "radius = inf"] {
-            let mut after = DeformOptions::default();
+            let mut after = DeformOptions::of(DeformKind::Grab);
             toml::from_str::<KeptDeform>(text).unwrap().recall(&mut after);
-            assert_eq!(after, DeformOptions::default(), "{text}");
+            assert_eq!(after, DeformOptions::of(DeformKind::Grab), "{text}");
         }
     }
 }

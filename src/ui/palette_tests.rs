@@ -4,6 +4,7 @@ use super::*;
 use crate::input::{Axis, Panel, Side, ToolMode};
 use crate::sculpture::orientation::Up;
 use crate::tools::construct::Solid;
+use crate::tools::deform::DeformKind;
 use crate::tools::spray::SprayKind;
 use crate::ui::filter::british;
 
@@ -62,7 +63,7 @@ fn what_people_type_finds_the_action() {
         ("carve", Action::Spray(SprayKind::Devourer)),
         ("dig", Action::Spray(SprayKind::Devourer)),
         ("clay", Action::Spray(SprayKind::Clay)),
-        ("inflate", Action::Spray(SprayKind::Dilation)),
+        ("inflate", Action::Deform(DeformKind::Inflate)),
         ("smooth", Action::Spray(SprayKind::Smooth)),
         ("blur", Action::Spray(SprayKind::Smooth)),
         ("colour", Action::PickColour),

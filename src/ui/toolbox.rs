@@ -3,6 +3,7 @@
 use egui::{Frame, Margin, Rect, RichText, ScrollArea, Sense, Ui, WidgetInfo, WidgetType, vec2};
 
 use super::buttons::explain;
+use super::deform_options::deform_name;
 use super::top_bar::capital;
 use super::{UiContext, UiRequest, UiState, icons, panels, theme};
 use crate::editor::tool::ToolKind;
@@ -54,7 +55,7 @@ pub fn content(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) 
     });
     let kind = context.tool.deform;
     let deform = Entry {
-        name: capital(kind.name()),
+        name: deform_name(kind),
         chosen: context.tool.kind == ToolKind::Deform,
         action: Action::Deform(kind),
     };

@@ -1,16 +1,20 @@
 //! Clay taken along by the pointer in the real window: live, as one step, mirrored, let go by Escape; and the recording
-//! gives the same without a window.
+//! gives the same without a window. Brushes that are chosen in the panel and drawn over the surface.
 
 use glam::IVec3;
 use virtual_sculpture::command_text::parse_script;
 use virtual_sculpture::config::Config;
 use virtual_sculpture::session::Session;
 
-use super::program::{BUTTON, MOTION};
+use super::program::{BUTTON, KEY, MOTION};
 use super::{LEFT, PICTURE, display, shot, start, tool_home};
 
 /// On the front face, just below its upper edge in the middle.
 const TOP: [i16; 2] = [575, 172];
+// Choices of the brush in the panel.
+const INFLATE: [i16; 2] = [1105, 105];
+const FILL: [i16; 2] = [1131, 138];
+const CONTROL: u32 = 0xffe3;
 
 #[test]
 fn grabbed_clay_goes_along_with_the_pointer_as_one_step() {
@@ -90,4 +94,57 @@ fn grabbed_clay_goes_along_with_the_pointer_as_one_step() {
         let mirrored = IVec3::new(95 - x, y, 95);
         assert_eq!(grid.get(IVec3::new(x, y, 95)), grid.get(mirrored), "{mirrored}");
     }
+}
+
+#[test]
+fn brushes_that_deform_are_chosen_in_the_panel_and_drawn_over_the_surface() {
+    let display = display();
+    let folder = tempfile::tempdir().unwrap();
+    let recording = folder.path().join("brushes.sculpt");
+    let program = start(&display, &["--record", recording.to_str().unwrap()]);
+    program.key(&["7"]);
+    program.key(&["h"]);
+    // A furrow along the front, with the modifier that inverts.
+    program.click(INFLATE);
+    tool_home(&program);
+    let before = shot(&program, "brush-1-before").part(PICTURE);
+    program.display().device(KEY, program.display().keycode(CONTROL), [0, 0]);
+    program.drag(LEFT, &[[440, 300], [500, 330], [560, 300], [640, 340]]);
+    program.display().device(KEY + 1, program.display().keycode(CONTROL), [0, 0]);
+    tool_home(&program);
+    let furrow = shot(&program, "brush-3-furrow").part(PICTURE);
+    assert!(before.differing(&furrow) > 1500, "{}", before.differing(&furrow));
+
+    // A part of it is filled up again, to the plane of the front.
+    program.click(FILL);
+    shot(&program, "brush-4-fill");
+    program.drag(LEFT, &[[740, 340], [680, 330], [600, 310]]);
+    tool_home(&program);
+    let filled = shot(&program, "brush-5-filled").part(PICTURE);
+    assert!(filled.differing(&furrow) > 500, "{}", filled.differing(&furrow));
+    assert!(filled.differing(&before) < furrow.differing(&before));
+    program.key(&["Control_L", "z"]);
+    assert_eq!(furrow.differing(&shot(&program, "brush-6-undone").part(PICTURE)), 0);
+    program.key(&["Control_L", "z"]);
+    assert_eq!(before.differing(&shot(&program, "brush-7-all-undone").part(PICTURE)), 0);
+    program.key(&["Control_L", "y"]);
+    program.key(&["Control_L", "q"]);
+    program.settle();
+    program.leave_without_saving();
+
+    let mut config = Config::default();
+    config.new.dims = [96; 3];
+    let mut session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
+    let script = std::fs::read_to_string(&recording).unwrap();
+    for (line, command) in parse_script(&script).unwrap() {
+        session.execute(&command, &()).unwrap_or_else(|error| panic!("line {line}: {error}"));
+    }
+    let labels: Vec<&str> = session.document().history().undo_labels().collect();
+    assert_eq!(labels, ["new", "inflate"], "{script}");
+    // However often the brush was used on its way, it went nowhere deeper than once: half of half its radius.
+    let grid = session.document().grid();
+    let deepest = (0..96 * 96)
+        .map(|i| (0..96).take_while(|z| !grid.get(IVec3::new(i % 96, i / 96, 95 - z))).count())
+        .max();
+    assert_eq!(deepest, Some(3), "{script}");
 }

@@ -21,15 +21,17 @@ pub fn write(grab: &Grab, surface: SpraySurface, f: &mut fmt::Formatter<'_>) -> 
 
 /// Reads what follows the verb.
 pub fn parse(args: &mut Arguments) -> Result<Command, ParseError> {
-    let falloff = |text: &str| {
-        let found = Falloff::ALL.into_iter().find(|falloff| falloff.name() == text);
-        found.ok_or_else(|| "use smooth, sharp or flat".to_string())
-    };
     let grab = Grab {
         centre_vx: args.required("at", parse_vec3)?,
         radius: args.required("radius", number)?,
         by_vx: args.required("by", parse_vec3)?,
-        falloff: args.optional("falloff", falloff)?.unwrap_or_default(),
+        falloff: args.optional("falloff", parse_falloff)?.unwrap_or_default(),
     };
     Ok(Command::Grab { grab, surface: parse_surface(args)? })
+}
+
+/// Reads how an effect falls off.
+pub fn parse_falloff(text: &str) -> Result<Falloff, String> {
+    let found = Falloff::ALL.into_iter().find(|falloff| falloff.name() == text);
+    found.ok_or_else(|| "use smooth, sharp or flat".to_string())
 }

@@ -7,6 +7,7 @@ use glam::UVec3;
 use super::{CommandError, Document};
 use crate::command::SpraySurface;
 use crate::sculpture::edit::{EditOp, EditStats};
+use crate::tools::deform::Deform;
 use crate::tools::grab::{Grab, Pulled};
 
 impl Document {
@@ -26,6 +27,34 @@ impl Document {
     fn pull(&mut self, grab: &Grab) -> Result<EditStats, CommandError> {
         let pulled = grab.pulled(&self.contents, &self.symmetry);
         self.put_pulled(&pulled)
+    }
+
+    /// Moves the surface in a ball and in its mirror images.
+    pub(super) fn deform(
+        &mut self,
+        deform: &Deform,
+        surface: SpraySurface,
+    ) -> Result<EditStats, CommandError> {
+        deform.check().map_err(CommandError::Grab)?;
+        let from = match surface {
+            SpraySurface::Stroke => self.stroke_surface.as_deref(),
+            SpraySurface::Now => None,
+        };
+        let stamp = deform.offset().stamp(from.unwrap_or(self.grid()), &self.symmetry);
+        let inherited = self.inherited(&stamp.add);
+        self.check_colour_memory(|document, exact| {
+            document.new_pages(&stamp.add, EditOp::Add(None), exact)
+                + inherited.new_pages(document.contents())
+        })?;
+        if surface == SpraySurface::Stroke {
+            self.keep_stroke_surface();
+        }
+        let mut stats = self.edit(&stamp.remove, EditOp::Subtract);
+        stats += self.edit(&stamp.add, EditOp::Add(None));
+        if !inherited.is_empty() {
+            self.paint(&stamp.add, |v, now| inherited.colour(v).unwrap_or(now));
+        }
+        Ok(stats)
     }
 
     /// Does `work` in place of all that the open stroke has done so far. If it is refused, the stroke is as it was.

@@ -75,7 +75,7 @@ pub enum CommandError {
     /// A parameter of the brush is out of range.
     #[error("the brush is not valid: {0} is out of range")]
     Spray(&'static str),
-    /// A parameter of a pull is out of range; the text says which.
+    /// A parameter of a pull or of a brush that deforms is out of range; the text says which.
     #[error("{0}")]
     Grab(&'static str),
     /// A number of the solid is not finite or not positive.

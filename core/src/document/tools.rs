@@ -20,6 +20,7 @@ use crate::sculpture::region::{ListedBricks, Region};
 use crate::sculpture::selection::{Limited, MARKER_LIMIT_VX};
 use crate::sculpture::{Brick, Rgb};
 use crate::tools::construct::{PlacedSolid, Primitive};
+use crate::tools::deform::Deform;
 use crate::tools::grab::Grab;
 use crate::tools::spray::{Effect, Spray, Stamp};
 use crate::tools::symmetry::Image;
@@ -38,6 +39,7 @@ impl Document {
             Command::Texture { primitive, picture } => self.texture(primitive, picture)?,
             Command::Spray { spray, surface } => self.spray(spray, *surface)?,
             Command::Grab { grab, surface } => self.grab(grab, *surface)?,
+            Command::Deform { deform, surface } => self.deform(deform, *surface)?,
             Command::Paste { at, orientation } => self.paste(*at, *orientation)?,
             _ => EditStats::default(),
         };
@@ -183,12 +185,8 @@ impl Document {
             }))
         };
         let inherited = match spray.colour() {
-            None if !stamp.add.bricks().is_empty() => {
-                let limit = self.selection.limit();
-                let may_change = |v| limit.is_none_or(|stack| stack.contains(v));
-                Inherited::colours(&self.contents, &stamp.add, may_change)
-            }
-            _ => Inherited::default(),
+            None => self.inherited(&stamp.add),
+            Some(_) => Inherited::default(),
         };
         let (add, paint) = (EditOp::Add(spray.colour()), EditOp::Recolour(self.new_colour()));
         self.check_colour_memory(|document, exact| {
@@ -196,8 +194,8 @@ impl Document {
                 + document.new_pages(&stamp.paint, paint, exact)
                 + inherited.new_pages(document.contents())
         })?;
-        if self.stroke_open() && surface == SpraySurface::Stroke && self.stroke_surface.is_none() {
-            self.stroke_surface = Some(Box::new(self.grid().clone()));
+        if surface == SpraySurface::Stroke {
+            self.keep_stroke_surface();
         }
         let mut stats = self.edit(&stamp.remove, EditOp::Subtract);
         stats += self.edit(&stamp.add, add);
@@ -208,6 +206,23 @@ impl Document {
             stats += self.paint(&stamp.paint, mix);
         }
         Ok(stats)
+    }
+
+    /// The colours that voxels to be added take from those around them.
+    pub(super) fn inherited(&self, add: &ListedBricks) -> Inherited {
+        if add.bricks().is_empty() {
+            return Inherited::default();
+        }
+        let limit = self.selection.limit();
+        let may_change = |v| limit.is_none_or(|stack| stack.contains(v));
+        Inherited::colours(&self.contents, add, may_change)
+    }
+
+    /// Keeps the present surface for what follows in the open stroke, unless an earlier one is kept.
+    pub(super) fn keep_stroke_surface(&mut self) {
+        if self.stroke_open() && self.stroke_surface.is_none() {
+            self.stroke_surface = Some(Box::new(self.grid().clone()));
+        }
     }
 
     /// Pastes the clipboard: its voxels exist afterwards, in its colours.
@@ -349,6 +364,10 @@ impl Command {
             }
             Command::Grab { grab, surface } => Command::Grab {
                 grab: Grab { centre_vx: grab.centre_vx + by, ..*grab },
+                surface: *surface,
+            },
+            Command::Deform { deform, surface } => Command::Deform {
+                deform: Deform { centre_vx: deform.centre_vx + by, ..*deform },
                 surface: *surface,
             },
             Command::Paste { at, orientation } => {

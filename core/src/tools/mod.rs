@@ -10,6 +10,7 @@ mod construct_spans;
 #[cfg(test)]
 mod construct_tests;
 pub mod deform;
+mod distance;
 pub mod drain;
 pub mod filter;
 pub mod grab;
@@ -20,6 +21,9 @@ mod grab_tests;
 #[cfg(test)]
 mod limit_tests;
 pub mod mend;
+pub mod offset;
+#[cfg(test)]
+mod offset_tests;
 pub mod pieces;
 #[cfg(test)]
 mod pieces_tests;

@@ -135,3 +135,52 @@ proptest! {
         prop_assert!(*document.contents() == pulled);
     }
 }
+
+/// Uses of a brush in a stroke do not add up where they overlap, whatever their order; undo is exact.
+#[test]
+fn brushes_work_on_the_surface_from_before_the_stroke() {
+    let dab = |x: i32, brush: &str| -> Command {
+        format!("deform {brush} at={x},20,20 radius=9 falloff=flat surface=stroke").parse().unwrap()
+    };
+    for brush in ["inflate height=3", "inflate height=-3", "scrape normal=0,1,0.3"] {
+        let stroke = |order: &[i32]| {
+            let mut document = block(Limits::default());
+            document.apply(&begin()).unwrap();
+            for x in order {
+                document.apply(&dab(*x, brush)).unwrap();
+            }
+            document.apply(&Command::End).unwrap();
+            document
+        };
+        let mut once = stroke(&[14, 17, 20, 23, 26]);
+        assert!(once.contents() == stroke(&[26, 20, 14, 14, 23, 17, 20]).contents(), "{brush}");
+        let changed = once.contents().clone();
+        let before = block(Limits::default());
+        assert!(changed != *before.contents(), "{brush}");
+        // The next stroke goes on from there.
+        once.apply(&begin()).unwrap();
+        once.apply(&dab(20, brush)).unwrap();
+        once.apply(&Command::End).unwrap();
+        assert!(once.contents() != &changed, "{brush}");
+        once.apply(&Command::Undo { steps: None }).unwrap();
+        once.apply(&Command::Redo { steps: Some(2) }).unwrap();
+        assert!(once.contents() == &changed, "{brush}");
+    }
+}
+
+#[test]
+fn swollen_clay_has_the_colours_around_it_and_keeps_to_the_selection() {
+    let mut document = block(Limits::default());
+    for command in [
+        "dye grid colour=#123456",
+        "mark at=0,0,0 size=20,40,40",
+        "select add",
+        "limit on",
+        "deform inflate at=20,20,20 radius=9 height=3 falloff=flat",
+    ] {
+        document.apply(&command.parse().unwrap()).unwrap();
+    }
+    let grid = document.grid();
+    assert!(grid.get(IVec3::new(19, 22, 20)) && !grid.get(IVec3::new(20, 20, 20)));
+    assert_eq!(document.contents().rgb(UVec3::new(19, 22, 20)), Rgb::new(0x12, 0x34, 0x56));
+}

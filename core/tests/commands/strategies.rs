@@ -16,6 +16,7 @@ use sculpture_core::sculpture::orientation::{Orientation, Up};
 use sculpture_core::sculpture::region::VoxelBox;
 use sculpture_core::sculpture::{ColourDepth, Placement, Rgb};
 use sculpture_core::tools::construct::{Primitive, Solid};
+use sculpture_core::tools::deform::{Brush, Deform, Plane};
 use sculpture_core::tools::grab::{Falloff, Grab};
 use sculpture_core::tools::mend::{Keep, Mend, Toward};
 use sculpture_core::tools::spray::{Effect, Footprint, Outline, Spray};
@@ -252,6 +253,22 @@ fn any_ivec3() -> impl Strategy<Value = IVec3> {
     any::<[i32; 3]>().prop_map(IVec3::from)
 }
 
+/// Brushes that move the surface of a sculpture of 24 voxels.
+pub fn deform() -> impl Strategy<Value = Deform> {
+    let vector = |range: std::ops::Range<f32>| prop::array::uniform3(range).prop_map(Vec3::from);
+    let plane =
+        (vector(-1.0..1.0), 0f32..=1.0).prop_map(|(normal, strength)| Plane { normal, strength });
+    let brush = (0..4, -6f32..6.0, plane).prop_map(|(kind, height, plane)| match kind {
+        0 => Brush::Inflate { height },
+        1 => Brush::Flatten(plane),
+        2 => Brush::Scrape(plane),
+        _ => Brush::Fill(plane),
+    });
+    (brush, vector(-4.0..28.0), 0.5f32..12.0, falloff()).prop_map(
+        |(brush, centre_vx, radius, falloff)| Deform { brush, centre_vx, radius, falloff },
+    )
+}
+
 /// Commands about areas and copies, with values that suit a sculpture of 24 voxels.
 pub fn area_work() -> impl Strategy<Value = Command> {
     let near = || prop::array::uniform3(-12i32..24).prop_map(IVec3::from);
@@ -270,8 +287,13 @@ pub fn area_work() -> impl Strategy<Value = Command> {
         grab,
         surface: if stroke { SpraySurface::Stroke } else { SpraySurface::Now },
     });
+    let moved = (deform(), any::<bool>()).prop_map(|(deform, stroke)| Command::Deform {
+        deform,
+        surface: if stroke { SpraySurface::Stroke } else { SpraySurface::Now },
+    });
     prop_oneof![
         3 => grab,
+        3 => moved,
         2 => (area(), prop::option::of(colour()))
             .prop_map(|(area, colour)| Command::Fill { area, colour }),
         2 => area().prop_map(|area| Command::Clear { area }),
@@ -356,6 +378,12 @@ pub fn any_command() -> impl Strategy<Value = Command> {
         (any_vec3(), any_number(), any_vec3(), falloff(), any::<bool>()).prop_map(
             |(centre_vx, radius, by_vx, falloff, stroke)| Command::Grab {
                 grab: Grab { centre_vx, radius, by_vx, falloff },
+                surface: if stroke { SpraySurface::Stroke } else { SpraySurface::Now },
+            }
+        ),
+        (deform(), any_vec3(), any_number(), any::<bool>()).prop_map(
+            |(deform, centre_vx, radius, stroke)| Command::Deform {
+                deform: Deform { centre_vx, radius, ..deform },
                 surface: if stroke { SpraySurface::Stroke } else { SpraySurface::Now },
             }
         ),

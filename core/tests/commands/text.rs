@@ -203,6 +203,8 @@ fn the_usage_of_each_command_matches_its_parser() {
         "symmetry x=even y=odd z=off",
         "symmetry",
         "grab at=1,2,3 radius=4.5 by=0,-3,2",
+        "deform inflate at=1,2,3 radius=4.5 height=-2 falloff=smooth",
+        "deform scrape at=1,2,3 radius=4 normal=0,1,0 strength=0.5 falloff=flat surface=stroke",
         "grab at=1,2,3 radius=4 by=1,0,0 falloff=flat",
         "grab at=1,2,3 radius=4 by=1,0,0 falloff=smooth surface=stroke",
         "copy",

@@ -1,0 +1,183 @@
+//! How far voxels are from the nearest voxel of a block of bits, up to a reach.
+//!
+//! From bits to squared distances between middles of voxels, exactly: the minimum of parabolas one axis after the other
+//! (P. Felzenszwalb, D. Huttenlocher, Distance Transforms of Sampled Functions, 2012), of which a short reach needs no
+//! more than the few around each voxel. Knows no grid and no tool.
+
+use fearless_simd::{Level, Simd, dispatch};
+use glam::{IVec3, Vec3};
+use rayon::prelude::*;
+
+use crate::sculpture::bit_block::BitBlock;
+use crate::sculpture::region::VoxelBox;
+
+/// Squared distances from the middles of the voxels of a box, x fastest, then y, then z.
+pub struct Distances {
+    bounds: VoxelBox,
+    squared: Vec<f32>,
+}
+
+/// What is farther than the reach.
+pub const FAR: f32 = 1e12;
+
+impl Distances {
+    /// To the nearest voxel of `block` that exists (`set`) or does not, along each axis at most `reach` away. A voxel
+    /// is `edges` long. What lies outside the block does not exist.
+    pub fn new(
+        block: &BitBlock,
+        set: bool,
+        bounds: VoxelBox,
+        reach: f32,
+        edges: Vec3,
+    ) -> Distances {
+        let steps = (Vec3::splat(reach) / edges).ceil().as_ivec3();
+        let size = bounds.size().as_ivec3();
+        let level = Level::new();
+        let row = size.x.max(0) as usize;
+        // Along x, in all rows that are within reach.
+        let wide = size + IVec3::new(0, 2 * steps.y, 2 * steps.z);
+        let first = bounds.min - IVec3::new(0, steps.y, steps.z);
+        let mut along = vec![FAR; row * (wide.y * wide.z).max(0) as usize];
+        let layer = (row * wide.y as usize).max(1);
+        along.par_chunks_mut(layer).enumerate().for_each(|(z, rows)| {
+            for (y, out) in rows.chunks_exact_mut(row.max(1)).enumerate() {
+                let at = first + IVec3::new(0, y as i32, z as i32);
+                nearest_in_row(block, set, at, steps.x, edges.x, out);
+            }
+        });
+        // Across y, then across z.
+        let mut across = vec![FAR; row * (size.y * wide.z).max(0) as usize];
+        across.par_chunks_mut((row * size.y as usize).max(1)).enumerate().for_each(|(z, rows)| {
+            for (y, out) in rows.chunks_exact_mut(row.max(1)).enumerate() {
+                let start = z * layer + y * row;
+                dispatch!(level, simd => lowest(simd, &along, start, row, steps.y, edges.y, out));
+            }
+        });
+        let layer = (row * size.y as usize).max(1);
+        let mut squared = vec![FAR; layer * size.z.max(0) as usize];
+        squared.par_chunks_mut(layer).enumerate().for_each(|(z, out)| {
+            let start = z * layer;
+            dispatch!(level, simd => lowest(simd, &across, start, layer, steps.z, edges.z, out));
+        });
+        Distances { bounds, squared }
+    }
+
+    /// The squared distances of a row, which must lie in the box.
+    pub fn row(&self, y: i32, z: i32) -> &[f32] {
+        let size = self.bounds.size();
+        let (y, z) = ((y - self.bounds.min.y) as usize, (z - self.bounds.min.z) as usize);
+        let start = (y + z * size.y as usize) * size.x as usize;
+        &self.squared[start..start + size.x as usize]
+    }
+
+    /// Of a voxel, or the nearest one in the box.
+    pub fn near(&self, v: IVec3) -> f32 {
+        let v = v.clamp(self.bounds.min, self.bounds.max - 1);
+        self.row(v.y, v.z)[(v.x - self.bounds.min.x) as usize]
+    }
+}
+
+/// Squared distances within a row, from the voxel `at` on.
+fn nearest_in_row(block: &BitBlock, set: bool, at: IVec3, steps: i32, edge: f32, out: &mut [f32]) {
+    let local = at - block.origin();
+    let (row, width) = (block.row(local.y, local.z), block.size().x as i32);
+    let is = |x: i32| {
+        let x = x - at.x + local.x;
+        let exists = (0..width).contains(&x)
+            && row.is_some_and(|row| row[x as usize / 64] >> (x % 64) & 1 != 0);
+        exists == set
+    };
+    let end = at.x + out.len() as i32;
+    let mut last = None;
+    for x in at.x - steps..end {
+        if is(x) {
+            last = Some(x);
+        }
+        if let (Some(last), true) = (last, x >= at.x) {
+            out[(x - at.x) as usize] = square((x - last) as f32 * edge);
+        }
+    }
+    let mut next = None;
+    for x in (at.x..end + steps).rev() {
+        if is(x) {
+            next = Some(x);
+        }
+        if let (Some(next), true) = (next, x < end) {
+            let here = &mut out[(x - at.x) as usize];
+            *here = here.min(square((next - x) as f32 * edge));
+        }
+    }
+}
+
+fn square(v: f32) -> f32 {
+    v * v
+}
+
+/// The lowest of the parabolas that stand `stride` apart in `from`, the first of them at `start`.
+#[inline(always)]
+fn lowest<S: Simd>(
+    _simd: S,
+    from: &[f32],
+    start: usize,
+    stride: usize,
+    steps: i32,
+    edge: f32,
+    out: &mut [f32],
+) {
+    for i in 0..=2 * steps {
+        let rise = (i - steps) as f32 * edge;
+        let rise = rise * rise;
+        let from = &from[start + i as usize * stride..][..out.len()];
+        for x in 0..out.len() {
+            out[x] = out[x].min(from[x] + rise);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 32, ..ProptestConfig::default() })]
+
+        #[test]
+        fn distances_equal_the_definition(
+            seed in 0u32..10_000,
+            set in any::<bool>(),
+            reach in 1.0f32..5.0,
+            edges in prop::array::uniform3(1.0f32..2.0),
+            from in prop::array::uniform3(-3i32..4),
+        ) {
+            let edges = Vec3::from(edges);
+            let mut block = BitBlock::empty(IVec3::splat(0), IVec3::splat(16));
+            let exists = |v: IVec3| {
+                let inside = v.cmpge(IVec3::ZERO).all() && v.cmplt(IVec3::splat(16)).all();
+                let hash = ((v.x * 7 + v.y * 131 + v.z * 1741) as u32).wrapping_add(seed);
+                inside && hash.wrapping_mul(2_654_435_761) >> 28 < 1 + seed % 15
+            };
+            let all = |size: i32| (0..size * size * size)
+                .map(move |i| IVec3::new(i % size, i / size % size, i / size / size));
+            for v in all(16).filter(|v| exists(*v)) {
+                block.set_span(v.x, v.x, v.y, v.z);
+            }
+            prop_assert_eq!(block.count() as usize, all(16).filter(|v| exists(*v)).count());
+            let bounds = VoxelBox { min: from.into(), max: IVec3::from(from) + 9 };
+            let distances = Distances::new(&block, set, bounds, reach, edges);
+            for v in all(9).map(|v| v + bounds.min) {
+                let meant = all(13)
+                    .map(|step| step - 6)
+                    .filter(|step| exists(v + step) == set)
+                    .map(|step| (step.as_vec3() * edges).length_squared())
+                    .fold(FAR, f32::min);
+                let found = distances.near(v);
+                if meant <= reach * reach {
+                    prop_assert!((found - meant).abs() < 1e-3, "{}: {} {}", v, found, meant);
+                } else {
+                    prop_assert!(found > reach * reach - 1e-3, "{}: {}", v, found);
+                }
+            }
+        }
+    }
+}

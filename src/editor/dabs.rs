@@ -1,0 +1,178 @@
+//! Strokes of the brushes that deform: the brush is used at a spacing along a path over the surface, each time on the
+//! surface as it was when the stroke began, so that overlapping uses do not add up.
+//!
+//! The plane of flatten, scrape and fill is that of the surface around the press, for the whole stroke.
+
+use glam::{IVec3, Vec2, Vec3};
+
+use super::Editor;
+use super::deform::DeformOptions;
+use super::path::Path;
+use super::stroke::{LEAP, LOOK_EVERY_PX, MOST_LOOKS, Stroke, SurfaceGuide, Work};
+use crate::command::{Command, SpraySurface};
+use crate::picking::Picker;
+use crate::sculpture::Grid;
+use crate::tools::deform::{Brush, Deform, DeformKind, Plane};
+use crate::tools::offset::MAX_HEIGHT;
+
+/// Distance of two uses as a share of the radius.
+const SPACING: f32 = 0.2;
+/// Height to which `inflate` raises the surface with full strength, as a share of the radius.
+const HEIGHT: f32 = 0.5;
+/// Most steps along a radius in which the surface is looked at for its plane.
+const STEPS: f32 = 10.0;
+
+/// A brush at work.
+pub(super) struct Dabs {
+    kind: DeformKind,
+    options: DeformOptions,
+    /// The modifier that inverts the tool was held at the press.
+    inverse: bool,
+    /// The pointer on the surface; none while something else moves the tool.
+    guide: Option<SurfaceGuide>,
+    /// Where the stroke began, in voxels, and the direction out of the surface there.
+    start: Vec3,
+    normal: Vec3,
+    /// Voxel edges in units of the smallest.
+    edges: Vec3,
+}
+
+impl Dabs {
+    /// Whether the pointer leads it.
+    pub fn is_led(&self) -> bool {
+        self.guide.is_some()
+    }
+
+    /// Whether it adds to what is there wherever it is used.
+    pub fn adds(&self) -> bool {
+        self.kind == DeformKind::Inflate && !self.inverse
+    }
+
+    /// The use of the brush at a place, in voxels.
+    fn command(&self, at: Vec3) -> Command {
+        let DeformOptions { radius, strength, falloff } = self.options;
+        let plane = Plane { normal: self.normal, strength };
+        let sense = if self.inverse { -1.0 } else { 1.0 };
+        let height = sense * (strength * HEIGHT * radius).min(MAX_HEIGHT);
+        let (brush, planar) = match (self.kind, self.inverse) {
+            (DeformKind::Flatten, _) => (Brush::Flatten(plane), true),
+            (DeformKind::Scrape, false) | (DeformKind::Fill, true) => (Brush::Scrape(plane), true),
+            (DeformKind::Fill, false) | (DeformKind::Scrape, true) => (Brush::Fill(plane), true),
+            (DeformKind::Inflate | DeformKind::Grab, _) => (Brush::Inflate { height }, false),
+        };
+        let above = ((at - self.start) * self.edges).dot(self.normal);
+        let centre_vx = if planar { at - self.normal * above / self.edges } else { at };
+        let deform = Deform { brush, centre_vx, radius, falloff };
+        Command::Deform { deform, surface: SpraySurface::Stroke }
+    }
+}
+
+impl Editor {
+    /// Opens a stroke of the brush in hand where the tool is, and uses it. `at`: the pointer that leads it (pixels).
+    pub(super) fn begin_dabs(&mut self, inverse: bool, at: Option<Vec2>, picker: &Picker) {
+        let kind = self.tool.deform;
+        if self.stroke.is_some() || !self.execute(&Command::Begin { label: kind.name().into() }) {
+            return;
+        }
+        let start = self.tool.centre_vx;
+        let options = *self.tool.deforms.of(kind);
+        let grid = self.session.document().grid();
+        let normal = normal_around(grid, start, options.radius)
+            .or_else(|| at.map(|at| picker.normal(grid, at, true)))
+            .and_then(Vec3::try_normalize)
+            .unwrap_or(Vec3::Y);
+        let guide = at.map(|at| SurfaceGuide::new(at, start, &self.tool, grid, picker));
+        let edges = grid.voxel_size() / grid.voxel_size().min_element();
+        let path = Path::new(start, (SPACING * options.radius).max(1.0), edges);
+        let dabs = Dabs { kind, options, inverse, guide, start, normal, edges };
+        self.stroke = Some(Stroke { work: Work::Dabs(dabs), path, changed: 0 });
+        self.dab_at(&[start]);
+    }
+
+    /// Leads the brush over the surface to a point of the picture.
+    pub(super) fn lead_dabs(&mut self, to: Vec2, picker: &Picker) {
+        let Some(Stroke { work: Work::Dabs(dabs), path, .. }) = &mut self.stroke else { return };
+        let Some(guide) = dabs.guide.as_mut().filter(|_| to.is_finite()) else { return };
+        let grid = self.session.document().grid();
+        let from = guide.at;
+        let looks = (to.distance(from) / LOOK_EVERY_PX).ceil().clamp(1.0, MOST_LOOKS) as u32;
+        let mut stops = Vec::new();
+        for i in 1..=looks {
+            let look = from.lerp(to, i as f32 / looks as f32);
+            let centre = guide.centre_at(look, grid, picker);
+            match path.distance(centre) > LEAP * 2.0 * dabs.options.radius {
+                true => path.jump_to(centre, |stop| stops.push(stop)),
+                false => path.line_to(centre, |stop| stops.push(stop)),
+            }
+        }
+        guide.at = to;
+        self.tool.centre_vx = path.end();
+        self.dab_at(&stops);
+        self.leave_ground();
+    }
+
+    /// Something else has moved the tool: the brush follows.
+    pub(super) fn dabs_moved(&mut self) {
+        let to = self.tool.centre_vx;
+        let mut stops = Vec::new();
+        if let Some(Stroke { work: Work::Dabs(_), path, .. }) = &mut self.stroke {
+            path.line_to(to, |stop| stops.push(stop));
+        }
+        self.dab_at(&stops);
+    }
+
+    fn dab_at(&mut self, stops: &[Vec3]) {
+        for &stop in stops {
+            let Some(Stroke { work: Work::Dabs(dabs), .. }) = &self.stroke else { return };
+            let command = dabs.command(stop);
+            if !self.execute(&command) {
+                self.cancel_stroke();
+            }
+        }
+    }
+}
+
+/// The direction out of the clay in a ball: away from the middle of what is there. None where nothing is, or all.
+fn normal_around(grid: &Grid, centre: Vec3, radius: f32) -> Option<Vec3> {
+    let edges = grid.voxel_size() / grid.voxel_size().min_element();
+    let reach = radius.max(2.0);
+    let step = (reach / STEPS).max(1.0);
+    let steps = (reach / step) as i32;
+    let mut sum = Vec3::ZERO;
+    for z in -steps..=steps {
+        for y in -steps..=steps {
+            for x in -steps..=steps {
+                let offset = IVec3::new(x, y, z).as_vec3() * step;
+                let v = (centre + offset / edges).floor().as_ivec3();
+                if offset.length() <= reach && grid.get(v) {
+                    sum -= offset;
+                }
+            }
+        }
+    }
+    (sum.length() > 0.05 * reach).then_some(sum)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::UVec3;
+
+    use super::*;
+
+    #[test]
+    fn the_plane_of_a_surface_is_found_and_there_is_none_within_or_outside_clay() {
+        let mut grid = Grid::new(UVec3::splat(48), Vec3::ONE, 1 << 30).unwrap();
+        let way = Vec3::new(2.0, 3.0, -1.0).normalize();
+        for i in 0..48 * 48 * 48 {
+            let v = grid.voxel_coords(i);
+            grid.set(v.as_ivec3(), (v.as_vec3() - 23.5).dot(way) < 0.0);
+        }
+        for radius in [3.0, 9.0, 20.0] {
+            let normal = normal_around(&grid, Vec3::splat(24.0), radius).unwrap().normalize();
+            assert!(normal.dot(way) > 0.97, "{radius}: {normal}");
+        }
+        assert_eq!(normal_around(&grid, Vec3::splat(24.0) + way * 12.0, 6.0), None);
+        let within = normal_around(&grid, Vec3::splat(24.0) - way * 12.0, 6.0);
+        assert!(within.is_none_or(|n| n.length() < 30.0), "{within:?}");
+    }
+}
