@@ -2,7 +2,7 @@
 
 use glam::{IVec3, UVec3, Vec3};
 use proptest::prelude::*;
-use sculpture_core::command::{Area, Command, NewSculpture, SelectOp};
+use sculpture_core::command::{Area, Command, NewSculpture, SelectOp, SpraySurface};
 use sculpture_core::document::{CommandError, Document, Limits};
 use sculpture_core::sculpture::orientation::Orientation;
 use sculpture_core::sculpture::region::VoxelBox;
@@ -52,8 +52,12 @@ proptest! {
         commands in prop::collection::vec(any_work(), 1..40),
     ) {
         let mut document = Document::new(&new, Limits::default()).unwrap();
+        let mut begun = document.contents().clone();
         for command in &commands {
             let before = document.contents().clone();
+            if !document.stroke_open() {
+                begun = before.clone();
+            }
             let selection = document.selection().clone();
             let steps = document.history().undo_count();
             let result = document.apply(command);
@@ -71,6 +75,9 @@ proptest! {
                     | Command::Redo { .. }
                     | Command::Cancel
             );
+            // It takes back what the stroke did, wherever that was, and pulls within the limit.
+            let replaces = matches!(command, Command::Grab { surface: SpraySurface::Stroke, .. });
+            let before = if replaces { &begun } else { &before };
             if let (Some(stack), false) = (selection.limit(), free) {
                 for v in voxels(before.grid.dims()).filter(|v| !stack.contains(*v)) {
                     let (was, is) = (before.colour(v), document.contents().colour(v));
