@@ -163,7 +163,7 @@ fn drag(workspace: &mut Workspace, at: Vec2, by: Vec2) {
 
 #[test]
 fn a_leap_of_the_marker_ends_the_stroke_of_the_pointer() {
-    for tool in [ToolKind::Solid, ToolKind::Spray(SprayKind::Devourer)] {
+    for tool in [ToolKind::Solid, ToolKind::Spray(SprayKind::Devourer), ToolKind::Deform] {
         let mut workspace = workspace();
         workspace.editor.tool.kind = tool;
         workspace.track_at(0.0);

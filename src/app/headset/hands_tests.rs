@@ -83,7 +83,7 @@ const MIDDLE: Vec3 = Vec3::new(0.0, 1.3, -0.7);
 
 #[test]
 fn a_jump_of_tracking_cuts_no_tunnel() {
-    for tool in [ToolKind::Solid, ToolKind::Spray(SprayKind::Devourer)] {
+    for tool in [ToolKind::Solid, ToolKind::Spray(SprayKind::Devourer), ToolKind::Deform] {
         let mut person = Person::new(DIMS);
         person.workspace.editor.tool.kind = tool;
         let left = MIDDLE - Vec3::X * 0.3;
@@ -104,6 +104,9 @@ fn a_jump_of_tracking_cuts_no_tunnel() {
         }
         person.hold(MIDDLE, 0.0, 2);
         assert!(!person.workspace.editor.is_stroking());
+        if tool == ToolKind::Deform {
+            assert!(person.removed_voxels() > 100, "the clay goes along with the hand");
+        }
         if tool == ToolKind::Solid {
             assert!(person.removed_voxels() > 100 && !person.is_opaque(Vec3::new(0.25, 0.5, 0.5)));
             assert!(person.is_opaque(Vec3::new(0.75, 0.5, 0.5)), "not beyond where the hand went");
