@@ -33,6 +33,7 @@ impl Document {
     pub(super) fn require_room(&self, label: &str, bytes: usize) -> Result<(), CommandError> {
         let bytes = bytes.saturating_add(label.len());
         if self.irreversible || self.history.can_keep(bytes) {
+            self.history.make_way(bytes);
             return Ok(());
         }
         Err(CommandError::Irreversible {

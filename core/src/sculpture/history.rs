@@ -98,6 +98,13 @@ impl History {
         bytes <= self.budget_bytes || bytes as u64 <= stored
     }
 
+    /// Waits, before a step of so many bytes is made, until earlier ones have left the memory that it needs.
+    pub fn make_way(&self, bytes: usize) {
+        if let Some(store) = self.store.as_ref().filter(|_| bytes > self.budget_bytes / 4) {
+            store.make_way(bytes);
+        }
+    }
+
     /// Takes the step to undo next. Give its reverse to [`History::undone`], or the step itself
     /// back to [`History::redone`].
     pub fn take_undo(&mut self) -> Option<Step> {

@@ -1,11 +1,12 @@
 //! Undo and redo steps on disk: the store of a history that takes more than memory is allowed.
 //!
 //! A thread of its own packs the steps (`format::history`) and writes them to one file; until then they stay in
-//! memory, and what waits is bounded. Each is read back with its length and CRC-32 checked. Where the disk is
+//! memory, and what waits is bounded. Packing and unpacking go in parts, each with a CRC-32. Where the disk is
 //! full or fails, a message says so, steps are refused, and every further step tries again.
-//! `file` is the file, `space` which parts of it are in use, `record` what stands for a step. Knows no document.
+//! `file` is the file, `parts` what of a step is in it, `space` which parts of it are in use, `record` what stands for a step. Knows no document.
 
 mod file;
+mod parts;
 mod record;
 mod space;
 #[cfg(test)]
@@ -18,14 +19,15 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak};
 use std::thread::JoinHandle;
 
 use file::{Folder, Place, SpillFile};
-use record::{Held, Record};
+use parts::{Part, PartWriter, Stop};
+use record::Record;
 use space::Space;
 
-use crate::format::history::write_step;
+use crate::format::history::write_step_to;
 use crate::sculpture::history::{Step, StepStore, Stored};
 
-/// Bytes that are written at a time.
-const CHUNK_BYTES: usize = 1 << 22;
+/// Most packed bytes of a step that are in memory at a time.
+const PART_BYTES: usize = 1 << 22;
 
 /// Keeps steps in a file that is removed when this and the last step are gone.
 #[derive(Debug)]
@@ -47,6 +49,8 @@ struct Shared {
     max_bytes: u64,
     /// Most bytes of steps that wait to be written, if it is more than one.
     max_waiting_bytes: usize,
+    /// Packed bytes of a step that are written at a time.
+    part_bytes: usize,
 }
 
 trait PlaceSync: Place + Sync {}
@@ -97,16 +101,18 @@ impl Spill {
     pub fn new(folder: &Path, max_bytes: u64, max_waiting_bytes: usize) -> Result<Spill> {
         let folder = Folder(folder.to_path_buf());
         folder.remove_left();
-        Spill::with_place(Box::new(folder), max_bytes, max_waiting_bytes)
+        Spill::with_place(Box::new(folder), max_bytes, max_waiting_bytes, PART_BYTES)
     }
 
     fn with_place(
         place: Box<dyn PlaceSync>,
         max_bytes: u64,
         max_waiting_bytes: usize,
+        part_bytes: usize,
     ) -> Result<Spill> {
         let (file, state, changed) = Default::default();
-        let shared = Shared { place, file, state, changed, max_bytes, max_waiting_bytes };
+        let shared =
+            Shared { place, file, state, changed, max_bytes, max_waiting_bytes, part_bytes };
         let shared = Arc::new(shared);
         let writer = shared.clone();
         let builder = std::thread::Builder::new().name("history".to_string());
@@ -138,12 +144,7 @@ impl StepStore for Spill {
     fn keep(&self, step: Arc<Step>) -> std::result::Result<Stored, Arc<Step>> {
         let shared = &self.shared;
         let bytes = step.heap_bytes();
-        let too_much = |state: &mut State| {
-            let waiting = state.waiting_bytes;
-            state.blocked.is_none() && waiting > 0 && waiting + bytes > shared.max_waiting_bytes
-        };
-        let waited = shared.changed.wait_while(shared.state(), too_much);
-        let mut state = waited.unwrap_or_else(PoisonError::into_inner);
+        let mut state = shared.make_way(bytes);
         if state.blocked.is_some() {
             state.retry = true;
             shared.changed.notify_all();
@@ -154,6 +155,10 @@ impl StepStore for Spill {
         state.queue.push_back(Arc::downgrade(&record));
         shared.changed.notify_all();
         Ok(Stored(record))
+    }
+
+    fn make_way(&self, bytes: usize) {
+        drop(self.shared.make_way(bytes));
     }
 
     fn room_bytes(&self) -> u64 {
@@ -186,6 +191,23 @@ impl Shared {
 
     fn file(&self) -> MutexGuard<'_, Option<Box<dyn SpillFile>>> {
         self.file.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Waits while so many bytes more would be too much in memory, if nothing keeps what waits from being written.
+    fn make_way(&self, bytes: usize) -> MutexGuard<'_, State> {
+        let too_much = |state: &mut State| {
+            let waiting = state.waiting_bytes;
+            let sum = waiting.saturating_add(bytes);
+            state.blocked.is_none() && waiting > 0 && sum > self.max_waiting_bytes
+        };
+        let waited = self.changed.wait_while(self.state(), too_much);
+        waited.unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Waits until the thread has let a step go that is not to be written any more.
+    fn wait_for_release(&self, step: &Arc<Step>) {
+        let is_held = |state: &mut State| state.is_busy && Arc::strong_count(step) > 1;
+        drop(self.changed.wait_while(self.state(), is_held));
     }
 
     /// The thread: writes what waits until the session ends.
@@ -238,50 +260,38 @@ impl Shared {
 
     /// Writes a step. False if it is not needed any more.
     fn write(&self, record: &Record) -> std::result::Result<bool, (Blocked, String)> {
-        let failed = |why: String| (Blocked::Failed, why);
         let Some(step) = record.waiting() else { return Ok(false) };
-        let packed = write_step(&step).map_err(|error| failed(error.to_string()))?;
+        let mut writer = PartWriter::new(self, record);
+        if let Err(error) = write_step_to(&step, &mut writer) {
+            writer.fail(&error);
+        }
         drop(step);
-        let at = self.state().space.take(packed.len() as u64, self.max_bytes);
-        let at = at.ok_or((Blocked::Full, String::new()))?;
-        let written = self.write_at(at, &packed);
-        let checksum = crc32fast::hash(&packed);
-        match written {
-            Ok(true) => {
-                let held = Held::Written { at, bytes: packed.len(), checksum };
-                if !record.written(held) {
-                    self.give_back(at);
+        let written = writer.finish();
+        let result = match written {
+            Ok(parts) => {
+                if let Some(parts) = record.written(parts) {
+                    self.give_back(&parts);
                 }
-                self.shrink();
                 Ok(true)
             }
-            // The session has ended.
-            Ok(false) => Ok(false),
-            Err(error) => {
-                self.give_back(at);
-                self.shrink();
-                Err(failed(error.to_string()))
-            }
-        }
+            Err(Stop::NotNeeded) => Ok(false),
+            Err(Stop::Full) => Err((Blocked::Full, String::new())),
+            Err(Stop::Failed(why)) => Err((Blocked::Failed, why)),
+        };
+        self.shrink();
+        result
     }
 
-    /// Writes bytes at a place of the file, which it makes if there is none. False if the session ended meanwhile.
-    fn write_at(&self, at: u64, bytes: &[u8]) -> Result<bool> {
-        let mut begin = at;
-        for chunk in bytes.chunks(CHUNK_BYTES) {
-            if self.state().has_ended {
-                return Ok(false);
-            }
-            let mut file = self.file();
-            if file.is_none() {
-                *file = Some(self.place.create()?);
-            }
-            if let Some(file) = file.as_mut() {
-                file.write_at(begin, chunk)?;
-            }
-            begin += chunk.len() as u64;
+    /// Writes bytes at a place of the file, which it makes if there is none.
+    fn write_at(&self, at: u64, bytes: &[u8]) -> Result<()> {
+        let mut file = self.file();
+        if file.is_none() {
+            *file = Some(self.place.create()?);
         }
-        Ok(true)
+        match file.as_mut() {
+            Some(file) => file.write_at(at, bytes),
+            None => Err(std::io::ErrorKind::NotFound.into()),
+        }
     }
 
     /// Reads bytes from a place of the file.
@@ -292,10 +302,10 @@ impl Shared {
         }
     }
 
-    /// Makes a part of the file free.
-    fn give_back(&self, at: u64) {
+    /// Makes parts of the file free.
+    fn give_back(&self, parts: &[Part]) {
         let mut state = self.state();
-        state.space.give_back(at);
+        parts.iter().for_each(|part| state.space.give_back(part.at));
         state.try_again_if_full();
         self.changed.notify_all();
     }

@@ -1,9 +1,11 @@
 //! What stands for a step: in memory until it is written, then its place in the file.
 
+use std::io::Read;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::Shared;
-use crate::format::history::{Shape, read_step, write_step};
+use super::parts::{Part, PartReader};
+use crate::format::history::{Shape, read_step_from, write_step};
 use crate::sculpture::Limits;
 use crate::sculpture::history::{Change, Contents, Step, StoredStep};
 
@@ -29,14 +31,7 @@ pub enum Held {
     /// In memory; it is to be written.
     Waiting(Arc<Step>),
     /// In the file.
-    Written {
-        /// Its first byte.
-        at: u64,
-        /// How many there are.
-        bytes: usize,
-        /// Their CRC-32.
-        checksum: u32,
-    },
+    Written(Vec<Part>),
     /// With the one who has loaded it last.
     Taken,
 }
@@ -59,25 +54,21 @@ impl Record {
         }
     }
 
-    /// Puts the place in the file for the step in memory. False if it has been taken meanwhile.
-    pub fn written(&self, place: Held) -> bool {
-        let mut held = self.held();
-        let waits = matches!(*held, Held::Waiting(_));
-        if waits {
-            *held = place;
-            drop(held);
-            self.shared.waits_no_more(self.whole_bytes);
-        }
-        waits
+    /// Whether it is to be written.
+    pub fn is_waiting(&self) -> bool {
+        matches!(*self.held(), Held::Waiting(_))
     }
 
-    fn read(&self, at: u64, bytes: usize, checksum: u32) -> Result<Vec<u8>, String> {
-        let mut packed = vec![0; bytes];
-        self.shared.read_at(at, &mut packed).map_err(|error| error.to_string())?;
-        match crc32fast::hash(&packed) == checksum {
-            true => Ok(packed),
-            false => Err("the file has been changed or damaged".to_string()),
+    /// Puts its parts in the file for the step in memory. Gives them back if it has been taken meanwhile.
+    pub fn written(&self, parts: Vec<Part>) -> Option<Vec<Part>> {
+        let mut held = self.held();
+        if !matches!(*held, Held::Waiting(_)) {
+            return Some(parts);
         }
+        *held = Held::Written(parts);
+        drop(held);
+        self.shared.waits_no_more(self.whole_bytes);
+        None
     }
 }
 
@@ -91,12 +82,18 @@ impl StoredStep for Record {
                 };
                 drop(held);
                 self.shared.waits_no_more(self.whole_bytes);
+                if matches!(step.change, Change::Bricks(_)) {
+                    // The thread soon notices. A whole sculpture it packs to the end: that is copied rather.
+                    self.shared.wait_for_release(&step);
+                }
                 Ok(Arc::unwrap_or_clone(step).change)
             }
             Held::Waiting(step) => Ok(step.change.clone()),
-            Held::Written { at, bytes, checksum } => {
-                let packed = self.read(*at, *bytes, *checksum)?;
-                let step = read_step(&packed, Shape::of(contents), &ANY_SIZE);
+            Held::Written(parts) => {
+                // Both in memory would be too much.
+                drop(self.shared.make_way(self.whole_bytes));
+                let mut packed = PartReader::new(&self.shared, parts);
+                let step = read_step_from(&mut packed, Shape::of(contents), &ANY_SIZE);
                 step.map(|step| step.change).map_err(|error| error.to_string())
             }
             Held::Taken => Err("it is not there".to_string()),
@@ -111,7 +108,11 @@ impl StoredStep for Record {
                 drop(held);
                 write_step(&step).map_err(|error| error.to_string())
             }
-            Held::Written { at, bytes, checksum } => self.read(*at, *bytes, *checksum),
+            Held::Written(parts) => {
+                let mut packed = Vec::new();
+                let read = PartReader::new(&self.shared, parts).read_to_end(&mut packed);
+                read.map(|_| packed).map_err(|error| error.to_string())
+            }
             Held::Taken => Err("it is not there".to_string()),
         }
     }
@@ -125,7 +126,7 @@ impl Drop for Record {
     fn drop(&mut self) {
         match std::mem::replace(&mut *self.held(), Held::Taken) {
             Held::Waiting(_) => self.shared.waits_no_more(self.whole_bytes),
-            Held::Written { at, .. } => self.shared.give_back(at),
+            Held::Written(parts) => self.shared.give_back(&parts),
             Held::Taken => {}
         }
     }

@@ -9,6 +9,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::command::{Command, NewSculpture};
 use crate::document::{CommandError, Document};
+use crate::format::history::write_step;
 use crate::sculpture::history::{Change, HistorySnapshot};
 use crate::sculpture::{ColourDepth, Limits, Rgb};
 
@@ -99,7 +100,7 @@ fn document(history_bytes: usize) -> Document {
 fn spilled(history_bytes: usize, disk_bytes: u64, faults: &Faulty) -> (Document, Arc<Spill>) {
     let mut document = document(history_bytes);
     let place = Box::new(faults.clone());
-    let spill = Arc::new(Spill::with_place(place, disk_bytes, history_bytes / 4).unwrap());
+    let spill = Arc::new(Spill::with_place(place, disk_bytes, history_bytes / 4, 700).unwrap());
     document.use_step_store(spill.clone());
     (document, spill)
 }

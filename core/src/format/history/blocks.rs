@@ -4,76 +4,81 @@
 //! A block is four bytes with its length unpacked, four with its length packed, and the packed bytes; all
 //! numbers are little-endian.
 
+use std::io::{BufRead, Error, ErrorKind, Write};
+
 use crate::format::FormatError;
+
+type Result<T, E = Error> = std::result::Result<T, E>;
 
 /// Plain bytes of a block.
 const BLOCK_BYTES: usize = 1 << 20;
 
-const CUT: FormatError = FormatError::Damaged("a part ends too early");
+const CUT: FormatError = FormatError::Damaged("an undo step ends too early");
 
-/// Packs bytes to the end of a buffer.
-#[derive(Debug)]
+/// Packs bytes to a writer.
 pub struct BlockWriter<'a> {
-    out: &'a mut Vec<u8>,
+    out: &'a mut dyn Write,
     block: Vec<u8>,
 }
 
 impl<'a> BlockWriter<'a> {
-    pub fn new(out: &'a mut Vec<u8>) -> BlockWriter<'a> {
+    pub fn new(out: &'a mut dyn Write) -> BlockWriter<'a> {
         BlockWriter { out, block: Vec::new() }
     }
 
-    pub fn bytes(&mut self, mut bytes: &[u8]) {
+    pub fn bytes(&mut self, mut bytes: &[u8]) -> Result<()> {
         while self.block.len() + bytes.len() >= BLOCK_BYTES {
             let (fits, rest) = bytes.split_at(BLOCK_BYTES - self.block.len());
             self.block.extend_from_slice(fits);
-            self.flush();
+            self.flush()?;
             bytes = rest;
         }
         self.block.extend_from_slice(bytes);
+        Ok(())
     }
 
-    pub fn u32(&mut self, value: u32) {
-        self.bytes(&value.to_le_bytes());
+    pub fn u32(&mut self, value: u32) -> Result<()> {
+        self.bytes(&value.to_le_bytes())
     }
 
-    pub fn u64(&mut self, value: u64) {
-        self.bytes(&value.to_le_bytes());
+    pub fn u64(&mut self, value: u64) -> Result<()> {
+        self.bytes(&value.to_le_bytes())
     }
 
     /// Packs the last block.
-    pub fn finish(mut self) {
-        self.flush();
+    pub fn finish(mut self) -> Result<()> {
+        self.flush()
     }
 
-    fn flush(&mut self) {
+    fn flush(&mut self) -> Result<()> {
         if !self.block.is_empty() {
             let packed = lz4_flex::block::compress(&self.block);
-            self.out.extend_from_slice(&(self.block.len() as u32).to_le_bytes());
-            self.out.extend_from_slice(&(packed.len() as u32).to_le_bytes());
-            self.out.extend_from_slice(&packed);
+            self.out.write_all(&(self.block.len() as u32).to_le_bytes())?;
+            self.out.write_all(&(packed.len() as u32).to_le_bytes())?;
+            self.out.write_all(&packed)?;
             self.block.clear();
         }
+        Ok(())
     }
 }
 
 /// Unpacks what a [`BlockWriter`] has packed.
-#[derive(Debug)]
 pub struct BlockReader<'a> {
-    packed: &'a [u8],
+    source: &'a mut dyn BufRead,
+    packed: Vec<u8>,
     block: Vec<u8>,
     /// Bytes of the block that have been read.
     at: usize,
 }
 
 impl<'a> BlockReader<'a> {
-    pub fn new(packed: &'a [u8]) -> BlockReader<'a> {
-        BlockReader { packed, block: Vec::new(), at: 0 }
+    pub fn new(source: &'a mut dyn BufRead) -> BlockReader<'a> {
+        BlockReader { source, packed: Vec::new(), block: Vec::new(), at: 0 }
     }
 
     /// Whether nothing is left.
-    pub fn is_empty(&self) -> bool {
-        self.at == self.block.len() && self.packed.is_empty()
+    pub fn is_empty(&mut self) -> Result<bool> {
+        Ok(self.at == self.block.len() && self.source.fill_buf()?.is_empty())
     }
 
     /// Fills `out`.
@@ -104,20 +109,32 @@ impl<'a> BlockReader<'a> {
     }
 
     fn next_block(&mut self) -> Result<(), FormatError> {
-        let number = |bytes: [u8; 4]| u32::from_le_bytes(bytes) as usize;
-        let (plain, rest) = self.packed.split_first_chunk().ok_or(CUT)?;
-        let (packed, rest) = rest.split_first_chunk().ok_or(CUT)?;
-        let (plain, packed) = (number(*plain), number(*packed));
-        let (packed, rest) = rest.split_at_checked(packed).ok_or(CUT)?;
-        if plain == 0 || plain > BLOCK_BYTES {
+        let mut number = || -> Result<usize, FormatError> {
+            let mut bytes = [0; 4];
+            self.source.read_exact(&mut bytes).map_err(cut)?;
+            Ok(u32::from_le_bytes(bytes) as usize)
+        };
+        let (plain, packed) = (number()?, number()?);
+        let most = lz4_flex::block::get_maximum_output_size(BLOCK_BYTES);
+        if plain == 0 || plain > BLOCK_BYTES || packed > most {
             return Err(FormatError::Damaged("a block has an impossible length"));
         }
+        self.packed.resize(packed, 0);
+        self.source.read_exact(&mut self.packed).map_err(cut)?;
         self.block.resize(plain, 0);
-        let unpacked = lz4_flex::block::decompress_into(packed, &mut self.block);
+        let unpacked = lz4_flex::block::decompress_into(&self.packed, &mut self.block);
         if unpacked.ok() != Some(plain) {
             return Err(FormatError::Damaged("a part does not unpack"));
         }
-        (self.packed, self.at) = (rest, 0);
+        self.at = 0;
         Ok(())
+    }
+}
+
+/// The error of a reader that ends too early is that of damage.
+pub(super) fn cut(error: Error) -> FormatError {
+    match error.kind() {
+        ErrorKind::UnexpectedEof => CUT,
+        _ => FormatError::Io(error),
     }
 }

@@ -13,17 +13,16 @@
 mod blocks;
 mod record;
 
-use std::borrow::Cow;
+use std::io::{BufRead, Read, Write};
 use std::sync::Arc;
 
 use glam::UVec3;
 
+use self::blocks::cut;
 use super::{FormatError, Texts, vsc};
 use crate::sculpture::history::{Change, Contents, HistorySnapshot, State, Step};
 use crate::sculpture::orientation::Orientation;
 use crate::sculpture::{ColourDepth, Limits};
-
-const CUT: FormatError = FormatError::Damaged("an undo step ends too early");
 
 /// What the records of undo steps must fit.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -55,55 +54,73 @@ impl Shape {
 /// Packs a step.
 pub fn write_step(step: &Step) -> Result<Vec<u8>, FormatError> {
     let mut out = Vec::new();
-    out.extend_from_slice(&step.state.sculpture.to_le_bytes());
-    out.extend_from_slice(&step.state.number.to_le_bytes());
+    write_step_to(step, &mut out)?;
+    Ok(out)
+}
+
+/// Packs a step to a writer, a record in portions.
+pub fn write_step_to(step: &Step, out: &mut dyn Write) -> Result<(), FormatError> {
     let kind = match &step.change {
         Change::Bricks(_) => 0,
         Change::Whole(_) => 1,
         Change::Oriented { before: None, .. } => 2,
         Change::Oriented { before: Some(_), .. } => 3,
         Change::Stored(stored) => {
-            return stored.0.packed().map_err(|why| std::io::Error::other(why).into());
+            let packed = stored.0.packed().map_err(std::io::Error::other)?;
+            return Ok(out.write_all(&packed)?);
         }
     };
-    out.push(kind);
-    put_text(&step.label, &mut out);
+    out.write_all(&step.state.sculpture.to_le_bytes())?;
+    out.write_all(&step.state.number.to_le_bytes())?;
+    out.write_all(&[kind])?;
+    put_text(&step.label, out)?;
     match &step.change {
-        Change::Bricks(record) => record::write(record, &mut out),
-        Change::Whole(contents) => out.extend(vsc::write(contents, &Texts::default(), &())?),
+        Change::Bricks(record) => record::write(record, out)?,
+        Change::Whole(contents) => vsc::write_to(contents, &Texts::default(), &(), out)?,
         Change::Oriented { back, before } => {
-            put_text(&back.to_string(), &mut out);
+            put_text(&back.to_string(), out)?;
             if let Some(contents) = before {
-                out.extend(vsc::write(contents, &Texts::default(), &())?);
+                vsc::write_to(contents, &Texts::default(), &(), out)?;
             }
         }
         Change::Stored(_) => {}
     }
-    Ok(out)
+    Ok(())
 }
 
 /// Unpacks a step to be reversed from contents of `shape`, within the limits for contents.
-pub fn read_step(bytes: &[u8], shape: Shape, limits: &Limits) -> Result<Step, FormatError> {
-    let mut rest = bytes;
-    let sculpture = take_u64(&mut rest)?;
-    let number = take_u64(&mut rest)?;
-    let (&kind, after) = rest.split_first().ok_or(CUT)?;
-    rest = after;
-    let label = take_text(&mut rest)?.into_owned();
-    let whole = |rest: &[u8]| -> Result<Box<Contents>, FormatError> {
-        Ok(Box::new(vsc::read(rest, limits, &())?.0))
+pub fn read_step(mut bytes: &[u8], shape: Shape, limits: &Limits) -> Result<Step, FormatError> {
+    read_step_from(&mut bytes, shape, limits)
+}
+
+/// As [`read_step`], from a reader that ends with the step; a record in portions.
+pub fn read_step_from(
+    rest: &mut dyn BufRead,
+    shape: Shape,
+    limits: &Limits,
+) -> Result<Step, FormatError> {
+    let [sculpture, number] = [take_u64(rest)?, take_u64(rest)?];
+    let mut kind = [0];
+    rest.read_exact(&mut kind).map_err(cut)?;
+    let [kind] = kind;
+    let label = take_text(rest)?;
+    let whole = |rest: &mut dyn BufRead| -> Result<Box<Contents>, FormatError> {
+        let mut file = Vec::new();
+        rest.read_to_end(&mut file)?;
+        Ok(Box::new(vsc::read(&file, limits, &())?.0))
     };
     let change = match kind {
         0 => Change::Bricks(record::read(rest, shape)?),
         1 => Change::Whole(whole(rest)?),
         2 | 3 => {
-            let text = take_text(&mut rest)?;
+            let text = take_text(rest)?;
             let back: Orientation = text
                 .parse()
                 .map_err(|_| FormatError::Damaged("an orientation is of no known kind"))?;
             let before = if kind == 3 { Some(whole(rest)?) } else { None };
-            if before.is_none() && !rest.is_empty() {
-                return Err(FormatError::Trailing(rest.len() as u64));
+            let trailing = rest.fill_buf()?.len();
+            if trailing > 0 {
+                return Err(FormatError::Trailing(trailing as u64));
             }
             let turned = back.size(shape.dims);
             if before.as_ref().is_some_and(|before| before.grid.dims() != turned) {
@@ -137,22 +154,28 @@ pub fn read_steps<B: AsRef<[u8]>>(
     Ok(HistorySnapshot { undo: read(undo)?, redo: read(redo)? })
 }
 
-fn put_text(text: &str, out: &mut Vec<u8>) {
-    out.extend_from_slice(&(text.len() as u32).to_le_bytes());
-    out.extend_from_slice(text.as_bytes());
+fn put_text(text: &str, out: &mut dyn Write) -> std::io::Result<()> {
+    out.write_all(&(text.len() as u32).to_le_bytes())?;
+    out.write_all(text.as_bytes())
 }
 
-fn take_u64(rest: &mut &[u8]) -> Result<u64, FormatError> {
-    let (bytes, after) = rest.split_first_chunk().ok_or(CUT)?;
-    *rest = after;
-    Ok(u64::from_le_bytes(*bytes))
+fn take_u64(rest: &mut dyn BufRead) -> Result<u64, FormatError> {
+    let mut bytes = [0; 8];
+    rest.read_exact(&mut bytes).map_err(cut)?;
+    Ok(u64::from_le_bytes(bytes))
 }
 
-fn take_text<'a>(rest: &mut &'a [u8]) -> Result<Cow<'a, str>, FormatError> {
-    let (bytes, after) = rest.split_first_chunk().ok_or(CUT)?;
-    let (text, after) = after.split_at_checked(u32::from_le_bytes(*bytes) as usize).ok_or(CUT)?;
-    *rest = after;
-    Ok(String::from_utf8_lossy(text))
+fn take_text(rest: &mut dyn BufRead) -> Result<String, FormatError> {
+    let mut length = [0; 4];
+    rest.read_exact(&mut length).map_err(cut)?;
+    let length = u64::from(u32::from_le_bytes(length));
+    // No more is allocated than there is.
+    let mut text = Vec::new();
+    rest.take(length).read_to_end(&mut text)?;
+    match text.len() as u64 == length {
+        true => Ok(String::from_utf8_lossy(&text).into_owned()),
+        false => Err(FormatError::Damaged("an undo step ends too early")),
+    }
 }
 
 #[cfg(test)]

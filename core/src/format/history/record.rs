@@ -6,6 +6,8 @@
 //! 4. each page: u32 linear index, u32 packed bytes (0 for a brick without a page), and these bytes, packed
 //!    as in .vsc files.
 
+use std::io::{BufRead, Write};
+
 use super::Shape;
 use super::blocks::{BlockReader, BlockWriter};
 use crate::format::FormatError;
@@ -21,19 +23,21 @@ const FAULT: FormatError = FormatError::Damaged("an undo step does not fit its s
 /// Longest page once packed, in bytes.
 const MAX_PACKED_PAGE: usize = 1 + BRICK_VOXELS as usize * 3;
 
-/// Packs a record to the end of `out`.
-pub fn write(record: &BrickRecord, out: &mut Vec<u8>) {
+/// Packs a record to `out`, block by block.
+pub fn write(record: &BrickRecord, out: &mut dyn Write) -> std::io::Result<()> {
     let mut blocks = BlockWriter::new(out);
     let kinds = record.kinds();
-    kinds.iter().for_each(|masks| blocks.u32(masks.len() as u32));
-    blocks.u32(record.mixed_bits().len() as u32);
-    blocks.u32(record.pages().len() as u32);
-    for bricks in kinds.into_iter().flatten() {
-        blocks.u32(bricks.word);
-        blocks.u64(bricks.mask);
+    for masks in kinds {
+        blocks.u32(masks.len() as u32)?;
     }
-    for brick in record.mixed_bits() {
-        brick.words.iter().for_each(|&word| blocks.u64(word));
+    blocks.u32(record.mixed_bits().len() as u32)?;
+    blocks.u32(record.pages().len() as u32)?;
+    for bricks in kinds.into_iter().flatten() {
+        blocks.u32(bricks.word)?;
+        blocks.u64(bricks.mask)?;
+    }
+    for &word in record.mixed_bits().iter().flat_map(|brick| &brick.words) {
+        blocks.u64(word)?;
     }
     let mut packed = Vec::new();
     for (index, page) in record.pages() {
@@ -41,15 +45,15 @@ pub fn write(record: &BrickRecord, out: &mut Vec<u8>) {
         if let Some(page) = page {
             pack_page(page, page.len() / BRICK_VOXELS as usize, &mut packed);
         }
-        blocks.u32(*index);
-        blocks.u32(packed.len() as u32);
-        blocks.bytes(&packed);
+        blocks.u32(*index)?;
+        blocks.u32(packed.len() as u32)?;
+        blocks.bytes(&packed)?;
     }
-    blocks.finish();
+    blocks.finish()
 }
 
 /// Unpacks a record for contents of `shape`.
-pub fn read(packed: &[u8], shape: Shape) -> Result<BrickRecord, FormatError> {
+pub fn read(packed: &mut dyn BufRead, shape: Shape) -> Result<BrickRecord, FormatError> {
     let dims = brick_dims(shape.dims);
     let brick_count = dims.as_u64vec3().element_product();
     let mut blocks = BlockReader::new(packed);
@@ -124,7 +128,7 @@ pub fn read(packed: &[u8], shape: Shape) -> Result<BrickRecord, FormatError> {
         }
         pages.push((index, page));
     }
-    if !blocks.is_empty() {
+    if !blocks.is_empty()? {
         return Err(FAULT);
     }
     Ok(BrickRecord::from_parts([empty, full, mixed], mixed_bits, pages))

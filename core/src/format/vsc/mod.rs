@@ -24,6 +24,8 @@
 
 pub(super) mod chunk;
 
+use std::io::Write;
+
 use glam::{UVec3, Vec3};
 use rayon::prelude::*;
 
@@ -74,6 +76,18 @@ pub fn write(
     texts: &Texts,
     progress: &dyn Progress,
 ) -> Result<Vec<u8>, FormatError> {
+    let mut file = Vec::new();
+    write_to(contents, texts, progress, &mut file)?;
+    Ok(file)
+}
+
+/// Packs a sculpture to a writer, which is given a chunk at a time.
+pub fn write_to(
+    contents: &Contents,
+    texts: &Texts,
+    progress: &dyn Progress,
+    out: &mut dyn Write,
+) -> Result<(), FormatError> {
     let Contents { grid, material } = contents;
     let texts = packed_texts(texts)?;
     let depth = material.depth();
@@ -112,13 +126,14 @@ pub fn write(
     }
     tail.extend_from_slice(&texts);
     let checksum = checksum(&head, &tail);
-    let body: usize = chunks.iter().map(|(_, packed)| packed.len()).sum();
-    let mut file = Vec::with_capacity(HEADER_BYTES + tail.len() + body);
-    file.extend_from_slice(&head);
-    file.extend_from_slice(&checksum.to_le_bytes());
-    file.extend_from_slice(&tail);
-    chunks.iter().for_each(|(_, packed)| file.extend_from_slice(packed));
-    Ok(file)
+    head.extend_from_slice(&checksum.to_le_bytes());
+    out.write_all(&head)?;
+    out.write_all(&tail)?;
+    // Each is let go as it is written.
+    for (_, packed) in chunks {
+        out.write_all(&packed)?;
+    }
+    Ok(())
 }
 
 /// Reads the header, and checks that the file has the length that it states and that the sculpture is

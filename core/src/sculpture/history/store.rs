@@ -11,6 +11,8 @@ pub trait StepStore: Debug + Send + Sync {
     /// Takes a step. Waits only while too much of what it was given before is still in memory. Gives the step
     /// back where it has no room or does not work.
     fn keep(&self, step: Arc<Step>) -> Result<Stored, Arc<Step>>;
+    /// Waits until a step of so many bytes can be made, or read, without too much in memory.
+    fn make_way(&self, bytes: usize);
     /// Most bytes that it takes. A step is refused in advance that needs more memory than this; 0 while it does
     /// not work.
     fn room_bytes(&self) -> u64;
