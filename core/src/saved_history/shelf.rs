@@ -108,7 +108,12 @@ impl HistoryShelf {
                     })?;
                     return Ok((path, new));
                 }
-                Err(error) if error.kind() == ErrorKind::AlreadyExists => number += 1,
+                // Another's, or just taken for one that was left.
+                Err(error)
+                    if matches!(error.kind(), ErrorKind::AlreadyExists | ErrorKind::WouldBlock) =>
+                {
+                    number += 1;
+                }
                 Err(error) => return Err(error),
             }
         }

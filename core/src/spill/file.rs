@@ -5,7 +5,7 @@
 //! when that ends. What a killed session has left is removed by the next one.
 
 use std::fmt::Debug;
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{Error, ErrorKind, Read, Result, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
@@ -37,7 +37,10 @@ impl Folder {
         let Ok(entries) = fs::read_dir(&self.0) else { return };
         let files = entries.filter_map(|entry| Some(entry.ok()?.path()));
         for path in files.filter(|path| path.extension().is_some_and(|ending| ending == ENDING)) {
-            let is_left = File::open(&path).is_ok_and(|file| file.try_lock().is_ok());
+            // Held until it is removed: who holds it is the only one who may remove it. It may be gone since it was
+            // opened, and its name be another's.
+            let Ok(file) = File::open(&path) else { continue };
+            let is_left = file.try_lock().is_ok() && is_named(&file);
             if is_left && let Err(error) = fs::remove_file(&path) {
                 tracing::warn!("cannot remove {}: {error}", path.display());
             }
@@ -47,6 +50,13 @@ impl Folder {
 
 impl Place for Folder {
     fn create(&self) -> Result<Box<dyn SpillFile>> {
+        Ok(Box::new(self.make()?))
+    }
+}
+
+impl Folder {
+    /// Makes a file of a number that there is not, and locks it.
+    fn make(&self) -> Result<DiskFile> {
         let mut builder = fs::DirBuilder::new();
         builder.recursive(true);
         #[cfg(unix)]
@@ -60,13 +70,27 @@ impl Place for Folder {
         for number in 1..=u32::MAX {
             let path = self.0.join(format!("{number}.{ENDING}"));
             match options.open(&path) {
-                Ok(file) => return DiskFile::locked(file, path),
+                Ok(file) => {
+                    if let Some(made) = DiskFile::locked(file, path) {
+                        return Ok(made);
+                    }
+                }
                 Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
                 Err(error) => return Err(error),
             }
         }
         Err(Error::from(ErrorKind::AlreadyExists))
     }
+}
+
+/// Whether an open file still has a name.
+fn is_named(file: &File) -> bool {
+    #[cfg(unix)]
+    let is_named = |found: fs::Metadata| std::os::unix::fs::MetadataExt::nlink(&found) > 0;
+    // Elsewhere a file cannot go while it is open.
+    #[cfg(not(unix))]
+    let is_named = |_| true;
+    file.metadata().is_ok_and(is_named)
 }
 
 #[derive(Debug)]
@@ -76,14 +100,18 @@ struct DiskFile {
 }
 
 impl DiskFile {
-    fn locked(file: File, path: PathBuf) -> Result<Box<dyn SpillFile>> {
-        let made = DiskFile { file, path };
-        // Between its creation and its lock another session may take it for one that was left. On systems that
-        // let it remove an open file nothing is lost by that: the file lives as long as it is open.
-        if let Err(error) = made.file.try_lock() {
-            tracing::warn!("{} cannot be locked: {error}", made.path.display());
+    /// Locks a file that has just been made. None if another session took it for one that was left, before it was
+    /// locked: that session removes it.
+    fn locked(file: File, path: PathBuf) -> Option<DiskFile> {
+        match file.try_lock() {
+            Ok(()) => is_named(&file).then_some(DiskFile { file, path }),
+            Err(TryLockError::WouldBlock) => None,
+            Err(TryLockError::Error(error)) => {
+                // Without locks it lives as long as it is open, where open files can be removed.
+                tracing::warn!("{} cannot be locked: {error}", path.display());
+                Some(DiskFile { file, path })
+            }
         }
-        Ok(Box::new(made))
     }
 
     fn seek(&mut self, at: u64) -> Result<&mut File> {
@@ -114,5 +142,40 @@ impl Drop for DiskFile {
     fn drop(&mut self) {
         // The next session removes it where this does not work, as where open files cannot be removed.
         let _ = fs::remove_file(self.path());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicBool, Ordering};
+
+    use super::*;
+
+    #[test]
+    fn a_file_in_use_is_never_taken_for_one_that_was_left() {
+        let folder = std::env::temp_dir().join(format!("vs-spill-race-{}", std::process::id()));
+        let folder = Folder(folder);
+        let has_ended = AtomicBool::new(false);
+        std::thread::scope(|scope| {
+            for _ in 0..2 {
+                scope.spawn(|| {
+                    while !has_ended.load(Ordering::Relaxed) {
+                        folder.remove_left();
+                    }
+                });
+            }
+            let lost = (0..500).filter(|_| {
+                let mut made = folder.make().unwrap();
+                made.write_at(0, b"a step").unwrap();
+                std::thread::yield_now();
+                !is_named(&made.file) || !made.path.exists()
+            });
+            let lost = lost.count();
+            has_ended.store(true, Ordering::Relaxed);
+            assert_eq!(lost, 0);
+        });
+        folder.remove_left();
+        assert_eq!(fs::read_dir(&folder.0).unwrap().count(), 0);
+        fs::remove_dir_all(&folder.0).unwrap();
     }
 }

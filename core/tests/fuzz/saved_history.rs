@@ -1,10 +1,13 @@
 //! Histories of saved files: bytes of the file, and payloads of records whose checksums fit. What is accepted is
-//! undone and redone.
+//! undone and redone. And packed steps alone, as they are on the disk: what is accepted is swapped with a sculpture.
 
 use std::path::PathBuf;
 
 use sculpture_core::command::Command;
+use sculpture_core::format::history::{Shape, read_step, write_step};
 use sculpture_core::saved_history::SavedHistoryOptions;
+use sculpture_core::sculpture::brick_set::BrickSet;
+use sculpture_core::sculpture::history::Change;
 use sculpture_core::session::Session;
 
 use super::journal::seal;
@@ -55,4 +58,42 @@ fn damaged_histories_do_no_harm() {
         }
         !is_refused
     });
+}
+
+#[test]
+fn damaged_steps_do_no_harm() {
+    if !trials::alone() {
+        return;
+    }
+    let mut session = begin("new dims=24,20,12 colour=24", in_memory(&Memory::default()));
+    let (mut all, mut seeds) = (Vec::new(), Vec::new());
+    for line in [
+        "subtract ellipsoid at=4,4,4 half=3",
+        "recolour ellipsoid at=12,10,6 half=7 colour=#204060",
+        "orient axes=y,-x,z",
+        "new dims=9,9,9 colour=8",
+    ] {
+        execute(&mut session, line);
+        let step = session.document().history().undo_steps().next().unwrap();
+        seeds.push(write_step(step).unwrap());
+        // It leads back from these.
+        all.push(session.document().contents().clone());
+    }
+    fuzz(
+        "undo step",
+        400,
+        &seeds,
+        |_| {},
+        |i, bytes| {
+            let Ok(step) = read_step(bytes, Shape::of(&all[i]), &small()) else { return false };
+            if let Change::Bricks(record) = step.change {
+                let mut contents = all[i].clone();
+                let bricks = contents.grid.brick_count();
+                record.swap(&mut contents, &mut BrickSet::new(bricks));
+                let counts = (0..bricks).map(|i| u64::from(contents.grid.brick_at(i).count()));
+                assert_eq!(counts.sum::<u64>(), contents.grid.opaque_count());
+            }
+            true
+        },
+    );
 }

@@ -74,7 +74,9 @@ pub fn read(packed: &mut dyn BufRead, shape: Shape) -> Result<BrickRecord, Forma
         let mut masks = Vec::with_capacity(count);
         for _ in 0..count {
             let bricks = BrickMask { word: blocks.u32()?, mask: blocks.u64()? };
-            let last = u64::from(bricks.word) * 64 + 63 - u64::from(bricks.mask.leading_zeros());
+            let zeros = u64::from(bricks.mask.leading_zeros());
+            // Of a word without bricks there is no last one; it is refused.
+            let last = (u64::from(bricks.word) * 64 + 63).saturating_sub(zeros);
             if bricks.mask == 0
                 || u64::from(bricks.word) >= words
                 || last >= brick_count
