@@ -5,6 +5,7 @@
 //! files, which the session knows.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::sync::Arc;
 
 use super::{CommandError, Document, Limits};
@@ -77,13 +78,15 @@ impl Document {
         let mut states = HashMap::from([(was, self.state)]);
         for step in kept.undo.iter_mut().rev().chain(kept.redo.iter_mut().rev()) {
             let step = Arc::make_mut(step);
-            let State { sculpture, .. } = step.state;
-            if !states.contains_key(&step.state) {
-                let number = self.new_state();
-                let sculpture = *sculptures.entry(sculpture).or_insert(number);
-                states.insert(step.state, State { sculpture, number });
-            }
-            step.state = states[&step.state];
+            step.state = match states.entry(step.state) {
+                Entry::Occupied(known) => *known.get(),
+                Entry::Vacant(unknown) => {
+                    let number = self.new_state();
+                    let own = unknown.key().sculpture;
+                    let sculpture = *sculptures.entry(own).or_insert(number);
+                    *unknown.insert(State { sculpture, number })
+                }
+            };
         }
         self.history.put_all(kept);
         sculptures
