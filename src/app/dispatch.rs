@@ -79,6 +79,7 @@ impl Workspace {
             UiRequest::ListLeft => self.list_left(),
             UiRequest::SaveFirst(next) => editor.save(Some(next)),
             UiRequest::SaveThen(command, next) => editor.run_then(command, Then::Go(next)),
+            UiRequest::Overwrite(path, next) => editor.overwrite(path, next),
             UiRequest::Irreversibly(command) => editor.run_irreversibly(command),
         }
         self.settle();
@@ -435,6 +436,7 @@ impl Workspace {
             }
             Outcome::Unsaved(next) => self.ui.dialogs.unsaved = Some(next),
             Outcome::Unkept(unkept) => self.ui.dialogs.unkept = Some(unkept),
+            Outcome::ChangedOnDisk(file) => self.ui.dialogs.changed_on_disk = Some(file),
             Outcome::NameNeeded(next) => {
                 let path = self.editor.session().path();
                 self.ui.dialogs.files.open(FileTask::SaveAs(next), path);

@@ -1,6 +1,8 @@
 //! How commands are carried out: at once or on a thread, with the questions before work is lost, and
 //! with what is said when one fails.
 
+use std::path::PathBuf;
+
 use super::job::Then;
 use super::questions::{Next, Unkept};
 use super::{Editor, Outcome};
@@ -20,6 +22,13 @@ impl Editor {
             }
             _ => self.outcomes.push(Outcome::NameNeeded(next)),
         }
+    }
+
+    /// Saves to a file that another program has changed, since the person wants that.
+    pub fn overwrite(&mut self, path: PathBuf, next: Option<Next>) {
+        self.session.accept_change_on_disk(&path);
+        let then = next.map_or(Then::Stay, Then::Go);
+        self.run_then(Command::Save { path, export: ExportOptions::default() }, then);
     }
 
     /// Carries out a command that was asked for, but asks first if it would lose unsaved work.

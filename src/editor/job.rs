@@ -7,11 +7,12 @@
 //! anything. Work that changes nothing, such as a final picture, runs likewise
 //! ([`Editor::start_side_work`]).
 
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use super::questions::Next;
+use super::questions::{ChangedOnDisk, Next};
 use super::{Editor, Outcome};
 use crate::command::Command;
 use crate::document::Applied;
@@ -74,13 +75,19 @@ enum Product {
 #[derive(Debug)]
 pub enum Failure {
     Cancelled,
+    /// Another program has changed this file, which was not overwritten.
+    ChangedOnDisk(PathBuf),
     /// The reason, for the person.
     Error(String),
 }
 
 impl From<SessionError> for Failure {
     fn from(error: SessionError) -> Failure {
-        if error.is_cancelled() { Failure::Cancelled } else { Failure::Error(error.to_string()) }
+        match error {
+            error if error.is_cancelled() => Failure::Cancelled,
+            SessionError::ChangedOnDisk { path } => Failure::ChangedOnDisk(path),
+            error => Failure::Error(error.to_string()),
+        }
     }
 }
 
@@ -224,6 +231,12 @@ impl Editor {
             Ok(Err(Failure::Cancelled)) => {
                 self.note(format!("{}: cancelled", job.sign));
                 job.then == Then::LeaveAnyway
+            }
+            Ok(Err(Failure::ChangedOnDisk(path))) => {
+                tracing::warn!("{}: changed on the disk, not overwritten", path.display());
+                let next = if let Then::Go(next) = &job.then { Some(next.clone()) } else { None };
+                self.outcomes.push(Outcome::ChangedOnDisk(ChangedOnDisk { path, next }));
+                false
             }
             Ok(Err(Failure::Error(error))) => {
                 tracing::warn!("{error}");

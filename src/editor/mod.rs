@@ -32,7 +32,7 @@ use footing::Footing;
 use hand::HandTool;
 use job::{Busy, Jobs};
 use marker::MarkerTool;
-use questions::{Next, Unkept};
+use questions::{ChangedOnDisk, Next, Unkept};
 use stroke::Stroke;
 use tool::ToolState;
 
@@ -50,6 +50,8 @@ pub enum Outcome {
     Unsaved(Next),
     /// This cannot be undone: the person is to be asked.
     Unkept(Unkept),
+    /// Another program has changed the file: the person is to be asked.
+    ChangedOnDisk(ChangedOnDisk),
     /// A name for the sculpture's file is needed; then do that.
     NameNeeded(Option<Next>),
     /// A file was opened or saved by this command.

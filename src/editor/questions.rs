@@ -1,5 +1,7 @@
 //! What the editor needs an answer to before it goes on, as values for the interface.
 
+use std::path::PathBuf;
+
 use crate::command::Command;
 
 /// What would lose unsaved work.
@@ -10,6 +12,14 @@ pub enum Next {
     Run(Command),
     /// What an earlier session has left, in the journal of this number.
     Recover(u64),
+}
+
+/// A file that was to be saved, but that another program has changed.
+#[derive(Clone, PartialEq, Debug)]
+pub struct ChangedOnDisk {
+    pub path: PathBuf,
+    /// What was to follow.
+    pub next: Option<Next>,
 }
 
 /// A command that the history cannot keep, and why.

@@ -17,7 +17,7 @@ use super::print_check::PrintCheck;
 use super::recovery_dialog::RecoveryDialog;
 use crate::command::NewSculpture;
 use crate::editor::job::Busy;
-use crate::editor::questions::{Next, Unkept};
+use crate::editor::questions::{ChangedOnDisk, Next, Unkept};
 
 /// All dialogs, open or not.
 pub struct Dialogs {
@@ -42,6 +42,8 @@ pub struct Dialogs {
     pub unsaved: Option<Next>,
     /// Asks whether to do what cannot be undone.
     pub unkept: Option<Unkept>,
+    /// Asks what to do with a file that another program has changed.
+    pub changed_on_disk: Option<ChangedOnDisk>,
     /// The tracker is being calibrated, as the viewpoint says.
     pub calibrating: bool,
     /// Long work under way, as the editor says; nothing else can be asked for meanwhile.
@@ -69,6 +71,7 @@ impl Dialogs {
             files: Files::new(),
             unsaved: None,
             unkept: None,
+            changed_on_disk: None,
             calibrating: false,
             busy: None,
             preview: None,
@@ -79,6 +82,7 @@ impl Dialogs {
     pub fn is_modal(&self) -> bool {
         self.unsaved.is_some()
             || self.unkept.is_some()
+            || self.changed_on_disk.is_some()
             || self.calibrating
             || self.new.open
             || self.final_picture.open
@@ -94,7 +98,10 @@ impl Dialogs {
 
     /// Closes the uppermost open window; false if there is none.
     pub fn close_top(&mut self) -> bool {
-        if self.unkept.take().is_some() || self.unsaved.take().is_some() {
+        if self.unkept.take().is_some()
+            || self.unsaved.take().is_some()
+            || self.changed_on_disk.take().is_some()
+        {
             return true;
         }
         if self.export.close() || self.import.close() || self.recovery.close() {

@@ -7,6 +7,7 @@ pub mod ar;
 pub mod board;
 pub mod busy;
 pub mod buttons;
+pub mod changed_on_disk;
 mod deform_options;
 pub mod dialogs;
 mod dropped;
@@ -191,6 +192,7 @@ pub fn show(
     head::calibration(root, context, requests);
     unsaved::show(root, state, requests);
     unkept::show(root, state, requests);
+    changed_on_disk::show(root, state, requests);
     files::show(root, state, requests);
     dropped::show(root, state, picture.rect, requests);
     state.toasts.show(root, picture.rect);

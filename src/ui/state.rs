@@ -73,6 +73,8 @@ pub enum UiRequest {
     DiscardLeft(u64),
     /// List what earlier sessions have left, or say that there is nothing.
     ListLeft,
+    /// Save to this file although another program has changed it, then do that.
+    Overwrite(PathBuf, Option<Next>),
     /// Carry out a command although it cannot be undone.
     Irreversibly(Command),
 }

@@ -2,6 +2,7 @@
 
 mod bench;
 mod board;
+mod changed_on_disk;
 mod files;
 mod import;
 mod keys;
