@@ -4,6 +4,7 @@
 //! `VS_REQUIRE_WINDOW=1`. Those on Wayland need `weston` (`VS_REQUIRE_WAYLAND=1`). Screenshots are left in
 //! target/test-output/window.
 
+mod changed_on_disk;
 mod clay;
 mod display;
 mod endings;
