@@ -97,19 +97,3 @@ fn a_file_that_has_changed_stays_where_the_answer_is_no() {
     }
     assert!(harness.state().ui.dialogs.files.is_open(), "a name is asked for");
 }
-
-#[test]
-fn leaving_with_a_save_first_asks_and_then_goes_on() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("owl.vsc");
-    let mut harness = changed_meanwhile(&path);
-    key(&mut harness, Modifiers::COMMAND, Key::Q);
-    harness.run_steps(3);
-    click_once(&mut harness, "Save");
-    settle(&mut harness);
-    assert!(has(&harness, HEADING) && !harness.state().is_leaving());
-    click_once(&mut harness, "Overwrite");
-    settle(&mut harness);
-    assert!(harness.state().is_leaving());
-    assert_eq!(voxels_in(&path), voxels(&harness));
-}
