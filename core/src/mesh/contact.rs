@@ -48,13 +48,33 @@ pub struct Corner {
 pub static CORNERS: LazyLock<[Corner; 256]> =
     LazyLock::new(|| std::array::from_fn(|octants| Corner::new(octants as u8)));
 
-/// Whether a corner has several fans or an edge that may be pinched, by the octants that exist.
-pub static IS_ODD: LazyLock<[bool; 256]> = LazyLock::new(|| {
-    std::array::from_fn(|octants| {
-        let corner = &CORNERS[octants];
-        corner.count > 1 || corner.pinched != [0; 3]
-    })
-});
+/// Which of 64 corners have several fans or an edge that may be pinched. Bit `x` of word `i` is octant `i` of corner
+/// `x`.
+///
+/// Such a corner has an edge around which the voxels alternate, or just two voxels exist, or are empty, and lie
+/// opposite.
+#[inline(always)]
+pub fn odd_corners(words: &[u64; 8]) -> u64 {
+    let mut odd = 0;
+    for axis in 0..3 {
+        for side in 0..2 {
+            let [a, b] = [octant(axis, side, 0, 0), octant(axis, side, 1, 1)];
+            let [c, d] = [octant(axis, side, 1, 0), octant(axis, side, 0, 1)];
+            let [a, b, c, d] = [words[a], words[b], words[c], words[d]];
+            odd |= (a ^ c) & !(a ^ b) & !(c ^ d);
+        }
+    }
+    for i in 0..4 {
+        let (mut any, mut all) = (0, u64::MAX);
+        for j in (0..4).filter(|&j| j != i) {
+            any |= words[j] | words[7 - j];
+            all &= words[j] & words[7 - j];
+        }
+        let [a, b] = [words[i], words[7 - i]];
+        odd |= a & b & !any | all & !(a | b);
+    }
+    odd
+}
 
 /// The octant with bit `at` along `axis`, `u` and `v` along the two that follow.
 const fn octant(axis: usize, at: usize, u: usize, v: usize) -> usize {
@@ -181,6 +201,15 @@ pub fn voxel_of(octant: usize) -> IVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn odd_corners_are_those_with_several_fans_or_a_pinched_edge() {
+        for (octants, corner) in CORNERS.iter().enumerate() {
+            let words = std::array::from_fn(|i| (octants as u64 >> i & 1) << 5);
+            let is_odd = corner.count > 1 || corner.pinched != [0; 3];
+            assert_eq!(odd_corners(&words) >> 5 & 1 != 0, is_odd, "{octants:08b}");
+        }
+    }
 
     #[test]
     fn fans_hold_every_face_of_the_surface_once_and_are_closed() {

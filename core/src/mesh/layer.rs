@@ -7,8 +7,8 @@
 //!
 //! Takes rows of bits; knows no positions.
 
-use super::contact::{CORNERS, Corner, IS_ODD};
-use super::rows::{Rows, for_each_bit, moved_down, moved_up};
+use super::contact::{CORNERS, Corner, odd_corners};
+use super::rows::{Places, Rows, columns, for_each_bit, moved_down, moved_up};
 
 /// Numbers of the places of a corner in the keys of further vertices: fans 1 to 3, then two for the edge along each
 /// axis.
@@ -26,10 +26,12 @@ pub struct Layer {
     pub odd: Vec<u64>,
     /// Corners with several fans or at either end of an edge that may be pinched.
     pub ambiguous: Vec<u64>,
-    /// Rank of the first corner of each row.
+    /// Rank of the first corner of each row, and the number of corners.
     row_starts: Vec<u32>,
+    /// The place of each corner along x, by rank.
+    places: Vec<u16>,
     /// The octants of each corner, by rank.
-    pub octants: Vec<u8>,
+    octants: Vec<u8>,
     /// Keys of the further vertices, rising; those of pinched edges along z by themselves.
     further: Vec<u32>,
     further_z: Vec<u32>,
@@ -54,41 +56,46 @@ impl Layer {
             corners: vec![0; width * (height + 1)],
             odd: vec![0; width * (height + 1)],
             ambiguous: Vec::new(),
-            row_starts: Vec::with_capacity(height + 1),
+            row_starts: Vec::with_capacity(height + 2),
+            places: Vec::new(),
             octants: Vec::new(),
             further: Vec::new(),
             further_z: Vec::new(),
             has_odd: false,
         };
-        let is_odd = &*IS_ODD;
+        let (mut places, mut octants) = (Places::new(width), vec![0; 64 * width]);
         for y in 0..=height {
             layer.row_starts.push(layer.octants.len() as u32);
+            places.clear();
             let [a, b] = [y as i64 - 1, y as i64];
             let around = [rows.row(a, z - 1), rows.row(b, z - 1), rows.row(a, z), rows.row(b, z)];
             for i in 0..width {
-                let high = around.map(|row| row[i]);
-                let low = around.map(|row| moved_up(row, i));
-                let any = high.iter().chain(&low).fold(0, |all, bits| all | bits);
-                let all = high.iter().chain(&low).fold(u64::MAX, |all, bits| all & bits);
+                // By octants.
+                let mut words = [0; 8];
+                for (j, row) in around.iter().enumerate() {
+                    (words[2 * j], words[2 * j + 1]) = (moved_up(row, i), row[i]);
+                }
+                let any = words.iter().fold(0, |all, bits| all | bits);
+                let all = words.iter().fold(u64::MAX, |all, bits| all & bits);
                 let corners = any & !all;
                 if corners == 0 {
                     continue;
                 }
+                let odd = odd_corners(&words);
                 layer.corners[y * width + i] = corners;
-                layer.octants.reserve(64);
-                let mut odd = 0;
-                for_each_bit(corners, |bit| {
-                    let octants = (0..4).fold(0, |octants, j| {
-                        let pair = (low[j] >> bit & 1) | (high[j] >> bit & 1) << 1;
-                        octants | (pair as u8) << (2 * j)
-                    });
-                    layer.octants.push(octants);
-                    odd |= u64::from(is_odd[octants as usize]) << bit;
-                });
                 layer.odd[y * width + i] = odd;
                 layer.has_odd |= odd != 0;
+                places.add(i, corners);
+                let octants = &mut octants[64 * i..64 * (i + 1)];
+                for (byte, octants) in octants.as_chunks_mut::<8>().0.iter_mut().enumerate() {
+                    *octants = columns(&words, byte);
+                }
             }
+            let places = places.of_row();
+            layer.places.extend_from_slice(places);
+            layer.octants.extend(places.iter().map(|&x| octants[usize::from(x)]));
         }
+        layer.row_starts.push(layer.octants.len() as u32);
         if layer.has_odd {
             layer.ambiguous = layer.odd.clone();
             layer.find_further();
@@ -98,7 +105,7 @@ impl Layer {
 
     /// Lists the further vertices of the layer's own corners and of its edges along x and y.
     fn find_further(&mut self) {
-        for y in 0..self.row_starts.len() {
+        for y in 0..self.height() {
             for i in 0..self.width {
                 let odd = self.odd[y * self.width + i];
                 let mut kept = 0;
@@ -128,7 +135,7 @@ impl Layer {
         if !self.has_odd {
             return;
         }
-        for y in 0..self.row_starts.len() {
+        for y in 0..self.height() {
             for i in 0..self.width {
                 for_each_bit(
                     self.odd[y * self.width + i] & above.corners[y * self.width + i],
@@ -142,6 +149,11 @@ impl Layer {
                 );
             }
         }
+    }
+
+    /// Number of corners, the first vertices.
+    pub fn corner_count(&self) -> usize {
+        self.octants.len()
     }
 
     /// Number of vertices.
@@ -168,7 +180,12 @@ impl Layer {
 
     /// Whether the lattice has corners at y.
     pub fn has_row(&self, y: usize) -> bool {
-        y < self.row_starts.len()
+        y < self.height()
+    }
+
+    /// Rows of corners.
+    fn height(&self) -> usize {
+        self.row_starts.len() - 1
     }
 
     /// The octants of the corner at (x, y), which must be of the surface.
@@ -219,36 +236,41 @@ impl Layer {
         })
     }
 
-    /// Calls `f` with place and octants of each corner, in the order of their numbers.
-    #[inline(always)]
-    pub fn for_each_corner(&self, mut f: impl FnMut([usize; 2], u8)) {
-        let mut rank = 0;
-        for (y, row) in self.corners.chunks_exact(self.width).enumerate() {
-            for (i, &word) in row.iter().enumerate() {
-                for_each_bit(word, |bit| {
-                    f([64 * i + bit, y], self.octants[rank]);
-                    rank += 1;
-                });
-            }
-        }
+    /// The corners by rows, in the order of their numbers: y, the places along x, and the octants of each.
+    pub fn rows(&self) -> impl Iterator<Item = (usize, &[u16], &[u8])> {
+        (0..self.height()).map(|y| {
+            let row = self.row_starts[y] as usize..self.row_starts[y + 1] as usize;
+            (y, &self.places[row.clone()], &self.octants[row])
+        })
     }
 
     /// Writes the numbers of the corners of row `y` to their places in `numbers`, from `base` on.
     #[inline(always)]
     pub fn number_row(&self, y: usize, base: u32, numbers: &mut [u32]) {
-        let mut next = base + self.row_starts[y];
-        let words = &self.corners[y * self.width..(y + 1) * self.width];
-        for (&word, numbers) in words.iter().zip(numbers.as_chunks_mut::<64>().0) {
-            for_each_bit(word, |bit| {
-                numbers[bit % 64] = next;
-                next += 1;
-            });
+        let (first, end) = (self.row_starts[y], self.row_starts[y + 1]);
+        let places = &self.places[first as usize..end as usize];
+        for (&place, number) in places.iter().zip(base + first..) {
+            numbers[usize::from(place)] = number;
         }
+    }
+
+    /// Whether a row has no odd corner.
+    pub fn is_plain_row(&self, y: usize) -> bool {
+        self.odd_row(y).iter().all(|&word| word == 0)
+    }
+
+    fn odd_row(&self, y: usize) -> &[u64] {
+        &self.odd[y * self.width..(y + 1) * self.width]
+    }
+
+    /// Whether the corner at (x, y) is odd.
+    pub fn is_odd(&self, x: u16, y: usize) -> bool {
+        self.odd[y * self.width + usize::from(x) / 64] >> (x % 64) & 1 != 0
     }
 
     /// Bits of the places of row `y` whose corner, or the next one, is odd.
     pub fn odd_beside(&self, y: usize, i: usize) -> u64 {
-        let row = &self.odd[y * self.width..(y + 1) * self.width];
+        let row = self.odd_row(y);
         row[i] | moved_down(row, i)
     }
 }

@@ -4,12 +4,14 @@
 //! of the voxels, or on the smooth surface, as in surface nets (Gibson, "Constrained elastic surface nets", 1998).
 //! Takes corners of the lattice with the octants around them; gives positions in grid coordinates.
 
-use glam::{IVec3, UVec3, Vec3};
+use std::sync::LazyLock;
 
-use super::contact::{CORNERS, Corner, Fan, beside, voxel_of};
+use glam::{IVec3, UVec3, Vec3, Vec3A};
+
+use super::contact::{CORNERS, Fan, MOST_FANS, beside, voxel_of};
 use crate::sculpture::history::Contents;
 use crate::sculpture::{Grid, Rgb};
-use crate::shade::LevelSet;
+use crate::shade::{LevelLayer, LevelSet};
 
 /// How far vertices that share a corner of the lattice are moved apart, so that a mesh without shared vertices, as
 /// in an .stl file, is a manifold, too.
@@ -17,27 +19,36 @@ pub const GAP_VX: f32 = 1.0 / 64.0;
 
 /// Places the vertices of a mesh.
 pub trait Place: Sync {
+    /// What is kept of the voxels beside a layer of the lattice while its vertices are placed.
+    type Layer: Default;
+
+    /// Makes `layer` that of the corners at `z`; it may be that of any others before.
+    fn enter(&self, layer: &mut Self::Layer, z: i32);
     /// The vertex of a corner with one fan.
-    fn only(&self, corner: IVec3, octants: u8) -> Vec3 {
-        self.fan(corner, octants, 0)
+    fn only(&self, layer: &Self::Layer, corner: IVec3, octants: u8) -> Vec3 {
+        self.fan(layer, corner, octants, 0)
     }
     /// The vertex of a fan of the corner at `corner`, around which `octants` exist.
-    fn fan(&self, corner: IVec3, octants: u8, fan: usize) -> Vec3;
+    fn fan(&self, layer: &Self::Layer, corner: IVec3, octants: u8, fan: usize) -> Vec3;
     /// The vertex in the middle of the pinched edge from `corner` along `axis`, on the side of the existing `octant`.
-    fn middle(&self, corner: IVec3, axis: usize, octant: usize) -> Vec3;
+    fn middle(&self, layer: &Self::Layer, corner: IVec3, axis: usize, octant: usize) -> Vec3;
 }
 
 /// At the corners of the voxels.
 pub struct AtCorners;
 
 impl Place for AtCorners {
+    type Layer = ();
+
+    fn enter(&self, (): &mut (), _: i32) {}
+
     #[inline(always)]
-    fn only(&self, corner: IVec3, _: u8) -> Vec3 {
+    fn only(&self, (): &(), corner: IVec3, _: u8) -> Vec3 {
         corner.as_vec3()
     }
 
     #[inline(always)]
-    fn fan(&self, corner: IVec3, octants: u8, fan: usize) -> Vec3 {
+    fn fan(&self, (): &(), corner: IVec3, octants: u8, fan: usize) -> Vec3 {
         let table = &CORNERS[octants as usize];
         match table.count {
             1 => corner.as_vec3(),
@@ -45,7 +56,7 @@ impl Place for AtCorners {
         }
     }
 
-    fn middle(&self, corner: IVec3, axis: usize, octant: usize) -> Vec3 {
+    fn middle(&self, (): &(), corner: IVec3, axis: usize, octant: usize) -> Vec3 {
         let mut towards = voxel_of(octant).as_vec3() + 0.5;
         towards[axis] = 0.0;
         let mut middle = corner.as_vec3() + towards.normalize() * GAP_VX;
@@ -54,74 +65,102 @@ impl Place for AtCorners {
     }
 }
 
-/// The edge of a cell that crosses a face: its octants, and where it begins and leads.
+/// What a fan's vertex is computed from: the mean of the places where the surface crosses its edges.
 #[derive(Clone, Copy)]
-struct Edge {
-    low: u8,
-    high: u8,
-    start: Vec3,
-    step: Vec3,
+#[repr(align(64))]
+struct Mean {
+    /// The mean of the lower ends of the edges, from the corner of the lattice.
+    start: Vec3A,
+    /// The weight of the four edges along each axis; 0 where an edge is not the fan's.
+    weights: [Vec3A; 4],
 }
 
-/// The edges across the twelve faces; the last four are no faces.
-const EDGES: [Edge; 16] = {
-    let mut edges = [Edge { low: 0, high: 0, start: Vec3::ZERO, step: Vec3::ZERO }; 16];
-    let mut face = 0;
-    while face < 12 {
-        let [low, high] = beside(face);
-        let start = Vec3::new((low & 1) as f32, (low >> 1 & 1) as f32, (low >> 2) as f32);
-        let step = [Vec3::X, Vec3::Y, Vec3::Z][face / 4];
-        edges[face] = Edge { low: low as u8, high: high as u8, start, step };
-        face += 1;
+impl Mean {
+    fn of(faces: u16) -> Mean {
+        let weight = 1.0 / faces.count_ones().max(1) as f32;
+        let mut mean = Mean { start: Vec3A::splat(-0.5), weights: [Vec3A::ZERO; 4] };
+        for face in (0..12).filter(|face| faces >> face & 1 != 0) {
+            let [low, _] = beside(face);
+            mean.start += (voxel_of(low) + 1).as_vec3a() * weight;
+            mean.weights[face % 4][face / 4] = weight;
+        }
+        mean
     }
-    edges
-};
+}
+
+/// Those of all fans of all corners.
+static MEANS: LazyLock<[[Mean; MOST_FANS]; 256]> =
+    LazyLock::new(|| CORNERS.each_ref().map(|corner| corner.fans.map(|fan| Mean::of(fan.faces))));
 
 /// On the smooth surface: in the mean of the places where it crosses the edges of a cell between voxel centres.
 pub struct OnSurface<'a> {
-    /// The voxels.
-    pub grid: &'a Grid,
-    /// Their smooth surface.
-    pub levels: &'a LevelSet,
-    corners: &'static [Corner; 256],
+    grid: &'a Grid,
+    levels: &'a LevelSet,
+    means: &'static [[Mean; MOST_FANS]; 256],
+}
+
+/// The levels of the voxels below and above a layer of the lattice.
+#[derive(Default)]
+pub struct LevelsBeside {
+    z: Option<i32>,
+    low: LevelLayer,
+    high: LevelLayer,
+}
+
+impl LevelsBeside {
+    /// Distances of the eight voxels around a corner from the surface, on either side, in any unit.
+    #[inline(always)]
+    fn distances(&self, corner: IVec3) -> [f32; 8] {
+        let [x, y] = [corner.x as usize, corner.y as usize];
+        LevelLayer::corners(&self.low, &self.high, [x, y]).map(|level| f32::from(level).abs())
+    }
 }
 
 impl<'a> OnSurface<'a> {
     /// On the smooth surface of `grid`.
     pub fn new(grid: &'a Grid, levels: &'a LevelSet) -> OnSurface<'a> {
-        OnSurface { grid, levels, corners: &CORNERS }
-    }
-
-    /// How far the surface is from octant `from` on the way to `to`, as a share of it.
-    #[inline(always)]
-    fn share(levels: &[f32; 8], from: usize, to: usize) -> f32 {
-        let (a, b) = (levels[from].abs(), levels[to].abs());
-        a / (a + b)
+        OnSurface { grid, levels, means: &MEANS }
     }
 }
 
 impl Place for OnSurface<'_> {
-    #[inline(always)]
-    fn fan(&self, corner: IVec3, octants: u8, fan: usize) -> Vec3 {
-        let levels = self.levels.corners(self.grid, corner);
-        let faces = self.corners[octants as usize].fans[fan].faces;
-        let (mut sum, mut count) = (Vec3::ZERO, 0.0);
-        let mut rest = faces;
-        while rest != 0 {
-            let Edge { low, high, start, step } = &EDGES[rest.trailing_zeros() as usize % 16];
-            rest &= rest - 1;
-            let (a, b) = (levels[*low as usize % 8].abs(), levels[*high as usize % 8].abs());
-            sum += *start + *step * (a / (a + b));
-            count += 1.0;
+    type Layer = LevelsBeside;
+
+    fn enter(&self, layer: &mut LevelsBeside, z: i32) {
+        if layer.z.is_some_and(|before| before + 1 == z) {
+            std::mem::swap(&mut layer.low, &mut layer.high);
+        } else {
+            layer.low.read(self.levels, self.grid, i64::from(z) - 1);
         }
-        corner.as_vec3() - 0.5 + sum / count
+        layer.high.read(self.levels, self.grid, z.into());
+        layer.z = Some(z);
     }
 
-    fn middle(&self, corner: IVec3, axis: usize, octant: usize) -> Vec3 {
-        let levels = self.levels.corners(self.grid, corner);
+    #[inline(always)]
+    fn fan(&self, layer: &LevelsBeside, corner: IVec3, octants: u8, fan: usize) -> Vec3 {
+        let d = layer.distances(corner);
+        let Mean { start, weights } = &self.means[octants as usize][fan];
+        // The octants below and above the faces 0, 4 and 8 and those that follow, as `beside` says.
+        let ends = [
+            [[d[0], d[0], d[0]], [d[1], d[2], d[4]]],
+            [[d[2], d[4], d[1]], [d[3], d[6], d[5]]],
+            [[d[4], d[1], d[2]], [d[5], d[3], d[6]]],
+            [[d[6], d[5], d[3]], [d[7], d[7], d[7]]],
+        ];
+        let mut place = corner.as_vec3a() + *start;
+        for ([low, high], weights) in ends.into_iter().zip(weights) {
+            let low = Vec3A::from_array(low);
+            place += low / (low + Vec3A::from_array(high)) * *weights;
+        }
+        place.into()
+    }
+
+    fn middle(&self, layer: &LevelsBeside, corner: IVec3, axis: usize, octant: usize) -> Vec3 {
+        let distances = layer.distances(corner);
         let mut middle = (voxel_of(octant) + 1).as_vec3();
         for other in [(axis + 1) % 3, (axis + 2) % 3] {
-            let share = Self::share(&levels, octant, octant ^ 1 << other);
+            let (a, b) = (distances[octant], distances[octant ^ 1 << other]);
+            let share = a / (a + b);
             let step = if octant >> other & 1 != 0 { -share } else { share };
             middle[other] += 0.5 * step;
         }

@@ -72,6 +72,22 @@ impl Rows {
         }
     }
 
+    /// Number of faces between an existing voxel and an empty one, of those that the voxels of some layers have below
+    /// them along each axis.
+    pub fn faces(&self, layers: Range<u32>) -> usize {
+        let mut faces = 0;
+        for (z, y) in layers.flat_map(|z| (0..=self.height as i64).map(move |y| (i64::from(z), y)))
+        {
+            let (here, below, before) = (self.row(y, z), self.row(y, z - 1), self.row(y - 1, z));
+            for i in 0..self.width {
+                let others = [moved_up(here, i), below[i], before[i]];
+                faces +=
+                    others.map(|other| (other ^ here[i]).count_ones()).iter().sum::<u32>() as usize;
+            }
+        }
+        faces
+    }
+
     /// The row at (y, z): bit x of its words is the voxel at x. Empty beyond the grid.
     #[inline]
     pub fn row(&self, y: i64, z: i64) -> &[u64] {
@@ -97,6 +113,69 @@ pub fn moved_down(row: &[u64], i: usize) -> u64 {
     row[i] >> 1 | row.get(i + 1).map_or(0, |next| next << 63)
 }
 
+/// The places of the bits that are set in the words of one row, rising.
+///
+/// Eight places are written at a time, needed or not: a loop that ends after as many steps as a word has bits is
+/// mostly mispredicted, and costs more than the steps. (The way of simdjson: Langdale and Lemire, "Parsing gigabytes of
+/// JSON per second", 2019, section 3.2.)
+pub struct Places {
+    /// Those after the first `count` mean nothing.
+    places: Vec<u16>,
+    count: usize,
+}
+
+impl Places {
+    /// For rows of `width` words, at most 1024.
+    pub fn new(width: usize) -> Places {
+        Places { places: vec![0; 64 * width + 8], count: 0 }
+    }
+
+    /// Begins a row.
+    pub fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    /// Adds the places of the word `i` of the row.
+    #[inline(always)]
+    pub fn add(&mut self, i: usize, word: u64) {
+        let (mut rest, mut at) = (word, self.count);
+        self.count += word.count_ones() as usize;
+        while let Some(places) = self.places[at..].first_chunk_mut::<8>() {
+            for place in places {
+                *place = (64 * i) as u16 + rest.trailing_zeros() as u16;
+                rest &= rest.wrapping_sub(1);
+            }
+            if rest == 0 {
+                break;
+            }
+            at += 8;
+        }
+    }
+
+    /// The places of the words that were added since the row began.
+    #[inline(always)]
+    pub fn of_row(&self) -> &[u16] {
+        &self.places[..self.count]
+    }
+}
+
+/// Byte `i` has the bits of place `i` of the bytes at `byte` of eight words: that of the first word is its lowest.
+/// (A transposition of 8 x 8 bits; Warren, "Hacker's Delight", 2nd edition, section 7-3.)
+#[inline(always)]
+pub fn columns(words: &[u64; 8], byte: usize) -> [u8; 8] {
+    let mut bits = 0;
+    for (row, word) in words.iter().enumerate() {
+        bits |= (word >> (8 * byte) & 0xFF) << (8 * row);
+    }
+    for (distance, mask) in
+        [(7, 0x00AA_00AA_00AA_00AA), (14, 0x0000_CCCC_0000_CCCC), (28, 0x0000_0000_F0F0_F0F0)]
+    {
+        let swapped = (bits ^ bits >> distance) & mask;
+        bits ^= swapped ^ swapped << distance;
+    }
+    bits.to_le_bytes()
+}
+
 /// Calls `f` with the places of the bits that are set, rising.
 #[inline(always)]
 pub fn for_each_bit(mut bits: u64, mut f: impl FnMut(usize)) {
@@ -111,6 +190,16 @@ mod tests {
     use super::*;
     use crate::scenes::Random;
     use glam::{IVec3, Vec3};
+
+    #[test]
+    fn columns_are_bits_of_one_place() {
+        let mut random = Random(7);
+        let words: [u64; 8] = std::array::from_fn(|_| random.next_u64());
+        for place in 0..64 {
+            let expected = (0..8).fold(0, |all, row| all | (words[row] >> place & 1) << row);
+            assert_eq!(u64::from(columns(&words, place / 8)[place % 8]), expected);
+        }
+    }
 
     #[test]
     fn rows_are_the_voxels() {

@@ -8,10 +8,9 @@ use std::ops::Range;
 
 use glam::IVec3;
 
-use super::contact::IS_ODD;
 use super::layer::{Further, Layer};
 use super::place::{Place, colour, octant_of_edge, solid_of};
-use super::rows::{Rows, for_each_bit, moved_up, row_words};
+use super::rows::{Places, Rows, for_each_bit, moved_up, row_words};
 use super::{Part, push_polygon};
 use crate::sculpture::history::Contents;
 
@@ -42,13 +41,21 @@ impl<P: Place> Slab<'_, P> {
         let (first, end) = (i64::from(layers.start), i64::from(layers.end));
         let rows = Rows::of(&self.contents.grid, first - 1..end + 1);
         let mut part = Part::default();
+        // A surface has about as many vertices as faces.
+        let faces = rows.faces(layers.clone());
+        part.quads.reserve_exact(faces);
+        part.positions.reserve_exact(faces);
+        if self.coloured {
+            part.colours.reserve_exact(faces);
+        }
         let mut layer = Layer::new(&rows, width, height, first);
+        let mut near = P::Layer::default();
         let mut base = 0;
         for z in layers {
             let above = Layer::new(&rows, width, height, i64::from(z) + 1);
             layer.find_edges_to(&above);
             let base_above = base + layer.count() as u32;
-            self.put_vertices(&layer, z as i32, &mut part);
+            self.put_vertices(&layer, &mut near, z as i32, &mut part);
             let both =
                 [Numbered { layer: &layer, base }, Numbered { layer: &above, base: base_above }];
             put_faces(&rows, height, z, both, &mut part);
@@ -57,32 +64,41 @@ impl<P: Place> Slab<'_, P> {
         part
     }
 
-    fn put_vertices(&self, layer: &Layer, z: i32, part: &mut Part) {
+    fn put_vertices(&self, layer: &Layer, near: &mut P::Layer, z: i32, part: &mut Part) {
         let Part { positions, colours, .. } = part;
+        if layer.count() == 0 {
+            return;
+        }
+        self.place.enter(near, z);
         positions.reserve(layer.count());
-        let is_odd = &*IS_ODD;
-        layer.for_each_corner(|[x, y], octants| {
-            let corner = IVec3::new(x as i32, y as i32, z);
-            positions.push(match is_odd[octants as usize] {
-                true => self.place.fan(corner, octants, 0),
-                false => self.place.only(corner, octants),
-            });
-        });
-        if self.coloured {
-            colours.reserve(layer.count());
-            layer.for_each_corner(|[x, y], octants| {
-                let corner = IVec3::new(x as i32, y as i32, z);
-                colours.push(colour(self.contents, corner, solid_of(octants, 0)));
-            });
+        for (y, places, octants) in layer.rows() {
+            let at = |x: u16| IVec3::new(x.into(), y as i32, z);
+            let corners = || places.iter().zip(octants).map(|(&x, &octants)| (x, octants));
+            match layer.is_plain_row(y) {
+                true => positions
+                    .extend(corners().map(|(x, octants)| self.place.only(near, at(x), octants))),
+                false => positions.extend(corners().map(|(x, octants)| match layer.is_odd(x, y) {
+                    true => self.place.fan(near, at(x), octants, 0),
+                    false => self.place.only(near, at(x), octants),
+                })),
+            }
+            if self.coloured {
+                colours.extend(
+                    corners()
+                        .map(|(x, octants)| colour(self.contents, at(x), solid_of(octants, 0))),
+                );
+            }
         }
         for ([x, y], further) in layer.further() {
             let corner = IVec3::new(x as i32, y as i32, z);
             let octants = layer.octants_at(x, y);
             let (position, solid) = match further {
-                Further::Fan(fan) => (self.place.fan(corner, octants, fan), solid_of(octants, fan)),
+                Further::Fan(fan) => {
+                    (self.place.fan(near, corner, octants, fan), solid_of(octants, fan))
+                }
                 Further::Middle { axis, side } => {
                     let octant = octant_of_edge(octants, axis, side);
-                    (self.place.middle(corner, axis, octant), 1 << octant)
+                    (self.place.middle(near, corner, axis, octant), 1 << octant)
                 }
             };
             positions.push(position);
@@ -99,6 +115,9 @@ fn put_faces(rows: &Rows, height: usize, z: u32, layers: [Numbered; 2], part: &m
     let is_plain = layers.iter().all(|numbered| numbered.layer.is_plain());
     // The numbers of the corners of rows y and y + 1, here and above.
     let mut numbers: [Vec<u32>; 4] = std::array::from_fn(|_| vec![0; 64 * width]);
+    // The faces of a row along each axis, but those with an odd corner; and the row moved up by one voxel.
+    let mut faces: [Places; 3] = std::array::from_fn(|_| Places::new(width));
+    let mut left = vec![0; width];
     for (i, Numbered { layer, base }) in layers.iter().enumerate() {
         layer.number_row(0, *base, &mut numbers[2 * i]);
     }
@@ -111,11 +130,10 @@ fn put_faces(rows: &Rows, height: usize, z: u32, layers: [Numbered; 2], part: &m
         let (row, depth) = (y as i64, i64::from(z));
         let [here, below, before] = [(row, depth), (row, depth - 1), (row - 1, depth)];
         let [here, below, before] = [here, below, before].map(|(y, z)| rows.row(y, z));
-        let [a, b, c, d] = numbers.each_ref().map(|row| row.as_chunks::<64>().0);
-        let quads = &mut part.quads;
+        faces.iter_mut().for_each(Places::clear);
         for i in 0..width {
-            let left = moved_up(here, i);
-            let (here, below, before) = (here[i], below[i], before[i]);
+            left[i] = moved_up(here, i);
+            let (left, here, below, before) = (left[i], here[i], below[i], before[i]);
             if here == left && here == below && here == before {
                 continue;
             }
@@ -126,27 +144,23 @@ fn put_faces(rows: &Rows, height: usize, z: u32, layers: [Numbered; 2], part: &m
                     odd |= if y < height { layer.odd_beside(y + 1, i) } else { 0 };
                 }
             }
-            let plain = !odd;
-            let [a, b, c, d] = [&a[i], &b[i], &c[i], &d[i]];
-            // Faces that look down have their second and fourth vertex swapped.
-            let mut put = |bit: usize, up: u64, [first, second, third, fourth]: [u32; 4]| {
-                let down = ((up >> bit & 1) as u32).wrapping_sub(1);
-                let swapped = (second ^ fourth) & down;
-                quads.push([first, second ^ swapped, third, fourth ^ swapped]);
-            };
-            for_each_bit((left ^ here) & plain, |bit| {
-                let x = bit % 64;
-                put(bit, left, [a[x], b[x], d[x], c[x]]);
-            });
-            for_each_bit((before ^ here) & plain, |bit| {
-                let x = bit % 64;
-                put(bit, before, [a[x], c[x], c[x] + 1, a[x] + 1]);
-            });
-            for_each_bit((below ^ here) & plain, |bit| {
-                let x = bit % 64;
-                put(bit, below, [a[x], a[x] + 1, b[x] + 1, b[x]]);
-            });
+            for (faces, other) in faces.iter_mut().zip([left, before, below]) {
+                faces.add(i, (other ^ here) & !odd);
+            }
         }
+        // Faces that look down have their second and fourth vertex swapped.
+        let turned = |x: usize, up: &[u64], [first, second, third, fourth]: [u32; 4]| {
+            let down = ((up[x / 64] >> (x % 64) & 1) as u32).wrapping_sub(1);
+            let swapped = (second ^ fourth) & down;
+            [first, second ^ swapped, third, fourth ^ swapped]
+        };
+        let [a, b, c, d] = numbers.each_ref().map(|row| &row[..64 * width]);
+        let quads = &mut part.quads;
+        let [along_x, along_y, along_z] =
+            faces.each_ref().map(|faces| faces.of_row().iter().map(|&x| usize::from(x)));
+        quads.extend(along_x.map(|x| turned(x, &left, [a[x], b[x], d[x], c[x]])));
+        quads.extend(along_y.map(|x| turned(x, before, [a[x], c[x], c[x] + 1, a[x] + 1])));
+        quads.extend(along_z.map(|x| turned(x, below, [a[x], a[x] + 1, b[x] + 1, b[x]])));
         if !is_plain {
             put_odd_faces(rows, [y, z as usize], &layers, part);
         }

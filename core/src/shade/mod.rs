@@ -30,7 +30,7 @@ pub mod tone;
 
 pub use ground::{Ground, GroundLight, GroundPicture, GroundPlane};
 pub use illumination::Illumination;
-pub use level_set::{LevelSampler, LevelSet};
+pub use level_set::{LevelLayer, LevelSampler, LevelSet};
 pub use light::{
     Light, LightFrame, LightSource, Lighting, MAX_LIGHTS, MAX_SHININESS, Shadow, Smoothing,
 };

@@ -100,7 +100,7 @@ impl Numbers {
         if let Some((layer, further)) = &self.odd[z] {
             let fan = layer.corner(x, y).map_or(0, |corner| corner.fan_of[face] as usize);
             if fan > 0 {
-                return further + (layer.fan(x, y, fan) - layer.octants.len()) as u32;
+                return further + (layer.fan(x, y, fan) - layer.corner_count()) as u32;
             }
         }
         let row = z * self.height + y;
@@ -113,7 +113,7 @@ impl Numbers {
     pub fn middle(&self, [x, y, z]: [usize; 3], axis: usize, side: usize) -> Option<u32> {
         let (layer, further) = self.odd[z].as_ref()?;
         let at = layer.middle(x, y, axis, side)?;
-        Some(further + (at - layer.octants.len()) as u32)
+        Some(further + (at - layer.corner_count()) as u32)
     }
 
     /// Adds all vertices.
@@ -134,7 +134,12 @@ impl Numbers {
                     let (x, y) = (64 * (i % self.width) + bit, i / self.width);
                     let corner = IVec3::new(x as i32, y as i32, z as i32);
                     let octants = octants_around(&contents.grid, corner);
-                    put(corner, octants, AtCorners.fan(corner, octants, 0), solid_of(octants, 0));
+                    put(
+                        corner,
+                        octants,
+                        AtCorners.fan(&(), corner, octants, 0),
+                        solid_of(octants, 0),
+                    );
                 });
             }
             let Some((layer, _)) = &self.odd[z] else { continue };
@@ -143,11 +148,11 @@ impl Numbers {
                 let octants = layer.octants_at(x, y);
                 let (position, solid) = match further {
                     Further::Fan(fan) => {
-                        (AtCorners.fan(corner, octants, fan), solid_of(octants, fan))
+                        (AtCorners.fan(&(), corner, octants, fan), solid_of(octants, fan))
                     }
                     Further::Middle { axis, side } => {
                         let octant = octant_of_edge(octants, axis, side);
-                        (AtCorners.middle(corner, axis, octant), 1 << octant)
+                        (AtCorners.middle(&(), corner, axis, octant), 1 << octant)
                     }
                 };
                 put(corner, octants, position, solid);

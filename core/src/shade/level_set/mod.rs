@@ -15,6 +15,7 @@
 //! which bricks are computed, nor on threads.
 
 mod band;
+mod layer;
 mod light_ray;
 mod ray;
 mod sample;
@@ -32,6 +33,7 @@ use crate::sculpture::brick_set::BrickSet;
 use crate::sculpture::{Grid, GridError};
 use crate::view::PixelRays;
 
+pub use self::layer::LevelLayer;
 pub use self::light_ray::BEYOND_VOXELS_VX;
 pub use self::ray::{CellCache, SurfaceHit};
 pub use self::sample::LevelSampler;
@@ -184,13 +186,7 @@ impl LevelSet {
     pub fn level(&self, grid: &Grid, v: IVec3) -> i8 {
         let inside = v.clamp(IVec3::ZERO, grid.dims().as_ivec3() - 1);
         let level = self.level_inside(grid, inside.as_uvec3());
-        match level {
-            _ if inside == v => level,
-            level if level < 0 => {
-                (level as i32 + PackedDepth::PER_VX as i32).max(LEAST.into()) as i8
-            }
-            _ => FAR,
-        }
+        if inside == v { level } else { beyond(level) }
     }
 
     #[inline(always)]
@@ -285,6 +281,15 @@ impl LevelSet {
     pub fn heap_bytes(&self) -> u64 {
         let pages = (self.pages.len() * size_of::<PageLevels>() + self.table.len() * 4) as u64;
         pages + self.cells.heap_bytes()
+    }
+}
+
+/// The level beyond the grid's border at a voxel with this level.
+#[inline(always)]
+fn beyond(level: i8) -> i8 {
+    match level {
+        ..0 => (i32::from(level) + PackedDepth::PER_VX as i32).max(LEAST.into()) as i8,
+        _ => FAR,
     }
 }
 

@@ -149,6 +149,29 @@ fn signs_are_those_of_the_voxels() {
     }
 }
 
+#[test]
+fn layers_have_the_levels_of_cells() {
+    // A brick's edge, beside one, and a grid of a single voxel.
+    for (dims, seed) in [([16, 8, 24], 1), ([9, 17, 7], 2), ([1, 1, 1], 3), ([3, 8, 9], 4)] {
+        let mut random = scenes::Random(seed);
+        let mut grid = Grid::new(UVec3::from_array(dims), Vec3::ONE, 1 << 24).unwrap();
+        for v in voxels(&grid.clone()) {
+            grid.set(v, !random.next_u64().is_multiple_of(3));
+        }
+        let (_, levels) = smooth(&grid);
+        let [mut low, mut high] = [LevelLayer::default(), LevelLayer::default()];
+        for z in 0..=dims[2] as i32 {
+            low.read(&levels, &grid, i64::from(z) - 1);
+            high.read(&levels, &grid, z.into());
+            for (x, y) in (0..=dims[0]).flat_map(|x| (0..=dims[1]).map(move |y| (x, y))) {
+                let here = LevelLayer::corners(&low, &high, [x as usize, y as usize]);
+                let expected = levels.corners(&grid, IVec3::new(x as i32, y as i32, z));
+                assert_eq!(here.map(f32::from), expected, "{dims:?} {x} {y} {z}");
+            }
+        }
+    }
+}
+
 /// What follows edits is what is made anew.
 #[test]
 fn edits_are_followed() {

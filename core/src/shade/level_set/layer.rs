@@ -1,0 +1,102 @@
+//! The levels of one layer of voxels, as plain rows: where many cells are visited in turn, each page is read once.
+//!
+//! Takes a level set and its grid, gives the levels of cells between two layers.
+
+use glam::{UVec2, UVec3};
+
+use super::{LevelSet, NO_PAGE, beyond, place};
+use crate::sculpture::Grid;
+use crate::sculpture::brick::BRICK_EDGE_VX;
+
+/// The levels of the voxels of a layer along z, with a margin of one voxel around the grid.
+#[derive(Clone, Default, Debug)]
+pub struct LevelLayer {
+    /// Voxels of a row, with its margins.
+    width: usize,
+    /// Rows y = -1, 0, ... of voxels x = -1, 0, ...
+    levels: Vec<i8>,
+}
+
+impl LevelLayer {
+    /// Reads the layer `z` of `grid`, which may be the one before its first or after its last.
+    pub fn read(&mut self, set: &LevelSet, grid: &Grid, z: i64) {
+        let dims = grid.dims();
+        let UVec2 { x: width, y: height } = dims.truncate() + 2;
+        let (width, height) = (width as usize, height as usize);
+        self.width = width;
+        self.levels.resize(width * height, 0);
+        let inside = z.clamp(0, i64::from(dims.z) - 1);
+        self.read_inside(set, grid, inside as u32);
+        for row in self.levels[width..width * (height - 1)].chunks_exact_mut(width) {
+            row[0] = beyond(row[1]);
+            row[width - 1] = beyond(row[width - 2]);
+        }
+        let (first, last) = (width, width * (height - 2));
+        for (to, from) in [(0, first), (width * (height - 1), last)] {
+            for x in 0..width {
+                let at_border = self.levels[from + x.clamp(1, width - 2)];
+                self.levels[to + x] = beyond(at_border);
+            }
+        }
+        if inside != z {
+            // The margins are beyond the border already, seen from voxels inside.
+            for row in self.levels[width..width * (height - 1)].chunks_exact_mut(width) {
+                row[1..width - 1].iter_mut().for_each(|level| *level = beyond(*level));
+            }
+        }
+    }
+
+    /// Reads the voxels of the layer, without margins.
+    fn read_inside(&mut self, set: &LevelSet, grid: &Grid, z: u32) {
+        let dims = grid.dims();
+        let bricks = grid.brick_dims();
+        let (brick_z, local_z) = (z / BRICK_EDGE_VX, z % BRICK_EDGE_VX);
+        for brick_y in 0..bricks.y {
+            let rows = BRICK_EDGE_VX.min(dims.y - brick_y * BRICK_EDGE_VX) as usize;
+            let first_row = (1 + brick_y * BRICK_EDGE_VX) as usize * self.width;
+            for brick_x in 0..bricks.x {
+                let length = BRICK_EDGE_VX.min(dims.x - brick_x * BRICK_EDGE_VX) as usize;
+                let first = first_row + 1 + (brick_x * BRICK_EDGE_VX) as usize;
+                let index = grid.brick_index(UVec3::new(brick_x, brick_y, brick_z));
+                let mut buffer = [0; 64];
+                let levels: &[i8; 64] = match set.table[index] {
+                    NO_PAGE => {
+                        buffer.fill(set.far(grid, index));
+                        &buffer
+                    }
+                    page => {
+                        let slice = &set.pages[page as usize][place(0, 0, local_z)..];
+                        slice.first_chunk().unwrap_or(&buffer)
+                    }
+                };
+                for (y, row) in levels.chunks_exact(8).take(rows).enumerate() {
+                    let to = first + y * self.width;
+                    let to = &mut self.levels[to..to + length];
+                    match to.first_chunk_mut::<8>() {
+                        Some(to) => to.copy_from_slice(row),
+                        None => to.copy_from_slice(&row[..length]),
+                    }
+                }
+            }
+        }
+    }
+
+    /// The levels of the corners of a cell with the voxels `[x - 1, x]` and `[y - 1, y]` of a layer and of the one
+    /// above it: corner `x + 2 y + 4 z`. The cell lies between 0 and the grid's dimensions, both included.
+    #[inline(always)]
+    pub fn corners(low: &LevelLayer, high: &LevelLayer, [x, y]: [usize; 2]) -> [i8; 8] {
+        let first = y * low.width + x;
+        let second = first + low.width;
+        let (a, b) = (&low.levels[..], &high.levels[..]);
+        [
+            a[first],
+            a[first + 1],
+            a[second],
+            a[second + 1],
+            b[first],
+            b[first + 1],
+            b[second],
+            b[second + 1],
+        ]
+    }
+}
