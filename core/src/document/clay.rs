@@ -18,6 +18,7 @@ impl Document {
         surface: SpraySurface,
     ) -> Result<EditStats, CommandError> {
         grab.check().map_err(CommandError::Grab)?;
+        grab.check_steps(self.grid().voxel_size()).map_err(CommandError::Grab)?;
         match surface {
             SpraySurface::Now => self.pull(grab),
             SpraySurface::Stroke => self.instead_of_stroke(|document| document.pull(grab)),

@@ -93,6 +93,10 @@ pub struct Grab {
 
 /// Slope of the pull within one step: below 1 the step can be undone, far below it is followed exactly enough.
 const STEP_SLOPE: f64 = 0.4;
+
+/// Most steps of a pull: more than the longest pull at the smallest ball of cubic voxels takes.
+const MOST_STEPS: usize = 8192;
+
 impl Grab {
     /// An error that names the first invalid field, if there is one.
     pub fn check(&self) -> Result<(), &'static str> {
@@ -108,14 +112,32 @@ impl Grab {
         Ok(())
     }
 
+    /// An error if the pull would take too many steps in voxels of this size: if it leads far along the longest edge of
+    /// thin voxels.
+    pub fn check_steps(&self, voxel_size: Vec3) -> Result<(), &'static str> {
+        match self.steps(voxel_size) <= MOST_STEPS {
+            true => Ok(()),
+            false => Err(
+                "the pull is too long for so small a ball of such long voxels; enlarge it or pull in parts",
+            ),
+        }
+    }
+
+    /// In how many steps the pull is followed.
+    fn steps(&self, voxel_size: Vec3) -> usize {
+        let size = voxel_size.as_dvec3();
+        let way = self.by_vx.as_dvec3() * size / size.min_element();
+        let steepest = self.falloff.steepest() / f64::from(self.radius);
+        (way.length() * steepest / STEP_SLOPE).ceil() as usize
+    }
+
     /// All that this and its mirror images change in `contents`.
     pub fn pulled(&self, contents: &Contents, symmetry: &Symmetry) -> Pulled {
         let (dims, size) = (contents.grid.dims(), contents.grid.voxel_size().as_dvec3());
         let stretch = size / size.min_element();
         let radius = f64::from(self.radius);
-        let steepest = self.falloff.steepest() / radius;
         let by_vx = self.by_vx.as_dvec3();
-        let steps = ((by_vx * stretch).length() * steepest / STEP_SLOPE).ceil() as usize;
+        let steps = self.steps(contents.grid.voxel_size());
         if steps == 0 {
             return Pulled::default();
         }

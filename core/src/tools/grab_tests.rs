@@ -3,7 +3,7 @@
 use glam::{IVec3, UVec3, Vec3};
 use proptest::prelude::*;
 
-use super::grab::{Falloff, Grab, MAX_PULL_VX, MAX_RADIUS};
+use super::grab::{Falloff, Grab, MAX_PULL_VX, MAX_RADIUS, MIN_RADIUS};
 use super::symmetry::{Parity, Symmetry};
 use crate::sculpture::history::Contents;
 use crate::sculpture::{ColourDepth, Grid, Material, Rgb};
@@ -272,5 +272,23 @@ fn numbers_out_of_range_are_refused() {
         Grab { centre_vx: Vec3::splat(1e30), ..good },
     ] {
         assert!(bad.check().is_err(), "{bad:?}");
+    }
+}
+
+#[test]
+fn a_pull_takes_a_bounded_number_of_steps() {
+    let longest = Grab {
+        radius: MIN_RADIUS,
+        by_vx: Vec3::splat(MAX_PULL_VX),
+        falloff: Falloff::Flat,
+        ..carry(Vec3::splat(8.0), Vec3::X)
+    };
+    assert!(longest.check_steps(Vec3::ONE).is_ok());
+    for size in [
+        Vec3::new(1.0, 1e-3, 1.0),
+        Vec3::new(1.0, 1.0, 1e30),
+        Vec3::splat(f32::MAX) * Vec3::new(1.0, 1e-30, 1.0),
+    ] {
+        assert!(longest.check_steps(size).is_err(), "{size}");
     }
 }
