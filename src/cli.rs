@@ -28,7 +28,7 @@ use crate::picture;
 use crate::progress_bar::Bar;
 use crate::render::RenderMode;
 use crate::screen::console;
-use crate::session::Session;
+use crate::session::{FileAccess, Session};
 use crate::terminal;
 use crate::track::{self, TrackArgs};
 
@@ -66,6 +66,9 @@ pub struct Cli {
     /// Record every command as a script, to replay with `run`
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
+    /// Do not save to the file that is opened; another program may have it open meanwhile
+    #[arg(long)]
+    pub read_only: bool,
     /// Keep no journal of this session: a crash loses what is not saved
     #[arg(long)]
     pub no_journal: bool,
@@ -122,6 +125,9 @@ pub enum Job {
         /// does
         #[arg(long)]
         history: bool,
+        /// Do not save to the files that are opened
+        #[arg(long)]
+        read_only: bool,
         /// Keep a journal, as the window does, so that not even a kill loses what was done
         #[arg(long)]
         journal: bool,
@@ -364,6 +370,8 @@ fn window_or_demo(
         if config.saved_history.keep {
             session.keep_saved_histories(config.saved_history.options());
         }
+        let access = if cli.read_only { FileAccess::ReadOnly } else { FileAccess::Locked };
+        session.set_file_access(access);
         if config.journal.keep && !cli.no_journal {
             session.keep_journal(journal_options(&config)).map_err(ProgramError::Journal)?;
         }
@@ -418,6 +426,7 @@ fn dispatch(cli: Cli) -> Result<(), ProgramError> {
             render,
             hash,
             history,
+            read_only,
             journal,
             picture,
             import,
@@ -435,6 +444,7 @@ fn dispatch(cli: Cli) -> Result<(), ProgramError> {
                 import,
                 hash,
                 saved_history,
+                read_only,
                 journal,
                 history_folder,
             };

@@ -4,10 +4,12 @@
 //! Windows, headless jobs and scripts all use [`Session::execute`], so that everything a user does can be
 //! recorded and replayed. Knows no screen.
 
+mod access;
 mod error;
 mod files;
 mod histories;
 mod keeping;
+mod lock;
 mod on_disk;
 mod recording;
 mod recover;
@@ -28,9 +30,12 @@ use crate::progress::Progress;
 use crate::saved_history::SavedHistories;
 use crate::sculpture::orientation::{Orientation, Up};
 use crate::spill::Spill;
+use access::Access;
+pub use access::FileAccess;
 pub use error::SessionError;
 use files::Files;
 use keeping::Keeping;
+pub use lock::Holder;
 use on_disk::{FileIdentity, OnDisk};
 use recording::Recording;
 pub use recover::{Recovered, RecoveryReport, Summary, recover, summary};
@@ -45,6 +50,8 @@ pub struct Session {
     files: Files,
     /// What those files were like when they were read or written.
     on_disk: OnDisk,
+    /// Who may write to those files.
+    access: Access,
     /// The command that reproduces the sculpture at the session's start.
     beginning: Command,
     recording: Option<Recording>,
@@ -96,6 +103,7 @@ impl Session {
             document,
             files,
             on_disk: OnDisk::default(),
+            access: Access::default(),
             beginning,
             recording: None,
             journal_error: None,
@@ -222,9 +230,13 @@ impl Session {
             return Ok(Applied::default());
         }
         let began = Instant::now();
+        let sculpture = self.document.state().sculpture;
         self.forget_pictures(command);
         self.learn_pictures(command)?;
         let applied = self.document.apply(command)?;
+        if self.document.state().sculpture != sculpture {
+            self.follow_file();
+        }
         self.note(command, applied);
         self.keep_command(command, applied, began.elapsed());
         Ok(applied)
@@ -271,6 +283,9 @@ impl Session {
             self.document.require_no_stroke(command.verb())?;
             self.document.require_room_for_whole(command.verb())?;
         }
+        if let Command::Save { path, .. } = command {
+            self.require_may_write(path)?;
+        }
         let task = match command.clone() {
             Command::Orient(orientation) if orientation != Orientation::UPRIGHT => {
                 self.document.require_can_orient(orientation)?;
@@ -297,6 +312,7 @@ impl Session {
             }
             Command::Save { path, export } => Task::Save {
                 known: self.on_disk.known(&path),
+                is_held: self.access.holds(&path),
                 path,
                 export,
                 limits,
@@ -339,6 +355,7 @@ impl Session {
             }
             Outcome::Opened { path, loaded, identity, history } => {
                 self.on_disk.learn(&path, identity);
+                self.access.opened(&path);
                 let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
                 let Loaded { contents, texts, assumed_up, notes, .. } = *loaded;
                 self.document.replace(contents, &format!("open {name}"))?;
@@ -348,17 +365,21 @@ impl Session {
                 self.go_on_with(history);
             }
             // Volumes are for other programs: what they cannot hold would be lost.
-            Outcome::Saved { path, notes, state, identity, history } => {
+            Outcome::Saved { path, notes, state, identity, history, lock } => {
                 self.on_disk.learn(&path, identity);
                 self.notes = notes;
                 self.keep_saved_history(history);
                 if format::is_sculpture(&path) {
                     entry = Some(keeping::saved_entry(&path, state));
+                    if state.sculpture == self.document.state().sculpture {
+                        self.access.adopt(&path, lock);
+                    }
                     self.files.saved(state, path);
                 }
             }
         }
         self.keep_reachable_files();
+        self.follow_file();
         self.note(&command, applied);
         let took = took + began.elapsed();
         match (entry, &command) {

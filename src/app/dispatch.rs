@@ -4,13 +4,15 @@
 //!
 //! The parts do not know one another: each returns values, and only this file applies them.
 
+use std::path::Path;
+
 use glam::{Quat, Vec2, Vec3};
 
 use super::workspace::Workspace;
 use crate::command::Command;
 use crate::controls::pads::STEP_S;
 use crate::editor::job::Then;
-use crate::editor::questions::Next;
+use crate::editor::questions::{InUse, Next};
 use crate::editor::{Outcome, PointerUse};
 use crate::input::hands::HandEvent;
 use crate::input::pad::{Glide, PadEvent, PadMode};
@@ -80,6 +82,8 @@ impl Workspace {
             UiRequest::SaveFirst(next) => editor.save(Some(next)),
             UiRequest::SaveThen(command, next) => editor.run_then(command, Then::Go(next)),
             UiRequest::Overwrite(path, next) => editor.overwrite(path, next),
+            UiRequest::KeepReadOnly => editor.session_mut().keep_read_only(),
+            UiRequest::BecomeCopy => editor.session_mut().become_copy(),
             UiRequest::Irreversibly(command) => editor.run_irreversibly(command),
         }
         self.settle();
@@ -413,10 +417,22 @@ impl Workspace {
         }
         // A journal that could not be written catches up.
         self.session_mut().attend_journal();
+        self.ask_about_holder();
         self.viewpoint.turntable.set_orthographic(self.ui.view.orthographic);
         self.ui.dialogs.busy = self.editor.busy();
         self.ui.dialogs.preview.take_if(|_| !self.editor.is_busy());
         self.ui.dialogs.calibrating = self.viewpoint.head.is_calibrating();
+    }
+
+    /// Asks how to go on with the sculpture's file if another program has it open.
+    fn ask_about_holder(&mut self) {
+        let session = self.session_mut();
+        let Some(holder) = session.take_foreign_holder() else { return };
+        let Some(path) = session.path().map(Path::to_path_buf) else { return };
+        tracing::warn!("{}: {holder} has it open", path.display());
+        if !session.is_read_only() {
+            self.ui.dialogs.in_use = Some(InUse { path, holder });
+        }
     }
 
     fn react(&mut self, outcome: Outcome) {

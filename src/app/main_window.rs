@@ -69,8 +69,9 @@ impl MainWindow {
         let session = workspace.session();
         let name = session.path().and_then(|p| p.file_name()).map(|n| n.to_string_lossy());
         let star = if session.modified() { "*" } else { "" };
+        let access = if session.is_read_only() { " (read-only)" } else { "" };
         let name = name.as_deref().unwrap_or("untitled");
-        self.pane.window().set_title(&format!("{name}{star} – Virtual Sculpture"));
+        self.pane.window().set_title(&format!("{name}{star}{access} – Virtual Sculpture"));
     }
 
     /// Waits up to `patience` for a free image of the window; none while there is nothing to draw

@@ -16,6 +16,10 @@ impl Editor {
     /// Writes the sculpture to its file; asks for a name if it has none of the program's own.
     pub fn save(&mut self, next: Option<Next>) {
         match self.session.path().map(|p| p.to_path_buf()) {
+            Some(_) if self.session.is_read_only() => {
+                self.note("The file was opened read-only: choose another name");
+                self.outcomes.push(Outcome::NameNeeded(next));
+            }
             Some(path) if format::is_sculpture(&path) => {
                 let then = next.map_or(Then::Stay, Then::Go);
                 self.run_then(Command::Save { path, export: ExportOptions::default() }, then);

@@ -289,7 +289,9 @@ impl Editor {
         self.drop_stroke_in_question();
         self.session.discard_journal();
         session.continue_recording(&mut self.session);
+        let access = self.session.file_access();
         self.session = session;
+        self.session.set_file_access(access);
         self.sculpture_replaced();
     }
 

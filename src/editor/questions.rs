@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use crate::command::Command;
+use crate::session::Holder;
 
 /// What would lose unsaved work.
 #[derive(Clone, PartialEq, Debug)]
@@ -20,6 +21,13 @@ pub struct ChangedOnDisk {
     pub path: PathBuf,
     /// What was to follow.
     pub next: Option<Next>,
+}
+
+/// The present sculpture's file, which another program has open.
+#[derive(Clone, PartialEq, Debug)]
+pub struct InUse {
+    pub path: PathBuf,
+    pub holder: Holder,
 }
 
 /// A command that the history cannot keep, and why.

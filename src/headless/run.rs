@@ -17,7 +17,7 @@ use crate::journal::JournalOptions;
 use crate::picture;
 use crate::saved_history::SavedHistoryOptions;
 use crate::sculpture::Digest;
-use crate::session::Session;
+use crate::session::{FileAccess, Session};
 use crate::shade::portrait;
 use crate::terminal;
 
@@ -90,6 +90,8 @@ pub struct RunJob {
     /// How to keep the undo histories of the files that are opened and saved; none: not at all, so that a script does
     /// the same wherever it is run.
     pub saved_history: Option<SavedHistoryOptions>,
+    /// Not to save to the files that are opened.
+    pub read_only: bool,
     /// How to keep a journal; none: not at all, since a script can be run again.
     pub journal: Option<JournalOptions>,
 }
@@ -106,6 +108,12 @@ impl RunJob {
         if let Some(options) = &self.saved_history {
             session.keep_saved_histories(options.clone());
         }
+        session.set_file_access(match self.read_only {
+            true => FileAccess::ReadOnly,
+            // Whoever drives it may take as long as a person.
+            false if pipe::reads_input(self) => FileAccess::Locked,
+            false => FileAccess::Brief,
+        });
         if let Some(options) = &self.journal {
             let path = options.shelf.folder().to_path_buf();
             let begun = session.keep_journal(options.clone());

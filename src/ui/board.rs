@@ -5,7 +5,7 @@ use egui::{CentralPanel, Frame, Margin, Panel as Side, RichText, ScrollArea, Ui}
 
 use super::{
     UiContext, UiRequest, UiState, busy, changed_on_disk, export_dialog, files, film_dialog,
-    final_dialog, guide, history, import_dialog, light, new_dialog, options, palette,
+    final_dialog, guide, history, import_dialog, in_use, light, new_dialog, options, palette,
     recovery_dialog, theme, toolbox, top_bar, unkept, unsaved, upright,
 };
 use crate::input::hands::HandSide;
@@ -98,6 +98,7 @@ pub fn show(
     unsaved::show(root, state, requests);
     unkept::show(root, state, requests);
     changed_on_disk::show(root, state, requests);
+    in_use::show(root, state, requests);
     files::show(root, state, requests);
     state.toasts.show(root, middle.response.rect);
     busy::show(root, state, context, requests);

@@ -17,7 +17,7 @@ use super::print_check::PrintCheck;
 use super::recovery_dialog::RecoveryDialog;
 use crate::command::NewSculpture;
 use crate::editor::job::Busy;
-use crate::editor::questions::{ChangedOnDisk, Next, Unkept};
+use crate::editor::questions::{ChangedOnDisk, InUse, Next, Unkept};
 
 /// All dialogs, open or not.
 pub struct Dialogs {
@@ -44,6 +44,8 @@ pub struct Dialogs {
     pub unkept: Option<Unkept>,
     /// Asks what to do with a file that another program has changed.
     pub changed_on_disk: Option<ChangedOnDisk>,
+    /// Asks how to go on with a file that another program has open.
+    pub in_use: Option<InUse>,
     /// The tracker is being calibrated, as the viewpoint says.
     pub calibrating: bool,
     /// Long work under way, as the editor says; nothing else can be asked for meanwhile.
@@ -72,6 +74,7 @@ impl Dialogs {
             unsaved: None,
             unkept: None,
             changed_on_disk: None,
+            in_use: None,
             calibrating: false,
             busy: None,
             preview: None,
@@ -83,6 +86,7 @@ impl Dialogs {
         self.unsaved.is_some()
             || self.unkept.is_some()
             || self.changed_on_disk.is_some()
+            || self.in_use.is_some()
             || self.calibrating
             || self.new.open
             || self.final_picture.open
@@ -101,6 +105,7 @@ impl Dialogs {
         if self.unkept.take().is_some()
             || self.unsaved.take().is_some()
             || self.changed_on_disk.take().is_some()
+            || self.in_use.take().is_some()
         {
             return true;
         }

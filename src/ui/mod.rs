@@ -24,6 +24,7 @@ pub mod head;
 pub mod history;
 pub mod icons;
 pub mod import_dialog;
+pub mod in_use;
 pub mod key_catch;
 pub mod key_table;
 pub mod keyboard;
@@ -193,6 +194,7 @@ pub fn show(
     unsaved::show(root, state, requests);
     unkept::show(root, state, requests);
     changed_on_disk::show(root, state, requests);
+    in_use::show(root, state, requests);
     files::show(root, state, requests);
     dropped::show(root, state, picture.rect, requests);
     state.toasts.show(root, picture.rect);

@@ -75,6 +75,10 @@ pub enum UiRequest {
     ListLeft,
     /// Save to this file although another program has changed it, then do that.
     Overwrite(PathBuf, Option<Next>),
+    /// Do not save to the sculpture's file, which another program has open.
+    KeepReadOnly,
+    /// Go on with a copy of the sculpture's file, without a name.
+    BecomeCopy,
     /// Carry out a command although it cannot be undone.
     Irreversibly(Command),
 }

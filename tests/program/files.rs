@@ -2,6 +2,8 @@
 //! message, before anything is written or waited for.
 
 use super::{bytes, fail, folder, picture, program, succeed};
+use virtual_sculpture::session::{FileAccess, Session};
+
 use crate::gpu::fixture::need_device;
 
 const SCRIPT: &str = "new dims=16,16,16\nsubtract ellipsoid at=8,8,8 half=6\n";
@@ -27,6 +29,37 @@ fn nothing_is_written_over_a_file_of_another_kind() {
         assert_eq!(bytes(path.join("a.vsc")), before, "{arguments:?}");
         assert_eq!(bytes(path.join("s.sculpt")), SCRIPT.as_bytes(), "{arguments:?}");
     }
+}
+
+#[test]
+fn a_file_that_another_program_has_open_is_read_but_not_saved() {
+    let folder = folder();
+    let path = folder.path();
+    std::fs::write(path.join("s.sculpt"), "subtract cuboid at=4,4,4 half=2\n").unwrap();
+    std::fs::write(path.join("n.sculpt"), "new dims=16,16,16\n").unwrap();
+    succeed(path, &["run", "n.sculpt", "--out", "a.vsc"]);
+    let before = bytes(path.join("a.vsc"));
+    let limits = virtual_sculpture::sculpture::Limits::default();
+    let mut other = Session::open(&path.join("a.vsc"), &Default::default(), limits, &()).unwrap();
+    other.set_file_access(FileAccess::Locked);
+
+    let job = ["run", "s.sculpt", "--in", "a.vsc"];
+    let why = fail(path, &[&job[..], &["--out", "a.vsc"]].concat(), 1);
+    let process = format!("process {}", std::process::id());
+    assert!(why.contains("a.vsc") && why.contains(&process), "{why}");
+    assert!(why.contains("save under another name"), "{why}");
+    assert_eq!(bytes(path.join("a.vsc")), before);
+    succeed(path, &[&job[..], &["--out", "b.vsc"]].concat());
+
+    drop(other);
+    let why = fail(path, &[&job[..], &["--read-only", "--out", "a.vsc"]].concat(), 1);
+    assert!(why.contains("opened read-only"), "{why}");
+    assert_eq!(bytes(path.join("a.vsc")), before);
+    succeed(path, &[&job[..], &["--out", "a.vsc"]].concat());
+    assert_ne!(bytes(path.join("a.vsc")), before);
+    let left = std::fs::read_dir(path).unwrap().map(|file| file.unwrap().file_name());
+    let hidden: Vec<_> = left.filter(|name| name.to_string_lossy().starts_with('.')).collect();
+    assert!(hidden.is_empty(), "{hidden:?}");
 }
 
 #[test]

@@ -5,6 +5,7 @@ mod board;
 mod changed_on_disk;
 mod files;
 mod import;
+mod in_use;
 mod keys;
 mod light;
 mod memory;

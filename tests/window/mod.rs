@@ -12,6 +12,7 @@ mod failures;
 mod head;
 mod house;
 mod import;
+mod in_use;
 mod keys;
 mod kills;
 mod light;

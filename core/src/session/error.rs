@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use super::lock::Holder;
 use crate::document::CommandError;
 use crate::format::FormatError;
 
@@ -35,6 +36,20 @@ pub enum SessionError {
          or open it again; to replace it, remove it first"
     )]
     ChangedOnDisk {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Another program has the file open.
+    #[error("cannot save {path}: {holder} has it open; close it there, or save under another name")]
+    InUse {
+        /// The file.
+        path: PathBuf,
+        /// Who has it.
+        holder: Holder,
+    },
+    /// The file was opened to be read only.
+    #[error("cannot save {path}: it was opened read-only; save under another name")]
+    ReadOnly {
         /// The file.
         path: PathBuf,
     },

@@ -91,6 +91,14 @@ impl Files {
         file.saved = Some(state.number);
     }
 
+    /// The sculpture of `state` has no file any more.
+    pub fn forget(&mut self, state: State) {
+        if let Some(file) = self.of_sculpture.get_mut(&state.sculpture) {
+            file.path = None;
+            file.saved = None;
+        }
+    }
+
     /// Drops the sculptures that no state belongs to any more.
     pub fn keep_only(&mut self, states: impl Iterator<Item = State>) {
         let reachable: std::collections::HashSet<u64> = states.map(|s| s.sculpture).collect();

@@ -73,7 +73,7 @@ impl OnDisk {
 
 /// A path that does not depend on how the folder was written. A link to a file is no other name for it: led
 /// elsewhere meanwhile, it leads to another file.
-fn key(path: &Path) -> PathBuf {
+pub(super) fn key(path: &Path) -> PathBuf {
     let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     let folder = absolute.parent().and_then(|folder| folder.canonicalize().ok());
     match (folder, absolute.file_name()) {

@@ -9,7 +9,9 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::SessionError;
+use super::access::lock_to_save;
 use super::histories;
+use super::lock::FileLock;
 use super::on_disk::FileIdentity;
 use crate::command::{Command, NewSculpture};
 use crate::document::{self, Limits};
@@ -64,6 +66,8 @@ pub(super) enum Task {
         texts: Texts,
         limits: Limits,
         state: State,
+        /// Whether the session holds its lock.
+        is_held: bool,
         /// The undo history, if it is to be kept.
         steps: Option<KeptSteps>,
     },
@@ -105,6 +109,7 @@ pub(super) enum Outcome {
         state: State,
         identity: Option<FileIdentity>,
         history: Option<HistoryToKeep>,
+        lock: Option<FileLock>,
     },
 }
 
@@ -140,7 +145,8 @@ impl Work {
                     histories::find(histories.as_deref(), identity, &loaded.contents, &limits);
                 Outcome::Opened { path, loaded, identity, history }
             }
-            Task::Save { path, known, export, contents, texts, limits, state, steps } => {
+            Task::Save { path, known, is_held, export, contents, texts, limits, state, steps } => {
+                let lock = lock_to_save(&path, is_held)?;
                 if let Some(known) = known
                     && !known.may_be_replaced(&path)
                 {
@@ -150,7 +156,7 @@ impl Work {
                     Ok(notes) => {
                         let identity = FileIdentity::of(&path);
                         let history = histories::to_keep(steps, &path, identity, &contents);
-                        Outcome::Saved { path, notes, state, identity, history }
+                        Outcome::Saved { path, notes, state, identity, history, lock }
                     }
                     Err(error) => return Err(SessionError::Save { path, error }),
                 }
