@@ -30,7 +30,9 @@ use crate::video::VideoOptions;
 mod model;
 mod profile;
 
-pub use model::{JournalSettings, MemoryOptions, NewOptions, SavedHistorySettings};
+pub use model::{
+    AutosaveSettings, JournalSettings, MemoryOptions, NewOptions, SavedHistorySettings,
+};
 pub use profile::Profile;
 
 /// The commented file of all defaults.
@@ -56,6 +58,7 @@ pub struct Config {
     pub memory: MemoryOptions,
     pub journal: JournalSettings,
     pub saved_history: SavedHistorySettings,
+    pub autosave: AutosaveSettings,
     pub new: NewOptions,
     pub render: RenderOptions,
     pub light: LightOptions,
@@ -122,6 +125,7 @@ impl Config {
             ("memory", self.memory.check()),
             ("journal", self.journal.check()),
             ("saved_history", self.saved_history.check()),
+            ("autosave", self.autosave.check()),
             ("new", self.new.check(&self.limits())),
             ("render", self.render.check()),
             ("window", self.window.check()),
@@ -165,6 +169,7 @@ impl Config {
         UiOptions {
             window: &self.window,
             view: &self.view,
+            autosave_min: self.autosave.minutes,
             new: self.new_sculpture(),
             render: &self.render,
             light: &self.light,
@@ -231,6 +236,7 @@ mod tests {
             ("[memory]\ngrid_mib = 0", "memory.grid_mib = 0"),
             ("[journal]\nmax_mib = 0", "journal.max_mib = 0"),
             ("[saved_history]\nmax_mib = 0", "saved_history.max_mib = 0"),
+            ("[autosave]\nminutes = 1441", "autosave.minutes = 1441"),
             ("[new]\ncolour_bits = 12", "12 must be 0, 8, 16 or 24"),
             ("[new]\nbase = \"red\"", "`red` is not a colour"),
             ("[new]\ndims = [0, 1, 1]", "new.dims"),

@@ -5,6 +5,7 @@
 //! Knows no window and no Vulkan, so that all of it can be tested without either.
 
 use std::path::PathBuf;
+use std::time::{Duration, Instant};
 
 use egui::{CursorIcon, Id, Rect, Sense, Ui};
 use glam::{Affine3A, Vec2};
@@ -214,6 +215,7 @@ impl Workspace {
         if let Some(after) = self.viewpoint.repaint_after() {
             root.request_repaint_after(after);
         }
+        self.autosave(root);
     }
 
     /// One pass of a panel in a window of its own. True if something was done there that other
@@ -256,6 +258,18 @@ impl Workspace {
         let mut requests = Vec::new();
         self.with_context(true, |ui, context| ui::board::show(root, ui, context, &mut requests));
         self.finish_pass(root, requests);
+        self.autosave(root);
+    }
+
+    /// Saves unsaved changes of long standing, if the person wants that.
+    fn autosave(&mut self, root: &Ui) {
+        let minutes = u64::from(self.ui.autosave.minutes);
+        let every = (minutes > 0).then(|| Duration::from_secs(60 * minutes));
+        let is_free = !self.ui.dialogs.is_modal();
+        if let Some(after) = self.editor.autosave(every, Instant::now(), is_free) {
+            root.request_repaint_after(after);
+        }
+        self.settle();
     }
 
     fn finish_pass(&mut self, root: &Ui, requests: Vec<UiRequest>) {

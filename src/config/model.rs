@@ -95,6 +95,19 @@ impl SavedHistorySettings {
     }
 }
 
+#[derive(Clone, PartialEq, Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct AutosaveSettings {
+    /// How long there may be unsaved changes of a sculpture that has a file; 0: until the person saves.
+    pub minutes: u32,
+}
+
+impl AutosaveSettings {
+    pub(super) fn check(&self) -> Result<(), InvalidOption> {
+        require_in(0..=1440, "minutes", self.minutes, "must be 0 (off) to 1440")
+    }
+}
+
 #[derive(Clone, PartialEq, Debug, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct NewOptions {

@@ -77,6 +77,8 @@ pub enum Failure {
     Cancelled,
     /// Another program has changed this file, which was not overwritten.
     ChangedOnDisk(PathBuf),
+    /// Another program has this file open; the reason, for the person.
+    InUse(PathBuf, String),
     /// The reason, for the person.
     Error(String),
 }
@@ -86,6 +88,7 @@ impl From<SessionError> for Failure {
         match error {
             error if error.is_cancelled() => Failure::Cancelled,
             SessionError::ChangedOnDisk { path } => Failure::ChangedOnDisk(path),
+            SessionError::InUse { ref path, .. } => Failure::InUse(path.clone(), error.to_string()),
             error => Failure::Error(error.to_string()),
         }
     }
@@ -214,6 +217,10 @@ impl Editor {
     pub fn finish_job(&mut self) {
         let Some(job) = self.jobs.job.take() else { return };
         let result = job.thread.join();
+        let by_itself = self.autosave.take_under_way();
+        if !by_itself {
+            self.autosave.begin_anew();
+        }
         let done = match result {
             Ok(Ok(Product::Change(done))) => self.complete(*done),
             Ok(Ok(Product::Note(text))) => {
@@ -231,6 +238,22 @@ impl Editor {
             Ok(Err(Failure::Cancelled)) => {
                 self.note(format!("{}: cancelled", job.sign));
                 job.then == Then::LeaveAnyway
+            }
+            Ok(Err(Failure::ChangedOnDisk(path))) if by_itself => {
+                self.autosave.leave_alone(&path);
+                self.error(format!(
+                    "Not saved automatically: another program has changed {}; save it yourself to choose what to keep",
+                    path.display()
+                ));
+                false
+            }
+            Ok(Err(Failure::InUse(path, error))) => {
+                tracing::warn!("{error}");
+                if by_itself {
+                    self.autosave.leave_alone(&path);
+                }
+                self.error(error);
+                false
             }
             Ok(Err(Failure::ChangedOnDisk(path))) => {
                 tracing::warn!("{}: changed on the disk, not overwritten", path.display());

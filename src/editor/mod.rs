@@ -7,6 +7,7 @@
 //! window, no camera and no Vulkan.
 
 mod actions;
+mod autosave;
 pub mod commands;
 mod dabs;
 pub mod deform;
@@ -28,6 +29,7 @@ use crate::document::Document;
 use crate::notice::Notice;
 use crate::session::Session;
 
+use autosave::Autosave;
 use footing::Footing;
 use hand::HandTool;
 use job::{Busy, Jobs};
@@ -82,6 +84,7 @@ pub struct Editor {
     /// What the pointer's button holds was ended, and does nothing until it is released.
     lifted: bool,
     jobs: Jobs,
+    autosave: Autosave,
     /// Voxels that commands have changed since the start.
     voxels_changed: u64,
     outcomes: Vec<Outcome>,
@@ -102,6 +105,7 @@ impl Editor {
             rotates_instead: false,
             lifted: false,
             jobs: Jobs::default(),
+            autosave: Autosave::default(),
             voxels_changed: 0,
             outcomes: Vec::new(),
         }

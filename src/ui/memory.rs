@@ -32,6 +32,8 @@ const HEAD: &str = "\
 # What Virtual Sculpture remembers from one start to the next. Settings stand in config.toml; this
 # file may be deleted.
 ";
+/// The longest time after which it is saved automatically, in minutes.
+const MOST_AUTOSAVE_MIN: u32 = 1440;
 /// Sides of windows that are believed, in points.
 const SIDES: std::ops::RangeInclusive<u32> = 64..=16384;
 
@@ -76,6 +78,9 @@ struct Kept {
     /// Whether it is asked how files are imported, and what was answered last.
     #[serde(deserialize_with = "lenient")]
     ask_import: Option<bool>,
+    /// Minutes after which it is saved automatically, as chosen and as the settings said then.
+    #[serde(deserialize_with = "lenient")]
+    autosave_min: Option<[u32; 2]>,
     #[serde(deserialize_with = "lenient")]
     imports: Option<Vec<toml::Value>>,
     #[serde(deserialize_with = "lenient")]
@@ -176,6 +181,7 @@ pub fn to_text(state: &UiState, tool: &ToolState, window: &WindowOptions) -> Str
         ),
         references: Some(memory_references::to_values(&state.references)),
         ask_import: Some(state.dialogs.import.ask),
+        autosave_min: Some([state.autosave.minutes, state.autosave.usual_min]),
         imports: Some(state.dialogs.import.remembered.lines().map(toml::Value::String).collect()),
         final_picture: Some(KeptFinal::of(&state.dialogs.final_picture)),
         print_check: Some(KeptCheck::of(&state.dialogs.print_check.options)),
@@ -227,6 +233,11 @@ pub fn recall(text: &str, state: &mut UiState, tool: &mut ToolState, window: &Wi
     state.known_files.upright = kept.upright.as_ref().map(Upright::from_texts).unwrap_or_default();
     state.references = memory_references::from_values(kept.references.unwrap_or_default());
     state.dialogs.import.ask = kept.ask_import.unwrap_or(true);
+    if let Some([chosen, usual]) = kept.autosave_min
+        && usual == state.autosave.usual_min
+    {
+        state.autosave.minutes = chosen.min(MOST_AUTOSAVE_MIN);
+    }
     let imports = kept.imports.iter().flatten().filter_map(toml::Value::as_str);
     state.dialogs.import.remembered = Remembered::from_lines(imports);
     if let Some(choices) = kept.print_check {

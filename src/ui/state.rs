@@ -286,8 +286,18 @@ pub struct UiState {
     pub headset: HeadsetChoices,
     /// Pictures in the scene to sculpt from.
     pub references: Vec<Reference>,
+    pub autosave: AutosaveChoice,
     pub dialogs: Dialogs,
     pub toasts: Toasts,
+}
+
+/// When the sculpture's file is saved by itself.
+#[derive(Clone, Copy, Debug)]
+pub struct AutosaveChoice {
+    /// After how many minutes with unsaved changes; 0: never.
+    pub minutes: u32,
+    /// What the settings say.
+    pub usual_min: u32,
 }
 
 /// The options that the interface starts with.
@@ -295,6 +305,8 @@ pub struct UiState {
 pub struct UiOptions<'a> {
     pub window: &'a WindowOptions,
     pub view: &'a ViewOptions,
+    /// After how many minutes unsaved changes are saved; 0: never.
+    pub autosave_min: u32,
     /// The default of the dialog for a new sculpture.
     pub new: NewSculpture,
     pub render: &'a RenderOptions,
@@ -310,7 +322,9 @@ impl UiState {
         let finish = options.render.finish();
         let mut dialogs = Dialogs::new(&options.new);
         dialogs.light.usual = (options.light.clone(), finish);
+        let minutes = options.autosave_min;
         UiState {
+            autosave: AutosaveChoice { minutes, usual_min: minutes },
             view: ViewState {
                 mode: options.render.mode.unwrap_or_default(),
                 mode_is_automatic: options.render.mode.is_none(),

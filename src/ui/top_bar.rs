@@ -88,6 +88,7 @@ fn menu(
         if unsaved.clicked() {
             requests.push(UiRequest::ListLeft);
         }
+        save_automatically(ui, &mut state.autosave.minutes);
         ui.separator();
         for (label, action) in [("Fill the grid", Action::Fill), ("Clear the grid", Action::Clear)]
         {
@@ -132,6 +133,27 @@ fn menu(
         ui.separator();
         action_button(ui, context, "Quit", Action::Quit, true, requests);
     });
+}
+
+/// After how many minutes unsaved changes of a sculpture that has a file are saved.
+fn save_automatically(ui: &mut Ui, minutes: &mut u32) {
+    const CHOICES_MIN: [u32; 4] = [1, 5, 15, 60];
+    let response = ui.menu_button("Save automatically", |ui| {
+        ui.radio_value(minutes, 0, "Never");
+        // One of the settings, which allow others.
+        let other = (*minutes != 0 && !CHOICES_MIN.contains(minutes)).then_some(*minutes);
+        for choice in CHOICES_MIN.into_iter().chain(other) {
+            let label = match choice {
+                1 => "Every minute".to_string(),
+                60 => "Every hour".to_string(),
+                choice => format!("Every {choice} minutes"),
+            };
+            ui.radio_value(minutes, choice, label);
+        }
+    });
+    response.response.on_hover_text(
+        "Saves the file of a sculpture that has one. Without a name nothing is saved; the journal keeps it anyway",
+    );
 }
 
 /// Ways to lay the whole sculpture, for scans that lie on their face or back.
