@@ -19,6 +19,7 @@ use crate::sculpture::region::VoxelBox;
 use crate::sculpture::{ColourDepth, Placement, Rgb};
 use crate::tools::construct::Primitive;
 use crate::tools::deform::Deform;
+use crate::tools::form::Form;
 use crate::tools::grab::Grab;
 use crate::tools::mend::Mend;
 use crate::tools::spray::Spray;
@@ -98,6 +99,13 @@ pub enum Command {
         op: EditOp,
         /// The solid.
         primitive: Primitive,
+    },
+    /// Add, subtract or recolour the voxels inside a solid that is drawn.
+    Form {
+        /// What happens to the voxels.
+        op: EditOp,
+        /// The solid.
+        form: Form,
     },
     /// Use a spray tool once, where its rays meet the surface.
     Spray {
@@ -224,9 +232,11 @@ impl Command {
             Command::Begin { .. } => "begin",
             Command::End => "end",
             Command::Cancel => "cancel",
-            Command::Construct { op: EditOp::Add(_), .. } => "add",
-            Command::Construct { op: EditOp::Subtract, .. } => "subtract",
-            Command::Construct { op: EditOp::Recolour(_), .. } => "recolour",
+            Command::Construct { op, .. } | Command::Form { op, .. } => match op {
+                EditOp::Add(_) => "add",
+                EditOp::Subtract => "subtract",
+                EditOp::Recolour(_) => "recolour",
+            },
             Command::Spray { .. } => "spray",
             Command::Grab { .. } => "grab",
             Command::Deform { .. } => "deform",
@@ -263,6 +273,7 @@ impl Command {
             {
                 format!("{} {}", self.verb(), area.name())
             }
+            Command::Form { form, .. } => format!("{} {}", self.verb(), form.name()),
             Command::Spray { spray, .. } => spray.effect.name().to_string(),
             Command::Deform { deform, .. } => deform.brush.kind().name().to_string(),
             _ => self.verb().to_string(),

@@ -19,10 +19,12 @@ use crate::format::options::{Colouring, Cubic, Existence, ImportOptions, MeshFil
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::{ColourDepth, Placement, Rgb};
 use crate::tools::construct::{Primitive, Solid};
+use crate::tools::form::Form;
 
 mod arguments;
 mod deform;
 mod export;
+mod form;
 mod grab;
 mod mend;
 mod selection;
@@ -147,12 +149,11 @@ impl fmt::Display for Command {
             Command::Begin { label } => write!(f, " {}", Quoted(label)),
             Command::Construct { op, primitive } => {
                 write!(f, " {primitive}")?;
-                match op {
-                    EditOp::Add(Some(colour)) | EditOp::Recolour(colour) => {
-                        write!(f, " colour={colour}")
-                    }
-                    EditOp::Add(None) | EditOp::Subtract => Ok(()),
-                }
+                write_colour(op, f)
+            }
+            Command::Form { op, form } => {
+                form::write(form, f)?;
+                write_colour(op, f)
             }
             Command::Spray { spray, surface } => spray::write(spray, *surface, f),
             Command::Deform { deform, surface } => deform::write(deform, *surface, f),
@@ -189,6 +190,13 @@ impl fmt::Display for Command {
             ),
             Command::End | Command::Cancel | Command::Copy | Command::Cut => Ok(()),
         }
+    }
+}
+
+fn write_colour(op: &EditOp, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    match op {
+        EditOp::Add(Some(colour)) | EditOp::Recolour(colour) => write!(f, " colour={colour}"),
+        EditOp::Add(None) | EditOp::Subtract => Ok(()),
     }
 }
 
@@ -311,10 +319,15 @@ fn choice(args: &mut Arguments, key: &str, words: [&str; 2]) -> Result<bool, Par
 
 fn parse_primitive(args: &mut Arguments) -> Result<Primitive, ParseError> {
     let name = args.word(Solid::NAMES)?;
+    parse_placed(&name, args, Solid::NAMES)
+}
+
+/// Reads what follows the name of a solid, which is one of `names`.
+fn parse_placed(name: &str, args: &mut Arguments, names: &str) -> Result<Primitive, ParseError> {
     let solid = Solid::ALL
         .into_iter()
         .find(|s| s.name() == name)
-        .ok_or_else(|| ParseError(format!("`{name}` is not a solid; use {}", Solid::NAMES)))?;
+        .ok_or_else(|| ParseError(format!("`{name}` is not a solid; use {names}")))?;
     Ok(Primitive {
         solid,
         centre_vx: args.required("at", parse_vec3)?,
@@ -327,13 +340,20 @@ fn parse_primitive(args: &mut Arguments) -> Result<Primitive, ParseError> {
 }
 
 fn parse_construct(verb: &str, args: &mut Arguments) -> Result<Command, ParseError> {
-    let primitive = parse_primitive(args)?;
-    let op = match verb {
-        "add" => EditOp::Add(args.optional("colour", parse_colour)?),
-        "recolour" => EditOp::Recolour(args.required("colour", parse_colour)?),
-        _ => EditOp::Subtract,
+    let names = format!("{}, {}", Solid::NAMES.replace(" or ", ", "), Form::NAMES);
+    let name = args.word(&names)?;
+    let op = |args: &mut Arguments| -> Result<EditOp, ParseError> {
+        Ok(match verb {
+            "add" => EditOp::Add(args.optional("colour", parse_colour)?),
+            "recolour" => EditOp::Recolour(args.required("colour", parse_colour)?),
+            _ => EditOp::Subtract,
+        })
     };
-    Ok(Command::Construct { op, primitive })
+    if let Some(form) = form::parse(&name, args)? {
+        return Ok(Command::Form { op: op(args)?, form });
+    }
+    let primitive = parse_placed(&name, args, &names)?;
+    Ok(Command::Construct { op: op(args)?, primitive })
 }
 
 fn parse_steps(args: &mut Arguments) -> Result<Option<u32>, ParseError> {

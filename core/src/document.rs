@@ -297,6 +297,7 @@ impl Document {
                 Ok(Applied::default())
             }
             Command::Construct { .. }
+            | Command::Form { .. }
             | Command::Texture { .. }
             | Command::Spray { .. }
             | Command::Grab { .. }

@@ -71,6 +71,7 @@ fn is_step(command: &Command) -> bool {
         | Command::Open { .. }
         | Command::Cancel
         | Command::Construct { .. }
+        | Command::Form { .. }
         | Command::Spray { .. }
         | Command::Grab { .. }
         | Command::Deform { .. }

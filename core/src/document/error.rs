@@ -72,6 +72,14 @@ pub enum CommandError {
     /// A part of the placement is not finite, or the scale not positive.
     #[error("the {0} of the placement is not valid: it must be finite, and the scale above zero")]
     Placement(&'static str),
+    /// A solid that is drawn is not possible.
+    #[error("the {name} is not valid: {reason}")]
+    Form {
+        /// Its name.
+        name: &'static str,
+        /// Why, as a sentence.
+        reason: &'static str,
+    },
     /// A parameter of the brush is out of range.
     #[error("the brush is not valid: {0} is out of range")]
     Spray(&'static str),

@@ -21,6 +21,7 @@ use crate::sculpture::selection::{Limited, MARKER_LIMIT_VX};
 use crate::sculpture::{Brick, Rgb};
 use crate::tools::construct::{PlacedSolid, Primitive};
 use crate::tools::deform::Deform;
+use crate::tools::form::Form;
 use crate::tools::grab::Grab;
 use crate::tools::spray::{Effect, Spray, Stamp};
 use crate::tools::symmetry::Image;
@@ -36,6 +37,7 @@ impl Document {
     pub(super) fn use_tool(&mut self, command: &Command) -> Result<Applied, CommandError> {
         let stats = match command {
             Command::Construct { op, primitive } => self.construct(*op, primitive)?,
+            Command::Form { op, form } => self.form(*op, form)?,
             Command::Texture { primitive, picture } => self.texture(primitive, picture)?,
             Command::Spray { spray, surface } => self.spray(spray, *surface)?,
             Command::Grab { grab, surface } => self.grab(grab, *surface)?,
@@ -123,6 +125,21 @@ impl Document {
         let regions = self.images_of(primitive, op)?;
         let mut stats = EditStats::default();
         regions.iter().for_each(|(_, region)| stats += self.edit(region, op));
+        Ok(stats)
+    }
+
+    fn form(&mut self, op: EditOp, form: &Form) -> Result<EditStats, CommandError> {
+        form.check().map_err(|reason| CommandError::Form { name: form.name(), reason })?;
+        if matches!(op, EditOp::Recolour(_)) && !self.has_colour() {
+            return Err(CommandError::NoColour);
+        }
+        let images = self.symmetry.images(self.grid().dims());
+        let regions: Vec<_> = images.iter().map(|image| image.form(form, self.grid())).collect();
+        self.check_colour_memory(|document, exact| {
+            regions.iter().map(|region| document.new_pages(region, op, exact)).sum()
+        })?;
+        let mut stats = EditStats::default();
+        regions.iter().for_each(|region| stats += self.edit(region, op));
         Ok(stats)
     }
 
@@ -354,6 +371,7 @@ impl Command {
             Command::Construct { op, primitive } => {
                 Command::Construct { op: *op, primitive: solid(primitive) }
             }
+            Command::Form { op, form } => Command::Form { op: *op, form: form.shifted(by) },
             Command::Texture { primitive, picture } => {
                 Command::Texture { primitive: solid(primitive), picture: picture.clone() }
             }

@@ -6,7 +6,10 @@
 use glam::{Quat, UVec3, Vec3};
 
 use super::construct::{PlacedSolid, Primitive};
+use super::form::Form;
+use super::form_region::PlacedForm;
 use super::spray::Footprint;
+use crate::sculpture::grid::Grid;
 
 /// The position of a mirror plane relative to the voxels.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -99,6 +102,11 @@ impl Image {
     /// The voxels that the mirrored solid covers.
     pub fn placed(&self, primitive: &Primitive, voxel_size: Vec3) -> PlacedSolid {
         primitive.mirrored_in_grid(voxel_size, self.planes)
+    }
+
+    /// The voxels that the mirrored form covers.
+    pub fn form(&self, form: &Form, grid: &Grid) -> PlacedForm {
+        PlacedForm::new(form, grid, self.planes)
     }
 
     /// The mirrored solid as a primitive, for drawing. A reflection is no rotation; but every solid is

@@ -5,6 +5,7 @@ mod budget;
 mod clay;
 mod document;
 mod files;
+pub mod forms;
 mod large;
 mod model;
 mod orient;

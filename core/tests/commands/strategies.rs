@@ -22,6 +22,8 @@ use sculpture_core::tools::mend::{Keep, Mend, Toward};
 use sculpture_core::tools::spray::{Effect, Footprint, Outline, Spray};
 use sculpture_core::tools::symmetry::{Parity, Symmetry};
 
+use super::forms::{form, small_form};
+
 /// Few colours, so that voxels are often painted with the colour that they have.
 pub fn colour() -> impl Strategy<Value = Rgb> {
     prop_oneof![
@@ -294,6 +296,7 @@ pub fn area_work() -> impl Strategy<Value = Command> {
     prop_oneof![
         3 => grab,
         3 => moved,
+        4 => (op(), small_form()).prop_map(|(op, form)| Command::Form { op, form }),
         2 => (area(), prop::option::of(colour()))
             .prop_map(|(area, colour)| Command::Fill { area, colour }),
         2 => area().prop_map(|area| Command::Clear { area }),
@@ -395,6 +398,7 @@ pub fn any_command() -> impl Strategy<Value = Command> {
         Just(Command::End),
         Just(Command::Cancel),
         construct,
+        (op(), form(any_vec3, any_number)).prop_map(|(op, form)| Command::Form { op, form }),
         texture,
         (area(), prop::option::of(colour()))
             .prop_map(|(area, colour)| Command::Fill { area, colour }),

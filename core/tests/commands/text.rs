@@ -282,11 +282,11 @@ fn errors_say_what_is_wrong() {
         ("clear x=1", "`clear` does not take `x=`"),
         (
             "add",
-            "`add` needs ellipsoid, cuboid, pyramid, cylinder, cone, torus, capsule or rounded-cuboid",
+            "`add` needs ellipsoid, cuboid, pyramid, cylinder, cone, torus, capsule, rounded-cuboid, half-space, ring, tube, lathe or extrusion",
         ),
         (
             "add ball at=1,2,3",
-            "`ball` is not a solid; use ellipsoid, cuboid, pyramid, cylinder, cone, torus, capsule or rounded-cuboid",
+            "`ball` is not a solid; use ellipsoid, cuboid, pyramid, cylinder, cone, torus, capsule, rounded-cuboid, half-space, ring, tube, lathe or extrusion",
         ),
         ("add cuboid half=1 colour=#000000", "`add` needs `at=`"),
         ("recolour cuboid at=1,2,3 half=1", "`recolour` needs `colour=`"),

@@ -6,7 +6,7 @@ use super::{fuzz, small};
 use sculpture_core::document::Limits;
 use sculpture_core::session::Session;
 
-const LINES: [&str; 33] = [
+const LINES: [&str; 38] = [
     "new dims=24,20,12 size=1,1,1 colour=24 base=#c8beaa fill=solid",
     "open \"/nonexistent/a.raw\" threshold=2..9 raw=8x6x5:u8:0 region=1,1,1..3,3,3 cubic=2mm mesh_size=9",
     "embed \"a\" data=iVZTQw0KGgoBAAAA",
@@ -16,6 +16,11 @@ const LINES: [&str; 33] = [
     "recolour pyramid at=5,5,5 half=4 turn=10,20,30 colour=#204060",
     "spray clay eye=12,10,60 aim=0,0,-1 across=0.1,0,0 down=0,0.1,0 radius=4 colour=#ff0000 reach=2",
     "spray growth eye=12,10,60 aim=0,0,-1 across=0.1,0,0 down=0,0.1,0 radius=3 outline=square threshold=9",
+    "subtract half-space at=4,15,6 normal=0.5,1,0",
+    "add ring at=9,9,6 radius=6 tube=2 turn=30,0,0 colour=#204060",
+    "add tube points=3,4,5,2;9,12,7,3;20,9,4,1",
+    "add lathe at=12,2,6 profile=3,0;5,4;2,9",
+    "recolour extrusion at=9,9,6 depth=5 outline=-4,-4;5,-3;0,6/-1,-1;1,-1;0,1 colour=#806040",
     "end",
     "texture \"a\" cuboid at=4,4,4 half=3",
     "deform fill at=9,9,6 radius=6 normal=0,1,0.5 strength=0.75",

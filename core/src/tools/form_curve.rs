@@ -1,0 +1,178 @@
+//! Curves of round cross-section: from beads to pieces that a ball sweeps in a straight line while its radius changes
+//! evenly, and the distance from such a piece.
+//!
+//! Pure geometry in units of the smallest edge of a voxel.
+
+use glam::{DVec3, DVec4};
+
+/// Furthest that the pieces may be from the curve.
+const TOLERANCE: f64 = 0.02;
+/// Most pieces from one bead to the next.
+const MAX_PIECES: f64 = 32.0;
+
+/// What a ball sweeps on a straight way, its radius changing evenly: the convex hull of its two ends.
+#[derive(Clone, Copy, Debug)]
+pub struct Piece {
+    from: DVec3,
+    /// Of length 1, or 0.
+    along: DVec3,
+    length: f64,
+    radius: f64,
+    /// How the radius grows along the way.
+    slope: f64,
+}
+
+impl Piece {
+    /// From one ball to another: centres, with the radius as the fourth number.
+    fn new(a: DVec4, b: DVec4) -> Piece {
+        let (from, way) = (a.truncate(), (b - a).truncate());
+        let length = way.length();
+        let along = way.normalize_or_zero();
+        let slope = if length > 0.0 { (b.w - a.w) / length } else { 0.0 };
+        Piece { from, along, length, radius: a.w, slope }
+    }
+
+    /// The least distance of `p` from the surface of all balls on the way, below 0 inside: changes by at most as much as
+    /// `p` moves.
+    #[inline(always)]
+    pub fn distance(&self, p: DVec3) -> f64 {
+        let offset = p - self.from;
+        let height = offset.dot(self.along);
+        let aside = (offset - self.along * height).length();
+        // What is sought is the least of hypot(aside, s - height) - radius - slope s, which is convex in s.
+        let s = match 1.0 - self.slope * self.slope {
+            steep if steep > 0.0 => height + aside * self.slope / steep.sqrt(),
+            // One end contains the other.
+            _ if self.slope > 0.0 => self.length,
+            _ => 0.0,
+        };
+        let s = s.clamp(0.0, self.length);
+        aside.hypot(s - height) - self.radius - self.slope * s
+    }
+
+    /// Lowest and highest point.
+    pub fn bounds(&self) -> [DVec3; 2] {
+        let to = self.from + self.along * self.length;
+        let end = self.radius + self.slope * self.length;
+        let (low, high) = (self.from - self.radius, self.from + self.radius);
+        [low.min(to - end), high.max(to + end)]
+    }
+}
+
+/// The pieces of a centripetal Catmull-Rom spline through balls whose neighbours differ in place.
+pub fn pieces(balls: &[DVec4]) -> Vec<Piece> {
+    if let [ball] = balls {
+        return vec![Piece::new(*ball, *ball)];
+    }
+    let mut pieces = Vec::new();
+    for i in 1..balls.len() {
+        let (a, b) = (balls[i - 1], balls[i]);
+        // Beyond the ends the curve goes straight on.
+        let before = if i > 1 { balls[i - 2] } else { a + (a - b) };
+        let after = balls.get(i + 1).copied().unwrap_or(b + (b - a));
+        let span = Span::new([before, a, b, after]);
+        let bend = (1..8).map(|part| {
+            let t = f64::from(part) / 8.0;
+            (span.at(t) - a.lerp(b, t)).length()
+        });
+        // A chord of an n-th of the way is n^2 times as close to the curve.
+        let count = (bend.fold(0.0, f64::max) / TOLERANCE).sqrt().ceil().clamp(1.0, MAX_PIECES);
+        let mut last = a;
+        for part in 1..=count as u32 {
+            let next = if f64::from(part) == count { b } else { span.at(f64::from(part) / count) };
+            pieces.push(Piece::new(last, next));
+            last = next;
+        }
+    }
+    pieces
+}
+
+/// The part of the spline between the middle two of four balls.
+struct Span {
+    balls: [DVec4; 4],
+    knots: [f64; 4],
+}
+
+impl Span {
+    fn new(balls: [DVec4; 4]) -> Span {
+        let mut knots = [0.0; 4];
+        for i in 1..4 {
+            let way = (balls[i] - balls[i - 1]).truncate();
+            knots[i] = knots[i - 1] + way.length().sqrt();
+        }
+        Span { balls, knots }
+    }
+
+    /// The ball at a share of the way, by the pyramid of Barry and Goldman (1988).
+    fn at(&self, share: f64) -> DVec4 {
+        let k = &self.knots;
+        let t = k[1] + (k[2] - k[1]) * share;
+        let mut level = self.balls;
+        for step in 1..4 {
+            for i in 0..4 - step {
+                // The last step is between the middle knots, the others as wide as they reach.
+                let (low, high) = if step == 3 { (k[1], k[2]) } else { (k[i], k[i + step]) };
+                level[i] = level[i].lerp(level[i + 1], (t - low) / (high - low));
+            }
+        }
+        let mut ball = level[0];
+        // Where radii change fast, the curve through them may go below zero.
+        ball.w = ball.w.max(0.0);
+        ball
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn ball() -> impl Strategy<Value = DVec4> {
+        (prop::array::uniform3(-20.0..20.0f64), 0.1..8.0f64)
+            .prop_map(|(at, radius)| DVec3::from(at).extend(radius))
+    }
+
+    proptest! {
+        /// The distance is the least that is found by trying many balls on the way.
+        #[test]
+        fn the_distance_is_that_of_the_nearest_ball(a in ball(), b in ball(), p in ball()) {
+            let (piece, p) = (Piece::new(a, b), p.truncate());
+            let tried = (0..=2000).map(|i| {
+                let ball = a.lerp(b, f64::from(i) / 2000.0);
+                p.distance(ball.truncate()) - ball.w
+            });
+            let least = tried.fold(f64::INFINITY, f64::min);
+            let found = piece.distance(p);
+            prop_assert!(found <= least + 1e-9 && found >= least - 0.02, "{} {}", found, least);
+            let [low, high] = piece.bounds();
+            if found <= 0.0 {
+                prop_assert!(p.cmpge(low - 1e-9).all() && p.cmple(high + 1e-9).all());
+            }
+        }
+
+        #[test]
+        fn a_curve_goes_through_its_balls_without_gaps(
+            balls in prop::collection::vec(ball(), 2..6),
+        ) {
+            let pieces = pieces(&balls);
+            for pair in pieces.windows(2) {
+                let end = pair[0].from + pair[0].along * pair[0].length;
+                prop_assert!(end.distance(pair[1].from) < 1e-9);
+            }
+            for ball in balls {
+                let nearest = pieces.iter().map(|p| p.distance(ball.truncate()));
+                prop_assert!(nearest.fold(f64::INFINITY, f64::min) <= 1e-9 - ball.w);
+            }
+        }
+    }
+
+    #[test]
+    fn a_straight_way_is_one_piece_and_a_bend_as_many_as_it_needs() {
+        let at = |x: f64, y: f64| DVec4::new(x, y, 0.0, 2.0);
+        assert_eq!(pieces(&[at(0.0, 0.0)]).len(), 1);
+        assert_eq!(pieces(&[at(0.0, 0.0), at(9.0, 3.0)]).len(), 1);
+        let bend = pieces(&[at(0.0, 0.0), at(20.0, 0.0), at(20.0, 20.0)]).len();
+        assert!((8..=64).contains(&bend), "{bend}");
+    }
+}

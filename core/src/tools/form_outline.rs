@@ -1,0 +1,77 @@
+//! Flat outlines: the distance from closed polygons, below 0 inside.
+//!
+//! Pure geometry of the plane; a point is inside if a ray from it crosses an odd number of edges.
+
+use glam::DVec2;
+
+/// Edges, each from a point along a way.
+#[derive(Clone, Debug, Default)]
+pub struct Outlines {
+    edges: Vec<[DVec2; 2]>,
+}
+
+impl Outlines {
+    /// Adds a closed outline.
+    pub fn close(&mut self, points: &[DVec2]) {
+        self.join(points);
+        if let [first, .., last] = points {
+            self.join(&[*last, *first]);
+        }
+    }
+
+    /// Adds the edges from each point to the next.
+    pub fn join(&mut self, points: &[DVec2]) {
+        self.edges.extend(points.windows(2).map(|pair| [pair[0], pair[1]]));
+    }
+
+    /// Lowest and highest point.
+    pub fn bounds(&self) -> [DVec2; 2] {
+        let points = self.edges.iter().flatten();
+        points.fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[low, high], p| {
+            [low.min(*p), high.max(*p)]
+        })
+    }
+
+    /// The distance of `p` from the nearest edge, below 0 inside: no point that is nearer than that is on the other side.
+    pub fn distance(&self, p: DVec2) -> f64 {
+        let mut nearest = f64::INFINITY;
+        let mut inside = false;
+        for [a, b] in &self.edges {
+            let (way, offset) = (*b - *a, p - *a);
+            let length_squared = way.length_squared();
+            let share = if length_squared > 0.0 { offset.dot(way) / length_squared } else { 0.0 };
+            nearest = nearest.min((offset - way * share.clamp(0.0, 1.0)).length_squared());
+            // The ray goes in the direction of x, from the axis of a profile outwards.
+            if (a.y > p.y) != (b.y > p.y) {
+                let left = (p.x - a.x) * way.y < way.x * offset.y;
+                inside ^= left == (way.y > 0.0);
+            }
+        }
+        if inside { -nearest.sqrt() } else { nearest.sqrt() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distances_from_a_frame_are_those_of_its_sides() {
+        let square = |half: f64| {
+            [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|p| DVec2::from(p) * half)
+        };
+        let mut frame = Outlines::default();
+        frame.close(&square(8.0));
+        frame.close(&square(4.0));
+        for (p, distance) in [
+            ([0.0, 0.0], 4.0),
+            ([5.0, 1.0], -1.0),
+            ([-6.5, 0.0], -1.5),
+            ([11.0, 12.0], 5.0),
+            ([-8.0, 3.0], 0.0),
+        ] {
+            assert!((frame.distance(p.into()) - distance).abs() < 1e-12, "{p:?}");
+        }
+        assert_eq!(frame.bounds(), [DVec2::splat(-8.0), DVec2::splat(8.0)]);
+    }
+}

@@ -1,0 +1,243 @@
+//! Solids that are drawn: their voxels are those of their definition and of the solids that they are like, at any border,
+//! in empty and in full grids, mirrored, and undone.
+
+use glam::{EulerRot, IVec3, Quat, UVec3, Vec2, Vec3};
+use proptest::prelude::*;
+use sculpture_core::command::Command;
+use sculpture_core::document::{Document, Limits};
+use sculpture_core::sculpture::edit::EditOp;
+use sculpture_core::tools::form::{Bead, Form, Pose};
+use sculpture_core::tools::form_region::PlacedForm;
+use sculpture_core::tools::symmetry::{Parity, Symmetry};
+
+use super::strategies::{new_sculpture, op, rotation};
+
+/// Every form, with places of `place`, and lengths and other numbers of `number`.
+pub fn form<P, N>(place: impl Fn() -> P, number: impl Fn() -> N) -> impl Strategy<Value = Form>
+where
+    P: Strategy<Value = Vec3> + 'static,
+    N: Strategy<Value = f32> + 'static,
+{
+    let pose = || (place(), rotation()).prop_map(|(at_vx, rotation)| Pose { at_vx, rotation });
+    let bead = (place(), number()).prop_map(|(at_vx, radius)| Bead { at_vx, radius });
+    let points = || {
+        let point = (number(), number()).prop_map(|(x, y)| Vec2::new(x, y));
+        prop::collection::vec(point, 1..6).prop_map(|points| points.into())
+    };
+    prop_oneof![
+        (place(), place()).prop_map(|(at_vx, normal)| Form::HalfSpace { at_vx, normal }),
+        (pose(), number(), number()).prop_map(|(pose, radius, tube)| Form::Ring {
+            pose,
+            radius,
+            tube
+        }),
+        prop::collection::vec(bead, 1..5).prop_map(|beads| Form::Tube { beads: beads.into() }),
+        (pose(), points()).prop_map(|(pose, profile)| Form::Lathe { pose, profile }),
+        (pose(), prop::collection::vec(points(), 1..3), number()).prop_map(
+            |(pose, outlines, depth)| Form::Extrusion { pose, outlines: outlines.into(), depth }
+        ),
+    ]
+}
+
+/// Forms that suit a sculpture of 24 voxels; some are refused.
+pub fn small_form() -> impl Strategy<Value = Form> {
+    let place = || prop::array::uniform3(-6f32..30.0).prop_map(Vec3::from);
+    form(place, || 0.2f32..14.0)
+}
+
+fn voxels(document: &Document) -> impl Iterator<Item = IVec3> {
+    let dims = document.grid().dims().as_ivec3();
+    let row = move |y, z| (0..dims.x).map(move |x| IVec3::new(x, y, z));
+    (0..dims.z).flat_map(move |z| (0..dims.y).flat_map(move |y| row(y, z)))
+}
+
+fn empty() -> Document {
+    let Ok(Command::New(new)) = "new dims=45,38,41 colour=24 fill=empty".parse() else { panic!() };
+    Document::new(&new, Limits::default()).unwrap()
+}
+
+fn with(commands: &[&str]) -> Document {
+    let mut document = empty();
+    for command in commands {
+        document.apply(&command.parse().unwrap()).unwrap();
+    }
+    document
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 150, ..ProptestConfig::default() })]
+
+    /// Every voxel as the definition says, and mirrored images exactly; undo gives all back.
+    #[test]
+    fn voxels_are_those_of_the_definition(
+        new in new_sculpture(24),
+        form in small_form(),
+        op in op(),
+        mirrored in any::<[bool; 3]>(),
+        odd in any::<bool>(),
+    ) {
+        let mut document = Document::new(&new, Limits::default()).unwrap();
+        let parity = if odd { Parity::Odd } else { Parity::Even };
+        let symmetry = Symmetry { axes: mirrored.map(|mirrored| mirrored.then_some(parity)) };
+        document.apply(&Command::Symmetry(symmetry)).unwrap();
+        let before = document.contents().clone();
+        let done = document.apply(&Command::Form { op, form: form.clone() });
+        if let Err(reason) = form.check() {
+            prop_assert!(done.is_err_and(|error| error.to_string().contains(reason)));
+            prop_assert_eq!(document.contents(), &before);
+            return Ok(());
+        }
+        if done.is_err() {
+            prop_assert!(matches!(op, EditOp::Recolour(_)), "no colours in this sculpture");
+            return Ok(());
+        }
+        let placed = PlacedForm::new(&form, document.grid(), [None; 3]);
+        let planes = symmetry.planes(document.grid().dims());
+        let images = symmetry.images(document.grid().dims()).len();
+        for v in voxels(&document) {
+            let inside = (0..8usize).filter(|image| {
+                (0..3).all(|axis| image >> axis & 1 == 0 || planes[axis].is_some())
+            }).any(|image| {
+                let mut v = v;
+                for axis in (0..3).filter(|axis| image >> axis & 1 == 1) {
+                    v[axis] = (2.0 * planes[axis].unwrap()) as i32 - 1 - v[axis];
+                }
+                placed.contains_voxel(v)
+            });
+            let existed = before.grid.get(v);
+            let exists = match op {
+                EditOp::Add(_) => existed || inside,
+                EditOp::Subtract => existed && !inside,
+                EditOp::Recolour(_) => existed,
+            };
+            prop_assert_eq!(document.grid().get(v), exists, "{} of {} images", v, images);
+            if let (EditOp::Recolour(colour), true) = (op, existed && inside) {
+                let depth = document.contents().material.depth();
+                prop_assert_eq!(document.contents().rgb(v.as_uvec3()), depth.quantise(colour));
+            }
+        }
+        document.apply(&Command::Undo { steps: None }).unwrap();
+        prop_assert_eq!(document.contents(), &before);
+    }
+
+    /// The same voxels as of other solids and by other formulas.
+    #[test]
+    fn forms_are_like_the_solids_that_they_are_named_after(
+        at in prop::array::uniform3(5f32..35.0),
+        turn in prop::array::uniform3(-170i32..170),
+        thick in 8u32..20,
+        more in 1u32..40,
+    ) {
+        let (r, wide) = (thick as f32 / 4.0, (thick * 2 + more) as f32 / 4.0);
+        let place = format!("at={},{},{} turn={},{},{}", at[0], at[1], at[2], turn[0], turn[1], turn[2]);
+        let same = |form: &str, solids: &[&str]| {
+            prop_assert!(with(&[form]).contents() == with(solids).contents(), "{} {:?}", form, solids);
+            Ok(())
+        };
+        let outer = wide + r;
+        same(
+            &format!("add ring {place} radius={wide} tube={r}"),
+            &[&format!("add torus {place} half={outer},{r},{outer}")],
+        )?;
+        same(
+            &format!("add lathe {place} profile={wide},-{r};{wide},{r}"),
+            &[&format!("add cylinder {place} half={wide},{r},{wide}")],
+        )?;
+        same(
+            &format!("add lathe {place} profile={wide},-{r};0,{r}"),
+            &[&format!("add cone {place} half={wide},{r},{wide}")],
+        )?;
+        let (a, b) = (wide, r);
+        let square = |a: f32| format!("-{a},-{a};{a},-{a};{a},{a};-{a},{a}");
+        same(
+            &format!("add extrusion {place} depth={} outline={}/{}", 2.0 * b, square(a), square(b)),
+            &[
+                &format!("add cuboid {place} half={a},{a},{b}"),
+                &format!("subtract cuboid {place} half={b},{b},{outer}"),
+            ],
+        )?;
+        let turned = turn.map(|degrees| (degrees as f32).to_radians());
+        let rotation = Quat::from_euler(EulerRot::XYZEx, turned[0], turned[1], turned[2]);
+        let up = rotation.as_dquat() * glam::DVec3::Y * 0.5;
+        let (low, high) = (Vec3::from(at) - up.as_vec3() * wide, Vec3::from(at) + up.as_vec3() * wide);
+        let bead = |p: Vec3| format!("{},{},{}", p.x, p.y, p.z);
+        let tube = with(&[&format!("add tube points={};{} radius={r}", bead(low), bead(high))]);
+        let half_space = with(&["fill", &format!("subtract half-space at={} normal={}", bead(low), bead(rotation * Vec3::Y))]);
+        for v in voxels(&tube) {
+            let p = v.as_dvec3() + 0.5;
+            let (a, b) = (low.as_dvec3(), high.as_dvec3());
+            let share = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
+            let beyond = p.distance(a.lerp(b, share)) - f64::from(r);
+            prop_assert!(tube.grid().get(v) == (beyond <= 0.0) || beyond.abs() < 1e-9, "{}", v);
+            let height = (p - a).dot((rotation * Vec3::Y).as_dvec3());
+            prop_assert!(half_space.grid().get(v) == (height < 0.0) || height.abs() < 1e-4, "{}", v);
+        }
+    }
+}
+
+#[test]
+fn a_tube_goes_round_bends_and_grows_from_point_to_point() {
+    let document = with(&["add tube points=6,8,20,3;22,8,20,3;30,20,20,3;22,32,20,5;6,32,20,6"]);
+    for (v, exists) in [
+        ([6, 8, 20], true),
+        ([14, 8, 20], true),
+        ([30, 20, 20], true),
+        ([33, 20, 20], false),
+        ([22, 20, 20], false),
+        ([8, 36, 20], true),
+        ([8, 12, 20], false),
+    ] {
+        assert_eq!(document.grid().get(v.into()), exists, "{v:?}");
+    }
+    // A single point is a ball.
+    let ball = with(&["add tube points=20.25,19.5,21 radius=9.5"]);
+    assert!(ball.contents() == with(&["add ellipsoid at=20.25,19.5,21 half=9.5"]).contents());
+}
+
+#[test]
+fn full_and_empty_grids_stay_so_and_arrays_move_forms() {
+    for form in ["half-space at=-9,0,0 normal=1,0,0", "ring at=20,20,20 radius=9 tube=1e6"] {
+        let full = with(&[&format!("add {form}")]);
+        assert!(full.contents() == with(&["fill"]).contents(), "{form}");
+        assert!(with(&["fill", &format!("subtract {form}")]).contents() == empty().contents());
+        assert!(with(&[&format!("subtract {form}")]).contents() == empty().contents());
+    }
+    let array = with(&["add tube points=3,4,5,2;9,4,5,3", "array count=2 step=0,12,3"]);
+    let each = with(&[
+        "add tube points=3,4,5,2;9,4,5,3",
+        "add tube points=3,16,8,2;9,16,8,3",
+        "add tube points=3,28,11,2;9,28,11,3",
+    ]);
+    assert!(array.contents() == each.contents());
+    assert!(array.grid().get(UVec3::new(9, 28, 11).as_ivec3()));
+}
+
+#[test]
+fn what_is_no_form_is_refused_with_a_reason() {
+    let many = vec!["1,2,3"; 1025].join(";");
+    for (form, reason) in [
+        ("half-space at=1,2,3 normal=0,0,0", "direction"),
+        ("half-space at=1e7,2,3 normal=0,1,0", "a million"),
+        ("ring at=1,2,3 radius=0 tube=3", "above zero"),
+        ("ring at=1,2,3 radius=3 tube=1e7", "a million"),
+        ("ring at=1,2,3 radius=3", "needs `tube=`"),
+        ("tube points=1,2,3;4,5,6", "radius"),
+        ("tube points=1,2,3,1;1,2,3,4", "same place"),
+        ("tube points=1,2,3,-1", "above zero"),
+        ("tube points=1,2,NaN,1", "not a valid number"),
+        ("tube points=1,2,1e30,1", "a million"),
+        (&format!("tube points={many} radius=1"), "1024"),
+        ("lathe at=1,2,3 profile=1,2", "two points"),
+        ("lathe at=1,2,3 profile=1,2;-1,2", "axis"),
+        ("extrusion at=1,2,3 outline=1,2;2,2;2,3 depth=0", "above zero"),
+        ("extrusion at=1,2,3 outline=1,2;2,2;2,3/ depth=1", "valid number"),
+        ("extrusion at=1,2,3 outline=1,2/2,2;2,3 depth=1", "two points"),
+        ("tubes points=1,2,3,1", "tube, lathe"),
+    ] {
+        let error = match format!("add {form}").parse::<Command>() {
+            Err(error) => error.to_string(),
+            Ok(command) => empty().apply(&command).unwrap_err().to_string(),
+        };
+        assert!(error.contains(reason), "{form}: {error}");
+    }
+}
