@@ -6,7 +6,7 @@ use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use glam::{Affine3A, UVec2, Vec3};
-use sculpture_core::mesh::{Mesh, MeshKind};
+use sculpture_core::mesh::{Mesh, MeshKind, VertexColours};
 use sculpture_core::scenes;
 use sculpture_core::sculpture::history::Contents;
 use sculpture_core::sculpture::{Brick, ColourDepth, Grid, Limits, Material, Rgb};
@@ -58,12 +58,16 @@ fn pictures(c: &mut Criterion) {
         });
         let contents = Contents { grid: grid.clone(), material: material.clone() };
         group.bench_function(BenchmarkId::new("mesh_faces", name), |b| {
-            b.iter(|| Mesh::of(&contents, MeshKind::Faces, &Limits::default(), &()));
+            b.iter(|| {
+                Mesh::of(&contents, MeshKind::Faces, VertexColours::Voxels, &Limits::default(), &())
+            });
         });
         let mut levels = LevelSet::new(&grid, u64::MAX).expect("the scenes are small");
         levels.update(&grid, &normals, &mut Vec::new());
         group.bench_function(BenchmarkId::new("mesh_smooth", name), |b| {
-            b.iter(|| Mesh::smooth(&contents, &levels, &Limits::default(), &()));
+            b.iter(|| {
+                Mesh::smooth(&contents, &levels, VertexColours::Voxels, &Limits::default(), &())
+            });
         });
         drop((contents, levels));
         // The bricks of a ball of radius 32 at the side of the grid that faces the eye.

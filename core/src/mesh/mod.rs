@@ -54,6 +54,23 @@ impl MeshKind {
         [(MeshKind::Faces, "faces"), (MeshKind::Greedy, "greedy"), (MeshKind::Smooth, "smooth")];
 }
 
+/// Which colours the vertices of a mesh have.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum VertexColours {
+    /// Those of the voxels, if any of these has a colour of its own.
+    #[default]
+    Voxels,
+    /// None, for files that hold none: faces are merged across colours, and less memory is taken.
+    None,
+}
+
+impl VertexColours {
+    /// Whether the vertices of a mesh of `contents` have colours.
+    fn are_in(self, contents: &Contents) -> bool {
+        self == VertexColours::Voxels && contents.material.page_count() > 0
+    }
+}
+
 /// Why there is no mesh.
 #[derive(Debug, thiserror::Error)]
 pub enum MeshError {
@@ -160,15 +177,16 @@ impl Mesh {
     pub fn of(
         contents: &Contents,
         kind: MeshKind,
+        colours: VertexColours,
         limits: &Limits,
         progress: &dyn Progress,
     ) -> Result<Mesh, MeshError> {
         match kind {
-            MeshKind::Faces => Mesh::placed(contents, &AtCorners, limits, progress),
-            MeshKind::Greedy => greedy::mesh(contents, limits, progress),
+            MeshKind::Faces => Mesh::placed(contents, &AtCorners, colours, limits, progress),
+            MeshKind::Greedy => greedy::mesh(contents, colours, limits, progress),
             MeshKind::Smooth => {
                 let levels = smooth_surface(contents, limits, progress)?;
-                Mesh::smooth(contents, &levels, limits, progress)
+                Mesh::smooth(contents, &levels, colours, limits, progress)
             }
         }
     }
@@ -177,20 +195,23 @@ impl Mesh {
     pub fn smooth(
         contents: &Contents,
         levels: &LevelSet,
+        colours: VertexColours,
         limits: &Limits,
         progress: &dyn Progress,
     ) -> Result<Mesh, MeshError> {
-        Mesh::placed(contents, &OnSurface::new(&contents.grid, levels), limits, progress)
+        let place = OnSurface::new(&contents.grid, levels);
+        Mesh::placed(contents, &place, colours, limits, progress)
     }
 
     fn placed(
         contents: &Contents,
         place: &impl Place,
+        colours: VertexColours,
         limits: &Limits,
         progress: &dyn Progress,
     ) -> Result<Mesh, MeshError> {
         progress.begin("making the mesh");
-        let coloured = contents.material.page_count() > 0;
+        let coloured = colours.are_in(contents);
         let slab = Slab { contents, place, coloured };
         let end = contents.grid.dims().z + 1;
         let starts: Vec<u32> = (0..end).step_by(PART_LAYERS as usize).collect();

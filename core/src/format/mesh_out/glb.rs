@@ -7,7 +7,7 @@ use std::path::Path;
 use glam::Vec3;
 use serde_json::{Value, json};
 
-use super::{Job, create, finish, linear, put_vector};
+use super::{Job, Steps, create, finish, linear, put_vector};
 use crate::format::FormatError;
 use crate::mesh::MeshKind;
 use crate::sculpture::Rgb;
@@ -62,7 +62,11 @@ pub(super) fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
         "min": low.to_array(), "max": high.to_array()
     });
     let mut attributes = json!({ "POSITION": layout.add(vertices, 12, VERTICES, positions) });
-    let normals = (job.options.kind == MeshKind::Smooth).then(|| normals(job));
+    let has_normals = job.options.kind == MeshKind::Smooth;
+    // Normals take a pass over the triangles, and are vectors of the vertices like positions and colours.
+    let (normal_passes, colour_passes) = (u64::from(has_normals), u64::from(mesh.is_coloured()));
+    let mut steps = job.steps(1 + normal_passes + colour_passes, 1 + normal_passes);
+    let normals = if has_normals { Some(normals(job, &mut steps)?) } else { None };
     if normals.is_some() {
         let accessor = json!({ "componentType": FLOAT, "count": vertices, "type": "VEC3" });
         attributes["NORMAL"] = json!(layout.add(vertices, 12, VERTICES, accessor));
@@ -106,7 +110,6 @@ pub(super) fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
     for word in [bytes, BINARY_CHUNK] {
         file.write_all(&word.to_le_bytes())?;
     }
-    let mut steps = job.steps(2);
     for position in mesh.positions() {
         put_vector(&mut file, place(position))?;
         steps.step()?;
@@ -140,16 +143,17 @@ pub(super) fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
 }
 
 /// Normals of the vertices: means of their triangles', weighted by area.
-fn normals(job: &Job) -> Vec<Vec3> {
+fn normals(job: &Job, steps: &mut Steps) -> Result<Vec<Vec3>, FormatError> {
     let mesh = job.mesh;
     let mut normals = vec![Vec3::ZERO; mesh.vertex_count() as usize];
     for triangle in mesh.triangles() {
         let [a, b, c] = triangle.map(|vertex| job.space.place(mesh.position(vertex)));
         let normal = (b - a).cross(c - a);
         triangle.iter().for_each(|&vertex| normals[vertex as usize] += normal);
+        steps.step()?;
     }
     for normal in &mut normals {
         *normal = normal.normalize_or(Vec3::Y);
     }
-    normals
+    Ok(normals)
 }

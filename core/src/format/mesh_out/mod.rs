@@ -19,7 +19,7 @@ use glam::{Mat3, Vec3};
 
 use super::store::AtomicFile;
 use super::{FormatError, go_on};
-use crate::mesh::{Mesh, MeshKind, simplified};
+use crate::mesh::{Mesh, MeshKind, VertexColours, simplified};
 use crate::progress::Progress;
 use crate::sculpture::Limits;
 use crate::sculpture::history::Contents;
@@ -98,6 +98,14 @@ impl MeshFormat {
         }
     }
 
+    /// Triangles in .stl have no colours.
+    fn colours(self) -> VertexColours {
+        match self {
+            MeshFormat::Stl => VertexColours::None,
+            _ => VertexColours::Voxels,
+        }
+    }
+
     fn usual_up(self) -> MeshUp {
         match self {
             MeshFormat::Obj | MeshFormat::Glb => MeshUp::Y,
@@ -135,7 +143,7 @@ pub fn save_mesh(
     if contents.grid.opaque_count() == 0 {
         return Err(FormatError::NoSurface);
     }
-    let mut mesh = Mesh::of(contents, options.kind, limits, progress)?;
+    let mut mesh = Mesh::of(contents, options.kind, format.colours(), limits, progress)?;
     if let Some(triangles) = options.triangles {
         mesh = simplified(mesh, triangles, limits, progress)?;
     }
@@ -215,9 +223,10 @@ impl Job<'_> {
         self.positions().fold(start, |[low, high], p| [low.min(p), high.max(p)])
     }
 
-    /// The work of going through vertices and triangles `passes` times each.
-    fn steps(&self, passes: u64) -> Steps<'_> {
-        let all = passes * (self.mesh.vertex_count() + self.mesh.triangle_count());
+    /// The work of going through vertices and triangles so many times.
+    fn steps(&self, vertex_passes: u64, triangle_passes: u64) -> Steps<'_> {
+        let all =
+            vertex_passes * self.mesh.vertex_count() + triangle_passes * self.mesh.triangle_count();
         Steps { progress: self.progress, done: 0, all: all.max(1), until_report: PORTION }
     }
 }

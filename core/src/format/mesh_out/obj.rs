@@ -16,7 +16,7 @@ pub(super) fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
     writeln!(file, "# Virtual Sculpture, millimetres")?;
     writeln!(file, "mtllib {}", name.unwrap_or_default())?;
     writeln!(file, "o sculpture")?;
-    let mut steps = job.steps(1);
+    let mut steps = job.steps(1, 1);
     let is_coloured = mesh.is_coloured();
     for (position, Rgb(colour)) in job.positions().zip(mesh.colours()) {
         let [x, y, z] = position.to_array();

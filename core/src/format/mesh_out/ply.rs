@@ -24,7 +24,7 @@ pub(super) fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
         write!(file, "element face {triangles}\nproperty list uchar int vertex_indices\n")?;
     }
     writeln!(file, "end_header")?;
-    let mut steps = job.steps(1);
+    let mut steps = job.steps(1, u64::from(!job.options.points_only));
     for (position, Rgb(colour)) in job.positions().zip(mesh.colours()) {
         put_vector(&mut file, position)?;
         file.write_all(&colour)?;

@@ -16,7 +16,7 @@ pub(super) fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
     let mut file = create(path)?;
     file.write_all(&header)?;
     file.write_all(&count.to_le_bytes())?;
-    let mut steps = job.steps(1);
+    let mut steps = job.steps(0, 1);
     for triangle in job.mesh.triangles() {
         let corners = triangle.map(|vertex| job.space.place(job.mesh.position(vertex)));
         let [a, b, c] = corners;

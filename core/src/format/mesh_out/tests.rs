@@ -10,7 +10,7 @@ use super::{MeshOptions, MeshSummary, MeshUp, linear, save_mesh};
 use crate::format::FormatError;
 use crate::format::options::ExportForm;
 use crate::mesh::tests::check::{check, welded};
-use crate::mesh::{Mesh, MeshKind};
+use crate::mesh::{Mesh, MeshKind, VertexColours};
 use crate::progress::Report;
 use crate::scenes::grid_of;
 use crate::sculpture::history::Contents;
@@ -42,7 +42,7 @@ fn floats<const N: usize>(bytes: &[u8]) -> [f32; N] {
 
 /// The mesh in millimetres, of a voxel size of one.
 fn expected(kind: MeshKind, up: MeshUp) -> (Vec<Vec3>, Vec<[u32; 3]>, Vec<Rgb>) {
-    let mesh = Mesh::of(&subject(), kind, &Limits::default(), &()).unwrap();
+    let mesh = Mesh::of(&subject(), kind, VertexColours::Voxels, &Limits::default(), &()).unwrap();
     let turned = |p: Vec3| match up {
         MeshUp::Y => p,
         MeshUp::Z => Vec3::new(p.x, 20.0 - p.z, p.y),
@@ -254,4 +254,64 @@ fn what_cannot_be_is_refused_with_a_remedy_and_leaves_nothing() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
     crate::format::save(&path, &subject(), ExportForm::Auto, &()).unwrap();
     assert!(Path::exists(&path));
+}
+
+#[test]
+fn faces_are_merged_across_colours_where_a_file_has_none() {
+    let greedy = MeshOptions { kind: MeshKind::Greedy, ..MeshOptions::default() };
+    let [stl, ply] = ["cone.stl", "cone.ply"].map(|name| write(name, &greedy).1.triangles);
+    let plain = Contents {
+        material: Material::for_grid(&subject().grid, ColourDepth::None, RED),
+        ..subject()
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("plain.stl");
+    let one_colour = save_mesh(&path, &plain, &greedy, &Limits::default(), &()).unwrap();
+    assert_eq!(stl, one_colour.triangles);
+    assert!(ply > stl, "{ply} {stl}: the cone is painted in part");
+}
+
+/// Notes the last share that each piece of work reported.
+#[derive(Default)]
+struct LastShares(std::sync::Mutex<Vec<(String, f32)>>);
+
+impl crate::progress::Progress for LastShares {
+    fn begin(&self, what: &str) {
+        self.0.lock().unwrap().push((what.to_string(), 0.0));
+    }
+
+    fn advance(&self, done: f32) {
+        let mut shares = self.0.lock().unwrap();
+        let (_, last) = shares.last_mut().unwrap();
+        assert!(done >= *last && done <= 1.0, "{done} after {last}");
+        *last = done;
+    }
+
+    fn end(&self) {}
+}
+
+#[test]
+fn the_progress_of_writing_ends_near_the_whole() {
+    // Some hundred thousand faces: a comb of walls.
+    let grid = grid_of(80, |p| p.x as u32 % 4 < 2 && p.x > 2.0);
+    let mut material = Material::for_grid(&grid, ColourDepth::Bits24, Rgb::STONE);
+    material.paint(0, &Brick::FULL, RED);
+    let contents = Contents { grid, material };
+    let folder = tempfile::tempdir().unwrap();
+    for (name, kind) in [
+        ("a.stl", MeshKind::Faces),
+        ("a.ply", MeshKind::Faces),
+        ("a.obj", MeshKind::Faces),
+        ("a.glb", MeshKind::Faces),
+        ("a.3mf", MeshKind::Faces),
+        ("b.glb", MeshKind::Smooth),
+    ] {
+        let options = MeshOptions { kind, ..MeshOptions::default() };
+        let shares = LastShares::default();
+        let path = folder.path().join(name);
+        save_mesh(&path, &contents, &options, &Limits::default(), &shares).unwrap();
+        let shares = shares.0.into_inner().unwrap();
+        let (what, last) = shares.last().unwrap();
+        assert!(what == "writing" && *last > 0.85, "{name}: {what} {last}");
+    }
 }

@@ -48,7 +48,7 @@ pub(super) fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
     let mut model = BufWriter::with_capacity(BUFFER_BYTES, &mut zip);
     model.write_all(MODEL.as_bytes())?;
 
-    let mut steps = job.steps(1);
+    let mut steps = job.steps(1, 1);
     // The number of each vertex's colour, of all different ones.
     let mut numbers: HashMap<Rgb, u32> = HashMap::new();
     let mut colours = Vec::new();

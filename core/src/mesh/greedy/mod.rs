@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use self::numbers::Numbers;
 use self::polygon::put_rectangle;
 use self::rectangles::{Rectangle, rectangles};
-use super::{Budget, Mesh, MeshError, Part};
+use super::{Budget, Mesh, MeshError, Part, VertexColours};
 use crate::progress::Progress;
 use crate::sculpture::Limits;
 use crate::sculpture::history::Contents;
@@ -32,15 +32,17 @@ const LEAST_BYTES: u64 =
 /// The mesh of merged faces.
 pub fn mesh(
     contents: &Contents,
+    colours: VertexColours,
     limits: &Limits,
     progress: &dyn Progress,
 ) -> Result<Mesh, MeshError> {
     progress.begin("merging faces");
+    let is_coloured = colours.are_in(contents);
     let go_on = || if progress.is_cancelled() { Err(MeshError::Cancelled) } else { Ok(()) };
     let mut all: Vec<Rectangle> = Vec::new();
     let budget = Budget::new(limits);
     for axis in 0..3 {
-        let found = rectangles(contents, axis);
+        let found = rectangles(contents, axis, is_coloured);
         // With the vertex and the face of each that follow.
         budget.take(found.len() as u64 * LEAST_BYTES);
         budget.check()?;
@@ -60,7 +62,7 @@ pub fn mesh(
         .collect();
     drop(all);
     let mut part = Part::default();
-    numbers.put_vertices(contents, &mut part);
+    numbers.put_vertices(contents, is_coloured, &mut part);
     for mut portion in portions {
         part.quads.append(&mut portion.quads);
         part.triangles.append(&mut portion.triangles);

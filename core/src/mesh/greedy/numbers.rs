@@ -117,14 +117,13 @@ impl Numbers {
     }
 
     /// Adds all vertices.
-    pub fn put_vertices(&self, contents: &Contents, part: &mut Part) {
-        let coloured = contents.material.page_count() > 0;
+    pub fn put_vertices(&self, contents: &Contents, is_coloured: bool, part: &mut Part) {
         let per_layer = self.width * self.height;
         part.positions.reserve(self.count as usize);
         let mut put = |corner: IVec3, octants: u8, position, solid| {
             part.positions.push(position);
             debug_assert!(octants != 0 && octants != u8::MAX, "{corner}");
-            if coloured {
+            if is_coloured {
                 part.colours.push(colour(contents, corner, solid));
             }
         };

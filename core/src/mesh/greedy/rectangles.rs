@@ -25,13 +25,13 @@ pub struct Rectangle {
 /// Planes that are looked at together: those of a word.
 const PLANES: u32 = 64;
 
-/// The rectangles of all planes across `axis`.
-pub fn rectangles(contents: &Contents, axis: usize) -> Vec<Rectangle> {
+/// The rectangles of all planes across `axis`. `is_coloured`: faces of different colours are not merged.
+pub fn rectangles(contents: &Contents, axis: usize, is_coloured: bool) -> Vec<Rectangle> {
     let end = contents.grid.dims()[axis] + 1;
     let starts: Vec<u32> = (0..end).step_by(PLANES as usize).collect();
     let found: Vec<Vec<Rectangle>> = starts
         .par_iter()
-        .map(|&start| of_planes(contents, axis, start..(start + PLANES).min(end)))
+        .map(|&start| of_planes(contents, axis, start..(start + PLANES).min(end), is_coloured))
         .collect();
     found.concat()
 }
@@ -50,7 +50,12 @@ struct Faces {
     bits: Vec<u64>,
 }
 
-fn of_planes(contents: &Contents, axis: usize, planes: std::ops::Range<u32>) -> Vec<Rectangle> {
+fn of_planes(
+    contents: &Contents,
+    axis: usize,
+    planes: std::ops::Range<u32>,
+    is_coloured: bool,
+) -> Vec<Rectangle> {
     let grid = &contents.grid;
     let dims = grid.dims();
     // Rows along x where there are such.
@@ -69,7 +74,6 @@ fn of_planes(contents: &Contents, axis: usize, planes: std::ops::Range<u32>) -> 
     };
     let mut faces = [empty(true), empty(false)];
     fill(grid, &planes, &mut faces);
-    let is_coloured = contents.material.page_count() > 0;
     let mut found = Vec::new();
     for mut faces in faces {
         for plane in planes.clone() {

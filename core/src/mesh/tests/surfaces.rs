@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use glam::{IVec3, UVec3, Vec3};
 
 use super::check::{Sound, check, welded};
-use crate::mesh::{Mesh, MeshError, MeshKind};
+use crate::mesh::{Mesh, MeshError, MeshKind, VertexColours};
 use crate::progress::{Progress, Report};
 use crate::scenes::{self, Random, grid_of};
 use crate::sculpture::brick::{Brick, local_index};
@@ -20,7 +20,7 @@ pub fn contents(grid: Grid) -> Contents {
 }
 
 pub fn mesh(contents: &Contents, kind: MeshKind) -> Mesh {
-    Mesh::of(contents, kind, &Limits::default(), &()).unwrap()
+    Mesh::of(contents, kind, VertexColours::Voxels, &Limits::default(), &()).unwrap()
 }
 
 /// Checks a mesh, also with only its positions.
@@ -258,7 +258,7 @@ fn a_cancelled_mesh_is_an_error() {
     report.cancel();
     assert!(report.is_cancelled());
     for kind in KINDS {
-        let made = Mesh::of(&contents, kind, &Limits::default(), &report);
+        let made = Mesh::of(&contents, kind, VertexColours::Voxels, &Limits::default(), &report);
         assert!(matches!(made, Err(MeshError::Cancelled)));
     }
 }
@@ -268,7 +268,8 @@ fn a_mesh_that_takes_too_much_memory_is_refused() {
     let contents = contents(noise(UVec3::splat(40), 0.5, 3));
     for kind in KINDS {
         let limits = Limits { grid_bytes: 100 << 10, colour_bytes: 0, ..Limits::default() };
-        let error = Mesh::of(&contents, kind, &limits, &()).unwrap_err().to_string();
+        let error =
+            Mesh::of(&contents, kind, VertexColours::Voxels, &limits, &()).unwrap_err().to_string();
         assert!(error.contains("the mesh needs more than the 0 MiB"), "{kind:?}: {error}");
     }
 }
