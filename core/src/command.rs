@@ -20,7 +20,7 @@ use crate::sculpture::{ColourDepth, Placement, Rgb};
 use crate::tools::construct::Primitive;
 use crate::tools::deform::Deform;
 use crate::tools::form::Form;
-use crate::tools::grab::Grab;
+use crate::tools::grab::{Grab, Motion};
 use crate::tools::mend::Mend;
 use crate::tools::spray::Spray;
 use crate::tools::symmetry::Symmetry;
@@ -114,9 +114,9 @@ pub enum Command {
         /// What the rays are cast on.
         surface: SpraySurface,
     },
-    /// Pull at a ball of clay.
+    /// Pull at a ball of clay, twist or pinch it.
     Grab {
-        /// The ball and the pull.
+        /// The ball and its motion.
         grab: Grab,
         /// Which clay is pulled.
         surface: SpraySurface,
@@ -238,7 +238,8 @@ impl Command {
                 EditOp::Recolour(_) => "recolour",
             },
             Command::Spray { .. } => "spray",
-            Command::Grab { .. } => "grab",
+            Command::Grab { grab: Grab { motion: Motion::Pull { .. }, .. }, .. } => "grab",
+            Command::Grab { .. } => "deform",
             Command::Deform { .. } => "deform",
             Command::Texture { .. } => "texture",
             Command::Fill { .. } => "fill",
@@ -275,6 +276,7 @@ impl Command {
             }
             Command::Form { form, .. } => format!("{} {}", self.verb(), form.name()),
             Command::Spray { spray, .. } => spray.effect.name().to_string(),
+            Command::Grab { grab, .. } => grab.motion.kind().name().to_string(),
             Command::Deform { deform, .. } => deform.brush.kind().name().to_string(),
             _ => self.verb().to_string(),
         }

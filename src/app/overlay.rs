@@ -35,6 +35,8 @@ pub struct OverlayScene<'a> {
     /// The picture as it was last shown, and the pointer in it.
     pub seen: Option<&'a IndexMap>,
     pub pointer: Option<Vec2>,
+    /// A stroke is under way.
+    pub stroking: bool,
     /// Of the eye plane to what the pointer points at, in world units.
     pub depth: f32,
 }
@@ -124,6 +126,7 @@ pub fn lines(scene: &OverlayScene) -> Vec<Line> {
                 _ => (tool.primitive(), colour_of(tool)),
             };
             lines.extend(outline_of(&shape, grid).into_iter().map(outline(colour)));
+            lines.extend(rope(scene).map(outline(colour)));
             for image in document.symmetry().images(grid.dims()).iter().skip(1) {
                 let mirrored = outline_of(&image.primitive(&shape), grid);
                 lines.extend(mirrored.into_iter().map(outline(MIRROR)));
@@ -151,6 +154,15 @@ pub fn lines(scene: &OverlayScene) -> Vec<Line> {
         }
     }
     lines
+}
+
+/// The rope on which the pointer leads a brush.
+fn rope(scene: &OverlayScene) -> Option<(Vec3, Vec3)> {
+    let tool = scene.tool;
+    let (map, at) = scene.seen.zip(scene.pointer)?;
+    let end = map.rays.origin + map.rays.direction_at(at.x, at.y) * scene.depth;
+    (scene.stroking && tool.deforms.of(tool.deform).steady_px > 0.0)
+        .then_some((tool.centre_vx, end))
 }
 
 /// The rim of a spray's footprint, laid into the picture at the depth of what it points at.
@@ -248,6 +260,7 @@ mod tests {
             theme: Theme::Light,
             seen: None,
             pointer: None,
+            stroking: false,
             depth: 1.0,
         };
         let lines = lines(&scene);
@@ -280,6 +293,7 @@ mod tests {
                 theme: Theme::Dark,
                 seen: None,
                 pointer: None,
+                stroking: false,
                 depth: 1.0,
             };
             (lines(&scene).len(), preview(&scene).is_some())

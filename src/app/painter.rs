@@ -146,6 +146,7 @@ impl Workspace {
             theme: self.ui.appearance.theme,
             seen: self.viewpoint.pick_map(),
             pointer: self.editor.pointer(),
+            stroking: self.editor.is_stroking(),
             depth: picker.sight().depth(target.unwrap_or(grid.dims().as_vec3() * 0.5)),
         }
     }

@@ -17,8 +17,8 @@ use crate::sculpture::edit::EditOp;
 use crate::sculpture::{ColourDepth, Limits, Rgb};
 use crate::surface::raycast;
 use crate::tools::construct::{Primitive, Solid};
-use crate::tools::deform::{Brush, Deform, Plane};
-use crate::tools::grab::{Falloff, Grab};
+use crate::tools::deform::{Brush, Deform, Draw, Plane};
+use crate::tools::grab::{Falloff, Grab, Motion};
 
 /// One edit, repeated.
 #[derive(Clone, PartialEq, Debug, Serialize)]
@@ -50,7 +50,7 @@ pub fn edits(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandErro
     let grab = Grab {
         centre_vx: Vec3::new(256.0, 512.0, 256.0),
         radius: 48.0,
-        by_vx: Vec3::new(3.0, -8.0, 2.0),
+        motion: Motion::Pull { by_vx: Vec3::new(3.0, -8.0, 2.0) },
         falloff: Falloff::Smooth,
     };
     let pull = Command::Grab { grab, surface: SpraySurface::Now };
@@ -60,6 +60,11 @@ pub fn edits(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandErro
         surface: SpraySurface::Now,
     };
     let plane = Plane { normal: Vec3::new(0.2, 1.0, 0.1), strength: 1.0 };
+    let way = Draw { normal: plane.normal, height: -8.0 };
+    let moved =
+        |motion| Command::Grab { grab: Grab { motion, ..grab }, surface: SpraySurface::Now };
+    let twist = moved(Motion::Twist { normal: plane.normal, angle_deg: 20.0 });
+    let pinch = moved(Motion::Pinch { normal: plane.normal, strength: 0.5 });
     let commands = [
         ("sphere of radius 64", cut(Solid::Ellipsoid, even, Quat::IDENTITY)),
         ("cuboid of half edge 64", cut(Solid::Cuboid, even, Quat::IDENTITY)),
@@ -72,6 +77,10 @@ pub fn edits(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandErro
         ("pull at a ball of radius 48", pull),
         ("sinking in a ball of radius 48", deform(Brush::Inflate { height: -8.0 })),
         ("flattening in a ball of radius 48", deform(Brush::Flatten(plane))),
+        ("twisting a ball of radius 48", twist),
+        ("pinching a ball of radius 48", pinch),
+        ("lowering in a ball of radius 48", deform(Brush::Draw(way))),
+        ("creasing in a ball of radius 48", deform(Brush::Crease(way))),
     ];
     let mut reports = Vec::new();
     for (name, command) in commands {
@@ -234,7 +243,7 @@ mod tests {
     #[test]
     fn every_edit_is_reported_and_taken_back() {
         let reports = edits(1, Limits::default()).unwrap();
-        assert_eq!(reports.len(), 14);
+        assert_eq!(reports.len(), 18);
         let voxels = |name: &str| reports.iter().find(|r| r.name.starts_with(name)).unwrap().voxels;
         let ball = 4.0 / 3.0 * std::f64::consts::PI * 64f64.powi(3);
         assert!((voxels("sphere") as f64 / ball - 1.0).abs() < 1e-3);

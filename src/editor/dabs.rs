@@ -1,7 +1,8 @@
-//! Strokes of the brushes that deform: the brush is used at a spacing along a path over the surface, each time on the
-//! surface as it was when the stroke began, so that overlapping uses do not add up.
+//! Strokes of the brushes that deform: the brush is used at a spacing along a path over the surface. Most move the surface
+//! as it was when the stroke began, so that overlapping uses do not add up; pinch and smear move what uses before left.
 //!
-//! The plane of flatten, scrape and fill is that of the surface around the press, for the whole stroke.
+//! The plane of flatten, scrape and fill is that of the surface around the press, for the whole stroke; draw and crease go
+//! along the normal of the surface around each use, as it was when the stroke began.
 
 use glam::{IVec3, Vec2, Vec3};
 
@@ -12,13 +13,20 @@ use super::stroke::{LEAP, LOOK_EVERY_PX, MOST_LOOKS, Stroke, SurfaceGuide, Work}
 use crate::command::{Command, SpraySurface};
 use crate::picking::Picker;
 use crate::sculpture::Grid;
-use crate::tools::deform::{Brush, Deform, DeformKind, Plane};
+use crate::tools::deform::{Brush, Deform, DeformKind, Draw, Plane};
+use crate::tools::grab::{Grab, Motion};
 use crate::tools::offset::MAX_HEIGHT;
 
 /// Distance of two uses as a share of the radius.
 const SPACING: f32 = 0.2;
-/// Height to which `inflate` raises the surface with full strength, as a share of the radius.
+/// The same of `crease`, whose narrow bottom would show each use.
+const CREASE_SPACING: f32 = 0.08;
+/// Height to which the surface is raised with full strength, as a share of the radius.
 const HEIGHT: f32 = 0.5;
+/// How far one use of `pinch` brings the clay together with full strength; some ten of them overlap.
+const PINCH: f32 = 0.1;
+/// Longest way of `smear` in one use, as a share of the radius: beyond that the brush has leapt.
+const SMEAR: f32 = 0.5;
 /// Most steps along a radius in which the surface is looked at for its plane.
 const STEPS: f32 = 10.0;
 
@@ -33,6 +41,8 @@ pub(super) struct Dabs {
     /// Where the stroke began, in voxels, and the direction out of the surface there.
     start: Vec3,
     normal: Vec3,
+    /// Where it was used last, in voxels.
+    last: Vec3,
     /// Voxel edges in units of the smallest.
     edges: Vec3,
 }
@@ -45,12 +55,48 @@ impl Dabs {
 
     /// Whether it adds to what is there wherever it is used.
     pub fn adds(&self) -> bool {
-        self.kind == DeformKind::Inflate && !self.inverse
+        match self.kind {
+            DeformKind::Inflate | DeformKind::Draw => !self.inverse,
+            DeformKind::Crease => self.inverse,
+            _ => false,
+        }
     }
 
-    /// The use of the brush at a place, in voxels.
-    fn command(&self, at: Vec3) -> Command {
-        let DeformOptions { radius, strength, falloff } = self.options;
+    /// Whether the normal is that around each use.
+    fn turns(&self) -> bool {
+        matches!(self.kind, DeformKind::Draw | DeformKind::Crease | DeformKind::Pinch)
+    }
+
+    /// A use of the brush at a place, in voxels, that moves the clay as it is. None where it goes nowhere.
+    fn motion(&self, at: Vec3) -> Option<Grab> {
+        let DeformOptions { radius, strength, falloff, .. } = self.options;
+        let sense = if self.inverse { -1.0 } else { 1.0 };
+        let (centre_vx, motion) = match self.kind {
+            DeformKind::Pinch => {
+                let strength = sense * strength * PINCH;
+                (at, Motion::Pinch { normal: self.normal, strength })
+            }
+            _ => {
+                let way = at - self.last;
+                let length = (way * self.edges).length();
+                // Small brushes are used once a voxel.
+                if length > (SMEAR * radius).max(2.0) {
+                    return None;
+                }
+                (self.last, Motion::Pull { by_vx: way * strength })
+            }
+        };
+        let grab = Grab { centre_vx, radius, motion, falloff };
+        (!motion.is_still()).then_some(grab)
+    }
+
+    /// The use of the brush at a place, in voxels. None where it does nothing.
+    fn command(&self, at: Vec3) -> Option<Command> {
+        if matches!(self.kind, DeformKind::Pinch | DeformKind::Smear) {
+            let grab = self.motion(at)?;
+            return Some(Command::Grab { grab, surface: SpraySurface::Now });
+        }
+        let DeformOptions { radius, strength, falloff, .. } = self.options;
         let plane = Plane { normal: self.normal, strength };
         let sense = if self.inverse { -1.0 } else { 1.0 };
         let height = sense * (strength * HEIGHT * radius).min(MAX_HEIGHT);
@@ -58,12 +104,16 @@ impl Dabs {
             (DeformKind::Flatten, _) => (Brush::Flatten(plane), true),
             (DeformKind::Scrape, false) | (DeformKind::Fill, true) => (Brush::Scrape(plane), true),
             (DeformKind::Fill, false) | (DeformKind::Scrape, true) => (Brush::Fill(plane), true),
-            (DeformKind::Inflate | DeformKind::Grab, _) => (Brush::Inflate { height }, false),
+            (DeformKind::Draw, _) => (Brush::Draw(Draw { normal: self.normal, height }), false),
+            (DeformKind::Crease, _) => {
+                (Brush::Crease(Draw { normal: self.normal, height: -height }), false)
+            }
+            (_, _) => (Brush::Inflate { height }, false),
         };
         let above = ((at - self.start) * self.edges).dot(self.normal);
         let centre_vx = if planar { at - self.normal * above / self.edges } else { at };
         let deform = Deform { brush, centre_vx, radius, falloff };
-        Command::Deform { deform, surface: SpraySurface::Stroke }
+        Some(Command::Deform { deform, surface: SpraySurface::Stroke })
     }
 }
 
@@ -83,8 +133,9 @@ impl Editor {
             .unwrap_or(Vec3::Y);
         let guide = at.map(|at| SurfaceGuide::new(at, start, &self.tool, grid, picker));
         let edges = grid.voxel_size() / grid.voxel_size().min_element();
-        let path = Path::new(start, (SPACING * options.radius).max(1.0), edges);
-        let dabs = Dabs { kind, options, inverse, guide, start, normal, edges };
+        let spacing = if kind == DeformKind::Crease { CREASE_SPACING } else { SPACING };
+        let path = Path::new(start, (spacing * options.radius).max(1.0), edges);
+        let dabs = Dabs { kind, options, inverse, guide, start, normal, last: start, edges };
         self.stroke = Some(Stroke { work: Work::Dabs(dabs), path, changed: 0 });
         self.dab_at(&[start]);
     }
@@ -95,6 +146,7 @@ impl Editor {
         let Some(guide) = dabs.guide.as_mut().filter(|_| to.is_finite()) else { return };
         let grid = self.session.document().grid();
         let from = guide.at;
+        let to = on_rope(from, to, dabs.options.steady_px);
         let looks = (to.distance(from) / LOOK_EVERY_PX).ceil().clamp(1.0, MOST_LOOKS) as u32;
         let mut stops = Vec::new();
         for i in 1..=looks {
@@ -123,17 +175,30 @@ impl Editor {
 
     fn dab_at(&mut self, stops: &[Vec3]) {
         for &stop in stops {
-            let Some(Stroke { work: Work::Dabs(dabs), .. }) = &self.stroke else { return };
+            let Some(Stroke { work: Work::Dabs(dabs), .. }) = &mut self.stroke else { return };
+            if dabs.turns() {
+                let surface = self.session.document().stroke_surface();
+                let normal = normal_around(surface, stop, dabs.options.radius);
+                dabs.normal = normal.and_then(Vec3::try_normalize).unwrap_or(dabs.normal);
+            }
             let command = dabs.command(stop);
-            if !self.execute(&command) {
+            dabs.last = stop;
+            if command.is_some_and(|command| !self.execute(&command)) {
                 self.cancel_stroke();
             }
         }
     }
 }
 
+/// Where a brush at `from` goes whose rope is led to `to`: it stays while the rope hangs, so that a hand that trembles
+/// draws an even line.
+fn on_rope(from: Vec2, to: Vec2, length_px: f32) -> Vec2 {
+    let left = (to.distance(from) - length_px).max(0.0);
+    from.move_towards(to, left)
+}
+
 /// The direction out of the clay in a ball: away from the middle of what is there. None where nothing is, or all.
-fn normal_around(grid: &Grid, centre: Vec3, radius: f32) -> Option<Vec3> {
+pub(super) fn normal_around(grid: &Grid, centre: Vec3, radius: f32) -> Option<Vec3> {
     let edges = grid.voxel_size() / grid.voxel_size().min_element();
     let reach = radius.max(2.0);
     let step = (reach / STEPS).max(1.0);
@@ -158,6 +223,26 @@ mod tests {
     use glam::UVec3;
 
     use super::*;
+
+    #[test]
+    fn a_brush_follows_at_the_end_of_its_rope_and_evens_out_what_trembles() {
+        assert_eq!(on_rope(Vec2::ZERO, Vec2::new(30.0, 40.0), 0.0), Vec2::new(30.0, 40.0));
+        assert_eq!(on_rope(Vec2::ZERO, Vec2::new(3.0, 4.0), 5.0), Vec2::ZERO);
+        assert_eq!(on_rope(Vec2::ZERO, Vec2::new(6.0, 8.0), 5.0), Vec2::new(3.0, 4.0));
+        // A line with a zigzag of 4 pixels to each side.
+        let widest = |length_px: f32| {
+            let mut at = Vec2::ZERO;
+            let mut widest = 0.0f32;
+            for i in 1..200 {
+                let side = if i % 2 == 0 { 4.0 } else { -4.0 };
+                at = on_rope(at, Vec2::new(i as f32 * 2.0, side), length_px);
+                widest = widest.max(if i > 100 { at.y.abs() } else { 0.0 });
+            }
+            widest
+        };
+        assert_eq!(widest(0.0), 4.0);
+        assert!(widest(40.0) < 1.0, "{}", widest(40.0));
+    }
 
     #[test]
     fn the_plane_of_a_surface_is_found_and_there_is_none_within_or_outside_clay() {

@@ -1,17 +1,20 @@
 //! The tools that deform clay: their options, and strokes that take clay along.
 //!
-//! A stroke of `grab` pulls at the clay as it was when the stroke began. Each command takes the place of the one before,
+//! A stroke of `grab` or `twist` moves the clay as it was when the stroke began. Each command takes the place of the one before,
 //! so that however long the drag, the clay is resampled once. Events only say how far to pull; [`Editor::catch_up`] does
 //! it, once for each picture.
 
 use glam::{Vec2, Vec3};
 
 use super::Editor;
+use super::dabs::normal_around;
 use super::stroke::{Stroke, Work};
 use crate::command::{Command, SpraySurface};
 use crate::picking::Picker;
 use crate::tools::deform::DeformKind;
-use crate::tools::grab::{Falloff, Grab, MAX_PULL_VX, MAX_RADIUS, MIN_RADIUS};
+use crate::tools::grab::{
+    Falloff, Grab, MAX_PULL_VX, MAX_RADIUS, MAX_TWIST_DEG, MIN_RADIUS, Motion,
+};
 
 /// The options of one tool.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -21,15 +24,29 @@ pub struct DeformOptions {
     /// How far the clay goes along, or the surface to where the brush moves it, 0 to 1.
     pub strength: f32,
     pub falloff: Falloff,
+    /// Length of the rope on which the pointer leads the brush, in pixels; 0 without one.
+    pub steady_px: f32,
 }
+
+/// Longest rope, in pixels.
+pub const MAX_STEADY_PX: f32 = 200.0;
 
 impl DeformOptions {
     /// What a tool begins with.
     pub fn of(kind: DeformKind) -> DeformOptions {
-        let options = DeformOptions { radius: 20.0, strength: 1.0, falloff: Falloff::default() };
+        let options = DeformOptions {
+            radius: 20.0,
+            strength: 1.0,
+            falloff: Falloff::default(),
+            steady_px: 0.0,
+        };
         match kind {
-            DeformKind::Grab => options,
-            DeformKind::Inflate => DeformOptions { radius: 12.0, strength: 0.5, ..options },
+            DeformKind::Grab | DeformKind::Twist => options,
+            DeformKind::Smear => DeformOptions { radius: 12.0, ..options },
+            DeformKind::Inflate | DeformKind::Draw | DeformKind::Pinch => {
+                DeformOptions { radius: 12.0, strength: 0.5, ..options }
+            }
+            DeformKind::Crease => DeformOptions { radius: 8.0, falloff: Falloff::Sharp, ..options },
             DeformKind::Flatten | DeformKind::Scrape | DeformKind::Fill => {
                 DeformOptions { radius: 12.0, falloff: Falloff::Flat, ..options }
             }
@@ -67,10 +84,23 @@ fn place(kind: DeformKind) -> usize {
     DeformKind::ALL.iter().position(|k| *k == kind).unwrap_or(0)
 }
 
+/// How clay turns that is held: like a knob, clockwise when it is led to the right, by the radius for a radian.
+#[derive(Clone, Copy, PartialEq, Debug)]
+struct Turn {
+    /// Out of the clay.
+    normal: Vec3,
+    /// To the right, as it is seen, of length 1 in units of the smallest edge.
+    right: Vec3,
+    /// Voxel edges in units of the smallest.
+    edges: Vec3,
+}
+
 /// Clay that is held, and how far it is pulled.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct HeldClay {
     options: DeformOptions,
+    /// How it turns with the pointer; none if it goes along.
+    turn: Option<Turn>,
     /// Where the tool took hold, in voxels.
     start: Vec3,
     /// From there to what the pointer pointed at, in voxels; none while a key or a hand holds it away from the pointer.
@@ -93,11 +123,21 @@ impl HeldClay {
     }
 
     fn command(&self) -> Command {
-        let by = self.by * self.options.strength;
-        let furthest = by.abs().max_element();
-        let by_vx = if furthest > MAX_PULL_VX { by * (MAX_PULL_VX / furthest) } else { by };
-        let DeformOptions { radius, falloff, .. } = self.options;
-        let grab = Grab { centre_vx: self.start, radius, by_vx, falloff };
+        let DeformOptions { radius, falloff, strength, .. } = self.options;
+        let by = self.by * strength;
+        let motion = match self.turn {
+            Some(Turn { normal, right, edges }) => {
+                let angle = -(by * edges).dot(right) / radius;
+                let angle_deg = angle.to_degrees().clamp(-MAX_TWIST_DEG, MAX_TWIST_DEG);
+                Motion::Twist { normal, angle_deg }
+            }
+            None => {
+                let furthest = by.abs().max_element();
+                let share = if furthest > MAX_PULL_VX { MAX_PULL_VX / furthest } else { 1.0 };
+                Motion::Pull { by_vx: by * share }
+            }
+        };
+        let grab = Grab { centre_vx: self.start, radius, motion, falloff };
         Command::Grab { grab, surface: SpraySurface::Stroke }
     }
 }
@@ -106,7 +146,7 @@ impl Editor {
     /// Begins to use the tool in hand that deforms. `at`: the pointer that leads it (pixels).
     pub(super) fn begin_clay(&mut self, inverse: bool, at: Option<Vec2>, picker: &Picker) {
         match self.tool.deform {
-            DeformKind::Grab => self.begin_grab(at, picker),
+            DeformKind::Grab | DeformKind::Twist => self.begin_grab(at, picker),
             _ => self.begin_dabs(inverse, at, picker),
         }
     }
@@ -130,8 +170,23 @@ impl Editor {
             return;
         }
         let start = self.tool.centre_vx;
+        let options = *self.tool.deforms.of(kind);
+        let turn = (kind == DeformKind::Twist).then(|| {
+            let grid = self.session.document().grid();
+            let edges = grid.voxel_size() / grid.voxel_size().min_element();
+            let normal = normal_around(grid, start, options.radius)
+                .or_else(|| at.map(|at| picker.normal(grid, at, true)))
+                .and_then(Vec3::try_normalize)
+                .unwrap_or(Vec3::Y);
+            let beside =
+                |at| in_plane_of(start, at + Vec2::X, picker) - in_plane_of(start, at, picker);
+            let right = picker.sight().pixel_of(start).map(beside);
+            let right = right.and_then(|right| (right * edges).try_normalize()).unwrap_or(Vec3::X);
+            Turn { normal, right, edges }
+        });
         let held = HeldClay {
-            options: *self.tool.deforms.of(kind),
+            options,
+            turn,
             start,
             aside: at.map(|at| in_plane_of(start, at, picker) - start),
             by: Vec3::ZERO,
@@ -148,7 +203,9 @@ impl Editor {
             let by = in_plane_of(held.start, to, picker) - held.start - aside;
             if by.is_finite() {
                 held.by = by;
-                self.tool.centre_vx = held.start + by;
+                if held.turn.is_none() {
+                    self.tool.centre_vx = held.start + by;
+                }
                 self.leave_ground();
             }
         }

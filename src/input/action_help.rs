@@ -84,6 +84,21 @@ impl Action {
             Action::Deform(DeformKind::Fill) => {
                 ("fill-up", Tap, "Fill up: fills pits up to the plane where the stroke began")
             }
+            Action::Deform(DeformKind::Draw) => {
+                ("draw", Tap, "Draw: raises the surface along its normal; inverted, it lowers it")
+            }
+            Action::Deform(DeformKind::Crease) => {
+                ("crease", Tap, "Crease: cuts a sharp furrow; inverted, it raises a ridge")
+            }
+            Action::Deform(DeformKind::Pinch) => {
+                ("pinch", Tap, "Pinch: brings the clay together under it; inverted, it spreads it")
+            }
+            Action::Deform(DeformKind::Twist) => {
+                ("twist", Tap, "Twist: turns the clay like a knob; drag to the right or left")
+            }
+            Action::Deform(DeformKind::Smear) => {
+                ("smear", Tap, "Smear: takes clay along with the brush")
+            }
             Action::Marker => ("marker", Tap, "Marker: a box to select, copy and move voxels"),
             Action::Mode(ToolMode::Add) => ("add", Tap, "Add: the tool adds voxels"),
             Action::Mode(ToolMode::Subtract) => ("cut", Tap, "Cut: the tool removes voxels"),

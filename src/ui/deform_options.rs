@@ -5,7 +5,7 @@ use egui::{Slider, Ui};
 use super::buttons::explain;
 use super::top_bar::capital;
 use super::{UiContext, UiRequest};
-use crate::editor::deform::DeformOptions;
+use crate::editor::deform::{DeformOptions, MAX_STEADY_PX};
 use crate::editor::tool::ToolEdit;
 use crate::input::Action;
 use crate::tools::deform::DeformKind;
@@ -43,12 +43,29 @@ pub fn show(ui: &mut Ui, context: &UiContext, requests: &mut Vec<UiRequest>) {
         let hint = match kind {
             DeformKind::Grab => "How far the surface goes along with the pointer",
             DeformKind::Inflate => "How far the surface swells: at 100 % by half the radius",
+            DeformKind::Draw => "How far the surface is raised: at 100 % by half the radius",
+            DeformKind::Crease => "How deep the furrow is: at 100 % half the radius",
+            DeformKind::Pinch => "How far the clay comes together",
+            DeformKind::Twist => "How far the clay turns with the pointer",
+            DeformKind::Smear => "How far the clay goes along with the brush",
             _ => "How far the surface goes to the plane",
         };
         if ui.add(slider).labelled_by(label.id).on_hover_text(hint).changed() {
             options.strength = percent / 100.0;
         }
         ui.end_row();
+        let dragged = matches!(kind, DeformKind::Grab | DeformKind::Twist);
+        if !dragged && !context.in_headset {
+            let label = ui.label("Steady");
+            let slider = Slider::new(&mut options.steady_px, 0.0..=MAX_STEADY_PX)
+                .fixed_decimals(0)
+                .suffix(" px");
+            ui.add(slider).labelled_by(label.id).on_hover_text(
+                "The pointer leads the brush on a rope of this length, so that a hand that trembles draws \
+                 an even line; 0 without one",
+            );
+            ui.end_row();
+        }
         ui.label("Falloff");
         ui.horizontal(|ui| {
             for falloff in Falloff::ALL {

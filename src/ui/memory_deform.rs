@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::memory::{neat, within};
-use crate::editor::deform::DeformOptions;
+use crate::editor::deform::{DeformOptions, MAX_STEADY_PX};
 use crate::tools::grab::{Falloff, MAX_RADIUS, MIN_RADIUS};
 
 /// The options of one tool; those that are missing or out of range are as usual.
@@ -13,6 +13,7 @@ pub struct KeptDeform {
     radius: Option<f64>,
     strength: Option<f64>,
     falloff: Option<String>,
+    steady_px: Option<f64>,
 }
 
 impl KeptDeform {
@@ -21,6 +22,7 @@ impl KeptDeform {
             radius: Some(neat(options.radius)),
             strength: Some(neat(options.strength)),
             falloff: Some(options.falloff.name().to_string()),
+            steady_px: Some(neat(options.steady_px)),
         }
     }
 
@@ -28,6 +30,7 @@ impl KeptDeform {
     pub fn recall(&self, options: &mut DeformOptions) {
         options.radius = within(self.radius, MIN_RADIUS..=MAX_RADIUS, options.radius);
         options.strength = within(self.strength, 0.0..=1.0, options.strength);
+        options.steady_px = within(self.steady_px, 0.0..=MAX_STEADY_PX, options.steady_px);
         let named = |falloff: &Falloff| Some(falloff.name()) == self.falloff.as_deref();
         options.falloff = Falloff::ALL.into_iter().find(named).unwrap_or(options.falloff);
     }
@@ -40,12 +43,22 @@ mod tests {
 
     #[test]
     fn options_are_found_again_and_nonsense_is_not_believed() {
-        let before = DeformOptions { radius: 33.3, strength: 0.25, falloff: Falloff::Sharp };
+        let before = DeformOptions {
+            radius: 33.3,
+            strength: 0.25,
+            falloff: Falloff::Sharp,
+            steady_px: 40.0,
+        };
         let text = toml::to_string(&KeptDeform::of(&before)).unwrap();
         let mut after = DeformOptions::of(DeformKind::Grab);
         toml::from_str::<KeptDeform>(&text).unwrap().recall(&mut after);
         assert_eq!(after, before);
-        for text in ["", "radius = 0.0\nstrength = nan\nfalloff = \"steep\"", "radius = inf"] {
+        for text in [
+            "",
+            "radius = 0.0\nstrength = nan\nfalloff = \"steep\"",
+            "radius = inf",
+            "steady_px = -1",
+        ] {
             let mut after = DeformOptions::of(DeformKind::Grab);
             toml::from_str::<KeptDeform>(text).unwrap().recall(&mut after);
             assert_eq!(after, DeformOptions::of(DeformKind::Grab), "{text}");

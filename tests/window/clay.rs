@@ -2,6 +2,7 @@
 //! gives the same without a window. Brushes that are chosen in the panel and drawn over the surface.
 
 use glam::IVec3;
+use virtual_sculpture::command::Command;
 use virtual_sculpture::command_text::parse_script;
 use virtual_sculpture::config::Config;
 use virtual_sculpture::session::Session;
@@ -147,4 +148,60 @@ fn brushes_that_deform_are_chosen_in_the_panel_and_drawn_over_the_surface() {
         .map(|i| (0..96).take_while(|z| !grid.get(IVec3::new(i % 96, i / 96, 95 - z))).count())
         .max();
     assert_eq!(deepest, Some(3), "{script}");
+}
+
+#[test]
+fn clay_is_drawn_creased_pinched_twisted_and_smeared() {
+    let display = display();
+    let folder = tempfile::tempdir().unwrap();
+    let recording = folder.path().join("clay.sculpt");
+    let program = start(&display, &["--record", recording.to_str().unwrap()]);
+    program.key(&["7"]);
+    let shift = |key: &str| program.key(&["Shift_L", key]);
+    let stroke = |key: &str, way: &[[i16; 2]]| {
+        // The face of the block is that of the grid, so that nothing can be raised out of it.
+        let invert = |up: u8| {
+            if key == "f" {
+                program.display().device(KEY + up, program.display().keycode(CONTROL), [0, 0]);
+            }
+        };
+        shift(key);
+        tool_home(&program);
+        let before = shot(&program, &format!("brushes-{key}-before")).part(PICTURE);
+        invert(0);
+        program.drag(LEFT, way);
+        invert(1);
+        tool_home(&program);
+        let after = shot(&program, &format!("brushes-{key}-done")).part(PICTURE);
+        assert!(before.differing(&after) > 300, "{key}: {}", before.differing(&after));
+        program.key(&["Control_L", "z"]);
+        let undone = shot(&program, &format!("brushes-{key}-undone")).part(PICTURE);
+        assert_eq!(before.differing(&undone), 0, "{key}");
+        program.key(&["Control_L", "y"]);
+    };
+    // A trough across the front, a furrow below it; the trough's edge is pinched, twisted and smeared.
+    stroke("f", &[[440, 300], [540, 300], [640, 300], [740, 300]]);
+    stroke("v", &[[440, 420], [540, 420], [640, 420], [740, 420]]);
+    stroke("n", &[[460, 320], [500, 320], [540, 320]]);
+    stroke("w", &[[590, 320], [640, 320], [690, 320]]);
+    stroke("m", &[[700, 330], [705, 310], [710, 280]]);
+    program.key(&["Control_L", "q"]);
+    program.settle();
+    program.leave_without_saving();
+
+    let mut config = Config::default();
+    config.new.dims = [96; 3];
+    let mut session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
+    let script = std::fs::read_to_string(&recording).unwrap();
+    let mut counts = Vec::new();
+    for (line, command) in parse_script(&script).unwrap() {
+        session.execute(&command, &()).unwrap_or_else(|error| panic!("line {line}: {error}"));
+        if command == Command::End {
+            counts.push(session.document().grid().opaque_count());
+        }
+    }
+    let labels: Vec<&str> = session.document().history().undo_labels().collect();
+    assert_eq!(labels, ["new", "draw", "crease", "pinch", "twist", "smear"], "{script}");
+    let block = 96u64.pow(3);
+    assert!(counts.windows(2).all(|pair| pair[0].abs_diff(pair[1]) * 50 < block), "{counts:?}");
 }

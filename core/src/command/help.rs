@@ -73,8 +73,8 @@ pub const COMMANDS: &[CommandHelp] = &[
     },
     CommandHelp {
         verb: "deform",
-        usage: "inflate|flatten|scrape|fill at=X,Y,Z radius=VOXELS [height=VOXELS | normal=X,Y,Z [strength=0..1]] [falloff=smooth|sharp|flat] [surface=now|stroke]",
-        tooltip: "Move the surface in a ball: outwards by a height (inflate), or to a plane through its middle",
+        usage: "inflate|flatten|scrape|fill|draw|crease|pinch|twist at=X,Y,Z radius=VOXELS [height=VOXELS] [normal=X,Y,Z] [strength=-1..1] [angle=DEGREES] [falloff=smooth|sharp|flat] [surface=now|stroke]",
+        tooltip: "Move the surface in a ball: outwards by a height (inflate), to a plane through its middle, along a normal (draw, crease), or with the clay around it (pinch, twist)",
     },
     CommandHelp {
         verb: "texture",

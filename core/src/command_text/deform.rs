@@ -3,11 +3,11 @@
 use std::fmt;
 
 use super::arguments::Arguments;
-use super::grab::parse_falloff;
+use super::grab::{parse_falloff, parse_pinch, parse_twist};
 use super::spray::parse_surface;
 use super::{ParseError, list, number, parse_vec3};
 use crate::command::{Command, SpraySurface};
-use crate::tools::deform::{Brush, Deform, Plane};
+use crate::tools::deform::{Brush, Deform, Draw, Plane};
 
 /// Writes what follows the verb.
 pub fn write(deform: &Deform, surface: SpraySurface, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -21,6 +21,9 @@ pub fn write(deform: &Deform, surface: SpraySurface, f: &mut fmt::Formatter<'_>)
         | Brush::Fill(Plane { normal, strength }) => {
             write!(f, " normal={} strength={strength}", list(normal.to_array()))?;
         }
+        Brush::Draw(Draw { normal, height }) | Brush::Crease(Draw { normal, height }) => {
+            write!(f, " normal={} height={height}", list(normal.to_array()))?;
+        }
     }
     write!(f, " falloff={}", falloff.name())?;
     match surface {
@@ -32,20 +35,30 @@ pub fn write(deform: &Deform, surface: SpraySurface, f: &mut fmt::Formatter<'_>)
 /// Reads what follows the verb.
 pub fn parse(args: &mut Arguments) -> Result<Command, ParseError> {
     let name = args.word("a brush, such as inflate")?;
-    let mut plane = || -> Result<Plane, ParseError> {
+    let plane = |args: &mut Arguments| -> Result<Plane, ParseError> {
         Ok(Plane {
             normal: args.required("normal", parse_vec3)?,
             strength: args.optional("strength", number)?.unwrap_or(1.0),
         })
     };
+    let draw = |args: &mut Arguments| -> Result<Draw, ParseError> {
+        Ok(Draw {
+            normal: args.required("normal", parse_vec3)?,
+            height: args.required("height", number)?,
+        })
+    };
     let brush = match name.as_str() {
-        "flatten" => Brush::Flatten(plane()?),
-        "scrape" => Brush::Scrape(plane()?),
-        "fill" => Brush::Fill(plane()?),
+        "flatten" => Brush::Flatten(plane(args)?),
+        "scrape" => Brush::Scrape(plane(args)?),
+        "fill" => Brush::Fill(plane(args)?),
+        "twist" => return parse_twist(args),
+        "pinch" => return parse_pinch(args),
+        "draw" => Brush::Draw(draw(args)?),
+        "crease" => Brush::Crease(draw(args)?),
         "inflate" => Brush::Inflate { height: args.required("height", number)? },
         _ => {
             return Err(ParseError(format!(
-                "`{name}` is not a brush that deforms; use inflate, flatten, scrape or fill"
+                "`{name}` is not a brush that deforms; use inflate, flatten, scrape, fill, draw, crease, pinch or twist"
             )));
         }
     };

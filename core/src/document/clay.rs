@@ -6,6 +6,7 @@ use glam::UVec3;
 
 use super::{CommandError, Document};
 use crate::command::SpraySurface;
+use crate::sculpture::Grid;
 use crate::sculpture::edit::{EditOp, EditStats};
 use crate::tools::deform::Deform;
 use crate::tools::grab::{Grab, Pulled};
@@ -28,6 +29,11 @@ impl Document {
     fn pull(&mut self, grab: &Grab) -> Result<EditStats, CommandError> {
         let pulled = grab.pulled(&self.contents, &self.symmetry);
         self.put_pulled(&pulled)
+    }
+
+    /// The surface that uses of a brush with [`SpraySurface::Stroke`] move: as it was when the stroke began.
+    pub fn stroke_surface(&self) -> &Grid {
+        self.stroke_surface.as_deref().unwrap_or(self.grid())
     }
 
     /// Moves the surface in a ball and in its mirror images.

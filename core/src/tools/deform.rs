@@ -4,7 +4,7 @@
 use glam::Vec3;
 
 use super::grab::{Falloff, MAX_RADIUS, MIN_RADIUS};
-use super::offset::{MAX_HEIGHT, Offset, Target};
+use super::offset::{MAX_HEIGHT, Offset, Profile, Target};
 
 /// A tool that deforms clay, without its options.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
@@ -20,16 +20,31 @@ pub enum DeformKind {
     Scrape,
     /// Fills what lies below a plane.
     Fill,
+    /// Moves the surface along one direction.
+    Draw,
+    /// The same in a narrow profile: a furrow or a ridge.
+    Crease,
+    /// Brings clay together at the axis of the brush.
+    Pinch,
+    /// Takes hold of a ball of clay and turns it.
+    Twist,
+    /// Takes clay along with the brush.
+    Smear,
 }
 
 impl DeformKind {
     /// All kinds, in the order in which interfaces offer them.
-    pub const ALL: [DeformKind; 5] = [
+    pub const ALL: [DeformKind; 10] = [
         DeformKind::Grab,
         DeformKind::Inflate,
         DeformKind::Flatten,
         DeformKind::Scrape,
         DeformKind::Fill,
+        DeformKind::Draw,
+        DeformKind::Crease,
+        DeformKind::Pinch,
+        DeformKind::Twist,
+        DeformKind::Smear,
     ];
 
     /// Its name in the text form and the interface.
@@ -40,6 +55,11 @@ impl DeformKind {
             DeformKind::Flatten => "flatten",
             DeformKind::Scrape => "scrape",
             DeformKind::Fill => "fill",
+            DeformKind::Draw => "draw",
+            DeformKind::Crease => "crease",
+            DeformKind::Pinch => "pinch",
+            DeformKind::Twist => "twist",
+            DeformKind::Smear => "smear",
         }
     }
 }
@@ -58,6 +78,19 @@ pub enum Brush {
     Scrape(Plane),
     /// Moves what lies behind the plane to it.
     Fill(Plane),
+    /// Moves it along a direction.
+    Draw(Draw),
+    /// Moves it along a direction, the square of the falloff's share of the way: a furrow or a ridge.
+    Crease(Draw),
+}
+
+/// A way along which the surface is moved.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Draw {
+    /// Out of the clay, of any length.
+    pub normal: Vec3,
+    /// How far in the middle, in units of the smallest edge of a voxel: along the normal above 0, at most [`MAX_HEIGHT`].
+    pub height: f32,
 }
 
 /// A plane through the middle of the ball.
@@ -90,6 +123,8 @@ impl Brush {
             Brush::Flatten(_) => DeformKind::Flatten,
             Brush::Scrape(_) => DeformKind::Scrape,
             Brush::Fill(_) => DeformKind::Fill,
+            Brush::Draw(_) => DeformKind::Draw,
+            Brush::Crease(_) => DeformKind::Crease,
         }
     }
 }
@@ -103,15 +138,22 @@ impl Deform {
         if !(self.radius >= MIN_RADIUS && self.radius <= MAX_RADIUS) {
             return Err("the radius of the ball must be from 0.5 to 96 voxels");
         }
+        let check_height = |height: f32| match height.abs() <= MAX_HEIGHT {
+            true => Ok(()),
+            false => Err("the height must be at most 16 voxels"),
+        };
+        let check_normal = |normal: Vec3| match normal.try_normalize() {
+            Some(_) => Ok(()),
+            None => Err("the normal must be a direction"),
+        };
         match self.brush {
-            Brush::Inflate { height } if height.is_nan() || height.abs() > MAX_HEIGHT => {
-                Err("the height must be at most 16 voxels")
+            Brush::Inflate { height } => check_height(height),
+            Brush::Draw(draw) | Brush::Crease(draw) => {
+                check_normal(draw.normal)?;
+                check_height(draw.height)
             }
-            Brush::Inflate { .. } => Ok(()),
             Brush::Flatten(plane) | Brush::Scrape(plane) | Brush::Fill(plane) => {
-                if plane.normal.try_normalize().is_none() {
-                    return Err("the normal must be a direction");
-                }
+                check_normal(plane.normal)?;
                 match (0.0..=1.0).contains(&plane.strength) {
                     true => Ok(()),
                     false => Err("the strength must be from 0 to 1"),
@@ -120,17 +162,23 @@ impl Deform {
         }
     }
 
-    /// As a move of the surface along its normals.
+    /// As a move of the surface.
     pub(crate) fn offset(&self) -> Offset {
         let plane = |plane: Plane, lowers, raises| {
             let normal = plane.normal.normalize_or(Vec3::Y);
             Target::Plane { normal, strength: plane.strength, lowers, raises }
+        };
+        let along = |Draw { normal, height }: Draw, profile| {
+            let normal = normal.normalize_or(Vec3::Y);
+            Target::Drawn { normal, height, profile }
         };
         let target = match self.brush {
             Brush::Inflate { height } => Target::Along(height),
             Brush::Flatten(to) => plane(to, true, true),
             Brush::Scrape(to) => plane(to, true, false),
             Brush::Fill(to) => plane(to, false, true),
+            Brush::Draw(way) => along(way, Profile::Falloff),
+            Brush::Crease(way) => along(way, Profile::Squared),
         };
         let Deform { centre_vx, radius, falloff, .. } = *self;
         Offset { centre_vx, radius, falloff, target }

@@ -14,6 +14,7 @@ use crate::sculpture::region::VoxelBox;
 /// Squared distances from the middles of the voxels of a box, x fastest, then y, then z.
 pub struct Distances {
     bounds: VoxelBox,
+    reach: f32,
     squared: Vec<f32>,
 }
 
@@ -59,7 +60,7 @@ impl Distances {
             let start = z * layer;
             dispatch!(level, simd => lowest(simd, &across, start, layer, steps.z, edges.z, out));
         });
-        Distances { bounds, squared }
+        Distances { bounds, reach, squared }
     }
 
     /// The squared distances of a row, which must lie in the box.
@@ -70,10 +71,37 @@ impl Distances {
         &self.squared[start..start + size.x as usize]
     }
 
+    /// The same from a voxel on.
+    pub fn row_from(&self, v: IVec3) -> &[f32] {
+        &self.row(v.y, v.z)[(v.x - self.bounds.min.x) as usize..]
+    }
+
     /// Of a voxel, or the nearest one in the box.
     pub fn near(&self, v: IVec3) -> f32 {
         let v = v.clamp(self.bounds.min, self.bounds.max - 1);
         self.row(v.y, v.z)[(v.x - self.bounds.min.x) as usize]
+    }
+
+    /// The distance less half of an edge, where the surface is, at `offset` (in voxels) from the middle of `v`,
+    /// interpolated; what is beyond the reach counts as there. What is mirrored about `v` gives the same to the bit.
+    pub fn at(&self, v: IVec3, offset: Vec3) -> f32 {
+        let whole = offset.trunc();
+        let share = (offset - whole).abs().to_array();
+        let first = v + whole.as_ivec3();
+        let step = offset.signum().as_ivec3();
+        let mut sum = 0.0;
+        for corner in 0..8 {
+            let beside = IVec3::new(corner & 1, corner >> 1 & 1, corner >> 2);
+            let mut weight = 1.0;
+            for (axis, share) in share.into_iter().enumerate() {
+                weight *= if beside[axis] == 1 { share } else { 1.0 - share };
+            }
+            if weight > 0.0 {
+                let away = self.near(first + step * beside).sqrt().min(self.reach);
+                sum += weight * (away - 0.5);
+            }
+        }
+        sum
     }
 }
 

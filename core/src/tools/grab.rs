@@ -1,13 +1,15 @@
-//! Grab: takes hold of a ball of clay and pulls it along, the more the nearer to the middle.
+//! Grab, twist and pinch: take hold of a ball of clay and move it, the more the nearer to the middle.
 //!
 //! From the contents and a [`Grab`] with its mirror images to the voxels that appear, vanish or change colour. Each
-//! voxel looks up, once, where it comes from: the pull is followed backwards in steps that are short against the ball,
+//! voxel looks up, once, where it comes from: the motion is followed backwards in steps that are short against the ball,
 //! so that the map neither folds nor tears, whatever the length. There the smoothed existence bits are interpolated, so
 //! that surfaces move by fractions of a voxel. Changes nothing itself.
 
 use glam::{DVec3, UVec3, Vec3};
 
-use super::grab_flow::{Flow, Pull};
+use super::grab_flow::Flow;
+pub use super::grab_motion::Motion;
+use super::grab_motion::Pull;
 use super::spray::Stamp;
 use super::symmetry::Symmetry;
 use crate::sculpture::Brick;
@@ -22,6 +24,9 @@ pub const MIN_RADIUS: f32 = 0.5;
 pub const MAX_RADIUS: f32 = 96.0;
 /// Furthest pull, in voxels along each axis.
 pub const MAX_PULL_VX: f32 = 192.0;
+
+/// Furthest twist, in degrees either way.
+pub const MAX_TWIST_DEG: f32 = 360.0;
 
 /// How the pull falls off from the middle of the ball (0) to its rim (1).
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
@@ -67,8 +72,50 @@ impl Falloff {
         }
     }
 
+    /// The same, and its slope against the square of `r`.
+    #[inline(always)]
+    pub(super) fn at_with_slope(self, squared: f32) -> (f32, f32) {
+        // In the middle the slope of a tip has no bound; what it is multiplied with there is 0.
+        let r = squared.sqrt().max(1e-6);
+        let slope = match self {
+            Falloff::Smooth => -2.0 * (1.0 - squared).max(0.0),
+            Falloff::Sharp => -(1.0 - r).max(0.0) / r,
+            Falloff::Flat => {
+                let t = (2.0 * (1.0 - r).max(0.0)).min(1.0);
+                -6.0 * t * (1.0 - t) / r
+            }
+        };
+        (self.at(squared), slope)
+    }
+
+    /// Greatest product of the share and the distance from the middle.
+    pub(super) fn widest_twist(self) -> f64 {
+        match self {
+            Falloff::Smooth => 0.287,
+            Falloff::Sharp => 0.149,
+            Falloff::Flat => 0.541,
+        }
+    }
+
+    /// Steepest slope of a twist by 1.
+    pub(super) fn steepest_twist(self) -> f64 {
+        match self {
+            Falloff::Smooth | Falloff::Sharp => 1.0,
+            Falloff::Flat => 2.0,
+        }
+    }
+
+    /// Steepest slope of a pinch of strength 1.
+    pub(super) fn steepest_pinch(self) -> f64 {
+        match self {
+            Falloff::Smooth => 4.0,
+            Falloff::Sharp => 2.0,
+            Falloff::Flat => 12.0,
+        }
+    }
+
     /// Its steepest slope.
-    fn steepest(self) -> f64 {
+    pub(super) fn steepest(self) -> f64 {
         match self {
             // At r = 1 / sqrt(3).
             Falloff::Smooth => 1.54,
@@ -78,20 +125,20 @@ impl Falloff {
     }
 }
 
-/// A pull at a ball of clay.
+/// A ball of clay that is moved.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Grab {
     /// Middle of the ball, in voxel coordinates.
     pub centre_vx: Vec3,
     /// Its radius in units of the smallest edge of a voxel, from [`MIN_RADIUS`] to [`MAX_RADIUS`].
     pub radius: f32,
-    /// How far the middle is pulled, in voxels; at most [`MAX_PULL_VX`] along each axis.
-    pub by_vx: Vec3,
-    /// How the pull falls off.
+    /// Where the clay in it goes.
+    pub motion: Motion,
+    /// How the motion falls off.
     pub falloff: Falloff,
 }
 
-/// Slope of the pull within one step: below 1 the step can be undone, far below it is followed exactly enough.
+/// Slope of the motion within one step: below 1 the step can be undone, far below it is followed exactly enough.
 const STEP_SLOPE: f64 = 0.4;
 
 /// Most steps of a pull: more than the longest pull at the smallest ball of cubic voxels takes.
@@ -106,10 +153,26 @@ impl Grab {
         if !(self.radius >= MIN_RADIUS && self.radius <= MAX_RADIUS) {
             return Err("the radius of the ball must be from 0.5 to 96 voxels");
         }
-        if !(self.by_vx.is_finite() && self.by_vx.abs().max_element() <= MAX_PULL_VX) {
-            return Err("the pull must be at most 192 voxels along each axis");
+        let direction = |normal: Vec3| match normal.try_normalize() {
+            Some(_) => Ok(()),
+            None => Err("the normal must be a direction"),
+        };
+        match self.motion {
+            Motion::Pull { by_vx } => {
+                match by_vx.is_finite() && by_vx.abs().max_element() <= MAX_PULL_VX {
+                    true => Ok(()),
+                    false => Err("the pull must be at most 192 voxels along each axis"),
+                }
+            }
+            Motion::Twist { normal, angle_deg } => match angle_deg.abs() <= MAX_TWIST_DEG {
+                true => direction(normal),
+                false => Err("the angle must be at most 360 degrees"),
+            },
+            Motion::Pinch { normal, strength } => match strength.abs() <= 1.0 {
+                true => direction(normal),
+                false => Err("the strength must be from -1 to 1"),
+            },
         }
-        Ok(())
     }
 
     /// An error if the pull would take too many steps in voxels of this size: if it leads far along the longest edge of
@@ -123,12 +186,15 @@ impl Grab {
         }
     }
 
-    /// In how many steps the pull is followed.
+    /// In how many steps the motion is followed.
     fn steps(&self, voxel_size: Vec3) -> usize {
         let size = voxel_size.as_dvec3();
-        let way = self.by_vx.as_dvec3() * size / size.min_element();
-        let steepest = self.falloff.steepest() / f64::from(self.radius);
-        (way.length() * steepest / STEP_SLOPE).ceil() as usize
+        if self.motion.is_still() {
+            return 0;
+        }
+        let stretch = size / size.min_element();
+        let slope = self.motion.slope(stretch, f64::from(self.radius), self.falloff);
+        (slope / STEP_SLOPE).ceil().max(1.0) as usize
     }
 
     /// All that this and its mirror images change in `contents`.
@@ -136,7 +202,6 @@ impl Grab {
         let (dims, size) = (contents.grid.dims(), contents.grid.voxel_size().as_dvec3());
         let stretch = size / size.min_element();
         let radius = f64::from(self.radius);
-        let by_vx = self.by_vx.as_dvec3();
         let steps = self.steps(contents.grid.voxel_size());
         if steps == 0 {
             return Pulled::default();
@@ -149,14 +214,14 @@ impl Grab {
                 let signs = image.vector(Vec3::ONE).as_dvec3();
                 Pull {
                     centre: (self.centre_vx.as_dvec3() - origin) * signs,
-                    step: by_vx / steps as f64 * signs,
+                    step: self.motion.step(steps, signs),
                 }
             })
             .collect();
         // What a pull moves stays within its reach, and so does where it comes from.
         let reach = |pull: &Pull| {
             let (start, half) = (pull.centre + origin, radius / stretch);
-            let end = start + pull.step * steps as f64;
+            let end = start + pull.way() * steps as f64;
             VoxelBox {
                 min: (start.min(end) - half).floor().as_ivec3(),
                 max: (start.max(end) + half).ceil().as_ivec3(),

@@ -1,4 +1,4 @@
-//! The motion of pulls at clay ([`super::grab`]): where what arrives at each voxel comes from, and what changes by it.
+//! The motion of clay ([`super::grab`]): where what arrives at each voxel comes from, and what changes by it.
 //!
 //! From the contents and the pulls to [`Pulled`]. Bricks to which only clay comes that is like their own are left out;
 //! the others are computed in rows of eight voxels, in loops that the compiler makes vector code of. Changes nothing
@@ -10,6 +10,7 @@ use rayon::prelude::*;
 
 use super::grab::{Falloff, Pulled};
 use super::grab_field::{FINE, Field, MARGIN_VX};
+use super::grab_motion::{EDGE, Pull, Row};
 use super::spray::Stamp;
 use crate::sculpture::brick::{BRICK_EDGE_VX, BRICK_VOXELS, BrickKind, local_index};
 use crate::sculpture::history::Contents;
@@ -19,15 +20,6 @@ use crate::sculpture::{Brick, Rgb};
 /// Approximations of where a step comes from; each is [`STEP_SLOPE`] times as far off as the one before.
 const ROUNDS: usize = 3;
 
-/// One of several pulls at once, relative to the origin of the flow.
-pub struct Pull {
-    pub centre: DVec3,
-    pub step: DVec3,
-}
-
-/// Eight voxels of a row of a brick: something along each axis.
-type Row = [[f32; EDGE]; 3];
-const EDGE: usize = BRICK_EDGE_VX as usize;
 /// Most mirror images.
 const MOST_PULLS: usize = 8;
 
@@ -52,8 +44,9 @@ impl Flow<'_> {
     fn reaches(&self, p: DVec3, beyond: f64) -> bool {
         self.pulls.iter().any(|pull| {
             let from = (p - pull.centre) * self.stretch;
-            let along = pull.step * self.stretch * self.steps as f64;
-            let share = (from.dot(along) / along.length_squared()).clamp(0.0, 1.0);
+            let along = pull.way() * self.stretch * self.steps as f64;
+            let length = along.length_squared().max(f64::MIN_POSITIVE);
+            let share = (from.dot(along) / length).clamp(0.0, 1.0);
             (from - along * share).length() < self.radius + beyond
         })
     }
@@ -87,8 +80,9 @@ impl Flow<'_> {
         let edge = BRICK_EDGE_VX as i32;
         let (mut down, mut up) = (DVec3::ZERO, DVec3::ZERO);
         for pull in self.pulls {
-            let by = pull.step * self.steps as f64;
-            (down, up) = (down.max(by), up.max(-by));
+            let [below, above] = pull.furthest(self.radius, self.stretch, self.falloff);
+            let steps = self.steps as f64;
+            (down, up) = (down.max(above * steps), up.max(below * steps));
         }
         let most = self.together as f64;
         VoxelBox {
@@ -222,21 +216,17 @@ impl Flow<'_> {
         step: usize,
     ) -> Row {
         let mut shifts = [[[0.0; EDGE]; 3]; MOST_PULLS];
-        let scale = (self.stretch / self.radius).as_vec3().to_array();
+        let scale = self.stretch.as_vec3().to_array();
         for ((pull, from_centre), shift) in self.pulls.iter().zip(from_centres).zip(&mut shifts) {
-            let centre = (pull.step * step as f64).as_vec3().to_array();
-            let by = pull.step.as_vec3().to_array();
-            for x in 0..EDGE {
-                let mut squared = 0.0;
-                for axis in 0..3 {
-                    let from = (from_centre[axis][x] + (at[axis][x] - centre[axis])) * scale[axis];
-                    squared += from * from;
-                }
-                let share = self.falloff.at(squared);
-                for axis in 0..3 {
-                    shift[axis][x] = by[axis] * share;
+            let centre = (pull.way() * step as f64).as_vec3().to_array();
+            let mut from: Row = [[0.0; EDGE]; 3];
+            for axis in 0..3 {
+                for x in 0..EDGE {
+                    let here = from_centre[axis][x] + (at[axis][x] - centre[axis]);
+                    from[axis][x] = here * scale[axis];
                 }
             }
+            pull.shift(&from, self.stretch, self.radius, self.falloff, shift);
         }
         // Images are added as a mirror plane pairs them.
         let mut count = self.pulls.len();

@@ -3,14 +3,14 @@
 use glam::{IVec3, UVec3, Vec3};
 use proptest::prelude::*;
 
-use super::grab::{Falloff, Grab, MAX_PULL_VX, MAX_RADIUS, MIN_RADIUS};
+use super::grab::{Falloff, Grab, MAX_PULL_VX, MAX_RADIUS, MIN_RADIUS, Motion};
 use super::symmetry::{Parity, Symmetry};
 use crate::sculpture::history::Contents;
 use crate::sculpture::{ColourDepth, Grid, Material, Rgb};
 
 const RED: Rgb = Rgb::new(200, 20, 10);
 
-fn contents(dims: UVec3, exists: impl Fn(UVec3) -> bool) -> Contents {
+pub fn contents(dims: UVec3, exists: impl Fn(UVec3) -> bool) -> Contents {
     let mut grid = Grid::new(dims, Vec3::ONE, 1 << 30).unwrap();
     for z in 0..dims.z {
         for y in 0..dims.y {
@@ -24,7 +24,7 @@ fn contents(dims: UVec3, exists: impl Fn(UVec3) -> bool) -> Contents {
     Contents { grid, material }
 }
 
-fn ball(dims: UVec3, centre: Vec3, radius: f32) -> Contents {
+pub fn ball(dims: UVec3, centre: Vec3, radius: f32) -> Contents {
     contents(dims, |v| (v.as_vec3() + 0.5).distance(centre) <= radius)
 }
 
@@ -36,7 +36,7 @@ fn paint(contents: &mut Contents, v: UVec3, colour: Rgb) {
 }
 
 /// The contents after a pull, changed without a document.
-fn pulled(before: &Contents, grab: &Grab, symmetry: Symmetry) -> Contents {
+pub fn pulled(before: &Contents, grab: &Grab, symmetry: Symmetry) -> Contents {
     let pulled = grab.pulled(before, &symmetry);
     let mut after = before.clone();
     let mut each = |bricks: &[(UVec3, crate::sculpture::Brick)],
@@ -67,7 +67,7 @@ fn pulled(before: &Contents, grab: &Grab, symmetry: Symmetry) -> Contents {
     after
 }
 
-fn differing(a: &Contents, b: &Contents) -> u64 {
+pub fn differing(a: &Contents, b: &Contents) -> u64 {
     let bricks = 0..a.grid.brick_count();
     let pairs = bricks.map(|i| (a.grid.brick_at(i), b.grid.brick_at(i)));
     pairs.map(|(a, b)| u64::from(a.and_not(b).count()) + u64::from(b.and_not(a).count())).sum()
@@ -87,7 +87,7 @@ fn middle(contents: &Contents) -> Vec3 {
 
 /// A pull in which the whole ball of the clay moves as one.
 fn carry(centre_vx: Vec3, by_vx: Vec3) -> Grab {
-    Grab { centre_vx, radius: 60.0, by_vx, falloff: Falloff::Flat }
+    Grab { centre_vx, radius: 60.0, motion: Motion::Pull { by_vx }, falloff: Falloff::Flat }
 }
 
 #[test]
@@ -115,7 +115,7 @@ fn a_long_pull_neither_tears_nor_folds() {
     let grab = Grab {
         centre_vx: Vec3::new(32.0, 24.0, 32.0),
         radius: 14.0,
-        by_vx: Vec3::Y * 56.0,
+        motion: Motion::Pull { by_vx: Vec3::Y * 56.0 },
         falloff: Falloff::Smooth,
     };
     let after = pulled(&before, &grab, Symmetry::default());
@@ -144,7 +144,7 @@ fn colours_go_along() {
     let grab = Grab {
         centre_vx: Vec3::new(24.0, 20.0, 24.0),
         radius: 12.0,
-        by_vx: Vec3::Y * 10.0,
+        motion: Motion::Pull { by_vx: Vec3::Y * 10.0 },
         falloff: Falloff::Flat,
     };
     let after = pulled(&before, &grab, Symmetry::default());
@@ -163,12 +163,16 @@ fn grab() -> impl Strategy<Value = Grab> {
             prop_oneof![3 => -12.0f32..12.0, 1 => Just(0.0f32), 1 => -60.0f32..60.0],
         ),
         prop::sample::select(&Falloff::ALL[..]),
+        (0..4, -1.0f32..1.0),
     )
-        .prop_map(|(centre, radius, by, falloff)| Grab {
-            centre_vx: centre.into(),
-            radius,
-            by_vx: by.into(),
-            falloff,
+        .prop_map(|(centre, radius, by, falloff, (kind, share))| {
+            let normal = Vec3::from(by).try_normalize().unwrap_or(Vec3::Y);
+            let motion = match kind {
+                0 => Motion::Twist { normal, angle_deg: share * 180.0 },
+                1 => Motion::Pinch { normal, strength: share },
+                _ => Motion::Pull { by_vx: by.into() },
+            };
+            Grab { centre_vx: centre.into(), radius, motion, falloff }
         })
 }
 
@@ -189,12 +193,18 @@ proptest! {
         for i in 0..before.grid.dims().element_product() {
             let v = before.grid.voxel_coords(i);
             let p = v.as_vec3() + 0.5 - grab.centre_vx;
-            let along = (p.dot(grab.by_vx) / grab.by_vx.length_squared().max(1e-9)).clamp(0.0, 1.0);
-            if (p - grab.by_vx * along).length() > grab.radius + 1e-3 {
+            let by = if let Motion::Pull { by_vx } = grab.motion { by_vx } else { Vec3::ZERO };
+            let along = (p.dot(by) / by.length_squared().max(1e-9)).clamp(0.0, 1.0);
+            if (p - by * along).length() > grab.radius + 1e-3 {
                 prop_assert_eq!(after.grid.get(v.as_ivec3()), before.grid.get(v.as_ivec3()), "{}", v);
             }
         }
-        let still = Grab { by_vx: Vec3::ZERO, ..grab };
+        let motion = match grab.motion {
+            Motion::Pull { .. } => Motion::Pull { by_vx: Vec3::ZERO },
+            Motion::Twist { normal, .. } => Motion::Twist { normal, angle_deg: 0.0 },
+            Motion::Pinch { normal, .. } => Motion::Pinch { normal, strength: 0.0 },
+        };
+        let still = Grab { motion, ..grab };
         prop_assert_eq!(differing(&pulled(&before, &still, Symmetry::default()), &before), 0);
     }
 
@@ -229,18 +239,24 @@ fn a_pull_does_the_same_wherever_the_clay_lies_in_its_bricks() {
         let block = v.cmpge(IVec3::splat(6)).all() && v.cmplt(IVec3::new(50, 34, 50)).all();
         block && p.distance(Vec3::new(20.0, 20.0, 22.0)) > 8.0 && !(v.x > 40 && noise)
     };
+    let pull = |x, y, z| Motion::Pull { by_vx: Vec3::new(x, y, z) };
+    let normal = Vec3::new(0.5, 2.0, -1.0);
+    let twist = Motion::Twist { normal, angle_deg: 75.0 };
+    let pinch = Motion::Pinch { normal, strength: 0.6 };
     let grabs = [
-        (Vec3::new(28.5, 34.0, 27.25), 14.0, Vec3::new(0.5, 11.25, -3.0), Falloff::Smooth),
-        (Vec3::new(28.0, 28.0, 28.0), 19.5, Vec3::new(-9.0, -0.25, 0.75), Falloff::Flat),
-        (Vec3::new(44.0, 30.0, 40.0), 12.0, Vec3::new(7.0, 6.0, 5.0), Falloff::Sharp),
+        (Vec3::new(28.5, 34.0, 27.25), 14.0, pull(0.5, 11.25, -3.0), Falloff::Smooth),
+        (Vec3::new(28.0, 28.0, 28.0), 19.5, pull(-9.0, -0.25, 0.75), Falloff::Flat),
+        (Vec3::new(44.0, 30.0, 40.0), 12.0, pull(7.0, 6.0, 5.0), Falloff::Sharp),
+        (Vec3::new(28.0, 31.0, 28.5), 19.5, twist, Falloff::Flat),
+        (Vec3::new(28.5, 32.0, 27.25), 19.0, pinch, Falloff::Smooth),
     ];
-    for (centre_vx, radius, by_vx, falloff) in grabs {
+    for (centre_vx, radius, motion, falloff) in grabs {
         let after = |shift: IVec3| {
             let mut before = contents(UVec3::splat(72), |v| shape(v.as_ivec3() - shift));
             for (i, red) in (0..12u8).map(|i| (i32::from(i), Rgb::new(200 + i, 20, 10))) {
                 paint(&mut before, (IVec3::new(22 + i, 33, 20 + i) + shift).as_uvec3(), red);
             }
-            let grab = Grab { centre_vx: centre_vx + shift.as_vec3(), radius, by_vx, falloff };
+            let grab = Grab { centre_vx: centre_vx + shift.as_vec3(), radius, motion, falloff };
             pulled(&before, &grab, Symmetry::default())
         };
         let here = after(IVec3::ZERO);
@@ -266,8 +282,13 @@ fn numbers_out_of_range_are_refused() {
         Grab { radius: 1e-6, ..good },
         Grab { radius: f32::NAN, ..good },
         Grab { radius: MAX_RADIUS * 1.01, ..good },
-        Grab { by_vx: Vec3::NAN, ..good },
-        Grab { by_vx: Vec3::X * (MAX_PULL_VX + 1.0), ..good },
+        Grab { motion: Motion::Pull { by_vx: Vec3::NAN }, ..good },
+        Grab { motion: Motion::Pull { by_vx: Vec3::X * (MAX_PULL_VX + 1.0) }, ..good },
+        Grab { motion: Motion::Twist { normal: Vec3::ZERO, angle_deg: 9.0 }, ..good },
+        Grab { motion: Motion::Twist { normal: Vec3::Y, angle_deg: f32::NAN }, ..good },
+        Grab { motion: Motion::Twist { normal: Vec3::Y, angle_deg: -361.0 }, ..good },
+        Grab { motion: Motion::Pinch { normal: Vec3::NAN, strength: 0.5 }, ..good },
+        Grab { motion: Motion::Pinch { normal: Vec3::Y, strength: 1.5 }, ..good },
         Grab { centre_vx: Vec3::INFINITY, ..good },
         Grab { centre_vx: Vec3::splat(1e30), ..good },
     ] {
@@ -279,7 +300,7 @@ fn numbers_out_of_range_are_refused() {
 fn a_pull_takes_a_bounded_number_of_steps() {
     let longest = Grab {
         radius: MIN_RADIUS,
-        by_vx: Vec3::splat(MAX_PULL_VX),
+        motion: Motion::Pull { by_vx: Vec3::splat(MAX_PULL_VX) },
         falloff: Falloff::Flat,
         ..carry(Vec3::splat(8.0), Vec3::X)
     };

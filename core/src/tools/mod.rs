@@ -20,6 +20,9 @@ pub mod form_region;
 pub mod grab;
 mod grab_field;
 mod grab_flow;
+mod grab_motion;
+#[cfg(test)]
+mod grab_motion_tests;
 #[cfg(test)]
 mod grab_tests;
 #[cfg(test)]

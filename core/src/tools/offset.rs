@@ -1,7 +1,8 @@
-//! Brushes that move the surface along its normals: inflate, flatten, scrape and fill.
+//! Brushes that move the surface: inflate, flatten, scrape, fill, draw and crease.
 //!
 //! From a grid and a brush to the voxels that appear and vanish. Clay is added where the nearest clay is less far away
-//! than the brush raises the surface there, and removed where the nearest emptiness is less far than it is lowered.
+//! than the brush raises the surface there, and removed where the nearest emptiness is less far than it is lowered; what
+//! draw and crease move goes along one direction, in which the surface is looked for.
 //! Distances are those between voxels less half of one, where the surface is. Changes nothing itself.
 
 use glam::{DVec3, IVec3, Vec3};
@@ -36,7 +37,30 @@ pub enum Target {
         /// Room behind the plane is filled.
         raises: bool,
     },
+    /// Along one direction, by a height.
+    Drawn {
+        /// Out of the clay.
+        normal: Vec3,
+        /// Along the normal above 0.
+        height: f32,
+        /// What share of the height a place goes.
+        profile: Profile,
+    },
 }
+
+/// What share of the way a place goes.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Profile {
+    /// That of the falloff.
+    Falloff,
+    /// Its square.
+    Squared,
+}
+
+/// Shortest step in which the surface is looked for along a direction, in units of the smallest edge.
+const LOOK: f32 = 0.25;
+/// What a distance may be off by rounding.
+const ROUNDING: f32 = 1e-3;
 
 /// A brush, placed.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -81,6 +105,41 @@ impl Ball {
     fn height(&self, p: Vec3) -> f32 {
         p.x * self.normal.x + p.y * self.normal.y + p.z * self.normal.z
     }
+
+    /// Whether what is at the first place towards `way` (of length 1) from which `distances` are counted, `away` or
+    /// farther from `v`, goes to `v` or beyond, if the middle goes by `height`.
+    fn is_drawn_from(
+        &self,
+        distances: &Distances,
+        v: IVec3,
+        away: f32,
+        way: Vec3,
+        height: f32,
+        profile: Profile,
+    ) -> bool {
+        let p = self.relative(v);
+        let share = |p: Vec3| match profile {
+            Profile::Falloff => self.share(p),
+            Profile::Squared => self.share(p) * self.share(p),
+        };
+        // Nothing on the line through `v` goes farther than what is nearest to the middle.
+        let along = p.x * way.x + p.y * way.y + p.z * way.z;
+        let furthest = height * share(p - way * along) + ROUNDING;
+        if away > furthest || p.length_squared() > self.radius * self.radius {
+            return false;
+        }
+        let mut gone = away;
+        loop {
+            let left = distances.at(v, way * gone / self.edges.as_vec3());
+            if left <= ROUNDING {
+                return gone <= height * share(p + way * gone) + ROUNDING;
+            }
+            if gone >= furthest {
+                return false;
+            }
+            gone = (gone + left.max(LOOK)).min(furthest);
+        }
+    }
 }
 
 impl Offset {
@@ -91,7 +150,7 @@ impl Offset {
         let edges = size / size.min_element();
         let origin = DVec3::from(symmetry.planes(dims).map(|plane| plane.map_or(0.0, f64::from)));
         let normal = match self.target {
-            Target::Plane { normal, .. } => normal,
+            Target::Plane { normal, .. } | Target::Drawn { normal, .. } => normal,
             Target::Along(_) => Vec3::Y,
         };
         Stamp::union(symmetry.images(dims).iter().map(|image| {
@@ -112,29 +171,32 @@ impl Offset {
 
     fn one(&self, grid: &Grid, ball: &Ball) -> Stamp {
         let reach = match self.target {
-            Target::Along(height) => height.abs() + 1.0,
+            Target::Along(height) | Target::Drawn { height, .. } => height.abs() + 1.0,
             Target::Plane { .. } => PLANE_REACH + 1.0,
         };
         let edges = ball.edges.as_vec3();
         let around = (Vec3::splat(reach) / edges).ceil().as_ivec3();
         let Some(bounds) = self.bounds(grid, ball, around) else { return Stamp::default() };
-        let block = BitBlock::of_grid(grid, bounds.min - around, bounds.max + around);
+        let block = BitBlock::of_grid(grid, bounds.min - around - 1, bounds.max + around + 1);
         let (raises, lowers) = match self.target {
-            Target::Along(height) => (height > 0.0, height < 0.0),
+            Target::Along(height) | Target::Drawn { height, .. } => (height > 0.0, height < 0.0),
             Target::Plane { raises, lowers, strength, .. } => {
                 (raises && strength > 0.0, lowers && strength > 0.0)
             }
         };
+        // Beyond the grid's border there is room, which is looked for.
+        let wide = VoxelBox { min: bounds.min - 1, max: bounds.max + 1 };
         let bricks = |block: BitBlock| ListedBricks::new(block.bricks(grid.brick_dims()));
         let mut stamp = Stamp::default();
         if raises {
-            let to_clay = Distances::new(&block, true, bounds, reach, edges);
+            let to_clay = Distances::new(&block, true, wide, reach, edges);
             let added = changed(bounds, &to_clay, |v, away| self.adds(ball, &to_clay, v, away));
             stamp.add = bricks(added);
         }
         if lowers {
-            let to_room = Distances::new(&block, false, bounds, reach, edges);
-            let removed = changed(bounds, &to_room, |v, away| self.removes(ball, v, away));
+            let to_room = Distances::new(&block, false, wide, reach, edges);
+            let removed =
+                changed(bounds, &to_room, |v, away| self.removes(ball, &to_room, v, away));
             stamp.remove = bricks(removed);
         }
         stamp
@@ -196,12 +258,15 @@ impl Offset {
                     && (share - 1.0) * away - share * ball.height(p) > 0.0
                     && faces(to_clay, v, ball.normal)
             }
+            Target::Drawn { height, profile, .. } => {
+                ball.is_drawn_from(to_clay, v, away, -ball.normal, height, profile)
+            }
         }
     }
 
     /// Whether a voxel of clay is removed; `away`: from the nearest emptiness.
     #[inline(always)]
-    fn removes(&self, ball: &Ball, v: IVec3, away: f32) -> bool {
+    fn removes(&self, ball: &Ball, to_room: &Distances, v: IVec3, away: f32) -> bool {
         let p = ball.relative(v);
         let share = ball.share(p);
         match self.target {
@@ -209,6 +274,9 @@ impl Offset {
             Target::Plane { strength, .. } => {
                 let share = share * strength;
                 (1.0 - share) * away.min(PLANE_REACH) - share * ball.height(p) <= 0.0
+            }
+            Target::Drawn { height, profile, .. } => {
+                ball.is_drawn_from(to_room, v, away, ball.normal, -height, profile)
             }
         }
     }
@@ -239,8 +307,8 @@ fn changed(
         if !inside || start.z < bounds.min.z || start.z >= bounds.max.z {
             return;
         }
-        let squared = distances.row(start.y, start.z);
-        for (x, squared) in (bounds.min.x..).zip(squared) {
+        let squared = distances.row_from(IVec3::new(bounds.min.x, start.y, start.z));
+        for (x, squared) in (bounds.min.x..bounds.max.x).zip(squared) {
             if *squared > 0.0 && is(IVec3::new(x, start.y, start.z), squared.sqrt() - 0.5) {
                 let place = (x - origin.x) as usize;
                 row[place / 64] |= 1 << (place % 64);

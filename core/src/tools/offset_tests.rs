@@ -3,7 +3,7 @@
 use glam::{IVec3, UVec3, Vec3};
 use proptest::prelude::*;
 
-use super::deform::{Brush, Deform, Plane};
+use super::deform::{Brush, Deform, Draw, Plane};
 use super::grab::{Falloff, MAX_RADIUS};
 use super::offset::MAX_HEIGHT;
 use super::symmetry::{Parity, Symmetry};
@@ -132,15 +132,98 @@ fn nothing_is_filled_behind_a_wall() {
     }
 }
 
+/// Ground and a wall on it, whose side is steep to the direction.
+#[test]
+fn draw_moves_all_of_the_surface_in_one_direction() {
+    let before = cube(64, |v| v.y < 24 || v.y < 32 && v.x > 40);
+    for by in [6, -6] {
+        let way = Draw { normal: Vec3::Y * 3.0, height: by as f32 };
+        let at = [32.0, 24.0, 32.0];
+        let after = used(&before, &brush(Brush::Draw(way), at, 28.0), Symmetry::default());
+        for (x, z) in [(32, 32), (24, 32), (32, 40)] {
+            assert_eq!(height(&after, x, z), 24 + by, "{x} {z}");
+        }
+        // The wall stays where it is and as high over the ground.
+        assert_eq!(height(&after, 41, 32), 32 + by);
+        assert_eq!(height(&after, 40, 32), 24 + by);
+        assert_eq!(height(&after, 3, 32), 24);
+    }
+    // Nothing comes through a thin wall from the ground behind it, and the wall is no sheet that floats.
+    let thin = cube(48, |v| v.y == 24 || v.y < 12);
+    let way = Draw { normal: Vec3::Y, height: 5.0 };
+    let after =
+        used(&thin, &brush(Brush::Draw(way), [24.0, 25.0, 24.0], 12.0), Symmetry::default());
+    assert!((24..30).all(|y| after.get(IVec3::new(24, y, 24))));
+    assert!((12..24).all(|y| !after.get(IVec3::new(24, y, 24))));
+}
+
+#[test]
+fn draw_lowers_a_full_grid_from_its_border() {
+    let before = cube(43, |_| true);
+    for (axis, end) in [(0, 0), (1, 43), (2, 43)] {
+        let mut at = Vec3::splat(21.5);
+        at[axis] = end as f32;
+        let mut normal = Vec3::ZERO;
+        normal[axis] = if end == 0 { -1.0 } else { 1.0 };
+        let way = Draw { normal, height: -5.0 };
+        let deform = brush(Brush::Draw(way), at.to_array(), 16.0);
+        let after = used(&before, &deform, Symmetry::default());
+        let depth = |beside: i32| {
+            let mut v = IVec3::splat(21 + beside);
+            let in_clay = |i: &i32| {
+                v[axis] = if end == 0 { *i } else { 42 - *i };
+                after.get(v)
+            };
+            (0..43).find(in_clay)
+        };
+        assert_eq!((depth(0), depth(3)), (Some(5), Some(5)), "{axis}");
+        assert_eq!(depth(14), Some(0), "{axis}");
+    }
+}
+
+/// A slope is raised by as much as is asked for, as smoothly as it was.
+#[test]
+fn draw_raises_a_slope_along_its_normal() {
+    let normal = Vec3::new(1.0, 2.0, -0.5).normalize();
+    let slope = |up: f32| move |v: IVec3| (v.as_vec3() + 0.5 - 32.0).dot(normal) < up;
+    let before = cube(64, slope(0.0));
+    let way = Draw { normal, height: 5.5 };
+    let after = used(&before, &brush(Brush::Draw(way), [32.0; 3], 28.0), Symmetry::default());
+    let meant = cube(64, slope(5.5));
+    let near = |v: &IVec3| (v.as_vec3() + 0.5 - 32.0).length() < 11.0;
+    let differ = |a: &Grid, b: &Grid| {
+        voxels(UVec3::splat(64)).filter(near).filter(|v| a.get(*v) != b.get(*v)).count()
+    };
+    let (off, moved) = (differ(&after, &meant), differ(&after, &before));
+    assert!(off * 20 < moved, "{off} of {moved}");
+}
+
+#[test]
+fn a_crease_is_narrower_than_what_draw_digs() {
+    let before = cube(64, |v| v.y < 32);
+    let way = Draw { normal: Vec3::Y, height: -8.0 };
+    let depths = |kind| {
+        let brush = Deform { falloff: Falloff::Sharp, ..brush(kind, [32.0, 32.0, 32.0], 20.0) };
+        let after = used(&before, &brush, Symmetry::default());
+        (32..54).map(|x| 32 - height(&after, x, 32)).collect::<Vec<i32>>()
+    };
+    let (dug, creased) = (depths(Brush::Draw(way)), depths(Brush::Crease(way)));
+    assert!(creased[0] >= 7 && dug[0] >= 7, "{creased:?} {dug:?}");
+    assert!(creased.iter().zip(&dug).all(|(crease, dug)| crease <= dug), "{creased:?} {dug:?}");
+    assert!(creased.iter().sum::<i32>() * 3 < dug.iter().sum::<i32>() * 2, "{creased:?} {dug:?}");
+}
+
 fn any_deform() -> impl Strategy<Value = Deform> {
     let number = || prop_oneof![3 => -1.0f32..1.0, 1 => Just(0.0f32)];
     let plane = (prop::array::uniform3(number()), 0.0f32..=1.0).prop_map(|(normal, strength)| {
         Plane { normal: Vec3::from(normal).try_normalize().unwrap_or(Vec3::Y), strength }
     });
-    let brush = (0..4, -8.0f32..8.0, plane).prop_map(|(kind, height, plane)| match kind {
+    let brush = (0..6, -8.0f32..8.0, plane).prop_map(|(kind, height, plane)| match kind {
         0 => Brush::Inflate { height },
         1 => Brush::Flatten(plane),
         2 => Brush::Scrape(plane),
+        3 => Brush::Draw(Draw { normal: plane.normal, height }),
+        4 => Brush::Crease(Draw { normal: plane.normal, height }),
         _ => Brush::Fill(plane),
     });
     let place = prop::array::uniform3(prop_oneof![4 => -6.0f32..40.0, 1 => Just(16.5f32)]);
@@ -179,7 +262,9 @@ proptest! {
             prop_assert_eq!(after.opaque_count(), 0);
         }
         let (adds, removes) = match deform.brush {
-            Brush::Inflate { height } => (height > 0.0, height < 0.0),
+            Brush::Inflate { height }
+            | Brush::Draw(Draw { height, .. })
+            | Brush::Crease(Draw { height, .. }) => (height > 0.0, height < 0.0),
             Brush::Flatten(_) => (true, true),
             Brush::Scrape(_) => (false, true),
             Brush::Fill(_) => (true, false),
@@ -192,6 +277,8 @@ proptest! {
         }
         let brush = match deform.brush {
             Brush::Inflate { .. } => Brush::Inflate { height: 0.0 },
+            Brush::Draw(draw) => Brush::Draw(Draw { height: 0.0, ..draw }),
+            Brush::Crease(draw) => Brush::Crease(Draw { height: 0.0, ..draw }),
             Brush::Flatten(plane) => Brush::Flatten(Plane { strength: 0.0, ..plane }),
             Brush::Scrape(plane) => Brush::Scrape(Plane { strength: 0.0, ..plane }),
             Brush::Fill(plane) => Brush::Fill(Plane { strength: 0.0, ..plane }),
@@ -241,6 +328,9 @@ fn numbers_out_of_range_are_refused() {
         Deform { centre_vx: Vec3::INFINITY, ..good },
         Deform { brush: Brush::Inflate { height: f32::NAN }, ..good },
         Deform { brush: Brush::Inflate { height: -MAX_HEIGHT * 1.01 }, ..good },
+        Deform { brush: Brush::Draw(Draw { normal: Vec3::ZERO, height: 1.0 }), ..good },
+        Deform { brush: Brush::Draw(Draw { normal: Vec3::Y, height: f32::NAN }), ..good },
+        Deform { brush: Brush::Crease(Draw { normal: Vec3::Y, height: 16.5 }), ..good },
         Deform { brush: Brush::Scrape(plane([0.0; 3], 0.5)), ..good },
         Deform { brush: Brush::Scrape(plane([f32::NAN; 3], 0.5)), ..good },
         Deform { brush: Brush::Fill(Plane { strength: 1.1, ..up }), ..good },

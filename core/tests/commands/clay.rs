@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use sculpture_core::command::{Command, SpraySurface};
 use sculpture_core::document::{Document, Limits};
 use sculpture_core::sculpture::Rgb;
-use sculpture_core::tools::grab::{Falloff, Grab};
+use sculpture_core::tools::grab::{Falloff, Grab, Motion};
 
 use super::strategies::{new_sculpture, work};
 
@@ -20,7 +20,7 @@ fn pull(by_vx: Vec3, surface: SpraySurface) -> Command {
     let grab = Grab {
         centre_vx: Vec3::new(20.0, 20.0, 20.0),
         radius: 9.0,
-        by_vx,
+        motion: Motion::Pull { by_vx },
         falloff: Falloff::Smooth,
     };
     Command::Grab { grab, surface }

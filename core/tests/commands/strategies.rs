@@ -16,8 +16,8 @@ use sculpture_core::sculpture::orientation::{Orientation, Up};
 use sculpture_core::sculpture::region::VoxelBox;
 use sculpture_core::sculpture::{ColourDepth, Placement, Rgb};
 use sculpture_core::tools::construct::{Primitive, Solid};
-use sculpture_core::tools::deform::{Brush, Deform, Plane};
-use sculpture_core::tools::grab::{Falloff, Grab};
+use sculpture_core::tools::deform::{Brush, Deform, Draw, Plane};
+use sculpture_core::tools::grab::{Falloff, Grab, Motion};
 use sculpture_core::tools::mend::{Keep, Mend, Toward};
 use sculpture_core::tools::spray::{Effect, Footprint, Outline, Spray};
 use sculpture_core::tools::symmetry::{Parity, Symmetry};
@@ -260,10 +260,12 @@ pub fn deform() -> impl Strategy<Value = Deform> {
     let vector = |range: std::ops::Range<f32>| prop::array::uniform3(range).prop_map(Vec3::from);
     let plane =
         (vector(-1.0..1.0), 0f32..=1.0).prop_map(|(normal, strength)| Plane { normal, strength });
-    let brush = (0..4, -6f32..6.0, plane).prop_map(|(kind, height, plane)| match kind {
+    let brush = (0..6, -6f32..6.0, plane).prop_map(|(kind, height, plane)| match kind {
         0 => Brush::Inflate { height },
         1 => Brush::Flatten(plane),
         2 => Brush::Scrape(plane),
+        3 => Brush::Draw(Draw { normal: plane.normal, height }),
+        4 => Brush::Crease(Draw { normal: plane.normal, height }),
         _ => Brush::Fill(plane),
     });
     (brush, vector(-4.0..28.0), 0.5f32..12.0, falloff()).prop_map(
@@ -283,8 +285,9 @@ pub fn area_work() -> impl Strategy<Value = Command> {
         })
     });
     let vector = |range: std::ops::Range<f32>| prop::array::uniform3(range).prop_map(Vec3::from);
-    let grab = (vector(-4.0..28.0), 1.0f32..12.0, vector(-9.0..9.0), falloff())
-        .prop_map(|(centre_vx, radius, by_vx, falloff)| Grab { centre_vx, radius, by_vx, falloff });
+    let grab = (vector(-4.0..28.0), 1.0f32..12.0, motion(vector(-9.0..9.0)), falloff()).prop_map(
+        |(centre_vx, radius, motion, falloff)| Grab { centre_vx, radius, motion, falloff },
+    );
     let grab = (grab, any::<bool>()).prop_map(|(grab, stroke)| Command::Grab {
         grab,
         surface: if stroke { SpraySurface::Stroke } else { SpraySurface::Now },
@@ -378,9 +381,9 @@ pub fn any_command() -> impl Strategy<Value = Command> {
             spray,
             surface: if stroke { SpraySurface::Stroke } else { SpraySurface::Now },
         }),
-        (any_vec3(), any_number(), any_vec3(), falloff(), any::<bool>()).prop_map(
-            |(centre_vx, radius, by_vx, falloff, stroke)| Command::Grab {
-                grab: Grab { centre_vx, radius, by_vx, falloff },
+        (any_vec3(), any_number(), motion(any_vec3()), falloff(), any::<bool>()).prop_map(
+            |(centre_vx, radius, motion, falloff, stroke)| Command::Grab {
+                grab: Grab { centre_vx, radius, motion, falloff },
                 surface: if stroke { SpraySurface::Stroke } else { SpraySurface::Now },
             }
         ),
@@ -422,6 +425,15 @@ pub fn any_command() -> impl Strategy<Value = Command> {
         steps().prop_map(|steps| Command::Redo { steps }),
         place,
     ]
+}
+
+/// Pulls by a vector, turns about it and pinches towards it.
+fn motion(vector: impl Strategy<Value = Vec3>) -> impl Strategy<Value = Motion> {
+    (vector, 0..4, -1.0f32..1.0).prop_map(|(by_vx, kind, share)| match kind {
+        0 => Motion::Twist { normal: by_vx, angle_deg: 180.0 * share },
+        1 => Motion::Pinch { normal: by_vx, strength: share },
+        _ => Motion::Pull { by_vx },
+    })
 }
 
 fn falloff() -> impl Strategy<Value = Falloff> {

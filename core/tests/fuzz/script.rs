@@ -6,7 +6,7 @@ use super::{fuzz, small};
 use sculpture_core::document::Limits;
 use sculpture_core::session::Session;
 
-const LINES: [&str; 38] = [
+const LINES: [&str; 42] = [
     "new dims=24,20,12 size=1,1,1 colour=24 base=#c8beaa fill=solid",
     "open \"/nonexistent/a.raw\" threshold=2..9 raw=8x6x5:u8:0 region=1,1,1..3,3,3 cubic=2mm mesh_size=9",
     "embed \"a\" data=iVZTQw0KGgoBAAAA",
@@ -25,6 +25,10 @@ const LINES: [&str; 38] = [
     "texture \"a\" cuboid at=4,4,4 half=3",
     "deform fill at=9,9,6 radius=6 normal=0,1,0.5 strength=0.75",
     "deform inflate at=9,9,6 radius=6 height=3",
+    "deform twist at=9,9,6 radius=6 normal=0,1,0.5 angle=70",
+    "deform pinch at=9,9,6 radius=6 normal=0,1,0.5 strength=0.5",
+    "deform draw at=9,9,6 radius=6 normal=0,1,0.5 height=3",
+    "deform crease at=9,9,6 radius=6 normal=0,1,0.5 height=-3",
     "grab at=9,9,6 radius=5 by=3,-2,4 falloff=sharp",
     "mark at=1,2,3 size=5,5,5",
     "select add",
