@@ -180,6 +180,31 @@ fn signals_that_end_the_program_lose_nothing() {
 }
 
 #[test]
+fn a_fault_without_a_window_loses_nothing_and_says_where_it_is() {
+    let folder = folder();
+    let path = folder.path();
+    let lines =
+        ["new dims=16,16,16", "subtract cuboid at=8,8,8 half=2", "subtract cuboid at=4,4,4 half=1"];
+    let mut session =
+        with_state(path, &["run", "-", "--journal"]).env("VS_PANIC_AT", "3").spawn().unwrap();
+    assert_eq!(ask(&mut session, &lines[..2])["ok"], true);
+    writeln!(session.stdin.as_mut().unwrap(), "{}", lines[2]).unwrap();
+    let output = session.wait_with_output().unwrap();
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(101), "{text}");
+    assert!(text.contains("VS_PANIC_AT asked for it") && text.contains("1.journal"), "{text}");
+    assert_eq!(listed(path).len(), 1);
+    succeed(path, &["recover", "1", "--out", "again.vsc"]);
+
+    let new = virtual_sculpture::config::Config::default().new_sculpture();
+    let mut expected = Session::new(&new, Limits::default()).unwrap();
+    for line in lines {
+        expected.execute(&line.parse().unwrap(), &()).unwrap();
+    }
+    assert_eq!(digest_of(&path.join("again.vsc")), Digest::of(expected.document().contents()));
+}
+
+#[test]
 fn a_state_folder_that_cannot_be_is_told_and_stops_nothing() {
     let folder = folder();
     let path = folder.path();
