@@ -209,13 +209,13 @@ impl Workspace {
         }
         self.finish_pass(root, requests);
         self.keep_footing();
+        self.autosave(root);
         if self.editor.is_busy() {
             root.request_repaint_after(job::LOOK_EVERY);
         }
         if let Some(after) = self.viewpoint.repaint_after() {
             root.request_repaint_after(after);
         }
-        self.autosave(root);
     }
 
     /// One pass of a panel in a window of its own. True if something was done there that other
