@@ -1,9 +1,10 @@
 //! Benchmarks of edits: throughput by solid, undo and redo, and the latency from an edit to its
 //! picture.
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use glam::{EulerRot, Quat, UVec3, Vec3};
+use glam::{EulerRot, Quat, UVec3, Vec2, Vec3};
 use serde::Serialize;
 
 use super::LEAST_RUNS;
@@ -18,6 +19,7 @@ use crate::sculpture::{ColourDepth, Limits, Rgb};
 use crate::surface::raycast;
 use crate::tools::construct::{Primitive, Solid};
 use crate::tools::deform::{Brush, Deform, Draw, Plane};
+use crate::tools::form::{Bead, Form, Pose};
 use crate::tools::grab::{Falloff, Grab, Motion};
 
 /// One edit, repeated.
@@ -65,6 +67,8 @@ pub fn edits(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandErro
         |motion| Command::Grab { grab: Grab { motion, ..grab }, surface: SpraySurface::Now };
     let twist = moved(Motion::Twist { normal: plane.normal, angle_deg: 20.0 });
     let pinch = moved(Motion::Pinch { normal: plane.normal, strength: 0.5 });
+    let form = |form| Command::Form { op: EditOp::Subtract, form };
+    let pose = Pose { at_vx: centre, rotation: turn };
     let commands = [
         ("sphere of radius 64", cut(Solid::Ellipsoid, even, Quat::IDENTITY)),
         ("cuboid of half edge 64", cut(Solid::Cuboid, even, Quat::IDENTITY)),
@@ -74,6 +78,14 @@ pub fn edits(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandErro
         ("turned pyramid of half edge 64", cut(Solid::Pyramid, even, turn)),
         ("turned cylinder of half edge 64", cut(Solid::Cylinder, even, turn)),
         ("turned torus of half edge 64", cut(Solid::Torus, even, turn)),
+        ("half space across", form(Form::HalfSpace { at_vx: centre, normal: plane.normal })),
+        ("turned ring of radius 64 and 16", form(Form::Ring { pose, radius: 64.0, tube: 16.0 })),
+        ("tube of radius 12 along a curve of 9 points", form(coil(centre))),
+        ("turned lathe of 33 points", form(Form::Lathe { pose, profile: vase(33) })),
+        (
+            "turned extrusion of 33 points",
+            form(Form::Extrusion { pose, outlines: Arc::new([vase(33)]), depth: 64.0 }),
+        ),
         ("pull at a ball of radius 48", pull),
         ("sinking in a ball of radius 48", deform(Brush::Inflate { height: -8.0 })),
         ("flattening in a ball of radius 48", deform(Brush::Flatten(plane))),
@@ -96,6 +108,25 @@ pub fn edits(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandErro
     }
     reports.extend(carves(&mut document, runs.div_ceil(4))?);
     Ok(reports)
+}
+
+/// A curve that winds upwards.
+fn coil(centre: Vec3) -> Form {
+    let bead = |i: u8| {
+        let turn = f32::from(i) * 1.3;
+        let at = Vec3::new(64.0 * turn.cos(), f32::from(i) * 16.0 - 64.0, 64.0 * turn.sin());
+        Bead { at_vx: centre + at, radius: 12.0 }
+    };
+    Form::Tube { beads: (0..9).map(bead).collect() }
+}
+
+/// A wavy profile about 64 voxels wide and 128 high.
+fn vase(points: u16) -> Arc<[Vec2]> {
+    let point = |i: u16| {
+        let share = f32::from(i) / f32::from(points - 1);
+        Vec2::new(56.0 + 8.0 * (share * 12.0).sin(), 128.0 * share - 64.0)
+    };
+    (0..points).map(point).collect()
 }
 
 /// The 2000 spheres of the cheese as commands of one stroke, with undo and redo.
@@ -243,7 +274,7 @@ mod tests {
     #[test]
     fn every_edit_is_reported_and_taken_back() {
         let reports = edits(1, Limits::default()).unwrap();
-        assert_eq!(reports.len(), 18);
+        assert_eq!(reports.len(), 23);
         let voxels = |name: &str| reports.iter().find(|r| r.name.starts_with(name)).unwrap().voxels;
         let ball = 4.0 / 3.0 * std::f64::consts::PI * 64f64.powi(3);
         assert!((voxels("sphere") as f64 / ball - 1.0).abs() < 1e-3);
@@ -252,6 +283,12 @@ mod tests {
         // Radii of a third and two thirds.
         let torus = std::f64::consts::PI.powi(2) * 4.0 / 27.0 * 64f64.powi(3);
         assert!((voxels("turned torus") as f64 / torus - 1.0).abs() < 1e-3);
+        assert!((voxels("half space") as f64 / 512f64.powi(3) - 0.5).abs() < 0.05);
+        let ring = 2.0 * std::f64::consts::PI.powi(2) * 64.0 * 16.0 * 16.0;
+        assert!((voxels("turned ring") as f64 / ring - 1.0).abs() < 1e-3);
+        assert!(voxels("tube") > 200_000);
+        assert!(voxels("turned lathe") > 1_000_000);
+        assert!(voxels("turned extrusion") > 10_000);
         assert!(voxels("pull") > 10_000);
         assert!(voxels("sinking") > 10_000);
         assert!(voxels("flattening") > 1000);

@@ -30,7 +30,7 @@ pub fn write(form: &Form, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         }
         Form::Extrusion { pose, outlines, depth } => {
             write_pose(pose, f)?;
-            write!(f, " depth={depth} outline={}", joined(outlines, "/", |outline| points(outline)))
+            write!(f, " depth={depth} outline={}", joined(outlines, "/", points))
         }
     }
 }
