@@ -190,9 +190,9 @@ impl Pull {
         }
         if !matches!(self.step, Step::Shift(_)) {
             let stretch = stretch.as_vec3().to_array();
-            for axis in 0..3 {
-                for x in 0..EDGE {
-                    shift[axis][x] /= stretch[axis];
+            for (shift, edge) in shift.iter_mut().zip(stretch) {
+                for along in shift {
+                    *along /= edge;
                 }
             }
         }

@@ -3,6 +3,7 @@
 use glam::{IVec3, UVec3, Vec3};
 use proptest::prelude::*;
 use sculpture_core::command::{Command, SpraySurface};
+use sculpture_core::command_text::parse_script;
 use sculpture_core::document::{Document, Limits};
 use sculpture_core::sculpture::Rgb;
 use sculpture_core::tools::grab::{Falloff, Grab, Motion};
@@ -183,4 +184,27 @@ fn swollen_clay_has_the_colours_around_it_and_keeps_to_the_selection() {
     let grid = document.grid();
     assert!(grid.get(IVec3::new(19, 22, 20)) && !grid.get(IVec3::new(20, 20, 20)));
     assert_eq!(document.contents().rgb(UVec3::new(19, 22, 20)), Rgb::new(0x12, 0x34, 0x56));
+}
+
+/// The script of the gallery: each command does something, and both halves are alike.
+#[test]
+fn a_bust_is_made_in_less_than_a_hundred_commands() {
+    let script = parse_script(include_str!("../../../config/gallery/bust.sculpt")).unwrap();
+    assert!(script.len() < 100, "{}", script.len());
+    let (_, Command::New(new)) = &script[0] else { panic!("no sculpture") };
+    let mut document = Document::new(new, Limits::default()).unwrap();
+    for (line, command) in &script[1..] {
+        let done = document.apply(command).unwrap();
+        let shapes = matches!(
+            command,
+            Command::Construct { .. } | Command::Deform { .. } | Command::Grab { .. }
+        );
+        assert!(!shapes || done.stats.voxels_changed() > 0, "line {line} does nothing");
+    }
+    let grid = document.grid();
+    for i in 0..grid.dims().element_product() {
+        let v = grid.voxel_coords(i).as_ivec3();
+        let mirrored = IVec3::new(159 - v.x, v.y, v.z);
+        assert_eq!(grid.get(v), grid.get(mirrored), "{v}");
+    }
 }
