@@ -2,17 +2,20 @@
 //! thousands of ways, the same in every run. Nothing may panic, and memory stays bounded.
 //!
 //! Each target has a number of runs for each of its seeds; `VS_FUZZ_RUNS=N` makes it N, for long runs by hand. What
-//! makes a reader panic is left in target/test-output/fuzz.
+//! makes a reader panic, or takes it longer than a minute, is left in target/test-output/fuzz.
 
 mod formats;
 mod journal;
 mod saved_history;
 mod script;
+mod watchdog;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 
 use sculpture_core::sculpture::Limits;
+
+use self::watchdog::Watchdog;
 
 /// Most memory that the process may take while a target is tried, in MiB.
 const MOST_MIB: u64 = 300;
@@ -140,7 +143,9 @@ pub fn fuzz(
     // The memory of the whole process is measured.
     let runs = std::env::var("VS_FUZZ_RUNS").map_or(runs, |runs| runs.parse().unwrap());
     let (mut accepted, mut refused) = (0, 0);
+    let watchdog = Watchdog::new(keep);
     for (i, seed) in seeds.iter().enumerate() {
+        watchdog.begin(format!("{target}-{i}"), seed);
         assert!(read(i, seed), "{target}: seed {i} is refused as it is");
         for run in 0..runs {
             let mut dice = Dice::of(target, i, run);
@@ -150,18 +155,20 @@ pub fn fuzz(
             if dice.below(2) == 0 {
                 seal(&mut bytes);
             }
+            let name = format!("{target}-{i}-{run}");
+            watchdog.begin(name.clone(), &bytes);
             match catch_unwind(AssertUnwindSafe(|| read(i, &bytes))) {
                 Ok(true) => accepted += 1,
                 Ok(false) => refused += 1,
                 Err(_) => {
-                    panic!("{target}: run {run} of seed {i}: {}", keep(target, i, run, &bytes))
+                    panic!("{target}: run {run} of seed {i}: {}", keep(&name, &bytes))
                 }
             }
             if run % 64 == 0
                 && let Some(peak) = peak_mib()
             {
                 let place = format!("{target}: run {run} of seed {i}");
-                assert!(peak < MOST_MIB, "{place}: {peak} MiB: {}", keep(target, i, run, &bytes));
+                assert!(peak < MOST_MIB, "{place}: {peak} MiB: {}", keep(&name, &bytes));
             }
         }
     }
@@ -170,11 +177,11 @@ pub fn fuzz(
     assert!(refused > 0, "{target}: {accepted} accepted, {refused} refused");
 }
 
-/// Writes what does harm to a file, and returns its path.
-fn keep(target: &str, seed: usize, run: u64, bytes: &[u8]) -> String {
+/// Writes what does harm to a file of this name, and returns its path.
+fn keep(name: &str, bytes: &[u8]) -> String {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).with_file_name("test-output/fuzz");
     std::fs::create_dir_all(&folder).unwrap();
-    let path = folder.join(format!("{target}-{seed}-{run}"));
+    let path = folder.join(name);
     std::fs::write(&path, bytes).unwrap();
     path.display().to_string()
 }
