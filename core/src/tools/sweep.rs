@@ -78,17 +78,21 @@ fn along_ellipsoid(half: DVec3, along: DVec3) -> f64 {
     scallop_of_ball(half) / (along / half).length()
 }
 
-/// Half of a step along the axis is missing at a cap, and of what is across it the scallop of the disc.
+/// Across the axis two uses leave the scallop of the disc; obliquely they leave a notch, too, between
+/// the cap that goes ahead of the first and the side that trails behind the second.
 fn along_cylinder(half: DVec3, along: DVec3) -> f64 {
     let across = DVec3::new(along.x, 0.0, along.z);
     if across.length() <= 1e-9 {
         return f64::INFINITY;
     }
+    // What is as far from the cap as from the side, which are at right angles.
+    let (rise, fall) = (along.y.abs(), across.length());
+    let notch = rise * fall / (rise + fall);
     let missing = |step: f64| {
         // The chord of two discs of radius 1; an ellipse's scallop is stretched by its longer half extent.
         let chord = (0.5 * step * (across / half).length()).min(1.0);
         let scallop = 1.0 - (1.0 - chord * chord).sqrt();
-        scallop * half.x.max(half.z) + 0.5 * step * along.y.abs()
+        scallop * half.x.max(half.z) + step * notch
     };
     let (mut enough, mut far) = (0.0, 2.0 / (across / half).length());
     for _ in 0..30 {
@@ -197,6 +201,26 @@ mod tests {
             let depth = deepest(&primitive, step);
             // The ways looked at are some degrees apart.
             prop_assert!(depth <= SCALLOP_VX + 0.03, "{} deep, {} apart", depth, spacing);
+        }
+    }
+
+    #[test]
+    fn a_cylinder_that_moves_obliquely_leaves_shallow_notches_at_its_rims() {
+        for degrees in [0.0f32, 5.0, 17.0, 30.0, 45.0, 60.0, 73.0, 85.0, 90.0] {
+            for half in [Vec3::new(6.14, 6.64, 7.84), Vec3::splat(40.0), Vec3::new(60.0, 9.0, 20.0)]
+            {
+                let cylinder = Primitive {
+                    solid: Solid::Cylinder,
+                    centre_vx: Vec3::ZERO,
+                    half,
+                    rotation: Quat::IDENTITY,
+                };
+                let (sine, cosine) = degrees.to_radians().sin_cos();
+                let direction = Vec3::new(0.0, cosine, sine);
+                let step = direction.as_dvec3() * f64::from(cylinder.spacing_along(direction));
+                let depth = deepest(&cylinder, step);
+                assert!(depth <= SCALLOP_VX + 0.03, "{depth} deep at {degrees} degrees, {half}");
+            }
         }
     }
 
