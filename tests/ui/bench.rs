@@ -136,8 +136,18 @@ pub fn click_once(harness: &mut Bench, label: &str) {
 /// Clicks on what has this label, and waits until windows and menus have their size.
 pub fn click(harness: &mut Bench, label: &str) {
     harness.get_by_label(label).click();
-    // Menus and windows take some frames to their size, and then rest.
+    // Menus and windows take some frames to their size.
     harness.run_steps(6);
+    rest(harness);
+}
+
+/// Waits for long work, and until the interface has nothing more to draw. While there is long work, frames are asked
+/// for again and again.
+pub fn rest(harness: &mut Bench) {
+    while harness.state().editor.is_busy() {
+        harness.state_mut().finish_job();
+        harness.run_steps(2);
+    }
     harness.run();
 }
 
@@ -148,7 +158,7 @@ pub fn has(harness: &Bench, label: &str) -> bool {
 /// Types a command into the palette and runs it.
 pub fn run_by_palette(harness: &mut Bench, line: &str) {
     key(harness, Modifiers::COMMAND, Key::P);
-    harness.run();
+    rest(harness);
     send(harness, Event::Text(line.to_string()));
     key(harness, Modifiers::NONE, Key::Enter);
 }

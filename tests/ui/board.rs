@@ -10,7 +10,7 @@ use virtual_sculpture::input::Bindings;
 use virtual_sculpture::sculpture::orientation::Up;
 use virtual_sculpture::session::Session;
 
-use super::bench::{Bench, click, config, has, key};
+use super::bench::{Bench, click, config, has, key, rest};
 use super::import::{scan, settle};
 
 /// The board in the size that it has in a headset.
@@ -31,7 +31,7 @@ fn board_of(session: Session) -> Bench {
 #[test]
 fn what_needs_a_desk_is_not_on_the_board() {
     let mut harness = board();
-    harness.run();
+    rest(&mut harness);
     assert!(has(&harness, "Snap to voxels") && has(&harness, "Lights"));
     for label in ["Help", "Stereo", "Video", "Follow the pointer", "Rest on the surface"] {
         assert!(!has(&harness, label), "{label}");
@@ -49,7 +49,7 @@ fn what_needs_a_desk_is_not_on_the_board() {
 #[test]
 fn tooltips_on_the_board_name_no_keys() {
     let mut harness = board();
-    harness.run();
+    rest(&mut harness);
     harness.get_by_label("Cuboid").hover();
     harness.run_steps(60);
     assert!(has(&harness, "Cuboid tool"));
@@ -60,12 +60,12 @@ fn tooltips_on_the_board_name_no_keys() {
 fn the_first_steps_are_those_of_hands_and_come_true() {
     let mut harness = board();
     harness.state_mut().ui.dialogs.guide.open = true;
-    harness.run();
+    rest(&mut harness);
     for title in ["1. Clear half of the grid", "2. Limit the tools to it"] {
         harness.get_by_label(title);
         harness.get_by_label("Do it for me").click();
         harness.run_steps(3);
-        harness.run();
+        rest(&mut harness);
     }
     harness.get_by_label("3. Add a cuboid");
     harness.get_by_label_contains("pull the trigger");
@@ -88,14 +88,14 @@ fn a_volume_is_turned_upright_on_the_board() {
     std::fs::write(&scan, bytes).unwrap();
     let session = Session::open(&scan, &ImportOptions::default(), Limits::default(), &()).unwrap();
     let mut harness = board_of(session);
-    harness.run();
+    rest(&mut harness);
     harness.get_by_label("Which axis points up?");
     // Nothing is covered by it.
     let strip = harness.get_by_label("Z up").rect();
     assert!(harness.get_by_label("Cuboid").rect().top() > strip.bottom());
     click(&mut harness, "Z up");
     harness.state_mut().finish_job();
-    harness.run();
+    rest(&mut harness);
     let dims = harness.state().session().document().grid().dims();
     assert_eq!(dims, glam::UVec3::new(24, 8, 16));
     assert!(!has(&harness, "Which axis points up?"));

@@ -14,7 +14,8 @@ use virtual_sculpture::mesh::MeshKind;
 use virtual_sculpture::session::Session;
 
 use super::bench::{
-    Bench, bench, bench_around, config, drag, key, middle, run_by_palette, send, undo_count, voxels,
+    Bench, bench, bench_around, config, drag, key, middle, rest, run_by_palette, send, undo_count,
+    voxels,
 };
 
 const ALL: u64 = 64 * 64 * 64;
@@ -41,7 +42,7 @@ fn settle(harness: &mut Bench) {
         harness.run_steps(2);
         harness.state_mut().finish_job();
     }
-    harness.run();
+    rest(harness);
 }
 
 fn is_asked(harness: &Bench) -> bool {
@@ -133,7 +134,7 @@ fn a_stroke_that_cannot_be_undone_is_kept_or_taken_back() {
     let at = middle(&harness);
     for (label, kept) in [("Take it back", false), ("Keep it", true)] {
         drag(&mut harness, PointerButton::Primary, Modifiers::NONE, &[at]);
-        harness.run();
+        rest(&mut harness);
         assert!(voxels(&harness) < ALL, "it can be seen what it did");
         answer(&mut harness, label);
         assert_eq!(voxels(&harness) < ALL, kept);
@@ -143,10 +144,10 @@ fn a_stroke_that_cannot_be_undone_is_kept_or_taken_back() {
     // Put aside it is taken back, too.
     let now = voxels(&harness);
     drag(&mut harness, PointerButton::Primary, Modifiers::NONE, &[at + vec2(60.0, 0.0)]);
-    harness.run();
+    rest(&mut harness);
     assert_ne!(voxels(&harness), now);
     key(&mut harness, Modifiers::NONE, Key::Escape);
-    harness.run();
+    rest(&mut harness);
     assert_eq!(voxels(&harness), now);
     assert!(!harness.state().session().document().stroke_open());
 }
@@ -182,10 +183,10 @@ fn export_asks_for_what_the_format_leaves_open() {
         key(harness, Modifiers::COMMAND, Key::E);
         settle(harness);
         harness.query_all_by_value("statue.pvm").next().unwrap().focus();
-        harness.run();
+        rest(harness);
         key(harness, Modifiers::COMMAND, Key::A);
         send(harness, Event::Text(name.to_string()));
-        harness.run();
+        rest(harness);
         harness.query_all_by_label_contains("Save").last().unwrap().click();
         settle(harness);
     };

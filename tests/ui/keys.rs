@@ -7,7 +7,8 @@ use egui_kittest::kittest::Queryable;
 use virtual_sculpture::ui::Theme;
 
 use super::bench::{
-    Bench, bench, bench_of, config, corner, drag, has, key, middle, send, undo_count, voxels, wheel,
+    Bench, bench, bench_of, config, corner, drag, has, key, middle, rest, send, undo_count, voxels,
+    wheel,
 };
 
 const UNDO: &str = "Undo the last step";
@@ -15,28 +16,28 @@ const FILL: &str = "Fill the whole grid";
 
 fn help(harness: &mut Bench) {
     key(harness, Modifiers::NONE, Key::F1);
-    harness.run();
+    rest(harness);
     assert!(harness.state().ui.dialogs.keys.open);
 }
 
 fn click(harness: &mut Bench, label: &str) {
     let node = harness.get_by_label(label);
     node.scroll_to_me();
-    harness.run();
+    rest(harness);
     harness.get_by_label(label).click();
-    harness.run();
+    rest(harness);
 }
 
 fn typed(harness: &mut Bench, text: &str) {
     send(harness, Event::Text(text.to_string()));
-    harness.run();
+    rest(harness);
 }
 
 /// A bench that keeps its keys in a file.
 fn keeping(path: &Path) -> Bench {
     let mut harness = bench();
     harness.state_mut().keep_keys_in(path.to_path_buf());
-    harness.run();
+    rest(&mut harness);
     harness
 }
 
@@ -53,17 +54,17 @@ fn the_window_lists_the_triggers_of_the_preset_in_use() {
     assert!(has(&harness, &format!("Remove Ctrl+Z from: {UNDO}")));
     assert!(!has(&harness, "Remove Left + right buttons from: Use the tool where it is"));
     harness.state_mut().controls.preset = 1;
-    harness.run();
+    rest(&mut harness);
     assert!(has(&harness, "Remove Left + right buttons from: Use the tool where it is"));
     harness.get_by_label("Filter").focus();
-    harness.run();
+    rest(&mut harness);
     typed(&mut harness, "step last undo");
     assert!(has(&harness, &format!("Add to: {UNDO}")));
     assert!(!has(&harness, &format!("Add to: {FILL}")));
     // The first leaves the field, the second the window.
     key(&mut harness, Modifiers::NONE, Key::Escape);
     key(&mut harness, Modifiers::NONE, Key::Escape);
-    harness.run();
+    rest(&mut harness);
     assert!(!harness.state().ui.dialogs.keys.open);
 }
 
@@ -73,7 +74,7 @@ fn a_key_is_added_used_removed_and_reset() {
     help(&mut harness);
     click(&mut harness, &format!("Add to: {UNDO}"));
     key(&mut harness, Modifiers::NONE, Key::U);
-    harness.run();
+    rest(&mut harness);
     let chip = format!("Remove U from: {UNDO}");
     assert!(has(&harness, &chip));
     key(&mut harness, Modifiers::NONE, Key::F1);
@@ -103,10 +104,10 @@ fn while_a_trigger_is_awaited_nothing_else_reacts() {
     let placement = *harness.state().session().document().placement();
     let at = corner(&harness);
     wheel(&mut harness, Modifiers::NONE, at, 1.0);
-    harness.run();
+    rest(&mut harness);
     harness.get_by_label_contains("Wheel cannot trigger this action; it needs a key").rect();
     drag(&mut harness, PointerButton::Primary, Modifiers::NONE, &[at, at + vec2(30.0, 0.0)]);
-    harness.run();
+    rest(&mut harness);
     harness.get_by_label_contains("Left button cannot trigger this action").rect();
     let new = harness.get_by_label("New").rect().center();
     drag(&mut harness, PointerButton::Primary, Modifiers::NONE, &[new]);
@@ -114,7 +115,7 @@ fn while_a_trigger_is_awaited_nothing_else_reacts() {
     assert_eq!(*harness.state().session().document().placement(), placement);
     assert_eq!(undo_count(&harness), 0);
     key(&mut harness, Modifiers::NONE, Key::Escape);
-    harness.run();
+    rest(&mut harness);
     assert!(!harness.state().ui.dialogs.keys.is_catching() && harness.state().ui.dialogs.keys.open);
     // Two buttons together are heard as such, for what is held.
     click(&mut harness, "Add to: Use the tool where it is");
@@ -132,7 +133,7 @@ fn while_a_trigger_is_awaited_nothing_else_reacts() {
     ] {
         send(&mut harness, press(button, pressed));
     }
-    harness.run();
+    rest(&mut harness);
     assert!(has(&harness, "Remove Left + middle buttons from: Use the tool where it is"));
     assert_eq!(undo_count(&harness), 0);
 }
@@ -144,17 +145,17 @@ fn a_trigger_of_another_action_is_asked_about() {
     for (answer, owner) in [("Cancel", UNDO), ("Reassign", FILL)] {
         click(&mut harness, &format!("Add to: {FILL}"));
         key(&mut harness, Modifiers::COMMAND, Key::Z);
-        harness.run();
+        rest(&mut harness);
         harness.get_by_label(&format!("Ctrl+Z is already assigned to: {UNDO}.")).rect();
         harness.get_by_label(answer).click();
-        harness.run();
+        rest(&mut harness);
         assert!(has(&harness, &format!("Remove Ctrl+Z from: {owner}")), "{answer}");
     }
     assert!(!has(&harness, &format!("Remove Ctrl+Z from: {UNDO}")));
     harness.get_by_label("Reset all").click();
-    harness.run();
+    rest(&mut harness);
     harness.get_by_label("Discard all changes to Direct").click();
-    harness.run();
+    rest(&mut harness);
     assert!(has(&harness, &format!("Remove Ctrl+Z from: {UNDO}")));
 }
 
@@ -166,14 +167,14 @@ fn changes_and_the_choice_of_a_preset_are_kept() {
     help(&mut harness);
     click(&mut harness, &format!("Add to: {UNDO}"));
     key(&mut harness, Modifiers::NONE, Key::U);
-    harness.run();
+    rest(&mut harness);
     // Another preset keeps its own changes.
     harness.get_by_label("Menu").click();
-    harness.run();
+    rest(&mut harness);
     harness.get_by_label("Controls ⏵").click();
-    harness.run();
+    rest(&mut harness);
     harness.get_by_label("Thesis").click();
-    harness.run();
+    rest(&mut harness);
     assert_eq!(harness.state().controls.preset, 1);
     let text = std::fs::read_to_string(&path).unwrap();
     assert!(text.contains("extends = \"thesis\"") && text.contains("[kept.\"direct\"]"), "{text}");
@@ -205,11 +206,11 @@ fn the_palette_finds_actions_by_words_and_runs_them() {
     let mut harness = bench();
     for open in [(Modifiers::COMMAND, Key::P), (Modifiers::NONE, Key::F3)] {
         key(&mut harness, open.0, open.1);
-        harness.run();
+        rest(&mut harness);
         assert!(harness.state().ui.dialogs.palette.open);
         typed(&mut harness, "voxel delete every");
         key(&mut harness, Modifiers::NONE, Key::Enter);
-        harness.run();
+        rest(&mut harness);
         assert!(!harness.state().ui.dialogs.palette.open);
         assert_eq!(voxels(&harness), 0);
         key(&mut harness, Modifiers::COMMAND, Key::Z);
@@ -220,12 +221,12 @@ fn the_palette_finds_actions_by_words_and_runs_them() {
     typed(&mut harness, "mirror symmetry in");
     key(&mut harness, Modifiers::NONE, Key::ArrowDown);
     key(&mut harness, Modifiers::NONE, Key::Enter);
-    harness.run();
+    rest(&mut harness);
     let axes = harness.state().session().document().symmetry().axes;
     assert_eq!(axes.map(|axis| axis.is_some()), [false, true, false]);
     key(&mut harness, Modifiers::NONE, Key::F3);
     key(&mut harness, Modifiers::NONE, Key::Escape);
-    harness.run();
+    rest(&mut harness);
     assert!(!harness.state().ui.dialogs.palette.open);
     assert_eq!(undo_count(&harness), 0);
 }
@@ -237,18 +238,18 @@ fn the_palette_runs_typed_commands_and_says_what_is_wrong() {
     typed(&mut harness, "subtract sponge at=8,8,8");
     harness.get_by_label_contains("`sponge` is not a solid").rect();
     key(&mut harness, Modifiers::NONE, Key::Enter);
-    harness.run();
+    rest(&mut harness);
     assert!(harness.state().ui.dialogs.palette.open && undo_count(&harness) == 0);
     key(&mut harness, Modifiers::NONE, Key::Escape);
     key(&mut harness, Modifiers::COMMAND, Key::P);
-    harness.run();
+    rest(&mut harness);
     // A command that is chosen from the list is begun in the field.
     typed(&mut harness, "inside solid remove");
     key(&mut harness, Modifiers::NONE, Key::Enter);
-    harness.run();
+    rest(&mut harness);
     typed(&mut harness, "cuboid at=8,8,8 half=2");
     key(&mut harness, Modifiers::NONE, Key::Enter);
-    harness.run();
+    rest(&mut harness);
     assert_eq!(voxels(&harness), 64u64.pow(3) - 64);
     assert_eq!(undo_count(&harness), 1);
     assert!(!harness.state().ui.dialogs.palette.open);
@@ -267,13 +268,13 @@ fn the_windows_fit() {
             let mut harness = bench_of(&config, size);
             for open in [Key::F1, Key::F3] {
                 key(&mut harness, Modifiers::NONE, open);
-                harness.run();
+                rest(&mut harness);
                 let label = if open == Key::F1 { "Filter" } else { "Command" };
                 let rect = harness.get_by_label(label).rect();
                 let window = egui::Rect::from_min_size(egui::Pos2::ZERO, size);
                 assert!(window.contains_rect(rect), "{size} {rect}");
                 key(&mut harness, Modifiers::NONE, Key::Escape);
-                harness.run();
+                rest(&mut harness);
             }
         }
     }

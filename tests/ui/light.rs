@@ -8,7 +8,7 @@ use virtual_sculpture::shade::{
 };
 use virtual_sculpture::ui::look;
 
-use super::bench::{Bench, bench, bench_of, click, config, key};
+use super::bench::{Bench, bench, bench_of, click, config, key, rest};
 
 fn lighting(harness: &Bench) -> Lighting {
     harness.state().ui.view.lighting()
@@ -40,7 +40,7 @@ fn lamps_are_added_placed_and_taken_away() {
     assert_eq!(harness.state().ui.view.light.lamps.len(), 4);
     harness.get_all_by_label("Remove").next().unwrap().click();
     harness.run_steps(6);
-    harness.run();
+    rest(&mut harness);
     assert_eq!(harness.state().ui.view.light.lamps.len(), 3);
     assert!(lighting(&harness).lights[0].is_none(), "the second is the first now");
 
@@ -82,7 +82,7 @@ fn the_finish_is_chosen_where_it_can_be_had() {
     assert_eq!(lighting(&harness).smooth_colours, Smoothing::Off);
     // Only the software shader has filters.
     harness.state_mut().ui.view.mode = RenderMode::MarchGpu;
-    harness.run();
+    rest(&mut harness);
     click(&mut harness, "Smooth normals");
     assert!(harness.query_by_label("3 × 3").is_none());
 }
@@ -96,7 +96,7 @@ fn a_look_is_chosen_and_a_matcap_read_or_refused_with_its_reason() {
     for (label, look) in [("Clay", Look::Clay), ("Stone", Look::Stone), ("Matcap", Look::Matcap)] {
         // A brush is called Clay, too; the window of lights comes after it.
         harness.get_all_by_label(label).last().unwrap().click();
-        harness.run();
+        rest(&mut harness);
         assert_eq!(lighting(&harness).look, look);
     }
     assert_eq!(lighting(&harness).matcap, Matcap::built_in());
@@ -108,7 +108,7 @@ fn a_look_is_chosen_and_a_matcap_read_or_refused_with_its_reason() {
     for path in [&good, &bad] {
         let ui = &mut harness.state_mut().ui;
         look::take_matcap(ui, path.clone());
-        harness.run();
+        rest(&mut harness);
         assert_eq!(lighting(&harness).matcap.texels()[0].to_le_bytes(), [90, 200, 30, 255]);
         assert_eq!(harness.state().ui.view.light.matcap.path(), Some(good.as_path()));
     }

@@ -14,12 +14,12 @@ use virtual_sculpture::tools::construct::Solid;
 use virtual_sculpture::ui::Theme;
 use virtual_sculpture::ui::toasts::Tone;
 
-use super::bench::{self, Bench, config, key};
+use super::bench::{self, Bench, config, key, rest};
 
 fn start(file: &Path, config: &Config) -> Bench {
     let mut harness = bench::bench_of(config, egui::vec2(1280.0, 800.0));
     harness.state_mut().remember_in(file.to_path_buf(), &config.window);
-    harness.run();
+    rest(&mut harness);
     harness
 }
 
@@ -56,7 +56,7 @@ fn looks_tool_and_panels_are_found_again_after_a_start() {
     key(&mut harness, Modifiers::NONE, Key::T);
     key(&mut harness, Modifiers::NONE, Key::F7);
     harness.state_mut().editor.tool.colour = Rgb::new(9, 8, 7);
-    harness.run();
+    rest(&mut harness);
     let scale = harness.state().ui.appearance.scale.factor();
     assert_eq!(harness.state().ui.appearance.theme, Theme::Light);
     quit(harness);
@@ -85,10 +85,10 @@ fn sections_of_the_options_stay_open_or_closed() {
     let mut harness = start(&file, &config(32));
     assert!(harness.query_by_label("Grid outline").is_none());
     harness.get_by_label("View").click();
-    harness.run();
+    rest(&mut harness);
     harness.get_by_label("Grid outline").rect();
     harness.get_all_by_label("Tool").next().unwrap().click();
-    harness.run();
+    rest(&mut harness);
     quit(harness);
     let harness = start(&file, &config(32));
     harness.get_by_label("Grid outline").rect();

@@ -15,8 +15,8 @@ use virtual_sculpture::tools::construct::Solid;
 use virtual_sculpture::ui::Theme;
 
 use super::bench::{
-    Bench, bench, bench_of, config, corner, drag, key, key_in, look, middle, send, undo_count,
-    voxels, wheel,
+    Bench, bench, bench_of, config, corner, drag, key, key_in, look, middle, rest, send,
+    undo_count, voxels, wheel,
 };
 
 #[test]
@@ -130,14 +130,14 @@ fn tools_are_chosen_by_buttons_and_by_keys() {
         ("Ellipsoid", Solid::Ellipsoid),
     ] {
         harness.get_by_label(name).click();
-        harness.run();
+        rest(&mut harness);
         assert_eq!(harness.state().editor.tool.solid, solid);
     }
     for (name, mode) in
         [("Add", ToolMode::Add), ("Paint", ToolMode::Recolour), ("Cut", ToolMode::Subtract)]
     {
         harness.get_by_label(name).click();
-        harness.run();
+        rest(&mut harness);
         assert_eq!(harness.state().editor.tool.mode, mode);
     }
     for (k, solid) in
@@ -180,7 +180,7 @@ fn adding_and_painting_use_the_chosen_colour() {
     // The other way round, cutting adds.
     let ctrl = Modifiers::COMMAND;
     harness.get_by_label("Cut").click();
-    harness.run();
+    rest(&mut harness);
     drag(&mut harness, PointerButton::Primary, Modifiers::NONE, &[at]);
     let cut = voxels(&harness);
     drag(&mut harness, PointerButton::Primary, ctrl, &[at]);
@@ -240,18 +240,18 @@ fn the_top_bar_counts_and_undoes_and_the_history_travels() {
         let at = at + vec2(x, 0.0);
         drag(&mut harness, PointerButton::Primary, Modifiers::NONE, &[at]);
     }
-    harness.run();
+    rest(&mut harness);
     harness.get_by_label("⟲ Undo 3").click();
-    harness.run();
+    rest(&mut harness);
     assert_eq!(undo_count(&harness), 2);
     harness.get_by_label("⟳ Redo 1").click();
-    harness.run();
+    rest(&mut harness);
     assert_eq!(undo_count(&harness), 3);
     harness.get_by_label("Start").click();
-    harness.run();
+    rest(&mut harness);
     assert_eq!((undo_count(&harness), voxels(&harness)), (0, 64u64.pow(3)));
     harness.get_all_by_label("Cut ellipsoid").last().unwrap().click();
-    harness.run();
+    rest(&mut harness);
     assert_eq!(undo_count(&harness), 3);
 }
 
@@ -259,15 +259,15 @@ fn the_top_bar_counts_and_undoes_and_the_history_travels() {
 fn the_new_dialog_makes_a_sculpture_and_names_what_is_impossible() {
     let mut harness = bench();
     harness.get_by_label("New").click();
-    harness.run();
+    rest(&mut harness);
     harness.get_by_label("128").click();
-    harness.run();
+    rest(&mut harness);
     harness.get_by_label("an empty grid").click();
-    harness.run();
+    rest(&mut harness);
     harness.get_by_label("Create").click();
     harness.run_steps(2);
     harness.state_mut().finish_job();
-    harness.run();
+    rest(&mut harness);
     let grid = harness.state().session().document().grid();
     assert_eq!((grid.dims(), grid.opaque_count()), (UVec3::splat(128), 0));
     let tool = harness.state().editor.tool.centre_vx;
@@ -282,24 +282,24 @@ fn the_new_dialog_makes_a_sculpture_and_names_what_is_impossible() {
 
     key(&mut harness, Modifiers::COMMAND, Key::N);
     harness.state_mut().ui.dialogs.new.dims = UVec3::splat(4096);
-    harness.run();
+    rest(&mut harness);
     harness.get_by_label_contains("that a voxel index can name").rect();
     harness.get_by_label("Create").click();
-    harness.run();
+    rest(&mut harness);
     assert!(harness.state().ui.dialogs.new.open, "refused");
     key(&mut harness, Modifiers::NONE, Key::Escape);
-    harness.run();
+    rest(&mut harness);
     assert!(!harness.state().ui.dialogs.new.open);
 
     key(&mut harness, Modifiers::COMMAND, Key::N);
     harness.state_mut().ui.dialogs.new.dims = UVec3::splat(32);
-    harness.run();
+    rest(&mut harness);
     key_in(&mut harness, Modifiers::NONE, Key::Enter);
     harness.run_steps(2);
     harness.get_by_label("Don't save").click();
     harness.run_steps(2);
     harness.state_mut().finish_job();
-    harness.run();
+    rest(&mut harness);
     let dims = harness.state().session().document().grid().dims();
     assert_eq!(dims, UVec3::splat(32), "Enter creates");
 }
@@ -313,15 +313,15 @@ fn leaving_asks_before_work_is_lost() {
     let mut harness = bench();
     key(&mut harness, Modifiers::NONE, Key::Delete);
     harness.state_mut().ask_to_leave();
-    harness.run();
+    rest(&mut harness);
     assert!(!harness.state().is_leaving());
     harness.get_by_label("Cancel").click();
-    harness.run();
+    rest(&mut harness);
     assert!(!harness.state().is_leaving() && harness.state().ui.dialogs.unsaved.is_none());
     harness.state_mut().ask_to_leave();
-    harness.run();
+    rest(&mut harness);
     harness.get_by_label("Don't save").click();
-    harness.run();
+    rest(&mut harness);
     assert!(harness.state().is_leaving());
 }
 
@@ -353,21 +353,21 @@ fn errors_are_shown_and_nothing_changes() {
 fn the_options_change_the_tool_and_the_view() {
     let mut harness = bench();
     harness.get_by_label("Snap to voxels").click();
-    harness.run();
+    rest(&mut harness);
     assert!(harness.state().editor.tool.snap);
     harness.get_by_label("View").click();
-    harness.run();
+    rest(&mut harness);
     harness.get_by_label("Grid outline").click();
-    harness.run();
+    rest(&mut harness);
     assert!(!harness.state().ui.view.bounds);
     let mode = harness.state().ui.view.mode;
     key(&mut harness, Modifiers::NONE, Key::M);
     assert_ne!(harness.state().ui.view.mode, mode);
     assert!(RenderMode::ALL.contains(&harness.state().ui.view.mode));
     harness.get_by_label("Menu").click();
-    harness.run();
+    rest(&mut harness);
     harness.get_by_label("Fill the grid").click();
-    harness.run();
+    rest(&mut harness);
     assert_eq!(undo_count(&harness), 0, "a full grid has nothing to fill");
 }
 
@@ -379,7 +379,7 @@ fn everything_fits_at_both_sizes_and_in_both_themes() {
             let mut config = config(64);
             config.window.theme = theme;
             let mut harness = bench_of(&config, size);
-            harness.run();
+            rest(&mut harness);
             let window = egui::Rect::from_min_size(Pos2::ZERO, size).expand(0.5);
             for role in [Role::Button, Role::ComboBox, Role::CheckBox, Role::SpinButton] {
                 for node in harness.get_all_by_role(role) {
@@ -431,13 +431,13 @@ fn scripts_say_what_the_mouse_does() {
 fn a_torn_off_panel_does_the_same_in_a_window_of_its_own() {
     let mut harness = bench();
     harness.get_by_label("Detach: Toolbox").click();
-    harness.run();
+    rest(&mut harness);
     assert!(harness.query_by_label("Cuboid").is_none(), "it is not in the main window");
     let wider = harness.state().picture();
     harness.get_by_label("Detach: Options").click();
-    harness.run();
+    rest(&mut harness);
     harness.get_by_label("Detach: History").click();
-    harness.run();
+    rest(&mut harness);
     assert!(harness.state().picture().width() > wider.width() + 200.0);
 
     // The same work, through the window of a panel.

@@ -12,7 +12,7 @@ use virtual_sculpture::ui::film_dialog::{FilmForm, FilmKind};
 use virtual_sculpture::ui::final_dialog::FinalFile;
 use virtual_sculpture::ui::picture_size::PictureSize;
 
-use super::bench::{Bench, bench, bench_of, click, click_once, config, has, key, key_in};
+use super::bench::{Bench, bench, bench_of, click, click_once, config, has, key, key_in, rest};
 
 /// A bench whose sculpture has a file in this folder.
 fn saved_in(folder: &Path) -> Bench {
@@ -30,7 +30,7 @@ fn saved_in(folder: &Path) -> Bench {
 fn files_after(harness: &mut Bench, folder: &Path) -> Vec<PathBuf> {
     harness.run_steps(2);
     harness.state_mut().finish_job();
-    harness.run();
+    rest(harness);
     let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let mut files: Vec<PathBuf> = entries.filter(|path| !path.ends_with("a.vsc")).collect();
     files.sort();
@@ -47,7 +47,7 @@ fn a_final_picture_is_what_its_dialog_says() {
     let mut harness = saved_in(folder.path());
     for leave in ["Cancel", "Escape"] {
         key(&mut harness, Modifiers::SHIFT, Key::F12);
-        harness.run();
+        rest(&mut harness);
         assert!(has(&harness, "Make picture") && has(&harness, "Sun azimuth"));
         assert!(harness.state().ui.dialogs.is_modal(), "keys are for the dialog");
         match leave {
@@ -58,7 +58,7 @@ fn a_final_picture_is_what_its_dialog_says() {
     }
 
     key(&mut harness, Modifiers::SHIFT, Key::F12);
-    harness.run();
+    rest(&mut harness);
     click(&mut harness, "Remove noise");
     click(&mut harness, "Ground");
     click(&mut harness, "Lamp");
@@ -69,7 +69,7 @@ fn a_final_picture_is_what_its_dialog_says() {
     assert!(!dialog.denoise && dialog.trace.ground.is_none() && dialog.trace.samples == 64);
     dialog.size = PictureSize::Custom(UVec2::new(48, 32));
     dialog.trace.samples = 2;
-    harness.run();
+    rest(&mut harness);
     choose(&mut harness, "File", "JPEG");
     assert_eq!(harness.state().ui.dialogs.final_picture.file, FinalFile::Jpeg);
     click_once(&mut harness, "Make picture");
@@ -83,12 +83,12 @@ fn a_final_picture_is_what_its_dialog_says() {
 
     // What was chosen is still there, and Enter makes the next.
     key(&mut harness, Modifiers::SHIFT, Key::F12);
-    harness.run();
+    rest(&mut harness);
     assert!(!harness.state().ui.dialogs.final_picture.denoise);
     key_in(&mut harness, Modifiers::NONE, Key::Enter);
     assert_eq!(files_after(&mut harness, folder.path()).len(), 2);
     key(&mut harness, Modifiers::SHIFT, Key::F12);
-    harness.run();
+    rest(&mut harness);
     click(&mut harness, "Defaults");
     assert!(harness.state().ui.dialogs.final_picture.denoise && has(&harness, "Make picture"));
 }
@@ -114,7 +114,7 @@ fn a_final_picture_is_shown_while_it_is_made_and_can_be_cancelled() {
     let dialog = &mut harness.state_mut().ui.dialogs.final_picture;
     dialog.size = PictureSize::Custom(UVec2::new(64, 48));
     dialog.trace.samples = 4096;
-    harness.run();
+    rest(&mut harness);
     click_once(&mut harness, "Make picture");
     let news = harness.state().ui.dialogs.preview.as_ref().unwrap().news();
     while news.lock().unwrap().is_none() {
@@ -144,12 +144,12 @@ fn a_film_is_what_its_dialog_says() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = saved_in(folder.path());
     key(&mut harness, Modifiers::ALT, Key::F12);
-    harness.run();
+    rest(&mut harness);
     assert!(has(&harness, "Make film") && has(&harness, "Turntable"));
     click(&mut harness, "Time lapse");
     assert_eq!(harness.state().ui.dialogs.film.kind, FilmKind::Turntable, "nothing is recorded");
     key_in(&mut harness, Modifiers::NONE, Key::Escape);
-    harness.run();
+    rest(&mut harness);
     assert!(!has(&harness, "Make film") && !busy(&harness));
 
     key(&mut harness, Modifiers::ALT, Key::F12);
@@ -157,7 +157,7 @@ fn a_film_is_what_its_dialog_says() {
     dialog.size = PictureSize::Custom(UVec2::new(32, 24));
     (dialog.frames, dialog.samples, dialog.fps) = (3, 1, 60);
     dialog.form = FilmForm::Gif;
-    harness.run();
+    rest(&mut harness);
     click_once(&mut harness, "Make film");
     let files = files_after(&mut harness, folder.path());
     assert_eq!(files, [folder.path().join("a-film-1.gif")]);

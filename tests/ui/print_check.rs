@@ -3,13 +3,13 @@
 use egui::{Key, Modifiers};
 use virtual_sculpture::print_check::Kind;
 
-use super::bench::{Bench, bench, click, click_once, has, key, run, undo_count, voxels};
+use super::bench::{Bench, bench, click, click_once, has, key, rest, run, undo_count, voxels};
 
 fn finish(harness: &mut Bench) {
     harness.run_steps(2);
     harness.state_mut().finish_job();
     harness.run_steps(6);
-    harness.run();
+    rest(harness);
 }
 
 fn lines(harness: &Bench) -> usize {
@@ -55,6 +55,6 @@ fn what_is_found_is_listed_marked_and_mended() {
     click(&mut harness, "Show in the view");
     assert_eq!(lines(&harness), 0);
     key(&mut harness, Modifiers::CTRL | Modifiers::ALT, Key::P);
-    harness.run();
+    rest(&mut harness);
     assert!(!has(&harness, "Check again") && !harness.state().editor.is_busy());
 }

@@ -9,7 +9,7 @@ use virtual_sculpture::saved_history::SavedHistoryOptions;
 use virtual_sculpture::session::Session;
 
 use super::bench::{
-    Bench, bench_around, config, has, key, look, run_by_palette, undo_count, voxels,
+    Bench, bench_around, config, has, key, look, rest, run_by_palette, undo_count, voxels,
 };
 
 /// The window at its start, with a new sculpture.
@@ -28,7 +28,7 @@ fn ask_for(harness: &mut Bench, line: &str) {
         harness.run_steps(2);
         harness.state_mut().finish_job();
     }
-    harness.run();
+    rest(harness);
 }
 
 #[test]

@@ -8,7 +8,7 @@ use virtual_sculpture::input::ToolMode;
 use virtual_sculpture::surface::raycast;
 use virtual_sculpture::tools::construct::Solid;
 
-use super::bench::{self, Bench, corner, drag, key, middle, run, screen, send, voxels};
+use super::bench::{self, Bench, corner, drag, key, middle, rest, run, screen, send, voxels};
 
 fn hover(harness: &mut Bench, at: Pos2) {
     send(harness, Event::PointerMoved(at));
@@ -99,7 +99,7 @@ fn places(harness: &Bench) -> Vec<Pos2> {
 #[test]
 fn a_tool_that_stands_touches_the_face_under_the_pointer_everywhere() {
     let mut harness = bench::bench();
-    harness.run();
+    rest(&mut harness);
     rough(&mut harness);
     harness.state_mut().editor.tool.stand = true;
     let (mut seen, mut faces) = (0, [0; 6]);
@@ -142,7 +142,7 @@ fn a_cuboid_that_stands_is_added_whole_and_so_are_its_mirror_images() {
     for (symmetry, copies) in [("x=off", 1), ("x=even", 2)] {
         for notches in [0.0, -12.0] {
             let mut harness = bench::bench();
-            harness.run();
+            rest(&mut harness);
             run(&mut harness, "place");
             run(&mut harness, "subtract cuboid at=32,32,56 half=32,32,8");
             run(&mut harness, &format!("symmetry {symmetry}"));
@@ -164,7 +164,7 @@ fn a_cuboid_that_stands_is_added_whole_and_so_are_its_mirror_images() {
 #[test]
 fn a_snapping_tool_stands_on_the_surface_and_never_in_it() {
     let mut harness = bench::bench();
-    harness.run();
+    rest(&mut harness);
     rough(&mut harness);
     let tool = &mut harness.state_mut().editor.tool;
     (tool.solid, tool.stand, tool.snap) = (Solid::Cuboid, true, true);
@@ -178,7 +178,7 @@ fn a_snapping_tool_stands_on_the_surface_and_never_in_it() {
 #[test]
 fn the_tool_follows_keys_at_once() {
     let mut harness = bench::bench();
-    harness.run();
+    rest(&mut harness);
     run(&mut harness, "place");
     harness.state_mut().editor.tool.stand = true;
     let (here, there) = (middle(&harness), middle(&harness) + vec2(90.0, 50.0));
@@ -223,7 +223,7 @@ fn the_tool_follows_keys_at_once() {
 #[test]
 fn a_tool_moved_by_keys_stays_where_it_was_put() {
     let mut harness = bench::bench();
-    harness.run();
+    rest(&mut harness);
     let at = middle(&harness);
     hover(&mut harness, at);
     key(&mut harness, Modifiers::NONE, Key::ArrowRight);
@@ -252,7 +252,7 @@ fn a_tool_moved_by_keys_stays_where_it_was_put() {
 /// A block on the left that ends in a cliff, and a plain far below it on the right, seen from above.
 fn cliff() -> Bench {
     let mut harness = bench::bench();
-    harness.run();
+    rest(&mut harness);
     run(&mut harness, "place");
     run(&mut harness, "subtract cuboid at=48,32,36 half=16,32,28");
     let tool = &mut harness.state_mut().editor.tool;

@@ -10,7 +10,7 @@ use virtual_sculpture::ui::{ScreenshotTo, Theme};
 use virtual_sculpture::view::StereoLayout;
 
 use super::bench::{
-    Bench, bench, bench_of, click, config, drag, has, key, look, middle, screen, send, voxels,
+    Bench, bench, bench_of, click, config, drag, has, key, look, middle, rest, screen, send, voxels,
 };
 
 fn layout(harness: &Bench) -> StereoLayout {
@@ -24,7 +24,7 @@ fn open_layouts(harness: &mut Bench) {
     let named = |value: Option<String>| value.as_deref() == Some(text);
     combos.into_iter().find(|node| named(node.value())).unwrap().click();
     harness.run_steps(6);
-    harness.run();
+    rest(harness);
 }
 
 #[test]
@@ -43,7 +43,7 @@ fn a_wide_bar_has_the_switches() {
 #[test]
 fn a_narrow_bar_leaves_them_to_the_menu() {
     let mut harness = bench_of(&config(64), vec2(800.0, 600.0));
-    harness.run();
+    rest(&mut harness);
     assert!(!has(&harness, "Lights") && !has(&harness, "Video"));
     click(&mut harness, "Menu");
     click(&mut harness, "Lights");
@@ -168,7 +168,7 @@ fn hidden_panels_leave_the_window_to_the_picture_until_they_are_wanted_again() {
     // Without keys: a button at the upper edge, where the pointer is near.
     assert!(!has(&harness, "Show panels"));
     send(&mut harness, Event::PointerMoved(egui::pos2(700.0, 20.0)));
-    harness.run();
+    rest(&mut harness);
     click(&mut harness, "Show panels");
     assert_eq!(harness.state().picture(), beside_panels);
     key(&mut harness, Modifiers::NONE, Key::F10);
@@ -221,12 +221,12 @@ fn a_click_on_the_axis_gizmo_looks_from_that_side_and_a_drag_rotates() {
     ] {
         // Seen from a corner, no end hides another.
         key(&mut harness, Modifiers::NONE, Key::Num5);
-        harness.run();
+        rest(&mut harness);
         click(&mut harness, label);
         assert!((rotation(&harness) * towards).abs_diff_eq(Vec3::Z, 1e-4), "{label}");
     }
     key(&mut harness, Modifiers::NONE, Key::Num5);
-    harness.run();
+    rest(&mut harness);
     let before = rotation(&harness);
     let middle = harness
         .get_by_label("+Z")
@@ -247,7 +247,7 @@ fn a_click_on_the_axis_gizmo_looks_from_that_side_and_a_drag_rotates() {
 
     assert!(harness.state().ui.view.gizmo);
     key(&mut harness, Modifiers::ALT, Key::O);
-    harness.run();
+    rest(&mut harness);
     assert!(!harness.state().ui.view.gizmo && !has(&harness, "+X"));
 }
 
@@ -256,7 +256,7 @@ fn the_floor_grid_says_its_scale() {
     let mut harness = bench();
     assert!(!has(&harness, "Floor grid: 5 voxels"));
     key(&mut harness, Modifiers::SHIFT, Key::G);
-    harness.run();
+    rest(&mut harness);
     assert!(harness.state().ui.view.floor && has(&harness, "Floor grid: 5 voxels"));
     click(&mut harness, "View");
     click(&mut harness, "Floor grid");
@@ -267,11 +267,11 @@ fn the_floor_grid_says_its_scale() {
 fn the_ground_has_lines_of_the_same_scale() {
     let mut harness = bench();
     key(&mut harness, Modifiers::CTRL | Modifiers::ALT, Key::G);
-    harness.run();
+    rest(&mut harness);
     assert!(harness.state().ui.view.ground && has(&harness, "Ground lines: 5 voxels"));
     // One says it for both.
     key(&mut harness, Modifiers::SHIFT, Key::G);
-    harness.run();
+    rest(&mut harness);
     assert!(has(&harness, "Ground lines: 5 voxels") && !has(&harness, "Floor grid: 5 voxels"));
     click(&mut harness, "View");
     click(&mut harness, "Ground");

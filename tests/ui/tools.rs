@@ -11,12 +11,12 @@ use virtual_sculpture::sculpture::Rgb;
 use virtual_sculpture::sculpture::region::VoxelBox;
 use virtual_sculpture::tools::spray::SprayKind;
 
-use super::bench::{self, Bench, key, look, middle, run, screen, send, voxels};
+use super::bench::{self, Bench, key, look, middle, rest, run, screen, send, voxels};
 
 /// A workspace with a solid block of 64^3 voxels, seen from the front.
 fn front() -> Bench {
     let mut harness = bench::bench();
-    harness.run();
+    rest(&mut harness);
     run(&mut harness, "place");
     harness
 }
@@ -44,7 +44,7 @@ fn drag(harness: &mut Bench, way: &[Pos2]) {
 
 fn click(harness: &mut Bench, label: &str) {
     harness.get_by_label(label).click();
-    harness.run();
+    rest(harness);
 }
 
 fn colour_at(harness: &Bench, v: [u32; 3]) -> Rgb {
@@ -223,7 +223,7 @@ fn copies_are_turned_mirrored_pasted_and_moved() {
     key(&mut harness, Modifiers::NONE, Key::Q);
     send(&mut harness, Event::Copy);
     assert!(harness.state().session().document().clip().is_some());
-    harness.run();
+    rest(&mut harness);
     key(&mut harness, Modifiers::NONE, Key::Z);
     run(&mut harness, "mark at=30,30,30 size=4,4,4");
     send(&mut harness, Event::Paste("what another program has left".into()));
@@ -298,7 +298,7 @@ fn the_options_of_every_tool_fit_into_their_panel() {
         harness.state_mut().editor.tool.kind = tool;
         harness.state_mut().editor.tool.mode = ToolMode::Recolour;
         harness.state_mut().editor.tool.used_colour();
-        harness.run();
+        rest(&mut harness);
         for role in [Role::Button, Role::CheckBox, Role::SpinButton, Role::Slider, Role::Label] {
             for node in harness.query_all_by_role(role) {
                 let rect = node.rect();
@@ -333,7 +333,7 @@ fn a_stroke_that_changes_nothing_says_why() {
     assert!(told(&harness, "limited to the selection (L)"));
     harness.get_by_label("Limited");
     key(&mut harness, Modifiers::NONE, Key::L);
-    harness.run();
+    rest(&mut harness);
     assert!(harness.query_by_label("Limited").is_none());
 }
 

@@ -14,7 +14,7 @@ use virtual_sculpture::input::Bindings;
 use virtual_sculpture::sculpture::orientation::Up;
 use virtual_sculpture::session::Session;
 
-use super::bench::{Bench, bench, bench_around, config, key, run_by_palette, undo_count};
+use super::bench::{Bench, bench, bench_around, config, key, rest, run_by_palette, undo_count};
 
 const QUESTION: &str = "Which axis points up?";
 
@@ -111,7 +111,7 @@ fn the_answer_is_kept_for_the_format_and_the_next_start() {
 
     let mut harness = bench();
     harness.state_mut().remember_in(file.clone(), window);
-    harness.run();
+    rest(&mut harness);
     assert_eq!(harness.state().ui.known_files.upright.of(&other), Some(Up::Z));
     // As it was opened last.
     let line = harness.state().ui.known_files.recent.lines().next().unwrap();
@@ -129,7 +129,7 @@ fn the_answer_is_kept_for_the_format_and_the_next_start() {
     let session = Session::open(&scan, &import, Limits::default(), &()).unwrap();
     let workspace = Workspace::new(session, &config(16), Bindings::presets().unwrap());
     let mut harness = bench_around(workspace, vec2(1280.0, 800.0));
-    harness.run();
+    rest(&mut harness);
     assert!(is_asked(&harness));
     click(&mut harness, "✖");
     assert!(!is_asked(&harness));

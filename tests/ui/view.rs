@@ -4,13 +4,13 @@ use egui::{Key, Modifiers, PointerButton, vec2};
 use egui_kittest::kittest::Queryable;
 use virtual_sculpture::input::Side;
 
-use super::bench::{Bench, bench, click, drag, has, key, middle, undo_count, voxels};
+use super::bench::{Bench, bench, click, drag, has, key, middle, rest, undo_count, voxels};
 
 /// Clicks on the last of what has a label with this text, beside icons: that lies uppermost.
 fn click_last(harness: &mut Bench, text: &str) {
     harness.get_all_by_label_contains(text).last().unwrap().click();
     harness.run_steps(6);
-    harness.run();
+    rest(harness);
 }
 
 #[test]
@@ -21,7 +21,7 @@ fn a_reference_picture_is_added_from_a_file_changed_and_removed() {
     let mut harness = bench();
     harness.state_mut().ui.dialogs.files.set_folder(folder.path().to_path_buf());
     key(&mut harness, Modifiers::COMMAND | Modifiers::ALT, Key::R);
-    harness.run();
+    rest(&mut harness);
     click(&mut harness, "Add …");
     assert!(harness.state().ui.dialogs.files.is_open());
     // The folder is read on a thread of the dialog.
@@ -50,7 +50,7 @@ fn a_reference_picture_is_added_from_a_file_changed_and_removed() {
     click(&mut harness, "Remove");
     assert!(harness.state().ui.references.is_empty());
     key(&mut harness, Modifiers::NONE, Key::Escape);
-    harness.run();
+    rest(&mut harness);
     assert!(!has(&harness, "Add …"));
     assert_eq!(undo_count(&harness), 0, "none of it belongs to the sculpture");
 }
