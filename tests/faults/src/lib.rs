@@ -4,6 +4,7 @@
 //! - `allocate`, `swapchain`, `acquire`, `present` return this result (`VkResult`); allocations only from so
 //!   many bytes on. Presents are passed on all the same, since their semaphores must be waited for.
 //! - `fifo 0`: surfaces report FIFO as their only present mode.
+//! - `storage 0 BYTES`: storage buffers have no larger range, in the limits of every device.
 //!
 //! Loaded by the Vulkan loader into the program under test, which it must not know.
 
@@ -44,6 +45,11 @@ enum Below {
     Instance(vk::PFN_vkGetInstanceProcAddr, vk::Instance),
     Device(vk::PFN_vkGetDeviceProcAddr, vk::Device),
 }
+
+/// What gives the properties of devices, by the table of their instance: the loader finds it for us only while the
+/// instance is created, and afterwards gives our own.
+static PROPERTIES: Mutex<BTreeMap<usize, vk::PFN_vkGetPhysicalDeviceProperties>> =
+    Mutex::new(BTreeMap::new());
 
 /// By the dispatch table that the loader puts into each object: all objects of a device share one.
 static BELOW: Mutex<BTreeMap<usize, Below>> = Mutex::new(BTreeMap::new());
@@ -172,6 +178,22 @@ intercept!(
     })
 );
 
+unsafe extern "system" fn properties(
+    physical: vk::PhysicalDevice,
+    properties: *mut vk::PhysicalDeviceProperties,
+) {
+    let found = PROPERTIES.lock().ok().and_then(|p| p.get(&table(physical.as_raw())).copied());
+    let Some(found) = found else { return };
+    // SAFETY: what comes is passed on, and the caller gives a place for the properties.
+    unsafe {
+        found(physical, properties);
+        if let Some((_, bytes)) = fault("storage") {
+            let range = &mut (*properties).limits.max_storage_buffer_range;
+            *range = u64::from(*range).min(bytes) as u32;
+        }
+    }
+}
+
 intercept!(
     create_device_below,
     c"vkCreateDevice",
@@ -222,7 +244,14 @@ unsafe extern "system" fn create_instance(
         let create: vk::PFN_vkCreateInstance = transmute(create);
         let result = create(info, callbacks, instance);
         if let (vk::Result::SUCCESS, Ok(mut below)) = (result, BELOW.lock()) {
-            below.insert(table((*instance).as_raw()), Below::Instance(link.instance, *instance));
+            let table = table((*instance).as_raw());
+            below.insert(table, Below::Instance(link.instance, *instance));
+            let found = (link.instance)(*instance, c"vkGetPhysicalDeviceProperties".as_ptr());
+            if let (Some(found), Ok(mut properties)) = (found, PROPERTIES.lock()) {
+                let kind =
+                    transmute::<unsafe extern "system" fn(), vk::PFN_vkGetPhysicalDeviceProperties>;
+                properties.insert(table, kind(found));
+            }
         }
         result
     }
@@ -265,6 +294,9 @@ fn own(name: &[u8]) -> Function {
         b"vkCreateSwapchainKHR" => function!(swapchain, vk::PFN_vkCreateSwapchainKHR),
         b"vkAcquireNextImageKHR" => function!(acquire, vk::PFN_vkAcquireNextImageKHR),
         b"vkQueuePresentKHR" => function!(present, vk::PFN_vkQueuePresentKHR),
+        b"vkGetPhysicalDeviceProperties" => {
+            function!(properties, vk::PFN_vkGetPhysicalDeviceProperties)
+        }
         b"vkGetPhysicalDeviceSurfacePresentModesKHR" => {
             function!(present_modes, vk::PFN_vkGetPhysicalDeviceSurfacePresentModesKHR)
         }
