@@ -274,7 +274,7 @@ impl Records<'_> {
         let z = local as usize / 64 % 8;
         let Some(unit) = self.units.get(page as usize) else { return SurfaceRecord::NONE };
         let (layers, counts): (&[u64; 16], &[u16; 64]) =
-            (bytemuck::cast_ref(&unit.0), bytemuck::cast_ref(&unit.0));
+            (bytemuck::must_cast_ref(unit), bytemuck::must_cast_ref(unit));
         let layer = layers[z];
         let below = layer & ((1 << (local % 64)) - 1);
         let place = usize::from(counts[32 + z]) + below.count_ones() as usize;

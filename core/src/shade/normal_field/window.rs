@@ -6,12 +6,12 @@
 //! value of a voxel tells its depth below the surface, and the length of the gradient follows from the depth. The
 //! length found, over the one that follows, is the planarity: 1 on planes, little on edges and in noise.
 //!
-//! From the bits around a brick to one sample for each of its surface voxels. Sums are whole numbers below 2^24,
-//! so they do not depend on the vector instructions in use.
+//! From the bits around a brick to one sample for each of its surface voxels. Sums are whole numbers: along one axis
+//! or two they fit in 16 bits, along three they are below 2^24, so they do not depend on the vector instructions in use.
 
 use std::sync::LazyLock;
 
-use fearless_simd::{Simd, f32x16, prelude::*};
+use fearless_simd::{Simd, f32x16, i16x32, prelude::*, u16x32};
 use glam::{IVec3, Vec3};
 
 use crate::sculpture::Grid;
@@ -28,7 +28,7 @@ const EDGE: usize = BRICK_EDGE_VX as usize;
 const TAPS: usize = 2 * WINDOW_REACH_VX + 1;
 
 /// The Gaussian, of 1.3 voxels.
-const WEIGHTS: [f32; TAPS] = [1.0, 5.0, 24.0, 58.0, 78.0, 58.0, 24.0, 5.0, 1.0];
+const WEIGHTS: [u16; TAPS] = [1, 5, 24, 58, 78, 58, 24, 5, 1];
 /// Its sum, its second moment, and the standard deviation of these whole numbers.
 const SUM: f64 = 254.0;
 const SECOND_MOMENT: f64 = 430.0;
@@ -36,11 +36,11 @@ const SECOND_MOMENT: f64 = 430.0;
 const INTERVALS: usize = 1024;
 
 /// Weights of offsets times the offsets: a derivative.
-const SLOPES: [f32; TAPS] = {
-    let mut slopes = [0.0; TAPS];
+const SLOPES: [i16; TAPS] = {
+    let mut slopes = [0; TAPS];
     let mut i = 0;
     while i < TAPS {
-        slopes[i] = WEIGHTS[i] * (i as f32 - WINDOW_REACH_VX as f32);
+        slopes[i] = WEIGHTS[i] as i16 * (i as i16 - WINDOW_REACH_VX as i16);
         i += 1;
     }
     slopes
@@ -49,21 +49,25 @@ const SLOPES: [f32; TAPS] = {
 /// What a row of sixteen voxels adds to the smoothed values and to the derivatives of the eight in its middle, for
 /// each value of its lower and of its upper half.
 struct RowTable {
-    sums: [[[f32; EDGE]; 256]; 2],
-    slopes: [[[f32; EDGE]; 256]; 2],
+    sums: [[[u16; EDGE]; 256]; 2],
+    slopes: [[[i16; EDGE]; 256]; 2],
 }
 
 static ROWS: LazyLock<Box<RowTable>> = LazyLock::new(|| {
-    let of = |weights: &[f32; TAPS], half: usize, bits: usize, x: usize| {
-        let set = (0..EDGE).filter(|i| bits >> i & 1 != 0).map(|i| i + EDGE * half);
-        set.filter_map(|i| weights.get(i.checked_sub(x)?)).sum()
-    };
-    let table = |weights: &[f32; TAPS]| {
-        std::array::from_fn(|half| {
-            std::array::from_fn(|bits| std::array::from_fn(|x| of(weights, half, bits, x)))
-        })
-    };
-    Box::new(RowTable { sums: table(&WEIGHTS), slopes: table(&SLOPES) })
+    let mut table =
+        Box::new(RowTable { sums: [[[0; EDGE]; 256]; 2], slopes: [[[0; EDGE]; 256]; 2] });
+    for half in 0..2 {
+        for bits in 0..256 {
+            for x in 0..EDGE {
+                let set = (0..EDGE).filter(|i| bits >> i & 1 != 0).map(|i| i + EDGE * half);
+                let taps =
+                    || set.clone().filter_map(|i| i.checked_sub(x).filter(|tap| *tap < TAPS));
+                table.sums[half][bits][x] = taps().map(|tap| WEIGHTS[tap]).sum();
+                table.slopes[half][bits][x] = taps().map(|tap| SLOPES[tap]).sum();
+            }
+        }
+    }
+    table
 });
 
 /// What a half space looks like where its smoothed value is that of the interval: the depth of the voxel in
@@ -150,8 +154,8 @@ impl Samples {
 #[derive(Debug)]
 pub struct Sums {
     /// Along x: `[z][y][x]` over the cube's y and z and the brick's x.
-    row: [[[f32; EDGE]; CUBE]; CUBE],
-    row_slope: [[[f32; EDGE]; CUBE]; CUBE],
+    row: [[[u16; EDGE]; CUBE]; CUBE],
+    row_slope: [[[i16; EDGE]; CUBE]; CUBE],
     /// Along x and y, over the cube's z.
     layer: [[[f32; EDGE]; EDGE]; CUBE],
     layer_slope_x: [[[f32; EDGE]; EDGE]; CUBE],
@@ -161,10 +165,9 @@ pub struct Sums {
 impl Default for Sums {
     fn default() -> Sums {
         let layers = [[[0.0; EDGE]; EDGE]; CUBE];
-        let rows = [[[0.0; EDGE]; CUBE]; CUBE];
         Sums {
-            row: rows,
-            row_slope: rows,
+            row: [[[0; EDGE]; CUBE]; CUBE],
+            row_slope: [[[0; EDGE]; CUBE]; CUBE],
             layer: layers,
             layer_slope_x: layers,
             layer_slope_y: layers,
@@ -208,8 +211,7 @@ pub fn sample<S: Simd>(
         layers |= u32::from(*layer != 0) << z;
     }
     let lines = (0..EDGE).fold(0, |lines, y| lines | u32::from(all >> (EDGE * y) & 0xFF != 0) << y);
-    let [cube_lines, cube_layers] =
-        [reached(lines | (lines & 0x55) << 1 | (lines & 0xAA) >> 1), reached(layers)];
+    let [cube_lines, cube_layers] = [reached(lines), reached(layers)];
     sum_rows(&rows, [cube_lines, cube_layers], sums);
     sum_layers(simd, [lines, cube_layers], sums);
     for (z, layer) in (0..).zip(samples.mask.layers) {
@@ -322,7 +324,8 @@ fn sum_rows(rows: &[[u16; CUBE]; CUBE], [lines, layers]: [u32; 2], sums: &mut Su
     }
 }
 
-/// Sums along y, of the lines and layers whose bits are set; two rows at a time.
+/// Sums along y, of the lines and layers whose bits are set; four rows at a time, of which others than those have no
+/// meaning.
 #[inline(always)]
 fn sum_layers<S: Simd>(simd: S, [lines, layers]: [u32; 2], sums: &mut Sums) {
     for z in 0..CUBE {
@@ -331,26 +334,38 @@ fn sum_layers<S: Simd>(simd: S, [lines, layers]: [u32; 2], sums: &mut Sums) {
         }
         let row = sums.row[z].as_flattened();
         let row_slope = sums.row_slope[z].as_flattened();
-        for y in (0..EDGE).step_by(2) {
-            if lines >> y & 3 == 0 {
+        for y in (0..EDGE).step_by(4) {
+            if lines >> y & 0xF == 0 {
                 continue;
             }
-            let zero = f32x16::splat(simd, 0.0);
-            let (mut sum, mut slope_x, mut slope_y) = (zero, zero, zero);
+            let mut sum = u16x32::splat(simd, 0);
+            let (mut slope_x, mut slope_y) = (i16x32::splat(simd, 0), i16x32::splat(simd, 0));
             for tap in 0..TAPS {
                 let at = EDGE * (y + tap);
-                let values = f32x16::from_slice(simd, &row[at..at + 16]);
-                let slopes = f32x16::from_slice(simd, &row_slope[at..at + 16]);
+                let values = u16x32::from_slice(simd, &row[at..at + 32]);
+                let slopes = i16x32::from_slice(simd, &row_slope[at..at + 32]);
                 sum += values * WEIGHTS[tap];
-                slope_y += values * SLOPES[tap];
-                slope_x += slopes * WEIGHTS[tap];
+                slope_y += values.bitcast::<i16x32<S>>() * SLOPES[tap];
+                slope_x += slopes * (WEIGHTS[tap] as i16);
             }
-            let at = EDGE * y..EDGE * y + 16;
-            sum.store_slice(&mut sums.layer[z].as_flattened_mut()[at.clone()]);
-            slope_x.store_slice(&mut sums.layer_slope_x[z].as_flattened_mut()[at.clone()]);
-            slope_y.store_slice(&mut sums.layer_slope_y[z].as_flattened_mut()[at]);
+            let (lower, upper) = sum.widen();
+            let (lower_x, upper_x) = slope_x.widen();
+            let (lower_y, upper_y) = slope_y.widen();
+            let at = EDGE * y;
+            for (at, sum, [slope_x, slope_y]) in
+                [(at, lower, [lower_x, lower_y]), (at + 16, upper, [upper_x, upper_y])]
+            {
+                store(sum.to_float(), &mut sums.layer[z], at);
+                store(slope_x.to_float(), &mut sums.layer_slope_x[z], at);
+                store(slope_y.to_float(), &mut sums.layer_slope_y[z], at);
+            }
         }
     }
+}
+
+#[inline(always)]
+fn store<S: Simd>(values: f32x16<S>, layer: &mut [[f32; EDGE]; EDGE], first: usize) {
+    values.store_slice(&mut layer.as_flattened_mut()[first..first + 16]);
 }
 
 #[inline(always)]
@@ -372,10 +387,11 @@ fn sum_columns<S: Simd>(
     for tap in 0..TAPS {
         let layer = z + tap;
         let values = load(simd, &sums.layer[layer], EDGE * y);
-        sum += values * WEIGHTS[tap];
-        slopes[0] += load(simd, &sums.layer_slope_x[layer], EDGE * y) * WEIGHTS[tap];
-        slopes[1] += load(simd, &sums.layer_slope_y[layer], EDGE * y) * WEIGHTS[tap];
-        slopes[2] += values * SLOPES[tap];
+        let [weight, slope] = [f32::from(WEIGHTS[tap]), f32::from(SLOPES[tap])];
+        sum += values * weight;
+        slopes[0] += load(simd, &sums.layer_slope_x[layer], EDGE * y) * weight;
+        slopes[1] += load(simd, &sums.layer_slope_y[layer], EDGE * y) * weight;
+        slopes[2] += values * slope;
     }
     let length = (slopes[0] * slopes[0] + slopes[1] * slopes[1] + slopes[2] * slopes[2]).sqrt();
     // Whole numbers: a gradient that is not zero is at least 1 long.
