@@ -82,10 +82,8 @@ enum Content {
 /// content disagree.
 pub fn format_of(path: &Path) -> Result<(Format, Option<String>), FormatError> {
     if path.is_dir() {
-        return match scan::has_dicom(path) {
-            true => Ok((Format::Scan(scan::Kind::Dicom), None)),
-            false => Err(FormatError::NotAFile),
-        };
+        let kind = scan::kind_of_folder(path).ok_or(FormatError::NoScanInFolder)?;
+        return Ok((Format::Scan(kind), None));
     }
     let by_name = Format::of(path);
     // Raw voxels may begin with anything; their layout is what counts.

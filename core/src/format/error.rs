@@ -24,6 +24,11 @@ pub enum FormatError {
     /// The path names something that is not a regular file.
     #[error("this is a folder, a pipe or a device, not a file; choose a file")]
     NotAFile,
+    /// The path names a folder that holds no scan.
+    #[error(
+        "this folder holds neither DICOM nor TIFF files; choose a file, or the folder of a scan"
+    )]
+    NoScanInFolder,
     /// No format has this file extension.
     #[error(
         "the file extension `{0}` is unknown; read are .{list}",

@@ -35,7 +35,7 @@ pub enum Kind {
     Nrrd,
     /// VTK image data.
     Vti,
-    /// Pages of one file, or numbered files.
+    /// Pages of one file, or numbered files in a folder.
     Tiff,
     /// A file, or all files of a series in a folder.
     Dicom,
@@ -118,6 +118,14 @@ impl Reading<'_> {
     }
 }
 
+/// The kind of scan that a folder holds, if any.
+pub fn kind_of_folder(folder: &Path) -> Option<Kind> {
+    match has_dicom(folder) {
+        true => Some(Kind::Dicom),
+        false => tiff::first_of(folder).map(|_| Kind::Tiff),
+    }
+}
+
 /// Reads a scan. Returns it with the length of its file, or of all files of its series.
 pub fn load(
     path: &Path,
@@ -126,6 +134,11 @@ pub fn load(
     limits: &Limits,
     progress: &dyn Progress,
 ) -> Result<(Scan, u64), FormatError> {
+    let first = match kind {
+        Kind::Tiff if path.is_dir() => tiff::first_of(path),
+        _ => None,
+    };
+    let path = first.as_deref().unwrap_or(path);
     let reading = Reading { path, options, limits, progress };
     let of_file = |read: &dyn Fn(Vec<u8>) -> Result<Scan, FormatError>| {
         let file = reading.read(path)?;

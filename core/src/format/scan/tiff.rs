@@ -21,6 +21,8 @@ use crate::sculpture::grid::MAX_AXIS_VX;
 
 /// Digits that number a file.
 const MOST_DIGITS: usize = 15;
+/// Files of a folder that are looked at.
+const MOST_FILES: usize = 1 << 16;
 
 type Pages<'a> = Decoder<Cursor<&'a [u8]>>;
 
@@ -218,6 +220,29 @@ fn series(path: &Path, notes: &mut Vec<String>) -> Vec<PathBuf> {
     files.into_iter().map(|(_, path)| path).collect()
 }
 
+/// The file of a folder that stands for it: the first of the longest series of numbered TIFF files, or the first TIFF
+/// file. None if there is no TIFF file.
+pub fn first_of(folder: &Path) -> Option<PathBuf> {
+    let entries = std::fs::read_dir(folder).ok()?.take(MOST_FILES);
+    let is_tiff = |path: &PathBuf| {
+        let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
+        ["tif", "tiff"].iter().any(|tiff| ending.eq_ignore_ascii_case(tiff)) && path.is_file()
+    };
+    let mut files: Vec<_> = entries
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .filter(is_tiff)
+        .map(|path| (numbered(&path), path))
+        .collect();
+    files.sort();
+    let name = |own: &Option<(String, String, u64)>| {
+        own.as_ref().map(|(prefix, ending, _)| (prefix.clone(), ending.clone()))
+    };
+    let series = files.chunk_by(|(a, _), (b, _)| a.is_some() && name(a) == name(b));
+    // The first of those that are equally long.
+    let longest = series.rev().max_by_key(|series| series.len())?;
+    longest.first().map(|(_, path)| path.clone())
+}
+
 /// A name as what stands before its last number, its ending, and that number.
 fn numbered(path: &Path) -> Option<(String, String, u64)> {
     let stem = path.file_stem()?.to_str()?;
@@ -352,6 +377,32 @@ mod tests {
         std::fs::write(&path, file::<Gray16>(&[vec![0; 6]], "")).unwrap();
         assert!(load(&path).is_err());
         assert_eq!(load(&folder.path().join("other1.tif")).unwrap().dims.z, 1);
+    }
+
+    #[test]
+    fn a_folder_is_its_longest_series() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, value: u8| {
+            std::fs::write(folder.path().join(name), file::<Gray8>(&[vec![value; 6]], "")).unwrap();
+        };
+        assert_eq!(first_of(folder.path()), None);
+        assert_eq!(first_of(&folder.path().join("missing")), None);
+        std::fs::write(folder.path().join("1.txt"), "no picture").unwrap();
+        std::fs::create_dir(folder.path().join("0.tif")).unwrap();
+        assert!(load(folder.path()).is_err());
+        write("cover.tif", 77);
+        assert_eq!(load(folder.path()).unwrap().dims.z, 1);
+        for (value, number) in [(3, "03"), (2, "02"), (10, "10")] {
+            write(&format!("head{number}.TIF"), value);
+        }
+        write("arm1.tif", 50);
+        write("arm2.tif", 51);
+        let volume = load(folder.path()).unwrap();
+        let layers = [0, 1, 2].map(|z| volume.density(UVec3::new(0, 0, z)));
+        assert_eq!((volume.dims.z, layers), (3, [2.0, 3.0, 10.0].map(Some)));
+        let told = info(folder.path()).unwrap();
+        assert_eq!(told.kind, "TIFF, series of 3 files");
+        assert!(told.notes.iter().any(|note| note.ends_with(": 6")), "{:?}", told.notes);
     }
 
     #[test]

@@ -369,7 +369,7 @@ fn what_cannot_be_read_is_named() {
     std::fs::write(&path, "no DICOM at all").unwrap();
     assert!(load(&path).unwrap_err().to_string().contains("`DICM`"));
     let nothing = tempfile::tempdir().unwrap();
-    assert!(matches!(load(nothing.path()), Err(FormatError::NotAFile)));
+    assert!(matches!(load(nothing.path()), Err(FormatError::NoScanInFolder)));
 }
 
 #[test]
