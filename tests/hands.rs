@@ -101,7 +101,12 @@ fn whatever_a_headset_says_of_hands_events_are_finite() {
             0 => dice.below(2000) as f64 - 1000.0,
             _ => 0.011,
         };
-        let state = HandsState { time_s, hands: [dice.hand(), dice.hand()] };
+        let told_s = match dice.below(60) {
+            0 => f64::NAN,
+            1 => f64::INFINITY,
+            _ => time_s,
+        };
+        let state = HandsState { time_s: told_s, hands: [dice.hand(), dice.hand()] };
         for event in mapper.update(&state, (dice.below(2) == 0).then_some(&board)) {
             assert!(is_finite(&event), "run {run}: {event:?} from {state:?}");
             events += 1;

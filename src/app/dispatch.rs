@@ -81,7 +81,7 @@ impl Workspace {
             UiRequest::ListLeft => self.list_left(),
             UiRequest::SaveFirst(next) => editor.save(Some(next)),
             UiRequest::SaveThen(command, next) => editor.run_then(command, Then::Go(next)),
-            UiRequest::Overwrite(path, next) => editor.overwrite(path, next),
+            UiRequest::Overwrite(file) => editor.overwrite(file),
             UiRequest::KeepReadOnly => editor.session_mut().keep_read_only(),
             UiRequest::BecomeCopy => editor.session_mut().become_copy(),
             UiRequest::Irreversibly(command) => editor.run_irreversibly(command),

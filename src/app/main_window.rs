@@ -171,7 +171,10 @@ impl MainWindow {
             };
             match taken {
                 Ok(text) => workspace.ui.toasts.note(text),
-                Err(text) => workspace.ui.toasts.error(text),
+                Err(text) => {
+                    tracing::warn!("{text}");
+                    workspace.ui.toasts.error(text);
+                }
             }
         }
         // Tool and lines are drawn again.

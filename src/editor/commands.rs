@@ -1,10 +1,8 @@
 //! How commands are carried out: at once or on a thread, with the questions before work is lost, and
 //! with what is said when one fails.
 
-use std::path::PathBuf;
-
 use super::job::Then;
-use super::questions::{Next, Unkept};
+use super::questions::{ChangedOnDisk, Next, Unkept};
 use super::{Editor, Outcome};
 use crate::command::Command;
 use crate::document::{Applied, CommandError};
@@ -29,8 +27,9 @@ impl Editor {
     }
 
     /// Saves to a file that another program has changed, since the person wants that.
-    pub fn overwrite(&mut self, path: PathBuf, next: Option<Next>) {
-        self.session.accept_change_on_disk(&path);
+    pub fn overwrite(&mut self, file: ChangedOnDisk) {
+        let ChangedOnDisk { path, found, next } = file;
+        self.session.accept_change_on_disk(&path, found);
         let then = next.map_or(Then::Stay, Then::Go);
         self.run_then(Command::Save { path, export: ExportOptions::default() }, then);
     }

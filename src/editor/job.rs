@@ -19,7 +19,7 @@ use crate::document::Applied;
 use crate::notice::Notice;
 use crate::progress::{Report, Stage};
 use crate::sculpture::edit::EditStats;
-use crate::session::{Done, Session, SessionError, Work};
+use crate::session::{Done, FileIdentity, Session, SessionError, Work};
 use crate::tools::mend::Mend;
 
 /// Work shorter than this goes without a sign, which would only flicker.
@@ -76,7 +76,7 @@ enum Product {
 pub enum Failure {
     Cancelled,
     /// Another program has changed this file, which was not overwritten.
-    ChangedOnDisk(PathBuf),
+    ChangedOnDisk(PathBuf, Option<FileIdentity>),
     /// Another program has this file open; the reason, for the person.
     InUse(PathBuf, String),
     /// The reason, for the person.
@@ -87,7 +87,7 @@ impl From<SessionError> for Failure {
     fn from(error: SessionError) -> Failure {
         match error {
             error if error.is_cancelled() => Failure::Cancelled,
-            SessionError::ChangedOnDisk { path } => Failure::ChangedOnDisk(path),
+            SessionError::ChangedOnDisk { path, found } => Failure::ChangedOnDisk(path, found),
             SessionError::InUse { ref path, .. } => Failure::InUse(path.clone(), error.to_string()),
             error => Failure::Error(error.to_string()),
         }
@@ -239,7 +239,7 @@ impl Editor {
                 self.note(format!("{}: cancelled", job.sign));
                 job.then == Then::LeaveAnyway
             }
-            Ok(Err(Failure::ChangedOnDisk(path))) if by_itself => {
+            Ok(Err(Failure::ChangedOnDisk(path, _))) if by_itself => {
                 self.autosave.leave_alone(&path);
                 self.error(format!(
                     "Not saved automatically: another program has changed {}; save it yourself to choose what to keep",
@@ -255,10 +255,10 @@ impl Editor {
                 self.error(error);
                 false
             }
-            Ok(Err(Failure::ChangedOnDisk(path))) => {
+            Ok(Err(Failure::ChangedOnDisk(path, found))) => {
                 tracing::warn!("{}: changed on the disk, not overwritten", path.display());
                 let next = if let Then::Go(next) = &job.then { Some(next.clone()) } else { None };
-                self.outcomes.push(Outcome::ChangedOnDisk(ChangedOnDisk { path, next }));
+                self.outcomes.push(Outcome::ChangedOnDisk(ChangedOnDisk { path, found, next }));
                 false
             }
             Ok(Err(Failure::Error(error))) => {

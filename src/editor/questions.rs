@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use crate::command::Command;
-use crate::session::Holder;
+use crate::session::{FileIdentity, Holder};
 
 /// What would lose unsaved work.
 #[derive(Clone, PartialEq, Debug)]
@@ -19,6 +19,8 @@ pub enum Next {
 #[derive(Clone, PartialEq, Debug)]
 pub struct ChangedOnDisk {
     pub path: PathBuf,
+    /// What it was like when it was to be saved; none if it could not be read.
+    pub found: Option<FileIdentity>,
     /// What was to follow.
     pub next: Option<Next>,
 }

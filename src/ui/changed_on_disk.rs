@@ -9,7 +9,7 @@ use crate::editor::questions::{ChangedOnDisk, Next};
 use crate::format::options::ImportOptions;
 
 pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
-    let Some(ChangedOnDisk { path, next }) = &state.dialogs.changed_on_disk else { return };
+    let Some(file @ ChangedOnDisk { path, .. }) = &state.dialogs.changed_on_disk else { return };
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
     let mut is_answered = false;
     let mut save_as = false;
@@ -29,7 +29,7 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
             }
             let button = ui.button("Overwrite");
             if button.on_hover_text("Yours takes the place of the file, whose changes are lost").clicked() {
-                requests.push(UiRequest::Overwrite(path.clone(), next.clone()));
+                requests.push(UiRequest::Overwrite(file.clone()));
                 is_answered = true;
             }
             let button = ui.button("Reload");
@@ -45,7 +45,7 @@ pub fn show(root: &Ui, state: &mut UiState, requests: &mut Vec<UiRequest>) {
     if !is_answered && !response.should_close() {
         return;
     }
-    if let Some(ChangedOnDisk { path, next }) = state.dialogs.changed_on_disk.take()
+    if let Some(ChangedOnDisk { path, next, .. }) = state.dialogs.changed_on_disk.take()
         && save_as
     {
         state.dialogs.files.open(FileTask::SaveAs(next), Some(&path));

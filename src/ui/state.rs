@@ -19,7 +19,7 @@ use super::toasts::Toasts;
 use super::upright::Upright;
 use super::{SCALE_RANGE, Theme, ViewOptions, WindowOptions};
 use crate::command::{Command, NewSculpture};
-use crate::editor::questions::Next;
+use crate::editor::questions::{ChangedOnDisk, Next};
 use crate::editor::tool::ToolEdit;
 use crate::format::options::ImportOptions;
 use crate::input::hands::HandSide;
@@ -74,7 +74,7 @@ pub enum UiRequest {
     /// List what earlier sessions have left, or say that there is nothing.
     ListLeft,
     /// Save to this file although another program has changed it, then do that.
-    Overwrite(PathBuf, Option<Next>),
+    Overwrite(ChangedOnDisk),
     /// Do not save to the sculpture's file, which another program has open.
     KeepReadOnly,
     /// Go on with a copy of the sculpture's file, without a name.

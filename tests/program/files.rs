@@ -205,19 +205,28 @@ fn a_full_disk_keeps_the_old_file_and_says_so() {
     let path = folder.path();
     std::fs::write(path.join("s.sculpt"), SCRIPT).unwrap();
     std::fs::write(path.join("a.raw"), "kept").unwrap();
-    let run = "trap '' XFSZ; ulimit -f 1; exec \"$0\" run s.sculpt --out a.raw";
-    let output = std::process::Command::new("sh")
-        .args(["-c", run, env!("CARGO_BIN_EXE_virtual-sculpture")])
-        .current_dir(path)
-        .env("XDG_CONFIG_HOME", path)
-        .output()
-        .unwrap();
-    let why = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{why}");
-    assert!(why.contains("a.raw") && !why.contains(".part"), "{why}");
-    assert_eq!(bytes(path.join("a.raw")), b"kept");
-    let left: Vec<_> = std::fs::read_dir(path).unwrap().map(|e| e.unwrap().file_name()).collect();
-    assert_eq!(left.len(), 2, "{left:?}");
+    succeed(path, &["run", "s.sculpt", "--out", "a.vsc"]);
+    let limited = "trap '' XFSZ; ulimit -f 1; exec \"$0\" \"$@\"";
+    for (what, out) in [
+        ("run s.sculpt --out", "a.raw"),
+        ("render a.vsc --quality final --samples 1 --size 96x64 --out", "a.png"),
+    ] {
+        let output = std::process::Command::new("sh")
+            .args(["-c", limited, env!("CARGO_BIN_EXE_virtual-sculpture")])
+            .args(what.split(' '))
+            .arg(out)
+            .current_dir(path)
+            .env("XDG_CONFIG_HOME", path)
+            .output()
+            .unwrap();
+        let why = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{out}: {why}");
+        assert!(why.contains(out) && why.contains("the disk takes no file"), "{why}");
+        assert_eq!(bytes(path.join("a.raw")), b"kept");
+        let left: Vec<_> =
+            std::fs::read_dir(path).unwrap().map(|e| e.unwrap().file_name()).collect();
+        assert_eq!(left.len(), 3, "{left:?}");
+    }
 }
 
 #[test]

@@ -14,14 +14,18 @@ use super::bench::{Bench, click, config, has, key, rest};
 use super::import::{scan, settle};
 
 /// The board in the size that it has in a headset.
-fn board() -> Bench {
+pub fn board() -> Bench {
     let config = config(32);
     board_of(Session::new(&config.new_sculpture(), config.limits()).unwrap())
 }
 
 fn board_of(session: Session) -> Bench {
     let config = config(32);
-    let bench = Workspace::new(session, &config, Bindings::presets().unwrap());
+    board_around(Workspace::new(session, &config, Bindings::presets().unwrap()))
+}
+
+/// The board of this workspace.
+pub fn board_around(bench: Workspace) -> Bench {
     Harness::builder()
         .with_size(vec2(1250.0, 800.0))
         .with_pixels_per_point(1.0)

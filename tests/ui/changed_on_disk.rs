@@ -7,6 +7,7 @@ use egui_kittest::kittest::Queryable;
 use virtual_sculpture::session::Session;
 
 use super::bench::{Bench, bench, click_once, config, has, key, run, undo_count, voxels};
+use super::board::board;
 
 const HEADING: &str = "The file has changed on the disk";
 
@@ -21,7 +22,10 @@ fn settle(harness: &mut Bench) {
 
 /// The window with carved work in the file at `path`, which another session has written since.
 fn changed_meanwhile(path: &Path) -> Bench {
-    let mut harness = bench();
+    changed_meanwhile_in(bench(), path)
+}
+
+fn changed_meanwhile_in(mut harness: Bench, path: &Path) -> Bench {
     run(&mut harness, "subtract cuboid at=16,16,16 half=6");
     run(&mut harness, &format!("save {path:?}"));
     run(&mut harness, "subtract cuboid at=40,40,40 half=4");
@@ -60,6 +64,40 @@ fn a_file_that_has_changed_is_overwritten_when_the_person_says_so() {
     run(&mut harness, "subtract cuboid at=40,10,40 half=4");
     save(&mut harness);
     assert!(!has(&harness, HEADING) && !harness.state().session().modified());
+}
+
+#[test]
+fn who_leaves_and_saves_first_is_asked_before_a_changed_file_is_overwritten() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("owl.vsc");
+    let mut harness = changed_meanwhile(&path);
+    harness.state_mut().ask_to_leave();
+    settle(&mut harness);
+    // The question lies over the bar, which has a button of that name, too.
+    harness.get_all_by_label("Save").last().unwrap().click();
+    settle(&mut harness);
+    assert!(has(&harness, HEADING) && !harness.state().is_leaving());
+    assert_eq!(voxels_in(&path), 512);
+    click_once(&mut harness, "Overwrite");
+    settle(&mut harness);
+    assert!(harness.state().is_leaving());
+    assert_eq!(voxels_in(&path), voxels(&harness));
+}
+
+#[test]
+fn on_the_board_of_a_headset_a_file_that_has_changed_is_asked_about() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("owl.vsc");
+    let mut harness = changed_meanwhile_in(board(), &path);
+    for (answer, is_mine) in [("Cancel", false), ("Overwrite", true)] {
+        settle(&mut harness);
+        click_once(&mut harness, "Save");
+        settle(&mut harness);
+        assert!(has(&harness, HEADING), "{answer}");
+        click_once(&mut harness, answer);
+        settle(&mut harness);
+        assert_eq!(voxels_in(&path) == voxels(&harness), is_mine, "{answer}");
+    }
 }
 
 #[test]

@@ -6,6 +6,7 @@ use egui::{Key, Modifiers};
 use virtual_sculpture::session::{FileAccess, Session};
 
 use super::bench::{Bench, bench, click_once, config, has, key, run};
+use super::board::board;
 
 const HEADING: &str = "The file is open elsewhere";
 
@@ -29,7 +30,10 @@ fn holder(path: &Path) -> Session {
 
 /// The window in which that file has just been opened.
 fn opened(path: &Path) -> Bench {
-    let mut harness = bench();
+    opened_in(bench(), path)
+}
+
+fn opened_in(mut harness: Bench, path: &Path) -> Bench {
     harness.state_mut().session_mut().set_file_access(FileAccess::Locked);
     run(&mut harness, &format!("open {path:?}"));
     settle(&mut harness);
@@ -41,13 +45,29 @@ fn a_file_that_is_open_elsewhere_is_opened_as_a_copy() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("owl.vsc");
     let _other = holder(&path);
+    // On the board of a headset, too.
+    for harness in [bench(), board()] {
+        let mut harness = opened_in(harness, &path);
+        assert!(has(&harness, HEADING) && harness.state().ui.dialogs.is_modal());
+        click_once(&mut harness, "Open a copy");
+        settle(&mut harness);
+        assert!(!has(&harness, HEADING));
+        let session = harness.state().session();
+        assert!(session.path().is_none() && session.modified());
+        click_once(&mut harness, "Save");
+        settle(&mut harness);
+        assert!(harness.state().ui.dialogs.files.is_open(), "a name is asked for");
+    }
+}
+
+#[test]
+fn the_key_saves_a_copy_under_a_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("owl.vsc");
+    let _other = holder(&path);
     let mut harness = opened(&path);
-    assert!(has(&harness, HEADING) && harness.state().ui.dialogs.is_modal());
     click_once(&mut harness, "Open a copy");
     settle(&mut harness);
-    assert!(!has(&harness, HEADING));
-    let session = harness.state().session();
-    assert!(session.path().is_none() && session.modified());
     key(&mut harness, Modifiers::COMMAND, Key::S);
     settle(&mut harness);
     assert!(harness.state().ui.dialogs.files.is_open(), "a name is asked for");

@@ -11,7 +11,8 @@ use virtual_sculpture::journal::{JournalOptions, Shelf};
 use virtual_sculpture::sculpture::history::Contents;
 use virtual_sculpture::session::Session;
 
-use super::bench::{Bench, bench_around, click, click_once, config, has, undo_count};
+use super::bench::{Bench, bench_around, click, click_once, config, has, rest, undo_count};
+use super::board::board_around;
 
 fn journals(folder: &Path) -> JournalOptions {
     JournalOptions::new(Shelf::new(&folder.join("journals")))
@@ -30,15 +31,20 @@ fn leave(folder: &Path, config: &Config, lines: &[&str]) -> Contents {
 
 /// The window at its next start, in which all that was left has been found.
 fn start(folder: &Path, config: &Config, size: egui::Vec2) -> Bench {
+    let mut harness = bench_around(workspace(folder, config), size);
+    harness.run_steps(4);
+    harness
+}
+
+/// A workspace that has found all that was left.
+fn workspace(folder: &Path, config: &Config) -> Workspace {
     let session = Session::new(&config.new_sculpture(), config.limits()).unwrap();
     let mut workspace = Workspace::new(session, config, Bindings::presets().unwrap());
     workspace.session_mut().keep_journal(journals(folder)).unwrap();
     workspace.session().sync_journal();
     workspace.look_for_left(journals(folder));
     workspace.finish_job();
-    let mut harness = bench_around(workspace, size);
-    harness.run_steps(4);
-    harness
+    workspace
 }
 
 fn numbers(folder: &Path) -> Vec<u64> {
@@ -78,6 +84,23 @@ fn what_was_left_comes_back_with_undo_and_redo() {
     drop(harness);
     let harness = start(folder.path(), &config, vec2(1280.0, 800.0));
     assert!(has(&harness, "2 steps, 32 × 32 × 32 voxels"), "killed again");
+}
+
+#[test]
+fn what_was_left_is_recovered_on_the_board_of_a_headset() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = config(32);
+    let made = leave(folder.path(), &config, &CARVED);
+    let mut harness = board_around(workspace(folder.path(), &config));
+    harness.run_steps(4);
+    assert!(has(&harness, "Unsaved work was found"));
+    click_once(&mut harness, "Later");
+    assert!(!has(&harness, "Unsaved work was found"));
+    click(&mut harness, "Menu");
+    click(&mut harness, "Unsaved work …");
+    click_once(&mut harness, "Recover");
+    rest(&mut harness);
+    assert_eq!(harness.state().session().document().contents(), &made);
 }
 
 #[test]

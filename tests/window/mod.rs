@@ -6,6 +6,7 @@
 
 mod changed_on_disk;
 mod clay;
+mod disks;
 mod display;
 mod endings;
 mod failures;

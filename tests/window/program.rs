@@ -368,6 +368,7 @@ pub fn symbol(name: &str) -> Keysym {
         "F12" => 0xffc9,
         "equal" => 0x3d,
         "comma" => 0x2c,
+        "apostrophe" => 0x27,
         "Return" => 0xff0d,
         "space" => 0x20,
         "minus" => 0x2d,

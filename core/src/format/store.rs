@@ -128,7 +128,7 @@ impl AtomicFile {
         if let Some(old) = old {
             file.set_permissions(old.permissions())?;
         }
-        file.sync_all()?;
+        file.sync_all().map_err(explained)?;
         rename(temporary, &target)?;
         // Only now is the new name sure to survive a crash. Other systems cannot sync folders.
         #[cfg(unix)]
@@ -141,11 +141,11 @@ impl AtomicFile {
 /// Writes to the file itself, as errors of the named one name the temporary name.
 impl Write for AtomicFile {
     fn write(&mut self, bytes: &[u8]) -> Result<usize> {
-        self.temporary.as_file_mut().write(bytes)
+        self.temporary.as_file_mut().write(bytes).map_err(explained)
     }
 
     fn flush(&mut self) -> Result<()> {
-        self.temporary.as_file_mut().flush()
+        self.temporary.as_file_mut().flush().map_err(explained)
     }
 }
 
@@ -154,6 +154,22 @@ impl Seek for AtomicFile {
     fn seek(&mut self, to: SeekFrom) -> Result<u64> {
         self.temporary.as_file_mut().seek(to)
     }
+}
+
+/// The error of a disk, with a remedy.
+fn explained(error: Error) -> Error {
+    let message = match error.kind() {
+        ErrorKind::StorageFull => {
+            "no space is left on the disk; make room there, or choose another"
+        }
+        ErrorKind::QuotaExceeded => {
+            "your quota of the disk is used up; make room, or choose another"
+        }
+        ErrorKind::FileTooLarge => "the disk takes no file that is so large; choose another",
+        ErrorKind::ReadOnlyFilesystem => "the disk is write-protected; choose another",
+        _ => return error,
+    };
+    Error::new(error.kind(), message)
 }
 
 /// The file that `path` resolves to, which need not exist.
@@ -191,7 +207,7 @@ fn replaceable(target: &Path) -> Result<Option<fs::Metadata>> {
     if let Err(error) = OpenOptions::new().write(true).open(target) {
         return Err(match error.kind() {
             ErrorKind::PermissionDenied => protected(),
-            _ => error,
+            _ => explained(error),
         });
     }
     Ok(Some(old))

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use super::lock::Holder;
+use super::on_disk::FileIdentity;
 use crate::document::CommandError;
 use crate::format::FormatError;
 
@@ -38,6 +39,8 @@ pub enum SessionError {
     ChangedOnDisk {
         /// The file.
         path: PathBuf,
+        /// What it is like now; none if it cannot be read.
+        found: Option<FileIdentity>,
     },
     /// Another program has the file open.
     #[error("cannot save {path}: {holder} has it open; close it there, or save under another name")]

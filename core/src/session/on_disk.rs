@@ -15,7 +15,7 @@ use crate::sculpture::digest::Digest;
 
 /// What a file was like.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct FileIdentity {
+pub struct FileIdentity {
     bytes: u64,
     pub(super) hash: Digest,
 }
@@ -83,9 +83,10 @@ pub(super) fn key(path: &Path) -> PathBuf {
 }
 
 impl Session {
-    /// The person has been told that another program has changed the file at `path`, and wants it replaced as it is now:
-    /// the next [`Command::Save`](crate::command::Command::Save) does so, unless it changes once more.
-    pub fn accept_change_on_disk(&mut self, path: &Path) {
-        self.on_disk.learn(path, FileIdentity::of(path));
+    /// The person has been told that another program has changed the file at `path`, and wants it replaced as it was
+    /// found then ([`SessionError::ChangedOnDisk`](super::SessionError::ChangedOnDisk)): the next
+    /// [`Command::Save`](crate::command::Command::Save) does so, unless it has changed once more.
+    pub fn accept_change_on_disk(&mut self, path: &Path, found: Option<FileIdentity>) {
+        self.on_disk.learn(path, found);
     }
 }

@@ -103,13 +103,20 @@ fn a_change_on_disk_that_is_accepted_is_overwritten_once() {
     let mut session = ball(8);
     execute(&mut session, &save).unwrap();
     let mine = std::fs::read(&path).unwrap();
+    let refused = |session: &mut Session| match execute(session, &save) {
+        Err(SessionError::ChangedOnDisk { found, .. }) => found,
+        other => panic!("{other:?}"),
+    };
     std::fs::write(&path, "of another program").unwrap();
-    execute(&mut session, &save).unwrap_err();
-    session.accept_change_on_disk(&path);
-    // It changes once more before it is written.
-    std::fs::write(&path, "once more").unwrap();
-    execute(&mut session, &save).unwrap_err();
-    session.accept_change_on_disk(&path);
+    let found = refused(&mut session);
+    // It changes once more while the person thinks, and again before it is written.
+    for change in ["while one thinks", "once more"] {
+        session.accept_change_on_disk(&path, found);
+        std::fs::write(&path, change).unwrap();
+        refused(&mut session);
+    }
+    let found = refused(&mut session);
+    session.accept_change_on_disk(&path, found);
     execute(&mut session, &save).unwrap();
     assert_eq!(std::fs::read(&path).unwrap(), mine);
     std::fs::write(&path, "again").unwrap();

@@ -150,7 +150,8 @@ impl Work {
                 if let Some(known) = known
                     && !known.may_be_replaced(&path)
                 {
-                    return Err(SessionError::ChangedOnDisk { path });
+                    let found = FileIdentity::of(&path);
+                    return Err(SessionError::ChangedOnDisk { path, found });
                 }
                 match format::save_with(&path, &contents, &export, texts, &limits, progress) {
                     Ok(notes) => {

@@ -195,8 +195,12 @@ impl HandMapper {
     /// The events since the last update. `board`: where the board is, while it is visible.
     pub fn update(&mut self, state: &HandsState, board: Option<&Board>) -> Vec<HandEvent> {
         let mut events = Vec::new();
-        let state = &state.plausible();
-        let now_s = state.time_s;
+        let mut state = state.plausible();
+        if !state.time_s.is_finite() {
+            // As if no time had passed.
+            state.time_s = self.last_s.unwrap_or_default();
+        }
+        let (state, now_s) = (&state, state.time_s);
         let dt_s = self.last_s.map_or(0.0, |last| (now_s - last).clamp(0.0, LONGEST_STEP_S));
         self.last_s = Some(now_s);
         let (main, off) = (self.settings.main, self.settings.main.other());
