@@ -151,6 +151,14 @@ impl Layer {
         }
     }
 
+    /// Bytes on the heap.
+    pub fn heap_bytes(&self) -> u64 {
+        let words = self.corners.capacity() + self.odd.capacity() + self.ambiguous.capacity();
+        let numbers =
+            self.row_starts.capacity() + self.further.capacity() + self.further_z.capacity();
+        (8 * words + 4 * numbers + 2 * self.places.capacity() + self.octants.capacity()) as u64
+    }
+
     /// Number of corners, the first vertices.
     pub fn corner_count(&self) -> usize {
         self.octants.len()

@@ -8,6 +8,7 @@
 //! Slabs of the lattice of voxel corners are meshed independently ([`slab`]), so a mesh consists of parts and is the
 //! same for any number of threads. Takes contents, gives a [`Mesh`] in grid coordinates; knows no files, no units.
 
+mod budget;
 mod contact;
 mod greedy;
 mod layer;
@@ -18,18 +19,21 @@ mod slab;
 #[cfg(test)]
 pub(crate) mod tests;
 
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
 
 use glam::Vec3;
 use rayon::prelude::*;
 
+use self::budget::Pieces;
 use self::place::{AtCorners, OnSurface, Place};
+use self::rows::Rows;
 use self::slab::Slab;
 use crate::progress::Progress;
 use crate::sculpture::history::Contents;
 use crate::sculpture::{GridError, Limits, Rgb};
 use crate::shade::{LevelSet, NormalField};
 
+pub(crate) use self::budget::Budget;
 pub use self::place::GAP_VX;
 pub use self::simplify::simplified;
 
@@ -84,10 +88,12 @@ pub enum MeshError {
     TooLarge(u64),
     /// The mesh would take more memory than allowed.
     #[error(
-        "the mesh needs more than the {budget_mib} MiB allowed; \
+        "the mesh needs at least {needed_mib} MiB, more than the {budget_mib} MiB allowed; \
          raise memory.grid_mib or memory.colour_mib in the settings, or export a smaller part of the sculpture"
     )]
     Memory {
+        /// MiB needed, as far as that is known.
+        needed_mib: u64,
         /// MiB allowed.
         budget_mib: u64,
     },
@@ -135,34 +141,6 @@ impl Part {
     }
 }
 
-/// Memory that a mesh may take, as much as the limits for the grid and the colours together.
-struct Budget {
-    bytes: u64,
-    taken: AtomicU64,
-}
-
-impl Budget {
-    fn new(limits: &Limits) -> Budget {
-        let bytes = limits.grid_bytes.saturating_add(limits.colour_bytes);
-        Budget { bytes, taken: AtomicU64::new(0) }
-    }
-
-    fn take(&self, bytes: u64) {
-        self.taken.fetch_add(bytes, Ordering::Relaxed);
-    }
-
-    fn is_spent(&self) -> bool {
-        self.taken.load(Ordering::Relaxed) > self.bytes
-    }
-
-    fn check(&self) -> Result<(), MeshError> {
-        match self.is_spent() {
-            true => Err(MeshError::Memory { budget_mib: self.bytes >> 20 }),
-            false => Ok(()),
-        }
-    }
-}
-
 /// A closed surface.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Mesh {
@@ -185,6 +163,9 @@ impl Mesh {
             MeshKind::Faces => Mesh::placed(contents, &AtCorners, colours, limits, progress),
             MeshKind::Greedy => greedy::mesh(contents, colours, limits, progress),
             MeshKind::Smooth => {
+                // Smoothing takes longer than counting.
+                Budget::new(limits)
+                    .check_for(bytes_of_faces(contents, colours.are_in(contents)))?;
                 let levels = smooth_surface(contents, limits, progress)?;
                 Mesh::smooth(contents, &levels, colours, limits, progress)
             }
@@ -215,22 +196,26 @@ impl Mesh {
         let slab = Slab { contents, place, coloured };
         let end = contents.grid.dims().z + 1;
         let starts: Vec<u32> = (0..end).step_by(PART_LAYERS as usize).collect();
-        // How much a part takes is known when it is made; none is begun once it is too much.
-        let budget = Budget::new(limits);
-        let part = |&start: &u32| match progress.is_cancelled() || budget.is_spent() {
-            true => Part::default(),
-            false => {
-                let part = slab.part(start..(start + PART_LAYERS).min(end));
-                budget.take(part.heap_bytes());
-                part
+        let (budget, pieces) =
+            (Budget::new(limits), Pieces::new(progress, [0.0, 1.0], starts.len()));
+        let part = |&start: &u32| {
+            if progress.is_cancelled() {
+                return None;
             }
+            let part = slab.part(start..(start + PART_LAYERS).min(end), &budget);
+            pieces.one();
+            part
         };
-        let parts: Vec<Part> = starts.par_iter().map(part).collect();
+        let parts: Option<Vec<Part>> = starts.par_iter().map(part).collect();
         progress.end();
         if progress.is_cancelled() {
             return Err(MeshError::Cancelled);
         }
-        budget.check()?;
+        let Some(parts) = parts else {
+            budget.check_for(bytes_of_faces(contents, coloured))?;
+            budget.check()?;
+            return Err(MeshError::Cancelled);
+        };
         Mesh::joined(parts, contents.material.base())
     }
 
@@ -341,6 +326,21 @@ fn push_polygon(part: &mut Part, vertices: &[u32]) {
     part.triangles.extend(vertices[1..].windows(2).map(|pair| [vertices[0], pair[0], pair[1]]));
 }
 
+/// Bytes of a mesh with a face for each exposed face of a voxel, and about as many vertices.
+fn bytes_of_faces(contents: &Contents, coloured: bool) -> u64 {
+    let end = contents.grid.dims().z + 1;
+    let starts: Vec<u32> = (0..end).step_by(PART_LAYERS as usize).collect();
+    let faces = starts.par_iter().map(|&start| {
+        let layers = start..(start + PART_LAYERS).min(end);
+        let rows = Rows::of(&contents.grid, i64::from(layers.start) - 1..i64::from(layers.end));
+        rows.faces(layers) as u64
+    });
+    faces.sum::<u64>() * slab::bytes_of_face(coloured)
+}
+
+/// Time between two reports of how far smoothing has come.
+const REPORT_EVERY: Duration = Duration::from_millis(50);
+
 /// The smooth surface of a sculpture, as pictures show it.
 fn smooth_surface(
     contents: &Contents,
@@ -351,11 +351,21 @@ fn smooth_surface(
     progress.begin("smoothing");
     let mut normals = NormalField::default();
     normals.follow(grid, None);
-    normals.update(grid, &mut Vec::new(), || !progress.is_cancelled());
     let mut levels = LevelSet::new(grid, limits.grid_bytes)?;
-    levels.update_while(grid, &normals, &mut Vec::new(), || !progress.is_cancelled());
+    // Both have a portion for each brick with surface; the first takes about four times as long.
+    let all = (normals.outstanding() + levels.outstanding() / 4).max(1);
+    while !progress.is_cancelled() && normals.outstanding() + levels.outstanding() > 0 {
+        let start = Instant::now();
+        let go_on = || start.elapsed() < REPORT_EVERY && !progress.is_cancelled();
+        match normals.outstanding() {
+            0 => levels.update_while(grid, &normals, &mut Vec::new(), go_on),
+            _ => normals.update(grid, &mut Vec::new(), go_on),
+        }
+        let left = normals.outstanding() + levels.outstanding() / 4;
+        progress.advance(1.0 - left as f32 / all as f32);
+    }
     progress.end();
-    match levels.is_complete() {
+    match levels.is_complete() && !progress.is_cancelled() {
         true => Ok(levels),
         false => Err(MeshError::Cancelled),
     }

@@ -6,12 +6,13 @@
 
 use std::ops::Range;
 
-use glam::IVec3;
+use glam::{IVec3, Vec3};
 
 use super::layer::{Further, Layer};
 use super::place::{Place, colour, octant_of_edge, solid_of};
 use super::rows::{Places, Rows, for_each_bit, moved_up, row_words};
-use super::{Part, push_polygon};
+use super::{Budget, Part, push_polygon};
+use crate::sculpture::Rgb;
 use crate::sculpture::history::Contents;
 
 /// What a slab is made from.
@@ -24,6 +25,12 @@ pub struct Slab<'a, P> {
     pub coloured: bool,
 }
 
+/// Bytes of a face of a mesh and of a vertex, of which there are about as many.
+pub fn bytes_of_face(coloured: bool) -> u64 {
+    let colour = if coloured { size_of::<Rgb>() } else { 0 };
+    (size_of::<[u32; 4]>() + size_of::<Vec3>() + colour) as u64
+}
+
 /// Faces of one direction: their axis, and whether they look up along it.
 type Direction = (usize, bool);
 
@@ -34,8 +41,8 @@ struct Numbered<'a> {
 }
 
 impl<P: Place> Slab<'_, P> {
-    /// The part of the layers `layers` of the lattice.
-    pub fn part(&self, layers: Range<u32>) -> Part {
+    /// The part of the layers `layers` of the lattice; none if `budget` has no room for it.
+    pub fn part(&self, layers: Range<u32>, budget: &Budget) -> Option<Part> {
         let dims = self.contents.grid.dims();
         let (width, height) = (row_words(dims), dims.y as usize);
         let (first, end) = (i64::from(layers.start), i64::from(layers.end));
@@ -43,6 +50,10 @@ impl<P: Place> Slab<'_, P> {
         let mut part = Part::default();
         // A surface has about as many vertices as faces.
         let faces = rows.faces(layers.clone());
+        let counted = faces as u64 * bytes_of_face(self.coloured);
+        if !budget.take(counted) {
+            return None;
+        }
         part.quads.reserve_exact(faces);
         part.positions.reserve_exact(faces);
         if self.coloured {
@@ -61,7 +72,8 @@ impl<P: Place> Slab<'_, P> {
             put_faces(&rows, height, z, both, &mut part);
             (layer, base) = (above, base_above);
         }
-        part
+        // Parted voxels have more vertices than that.
+        budget.take(part.heap_bytes().saturating_sub(counted)).then_some(part)
     }
 
     fn put_vertices(&self, layer: &Layer, near: &mut P::Layer, z: i32, part: &mut Part) {

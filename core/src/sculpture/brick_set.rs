@@ -57,6 +57,11 @@ impl BrickSet {
         self.used.is_empty()
     }
 
+    /// Number of bricks in the set.
+    pub fn len(&self) -> usize {
+        self.used.iter().map(|&word| self.words[word as usize].count_ones() as usize).sum()
+    }
+
     /// Whether the brick of linear index `index` is in the set.
     #[inline]
     pub fn contains(&self, index: u32) -> bool {

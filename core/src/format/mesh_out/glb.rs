@@ -145,6 +145,7 @@ pub(super) fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
 /// Normals of the vertices: means of their triangles', weighted by area.
 fn normals(job: &Job, steps: &mut Steps) -> Result<Vec<Vec3>, FormatError> {
     let mesh = job.mesh;
+    job.need_bytes_a_vertex(size_of::<Vec3>())?;
     let mut normals = vec![Vec3::ZERO; mesh.vertex_count() as usize];
     for triangle in mesh.triangles() {
         let [a, b, c] = triangle.map(|vertex| job.space.place(mesh.position(vertex)));

@@ -19,7 +19,7 @@ use glam::{Mat3, Vec3};
 
 use super::store::AtomicFile;
 use super::{FormatError, go_on};
-use crate::mesh::{Mesh, MeshKind, VertexColours, simplified};
+use crate::mesh::{Budget, Mesh, MeshKind, VertexColours, simplified};
 use crate::progress::Progress;
 use crate::sculpture::Limits;
 use crate::sculpture::history::Contents;
@@ -147,7 +147,7 @@ pub fn save_mesh(
     if let Some(triangles) = options.triangles {
         mesh = simplified(mesh, triangles, limits, progress)?;
     }
-    let job = Job { mesh: &mesh, space, options, progress };
+    let job = Job { mesh: &mesh, space, options, budget: Budget::new(limits), progress };
     progress.begin("writing");
     let written = match format {
         MeshFormat::Stl => stl::write(&job, path),
@@ -208,10 +208,17 @@ struct Job<'a> {
     mesh: &'a Mesh,
     space: Space,
     options: &'a MeshOptions,
+    budget: Budget,
     progress: &'a dyn Progress,
 }
 
 impl Job<'_> {
+    /// An error if there is no room for so many bytes for each vertex beside the mesh.
+    fn need_bytes_a_vertex(&self, bytes: usize) -> Result<(), FormatError> {
+        let needed = self.mesh.heap_bytes() + self.mesh.vertex_count() * bytes as u64;
+        Ok(self.budget.check_for(needed)?)
+    }
+
     /// Positions of the vertices, in millimetres.
     fn positions(&self) -> impl Iterator<Item = Vec3> {
         self.mesh.positions().map(|position| self.space.place(position))

@@ -48,11 +48,13 @@ pub(super) fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
     let mut model = BufWriter::with_capacity(BUFFER_BYTES, &mut zip);
     model.write_all(MODEL.as_bytes())?;
 
-    let mut steps = job.steps(1, 1);
+    let mut steps = job.steps(1 + u64::from(mesh.is_coloured()), 1);
     // The number of each vertex's colour, of all different ones.
     let mut numbers: HashMap<Rgb, u32> = HashMap::new();
     let mut colours = Vec::new();
     if mesh.is_coloured() {
+        // As if all were different.
+        job.need_bytes_a_vertex(size_of::<u32>() + 2 * size_of::<(Rgb, u32)>())?;
         write!(model, "<m:colorgroup id=\"{COLOURS_ID}\">")?;
         colours.reserve_exact(mesh.vertex_count() as usize);
         for colour in mesh.colours() {
@@ -63,6 +65,7 @@ pub(super) fn write(job: &Job, path: &Path) -> Result<(), FormatError> {
                 write!(model, "<m:color color=\"#{r:02X}{g:02X}{b:02X}FF\"/>")?;
             }
             colours.push(number);
+            steps.step()?;
         }
         writeln!(model, "</m:colorgroup>")?;
     }

@@ -14,9 +14,10 @@ mod rectangles;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use self::numbers::Numbers;
+use self::numbers::{LAYERS, Numbers};
 use self::polygon::put_rectangle;
-use self::rectangles::{Rectangle, rectangles};
+use self::rectangles::{PLANES, Rectangle, rectangles};
+use super::budget::Pieces;
 use super::{Budget, Mesh, MeshError, Part, VertexColours};
 use crate::progress::Progress;
 use crate::sculpture::Limits;
@@ -25,9 +26,9 @@ use crate::sculpture::history::Contents;
 /// Rectangles that are triangulated by a thread at a time.
 const PORTION: usize = 1 << 13;
 
-/// Memory that each rectangle takes at least.
+/// Memory that each rectangle takes at least: itself, copied once, a face and a vertex.
 const LEAST_BYTES: u64 =
-    (size_of::<Rectangle>() + size_of::<[u32; 4]>() + size_of::<Vec3>()) as u64;
+    (2 * size_of::<Rectangle>() + size_of::<[u32; 4]>() + size_of::<Vec3>()) as u64;
 
 /// The mesh of merged faces.
 pub fn mesh(
@@ -37,37 +38,61 @@ pub fn mesh(
     progress: &dyn Progress,
 ) -> Result<Mesh, MeshError> {
     progress.begin("merging faces");
-    let is_coloured = colours.are_in(contents);
-    let go_on = || if progress.is_cancelled() { Err(MeshError::Cancelled) } else { Ok(()) };
+    let made = merged(contents, colours.are_in(contents), &Budget::new(limits), progress);
+    progress.end();
+    Mesh::joined(vec![made?], contents.material.base())
+}
+
+fn merged(
+    contents: &Contents,
+    is_coloured: bool,
+    budget: &Budget,
+    progress: &dyn Progress,
+) -> Result<Part, MeshError> {
+    let go_on = || if progress.is_cancelled() { Err(MeshError::Cancelled) } else { budget.check() };
+    let room = || !progress.is_cancelled() && budget.take(0);
+    let dims = contents.grid.dims();
+    let planes: u32 = dims.to_array().map(|axis| axis / PLANES + 1).iter().sum();
+    let pieces = Pieces::new(progress, [0.0, 0.4], planes as usize);
     let mut all: Vec<Rectangle> = Vec::new();
-    let budget = Budget::new(limits);
     for axis in 0..3 {
-        let found = rectangles(contents, axis, is_coloured);
-        // With the vertex and the face of each that follow.
-        budget.take(found.len() as u64 * LEAST_BYTES);
-        budget.check()?;
-        all.extend(found);
-        progress.advance(0.2 * (axis + 1) as f32);
+        let found = rectangles(contents, axis, is_coloured, |count| {
+            pieces.one();
+            budget.take(count as u64 * LEAST_BYTES) && room()
+        });
         go_on()?;
+        found.into_iter().for_each(|found| all.extend(found));
     }
-    let numbers = Numbers::new(contents, &all);
+    budget.take(Numbers::bytes_of_bits(dims));
     go_on()?;
-    let portions: Vec<Part> = all
-        .par_chunks(PORTION)
-        .map(|portion| {
-            let mut part = Part::default();
+    let pieces = Pieces::new(progress, [0.4, 0.7], (dims.z / LAYERS + 1) as usize);
+    let numbers = Numbers::new(contents, &all, |layer| {
+        pieces.one();
+        budget.take(layer) && room()
+    });
+    go_on()?;
+    let pieces = Pieces::new(progress, [0.7, 1.0], all.len() / PORTION + 1);
+    let portion = |portion: &[Rectangle]| {
+        let mut part = Part::default();
+        if room() {
             portion.iter().for_each(|rectangle| put_rectangle(&numbers, rectangle, &mut part));
-            part
-        })
-        .collect();
+            // Once more where all are together.
+            budget.take(2 * part.heap_bytes());
+        }
+        pieces.one();
+        part
+    };
+    let portions: Vec<Part> = all.par_chunks(PORTION).map(portion).collect();
     drop(all);
+    go_on()?;
     let mut part = Part::default();
     numbers.put_vertices(contents, is_coloured, &mut part);
+    part.quads.reserve_exact(portions.iter().map(|portion| portion.quads.len()).sum());
+    part.triangles.reserve_exact(portions.iter().map(|portion| portion.triangles.len()).sum());
     for mut portion in portions {
         part.quads.append(&mut portion.quads);
         part.triangles.append(&mut portion.triangles);
     }
-    progress.end();
     go_on()?;
-    Mesh::joined(vec![part], contents.material.base())
+    Ok(part)
 }

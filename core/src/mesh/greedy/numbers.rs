@@ -3,7 +3,9 @@
 //! Layer by layer: first the corners of rectangles and those with several fans, row by row; then the further
 //! vertices of the layer ([`Layer`]). Layers in which no corner is odd are not kept.
 
-use glam::IVec3;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use glam::{IVec3, UVec3};
 use rayon::prelude::*;
 
 use super::rectangles::Rectangle;
@@ -14,7 +16,7 @@ use crate::mesh::rows::{Rows, for_each_bit, row_words};
 use crate::sculpture::history::Contents;
 
 /// Layers that a thread looks at together.
-const PORTION: u32 = 16;
+pub const LAYERS: u32 = 16;
 
 /// The vertices and their numbers.
 pub struct Numbers {
@@ -31,17 +33,32 @@ pub struct Numbers {
 }
 
 impl Numbers {
-    /// Of the corners of `rectangles`, and all that must be kept.
-    pub fn new(contents: &Contents, rectangles: &[Rectangle]) -> Numbers {
+    /// Bytes of the bits and rows of all corners.
+    pub fn bytes_of_bits(dims: UVec3) -> u64 {
+        let rows = (u64::from(dims.y) + 1) * (u64::from(dims.z) + 1);
+        rows * (8 * row_words(dims) as u64 + 4)
+    }
+
+    /// Of the corners of `rectangles`, and all that must be kept. `goes_on` is told how many bytes the layers of a
+    /// portion take; once it says no the numbers mean nothing.
+    pub fn new(
+        contents: &Contents,
+        rectangles: &[Rectangle],
+        goes_on: impl Fn(u64) -> bool + Sync,
+    ) -> Numbers {
         let grid = &contents.grid;
         let dims = grid.dims();
         let (width, height) = (row_words(dims), dims.y as usize + 1);
         let layers = dims.z + 1;
-        let starts: Vec<u32> = (0..layers).step_by(PORTION as usize).collect();
+        let starts: Vec<u32> = (0..layers).step_by(LAYERS as usize).collect();
+        let stopped = AtomicBool::new(false);
         let odd: Vec<Vec<Option<Layer>>> = starts
             .par_iter()
             .map(|&start| {
-                let end = (start + PORTION).min(layers);
+                if stopped.load(Ordering::Relaxed) {
+                    return Vec::new();
+                }
+                let end = (start + LAYERS).min(layers);
                 let rows = Rows::of(grid, i64::from(start) - 1..i64::from(end) + 1);
                 let layer = |z: u32| Layer::new(&rows, width, height - 1, z.into());
                 let mut next = layer(start);
@@ -51,7 +68,11 @@ impl Numbers {
                     let own = std::mem::replace(&mut next, above);
                     (!own.is_plain()).then_some(own)
                 });
-                made.collect()
+                let made: Vec<Option<Layer>> = made.collect();
+                if !goes_on(made.iter().flatten().map(Layer::heap_bytes).sum()) {
+                    stopped.store(true, Ordering::Relaxed);
+                }
+                made
             })
             .collect();
         let mut kept = vec![0; width * height * layers as usize];
@@ -119,7 +140,7 @@ impl Numbers {
     /// Adds all vertices.
     pub fn put_vertices(&self, contents: &Contents, is_coloured: bool, part: &mut Part) {
         let per_layer = self.width * self.height;
-        part.positions.reserve(self.count as usize);
+        part.positions.reserve_exact(self.count as usize);
         let mut put = |corner: IVec3, octants: u8, position, solid| {
             part.positions.push(position);
             debug_assert!(octants != 0 && octants != u8::MAX, "{corner}");

@@ -1,6 +1,8 @@
 //! Finds rectangles of faces in the planes of the voxel lattice, row by row: a run of faces is extended to the rows
 //! that have all of it (Lysenko, "Meshing in a Minecraft game", 2012), with masks of 64 faces at a time.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use glam::{IVec3, UVec3};
 use rayon::prelude::*;
 
@@ -23,17 +25,30 @@ pub struct Rectangle {
 }
 
 /// Planes that are looked at together: those of a word.
-const PLANES: u32 = 64;
+pub const PLANES: u32 = 64;
 
-/// The rectangles of all planes across `axis`. `is_coloured`: faces of different colours are not merged.
-pub fn rectangles(contents: &Contents, axis: usize, is_coloured: bool) -> Vec<Rectangle> {
+/// The rectangles of all planes across `axis`, in portions. `is_coloured`: faces of different colours are not merged.
+/// `goes_on` is told how many rectangles were found in a portion; once it says no the rest is left out.
+pub fn rectangles(
+    contents: &Contents,
+    axis: usize,
+    is_coloured: bool,
+    goes_on: impl Fn(usize) -> bool + Sync,
+) -> Vec<Vec<Rectangle>> {
     let end = contents.grid.dims()[axis] + 1;
     let starts: Vec<u32> = (0..end).step_by(PLANES as usize).collect();
-    let found: Vec<Vec<Rectangle>> = starts
-        .par_iter()
-        .map(|&start| of_planes(contents, axis, start..(start + PLANES).min(end), is_coloured))
-        .collect();
-    found.concat()
+    let stopped = AtomicBool::new(false);
+    let portion = |&start: &u32| {
+        if stopped.load(Ordering::Relaxed) {
+            return Vec::new();
+        }
+        let found = of_planes(contents, axis, start..(start + PLANES).min(end), is_coloured);
+        if !goes_on(found.len()) {
+            stopped.store(true, Ordering::Relaxed);
+        }
+        found
+    };
+    starts.par_iter().map(portion).collect()
 }
 
 /// The faces of some planes in one direction: a bit for each, in rows along `along`.

@@ -75,11 +75,11 @@ pub fn simplified(
         return Ok(mesh);
     }
     let (budget, needed) = (Budget::new(limits), needed_bytes(&mesh));
-    if needed > budget.bytes {
+    if needed > budget.bytes() {
         return Err(MeshError::SimplifyMemory {
             triangles: all,
             needed_mib: needed.div_ceil(1 << 20),
-            budget_mib: budget.bytes >> 20,
+            budget_mib: budget.bytes() >> 20,
         });
     }
     progress.begin("simplifying");

@@ -268,8 +268,18 @@ fn a_mesh_that_takes_too_much_memory_is_refused() {
     let contents = contents(noise(UVec3::splat(40), 0.5, 3));
     for kind in KINDS {
         let limits = Limits { grid_bytes: 100 << 10, colour_bytes: 0, ..Limits::default() };
-        let error =
-            Mesh::of(&contents, kind, VertexColours::Voxels, &limits, &()).unwrap_err().to_string();
-        assert!(error.contains("the mesh needs more than the 0 MiB"), "{kind:?}: {error}");
+        let error = Mesh::of(&contents, kind, VertexColours::Voxels, &limits, &()).unwrap_err();
+        let MeshError::Memory { needed_mib, budget_mib: 0 } = error else {
+            panic!("{kind:?}: {error}");
+        };
+        assert!((1..8).contains(&needed_mib), "{kind:?}: {error}");
+    }
+    // Every mesh takes at most what it was counted as.
+    for kind in KINDS {
+        let mesh = mesh(&contents, kind);
+        let limits =
+            Limits { grid_bytes: mesh.heap_bytes() - 1, colour_bytes: 0, ..Limits::default() };
+        let made = Mesh::of(&contents, kind, VertexColours::Voxels, &limits, &());
+        assert!(matches!(made, Err(MeshError::Memory { .. })), "{kind:?}");
     }
 }

@@ -133,6 +133,11 @@ impl LevelSet {
         portions.flatten().for_each(|&index| self.stale.insert(index));
     }
 
+    /// Number of bricks whose levels are to be computed.
+    pub fn outstanding(&self) -> usize {
+        self.stale.len()
+    }
+
     /// Whether nothing is outstanding.
     pub fn is_complete(&self) -> bool {
         self.stale.is_empty()

@@ -137,6 +137,11 @@ impl NormalField {
         !self.queue.is_empty()
     }
 
+    /// Number of bricks whose normals are to be computed, a few more than once; without those put off.
+    pub fn outstanding(&self) -> usize {
+        self.queue.len()
+    }
+
     /// Computes what is outstanding: first what edits have changed, then the rest for as long as `go_on` returns
     /// true. An edit of very many bricks is part of the rest; it leaves them without normals meanwhile. Appends the
     /// bricks whose normals differ from before, rising, each once. `grid` must be that of the last

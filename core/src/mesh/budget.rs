@@ -1,0 +1,74 @@
+//! How much memory a mesh may take, counted before it is taken, and how much of its work is done.
+//!
+//! Many threads make a mesh; they share these counts. Knows neither grids nor files.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use super::MeshError;
+use crate::progress::Progress;
+use crate::sculpture::Limits;
+
+/// Memory that a mesh may take, as much as the limits for the grid and the colours together.
+pub(crate) struct Budget {
+    bytes: u64,
+    taken: AtomicU64,
+}
+
+impl Budget {
+    pub fn new(limits: &Limits) -> Budget {
+        let bytes = limits.grid_bytes.saturating_add(limits.colour_bytes);
+        Budget { bytes, taken: AtomicU64::new(0) }
+    }
+
+    /// All bytes that may be taken.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// Counts bytes that are about to be taken; whether there is room for them.
+    pub fn take(&self, bytes: u64) -> bool {
+        let before = self.taken.fetch_add(bytes, Ordering::Relaxed);
+        before.saturating_add(bytes) <= self.bytes
+    }
+
+    /// An error if more was to be taken than there is room for.
+    pub fn check(&self) -> Result<(), MeshError> {
+        self.check_for(self.taken.load(Ordering::Relaxed))
+    }
+
+    /// An error if there is no room for so many bytes in all.
+    pub fn check_for(&self, needed: u64) -> Result<(), MeshError> {
+        match needed > self.bytes {
+            true => Err(MeshError::Memory {
+                needed_mib: needed.div_ceil(1 << 20),
+                budget_mib: self.bytes >> 20,
+            }),
+            false => Ok(()),
+        }
+    }
+}
+
+/// Reports how many pieces of a stage of work are done, from any thread.
+pub(super) struct Pieces<'a> {
+    progress: &'a dyn Progress,
+    /// The shares of the work that are done before and after the stage.
+    shares: [f32; 2],
+    all: usize,
+    done: Mutex<usize>,
+}
+
+impl Pieces<'_> {
+    pub fn new(progress: &dyn Progress, shares: [f32; 2], all: usize) -> Pieces<'_> {
+        Pieces { progress, shares, all: all.max(1), done: Mutex::new(0) }
+    }
+
+    /// One more is done.
+    pub fn one(&self) {
+        // Held meanwhile, so that shares are reported in their order.
+        let mut done = self.done.lock().unwrap_or_else(PoisonError::into_inner);
+        *done += 1;
+        let [from, to] = self.shares;
+        self.progress.advance(from + (to - from) * (*done as f32 / self.all as f32).min(1.0));
+    }
+}
