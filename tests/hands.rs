@@ -69,6 +69,7 @@ fn is_finite(event: &HandEvent) -> bool {
         }
         HandEvent::Tool(at) => pose(at),
         HandEvent::Resize(notches) => notches.is_finite(),
+        HandEvent::Pressure(pressure) => (0.0..=1.0).contains(pressure),
         HandEvent::Point(at) => at.is_finite(),
         HandEvent::Scroll(by) => by.is_finite(),
         HandEvent::Press

@@ -19,6 +19,8 @@ mod hands;
 mod headset;
 mod program;
 mod rooms;
+#[cfg(unix)]
+mod signals;
 mod track;
 mod ui;
 mod video;

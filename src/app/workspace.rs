@@ -15,7 +15,7 @@ use crate::config::Config;
 use crate::controls::Controls;
 use crate::editor::{Editor, job};
 use crate::gpu::DeviceOptions;
-use crate::input::events::{Viewport as InputArea, device_events};
+use crate::input::events::{Viewport as InputArea, device_events, touch_of};
 use crate::input::pad::device::PadNews;
 use crate::input::{Action, Bindings, Panel, Side};
 use crate::journal::JournalOptions;
@@ -340,10 +340,17 @@ impl Workspace {
         };
         let events = ctx.input(|input| device_events(input, &area));
         let taps = ctx.input(|input| self.controls.take_shift_taps(&input.events));
+        let touched = ctx.input(|input| touch_of(&input.events));
+        if let Some(force) = touched.force {
+            self.editor.set_pressure(force);
+        }
         for event in self.controls.handle(None, &events) {
             self.answer_event(&event);
         }
         self.catch_up();
+        if touched.is_over {
+            self.editor.set_pressure(1.0);
+        }
         if area.keyboard {
             taps.into_iter().for_each(|action| self.act(action));
         }

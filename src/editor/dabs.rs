@@ -34,6 +34,8 @@ const STEPS: f32 = 10.0;
 pub(super) struct Dabs {
     kind: DeformKind,
     options: DeformOptions,
+    /// Share of the strength with which it is used now.
+    pressure: f32,
     /// The modifier that inverts the tool was held at the press.
     inverse: bool,
     /// The pointer on the surface; none while something else moves the tool.
@@ -62,6 +64,10 @@ impl Dabs {
         }
     }
 
+    fn strength(&self) -> f32 {
+        self.options.strength * if self.options.by_pressure { self.pressure } else { 1.0 }
+    }
+
     /// Whether the normal is that around each use.
     fn turns(&self) -> bool {
         matches!(self.kind, DeformKind::Draw | DeformKind::Crease | DeformKind::Pinch)
@@ -69,7 +75,8 @@ impl Dabs {
 
     /// A use of the brush at a place, in voxels, that moves the clay as it is. None where it goes nowhere.
     fn motion(&self, at: Vec3) -> Option<Grab> {
-        let DeformOptions { radius, strength, falloff, .. } = self.options;
+        let DeformOptions { radius, falloff, .. } = self.options;
+        let strength = self.strength();
         let sense = if self.inverse { -1.0 } else { 1.0 };
         let (centre_vx, motion) = match self.kind {
             DeformKind::Pinch => {
@@ -96,7 +103,8 @@ impl Dabs {
             let grab = self.motion(at)?;
             return Some(Command::Grab { grab, surface: SpraySurface::Now });
         }
-        let DeformOptions { radius, strength, falloff, .. } = self.options;
+        let DeformOptions { radius, falloff, .. } = self.options;
+        let strength = self.strength();
         let plane = Plane { normal: self.normal, strength };
         let sense = if self.inverse { -1.0 } else { 1.0 };
         let height = sense * (strength * HEIGHT * radius).min(MAX_HEIGHT);
@@ -135,7 +143,9 @@ impl Editor {
         let edges = grid.voxel_size() / grid.voxel_size().min_element();
         let spacing = if kind == DeformKind::Crease { CREASE_SPACING } else { SPACING };
         let path = Path::new(start, (spacing * options.radius).max(1.0), edges);
-        let dabs = Dabs { kind, options, inverse, guide, start, normal, last: start, edges };
+        let pressure = self.pressure;
+        let dabs =
+            Dabs { kind, options, pressure, inverse, guide, start, normal, last: start, edges };
         self.stroke = Some(Stroke { work: Work::Dabs(dabs), path, changed: 0 });
         self.dab_at(&[start]);
     }
@@ -176,6 +186,7 @@ impl Editor {
     fn dab_at(&mut self, stops: &[Vec3]) {
         for &stop in stops {
             let Some(Stroke { work: Work::Dabs(dabs), .. }) = &mut self.stroke else { return };
+            dabs.pressure = self.pressure;
             if dabs.turns() {
                 let surface = self.session.document().stroke_surface();
                 let normal = normal_around(surface, stop, dabs.options.radius);

@@ -67,6 +67,7 @@ impl Editor {
             }
             HandEvent::Tool(pose) => self.lead_by_hand(&pose, room, picker),
             HandEvent::Press => self.press_by_hand(room, picker),
+            HandEvent::Pressure(pressure) => self.set_pressure(pressure),
             HandEvent::Release => self.release_by_hand(),
             HandEvent::Resize(notches) => self.resize(notches, GROWTH_PER_NOTCH),
             HandEvent::Pick => self.pick_by_hand(room),

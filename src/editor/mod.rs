@@ -83,6 +83,8 @@ pub struct Editor {
     rotates_instead: bool,
     /// What the pointer's button holds was ended, and does nothing until it is released.
     lifted: bool,
+    /// How hard a pen or the trigger of a hand is pressed, 0 to 1; 1 where nothing tells.
+    pressure: f32,
     jobs: Jobs,
     autosave: Autosave,
     /// Voxels that commands have changed since the start.
@@ -104,6 +106,7 @@ impl Editor {
             pointer: None,
             rotates_instead: false,
             lifted: false,
+            pressure: 1.0,
             jobs: Jobs::default(),
             autosave: Autosave::default(),
             voxels_changed: 0,
@@ -136,6 +139,13 @@ impl Editor {
     /// Takes where the pointer is.
     pub fn set_pointer(&mut self, at: Option<Vec2>) {
         self.pointer = at;
+    }
+
+    /// Takes how hard a pen or the trigger of a hand is pressed, 0 to 1.
+    pub fn set_pressure(&mut self, pressure: f32) {
+        if pressure.is_finite() {
+            self.pressure = pressure.clamp(0.0, 1.0);
+        }
     }
 
     /// Whether voxels are being changed by a stroke that is not finished.

@@ -365,6 +365,7 @@ impl Editor {
 
     pub(super) fn end_stroke(&mut self) {
         self.catch_up();
+        self.pressure = 1.0;
         if let Some(stroke) = self.stroke.take()
             && self.execute(&Command::End)
             && stroke.changed == 0

@@ -4,7 +4,7 @@
 //! Takes egui's events, so that windows and panels above the viewport keep theirs; returns
 //! [`DeviceEvent`]s in pixels of the viewport.
 
-use egui::{Event, Key, MouseWheelUnit, PointerButton, Pos2, Rect};
+use egui::{Event, Key, MouseWheelUnit, PointerButton, Pos2, Rect, TouchPhase};
 use glam::Vec2;
 
 /// Points of scrolling per notch of a wheel.
@@ -138,6 +138,31 @@ pub fn device_events(input: &egui::InputState, viewport: &Viewport) -> Vec<Devic
         events.push(DeviceEvent::Left);
     }
     events
+}
+
+/// What is known of pens and fingers on the window.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Touched {
+    /// How hard the last one presses, above 0 and up to 1, where the system tells.
+    pub force: Option<f32>,
+    /// One has left.
+    pub is_over: bool,
+}
+
+/// What the events of this frame tell of pens and fingers.
+pub fn touch_of(events: &[Event]) -> Touched {
+    let mut touched = Touched::default();
+    for event in events {
+        match *event {
+            Event::Touch { phase: TouchPhase::Start | TouchPhase::Move, force, .. } => {
+                // Devices that cannot feel it tell of no force at all.
+                touched.force = force.filter(|force| *force > 0.0).or(touched.force);
+            }
+            Event::Touch { .. } => touched.is_over = true,
+            _ => {}
+        }
+    }
+    touched
 }
 
 /// A key with ctrl that the window system has translated to an event of its own.

@@ -167,7 +167,7 @@ fn a_session_that_ends_as_it_should_leaves_only_what_is_not_saved() {
 #[cfg(unix)]
 #[test]
 fn signals_that_end_the_program_lose_nothing() {
-    for signal in ["-TERM", "-INT", "-HUP"] {
+    for signal in crate::signals::heeded() {
         let folder = folder();
         let mut session = start(folder.path());
         let voxels = ask(&mut session, &["new dims=20,20,20", "clear", "undo"])["voxels"].clone();

@@ -11,6 +11,7 @@ mod light;
 mod memory;
 mod panels;
 mod pictures;
+mod pressure;
 mod print_check;
 mod recovery;
 mod saved_history;

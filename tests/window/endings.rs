@@ -32,7 +32,7 @@ fn work(program: &Program) {
 #[test]
 fn signals_lose_nothing_that_had_ended() {
     let display = display();
-    for signal in ["-TERM", "-INT", "-HUP"] {
+    for signal in crate::signals::heeded() {
         let (folder, program) = start(&display);
         work(&program);
         program.signal(signal);

@@ -17,6 +17,7 @@ use crate::input::{ActionEvent, Bindings};
 use crate::sculpture::Rgb;
 use crate::session::Session;
 use crate::surface::{IndexMap, raycast};
+use crate::tools::deform::DeformKind;
 use crate::tools::spray::SprayKind;
 use crate::view::{Pose, Room};
 
@@ -112,6 +113,28 @@ fn a_jump_of_tracking_cuts_no_tunnel() {
             assert!(person.is_opaque(Vec3::new(0.75, 0.5, 0.5)), "not beyond where the hand went");
         }
     }
+}
+
+#[test]
+fn a_brush_is_weaker_while_the_trigger_is_pulled_less() {
+    let furrow = |trigger: f32, by_pressure: bool| {
+        let mut person = Person::new(DIMS);
+        person.workspace.editor.tool.kind = ToolKind::Deform;
+        person.workspace.editor.tool.deform = DeformKind::Crease;
+        let options = person.workspace.editor.tool.deforms.of_mut(DeformKind::Crease);
+        options.by_pressure = by_pressure;
+        let front = MIDDLE + Vec3::Z * 0.25;
+        person.hold(front, 0.0, 5);
+        for i in 0..10 {
+            person.hold(front + Vec3::X * (0.005 * i as f32), trigger, 1);
+        }
+        person.hold(front, 0.0, 2);
+        assert!(!person.workspace.editor.is_stroking());
+        person.removed_voxels()
+    };
+    let [light, half, full] = [0.61, 0.7, 1.0].map(|trigger| furrow(trigger, true));
+    assert!(0 < light && light < half && half < full, "{light} {half} {full}");
+    assert_eq!(furrow(0.61, false), full);
 }
 
 #[test]

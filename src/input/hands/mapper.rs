@@ -52,6 +52,8 @@ pub enum HandEvent {
     /// Use of the tool begins or ends.
     Press,
     Release,
+    /// How far the tool's trigger is pressed, 0 to 1; 1 when it is released.
+    Pressure(f32),
     /// The tool becomes larger by notches, or smaller below 0.
     Resize(f32),
     /// Picks the colour that the tool touches or points at.
@@ -131,6 +133,8 @@ pub struct HandMapper {
     grips: [Switch; 2],
     menu: [Hold; 2],
     main_trigger: Switch,
+    /// What was last said of it.
+    pressure: f32,
     off_trigger: Hold,
     press_target: Option<PressTarget>,
     pointing: bool,
@@ -152,6 +156,7 @@ impl HandMapper {
             grips: Default::default(),
             menu: Default::default(),
             main_trigger: Switch::default(),
+            pressure: 1.0,
             off_trigger: Hold::default(),
             press_target: None,
             pointing: false,
@@ -242,6 +247,10 @@ impl HandMapper {
         self.pointing = hit.is_some();
         if !self.pointing {
             self.move_tool(aim, carried.is_some(), &mut events);
+        }
+        let pressure = self.main_trigger.pressure(travel);
+        if std::mem::replace(&mut self.pressure, pressure) != pressure {
+            events.push(HandEvent::Pressure(pressure));
         }
         self.update_main_trigger(change, aim, now_s, &mut events);
         if state.hand(main).pick && !self.pointing && self.press_target != Some(PressTarget::Tool) {

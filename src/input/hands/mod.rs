@@ -128,6 +128,14 @@ impl Switch {
         self.down = down;
         change
     }
+
+    /// How far it is pressed beyond where it is released, 0 to 1; 1 while it is not.
+    fn pressure(&self, travel: f32) -> f32 {
+        match self.down {
+            true => ((travel - Self::RELEASE) / (1.0 - Self::RELEASE)).clamp(0.0, 1.0),
+            false => 1.0,
+        }
+    }
 }
 
 #[cfg(test)]
@@ -141,6 +149,17 @@ mod tests {
         let changes: Vec<_> = travels.iter().filter_map(|&travel| switch.feed(travel)).collect();
         use Change::{Pressed, Released};
         assert_eq!(changes, [Pressed, Released, Pressed, Released]);
+    }
+
+    #[test]
+    fn pressure_grows_from_where_a_switch_is_released() {
+        let mut switch = Switch::default();
+        for (travel, pressure) in
+            [(0.3, 1.0), (0.7, 0.5), (1.0, 1.0), (0.46, 0.1), (f32::INFINITY, 1.0), (0.4, 1.0)]
+        {
+            switch.feed(travel);
+            assert!((switch.pressure(travel) - pressure).abs() < 1e-6, "{travel}");
+        }
     }
 
     #[test]
