@@ -26,6 +26,7 @@ use crate::command::{Command, NewSculpture};
 use crate::document::{Applied, CommandError, Document, Limits};
 use crate::format::options::ImportOptions;
 use crate::format::{self, Loaded, Texts};
+use crate::mesh::MeshCache;
 use crate::progress::Progress;
 use crate::saved_history::SavedHistories;
 use crate::sculpture::orientation::{Orientation, Up};
@@ -63,6 +64,8 @@ pub struct Session {
     spill: Option<Arc<Spill>>,
     /// The undo histories of saved files.
     histories: Option<Arc<SavedHistories>>,
+    /// What is kept of the last mesh that was written.
+    meshes: Option<Arc<MeshCache>>,
     /// The bytes of the images that are loaded, or were for the last stroke.
     pictures: HashMap<PathBuf, Arc<[u8]>>,
     /// Files whose content is given by commands.
@@ -111,9 +114,23 @@ impl Session {
             journal: None,
             spill: None,
             histories: None,
+            meshes: None,
             pictures: HashMap::new(),
             embedded: HashMap::new(),
             notes: Vec::new(),
+        }
+    }
+
+    /// Keeps the mesh of an export, within a share of the memory for meshes, so that the next one of the same kind
+    /// makes anew only what has changed.
+    pub fn keep_meshes(&mut self) {
+        self.meshes = Some(Arc::default());
+    }
+
+    /// Another sculpture takes the place of the present one.
+    fn forget_mesh(&self) {
+        if let Some(meshes) = &self.meshes {
+            meshes.clear();
         }
     }
 
@@ -318,6 +335,7 @@ impl Session {
                 export,
                 limits,
                 contents: self.document.share_contents(),
+                meshes: self.meshes.clone(),
                 texts: self.files.texts(self.document.state()),
                 state: self.document.state(),
                 steps: self.steps_to_keep(),
@@ -335,6 +353,7 @@ impl Session {
         let mut entry = None;
         match outcome {
             Outcome::New(contents) => {
+                self.forget_mesh();
                 self.document.replace(*contents, "new")?;
                 self.files.made(self.document.state());
             }
@@ -355,6 +374,7 @@ impl Session {
                 applied = self.document.apply(&command)?
             }
             Outcome::Opened { path, loaded, identity, history } => {
+                self.forget_mesh();
                 self.on_disk.learn(&path, identity);
                 self.access.opened(&path);
                 let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();

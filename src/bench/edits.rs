@@ -13,6 +13,7 @@ use super::statistics::{Times, measure};
 use crate::command::{Command, NewSculpture, SpraySurface};
 use crate::document::{CommandError, Document};
 use crate::gpu::GpuError;
+use crate::mesh::{KeptMesh, MeshKind, VertexColours};
 use crate::scenes::Random;
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::{ColourDepth, Limits, Rgb};
@@ -107,7 +108,62 @@ pub fn edits(runs: usize, limits: Limits) -> Result<Vec<EditReport>, CommandErro
         reports.extend(times.map(|times| EditReport::of(name, voxels, times)));
     }
     reports.extend(carves(&mut document, runs.div_ceil(4))?);
+    reports.extend(meshes_made_anew(&mut document, runs.div_ceil(4))?);
     Ok(reports)
+}
+
+/// Meshes of the cheese that follow a ball of radius 64 carved out of its middle; the blocks made anew for voxels.
+fn meshes_made_anew(document: &mut Document, runs: usize) -> Result<Vec<EditReport>, CommandError> {
+    document.apply(&Command::Begin { label: String::new() })?;
+    for sphere in &holes() {
+        document.apply(sphere)?;
+    }
+    document.apply(&Command::End)?;
+    let ball = subtract(
+        Solid::Ellipsoid,
+        Vec3::new(251.3, 260.7, 255.1),
+        Vec3::splat(64.0),
+        Quat::IDENTITY,
+    );
+    let mut reports = Vec::new();
+    for (name, kind) in [
+        ("faces made anew after a sphere of 64", MeshKind::Faces),
+        ("smooth mesh made anew after that", MeshKind::Smooth),
+    ] {
+        let Some(mut kept) = KeptMesh::new(kind, VertexColours::None) else { continue };
+        let mut follow = |document: &Document| {
+            let (contents, limits) = (document.share_contents(), document.limits());
+            let start = Instant::now();
+            // Limits that have room for the cheese have room for its mesh; without one there is nothing to measure.
+            kept.update(&contents, limits, &()).ok().map(|[anew, _]| (start.elapsed(), anew))
+        };
+        if follow(document).is_none() {
+            continue;
+        }
+        let mut blocks = 0;
+        let times = measure(runs, || {
+            document.apply(&ball)?;
+            let (time, anew) = follow(document).unwrap_or_default();
+            blocks = anew as u64;
+            take_back(document)?;
+            follow(document);
+            Ok::<Duration, CommandError>(time)
+        })?;
+        reports.extend(times.map(|times| EditReport::of(name, blocks, times)));
+    }
+    take_back(document)?;
+    Ok(reports)
+}
+
+/// The 2000 spheres of the cheese.
+fn holes() -> Vec<Command> {
+    let mut random = Random(1);
+    let sphere = |_| {
+        let centre = Vec3::new(random.unit(), random.unit(), random.unit());
+        let radius = Vec3::splat(4.0 + 24.0 * random.unit());
+        subtract(Solid::Ellipsoid, centre * BLOCK_VX as f32, radius, Quat::IDENTITY)
+    };
+    (0..2000).map(sphere).collect()
 }
 
 /// A curve that winds upwards.
@@ -131,14 +187,7 @@ fn vase(points: u16) -> Arc<[Vec2]> {
 
 /// The 2000 spheres of the cheese as commands of one stroke, with undo and redo.
 fn carves(document: &mut Document, runs: usize) -> Result<Vec<EditReport>, CommandError> {
-    let mut random = Random(1);
-    let spheres: Vec<Command> = (0..2000)
-        .map(|_| {
-            let centre = Vec3::new(random.unit(), random.unit(), random.unit());
-            let radius = Vec3::splat(4.0 + 24.0 * random.unit());
-            subtract(Solid::Ellipsoid, centre * BLOCK_VX as f32, radius, Quat::IDENTITY)
-        })
-        .collect();
+    let spheres = holes();
     let mut voxels = 0;
     let (mut undo, mut redo) = (Vec::new(), Vec::new());
     let times = measure(runs, || {
@@ -274,7 +323,7 @@ mod tests {
     #[test]
     fn every_edit_is_reported_and_taken_back() {
         let reports = edits(1, Limits::default()).unwrap();
-        assert_eq!(reports.len(), 23);
+        assert_eq!(reports.len(), 25);
         let voxels = |name: &str| reports.iter().find(|r| r.name.starts_with(name)).unwrap().voxels;
         let ball = 4.0 / 3.0 * std::f64::consts::PI * 64f64.powi(3);
         assert!((voxels("sphere") as f64 / ball - 1.0).abs() < 1e-3);

@@ -51,6 +51,7 @@ pub fn window_or_demo(
         }
         let access = if cli.read_only { FileAccess::ReadOnly } else { FileAccess::Locked };
         session.set_file_access(access);
+        session.keep_meshes();
         if config.journal.keep && !cli.no_journal {
             session.keep_journal(journal_options(&config)).map_err(ProgramError::Journal)?;
         }

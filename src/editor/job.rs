@@ -315,6 +315,7 @@ impl Editor {
         let access = self.session.file_access();
         self.session = session;
         self.session.set_file_access(access);
+        self.session.keep_meshes();
         self.sculpture_replaced();
     }
 

@@ -45,7 +45,9 @@ use glam::{UVec3, Vec3};
 pub use self::error::FormatError;
 pub use self::histogram::Histogram;
 pub use self::info::{Densities, Info, info, info_with};
-pub use self::mesh_out::{MeshOptions, MeshSummary, MeshUp, is_mesh, save_mesh, usual_up};
+pub use self::mesh_out::{
+    MeshOptions, MeshSummary, MeshUp, is_mesh, save_mesh, save_mesh_again, usual_up,
+};
 use self::options::{Colouring, ExportForm, ExportOptions, ImportOptions};
 pub use self::picture::{load_matcap, load_picture, load_picture_file, picture_of};
 pub use self::scan::base64;

@@ -63,6 +63,10 @@ impl Pieces<'_> {
         Pieces { progress, shares, all: all.max(1), done: Mutex::new(0) }
     }
 
+    pub fn is_cancelled(&self) -> bool {
+        self.progress.is_cancelled()
+    }
+
     /// One more is done.
     pub fn one(&self) {
         // Held meanwhile, so that shares are reported in their order.

@@ -17,6 +17,7 @@ const PLACES: u32 = 16;
 const EDGE_PLACE: u32 = 4;
 
 /// The vertices of the lattice's layer between the voxel layers `z - 1` and `z`.
+#[derive(Default)]
 pub struct Layer {
     /// Words of a row of corners.
     pub width: usize,
@@ -38,6 +39,20 @@ pub struct Layer {
     has_odd: bool,
 }
 
+/// What is known of a row of corners while a layer is read.
+pub struct RowOfCorners {
+    places: Places,
+    /// By place along x; those that are no corners mean nothing.
+    octants: Vec<u8>,
+}
+
+impl RowOfCorners {
+    /// Of `width` words.
+    pub fn new(width: usize) -> RowOfCorners {
+        RowOfCorners { places: Places::new(width), octants: vec![0; 64 * width] }
+    }
+}
+
 /// What a vertex beyond the first of its corner is.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Further {
@@ -49,22 +64,31 @@ pub enum Further {
 }
 
 impl Layer {
-    /// The layer below the voxel layer `z` of a grid of `height` rows; without the pinched edges along z.
-    pub fn new(rows: &Rows, width: usize, height: usize, z: i64) -> Layer {
-        let mut layer = Layer {
-            width,
-            corners: vec![0; width * (height + 1)],
-            odd: vec![0; width * (height + 1)],
-            ambiguous: Vec::new(),
-            row_starts: Vec::with_capacity(height + 2),
-            places: Vec::new(),
-            octants: Vec::new(),
-            further: Vec::new(),
-            further_z: Vec::new(),
-            has_odd: false,
-        };
-        let (mut places, mut octants) = (Places::new(width), vec![0; 64 * width]);
-        for y in 0..=height {
+    /// The layer below the voxel layer `z`, without the pinched edges along z.
+    pub fn new(rows: &Rows, z: i64) -> Layer {
+        let mut layer = Layer::default();
+        layer.read(rows, z, &mut RowOfCorners::new(rows.width()));
+        layer
+    }
+
+    /// Becomes [`Layer::new`], in the memory that it has.
+    pub fn read(&mut self, rows: &Rows, z: i64, row: &mut RowOfCorners) {
+        let (width, height) = (rows.width(), rows.corner_rows);
+        let layer = self;
+        layer.width = width;
+        for bits in [&mut layer.corners, &mut layer.odd] {
+            bits.clear();
+            bits.resize(width * height, 0);
+        }
+        for numbers in [&mut layer.row_starts, &mut layer.further, &mut layer.further_z] {
+            numbers.clear();
+        }
+        layer.ambiguous.clear();
+        layer.places.clear();
+        layer.octants.clear();
+        layer.has_odd = false;
+        let RowOfCorners { places, octants } = row;
+        for y in 0..height {
             layer.row_starts.push(layer.octants.len() as u32);
             places.clear();
             let [a, b] = [y as i64 - 1, y as i64];
@@ -77,11 +101,11 @@ impl Layer {
                 }
                 let any = words.iter().fold(0, |all, bits| all | bits);
                 let all = words.iter().fold(u64::MAX, |all, bits| all & bits);
-                let corners = any & !all;
+                let corners = any & !all & rows.corner_mask[i];
                 if corners == 0 {
                     continue;
                 }
-                let odd = odd_corners(&words);
+                let odd = odd_corners(&words) & corners;
                 layer.corners[y * width + i] = corners;
                 layer.odd[y * width + i] = odd;
                 layer.has_odd |= odd != 0;
@@ -97,10 +121,9 @@ impl Layer {
         }
         layer.row_starts.push(layer.octants.len() as u32);
         if layer.has_odd {
-            layer.ambiguous = layer.odd.clone();
+            layer.ambiguous.extend_from_slice(&layer.odd);
             layer.find_further();
         }
-        layer
     }
 
     /// Lists the further vertices of the layer's own corners and of its edges along x and y.
@@ -242,6 +265,19 @@ impl Layer {
             };
             ([at % row, at / row], further)
         })
+    }
+
+    /// What the vertices are, in the order of their numbers: the corner, and which of its vertices.
+    pub fn keys(&self) -> impl Iterator<Item = ([usize; 2], u8)> {
+        let corners = self
+            .rows()
+            .flat_map(|(y, places, _)| places.iter().map(move |&x| ([usize::from(x), y], 0)));
+        let row = 64 * self.width;
+        let further = self.further.iter().chain(&self.further_z).map(move |&key| {
+            let at = (key / PLACES) as usize;
+            ([at % row, at / row], (key % PLACES) as u8)
+        });
+        corners.chain(further)
     }
 
     /// The corners by rows, in the order of their numbers: y, the places along x, and the octants of each.

@@ -9,17 +9,18 @@
 //! same for any number of threads. Takes contents, gives a [`Mesh`] in grid coordinates; knows no files, no units.
 
 mod budget;
+mod cache;
 mod contact;
 mod greedy;
+mod kept;
 mod layer;
 mod place;
 mod rows;
 mod simplify;
 mod slab;
+mod smoothing;
 #[cfg(test)]
 pub(crate) mod tests;
-
-use std::time::{Duration, Instant};
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -28,12 +29,15 @@ use self::budget::Pieces;
 use self::place::{AtCorners, OnSurface, Place};
 use self::rows::Rows;
 use self::slab::Slab;
+use self::smoothing::Smoothing;
 use crate::progress::Progress;
 use crate::sculpture::history::Contents;
 use crate::sculpture::{GridError, Limits, Rgb};
-use crate::shade::{LevelSet, NormalField};
+use crate::shade::LevelSet;
 
 pub(crate) use self::budget::Budget;
+pub use self::cache::MeshCache;
+pub use self::kept::KeptMesh;
 pub use self::place::GAP_VX;
 pub use self::simplify::simplified;
 
@@ -166,8 +170,9 @@ impl Mesh {
                 // Smoothing takes longer than counting.
                 Budget::new(limits)
                     .check_for(bytes_of_faces(contents, colours.are_in(contents)))?;
-                let levels = smooth_surface(contents, limits, progress)?;
-                Mesh::smooth(contents, &levels, colours, limits, progress)
+                let mut smoothing = Smoothing::new(&contents.grid, limits)?;
+                smoothing.update(&contents.grid, None, progress)?;
+                Mesh::smooth(contents, smoothing.levels(), colours, limits, progress)
             }
         }
     }
@@ -336,37 +341,4 @@ fn bytes_of_faces(contents: &Contents, coloured: bool) -> u64 {
         rows.faces(layers) as u64
     });
     faces.sum::<u64>() * slab::bytes_of_face(coloured)
-}
-
-/// Time between two reports of how far smoothing has come.
-const REPORT_EVERY: Duration = Duration::from_millis(50);
-
-/// The smooth surface of a sculpture, as pictures show it.
-fn smooth_surface(
-    contents: &Contents,
-    limits: &Limits,
-    progress: &dyn Progress,
-) -> Result<LevelSet, MeshError> {
-    let grid = &contents.grid;
-    progress.begin("smoothing");
-    let mut normals = NormalField::default();
-    normals.follow(grid, None);
-    let mut levels = LevelSet::new(grid, limits.grid_bytes)?;
-    // Both have a portion for each brick with surface; the first takes about four times as long.
-    let all = (normals.outstanding() + levels.outstanding() / 4).max(1);
-    while !progress.is_cancelled() && normals.outstanding() + levels.outstanding() > 0 {
-        let start = Instant::now();
-        let go_on = || start.elapsed() < REPORT_EVERY && !progress.is_cancelled();
-        match normals.outstanding() {
-            0 => levels.update_while(grid, &normals, &mut Vec::new(), go_on),
-            _ => normals.update(grid, &mut Vec::new(), go_on),
-        }
-        let left = normals.outstanding() + levels.outstanding() / 4;
-        progress.advance(1.0 - left as f32 / all as f32);
-    }
-    progress.end();
-    match levels.is_complete() && !progress.is_cancelled() {
-        true => Ok(levels),
-        false => Err(MeshError::Cancelled),
-    }
 }

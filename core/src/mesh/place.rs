@@ -4,11 +4,13 @@
 //! of the voxels, or on the smooth surface, as in surface nets (Gibson, "Constrained elastic surface nets", 1998).
 //! Takes corners of the lattice with the octants around them; gives positions in grid coordinates.
 
+use std::ops::Range;
 use std::sync::LazyLock;
 
 use glam::{IVec3, UVec3, Vec3, Vec3A};
 
 use super::contact::{CORNERS, Fan, MOST_FANS, beside, voxel_of};
+use super::rows::Rows;
 use crate::sculpture::history::Contents;
 use crate::sculpture::{Grid, Rgb};
 use crate::shade::{LevelLayer, LevelSet};
@@ -22,8 +24,8 @@ pub trait Place: Sync {
     /// What is kept of the voxels beside a layer of the lattice while its vertices are placed.
     type Layer: Default;
 
-    /// Makes `layer` that of the corners at `z`; it may be that of any others before.
-    fn enter(&self, layer: &mut Self::Layer, z: i32);
+    /// Makes `layer` that of the corners of `rows` at `z`; it may be that of any others before.
+    fn enter(&self, layer: &mut Self::Layer, z: i32, rows: &Rows);
     /// The vertex of a corner with one fan.
     fn only(&self, layer: &Self::Layer, corner: IVec3, octants: u8) -> Vec3 {
         self.fan(layer, corner, octants, 0)
@@ -40,7 +42,7 @@ pub struct AtCorners;
 impl Place for AtCorners {
     type Layer = ();
 
-    fn enter(&self, (): &mut (), _: i32) {}
+    fn enter(&self, (): &mut (), _: i32, _: &Rows) {}
 
     #[inline(always)]
     fn only(&self, (): &(), corner: IVec3, _: u8) -> Vec3 {
@@ -102,7 +104,8 @@ pub struct OnSurface<'a> {
 /// The levels of the voxels below and above a layer of the lattice.
 #[derive(Default)]
 pub struct LevelsBeside {
-    z: Option<i32>,
+    /// The layer, and the bricks of it along x and y.
+    place: Option<(i32, [Range<u32>; 2])>,
     low: LevelLayer,
     high: LevelLayer,
 }
@@ -126,14 +129,16 @@ impl<'a> OnSurface<'a> {
 impl Place for OnSurface<'_> {
     type Layer = LevelsBeside;
 
-    fn enter(&self, layer: &mut LevelsBeside, z: i32) {
-        if layer.z.is_some_and(|before| before + 1 == z) {
+    fn enter(&self, layer: &mut LevelsBeside, z: i32, rows: &Rows) {
+        let bricks = rows.bricks_beside(self.grid.brick_dims().truncate());
+        let place = Some((z, bricks.clone()));
+        if layer.place.as_ref().is_some_and(|(before, at)| before + 1 == z && *at == bricks) {
             std::mem::swap(&mut layer.low, &mut layer.high);
         } else {
-            layer.low.read(self.levels, self.grid, i64::from(z) - 1);
+            layer.low.read(self.levels, self.grid, i64::from(z) - 1, &bricks);
         }
-        layer.high.read(self.levels, self.grid, z.into());
-        layer.z = Some(z);
+        layer.high.read(self.levels, self.grid, z.into(), &bricks);
+        layer.place = place;
     }
 
     #[inline(always)]

@@ -5,19 +5,61 @@
 
 use std::ops::Range;
 
-use glam::UVec3;
+use glam::{UVec2, UVec3};
 
 use crate::sculpture::Grid;
 use crate::sculpture::brick::{BRICK_EDGE_VX, BrickKind};
 
-/// Rows of voxels of the layers `first_z..`.
+/// A box of cells of the lattice of voxel corners, named by their lowest corners. It may end with the lattice.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Cells {
+    /// Along x: from the first voxel of a brick on, at most [`Cells::MOST_ALONG_X`].
+    pub x: Range<u32>,
+    /// Along y.
+    pub y: Range<u32>,
+    /// Along z.
+    pub z: Range<u32>,
+}
+
+impl Cells {
+    /// So that a row of them, with a brick before and one after it, is one word.
+    pub const MOST_ALONG_X: u32 = 64 - 2 * BRICK_EDGE_VX;
+
+    /// Whether the cell of this corner is one of them.
+    pub fn contains(&self, [x, y, z]: [u16; 3]) -> bool {
+        self.x.contains(&x.into()) && self.y.contains(&y.into()) && self.z.contains(&z.into())
+    }
+
+    /// Whether cells before these may have the corner, too, which must be of one of them.
+    pub fn is_shared(&self, [x, y, z]: [u16; 3]) -> bool {
+        let starts = [self.x.start, self.y.start, self.z.start];
+        [x, y, z].map(u32::from).iter().zip(starts).any(|(at, start)| *at == start)
+    }
+}
+
+/// Rows of voxels of the layers `first_z..`: all of them, or those around a box of cells. Rows count from the box then, and
+/// along x from the brick before it.
 pub struct Rows {
     first_z: i64,
+    /// Where the rows begin, a multiple of a brick's edge, the first row that there is and that which counts as 0, in the
+    /// grid.
+    first_x: i64,
+    first_y: i64,
+    y_0: i64,
+    /// Rows of a layer.
     height: usize,
     /// Words of a row: one bit more than voxels, for the corners of the lattice.
     width: usize,
     bits: Vec<u64>,
     empty: Vec<u64>,
+    /// By words, the corners that count, and those whose faces do.
+    pub corner_mask: Vec<u64>,
+    pub face_mask: Vec<u64>,
+    /// Rows of corners, and of those whose faces count.
+    pub corner_rows: usize,
+    pub face_rows: usize,
+    /// The voxels beside the corners, along x and y, and beyond the grid.
+    beside: [Range<i64>; 2],
 }
 
 /// Words of a row of the corners of a lattice around `dims` voxels.
@@ -29,27 +71,90 @@ impl Rows {
     /// The voxels of `grid` in the layers `layers` along z.
     pub fn of(grid: &Grid, layers: Range<i64>) -> Rows {
         let dims = grid.dims();
-        let (width, height) = (row_words(dims), dims.y as usize);
+        let all = Rows::read(grid, layers, 0, row_words(dims), 0..dims.y.into());
+        let corner_rows = dims.y as usize + 1;
+        Rows { corner_rows, face_rows: corner_rows, ..all }
+    }
+
+    /// The voxels around the corners of some cells.
+    pub fn around(grid: &Grid, cells: &Cells) -> Rows {
+        let dims = grid.dims();
+        let layers = i64::from(cells.z.start) - 1..i64::from(cells.z.end) + 1;
+        let first_x = i64::from(cells.x.start) - i64::from(BRICK_EDGE_VX);
+        let (first, end) = (i64::from(cells.y.start), i64::from(cells.y.end));
+        let mut rows = Rows::read(grid, layers, first_x, 1, first - 1..end + 1);
+        rows.y_0 = first;
+        rows.face_rows = cells.y.len();
+        rows.corner_rows = cells.y.len() + usize::from(cells.y.end <= dims.y);
+        let bits = |count: u32| (u64::MAX >> (64 - count)) << BRICK_EDGE_VX;
+        let length = cells.x.end - cells.x.start;
+        rows.face_mask = vec![bits(length)];
+        // With the lowest corners of the cells that follow.
+        rows.corner_mask = vec![bits(length + 1)];
+        rows.beside =
+            [i64::from(cells.x.start) - 1..i64::from(cells.x.end) + 1, first - 1..end + 1];
+        rows
+    }
+
+    /// The voxels of some layers and rows of the grid, or beyond it, and of `width` words along x.
+    fn read(grid: &Grid, layers: Range<i64>, first_x: i64, width: usize, rows: Range<i64>) -> Rows {
+        let dims = grid.dims();
+        let height = (rows.end - rows.start) as usize;
         let depth = (layers.end - layers.start) as usize;
-        let mut rows = Rows {
+        let edge = i64::from(BRICK_EDGE_VX);
+        let bricks = |voxels: Range<i64>, axis: u32| {
+            let inside = voxels.start.max(0)..voxels.end.min(axis.into());
+            inside.start.div_euclid(edge)..(inside.end + edge - 1).div_euclid(edge)
+        };
+        let end_x = first_x + 64 * width as i64;
+        let (bricks_x, bricks_y) = (bricks(first_x..end_x, dims.x), bricks(rows.clone(), dims.y));
+        let mut read = Rows {
             first_z: layers.start,
+            first_x,
+            first_y: rows.start,
+            y_0: rows.start,
             height,
             width,
             bits: vec![0; width * height * depth],
             empty: vec![0; width],
+            corner_mask: vec![u64::MAX; width],
+            face_mask: vec![u64::MAX; width],
+            corner_rows: 0,
+            face_rows: 0,
+            beside: [0..dims.x.into(), 0..dims.y.into()],
         };
-        let edge = i64::from(BRICK_EDGE_VX);
         let inside = layers.start.max(0)..layers.end.min(dims.z.into());
-        for brick_z in inside.start.div_euclid(edge)..(inside.end + edge - 1).div_euclid(edge) {
+        for brick_z in bricks(layers, dims.z) {
             let from = inside.start.max(brick_z * edge);
             let to = inside.end.min((brick_z + 1) * edge);
-            for y in 0..grid.brick_dims().y {
-                for x in 0..grid.brick_dims().x {
-                    rows.put(grid, UVec3::new(x, y, brick_z as u32), from..to);
+            for y in bricks_y.clone() {
+                for x in bricks_x.clone() {
+                    read.put(grid, UVec3::new(x as u32, y as u32, brick_z as u32), from..to);
                 }
             }
         }
-        rows
+        read
+    }
+
+    /// Words of a row.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Where x = 0 and y = 0 lie in the grid.
+    pub fn origin(&self) -> [i32; 2] {
+        [self.first_x as i32, self.y_0 as i32]
+    }
+
+    /// The bricks along x and y that have voxels beside the corners, of as many as there are.
+    pub fn bricks_beside(&self, brick_dims: UVec2) -> [Range<u32>; 2] {
+        let edge = i64::from(BRICK_EDGE_VX);
+        let bricks = |voxels: &Range<i64>, most: u32| {
+            let of = |voxel: i64| voxel.div_euclid(edge).clamp(0, most.into()) as u32;
+            of(voxels.start)..of(voxels.end + edge - 1)
+        };
+        let [x, y] = &self.beside;
+        [bricks(x, brick_dims.x), bricks(y, brick_dims.y)]
     }
 
     /// Sets the voxels of a brick in `layers`.
@@ -59,15 +164,16 @@ impl Rows {
             BrickKind::Full => [u64::MAX; 8],
             BrickKind::Mixed => grid.brick(b).to_rows(),
         };
-        let (word, shift) = (b.x as usize / 8, b.x % 8 * 8);
-        let first_y = (b.y * BRICK_EDGE_VX) as usize;
-        let room = (self.height - first_y).min(BRICK_EDGE_VX as usize);
+        let x = (i64::from(b.x * BRICK_EDGE_VX) - self.first_x) as usize;
+        let (word, shift) = (x / 64, x % 64);
+        let first_y = i64::from(b.y * BRICK_EDGE_VX) - self.first_y;
+        let rows = (-first_y).max(0)..(self.height as i64 - first_y).min(BRICK_EDGE_VX.into());
         for z in layers {
             let slice = slices[z as usize % 8];
-            let layer = (z - self.first_z) as usize * self.height;
-            for y in 0..room {
+            let layer = (z - self.first_z) * self.height as i64 + first_y;
+            for y in rows.clone() {
                 let byte = slice >> (8 * y) & 0xFF;
-                self.bits[(layer + first_y + y) * self.width + word] |= byte << shift;
+                self.bits[(layer + y) as usize * self.width + word] |= byte << shift;
             }
         }
     }
@@ -76,13 +182,14 @@ impl Rows {
     /// them along each axis.
     pub fn faces(&self, layers: Range<u32>) -> usize {
         let mut faces = 0;
-        for (z, y) in layers.flat_map(|z| (0..=self.height as i64).map(move |y| (i64::from(z), y)))
-        {
+        let ys = 0..self.face_rows as i64;
+        for (z, y) in layers.flat_map(|z| ys.clone().map(move |y| (i64::from(z), y))) {
             let (here, below, before) = (self.row(y, z), self.row(y, z - 1), self.row(y - 1, z));
             for i in 0..self.width {
                 let others = [moved_up(here, i), below[i], before[i]];
-                faces +=
-                    others.map(|other| (other ^ here[i]).count_ones()).iter().sum::<u32>() as usize;
+                let mask = self.face_mask[i];
+                let counts = others.map(|other| ((other ^ here[i]) & mask).count_ones());
+                faces += counts.iter().sum::<u32>() as usize;
             }
         }
         faces
@@ -93,6 +200,7 @@ impl Rows {
     pub fn row(&self, y: i64, z: i64) -> &[u64] {
         let layers = (self.bits.len() / (self.width * self.height)) as i64;
         let layer = z - self.first_z;
+        let y = y + self.y_0 - self.first_y;
         if !(0..self.height as i64).contains(&y) || !(0..layers).contains(&layer) {
             return &self.empty;
         }

@@ -8,9 +8,9 @@ use std::ops::Range;
 
 use glam::{IVec3, Vec3};
 
-use super::layer::{Further, Layer};
+use super::layer::{Further, Layer, RowOfCorners};
 use super::place::{Place, colour, octant_of_edge, solid_of};
-use super::rows::{Places, Rows, for_each_bit, moved_up, row_words};
+use super::rows::{Cells, Places, Rows, for_each_bit, moved_up};
 use super::{Budget, Part, push_polygon};
 use crate::sculpture::Rgb;
 use crate::sculpture::history::Contents;
@@ -34,6 +34,30 @@ pub fn bytes_of_face(coloured: bool) -> u64 {
 /// Faces of one direction: their axis, and whether they look up along it.
 type Direction = (usize, bool);
 
+/// What a vertex is.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub struct CornerKey {
+    /// The corner of the lattice that it is at, or in the edge from it.
+    pub corner: [u16; 3],
+    /// Which of the corner's vertices ([`Layer::keys`]).
+    pub place: u8,
+}
+
+impl CornerKey {
+    fn of_layer<'a>(
+        layer: &'a Layer,
+        rows: &Rows,
+        z: u32,
+    ) -> impl Iterator<Item = CornerKey> + use<'a> {
+        // Along x rows may begin before the grid, but no corner does.
+        let [x_0, y_0] = rows.origin().map(|first| first as u16);
+        layer.keys().map(move |([x, y], place)| CornerKey {
+            corner: [x_0.wrapping_add(x as u16), y_0 + y as u16, z as u16],
+            place,
+        })
+    }
+}
+
 /// A layer and the number of its first vertex.
 struct Numbered<'a> {
     layer: &'a Layer,
@@ -43,10 +67,34 @@ struct Numbered<'a> {
 impl<P: Place> Slab<'_, P> {
     /// The part of the layers `layers` of the lattice; none if `budget` has no room for it.
     pub fn part(&self, layers: Range<u32>, budget: &Budget) -> Option<Part> {
-        let dims = self.contents.grid.dims();
-        let (width, height) = (row_words(dims), dims.y as usize);
         let (first, end) = (i64::from(layers.start), i64::from(layers.end));
         let rows = Rows::of(&self.contents.grid, first - 1..end + 1);
+        self.part_of(&rows, layers, &mut P::Layer::default(), budget, None)
+    }
+
+    /// The part of a box of cells, with what its vertices are. Unlike that of layers it has all vertices of its faces,
+    /// also those that the cells which follow have, too.
+    pub fn block(
+        &self,
+        cells: &Cells,
+        near: &mut P::Layer,
+        budget: &Budget,
+    ) -> Option<(Part, Vec<CornerKey>)> {
+        let rows = Rows::around(&self.contents.grid, cells);
+        let mut keys = Vec::new();
+        let part = self.part_of(&rows, cells.z.clone(), near, budget, Some(&mut keys))?;
+        Some((part, keys))
+    }
+
+    fn part_of(
+        &self,
+        rows: &Rows,
+        layers: Range<u32>,
+        near: &mut P::Layer,
+        budget: &Budget,
+        mut keys: Option<&mut Vec<CornerKey>>,
+    ) -> Option<Part> {
+        let end = layers.end;
         let mut part = Part::default();
         // A surface has about as many vertices as faces.
         let faces = rows.faces(layers.clone());
@@ -59,32 +107,51 @@ impl<P: Place> Slab<'_, P> {
         if self.coloured {
             part.colours.reserve_exact(faces);
         }
-        let mut layer = Layer::new(&rows, width, height, first);
-        let mut near = P::Layer::default();
+        let (mut row, mut faces) = (RowOfCorners::new(rows.width()), RowOfFaces::new(rows.width()));
+        let (mut layer, mut above) = (Layer::default(), Layer::default());
+        layer.read(rows, layers.start.into(), &mut row);
         let mut base = 0;
         for z in layers {
-            let above = Layer::new(&rows, width, height, i64::from(z) + 1);
+            above.read(rows, i64::from(z) + 1, &mut row);
             layer.find_edges_to(&above);
             let base_above = base + layer.count() as u32;
-            self.put_vertices(&layer, &mut near, z as i32, &mut part);
+            self.put_vertices(&layer, rows, near, z as i32, &mut part);
             let both =
                 [Numbered { layer: &layer, base }, Numbered { layer: &above, base: base_above }];
-            put_faces(&rows, height, z, both, &mut part);
-            (layer, base) = (above, base_above);
+            put_faces(rows, z, both, &mut faces, &mut part);
+            if let Some(keys) = &mut keys {
+                keys.extend(CornerKey::of_layer(&layer, rows, z));
+            }
+            std::mem::swap(&mut layer, &mut above);
+            base = base_above;
+        }
+        if let Some(keys) = keys
+            && end <= self.contents.grid.dims().z
+        {
+            self.put_vertices(&layer, rows, near, end as i32, &mut part);
+            keys.extend(CornerKey::of_layer(&layer, rows, end));
         }
         // Parted voxels have more vertices than that.
         budget.take(part.heap_bytes().saturating_sub(counted)).then_some(part)
     }
 
-    fn put_vertices(&self, layer: &Layer, near: &mut P::Layer, z: i32, part: &mut Part) {
+    fn put_vertices(
+        &self,
+        layer: &Layer,
+        rows: &Rows,
+        near: &mut P::Layer,
+        z: i32,
+        part: &mut Part,
+    ) {
+        let [x_0, y_0] = rows.origin();
         let Part { positions, colours, .. } = part;
         if layer.count() == 0 {
             return;
         }
-        self.place.enter(near, z);
+        self.place.enter(near, z, rows);
         positions.reserve(layer.count());
         for (y, places, octants) in layer.rows() {
-            let at = |x: u16| IVec3::new(x.into(), y as i32, z);
+            let at = |x: u16| IVec3::new(x_0 + i32::from(x), y_0 + y as i32, z);
             let corners = || places.iter().zip(octants).map(|(&x, &octants)| (x, octants));
             match layer.is_plain_row(y) {
                 true => positions
@@ -102,7 +169,7 @@ impl<P: Place> Slab<'_, P> {
             }
         }
         for ([x, y], further) in layer.further() {
-            let corner = IVec3::new(x as i32, y as i32, z);
+            let corner = IVec3::new(x_0 + x as i32, y_0 + y as i32, z);
             let octants = layer.octants_at(x, y);
             let (position, solid) = match further {
                 Further::Fan(fan) => {
@@ -121,20 +188,44 @@ impl<P: Place> Slab<'_, P> {
     }
 }
 
+/// What is known of a row while faces are found.
+struct RowOfFaces {
+    /// The numbers of the corners of rows y and y + 1, here and above; those of other places mean nothing.
+    numbers: [Vec<u32>; 4],
+    /// The faces of a row along each axis, but those with an odd corner.
+    faces: [Places; 3],
+    /// The row moved up by one voxel.
+    left: Vec<u64>,
+}
+
+impl RowOfFaces {
+    /// Of `width` words.
+    fn new(width: usize) -> RowOfFaces {
+        RowOfFaces {
+            numbers: std::array::from_fn(|_| vec![0; 64 * width]),
+            faces: std::array::from_fn(|_| Places::new(width)),
+            left: vec![0; width],
+        }
+    }
+}
+
 /// Adds the faces in a layer of the lattice, and those between it and the layer above.
-fn put_faces(rows: &Rows, height: usize, z: u32, layers: [Numbered; 2], part: &mut Part) {
+fn put_faces(
+    rows: &Rows,
+    z: u32,
+    layers: [Numbered; 2],
+    row_of_faces: &mut RowOfFaces,
+    part: &mut Part,
+) {
     let width = layers[0].layer.width;
     let is_plain = layers.iter().all(|numbered| numbered.layer.is_plain());
-    // The numbers of the corners of rows y and y + 1, here and above.
-    let mut numbers: [Vec<u32>; 4] = std::array::from_fn(|_| vec![0; 64 * width]);
-    // The faces of a row along each axis, but those with an odd corner; and the row moved up by one voxel.
-    let mut faces: [Places; 3] = std::array::from_fn(|_| Places::new(width));
-    let mut left = vec![0; width];
+    let RowOfFaces { numbers, faces, left } = row_of_faces;
     for (i, Numbered { layer, base }) in layers.iter().enumerate() {
         layer.number_row(0, *base, &mut numbers[2 * i]);
     }
-    for y in 0..=height {
-        if y < height {
+    for y in 0..rows.face_rows {
+        let has_next = layers[0].layer.has_row(y + 1);
+        if has_next {
             for (i, Numbered { layer, base }) in layers.iter().enumerate() {
                 layer.number_row(y + 1, *base, &mut numbers[2 * i + 1]);
             }
@@ -153,11 +244,11 @@ fn put_faces(rows: &Rows, height: usize, z: u32, layers: [Numbered; 2], part: &m
             if !is_plain {
                 for Numbered { layer, .. } in &layers {
                     odd |= layer.odd_beside(y, i);
-                    odd |= if y < height { layer.odd_beside(y + 1, i) } else { 0 };
+                    odd |= if has_next { layer.odd_beside(y + 1, i) } else { 0 };
                 }
             }
             for (faces, other) in faces.iter_mut().zip([left, before, below]) {
-                faces.add(i, (other ^ here) & !odd);
+                faces.add(i, (other ^ here) & !odd & rows.face_mask[i]);
             }
         }
         // Faces that look down have their second and fourth vertex swapped.
@@ -170,7 +261,7 @@ fn put_faces(rows: &Rows, height: usize, z: u32, layers: [Numbered; 2], part: &m
         let quads = &mut part.quads;
         let [along_x, along_y, along_z] =
             faces.each_ref().map(|faces| faces.of_row().iter().map(|&x| usize::from(x)));
-        quads.extend(along_x.map(|x| turned(x, &left, [a[x], b[x], d[x], c[x]])));
+        quads.extend(along_x.map(|x| turned(x, left, [a[x], b[x], d[x], c[x]])));
         quads.extend(along_y.map(|x| turned(x, before, [a[x], c[x], c[x] + 1, a[x] + 1])));
         quads.extend(along_z.map(|x| turned(x, below, [a[x], a[x] + 1, b[x] + 1, b[x]])));
         if !is_plain {
@@ -193,6 +284,7 @@ fn put_odd_faces(rows: &Rows, [y, z]: [usize; 2], layers: &[Numbered; 2], part: 
             odd |= layer.odd_beside(y, i);
             odd |= if layer.has_row(y + 1) { layer.odd_beside(y + 1, i) } else { 0 };
         }
+        odd &= rows.face_mask[i];
         if odd == 0 {
             continue;
         }

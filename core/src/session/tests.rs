@@ -95,6 +95,40 @@ fn a_file_that_another_program_has_changed_is_not_overwritten() {
     execute(&mut saved, &save).unwrap();
 }
 
+/// The triangles of an .stl file, in an order of their own.
+fn triangles_in(path: &Path) -> Vec<Vec<u8>> {
+    let bytes = std::fs::read(path).unwrap();
+    let mut all: Vec<Vec<u8>> = bytes[84..].chunks(50).map(<[u8]>::to_vec).collect();
+    all.sort_unstable();
+    all
+}
+
+#[test]
+fn a_mesh_that_is_written_again_is_that_of_the_sculpture_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let [again, anew] = ["again.stl", "anew.stl"].map(|name| folder.path().join(name));
+    let mut session = ball(40);
+    session.keep_meshes();
+    for (command, kind) in [
+        ("subtract ellipsoid at=20,20,38 half=9", "faces"),
+        ("add cuboid at=4,4,4 half=2", "faces"),
+        ("subtract ellipsoid at=3,20,20 half=6", "smooth"),
+        ("undo", "smooth"),
+        ("redo", "smooth"),
+        ("new dims=24,30,20", "smooth"),
+        ("subtract ellipsoid at=3,20,10 half=6", "greedy"),
+    ] {
+        execute(&mut session, command).unwrap();
+        execute(&mut session, &format!("save {again:?} mesh={kind}")).unwrap();
+        let export = format!("save {anew:?} mesh={kind}").parse().unwrap();
+        let Command::Save { export, .. } = export else { panic!("{export:?}") };
+        let contents = session.document().contents();
+        let limits = Limits::default();
+        crate::format::save_mesh(&anew, contents, &export.mesh, &limits, &()).unwrap();
+        assert!(triangles_in(&again) == triangles_in(&anew), "{command} {kind}");
+    }
+}
+
 #[test]
 fn a_change_on_disk_that_is_accepted_is_overwritten_once() {
     let folder = tempfile::tempdir().unwrap();

@@ -15,8 +15,9 @@ use super::lock::FileLock;
 use super::on_disk::FileIdentity;
 use crate::command::{Command, NewSculpture};
 use crate::document::{self, Limits};
-use crate::format::options::{ExportOptions, ImportOptions};
+use crate::format::options::{ExportForm, ExportOptions, ImportOptions};
 use crate::format::{self, Loaded, Texts};
+use crate::mesh::MeshCache;
 use crate::progress::Progress;
 use crate::saved_history::{Found, HistoryToKeep, KeptSteps, SavedHistories};
 use crate::sculpture::history::{Contents, State};
@@ -63,6 +64,8 @@ pub(super) enum Task {
         known: Option<FileIdentity>,
         export: ExportOptions,
         contents: Arc<Contents>,
+        /// What is kept of the last mesh.
+        meshes: Option<Arc<MeshCache>>,
         texts: Texts,
         limits: Limits,
         state: State,
@@ -145,7 +148,18 @@ impl Work {
                     histories::find(histories.as_deref(), identity, &loaded.contents, &limits);
                 Outcome::Opened { path, loaded, identity, history }
             }
-            Task::Save { path, known, is_held, export, contents, texts, limits, state, steps } => {
+            Task::Save {
+                path,
+                known,
+                is_held,
+                export,
+                contents,
+                meshes,
+                texts,
+                limits,
+                state,
+                steps,
+            } => {
                 let lock = lock_to_save(&path, is_held)?;
                 if let Some(known) = known
                     && !known.may_be_replaced(&path)
@@ -153,7 +167,15 @@ impl Work {
                     let found = FileIdentity::of(&path);
                     return Err(SessionError::ChangedOnDisk { path, found });
                 }
-                match format::save_with(&path, &contents, &export, texts, &limits, progress) {
+                let saved = match meshes {
+                    Some(cache) if format::is_mesh(&path) && export.form == ExportForm::Auto => {
+                        let mesh = &export.mesh;
+                        format::save_mesh_again(&path, &contents, mesh, &limits, &cache, progress)
+                            .map(|summary| vec![summary.to_string()])
+                    }
+                    _ => format::save_with(&path, &contents, &export, texts, &limits, progress),
+                };
+                match saved {
                     Ok(notes) => {
                         let identity = FileIdentity::of(&path);
                         let history = histories::to_keep(steps, &path, identity, &contents);

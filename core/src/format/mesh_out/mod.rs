@@ -14,12 +14,13 @@ mod three_mf;
 use std::fmt;
 use std::io::{BufWriter, Write};
 use std::path::Path;
+use std::sync::Arc;
 
 use glam::{Mat3, Vec3};
 
 use super::store::AtomicFile;
 use super::{FormatError, go_on};
-use crate::mesh::{Budget, Mesh, MeshKind, VertexColours, simplified};
+use crate::mesh::{Budget, Mesh, MeshCache, MeshError, MeshKind, VertexColours, simplified};
 use crate::progress::Progress;
 use crate::sculpture::Limits;
 use crate::sculpture::history::Contents;
@@ -132,6 +133,31 @@ pub fn save_mesh(
     limits: &Limits,
     progress: &dyn Progress,
 ) -> Result<MeshSummary, FormatError> {
+    let make = |colours| Mesh::of(contents, options.kind, colours, limits, progress);
+    save_made(path, contents, options, limits, progress, make)
+}
+
+/// [`save_mesh`], with what `cache` has of the last mesh, and leaving this one there.
+pub fn save_mesh_again(
+    path: &Path,
+    contents: &Arc<Contents>,
+    options: &MeshOptions,
+    limits: &Limits,
+    cache: &MeshCache,
+    progress: &dyn Progress,
+) -> Result<MeshSummary, FormatError> {
+    let make = |colours| cache.mesh_of(contents, options.kind, colours, limits, progress);
+    save_made(path, contents, options, limits, progress, make)
+}
+
+fn save_made(
+    path: &Path,
+    contents: &Contents,
+    options: &MeshOptions,
+    limits: &Limits,
+    progress: &dyn Progress,
+    make: impl Fn(VertexColours) -> Result<Mesh, MeshError>,
+) -> Result<MeshSummary, FormatError> {
     let format = MeshFormat::of(path).ok_or(FormatError::NotAMeshFile)?;
     if format == MeshFormat::Glb && options.up == Some(MeshUp::Z) {
         return Err(FormatError::UpOfGlb);
@@ -143,7 +169,7 @@ pub fn save_mesh(
     if contents.grid.opaque_count() == 0 {
         return Err(FormatError::NoSurface);
     }
-    let mut mesh = Mesh::of(contents, options.kind, format.colours(), limits, progress)?;
+    let mut mesh = make(format.colours())?;
     if let Some(triangles) = options.triangles {
         mesh = simplified(mesh, triangles, limits, progress)?;
     }

@@ -60,7 +60,7 @@ impl Numbers {
                 }
                 let end = (start + LAYERS).min(layers);
                 let rows = Rows::of(grid, i64::from(start) - 1..i64::from(end) + 1);
-                let layer = |z: u32| Layer::new(&rows, width, height - 1, z.into());
+                let layer = |z: u32| Layer::new(&rows, z.into());
                 let mut next = layer(start);
                 let made = (start..end).map(|z| {
                     let above = layer(z + 1);

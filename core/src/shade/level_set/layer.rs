@@ -2,6 +2,8 @@
 //!
 //! Takes a level set and its grid, gives the levels of cells between two layers.
 
+use std::ops::Range;
+
 use glam::{UVec2, UVec3};
 
 use super::{LevelSet, NO_PAGE, beyond, place};
@@ -18,43 +20,58 @@ pub struct LevelLayer {
 }
 
 impl LevelLayer {
-    /// Reads the layer `z` of `grid`, which may be the one before its first or after its last.
-    pub fn read(&mut self, set: &LevelSet, grid: &Grid, z: i64) {
+    /// Reads what some bricks along x and y have of the layer `z` of `grid`, with the margins beside those at its border.
+    /// It may be the layer before its first or after its last. Nothing is known of other voxels then.
+    pub fn read(&mut self, set: &LevelSet, grid: &Grid, z: i64, bricks: &[Range<u32>; 2]) {
         let dims = grid.dims();
         let UVec2 { x: width, y: height } = dims.truncate() + 2;
         let (width, height) = (width as usize, height as usize);
         self.width = width;
         self.levels.resize(width * height, 0);
         let inside = z.clamp(0, i64::from(dims.z) - 1);
-        self.read_inside(set, grid, inside as u32);
-        for row in self.levels[width..width * (height - 1)].chunks_exact_mut(width) {
-            row[0] = beyond(row[1]);
-            row[width - 1] = beyond(row[width - 2]);
+        self.read_inside(set, grid, inside as u32, bricks);
+        let [xs, ys] = bricks;
+        let [is_left, is_right] = [xs.start == 0, xs.end == grid.brick_dims().x];
+        let within = |bricks: &Range<u32>, axis: u32| {
+            let end = (bricks.end * BRICK_EDGE_VX).min(axis) as usize;
+            (bricks.start * BRICK_EDGE_VX) as usize + 1..end + 1
+        };
+        let (columns, rows) = (within(xs, dims.x), within(ys, dims.y));
+        for row in self.levels[width * rows.start..width * rows.end].chunks_exact_mut(width) {
+            if is_left {
+                row[0] = beyond(row[1]);
+            }
+            if is_right {
+                row[width - 1] = beyond(row[width - 2]);
+            }
         }
+        let with_margins =
+            columns.start - usize::from(is_left)..columns.end + usize::from(is_right);
         let (first, last) = (width, width * (height - 2));
-        for (to, from) in [(0, first), (width * (height - 1), last)] {
-            for x in 0..width {
+        for (is_there, to, from) in
+            [(ys.start == 0, 0, first), (ys.end == grid.brick_dims().y, width * (height - 1), last)]
+        {
+            for x in with_margins.clone().filter(|_| is_there) {
                 let at_border = self.levels[from + x.clamp(1, width - 2)];
                 self.levels[to + x] = beyond(at_border);
             }
         }
         if inside != z {
             // The margins are beyond the border already, seen from voxels inside.
-            for row in self.levels[width..width * (height - 1)].chunks_exact_mut(width) {
-                row[1..width - 1].iter_mut().for_each(|level| *level = beyond(*level));
+            for row in self.levels[width * rows.start..width * rows.end].chunks_exact_mut(width) {
+                row[columns.clone()].iter_mut().for_each(|level| *level = beyond(*level));
             }
         }
     }
 
-    /// Reads the voxels of the layer, without margins.
-    fn read_inside(&mut self, set: &LevelSet, grid: &Grid, z: u32) {
+    /// Reads the voxels of some bricks of the layer, without margins.
+    fn read_inside(&mut self, set: &LevelSet, grid: &Grid, z: u32, [xs, ys]: &[Range<u32>; 2]) {
         let dims = grid.dims();
-        let bricks = grid.brick_dims();
         let (brick_z, local_z) = (z / BRICK_EDGE_VX, z % BRICK_EDGE_VX);
-        for brick_y in 0..bricks.y {
+        for brick_y in ys.clone() {
             let rows = BRICK_EDGE_VX.min(dims.y - brick_y * BRICK_EDGE_VX) as usize;
             let first_row = (1 + brick_y * BRICK_EDGE_VX) as usize * self.width;
-            for brick_x in 0..bricks.x {
+            for brick_x in xs.clone() {
                 let length = BRICK_EDGE_VX.min(dims.x - brick_x * BRICK_EDGE_VX) as usize;
                 let first = first_row + 1 + (brick_x * BRICK_EDGE_VX) as usize;
                 let index = grid.brick_index(UVec3::new(brick_x, brick_y, brick_z));

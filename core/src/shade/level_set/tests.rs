@@ -161,8 +161,9 @@ fn layers_have_the_levels_of_cells() {
         let (_, levels) = smooth(&grid);
         let [mut low, mut high] = [LevelLayer::default(), LevelLayer::default()];
         for z in 0..=dims[2] as i32 {
-            low.read(&levels, &grid, i64::from(z) - 1);
-            high.read(&levels, &grid, z.into());
+            let all = grid.brick_dims().truncate().to_array().map(|end| 0..end);
+            low.read(&levels, &grid, i64::from(z) - 1, &all);
+            high.read(&levels, &grid, z.into(), &all);
             for (x, y) in (0..=dims[0]).flat_map(|x| (0..=dims[1]).map(move |y| (x, y))) {
                 let here = LevelLayer::corners(&low, &high, [x as usize, y as usize]);
                 let expected = levels.corners(&grid, IVec3::new(x as i32, y as i32, z));

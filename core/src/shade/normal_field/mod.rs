@@ -142,6 +142,12 @@ impl NormalField {
         self.queue.len()
     }
 
+    /// Memory in use, in bytes, but for lists of work.
+    pub fn heap_bytes(&self) -> u64 {
+        let brick_bytes = size_of::<u32>() + size_of::<u64>();
+        (size_of_val(self.pages.units()) + self.table.len() * brick_bytes) as u64
+    }
+
     /// Computes what is outstanding: first what edits have changed, then the rest for as long as `go_on` returns
     /// true. An edit of very many bricks is part of the rest; it leaves them without normals meanwhile. Appends the
     /// bricks whose normals differ from before, rising, each once. `grid` must be that of the last

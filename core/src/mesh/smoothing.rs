@@ -1,0 +1,86 @@
+//! The smooth surface that a mesh follows, as pictures show it; kept, it follows edits.
+//!
+//! Takes a grid and what has changed of it; gives levels, and which bricks they have changed in. Knows no vertices.
+
+use super::MeshError;
+use crate::progress::Progress;
+use crate::sculpture::{Grid, Limits};
+use crate::shade::{LevelSet, NormalField};
+
+/// Portions of work between two reports of how far it has come.
+const PORTIONS: usize = 16;
+
+/// Normals and levels of a grid.
+#[derive(Debug)]
+pub(super) struct Smoothing {
+    normals: NormalField,
+    levels: LevelSet,
+}
+
+impl Smoothing {
+    /// For a grid of this size, within `limits`; all is outstanding.
+    pub fn new(grid: &Grid, limits: &Limits) -> Result<Smoothing, MeshError> {
+        let levels = LevelSet::new(grid, limits.grid_bytes)?;
+        Ok(Smoothing { normals: NormalField::default(), levels })
+    }
+
+    pub fn levels(&self) -> &LevelSet {
+        &self.levels
+    }
+
+    /// Bytes in memory.
+    pub fn heap_bytes(&self) -> u64 {
+        self.normals.heap_bytes() + self.levels.heap_bytes()
+    }
+
+    /// Computes the surface of `grid`. `changed`: the bricks whose voxels differ from the last time, to which those are
+    /// added whose levels do; none: all may.
+    pub fn update(
+        &mut self,
+        grid: &Grid,
+        changed: Option<&mut Vec<u32>>,
+        progress: &dyn Progress,
+    ) -> Result<(), MeshError> {
+        progress.begin("smoothing");
+        let Smoothing { normals, levels } = self;
+        normals.follow(grid, changed.as_deref().map(Vec::as_slice));
+        if let Some(changed) = &changed {
+            levels.follow(grid, changed);
+        }
+        let (mut reshaded, mut moved) = (Vec::new(), Vec::new());
+        // Both have a portion for each brick; one of normals takes some four times as long.
+        let all = (normals.outstanding() + levels.outstanding() / 4).max(1);
+        let report = |normals: usize, levels: usize| {
+            let left = (normals + levels / 4).min(all);
+            progress.advance(1.0 - left as f32 / all as f32);
+        };
+        let go_on = |portions: &mut usize| {
+            *portions += 1;
+            *portions <= PORTIONS && !progress.is_cancelled()
+        };
+        loop {
+            let mut portions = 0;
+            normals.update(grid, &mut reshaded, || go_on(&mut portions));
+            report(normals.outstanding(), levels.outstanding());
+            if normals.outstanding() == 0 || progress.is_cancelled() {
+                break;
+            }
+        }
+        levels.follow(grid, &reshaded);
+        while levels.outstanding() > 0 && !progress.is_cancelled() {
+            let mut portions = 0;
+            levels.update_while(grid, normals, &mut moved, || go_on(&mut portions));
+            report(0, levels.outstanding());
+        }
+        progress.end();
+        if progress.is_cancelled() {
+            return Err(MeshError::Cancelled);
+        }
+        if let Some(changed) = changed {
+            changed.append(&mut moved);
+            changed.sort_unstable();
+            changed.dedup();
+        }
+        Ok(())
+    }
+}
