@@ -5,6 +5,7 @@ mod check;
 mod files;
 mod film;
 mod final_picture;
+#[cfg(target_os = "linux")]
 mod limits;
 mod meshes;
 mod orthographic;
