@@ -10,6 +10,7 @@ mod files;
 mod histories;
 mod keeping;
 mod lock;
+mod meshes;
 mod on_disk;
 mod recording;
 mod recover;
@@ -24,9 +25,8 @@ use std::time::Instant;
 
 use crate::command::{Command, NewSculpture};
 use crate::document::{Applied, CommandError, Document, Limits};
-use crate::format::options::ImportOptions;
+use crate::format::options::{ExportForm, ImportOptions};
 use crate::format::{self, Loaded, Texts};
-use crate::mesh::MeshCache;
 use crate::progress::Progress;
 use crate::saved_history::SavedHistories;
 use crate::sculpture::orientation::{Orientation, Up};
@@ -37,6 +37,7 @@ pub use error::SessionError;
 use files::Files;
 use keeping::Keeping;
 pub use lock::Holder;
+use meshes::KeptMeshes;
 pub use on_disk::FileIdentity;
 use on_disk::OnDisk;
 use recording::Recording;
@@ -65,7 +66,7 @@ pub struct Session {
     /// The undo histories of saved files.
     histories: Option<Arc<SavedHistories>>,
     /// What is kept of the last mesh that was written.
-    meshes: Option<Arc<MeshCache>>,
+    meshes: Option<KeptMeshes>,
     /// The bytes of the images that are loaded, or were for the last stroke.
     pictures: HashMap<PathBuf, Arc<[u8]>>,
     /// Files whose content is given by commands.
@@ -124,7 +125,7 @@ impl Session {
     /// Keeps the mesh of an export, within a share of the memory for meshes, so that the next one of the same kind
     /// makes anew only what has changed.
     pub fn keep_meshes(&mut self) {
-        self.meshes = Some(Arc::default());
+        self.meshes = Some(KeptMeshes::default());
     }
 
     /// Another sculpture takes the place of the present one.
@@ -295,7 +296,7 @@ impl Session {
     /// The long part of a command, to run separately. None for commands without one, which
     /// [`Session::execute`] executes at once. Of an undo or redo it is that of the next step alone:
     /// see [`Document::first_leg`].
-    pub fn prepare(&self, command: &Command) -> Result<Option<Work>, SessionError> {
+    pub fn prepare(&mut self, command: &Command) -> Result<Option<Work>, SessionError> {
         let limits = *self.document.limits();
         if matches!(command, Command::New(_) | Command::Open { .. }) {
             self.document.require_no_stroke(command.verb())?;
@@ -329,13 +330,18 @@ impl Session {
                 Task::Open { path, embedded, import, limits, histories }
             }
             Command::Save { path, export } => Task::Save {
+                meshes: match &mut self.meshes {
+                    Some(kept) if format::is_mesh(&path) && export.form == ExportForm::Auto => {
+                        Some(kept.next_version(&mut self.document))
+                    }
+                    _ => None,
+                },
                 known: self.on_disk.known(&path),
                 is_held: self.access.holds(&path),
                 path,
                 export,
                 limits,
                 contents: self.document.share_contents(),
-                meshes: self.meshes.clone(),
                 texts: self.files.texts(self.document.state()),
                 state: self.document.state(),
                 steps: self.steps_to_keep(),

@@ -11,9 +11,9 @@ use super::LEAST_RUNS;
 use super::pictures::Pictures;
 use super::statistics::{Times, measure};
 use crate::command::{Command, NewSculpture, SpraySurface};
-use crate::document::{CommandError, Document};
+use crate::document::{ChangeSubscriber, CommandError, Document};
 use crate::gpu::GpuError;
-use crate::mesh::{KeptMesh, MeshKind, VertexColours};
+use crate::mesh::{ContentsVersion, KeptMesh, MeshKind, VertexColours};
 use crate::scenes::Random;
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::{ColourDepth, Limits, Rgb};
@@ -131,11 +131,17 @@ fn meshes_made_anew(document: &mut Document, runs: usize) -> Result<Vec<EditRepo
         ("smooth mesh made anew after that", MeshKind::Smooth),
     ] {
         let Some(mut kept) = KeptMesh::new(kind, VertexColours::None) else { continue };
-        let mut follow = |document: &Document| {
-            let (contents, limits) = (document.share_contents(), document.limits());
+        let (subscriber, mut number) = (ChangeSubscriber::default(), 0);
+        let mut follow = |document: &mut Document| {
+            let limits = *document.limits();
             let start = Instant::now();
-            // Limits that have room for the cheese have room for its mesh; without one there is nothing to measure.
-            kept.update(&contents, limits, &()).ok().map(|[anew, _]| (start.elapsed(), anew))
+            number += 1;
+            document.drain_changes_for(&subscriber, |contents, bricks| {
+                let version = ContentsVersion { number, changed: bricks.map(<[u32]>::to_vec) };
+                // Limits that have room for the cheese have room for its mesh; without one there is nothing to measure.
+                let made = kept.update(contents, &version, &limits, &());
+                made.ok().map(|[anew, _]| (start.elapsed(), anew))
+            })
         };
         if follow(document).is_none() {
             continue;

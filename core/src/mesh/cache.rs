@@ -3,9 +3,11 @@
 //! It takes memory until the next export, within a share of what meshes may take; larger ones are not kept, so that they
 //! are in memory once. Greedy meshes are made at once.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 
-use super::{Budget, KeptMesh, Mesh, MeshError, MeshKind, VertexColours, bytes_of_faces};
+use super::{
+    Budget, ContentsVersion, KeptMesh, Mesh, MeshError, MeshKind, VertexColours, bytes_of_faces,
+};
 use crate::progress::Progress;
 use crate::sculpture::Limits;
 use crate::sculpture::history::Contents;
@@ -20,10 +22,12 @@ pub struct MeshCache {
 }
 
 impl MeshCache {
-    /// The mesh of `contents`, as [`Mesh::of`] makes it but for the order of its parts.
+    /// The mesh of `contents`, which are `version` of all that it was asked for, as [`Mesh::of`] makes it but for the
+    /// order of its parts.
     pub fn mesh_of(
         &self,
-        contents: &Arc<Contents>,
+        contents: &Contents,
+        version: &ContentsVersion,
         kind: MeshKind,
         colours: VertexColours,
         limits: &Limits,
@@ -38,11 +42,9 @@ impl MeshCache {
         else {
             return Mesh::of(contents, kind, colours, limits, progress);
         };
-        kept.update(contents, limits, progress)?;
+        kept.update(contents, version, limits, progress)?;
         let mesh = kept.mesh()?;
-        // It shares the contents with the sculpture until that is edited.
-        let contents_bytes = contents.grid.heap_bytes() + contents.material.heap_bytes();
-        if kept.heap_bytes() + contents_bytes <= most {
+        if kept.heap_bytes() <= most {
             *slot = Some(kept);
         }
         Ok(mesh)

@@ -2,22 +2,22 @@
 //!
 //! Blocks of cells of the lattice are meshed independently, each with all vertices of its faces; where blocks meet, both
 //! have a vertex. Put together, each vertex is there once, and the faces are those of the mesh that is made at once, in
-//! another order. What has changed is found by comparing the contents with those of the last time. Knows no files.
+//! another order. Takes the contents and the bricks that have changed since the last time; keeps no contents, so that
+//! the next edit need not copy them. Knows no files.
 
 use std::collections::HashMap;
-use std::sync::Arc;
 
-use glam::UVec3;
+use glam::{UVec3, Vec3};
 use rayon::prelude::*;
 
 use super::budget::Pieces;
 use super::place::{AtCorners, OnSurface, Place};
 use super::rows::Cells;
-use super::slab::{CornerKey, Slab};
+use super::slab::{CornerKey, Scratch, Slab};
 use super::smoothing::Smoothing;
 use super::{Budget, Mesh, MeshError, MeshKind, Part, VertexColours};
 use crate::progress::Progress;
-use crate::sculpture::brick::BRICK_EDGE_VX;
+use crate::sculpture::brick::{BRICK_EDGE_VX, BrickKind};
 use crate::sculpture::brick_set::BrickSet;
 use crate::sculpture::history::Contents;
 use crate::sculpture::{Grid, Limits, Rgb};
@@ -38,13 +38,31 @@ impl Block {
     }
 }
 
+/// A state of contents that may be meshed, one after the other.
+#[derive(Clone, Debug)]
+pub struct ContentsVersion {
+    /// One more than that of the version before.
+    pub number: u64,
+    /// The bricks that have changed since the version before, rising; none if all may have.
+    pub changed: Option<Vec<u32>>,
+}
+
+/// What a mesh is of.
+#[derive(Clone, Copy, PartialEq, Debug)]
+struct Subject {
+    dims: UVec3,
+    voxel_size: Vec3,
+    base: Rgb,
+    coloured: bool,
+}
+
 /// See the module text. Greedy meshes cannot be kept: a rectangle may go through all blocks.
 #[derive(Debug)]
 pub struct KeptMesh {
     kind: MeshKind,
     colours: VertexColours,
-    /// What the blocks are of; none before the first time, and after work that was given up.
-    contents: Option<Arc<Contents>>,
+    /// The subject and version that the blocks are of; none before the first time, and after work that was given up.
+    of: Option<(Subject, u64)>,
     /// Of the smooth surface.
     smoothing: Option<Smoothing>,
     /// By x, y, z.
@@ -54,7 +72,7 @@ pub struct KeptMesh {
 impl KeptMesh {
     /// A mesh of this kind, of nothing yet. None for kinds that cannot be kept.
     pub fn new(kind: MeshKind, colours: VertexColours) -> Option<KeptMesh> {
-        let kept = KeptMesh { kind, colours, contents: None, smoothing: None, blocks: Vec::new() };
+        let kept = KeptMesh { kind, colours, of: None, smoothing: None, blocks: Vec::new() };
         (kind != MeshKind::Greedy).then_some(kept)
     }
 
@@ -63,29 +81,30 @@ impl KeptMesh {
         (self.kind, self.colours) == (kind, colours)
     }
 
-    /// Bytes in memory, without those of the contents.
+    /// Bytes in memory.
     pub fn heap_bytes(&self) -> u64 {
         let smoothing = self.smoothing.as_ref().map_or(0, Smoothing::heap_bytes);
         smoothing + self.blocks.iter().map(Block::heap_bytes).sum::<u64>()
     }
 
-    /// Makes it the mesh of `contents`, within `limits`. Returns how many of how many blocks were made anew.
+    /// Makes it the mesh of `contents`, which are `version` of all that it has been made of, within `limits`. Returns how
+    /// many of how many blocks were made anew.
     pub fn update(
         &mut self,
-        contents: &Arc<Contents>,
+        contents: &Contents,
+        version: &ContentsVersion,
         limits: &Limits,
         progress: &dyn Progress,
     ) -> Result<[usize; 2], MeshError> {
         let grid = &contents.grid;
-        let before = self.contents.take().filter(|before| {
-            let is_coloured = |contents| self.colours.are_in(contents);
-            let base = |contents: &Contents| contents.material.base();
-            before.grid.dims() == grid.dims()
-                && before.grid.voxel_size() == grid.voxel_size()
-                && is_coloured(before) == is_coloured(contents)
-                && (!is_coloured(contents) || base(before) == base(contents))
-        });
-        let mut changed = before.as_ref().map(|before| self.changed_bricks(before, contents));
+        let subject = Subject {
+            dims: grid.dims(),
+            voxel_size: grid.voxel_size(),
+            base: contents.material.base(),
+            coloured: self.colours.are_in(contents),
+        };
+        let follows = self.of.take() == version.number.checked_sub(1).map(|last| (subject, last));
+        let mut changed = version.changed.clone().filter(|_| follows);
         if self.kind == MeshKind::Smooth {
             let smoothing = match self.smoothing.take() {
                 Some(kept) if changed.is_some() => kept,
@@ -94,71 +113,51 @@ impl KeptMesh {
             let smoothing = self.smoothing.insert(smoothing);
             smoothing.update(grid, changed.as_mut(), progress)?;
         }
-        let dims = block_dims(grid);
-        let count = dims.element_product() as usize;
-        let mut stale = BrickSet::new(count);
-        match &changed {
-            Some(changed) => changed.iter().for_each(|&brick| {
-                for block in blocks_beside(grid, brick) {
-                    stale.insert(block);
-                }
-            }),
+        let count = block_dims(grid.dims()).element_product();
+        let stale = match &changed {
+            Some(changed) => blocks_of(grid, changed),
             None => {
                 self.blocks.clear();
-                self.blocks.resize_with(count, Block::default);
-                (0..count as u32).for_each(|block| stale.insert(block));
-            }
-        }
-        let mut anew = Vec::new();
-        stale.collect_into(&mut anew);
-        let budget = Budget::new(limits);
-        let kept = self.blocks.iter().map(Block::heap_bytes).sum::<u64>();
-        budget.take(kept);
-        progress.begin("making the mesh");
-        let pieces = Pieces::new(progress, [0.0, 1.0], anew.len());
-        let made = match &self.smoothing {
-            None => remake(contents, self.colours, &AtCorners, &anew, &budget, &pieces),
-            Some(smoothing) => {
-                let place = OnSurface::new(grid, smoothing.levels());
-                remake(contents, self.colours, &place, &anew, &budget, &pieces)
+                self.blocks.resize_with(count as usize, Block::default);
+                (0..count).collect()
             }
         };
+        let budget = Budget::new(limits);
+        budget.take(self.blocks.iter().map(Block::heap_bytes).sum::<u64>());
+        let taken = |&block: &u32| (block, std::mem::take(&mut self.blocks[block as usize]));
+        let mut anew: Vec<(u32, Block)> = stale.iter().map(taken).collect();
+        progress.begin("making the mesh");
+        let pieces = Pieces::new(progress, [0.0, 1.0], anew.len());
+        match &self.smoothing {
+            None => remake(contents, subject.coloured, &AtCorners, &mut anew, &budget, &pieces),
+            Some(smoothing) => {
+                let place = OnSurface::new(grid, smoothing.levels());
+                remake(contents, subject.coloured, &place, &mut anew, &budget, &pieces);
+            }
+        }
         progress.end();
         if progress.is_cancelled() {
             return Err(MeshError::Cancelled);
         }
         budget.check()?;
-        let made = made.ok_or(MeshError::Cancelled)?;
-        for (&block, made) in anew.iter().zip(made) {
+        let anew_count = anew.len();
+        for (block, made) in anew {
             self.blocks[block as usize] = made;
         }
-        self.contents = Some(Arc::clone(contents));
-        Ok([anew.len(), count])
-    }
-
-    /// The bricks whose voxels, or colours if they count, differ; rising.
-    fn changed_bricks(&self, before: &Contents, now: &Contents) -> Vec<u32> {
-        let colours = self.colours.are_in(now);
-        let differs = |&brick: &u32| {
-            let brick = brick as usize;
-            before.grid.brick_at(brick) != now.grid.brick_at(brick)
-                || colours && before.material.page(brick) != now.material.page(brick)
-        };
-        let all = 0..now.grid.brick_count() as u32;
-        all.into_par_iter().with_min_len(1 << 12).filter(differs).collect()
+        self.of = Some((subject, version.number));
+        Ok([anew_count, count as usize])
     }
 
     /// The mesh that it is at present, each vertex once.
     pub fn mesh(&self) -> Result<Mesh, MeshError> {
-        let Some(contents) = &self.contents else {
+        let Some((Subject { dims, base, .. }, _)) = self.of else {
             return Ok(Mesh { parts: Vec::new(), base: Rgb::STONE });
         };
-        let dims = block_dims(&contents.grid);
         // The number of the first vertex that each block owns.
         let counts: Vec<u64> = (0..self.blocks.len())
             .into_par_iter()
             .map(|block| {
-                let cells = cells_of(&contents.grid, dims, block);
+                let cells = cells_of(dims, block);
                 let keys = self.blocks[block].keys.iter();
                 keys.filter(|key| cells.contains(key.corner)).count() as u64
             })
@@ -176,7 +175,7 @@ impl KeptMesh {
         // The numbers of the vertices at the lowest sides of blocks, which others have, too.
         let mut shared = HashMap::new();
         for (block, Block { keys, .. }) in self.blocks.iter().enumerate() {
-            let cells = cells_of(&contents.grid, dims, block);
+            let cells = cells_of(dims, block);
             let mut number = firsts[block];
             for key in keys {
                 if cells.contains(key.corner) {
@@ -188,7 +187,7 @@ impl KeptMesh {
             }
         }
         let parts = self.blocks.par_iter().enumerate().map(|(block, Block { part, keys })| {
-            let cells = cells_of(&contents.grid, dims, block);
+            let cells = cells_of(dims, block);
             let first = firsts[block];
             let mut own = Part { first_vertex: first, ..Part::default() };
             let mut next = 0;
@@ -209,61 +208,85 @@ impl KeptMesh {
             own.triangles = part.triangles.iter().map(|triangle| triangle.map(of)).collect();
             own
         });
-        Ok(Mesh { parts: parts.collect(), base: contents.material.base() })
+        Ok(Mesh { parts: parts.collect(), base })
     }
 }
 
-/// Makes blocks; none if there is no room for them or the work is cancelled.
+/// Makes blocks in the memory that they have; not all if there is no room for them or the work is cancelled.
 fn remake<P: Place>(
     contents: &Contents,
-    colours: VertexColours,
+    coloured: bool,
     place: &P,
-    blocks: &[u32],
+    blocks: &mut [(u32, Block)],
     budget: &Budget,
     pieces: &Pieces,
-) -> Option<Vec<Block>>
-where
-    P::Layer: Send,
-{
-    let dims = block_dims(&contents.grid);
-    let slab = Slab { contents, place, coloured: colours.are_in(contents) };
-    let make = |near: &mut P::Layer, &block: &u32| {
+) {
+    let slab = Slab { contents, place, coloured };
+    let make = |scratch: &mut Scratch<P::Layer>, (block, made): &mut (u32, Block)| {
         if pieces.is_cancelled() {
-            return None;
+            return false;
         }
-        let cells = cells_of(&contents.grid, dims, block as usize);
-        let (part, keys) = slab.block(&cells, near, budget)?;
+        let cells = cells_of(contents.grid.dims(), *block as usize);
+        let is_made = match is_uniform(&contents.grid, &cells) {
+            true => {
+                *made = Block::default();
+                true
+            }
+            false => slab.fill_block(&cells, scratch, budget, (&mut made.part, &mut made.keys)),
+        };
         pieces.one();
-        Some(Block { part, keys })
+        is_made
     };
-    blocks.par_iter().map_init(P::Layer::default, make).collect()
+    // A row of cells is one word.
+    blocks.par_iter_mut().map_init(|| Scratch::new(1), make).all(|is_made| is_made);
 }
 
-/// Number of blocks along each axis.
-fn block_dims(grid: &Grid) -> UVec3 {
+/// Number of blocks along each axis of a grid of `dims` voxels.
+fn block_dims(dims: UVec3) -> UVec3 {
     // One corner more than voxels.
-    (grid.dims() + BLOCK) / BLOCK
+    (dims + BLOCK) / BLOCK
 }
 
-/// The cells of a block.
-fn cells_of(grid: &Grid, dims: UVec3, block: usize) -> Cells {
-    let block = block as u32;
-    let b = UVec3::new(block % dims.x, block / dims.x % dims.y, block / (dims.x * dims.y));
-    let first = b * BLOCK;
-    let end = (first + BLOCK).min(grid.dims() + 1);
+/// The cells of a block of a grid of `dims` voxels.
+fn cells_of(dims: UVec3, block: usize) -> Cells {
+    let (block, blocks) = (block as u32, block_dims(dims));
+    let (x, rest) = (block % blocks.x, block / blocks.x);
+    let first = UVec3::new(x, rest % blocks.y, rest / blocks.y) * BLOCK;
+    let end = (first + BLOCK).min(dims + 1);
     Cells { x: first.x..end.x, y: first.y..end.y, z: first.z..end.z }
 }
 
-/// The blocks that a brick may change: those with a corner whose octants, or those of the corners beside it, have one of
-/// its voxels.
-fn blocks_beside(grid: &Grid, brick: u32) -> impl Iterator<Item = u32> {
-    let dims = block_dims(grid);
-    let first = grid.brick_coords(brick as usize) * BRICK_EDGE_VX;
-    // One corner more on each side, as blocks have the corners at their upper sides, too.
-    let low = first.saturating_sub(UVec3::splat(3)) / BLOCK;
-    let high = ((first + BRICK_EDGE_VX + 2) / BLOCK).min(dims - 1);
-    let block = move |x, y, z| x + dims.x * (y + dims.y * z);
-    (low.z..=high.z).flat_map(move |z| {
-        (low.y..=high.y).flat_map(move |y| (low.x..=high.x).map(move |x| block(x, y, z)))
-    })
+/// Whether the bricks with voxels beside the corners of the cells are all empty, or all full: there is no surface then.
+fn is_uniform(grid: &Grid, cells: &Cells) -> bool {
+    let voxels = [&cells.x, &cells.y, &cells.z].map(|range| (range.start, range.end));
+    let (first, last) = (UVec3::from(voxels.map(|v| v.0)), UVec3::from(voxels.map(|v| v.1)));
+    // Beyond the grid there is nothing.
+    let reaches_out = first.cmpeq(UVec3::ZERO).any() || last.cmpge(grid.dims()).any();
+    let low = first.saturating_sub(UVec3::ONE) / BRICK_EDGE_VX;
+    let high = (last / BRICK_EDGE_VX).min(grid.brick_dims() - 1);
+    let kind = |x, y, z| grid.brick_kind(grid.brick_index(UVec3::new(x, y, z)));
+    let expected = if reaches_out { BrickKind::Empty } else { kind(low.x, low.y, low.z) };
+    expected != BrickKind::Mixed
+        && (low.z..=high.z)
+            .all(|z| (low.y..=high.y).all(|y| (low.x..=high.x).all(|x| kind(x, y, z) == expected)))
+}
+
+/// The blocks that some bricks may change, rising: those with a corner whose octants have one of their voxels.
+fn blocks_of(grid: &Grid, bricks: &[u32]) -> Vec<u32> {
+    let dims = block_dims(grid.dims());
+    let mut blocks = BrickSet::new(dims.element_product() as usize);
+    for &brick in bricks {
+        let first = grid.brick_coords(brick as usize) * BRICK_EDGE_VX;
+        // Blocks have the corners at their upper sides, too.
+        let low = first.saturating_sub(UVec3::ONE) / BLOCK;
+        let high = ((first + BRICK_EDGE_VX) / BLOCK).min(dims - 1);
+        for z in low.z..=high.z {
+            for y in low.y..=high.y {
+                (low.x..=high.x).for_each(|x| blocks.insert(x + dims.x * (y + dims.y * z)));
+            }
+        }
+    }
+    let mut listed = Vec::new();
+    blocks.collect_into(&mut listed);
+    listed
 }

@@ -112,7 +112,9 @@ impl Layer {
                 places.add(i, corners);
                 let octants = &mut octants[64 * i..64 * (i + 1)];
                 for (byte, octants) in octants.as_chunks_mut::<8>().0.iter_mut().enumerate() {
-                    *octants = columns(&words, byte);
+                    if corners >> (8 * byte) & 0xFF != 0 {
+                        *octants = columns(&words, byte);
+                    }
                 }
             }
             let places = places.of_row();
@@ -267,17 +269,13 @@ impl Layer {
         })
     }
 
-    /// What the vertices are, in the order of their numbers: the corner, and which of its vertices.
-    pub fn keys(&self) -> impl Iterator<Item = ([usize; 2], u8)> {
-        let corners = self
-            .rows()
-            .flat_map(|(y, places, _)| places.iter().map(move |&x| ([usize::from(x), y], 0)));
+    /// What the further vertices are, in the order of their numbers: the corner, and which of its vertices.
+    pub fn further_keys(&self) -> impl Iterator<Item = ([usize; 2], u8)> {
         let row = 64 * self.width;
-        let further = self.further.iter().chain(&self.further_z).map(move |&key| {
+        self.further.iter().chain(&self.further_z).map(move |&key| {
             let at = (key / PLACES) as usize;
             ([at % row, at / row], (key % PLACES) as u8)
-        });
-        corners.chain(further)
+        })
     }
 
     /// The corners by rows, in the order of their numbers: y, the places along x, and the octants of each.

@@ -37,7 +37,7 @@ use crate::shade::LevelSet;
 
 pub(crate) use self::budget::Budget;
 pub use self::cache::MeshCache;
-pub use self::kept::KeptMesh;
+pub use self::kept::{ContentsVersion, KeptMesh};
 pub use self::place::GAP_VX;
 pub use self::simplify::simplified;
 
@@ -136,6 +136,14 @@ pub struct Part {
 }
 
 impl Part {
+    /// Removes all vertices and faces; keeps the memory.
+    fn clear(&mut self) {
+        self.positions.clear();
+        self.colours.clear();
+        self.quads.clear();
+        self.triangles.clear();
+    }
+
     fn heap_bytes(&self) -> u64 {
         let bytes = self.positions.capacity() * size_of::<Vec3>()
             + self.colours.capacity() * size_of::<Rgb>()

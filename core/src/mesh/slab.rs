@@ -39,22 +39,43 @@ type Direction = (usize, bool);
 pub struct CornerKey {
     /// The corner of the lattice that it is at, or in the edge from it.
     pub corner: [u16; 3],
-    /// Which of the corner's vertices ([`Layer::keys`]).
+    /// Which of the corner's vertices (as the layer's [`Layer::further_keys`]; 0 is the first).
     pub place: u8,
 }
 
 impl CornerKey {
-    fn of_layer<'a>(
-        layer: &'a Layer,
-        rows: &Rows,
-        z: u32,
-    ) -> impl Iterator<Item = CornerKey> + use<'a> {
+    /// Appends what the vertices of a layer are, in the order of their numbers.
+    fn list(layer: &Layer, rows: &Rows, z: u32, keys: &mut Vec<CornerKey>) {
         // Along x rows may begin before the grid, but no corner does.
         let [x_0, y_0] = rows.origin().map(|first| first as u16);
-        layer.keys().map(move |([x, y], place)| CornerKey {
-            corner: [x_0.wrapping_add(x as u16), y_0 + y as u16, z as u16],
+        let key = |x: u16, y: usize, place| CornerKey {
+            corner: [x_0.wrapping_add(x), y_0 + y as u16, z as u16],
             place,
-        })
+        };
+        for (y, places, _) in layer.rows() {
+            keys.extend(places.iter().map(|&x| key(x, y, 0)));
+        }
+        keys.extend(layer.further_keys().map(|([x, y], place)| key(x as u16, y, place)));
+    }
+}
+
+/// Memory for making parts, one after the other.
+pub struct Scratch<L> {
+    near: L,
+    corners: RowOfCorners,
+    faces: RowOfFaces,
+    layers: [Layer; 2],
+}
+
+impl<L: Default> Scratch<L> {
+    /// For rows of `width` words.
+    pub fn new(width: usize) -> Scratch<L> {
+        Scratch {
+            near: L::default(),
+            corners: RowOfCorners::new(width),
+            faces: RowOfFaces::new(width),
+            layers: Default::default(),
+        }
     }
 }
 
@@ -69,70 +90,73 @@ impl<P: Place> Slab<'_, P> {
     pub fn part(&self, layers: Range<u32>, budget: &Budget) -> Option<Part> {
         let (first, end) = (i64::from(layers.start), i64::from(layers.end));
         let rows = Rows::of(&self.contents.grid, first - 1..end + 1);
-        self.part_of(&rows, layers, &mut P::Layer::default(), budget, None)
+        let mut part = Part::default();
+        let mut scratch = Scratch::new(rows.width());
+        self.fill_part(&rows, layers, &mut scratch, budget, (&mut part, None)).then_some(part)
     }
 
-    /// The part of a box of cells, with what its vertices are. Unlike that of layers it has all vertices of its faces,
-    /// also those that the cells which follow have, too.
-    pub fn block(
+    /// Makes `part` that of a box of cells, and `keys` what its vertices are, in the memory that they have; false if
+    /// `budget` has no room for more. Unlike a part of layers it has all vertices of its faces, also those that the
+    /// cells which follow have, too.
+    pub fn fill_block(
         &self,
         cells: &Cells,
-        near: &mut P::Layer,
+        scratch: &mut Scratch<P::Layer>,
         budget: &Budget,
-    ) -> Option<(Part, Vec<CornerKey>)> {
+        (part, keys): (&mut Part, &mut Vec<CornerKey>),
+    ) -> bool {
+        part.clear();
+        keys.clear();
         let rows = Rows::around(&self.contents.grid, cells);
-        let mut keys = Vec::new();
-        let part = self.part_of(&rows, cells.z.clone(), near, budget, Some(&mut keys))?;
-        Some((part, keys))
+        self.fill_part(&rows, cells.z.clone(), scratch, budget, (part, Some(keys)))
     }
 
-    fn part_of(
+    /// Fills a part without vertices and faces.
+    fn fill_part(
         &self,
         rows: &Rows,
         layers: Range<u32>,
-        near: &mut P::Layer,
+        scratch: &mut Scratch<P::Layer>,
         budget: &Budget,
-        mut keys: Option<&mut Vec<CornerKey>>,
-    ) -> Option<Part> {
+        (part, mut keys): (&mut Part, Option<&mut Vec<CornerKey>>),
+    ) -> bool {
         let end = layers.end;
-        let mut part = Part::default();
         // A surface has about as many vertices as faces.
-        let faces = rows.faces(layers.clone());
-        let counted = faces as u64 * bytes_of_face(self.coloured);
+        let face_count = rows.faces(layers.clone());
+        let kept = part.heap_bytes();
+        let counted = (face_count as u64 * bytes_of_face(self.coloured)).saturating_sub(kept);
         if !budget.take(counted) {
-            return None;
+            return false;
         }
-        part.quads.reserve_exact(faces);
-        part.positions.reserve_exact(faces);
+        part.quads.reserve_exact(face_count);
+        part.positions.reserve_exact(face_count);
         if self.coloured {
-            part.colours.reserve_exact(faces);
+            part.colours.reserve_exact(face_count);
         }
-        let (mut row, mut faces) = (RowOfCorners::new(rows.width()), RowOfFaces::new(rows.width()));
-        let (mut layer, mut above) = (Layer::default(), Layer::default());
-        layer.read(rows, layers.start.into(), &mut row);
+        let Scratch { near, corners: row, faces, layers: [layer, above] } = scratch;
+        layer.read(rows, layers.start.into(), row);
         let mut base = 0;
         for z in layers {
-            above.read(rows, i64::from(z) + 1, &mut row);
-            layer.find_edges_to(&above);
+            above.read(rows, i64::from(z) + 1, row);
+            layer.find_edges_to(above);
             let base_above = base + layer.count() as u32;
-            self.put_vertices(&layer, rows, near, z as i32, &mut part);
-            let both =
-                [Numbered { layer: &layer, base }, Numbered { layer: &above, base: base_above }];
-            put_faces(rows, z, both, &mut faces, &mut part);
+            self.put_vertices(layer, rows, near, z as i32, part);
+            let both = [Numbered { layer, base }, Numbered { layer: above, base: base_above }];
+            put_faces(rows, z, both, faces, part);
             if let Some(keys) = &mut keys {
-                keys.extend(CornerKey::of_layer(&layer, rows, z));
+                CornerKey::list(layer, rows, z, keys);
             }
-            std::mem::swap(&mut layer, &mut above);
+            std::mem::swap(layer, above);
             base = base_above;
         }
         if let Some(keys) = keys
             && end <= self.contents.grid.dims().z
         {
-            self.put_vertices(&layer, rows, near, end as i32, &mut part);
-            keys.extend(CornerKey::of_layer(&layer, rows, end));
+            self.put_vertices(layer, rows, near, end as i32, part);
+            CornerKey::list(layer, rows, end, keys);
         }
         // Parted voxels have more vertices than that.
-        budget.take(part.heap_bytes().saturating_sub(counted)).then_some(part)
+        budget.take(part.heap_bytes().saturating_sub(kept + counted))
     }
 
     fn put_vertices(
@@ -250,6 +274,11 @@ fn put_faces(
             for (faces, other) in faces.iter_mut().zip([left, before, below]) {
                 faces.add(i, (other ^ here) & !odd & rows.face_mask[i]);
             }
+        }
+        if is_plain && faces.iter().all(|faces| faces.of_row().is_empty()) {
+            numbers.swap(0, 1);
+            numbers.swap(2, 3);
+            continue;
         }
         // Faces that look down have their second and fourth vertex swapped.
         let turned = |x: usize, up: &[u64], [first, second, third, fourth]: [u32; 4]| {

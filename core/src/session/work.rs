@@ -15,9 +15,9 @@ use super::lock::FileLock;
 use super::on_disk::FileIdentity;
 use crate::command::{Command, NewSculpture};
 use crate::document::{self, Limits};
-use crate::format::options::{ExportForm, ExportOptions, ImportOptions};
+use crate::format::options::{ExportOptions, ImportOptions};
 use crate::format::{self, Loaded, Texts};
-use crate::mesh::MeshCache;
+use crate::mesh::{ContentsVersion, MeshCache};
 use crate::progress::Progress;
 use crate::saved_history::{Found, HistoryToKeep, KeptSteps, SavedHistories};
 use crate::sculpture::history::{Contents, State};
@@ -64,8 +64,8 @@ pub(super) enum Task {
         known: Option<FileIdentity>,
         export: ExportOptions,
         contents: Arc<Contents>,
-        /// What is kept of the last mesh.
-        meshes: Option<Arc<MeshCache>>,
+        /// What is kept of the last mesh, if this is to be one, and how it differs.
+        meshes: Option<(Arc<MeshCache>, ContentsVersion)>,
         texts: Texts,
         limits: Limits,
         state: State,
@@ -168,12 +168,12 @@ impl Work {
                     return Err(SessionError::ChangedOnDisk { path, found });
                 }
                 let saved = match meshes {
-                    Some(cache) if format::is_mesh(&path) && export.form == ExportForm::Auto => {
-                        let mesh = &export.mesh;
-                        format::save_mesh_again(&path, &contents, mesh, &limits, &cache, progress)
+                    Some((cache, version)) => {
+                        let (mesh, kept) = (&export.mesh, (&*cache, &version));
+                        format::save_mesh_again(&path, &contents, mesh, &limits, kept, progress)
                             .map(|summary| vec![summary.to_string()])
                     }
-                    _ => format::save_with(&path, &contents, &export, texts, &limits, progress),
+                    None => format::save_with(&path, &contents, &export, texts, &limits, progress),
                 };
                 match saved {
                     Ok(notes) => {

@@ -14,13 +14,14 @@ mod three_mf;
 use std::fmt;
 use std::io::{BufWriter, Write};
 use std::path::Path;
-use std::sync::Arc;
 
 use glam::{Mat3, Vec3};
 
 use super::store::AtomicFile;
 use super::{FormatError, go_on};
-use crate::mesh::{Budget, Mesh, MeshCache, MeshError, MeshKind, VertexColours, simplified};
+use crate::mesh::{
+    Budget, ContentsVersion, Mesh, MeshCache, MeshError, MeshKind, VertexColours, simplified,
+};
 use crate::progress::Progress;
 use crate::sculpture::Limits;
 use crate::sculpture::history::Contents;
@@ -137,16 +138,16 @@ pub fn save_mesh(
     save_made(path, contents, options, limits, progress, make)
 }
 
-/// [`save_mesh`], with what `cache` has of the last mesh, and leaving this one there.
+/// [`save_mesh`], with what `cache` has of the mesh of the version before, and leaving this one there.
 pub fn save_mesh_again(
     path: &Path,
-    contents: &Arc<Contents>,
+    contents: &Contents,
     options: &MeshOptions,
     limits: &Limits,
-    cache: &MeshCache,
+    (cache, version): (&MeshCache, &ContentsVersion),
     progress: &dyn Progress,
 ) -> Result<MeshSummary, FormatError> {
-    let make = |colours| cache.mesh_of(contents, options.kind, colours, limits, progress);
+    let make = |colours| cache.mesh_of(contents, version, options.kind, colours, limits, progress);
     save_made(path, contents, options, limits, progress, make)
 }
 

@@ -1,0 +1,33 @@
+//! What a session keeps of the meshes that it writes, and how the sculpture has changed from one to the next.
+//!
+//! Takes the document at the time of a save; gives a numbered version of its contents for the [`MeshCache`]. Makes no mesh.
+
+use std::sync::Arc;
+
+use crate::document::{ChangeSubscriber, Document};
+use crate::mesh::{ContentsVersion, MeshCache};
+
+/// See the module text.
+#[derive(Debug, Default)]
+pub(super) struct KeptMeshes {
+    cache: Arc<MeshCache>,
+    subscriber: ChangeSubscriber,
+    /// The number of the last version.
+    last: u64,
+}
+
+impl KeptMeshes {
+    /// The document as it is, for a mesh that is about to be written. Each version says what differs from the one before,
+    /// whether that was written or not.
+    pub fn next_version(&mut self, document: &mut Document) -> (Arc<MeshCache>, ContentsVersion) {
+        self.last += 1;
+        let list = |bricks: &[u32]| bricks.to_vec();
+        let changed = document.drain_changes_for(&self.subscriber, |_, bricks| bricks.map(list));
+        (Arc::clone(&self.cache), ContentsVersion { number: self.last, changed })
+    }
+
+    /// Gives the memory of the last mesh back.
+    pub fn clear(&self) {
+        self.cache.clear();
+    }
+}
