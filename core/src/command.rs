@@ -24,6 +24,7 @@ use crate::tools::grab::{Grab, Motion};
 use crate::tools::mend::Mend;
 use crate::tools::spray::Spray;
 use crate::tools::symmetry::Symmetry;
+use crate::tools::tint::Tint;
 
 mod area;
 mod help;
@@ -154,6 +155,22 @@ pub enum Command {
         /// Their colour afterwards.
         colour: Rgb,
     },
+    /// Change the colours of an area, voxel by voxel.
+    Tint {
+        /// Which voxels.
+        area: Area,
+        /// What happens to their colours.
+        tint: Tint,
+    },
+    /// Give the patch of one colour on the surface around a voxel another colour.
+    Flood {
+        /// The voxel.
+        at: UVec3,
+        /// The colour of the patch afterwards.
+        colour: Rgb,
+        /// How far colours of the patch may differ from the voxel's: a share of the range of each channel.
+        tolerance: f32,
+    },
     /// Move and resize the marker. Like all commands about the selection it is no undo step, since it
     /// changes no voxel.
     Mark(VoxelBox),
@@ -245,6 +262,8 @@ impl Command {
             Command::Fill { .. } => "fill",
             Command::Clear { .. } => "clear",
             Command::Dye { .. } => "dye",
+            Command::Tint { tint, .. } => tint.verb(),
+            Command::Flood { .. } => "flood",
             Command::Mark(_) => "mark",
             Command::Select(_) => "select",
             Command::Limit(_) => "limit",
@@ -269,7 +288,10 @@ impl Command {
             Command::Construct { primitive, .. } | Command::Texture { primitive, .. } => {
                 format!("{} {}", self.verb(), primitive.solid.name())
             }
-            Command::Fill { area, .. } | Command::Clear { area } | Command::Dye { area, .. }
+            Command::Fill { area, .. }
+            | Command::Clear { area }
+            | Command::Dye { area, .. }
+            | Command::Tint { area, .. }
                 if *area != Area::Grid =>
             {
                 format!("{} {}", self.verb(), area.name())

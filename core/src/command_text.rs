@@ -29,6 +29,7 @@ mod grab;
 mod mend;
 mod selection;
 mod spray;
+mod tint;
 
 /// The base colour of new sculptures by default.
 pub const DEFAULT_BASE: Rgb = Rgb::STONE;
@@ -167,6 +168,10 @@ impl fmt::Display for Command {
             }
             Command::Clear { area } => write!(f, " {}", area.name()),
             Command::Dye { area, colour } => write!(f, " {} colour={colour}", area.name()),
+            Command::Tint { area, tint } => tint::write(*area, tint, f),
+            Command::Flood { at, colour, tolerance } => {
+                tint::write_flood(*at, *colour, *tolerance, f)
+            }
             Command::Mark(_)
             | Command::Select(_)
             | Command::Limit(_)
@@ -264,6 +269,8 @@ impl FromStr for Command {
                 area: selection::parse_area(&mut args)?,
                 colour: args.required("colour", parse_colour)?,
             },
+            "adjust" | "gradient" | "noise" => tint::parse(&verb, &mut args)?,
+            "flood" => tint::parse_flood(&mut args)?,
             "mark" | "select" | "limit" | "irreversible" | "symmetry" | "copy" | "cut"
             | "paste" | "move" | "array" | "orient" => selection::parse(&verb, &mut args)?,
             "remove-islands" | "fill-cavities" | "thicken" | "drain" => {

@@ -309,6 +309,10 @@ impl Document {
             Command::Dye { area, colour } => {
                 self.edit_area(*area, EditOp::Recolour(*colour), command)
             }
+            Command::Tint { area, tint } => self.tint(*area, tint, command),
+            Command::Flood { at, colour, tolerance } => {
+                self.flood(*at, *colour, *tolerance, command)
+            }
             Command::Copy => self.copy().map(|()| Applied::default()),
             Command::Cut => self.cut(command),
             Command::Move { by, orientation } => self.move_marked(*by, *orientation, command),

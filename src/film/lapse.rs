@@ -79,6 +79,8 @@ fn is_step(command: &Command) -> bool {
         | Command::Fill { .. }
         | Command::Clear { .. }
         | Command::Dye { .. }
+        | Command::Tint { .. }
+        | Command::Flood { .. }
         | Command::Cut
         | Command::Paste { .. }
         | Command::Move { .. }

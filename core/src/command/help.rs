@@ -97,6 +97,26 @@ pub const COMMANDS: &[CommandHelp] = &[
         tooltip: "Recolour every voxel of an area",
     },
     CommandHelp {
+        verb: "adjust",
+        usage: "[grid|selection|marker] [hue=DEGREES] [saturation=FACTOR] [value=FACTOR]",
+        tooltip: "Change hue, saturation and value of the colours of the area",
+    },
+    CommandHelp {
+        verb: "gradient",
+        usage: "[grid|selection|marker] from=X,Y,Z to=X,Y,Z colour=#rrggbb end=#rrggbb [strength=0..1]",
+        tooltip: "Recolour the area from one colour to another along the way between two points",
+    },
+    CommandHelp {
+        verb: "noise",
+        usage: "[grid|selection|marker] colour=#rrggbb [size=VOXELS] [amount=0..1] [seed=N]",
+        tooltip: "Blend a colour into the area by irregular patches of a size",
+    },
+    CommandHelp {
+        verb: "flood",
+        usage: "at=X,Y,Z colour=#rrggbb [tolerance=0..1]",
+        tooltip: "Recolour the patch of one colour on the surface around a voxel",
+    },
+    CommandHelp {
         verb: "mark",
         usage: "at=X,Y,Z size=A,B,C",
         tooltip: "Move and resize the marker: its lower corner and its size in voxels",

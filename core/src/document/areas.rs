@@ -1,16 +1,19 @@
-//! Commands about areas: fill, clear and dye them; copy, cut and move the marker's contents.
+//! Commands about areas: fill, clear, dye and tint them, flood patches of one colour; copy, cut and move the marker's contents.
 
 use std::sync::Arc;
 
-use glam::IVec3;
+use glam::{IVec3, UVec3};
 
 use super::{Applied, CommandError, Document};
 use crate::command::{Area, Command};
+use crate::sculpture::Rgb;
 use crate::sculpture::clip::Clip;
 use crate::sculpture::edit::EditOp;
 use crate::sculpture::orientation::Orientation;
 use crate::sculpture::region::{Everywhere, Region};
 use crate::sculpture::selection::Selection;
+use crate::tools::flood;
+use crate::tools::tint::{Tint, Tinter};
 
 impl Document {
     /// Edits all voxels of an area.
@@ -42,6 +45,69 @@ impl Document {
         self.check_colour_memory(|document, exact| document.new_pages(region, op, exact))?;
         let stats = self.edit(region, op);
         self.applied(stats, command)
+    }
+
+    /// Changes the colours of an area.
+    pub(super) fn tint(
+        &mut self,
+        area: Area,
+        tint: &Tint,
+        command: &Command,
+    ) -> Result<Applied, CommandError> {
+        tint.check().map_err(CommandError::Tint)?;
+        if !self.has_colour() {
+            return Err(CommandError::NoColour);
+        }
+        match area {
+            Area::Grid => self.tint_region(&Everywhere, tint, command),
+            Area::Marker => self.tint_region(&self.selection.marker(), tint, command),
+            Area::Selection if self.selection.stack().is_empty() => {
+                Err(CommandError::NothingSelected)
+            }
+            Area::Selection => self.tint_region(&self.selection.stack().clone(), tint, command),
+        }
+    }
+
+    fn tint_region(
+        &mut self,
+        region: &impl Region,
+        tint: &Tint,
+        command: &Command,
+    ) -> Result<Applied, CommandError> {
+        let (voxel_size, base) = (self.grid().voxel_size(), self.material().base());
+        let tinter = Tinter::new(tint, voxel_size, base);
+        if !tinter.keeps_base() {
+            let any = EditOp::Recolour(self.new_colour());
+            self.check_colour_memory(|document, exact| document.new_pages(region, any, exact))?;
+        }
+        let stats = self.paint(region, |v, now| tinter.colour(v, now));
+        self.applied(stats, command)
+    }
+
+    /// Recolours the patch of one colour on the surface around a voxel, and those around its mirror images.
+    pub(super) fn flood(
+        &mut self,
+        at: UVec3,
+        colour: Rgb,
+        tolerance: f32,
+        command: &Command,
+    ) -> Result<Applied, CommandError> {
+        if !(0.0..=1.0).contains(&tolerance) {
+            return Err(CommandError::Tint("the tolerance must be a share from 0 to 1"));
+        }
+        if !self.has_colour() {
+            return Err(CommandError::NoColour);
+        }
+        let grid = self.grid();
+        if at.cmpge(grid.dims()).any() || !flood::is_on_surface(grid, at.as_ivec3()) {
+            return Err(CommandError::NotOnSurface(at));
+        }
+        let centre = at.as_vec3() + 0.5;
+        let images = self.symmetry.images(grid.dims()).into_iter();
+        let voxels = images.map(|image| image.point(centre).floor().as_ivec3());
+        let starts = voxels.filter(|v| flood::is_on_surface(grid, *v)).map(|v| v.as_uvec3());
+        let patch = flood::patch(&self.contents, &starts.collect::<Vec<UVec3>>(), tolerance);
+        self.edit_region(&patch, EditOp::Recolour(colour), command)
     }
 
     /// Copies the marker's contents to the clipboard.

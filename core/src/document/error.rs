@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use glam::UVec3;
 use thiserror::Error;
 
 use super::tools::{MAX_ARRAY, MAX_REPEATED};
@@ -86,6 +87,12 @@ pub enum CommandError {
     /// A parameter of a pull or of a brush that deforms is out of range; the text says which.
     #[error("{0}")]
     Grab(&'static str),
+    /// A number of a change of colours is out of range; the text says which.
+    #[error("{0}")]
+    Tint(&'static str),
+    /// There is no voxel of the surface to flood from.
+    #[error("there is no voxel of the surface at {0}; flood from one that can be seen")]
+    NotOnSurface(UVec3),
     /// A number of the solid is not finite or not positive.
     #[error("{0} of the solid must be finite and its half extent above zero")]
     Primitive(&'static str),

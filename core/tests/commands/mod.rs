@@ -14,3 +14,4 @@ mod refusals;
 mod script;
 pub mod strategies;
 mod text;
+mod tints;

@@ -21,6 +21,7 @@ use sculpture_core::tools::grab::{Falloff, Grab, Motion};
 use sculpture_core::tools::mend::{Keep, Mend, Toward};
 use sculpture_core::tools::spray::{Effect, Footprint, Outline, Spray};
 use sculpture_core::tools::symmetry::{Parity, Symmetry};
+use sculpture_core::tools::tint::Tint;
 
 use super::forms::{form, small_form};
 
@@ -304,6 +305,10 @@ pub fn area_work() -> impl Strategy<Value = Command> {
             .prop_map(|(area, colour)| Command::Fill { area, colour }),
         2 => area().prop_map(|area| Command::Clear { area }),
         2 => (area(), colour()).prop_map(|(area, colour)| Command::Dye { area, colour }),
+        3 => (area(), tint()).prop_map(|(area, tint)| Command::Tint { area, tint }),
+        2 => (prop::array::uniform3(0u32..24), colour(), 0.0f32..1.0).prop_map(
+            |(at, colour, tolerance)| Command::Flood { at: at.into(), colour, tolerance },
+        ),
         8 => marker(-6..24, 20).prop_map(Command::Mark),
         6 => prop::sample::select(&SelectOp::ALL[..]).prop_map(Command::Select),
         3 => any::<bool>().prop_map(Command::Limit),
@@ -319,6 +324,39 @@ pub fn area_work() -> impl Strategy<Value = Command> {
         6 => spray,
         4 => mend(|| 0.5f32..6.0).prop_map(Command::Mend),
     ]
+}
+
+/// Changes of colours that are possible.
+fn tint() -> impl Strategy<Value = Tint> {
+    let point = || prop::array::uniform3(-9.0f32..30.0).prop_map(Vec3::from);
+    prop_oneof![
+        (-360.0f32..360.0, 0.0f32..3.0, 0.0f32..3.0).prop_map(|(hue_deg, saturation, value)| {
+            Tint::Adjust { hue_deg, saturation, value }
+        }),
+        (point(), point(), colour(), colour(), 0.0f32..1.0).prop_map(
+            |(from_vx, to_vx, from, to, strength)| Tint::Gradient {
+                from_vx,
+                to_vx,
+                colours: [from, to],
+                strength,
+            }
+        ),
+        (colour(), 1.0f32..40.0, 0.0f32..1.0, any::<u32>())
+            .prop_map(|(colour, size, amount, seed)| Tint::Noise { colour, size, amount, seed }),
+    ]
+}
+
+/// Changes of colours with any numbers.
+fn any_tint() -> impl Strategy<Value = Tint> {
+    (tint(), any_vec3()).prop_map(|(tint, any)| match tint {
+        Tint::Adjust { .. } => Tint::Adjust { hue_deg: any.x, saturation: any.y, value: any.z },
+        Tint::Gradient { to_vx, colours, .. } => {
+            Tint::Gradient { from_vx: any, to_vx, colours, strength: any.x }
+        }
+        Tint::Noise { colour, seed, .. } => {
+            Tint::Noise { colour, size: any.x, amount: any.y, seed }
+        }
+    })
 }
 
 /// Mends with lengths in `length`.
@@ -407,6 +445,10 @@ pub fn any_command() -> impl Strategy<Value = Command> {
             .prop_map(|(area, colour)| Command::Fill { area, colour }),
         area().prop_map(|area| Command::Clear { area }),
         (area(), colour()).prop_map(|(area, colour)| Command::Dye { area, colour }),
+        (area(), any_tint()).prop_map(|(area, tint)| Command::Tint { area, tint }),
+        (any::<[u32; 3]>(), colour(), any_number()).prop_map(|(at, colour, tolerance)| {
+            Command::Flood { at: at.into(), colour, tolerance }
+        }),
         mark,
         prop::sample::select(&SelectOp::ALL[..]).prop_map(Command::Select),
         any::<bool>().prop_map(Command::Limit),

@@ -6,7 +6,7 @@ use super::{fuzz, small};
 use sculpture_core::document::Limits;
 use sculpture_core::session::Session;
 
-const LINES: [&str; 42] = [
+const LINES: [&str; 46] = [
     "new dims=24,20,12 size=1,1,1 colour=24 base=#c8beaa fill=solid",
     "open \"/nonexistent/a.raw\" threshold=2..9 raw=8x6x5:u8:0 region=1,1,1..3,3,3 cubic=2mm mesh_size=9",
     "embed \"a\" data=iVZTQw0KGgoBAAAA",
@@ -36,6 +36,10 @@ const LINES: [&str; 42] = [
     "fill selection colour=#102030",
     "clear marker",
     "dye grid colour=#405060",
+    "adjust grid hue=40 saturation=1.5 value=0.5",
+    "gradient marker from=0,0,0 to=9,9,9 colour=#ff0000 end=#0000ff strength=0.75",
+    "noise grid colour=#204060 size=4 amount=0.5 seed=3",
+    "flood at=9,9,0 colour=#ffff00 tolerance=0.25",
     "limit off",
     "symmetry x=even y=odd z=off",
     "copy",

@@ -1,0 +1,307 @@
+//! Colours for all voxels of an area, from where each is and what colour it has: adjusted colours, a gradient, noise.
+//!
+//! Takes voxels and their present colours; gives their new ones. Knows no document and changes nothing.
+
+use glam::{IVec3, UVec3, Vec3};
+
+use crate::sculpture::Rgb;
+
+/// Largest coordinate of a gradient's ends, in voxels.
+const FARTHEST_VX: f32 = 1.0e6;
+/// Largest factor on saturation and value.
+pub const MAX_FACTOR: f32 = 8.0;
+/// Sizes of patches of noise, in units of the smallest edge of a voxel.
+pub const SIZE_RANGE: std::ops::RangeInclusive<f32> = 1.0..=1024.0;
+/// Colours of a gradient that are computed beforehand: more than 8 bits can show.
+const STEPS: usize = 1024;
+/// Octaves of noise; each has half the size and half the weight of the one before.
+const OCTAVES: u32 = 3;
+
+/// What happens to the colours of an area.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Tint {
+    /// Changes hue, saturation and value.
+    Adjust {
+        /// Added to the hue, in degrees.
+        hue_deg: f32,
+        /// Factor on the saturation.
+        saturation: f32,
+        /// Factor on the value, the brightest channel.
+        value: f32,
+    },
+    /// Blends from one colour to another between two planes.
+    Gradient {
+        /// A point of the plane where the first colour ends, in voxel coordinates.
+        from_vx: Vec3,
+        /// A point of the plane where the second begins; both are perpendicular to the way between them.
+        to_vx: Vec3,
+        /// The colours.
+        colours: [Rgb; 2],
+        /// Share of the gradient in the colours, 0 to 1.
+        strength: f32,
+    },
+    /// Blends a colour in by patches.
+    Noise {
+        /// The colour.
+        colour: Rgb,
+        /// Size of the largest patches, in units of the smallest edge of a voxel.
+        size: f32,
+        /// Largest share of the colour, 0 to 1.
+        amount: f32,
+        /// Another number, another pattern.
+        seed: u32,
+    },
+}
+
+impl Tint {
+    /// The verb of the text form.
+    pub const fn verb(&self) -> &'static str {
+        match self {
+            Tint::Adjust { .. } => "adjust",
+            Tint::Gradient { .. } => "gradient",
+            Tint::Noise { .. } => "noise",
+        }
+    }
+
+    /// An error that says which number is out of range, if one is.
+    pub fn check(&self) -> Result<(), &'static str> {
+        let is_share = |share: &f32| (0.0..=1.0).contains(share);
+        let is_near = |point: &Vec3| point.abs().cmple(Vec3::splat(FARTHEST_VX)).all();
+        match self {
+            Tint::Adjust { hue_deg, .. } if !(hue_deg.abs() <= 360.0) => {
+                Err("the hue must be turned by -360 to 360 degrees")
+            }
+            Tint::Adjust { saturation, value, .. }
+                if ![saturation, value].iter().all(|f| (0.0..=MAX_FACTOR).contains(*f)) =>
+            {
+                Err("saturation and value are factors from 0 to 8")
+            }
+            Tint::Gradient { from_vx, to_vx, .. } if !is_near(from_vx) || !is_near(to_vx) => {
+                Err("the ends of the gradient are too far away")
+            }
+            Tint::Gradient { from_vx, to_vx, .. } if from_vx.distance(*to_vx) < 1e-3 => {
+                Err("the gradient must go from one point to another")
+            }
+            Tint::Gradient { strength: share, .. } if !is_share(share) => {
+                Err("the strength must be a share from 0 to 1")
+            }
+            Tint::Noise { size, .. } if !SIZE_RANGE.contains(size) => {
+                Err("the patches of the noise must be 1 to 1024 voxels large")
+            }
+            Tint::Noise { amount: share, .. } if !is_share(share) => {
+                Err("the amount of noise must be a share from 0 to 1")
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A tint, prepared for many voxels of a grid.
+pub struct Tinter(Prepared);
+
+enum Prepared {
+    Adjust {
+        /// As in [`Tint::Adjust`].
+        change: [f32; 3],
+        /// The colour that most voxels have, and what becomes of it.
+        base: [Rgb; 2],
+    },
+    Gradient {
+        start: Vec3,
+        /// Share of the way for a step along each axis.
+        way: Vec3,
+        table: Vec<Rgb>,
+        strength: f32,
+    },
+    Noise {
+        colour: Rgb,
+        /// Patches for a voxel along each axis.
+        scale: Vec3,
+        amount: f32,
+        seed: u32,
+    },
+}
+
+impl Tinter {
+    /// `tint`, for a sculpture of voxels of this size, most of them of the colour `base`.
+    pub fn new(tint: &Tint, voxel_size: Vec3, base: Rgb) -> Tinter {
+        let edges = voxel_size / voxel_size.min_element();
+        Tinter(match *tint {
+            Tint::Adjust { hue_deg, saturation, value } => {
+                let change = [hue_deg, saturation, value];
+                Prepared::Adjust { change, base: [base, adjusted(base, change)] }
+            }
+            Tint::Gradient { from_vx, to_vx, colours, strength } => {
+                let way = (to_vx - from_vx) * edges;
+                let way = way * edges / way.length_squared();
+                let [first, last] = colours.map(oklab_of);
+                let at = |i| oklab_to_rgb(first.lerp(last, i as f32 / (STEPS - 1) as f32));
+                let mut table: Vec<Rgb> = (0..STEPS).map(at).collect();
+                // The ends are what was asked for, to the bit.
+                (table[0], table[STEPS - 1]) = (colours[0], colours[1]);
+                Prepared::Gradient { start: from_vx, way, table, strength }
+            }
+            Tint::Noise { colour, size, amount, seed } => {
+                Prepared::Noise { colour, scale: edges / size, amount, seed }
+            }
+        })
+    }
+
+    /// Whether voxels of the base colour surely keep it.
+    pub fn keeps_base(&self) -> bool {
+        match &self.0 {
+            Prepared::Adjust { base: [base, adjusted], .. } => base == adjusted,
+            Prepared::Gradient { strength: share, .. } | Prepared::Noise { amount: share, .. } => {
+                *share == 0.0
+            }
+        }
+    }
+
+    /// The new colour of the voxel `v`.
+    pub fn colour(&self, v: UVec3, now: Rgb) -> Rgb {
+        let centre = v.as_vec3() + 0.5;
+        match &self.0 {
+            Prepared::Adjust { change, base: [base, adjusted_base] } => match now == *base {
+                true => *adjusted_base,
+                false => adjusted(now, *change),
+            },
+            Prepared::Gradient { start, way, table, strength } => {
+                let share = (centre - start).dot(*way).clamp(0.0, 1.0);
+                let colour = table[(share * (STEPS - 1) as f32).round() as usize];
+                blended(now, colour, *strength)
+            }
+            Prepared::Noise { colour, scale, amount, seed } => {
+                blended(now, *colour, amount * noise(centre * scale, *seed))
+            }
+        }
+    }
+}
+
+/// A colour with `share` of another, in the values that are stored, as brushes blend.
+fn blended(now: Rgb, other: Rgb, share: f32) -> Rgb {
+    let channel = |i: usize| {
+        let (a, b) = (f32::from(now.0[i]), f32::from(other.0[i]));
+        (a + (b - a) * share).round() as u8
+    };
+    Rgb([channel(0), channel(1), channel(2)])
+}
+
+/// A colour with another hue, saturation and value. (HSV: Smith, "Color gamut transform pairs", 1978.)
+fn adjusted(Rgb(rgb): Rgb, [hue_deg, saturation_factor, value_factor]: [f32; 3]) -> Rgb {
+    let [r, g, b] = rgb.map(|channel| f32::from(channel) / 255.0);
+    let value = r.max(g).max(b);
+    let chroma = value - r.min(g).min(b);
+    let sextant = match chroma {
+        0.0 => 0.0,
+        _ if value == r => (g - b) / chroma,
+        _ if value == g => (b - r) / chroma + 2.0,
+        _ => (r - g) / chroma + 4.0,
+    };
+    let saturation = if value > 0.0 { chroma / value } else { 0.0 };
+    let value = (value * value_factor).min(1.0);
+    let chroma = value * (saturation * saturation_factor).min(1.0);
+    let hue = sextant + hue_deg / 60.0;
+    // The channel whose hue is `place` sextants away from red.
+    let channel = |place: f32| {
+        let k = (place + hue).rem_euclid(6.0);
+        let level = value - chroma * k.min(4.0 - k).clamp(0.0, 1.0);
+        (level * 255.0).round() as u8
+    };
+    Rgb([channel(5.0), channel(3.0), channel(1.0)])
+}
+
+/// Lightness and two opponent colours, alike to the eye at equal distances. (Oklab: Ottosson, "A perceptual color space
+/// for image processing", 2020.)
+fn oklab_of(Rgb(rgb): Rgb) -> Vec3 {
+    let linear = |channel: u8| {
+        let s = f32::from(channel) / 255.0;
+        if s <= 0.04045 { s / 12.92 } else { ((s + 0.055) / 1.055).powf(2.4) }
+    };
+    let rgb = Vec3::from(rgb.map(linear));
+    let cones = [
+        Vec3::new(0.412_221_47, 0.536_332_55, 0.051_445_995),
+        Vec3::new(0.211_903_5, 0.680_699_5, 0.107_396_96),
+        Vec3::new(0.088_302_46, 0.281_718_85, 0.629_978_7),
+    ];
+    let cones = Vec3::from(cones.map(|weights| weights.dot(rgb).cbrt()));
+    Vec3::new(
+        Vec3::new(0.210_454_26, 0.793_617_8, -0.004_072_047).dot(cones),
+        Vec3::new(1.977_998_5, -2.428_592_2, 0.450_593_7).dot(cones),
+        Vec3::new(0.025_904_037, 0.782_771_77, -0.808_675_77).dot(cones),
+    )
+}
+
+/// The inverse of [`oklab_of`], cut to the colours that there are.
+fn oklab_to_rgb(lab: Vec3) -> Rgb {
+    let cones = [
+        Vec3::new(1.0, 0.396_337_78, 0.215_803_76),
+        Vec3::new(1.0, -0.105_561_346, -0.063_854_17),
+        Vec3::new(1.0, -0.089_484_18, -1.291_485_5),
+    ];
+    let cones = Vec3::from(cones.map(|weights| weights.dot(lab).powi(3)));
+    let rgb = [
+        Vec3::new(4.076_741_7, -3.307_711_6, 0.230_969_93),
+        Vec3::new(-1.268_438, 2.609_757_4, -0.341_319_4),
+        Vec3::new(-0.004_196_086, -0.703_418_6, 1.707_614_7),
+    ];
+    Rgb(rgb.map(|weights| {
+        let linear = weights.dot(cones).clamp(0.0, 1.0);
+        let s = match linear <= 0.003_130_8 {
+            true => linear * 12.92,
+            false => 1.055 * linear.powf(1.0 / 2.4) - 0.055,
+        };
+        (s * 255.0).round() as u8
+    }))
+}
+
+/// Smooth noise from 0 to 1 with patches of size 1 and smaller ones.
+fn noise(p: Vec3, seed: u32) -> f32 {
+    let (mut sum, mut weight, mut all, mut p) = (0.0, 1.0, 0.0, p);
+    for octave in 0..OCTAVES {
+        sum += weight * gradient_noise(p, seed.wrapping_add(octave));
+        all += weight;
+        (weight, p) = (weight * 0.5, p * 2.0);
+    }
+    // Gradient noise seldom goes beyond 0.7.
+    (0.5 + 0.7 * sum / all).clamp(0.0, 1.0)
+}
+
+/// Gradient noise, about -1 to 1. (Perlin, "Improving noise", 2002, with hashes for its table.)
+fn gradient_noise(p: Vec3, seed: u32) -> f32 {
+    let cell = p.floor();
+    let within = p - cell;
+    let cell = cell.as_ivec3();
+    let fade = within * within * within * (within * (within * 6.0 - 15.0) + 10.0);
+    let corner = |i: i32| {
+        let offset = IVec3::new(i & 1, i >> 1 & 1, i >> 2);
+        let [x, y, z] = (within - offset.as_vec3()).to_array();
+        let hash = hash(cell + offset, seed);
+        // Towards the middle of one of a cube's edges.
+        let (u, v) = match hash >> 30 {
+            0 => (x, y),
+            1 => (y, z),
+            _ => (z, x),
+        };
+        (if hash & 1 != 0 { u } else { -u }) + if hash & 2 != 0 { v } else { -v }
+    };
+    let lerp = |a: f32, b: f32, t: f32| a + (b - a) * t;
+    let along_x = |i: i32| lerp(corner(i), corner(i + 1), fade.x);
+    let along_y = |i: i32| lerp(along_x(i), along_x(i + 2), fade.y);
+    lerp(along_y(0), along_y(4), fade.z)
+}
+
+/// A number that looks random. (The finaliser of MurmurHash3, Appleby 2011.)
+fn hash(cell: IVec3, seed: u32) -> u32 {
+    let [x, y, z] = cell.to_array().map(|i| i as u32);
+    let mixed = x.wrapping_mul(0x8DA6_B343)
+        ^ y.wrapping_mul(0xD816_3841)
+        ^ z.wrapping_mul(0xCB1A_B31F)
+        ^ seed.wrapping_mul(0x9E37_79B9);
+    let mixed = (mixed ^ mixed >> 16).wrapping_mul(0x85EB_CA6B);
+    let mixed = (mixed ^ mixed >> 13).wrapping_mul(0xC2B2_AE35);
+    mixed ^ mixed >> 16
+}
+
+#[cfg(test)]
+#[path = "tint_tests.rs"]
+mod tests;
